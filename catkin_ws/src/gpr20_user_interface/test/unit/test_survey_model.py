@@ -49,6 +49,26 @@ def test_nothing_is_claimed_or_allowed_before_main_control_speaks(model):
     assert allowed(snapshot) == []
 
 
+def test_what_is_not_followed_is_not_called_silent(model, clock):
+    def report():
+        model.handle(AxisMeasured(AxisId.X, AxisPosition(1.0, True, True)))
+        model.handle(NodeHealth("vna_acquisition", HealthLevel.ERROR, verbatim("no answer"), {}))
+
+    report()
+    model.set_followed(False)
+    report()
+    clock.advance(60.0)
+    shown = model.snapshot()
+    assert shown.health.trouble is None and shown.health.reported == ()
+    model.set_followed(True)
+    for _again in range(2):
+        model.set_followed(True)
+        shown = model.snapshot()
+        assert (shown.axes, shown.health.trouble, shown.health.reported) == ((), None, ())
+    clock.advance(60.0)
+    assert "No report" in str(model.snapshot().health.trouble)
+
+
 def test_buttons_follow_what_main_control_says(model):
     extra = {SurveyState.PAUSED: ["resume"], SurveyState.SURVEYING: ["pause"]}
     for code in SurveyState:

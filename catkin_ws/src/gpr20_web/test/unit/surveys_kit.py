@@ -97,13 +97,13 @@ class Surveys:
     def _audit(self, call, what, outcome="", survey="", **values):
         self.audited.append((call.who.name, what, values))
 
-    def ask(self, method, path, name="berta", **values):
+    def ask(self, method, path, name="berta", role=Role.VIEW, **values):
         """Return what the page answers a person."""
         for route in self.page.routes:
             parts = route.match(path) if route.method == method else None
             if parts is not None:
                 assert route.blocking and route.right is Role.VIEW
-                return route.answer(Call(Person(name, Role.VIEW, "s", "::1"), "::1", values, parts))
+                return route.answer(Call(Person(name, role, "s", "::1"), "::1", values, parts))
         raise LookupError(path)
 
     def get(self, folder, rest="", **values):

@@ -15,11 +15,12 @@ from hypothesis import strategies as st
 from gpr20_common.errors import Gpr20Error
 from gpr20_common.message import Fault, Message, Severity
 from gpr20_operator.ground.trace_events import SurveyDescribed
-from gpr20_operator.robot.events import Answer, ControlState, Request
+from gpr20_operator.robot.events import Answer, AxisStopAnswer, ControlState, Request
 from gpr20_operator.robot.remote_control import RemoteAllowance, RemoteArmed, RemotePlan
 from gpr20_operator.robot.replay import ReplayMark, ReplayView
 from gpr20_operator.robot.snapshot import Snapshot
 from gpr20_operator.robot.survey_model import SurveyModel
+from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.plan.annotation import EMPTY
 from gpr20_survey.plan.survey_parameters import SurveyParameters
 from gpr20_survey.plan.survey_state import SurveyState
@@ -27,7 +28,7 @@ from gpr20_web.calls import Call, Person
 from gpr20_web.errors import BadRequestError, NotAllowedError, NotNowError
 from gpr20_web.mid.commands import Commands, Robot
 from gpr20_web.mid.controller import Controller, ControlPage
-from gpr20_web.mid.presses import Outcome
+from gpr20_web.mid.presses import STOP_ANSWERS_S, Outcome
 from gpr20_web.mid.remote_plan import plan_id
 from gpr20_web.roles import Role
 
@@ -234,6 +235,29 @@ def test_press_without_a_proper_mark_is_refused(press: Any) -> None:
     with pytest.raises(BadRequestError):
         desk.commands.routes[1].answer(Call(ANA, "", {"press": press}))
     assert desk.control.asked == []
+
+
+@pytest.mark.parametrize("values", [{}, {"press": "x"}, {"press": None}, {"press": ["0" * 32]}])
+def test_stop_without_a_proper_mark_is_passed_on_and_noted(values: Any) -> None:
+    desk = armed()
+    assert desk.commands.routes[0].answer(Call(ANA, "", values)) == {}
+    assert desk.control.asked == ["stop"]
+    assert (desk.audited[-1]["who"], desk.audited[-1]["what"]) == ("ana", "stop")
+
+
+def test_what_each_axis_answers_is_noted_also_after_the_main_control() -> None:
+    desk = armed()
+    desk.ask("stop")
+    desk.commands.on_event(AxisStopAnswer(AxisId.X, True))
+    desk.commands.on_event(Answer(Request.STOP, True, Message("stopping")))
+    desk.commands.on_event(AxisStopAnswer(AxisId.Y, False))
+    desk.commands.on_event(AxisStopAnswer(AxisId.Z, True))
+    said = [one["outcome"] for one in desk.audited]
+    assert said[-3:] == ["done: stopping", "y axis did not answer", "z axis answered"]
+    assert "x axis answered" in said
+    desk.time.time_s += STOP_ANSWERS_S + 1.0
+    desk.commands.on_event(AxisStopAnswer(AxisId.X, True))
+    assert len(desk.audited) == len(said)
 
 
 def test_answer_becomes_the_outcome() -> None:

@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from map_kit import MARKER, focused
 from view_kit import depth_echo, description, past_survey, trace_at
-from web_ground_kit import FOLDER, PAST, PERIOD_S, SURVEY, Server
+from web_ground_kit import BEN, FOLDER, PAST, PERIOD_S, SURVEY, Server
 
 from gpr20_common.errors import Gpr20Error
 from gpr20_common.message import verbatim
@@ -25,6 +25,7 @@ from gpr20_operator.robot.replay import ReplayMark, ReplayView
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_web.errors import BadRequestError, BusyError, NotFoundError, NotNowError
 from gpr20_web.mid.ground_page import FORGOTTEN_S, MOST_PAST, ROOM_S
+from gpr20_web.mid.shown_ground import AGAIN_REFRESHES
 from gpr20_web.roles import Role
 
 TARGETED = Place(150.0, 90.0)
@@ -206,8 +207,11 @@ def test_a_survey_that_is_not_here_is_loading_and_then_says_why(server):
     assert len(server.storage.of("survey")) == 1
     server.page.on_event(ReadingFailed(verbatim("the disk is gone")))
     assert server.ask(survey=FOLDER)["title"] == "the disk is gone"
-    server.tick()
+    for _second in range(AGAIN_REFRESHES + 1):
+        server.page.on_event(ReadingFailed(verbatim("the disk is gone")))
+        server.tick()
     assert len(server.storage.of("survey")) == 2
+    assert server.problems == []
 
 
 def test_traces_of_the_running_survey_do_not_reach_a_past_one(server):
@@ -273,12 +277,21 @@ def test_few_past_surveys_are_kept_and_they_are_forgotten(server):
         server.ask(survey=folder)
         server.tick(1.0)
     with pytest.raises(BusyError):
-        server.ask(survey=folders[-1])
+        server.ask(survey=folders[-1], person=BEN)
     server.tick(ROOM_S)
-    server.ask(survey=folders[-1])
+    server.ask(survey=folders[-1], person=BEN)
     assert set(server.page._past) == set(folders[1:])
     server.tick(FORGOTTEN_S + 1.0)
     assert not server.page._past
+
+
+def test_who_looks_at_several_past_surveys_in_a_row_takes_no_room_of_others(server):
+    folders = [f"20261121T06100{number}_7c9e6679" for number in range(2 * MOST_PAST)]
+    server.ask(survey=FOLDER, person=BEN)
+    for folder in folders:
+        server.tick(0.1)
+        server.ask(survey=folder)
+    assert set(server.page._past) == {FOLDER, *folders[1 - MOST_PAST :]}
 
 
 def test_markers_are_read_again_when_a_browser_asks(server):

@@ -1,5 +1,6 @@
 """SURVEYS: what is stored is listed, searched, added to and downloaded, as in the window."""
 
+import contextlib
 import dataclasses
 import json
 import os
@@ -22,9 +23,16 @@ from gpr20_survey.folder import found_records
 from gpr20_survey.no_clearance import NO_CLEARANCE
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_survey.results.found import What
-from gpr20_web.errors import BadRequestError, BusyError, NotFoundError, NotNowError
+from gpr20_web.errors import (
+    BadRequestError,
+    BusyError,
+    NotAllowedError,
+    NotFoundError,
+    NotNowError,
+)
 from gpr20_web.mid.survey_files import FILES
 from gpr20_web.mid.surveys_page import _just_after
+from gpr20_web.roles import Role
 
 RUNS = snapshot(state=state_of(SurveyState.SURVEYING, survey_id=OTHER_SURVEY))
 ENDED = snapshot(state=state_of(SurveyState.FINISHED, survey_id=OTHER_SURVEY))
@@ -111,12 +119,21 @@ def test_notes_are_added_with_author_and_time_and_nothing_is_replaced(surveys):
     assert notes["Notes"].split("\n") == [
         "wet ground",
         "2026-09-22 14:13 UTC, berta: roots",
-        "at the edge",
+        "    at the edge",
         "2026-09-22 14:13 UTC, carl: measured again",
     ]
     assert notes["Site"] == "El Carmen" and notes["Name of the survey"] == "Lane-9"
     first = ("berta", "note", {"folder": surveys.whole, "text": "roots\nat the edge"})
     assert surveys.audited[0] == first and len(surveys.audited) == 2
+
+
+@pytest.mark.parametrize("end", ["\n", "\r\n", "\u2028", "\x85"])
+def test_no_note_looks_like_that_of_somebody_else(surveys, end):
+    forged = f"seen{end}2026-09-22 14:13 UTC, ana: cleared"
+    with contextlib.suppress(Gpr20Error):
+        surveys.post(surveys.whole, "notes", text=forged)
+    lines = dict(surveys.get(surveys.whole)["notes"])["Notes"].splitlines()
+    assert not [one for one in lines if one.startswith("2026") and "ana" in one]
 
 
 def test_a_note_that_is_none_is_refused(surveys):
@@ -135,11 +152,29 @@ def test_a_note_that_is_none_is_refused(surveys):
     assert dict(surveys.get(surveys.whole)["notes"])["Notes"] == "wet ground"
 
 
-def test_a_marker_is_added_by_its_author_and_removed_by_another(surveys):
+def test_who_may_only_watch_removes_no_marker_of_others(surveys):
+    surveys.post(surveys.whole, "markers", x_mm=12, y_mm=14.5, text="mine seen")
+    surveys.post(surveys.whole, "markers", name="carl", x_mm=1, y_mm=1, text="root")
+    mine, root = surveys.get(surveys.whole)["markers"]
+    with pytest.raises(NotAllowedError):
+        surveys.post(surveys.whole, "markers", name="carl", remove=mine["marker_id"])
+    surveys.post(surveys.whole, "markers", name="carl", remove=root["marker_id"])
+    assert surveys.get(surveys.whole)["markers"] == [mine]
+
+
+@pytest.mark.parametrize("unknown", ["\ud800", "../etc", "0" * 36])
+def test_a_marker_that_is_not_there_is_not_removed(surveys, unknown):
+    with pytest.raises(NotFoundError):
+        surveys.post(surveys.whole, "markers", remove=unknown)
+
+
+def test_a_marker_is_added_by_its_author_and_removed_by_an_operator(surveys):
     surveys.post(surveys.whole, "markers", x_mm=12, y_mm=14.5, depth_mm=None, text="root")
     (marker,) = surveys.get(surveys.whole)["markers"]
     assert (marker["x_mm"], marker["depth_mm"], marker["author"]) == (12.0, None, "berta")
-    surveys.post(surveys.whole, "markers", name="carl", remove=marker["marker_id"])
+    surveys.post(
+        surveys.whole, "markers", name="carl", role=Role.OPERATE, remove=marker["marker_id"]
+    )
     assert surveys.get(surveys.whole)["markers"] == []
     stored = json.loads((surveys.data / surveys.whole / "survey.json").read_text())
     assert stored["markers"][0]["removed_by"] == "carl"

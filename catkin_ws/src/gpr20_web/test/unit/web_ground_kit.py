@@ -26,6 +26,7 @@ from gpr20_web.roles import Role
 
 PLANNED = 40
 ANA = Person("Ana", Role.VIEW, "secret", "10.0.0.7")
+BEN = Person("Ben", Role.VIEW, "other", "10.0.0.8")
 
 
 class Server:
@@ -54,9 +55,9 @@ class Server:
                 return route, parts
         raise AssertionError(path)
 
-    def ask(self, path="/api/ground", method="GET", **values):
+    def ask(self, path="/api/ground", method="GET", person=ANA, **values):
         route, parts = self.route(path, method)
-        answer = route.answer(Call(ANA, ANA.address, values, parts))
+        answer = route.answer(Call(person, person.address, values, parts))
         if not isinstance(answer, Body):
             # As it is sent: nothing in it is infinite or unknown to JSON.
             assert json.loads(json_text(answer)) == answer

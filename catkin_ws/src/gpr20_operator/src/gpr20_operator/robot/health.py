@@ -39,6 +39,13 @@ class HealthReport:
     nodes: Tuple[NodeHealth, ...] = ()
     settled: bool = True
 
+    @property
+    def reported(self) -> Tuple[NodeHealth, ...]:
+        """The nodes without those that have not had the time to report."""
+        if self.settled:
+            return self.nodes
+        return tuple(one for one in self.nodes if one.level is not HealthLevel.STALE)
+
     def node(self, name: str) -> Optional[NodeHealth]:
         """Return the health of a node; None if it is not listed."""
         return next((node for node in self.nodes if node.name == name), None)

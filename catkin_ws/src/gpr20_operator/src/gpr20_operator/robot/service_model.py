@@ -263,6 +263,7 @@ class ServiceModel:
         self._watch(watched)
         self._endstops.clear()
         if watched:
+            self._begun_s = self._now_s()
             self._examine(thorough=False)
             return
         self.leave()

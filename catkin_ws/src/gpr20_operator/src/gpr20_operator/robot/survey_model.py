@@ -23,7 +23,7 @@ from gpr20_operator.robot.events import (
     ServiceActivity,
     TargetPosition,
 )
-from gpr20_operator.robot.health import HealthTracker
+from gpr20_operator.robot.health import HealthReport, HealthTracker
 from gpr20_operator.robot.senders import SenderIgnored
 from gpr20_operator.robot.snapshot import CONTROL_SILENCE_S, STALE_S, Snapshot
 from gpr20_survey.axes.axis_id import AxisId
@@ -32,6 +32,7 @@ from gpr20_survey.plan.survey_state import ENDED, RUNNING, SurveyState
 
 BEGINNING = (SurveyState.CHECKING, SurveyState.HOMING)
 NOT_BEGUN = (SurveyState.FAILED, SurveyState.PAUSED)
+NOT_FOLLOWED = HealthReport(settled=False)
 
 
 @dataclass(frozen=True)
@@ -102,7 +103,7 @@ class SurveyModel:
         self._parameters: Optional[SurveyParameters] = None
         self._service: Optional[Message] = None
         self._axes: Dict[AxisId, AxisReport] = {}
-        self._health = HealthTracker(clock)
+        self._health: Optional[HealthTracker] = HealthTracker(clock)
         self._started_id = ""
         self._started_s = -math.inf
         self._interrupted = False
@@ -112,6 +113,12 @@ class SurveyModel:
         """Note that a request was sent to the main control and is not answered yet."""
         self._pending.add(request)
         self._outcome.asked(request)
+
+    def set_followed(self, followed: bool) -> None:
+        """Note whether axes and health are followed from now on: what was known of them is old."""
+        if followed != (self._health is not None):
+            self._health = HealthTracker(self._clock) if followed else None
+            self._axes.clear()
 
     @singledispatchmethod
     def handle(self, _event: object) -> Optional[Refusal]:
@@ -181,7 +188,8 @@ class SurveyModel:
 
     @handle.register
     def _(self, event: NodeHealth) -> None:
-        self._health.note(event)
+        if self._health is not None:
+            self._health.note(event)
 
     def snapshot(self) -> Snapshot:
         """Return what is known now."""
@@ -201,7 +209,7 @@ class SurveyModel:
             job_parameters=self._parameters_in(RUNNING | ENDED),
             figures=self._limits.figures,
             defaults=self._limits.defaults,
-            health=self._health.report(),
+            health=NOT_FOLLOWED if self._health is None else self._health.report(),
             master_alive=self._limits.master_alive,
             interrupted=self._interrupted,
             state_s=now_s - self._changed_s,

@@ -209,9 +209,10 @@ class WebNode:
         if now_s - self._checked_s >= (MASTER_CHECK_S if watchers else SELDOM_S):
             self._checked_s = now_s
             self._control.check_master()
-        self._shell.refresh(self._model.snapshot())
+        self._model.set_followed(watchers > 0)
         for client in (self._control, self._storage):
             client.set_watched(watchers > 0)
+        self._shell.refresh(self._model.snapshot())
         status = WebStatusReported(
             self._parameters.reached_at(socket.gethostname()),
             *(self._parameters.port, self._certificate.fingerprint),

@@ -159,7 +159,7 @@ class AuditPage(WebPage):
         "search": Message("Search"),
         "older": Message("Older"),
         "none": Message("No entries."),
-        "time": Message("Time"),
+        "time": Message("When"),
         "who": Message("Who"),
         "what": Message("What"),
     }

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import uuid
 from dataclasses import dataclass, field
 from typing import Any, Callable, Dict, Mapping, Optional, Protocol
 
@@ -18,7 +19,7 @@ from gpr20_operator.robot.survey_control import SurveyControl
 from gpr20_operator.robot.survey_model import Refusal
 from gpr20_web import faults
 from gpr20_web.calls import Audited, Call, Route
-from gpr20_web.errors import NotAllowedError, NotNowError
+from gpr20_web.errors import BadRequestError, NotAllowedError, NotNowError
 from gpr20_web.mid.controller import Controller
 from gpr20_web.mid.now_page import notice_values, sentence
 from gpr20_web.mid.presses import Presses, press_of
@@ -118,7 +119,7 @@ class Commands(WebPage):
             self._note_start()
         elif isinstance(event, AxisStopAnswer):
             answer = "answered" if event.answered else "did not answer"
-            for one in self._presses.waiting(Request.STOP):
+            for one in self._presses.stops(self._robot.clock.now_s()):
                 self._audit(one.call, "stop", f"{event.axis.value} axis {answer}", self._survey)
 
     def _note_start(self) -> None:
@@ -173,7 +174,11 @@ class Commands(WebPage):
         self._robot.control.stop()
         if self._snapshot is not None:
             self._stop.press(self._snapshot)
-        self._note(call, Request.STOP, press_of(call))
+        try:
+            press = press_of(call)
+        except BadRequestError:
+            press = uuid.uuid4().hex  # whoever sent it so: it is carried out, and noted
+        self._note(call, Request.STOP, press)
         return {}
 
     def _pause(self, call: Call) -> Mapping[str, Any]:

@@ -67,10 +67,10 @@ class Values:
             try:
                 number = float(found)
             except ValueError as error:
-                raise _wrong(name) from error
+                raise _wrong(name, found, f"{low:g} .. {high:g}") from error
         # Written so that NaN is refused too.
         if not low <= number <= high:
-            raise _wrong(name)
+            raise _wrong(name, found, f"{low:g} .. {high:g}")
         return number
 
     def one(self, name: str, choices: Mapping[str, Chosen], preset: Chosen) -> Chosen:
@@ -79,7 +79,7 @@ class Values:
         if found == "":
             return preset
         if not isinstance(found, str) or found not in choices:
-            raise _wrong(name)
+            raise _wrong(name, found, ", ".join(choices))
         return choices[found]
 
     @property
@@ -87,7 +87,7 @@ class Values:
         """The folder of a survey; empty: the running one."""
         found = self._values.get("survey", "")
         if not isinstance(found, str) or (found and not FOLDER_NAME.fullmatch(found)):
-            raise _wrong("survey")
+            raise _wrong("survey", found, "YYYYMMDDTHHMMSS_xxxxxxxx")
         return found
 
     @property
@@ -120,5 +120,12 @@ class Values:
         )
 
 
-def _wrong(name: str) -> BadRequestError:
-    return BadRequestError(Message("the value {name} is not one of this page", name=name))
+def _wrong(name: str, value: object, allowed: str) -> BadRequestError:
+    return BadRequestError(
+        Message(
+            "{name} cannot be {value}; allowed: {allowed}",
+            name=name,
+            value=repr(value)[:40],
+            allowed=allowed,
+        )
+    )

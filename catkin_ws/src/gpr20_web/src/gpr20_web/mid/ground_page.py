@@ -114,7 +114,7 @@ class GroundPage(WebPage):
     def _ground(self, call: Call) -> Mapping[str, Any]:
         """Return a survey; if its revision is known already, only what changes all the time."""
         values = Values(call.values)
-        ground, choice = self._shown(values), values.choice
+        ground, choice = self._shown(values, call.who.mark), values.choice
         ground.is_outdated |= values.one("again", FLAGS, False)
         found = {
             **self._about(ground, call.text),
@@ -126,7 +126,7 @@ class GroundPage(WebPage):
 
     def _png(self, call: Call) -> Body:
         values = Values(call.values)
-        return Body(self._shown(values).png(call.parts["kind"], values.choice), PNG)
+        return Body(self._shown(values, call.who.mark).png(call.parts["kind"], values.choice), PNG)
 
     def _sign(self, call: Call) -> Body:
         """Return the pattern of a cell, for a legend."""
@@ -151,7 +151,7 @@ class GroundPage(WebPage):
     def _ask(self, name: str, call: Call, **fields: str) -> Mapping[str, Any]:
         """Ask the imaging node, if that is possible now."""
         values, job = Values(call.values), self._jobs[name]
-        ground, permittivity = self._shown(values), values.permittivity
+        ground, permittivity = self._shown(values, call.who.mark), values.permittivity
         if self._is_replay:
             raise NotNowError(Message("This is not possible during a replay."))
         if ground.shown.loading.stored < FEWEST_TRACES:
@@ -206,33 +206,41 @@ class GroundPage(WebPage):
             return Message("The survey that runs")
         return Message("The last survey; it does not run now")
 
-    def _shown(self, values: Values) -> ShownGround:
-        """Return the survey that a browser asks for; a past one is read first."""
+    def _shown(self, values: Values, person: str) -> ShownGround:
+        """Return the survey that a person's browser asks for; a past one is read first."""
         folder, live, now_s = values.survey, self._live, self._now_s()
         live.used_s = now_s
         if not folder:
             return live
         if folder not in self._past:
-            self._make_room()
+            self._make_room(person)
             self._past[folder] = ShownGround(self._source, self._pictures, self._report, folder)
         ground = self._past[folder]
-        ground.used_s = now_s
+        ground.used_s, ground.used_by = now_s, person
         # Of the running survey the live one knows more.
         return live if ground.survey_id and ground.survey_id == live.survey_id else ground
 
-    def _make_room(self) -> None:
-        """Forget the past survey that was looked at longest ago, if there are many."""
+    def _make_room(self, person: str) -> None:
+        """Forget the past survey that was looked at longest ago, if there are many.
+
+        A person who looks at several in a row takes no room of others.
+        """
         if len(self._past) < MOST_PAST:
             return
-        oldest = min(self._past.values(), key=lambda one: one.used_s)
-        if self._now_s() - oldest.used_s < ROOM_S:
+        now_s = self._now_s()
+        free = [
+            one
+            for one in self._past.values()
+            if one.used_by == person or now_s - one.used_s >= ROOM_S
+        ]
+        if not free:
             raise BusyError(
                 Message(
                     "{count} past surveys are looked at now; wait until one is closed",
                     count=MOST_PAST,
                 )
             )
-        del self._past[oldest.opened]
+        del self._past[min(free, key=lambda one: one.used_s).opened]
 
 
 class MapPage(WebPage):

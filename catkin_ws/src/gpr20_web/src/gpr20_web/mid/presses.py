@@ -19,6 +19,8 @@ _PRESS_ID = re.compile("[0-9a-f]{32}")
 KNOWN_PRESSES = 500
 # An answer that has not come by then [s] is called unknown; homing may take longer than the rest.
 ANSWER_S = {Request.STOP: 5.0, Request.PAUSE: 12.0, Request.START: 1200.0, Request.RESUME: 1200.0}
+# An axis answers a STOP within so long [s], or is said not to have answered.
+STOP_ANSWERS_S = 10.0
 
 
 class Outcome(enum.Enum):
@@ -73,6 +75,11 @@ class Presses:
         """Return those that are not answered yet."""
         known = self._known.values()
         return [one for one in known if one.request is request and not one.answered]
+
+    def stops(self, now_s: float) -> List[Command]:
+        """Return every STOP to which an axis may answer now, also after the main control."""
+        known = (one for one in self._known.values() if one.request is Request.STOP)
+        return [one for one in known if now_s - one.sent_s <= STOP_ANSWERS_S]
 
     def end(self, answer: Answer) -> List[Command]:
         """Take an answer; return the commands that it ends."""

@@ -88,7 +88,7 @@ class ServicePage(WebPage):
     def _list(self, call: Call) -> Mapping[str, Any]:
         self._interest.ask()
         found, shown = self._model.findings(), self._snapshot
-        nodes = () if shown is None or shown.replay is not None else shown.health.nodes
+        nodes = () if shown is None or shown.replay is not None else shown.health.reported
         return {
             "summary": call.text(summary(found)) if found else "",
             "findings": [_finding(one, call) for one in found],

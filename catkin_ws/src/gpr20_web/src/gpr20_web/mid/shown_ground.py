@@ -31,6 +31,8 @@ from gpr20_web.mid.png import png
 
 # What was worked out last; more choices than this at once are worked out again.
 MOST_KEPT = 24
+# A survey that cannot be read is asked for again after so many refreshes.
+AGAIN_REFRESHES = 10
 # Pixels of a cell with a pattern, by how many cells there are at most.
 CELL_PX = ((4_096, 8), (65_536, 4))
 # What is of a past survey; other events are of the running one.
@@ -57,6 +59,7 @@ class ShownGround:
 
     Attributes:
         used_s: When a browser asked for it last.
+        used_by: Whose browser that was.
         problem: Why it cannot be shown, or not all of it; None: nothing went wrong.
         is_outdated: Whether its markers and related surveys are to be read again.
     """
@@ -72,7 +75,7 @@ class ShownGround:
         self.traces = TracePresenter(source, self._note)
         self.additions = AdditionsPresenter(source, lambda: "", pictures)
         self.model = GroundModel(self.traces.shown, self.additions)
-        self.used_s, self.is_outdated = -math.inf, False
+        self.used_s, self.used_by, self.is_outdated = -math.inf, "", False
         self.problem: Optional[Message] = None
         self._can_read = bool(opened)
         self._kept: OrderedDict[Tuple[object, ...], Any] = OrderedDict()
@@ -115,7 +118,8 @@ class ShownGround:
     def refresh(self, can_read: bool) -> None:
         """Take what has come, and ask for what is missing; that of a replay cannot be read."""
         self._can_read = can_read
-        if not self._is_asked:
+        self._refreshes += 1
+        if not self._is_asked and self._refreshes >= AGAIN_REFRESHES:
             self._open()
         self.traces.refresh()
         self._follow()
@@ -128,7 +132,7 @@ class ShownGround:
             self._source.list_surveys("")
 
     def _open(self) -> None:
-        self._is_asked = True
+        self._is_asked, self._refreshes = True, 0
         if self.opened:
             self._source.list_surveys("")
             self.traces.open_survey(self.opened)
@@ -207,8 +211,9 @@ class ShownGround:
         return self._kept[whole]
 
     def _note(self, problem: Message) -> None:
+        if problem != self.problem:
+            self._report(problem)
         self.problem = problem
-        self._report(problem)
 
 
 def pattern_png(cells: np.ndarray, theme: Theme, size_px: int = 0) -> bytes:

@@ -17,20 +17,27 @@ from gpr20_operator.ground.past_surveys import NO_LIST, Listed, PastSurveys
 from gpr20_operator.jobs import result_texts as texts
 from gpr20_operator.jobs.job import Service
 from gpr20_operator.jobs.pictures import NOT_KNOWN
-from gpr20_operator.jobs.result import SURVEY_RUNS, list_sum
+from gpr20_operator.jobs.result import list_sum
 from gpr20_operator.jobs.stick import ExportPart
 from gpr20_operator.robot.snapshot import Snapshot
 from gpr20_survey.folder.survey_folder import FOLDER_NAME
 from gpr20_survey.folder.survey_metadata import MAX_FILE_BYTES, parse_object
 from gpr20_survey.plan.annotation import annotation_of
-from gpr20_survey.plan.markers import Marker
+from gpr20_survey.plan.markers import Marker, present_markers
 from gpr20_survey.results.found import What
 from gpr20_survey.results.survey_summary import SurveySummary
 from gpr20_survey.trace import utc_time
 from gpr20_web.calls import Body, Call, Route
-from gpr20_web.errors import BadRequestError, BusyError, NotFoundError, NotNowError
+from gpr20_web.errors import (
+    BadRequestError,
+    BusyError,
+    NotAllowedError,
+    NotFoundError,
+    NotNowError,
+)
 from gpr20_web.mid import survey_files, survey_values
 from gpr20_web.mid.candidate_search import CandidateSearches, SurveyServices
+from gpr20_web.mid.ground_page import SURVEY_RUNS
 from gpr20_web.mid.now_page import sentence
 from gpr20_web.mid.web_page import WebPage
 from gpr20_web.roles import Role
@@ -148,7 +155,7 @@ class SurveysPage(WebPage):
         past, survey = self._survey(call)
         if past.can_analyze(survey):
             return survey
-        raise NotNowError(SURVEY_RUNS if self._running else past.ending(survey))
+        raise NotNowError(SURVEY_RUNS if self._running else survey.problem or past.ending(survey))
 
     def _list(self, call: Call) -> Mapping[str, Any]:
         before, text = _text(call, "before"), _text(call, "text")
@@ -192,7 +199,8 @@ class SurveysPage(WebPage):
         if not text:
             raise BadRequestError(Message("the note is empty"))
         when = utc_time.iso_text(self._time_us())[:16].replace("T", " ")
-        line = f"{when} UTC, {call.who.name}: {text}"
+        # The other lines of a note are indented: none can look like the note of somebody else.
+        line = f"{when} UTC, {call.who.name}: " + "\n    ".join(text.splitlines())
         with self._noting:
             stored = self._services.ask(Service.READ, survey=folder)
             before = annotation_of(parse_object(stored.text, "survey.json", MAX_FILE_BYTES))
@@ -206,12 +214,28 @@ class SurveysPage(WebPage):
         text, removed = _text(call, "text"), _text(call, "remove")
         place: Dict[str, Any] = {one: call.values.get(one) for one in ("x_mm", "y_mm", "depth_mm")}
         if removed:
+            self._check_own_marker(call, removed)
             fields: Dict[str, Any] = {"marker_id": removed, "remove": True, "author": who}
         else:
             fields = {"marker": Marker(str(uuid.uuid4()), **place, text=text, author=who)}
         self._services.ask(Service.MARK, survey=folder, **fields)
         self._audit(call, "marker", folder=folder, text=text, removed=removed, **place)
         return {}
+
+    def _check_own_marker(self, call: Call, marker_id: str) -> None:
+        stored = self._services.ask(Service.READ, survey=self._folder(call).name)
+        markers = present_markers(parse_object(stored.text, "survey.json", MAX_FILE_BYTES))
+        authors = [one.author for one in markers if one.marker_id == marker_id]
+        if not authors:
+            raise NotFoundError(Message("there is no such marker; it may have been removed"))
+        if call.who.role < Role.OPERATE and authors != [call.who.name]:
+            raise NotAllowedError(
+                Message(
+                    "the marker is by {author}; to remove it needs the right {right}",
+                    author=authors[0] or "?",
+                    right=Role.OPERATE.word,
+                )
+            )
 
     def _add_found(self, call: Call) -> Mapping[str, Any]:
         folder, depth_mm = self._folder(call).name, call.values.get("depth_mm")
@@ -281,7 +305,10 @@ def _one_of(kind: Any, value: object) -> Any:
     for one in kind:
         if one.value == value:
             return one
-    raise BadRequestError(Message("{value} is not allowed", value=repr(value)[:40]))
+    known = ", ".join(str(one.value) for one in kind)
+    raise BadRequestError(
+        Message("{value} is not allowed; allowed: {known}", value=repr(value)[:40], known=known)
+    )
 
 
 def _text(call: Call, name: str) -> str:
