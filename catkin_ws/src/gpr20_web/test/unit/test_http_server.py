@@ -158,6 +158,21 @@ def test_language_of_the_page_counts_then_that_of_the_browser(site: Site) -> Non
     assert spanish != site.ask("GET", "/api/refuse?language=xx").values["remedy"]
 
 
+def test_an_unknown_path_is_said_in_the_language_of_the_page(site: Site) -> None:
+    for path in ("/api/nothing", "/nothing.js"):
+        reply = site.ask("GET", f"{path}?language=es")
+        assert (reply.status, reply.values["error"]) == (404, f"no hay ninguna página {path}")
+
+
+@pytest.mark.parametrize("query", ["language=%ff", "&".join(f"a{n}=1" for n in range(33))])
+@pytest.mark.parametrize("path", ["/api/nobody", "/api/nothing", "/"])
+def test_a_query_that_is_none_is_refused_with_what_is_allowed(
+    site: Site, path: str, query: str
+) -> None:
+    reply = site.ask("GET", f"{path}?{query}")
+    assert (reply.status, "more than 32 fields" in reply.values["error"]) == (400, True)
+
+
 @pytest.mark.parametrize(
     "body", [b"[]", b"nonsense", b'"text"', b'{"a": NaN}', b"[" * 60_000, b"\xff\xfe"]
 )

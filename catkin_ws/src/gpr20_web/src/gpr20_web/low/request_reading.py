@@ -42,7 +42,8 @@ def query_of(text: str) -> Dict[str, str]:
     try:
         fields = parse_qsl(text, keep_blank_values=True, errors="strict", max_num_fields=MAX_FIELDS)
     except ValueError as error:
-        raise BadRequestError(NO_TEXT) from error
+        text = Message("the address is no text, or has more than {most} fields", most=MAX_FIELDS)
+        raise BadRequestError(text) from error
     return dict(fields)
 
 

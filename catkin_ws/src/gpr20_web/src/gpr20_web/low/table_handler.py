@@ -11,6 +11,7 @@ from tornado import web
 from tornado.http1connection import HTTP1Connection
 from tornado.iostream import StreamClosedError
 
+from gpr20_common.catalogue import Language
 from gpr20_common.errors import Gpr20Error
 from gpr20_common.low.catalogue_file import read_catalogue
 from gpr20_common.message import Message
@@ -103,12 +104,15 @@ class TableHandler(web.RequestHandler):
 
     async def _serve(self) -> None:
         try:
+            query = query_of(self.request.query)
+            # First of all: whatever is refused is refused in it.
+            language = self._choose_language(query.pop("language", ""))
             path = path_of(self.request.path)
             if not path.startswith("/api/"):
                 self._send_file(path)
                 return
             route, parts = self._route(path)
-            call = self._call(route, parts)
+            call = self._call(route, parts, query, language)
             await self._write(await self._answer(route, call), call)
         except Gpr20Error as error:
             self._refuse(error)
@@ -141,16 +145,19 @@ class TableHandler(web.RequestHandler):
                 return route, parts
         raise _not_found(path)
 
-    def _call(self, route: Route, parts: Mapping[str, str]) -> Call:
+    def _choose_language(self, code: str) -> Language:
+        language = language_of(code, self.request.headers.get("Accept-Language", ""))
+        self._text = read_catalogue(language).text
+        return language
+
+    def _call(
+        self, route: Route, parts: Mapping[str, str], query: Mapping[str, str], language: Language
+    ) -> Call:
         """Check a request and return it.
 
         Raises:
             WebError: It is not from this page, nobody is logged in, or has not the right.
         """
-        query = query_of(self.request.query)
-        accepted = self.request.headers.get("Accept-Language", "")
-        language = language_of(query.pop("language", ""), accepted)
-        self._text = read_catalogue(language).text
         self._check_origin(route.method)
         address = str(self.request.remote_ip)
         person = None
@@ -193,7 +200,9 @@ class TableHandler(web.RequestHandler):
         if not route.blocking:
             return route.answer(call)
         if site.waiting >= MAX_WAITING:
-            raise BusyError(Message("the page has too much to do"))
+            raise BusyError(
+                Message("the page has too much to do: {count} requests wait", count=site.waiting)
+            )
         site.waiting += 1
         try:
             return await asyncio.get_event_loop().run_in_executor(site.threads, route.answer, call)
