@@ -7,7 +7,10 @@ from gpr20_common.message import Fault, Message, Severity
 
 NOT_LOGGED_IN = Fault("web.not_logged_in", Message("Log in."))
 WRONG_LOGIN = Fault("web.wrong_login", Message("Check name and password, then log in again."))
-TOO_MANY_LOGINS = Fault("web.too_many_logins", remedies.TRY_LATER)
+TOO_MANY_LOGINS = Fault(
+    "web.too_many_logins",
+    Message("Wait as long as it says, then log in with the right password."),
+)
 NOT_ALLOWED = Fault(
     "web.not_allowed", Message("Ask a person whose account may do it, or the administrator.")
 )
@@ -33,6 +36,7 @@ PORT_TAKEN = Fault(
     Message("End the other program, or set another port in web.yaml."),
 )
 BUSY = Fault("web.busy", remedies.TRY_LATER)
+TOO_MANY_PAGES = Fault("web.too_many_pages", Message("Close a page, then load this one again."))
 NOT_SENT = Fault(
     "web.not_sent",
     Message("Check disk and network of the computer with the page, then its log."),

@@ -75,6 +75,7 @@ def test_an_attempt_during_the_delay_says_the_seconds_and_checks_nothing() -> No
     ):
         pytest.fail("it was checked")
     assert refused.value.status == 429
+    assert "Wait as long as it says" in str(refused.value.message.remedy)
     assert tries.try_it(True) is None
     assert tries.checked == 3
     # It was no failure either: the delay has not grown.
@@ -110,6 +111,24 @@ def test_success_clears_the_name_but_not_the_address() -> None:
         assert tries.try_it(True, "ana", f"elsewhere {number}") is True
     assert tries.try_it(True, "ana", "elsewhere") is True
     assert tries.try_it(True, "eva", "here") is None
+
+
+def test_who_guesses_elsewhere_keeps_nobody_out_who_has_logged_in_before() -> None:
+    tries = Tries()
+    assert tries.try_it(True) is True
+    for number in range(12):
+        tries.wait_s(NAME, f"guesser {number}")
+    assert tries.try_it(True, NAME, "new") is None
+    assert tries.try_it(True) is True
+    # That was no help for those who guess.
+    assert tries.try_it(False, NAME, "another guesser") is None
+
+
+def test_an_address_that_has_logged_in_before_may_guess_no_faster() -> None:
+    tries = Tries()
+    assert tries.try_it(True) is True
+    assert [tries.wait_s() for _number in range(6)] == [0, 0, 0, 1, 2, 4]
+    assert tries.try_it(True, NAME, "new") is True
 
 
 def test_success_adds_nothing_to_the_address() -> None:
@@ -166,6 +185,9 @@ def test_memory_is_bounded_and_the_one_that_failed_last_is_kept(
     assert tries.try_it(True, "user99", "elsewhere") is None
     assert tries.try_it(True, "elsewho", "address99") is None
     assert tries.try_it(True, "x" * 60_000, "y") is True
+    for number in range(100):
+        assert tries.try_it(True, "eva", f"home {number}") is True
+    assert len(tries.limits._succeeded) == 20
 
 
 @given(
@@ -183,12 +205,14 @@ def test_random_logins_wait_as_long_as_a_simple_model_says(
     steps: List[Tuple[str, str, bool, float]],
 ) -> None:
     tries = Tries()
-    model: Dict[str, List[float]] = {}
+    model: Dict[object, List[float]] = {}
+    succeeded = set()
     for name, address, right, time_s in steps:
         tries.clock.time_s += time_s
         now_s = tries.clock.time_s
         early = False
-        for key in (name, address):
+        login = (name, address) if (name, address) in succeeded else name
+        for key in (login, address):
             times_s = model.setdefault(key, [])
             if times_s and now_s - times_s[-1] >= 3600.0:
                 times_s.clear()
@@ -198,7 +222,8 @@ def test_random_logins_wait_as_long_as_a_simple_model_says(
         if early:
             continue
         if right:
-            model[name].clear()
+            model[login].clear()
+            succeeded.add((name, address))
         else:
-            model[name].append(now_s)
+            model[login].append(now_s)
             model[address].append(now_s)
