@@ -10,7 +10,7 @@ import pytest
 
 from gpr20_common.message import Message
 from gpr20_web.calls import Person, Stream
-from gpr20_web.errors import NotAllowedError, NotLoggedInError
+from gpr20_web.errors import BusyError, NotLoggedInError
 from gpr20_web.low import event_streams
 from gpr20_web.low.event_streams import MAX_STREAMS_OF_PERSON, SIGN_OF_LIFE_S, EventStreams
 from gpr20_web.roles import Role
@@ -161,8 +161,9 @@ def test_one_person_cannot_take_all_streams() -> None:
         streams = EventStreams(lambda _one: None, print)
         for _ in range(MAX_STREAMS_OF_PERSON):
             streams.add(Browser(), Stream(dict), person())
-        with pytest.raises(NotAllowedError, match="too many pages"):
+        with pytest.raises(BusyError, match="at most 30 of one account, 64 in all") as refused:
             streams.add(Browser(), Stream(dict), person())
+        assert refused.value.message.fault_code == "web.too_many_pages"
         streams.add(Browser(), Stream(dict), person("ben"))
 
     run(work)

@@ -12,8 +12,9 @@ from typing import Any, Awaitable, Callable, Dict, List, Mapping, NamedTuple, Pr
 from tornado.iostream import StreamClosedError
 
 from gpr20_common.message import Message
+from gpr20_web import faults
 from gpr20_web.calls import Person, Stream
-from gpr20_web.errors import NotAllowedError, NotLoggedInError
+from gpr20_web.errors import BusyError, NotLoggedInError
 
 MAX_STREAMS = 64
 MAX_STREAMS_OF_PERSON = 30
@@ -117,11 +118,19 @@ class EventStreams:
         """Add a browser.
 
         Raises:
-            NotAllowedError: There are too many.
+            BusyError: There are too many.
         """
         own = sum(one.person.name == person.name for one in self._watchers)
         if len(self) >= MAX_STREAMS or own >= MAX_STREAMS_OF_PERSON:
-            raise NotAllowedError(Message("too many pages are open; close one"))
+            raise BusyError(
+                Message(
+                    "too many pages are open (at most {own} of one account, {most} in all); "
+                    "close one",
+                    own=MAX_STREAMS_OF_PERSON,
+                    most=MAX_STREAMS,
+                ),
+                fault=faults.TOO_MANY_PAGES,
+            )
         watcher = Watcher(sender, stream, person, time.monotonic())
         self._watchers.append(watcher)
         return watcher
