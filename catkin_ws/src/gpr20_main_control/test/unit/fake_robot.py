@@ -41,7 +41,7 @@ from gpr20_survey.results.reopened_survey import ReopenedSurvey
 from gpr20_survey.trace.calibration import CalibrationStatus
 from gpr20_survey.trace.sweep import Sweep
 
-LIMIT_S = 20.0
+LIMIT_S = 60.0
 # The imaginary part of every sweep; the real part is its number, a small difference beside it.
 LEVEL = 1.0e4
 FIRST_SWEEP_US = 1_800_000_000_000_000

@@ -7,7 +7,7 @@ import struct
 import time
 
 LAST = 0x80000000
-LIMIT_S = 5.0
+LIMIT_S = 20.0
 
 
 def words(*values):
