@@ -80,6 +80,13 @@ class AccountsFileError(WebError, OSError):
     fault = faults.ACCOUNTS_FILE
 
 
+class FolderError(WebError, OSError):
+    """The folder of the page cannot be made, or is not its own."""
+
+    status = 503
+    fault = faults.FOLDER
+
+
 class CertificateError(WebError, OSError):
     """Key and certificate cannot be made or read."""
 
@@ -104,12 +111,6 @@ class AuditFileError(WebError, OSError):
 
     status = 503
     fault = faults.AUDIT_FILE
-
-
-class NotifyError(WebError, ValueError):
-    """An address for notifications is not one that apprise knows."""
-
-    fault = faults.NOTIFY
 
 
 class NotSentError(WebError, OSError):

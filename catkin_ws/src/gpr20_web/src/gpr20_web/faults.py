@@ -27,13 +27,17 @@ ACCOUNTS_FILE = Fault(
     "web.accounts_file",
     Message("Check the disk, then the file; restore it from a backup or make the accounts again."),
 )
+FOLDER = Fault(
+    "web.folder",
+    Message("Check who may write the folder of the page, or set another folder in web.yaml."),
+)
 CERTIFICATE = Fault(
     "web.certificate",
     Message("Check that openssl is installed and that the folder of the page can be written."),
 )
 PORT_TAKEN = Fault(
     "web.port_taken",
-    Message("End the other program, or set another port in web.yaml."),
+    Message("Correct address or port in web.yaml, or end the program that uses the port."),
 )
 BUSY = Fault("web.busy", remedies.TRY_LATER)
 TOO_MANY_PAGES = Fault("web.too_many_pages", Message("Close a page, then load this one again."))
@@ -43,5 +47,9 @@ NOT_SENT = Fault(
     Severity.WARNING,
 )
 AUDIT_FILE = Fault("web.audit_file", Message("Check the disk, then the file."))
-NOTIFY = Fault("web.notify", Message("Correct notify.txt in the folder of the page."))
+NOTIFY = Fault(
+    "web.notify",
+    Message("Correct notify.txt in the folder of the page, then start the page again."),
+    Severity.WARNING,
+)
 BUNDLE = Fault("web.bundle", Message("Make it on the robot: rosrun gpr20_doctor doctor --bundle."))

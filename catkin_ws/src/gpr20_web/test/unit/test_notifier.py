@@ -15,7 +15,6 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from gpr20_common.message import Message
-from gpr20_web.errors import NotifyError
 from gpr20_web.low.notifier import TRIES, Notifier
 from gpr20_web.news import News, Occasion
 
@@ -137,11 +136,18 @@ def test_a_service_that_hangs_holds_up_nobody_and_has_a_time_limit(receiver: Rec
 @pytest.mark.parametrize(
     "url", ["", "nonsense://secret-word", "secret-word", "mailto://", "tgram://secret-word", "\0"]
 )
-def test_an_address_that_apprise_does_not_know_is_refused_without_its_text(url: str) -> None:
-    with pytest.raises(NotifyError) as refusal:
-        _notifier(url)
-    assert "secret-word" not in str(refusal.value)
-    assert "address 1" in str(refusal.value)
+def test_an_address_that_apprise_does_not_know_is_left_out_and_reported_without_its_text(
+    receiver: Receiver, url: str
+) -> None:
+    reported: List[Message] = []
+    urls = [url, f"json://{receiver.place}/"]
+    notifier = Notifier(urls, "robot 1", str, reported.append, limit_s=LIMIT_S)
+    notifier.send(NEWS)
+    notifier.close(LIMIT_S)
+    assert len(receiver.got) == 1
+    (warning,) = reported
+    assert warning.fault_code == "web.notify"
+    assert "address 1" in str(warning) and "secret-word" not in str(warning)
 
 
 SECRETS = st.text("abcdefghijkmnpqrstuvwxyz23456789", min_size=12, max_size=20)

@@ -41,6 +41,12 @@ def test_what_makes_no_sense_is_refused_by_its_name(name, value):
         parameters(**{name: value})
 
 
+def test_a_bad_address_says_that_ipv6_is_allowed_too():
+    for address in ("localhost", "::g"):
+        with raises_fault(NOT_ALLOWED, "127.0.0.1 or ::1", error=InvalidValueError):
+            parameters(address=address)
+
+
 @pytest.fixture
 def page(tmp_path):
     return parameters(folder=str(tmp_path))
@@ -60,14 +66,13 @@ def test_each_line_of_the_file_is_somebody_to_notify(page, tmp_path):
     assert page.notified() == ("mailto://me:pw@example.org", "ntfy://topic")
 
 
-@each_case("content", [None, b"\xff"])
-def test_a_file_that_cannot_be_read_is_an_error(page, tmp_path, content):
-    file = tmp_path / NOTIFY_FILE
-    if content is None:
-        file.mkdir()
-    else:
-        file.rmdir()
-        file.write_bytes(content)
+def test_bytes_that_are_no_text_spoil_their_line_alone(page, tmp_path):
+    (tmp_path / NOTIFY_FILE).write_bytes(b"\xff\nntfy://topic\n")
+    assert page.notified() == ("\N{REPLACEMENT CHARACTER}", "ntfy://topic")
+
+
+def test_a_file_that_cannot_be_read_is_an_error(page, tmp_path):
+    (tmp_path / NOTIFY_FILE).mkdir()
     with raises_fault(CONFIGURATION, NOTIFY_FILE, error=InvalidValueError):
         page.notified()
 

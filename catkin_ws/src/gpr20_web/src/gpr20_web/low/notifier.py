@@ -5,10 +5,11 @@ from __future__ import annotations
 import logging
 import threading
 from functools import partial
-from typing import Any, Callable, List, Sequence
+from typing import Any, Callable, Dict, List, Sequence
 
 from gpr20_common.message import Message
-from gpr20_web.errors import NotifyError, NotSentError
+from gpr20_web import faults
+from gpr20_web.errors import NotSentError
 from gpr20_web.low.outbox import Outbox
 from gpr20_web.news import News, Occasion
 
@@ -30,15 +31,12 @@ class Notifier:
     """Sends notices in threads of its own, one for each address.
 
     Args:
-        urls: Addresses as apprise has them.
+        urls: Addresses as apprise has them; one that it does not know is reported and left out.
         name: Of the robot or the site, in front of each title.
         text: Returns a sentence in the language of the site.
-        report: Takes what did not succeed, in one of the threads; without addresses.
+        report: Takes what did not succeed, later in one of the threads; without addresses.
         delay_s: Before the second try [s].
         limit_s: For one try [s].
-
-    Raises:
-        NotifyError: apprise does not know an address.
     """
 
     def __init__(
@@ -54,7 +52,17 @@ class Notifier:
             logger = logging.getLogger(one)
             logger.handlers, logger.propagate = [logging.NullHandler()], False
         self._name, self._text, self._limit_s = name, text, limit_s
-        servers = [_server(url, number) for number, url in enumerate(urls, 1)]
+        servers: Dict[int, Any] = {}
+        for number, url in enumerate(urls, 1):
+            server = _server(url)
+            if server is not None:
+                servers[number] = server
+                continue
+            words = Message(
+                "apprise does not know address {number} of notify.txt; it gets no notices",
+                number=number,
+            )
+            report(words.with_fault(faults.NOTIFY))
         self._boxes: List[Outbox[News]] = [
             Outbox(
                 partial(self._deliver, server),
@@ -63,7 +71,7 @@ class Notifier:
                 delay_s,
                 TRIES,
             )
-            for number, server in enumerate(servers, 1)
+            for number, server in servers.items()
         ]
 
     def send(self, news: News) -> None:
@@ -113,16 +121,12 @@ def _attached(picture: bytes) -> Any:
     return apprise.AppriseAttachment(AttachMemory(picture, "map.png", "image/png"))
 
 
-def _server(url: str, number: int) -> Any:
+def _server(url: str) -> Any:
     # It takes 40 MB of memory: only where somebody is notified.
     import apprise
 
     asset = apprise.AppriseAsset(app_id="GPR-20", async_mode=False)
     try:
-        server = apprise.Apprise.instantiate(url, asset=asset, suppress_exceptions=True)
+        return apprise.Apprise.instantiate(url, asset=asset, suppress_exceptions=True)
     except Exception:  # as above
-        server = None
-    if server is None:
-        words = Message("apprise does not know address {number} of notify.txt", number=number)
-        raise NotifyError(words)
-    return server
+        return None

@@ -42,10 +42,7 @@ class WebParameters:
     view_may_stop: bool = True
 
     def __post_init__(self) -> None:
-        if ":" in self.address:
-            _check_ipv6(self.address)
-        else:
-            ipv4_address("address", self.address)
+        _check_address(self.address)
         if not (self.folder.startswith(("/", "~/")) and self.folder.isprintable()):
             raise InvalidValueError(
                 Message(
@@ -74,29 +71,33 @@ class WebParameters:
     def notified(self) -> Tuple[str, ...]:
         """Return the URLs of apprise of those that are notified; none without the file.
 
+        What is no text in a line leads to an address that is none.
+
         Raises:
             InvalidValueError: The file cannot be read.
         """
         file = self.path / NOTIFY_FILE
         try:
-            lines = file.read_text("utf-8").splitlines()
+            lines = file.read_text("utf-8", "replace").splitlines()
         except FileNotFoundError:
             return ()
-        except (OSError, UnicodeDecodeError) as error:
-            reason = os_reason(error) if isinstance(error, OSError) else str(error)
-            text = Message("{file}: {reason}", file=file, reason=reason)
+        except OSError as error:
+            text = Message("{file}: {reason}", file=file, reason=os_reason(error))
             raise InvalidValueError(text, fault=CONFIGURATION) from error
         return tuple(one.strip() for one in lines if one.strip() and not one.startswith("#"))
 
 
-def _check_ipv6(address: str) -> None:
+def _check_address(address: str) -> None:
     try:
-        ipaddress.IPv6Address(address)
+        if ":" in address:
+            ipaddress.IPv6Address(address)
+        else:
+            ipv4_address("address", address)
     except ValueError as error:
         raise InvalidValueError(
             Message(
-                "{name} is {value}; it must be an IPv4 address, such as 192.168.1.10, or an IPv6 "
-                "address",
+                "{name} is {value}; it must be an IPv4 or IPv6 address of this computer, such as "
+                "127.0.0.1 or ::1",
                 name="address",
                 value=repr(address[:64]),
             )
