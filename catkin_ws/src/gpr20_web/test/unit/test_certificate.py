@@ -10,13 +10,13 @@ import stat
 import subprocess
 import threading
 from pathlib import Path
-from typing import List
+from typing import Callable, List
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from gpr20_web.errors import CertificateError
+from gpr20_web.errors import CertificateError, FolderError
 from gpr20_web.low import certificate as module
 from gpr20_web.low.certificate import Certificate, ensure_certificate, ssl_context
 
@@ -105,6 +105,28 @@ def test_what_is_there_stays_and_openssl_makes_nothing(folder: Path, made: Certi
     again = ensure_certificate(folder, ["another.example"])
     assert again.fingerprint == made.fingerprint
     assert {one.name: one.read_bytes() for one in folder.iterdir()} == before
+
+
+def _file_in_the_way(place: Path) -> Path:
+    place.write_text("")
+    return place
+
+
+@pytest.mark.parametrize(
+    ("folder_in", "reason"),
+    [
+        (lambda tmp: _file_in_the_way(tmp / "web"), "this is a file, not a folder"),
+        (lambda tmp: _file_in_the_way(tmp / "web") / "inner", "this is a file, not a folder"),
+        (lambda tmp: Path("/proc/gpr20"), "there is no such file or folder"),
+    ],
+)
+def test_a_folder_that_cannot_be_used_is_named_with_what_to_set(
+    tmp_path: Path, folder_in: Callable[[Path], Path], reason: str
+) -> None:
+    folder = folder_in(tmp_path)
+    with pytest.raises(FolderError, match=f"cannot be used: {reason}; set folder") as refused:
+        ensure_certificate(folder, [])
+    assert str(folder) in str(refused.value)
 
 
 @pytest.mark.parametrize("missing", ["key.pem", "certificate.pem"])

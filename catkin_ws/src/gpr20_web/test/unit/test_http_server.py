@@ -12,7 +12,7 @@ from web_kit import COOKIE, Site
 
 from gpr20_common.message import Message
 from gpr20_web.calls import Body, Call, Cookie, Route, Stream
-from gpr20_web.errors import NotNowError
+from gpr20_web.errors import NotNowError, PortTakenError
 from gpr20_web.roles import Role
 
 DOCUMENT = {"band": {"title": "rest"}, "many": list(range(10))}
@@ -197,6 +197,22 @@ def test_download_comes_whole_and_named(site: Site) -> None:
 def test_parts_of_the_path_reach_the_route(site: Site) -> None:
     assert site.ask("GET", "/api/part/abc").values == {"name": "abc"}
     assert site.ask("GET", "/api/part/ABC").status == 404
+
+
+@pytest.mark.parametrize(
+    ("address", "reason"),
+    [("127.0.0.1", "another program"), ("203.0.113.9", "no address of this computer")],
+)
+def test_an_address_that_cannot_be_had_says_which_why_and_what_to_do(
+    site: Site, address: str, reason: str
+) -> None:
+    async def listen() -> None:
+        site.server.listen(address, site.port, None)
+
+    with pytest.raises(PortTakenError, match=reason) as refused:
+        site.call(listen())
+    said = refused.value.message.sentence()
+    assert address in said and str(site.port) in said and "web.yaml" in said
 
 
 def test_stream_sends_all_first_and_then_what_changes(site: Site) -> None:

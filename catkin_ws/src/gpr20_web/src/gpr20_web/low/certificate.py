@@ -18,7 +18,7 @@ from gpr20_common.os_reason import os_reason
 from gpr20_common.terminal_text import printable
 from gpr20_survey.files.durable_files import write_new_file
 from gpr20_survey.files.regular_file import read_regular
-from gpr20_web.errors import CertificateError
+from gpr20_web.errors import CertificateError, WebError
 from gpr20_web.low.secret_folder import ensure_secret_folder
 
 PROGRAM = "openssl"
@@ -69,6 +69,7 @@ def ensure_certificate(folder: Path, names: Sequence[str]) -> Certificate:
 
     Raises:
         CertificateError: They cannot be made or used, or are no longer valid.
+        FolderError: The folder cannot be used.
     """
     key, path = folder / KEY_NAME, folder / CERTIFICATE_NAME
     try:
@@ -89,7 +90,7 @@ def ensure_certificate(folder: Path, names: Sequence[str]) -> Certificate:
         ssl_context(found)
         ended = _openssl("x509", "-noout", "-checkend", "0", "-in", str(path)).returncode != 0
     except (OSError, ValueError) as error:
-        if isinstance(error, CertificateError):
+        if isinstance(error, WebError):
             raise
         reason = os_reason(error) if isinstance(error, OSError) else str(error)
         raise _unusable(folder, Message("{reason}", reason=reason)) from error
@@ -120,7 +121,11 @@ def _alternatives(names: Sequence[str]) -> str:
                 found.append(f"IP:{one}")
         except ValueError as error:
             if not _HOST.fullmatch(one):
-                text = Message("{name} is no name of a computer", name=repr(one[:80]))
+                text = Message(
+                    "{name} is no name of a computer; it may have letters a-z, digits, hyphens, "
+                    "underscores and full stops",
+                    name=repr(one[:80]),
+                )
                 raise CertificateError(text) from error
             found.append(f"DNS:{one}")
     return ",".join(found)

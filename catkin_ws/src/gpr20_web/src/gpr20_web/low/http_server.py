@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import errno
 import ssl
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
@@ -11,6 +12,7 @@ from typing import Callable, Optional
 from tornado import httpserver, netutil, web
 
 from gpr20_common.message import Message
+from gpr20_common.os_reason import os_reason
 from gpr20_web.calls import Person, Routes
 from gpr20_web.errors import PortTakenError
 from gpr20_web.low.event_streams import EventStreams
@@ -22,6 +24,18 @@ MAX_HEADER_BYTES = 16 * 1024
 READ_LIMIT_S = 10.0
 IDLE_CONNECTION_S = 120.0
 THREADS = 8
+_REFUSALS = {
+    errno.EADDRINUSE: Message(
+        "another program uses this port; end it, or set another port in web.yaml"
+    ),
+    errno.EADDRNOTAVAIL: Message(
+        "this is no address of this computer; set address in web.yaml to one that `ip address` "
+        "shows, such as 127.0.0.1"
+    ),
+    errno.EACCES: Message(
+        "this user may not use this port; set one from 1024 to 65535 in web.yaml"
+    ),
+}
 
 
 class HttpServer:
@@ -64,9 +78,10 @@ class HttpServer:
         except OSError as error:
             raise PortTakenError(
                 Message(
-                    "the page cannot listen at {address}, port {port}",
+                    "the page cannot listen at {address}, port {port}: {reason}",
                     address=address,
                     port=port,
+                    reason=_REFUSALS.get(error.errno or 0) or os_reason(error),
                     details=error,
                 )
             ) from error
