@@ -27,7 +27,7 @@ class UsersPage(WebPage):
         "title": Message("Users"),
         "name": Message("Name"),
         "role": Message("Role"),
-        "view": Message("watches, pauses"),
+        "view": Message("watches, pauses and stops"),
         "operate": Message("starts, resumes"),
         "admin": Message("manages the users"),
         "created": Message("Since"),
