@@ -6,7 +6,6 @@ import json
 import os
 import stat
 import threading
-import unicodedata
 from pathlib import Path
 from typing import Any, Dict, Optional, Tuple
 
@@ -19,7 +18,7 @@ from gpr20_survey.files.folder_lock import locked
 from gpr20_web.errors import AccountError, AccountsFileError, WrongLoginError
 from gpr20_web.low import account_file
 from gpr20_web.low.account_file import AccountFile, checked_name, role_of
-from gpr20_web.low.passwords import PasswordHash
+from gpr20_web.low.passwords import PasswordHash, check_password
 from gpr20_web.mid.accounts import Accounts
 from gpr20_web.roles import Role
 
@@ -89,8 +88,9 @@ def test_the_folder_of_another_user_is_left_alone(
 
 @pytest.mark.parametrize("name", ["", "a", ".a", "-a", "_a", "a b", "a/b", "ñu", "a" * 41, "a\n"])
 def test_names_that_could_be_something_else_are_refused(accounts: Accounts, name: str) -> None:
-    with pytest.raises(AccountError, match="a name has"):
+    with pytest.raises(AccountError, match="must have 2 to 40 letters") as refused:
         accounts.add(name, Role.VIEW, PASSWORD)
+    assert repr(name) in str(refused.value)
 
 
 def test_a_name_is_there_once_in_whatever_letters(accounts: Accounts) -> None:
@@ -103,8 +103,9 @@ def test_a_name_is_there_once_in_whatever_letters(accounts: Accounts) -> None:
 def test_roles_are_known_words_and_nobody_is_none() -> None:
     assert [role_of(one) for one in ("view", "operate", "admin")] == list(Role)[1:]
     for word in ("nobody", "Admin", "", None, 3, []):
-        with pytest.raises(AccountError):
+        with pytest.raises(AccountError, match="one of view, operate, admin") as refused:
             role_of(word)
+        assert repr(word) in str(refused.value)
 
 
 @pytest.mark.parametrize("action", ["remove", "demote"])
@@ -153,8 +154,27 @@ def test_another_program_s_change_is_noticed_at_once(accounts: Accounts, tmp_pat
     assert accounts.find("ana") is None
     other.add("eva", Role.VIEW, PASSWORD)
     assert accounts.find("eva") is not None
-    _file(tmp_path).unlink()
+
+
+def test_a_file_that_was_there_and_is_gone_is_no_empty_list(
+    accounts: Accounts, tmp_path: Path
+) -> None:
+    accounts.add("ana", Role.ADMIN, PASSWORD)
+    accounts.remove("ana", keep_admin=False)
     assert accounts.all() == []
+    _file(tmp_path).unlink()
+    for act in (accounts.all, lambda: accounts.add("eva", Role.ADMIN, PASSWORD)):
+        with pytest.raises(AccountsFileError, match="the file is gone"):
+            act()
+    make_accounts(tmp_path).add("eva", Role.ADMIN, PASSWORD)
+    assert [one.name for one in accounts.all()] == ["eva"]
+
+
+def test_another_password_is_another_one(accounts: Accounts) -> None:
+    accounts.add("ana", Role.VIEW, PASSWORD)
+    with pytest.raises(AccountError, match="the present one"):
+        accounts.change("ana", password=PASSWORD)
+    assert accounts.change("ana", password=OTHER_PASSWORD)
 
 
 def test_the_file_is_read_only_when_it_has_changed(
@@ -240,6 +260,35 @@ def test_a_damaged_file_is_named_and_is_never_an_empty_list(tmp_path: Path, chan
         with pytest.raises(AccountsFileError, match=r"accounts\.json") as refused:
             act()
         assert refused.value.message.remedy is not None
+        # A browser gets the sentence alone.
+        said = refused.value.message.sentence()
+        assert str(tmp_path) not in said and said.count("cannot be used") == 1
+
+
+@pytest.mark.parametrize(
+    ("data", "said"),
+    [
+        (b'{"format": "gpr20-accounts/2"}', "'gpr20-accounts/2'; it must be 'gpr20-accounts/1'"),
+        (b"{}", "'format' is missing"),
+        (b"nonsense", "line 1 column 1"),
+        (
+            _damaged(lambda content, entry: entry.update(role="boss")),
+            "the role is 'boss'; it must be one of view, operate, admin",
+        ),
+        (
+            _damaged(lambda content, entry: entry.update(generation=-1)),
+            "generation is -1; it must lie between 0",
+        ),
+    ],
+)
+def test_the_log_says_what_was_found_in_a_damaged_file_and_what_is_allowed(
+    tmp_path: Path, data: bytes, said: str
+) -> None:
+    (tmp_path / "web").mkdir()
+    _file(tmp_path).write_bytes(data)
+    with pytest.raises(AccountsFileError) as refused:
+        make_accounts(tmp_path).all()
+    assert said in str(refused.value) and "Error" not in str(refused.value)
 
 
 @settings(suppress_health_check=[HealthCheck.function_scoped_fixture])
@@ -329,8 +378,11 @@ def _expected(
         small = checked_name(name)
     except AccountError:
         return None
-    length = len(unicodedata.normalize("NFC", password))
-    allowed = 12 <= length <= 200 and password.casefold() != small
+    allowed = small not in model or password != model[small][1]
+    try:
+        check_password(password, small)
+    except AccountError:
+        allowed = False
     if (what == "add") == (small in model):
         return None
     if what in ("add", "password") and not allowed:

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from login_kit import CHEAP
 
 from gpr20_web.errors import AccountError
-from gpr20_web.low.passwords import PasswordHash, check_password
+from gpr20_web.low.passwords import LEAST_DIFFERENT, PasswordHash, check_password
 
 ANY_TEXT = st.text(st.characters(), max_size=250)
 
@@ -57,18 +57,32 @@ def test_a_hash_that_would_need_another_computer_is_refused(effort: dict) -> Non
 
 # Letters that are one character in each way of writing them.
 @given(
-    st.text(st.characters(max_codepoint=0x17F), min_size=12, max_size=200),
+    st.text(
+        st.characters(max_codepoint=0x17F, blacklist_categories=["Cc"]), min_size=12, max_size=200
+    ).filter(lambda text: len(set(text)) >= LEAST_DIFFERENT),
     st.text("abc.-_", min_size=2, max_size=11),
 )
-def test_every_password_of_12_to_200_characters_is_taken(password: str, name: str) -> None:
+def test_every_password_of_12_to_200_characters_with_5_different_ones_is_taken(
+    password: str, name: str
+) -> None:
     check_password(password, name)
 
 
 @pytest.mark.parametrize(
     "password",
-    ["", "x" * 11, "x" * 201, "Anastasia.Ortiz", "n\u0303" * 11, "\ud800" * 12],
+    [
+        *("", "abcdefghijk", "abcde" * 41, "n\u0303o\u0303abc" * 2, "Anastasia.Ortiz"),
+        *("correct horse\ud800", "\0" * 20, "correct\thorse", "correct horse\x1b", " " * 12),
+        "abcdabcdabcd",
+    ],
 )
-def test_short_long_and_broken_passwords_and_the_name_are_refused(password: str) -> None:
+def test_short_long_poor_and_broken_passwords_and_the_name_are_refused(password: str) -> None:
     with pytest.raises(AccountError) as refused:
         check_password(password, "anastasia.ortiz")
     assert password not in str(refused.value) or not password
+
+
+def test_a_refused_password_is_described_by_its_length_and_what_is_allowed() -> None:
+    said = "the password has 4 characters, 3 different ones; it must have 12 to 200, at least 5"
+    with pytest.raises(AccountError, match=said):
+        check_password("noon"[:3] + "x", "ana")

@@ -141,6 +141,19 @@ def test_owasp_renewal_a_change_by_another_program_ends_them_at_the_next_request
         world.sessions.find(token, ADDRESS)
 
 
+@pytest.mark.parametrize("is_gone", [True, False])
+def test_who_is_logged_in_stays_so_when_the_file_of_the_accounts_is_gone_or_damaged(
+    world: World, tmp_path: Path, is_gone: bool
+) -> None:
+    token = world.sessions.begin(world.ana)
+    assert world.is_in(token)
+    file = tmp_path / "web" / "accounts.json"
+    file.unlink()
+    if not is_gone:
+        file.write_text("damaged")
+    assert world.is_in(token)
+
+
 def test_an_account_that_is_made_again_has_not_the_sessions_of_the_former(world: World) -> None:
     token = world.sessions.begin(world.ana)
     world.accounts.remove("ana")

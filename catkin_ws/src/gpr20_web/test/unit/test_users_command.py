@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import getpass
 import io
+import json
 import subprocess
 import sys
 from pathlib import Path
@@ -82,6 +83,14 @@ def test_a_password_that_is_none_makes_no_account(run: Run, tmp_path: Path, sent
     status, _out, complaint = run("add", "ana", "--role", "admin", "--stdin", stdin=sent)
     assert (status, complaint.startswith("users: ")) == (1, True)
     assert make_accounts(tmp_path).all() == []
+
+
+def test_the_last_account_can_be_removed_and_leaves_an_empty_list(run: Run, tmp_path: Path) -> None:
+    accounts = make_accounts(tmp_path)
+    accounts.add("ana", Role.VIEW, PASSWORD)
+    assert run("remove", "ana")[0] == 0
+    assert accounts.all() == []
+    assert json.loads((tmp_path / "web" / "accounts.json").read_text())["accounts"] == []
 
 
 @pytest.mark.parametrize("answers", [(PASSWORD, OTHER_PASSWORD), (PASSWORD,), ()])

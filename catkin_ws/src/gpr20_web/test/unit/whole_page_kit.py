@@ -182,8 +182,10 @@ class WholePage:
             account = self.accounts.find(name)
             if account is None:
                 account = self.accounts.add(name, role, PASSWORD)
-            if account.role is not role or not PasswordHash.parse(account.hash).fits(PASSWORD):
-                account = self.accounts.change(name, role, PASSWORD, keep_admin=False)
+            known = PasswordHash.parse(account.hash).fits(PASSWORD)
+            if account.role is not role or not known:
+                password = None if known else PASSWORD
+                account = self.accounts.change(name, role, password, keep_admin=False)
             if not self.is_logged_in(role):
                 self._tokens[role] = self.sessions.begin(account)
 

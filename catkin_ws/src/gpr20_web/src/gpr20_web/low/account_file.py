@@ -60,8 +60,9 @@ def checked_name(name: str) -> str:
     if not _NAME.fullmatch(small):
         raise AccountError(
             Message(
-                "a name has 2 to 40 letters a-z, digits, full stops, hyphens or underscores, and "
-                "begins with a letter or digit"
+                "the name is {name}; it must have 2 to 40 letters a-z, digits, full stops, "
+                "hyphens or underscores, and begin with a letter or digit",
+                name=repr(name[:80]),
             )
         )
     return small
@@ -75,7 +76,14 @@ def role_of(word: object) -> Role:
     """
     known = {one.word: one for one in Role if one is not Role.NOBODY}
     if not isinstance(word, str) or word not in known:
-        raise AccountError(Message("a role is one of {roles}", roles=", ".join(known)))
+        allowed = ", ".join(known)
+        raise AccountError(
+            Message(
+                "the role is {role}; it must be one of {roles}",
+                role=repr(word)[:80],
+                roles=allowed,
+            )
+        )
     return known[word]
 
 
@@ -96,17 +104,22 @@ class AccountFile:
         """Return the accounts by their names, as they are now; none without a file.
 
         Raises:
-            AccountsFileError: The file is damaged or cannot be read.
+            AccountsFileError: The file is damaged, cannot be read, or was there before.
         """
         with self._lock:
             try:
                 # Before the content: what changes between the two is read again the next time.
                 stamp = self._stamp_now()
+                if stamp is None and self._stamp is not None:
+                    # Removing all accounts leaves a file. Who is logged in can still stop.
+                    raise self._unusable(Message("the file is gone"))
                 if stamp is None:
                     return {}
                 if stamp != self._stamp:
                     self._accounts = self._parse(read_regular(self._path))
                     self._stamp = stamp
+            except AccountsFileError:
+                raise
             except OSError as error:
                 raise self._unusable(os_reason(error)) from error
             return self._accounts
@@ -127,7 +140,7 @@ class AccountFile:
                 change(accounts)
                 replace_file(self._path, _written(accounts))
         except SurveyRefusedError as error:
-            raise self._unusable(Message("another program changes it")) from error
+            raise self._unusable(Message("another program changes them")) from error
         except AccountsFileError:
             raise
         except OSError as error:
@@ -144,22 +157,25 @@ class AccountFile:
         try:
             content = json.loads(data)
             if content["format"] != FORMAT:
-                raise ValueError(FORMAT)
+                raise ValueError(f"format is {content['format']!r}; it must be {FORMAT!r}")
             found = [_account(one) for one in content["accounts"]]
             accounts = {one.name: one for one in found}
             if len(accounts) != len(found):
                 raise ValueError("two accounts have one name")
         except (ValueError, LookupError, TypeError, RecursionError) as error:
-            reason = Message("it is damaged, or of another version", details=repr(error)[:200])
+            # Of a value that is missing Python says the name alone.
+            found = f"{error} is missing" if isinstance(error, KeyError) else str(error)
+            reason = Message("the file is damaged, or of another version", details=found[:200])
             raise self._unusable(reason) from error
         return accounts
 
     def _unusable(self, reason: Message) -> AccountsFileError:
         return AccountsFileError(
             Message(
-                "the accounts in {file} cannot be used: {reason}",
-                file=printable(self._path),
+                "the accounts cannot be used: {reason}",
                 reason=reason,
+                # For the log; no browser learns it.
+                details=printable(self._path),
             )
         )
 
@@ -167,7 +183,7 @@ class AccountFile:
 def _account(values: Mapping[str, Any]) -> Account:
     account = record_from(Account, {**values, "role": role_of(values["role"])}, "")
     if account.name != checked_name(account.name):
-        raise ValueError("name")
+        raise ValueError(f"the name {account.name!r} has large letters")
     PasswordHash.parse(account.hash)
     return account
 

@@ -10,9 +10,11 @@ import unicodedata
 from dataclasses import dataclass, replace
 
 from gpr20_common.message import Message
+from gpr20_common.terminal_text import is_shown
 from gpr20_web.errors import AccountError
 
 SHORTEST, LONGEST = 12, 200
+LEAST_DIFFERENT = 5
 HASH_BYTES = 32
 
 
@@ -82,10 +84,24 @@ def check_password(password: str, name: str) -> None:
     Raises:
         AccountError: It is not allowed for the account of this name.
     """
-    if not SHORTEST <= len(unicodedata.normalize("NFC", password)) <= LONGEST:
-        limits = {"shortest": SHORTEST, "longest": LONGEST}
-        raise AccountError(Message("a password has {shortest} to {longest} characters", **limits))
+    text = unicodedata.normalize("NFC", password)
+    if not (SHORTEST <= len(text) <= LONGEST and len(set(text)) >= LEAST_DIFFERENT):
+        raise AccountError(
+            Message(
+                "the password has {length} characters, {different} different ones; it must have "
+                "{shortest} to {longest}, at least {least} different ones",
+                length=len(text),
+                different=len(set(text)),
+                shortest=SHORTEST,
+                longest=LONGEST,
+                least=LEAST_DIFFERENT,
+            )
+        )
     if password.casefold() == name.casefold():
         raise AccountError(Message("the password must not be the name"))
-    if any("\ud800" <= one <= "\udfff" for one in password):
-        raise AccountError(Message("the password is no text"))
+    if not all(map(is_shown, password)):
+        raise AccountError(
+            Message(
+                "the password has control characters; it may have letters, digits, signs and spaces"
+            )
+        )

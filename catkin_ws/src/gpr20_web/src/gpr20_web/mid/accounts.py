@@ -98,6 +98,11 @@ class Accounts:
             AccountError: There is no such account, or the change is not allowed.
         """
         name = checked_name(name)
+        account = self.find(name)
+        if account and password is not None and PasswordHash.parse(account.hash).fits(password):
+            raise AccountError(
+                Message("the new password is the present one; it must be another one")
+            )
         hashed = None if password is None else self._hash(password, name)
         changed: List[Account] = []
 
