@@ -164,8 +164,8 @@ class AccountFile:
                 raise ValueError("two accounts have one name")
         except (ValueError, LookupError, TypeError, RecursionError) as error:
             # Of a value that is missing Python says the name alone.
-            found = f"{error} is missing" if isinstance(error, KeyError) else str(error)
-            reason = Message("the file is damaged, or of another version", details=found[:200])
+            words = f"{error} is missing" if isinstance(error, KeyError) else str(error)
+            reason = Message("the file is damaged, or of another version", details=words[:200])
             raise self._unusable(reason) from error
         return accounts
 

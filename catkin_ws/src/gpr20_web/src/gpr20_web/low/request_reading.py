@@ -42,8 +42,9 @@ def query_of(text: str) -> Dict[str, str]:
     try:
         fields = parse_qsl(text, keep_blank_values=True, errors="strict", max_num_fields=MAX_FIELDS)
     except ValueError as error:
-        text = Message("the address is no text, or has more than {most} fields", most=MAX_FIELDS)
-        raise BadRequestError(text) from error
+        raise BadRequestError(
+            Message("the address is no text, or has more than {most} fields", most=MAX_FIELDS)
+        ) from error
     return dict(fields)
 
 
