@@ -5,14 +5,15 @@ from __future__ import annotations
 import json
 import re
 import threading
-from typing import Any, Iterator
+from typing import Any, Dict, Iterator
 
 import pytest
-from web_kit import COOKIE, Site
+from web_kit import COOKIE, LIMIT_S, Site
 
 from gpr20_common.message import Message
 from gpr20_web.calls import Body, Call, Cookie, Route, Stream
 from gpr20_web.errors import NotNowError, PortTakenError
+from gpr20_web.low.http_server import THREADS
 from gpr20_web.roles import Role
 
 DOCUMENT = {"band": {"title": "rest"}, "many": list(range(10))}
@@ -236,3 +237,30 @@ def _event(response: Any) -> Any:
     assert re.match(rb"data: \{", line)
     assert response.readline() == b"\n"
     return json.loads(line[len(b"data: ") :])
+
+
+def test_login_does_not_wait_for_what_others_wait_for() -> None:
+    go, begun = threading.Event(), threading.Semaphore(0)
+
+    def hang(_call: Call) -> Dict[str, Any]:
+        begun.release()
+        assert go.wait(LIMIT_S)
+        return {}
+
+    login = Route("POST", "/api/login", Role.NOBODY, lambda _call: {"in": True}, blocking=True)
+    site = Site((Route("GET", "/api/slow", Role.VIEW, hang, blocking=True), login))
+    waiting = [
+        threading.Thread(target=site.ask, args=("GET", "/api/slow", None, "view"), daemon=True)
+        for _number in range(THREADS + 1)
+    ]
+    try:
+        for one in waiting:
+            one.start()
+        for _number in range(THREADS):
+            assert begun.acquire(timeout=LIMIT_S)
+        assert site.ask("POST", "/api/login").values == {"in": True}
+    finally:
+        go.set()
+        for one in waiting:
+            one.join(LIMIT_S)
+        site.close()

@@ -17,13 +17,13 @@ from gpr20_web.calls import Person, Routes
 from gpr20_web.errors import PortTakenError
 from gpr20_web.low.event_streams import EventStreams
 from gpr20_web.low.static_files import read_files
-from gpr20_web.low.table_handler import Site, TableHandler
+from gpr20_web.low.table_handler import Pool, Site, TableHandler
 
 MAX_BODY_BYTES = 64 * 1024
 MAX_HEADER_BYTES = 16 * 1024
 READ_LIMIT_S = 10.0
 IDLE_CONNECTION_S = 120.0
-THREADS = 8
+THREADS, LOGIN_THREADS = 8, 2
 _REFUSALS = {
     errno.EADDRINUSE: Message(
         "another program uses this port; end it, or set another port in web.yaml"
@@ -56,8 +56,10 @@ class HttpServer:
         report: Callable[[BaseException], None],
     ) -> None:
         self._threads = ThreadPoolExecutor(THREADS, thread_name_prefix="web")
+        self._logins = ThreadPoolExecutor(LOGIN_THREADS, thread_name_prefix="login")
         self.streams = EventStreams(lambda one: _ignore(find(one.session, one.address)), report)
-        self._site = Site(routes, read_files(static), find, report, self.streams, self._threads)
+        pools = Pool(self._threads), Pool(self._logins)
+        self._site = Site(routes, read_files(static), find, report, self.streams, *pools)
         self._server: Optional[httpserver.HTTPServer] = None
         self._beats: Optional[asyncio.Future[None]] = None
 
@@ -105,7 +107,8 @@ class HttpServer:
         if self._server is not None:
             self._server.stop()
             await self._server.close_all_connections()
-        self._threads.shutdown(wait=False)
+        for threads in (self._threads, self._logins):
+            threads.shutdown(wait=False)
 
 
 def _ignore(_answer: object) -> None:

@@ -47,6 +47,14 @@ HEADERS = {
 
 
 @dataclass
+class Pool:
+    """Threads, and how many requests wait for them or are in them."""
+
+    threads: Executor
+    waiting: int = 0
+
+
+@dataclass
 class Site:
     """What every request needs.
 
@@ -54,7 +62,8 @@ class Site:
         routes: Everything that can be asked for.
         find: Returns the person of a session and an address, or raises NotLoggedInError.
         report: Takes an exception that no error of the project is, to be logged.
-        waiting: How many requests wait for files or nodes.
+        work: For requests that wait for files or nodes.
+        logins: For those who are not logged in yet: whatever the others wait for, they get in.
     """
 
     routes: Routes
@@ -62,8 +71,8 @@ class Site:
     find: Callable[[str, str], Person]
     report: Callable[[BaseException], None]
     streams: EventStreams
-    threads: Executor
-    waiting: int = 0
+    work: Pool
+    logins: Pool
 
 
 class TableHandler(web.RequestHandler):
@@ -199,15 +208,16 @@ class TableHandler(web.RequestHandler):
         site = self._site
         if not route.blocking:
             return route.answer(call)
-        if site.waiting >= MAX_WAITING:
+        pool = site.logins if route.right is Role.NOBODY else site.work
+        if pool.waiting >= MAX_WAITING:
             raise BusyError(
-                Message("the page has too much to do: {count} requests wait", count=site.waiting)
+                Message("the page has too much to do: {count} requests wait", count=pool.waiting)
             )
-        site.waiting += 1
+        pool.waiting += 1
         try:
-            return await asyncio.get_event_loop().run_in_executor(site.threads, route.answer, call)
+            return await asyncio.get_event_loop().run_in_executor(pool.threads, route.answer, call)
         finally:
-            site.waiting -= 1
+            pool.waiting -= 1
 
     async def _write(self, answer: Answer, call: Call) -> None:
         if isinstance(answer, Stream):
@@ -240,11 +250,11 @@ class TableHandler(web.RequestHandler):
             self.finish(body.content)
             return
         loop, parts = asyncio.get_event_loop(), iter(body.content)
-        part = await loop.run_in_executor(self._site.threads, _next, parts)
+        part = await loop.run_in_executor(self._site.work.threads, _next, parts)
         while part is not None:
             self.write(part)
             await self.flush()
-            part = await loop.run_in_executor(self._site.threads, _next, parts)
+            part = await loop.run_in_executor(self._site.work.threads, _next, parts)
         self.finish()
 
     def _send_json(self, values: Mapping[str, Any]) -> None:
