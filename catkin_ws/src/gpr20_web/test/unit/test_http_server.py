@@ -8,6 +8,7 @@ import threading
 from typing import Any, Dict, Iterator
 
 import pytest
+from tornado import netutil
 from web_kit import COOKIE, LIMIT_S, Site
 
 from gpr20_common.message import Message
@@ -145,7 +146,7 @@ def test_refusal_says_reason_remedy_and_code(site: Site) -> None:
 
 
 def test_blocking_route_has_a_thread_of_its_own(site: Site) -> None:
-    assert site.ask("GET", "/api/thread").values["t"].startswith("web")
+    assert site.ask("GET", "/api/thread").values["t"].startswith(("web", "login"))
 
 
 def test_language_of_the_page_counts_then_that_of_the_browser(site: Site) -> None:
@@ -264,3 +265,9 @@ def test_login_does_not_wait_for_what_others_wait_for() -> None:
         for one in waiting:
             one.join(LIMIT_S)
         site.close()
+
+
+def test_ipv6_address_without_ipv6_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(netutil, "bind_sockets", lambda _port, _address: [])
+    with pytest.raises(PortTakenError):
+        Site(())

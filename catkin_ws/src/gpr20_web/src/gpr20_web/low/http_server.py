@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import errno
+import os
 import ssl
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
@@ -77,6 +78,8 @@ class HttpServer:
         table = web.Application([(r".*", TableHandler, {"site": self._site})], log_function=_ignore)
         try:
             sockets = netutil.bind_sockets(port, address)
+            if not sockets:  # an IPv6 address, and this computer has no IPv6
+                raise OSError(errno.EADDRNOTAVAIL, os.strerror(errno.EADDRNOTAVAIL))
         except OSError as error:
             raise PortTakenError(
                 Message(
