@@ -20,6 +20,17 @@ pytestmark = pytest.mark.real_time
 
 PASSWORD = "correct horse battery staple"
 PEOPLE = {"vera": "view", "otto": "operate", "ada": "admin"}
+# A link that loses STOP, and PAUSE once `losePause` is called.
+LOSE = """
+const { fetch } = window;
+window.fetch = (address, options) => {
+  const lost = new TypeError("lost");
+  if (address.startsWith("/api/stop")) return Promise.reject(lost);
+  if (!address.startsWith("/api/pause")) return fetch(address, options);
+  return new Promise((_, reject) => { window.losePause = () => reject(lost); });
+};
+"""
+NARROWEST = "return Math.min(...[...document.querySelectorAll('td')].map((one) => one.clientWidth))"
 PAGES = ("now", "map", "radar", "surveys", "robots", "service", "users", "audit")
 
 
@@ -37,6 +48,10 @@ class Site:
         browser.open(f"{self.address}/")
         browser.run("localStorage.setItem('language', arguments[0])", language)
         browser.open(f"{self.address}/")
+        self.fill_in(name)
+
+    def fill_in(self, name: str) -> None:
+        browser = self.browser
         browser.write("input[name=name]", name)
         browser.write("input[name=password]", PASSWORD)
         browser.press("form button.primary")
@@ -108,23 +123,36 @@ def test_survey_is_started_watched_paused_resumed_and_stopped_from_the_page(site
     browser.wait_for_text("Hands clear", "dialog")
     browser.press("dialog button.primary")
     site.wait_for_state("SURVEYING")
-    browser.press("#pause")
-    site.wait_for_state("PAUSED")
-    browser.press("#pause")
-    browser.press("dialog button.primary")
-    site.wait_for_state("SURVEYING")
     screen.arming.touched()
     browser.wait_for_text("Nobody at the robot allows it now", "#top")
     browser.press("#pause")
     site.wait_for_state("PAUSED")
     assert not browser.find("#pause").is_enabled()
-    browser.press("#stop")
+    screen.arming.arm(screen.model.snapshot())
+    browser.press("#pause")
+    browser.press("dialog button.primary")
+    site.wait_for_state("SURVEYING")
+    _stop_over_a_bad_link(site)
     site.wait_for_state("STOPPED")
     entries = _log_of_the_survey(site)
     commands = [(one["user"], one["role"], one["command"]) for one in entries]
     for command in ("start", "pause", "resume", "stop"):
         assert ("otto", "operate", command) in commands
     assert all(one["address"] for one in entries)
+
+
+def _stop_over_a_bad_link(site: Site) -> None:
+    browser = site.browser
+    browser.run(LOSE)
+    browser.press("#pause")
+    browser.press("#stop")
+    browser.wait_for_text("STOP is not confirmed yet", ".said")
+    browser.run("window.losePause()")
+    assert "STOP is not confirmed yet" in browser.text(".said")
+    assert not browser.find("#pause").is_enabled()
+    # Loaded again, as by another language, the page sends the same STOP again.
+    browser.open(f"{site.address}/")
+    browser.wait_for_text("otto: STOP: ", ".said")
 
 
 def _log_of_the_survey(site: Site) -> List[Dict[str, Any]]:
@@ -160,6 +188,9 @@ def test_every_page_fits_every_screen_and_asks_nobody_else(site: Site, language:
                 5.0,
             )
             browser.keep_picture(f"web_{page}_{width_px}_{language}")
+            if (page, width_px) == ("audit", 360):
+                browser.find("#page td")
+                assert browser.run(NARROWEST) > 200, "the columns of AUDIT are not below each other"
     assert "{" not in browser.text() and not re.search(r"\b[a-z]+\.[a-z_]+\b", browser.text("nav"))
     assert not browser.errors()
     asked = [json.loads(one["message"])["message"] for one in browser.driver.get_log("performance")]
@@ -239,9 +270,10 @@ def test_what_is_old_is_said_to_be_old_and_becomes_true_again_by_itself(site: Si
     process = site.robot.processes()[WEB]
     process.suspend()
     try:
+        # At once: after 10 s, the watchdog ends a process that does not answer.
+        browser.press("#stop")
         browser.wait_for_text("NO CONNECTION", "#top")
         assert browser.run("return document.body.classList.contains('stale')")
-        browser.press("#stop")
         browser.wait_for_text("it is unknown whether it arrived", "#top")
     finally:
         process.resume()
@@ -249,6 +281,50 @@ def test_what_is_old_is_said_to_be_old_and_becomes_true_again_by_itself(site: Si
         lambda: not browser.run("return document.body.classList.contains('stale')"), "it is live"
     )
     browser.wait_for_text("vera: STOP: ", "#top")
+    # Whoever opens the page later does not take it for what happens now.
+    browser.open(f"{site.address}/")
+    browser.find("#state")
+    assert browser.text(".said") == ""
+
+
+def test_words_that_a_telephone_cuts_are_read_by_a_press(site: Site) -> None:
+    browser = site.browser
+    site.log_in("vera")
+    browser.resize(360)
+    assert not browser.run("return document.querySelector('.band button').offsetParent")
+    words = "const words = document.querySelector('.band .words');"
+    browser.run(f"{words} words.style.fontSize = '6rem'")
+    browser.press(".band button")
+    assert browser.run(f"{words} return words.scrollHeight <= words.clientHeight")
+    browser.keep_picture("web_band_360")
+    browser.press(".band button")
+    assert browser.run(f"{words} return words.scrollHeight > words.clientHeight")
+    browser.resize(800)
+
+
+def test_login_says_why_it_is_asked_for_and_what_was_not_carried_out(site: Site) -> None:
+    browser = site.browser
+    site.log_in("vera")
+    assert "log in again" not in browser.text()
+    # As by a restart of the page: every session is over.
+    browser.run(
+        "fetch('/api/logout_everywhere', { method: 'POST', body: '{}',"
+        " headers: { 'Content-Type': 'application/json' } })"
+    )
+    browser.wait_for_text("You are no longer logged in: log in again.", "form")
+    assert "STOP" not in browser.text("form")
+    site.fill_in("vera")
+    browser.driver.delete_all_cookies()
+    browser.press("#stop")
+    browser.wait_for_text("STOP was NOT carried out", "form")
+    assert violations(browser) == []
+    browser.resize(360)
+    browser.keep_picture("web_login_stop_360")
+    browser.resize(800)
+    site.fill_in("vera")
+    assert browser.text(".said") == ""
+    site.log_in("vera")
+    assert "log in again" not in browser.text()
 
 
 def test_a_person_who_may_watch_sees_nothing_to_start_and_nothing_of_accounts(site: Site) -> None:
@@ -260,6 +336,13 @@ def test_a_person_who_may_watch_sees_nothing_to_start_and_nothing_of_accounts(si
     site.show("users")
     browser.find("#page form")
     assert "otto" not in browser.text("#page")
+    browser.write("input[autocomplete=current-password]", "wrong")
+    for field in browser.driver.find_elements("css selector", "input[autocomplete=new-password]"):
+        field.send_keys(PASSWORD)
+    browser.press("#page form button.primary")
+    browser.wait_for_text("the present password is wrong", "#alerts")
+    site.show("now")
+    assert browser.text("#alerts") == "", "what has failed on another page is not shown"
 
 
 def test_operator_of_the_window_sees_who_watches(site: Site) -> None:

@@ -80,6 +80,14 @@ class Commands(WebPage):
             "decides.",
             command="{command}",
         ),
+        "stop_open": Message(
+            "STOP is not confirmed yet: it is unknown whether it arrived. It is sent again until "
+            "it is."
+        ),
+        "stop_undone": Message(
+            "STOP was NOT carried out: log in again and press STOP, or use the switch of the "
+            "motors' power."
+        ),
         "done": Message("{command}: done", command="{command}"),
         "refused": Message("{command}: refused", command="{command}"),
         "unknown": Message("{command}: unknown", command="{command}"),

@@ -28,6 +28,7 @@ WORDS: Mapping[str, Message] = {
         "NO CONNECTION: what you see is {seconds} s old. The robot may have moved since.",
         seconds="{seconds}",
     ),
+    "shell.over": Message("You are no longer logged in: log in again."),
     "shell.no_answer": Message("The robot's computer does not answer. Check the network."),
 }
 

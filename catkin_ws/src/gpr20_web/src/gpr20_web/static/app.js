@@ -21,6 +21,8 @@ const TICK_MS = 400;
 class App {
   constructor() {
     this.memory = window.localStorage;
+    // Of this tab: what has to outlive that the page is loaded again.
+    this.kept = window.sessionStorage;
     this.server = new Server(this.memory.getItem("language") ?? navigator.language.slice(0, 2));
     this.root = document.getElementById("page");
     this.words = {};
@@ -80,7 +82,20 @@ class App {
     return this.state.control?.holder?.mark === this.me.mark;
   }
 
+  // The presses of STOP that are not answered yet.
+  get stops() {
+    return JSON.parse(this.kept.getItem("stops") ?? "[]");
+  }
+
+  set stops(presses) {
+    this.kept.setItem("stops", JSON.stringify(presses));
+  }
+
   report(error) {
+    if (error.code === "web.not_logged_in") {
+      this.leave("over");
+      return;
+    }
     const text = error.status ? error.message : this.word("shell.no_answer");
     const shown = element(
       "div",
@@ -90,7 +105,6 @@ class App {
       button(this.word("shell.close"), () => shown.remove()),
     );
     document.getElementById("alerts").replaceChildren(shown);
-    if (error.code === "web.not_logged_in") this.leave();
   }
 
   showLogin() {
@@ -103,7 +117,7 @@ class App {
       try {
         await this.post("/api/login", { name: name.value, password: password.value });
         this.me = await this.get("/api/me");
-        document.getElementById("alerts").replaceChildren();
+        this.kept.removeItem("why");
         this.enter();
       } catch (error) {
         password.value = "";
@@ -115,11 +129,26 @@ class App {
         "form",
         { class: "card login", onsubmit: send },
         element("h1", {}, "GPR-20"),
+        this.why(),
         field(this.word("login.name"), name),
         field(this.word("login.password"), password),
         element("button", { class: "primary" }, this.word("login.log_in")),
         ...this.choices(),
       ),
+    );
+  }
+
+  // Why somebody has to log in again; it is said until somebody has.
+  why() {
+    if (this.stops.length) this.kept.setItem("why", "stop");
+    this.stops = [];
+    const why = this.kept.getItem("why");
+    if (!why) return null;
+    return element(
+      "div",
+      { class: "card danger", role: "alert" },
+      why === "stop" ? element("strong", {}, this.word("commands.stop_undone")) : null,
+      element("p", {}, this.word("shell.over")),
     );
   }
 
@@ -145,13 +174,15 @@ class App {
     const header = document.getElementById("top");
     header.hidden = false;
     this.notices = new Notices(this);
-    this.live = new Live(this.server, (state) => this.update(state), () => this.leave());
+    this.live = new Live(this.server, (state) => this.update(state), () =>
+      this.leave("over"));
     this.top = new Top(header, this);
     this.ticks = setInterval(() => this.top.tick(), TICK_MS);
     this.show();
   }
 
-  leave() {
+  leave(why = "") {
+    this.kept.setItem("why", why);
     this.live?.close();
     clearInterval(this.ticks);
     window.location.reload();
@@ -166,6 +197,7 @@ class App {
     const wanted = window.location.hash.slice(1).split("/")[0];
     const page = this.pages().find((one) => one.name === wanted) ?? now;
     this.page?.leave?.();
+    if (page !== this.page) document.getElementById("alerts").replaceChildren();
     this.page = page;
     document.body.dataset.page = page.name;
     const nav = document.getElementById("pages");

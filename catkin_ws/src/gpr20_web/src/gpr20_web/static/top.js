@@ -9,25 +9,31 @@ export const SIGNS = {
 export const STALE_MS = 4500;
 const PRESS_LIMIT_MS = 5000;
 const STOP_AGAIN_MS = 2000;
-const STOP_TRIES = 30;
+// Not a request of the page, nobody logged in, not allowed: another try changes nothing.
+const FINAL = [400, 401, 403];
 
 const newPress = () => crypto.randomUUID().replaceAll("-", "");
 
 export class Top {
   constructor(root, app) {
     this.app = app;
-    this.pressed = null;
+    // The last press of this page, until it is shown what became of it.
+    this.press = null;
     const word = (name) => app.word(name);
     this.sign = element("span", { class: "sign", "aria-hidden": "true" });
     this.title = element("strong", { id: "state" });
     this.words = element("span", { class: "words" });
+    this.more = button("▾", () => this.showAll(), {
+      "aria-label": word("now.details"), "aria-expanded": "false", hidden: true,
+    });
     this.chip = element("span", { class: "chip simulated" });
     this.age = element("p", { class: "age", role: "status", hidden: true });
     this.band = element(
       "div",
-      { class: "band", role: "status", "aria-live": "polite" },
+      { class: "band" },
       this.sign,
-      element("div", {}, this.title, this.chip, this.words),
+      element("div", { role: "status" }, this.title, this.chip, this.words),
+      this.more,
     );
     this.pause = button("", () => this.pauseOrResume(), { id: "pause", hidden: true });
     this.start = button(word("commands.start"), () => this.begin(), { id: "start", hidden: true });
@@ -59,6 +65,7 @@ export class Top {
       this.said,
       this.remote,
     );
+    for (const press of app.stops) this.repeatStop(press);
   }
 
   get stale() {
@@ -84,8 +91,17 @@ export class Top {
     this.tick();
   }
 
-  // What time alone changes.
+  // A telephone cuts the words of the band.
+  showAll() {
+    const isOpen = this.words.classList.toggle("whole");
+    this.more.setAttribute("aria-expanded", isOpen);
+    write(this.more, isOpen ? "▴" : "▾");
+  }
+
+  // What time and the width alone change.
   tick() {
+    const { scrollHeight, clientHeight, classList } = this.words;
+    this.more.hidden = scrollHeight <= clientHeight && !classList.contains("whole");
     const { state } = this.app.live;
     const ageMs = this.app.live.ageMs();
     const { stale } = this;
@@ -101,8 +117,9 @@ export class Top {
     if (!state.can) return;
     const inControl = this.app.inControl;
     const paused = state.job.paused;
-    this.pause.disabled = stale || (paused ? !(state.can.resume && inControl) : !state.can.pause);
-    this.start.disabled = stale || !inControl;
+    const waits = stale || this.app.stops.length > 0;
+    this.pause.disabled = waits || (paused ? !(state.can.resume && inControl) : !state.can.pause);
+    this.start.disabled = waits || !inControl;
     this.showRemote(state);
   }
 
@@ -181,48 +198,71 @@ export class Top {
   async send(name, values) {
     const press = newPress();
     const command = this.app.word(`commands.${name}`);
-    this.pressed = { press, command };
-    write(this.said, this.app.word("commands.sent", { command }));
+    this.press = press;
+    this.say(this.app.word("commands.sent", { command }));
     try {
       await this.app.server.ask("POST", `/api/${name}`, { press, ...values }, PRESS_LIMIT_MS);
     } catch (error) {
-      if (error.status) {
-        this.pressed = null;
-        write(this.said, "");
-        this.app.report(error);
-      } else write(this.said, this.app.word("commands.lost", { command }));
+      if (this.press === press)
+        this.say(error.status ? "" : this.app.word("commands.lost", { command }));
+      if (error.status) this.app.report(error);
     }
   }
 
-  // STOP moves nothing: it is sent until it is answered.
-  async stopNow() {
+  stopNow() {
     const press = newPress();
-    const command = this.app.word("commands.stop");
-    this.pressed = { press, command };
-    write(this.said, this.app.word("commands.sent", { command }));
-    for (let tries = 0; tries < STOP_TRIES && this.pressed?.press === press; tries += 1) {
+    this.app.stops = [...this.app.stops, press];
+    this.tick();
+    this.repeatStop(press);
+  }
+
+  // STOP moves nothing: it is sent until it is answered, whatever else is pressed.
+  async repeatStop(press) {
+    this.press = press;
+    const sent = this.app.word("commands.sent", { command: this.app.word("commands.stop") });
+    write(this.said, sent);
+    while (this.app.stops.includes(press)) {
       try {
         await this.app.server.ask("POST", "/api/stop", { press }, PRESS_LIMIT_MS);
-        return;
+        this.endStop(press, sent);
       } catch (error) {
-        if (error.status) {
+        if (!this.app.stops.includes(press)) return;
+        if (FINAL.includes(error.status)) {
+          // The form of the login says that the robot was not stopped.
+          if (error.status !== 401) this.endStop(press, "");
           this.app.report(error);
           return;
         }
-        write(this.said, this.app.word("commands.lost", { command }));
+        write(this.said, this.app.word("commands.stop_open"));
         await new Promise((resolve) => setTimeout(resolve, STOP_AGAIN_MS));
       }
     }
   }
 
+  // The answer and the document both say that it arrived: the first of them counts.
+  endStop(press, text) {
+    const { stops } = this.app;
+    if (!stops.includes(press)) return;
+    this.app.stops = stops.filter((one) => one !== press);
+    this.say(text);
+  }
+
+  // Nothing hides that a STOP is not answered.
+  say(text) {
+    if (!this.app.stops.length) write(this.said, text);
+  }
+
   showCommand({ command }) {
-    if (!command) return;
-    const shown = `${command.press} ${command.outcome} ${command.text}`;
+    const shown = JSON.stringify(command);
     if (shown === this.shownCommand) return;
+    const isOld = this.shownCommand === undefined && command?.press !== this.press;
     this.shownCommand = shown;
-    if (this.pressed?.press === command.press && command.outcome !== "sent") this.pressed = null;
+    // What was done before this page was opened is over: it is not shown.
+    if (!command || isOld) return;
+    this.endStop(command.press, "");
+    if (command.press === this.press) this.press = null;
     const name = this.app.word(`commands.${command.request}`);
     const said = this.app.word(`commands.${command.outcome}`, { command: name });
-    write(this.said, [`${command.name}: ${said}.`, command.text].filter(Boolean).join(" "));
+    this.say([`${command.name}: ${said}.`, command.text].filter(Boolean).join(" "));
   }
 }

@@ -39,7 +39,7 @@ export default {
         field(word("search"), this.text),
         element("button", {}, word("search")),
       ),
-      element("table", { class: "table" },
+      element("table", { class: "table stack" },
         element("thead", {}, element("tr", {}, ...heads)), this.rows),
       this.none,
       this.older,
