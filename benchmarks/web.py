@@ -61,7 +61,7 @@ class Robot:
 @contextlib.contextmanager
 def chromium(page: Page) -> Iterator[psutil.Process]:
     """Show NOW in a browser; yield its first process."""
-    browser = Browser()
+    browser = Browser(keeps_logs=False)
     try:
         browser.open(f"https://localhost:{page.port}/")
         browser.write("input[name=name]", NAME)

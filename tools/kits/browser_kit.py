@@ -21,15 +21,20 @@ HEIGHTS = {360: 740, 800: 600, 1440: 900}
 
 
 class Browser:
-    """One window of Chromium; it accepts the certificate that the installation made."""
+    """One window of Chromium; it accepts the certificate that the installation made.
 
-    def __init__(self) -> None:
+    Args:
+        keeps_logs: Whether it notes every request and error, which costs it processor time.
+    """
+
+    def __init__(self, keeps_logs: bool = True) -> None:
         options = webdriver.ChromeOptions()
         options.binary_location = CHROMIUM
         for one in ("headless=new", "no-sandbox", "disable-dev-shm-usage", "disable-gpu"):
             options.add_argument(f"--{one}")
         options.accept_insecure_certs = True
-        options.set_capability("goog:loggingPrefs", {"browser": "ALL", "performance": "ALL"})
+        if keeps_logs:
+            options.set_capability("goog:loggingPrefs", {"browser": "ALL", "performance": "ALL"})
         self.driver = webdriver.Chrome(options=options, service=Service(DRIVER))
         self.driver.set_script_timeout(LIMIT_S)
 
