@@ -4,22 +4,18 @@ from __future__ import annotations
 
 import json
 import re
-import subprocess
-from pathlib import Path
 from typing import Any, Dict, Iterator, List
 
 import pytest
 import rospy
 from accessibility_kit import press_by_keyboard, tab_reaches_all, violations
-from browser_kit import HEIGHTS, Browser
+from browser_kit import HEIGHTS
 from other_origin_kit import TRIES, other_origin
 from robot_kit import WEB, LaunchedRobot, free_port
-from touchscreen_kit import Touchscreen
+from web_site_kit import PASSWORD, Site, write_config
 
 pytestmark = pytest.mark.real_time
 
-PASSWORD = "correct horse battery staple"
-PEOPLE = {"vera": "view", "otto": "operate", "ada": "admin"}
 # A link that loses STOP, and PAUSE once `losePause` is called.
 LOSE = """
 const { fetch } = window;
@@ -34,61 +30,12 @@ NARROWEST = "return Math.min(...[...document.querySelectorAll('td')].map((one) =
 PAGES = ("now", "map", "radar", "surveys", "robots", "service", "users", "audit")
 
 
-class Site:
-    """The robot, its page and a browser."""
-
-    def __init__(self, robot: LaunchedRobot, address: str, folder: Path) -> None:
-        self.robot, self.address, self.folder = robot, address, folder
-        self.browser = Browser()
-        self.screen = Touchscreen()
-
-    def log_in(self, name: str, language: str = "en") -> None:
-        browser = self.browser
-        browser.driver.delete_all_cookies()
-        browser.open(f"{self.address}/")
-        browser.run("localStorage.setItem('language', arguments[0])", language)
-        browser.open(f"{self.address}/")
-        self.fill_in(name)
-
-    def fill_in(self, name: str) -> None:
-        browser = self.browser
-        browser.write("input[name=name]", name)
-        browser.write("input[name=password]", PASSWORD)
-        browser.press("form button.primary")
-        browser.find("#state")
-
-    def show(self, page: str) -> None:
-        self.browser.run("location.hash = arguments[0]", page)
-        self.browser.wait(
-            lambda: (
-                self.browser.run("return document.querySelector('nav a[aria-current]').hash")
-                == f"#{page}"
-            ),
-            f"{page} is shown",
-        )
-
-    def wait_for_state(self, state: str) -> None:
-        def is_so() -> bool:
-            self.screen.note()
-            return self.browser.text("#state").startswith(state)
-
-        self.browser.wait(is_so, f"the state is {state}", 60.0)
-
-
 @pytest.fixture(scope="module")
 def site(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Site]:
     folder = tmp_path_factory.mktemp("web")
     port = free_port()
     config = folder / "config"
-    create = ["rosrun", "gpr20_launch", "robot_config", "create", str(config)]
-    subprocess.run(create, check=True, capture_output=True)
-    web = folder / "page"
-    (config / "web.yaml").write_text(f"port: {port}\nfolder: {web}\n")
-    for name, role in PEOPLE.items():
-        words = ["users", "add", name, "--role", role, "--stdin", "--folder", str(web)]
-        subprocess.run(
-            ["rosrun", "gpr20_web", *words], input=f"{PASSWORD}\n", text=True, check=True
-        )
+    write_config(config, folder / "page", port)
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("ROS_MASTER_URI", "")
         patch.setenv("GPR20_STATE", "")

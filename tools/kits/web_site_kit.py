@@ -1,0 +1,83 @@
+"""The page at a distance in a real browser: its accounts, and what a person does with it."""
+
+from __future__ import annotations
+
+import subprocess
+from pathlib import Path
+
+from browser_kit import Browser
+from robot_kit import LaunchedRobot
+from touchscreen_kit import Touchscreen
+
+PASSWORD = "correct horse battery staple"
+PEOPLE = {"vera": "view", "otto": "operate", "ada": "admin"}
+
+
+def write_config(config: Path, web: Path, port: int) -> None:
+    """Write the configuration of a robot with a page, and its accounts.
+
+    Args:
+        config: The folder of the configuration.
+        web: The folder of the page.
+        port: Where it listens.
+    """
+    create = ["rosrun", "gpr20_launch", "robot_config", "create", str(config)]
+    subprocess.run(create, check=True, capture_output=True)
+    (config / "web.yaml").write_text(f"port: {port}\nfolder: {web}\n")
+    for name, role in PEOPLE.items():
+        words = ["users", "add", name, "--role", role, "--stdin", "--folder", str(web)]
+        subprocess.run(
+            ["rosrun", "gpr20_web", *words], input=f"{PASSWORD}\n", text=True, check=True
+        )
+
+
+class Site:
+    """The robot, its page, a browser and the window.
+
+    Args:
+        robot: It runs, with the page.
+        address: Of the page.
+        folder: That of the robot.
+    """
+
+    def __init__(self, robot: LaunchedRobot, address: str, folder: Path) -> None:
+        self.robot, self.address, self.folder = robot, address, folder
+        self.browser = Browser()
+        self.screen = Touchscreen()
+
+    def log_in(self, name: str, language: str = "en") -> None:
+        """Open the page in a language, as somebody else than before."""
+        browser = self.browser
+        browser.driver.delete_all_cookies()
+        browser.open(f"{self.address}/")
+        browser.run("localStorage.setItem('language', arguments[0])", language)
+        browser.open(f"{self.address}/")
+        self.fill_in(name)
+
+    def fill_in(self, name: str) -> None:
+        """Log in by the form that is shown."""
+        browser = self.browser
+        browser.write("input[name=name]", name)
+        browser.write("input[name=password]", PASSWORD)
+        browser.press("form button.primary")
+        browser.find("#state")
+
+    def show(self, page: str) -> None:
+        """Choose a page."""
+        self.browser.run("location.hash = arguments[0]", page)
+        self.browser.wait(
+            lambda: (
+                self.browser.run("return document.querySelector('nav a[aria-current]').hash")
+                == f"#{page}"
+            ),
+            f"{page} is shown",
+        )
+
+    def wait_for_state(self, state: str) -> None:
+        """Return when the band shows a state of the robot."""
+
+        def is_so() -> bool:
+            self.screen.note()
+            return self.browser.text("#state").startswith(state)
+
+        self.browser.wait(is_so, f"the state is {state}", 60.0)
