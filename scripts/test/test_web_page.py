@@ -68,6 +68,8 @@ def test_survey_is_started_watched_paused_resumed_and_stopped_from_the_page(site
     browser.wait_for_text("A person at the robot allows remote control", "#top")
     browser.press("#start")
     browser.wait_for_text("Hands clear", "dialog")
+    # The question covers the page, but not STOP.
+    assert browser.text("dialog .stop-now") == "STOP"
     browser.press("dialog button.primary")
     site.wait_for_state("SURVEYING")
     screen.arming.touched()

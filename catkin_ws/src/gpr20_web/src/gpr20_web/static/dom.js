@@ -44,6 +44,11 @@ export function ask(app, title, lines, yes) {
       element(
         "div",
         { class: "row" },
+        // What is asked covers the page: the robot can be stopped from here too.
+        app.mayStop ? button(app.word("commands.stop"), () => {
+          app.top.stopNow();
+          close(false);
+        }, { class: "stop-now" }) : null,
         button(app.word("commands.cancel"), () => close(false)),
         button(yes ?? app.word("commands.confirm"), () => close(true), { class: "primary" }),
       ),
