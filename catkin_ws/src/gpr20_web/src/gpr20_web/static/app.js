@@ -17,6 +17,7 @@ const OPERATE = 2;
 const ADMIN = 3;
 const PAGES = [now, map, radar, surveys, robots, service, users, audit];
 const TICK_MS = 400;
+const STOP_LIMIT_MS = 180000;
 
 class App {
   constructor() {
@@ -82,9 +83,11 @@ class App {
     return this.state.control?.holder?.mark === this.me.mark;
   }
 
-  // The presses of STOP that are not answered yet.
+  // The presses of STOP that are not answered yet, and when: a late one would stop what somebody
+  // has started since.
   get stops() {
-    return JSON.parse(this.kept.getItem("stops") ?? "[]");
+    const presses = JSON.parse(this.kept.getItem("stops") ?? "[]");
+    return presses.filter(([, pressedMs]) => Date.now() - pressedMs < STOP_LIMIT_MS);
   }
 
   set stops(presses) {

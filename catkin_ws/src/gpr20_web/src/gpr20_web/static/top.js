@@ -65,7 +65,7 @@ export class Top {
       this.said,
       this.remote,
     );
-    for (const press of app.stops) this.repeatStop(press);
+    for (const [press] of app.stops) this.repeatStop(press);
   }
 
   get stale() {
@@ -211,9 +211,13 @@ export class Top {
 
   stopNow() {
     const press = newPress();
-    this.app.stops = [...this.app.stops, press];
+    this.app.stops = [...this.app.stops, [press, Date.now()]];
     this.tick();
     this.repeatStop(press);
+  }
+
+  isOpen(press) {
+    return this.app.stops.some(([one]) => one === press);
   }
 
   // STOP moves nothing: it is sent until it is answered, whatever else is pressed.
@@ -221,29 +225,30 @@ export class Top {
     this.press = press;
     const sent = this.app.word("commands.sent", { command: this.app.word("commands.stop") });
     write(this.said, sent);
-    while (this.app.stops.includes(press)) {
+    while (this.isOpen(press)) {
       try {
         await this.app.server.ask("POST", "/api/stop", { press }, PRESS_LIMIT_MS);
         this.endStop(press, sent);
+        return;
       } catch (error) {
-        if (!this.app.stops.includes(press)) return;
         if (FINAL.includes(error.status)) {
           // The form of the login says that the robot was not stopped.
           if (error.status !== 401) this.endStop(press, "");
           this.app.report(error);
           return;
         }
-        write(this.said, this.app.word("commands.stop_open"));
+        if (this.isOpen(press)) write(this.said, this.app.word("commands.stop_open"));
         await new Promise((resolve) => setTimeout(resolve, STOP_AGAIN_MS));
       }
     }
+    const command = this.app.word("commands.stop");
+    if (this.press === press) this.say(this.app.word("commands.lost", { command }));
   }
 
   // The answer and the document both say that it arrived: the first of them counts.
   endStop(press, text) {
-    const { stops } = this.app;
-    if (!stops.includes(press)) return;
-    this.app.stops = stops.filter((one) => one !== press);
+    if (!this.isOpen(press)) return;
+    this.app.stops = this.app.stops.filter(([one]) => one !== press);
     this.say(text);
   }
 
