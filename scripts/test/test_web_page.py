@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import re
+import socket
 from typing import Any, Dict, Iterator, List
 
 import pytest
@@ -54,6 +55,8 @@ def site(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Site]:
         finally:
             rospy.signal_shutdown("the tests are over")
             robot.stop()
+            # rospy has limited the sockets of this process, which runs other tests after these.
+            socket.setdefaulttimeout(None)
 
 
 def test_survey_is_started_watched_paused_resumed_and_stopped_from_the_page(site: Site) -> None:

@@ -3,6 +3,7 @@ from __future__ import annotations
 import contextlib
 import os
 import socket
+import time
 
 import pytest
 from case_kit import each_case
@@ -19,11 +20,20 @@ pytestmark = pytest.mark.real_time
 PROGRAM, VERSION, ECHO = 400000, 1, 1
 LONGEST_RECORD = 1000
 PMAP = 100000
+SOCKET_LIMIT_S = 0.1
 
 
 @pytest.fixture
 def gone():
     return []
+
+
+@pytest.fixture
+def limited_sockets():
+    """Every new socket gets a time limit, as rospy does it to its process."""
+    socket.setdefaulttimeout(SOCKET_LIMIT_S)
+    yield
+    socket.setdefaulttimeout(None)
 
 
 @pytest.fixture
@@ -165,6 +175,15 @@ def test_portmapper_tells_ports_on_udp(portmapper, wanted, port):
         sock.sendto(b"garbage", ("127.0.0.1", portmapper.port))
         sock.sendto(call(PMAP, 2, 3, words(*wanted)), ("127.0.0.1", portmapper.port))
         assert unpack_words(sock.recv(100)) == [7, 1, 0, 0, 0, 0, port]
+
+
+def test_silent_clients_keep_their_connections_in_a_process_of_rospy(limited_sockets, server):
+    with RawClient(server.port) as client:
+        assert echoed(client)
+        time.sleep(3 * SOCKET_LIMIT_S)
+        assert echoed(client)
+    with RawClient(server.port) as client:
+        assert echoed(client)
 
 
 def test_portmapper_lists_what_it_knows(portmapper):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import socket
 import time
 
 import pytest
@@ -55,6 +56,19 @@ def test_link_tells_receive_size_and_abort_port(link):
     assert (link.error, link.receive_size) == (0, 1024)
     with RawClient(link.abort_port) as abort:
         assert abort.result(ABORT, 1, 0) == b""
+
+
+def test_read_without_an_answer_ends_at_once_in_a_process_of_rospy(device):
+    # rospy gives every new socket a limit; here it is longer than the client waits.
+    socket.setdefaulttimeout(60.0)
+    try:
+        one = Vxi11Server(device, limits=LIMITS)
+        one.start()
+        with CoreLink(one.port) as link:
+            assert link.read(io_timeout_ms=0)[0] == 15
+        one.stop()
+    finally:
+        socket.setdefaulttimeout(None)
 
 
 def test_receive_size_below_what_the_standard_demands_is_refused():

@@ -34,6 +34,7 @@ class RpcConnection:
         self._socket = sock
         self._longest_record = longest_record
         self._received = bytearray()
+        _wait_without_limit(sock)
         sock.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
         # Limits sending alone: a client may be silent for as long as it likes.
         seconds = struct.pack("ll", int(SEND_TIMEOUT_S), 0)
@@ -233,6 +234,7 @@ def bound_socket(kind: socket.SocketKind, host: str, port: int) -> socket.socket
         ListenError: The port is taken or not allowed.
     """
     sock = socket.socket(socket.AF_INET, kind)
+    _wait_without_limit(sock)
     if kind == socket.SOCK_STREAM:
         sock.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
     try:
@@ -249,6 +251,12 @@ def bound_socket(kind: socket.SocketKind, host: str, port: int) -> socket.socket
             )
         ) from error
     return sock
+
+
+def _wait_without_limit(sock: socket.socket) -> None:
+    # rospy gives every new socket of its process a limit of 60 s: a silent client would lose its
+    # connection, and a look at what has arrived would wait so long.
+    sock.settimeout(None)
 
 
 def shut_down(sock: socket.socket) -> None:
