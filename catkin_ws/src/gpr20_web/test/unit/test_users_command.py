@@ -8,7 +8,7 @@ import json
 import subprocess
 import sys
 from pathlib import Path
-from typing import Callable, List, Tuple
+from typing import Callable, List, Optional, Tuple
 
 import pytest
 from login_kit import CHEAP, OTHER_PASSWORD, PASSWORD, make_accounts
@@ -138,8 +138,8 @@ def test_the_last_administrator_can_go_here_with_a_warning(
     assert (status, "no account may manage" in complaint) == (0, True)
 
 
-def test_a_list_of_nobody_says_so(run: Run) -> None:
-    assert run("list") == (0, "", "users: there are no accounts\n")
+def test_a_list_of_nobody_says_so(run: Run, tmp_path: Path) -> None:
+    assert run("list") == (0, "", f"users: there are no accounts in {tmp_path / 'web'}\n")
 
 
 def test_a_damaged_file_is_named_with_its_remedy_and_stays(run: Run, tmp_path: Path) -> None:
@@ -152,15 +152,32 @@ def test_a_damaged_file_is_named_with_its_remedy_and_stays(run: Run, tmp_path: P
     assert file.read_text() == "damaged"
 
 
+@pytest.mark.parametrize(
+    ("written", "folder"),
+    [(None, ".gpr20/web"), ("folder: ~/page", "page"), ("port: 8000", ".gpr20/web")],
+)
 def test_the_folder_is_that_of_the_page_by_default(
-    run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, written: Optional[str], folder: str
 ) -> None:
     monkeypatch.setenv("HOME", str(tmp_path))
-    arguments = ["add", "ana", "--role", "admin", "--stdin"]
-    assert run(*arguments, "--folder", "~/.gpr20/web", stdin=PASSWORD.encode())[0] == 0
-    assert (tmp_path / ".gpr20" / "web" / "accounts.json").is_file()
-    default = users_command._parser().parse_args(["list"]).folder
-    assert default == Path("~/.gpr20/web")
+    monkeypatch.setenv("GPR20_CONFIG", str(tmp_path))
+    if written is not None:
+        (tmp_path / "web.yaml").write_text(written)
+    arguments = ["add", "ana", "--role", "admin", "--stdin", "--folder", ""]
+    assert run(*arguments, stdin=PASSWORD.encode())[0] == 0
+    assert (tmp_path / folder / "accounts.json").is_file()
+
+
+@pytest.mark.parametrize("written", ["folder: page", "flder: /page", "- 1", "{", "folder: [1]"])
+def test_a_wrong_configuration_is_named_and_no_account_made(
+    run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, written: str
+) -> None:
+    monkeypatch.setenv("GPR20_CONFIG", str(tmp_path))
+    (tmp_path / "web.yaml").write_text(written)
+    arguments = ["add", "ana", "--role", "admin", "--stdin", "--folder", ""]
+    status, _out, complaint = run(*arguments, stdin=PASSWORD.encode())
+    assert (status, complaint.startswith("users: "), "Traceback" in complaint) == (1, True, False)
+    assert {one.name for one in tmp_path.iterdir()} == {"web.yaml"}
 
 
 def test_a_control_character_in_a_name_does_not_reach_the_terminal(run: Run) -> None:

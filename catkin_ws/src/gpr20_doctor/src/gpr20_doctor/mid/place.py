@@ -8,13 +8,14 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Dict, Mapping, Optional, Tuple
 
+from gpr20_common.low.robot_folder import DEFAULT_FOLDER
+
 SETTINGS = "etc/gpr20/environment"
 FIREWALL = "usr/lib/gpr20/firewall"
 UNITS = ("lib/systemd/system", "usr/lib/systemd/system")
 # With two computers, the one has axes and height sensor, the other the ROS master and the rest.
 ROBOT, SERVER = "gpr20-robot", "gpr20-server"
 SERVICE_LOGS = "var/log/gpr20"
-DEFAULT_CONFIGURATION = "~/.gpr20/robot"
 _SETTING = re.compile(r'(GPR20_[A-Z_]+)="?([^"]*?)"?\s*')
 
 
@@ -31,7 +32,7 @@ class Place:
         two_computers: Whether the robot has another computer, by its addresses.
     """
 
-    config: Path = Path(DEFAULT_CONFIGURATION)
+    config: Path = Path(DEFAULT_FOLDER)
     log: Path = Path("~/.ros/log")
     settings: Optional[Path] = None
     service: str = ""
@@ -57,7 +58,7 @@ def place_of(
     """
     settings = Path(environment.get("GPR20_ENVIRONMENT") or root / SETTINGS)
     known = {**_values(settings), **environment}
-    folder = config or known.get("GPR20_CONFIG") or DEFAULT_CONFIGURATION
+    folder = config or known.get("GPR20_CONFIG") or DEFAULT_FOLDER
     files = {
         name: [str(root / one / f"{name}.service") for one in UNITS] for name in (ROBOT, SERVER)
     }

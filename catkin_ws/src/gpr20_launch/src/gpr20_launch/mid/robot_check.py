@@ -13,6 +13,7 @@ from typing import Callable, Iterator, List, Tuple
 from gpr20_axis_driver.mid.controllers import check_controller
 from gpr20_common.errors import Gpr20Error
 from gpr20_common.low.clock import Clock
+from gpr20_common.low.robot_folder import DEFAULT_FOLDER
 from gpr20_common.message import Fault, Message
 from gpr20_common.mid.extension import is_extension
 from gpr20_common.os_reason import os_reason
@@ -23,7 +24,7 @@ from gpr20_launch.mid.launch_request import ROBOT, SERVER
 from gpr20_launch.mid.pin_checks import check_pins
 from gpr20_launch.mid.place_checks import ANALYZER_FILE, Use, check_place
 from gpr20_launch.mid.problem import Problem
-from gpr20_launch.mid.robot_files import AXES_FILE, DEFAULT_FOLDER, Reading
+from gpr20_launch.mid.robot_files import AXES_FILE, Reading
 from gpr20_survey.plan.sensors import SENSORS
 from gpr20_vna_acquisition.mid.foreign_analyzer import make_foreign_analyzer
 from gpr20_vna_acquisition.mid.request_deadline import RequestDeadline

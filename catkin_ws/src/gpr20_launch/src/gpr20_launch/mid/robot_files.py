@@ -29,7 +29,6 @@ from gpr20_vna_acquisition.mid.vna_parameters import VnaParameters
 from gpr20_vna_processing.mid.processing_parameters import ProcessingParameters
 from gpr20_web.mid.web_parameters import WebParameters
 
-DEFAULT_FOLDER = "~/.gpr20/robot"
 AXES_FILE = "axes.yaml"
 Sections = Dict[str, Dict[str, Any]]
 NOTHING: Mapping[str, Any] = MappingProxyType({})

@@ -7,7 +7,7 @@ import os
 import sys
 from dataclasses import replace
 from pathlib import Path
-from typing import Any, Callable, Dict, List, Optional, Sequence, Tuple
+from typing import Any, Callable, List, Optional, Sequence, Tuple
 
 import rosgraph
 import yaml
@@ -15,7 +15,7 @@ import yaml
 from gpr20_common.catalogue import Catalogue
 from gpr20_common.errors import Gpr20Error
 from gpr20_common.low.catalogue_file import language_from_environment, read_catalogue
-from gpr20_common.low.yaml_file import read_yaml
+from gpr20_common.low.robot_folder import configured, robot_folder
 from gpr20_common.message import Message
 from gpr20_common.mid.records import record_from
 from gpr20_common.os_reason import os_reason
@@ -27,7 +27,6 @@ from gpr20_vna_acquisition.mid.conformance.record import store
 from gpr20_vna_acquisition.mid.conformance.suite import Ask, Result, line, passed, results
 from gpr20_vna_acquisition.mid.vna_parameters import VnaParameters
 
-DEFAULT_FOLDER = "~/.gpr20/robot"
 FILE = "analyzer.yaml"
 BEGIN = Message(
     "The check takes about one minute. It changes the VNA's settings, which can end its "
@@ -102,9 +101,11 @@ def _parser() -> argparse.ArgumentParser:
         nargs="?",
         help="ms2026c, or a class as package.module:Class; default: that of the configuration",
     )
-    default = os.environ.get("GPR20_CONFIG") or DEFAULT_FOLDER
     parser.add_argument(
-        "--config", type=Path, default=default, help="folder of the robot's configuration"
+        "--config",
+        type=Path,
+        default=robot_folder(os.environ),
+        help="folder of the robot's configuration",
     )
     parser.add_argument(
         "--set",
@@ -145,19 +146,12 @@ def _pair(text: str) -> Tuple[str, Any]:
 
 
 def _parameters(folder: Path, given: argparse.Namespace) -> VnaParameters:
-    values = _configured(folder / FILE)
+    values = configured(folder / FILE)
     if given.analyzer and given.analyzer != values.get("analyzer"):
         values.pop("analyzer_options", None)
         values["analyzer"] = given.analyzer
     values.update(given.set)
     return record_from(VnaParameters, values, "")
-
-
-def _configured(path: Path) -> Dict[str, Any]:
-    try:
-        return dict(read_yaml(path) or {})
-    except FileNotFoundError:
-        return {}  # the defaults
 
 
 def _connector(parameters: VnaParameters) -> Callable[[str], Vxi11Transport]:

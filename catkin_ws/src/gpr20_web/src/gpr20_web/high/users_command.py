@@ -4,13 +4,17 @@ from __future__ import annotations
 
 import argparse
 import getpass
+import os
 import sys
 from pathlib import Path
 from typing import Callable
 
 from gpr20_common.errors import Gpr20Error
 from gpr20_common.low.clock import Clock
+from gpr20_common.low.robot_folder import configured, robot_folder
 from gpr20_common.message import Message
+from gpr20_common.mid.records import record_from
+from gpr20_common.os_reason import os_reason
 from gpr20_common.terminal_text import say
 from gpr20_web.errors import AccountError
 from gpr20_web.low.account_file import AccountFile, checked_name, role_of
@@ -18,12 +22,14 @@ from gpr20_web.mid.accounts import Accounts
 from gpr20_web.mid.web_parameters import WebParameters
 from gpr20_web.roles import Role
 
+FILE = "web.yaml"
+
 
 def main() -> int:
     """Do what the command line asks; return the exit status."""
     given = _parser().parse_args()
-    accounts = Accounts(AccountFile(given.folder.expanduser().absolute()), Clock())
     try:
+        accounts = Accounts(AccountFile(_folder(given)), Clock())
         given.act(accounts, given)
         if given.act is not _list and all(one.role is not Role.ADMIN for one in accounts.all()):
             say("users: no account may manage the others on the page", file=sys.stderr)
@@ -31,6 +37,8 @@ def main() -> int:
     except Gpr20Error as error:
         remedy = [] if error.message.remedy is None else [f"-> {error.message.remedy}"]
         say(f"users: {error}", *remedy, file=sys.stderr)
+    except OSError as error:
+        say(f"users: {error.filename}: {os_reason(error)}", file=sys.stderr)
     except KeyboardInterrupt:
         say("users: nothing was changed", file=sys.stderr)
     return 1
@@ -47,7 +55,7 @@ def _parser() -> argparse.ArgumentParser:
     def add(name: str, act: Callable[..., None], text: str) -> argparse.ArgumentParser:
         one = actions.add_parser(name, help=text, description=text)
         one.set_defaults(act=act)
-        one.add_argument("--folder", type=Path, default=WebParameters.folder, help="of the page")
+        one.add_argument("--folder", help="of the page; default: that of web.yaml")
         if name != "list":
             one.add_argument("name", metavar="NAME")
         return one
@@ -63,12 +71,20 @@ def _parser() -> argparse.ArgumentParser:
     return parser
 
 
-def _list(accounts: Accounts, _given: argparse.Namespace) -> None:
+def _folder(given: argparse.Namespace) -> Path:
+    """Return the folder of the page that the robot's configuration describes, or the given one."""
+    if given.folder:
+        return Path(given.folder).expanduser().absolute()
+    file = robot_folder(os.environ) / FILE
+    return record_from(WebParameters, configured(file), str(file)).path
+
+
+def _list(accounts: Accounts, given: argparse.Namespace) -> None:
     found = accounts.all()
     if found:
         say(*(f"{one.name:40} {one.role.word:8} {one.created[:10]}" for one in found))
     else:
-        say("users: there are no accounts", file=sys.stderr)
+        say(f"users: there are no accounts in {_folder(given)}", file=sys.stderr)
 
 
 def _add(accounts: Accounts, given: argparse.Namespace) -> None:

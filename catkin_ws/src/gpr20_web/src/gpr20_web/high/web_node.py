@@ -188,7 +188,10 @@ class WebNode:
 
         self._events.call(listen)
         if not self._accounts.all():
-            rospy.logwarn("nobody can log in yet: rosrun gpr20_web users add NAME --role admin")
+            rospy.logwarn(
+                "nobody can log in yet: rosrun gpr20_web users add NAME --role admin --folder %s",
+                parameters.path,
+            )
 
     def _follow_robots(self, watched: bool) -> None:
         if watched and not self._asks_for_robots:
