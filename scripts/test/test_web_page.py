@@ -27,6 +27,19 @@ window.fetch = (address, options) => {
   return new Promise((_, reject) => { window.losePause = () => reject(lost); });
 };
 """
+# As after an hour of sleep; every stream that is opened is counted.
+SLEEP = """
+const { now } = Date;
+Date.now = () => now() + 3600000;
+window.streams = 0;
+window.EventSource = class extends EventSource {
+  constructor(address) {
+    super(address);
+    window.streams++;
+  }
+};
+"""
+IS_STALE = "return document.body.classList.contains('stale')"
 NARROWEST = "return Math.min(...[...document.querySelectorAll('td')].map((one) => one.clientWidth))"
 PAGES = ("now", "map", "radar", "surveys", "robots", "service", "users", "audit")
 
@@ -102,6 +115,12 @@ def _stop_over_a_bad_link(site: Site) -> None:
     browser.run("window.losePause()")
     assert "STOP is not confirmed yet" in browser.text(".said")
     assert not browser.find("#pause").is_enabled()
+    browser.run(SLEEP)
+    browser.wait(lambda: browser.run("return window.streams") == 1, "a new stream after a sleep")
+    browser.run("document.dispatchEvent(new Event('visibilitychange'))")
+    assert browser.run("return window.streams") == 2
+    browser.wait(lambda: not browser.run(IS_STALE), "it is live")
+    assert "STOP is not confirmed yet" in browser.text(".said")
     # Loaded again, as by another language, the page sends the same STOP again.
     browser.open(f"{site.address}/")
     browser.wait_for_text("otto: STOP: ", ".said")
@@ -225,13 +244,13 @@ def test_what_is_old_is_said_to_be_old_and_becomes_true_again_by_itself(site: Si
         # At once: after 10 s, the watchdog ends a process that does not answer.
         browser.press("#stop")
         browser.wait_for_text("NO CONNECTION", "#top")
-        assert browser.run("return document.body.classList.contains('stale')")
+        assert browser.run(IS_STALE)
+        browser.run("dispatchEvent(new PageTransitionEvent('pageshow', { persisted: true }))")
+        assert "Connecting" in browser.text("#top")
         browser.wait_for_text("it is unknown whether it arrived", "#top")
     finally:
         process.resume()
-    browser.wait(
-        lambda: not browser.run("return document.body.classList.contains('stale')"), "it is live"
-    )
+    browser.wait(lambda: not browser.run(IS_STALE), "it is live")
     browser.wait_for_text("vera: STOP: ", "#top")
     # Whoever opens the page later does not take it for what happens now.
     browser.open(f"{site.address}/")

@@ -2,7 +2,7 @@
 
 import { button, element, field } from "./dom.js";
 import { Notices } from "./notices.js";
-import { Live, Server } from "./server.js";
+import { Live, Server, nowMs } from "./server.js";
 import { Top } from "./top.js";
 import audit from "./pages/audit.js";
 import map from "./pages/map.js";
@@ -87,7 +87,7 @@ class App {
   // has started since.
   get stops() {
     const presses = JSON.parse(this.kept.getItem("stops") ?? "[]");
-    return presses.filter(([, pressedMs]) => Date.now() - pressedMs < STOP_LIMIT_MS);
+    return presses.filter(([, pressedMs]) => nowMs() - pressedMs < STOP_LIMIT_MS);
   }
 
   set stops(presses) {
@@ -180,8 +180,16 @@ class App {
     this.live = new Live(this.server, (state) => this.update(state), () =>
       this.leave("over"));
     this.top = new Top(header, this);
-    this.ticks = setInterval(() => this.top.tick(), TICK_MS);
+    this.ticks = setInterval(() => this.live.slept ? this.wake() : this.top.tick(), TICK_MS);
+    document.addEventListener("visibilitychange", () => document.hidden || this.wake());
+    window.addEventListener("pageshow", ({ persisted }) => persisted && this.wake());
     this.show();
+  }
+
+  // The state is grey until a new stream has brought it.
+  wake() {
+    this.live.wake();
+    this.top.tick();
   }
 
   leave(why = "") {

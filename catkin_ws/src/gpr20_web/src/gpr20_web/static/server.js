@@ -6,6 +6,11 @@ const REQUEST_LIMIT_MS = 30000;
 const AGAIN_MS = 2000;
 // A connection that was silent for so long is made again: TCP waits ever longer.
 const SILENT_MS = 10000;
+// Between two messages, the two clocks of this computer differ more only if it slept, or one was set.
+const SLEPT_MS = 2000;
+
+// Also for what is kept when the page is loaded again; whoever sets the clock does not change it.
+export const nowMs = () => performance.timeOrigin + performance.now();
 
 export class ServerError extends Error {
   constructor(values, status) {
@@ -48,6 +53,9 @@ export class Server {
   }
 }
 
+// performance.now() may stand still while the computer sleeps; this clock may be set.
+const gapMs = () => Date.now() - performance.now();
+
 // The live document: parts come as they change, and one sign of life a second.
 export class Live {
   constructor(server, onChange, onEnd) {
@@ -62,7 +70,9 @@ export class Live {
   }
 
   open() {
+    this.source?.close();
     this.askedMs = performance.now();
+    this.gapMs = gapMs();
     this.source = new EventSource(this.server.address("/api/live"));
     this.source.onmessage = (message) => this.take(JSON.parse(message.data));
     this.source.onerror = () => this.again(AGAIN_MS);
@@ -91,7 +101,23 @@ export class Live {
     if (!this.closed) this.open();
   }
 
+  get slept() {
+    return Math.abs(gapMs() - this.gapMs) > SLEPT_MS;
+  }
+
+  // Nobody knows how old what is shown, or still on its way, has become.
+  wake() {
+    this.sentMs = null;
+    if (!this.closed) this.open();
+  }
+
   take(changes) {
+    if (this.slept) {
+      this.wake();
+      return;
+    }
+    this.gapMs = gapMs();
+    this.takenMs = Date.now();
     this.sentMs = changes.sent_ms;
     // It was sent after it was asked for: if not, the clock of the robot's computer began again.
     if (this.askedMs - this.sentMs > this.offsetMs) this.offsetMs = Infinity;
@@ -104,7 +130,8 @@ export class Live {
 
   // How old what is shown is [ms]; also of what was long on its way.
   ageMs() {
-    return this.sentMs === null ? Infinity : performance.now() - this.sentMs - this.offsetMs;
+    if (this.sentMs === null) return Infinity;
+    return Math.max(performance.now() - this.sentMs - this.offsetMs, Date.now() - this.takenMs);
   }
 
   // Time until a moment of the robot's clock [s].

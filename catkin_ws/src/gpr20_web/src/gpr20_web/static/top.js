@@ -1,6 +1,7 @@
 // The band on every page: state, sign, what to do, PAUSE or RESUME, STOP, remote control.
 
 import { ask, button, element, write } from "./dom.js";
+import { nowMs } from "./server.js";
 
 export const SIGNS = {
   working: "▶", paused: "‖", attention: "⚠", fault: "✖", done: "✔", rest: "■", replay: "⟲",
@@ -211,7 +212,7 @@ export class Top {
 
   stopNow() {
     const press = newPress();
-    this.app.stops = [...this.app.stops, [press, Date.now()]];
+    this.app.stops = [...this.app.stops, [press, nowMs()]];
     this.tick();
     this.repeatStop(press);
   }
