@@ -40,6 +40,29 @@ window.EventSource = class extends EventSource {
 };
 """
 IS_STALE = "return document.body.classList.contains('stale')"
+# A STOP that is not confirmed, and somebody who asks for control and has left.
+ASKED = """
+let seconds = 20;
+let holder;
+window.EventSource = class extends EventSource {
+  set onmessage(take) {
+    super.onmessage = ({ data }) => {
+      const changes = JSON.parse(data);
+      holder = changes.control?.holder ?? holder;
+      changes.control = { holder, asked: { name: "ana", mark: "left", passes_s: seconds-- } };
+      changes.stop_warning = { title: "MOTORS", text: "X axis: MOVES" };
+      take({ data: JSON.stringify(changes) });
+    };
+  }
+};
+dispatchEvent(new PageTransitionEvent("pageshow", { persisted: true }));
+"""
+DIALOG = """
+const dialog = document.createElement("dialog");
+dialog.append(document.createElement("h2"));
+document.body.append(dialog);
+dialog.showModal();
+"""
 NARROWEST = "return Math.min(...[...document.querySelectorAll('td')].map((one) => one.clientWidth))"
 PAGES = ("now", "map", "radar", "surveys", "robots", "service", "users", "audit")
 
@@ -123,7 +146,7 @@ def _stop_over_a_bad_link(site: Site) -> None:
     assert "STOP is not confirmed yet" in browser.text(".said")
     # Loaded again, as by another language, the page sends the same STOP again.
     browser.open(f"{site.address}/")
-    browser.wait_for_text("otto: STOP: ", ".said")
+    browser.wait_for_text("otto: STOP: the request was accepted", ".said")
 
 
 def _log_of_the_survey(site: Site) -> List[Dict[str, Any]]:
@@ -209,7 +232,7 @@ def test_every_control_is_reached_by_tab_and_stop_by_the_keyboard(site: Site) ->
             f"Tab reaches every control of {page} in its order",
         )
     press_by_keyboard(browser, "stop")
-    browser.wait_for_text("ada: STOP: ", "#top")
+    browser.wait_for_text("ada: STOP: refused by the main control. The axes were asked", "#top")
 
 
 def test_a_page_of_another_origin_reads_nothing_and_does_nothing(site: Site) -> None:
@@ -256,6 +279,32 @@ def test_what_is_old_is_said_to_be_old_and_becomes_true_again_by_itself(site: Si
     browser.open(f"{site.address}/")
     browser.find("#state")
     assert browser.text(".said") == ""
+
+
+def test_who_asks_for_control_and_a_stop_that_is_not_confirmed_are_in_sight(site: Site) -> None:
+    browser = site.browser
+    site.log_in("otto")
+    browser.resize(360)
+    browser.press("#take")
+    browser.wait_for_text("You are in control", "#top")
+    browser.run(ASKED)
+    browser.wait_for_text("ana asks for control", "#top")
+    browser.run("document.querySelector('.remote button').focus()")
+    browser.wait_for_text("It passes in 17 s", "#top")
+    assert browser.run("return document.activeElement.innerText") == "Pass control to ana"
+    browser.press(".remote button")
+    browser.wait_for_text("who asked for control does not ask for it now", "#alerts")
+    for page in ("now", "map"):
+        site.show(page)
+        assert browser.text("body").count("X axis: MOVES") == 1
+        assert "MOTORS" in browser.text("#top")
+        assert violations(browser) == []
+        browser.keep_picture(f"web_stop_warning_{page}_360")
+    browser.run(DIALOG)
+    browser.wait_for_text("X axis: MOVES", "dialog")
+    browser.run("document.querySelector('dialog').remove()")
+    browser.wait_for_text("X axis: MOVES", "#top")
+    browser.resize(800)
 
 
 def test_words_that_a_telephone_cuts_are_read_by_a_press(site: Site) -> None:

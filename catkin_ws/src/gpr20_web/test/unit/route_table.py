@@ -67,7 +67,7 @@ TABLE = (
     Row("POST", "/api/resume", OPERATE, {**PRESS, "survey": SURVEY}),
     Row("POST", "/api/control/take", OPERATE),
     Row("POST", "/api/control/release", OPERATE),
-    Row("POST", "/api/control/pass", OPERATE),
+    Row("POST", "/api/control/pass", OPERATE, {"mark": "0" * 16}),
     Row("POST", "/api/control/keep", OPERATE),
     # What takes the robot's computer minutes, or shows how it is set up.
     Row("POST", "/api/ground/hide", OPERATE, {"target": "pmn"}),

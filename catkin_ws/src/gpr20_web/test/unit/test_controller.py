@@ -8,9 +8,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from gpr20_web.calls import Person
-from gpr20_web.errors import NotAllowedError
-from gpr20_web.mid.controller import ABSENT_S, ANSWER_S, Controller
+from gpr20_web.calls import Call, Person
+from gpr20_web.errors import BadRequestError, NotAllowedError, NotNowError
+from gpr20_web.mid.controller import ABSENT_S, ANSWER_S, Controller, ControlPage
 from gpr20_web.roles import Role
 
 ANA, BEN, EVA = (Person(name, Role.OPERATE, f"session of {name}", "") for name in "abe")
@@ -48,15 +48,34 @@ def test_control_passes_when_its_person_says_so() -> None:
     room.controller.take(ANA)
     room.controller.take(BEN)
     assert room.controller.has(ANA)
-    room.controller.answer(ANA, True)
+    room.controller.give(ANA, BEN.mark)
     assert room.controller.has(BEN) and room.controller.asked is None
+
+
+def test_control_passes_only_to_whom_its_person_has_seen_asking() -> None:
+    room = Room()
+    room.controller.take(ANA)
+    room.controller.take(BEN)
+    room.controller.release(BEN)
+    with pytest.raises(NotNowError, match="does not ask for it now"):
+        room.controller.give(ANA, BEN.mark)
+    room.controller.take(EVA)
+    with pytest.raises(NotNowError):
+        room.controller.give(ANA, BEN.mark)
+    assert room.controller.has(ANA) and room.controller.asked is not None
+    page = ControlPage(room.controller, room.time, lambda *_what, **_values: None)
+    steps = {one.pattern: one.answer for one in page.routes}
+    with pytest.raises(BadRequestError, match="mark"):
+        steps["/api/control/pass"](Call(ANA))
+    steps["/api/control/pass"](Call(ANA, values={"mark": EVA.mark}))
+    assert room.controller.has(EVA)
 
 
 def test_control_stays_when_its_person_keeps_it() -> None:
     room = Room()
     room.controller.take(ANA)
     room.controller.take(BEN)
-    room.controller.answer(ANA, False)
+    room.controller.keep(ANA)
     room.wait(10 * ANSWER_S)
     assert room.controller.has(ANA)
 
@@ -127,11 +146,11 @@ def test_control_changes_hands_only_by_its_person_or_after_a_seen_request(steps)
                 room.present.discard(argument.session)
             elif what == "come":
                 room.present.add(argument.session)
-            elif what in ("pass", "keep"):
-                controller.answer(argument, what == "pass")
+            elif what == "pass":
+                controller.give(argument, was_asked.person.mark if was_asked else "")
             else:
                 getattr(controller, what)(argument)
-        except NotAllowedError:
+        except (NotAllowedError, NotNowError):
             pass
         after = controller.holder
         if controller.asked is not None and controller.asked is not was_asked:

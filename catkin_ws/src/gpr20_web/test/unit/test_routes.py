@@ -86,8 +86,14 @@ def test_nothing_is_done_for_another_page(pages: Mapping[bool, WholePage], row: 
     assert page.done() == before
 
 
-# These need a search, or an imaging node that answers, which other tests have.
-NOT_HERE = ("/api/ground/focus", "/api/ground/hide", "/api/ground/cancel", f"{S}/found")
+# These need a search, somebody who asks, or an imaging node that answers: other tests have them.
+NOT_HERE = (
+    "/api/control/pass",
+    "/api/ground/focus",
+    "/api/ground/hide",
+    "/api/ground/cancel",
+    f"{S}/found",
+)
 STATES = {"/api/pause": SurveyState.SURVEYING, "/api/resume": SurveyState.PAUSED}
 
 

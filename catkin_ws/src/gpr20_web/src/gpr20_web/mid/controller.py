@@ -10,8 +10,8 @@ from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message
 from gpr20_operator.robot.snapshot import Snapshot
 from gpr20_web import faults
-from gpr20_web.calls import Audited, Call, Person, Route
-from gpr20_web.errors import NotAllowedError
+from gpr20_web.calls import Audited, Call, Person, Route, text_of
+from gpr20_web.errors import NotAllowedError, NotNowError
 from gpr20_web.mid.web_page import WebPage
 from gpr20_web.roles import Role
 
@@ -77,16 +77,30 @@ class Controller:
                 Message("{name} asks for control already", name=self.asked.person.name)
             )
 
-    def answer(self, person: Person, passes: bool) -> None:
-        """Answer the request of another one.
+    def keep(self, person: Person) -> None:
+        """Refuse the request of another one.
 
         Raises:
             NotAllowedError: The person is not in control.
         """
         self.check(person)
-        if self.asked is not None and passes:
-            self._give(self.asked.person)
         self.asked = None
+
+    def give(self, person: Person, mark: str) -> None:
+        """Let the one who asks have control.
+
+        Args:
+            person: Who is in control.
+            mark: Of the browser that the person has seen asking.
+
+        Raises:
+            NotAllowedError: The person is not in control.
+            NotNowError: It asks no longer.
+        """
+        self.check(person)
+        if self.asked is None or self.asked.person.mark != mark:
+            raise NotNowError(Message("who asked for control does not ask for it now"))
+        self._give(self.asked.person)
 
     def release(self, person: Person) -> None:
         """Give control up, or a request for it."""
@@ -166,12 +180,12 @@ class ControlPage(WebPage):
         return {}
 
     def _pass(self, call: Call) -> Mapping[str, Any]:
-        self._controller.answer(call.who, True)
+        self._controller.give(call.who, text_of(call, "mark"))
         self._audit(call, "control", "passed")
         return {}
 
     def _keep(self, call: Call) -> Mapping[str, Any]:
-        self._controller.answer(call.who, False)
+        self._controller.keep(call.who)
         self._audit(call, "control", "kept")
         return {}
 

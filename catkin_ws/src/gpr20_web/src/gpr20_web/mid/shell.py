@@ -28,6 +28,15 @@ WORDS: Mapping[str, Message] = {
         "NO CONNECTION: what you see is {seconds} s old. The robot may have moved since.",
         seconds="{seconds}",
     ),
+    # An answer of the main control says nothing of the motors.
+    "shell.stop_done": Message(
+        "{command}: the request was accepted. The robot rests only when its state says so",
+        command="{command}",
+    ),
+    "shell.stop_refused": Message(
+        "{command}: refused by the main control. The axes were asked to stop all the same",
+        command="{command}",
+    ),
     "shell.over": Message("You are no longer logged in: log in again."),
     "shell.no_answer": Message("The robot's computer does not answer. Check the network."),
 }

@@ -42,26 +42,28 @@ export class Top {
       id: "stop",
       "aria-describedby": "stop-note",
     });
+    this.warning = element("div", { id: "stop-warning", class: "danger", role: "alert" });
     this.said = element("p", { class: "said", role: "status" });
     this.remote = element("p", { class: "remote" });
-    root.replaceChildren(
+    this.bar = element(
+      "div",
+      { class: "bar" },
+      this.band,
       element(
         "div",
-        { class: "bar" },
-        this.band,
+        { class: "commands" },
+        this.start,
+        this.pause,
         element(
           "div",
-          { class: "commands" },
-          this.start,
-          this.pause,
-          element(
-            "div",
-            { class: "stop" },
-            this.stop,
-            element("small", { id: "stop-note" }, word("commands.not_emergency")),
-          ),
+          { class: "stop" },
+          this.stop,
+          element("small", { id: "stop-note" }, word("commands.not_emergency")),
         ),
       ),
+    );
+    root.replaceChildren(
+      this.bar,
       this.age,
       this.said,
       this.remote,
@@ -116,12 +118,25 @@ export class Top {
           : this.app.word("shell.connecting"),
       );
     if (!state.can) return;
+    this.showWarning(state.stop_warning);
     const inControl = this.app.inControl;
     const paused = state.job.paused;
     const waits = stale || this.app.stops.length > 0;
     this.pause.disabled = waits || (paused ? !(state.can.resume && inControl) : !state.can.pause);
     this.start.disabled = waits || !inControl;
     this.showRemote(state);
+  }
+
+  // What is asked covers the page: then it is there.
+  showWarning(warning) {
+    const above = document.querySelector("dialog h2") ?? this.bar;
+    if (above.nextElementSibling !== this.warning) above.after(this.warning);
+    const key = JSON.stringify(warning);
+    if (key === this.warningKey) return;
+    this.warningKey = key;
+    this.warning.hidden = !warning;
+    this.warning.replaceChildren(
+      ...(warning ? [element("strong", {}, warning.title), " ", warning.text] : []));
   }
 
   showRemote({ remote, control }) {
@@ -141,24 +156,27 @@ export class Top {
     if (app.inControl) parts.push(app.word("control.you"));
     else if (holder) parts.push(app.word("control.other", { name: holder.name }));
     else parts.push(app.word("control.nobody"));
-    if (asked)
-      parts.push(app.word("control.asked", { name: asked.name, seconds: asked.passes_s }));
-    const key = JSON.stringify([parts.slice(1), holder, asked, app.inControl]);
+    parts.push(
+      asked ? app.word("control.asked", { name: asked.name, seconds: asked.passes_s }) : "");
+    // The buttons stay while time alone changes: else a press or the focus is lost.
+    const key = JSON.stringify([holder, asked?.mark, app.inControl]);
     if (key !== this.remoteKey) {
       this.remoteKey = key;
-      this.armedText = element("span");
-      this.remote.replaceChildren(this.armedText, " ", parts.slice(1).join(" "), " ",
+      this.remoteTexts = parts.map(() => element("span"));
+      this.remote.replaceChildren(...this.remoteTexts.flatMap((one) => [one, " "]),
         ...this.remoteButtons(holder, asked));
     }
-    write(this.armedText, parts[0].replace(/([^.!?])$/, "$1."));
+    parts[0] = parts[0].replace(/([^.!?])$/, "$1.");
+    parts.forEach((text, number) => write(this.remoteTexts[number], text));
   }
 
   remoteButtons(holder, asked) {
     const { app } = this;
-    const send = (path) => () => app.post(path).catch((error) => app.report(error));
+    const send = (path, values) => () => app.post(path, values).catch((error) => app.report(error));
     if (app.inControl && asked)
       return [
-        button(app.word("control.pass", { name: asked.name }), send("/api/control/pass")),
+        button(app.word("control.pass", { name: asked.name }),
+          send("/api/control/pass", { mark: asked.mark })),
         button(app.word("control.keep"), send("/api/control/keep")),
       ];
     if (app.inControl) return [button(app.word("control.release"), send("/api/control/release"))];
@@ -268,7 +286,10 @@ export class Top {
     this.endStop(command.press, "");
     if (command.press === this.press) this.press = null;
     const name = this.app.word(`commands.${command.request}`);
-    const said = this.app.word(`commands.${command.outcome}`, { command: name });
+    const { outcome } = command;
+    const ofStop = `shell.stop_${outcome}`;
+    const isOfStop = command.request === "stop" && ofStop in this.app.words;
+    const said = this.app.word(isOfStop ? ofStop : `commands.${outcome}`, { command: name });
     this.say([`${command.name}: ${said}.`, command.text].filter(Boolean).join(" "));
   }
 }

@@ -56,7 +56,7 @@ export default {
     put("position", job.place);
     put("height", job.height_mm === null ? "" : `${job.height_mm} mm`);
     this.showMap(state, app);
-    const key = JSON.stringify([state.fault, state.refusal, state.stop_warning]);
+    const key = JSON.stringify([state.fault, state.refusal]);
     if (key !== this.cardsKey) {
       this.cardsKey = key;
       this.cards.replaceChildren(...this.cardsOf(state, app));
@@ -74,11 +74,8 @@ export default {
       );
   },
 
-  cardsOf({ fault, refusal, stop_warning: warning }, app) {
+  cardsOf({ fault, refusal }, app) {
     const cards = [];
-    if (warning)
-      cards.push(element("article", { class: "card danger", role: "alert" },
-        element("h2", {}, warning.title), element("p", {}, warning.text)));
     if (refusal) cards.push(this.card(refusal, app, refusal.title));
     if (fault) cards.push(this.card(fault, app, `${app.word("now.last_fault")}: ${fault.title}`));
     return cards;
