@@ -294,6 +294,19 @@ def test_lost_answer_is_unknown() -> None:
     assert desk.shown["command"]["outcome"] == Outcome.UNKNOWN.value
 
 
+def test_stop_without_contact_waits_for_the_answer_to_its_repetition() -> None:
+    desk = Desk()
+    desk.ask("stop")
+    silent = Answer(Request.STOP, False, Message("silent"), contact=False)
+    desk.commands.on_event(silent)
+    assert desk.shown["command"]["outcome"] == "unknown"
+    for _ in range(2):
+        desk.commands.on_event(Answer(Request.STOP, True, Message("stopping")))
+    assert desk.shown["command"]["outcome"] == "done"
+    said = [one["outcome"] for one in desk.audited]
+    assert said == ["sent", "unknown: silent", "done: stopping"]
+
+
 def test_answer_to_another_window_is_not_the_outcome_of_a_command() -> None:
     desk = Desk()
     desk.commands.on_event(Answer(Request.PAUSE, True, Message("pausing")))

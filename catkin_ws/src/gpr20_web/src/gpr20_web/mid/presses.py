@@ -86,7 +86,9 @@ class Presses:
         ended = self.waiting(answer.request)
         outcome = Outcome.DONE if answer.success else Outcome.REFUSED
         for one in ended:
-            one.answered, one.said = True, answer.message
+            # A STOP without contact is sent again: its answer is still to come.
+            one.answered = answer.contact or answer.request is not Request.STOP
+            one.said = answer.message
             one.outcome = outcome if answer.contact else Outcome.UNKNOWN
         return ended
 
