@@ -69,6 +69,11 @@ STOPPED_ON_REQUEST = Fault(
     Message("Nothing to do. The survey can be resumed in ARCHIVE."),
     Severity.NOTE,
 )
+STOPPED_BEFORE = Fault(
+    "survey.stopped_before",
+    Message("If nobody is in danger, press START, RESUME or the service button again."),
+    Severity.NOTE,
+)
 ROBOT_SHUT_DOWN = Fault(
     "survey.robot_shut_down",
     Message("Start the robot again, then resume the survey in ARCHIVE."),

@@ -183,6 +183,15 @@ def test_a_stop_ends_a_jog_and_the_answer_says_where_the_axis_is(bench):
     assert "22.5 mm" in str(jog(bench, X, 10.0))
 
 
+def test_a_service_move_that_waits_for_another_request_when_stop_comes_does_not_begin(bench):
+    bench.control._requests.acquire()
+    homing = InBackground(lambda: home(bench, X))
+    assert "does not begin" in str(bench.control.stop())
+    bench.control._requests.release()
+    assert reports(homing.join().message, faults.STOPPED_BEFORE)
+    assert not bench.x.homings
+
+
 def test_a_stop_ends_a_homing(bench):
     bench.y.hanging.clear()
     homing = InBackground(lambda: home(bench, Y))

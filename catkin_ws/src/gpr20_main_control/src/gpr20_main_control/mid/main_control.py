@@ -73,6 +73,8 @@ class MainControl:
         self._service = ServiceSlot(robot.axes, clock, on_service)
         self._daily_check = DailyCheckSteps(robot, clock)
         self._requests = threading.Lock()
+        # What was asked for before a STOP does not begin after it.
+        self._stops = self._stops_at_plan = 0
         self._plan: Optional[SurveyPlan] = None
         self._survey: Optional[RunningSurvey] = None
         self._engine: Optional[SurveyEngine] = None
@@ -86,6 +88,7 @@ class MainControl:
             SurveyParametersError: Parameters are not allowed; each is named.
             InvalidValueError: The parts of the robot have not described themselves, or disagree.
         """
+        stops = self._stops
         with self._one_at_a_time():
             self._refuse_while_running(
                 Message(
@@ -98,6 +101,7 @@ class MainControl:
             address = parameters.vna_address or description.analyzer_address()
             parameters = replace(parameters, vna_address=address)
             self._plan = plan_survey(parameters, config, self._settings)
+            self._stops_at_plan = stops
             self._status.show_parameters(parameters)
             ready = Message("Ready for {count} traces", count=self._plan.total_points)
             self._status.enter(SurveyState.CONFIGURED, ready)
@@ -118,7 +122,8 @@ class MainControl:
 
         Raises:
             InvalidValueError: `refines` is not the id of a survey.
-            RequestRefusedError: A survey is running, or no parameters have been set.
+            RequestRefusedError: A survey is running, no parameters have been set, or STOP was
+                requested since.
         """
         with self._one_at_a_time():
             self._refuse_while_running(
@@ -145,7 +150,7 @@ class MainControl:
                 refines=check_refines(refines),
                 permittivity=permittivity,
             )
-            self._begin(plan)
+            self._begin(plan, self._stops_at_plan)
             return plan.survey_id
 
     def pause(self) -> Message:
@@ -177,14 +182,20 @@ class MainControl:
         Raises:
             RequestRefusedError: There is nothing to stop.
         """
-        # No lock: a stop does not wait for other requests.
+        # No lock: a stop does not wait for other requests. First, so that what begins meanwhile
+        # either sees it or is stopped here.
+        self._stops += 1
         if self._service.stop():
             return Message("Stopping the axes")
         if not self._status.status.state.running:
+            if self._requests.locked():
+                return Message("No survey runs; what is being prepared does not begin")
             raise RequestRefusedError(
                 Message("no survey is running; there is nothing to stop"), fault=faults.NONE_RUNNING
             )
         self._interruption.stop.set()
+        # It was for this survey; the next one may have the same parameters.
+        self._stops_at_plan = self._stops
         if self._survey is not None:
             self._survey.positioner.stop()
         return Message("Stopping the axes, then storing the measured traces")
@@ -204,6 +215,7 @@ class MainControl:
             DeviceError: The survey could not be reopened.
             OtherAnalyzerError: The analyzer is another one; the survey is paused.
         """
+        stops = self._stops
         with self._one_at_a_time():
             status = self._status.status
             if status.state is SurveyState.PAUSED and self._engine is not None:
@@ -236,7 +248,7 @@ class MainControl:
                     ),
                     fault=faults.NONE_PAUSED,
                 )
-            return self._unless_refused(self._resume_from_disk(survey, accepted))
+            return self._unless_refused(self._resume_from_disk(survey, accepted, stops))
 
     def move_for_service(self, move: AxisMove) -> Message:
         """Move one axis for maintenance and return, when it is at rest, where it is.
@@ -274,6 +286,7 @@ class MainControl:
 
     @contextlib.contextmanager
     def _in_service(self, activity: Message) -> Iterator[None]:
+        stops = self._stops
         with self._one_at_a_time():
             self._refuse_while_running(
                 Message(
@@ -283,6 +296,8 @@ class MainControl:
             )
             self._service.claim(activity)
         try:
+            # From now on a STOP reaches the action.
+            self._refuse_after_stop(stops)
             yield
         finally:
             self._service.release()
@@ -325,6 +340,13 @@ class MainControl:
                     fault=faults.BUSY,
                 )
 
+    def _refuse_after_stop(self, stops: int) -> None:
+        if self._stops != stops:
+            raise RequestRefusedError(
+                Message("STOP was requested meanwhile; nothing begins"),
+                fault=faults.STOPPED_BEFORE,
+            )
+
     def _unless_refused(self, resuming: Message) -> Message:
         """Return the message, unless the survey paused again because of its analyzer."""
         assert self._engine is not None
@@ -333,13 +355,13 @@ class MainControl:
             raise refusal
         return resuming
 
-    def _resume_from_disk(self, survey: str, accepted: Accepted) -> Message:
+    def _resume_from_disk(self, survey: str, accepted: Accepted, stops: int) -> Message:
         storage = self._robot.storage
         reopened = self._robot.storage_calls.call(lambda: storage.reopen(survey), lambda: None)
         try:
             config = self._robot.description.config(STARTING_LIMIT_S)
             plan = plan_resumption(reopened, config, self._settings)
-            self._begin(plan, accepted)
+            self._begin(plan, stops, accepted)
         except Gpr20Error as error:
             # Refused, so it must not stay open.
             refusal = Message("not resumed: {reason}", reason=error.message)
@@ -352,11 +374,13 @@ class MainControl:
         remark = interruption_remark(reopened.interrupted)
         return resuming if remark is None else in_a_row([resuming, remark])
 
-    def _begin(self, plan: SurveyPlan, accepted: Accepted = NOTHING) -> None:
+    def _begin(self, plan: SurveyPlan, stops: int, accepted: Accepted = NOTHING) -> None:
         # First, so that nothing changes if the survey is refused here.
+        self._refuse_after_stop(stops)
         survey = RunningSurvey(plan, self._robot, self._status, self._interruption)
         engine = SurveyEngine(survey, accepted)
         self._plan, self._survey, self._engine = plan, survey, engine
+        self._stops_at_plan = stops
         self._status.show_parameters(plan.parameters)
         self._interruption.stop.clear()
         self._status.begin_survey(
@@ -366,6 +390,9 @@ class MainControl:
             sum(plan.pending_durations_s),
         )
         self._status.enter(SurveyState.CHECKING, Message("Checking the robot"))
+        if self._stops != stops:
+            # It came after the look above, and found no survey that it could stop.
+            self._interruption.stop.set()
         self._thread = threading.Thread(target=engine.run, name="survey")
         self._thread.start()
 

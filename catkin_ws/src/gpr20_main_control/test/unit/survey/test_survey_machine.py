@@ -75,6 +75,8 @@ class SurveyMachine(RuleBasedStateMachine):
         )
         self.control, self.nodes = self.bench.control, self.bench.nodes
         self.configured = False
+        # STOP at rest: what was set before it is not started after it.
+        self.stopped_since = False
         self.process = 1
         self.stored_before = {}
 
@@ -150,6 +152,7 @@ class SurveyMachine(RuleBasedStateMachine):
         allowed = not self.state.running
         self.request(lambda: self.control.set_parameters(SMALL), allowed)
         self.configured = self.configured or allowed
+        self.stopped_since = self.stopped_since and not allowed
 
     @rule()
     def set_wrong_parameters(self):
@@ -160,7 +163,8 @@ class SurveyMachine(RuleBasedStateMachine):
 
     @rule()
     def start(self):
-        self.request(self.control.start, not self.state.running and self.configured)
+        allowed = not self.state.running and self.configured and not self.stopped_since
+        self.request(self.control.start, allowed)
 
     @rule()
     def pause(self):
@@ -170,6 +174,7 @@ class SurveyMachine(RuleBasedStateMachine):
     def stop(self):
         allowed = self.state in RUNNING
         self.request(self.stop_and_wait, allowed)
+        self.stopped_since = not allowed
 
     def stop_and_wait(self):
         self.control.stop()
@@ -191,6 +196,7 @@ class SurveyMachine(RuleBasedStateMachine):
             finished = self.storage.outcomes.get(survey_id) == "finished"
             allowed = not self.state.running and not finished and not self.storage.broken
             self.configured = self.configured or allowed
+            self.stopped_since = self.stopped_since and not allowed
         self.request(lambda: self.control.resume(name), allowed)
 
     @rule()
@@ -211,6 +217,7 @@ class SurveyMachine(RuleBasedStateMachine):
         if self.state is State.PAUSED:
             self.resume()
         elif not self.state.running and self.configured:
+            self.set_parameters()
             self.start()
         assert self.state in (*MEASURING, State.FINISHED) or not self.configured
 

@@ -2,9 +2,14 @@
 
 import threading
 
+import pytest
+from cut_off_surveys import reopened_survey
 from fake_robot import LIMIT_S, NODES, reports
+from fault_kit import raises_fault
+from survey_examples import PARAMETERS
 
 from gpr20_main_control import faults
+from gpr20_main_control.errors import RequestRefusedError
 from gpr20_survey.plan.survey_state import SurveyState as State
 
 
@@ -191,3 +196,49 @@ def test_a_survey_can_follow_one_that_was_stopped(bench):
     bench.y.fail_move = ""
     bench.start()
     bench.wait_for(State.FINISHED)
+
+
+def test_a_stop_after_the_parameters_were_set_keeps_the_survey_from_starting(bench):
+    bench.control.set_parameters(PARAMETERS)
+    with raises_fault(faults.NONE_RUNNING, error=RequestRefusedError):
+        bench.control.stop()
+    with raises_fault(faults.STOPPED_BEFORE, error=RequestRefusedError):
+        bench.control.start()
+    assert not any(axis.moves for axis in bench.axes)
+    bench.start()
+    bench.complete()
+
+
+@pytest.mark.parametrize("request_of", ["set_parameters", "start", "resume"])
+def test_what_is_being_prepared_when_stop_comes_does_not_begin(bench, monkeypatch, request_of):
+    bench.storage.reopened = reopened_survey([0, 1])
+    bench.control.set_parameters(PARAMETERS)
+    description, taken = bench.control._robot.description, []
+
+    def slowly(*arguments):
+        taken.append(str(bench.control.stop()))
+        return config(*arguments)
+
+    config = description.config
+    monkeypatch.setattr(description, "config", slowly)
+    requests = {
+        "set_parameters": bench.start,
+        "start": bench.control.start,
+        "resume": lambda: bench.control.resume("survey"),
+    }
+    with raises_fault(faults.STOPPED_BEFORE, error=RequestRefusedError):
+        requests[request_of]()
+    assert "does not begin" in taken[0]
+    assert not any(axis.moves or axis.homings for axis in bench.axes)
+    assert not bench.board.status.state.running
+
+
+def test_a_survey_can_be_started_again_after_its_stop(bench):
+    bench.x.blocked.clear()
+    bench.start()
+    assert bench.x.begun.wait(LIMIT_S)
+    bench.control.stop()
+    bench.x.blocked.set()
+    bench.wait_for(State.STOPPED)
+    bench.control.start()
+    bench.complete()

@@ -66,6 +66,7 @@ AXIS_PERIOD_S = 0.2
 START_TIMEOUT_S = 1200.0
 # Between two looks whether a player is connected [s].
 PLAYER_PERIOD_S = 1.0
+WITHDRAWN = Message("the survey was not started: STOP was pressed, or the permission ended")
 
 
 class ControlClient(RosEvents):
@@ -76,6 +77,8 @@ class ControlClient(RosEvents):
         self._set_parameters = ServiceClient("set_survey_parameters", SetSurveyParameters)
         self._start = ServiceClient("start_survey", StartSurvey)
         self._stop = RobotStop(self._emit)
+        # A start that was asked for with another number is not asked for any further.
+        self._withdrawals = 0
         self._pause = ServiceClient("pause_survey", Command)
         self._resume = ServiceClient("resume_survey", ResumeSurvey)
         self._pause_replay = ServiceClient("pause", Command)
@@ -134,11 +137,17 @@ class ControlClient(RosEvents):
             "permittivity": permittivity,
         }
         self._stop.forget()
-        self._ask(Request.START, lambda: self._ask_start(parameters, added))
+        withdrawals = self._withdrawals
+        self._ask(Request.START, lambda: self._ask_start(parameters, added, withdrawals))
 
     def stop(self) -> None:
         """Ask every axis and the main control to stop, at the same time; the answers are events."""
+        self.withdraw_start()
         self._stop.press()
+
+    def withdraw_start(self) -> None:
+        """Keep a survey from starting whose parameters have not been accepted yet."""
+        self._withdrawals += 1
 
     def pause_survey(self) -> None:
         """Ask to pause the survey; the answer is an event."""
@@ -212,11 +221,16 @@ class ControlClient(RosEvents):
         self._limits = conversions.axis_limits(message)
         return self._limits
 
-    def _ask_start(self, parameters: SurveyParameters, added: Dict[str, Any]) -> Any:
+    def _ask_start(
+        self, parameters: SurveyParameters, added: Dict[str, Any], withdrawals: int
+    ) -> Any:
+        """Return the answer; None if the request was withdrawn."""
         message = conversions.parameters_message(parameters)
         accepted = self._set_parameters.call(SET_TIMEOUT_S, parameters=message)
         if not accepted.success:
             return accepted
+        if withdrawals != self._withdrawals:
+            return None
         self._emit(Accepted(accepted.total_points, accepted.estimated_time.to_sec()))
         return self._start.call(START_TIMEOUT_S, **added)
 
@@ -227,6 +241,9 @@ class ControlClient(RosEvents):
             except (ServiceUnavailableError, rospy.ROSException) as error:
                 silent = no_answer(CONTROL_SILENT, error)
                 self._emit(Answer(request, False, silent, contact=False))
+                return
+            if response is None:
+                self._emit(Answer(request, False, WITHDRAWN))
                 return
             survey_id = getattr(response, "survey_id", "")
             other = getattr(response, "other_analyzer", "")

@@ -8,7 +8,7 @@ from typing import Callable, Optional, Tuple
 
 from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message
-from gpr20_operator.robot.condition import lost
+from gpr20_operator.robot.condition import urgent
 from gpr20_operator.robot.events import ControlState
 from gpr20_operator.robot.snapshot import Snapshot
 from gpr20_survey.plan.annotation import Annotation
@@ -86,9 +86,9 @@ def remote_obstacle(snapshot: Snapshot) -> Optional[Message]:
     """Return why the robot can be allowed to nobody elsewhere now; None: it can."""
     if snapshot.replay is not None:
         return NO_ROBOT
-    gone = lost(snapshot)
-    if gone is not None:
-        return gone.message
+    alarm = urgent(snapshot)
+    if alarm is not None:
+        return alarm.message
     if snapshot.service is not None:
         return Message("In progress: {activity}", activity=snapshot.service)
     return None
