@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import re
+import socket
 import threading
 from typing import Any, Dict, Iterator
 
@@ -11,9 +12,11 @@ import pytest
 from tornado import netutil
 from web_kit import COOKIE, LIMIT_S, Site
 
+from gpr20_common.low.tcp_keepalive import end_when_broken
 from gpr20_common.message import Message
 from gpr20_web.calls import Body, Call, Cookie, Route, Stream
 from gpr20_web.errors import NotNowError, PortTakenError
+from gpr20_web.low import table_handler
 from gpr20_web.low.http_server import THREADS
 from gpr20_web.roles import Role
 
@@ -231,6 +234,21 @@ def test_stream_sends_all_first_and_then_what_changes(site: Site) -> None:
         second = _event(response)
     assert second["band"] == {"title": "moves"} and "many" not in second
     connection.close()
+
+
+def test_browser_that_watches_and_vanishes_is_gone_after_ten_seconds(
+    site: Site, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    limited = []
+
+    def note(connection: socket.socket, limit_s: float) -> None:
+        end_when_broken(connection, limit_s)
+        options = (socket.TCP_USER_TIMEOUT, socket.TCP_KEEPIDLE)
+        limited.append([connection.getsockopt(socket.IPPROTO_TCP, one) for one in options])
+
+    monkeypatch.setattr(table_handler, "end_when_broken", note)
+    assert site.ask("GET", "/api/live", session="view").status == 200
+    assert limited == [[10_000, 1]]
 
 
 def _event(response: Any) -> Any:

@@ -14,6 +14,7 @@ from tornado.iostream import StreamClosedError
 from gpr20_common.catalogue import Language
 from gpr20_common.errors import Gpr20Error
 from gpr20_common.low.catalogue_file import read_catalogue
+from gpr20_common.low.tcp_keepalive import end_when_broken
 from gpr20_common.message import Message
 from gpr20_web import faults
 from gpr20_web.calls import Answer, Body, Call, Cookie, Person, Route, Routes, Stream
@@ -28,6 +29,8 @@ COOKIE = "__Host-session"
 # In seconds since 1970.
 LONG_AGO = 1.0
 MAX_WAITING = 32
+# A browser that watches and whose computer has not answered for so long is gone [s].
+BROKEN_S = 10.0
 JSON = "application/json"
 # Nothing from outside, no frame around it, no address of it for others. No HSTS: it would
 # forbid a person to accept the certificate that the installation made.
@@ -235,7 +238,11 @@ class TableHandler(web.RequestHandler):
 
     async def _watch(self, stream: Stream, call: Call) -> None:
         watcher = self._watcher = self._site.streams.add(self, stream, call.who)
+        connection = self.request.connection
         try:
+            if isinstance(connection, HTTP1Connection) and not connection.stream.closed():
+                # Without this, a browser whose link is lost would be there for 15 min.
+                end_when_broken(connection.stream.socket, BROKEN_S)
             self.set_header("Content-Type", "text/event-stream")
             await self.flush()
             await watcher.gone.wait()
