@@ -2,21 +2,22 @@
 
 from __future__ import annotations
 
+import http.client
 import json
 import re
 import socket
 import threading
-from typing import Any, Dict, Iterator
+from typing import Any, Dict, Iterator, List
 
 import pytest
-from tornado import netutil
+from tornado import httputil, netutil
 from web_kit import COOKIE, LIMIT_S, Site
 
 from gpr20_common.low.tcp_keepalive import end_when_broken
 from gpr20_common.message import Message
 from gpr20_web.calls import Body, Call, Cookie, Route, Stream
 from gpr20_web.errors import NotNowError, PortTakenError
-from gpr20_web.low import table_handler
+from gpr20_web.low import http_server, table_handler
 from gpr20_web.low.http_server import THREADS
 from gpr20_web.roles import Role
 
@@ -92,6 +93,36 @@ def test_each_role_may_do_what_needs_it_or_less(
 def test_a_request_that_another_page_could_send_changes_nothing(site: Site, headers: Any) -> None:
     reply = site.ask("POST", "/api/admin", {}, "admin", headers)
     assert reply.status == 403
+
+
+def test_no_form_is_read(site: Site, monkeypatch: pytest.MonkeyPatch) -> None:
+    read: List[str] = []
+    monkeypatch.setattr(
+        httputil, "parse_body_arguments", lambda kind, *_rest, **_more: read.append(kind)
+    )
+    form = b'--x\r\nContent-Disposition: form-data; name="' + b";" * 60_000 + b'"\r\n\r\n\r\n--x--'
+    for path in ("/nowhere", "/api/nobody"):
+        headers = {"Content-Type": "multipart/form-data; boundary=x"}
+        assert site.ask("POST", path, session="", headers=headers, body=form).status in (403, 404)
+    assert read == []
+
+
+def test_too_many_connections_are_closed_at_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(http_server, "MAX_CONNECTIONS", 2)
+    site = Site(ROUTES)
+    try:
+        kept = [site.connect() for _number in range(2)]
+        for one in kept:
+            one.request("GET", "/api/nobody")
+            one.getresponse().read()
+        with pytest.raises((http.client.RemoteDisconnected, ConnectionError)):
+            site.ask("GET", "/api/nobody")
+        for one in kept:
+            one.request("GET", "/api/nobody")
+            assert one.getresponse().read()
+            one.close()
+    finally:
+        site.close()
 
 
 def test_every_answer_forbids_frames_foreign_content_and_guessing_of_types(site: Site) -> None:

@@ -8,9 +8,10 @@ import os
 import ssl
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
-from typing import Callable, Optional
+from typing import Any, Callable, Optional
 
 from tornado import httpserver, netutil, web
+from tornado.iostream import IOStream
 
 from gpr20_common.message import Message
 from gpr20_common.os_reason import os_reason
@@ -24,6 +25,8 @@ MAX_BODY_BYTES = 64 * 1024
 MAX_HEADER_BYTES = 16 * 1024
 READ_LIMIT_S = 10.0
 IDLE_CONNECTION_S = 120.0
+# Each has a descriptor, of which a process usually has 1024: without any, nothing works.
+MAX_CONNECTIONS = 512
 THREADS, LOGIN_THREADS = 8, 2
 _REFUSALS = {
     errno.EADDRINUSE: Message(
@@ -37,6 +40,16 @@ _REFUSALS = {
         "this user may not use this port; set one from 1024 to 65535 in web.yaml"
     ),
 }
+
+
+class _BoundedServer(httpserver.HTTPServer):
+    """Closes further connections at once when there are too many."""
+
+    def handle_stream(self, stream: IOStream, address: Any) -> None:
+        if len(self._connections) < MAX_CONNECTIONS:
+            super().handle_stream(stream, address)
+        else:
+            stream.close()
 
 
 class HttpServer:
@@ -90,7 +103,7 @@ class HttpServer:
                     details=error,
                 )
             ) from error
-        self._server = httpserver.HTTPServer(
+        self._server = _BoundedServer(
             table,
             ssl_options=context,
             max_body_size=MAX_BODY_BYTES,
