@@ -18,7 +18,7 @@ STYLE = (
     "padding:0 1rem}h1{font-size:1.5rem;margin:1rem 0}h2{font-size:1.15rem;margin-top:2rem;"
     "border-bottom:1px solid #ccc}table{border-collapse:collapse;margin:.5rem 0}"
     "td,th{text-align:left;padding:.15rem 1.2rem .15rem 0;vertical-align:top}"
-    "td{white-space:pre-line}td:first-child{color:#555;white-space:nowrap}"
+    "td{white-space:pre-wrap}td:first-child{color:#555;white-space:nowrap}"
     "tr+tr td{border-top:1px solid #eee}"
     "p{margin:.3rem 0}.warning{color:#8a0000;font-weight:600}"
     ".notice{border:2px solid #b00000;padding:.4rem .8rem;margin:.6rem 0;font-weight:700}"
