@@ -63,6 +63,31 @@ dialog.append(document.createElement("h2"));
 document.body.append(dialog);
 dialog.showModal();
 """
+# The first STOP and the first question for the words are lost.
+BAD_FROM_THE_START = """{
+  const { fetch } = window;
+  window.asked = [];
+  window.fetch = (address, options) => {
+    window.asked.push(address.split("?")[0]);
+    const isLost = window.asked.length <= 2;
+    return isLost ? Promise.reject(new TypeError("lost")) : fetch(address, options);
+  };
+}"""
+# The ground is never answered; how many of its requests are open, at any time and at STOP.
+SLOW_GROUND = """
+const { fetch } = window;
+Object.assign(window, { asked: 0, open: 0 });
+window.fetch = (address, options) => {
+  if (address.startsWith("/api/stop")) window.openAtStop = window.open;
+  if (!address.startsWith("/api/ground?")) return fetch(address, options);
+  window.asked++;
+  window.open++;
+  return new Promise((_, reject) => options.signal.addEventListener("abort", () => {
+    window.open--;
+    reject(options.signal.reason);
+  }));
+};
+"""
 NARROWEST = "return Math.min(...[...document.querySelectorAll('td')].map((one) => one.clientWidth))"
 PAGES = ("now", "map", "radar", "surveys", "robots", "service", "users", "audit")
 
@@ -144,9 +169,14 @@ def _stop_over_a_bad_link(site: Site) -> None:
     assert browser.run("return window.streams") == 2
     browser.wait(lambda: not browser.run(IS_STALE), "it is live")
     assert "STOP is not confirmed yet" in browser.text(".said")
-    # Loaded again, as by another language, the page sends the same STOP again.
+    # Loaded again, as by another language, the page sends the same STOP before all else.
+    script = "Page.addScriptToEvaluateOnNewDocument", {"source": BAD_FROM_THE_START}
+    bad = browser.driver.execute_cdp_cmd(*script)
     browser.open(f"{site.address}/")
+    assert "Conectando con" in browser.text("#page")
     browser.wait_for_text("otto: STOP: the request was accepted", ".said")
+    assert browser.run("return window.asked.slice(0, 4)") == ["/api/stop", "/api/words"] * 2
+    browser.driver.execute_cdp_cmd("Page.removeScriptToEvaluateOnNewDocument", bad)
 
 
 def _log_of_the_survey(site: Site) -> List[Dict[str, Any]]:
@@ -305,6 +335,22 @@ def test_who_asks_for_control_and_a_stop_that_is_not_confirmed_are_in_sight(site
     browser.run("document.querySelector('dialog').remove()")
     browser.wait_for_text("X axis: MOVES", "#top")
     browser.resize(800)
+
+
+def test_stop_waits_for_no_connection_that_the_ground_holds(site: Site) -> None:
+    browser = site.browser
+    site.log_in("ada")
+    site.show("map")
+    browser.run(SLOW_GROUND)
+    browser.wait(lambda: browser.run("return window.open") == 1, "the ground is asked for")
+    depth = "document.querySelector('#page input[type=range]')"
+    browser.run(f"{depth}.dispatchEvent(new Event('input'))")
+    browser.wait(lambda: browser.run("return window.asked") == 2, "it is asked for again")
+    assert browser.run("return window.open") == 1
+    browser.press("#stop")
+    browser.wait_for_text("ada: STOP: ", ".said")
+    assert browser.run("return window.openAtStop") == 0
+    assert browser.text("#alerts") == ""
 
 
 def test_words_that_a_telephone_cuts_are_read_by_a_press(site: Site) -> None:

@@ -3,7 +3,7 @@
 import { button, element, field } from "./dom.js";
 import { Notices } from "./notices.js";
 import { Live, Server, nowMs } from "./server.js";
-import { Top } from "./top.js";
+import { PRESS_LIMIT_MS, Top } from "./top.js";
 import audit from "./pages/audit.js";
 import map from "./pages/map.js";
 import now from "./pages/now.js";
@@ -18,6 +18,8 @@ const ADMIN = 3;
 const PAGES = [now, map, radar, surveys, robots, service, users, audit];
 const TICK_MS = 400;
 const STOP_LIMIT_MS = 180000;
+const AGAIN_MS = 2000;
+const LOAD_LIMIT_MS = 10000;
 
 class App {
   constructor() {
@@ -26,7 +28,7 @@ class App {
     this.kept = window.sessionStorage;
     this.server = new Server(this.memory.getItem("language") ?? navigator.language.slice(0, 2));
     this.root = document.getElementById("page");
-    this.words = {};
+    this.words = null;
     this.me = null;
     this.live = null;
     this.page = null;
@@ -34,20 +36,33 @@ class App {
     window.addEventListener("hashchange", () => this.show());
   }
 
+  // Over a bad link, until it succeeds; the page says meanwhile that it connects.
   async begin() {
-    const { words, language, languages } = await this.server.ask("GET", "/api/words");
-    Object.assign(this, { words, languages });
-    this.language = language;
+    while (!this.words)
+      try {
+        await this.load();
+      } catch (error) {
+        console.warn(error);
+        await new Promise((resolve) => setTimeout(resolve, AGAIN_MS));
+      }
+    if (this.me) this.enter();
+    else this.showLogin();
+  }
+
+  async load() {
+    // First: whoever loads the page again waits for it. The band sends it again, and says so.
+    await Promise.allSettled(this.stops.map(([press]) =>
+      this.server.ask("POST", "/api/stop", { press }, PRESS_LIMIT_MS)));
+    const { words, language, languages } =
+      await this.server.ask("GET", "/api/words", null, LOAD_LIMIT_MS);
     this.server.language = language;
-    document.documentElement.lang = language;
     try {
-      this.me = await this.get("/api/me");
+      this.me = await this.server.ask("GET", "/api/me", null, LOAD_LIMIT_MS);
     } catch (error) {
       if (error.status !== 401) throw error;
-      this.showLogin();
-      return;
     }
-    this.enter();
+    document.documentElement.lang = language;
+    Object.assign(this, { words, language, languages });
   }
 
   word(name, values = {}) {
@@ -99,6 +114,8 @@ class App {
       this.leave("over");
       return;
     }
+    // STOP has ended it.
+    if (error.name === "AbortError" && this.stops.length) return;
     const text = error.status ? error.message : this.word("shell.no_answer");
     const shown = element(
       "div",
@@ -257,4 +274,4 @@ class App {
 }
 
 const app = new App();
-app.begin().catch((error) => app.report(error));
+app.begin();

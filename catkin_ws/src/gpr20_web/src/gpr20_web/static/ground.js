@@ -81,6 +81,7 @@ export class Ground {
   change(changes) {
     Object.assign(this.choice, changes);
     this.turn++;
+    this.app.server.drop(this);
     clearTimeout(this.timer);
     this.timer = setTimeout(() => this.poll(), SETTLED_MS);
   }
@@ -124,6 +125,8 @@ export class Ground {
 
   // Ask every second, and after each choice; an answer to an earlier choice is dropped.
   async poll(again = "") {
+    const { server } = this.app;
+    server.drop(this);
     clearTimeout(this.timer);
     const turn = ++this.turn;
     const isLast = () => turn === this.turn && !this.ended;
@@ -131,7 +134,8 @@ export class Ground {
     const known = query === this.asked ? this.about.revision : "";
     try {
       if (!document.hidden || !this.shown) {
-        const about = await this.app.get(`/api/ground?${query}&known=${known}&again=${again}`);
+        const path = `/api/ground?${query}&known=${known}&again=${again}`;
+        const about = await server.ask("GET", path, null, undefined, this);
         const images = about.ground ? await this.load(about) : this.images;
         if (!isLast()) return;
         Object.assign(this, { about, images, shown: about.ground ?? this.shown, asked: query });
@@ -154,9 +158,10 @@ export class Ground {
     if (ground.bar.length) wanted.push(["bar", `bar.png?${query}`]);
     const before = this.images;
     const made = wanted.map(async ([name, path]) => {
-      const address = this.app.server.address(`/api/ground/${path}&revision=${revision}`);
+      const { server } = this.app;
+      const address = server.address(`/api/ground/${path}&revision=${revision}`);
       const known = before.get(name);
-      return [name, known?.address === address ? known : await picture(address)];
+      return [name, known?.address === address ? known : await server.picture(address, this)];
     });
     return new Map(await Promise.all(made));
   }
@@ -219,18 +224,10 @@ export class Ground {
 
   end() {
     this.ended = true;
+    this.app.server.drop(this);
     clearTimeout(this.timer);
     this.resized.disconnect();
   }
-}
-
-function picture(address) {
-  return new Promise((resolve) => {
-    const image = new Image();
-    image.onload = () => resolve({ address, image });
-    image.onerror = () => resolve({ address: "", image: null });
-    image.src = address;
-  });
 }
 
 // The pattern of a state, for a legend with its word.

@@ -3,6 +3,7 @@
 import { element } from "./dom.js";
 
 const REQUEST_LIMIT_MS = 30000;
+const SAVE_LIMIT_MS = 3600000;
 const AGAIN_MS = 2000;
 // A connection that was silent for so long is made again: TCP waits ever longer.
 const SILENT_MS = 10000;
@@ -24,30 +25,64 @@ export class ServerError extends Error {
 export class Server {
   constructor(language) {
     this.language = language;
+    // What is not answered yet, and by whom it is awaited; STOP is never among it.
+    this.asked = new Map();
   }
 
   address(path) {
     return `${path}${path.includes("?") ? "&" : "?"}language=${this.language}`;
   }
 
-  async ask(method, path, values, limitMs = REQUEST_LIMIT_MS) {
-    const options = { method, signal: AbortSignal.timeout(limitMs) };
+  ask(method, path, values, limitMs = REQUEST_LIMIT_MS, by = null) {
+    const options = { method };
     if (method !== "GET") {
       options.headers = { "Content-Type": "application/json" };
       options.body = JSON.stringify(values ?? {});
     }
-    const response = await fetch(this.address(path), options);
-    const answer = await response.json();
-    if (!response.ok) throw new ServerError(answer, response.status);
-    return answer;
+    return this.request(path, options, limitMs, by, (response) => response.json());
+  }
+
+  async request(path, options, limitMs, by, read) {
+    const controller = new AbortController();
+    const timer = setTimeout(() => controller.abort(), limitMs);
+    if (path !== "/api/stop") this.asked.set(controller, by);
+    try {
+      const response = await fetch(this.address(path), { ...options, signal: controller.signal });
+      if (!response.ok) throw new ServerError(await response.json(), response.status);
+      return await read(response);
+    } finally {
+      clearTimeout(timer);
+      this.asked.delete(controller);
+    }
+  }
+
+  // End what one awaits, or all: a browser has few connections to one computer.
+  drop(by = null) {
+    for (const [one, whose] of this.asked) if (by === null || whose === by) one.abort();
+  }
+
+  picture(address, by) {
+    const image = new Image();
+    const request = {};
+    const loaded = new Promise((resolve, reject) => {
+      image.onload = () => resolve({ address, image });
+      image.onerror = () => resolve({ address: "", image: null });
+      request.abort = () => {
+        reject(new DOMException(address, "AbortError"));
+        image.src = "";
+      };
+    });
+    this.asked.set(request, by);
+    image.src = address;
+    return loaded.finally(() => this.asked.delete(request));
   }
 
   // Let the browser save what takes too long to be made for a plain link.
   async save(path) {
-    const response = await fetch(this.address(path));
-    if (!response.ok) throw new ServerError(await response.json(), response.status);
-    const [, name] = response.headers.get("Content-Disposition").match(/filename="(.*)"/);
-    const href = URL.createObjectURL(await response.blob());
+    const [type, blob] = await this.request(path, {}, SAVE_LIMIT_MS, null, async (response) =>
+      [response.headers.get("Content-Disposition"), await response.blob()]);
+    const [, name] = type.match(/filename="(.*)"/);
+    const href = URL.createObjectURL(blob);
     element("a", { href, download: name }).click();
     URL.revokeObjectURL(href);
   }
@@ -134,9 +169,14 @@ export class Live {
     return Math.max(performance.now() - this.sentMs - this.offsetMs, Date.now() - this.takenMs);
   }
 
+  // The robot's clock.
+  get robotMs() {
+    return performance.now() - this.offsetMs;
+  }
+
   // Time until a moment of the robot's clock [s].
   secondsUntil(untilMs) {
-    return Math.max(0, (untilMs + this.offsetMs - performance.now()) / 1000);
+    return Math.max(0, (untilMs - this.robotMs) / 1000);
   }
 
   close() {

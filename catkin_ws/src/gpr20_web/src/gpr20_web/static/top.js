@@ -8,7 +8,7 @@ export const SIGNS = {
 };
 // Before 5 s: it was on its way for a while, and the tick may be late.
 export const STALE_MS = 4500;
-const PRESS_LIMIT_MS = 5000;
+export const PRESS_LIMIT_MS = 5000;
 const STOP_AGAIN_MS = 2000;
 // Not a request of the page, nobody logged in, not allowed: another try changes nothing.
 const FINAL = [400, 401, 403];
@@ -38,10 +38,9 @@ export class Top {
     );
     this.pause = button("", () => this.pauseOrResume(), { id: "pause", hidden: true });
     this.start = button(word("commands.start"), () => this.begin(), { id: "start", hidden: true });
-    this.stop = button(word("commands.stop"), () => this.stopNow(), {
-      id: "stop",
-      "aria-describedby": "stop-note",
-    });
+    const note = element("small", { id: "stop-note" }, word("commands.not_emergency"));
+    this.stop = button(word("commands.stop"), () => this.stopNow(),
+      { id: "stop", "aria-describedby": note.id });
     this.warning = element("div", { id: "stop-warning", class: "danger", role: "alert" });
     this.said = element("p", { class: "said", role: "status" });
     this.remote = element("p", { class: "remote" });
@@ -54,12 +53,7 @@ export class Top {
         { class: "commands" },
         this.start,
         this.pause,
-        element(
-          "div",
-          { class: "stop" },
-          this.stop,
-          element("small", { id: "stop-note" }, word("commands.not_emergency")),
-        ),
+        element("div", { class: "stop" }, this.stop, note),
       ),
     );
     root.replaceChildren(
@@ -216,11 +210,13 @@ export class Top {
   // Sent once: only the state says whether a command arrived whose answer was lost.
   async send(name, values) {
     const press = newPress();
+    // By the robot's clock: what is delivered long after it, or after a STOP, is refused.
+    const given = { press, pressed_ms: this.app.live.robotMs, ...values };
     const command = this.app.word(`commands.${name}`);
     this.press = press;
     this.say(this.app.word("commands.sent", { command }));
     try {
-      await this.app.server.ask("POST", `/api/${name}`, { press, ...values }, PRESS_LIMIT_MS);
+      await this.app.server.ask("POST", `/api/${name}`, given, PRESS_LIMIT_MS);
     } catch (error) {
       if (this.press === press)
         this.say(error.status ? "" : this.app.word("commands.lost", { command }));
@@ -230,9 +226,17 @@ export class Top {
 
   stopNow() {
     const press = newPress();
+    const answer = this.sendStop(press);
     this.app.stops = [...this.app.stops, [press, nowMs()]];
     this.tick();
-    this.repeatStop(press);
+    this.repeatStop(press, answer);
+  }
+
+  // The browser has few connections to one computer: none of them is for something else.
+  sendStop(press) {
+    const { server } = this.app;
+    server.drop();
+    return server.ask("POST", "/api/stop", { press }, PRESS_LIMIT_MS);
   }
 
   isOpen(press) {
@@ -240,16 +244,17 @@ export class Top {
   }
 
   // STOP moves nothing: it is sent until it is answered, whatever else is pressed.
-  async repeatStop(press) {
+  async repeatStop(press, answer = null) {
     this.press = press;
     const sent = this.app.word("commands.sent", { command: this.app.word("commands.stop") });
     write(this.said, sent);
     while (this.isOpen(press)) {
       try {
-        await this.app.server.ask("POST", "/api/stop", { press }, PRESS_LIMIT_MS);
+        await (answer ?? this.sendStop(press));
         this.endStop(press, sent);
         return;
       } catch (error) {
+        answer = null;
         if (FINAL.includes(error.status)) {
           // The form of the login says that the robot was not stopped.
           if (error.status !== 401) this.endStop(press, "");
@@ -286,10 +291,9 @@ export class Top {
     this.endStop(command.press, "");
     if (command.press === this.press) this.press = null;
     const name = this.app.word(`commands.${command.request}`);
-    const { outcome } = command;
-    const ofStop = `shell.stop_${outcome}`;
+    const ofStop = `shell.stop_${command.outcome}`;
     const isOfStop = command.request === "stop" && ofStop in this.app.words;
-    const said = this.app.word(isOfStop ? ofStop : `commands.${outcome}`, { command: name });
+    const said = this.app.word(isOfStop ? ofStop : `commands.${command.outcome}`, { command: name });
     this.say([`${command.name}: ${said}.`, command.text].filter(Boolean).join(" "));
   }
 }
