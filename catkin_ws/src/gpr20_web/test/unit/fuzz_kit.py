@@ -24,6 +24,7 @@ from gpr20_web.roles import Role
 LIMIT_S = 30.0
 FIELDS = (
     *("press", "plan", "survey", "text", "x_mm", "y_mm", "depth_mm", "remove", "what", "list"),
+    "pressed_ms",
     *("candidate", "name", "role", "password", "old", "new", "before", "listed", "layer", "theme"),
     *("x", "y", "depth", "polarization", "background", "gain", "along", "colours", "section"),
     *("permittivity", "cell", "target", "known", "again", "language", "unknown", "__proto__"),
@@ -158,6 +159,7 @@ class Fuzz:
         values = {**row.values} if draw.random() < 0.6 else {}
         if "press" in values:
             values["press"] = f"{draw.getrandbits(128):032x}"
+            values["pressed_ms"] = 1e3 * self._page.clock.time_s
         for _ in range(draw.choice([0, 0, 1, 2, 5])):
             values[draw.choice(FIELDS)] = self._value()
         headers: Dict[str, str] = {"Cookie": f"{COOKIE}={session}"}

@@ -117,8 +117,8 @@ class Desk:
         route = next(one for one in self.routes if one.pattern == f"/api/{name}")
         if person.role < route.right:
             raise NotAllowedError(Message("no right"))
-        press = press or uuid.uuid4().hex
-        return route.answer(Call(person, person.address, {"press": press, **values}))
+        sent = {"press": press or uuid.uuid4().hex, "pressed_ms": 1e3 * self.time.time_s}
+        return route.answer(Call(person, person.address, {**sent, **values}))
 
     def start(self, person: Person = ANA, **values: Any) -> Any:
         return self.ask("start", person, **{"plan": plan_id(PLAN), **values})
@@ -220,6 +220,54 @@ def test_site_can_keep_stop_from_those_who_only_watch() -> None:
     with pytest.raises(NotAllowedError):
         desk.ask("stop", Person("eva", Role.VIEW, "three", ""))
     desk.ask("stop")
+
+
+def test_start_and_resume_wait_until_each_stop_is_answered_and_confirmed() -> None:
+    desk = armed()
+    desk.ask("stop", Person("eva", Role.VIEW, "three", ""))
+    desk.time.time_s += 1.0
+    silent = Answer(Request.STOP, False, Message("silent"), contact=False)
+    for answer in (silent, Answer(Request.STOP, True, Message("stopping"))):
+        desk.allow()
+        with pytest.raises(NotNowError, match="STOP is not confirmed"):
+            desk.start()
+        desk.be(SurveyState.PAUSED, ON_REQUEST)
+        with pytest.raises(NotNowError, match="STOP is not confirmed"):
+            desk.ask("resume", survey=SURVEY)
+        desk.commands.on_event(answer)
+    assert desk.control.asked == ["stop"]
+    desk.be(SurveyState.STOPPED, ON_REQUEST)
+    desk.allow()
+    desk.start()
+
+
+@pytest.mark.parametrize("age_s", [6.1, 1e300, -2.1, float("inf"), -(10**400)])
+def test_start_that_was_too_long_on_its_way_is_refused(age_s: float) -> None:
+    desk = armed()
+    with pytest.raises(NotNowError, match="too long on its way"):
+        desk.start(pressed_ms=1000 * (1000 - age_s))
+    desk.start(pressed_ms=1e3 * (1000.0 - 5.0))
+
+
+@pytest.mark.parametrize("pressed_ms", [None, "1000000", [1e6]])
+def test_start_and_resume_say_when_they_were_pressed(pressed_ms: Any) -> None:
+    desk = armed()
+    for name in ("start", "resume"):
+        with pytest.raises(BadRequestError):
+            desk.ask(name, plan=plan_id(PLAN), survey=SURVEY, pressed_ms=pressed_ms)
+
+
+def test_start_that_was_pressed_before_a_stop_does_not_start_after_it() -> None:
+    desk = armed()
+    pressed_ms = 1e3 * desk.time.time_s
+    desk.time.time_s += 1.0
+    desk.ask("stop")
+    desk.commands.on_event(Answer(Request.STOP, True, Message("stopping")))
+    desk.be(SurveyState.STOPPED, ON_REQUEST)
+    desk.allow()
+    with pytest.raises(NotNowError, match="STOP was pressed since"):
+        desk.start(pressed_ms=pressed_ms)
+    assert desk.control.asked == ["stop"]
 
 
 def test_press_that_is_sent_twice_is_carried_out_once() -> None:

@@ -159,11 +159,26 @@ def test_document_that_cannot_be_made_ends_its_stream_and_no_other() -> None:
 def test_one_person_cannot_take_all_streams() -> None:
     async def work() -> None:
         streams = EventStreams(lambda _one: None, print)
-        for _ in range(MAX_STREAMS_OF_PERSON):
-            streams.add(Browser(), Stream(dict), person())
-        with pytest.raises(BusyError, match="at most 30 of one account, 64 in all") as refused:
+        for number in range(MAX_STREAMS_OF_PERSON):
+            streams.add(Browser(), Stream(dict), person(session=str(number)))
+        with pytest.raises(BusyError, match="30 of one account, 64 in all") as refused:
             streams.add(Browser(), Stream(dict), person())
         assert refused.value.message.fault_code == "web.too_many_pages"
         streams.add(Browser(), Stream(dict), person("ben"))
+
+    run(work)
+
+
+def test_one_browser_keeps_connections_for_stop() -> None:
+    async def work() -> None:
+        streams = EventStreams(lambda _one: None, print)
+        first = streams.add(Browser(), Stream(dict), person())
+        for _ in range(2):
+            streams.add(Browser(), Stream(dict), person())
+        with pytest.raises(BusyError, match="at most 3 in one browser"):
+            streams.add(Browser(), Stream(dict), person())
+        streams.add(Browser(), Stream(dict), person(session="two"))
+        streams.remove(first)
+        streams.add(Browser(), Stream(dict), person())
 
     run(work)

@@ -106,6 +106,7 @@ def test_who_may_do_something_does_it(pages: Mapping[bool, WholePage], row: Row)
     if row.path == "/api/users/eva" and page.accounts.find("eva") is None:
         page.accounts.add("eva", VIEW, PASSWORD)
     before = page.done()
-    reply = page.ask(row.method, _path(page, row), role, {**row.values, "press": uuid4().hex})
+    pressed = {"press": uuid4().hex, "pressed_ms": 1e3 * page.clock.time_s}
+    reply = page.ask(row.method, _path(page, row), role, {**row.values, **pressed})
     assert reply.status == 200, reply.body
     assert page.done() != before

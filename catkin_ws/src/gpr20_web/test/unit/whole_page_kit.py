@@ -163,7 +163,7 @@ class WholePage:
             for event in events:
                 self.model.handle(event)
                 self.shell.on_event(event)
-            self.shell.refresh(self.model.snapshot())
+                self.shell.refresh(self.model.snapshot())
 
         self.site.call(take())
 

@@ -52,6 +52,11 @@ class StopConfirmation:
         self._answered_s = 0.0
         self.outcome: Optional[Notice] = None
 
+    @property
+    def is_open(self) -> bool:
+        """Whether a STOP is not confirmed yet."""
+        return self._pressed_s is not None
+
     def press(self, snapshot: Snapshot) -> None:
         """Note that STOP was pressed."""
         now_s = self._pressed_s = self._clock.now_s()

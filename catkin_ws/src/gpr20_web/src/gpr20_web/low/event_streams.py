@@ -18,6 +18,8 @@ from gpr20_web.errors import BusyError, NotLoggedInError
 
 MAX_STREAMS = 64
 MAX_STREAMS_OF_PERSON = 30
+# A browser has six connections to one computer for all its pages: STOP needs one.
+MAX_STREAMS_OF_SESSION = 3
 BEAT_S = 0.2
 # While nobody watches.
 REST_S = 0.5
@@ -120,12 +122,18 @@ class EventStreams:
         Raises:
             BusyError: There are too many.
         """
-        own = sum(one.person.name == person.name for one in self._watchers)
-        if len(self) >= MAX_STREAMS or own >= MAX_STREAMS_OF_PERSON:
+        own = [one.person.session for one in self._watchers if one.person.name == person.name]
+        of_session = own.count(person.session)
+        if (
+            len(self) >= MAX_STREAMS
+            or len(own) >= MAX_STREAMS_OF_PERSON
+            or of_session >= MAX_STREAMS_OF_SESSION
+        ):
             raise BusyError(
                 Message(
-                    "too many pages are open (at most {own} of one account, {most} in all); "
-                    "close one",
+                    "too many pages are open (at most {one} in one browser, {own} of one account, "
+                    "{most} in all); close one",
+                    one=MAX_STREAMS_OF_SESSION,
                     own=MAX_STREAMS_OF_PERSON,
                     most=MAX_STREAMS,
                 ),

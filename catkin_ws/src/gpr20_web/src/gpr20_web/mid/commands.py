@@ -14,7 +14,7 @@ from gpr20_operator.robot.job import survey_name
 from gpr20_operator.robot.notices import Refused, refusal_notice
 from gpr20_operator.robot.remote_control import RemoteAllowance, RemotePlan
 from gpr20_operator.robot.snapshot import Snapshot
-from gpr20_operator.robot.stop_confirmation import StopConfirmation
+from gpr20_operator.robot.stop_confirmation import StopConfirmation, StopWarning
 from gpr20_operator.robot.survey_control import SurveyControl
 from gpr20_operator.robot.survey_model import Refusal
 from gpr20_web import faults
@@ -104,6 +104,7 @@ class Commands(WebPage):
         self._starts: Dict[str, Call] = {}
         self._described = ""
         self._stop = StopConfirmation(robot.clock)
+        self._warning: Optional[StopWarning] = None
         self.routes = (
             Route("POST", "/api/stop", Role.VIEW if view_may_stop else Role.OPERATE, self._on_stop),
             Route("POST", "/api/pause", Role.VIEW, self._pause),
@@ -145,6 +146,7 @@ class Commands(WebPage):
         """Take what is known of the robot now."""
         self._snapshot = snapshot
         self._robot.allowance.note(snapshot)
+        self._warning = self._stop.warning(snapshot)
         self._presses.refresh(self._robot.clock.now_s())
 
     def live(self, text: Callable[[Message], str]) -> Mapping[str, Any]:
@@ -154,7 +156,7 @@ class Commands(WebPage):
             return {}
         plan = allowance.plan if allowance.armed else None
         until_s = self._robot.clock.now_s() + allowance.remaining_s
-        warning = self._stop.warning(snapshot)
+        warning = self._warning
         return {
             "can": {
                 "stop": snapshot.replay is None,
@@ -240,11 +242,18 @@ class Commands(WebPage):
         """Return the plan that may be started.
 
         Raises:
-            NotNowError: Nobody at the robot allows it.
+            BadRequestError: The request does not say when it was pressed.
+            NotNowError: Nobody at the robot allows it, a STOP is open, or it comes too late.
             NotAllowedError: Another page is in control.
         """
         obstacle = self._robot.allowance.obstacle
         try:
+            self._presses.check_age(call, self._robot.clock.now_s())
+            # A command after STOP would end its repetition, whoever has pressed it.
+            if self._presses.waiting(Request.STOP) or self._stop.is_open:
+                raise NotNowError(
+                    Message("a STOP is not confirmed yet; if that lasts, press STOP again")
+                )
             if obstacle is not None:
                 raise NotNowError(obstacle.with_fault(faults.NOT_ARMED))
             self._controller.check(call.who)

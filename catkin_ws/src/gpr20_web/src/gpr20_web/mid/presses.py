@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import enum
+import math
 import re
 from collections import OrderedDict
 from dataclasses import dataclass
@@ -11,7 +12,7 @@ from typing import Any, Callable, List, Mapping, Optional
 from gpr20_common.message import Message
 from gpr20_operator.robot.events import Answer, Request
 from gpr20_web.calls import Call, text_of
-from gpr20_web.errors import BadRequestError
+from gpr20_web.errors import BadRequestError, NotNowError
 
 # The browser makes a new one for each press.
 _PRESS_ID = re.compile("[0-9a-f]{32}")
@@ -21,6 +22,10 @@ KNOWN_PRESSES = 500
 ANSWER_S = {Request.STOP: 5.0, Request.PAUSE: 12.0, Request.START: 1200.0, Request.RESUME: 1200.0}
 # An axis answers a STOP within so long [s], or is said not to have answered.
 STOP_ANSWERS_S = 10.0
+# A browser gives a command up after 5 s; its telephone may deliver it much later [s].
+LATE_S = 6.0
+# How far a browser's idea of the clock of `sent_ms` may be ahead [s].
+AHEAD_S = 2.0
 
 
 class Outcome(enum.Enum):
@@ -59,6 +64,7 @@ class Presses:
     def __init__(self) -> None:
         self._known: OrderedDict[str, Command] = OrderedDict()
         self.last: Optional[Command] = None
+        self._stopped_s = -math.inf
 
     def find(self, press: str) -> Optional[Command]:
         """Return the command of a press that was sent before; None: it is new."""
@@ -66,10 +72,31 @@ class Presses:
 
     def add(self, press: str, request: Request, call: Call, now_s: float) -> Command:
         """Note a command that was passed on."""
+        if request is Request.STOP:
+            self._stopped_s = now_s
         self.last = self._known[press] = Command(press, request, call, now_s)
         while len(self._known) > KNOWN_PRESSES:
             self._known.popitem(last=False)
         return self.last
+
+    def check_age(self, call: Call, now_s: float) -> None:
+        """Check that a command was pressed just now, and after the last STOP.
+
+        Raises:
+            BadRequestError: It does not say when it was pressed.
+            NotNowError: It was long on its way.
+        """
+        pressed_ms = call.values.get("pressed_ms")
+        if not isinstance(pressed_ms, (int, float)):
+            raise BadRequestError(Message("the request does not say when it was pressed"))
+        first_s = max(now_s - LATE_S, self._stopped_s)
+        if not 1e3 * first_s <= pressed_ms <= 1e3 * (now_s + AHEAD_S):
+            raise NotNowError(
+                Message(
+                    "the request was too long on its way, or STOP was pressed since; press again "
+                    "if you still want it"
+                )
+            )
 
     def waiting(self, request: Request) -> List[Command]:
         """Return those that are not answered yet."""
