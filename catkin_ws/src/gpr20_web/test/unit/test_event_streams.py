@@ -96,6 +96,19 @@ def test_only_what_changed_is_sent_and_a_sign_of_life_each_second() -> None:
     run(work)
 
 
+def test_state_that_is_no_longer_made_is_not_sent_as_new() -> None:
+    async def work() -> None:
+        streams, browser = EventStreams(lambda _one: None, print), Browser()
+        streams.add(browser, Stream(lambda: {"a": 1}), person())
+        streams.fresh_s = 7.0
+        running = asyncio.ensure_future(streams.run())
+        await until(lambda: len(browser.sent) == 2)
+        running.cancel()
+        assert [one["sent_ms"] for one in browser.sent] == [7000, 7000]
+
+    run(work)
+
+
 def test_what_changes_all_the_time_waits_for_a_second_or_for_what_matters() -> None:
     document = {"state": "works", "stored": 0}
 

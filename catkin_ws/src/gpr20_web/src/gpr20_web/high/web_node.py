@@ -216,6 +216,7 @@ class WebNode:
         for client in (self._control, self._storage):
             client.set_watched(watchers > 0)
         self._shell.refresh(self._model.snapshot())
+        self._server.streams.fresh_s = now_s
         status = WebStatusReported(
             self._parameters.reached_at(socket.gethostname()),
             *(self._parameters.port, self._certificate.fingerprint),

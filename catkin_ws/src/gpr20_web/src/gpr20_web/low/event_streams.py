@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import json
+import math
 import time
 from dataclasses import dataclass, field
 from functools import partial
@@ -105,6 +106,9 @@ class EventStreams:
     Args:
         check: Raises NotLoggedInError if the person of a session may no longer watch.
         report: Takes an exception that no error of the project is.
+
+    Attributes:
+        fresh_s: When what is shown was made; infinite: it is as new as what is sent.
     """
 
     def __init__(
@@ -112,6 +116,7 @@ class EventStreams:
     ) -> None:
         self._check, self._report = check, report
         self._watchers: List[Watcher] = []
+        self.fresh_s = math.inf
 
     def __len__(self) -> int:
         return len(self._watchers)
@@ -180,9 +185,9 @@ class EventStreams:
         if not change.matters and now_s - watcher.sent_s < SIGN_OF_LIFE_S:
             return
         watcher.sent, watcher.sent_s, watcher.busy = parts, now_s, True
-        watcher.sender.write(
-            f'data: {{{change.members}"sent_ms":{now_s * 1000.0:.0f}}}\n\n'.encode()
-        )
+        # A browser is to show how old the state is, also when a fault keeps it from being made.
+        sent_ms = 1e3 * min(now_s, self.fresh_s)
+        watcher.sender.write(f'data: {{{change.members}"sent_ms":{sent_ms:.0f}}}\n\n'.encode())
         sending = asyncio.ensure_future(watcher.sender.flush())
         sending.add_done_callback(partial(self._sent, watcher))
 
