@@ -64,6 +64,10 @@ class Control:
 
     def __init__(self) -> None:
         self.asked: List[Any] = []
+        self.withdrawals = 0
+
+    def withdraw_start(self) -> None:
+        self.withdrawals += 1
 
     def stop(self) -> None:
         self.asked.append("stop")
@@ -71,8 +75,8 @@ class Control:
     def pause_survey(self) -> None:
         self.asked.append("pause")
 
-    def resume_survey(self, *arguments: Any, **named: Any) -> None:
-        assert not arguments and not named  # the paused survey, and nothing that is accepted
+    def resume_survey(self, survey_id: str) -> None:
+        assert survey_id == SURVEY  # the paused survey, and nothing that is accepted
         self.asked.append("resume")
 
     def start_survey(self, *arguments: Any) -> None:
@@ -306,6 +310,27 @@ def test_what_each_axis_answers_is_noted_also_after_the_main_control() -> None:
     desk.time.time_s += STOP_ANSWERS_S + 1.0
     desk.commands.on_event(AxisStopAnswer(AxisId.X, True))
     assert len(desk.audited) == len(said)
+
+
+def test_many_presses_of_stop_are_noted_once_for_each_axis() -> None:
+    desk = armed()
+    for _press in range(30):
+        desk.ask("stop")
+        for axis in AxisId:
+            desk.commands.on_event(AxisStopAnswer(axis, True))
+    noted = [one for one in desk.audited if one["what"] == "stop"]
+    assert len(noted) == 30 * (1 + len(AxisId))
+
+
+def test_a_start_is_asked_for_no_further_when_the_permission_has_ended() -> None:
+    desk = armed()
+    desk.start()
+    before = desk.control.withdrawals
+    desk.be(SurveyState.CONFIGURED)
+    assert desk.control.withdrawals == before
+    desk.commands.on_event(RemoteArmed(False))
+    desk.be(SurveyState.CONFIGURED)
+    assert desk.control.withdrawals == before + 1
 
 
 def test_answer_becomes_the_outcome() -> None:

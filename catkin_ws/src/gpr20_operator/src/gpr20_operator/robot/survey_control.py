@@ -42,6 +42,9 @@ class SurveyControl(Protocol):
     def stop(self) -> None:
         """Ask whatever moves to stop, whoever moves it."""
 
+    def withdraw_start(self) -> None:
+        """Keep a survey from starting whose parameters have not been accepted yet."""
+
     def pause_survey(self) -> None:
         """Ask to pause the survey."""
 

@@ -128,7 +128,7 @@ class Commands(WebPage):
             self._note_start()
         elif isinstance(event, AxisStopAnswer):
             answer = "answered" if event.answered else "did not answer"
-            for one in self._presses.stops(self._robot.clock.now_s()):
+            for one in self._presses.stops(event.axis, self._robot.clock.now_s()):
                 self._audit(one.call, "stop", f"{event.axis.value} axis {answer}", self._survey)
 
     def _note_start(self) -> None:
@@ -146,6 +146,8 @@ class Commands(WebPage):
         """Take what is known of the robot now."""
         self._snapshot = snapshot
         self._robot.allowance.note(snapshot)
+        if self._robot.allowance.obstacle is not None:
+            self._robot.control.withdraw_start()
         self._warning = self._stop.warning(snapshot)
         self._presses.refresh(self._robot.clock.now_s())
 
@@ -221,7 +223,7 @@ class Commands(WebPage):
             # It is the paused survey that the person has seen, whatever was paused since.
             if call.values.get("survey") != snapshot.running_survey:
                 raise NotNowError(Message("another survey is paused now"))
-            self._robot.control.resume_survey()
+            self._robot.control.resume_survey(snapshot.running_survey)
 
         return self._once(call, Request.RESUME, send)
 

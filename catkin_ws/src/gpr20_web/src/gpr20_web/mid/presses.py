@@ -6,11 +6,12 @@ import enum
 import math
 import re
 from collections import OrderedDict
-from dataclasses import dataclass
-from typing import Any, Callable, List, Mapping, Optional
+from dataclasses import dataclass, field
+from typing import Any, Callable, List, Mapping, Optional, Set
 
 from gpr20_common.message import Message
 from gpr20_operator.robot.events import Answer, Request
+from gpr20_survey.axes.axis_id import AxisId
 from gpr20_web.calls import Call, text_of
 from gpr20_web.errors import BadRequestError, NotNowError
 
@@ -43,6 +44,7 @@ class Command:
 
     Attributes:
         answered: Whether its answer came, or another one of the same kind.
+        axes: Those whose answer to STOP is noted.
     """
 
     press: str
@@ -52,6 +54,7 @@ class Command:
     outcome: Outcome = Outcome.SENT
     said: Optional[Message] = None
     answered: bool = False
+    axes: Set[AxisId] = field(default_factory=set)
 
 
 class Presses:
@@ -103,10 +106,18 @@ class Presses:
         known = self._known.values()
         return [one for one in known if one.request is request and not one.answered]
 
-    def stops(self, now_s: float) -> List[Command]:
-        """Return every STOP to which an axis may answer now, also after the main control."""
+    def stops(self, axis: AxisId, now_s: float) -> List[Command]:
+        """Return every STOP that an axis may answer now, each once.
+
+        Also after the main control. Nobody knows which of them it answers: many presses would be
+        noted as many times as there are answers.
+        """
         known = (one for one in self._known.values() if one.request is Request.STOP)
-        return [one for one in known if now_s - one.sent_s <= STOP_ANSWERS_S]
+        late_s = now_s - STOP_ANSWERS_S
+        found = [one for one in known if one.sent_s >= late_s and axis not in one.axes]
+        for one in found:
+            one.axes.add(axis)
+        return found
 
     def end(self, answer: Answer) -> List[Command]:
         """Take an answer; return the commands that it ends."""
