@@ -107,7 +107,7 @@ class Last:
 
 class StandardMessagesTest(unittest.TestCase):
     def test_tools_find_what_they_expect(self):
-        rospy.init_node("standard_messages_rostest")
+        rospy.init_node("standard_messages_rostest", disable_rostime=True)
         graph = Graph()
         client = SurveyClient()
         self.addCleanup(shutil.rmtree, client.data)
@@ -132,6 +132,8 @@ class StandardMessagesTest(unittest.TestCase):
         self._check_headers(graph)
         self._check_recording(client.folder(survey_id))
         self._check_shown_parameters()
+        # Of the node that was started again, too.
+        self._check_headers(graph)
 
     def _check_frames(self, moving, fixed):
         found = moving[-1].transforms + fixed[-1].transforms

@@ -46,7 +46,8 @@ def run_node(name: str, build: Callable[[], Any], needed: bool = True) -> None:
     _refuse_second(_full_name(name), needed)
     try:
         # Its handlers end the node in the main thread, which has locks of rospy while it starts.
-        rospy.init_node(name, disable_signals=True)
+        # A robot's time is real, whatever /use_sim_time says: without a /clock all would be 0.
+        rospy.init_node(name, disable_rostime=True, disable_signals=True)
     except rospy.ROSInitException as error:
         say(f"{name} was ended before it had started: {error}", file=sys.stderr)
         # At once: rospy's own threads may wait for a master that is gone.

@@ -39,7 +39,9 @@ class Graph:
         self.namespace = f"/{namespace.strip('/')}"
         self._master = master
         self._prefix = self.namespace.rstrip("/")
-        rospy.init_node(NODE, anonymous=True, disable_signals=True, disable_rosout=True)
+        rospy.init_node(
+            NODE, anonymous=True, disable_rostime=True, disable_rosout=True, disable_signals=True
+        )
         self.listener = Listener(Clock(), master)
         rospy.Subscriber("/diagnostics", DiagnosticArray, self._on_diagnostics)
         self._subscribe("robot_configuration", RobotConfiguration, self._on_configuration)

@@ -83,7 +83,9 @@ def _check(given: argparse.Namespace, catalogue: Catalogue, answer: Callable[[],
         raise RequestRefusedError(
             Message("no ROS master answers; start the robot first"), fault=faults.NODE_LOST
         )
-    rospy.init_node(PROGRAM, anonymous=True, disable_signals=True, disable_rosout=True)
+    rospy.init_node(
+        PROGRAM, anonymous=True, disable_rostime=True, disable_rosout=True, disable_signals=True
+    )
     robot, data = _robot(given)
     if robot.simulated:
         say(catalogue.tr("SIMULATED robot: the check shows no real antennas."))

@@ -55,7 +55,7 @@ def join_graph(name: str, wait_s: float, is_cancelled: Callable[[], bool], clock
             given_up.wait(POLL_S)
         online.set()
         if not given_up.is_set():
-            rospy.init_node(name, anonymous=True, disable_signals=True)
+            rospy.init_node(name, anonymous=True, disable_rostime=True, disable_signals=True)
             joined.set()
 
     # In a thread, because a connection to an address that swallows packets takes minutes to fail.
