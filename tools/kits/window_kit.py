@@ -72,11 +72,12 @@ class Operator:
         self.code = -1
         self._subscriber = rospy.Subscriber("control_status", ControlStatus, self._note)
 
-    def call(self, name: str, kind: Any, **fields: Any) -> None:
-        """Call a service that must succeed."""
+    def call(self, name: str, kind: Any, **fields: Any) -> Any:
+        """Call a service that must succeed; return its answer."""
         answer = ServiceClient(name, kind).call(TIME_LIMIT_S, **fields)
         if not answer.success:
             raise SystemExit(f"{name} was refused: {answer.message}")
+        return answer
 
     def start(self, **changes: Any) -> None:
         """Start a survey over the two targets; changes are fields of SurveyParameters."""
@@ -90,8 +91,8 @@ class Operator:
             "polarizations_deg": [0.0, 90.0],
         }
         parameters = SurveyParameters(**{**values, **changes})
-        self.call("set_survey_parameters", SetSurveyParameters, parameters=parameters)
-        self.call("start_survey", StartSurvey)
+        plan = self.call("set_survey_parameters", SetSurveyParameters, parameters=parameters)
+        self.call("start_survey", StartSurvey, plan_id=plan.plan_id)
 
     def pause(self) -> None:
         """Ask to pause."""

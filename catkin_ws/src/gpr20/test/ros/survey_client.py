@@ -128,7 +128,10 @@ class SurveyClient:
             self.statuses.clear()
             self.progress.clear()
         started = self.start(
-            annotation=annotation or Annotation(), refines=refines, permittivity=4.0
+            plan_id=answer.plan_id,
+            annotation=annotation or Annotation(),
+            refines=refines,
+            permittivity=4.0,
         )
         assert started.success, started.message
         self.survey_id = started.survey_id

@@ -3,8 +3,10 @@
 
 import json
 import math
+import os
 import shutil
 import subprocess
+import threading
 import unittest
 import uuid
 
@@ -106,6 +108,8 @@ GRAPH_SERVICES = {
 # Of a user's own node; extra_topic/storage.yaml names it.
 OWN_TOPIC = "/soil_probe/moisture"
 NUMBERS = ("frequency_hz", "s21_real", "s21_imag")
+# Of two clients; the evidence has more: docs/evidence/reliability.md.
+ROUNDS = int(os.environ.get("GPR20_ROUNDS", "3"))
 SCALARS = ("index", "x_coord_mm", "y_coord_mm", "z_coord_deg", "antennae_height_m")
 
 
@@ -369,6 +373,35 @@ class WholeSurveyTest(unittest.TestCase):
         self.assertEqual(status.code, ControlStatus.FAILED)
         self.assertIn("127.0.0.77", status.message)
         self.assertEqual(self.true_steps(), before)
+
+    def test_7_of_two_clients_none_measures_the_plan_of_the_other(self):
+        for number in range(ROUNDS):
+            together, started = threading.Barrier(2), {}
+
+            def ask(x_start_mm, together=together, started=started):
+                together.wait(LIMIT_S)
+                plan = self.client.set(x_start_mm=x_start_mm)
+                answer = self.client.start(plan_id=plan.plan_id) if plan.success else plan
+                if answer.success:
+                    started[answer.survey_id] = plan.plan_id, x_start_mm
+
+            places_mm = (0.01 * number, 5.0 + 0.01 * number)
+            clients = [threading.Thread(target=ask, args=(place,)) for place in places_mm]
+            for one in clients:
+                one.start()
+            for one in clients:
+                one.join(LIMIT_S)
+            ((self.client.survey_id, (plan_id, x_start_mm)),) = started.items()
+            self.client.wait_for_visited(1)
+            self.assertTrue(self.client.stop().success)
+            status = self.client.wait_for_status(ControlStatus.STOPPED)
+            own = (plan_id, rospy.get_name())
+            self.assertEqual((status.plan_id, status.plan_set_by), own)
+            folder = self.client.folder(self.client.survey_id)
+            description = json.loads((folder / "survey.json").read_text())
+            self.assertEqual((description["plan_id"], description["plan_set_by"]), own)
+            self.assertEqual(json_traces(folder)[0]["x_coord_mm"], x_start_mm)
+            self.client.forget()
 
 
 if __name__ == "__main__":

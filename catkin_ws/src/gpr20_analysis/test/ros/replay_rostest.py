@@ -43,6 +43,7 @@ from survey_kit import POINTS, make_survey, planned_trace  # noqa: E402
 
 TIME_LIMIT_S = 60.0
 FAULT_CODE = "string fault_code"
+PLAN = ("string plan_id", "string plan_set_by")
 ZERO = ("uint32 zero_epoch", "time zero_time")
 NODE = Path(__file__).resolve().parents[2] / "nodes" / "replay"
 
@@ -191,7 +192,8 @@ class ReplayTest(unittest.TestCase):
         )
 
     def test_messages_of_an_older_version_arrive_as_those_of_today(self) -> None:
-        old_status = old_message(ControlStatus, "string message_json", FAULT_CODE)
+        old_status = old_message(ControlStatus, "string message_json", FAULT_CODE, *PLAN)
+        self.assertIn(old_message(ControlStatus, *PLAN)._md5sum, old_recordings.ADDED)
         old_coverage = old_message(SurveyCoverage, "string[] failures_json", "string verdict_json")
         recording = self.data / "old.mcap"
         write_latched(
@@ -224,7 +226,7 @@ class ReplayTest(unittest.TestCase):
 
     def test_messages_of_the_version_before_the_fault_codes_arrive_without_one(self) -> None:
         kinds = (ControlStatus, ServiceStatus, RobotConfiguration, AxisActionResult)
-        messages = [old_message(kind, FAULT_CODE, *ZERO)() for kind in kinds]
+        messages = [old_message(kind, FAULT_CODE, *PLAN, *ZERO)() for kind in kinds]
         *said, result = messages
         for one in (*said, result.result):
             one.message, one.message_json = "the axis is not homed", '{"template": "x"}'

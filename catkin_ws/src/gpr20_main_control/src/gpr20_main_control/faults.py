@@ -54,6 +54,9 @@ OTHER_PAUSED = Fault(
 )
 BUSY = Fault("survey.busy", remedies.TRY_LATER)
 NO_PLAN = Fault("survey.no_plan", Message("Enter the plan on SURVEY, then start the survey."))
+OTHER_PLAN = Fault(
+    "survey.other_plan", Message("Look at the plan on SURVEY, then start the survey again.")
+)
 NONE_RUNNING = Fault("survey.none_running", remedies.NOTHING_TO_DO, Severity.NOTE)
 NONE_MEASURING = Fault(
     "survey.none_measuring",

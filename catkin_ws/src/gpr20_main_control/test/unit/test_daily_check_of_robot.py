@@ -164,6 +164,17 @@ def test_a_step_without_those_before_it_is_refused_and_sweeps_nothing(stepped):
     refused(2)
 
 
+def test_the_parts_of_two_clients_do_not_make_one_check(stepped):
+    stepped.control.daily_check(0, "/window")
+    for client in ("/other", ""):
+        with raises_fault(CHECK_ORDER, error=RequestRefusedError):
+            stepped.control.daily_check(1, client)
+    stepped.control.daily_check(1, "/window")
+    stepped.control.daily_check(0, "/other")
+    with raises_fault(CHECK_ORDER, error=RequestRefusedError):
+        stepped.control.daily_check(2, "/window")
+
+
 def test_a_check_is_given_up_after_half_an_hour(stepped, monkeypatch):
     step(stepped, 0)
     now_s = stepped.clock.now_s

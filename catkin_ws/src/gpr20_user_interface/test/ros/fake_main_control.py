@@ -194,6 +194,7 @@ class FakeMainControl:
         return _answer(
             SetSurveyParametersResponse,
             "accepted",
+            plan_id=parameters.plan_id,
             total_points=parameters.total_points,
             estimated_time=estimate,
         )
@@ -206,6 +207,8 @@ class FakeMainControl:
             raise Gpr20Error(self.refusal)
         with self._lock:
             self._refuse_while_active()
+            if self._parameters is None or request.plan_id != self._parameters.plan_id:
+                raise Gpr20Error(verbatim(f"another plan than {request.plan_id!r} is set"))
             self.starts += 1
             self.annotation = from_fields(request.annotation)
             self.survey_id = str(uuid.uuid4())

@@ -9,7 +9,7 @@ import socket
 import statistics
 import time
 import unittest
-from typing import Callable, Dict
+from typing import Any, Callable, Dict
 from unittest import mock
 
 import rospy
@@ -123,8 +123,8 @@ class Traces(unittest.TestCase):
         self.windows.append(Window(tab))
         return self.windows[-1]
 
-    def call(self, name: str, *arguments: object) -> object:
-        answer = self.services[name](*arguments)
+    def call(self, name: str, *arguments: object, **fields: object) -> Any:
+        answer = self.services[name](*arguments, **fields)
         self.assertTrue(answer.success, answer.message)
         return answer
 
@@ -133,8 +133,8 @@ class Traces(unittest.TestCase):
         texts = ["--x-start", "100", "--x-stop", stop_mm, "--x-points", str(points)]
         texts += ["--y-start", "100", "--y-stop", "120", "--y-points", "3"]
         arguments = parse_arguments([*texts, "--frequency-points", "201"], Catalogue())
-        self.call("set_survey_parameters", parameters_message(arguments.parameters))
-        self.call("start_survey")
+        plan = self.call("set_survey_parameters", parameters_message(arguments.parameters))
+        self.call("start_survey", plan_id=plan.plan_id)
 
     def test_1_each_trace_is_seen_within_a_second(self) -> None:
         window = self.window(TabName.GROUND)

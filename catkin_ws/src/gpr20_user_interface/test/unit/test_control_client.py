@@ -25,7 +25,8 @@ class SlowService:
         self.called, self.may_answer = threading.Event(), threading.Event()
         self._answer = SimpleNamespace(message="", message_json="", fault_code="", **answer)
 
-    def call(self, _timeout_s, **_fields):
+    def call(self, _timeout_s, **fields):
+        self.fields = fields
         self.called.set()
         assert self.may_answer.wait(LIMIT_S)
         return self._answer
@@ -42,7 +43,8 @@ def client():
 
     made = ControlClient(take, Senders("/"))
     estimated = SimpleNamespace(to_sec=lambda: 1.0)
-    made._set_parameters = SlowService(success=True, total_points=4, estimated_time=estimated)
+    plan = {"plan_id": "0123", "total_points": 4, "estimated_time": estimated}
+    made._set_parameters = SlowService(success=True, **plan)
     made._start = SlowService(success=True, survey_id="s")
     made._start.may_answer.set()
     made._stop = SimpleNamespace(press=lambda: None, forget=lambda: None)
@@ -67,4 +69,6 @@ def test_a_survey_is_started_after_an_earlier_stop(client):
     client.start_survey(default_parameters())
     assert client.answered.wait(LIMIT_S)
     assert client._start.called.is_set()
+    # The plan that it has set, whatever another client has set meanwhile.
+    assert client._start.fields["plan_id"] == "0123"
     assert client.taken[-1].success

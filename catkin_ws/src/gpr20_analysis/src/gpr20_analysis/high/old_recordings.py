@@ -92,8 +92,9 @@ ZERO = 12
 # By the checksum of the old definition: the present type, and the length of the fields that it
 # adds at its end. They are empty or zero.
 ADDED: Dict[str, Tuple[type, int]] = {
-    "7b530785257ca423f317a80d75c5dad5": (ControlStatus, 2 * EMPTY),
-    "a03e61f3a68474fd87c9325d30026060": (ControlStatus, EMPTY),
+    "7b530785257ca423f317a80d75c5dad5": (ControlStatus, 4 * EMPTY),
+    "a03e61f3a68474fd87c9325d30026060": (ControlStatus, 3 * EMPTY),
+    "bc17b4aae71496146bf73f0025ac7b5c": (ControlStatus, 2 * EMPTY),
     "8830f4d1986e7bfcd8944b9db55ce297": (SurveyCoverage, 2 * EMPTY),
     "d2ff0e17e24af241635b0fa72eb91531": (AxisActionResult, 2 * EMPTY + ZERO),
     "f06ebb79ed3434417ea61b7366a83ad7": (AxisActionResult, EMPTY + ZERO),

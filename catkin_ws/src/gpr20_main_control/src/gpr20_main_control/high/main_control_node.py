@@ -120,9 +120,10 @@ class MainControlNode:
         names = [one.name for one in fields(SurveyParameters)]
         values = {name: getattr(message, name) for name in names}
         values["polarizations_deg"] = tuple(message.polarizations_deg) or DEFAULT_POLARIZATIONS_DEG
-        plan = self._control.set_parameters(SurveyParameters(**values))
+        plan = self._control.set_parameters(SurveyParameters(**values), _caller(request))
         return SetSurveyParametersResponse(
             success=True,
+            plan_id=plan.parameters.plan_id,
             total_points=plan.total_points,
             estimated_time=rospy.Duration.from_sec(plan.duration_s),
             **message_fields(Message("Parameters accepted")),
@@ -131,7 +132,7 @@ class MainControlNode:
     def _start(self, request: Any) -> StartSurveyResponse:
         added = annotation.from_fields(request.annotation)
         permittivity = requested_permittivity(request.permittivity)
-        survey_id = self._control.start(added, request.refines, permittivity)
+        survey_id = self._control.start(added, request.refines, permittivity, request.plan_id)
         started = message_fields(Message("Survey started"))
         return StartSurveyResponse(success=True, survey_id=survey_id, **started)
 
@@ -160,7 +161,7 @@ class MainControlNode:
         return TestAnalyzerResponse(**analyzer_test_fields(test))
 
     def _daily_check(self, request: Any) -> DailyCheckResponse:
-        verdict = self._control.daily_check(request.step)
+        verdict = self._control.daily_check(request.step, _caller(request))
         message = Message("Swept twice.") if verdict is None else verdict.message
         good = verdict is not None and verdict.good
         return DailyCheckResponse(success=True, good=good, **message_fields(message))
@@ -178,6 +179,11 @@ class MainControlNode:
         elif status.state is SurveyState.PAUSED or status.missing is not None:
             level = diagnostics.WARN
         return level, status.full_message, values
+
+
+def _caller(request: Any) -> str:
+    """Return the name of the node that has sent a request."""
+    return str(request._connection_header.get("callerid", ""))
 
 
 def build_main_control_node() -> MainControlNode:

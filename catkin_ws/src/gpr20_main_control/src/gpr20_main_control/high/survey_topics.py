@@ -22,6 +22,7 @@ from gpr20_msgs.msg import SurveyParameters as SurveyParametersMessage
 from gpr20_survey.frames import BASE_LINK
 from gpr20_survey.plan.coverage import Coverage
 from gpr20_survey.plan.survey_parameters import SurveyParameters
+from gpr20_survey.plan.survey_state import SurveyState
 
 NO_TARGET = -1.0
 # A position that stays the same is published at each fifth tick: 2 Hz.
@@ -54,7 +55,7 @@ class SurveyTopics:
 
     def publish_change(self, before: Status, after: Status) -> None:
         """Publish a change of the status."""
-        if (before.state, before.full_message) != (after.state, after.full_message):
+        if stated(before) != stated(after):
             rospy.loginfo("%s: %s", after.state.name, after.full_message)
             self.publish_status(after)
         if before.target != after.target:
@@ -73,6 +74,8 @@ class SurveyTopics:
         message.code = int(status.state)
         message.survey_id = status.survey_id
         message.simulated = self.simulated
+        message.plan_id = status.plan_id
+        message.plan_set_by = status.plan_set_by
         return message
 
     def _publish_target(self, status: Status) -> None:
@@ -125,6 +128,11 @@ class SurveyTopics:
         message.header.frame_id = BASE_LINK
         message.x_mm, message.y_mm, message.z_deg = present
         self._current.publish(message)
+
+
+def stated(status: Status) -> Tuple[SurveyState, Message, str, str]:
+    """Return the content of the message with state and message."""
+    return status.state, status.full_message, status.plan_id, status.plan_set_by
 
 
 def progress_of(status: Status) -> Tuple[str, int, int, float]:

@@ -41,13 +41,15 @@ class DailyCheckSteps:
         self._robot = robot
         self._clock = clock
         self._begun_s = 0.0
+        self._client = ""
         self._parts: Dict[Part, SweptPart] = {}
 
-    def take(self, step: int, interruption: StopInterruption) -> Optional[Verdict]:
+    def take(self, step: int, client: str, interruption: StopInterruption) -> Optional[Verdict]:
         """Sweep one part.
 
         Args:
             step: Number of the part; the first begins a new check.
+            client: Node that asks; the parts of two do not make one check.
             interruption: What ends the step.
 
         Returns:
@@ -59,18 +61,19 @@ class DailyCheckSteps:
             StopRequested: A stop was requested; the step can be repeated.
             InvalidValueError: The parts of the robot have not described themselves.
         """
-        part = self._expected(step)
+        part = self._expected(step, client)
         address = self._robot.description.analyzer_address()
         self._parts[part] = self._sweep(address, interruption)
         return self._end(address) if part is STEPS[-1] else None
 
-    def _expected(self, step: int) -> Part:
+    def _expected(self, step: int, client: str) -> Part:
         if step == 0:
             self._parts.clear()
-            self._begun_s = self._clock.now_s()
+            self._begun_s, self._client = self._clock.now_s(), client
         elif self._clock.now_s() - self._begun_s > CHECK_LIMIT_S:
             self._parts.clear()
-        if step >= len(STEPS) or any(before not in self._parts for before in STEPS[:step]):
+        missing = any(before not in self._parts for before in STEPS[:step])
+        if step >= len(STEPS) or missing or client != self._client:
             raise RequestRefusedError(
                 Message("a step before this one is missing, or too old"), fault=CHECK_ORDER
             )

@@ -80,8 +80,12 @@ class MainControl:
         self._engine: Optional[SurveyEngine] = None
         self._thread: Optional[threading.Thread] = None
 
-    def set_parameters(self, parameters: SurveyParameters) -> SurveyPlan:
+    def set_parameters(self, parameters: SurveyParameters, set_by: str = "") -> SurveyPlan:
         """Check the parameters and plan the next survey; nothing moves.
+
+        Args:
+            parameters: What to measure.
+            set_by: Node that sets them.
 
         Raises:
             RequestRefusedError: A survey is running.
@@ -100,11 +104,10 @@ class MainControl:
             config = description.config(STARTING_LIMIT_S)
             address = parameters.vna_address or description.analyzer_address()
             parameters = replace(parameters, vna_address=address)
-            self._plan = plan_survey(parameters, config, self._settings)
+            plan = plan_survey(parameters, config, self._settings)
+            self._plan = replace(plan, set_by=set_by)
             self._stops_at_plan = stops
-            self._status.show_parameters(parameters)
-            ready = Message("Ready for {count} traces", count=self._plan.total_points)
-            self._status.enter(SurveyState.CONFIGURED, ready)
+            self._status.set_plan(self._plan)
             return self._plan
 
     def start(
@@ -112,6 +115,7 @@ class MainControl:
         annotation: Annotation = EMPTY,
         refines: str = "",
         permittivity: Optional[float] = None,
+        plan_id: str = "",
     ) -> str:
         """Start a survey with the parameters set before and return its id.
 
@@ -119,11 +123,12 @@ class MainControl:
             annotation: What people add to the survey; empty fields become the robot's defaults.
             refines: Id of the survey that this one measures more finely; empty: none.
             permittivity: Relative permittivity of the ground; None: not known.
+            plan_id: Of the parameters that the caller has set; empty: whatever is set.
 
         Raises:
             InvalidValueError: `refines` is not the id of a survey.
-            RequestRefusedError: A survey is running, no parameters have been set, or STOP was
-                requested since.
+            RequestRefusedError: A survey is running, no parameters have been set, others have
+                been set since, or STOP was requested since.
         """
         with self._one_at_a_time():
             self._refuse_while_running(
@@ -138,6 +143,18 @@ class MainControl:
                     Message("no parameters have been set; set them, then start"),
                     fault=faults.NO_PLAN,
                 )
+            present = self._plan.parameters.plan_id
+            if plan_id not in ("", present):
+                raise RequestRefusedError(
+                    Message(
+                        "START is for plan {requested}, but {set_by} has set plan {present} since; "
+                        "set the plan again, then start",
+                        requested=repr(plan_id[:64]),
+                        set_by=self._plan.set_by or "-",
+                        present=present,
+                    ),
+                    fault=faults.OTHER_PLAN,
+                )
             # Planned again: a part may have been restarted with another configuration.
             plan = plan_survey(
                 self._plan.parameters, self._robot.description.config(), self._settings
@@ -145,6 +162,7 @@ class MainControl:
             annotation = annotation.with_defaults(self._defaults)
             plan = replace(
                 plan,
+                set_by=self._plan.set_by,
                 survey_id=str(uuid.uuid4()),
                 annotation=annotation,
                 refines=check_refines(refines),
@@ -274,15 +292,15 @@ class MainControl:
             settings = TEST_SWEEP if plan is None else plan.parameters.sweep_settings
             return run_analyzer_test(self._robot, address, settings, self._service.interruption)
 
-    def daily_check(self, step: int) -> Optional[Verdict]:
-        """Take a step of the daily check; return the verdict after the last one.
+    def daily_check(self, step: int, client: str = "") -> Optional[Verdict]:
+        """Take a step of the daily check of a client; return the verdict after the last one.
 
         Raises:
             SurveyError: It is refused or failed, or a stop was requested.
             InvalidValueError: The parts of the robot have not described themselves.
         """
         with self._in_service(Message("daily check of the radar")):
-            return self._daily_check.take(step, self._service.interruption)
+            return self._daily_check.take(step, client, self._service.interruption)
 
     @contextlib.contextmanager
     def _in_service(self, activity: Message) -> Iterator[None]:
@@ -381,15 +399,8 @@ class MainControl:
         engine = SurveyEngine(survey, accepted)
         self._plan, self._survey, self._engine = plan, survey, engine
         self._stops_at_plan = stops
-        self._status.show_parameters(plan.parameters)
         self._interruption.stop.clear()
-        self._status.begin_survey(
-            plan.survey_id,
-            plan.total_points,
-            len(plan.stored_indices),
-            sum(plan.pending_durations_s),
-        )
-        self._status.enter(SurveyState.CHECKING, Message("Checking the robot"))
+        self._status.begin_survey(plan)
         if self._stops != stops:
             # It came after the look above, and found no survey that it could stop.
             self._interruption.stop.set()

@@ -232,7 +232,7 @@ class ControlClient(RosEvents):
         if withdrawals != self._withdrawals:
             return None
         self._emit(Accepted(accepted.total_points, accepted.estimated_time.to_sec()))
-        return self._start.call(START_TIMEOUT_S, **added)
+        return self._start.call(START_TIMEOUT_S, plan_id=accepted.plan_id, **added)
 
     def _ask(self, request: Request, ask: Callable[[], Any]) -> None:
         def work() -> None:

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import enum
+import hashlib
+import json
 import math
 import re
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from typing import Callable, Iterable, List, Tuple
 
 from gpr20_common.errors import InvalidValueError
@@ -81,6 +83,12 @@ class SurveyParameters:
     def total_points(self) -> int:
         """Number of traces: one per stop and polarization."""
         return self.x_points * self.y_points * len(self.polarizations_deg)
+
+    @property
+    def plan_id(self) -> str:
+        """What only these parameters have: 16 hexadecimal digits."""
+        content = json.dumps(asdict(self), sort_keys=True)
+        return hashlib.sha256(content.encode()).hexdigest()[:16]
 
     @property
     def sweep_settings(self) -> SweepSettings:

@@ -17,7 +17,7 @@ from gpr20_main_control.mid.devices.robot import SurveyEnd, SurveyRecord
 from gpr20_main_control.mid.survey.known_point import RepeatMeasurement
 from gpr20_main_control.mid.survey.running_survey import RunningSurvey
 from gpr20_main_control.mid.survey.storage_queue import ATTEMPTS, RETRY_S, StorageQueue
-from gpr20_main_control.mid.survey.survey_plan import SurveyPlan
+from gpr20_main_control.mid.survey.survey_plan import PLAN_ID, PLAN_SET_BY, SurveyPlan
 from gpr20_main_control.mid.waits import Check, ExpectedWait
 from gpr20_survey.folder.soil_note import PLANNED
 from gpr20_survey.folder.survey_metadata import INTERRUPTED
@@ -238,6 +238,8 @@ def survey_record(
     metadata = {
         "simulated": plan.config.simulated,
         "parameters": asdict(plan.parameters),
+        PLAN_ID: plan.parameters.plan_id,
+        PLAN_SET_BY: plan.set_by,
         "planned_traces": plan.total_points,
         "estimated_duration_s": plan.duration_s,
         "instrument": {

@@ -30,6 +30,8 @@ from gpr20_survey.trace.ms2026c import sweep_duration_s
 from gpr20_survey.trace.sweep_settings import AnalyzerSettings, SweepSettings
 from gpr20_survey.trace.trace import Trace
 
+# Keys of survey.json.
+PLAN_ID, PLAN_SET_BY = "plan_id", "plan_set_by"
 # Parameters of an axis that decide where its coordinates are on the ground.
 GRID_PARAMETERS = (
     "step_size",
@@ -52,6 +54,7 @@ class SurveyPlan:
         points: All points in the order of their visit.
         durations_s: Duration of each point [s], with a visit of the reference before it, if any;
             one more for the visit at the end, if any.
+        set_by: Node that set the parameters; empty if it is not known.
         survey_id: UUID; empty before the survey begins.
         reopened: What is stored of it; None if it is new.
         annotation: What people added to it at its start.
@@ -66,6 +69,7 @@ class SurveyPlan:
     settings: SurveySettings
     points: Sequence[SurveyPoint]
     durations_s: Sequence[float]
+    set_by: str = ""
     survey_id: str = ""
     reopened: Optional[ReopenedSurvey] = None
     annotation: Annotation = EMPTY
@@ -213,7 +217,8 @@ def plan_resumption(
             ),
             fault=faults.RECORD_DAMAGED,
         )
-    return replace(plan, survey_id=reopened.survey_id, reopened=reopened)
+    set_by = str(json.loads(reopened.metadata_json).get(PLAN_SET_BY, ""))
+    return replace(plan, set_by=set_by, survey_id=reopened.survey_id, reopened=reopened)
 
 
 def _resumable_parameters(reopened: ReopenedSurvey, config: RobotConfig) -> SurveyParameters:

@@ -4,13 +4,16 @@ from __future__ import annotations
 
 import threading
 from dataclasses import dataclass, replace
-from typing import Callable, Optional
+from typing import TYPE_CHECKING, Callable, Optional
 
 from gpr20_common.message import Message, in_a_row
 from gpr20_survey.plan.coverage import Coverage
 from gpr20_survey.plan.survey_parameters import SurveyParameters
 from gpr20_survey.plan.survey_plan import SurveyPoint
 from gpr20_survey.plan.survey_state import SurveyState, check_transition
+
+if TYPE_CHECKING:  # the plan imports what shows itself by this status
+    from gpr20_main_control.mid.survey.survey_plan import SurveyPlan
 
 NO_PARAMETERS = Message("Set the parameters of a survey.")
 
@@ -30,6 +33,8 @@ class Status:
         missing: Which nodes do not answer; None if all answer.
         warning: A warning about the current or last survey; None if there is none.
         waiting: What is waited for longer than expected; None otherwise.
+        plan_id: Of the parameters that are set, or of the current or last survey.
+        plan_set_by: Node that set them.
     """
 
     state: SurveyState = SurveyState.IDLE
@@ -42,6 +47,8 @@ class Status:
     missing: Optional[Message] = None
     warning: Optional[Message] = None
     waiting: Optional[Message] = None
+    plan_id: str = ""
+    plan_set_by: str = ""
 
     @property
     def full_message(self) -> Message:
@@ -126,18 +133,30 @@ class SurveyStatus:
         with self._lock:
             self._change(replace(self._status, warning=warning))
 
-    def begin_survey(
-        self, survey_id: str, total_points: int, visited_points: int, planned_s: float
-    ) -> None:
-        """Begin the progress of a survey, of which some points may be stored already."""
+    def set_plan(self, plan: SurveyPlan) -> None:
+        """Enter CONFIGURED, and announce the parameters of the next survey.
+
+        Raises:
+            TransitionError: A survey is running.
+        """
+        ready = Message("Ready for {count} traces", count=plan.total_points)
+        with self._lock:
+            self._change(self._planned(plan, SurveyState.CONFIGURED, ready))
+
+    def begin_survey(self, plan: SurveyPlan) -> None:
+        """Enter CHECKING, and begin the progress of a survey, which may be stored in part.
+
+        Raises:
+            TransitionError: A survey is running.
+        """
         with self._lock:
             self._change(
                 replace(
-                    self._status,
-                    survey_id=survey_id,
-                    total_points=total_points,
-                    visited_points=visited_points,
-                    remaining_s=planned_s,
+                    self._planned(plan, SurveyState.CHECKING, Message("Checking the robot")),
+                    survey_id=plan.survey_id,
+                    total_points=plan.total_points,
+                    visited_points=len(plan.stored_indices),
+                    remaining_s=sum(plan.pending_durations_s),
                     warning=None,
                 )
             )
@@ -154,13 +173,16 @@ class SurveyStatus:
                 replace(self._status, visited_points=visited_points, remaining_s=remaining_s)
             )
 
-    def show_parameters(self, parameters: SurveyParameters) -> None:
-        """Announce the parameters of the next or present survey."""
-        self._on_parameters(parameters)
-
     def show_coverage(self, coverage: Coverage) -> None:
         """Announce the state of each sample of the present survey."""
         self._on_coverage(coverage, self._status.survey_id)
+
+    def _planned(self, plan: SurveyPlan, state: SurveyState, message: Message) -> Status:
+        """Announce the parameters of a plan; return the status with it."""
+        check_transition(self._status.state, state)
+        self._on_parameters(plan.parameters)
+        planned = self._status.ended(state, message)
+        return replace(planned, plan_id=plan.parameters.plan_id, plan_set_by=plan.set_by)
 
     def _change(self, status: Status) -> None:
         before, self._status = self._status, status

@@ -1,0 +1,101 @@
+"""Two clients that set and start different plans: a START measures its own plan or nothing."""
+
+import contextlib
+import json
+import random
+import threading
+from dataclasses import replace
+
+import pytest
+from cut_off_surveys import reopened_survey
+from fake_robot import LIMIT_S
+from fault_kit import raises_fault
+from survey_examples import PARAMETERS
+
+from gpr20_main_control import faults
+from gpr20_main_control.errors import RequestRefusedError
+from gpr20_survey.plan.survey_parameters import SurveyParametersError
+from gpr20_survey.plan.survey_state import SurveyState as State
+
+OTHER = replace(PARAMETERS, y_points=3)
+ROUNDS = 20
+
+
+def test_a_start_for_another_plan_than_the_one_set_is_refused_and_names_both(bench):
+    own = bench.control.set_parameters(PARAMETERS, "/window").parameters.plan_id
+    other = bench.control.set_parameters(OTHER, "/run_survey").parameters.plan_id
+    with raises_fault(faults.OTHER_PLAN, own, other, "/run_survey", error=RequestRefusedError):
+        bench.control.start(plan_id=own)
+    assert not bench.storage.records
+    assert not any(axis.moves or axis.homings for axis in bench.axes)
+    bench.control.set_parameters(PARAMETERS, "/window")
+    bench.control.start(plan_id=own)
+    bench.complete()
+
+
+def test_the_id_is_that_of_the_address_of_the_configuration_too(bench):
+    plan = bench.control.set_parameters(replace(PARAMETERS, vna_address=""))
+    assert plan.parameters.vna_address
+    bench.control.start(plan_id=plan.parameters.plan_id)
+    bench.complete()
+
+
+def test_status_and_description_say_whose_plan_it_is(bench):
+    plan = bench.control.set_parameters(PARAMETERS, "/window")
+    shown = bench.board.status
+    assert (shown.plan_id, shown.plan_set_by) == (plan.parameters.plan_id, "/window")
+    # A plan that is refused replaces none.
+    with pytest.raises(SurveyParametersError):
+        bench.control.set_parameters(replace(PARAMETERS, x_points=2), "/other")
+    assert bench.board.status == shown
+    bench.control.start()
+    bench.complete()
+    ended = bench.board.status
+    assert (ended.plan_id, ended.plan_set_by) == (plan.parameters.plan_id, "/window")
+
+
+def test_a_plan_of_the_same_size_is_announced_as_another(bench):
+    bench.control.set_parameters(PARAMETERS, "/window")
+    bench.control.set_parameters(replace(PARAMETERS, x_start_mm=1.0), "/other")
+    assert len({one.plan_id for one in bench.history if one.state is State.CONFIGURED}) == 2
+
+
+def test_a_resumed_survey_says_who_set_its_plan(bench):
+    bench.storage.reopened = reopened_survey([0, 1], plan_set_by="/window")
+    bench.control.set_parameters(OTHER, "/other")
+    bench.control.resume("survey")
+    bench.wait_for(State.FINISHED)
+    ended = bench.board.status
+    assert (ended.plan_id, ended.plan_set_by) == (PARAMETERS.plan_id, "/window")
+
+
+def test_of_two_clients_none_measures_the_plan_of_the_other(bench):
+    drawn = random.Random(7)
+    for number in range(ROUNDS):
+        together = threading.Barrier(2)
+        started = {}
+
+        def ask(client, x_start_mm, wait_s, together=together, started=started):
+            together.wait(LIMIT_S)
+            with contextlib.suppress(RequestRefusedError):
+                parameters = replace(PARAMETERS, x_start_mm=x_start_mm)
+                plan = bench.control.set_parameters(parameters, client)
+                # Not for a condition: the calls of both mix differently in each round.
+                threading.Event().wait(wait_s)
+                started[bench.control.start(plan_id=plan.parameters.plan_id)] = client, x_start_mm
+
+        clients = [
+            threading.Thread(target=ask, args=(client, x_mm, drawn.random() * 0.002))
+            for client, x_mm in (("/one", 0.1 * number), ("/two", 5.0 + 0.1 * number))
+        ]
+        for one in clients:
+            one.start()
+        for one in clients:
+            one.join(LIMIT_S)
+        bench.wait_until(lambda: not bench.board.status.state.running)
+        # Whoever has set a plan last can start it, unless the other one runs.
+        assert started
+        recorded = {one.survey_id: json.loads(one.metadata_json) for one in bench.storage.records}
+        for survey_id, (client, x_start_mm) in started.items():
+            assert recorded[survey_id]["plan_set_by"] == client
+            assert recorded[survey_id]["parameters"]["x_start_mm"] == x_start_mm
