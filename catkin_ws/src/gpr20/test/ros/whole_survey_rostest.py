@@ -400,7 +400,7 @@ class WholeSurveyTest(unittest.TestCase):
             folder = self.client.folder(self.client.survey_id)
             description = json.loads((folder / "survey.json").read_text())
             self.assertEqual((description["plan_id"], description["plan_set_by"]), own)
-            self.assertEqual(json_traces(folder)[0]["x_coord_mm"], x_start_mm)
+            self.assertAlmostEqual(json_traces(folder)[0]["x_coord_mm"], x_start_mm, 6)
             self.client.forget()
 
 
