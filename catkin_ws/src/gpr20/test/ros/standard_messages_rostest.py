@@ -182,6 +182,9 @@ class StandardMessagesTest(unittest.TestCase):
     def _check_recording(self, folder):
         with rosbag.Bag(str(folder / "survey.bag")) as bag:
             topics = bag.get_type_and_topic_info().topics
+            for topic, message, _time in bag.read_messages():
+                if hasattr(message, "header"):
+                    self.assertTrue(message.header.stamp, topic)
         for name in RECORDED:
             self.assertIn(rospy.resolve_name(name), topics)
         self.assertEqual(topics[rospy.resolve_name("b_scan")].message_count, 3)
