@@ -91,6 +91,7 @@ class FakeMainControl:
         self.survey_id = ""
         self.starts = 0
         self.annotation = EMPTY
+        self.permittivity = 0.0
         self.stops = 0
         self.may_stop = threading.Event()
         self.may_stop.set()
@@ -211,6 +212,7 @@ class FakeMainControl:
                 raise Gpr20Error(verbatim(f"another plan than {request.plan_id!r} is set"))
             self.starts += 1
             self.annotation = from_fields(request.annotation)
+            self.permittivity = request.permittivity
             self.survey_id = str(uuid.uuid4())
             self._visited = 0
             self._say(ControlStatus.CHECKING, "checking the devices")

@@ -108,14 +108,16 @@ class RunSurvey(unittest.TestCase):
         for code in SurveyState:
             self.assertEqual(code, getattr(ControlStatus, code.name))
 
-    def test_operator_site_notes_and_position_go_with_the_start(self) -> None:
+    def test_soil_operator_site_notes_and_position_go_with_the_start(self) -> None:
         note = ["--operator", "Lucía Peña", "--site", "El Carmen", "--notes", "wet\nsoil"]
-        process = self.client(*SMALL, *note, "--position=-4.60283,-74.06514")
+        note += ["--position=-4.60283,-74.06514", "--permittivity", "4.5"]
+        process = self.client(*SMALL, *note)
         output = self.end_of(process)
         self.assertEqual(process.returncode, 0, output)
         position = Wgs84Position(-4.60283, -74.06514)
         expected = Annotation("Lucía Peña", "El Carmen", "wet\nsoil", position)
         self.assertEqual(self.fake.annotation, expected)
+        self.assertEqual(self.fake.permittivity, 4.5)
 
     def test_follows_a_survey_to_its_end(self) -> None:
         process = self.client(*SMALL)

@@ -51,6 +51,15 @@ def test_every_parameter_can_be_given():
     )
 
 
+def test_the_permittivity_is_not_known_unless_it_is_given():
+    for line, permittivity in (
+        (["--permittivity", "4"], 4.0),
+        (["--permittivity="], 0.0),
+        ([], 0.0),
+    ):
+        assert parse_arguments(line).permittivity == permittivity
+
+
 def test_a_survey_that_exists_can_be_followed():
     for line, mode, resume_id in (
         ("--attach", Mode.ATTACH, ""),
@@ -88,6 +97,8 @@ def test_wrong_command_line_has_status_2_and_names_the_fault(capsys):
         (["--operator", "a\nb"], "operator holds U+000A"),
         (["--attach", "--notes", "x"], "--notes cannot be given with --attach"),
         (["--resume", "--site", ""], "--site cannot be given with --resume"),
+        (["--permittivity", "0.5"], "'0.5' is no permittivity of a soil"),
+        (["--resume", "--permittivity", "4"], "--permittivity cannot be given with --resume"),
         (["--accept-analyzer", "B"], "only with --resume"),
         (["--attach", "--accept-analyzer", "B"], "only with --resume"),
     ):

@@ -149,7 +149,9 @@ def _run_session(
 ) -> Outcome:
     """Follow a survey to its end, and print how it ended."""
     requests: Dict[Request, Callable[[], None]] = {
-        Request.START: lambda: client.start_survey(options.parameters, options.annotation),
+        Request.START: lambda: client.start_survey(
+            options.parameters, options.annotation, permittivity=options.permittivity
+        ),
         Request.STOP: client.stop,
         Request.RESUME: lambda: client.resume_survey(
             options.resume_id, options.accept_analyzer, options.accept_zeros

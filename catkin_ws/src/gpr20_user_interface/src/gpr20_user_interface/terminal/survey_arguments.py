@@ -5,14 +5,14 @@ from __future__ import annotations
 import argparse
 import enum
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Callable, List, Mapping, Optional, Sequence
 
 from gpr20_common.catalogue import Catalogue, Language
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.low.catalogue_file import language_from_environment, languages
 from gpr20_common.message import Message, verbatim
-from gpr20_operator.plan.fields import PARAMETERS, PEOPLE
+from gpr20_operator.plan.fields import PARAMETERS, PEOPLE, SPECS
 from gpr20_operator.plan.spec import FieldSpec
 from gpr20_operator.robot.events import DOCUMENTED_TRAVEL
 from gpr20_survey.plan.annotation import Annotation
@@ -32,6 +32,14 @@ EXIT_STATUS = Message(
     "    4  it is paused and stays paused (--on-pause exit)\n"
     "    5  it was a replay: nothing was measured\n"
     "  130  it was stopped by Ctrl-C or SIGTERM; after a second one it may still run\n"
+)
+_PLANNED = SPECS["permittivity"]
+# The window begins with a soil, which a person sees there; a command assumes none.
+SOIL = replace(
+    _PLANNED,
+    kind=replace(_PLANNED.kind, read=lambda text: _PLANNED.kind.read(text) if text else 0.0),
+    default="",
+    empty=Message("not known"),
 )
 
 
@@ -53,6 +61,7 @@ class Options:
     accept_zeros: bool
     parameters: SurveyParameters
     annotation: Annotation
+    permittivity: float
     wait_s: float
     on_pause: OnPause
     bar: Bar
@@ -85,7 +94,7 @@ def parse_arguments(arguments: Sequence[str], catalogue: Catalogue) -> Options:
     measured = parser.add_argument_group(catalogue.tr("what to measure"))
     noted = parser.add_argument_group(catalogue.tr("what to note"))
     fields = [_add_field(measured, spec, catalogue) for spec in PARAMETERS]
-    fields += [_add_field(noted, spec, catalogue) for spec in PEOPLE]
+    fields += [_add_field(noted, spec, catalogue) for spec in (SOIL, *PEOPLE)]
     _add_run_options(parser.add_argument_group(catalogue.tr("how to run it")), catalogue)
     given = parser.parse_args(arguments)
     mode = _mode(given.attach, given.resume)
@@ -103,6 +112,7 @@ def parse_arguments(arguments: Sequence[str], catalogue: Catalogue) -> Options:
         accept_zeros=given.accept_zeros,
         parameters=SurveyParameters(**{one.name: getattr(given, one.name) for one in PARAMETERS}),
         annotation=Annotation(**{one.name: getattr(given, one.name) for one in PEOPLE}),
+        permittivity=given.permittivity,
         wait_s=given.wait,
         on_pause=OnPause(given.on_pause),
         bar=Bar(given.bar),
