@@ -10,7 +10,8 @@ NaN in `s21`; `quality` says which, and attribute `missing` lists them.
 from __future__ import annotations
 
 import enum
-from typing import List, Sequence
+import json
+from typing import Any, List, Mapping, Sequence
 
 import numpy as np
 import xarray as xr
@@ -88,6 +89,15 @@ def described(data: xr.Dataset) -> xr.Dataset:
         data[name].attrs.update(ATTRIBUTES.get(str(name), {}))
     data[QUALITY].attrs.update(QUALITY_ATTRIBUTES)
     return data
+
+
+def description_of(survey: xr.Dataset) -> Mapping[str, Any]:
+    """Return the content of survey.json, of its log the decisions; empty if it is not known."""
+    try:
+        found = json.loads(survey.attrs.get("survey_json", "{}"))
+    except (TypeError, ValueError, RecursionError):
+        return {}
+    return found if isinstance(found, dict) else {}
 
 
 def aux_names(survey: xr.Dataset) -> List[str]:

@@ -99,4 +99,5 @@ def candidate_lists(draw, positions=ANYWHERE):
         notes=tuple(verbatim(one) for one in draw(st.lists(WORDS, max_size=3))),
         position=draw(positions),
         omitted_primary=draw(st.integers(0, omitted)),
+        permittivity_source=draw(WORDS),
     )

@@ -23,7 +23,9 @@ LIST = json.loads(json_text(EXAMPLE))
 # They say again, for people and other programs, what the others say.
 SAID_AGAIN = {"simulated_warning", "coordinates"}
 OF_EACH_SAID_AGAIN = {"doubtful", "longitude_deg", "latitude_deg"}
-NEEDED = sorted(LIST.keys() - SAID_AGAIN)
+# Lists of earlier versions are without it.
+LATER = "permittivity_source"
+NEEDED = sorted(LIST.keys() - SAID_AGAIN - {LATER})
 NEEDED_OF_EACH = sorted(LIST["candidates"][0].keys() - OF_EACH_SAID_AGAIN)
 MAY_BE_NONE = (
     "false_alarms_per_m2",
@@ -47,6 +49,13 @@ def test_a_list_comes_out_of_json_as_it_went_in(found):
 def test_a_list_without_something_is_refused(name):
     with pytest.raises(InvalidValueError):
         list_from(json.dumps({key: value for key, value in LIST.items() if key != name}))
+
+
+def test_a_list_of_an_earlier_version_does_not_say_where_its_permittivity_is_from():
+    former = {key: value for key, value in LIST.items() if key != LATER}
+    assert list_from(json.dumps(former)).permittivity_source == ""
+    with pytest.raises(InvalidValueError):
+        list_from(json.dumps({**LIST, LATER: 4}))
 
 
 @each_case("name", NEEDED_OF_EACH)

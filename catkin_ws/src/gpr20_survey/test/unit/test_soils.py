@@ -1,6 +1,18 @@
+import json
+
 import pytest
 from case_kit import each_case
 
+from gpr20_survey.folder.log_content import view_of
+from gpr20_survey.folder.log_record import Kind, LogRecord
+from gpr20_survey.folder.soil_note import (
+    ENTERED,
+    KIND,
+    OF_PLAN,
+    PLANNED,
+    soil_of_survey,
+    soil_values,
+)
 from gpr20_survey.radar.soils import MAX_PERMITTIVITY, MIN_PERMITTIVITY, Soils, soil_of
 
 # Davis and Annan (1989), table 1; moist sand lies between its two neighbours.
@@ -27,3 +39,21 @@ def test_moist_sand_agrees_with_the_equation_of_topp():
 
 def test_another_permittivity_is_the_operators_own():
     assert soil_of(9.5) is None
+
+
+def test_a_survey_that_is_resumed_keeps_its_soil_until_somebody_decides_again():
+    records, said = [], []
+    for kind, values in (
+        (Kind.PLAN, {PLANNED: 4.0, "started": "2026"}),
+        (Kind.RESUME, {}),
+        (Kind.DECISION, {"accepted": "other zeros"}),
+        (KIND, soil_values(9.5, 0)),
+        (Kind.RESUME, {}),
+        (KIND, soil_values(7.0, 0)),
+        (Kind.END, {"outcome": "finished"}),
+        (KIND, soil_values(None, 0)),
+    ):
+        records.append(LogRecord.after(records[-1] if records else None, kind, values, "2026"))
+        said.append(soil_of_survey(json.loads(view_of(records))))
+    plan, last = (4.0, OF_PLAN), (7.0, ENTERED)
+    assert said == [plan, plan, plan, *[(9.5, ENTERED)] * 2, last, last, None]

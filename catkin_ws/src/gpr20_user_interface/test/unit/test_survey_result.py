@@ -39,8 +39,9 @@ from gpr20_operator.jobs.result_texts import (
     why_lines,
 )
 from gpr20_operator.jobs.stick import LIST_PERIOD_S, ExportPart
+from gpr20_survey.folder import soil_note
 from gpr20_survey.folder.log_record import Kind
-from gpr20_survey.folder.soil_note import noted_permittivity, soil_values
+from gpr20_survey.folder.soil_note import ENTERED, OF_PLAN, soil_of_survey, soil_values
 from gpr20_survey.radar.soils import ANY_SOIL
 from gpr20_survey.results.candidate_json import json_text, list_from
 from gpr20_survey.results.found import FORMAT as FOUND
@@ -116,6 +117,7 @@ def test_one_permittivity_is_in_all_requests(planned, entered):
     result.set_permittivity(entered)
     if entered != planned:
         values.append(entered)
+        requests.ticket("note").done(None)
         result.keep()
         requests.ticket("focus").done(image_of(candidate_list(ELEVEN, survey_id=SURVEY)))
     assert result.permittivity == entered
@@ -173,6 +175,35 @@ def test_a_permittivity_that_another_screen_has_entered_since_is_kept(result, re
     assert [one[2]["permittivity"] for one in requests.of("note")] == [4.0]
 
 
+def test_that_the_soil_is_not_known_after_all_is_in_the_log_before_the_search(result, requests):
+    search(result, requests, record=stored(permittivity=4.0))
+    result.set_permittivity(None)
+    result.keep()
+    # The imaging node would use the plan.
+    assert [one[1] for one in requests.of("focus")] == [4.0]
+    requests.ticket("note").done(None)
+    result.keep()
+    assert [one[1] for one in requests.of("focus")] == [4.0, 0.0]
+
+
+def test_what_is_not_known_and_could_not_be_noted_is_shown_as_it_was_used(result, requests):
+    search(result, requests, record=stored(permittivity=4.0))
+    result.set_permittivity(None)
+    requests.ticket("note").fail(verbatim("the storage does not answer"))
+    result.keep()
+    found = candidate_list(ELEVEN, survey_id=SURVEY, permittivity=4.0)
+    requests.ticket("focus").done(image_of(found))
+    assert [str(one) for one in soil_lines(result)] == ["Permittivity 4", "Dry sand"]
+
+
+def test_that_another_screen_has_entered_not_known_counts(result, requests):
+    search(result, requests, record=stored(permittivity=4.0))
+    result.try_again()
+    record = stored(log=[noted("decision", soil_values(None, TIME_US))], permittivity=4.0)
+    search(result, requests, record=record)
+    assert result.permittivity is None and requests.of("focus")[-1] == (SURVEY, 0.0)
+
+
 def test_without_a_permittivity_the_assumed_one_is_said_to_be_assumed(result, requests):
     search(result, requests, permittivity=ANY_SOIL.permittivity)
     assert [str(one) for one in soil_lines(result)] == ["Permittivity 5", "ASSUMED"]
@@ -182,9 +213,16 @@ def test_without_a_permittivity_the_assumed_one_is_said_to_be_assumed(result, re
 @pytest.mark.parametrize("value", [None, True, "4", 0.5, 101.0, float("nan"), [4.0]])
 def test_a_note_that_is_no_permittivity_counts_for_nothing(value):
     values = {**soil_values(4.0, TIME_US), "permittivity": value}
-    assert noted_permittivity([noted("decision", soil_values(4.0, TIME_US))]) == 4.0
-    assert noted_permittivity([{"kind": "decision", "values": values}]) is None
-    assert noted_permittivity([{"kind": "decision", "values": None}]) is None
+    good = noted("decision", soil_values(4.0, TIME_US))
+    assert soil_of_survey({"log": [good]}) == (4.0, ENTERED)
+    assert soil_of_survey({"log": [{"kind": "decision", "values": values}]}) is None
+    assert soil_of_survey({"log": [{"kind": "decision", "values": None}, 7]}) is None
+    planned = {
+        soil_note.PLANNED: 4.0,
+        "log": [{"kind": "decision", "values": {"accepted": "zeros"}}],
+    }
+    assert soil_of_survey(planned) == (4.0, OF_PLAN)
+    assert soil_of_survey({soil_note.PLANNED: value}) is None
 
 
 def test_nothing_is_searched_while_a_survey_runs_and_the_search_begins_when_it_has_ended(

@@ -18,6 +18,7 @@ from gpr20_analysis.dataset import (
     SAMPLE_DIMS,
     X,
     Y,
+    description_of,
     usable,
 )
 from gpr20_analysis.errors import WrongDatasetError
@@ -26,6 +27,7 @@ from gpr20_analysis.imaging.image_options import ImageOptions
 from gpr20_analysis.imaging.methods import DEFAULT_STEPS
 from gpr20_analysis.processing.chain import process_survey
 from gpr20_common.message import Message
+from gpr20_survey.folder.soil_note import soil_of_survey
 from gpr20_survey.radar.frequency_to_delay import decibels
 from gpr20_survey.radar.soils import soil_of
 from gpr20_survey.results.focused_image import FocusedImage
@@ -39,7 +41,7 @@ def focus(survey: xr.Dataset, permittivity: Optional[float]) -> FocusedImage:
 
     Args:
         survey: Dataset of `load_survey`; samples may be missing.
-        permittivity: Relative permittivity of the ground; None: not known.
+        permittivity: Relative permittivity of the ground; None: what the survey says.
 
     Returns:
         The image, at the positions of the survey.
@@ -51,7 +53,7 @@ def focus(survey: xr.Dataset, permittivity: Optional[float]) -> FocusedImage:
     rows, columns = _measured_part(np.any(present, axis=0))
     # Lines without any trace would count as lines without noise.
     part = survey.isel({Y: rows, X: columns})
-    image = image_survey(process_survey(part, *DEFAULT_STEPS), field_options(permittivity))
+    image = image_survey(process_survey(part, *DEFAULT_STEPS), field_options(permittivity, part))
     levels_db = np.full((image.sizes[DEPTH], *present.shape[1:]), np.nan, np.float32)
     levels_db[:, rows, columns] = levels_above_clutter_db(image)
     levels_db[:, ~np.any(present, axis=0)] = np.nan
@@ -66,11 +68,15 @@ def focus(survey: xr.Dataset, permittivity: Optional[float]) -> FocusedImage:
     )
 
 
-def field_options(permittivity: Optional[float]) -> ImageOptions:
+def field_options(
+    permittivity: Optional[float], survey: Optional[xr.Dataset] = None
+) -> ImageOptions:
     """Return the options of an image on the robot, whose window offers soils by their value.
 
     Args:
-        permittivity: As it was chosen; that of a soil has the range of that soil. None: not known.
+        permittivity: As it was chosen; that of a soil has the range of that soil. None: what the
+            survey says.
+        survey: What it says itself counts as not chosen, so that the source is named.
 
     Returns:
         The options, which leave out missing samples.
@@ -78,6 +84,9 @@ def field_options(permittivity: Optional[float]) -> ImageOptions:
     Raises:
         WrongDatasetError: The permittivity is not allowed.
     """
+    noted = None if survey is None else soil_of_survey(description_of(survey))
+    if noted is not None and permittivity == noted.permittivity:
+        permittivity = None
     soil = None if permittivity is None else soil_of(permittivity)
     return ImageOptions(
         permittivity=permittivity if soil is None else None, soil=soil, leave_out_missing=True

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import json
 from dataclasses import dataclass
-from typing import FrozenSet, List, Mapping, Optional, Tuple
+from typing import FrozenSet, List, Optional, Tuple
 
 import xarray as xr
 
 from gpr20_analysis.candidates.earth import area_position
+from gpr20_analysis.dataset import description_of
 from gpr20_analysis.errors import AnalysisError
 from gpr20_analysis.sentences import ENGLISH
 from gpr20_common.catalogue import Catalogue
@@ -59,7 +59,7 @@ def survey_markers(survey: xr.Dataset, removed: bool = False) -> MarkerList:
     Raises:
         AnalysisError: The markers in survey.json are damaged.
     """
-    description = _description(survey)
+    description = description_of(survey)
     try:
         found = markers_of(description)
     except InvalidValueError as error:
@@ -132,11 +132,3 @@ def marker_lines(found: MarkerList, catalogue: Catalogue = ENGLISH) -> List[str]
         + row[-1]
         for row in rows
     ]
-
-
-def _description(survey: xr.Dataset) -> Mapping[str, object]:
-    try:
-        found = json.loads(survey.attrs.get("survey_json", "{}"))
-    except (TypeError, ValueError):
-        return {}
-    return found if isinstance(found, dict) else {}

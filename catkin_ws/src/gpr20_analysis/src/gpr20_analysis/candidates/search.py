@@ -136,6 +136,7 @@ def find_candidates(
         method=str(image.attrs["method"]),
         permittivity=float(image.attrs["permittivity"]),
         permittivity_range=permittivity_range(image),
+        permittivity_source=str(image.attrs.get("permittivity_source", "")),
         area_m2=area_m2,
         false_alarms_per_m2=alarms.per_m2(lowest_db),
         false_alarms_range=alarms.range_per_m2(lowest_db),

@@ -109,8 +109,8 @@ def add_image_options(parser: argparse.ArgumentParser) -> None:
         "reflection of the surface then gives the permittivity")  # fmt: skip
     add("--permittivity", type=float,
         help="relative permittivity; without this, --soil and --buried it is that of the surface "
-        f"(--antenna), else that of any soil is assumed ({ANY_SOIL.lowest:g} to "
-        f"{ANY_SOIL.highest:g})")  # fmt: skip
+        "(--antenna), else that of the survey: entered later, or of its plan; else that of any "
+        f"soil is assumed ({ANY_SOIL.lowest:g} to {ANY_SOIL.highest:g})")  # fmt: skip
     add("--permittivity-uncertainty", type=float, metavar="SHARE", default=GIVEN_UNCERTAINTY,
         help="what a given permittivity may be off, as a share of it, for the uncertainty of "
         f"depths; default {GIVEN_UNCERTAINTY:g}")  # fmt: skip
@@ -316,7 +316,6 @@ def _print(
     if chosen.json:
         answer = {
             **list_record(found),
-            "permittivity_source": image.attrs["permittivity_source"],
             **{key: image.attrs[key] for key in ESTIMATE if key in image.attrs},
             "processing": json.loads(image.attrs.get(PROCESSING, "[]")),
             "notes": image.attrs["notes"],

@@ -20,6 +20,7 @@ from gpr20_analysis.dataset import S21, S21_DIMS, X, Y, require
 from gpr20_analysis.hiding.detector import Detector, Searched
 from gpr20_analysis.hiding.runs import HidingOptions, Results, Runs, search_all
 from gpr20_analysis.imaging.methods import DEFAULT_STEPS
+from gpr20_analysis.imaging.permittivity.known_permittivity import Source
 from gpr20_analysis.processing.antenna_step import require_measured
 from gpr20_analysis.processing.chain import process_survey
 from gpr20_analysis.progress import Progress, no_progress
@@ -80,7 +81,7 @@ def map_hidden_in_field(
 
     Args:
         survey: The survey as measured.
-        permittivity: Relative permittivity of the ground; None: not known.
+        permittivity: Relative permittivity of the ground; None: what the survey says.
         target: What is put into the spectra.
 
     Returns:
@@ -90,7 +91,7 @@ def map_hidden_in_field(
         AnalysisError: The survey cannot be imaged, or its surface echo is not clear.
     """
     detector = Detector(
-        lambda one: process_survey(one, *DEFAULT_STEPS), field_options(permittivity)
+        lambda one: process_survey(one, *DEFAULT_STEPS), field_options(permittivity, survey)
     )
     return map_hidden(survey, detector, target, HidingOptions())
 
@@ -148,14 +149,17 @@ def _counted(
 
 def _notes(listed: CandidateList, target: Target) -> Sequence[Message]:
     lowest, highest = listed.permittivity_range
+    known = Source(listed.permittivity_source).message
+    notes = [Message("permittivity of the soil: {source}", source=known)]
     if target.permittivity is None or not lowest <= target.permittivity <= highest:
-        return []
+        return notes
     return [
+        *notes,
         Message(
             "the soil may have the permittivity of the target, {value:g}, which is then invisible; "
             "measure that of the soil",
             value=target.permittivity,
-        )
+        ),
     ]
 
 

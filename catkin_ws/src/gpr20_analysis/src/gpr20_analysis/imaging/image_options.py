@@ -44,7 +44,7 @@ class ImageOptions:
         soil: Kind of soil that a person chose.
         buried: A reference that was buried at a known depth. Of permittivity, soil and reference
             one may be given. Without any, the reflection of the surface gives the permittivity of
-            data after the step `antenna`, else echoes.
+            data after the step `antenna`, else the plan or the log of the survey.
     """
 
     method: Method = Method.PHASE_SHIFT

@@ -20,7 +20,8 @@ from gpr20_survey.errors import SurveyRefusedError, TraceRefusedError
 from gpr20_survey.faults import TRACE_DAMAGED
 from gpr20_survey.files.regular_file import check_regular
 from gpr20_survey.folder import survey_folder, survey_metadata, trace_files
-from gpr20_survey.folder.log_content import UNCONFIRMED
+from gpr20_survey.folder.log_content import LOG, UNCONFIRMED
+from gpr20_survey.folder.log_record import Kind
 from gpr20_survey.folder.recovery import recover_with_recording, unconfirmed_message
 from gpr20_survey.trace import trace_json, trace_message
 from gpr20_survey.trace.trace import Trace
@@ -179,7 +180,9 @@ def _folder_source(folder: Path, read: Callable[[Path], Trace]) -> JsonSource:
     if described.exists() or (folder / survey_folder.LOG_FILE).exists():
         try:
             recovered = recover_with_recording(folder, for_reading=True)
-            description = recovered.description
+            records = (one.as_json() for one in recovered.found.records)
+            decisions = [one for one in records if one["kind"] == Kind.DECISION.value]
+            description = {**recovered.description, LOG: decisions}
             unconfirmed = recovered.all_unconfirmed
             if unconfirmed:
                 description = {**description, UNCONFIRMED: unconfirmed}

@@ -8,7 +8,8 @@ from typing import Any, List, Mapping, Sequence, Tuple
 import numpy as np
 import xarray as xr
 
-from gpr20_analysis.report.summary import description_of, mapping_of
+from gpr20_analysis.dataset import description_of
+from gpr20_analysis.report.summary import mapping_of
 from gpr20_common.message import Message
 
 Entry = Mapping[str, Any]

@@ -77,7 +77,7 @@ def heading_text(heading_deg: float) -> Message:
 
 def summary_of(survey: xr.Dataset) -> List[Row]:
     """Return the lines of a survey's summary."""
-    described = description_of(survey)
+    described = dataset.description_of(survey)
     rows = [
         (title, _recorded(name, survey.attrs[name], described))
         for name, title in RECORDED.items()
@@ -130,7 +130,7 @@ def warnings_of(survey: xr.Dataset) -> List[Message]:
 
     Without survey.json there is none of both.
     """
-    described = description_of(survey)
+    described = dataset.description_of(survey)
     unconfirmed = mapping_of(described, UNCONFIRMED)
     found = mapping_of(described, "report").get("warnings")
     return ([unconfirmed_message(unconfirmed)] if unconfirmed else []) + [
@@ -256,7 +256,7 @@ SETTINGS = {
 
 def settings_of(survey: xr.Dataset) -> List[Row]:
     """Return title and text of each recorded setting; none without survey.json."""
-    described = description_of(survey)
+    described = dataset.description_of(survey)
     parameters = mapping_of(described, "parameters")
     rows: List[Row] = []
     for axis in PLAN:
@@ -306,15 +306,6 @@ def _analyzers(described: Mapping[str, Any]) -> List[Row]:
         for one in (used[1:] if isinstance(used, list) else [])
         if isinstance(one, dict)
     ]
-
-
-def description_of(survey: xr.Dataset) -> Mapping[str, Any]:
-    """Return the content of survey.json; empty if it is not known."""
-    try:
-        found = json.loads(survey.attrs.get("survey_json", "{}"))
-    except (TypeError, ValueError):
-        return {}
-    return found if isinstance(found, dict) else {}
 
 
 def mapping_of(described: Mapping[str, Any], key: str) -> Mapping[str, Any]:

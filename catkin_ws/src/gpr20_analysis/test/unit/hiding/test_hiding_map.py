@@ -84,6 +84,7 @@ def test_the_same_seed_gives_the_same_map_and_another_seed_an_alike_one(ground, 
 def test_the_map_says_what_it_was_made_of(found):
     assert found.target == DISC
     assert found.permittivity_range == pytest.approx((3.8, 4.2))
+    assert "permittivity of the soil: as given" in map(str, found.notes)
     assert (found.tried > 0).all()
     assert np.all((found.lowest <= found.share) & (found.share <= found.highest))
     assert found.checked > 0 and 0 <= found.agreed <= found.checked

@@ -52,7 +52,7 @@ class AnalysisProcess:
 
         Args:
             folder: The survey's folder.
-            permittivity: Relative permittivity of the ground; None: not known.
+            permittivity: Relative permittivity of the ground; None: what the survey says.
             cancellation: Ends the process.
 
         Raises:
@@ -72,7 +72,7 @@ class AnalysisProcess:
 
         Args:
             folder: The survey's folder.
-            permittivity: Relative permittivity of the ground; None: not known.
+            permittivity: Relative permittivity of the ground; None: what the survey says.
             language: Code of the language of the remarks.
             cancellation: Ends the process.
 
@@ -95,7 +95,7 @@ class AnalysisProcess:
 
         Args:
             folder: The survey's folder.
-            permittivity: Relative permittivity of the ground; None: not known.
+            permittivity: Relative permittivity of the ground; None: what the survey says.
             target: As for `target_of`.
             cancellation: Ends the process.
 
@@ -122,7 +122,7 @@ class AnalysisProcess:
             what: "report" or "candidates".
             folder: The survey's folder.
             output: The file; its ending says the format.
-            permittivity: Relative permittivity of the ground; None: not known.
+            permittivity: Relative permittivity of the ground; None: what the survey says.
             language: Code of the language of reports.
             cancellation: Ends the process.
 

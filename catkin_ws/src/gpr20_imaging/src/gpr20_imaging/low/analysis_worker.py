@@ -57,7 +57,7 @@ class Analysis:
     ) -> None:
         """Write the report on a survey."""
         survey = self._load(folder)
-        options = gpr20_analysis.field_options(permittivity)
+        options = gpr20_analysis.field_options(permittivity, survey)
         gpr20_analysis.write_report(survey, folder, output, options, language=language)
 
     def _load(self, folder: Path) -> Any:
@@ -67,7 +67,8 @@ class Analysis:
 
 def _candidates(survey: Any, permittivity: Optional[float]) -> CandidateList:
     cleaned = gpr20_analysis.process_survey(survey, STEP)
-    image = gpr20_analysis.image_survey(cleaned, gpr20_analysis.field_options(permittivity))
+    options = gpr20_analysis.field_options(permittivity, survey)
+    image = gpr20_analysis.image_survey(cleaned, options)
     found: CandidateList = gpr20_analysis.find_candidates(image)
     return found
 

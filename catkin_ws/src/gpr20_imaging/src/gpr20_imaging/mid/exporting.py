@@ -45,7 +45,7 @@ class ExportRequest:
         folder: The survey's folder.
         simulated: Whether the survey shows no real ground.
         kinds: The files.
-        permittivity: Relative permittivity of the ground; None: not known.
+        permittivity: Relative permittivity of the ground; None: what the survey says.
         language: Code of the language of reports.
         volume: Path of the stick.
     """

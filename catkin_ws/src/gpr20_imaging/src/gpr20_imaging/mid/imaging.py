@@ -85,7 +85,7 @@ class Imaging:
         Args:
             request_id: For `cancel`.
             survey: Its id, or the name of its folder.
-            permittivity: Relative permittivity of the ground; 0: not known.
+            permittivity: Relative permittivity of the ground; 0: what the survey says.
 
         Raises:
             Gpr20Error: There is no image; the message says why.
@@ -103,7 +103,7 @@ class Imaging:
         Args:
             request_id: For `cancel`.
             survey: Its id, or the name of its folder.
-            permittivity: Relative permittivity of the ground; 0: not known.
+            permittivity: Relative permittivity of the ground; 0: what the survey says.
             language: Code of the language of the remarks.
 
         Raises:
@@ -127,7 +127,7 @@ class Imaging:
         Args:
             request_id: For `cancel`.
             survey: Its id, or the name of its folder.
-            permittivity: Relative permittivity of the ground; 0: not known.
+            permittivity: Relative permittivity of the ground; 0: what the survey says.
             target: As for `target_of`.
 
         Raises:
@@ -156,7 +156,7 @@ class Imaging:
             request_id: For `cancel`.
             survey: Its id, or the name of its folder.
             kinds: Values of `ExportKind`.
-            permittivity: Relative permittivity of the ground; 0: not known.
+            permittivity: Relative permittivity of the ground; 0: what the survey says.
             language: Code of the language of reports.
             volume: Path of the stick; empty: the content of the only file is returned too.
 

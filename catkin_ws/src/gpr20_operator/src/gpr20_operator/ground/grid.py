@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any, Dict, List, Mapping, Optional, Tuple
+from typing import Optional, Tuple
 
 import numpy as np
 
@@ -14,7 +14,7 @@ from gpr20_operator import faults
 from gpr20_operator.errors import SurveyNotReadableError
 from gpr20_operator.ground.records import Place, ascending
 from gpr20_survey.errors import SurveyRefusedError
-from gpr20_survey.folder.soil_note import PLANNED, noted_permittivity
+from gpr20_survey.folder.soil_note import soil_of_survey
 from gpr20_survey.folder.survey_metadata import MAX_FILE_BYTES, parse_object
 from gpr20_survey.plan.imported import TOLERANCE, imported_grid, is_imported
 from gpr20_survey.plan.recorded_plan import recorded_plan
@@ -185,7 +185,8 @@ def grid_from_description(text: str) -> SurveyGrid:
             )
         # Data of unknown origin are never shown as those of real ground.
         simulated = values.get("simulated") is not False
-        permittivity = noted_permittivity(log_entries(values)[0], values.get(PLANNED))
+        soil = soil_of_survey(values)
+        permittivity = None if soil is None else soil.permittivity
         if not is_imported(values):
             own = planned_grid(survey_id, simulated, *recorded_plan(values))
             own.permittivity = permittivity
@@ -199,15 +200,3 @@ def grid_from_description(text: str) -> SurveyGrid:
     places = np.array(found.x_mm), np.array(found.y_mm), found.polarization_deg
     tolerances = (TOLERANCE, TOLERANCE, TOLERANCE)
     return SurveyGrid(survey_id, simulated, *places, tolerances, permittivity=permittivity)
-
-
-def log_entries(values: Mapping[str, Any]) -> Tuple[List[Dict[str, Any]], int]:
-    """Return the readable entries of the log in a survey.json, and how many are not readable."""
-    log = values.get("log")
-    entries = log if isinstance(log, list) else []
-    readable = [
-        one
-        for one in entries
-        if isinstance(one, dict) and isinstance(one.get("values") or {}, dict)
-    ]
-    return readable, len(entries) - len(readable)

@@ -22,12 +22,12 @@ class KnownSoils:
         self._unstored.add(survey_id)
 
     def take(self, survey_id: str, noted: Optional[float]) -> None:
-        """Take what is stored with a survey; None: nothing is.
+        """Take what is stored with a survey; None: that it is not known.
 
         Somebody at another screen may have entered it. What was entered here and is not stored
         yet is newer.
         """
-        if noted is not None and survey_id not in self._unstored:
+        if survey_id not in self._unstored:
             self._values[survey_id] = noted
 
     def is_unstored(self, survey_id: str) -> bool:

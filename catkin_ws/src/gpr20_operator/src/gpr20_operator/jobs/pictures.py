@@ -12,7 +12,7 @@ from gpr20_survey.results.hiding_map import HidingMap
 from gpr20_survey.results.volume import Volume
 
 NOT_KNOWN = 0.0
-"""What is sent as the permittivity of ground of which nothing is known."""
+"""What is sent as the permittivity where none is known here: that of the stored survey is used."""
 # An image takes a second of a core at the lowest priority.
 PERIOD_S = 10.0
 # A permittivity that is set in steps: the last one counts.

@@ -12,10 +12,11 @@ from gpr20_common.errors import InvalidValueError
 from gpr20_common.low.clock import time_of_day_us
 from gpr20_common.message import Message
 from gpr20_operator.errors import SurveyNotReadableError
-from gpr20_operator.ground.grid import SurveyGrid, grid_from_description, log_entries
+from gpr20_operator.ground.grid import SurveyGrid, grid_from_description
 from gpr20_operator.jobs.job import Job, JobState, Service
 from gpr20_operator.jobs.pictures import NOT_KNOWN, Imaging, StoredSurvey
 from gpr20_operator.jobs.stick import StickExport
+from gpr20_survey.folder.log_content import log_entries
 from gpr20_survey.folder.log_record import Kind
 from gpr20_survey.folder.soil_note import KIND as SOIL_KIND
 from gpr20_survey.folder.soil_note import soil_values
@@ -238,6 +239,8 @@ class SurveyResult:
             if self.reading.state is JobState.READY:
                 self.reading.ask(survey=self.survey)
             return
+        if self.permittivity is None and self._soil.running:
+            return  # the imaging node uses what the log says, and this is not there yet
         self._wanted = False
         self.search.ask(survey=self.record.survey_id, permittivity=self.permittivity or NOT_KNOWN)
 

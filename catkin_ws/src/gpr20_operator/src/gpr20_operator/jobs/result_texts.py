@@ -169,8 +169,10 @@ def soil_lines(result: SurveyResult) -> Tuple[Message, Message]:
     if value is None and result.record is None:
         return Message("Permittivity"), Message("not read yet")
     if value is None:
-        assumed = result.image.found.permittivity if result.image else ANY_SOIL.permittivity
-        return Message("Permittivity {value:.3g}", value=assumed), Message("ASSUMED")
+        # It is another one if the log could not be told that it is not known after all.
+        value = result.image.found.permittivity if result.image else ANY_SOIL.permittivity
+        if value == ANY_SOIL.permittivity:
+            return Message("Permittivity {value:.3g}", value=value), Message("ASSUMED")
     soil = soil_of(value)
     known = Message("as entered") if soil is None else soil.value.name
     return Message("Permittivity {value:.3g}", value=value), known

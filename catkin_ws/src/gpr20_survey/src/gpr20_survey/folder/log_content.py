@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, Callable, Dict, List, Mapping, Sequence
+from typing import Any, Callable, Dict, List, Mapping, Sequence, Tuple
 
 from gpr20_survey.folder import survey_metadata
 from gpr20_survey.folder.log_record import Kind, LogRecord
@@ -45,6 +45,18 @@ def view_of(records: Sequence[LogRecord]) -> bytes:
     """Return survey.json: what the records say, and the records."""
     shown = [one.as_json() for one in without_replaced(records)]
     return survey_metadata.encode({**description_of(records), LOG: shown})
+
+
+def log_entries(values: Mapping[str, Any]) -> Tuple[List[Dict[str, Any]], int]:
+    """Return the readable entries of the log in a survey.json, and how many are not readable."""
+    log = values.get(LOG)
+    entries = log if isinstance(log, list) else []
+    readable = [
+        one
+        for one in entries
+        if isinstance(one, dict) and isinstance(one.get("values") or {}, dict)
+    ]
+    return readable, len(entries) - len(readable)
 
 
 def without_replaced(records: Sequence[LogRecord]) -> List[LogRecord]:

@@ -1,9 +1,10 @@
-"""The permittivity of the ground of a survey, as people entered it: a decision in its log."""
+"""The permittivity of the ground of a survey: that of its plan, or a later decision in its log."""
 
 from __future__ import annotations
 
-from typing import Any, Dict, Iterable, Mapping, Optional
+from typing import Any, Dict, Mapping, NamedTuple, Optional
 
+from gpr20_survey.folder.log_content import log_entries
 from gpr20_survey.folder.log_record import Kind
 from gpr20_survey.radar.soils import LARGEST_PERMITTIVITY, MIN_PERMITTIVITY
 from gpr20_survey.trace import utc_time
@@ -12,6 +13,15 @@ PLANNED = "permittivity"
 """Key of survey.json; only in a survey whose plan names the permittivity."""
 FORMAT = "gpr20-soil/1"
 KIND = Kind.DECISION
+OF_PLAN, ENTERED = "of the plan", "entered later"
+"""Where the permittivity of a survey is from."""
+
+
+class KnownSoil(NamedTuple):
+    """What a survey knows of its ground."""
+
+    permittivity: float
+    source: str
 
 
 def soil_values(permittivity: Optional[float], time_us: int) -> Dict[str, Any]:
@@ -24,21 +34,22 @@ def soil_values(permittivity: Optional[float], time_us: int) -> Dict[str, Any]:
     return {"format": FORMAT, "permittivity": permittivity, "time": utc_time.iso_text(time_us)}
 
 
-def noted_permittivity(
-    records: Iterable[Mapping[str, Any]], planned: object = None
-) -> Optional[float]:
-    """Return what the last record of a log says, or else the plan; None: it is not known.
+def soil_of_survey(description: Mapping[str, Any]) -> Optional[KnownSoil]:
+    """Return what a survey knows of its ground: the last decision in its log, or else its plan.
 
     Args:
-        records: Records of survey.json.
-        planned: What survey.json has under PLANNED.
+        description: Content of survey.json; of its log the decisions are enough.
+
+    Returns:
+        The permittivity and its source; None: it is not known, or not known after all.
     """
-    found = planned
-    for record in records:
+    found, source = description.get(PLANNED), OF_PLAN
+    for record in log_entries(description)[0]:
         values = record.get("values") or {}
         if record.get("kind") == KIND.value and values.get("format") == FORMAT:
-            found = values.get("permittivity")
+            found, source = values.get("permittivity"), ENTERED
     if isinstance(found, bool) or not isinstance(found, (int, float)):
         return None
     # Written so that NaN is refused too.
-    return float(found) if MIN_PERMITTIVITY <= found <= LARGEST_PERMITTIVITY else None
+    is_ground = MIN_PERMITTIVITY <= found <= LARGEST_PERMITTIVITY
+    return KnownSoil(float(found), source) if is_ground else None

@@ -37,6 +37,7 @@ def list_record(found: CandidateList) -> Dict[str, Any]:
         "survey_id": found.survey_id,
         "method": found.method,
         "permittivity": found.permittivity,
+        "permittivity_source": found.permittivity_source,
         "permittivity_lowest": found.permittivity_range[0],
         "permittivity_highest": found.permittivity_range[1],
         "area_m2": found.area_m2,
@@ -112,6 +113,8 @@ def _list_of(values: Any) -> CandidateList:
         notes=tuple(verbatim(_text(one)) for one in _list(values["notes"])),
         position=None if values["position"] is None else _position(values["position"]),
         omitted_primary=values["omitted_primary"],
+        # Lists of earlier versions do not say it.
+        permittivity_source=_text(values.get("permittivity_source", "")),
     )
 
 

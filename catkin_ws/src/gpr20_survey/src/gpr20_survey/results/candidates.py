@@ -190,6 +190,7 @@ class CandidateList:
         position: Place of the origin of X and Y on the earth and direction of Y; None if the survey
             has no position or no heading.
         omitted_primary: Number of omitted candidates that are not doubtful.
+        permittivity_source: Where the permittivity is from; empty: a list of an earlier version.
         length_m: Length of a single line [m]; None for an area. Files and messages have the area.
     """
 
@@ -207,6 +208,7 @@ class CandidateList:
     position: Optional[AreaPosition] = None
     omitted_primary: int = 0
     length_m: Optional[float] = None
+    permittivity_source: str = ""
 
     @property
     def total(self) -> int:

@@ -159,9 +159,7 @@ class GroundPage(WebPage):
         if job.running:
             raise NotNowError(Message("The imaging node is at work already. Wait for its answer."))
         self._asked[name] = ground.survey_id
-        grid = ground.shown.map.grid
-        known = permittivity or (grid and grid.permittivity) or NOT_KNOWN
-        job.ask(survey=ground.survey_id, permittivity=known, **fields)
+        job.ask(survey=ground.survey_id, permittivity=permittivity or NOT_KNOWN, **fields)
         return self._job(name, ground, call.text)
 
     @property

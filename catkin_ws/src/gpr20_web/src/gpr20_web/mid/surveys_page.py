@@ -284,8 +284,7 @@ class SurveysPage(WebPage):
         if not self._making.acquire(blocking=False):
             raise BusyError(Message("another report is being made"))
         try:
-            permittivity = self._searches.read(folder).result.permittivity or NOT_KNOWN
-            options = {"permittivity": permittivity, "language": call.language.value, "volume": ""}
+            options = {"permittivity": NOT_KNOWN, "language": call.language.value, "volume": ""}
             wanted = {"request_id": self._making_id, "kinds": [call.parts["kind"]], **options}
             made = self._services.ask(Service.EXPORT, survey=folder, **wanted)
         finally:

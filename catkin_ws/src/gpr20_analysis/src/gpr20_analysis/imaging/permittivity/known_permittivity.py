@@ -9,6 +9,7 @@ from typing import Dict, Tuple
 import numpy as np
 
 from gpr20_common.message import Message
+from gpr20_survey.folder.soil_note import ENTERED, OF_PLAN
 from gpr20_survey.radar.soils import Soil
 
 GIVEN_UNCERTAINTY = 0.1
@@ -22,6 +23,8 @@ class Source(enum.Enum):
     BURIED = "measured with a buried reference"
     GIVEN = "given"
     SOIL = "typical of the soil"
+    PLAN = OF_PLAN
+    ENTERED = ENTERED
     ASSUMED = "assumed"
 
     @property
@@ -35,6 +38,8 @@ _MESSAGES = {
     Source.BURIED: Message("MEASURED with the buried reference"),
     Source.GIVEN: Message("as given"),
     Source.SOIL: Message("TYPICAL of the chosen soil, not measured"),
+    Source.PLAN: Message("of the plan of the survey"),
+    Source.ENTERED: Message("entered later, in the log of the survey"),
     Source.ASSUMED: Message("ASSUMED, as nothing is known of the ground"),
 }
 
@@ -61,6 +66,12 @@ class KnownPermittivity:
     def of_soil(cls, soil: Soil, source: Source) -> KnownPermittivity:
         """Return the usual permittivity of a soil."""
         return cls(soil.permittivity, soil.lowest, soil.highest, source)
+
+    @classmethod
+    def within(cls, permittivity: float, share: float, source: Source) -> KnownPermittivity:
+        """Return a value that may be off by a share of it."""
+        lowest = max(permittivity * (1.0 - share), 1.0)
+        return cls(permittivity, lowest, permittivity * (1.0 + share), source)
 
     def attributes(self) -> Dict[str, object]:
         """Return the attributes of an image."""

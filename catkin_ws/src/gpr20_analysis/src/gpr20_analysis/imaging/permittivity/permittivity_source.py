@@ -7,13 +7,15 @@ from typing import Optional, Sequence
 
 import xarray as xr
 
+from gpr20_analysis.dataset import description_of
 from gpr20_analysis.imaging.image_options import ImageOptions
 from gpr20_analysis.imaging.permittivity.buried_reference import permittivity_of_reference
 from gpr20_analysis.imaging.permittivity.known_permittivity import KnownPermittivity, Source
 from gpr20_analysis.imaging.records import Focus, Traces
 from gpr20_analysis.processing.antenna_step import ENDS, SURFACE_PERMITTIVITY
 from gpr20_common.message import Message
-from gpr20_survey.radar.soils import ANY_SOIL
+from gpr20_survey.folder.soil_note import soil_of_survey
+from gpr20_survey.radar.soils import ANY_SOIL, soil_of
 
 
 def permittivity_of(
@@ -22,11 +24,12 @@ def permittivity_of(
     """Return the permittivity of an image, and how it is known.
 
     Args:
-        survey: The survey; after the step `antenna` its surface gives a permittivity.
+        survey: The survey; after the step `antenna` its surface gives a permittivity, else its
+            plan or its log may.
         traces: Its traces, one item per polarization.
         focus: Window and antenna separation.
-        options: What a person gave; without anything, and without that of the surface, any soil
-            is assumed.
+        options: What a person gave; without anything, and without that of surface and survey,
+            any soil is assumed.
 
     Raises:
         WrongDatasetError: The buried reference does not give it.
@@ -34,14 +37,13 @@ def permittivity_of(
     measured = _of_surface(survey)
     given, share = options.permittivity, options.permittivity_uncertainty
     if given is not None:
-        lowest = max(given * (1.0 - share), 1.0)
-        known = KnownPermittivity(given, lowest, given * (1.0 + share), Source.GIVEN)
+        known = KnownPermittivity.within(given, share, Source.GIVEN)
     elif options.soil is not None:
         known = KnownPermittivity.of_soil(options.soil.value, Source.SOIL)
     elif options.buried is not None:
         known = permittivity_of_reference(traces, focus, options.buried)
     else:
-        return measured or KnownPermittivity.of_soil(ANY_SOIL, Source.ASSUMED)
+        return measured or _of_survey(survey, share)
     if measured is None:
         return known
     if known.lowest <= measured.highest and measured.lowest <= known.highest:
@@ -54,6 +56,16 @@ def permittivity_of(
         used=known.permittivity,
     )
     return replace(known, notes=(contradiction,))
+
+
+def _of_survey(survey: xr.Dataset, share: float) -> KnownPermittivity:
+    noted = soil_of_survey(description_of(survey))
+    if noted is None:
+        return KnownPermittivity.of_soil(ANY_SOIL, Source.ASSUMED)
+    soil, source = soil_of(noted.permittivity), Source(noted.source)
+    if soil is not None:
+        return KnownPermittivity.of_soil(soil.value, source)
+    return KnownPermittivity.within(noted.permittivity, share, source)
 
 
 def _of_surface(survey: xr.Dataset) -> Optional[KnownPermittivity]:

@@ -231,7 +231,8 @@ class GroundPage(QObject, Page):
         if grid is not None:
             if (grid, grid.permittivity) != self._described:
                 self._described = grid, grid.permittivity
-                soils.take(grid.survey_id, grid.permittivity)
+                if grid.permittivity is not None:  # of a survey that runs it is not read yet
+                    soils.take(grid.survey_id, grid.permittivity)
             self.model.take_soil(grid.survey_id, soils.of(grid.survey_id))
 
 
