@@ -14,10 +14,11 @@ import threading
 import time
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Iterator, Optional, Sequence, Tuple
+from typing import Collection, Iterator, Optional, Sequence, Tuple
 
 import dask
-from distributed import Client, KilledWorker, LocalCluster, as_completed
+from distributed import CancelledError, Client, Future, KilledWorker, LocalCluster, wait
+from distributed import TimeoutError as DaskTimeoutError
 from tqdm import tqdm
 
 from gpr20_analysis import faults
@@ -31,6 +32,9 @@ from gpr20_common.low.catalogue_file import language_from_code, read_catalogue
 from gpr20_common.message import Message
 
 TIME_LIMIT_S = 10.0
+POLL_S = 2.0
+IDLE_LIMIT_S = 180.0
+"""If no worker computes for so long, what is left is given up."""
 WITHOUT_CTRL_C = "import signal; signal.signal(signal.SIGINT, signal.SIG_IGN)"
 """What a worker of this computer runs first: it is ended in order by the process it belongs to."""
 WORKER_BYTES = 1 << 30
@@ -116,8 +120,10 @@ def connected(address: Optional[str], workers: int) -> Iterator[Client]:
         AnalysisError: No scheduler answers at the address, or it has no workers.
     """
     if not address:
-        # A survey that waits behind another one would share the blame for a worker's death.
-        alone = dask.config.set({"distributed.scheduler.worker-saturation": 1.0})
+        # A survey that waits behind another one would share the blame for a worker's death. A busy
+        # computer may need more than the usual 15 s to start a worker again.
+        settings = {"scheduler.worker-saturation": 1.0, "deploy.lost-worker-timeout": "60s"}
+        alone = dask.config.set({f"distributed.{key}": one for key, one in settings.items()})
         # A command checks its memory itself; dask would kill what a command may need.
         with alone, LocalCluster(
             n_workers=workers,
@@ -129,6 +135,8 @@ def connected(address: Optional[str], workers: int) -> Iterator[Client]:
         ) as cluster, Client(cluster) as client:
             yield client
         return
+    # What goes wrong is said by this command, as with silence_logs above.
+    logging.getLogger("distributed").setLevel(logging.CRITICAL)
     try:
         client = Client(address, timeout=TIME_LIMIT_S)
     except (OSError, ValueError) as error:
@@ -171,12 +179,47 @@ def outcomes(
     """Yield each job when it has ended.
 
     The job of a worker that dies is done again by another one. What a dead worker has begun to
-    write stays in the folder of what is unfinished.
+    write stays in the folder of what is unfinished. Without scheduler or workers every job that is
+    left ends, too.
     """
-    begun = {client.submit(compute, job, unfinished, pure=False): job for job in jobs}
-    for ended in as_completed(begun):
-        error = ended.exception()
-        yield begun[ended], ended.result() if error is None else _lost(error, begun[ended])
+    left = {client.submit(compute, job, unfinished, pure=False): job for job in jobs}
+    worked_s = time.monotonic()
+    while left:
+        try:
+            for ended in _some_ended(client, left):
+                error = ended.exception(TIME_LIMIT_S)
+                outcome = None if error else ended.result(TIME_LIMIT_S)
+                job = left.pop(ended)
+                yield job, _lost(error, job) if outcome is None else outcome
+            worked_s = time.monotonic()
+        except (DaskTimeoutError, OSError, CancelledError) as error:
+            # Without contact to the scheduler everything is cancelled.
+            if isinstance(error, CancelledError) or time.monotonic() - worked_s > IDLE_LIMIT_S:
+                reason = Message(
+                    "the dask scheduler or its workers have ended, and this survey is not done; "
+                    "repeat the same command, which keeps what is done",
+                    details=type(error).__name__,
+                ).with_fault(faults.CLUSTER if client.cluster is None else faults.WORKER_KILLED)
+                yield from ((job, Outcome(REFUSED, 0.0, error=reason)) for job in left.values())
+                return
+
+
+def _some_ended(client: Client, begun: Collection[Future]) -> Collection[Future]:
+    """Return what has ended after a moment.
+
+    Raises:
+        DaskTimeoutError, OSError: No worker computes, or the scheduler does not answer.
+        CancelledError: The contact to the scheduler is lost.
+    """
+    try:
+        return wait(list(begun), timeout=POLL_S, return_when="FIRST_COMPLETED").done
+    except DaskTimeoutError:
+        if any(client.sync(client.scheduler.processing, callback_timeout=TIME_LIMIT_S).values()):
+            return ()
+        if client.cluster is not None:
+            # To the same number: each worker that was given up is replaced.
+            client.cluster.scale(len(client.cluster.worker_spec))
+        raise
 
 
 def compute(job: Job, unfinished: Path) -> Outcome:

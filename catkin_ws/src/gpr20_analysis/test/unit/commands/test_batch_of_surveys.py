@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import argparse
 import json
 import os
 import shutil
@@ -10,14 +11,16 @@ import subprocess
 import sys
 import time
 
+import dask
 import numpy as np
 import psutil
 import pytest
 import xarray as xr
-from distributed import LocalCluster
+from distributed import Client, LocalCluster
 from survey_kit import POINTS, make_survey
 
 from gpr20_analysis import faults
+from gpr20_analysis.commands import batch_work
 from gpr20_analysis.commands.main import main
 from gpr20_analysis.dataset import ECHOES
 from gpr20_analysis.formats.common import Imported, as_dataset
@@ -189,10 +192,59 @@ def test_a_survey_that_kills_each_worker_is_named_and_the_others_are_done(survey
     (tmp_path / "deadly.py").write_text(DEADLY)
     command = f"process --steps-from {tmp_path}/deadly.py --step deadly"
     arguments = [*surveys, "--into", tmp_path / "into", "--workers", 1, "--command", command]
-    status, records = batch(*arguments)
+    # As on a busy computer: a worker takes longer to start again than dask waits for it.
+    with dask.config.set({"distributed.deploy.lost-worker-timeout": "10ms"}):
+        status, records = batch(*arguments)
     assert status == 1
     assert [one["state"] for one in records] == ["done", "done", "done", "failed"]
     assert records[-1]["error"]["fault_code"] == faults.WORKER_KILLED.code
+
+
+@pytest.fixture
+def cluster():
+    """A scheduler in this process, without workers."""
+    with LocalCluster(n_workers=0, processes=False, dashboard_address=None) as cluster:
+        yield cluster
+
+
+def lost_surveys(client, folder):
+    jobs = [batch_work.Job(name, folder / name, "report", None, "") for name in ("a", "b")]
+    for job, outcome in batch_work.outcomes(client, jobs, folder):
+        yield job.name, outcome.error.fault_code
+
+
+def test_every_survey_ends_when_no_worker_is_left(cluster, tmp_path, monkeypatch):
+    monkeypatch.setattr(batch_work, "POLL_S", 0.01)
+    monkeypatch.setattr(batch_work, "IDLE_LIMIT_S", 0.0)
+    with Client(cluster.scheduler_address) as client:
+        found = dict(lost_surveys(client, tmp_path))
+    assert found == dict.fromkeys("ab", faults.CLUSTER.code)
+
+
+def test_every_survey_ends_when_the_scheduler_goes_away(cluster, tmp_path, monkeypatch):
+    waited = batch_work.wait
+
+    def wait(*arguments, **named):
+        cluster.close()
+        return waited(*arguments, **named)
+
+    monkeypatch.setattr(batch_work, "wait", wait)
+    with Client(cluster.scheduler_address, timeout=0.5) as client:
+        found = dict(lost_surveys(client, tmp_path))
+    assert found == dict.fromkeys("ab", faults.CLUSTER.code)
+
+
+def test_a_worker_that_was_given_up_is_replaced(tmp_path, monkeypatch):
+    monkeypatch.setattr(batch_work, "POLL_S", 0.01)
+    local = LocalCluster(n_workers=1, processes=False, dashboard_address=None)
+    with local as cluster, Client(cluster) as client:
+        # Dask's own way when a worker stays away: nothing starts another one.
+        cluster.sync(cluster.workers.pop(0).close)
+        call = argparse.Namespace(survey="a", output=None, language="en")
+        job = batch_work.Job("a", tmp_path / "a", "report", call, "")
+        ((found, outcome),) = batch_work.outcomes(client, [job], tmp_path)
+    assert found is job
+    assert outcome.error.fault_code not in ("", faults.WORKER_KILLED.code)
 
 
 def test_surveys_below_a_folder_are_computed_by_a_scheduler_that_runs(tmp_path, batch, made_survey):
