@@ -9,6 +9,7 @@ from xmlrpc.server import SimpleXMLRPCServer
 import pytest
 from case_kit import each_case
 
+from gpr20_launch.low import node_answer
 from gpr20_launch.low.node_answer import Answer, NodeAnswer
 
 LIMIT_S = 0.3
@@ -67,8 +68,19 @@ def test_a_node_that_hangs_after_an_answer_is_silent_and_alive_again_when_it_wak
     assert answer.ask() is Answer.ALIVE
 
 
-def test_a_node_that_never_answered_is_starting(master, node):
+def test_a_node_that_hung_before_it_was_asked_is_mute_until_it_answers(master, node):
     node.running.clear()
+    answer = asked(master)
+    assert [answer.ask() for _ in range(2)] == [Answer.MUTE] * 2
+    node.running.set()
+    assert answer.ask() is Answer.ALIVE
+
+
+def test_a_node_that_never_answered_at_an_address_that_this_computer_lost_is_unknown(
+    master, node, monkeypatch
+):
+    node.running.clear()
+    monkeypatch.setattr(node_answer, "_is_own", lambda host: host != "127.0.0.1")
     assert asked(master).ask() is Answer.UNKNOWN
 
 

@@ -1,6 +1,7 @@
 """The processes beside this one, and what they do."""
 
 import ctypes
+import glob
 import os
 import signal
 import subprocess
@@ -77,6 +78,28 @@ def test_a_process_that_waits_or_is_halted_does_not_work(start, program, number,
     while is_working(process.pid) is not working:
         assert time.monotonic() < deadline_s
         time.sleep(0.01)
+
+
+def test_a_process_that_has_ended_does_nothing_and_can_be_killed(start, monkeypatch):
+    process = start(WORD, "__name:=storage")
+    others = nodes()
+    process.kill()
+    process.wait()
+    # It ended after it was looked at.
+    monkeypatch.setattr(others, "_name", lambda _number: "/storage")
+    others.kill(process.pid, "/storage")
+    assert not is_traced(process.pid)
+    assert not is_working(process.pid)
+
+
+def test_a_thread_that_ends_while_it_is_looked_at_hides_no_other(start, monkeypatch):
+    process = start(program=SPIN)
+    listed = glob.glob
+    ended = f"/proc/{process.pid}/task/0/stat"
+    monkeypatch.setattr(glob, "glob", lambda pattern: [ended, *listed(pattern)])
+    deadline_s = time.monotonic() + 10.0
+    while not is_working(process.pid):
+        assert time.monotonic() < deadline_s
 
 
 def test_only_a_process_under_a_debugger_is_traced(start):

@@ -4,11 +4,17 @@ import pytest
 from case_kit import each_case
 
 from gpr20_launch.low.node_answer import Answer
-from gpr20_launch.mid.watchdog import PERIOD_S, RESPAWN_LIMIT_S, STALL_S, Watchdog
+from gpr20_launch.mid.watchdog import (
+    MUTE_LIMIT_S,
+    PERIOD_S,
+    RESPAWN_LIMIT_S,
+    STALL_S,
+    Watchdog,
+)
 
 LIMIT_S = 10.0
 STORAGE, CONTROL = 11, 12
-ALIVE, SILENT, UNKNOWN = Answer.ALIVE, Answer.SILENT, Answer.UNKNOWN
+ALIVE, SILENT, MUTE, UNKNOWN = Answer.ALIVE, Answer.SILENT, Answer.MUTE, Answer.UNKNOWN
 
 
 class Nodes:
@@ -31,7 +37,7 @@ class Nodes:
     def ask(self, number, name):
         assert self.found[number] == name
         answer = self.answers[number]
-        self.now += 2.0 if answer is SILENT else 0.0
+        self.now += 2.0 if answer in (SILENT, MUTE) else 0.0
         return answer
 
     def is_working(self, number):
@@ -87,6 +93,26 @@ def test_one_answer_or_one_doubt_begins_the_time_again(answer):
 def test_what_cannot_be_asked_is_never_ended(robot):
     robot.answers = {STORAGE: UNKNOWN, CONTROL: UNKNOWN}
     robot.run(600.0)
+    assert robot.killed == []
+
+
+def test_a_node_that_has_never_answered_is_ended_after_a_minute():
+    robot = Robot()
+    robot.answers[STORAGE] = MUTE
+    robot.run(MUTE_LIMIT_S - PERIOD_S)
+    assert robot.killed == []
+    robot.run(3 * PERIOD_S)
+    assert [name for _at_s, name in robot.killed] == ["/vna_processing"]
+
+
+@each_case("is_left", [set.add, set.discard])
+def test_a_node_that_computes_or_is_traced_before_its_first_answer_is_left_alone(is_left):
+    robot = Robot()
+    robot.answers[STORAGE] = MUTE
+    is_left(robot.working, STORAGE)
+    if STORAGE not in robot.working:
+        robot.traced.add(STORAGE)
+    robot.run(20.0 * MUTE_LIMIT_S)
     assert robot.killed == []
 
 

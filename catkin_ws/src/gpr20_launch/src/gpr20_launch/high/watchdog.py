@@ -81,15 +81,14 @@ def main() -> int:
     siblings = sibling_nodes.SiblingNodes(roslaunch, f"configuration:={given.launch}", others)
     watchdog = Watchdog(LaunchedNodes(siblings), given.limit, Clock(), _say, spared)
     service = service_manager()
-    try:
-        while os.getppid() == roslaunch:
-            watchdog.look()
-            if watchdog.complete:
-                service.keep_alive(SERVICE_LIMIT_S)
-            if stop.wait(PERIOD_S):
-                break
-    finally:
-        service.release()
+    while os.getppid() == roslaunch:
+        watchdog.look()
+        if watchdog.complete:
+            service.keep_alive(SERVICE_LIMIT_S)
+        if stop.wait(PERIOD_S):
+            break
+    # Not after an error: systemd guards on, until roslaunch has started the watchdog again.
+    service.release()
     return 0
 
 

@@ -18,6 +18,7 @@ class Answer(enum.Enum):
 
     ALIVE = "it answers"
     SILENT = "it takes requests and does not answer them"
+    MUTE = "it takes requests and has answered none yet"
     UNKNOWN = "it could not be asked"
 
 
@@ -44,32 +45,31 @@ class NodeAnswer:
     def ask(self) -> Answer:
         """Return whether it answers.
 
-        It is silent only if it has answered before, at an address that this computer still has:
-        what is wrong with the network, the master or the start of a node is another matter.
+        It is silent or mute only at an address that this computer still has: what is wrong with
+        the network or the master is another matter.
         """
-        if self._confirmed is None:
-            return self._find()
         try:
-            is_same = self._confirmed.ask() == self._number
+            query = self._confirmed or self._find()
+        except NO_ANSWER:
+            return Answer.UNKNOWN
+        try:
+            is_same = query.ask() == self._number
         except socket.timeout:
-            return Answer.SILENT if _is_own(self._host) else Answer.UNKNOWN
+            unanswered = Answer.MUTE if self._confirmed is None else Answer.SILENT
+            return unanswered if _is_own(self._host) else Answer.UNKNOWN
         except NO_ANSWER:
             return Answer.UNKNOWN
-        return Answer.ALIVE if is_same else Answer.UNKNOWN
-
-    def _find(self) -> Answer:
-        try:
-            uri = str(value_of(self._master.lookupNode(CALLER, self._name)))
-            query = PidQuery(uri, CALLER, self._time_limit_s)
+        if not is_same:
             # A process that has just died may be known to the master under the same name.
-            if query.ask() != self._number:
-                query.close()
-                return Answer.UNKNOWN
-        except NO_ANSWER:
+            query.close()
             return Answer.UNKNOWN
-        self._host = str(urlsplit(uri).hostname)
         self._confirmed = query
         return Answer.ALIVE
+
+    def _find(self) -> PidQuery:
+        uri = str(value_of(self._master.lookupNode(CALLER, self._name)))
+        self._host = str(urlsplit(uri).hostname)
+        return PidQuery(uri, CALLER, self._time_limit_s)
 
 
 def _is_own(host: str) -> bool:

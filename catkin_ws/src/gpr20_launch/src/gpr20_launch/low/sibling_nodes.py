@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import contextlib
+import glob
 import os
 import signal
 from pathlib import Path
@@ -37,12 +39,13 @@ class SiblingNodes:
     def kill(self, number: int, name: str) -> None:
         """End the process, if it is still that of the node."""
         if self._name(number) == name:
-            os.kill(number, signal.SIGKILL)
+            with contextlib.suppress(ProcessLookupError):  # it has just ended
+                os.kill(number, signal.SIGKILL)
 
     def _name(self, number: int) -> Optional[str]:
+        if _fields(PROC / str(number) / "stat")[1:2] != [str(self._parent)]:
+            return None
         try:
-            if _parent(number) != self._parent:
-                return None
             words = _strings(number, "cmdline")
             variables = _strings(number, "environ")
         except OSError:
@@ -55,24 +58,26 @@ class SiblingNodes:
 
 def is_traced(number: int) -> bool:
     """Return whether a debugger has halted the process, or could."""
-    lines = (PROC / str(number) / "status").read_text(errors="replace").splitlines()
+    lines = _text(PROC / str(number) / "status").splitlines()
     return any(line.startswith("TracerPid:") and line.split()[1] != "0" for line in lines)
 
 
 def is_working(number: int) -> bool:
     """Return whether a thread of the process runs, waits for a processor, or for a disk."""
-    tasks = (PROC / str(number) / "task").glob("*/stat")
-    return any(_fields(path)[0] in WORKING for path in tasks)
-
-
-def _parent(number: int) -> int:
-    return int(_fields(PROC / str(number) / "stat")[1])
+    tasks = glob.glob(str(PROC / str(number) / "task/*/stat"))
+    return any(WORKING.intersection(_fields(Path(one))[:1]) for one in tasks)
 
 
 def _fields(path: Path) -> List[str]:
-    text = path.read_text(errors="replace")
     # The name, in brackets, may hold blanks.
-    return text[text.rindex(")") + 2 :].split()
+    return _text(path).rpartition(")")[2].split()
+
+
+def _text(path: Path) -> str:
+    try:
+        return path.read_text(errors="replace")
+    except OSError:
+        return ""  # the process or the thread has just ended
 
 
 def _strings(number: int, file: str) -> List[str]:

@@ -11,6 +11,8 @@ from gpr20_launch.low.node_answer import Answer
 # Time between two rounds of requests, and for the answer to each [s].
 PERIOD_S = 2.0
 ANSWER_LIMIT_S = 2.0
+# A node that has never answered may still be starting [s].
+MUTE_LIMIT_S = 60.0
 # A node that uses the processor may be long at work: it gets this many times the limit.
 WORKING_FACTOR = 6.0
 # A round that begins this much late [s] shows that the computer itself was held up.
@@ -73,7 +75,7 @@ class Watchdog:
                 if they hang, but no survey is interrupted because one stays away.
         """
         self._nodes = nodes
-        self._limit_s = limit_s
+        self._limits_s = {Answer.SILENT: limit_s, Answer.MUTE: max(limit_s, MUTE_LIMIT_S)}
         self._clock = clock
         self._say = say
         self._spared = frozenset(spared)
@@ -109,13 +111,17 @@ class Watchdog:
 
     def _look_at(self, number: int, name: str) -> None:
         asked_s = self._clock.now_s()
-        if self._nodes.ask(number, name) is not Answer.SILENT:
+        answer = self._nodes.ask(number, name)
+        limit_s = self._limits_s.get(answer)
+        works = limit_s is not None and self._nodes.is_working(number)
+        # One that computes before its first answer is starting.
+        if limit_s is None or (works and answer is Answer.MUTE):
             self._silences.pop(number, None)
             return
         silence = self._silences.setdefault(number, _Silence(asked_s))
-        silence.works |= self._nodes.is_working(number)
+        silence.works |= works
         silent_s = self._clock.now_s() - silence.since_s
-        if silent_s < self._limit_s * (WORKING_FACTOR if silence.works else 1.0):
+        if silent_s < limit_s * (WORKING_FACTOR if silence.works else 1.0):
             return
         if not self._nodes.is_traced(number):
             self._say(f"{name} (process {number}) did not answer for {silent_s:.0f} s: ended")
