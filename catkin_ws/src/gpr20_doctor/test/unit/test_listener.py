@@ -147,3 +147,12 @@ def test_a_level_that_nobody_knows_is_an_error_of_that_part_alone():
     found = node_reports.node_healths(messages.DiagnosticArray(status=status), "/")
     ok, warn, error, stale = HealthLevel
     assert [one.level for one in found] == [ok, error, stale, warn, error]
+
+
+def test_an_optional_node_that_was_launched_is_missed_before_it_has_reported(clock):
+    listener = Listener(clock, "http://localhost:11311", ["visualization", "rviz"])
+    report_all(listener)
+    assert listener.silent() == ["visualization"]
+    found = {one.name: one.level for one in listener.facts().nodes}
+    assert found["visualization"] is HealthLevel.STALE
+    assert "rviz" not in found

@@ -115,6 +115,8 @@ CASES = [
     ({"addresses": replace(TWO, foreign=("10.0.0.7",))}, FAULT, "listen on 10.0.0.7"),
     ({"configuration": (Message("the pin is used twice"),)}, FAULT, "used twice"),
     ({"left_over": (7, 5)}, WARNING, "The launch of 2 parts"),
+    ({"watchdogs": ("S", "")}, UNKNOWN, "No watchdog runs here"),
+    ({"watchdogs": ("S", "T", "")}, FAULT, "Watchdog hangs"),
     ({"outside": OutsideFacts(3, (11311, 4))}, FAULT, "(11311, 4)"),
     ({"outside": OutsideFacts(1, (9,), True)}, FAULT, "(9)"),
     ({"outside": None}, UNKNOWN, "where ROS listens"),

@@ -218,7 +218,7 @@ def test_masters_nodes_and_launches_are_found(tmp_path):
     )
     assert found.ports == [11712]
     (node,) = found.nodes_of("http://pc:11311")
-    assert node == (12, "http://pc:11311", "10.20.0.1", False)
+    assert node == (12, "http://pc:11311", "10.20.0.1", False, "", "")
     assert [one.number for one in found.nodes_of("http://127.0.0.1:11312/")] == [13]
     assert found.configuration("http://pc:11311/") == Path("/etc/mole")
     assert found.configuration("http://pi:11311") == Path("/o")
@@ -249,6 +249,20 @@ def test_a_node_is_left_over_when_no_launch_is_above_it(tmp_path):
         (25, 99, "node __name:=c __log:=/l", ""),
     )
     assert sorted(one.number for one in found.nodes if one.left_over) == [23]
+
+
+def test_the_watchdog_of_each_launch_and_what_it_does_is_found(tmp_path):
+    master = "ROS_MASTER_URI=http://localhost:11311"
+    processes(
+        tmp_path,
+        (30, 1, "python3 /l/watchdog --launch=/first __name:=watchdog", master),
+        (32, 1, "node configuration:=/first __name:=a", master),
+        (33, 1, "node configuration:=/second __name:=a", master),
+        (34, 1, "node configuration:=/other __name:=a", "ROS_MASTER_URI=http://pc:11312"),
+        (35, 1, "node __name:=rviz", master),
+    )
+    request = MachineRequest(HardwareUse.ELSEWHERE, {}, root=tmp_path)
+    assert sorted(probe_machine(request).watchdogs) == ["", "S"]
 
 
 def test_a_computer_without_anything_is_known_to_have_nothing(tmp_path):

@@ -15,7 +15,7 @@ from gpr20_common.message import Message
 from gpr20_common.sent_message import message_from
 from gpr20_doctor import faults
 from gpr20_doctor.high.node_reports import axis_position, descriptions, height_m, node_healths
-from gpr20_doctor.low.masters import NodeState, node_states
+from gpr20_doctor.low.masters import NodeState, launched_nodes, node_states
 from gpr20_doctor.mid.listener import Listener
 from gpr20_msgs.msg import ControlStatus, CurrentCoordinate, RobotConfiguration
 from gpr20_msgs.srv import GetHeight, TestAnalyzer
@@ -42,7 +42,10 @@ class Graph:
         rospy.init_node(
             NODE, anonymous=True, disable_rostime=True, disable_rosout=True, disable_signals=True
         )
-        self.listener = Listener(Clock(), master)
+        full_names = launched_nodes(master)
+        prefix = f"{self._prefix}/"
+        launched = [one[len(prefix) :] for one in full_names if one.startswith(prefix)]
+        self.listener = Listener(Clock(), master, launched)
         rospy.Subscriber("/diagnostics", DiagnosticArray, self._on_diagnostics)
         self._subscribe("robot_configuration", RobotConfiguration, self._on_configuration)
         self._subscribe("control_status", ControlStatus, self._on_status)

@@ -55,12 +55,16 @@ class RosNode(NamedTuple):
         master: Its master; empty: not known.
         address: Where it listens, as ROS_HOSTNAME or ROS_IP says; empty: not known.
         left_over: Whether the roslaunch that has started it has ended.
+        launch: Name of the configuration of its launch; empty: none.
+        watches: State of the process (proc(5)) if it is the watchdog of the launch; else empty.
     """
 
     number: int
     master: str
     address: str
     left_over: bool
+    launch: str = ""
+    watches: str = ""
 
 
 class RosProcesses(NamedTuple):
@@ -122,7 +126,11 @@ def ros_processes(root: Path) -> RosProcesses:
             if is_node:
                 address = _after("ROS_HOSTNAME=", environment) or _after("ROS_IP=", environment)
                 left_over = bool(_after("__log:=", words)) and not _has_launch(process)
-                found.nodes.append(RosNode(int(process.name), master, address, left_over))
+                launch = _after("configuration:=", words) or _after("--launch=", words)
+                status = "".join(_words(process / "stat")) if _after("--launch=", words) else ""
+                watches = status.rpartition(") ")[2][:1]
+                one = RosNode(int(process.name), master, address, left_over, launch, watches)
+                found.nodes.append(one)
             elif folder:
                 with contextlib.suppress(OSError):  # where another user is, nobody else may see
                     found.configurations.append((master, _seen_from(process, folder)))

@@ -31,13 +31,15 @@ POLL_S = 0.05
 class Listener:
     """Takes reports from any thread, and gives the facts that follow from them."""
 
-    def __init__(self, clock: Clock, master: str) -> None:
+    def __init__(self, clock: Clock, master: str, launched: Iterable[str] = ()) -> None:
         """Begin with no report.
 
         Args:
             clock: Measures how long was listened.
             master: Address of the master.
+            launched: Names of nodes that were launched.
         """
+        self._expected = (*EXPECTED_NODES, *{*OPTIONAL_NODES}.intersection(launched))
         self._clock = clock
         self._begun_s = clock.now_s()
         self._lock = threading.Lock()
@@ -131,8 +133,8 @@ class Listener:
             analyzer: Result of a test of the VNA; None: it was not tested.
         """
         with self._lock:
-            further = sorted(name for name in self._nodes if name not in EXPECTED_NODES)
-            names: List[str] = [*EXPECTED_NODES, *further]
+            further = sorted(name for name in self._nodes if name not in self._expected)
+            names: List[str] = [*self._expected, *further]
             silent = NodeHealth("", HealthLevel.STALE, verbatim(""), {})
             nodes = tuple(self._nodes.get(name, replace(silent, name=name)) for name in names)
             return replace(self._known, nodes=nodes, analyzer=analyzer)
@@ -140,7 +142,7 @@ class Listener:
     def silent(self) -> List[str]:
         """Return the names of the nodes that should have reported and have not."""
         with self._lock:
-            return [name for name in EXPECTED_NODES if name not in self._nodes]
+            return [name for name in self._expected if name not in self._nodes]
 
     def _is_listed(self, name: str) -> bool:
         sensors = sum(one.startswith(SENSOR_PREFIX) for one in self._nodes)
@@ -150,7 +152,7 @@ class Listener:
     def _is_complete(self) -> bool:
         with self._lock:
             watched = self._clock.now_s() - self._begun_s >= WATCH_S
-            reported = all(name in self._nodes for name in EXPECTED_NODES)
+            reported = all(name in self._nodes for name in self._expected)
             return watched and reported and self._known.configured and self._known.control_alive
 
 

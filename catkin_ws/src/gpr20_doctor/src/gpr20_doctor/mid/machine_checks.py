@@ -29,6 +29,8 @@ BYTES_PER_GB = 1e9
 WARM_C = 70.0
 # A Raspberry Pi slows its processor down at this temperature.
 HOT_C = 80.0
+# States of a process that does nothing (proc(5)): stopped, traced, ended.
+HALTED = frozenset("TtZX")
 # Storing runs beside the next sample, which takes longer than this [s].
 TRACE_LIMIT_S = 1.0
 CLOCK_LIMIT_S = 0.1
@@ -68,6 +70,19 @@ def check_launch(facts: MachineFacts) -> Iterator[Finding]:
             numbers=" ".join(map(str, sorted(facts.left_over))),
         )
         yield Finding.of("launch", text, faults.LEFT_OVER)
+
+
+def check_watchdog(facts: MachineFacts) -> Iterator[Finding]:
+    """Judge what would end the parts of the robot that hang."""
+    name = Message("Watchdog")
+    if HALTED.intersection(facts.watchdogs):
+        text = Message("{name} hangs: it runs, but does not answer.", name=name)
+        yield Finding.of("watchdog", text, faults.NODE_HANGS)
+    elif "" in facts.watchdogs:
+        text = Message("No watchdog runs here: a part of the robot that hangs is not restarted.")
+        yield Finding("watchdog", Level.UNKNOWN, text, faults.LEFT_OVER.remedy)
+    elif facts.watchdogs:
+        yield Finding.of("watchdog", name)
 
 
 def check_temperature(facts: MachineFacts) -> Iterator[Finding]:
@@ -240,6 +255,7 @@ def _disk_speed(trace_s: object) -> Finding:
 CHECKS: Tuple[Check, ...] = (
     check_configuration,
     check_launch,
+    check_watchdog,
     check_addresses,
     check_firewall,
     check_hardware,

@@ -138,6 +138,7 @@ class MachineFacts:
         configuration: What the check of the whole robot found, with its faults.
         files: The robot as whose the files were checked: gpr20 or simulated.
         left_over: Process ids of the robot's nodes here whose roslaunch has ended.
+        watchdogs: State (proc(5)) of the watchdog of each launch here; empty: it does not run.
         behind_s: How far this clock is before the making of the installed software [s].
     """
 
@@ -163,4 +164,5 @@ class MachineFacts:
     configuration: Union[Tuple[Message, ...], Unknown, None] = None
     files: str = ""
     left_over: Tuple[int, ...] = ()
+    watchdogs: Tuple[str, ...] = ()
     behind_s: float = 0.0

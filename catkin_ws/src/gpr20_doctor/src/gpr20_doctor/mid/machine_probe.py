@@ -46,6 +46,8 @@ def probe_machine(request: MachineRequest) -> MachineFacts:
     is_pi = pi.is_raspberry_pi(request.root)
     exposed = _known(lambda: _exposed(request))
     nodes = system.ros_processes(request.root).nodes_of(_master(request))
+    watchdogs = {one.launch: "" for one in nodes if one.launch}
+    watchdogs.update({one.launch: one.watches for one in nodes if one.watches})
     return MachineFacts(
         hardware=request.hardware,
         addresses=_known(lambda: _in_time(lambda: _addresses(request.environment, nodes))),
@@ -69,6 +71,7 @@ def probe_machine(request: MachineRequest) -> MachineFacts:
         configuration=_known(lambda: _configuration(request)) if request.files else None,
         files=request.files,
         left_over=tuple(one.number for one in nodes if one.left_over and one.master),
+        watchdogs=tuple(watchdogs.values()),
         behind_s=max(0.0, Path(__file__).stat().st_mtime - time.time()),
     )
 

@@ -14,6 +14,7 @@ from gpr20_survey.plan.robot_description import ANALYZER, HEIGHT_SENSOR, SIMULAT
 MAIN_CONTROL = "main_control"
 IMAGING = "imaging"
 WEB = "web"
+VISUALIZATION = "visualization"
 
 
 def axis_node(axis_id: AxisId) -> str:
@@ -23,8 +24,9 @@ def axis_node(axis_id: AxisId) -> str:
 
 # In the order in which they are listed.
 EXPECTED_NODES = (MAIN_CONTROL, ANALYZER, STORAGE, IMAGING, *map(axis_node, AxisId), HEIGHT_SENSOR)
-# Not every robot has them: they are listed once they have reported, and missed from then on.
-OPTIONAL_NODES = (SIMULATOR, WEB)
+# Not every robot has them: they are listed, and missed, once they have reported; by the doctor also
+# if they were launched.
+OPTIONAL_NODES = (SIMULATOR, WEB, VISUALIZATION)
 # Other sensors beside the radar report below this name, and are listed once they have.
 SENSOR_PREFIX = "sensors/"
 MAX_SENSORS = 32
@@ -43,6 +45,7 @@ _TITLES: Dict[str, Message] = {
     HEIGHT_SENSOR: Message("Height sensor"),
     SIMULATOR: Message("Simulator"),
     WEB: Message("Web page"),
+    VISUALIZATION: Message("Visualization"),
 }
 
 

@@ -15,6 +15,7 @@ from gpr20_doctor.mid.node_health import (
     MAX_SENSORS,
     OPTIONAL_NODES,
     SENSOR_PREFIX,
+    VISUALIZATION,
     WEB,
     HealthLevel,
     NodeHealth,
@@ -25,7 +26,7 @@ from gpr20_operator import faults
 # Nodes report once a second; a node whose report is older than this [s] hangs or has ended.
 STALE_S = 4.0
 # Not what a survey needs: the state says how the main control is, and images and page can wait.
-NOT_NEEDED = (MAIN_CONTROL, IMAGING, WEB)
+NOT_NEEDED = (MAIN_CONTROL, IMAGING, WEB, VISUALIZATION)
 
 
 @dataclass(frozen=True)
