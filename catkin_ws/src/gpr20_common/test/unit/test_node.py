@@ -32,6 +32,8 @@ def ended(monkeypatch):
     found = []
     for name in ("init_node", "logfatal", "get_name"):
         monkeypatch.setattr(node.rospy, name, lambda *_all, **_named: "/node")
+    # The node sets another one.
+    monkeypatch.setattr(node.threading, "excepthook", node.threading.excepthook)
     monkeypatch.setattr(node.rospy, "has_param", lambda _name: False)
     monkeypatch.setattr(node, "configuration_name", lambda: "/launch_1")
     monkeypatch.setattr(node, "enable_line_buffering", lambda: None)

@@ -64,3 +64,16 @@ def test_it_can_be_stopped_by_its_own_action():
     counter.wait_for(1)
     periodics[0].stop()
     assert len(counter.calls_s) == 1
+
+
+def test_it_goes_on_after_calls_that_fail_and_logs_the_first(caplog):
+    counter = Counter()
+
+    def act():
+        counter()
+        raise ZeroDivisionError("a fault of our own")
+
+    periodic = Periodic(0.001, act)
+    counter.wait_for(5)
+    periodic.stop()
+    assert caplog.text.count("Traceback") == 1

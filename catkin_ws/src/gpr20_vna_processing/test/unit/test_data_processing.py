@@ -4,6 +4,7 @@ import errno
 import json
 import os
 import threading
+import time
 
 import numpy as np
 import pytest
@@ -334,6 +335,17 @@ def test_a_full_disk_is_told_and_the_trace_is_stored_once_after_space_was_made(k
     kit.processing.store(make_trace(0))
     assert (len(traces_in(memory)), len(kit.stored)) == (1, 1)
     assert not kit.processing.state().failing
+
+
+def test_traces_are_stored_after_a_commit_that_failed_as_nobody_expected(kit, memory):
+    kit.open()
+    memory.error = ZeroDivisionError("a fault of our own")
+    deadline_s = time.monotonic() + 10.0
+    while not kit.processing.state().failing:
+        assert time.monotonic() < deadline_s
+    memory.error = None
+    kit.processing.store(make_trace(0))
+    assert len(kit.stored) == 1
 
 
 def test_two_surveys_never_share_a_folder(kit):

@@ -2,12 +2,18 @@
 
 from __future__ import annotations
 
+import logging
+import math
+import time
 from typing import Any, Callable, Dict, Tuple
 
 import diagnostic_updater
+import rospy
 
+from gpr20_common.faults import INTERNAL
 from gpr20_common.high.periodic import Periodic
-from gpr20_common.message import Message
+from gpr20_common.low.thread_fault import LOGGER, PART, faults_logged
+from gpr20_common.message import Message, verbatim
 
 OK = 0
 WARN = 1
@@ -21,6 +27,9 @@ MESSAGE_JSON = "message_json"
 FAULT_CODE = "fault_code"
 
 PERIOD_S = 1.0
+# For so long an exception that nobody expected, in any thread, is said [s].
+FAULT_S = 60.0
+_UNKNOWN: Health = (ERROR, verbatim(""), {})
 
 
 class Diagnostics:
@@ -28,13 +37,31 @@ class Diagnostics:
 
     def __init__(self, hardware_id: str, health: Callable[[], Health]) -> None:
         self._health = health
+        self._failed_part, self._failed_s = "", -math.inf
+        LOGGER.addFilter(self._note_failed)
         self._updater = diagnostic_updater.Updater()
         self._updater.setHardwareID(hardware_id)
         self._updater.add("state", self._fill)
         self._periodic = Periodic(PERIOD_S, self._updater.force_update)
+        # It may be why the node ends.
+        rospy.on_shutdown(lambda: self._has_failed and self._updater.force_update())
+
+    @property
+    def _has_failed(self) -> bool:
+        return time.monotonic() - self._failed_s < FAULT_S
+
+    def _note_failed(self, record: logging.LogRecord) -> bool:
+        if hasattr(record, PART):
+            self._failed_part, self._failed_s = getattr(record, PART), time.monotonic()
+        return True
 
     def _fill(self, status: diagnostic_updater.DiagnosticStatusWrapper) -> Any:
-        level, message, values = self._health()
+        level, message, values = _UNKNOWN
+        with faults_logged("diagnostics"):
+            level, message, values = self._health()
+        if self._has_failed:
+            failed = Message("internal error in {service}; see the log", service=self._failed_part)
+            level, message = ERROR, failed.with_fault(INTERNAL)
         status.summary(level, str(message))
         status.add(MESSAGE_JSON, message.to_json())
         status.add(FAULT_CODE, message.fault_code)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import sys
+import threading
 from typing import Any, Callable, Type, TypeVar
 
 import rosgraph
@@ -19,6 +20,7 @@ from gpr20_common.high.parameters import (
 from gpr20_common.low.line_output import enable_line_buffering
 from gpr20_common.low.node_probe import NodeProbe
 from gpr20_common.low.roslaunch_process import end_with_roslaunch, roslaunch_number
+from gpr20_common.low.thread_fault import end_with_thread
 from gpr20_common.terminal_text import say
 
 # A node of the same name that lives answers within this time [s].
@@ -43,6 +45,7 @@ def run_node(name: str, build: Callable[[], Any], needed: bool = True) -> None:
         needed: Whether its launch ends if it cannot start; else it is started again and again.
     """
     enable_line_buffering()
+    threading.excepthook = end_with_thread
     _refuse_second(_full_name(name), needed)
     try:
         # Its handlers end the node in the main thread, which has locks of rospy while it starts.

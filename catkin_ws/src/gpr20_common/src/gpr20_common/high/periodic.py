@@ -2,17 +2,22 @@
 
 from __future__ import annotations
 
+import math
 import threading
 import time
 from typing import Callable
 
 import rospy
 
+from gpr20_common.low.thread_fault import log_fault
+
 STOP_LIMIT_S = 2.0
+# A call that fails again and again is logged this often [s].
+LOG_PERIOD_S = 10.0
 
 
 class Periodic:
-    """Calls a function at a fixed rate in a thread of its own.
+    """Calls a function at a fixed rate in a thread of its own, also after a call that failed.
 
     It ends before the node's topics are closed. A `rospy.Timer` runs a moment longer
     and then publishes to a closed topic.
@@ -42,9 +47,14 @@ class Periodic:
             self._thread.join(STOP_LIMIT_S)
 
     def _repeat(self) -> None:
-        due_s = time.monotonic()
+        due_s, logged_s = time.monotonic(), -math.inf
         while not self._ended:
-            self._action()
+            try:
+                self._action()
+            except Exception:  # the next call is independent of it
+                if due_s - logged_s >= LOG_PERIOD_S:
+                    logged_s = due_s
+                    log_fault(getattr(self._action, "__qualname__", repr(self._action)))
             due_s = self._wait_until_due(due_s)
 
     def _wait_until_due(self, last_due_s: float) -> float:

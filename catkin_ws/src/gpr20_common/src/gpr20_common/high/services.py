@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import traceback
 from typing import Any, Callable
 
 import rospy
 
 from gpr20_common.errors import Gpr20Error
 from gpr20_common.faults import INTERNAL
+from gpr20_common.low.thread_fault import log_fault
 from gpr20_common.message import Message
 from gpr20_common.sent_message import message_fields
 
@@ -44,7 +44,7 @@ def internal_error(name: str, error: Exception) -> Message:
         name: The service or action that failed.
         error: The exception.
     """
-    rospy.logerr("%s failed:\n%s", name, traceback.format_exc())
+    log_fault(name)
     return Message(
         "internal error in {service}; see the log",
         service=name,

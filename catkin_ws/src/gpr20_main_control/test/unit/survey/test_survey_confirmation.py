@@ -168,10 +168,7 @@ def test_a_confirmation_without_an_answer_pauses_the_survey(bench, confirmations
     bench.resume_to_the_end()
 
 
-def test_a_fault_in_a_confirmation_fails_the_survey_and_stores_nothing(
-    bench, confirmations, monkeypatch
-):
-    monkeypatch.setattr(threading, "excepthook", lambda arguments: None)
+def test_a_fault_in_a_confirmation_fails_the_survey_and_stores_nothing(bench, confirmations):
     confirmations.refused[4] = ZeroDivisionError("a fault of ours")
     bench.start()
     assert "a fault of ours" in str(bench.wait_for(State.FAILED).message)

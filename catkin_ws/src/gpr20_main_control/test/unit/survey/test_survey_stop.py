@@ -35,8 +35,9 @@ def test_a_stop_during_a_move_ends_as_stopped_with_what_was_measured(bench):
     assert bench.storage.ends[-1].status == final
 
 
-def test_a_fault_in_the_survey_itself_stops_the_axes_and_is_told(bench, monkeypatch):
-    monkeypatch.setattr(threading, "excepthook", lambda arguments: None)
+def test_a_fault_in_the_survey_itself_stops_the_axes_and_is_told(bench, monkeypatch, caplog):
+    ended = []
+    monkeypatch.setattr(threading, "excepthook", ended.append)
 
     def break_down():
         raise ZeroDivisionError("a fault of ours")
@@ -48,6 +49,10 @@ def test_a_fault_in_the_survey_itself_stops_the_axes_and_is_told(bench, monkeypa
     assert all(axis.stops > 0 for axis in bench.axes)
     assert bench.storage.closed[-1][1] == "failed"
     assert bench.storage.ends[-1].status == final
+    # The thread ends as after any other survey: its node goes on.
+    bench.control.shut_down(LIMIT_S)
+    assert ended == []
+    assert "Traceback" in caplog.text
 
 
 def test_shutting_down_stops_the_axes_and_leaves_the_survey_interrupted(bench):

@@ -250,3 +250,20 @@ def test_a_trace_that_is_stored_at_the_last_moment_is_not_called_missing(bench):
         queue.drain_within(0.03)
     queue.close()
     storage.free.set()
+
+
+def test_a_trace_whose_storing_cannot_be_shown_is_not_stored_again(bench, caplog):
+    bench.start()
+    bench.wait_for(State.FINISHED)
+    storage, traces = FakeStorage(), bench.storage.samples[:2]
+
+    def fail(_stored, _index):
+        raise ZeroDivisionError("a fault of ours")
+
+    queue = StorageQueue(storage, Clock(), fail)
+    for trace in traces:
+        queue.add(trace)
+    queue.drain_within(LIMIT_S)
+    queue.close()
+    assert storage.samples == traces
+    assert caplog.text.count("Traceback") == 2

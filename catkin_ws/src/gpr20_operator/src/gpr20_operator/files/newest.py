@@ -5,6 +5,8 @@ from __future__ import annotations
 import threading
 from typing import Callable, Generic, Optional, TypeVar
 
+from gpr20_common.low.thread_fault import faults_logged
+
 Value = TypeVar("Value")
 
 
@@ -39,4 +41,5 @@ class Newest(Generic[Value]):
                     self._changed.notify_all()
                     return
                 value, self._wanted = self._wanted, None
-            self._act(value)
+            with faults_logged(self._act.__qualname__):
+                self._act(value)

@@ -11,6 +11,7 @@ from diagnostic_msgs.msg import DiagnosticArray
 from gpr20_common.errors import Gpr20Error
 from gpr20_common.high.connection_header import connection_header
 from gpr20_common.high.service_client import ServiceClient, ServiceUnavailableError
+from gpr20_common.low.thread_fault import faults_logged
 from gpr20_common.message import Message
 from gpr20_common.sent_message import message_from
 from gpr20_doctor.high.node_reports import node_healths
@@ -62,7 +63,12 @@ def no_answer(silent: Message, error: Exception) -> Message:
 
 def in_background(work: Callable[[], None]) -> None:
     """Work in a daemon thread: if it never ends, the process still can."""
-    threading.Thread(target=work, daemon=True).start()
+
+    def logged() -> None:
+        with faults_logged("request"):
+            work()
+
+    threading.Thread(target=logged, daemon=True).start()
 
 
 class WhileWatched:

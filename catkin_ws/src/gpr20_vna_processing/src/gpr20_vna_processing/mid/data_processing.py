@@ -333,8 +333,8 @@ class DataProcessing:
         self._commit_due_s = now_s + self._limits.period_s
         try:
             survey.commit()
-        except ProcessingError as error:
-            self._note(error.message, failing=True)
+        except Exception as error:
+            self._note(_reason(error), failing=True)
 
 
 def _check_one_of(place: str, value: str, allowed: Collection[str]) -> None:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import os
 import socket
-import traceback
 from dataclasses import asdict, dataclass
 from functools import partial
 from pathlib import Path
@@ -21,6 +20,7 @@ from gpr20_common.high.service_client import ServiceClient
 from gpr20_common.low.catalogue_file import language_from_environment, read_catalogue
 from gpr20_common.low.clock import Clock
 from gpr20_common.low.data_folder import data_folder
+from gpr20_common.low.thread_fault import faults_logged
 from gpr20_common.message import Message, in_a_row
 from gpr20_common.mid.hardware import NO_HARDWARE
 from gpr20_common.sent_message import message_from
@@ -251,8 +251,8 @@ class WebNode:
 
     @staticmethod
     def _report(error: BaseException) -> None:
-        lines = traceback.format_exception(type(error), error, error.__traceback__)
-        rospy.logerr("%s", "".join(lines))
+        with faults_logged("page"):
+            raise error
 
 
 def main() -> None:

@@ -7,6 +7,7 @@ from collections import deque
 from typing import Callable, Deque, Generic, Optional, Tuple, TypeVar
 
 from gpr20_common.errors import Gpr20Error
+from gpr20_common.low.thread_fault import faults_logged
 from gpr20_common.message import Message
 from gpr20_common.os_reason import os_reason
 from gpr20_web import faults
@@ -73,7 +74,9 @@ class Outbox(Generic[Thing]):
         failures = 0
         while self._wait(failures):
             thing = self._things[0]
-            again = self._try(thing)
+            again = False
+            with faults_logged("outbox"):
+                again = self._try(thing)
             failures = failures + 1 if again else 0
             if self._tries is not None and failures >= self._tries:
                 again, failures = False, 0

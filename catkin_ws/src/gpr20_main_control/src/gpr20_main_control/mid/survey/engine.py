@@ -7,6 +7,7 @@ import threading
 from dataclasses import asdict, dataclass
 from typing import Optional
 
+from gpr20_common.low.thread_fault import log_fault
 from gpr20_common.message import Message
 from gpr20_main_control import faults
 from gpr20_main_control.errors import (
@@ -135,7 +136,7 @@ class SurveyEngine:
             failed = Message("Failed: {reason}", reason=reason)
             self._end_early(SurveyState.FAILED, "failed", failed, reason)
             if not isinstance(error, DeviceError):
-                raise
+                log_fault("survey")
         self._ending.release_analyzer()
 
     def _continue(self) -> bool:

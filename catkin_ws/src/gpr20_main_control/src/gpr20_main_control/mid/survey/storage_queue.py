@@ -8,6 +8,7 @@ from collections import deque
 from typing import Callable, Deque, Optional
 
 from gpr20_common.low.clock import Clock
+from gpr20_common.low.thread_fault import faults_logged
 from gpr20_common.message import Message
 from gpr20_main_control import faults
 from gpr20_main_control.errors import DeviceError, message_of
@@ -137,7 +138,9 @@ class StorageQueue:
             if failure is None:
                 self._stored += 1
                 # Announced before the trace leaves: an empty queue means that all are announced.
-                self._on_stored(self._stored, trace.index)
+                # What fails here is only shown: the trace is stored, and must not be sent again.
+                with faults_logged("storage queue"):
+                    self._on_stored(self._stored, trace.index)
             with self._changed:
                 if failure is None:
                     self._traces.popleft()
