@@ -9,6 +9,7 @@ from gpr20_common.low.clock import Clock
 from gpr20_web.calls import Call
 from gpr20_web.low.account_file import AccountFile
 from gpr20_web.low.passwords import PasswordHash
+from gpr20_web.low.session_file import Logins, SessionFile
 from gpr20_web.mid.accounts import Accounts
 
 # Hashes that cost nothing: the tests are about everything else.
@@ -39,6 +40,22 @@ class Noted:
         """Note an entry."""
         who = "" if call.person is None else call.person.name
         self.entries.append((who, what, {"outcome": outcome, **values}))
+
+
+class NoFile(SessionFile):
+    """Keeps sessions in memory, where a restart of the node finds them too."""
+
+    def __init__(self) -> None:
+        self.logins = Logins("boot", "key")
+
+    def read(self) -> Logins:
+        """Return what was written."""
+        return self.logins
+
+    def write(self, logins: Logins) -> bool:
+        """Write it."""
+        self.logins = logins
+        return True
 
 
 def make_accounts(folder: Path) -> Accounts:

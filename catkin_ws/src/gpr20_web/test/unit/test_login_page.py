@@ -9,7 +9,7 @@ import pytest
 import web_kit
 from hypothesis import given
 from hypothesis import strategies as st
-from login_kit import OTHER_PASSWORD, PASSWORD, ManualClock, Noted, make_accounts
+from login_kit import OTHER_PASSWORD, PASSWORD, ManualClock, NoFile, Noted, make_accounts
 
 from gpr20_common.errors import Gpr20Error
 from gpr20_web.calls import Call, Cookie, Route
@@ -40,7 +40,7 @@ class Pages:
         self.accounts = make_accounts(folder)
         for name, role in [("ana", Role.ADMIN), ("leo", Role.OPERATE), ("eva", Role.VIEW)]:
             self.accounts.add(name, role, PASSWORD)
-        self.sessions = Sessions(self.accounts.find, self.clock, 1800.0, 43200.0)
+        self.sessions = Sessions(self.accounts.find, self.clock, 1800.0, 43200.0, NoFile())
         login = LoginPage(
             self.accounts, self.sessions, LoginLimits(self.clock), self.audit, view_may_stop
         )

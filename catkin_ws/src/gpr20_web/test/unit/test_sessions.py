@@ -2,22 +2,27 @@
 
 from __future__ import annotations
 
+import json
+import stat
 import threading
 from pathlib import Path
-from typing import Any, Dict, List, Tuple
+from typing import Any, Callable, Dict, List, Tuple
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, initialize, invariant, rule
-from login_kit import OTHER_PASSWORD, PASSWORD, ManualClock, make_accounts
+from login_kit import OTHER_PASSWORD, PASSWORD, ManualClock, NoFile, make_accounts
 
+from gpr20_common.message import Message
 from gpr20_web.calls import Person
 from gpr20_web.errors import NotLoggedInError
+from gpr20_web.low import session_file
 from gpr20_web.low.account_file import Account
+from gpr20_web.low.session_file import SessionFile
 from gpr20_web.mid import sessions as sessions_module
 from gpr20_web.mid.accounts import Accounts
-from gpr20_web.mid.sessions import MOST_OF_PERSON, MOST_SESSIONS, Sessions
+from gpr20_web.mid.sessions import KEPT_S, MOST_OF_PERSON, MOST_SESSIONS, Sessions
 from gpr20_web.roles import Role
 
 IDLE_S, LONGEST_S = 1800.0, 43200.0
@@ -25,13 +30,25 @@ ADDRESS = "10.0.0.7"
 
 
 class World:
-    """Accounts in a file and their sessions."""
+    """Accounts in a file and their sessions in another one.
+
+    Attributes:
+        file: That of the sessions.
+        reported: Why they could not be kept.
+    """
 
     def __init__(self, folder: Path) -> None:
-        self.clock = ManualClock()
-        self.accounts: Accounts = make_accounts(folder)
-        self.ana = self.accounts.add("ana", Role.OPERATE, PASSWORD)
-        self.sessions = Sessions(self.accounts.find, self.clock, IDLE_S, LONGEST_S)
+        self.folder, self.clock = folder, ManualClock()
+        self.file = folder / "web" / "sessions.json"
+        self.reported: List[Message] = []
+        self.ana = make_accounts(folder).add("ana", Role.OPERATE, PASSWORD)
+        self.restart()
+
+    def restart(self) -> None:
+        """Begin, or kill the node and begin again."""
+        self.accounts: Accounts = make_accounts(self.folder)
+        file = SessionFile(self.folder / "web", self.reported.append)
+        self.sessions = Sessions(self.accounts.find, self.clock, IDLE_S, LONGEST_S, file)
 
     def is_in(self, token: str) -> bool:
         """Return whether a token is that of a session, without using it."""
@@ -58,8 +75,9 @@ def test_owasp_session_id_entropy_has_32_random_bytes_and_only_its_hash_is_kept(
 ) -> None:
     tokens = [world.sessions.begin(world.ana) for _number in range(5)]
     assert len(set(tokens)) == 5
-    assert all(len(one) == 43 for one in tokens)
-    assert not any(one in repr(world.sessions.__dict__) for one in tokens)
+    assert all(len(one.partition(".")[0]) == 43 for one in tokens)
+    kept = repr(world.sessions.__dict__) + world.file.read_text()
+    assert not any(one in kept or one.partition(".")[0] in kept for one in tokens)
 
 
 def test_owasp_session_fixation_each_login_has_another_token(world: World) -> None:
@@ -71,7 +89,7 @@ def test_owasp_session_fixation_each_login_has_another_token(world: World) -> No
 def test_owasp_session_id_guessing_a_token_that_was_not_given_is_nobody(
     tmp_path_factory: pytest.TempPathFactory, token: str
 ) -> None:
-    sessions = Sessions(lambda _name: None, ManualClock(), IDLE_S, LONGEST_S)
+    sessions = Sessions(lambda _name: None, ManualClock(), IDLE_S, LONGEST_S, NoFile())
     with pytest.raises(NotLoggedInError):
         sessions.find(token, ADDRESS)
 
@@ -178,7 +196,7 @@ def test_too_many_sessions_of_a_person_end_the_oldest(world: World) -> None:
 def test_too_many_sessions_of_all_end_the_oldest(tmp_path: Path) -> None:
     names = [f"user{number}" for number in range(MOST_SESSIONS + 3)]
     accounts = {one: Account(one, Role.VIEW, "", "", 1) for one in names}
-    sessions = Sessions(accounts.get, ManualClock(), IDLE_S, LONGEST_S)
+    sessions = Sessions(accounts.get, ManualClock(), IDLE_S, LONGEST_S, NoFile())
     tokens = [sessions.begin(one) for one in accounts.values()]
     with pytest.raises(NotLoggedInError):
         sessions.find(tokens[2], ADDRESS)
@@ -218,6 +236,135 @@ def test_threads_that_log_in_and_out_at_once_disturb_no_others(world: World) -> 
     assert world.is_in(kept)
 
 
+def test_a_restart_of_the_node_ends_no_session(world: World) -> None:
+    token = world.sessions.begin(world.ana)
+    for _kill in range(3):
+        world.restart()
+        assert world.sessions.find(token, ADDRESS) == Person("ana", Role.OPERATE, token, ADDRESS)
+
+
+def _wait_for_idle(world: World) -> None:
+    world.clock.time_s += IDLE_S / 2.0
+    world.restart()  # which is no use of it
+    world.clock.time_s += IDLE_S / 2.0
+
+
+def _use_for_long(world: World, token: str) -> None:
+    for _half in range(round(LONGEST_S / IDLE_S) * 2):
+        world.sessions.find(token, ADDRESS)
+        world.sessions.keep()
+        world.clock.time_s += IDLE_S / 2.0
+
+
+ENDS: Dict[str, Callable[[World, str], Any]] = {
+    "logout": lambda world, token: world.sessions.end(token),
+    "logout everywhere": lambda world, _token: world.sessions.end_all("ana"),
+    "password": lambda world, _token: world.accounts.change("ana", password=OTHER_PASSWORD),
+    "role": lambda world, _token: world.accounts.change("ana", role=Role.ADMIN),
+    "removal": lambda world, _token: world.accounts.remove("ana"),
+    "made again": lambda world, _token: (
+        world.accounts.remove("ana"),
+        world.accounts.add("ana", Role.OPERATE, PASSWORD),
+    ),
+    "idle": lambda world, _token: _wait_for_idle(world),
+    "absolute": _use_for_long,
+    "too many": lambda world, _token: [
+        world.sessions.begin(world.ana) for _number in range(MOST_OF_PERSON)
+    ],
+}
+
+
+@pytest.mark.parametrize("end", ENDS.values(), ids=ENDS)
+def test_what_has_ended_stays_ended_after_a_restart_of_the_node(
+    world: World, end: Callable[[World, str], Any]
+) -> None:
+    token = world.sessions.begin(world.ana)
+    other = world.sessions.begin(world.accounts.add("eva", Role.VIEW, PASSWORD))
+    end(world, token)
+    for _kill in range(2):
+        world.restart()
+        assert not world.is_in(token)
+    if end in (ENDS["logout"], ENDS["password"], ENDS["too many"]):
+        assert world.is_in(other)
+
+
+def test_an_account_that_changes_while_the_node_is_dead_has_no_session(world: World) -> None:
+    token = world.sessions.begin(world.ana)
+    make_accounts(world.folder).change("ana", password=OTHER_PASSWORD)
+    world.restart()
+    assert not world.is_in(token)
+
+
+def test_what_is_used_until_a_kill_is_not_idle_after_it(world: World) -> None:
+    token = world.sessions.begin(world.ana)
+    world.clock.time_s += IDLE_S - 1.0
+    world.sessions.find(token, ADDRESS)
+    world.sessions.keep()
+    world.restart()
+    world.clock.time_s += IDLE_S - KEPT_S
+    assert world.is_in(token)
+
+
+def test_a_token_that_was_changed_or_signed_by_another_key_is_refused(world: World) -> None:
+    token = world.sessions.begin(world.ana)
+    for place, letter in enumerate(token):
+        other = "A" if letter != "A" else "B"
+        assert not world.is_in(token[:place] + other + token[place + 1 :])
+    kept = json.loads(world.file.read_text())
+    world.file.write_text(json.dumps({**kept, "key": "0" * 64}))
+    world.restart()
+    assert not world.is_in(token)
+
+
+def test_nobody_else_reads_the_file_with_the_key(world: World) -> None:
+    (world.folder / "web").chmod(0o755)
+    world.sessions.begin(world.ana)
+    assert stat.S_IMODE(world.file.stat().st_mode) == 0o600
+    assert [one.name for one in world.file.parent.glob(".*")] == []
+
+
+def test_a_start_of_the_computer_ends_all_as_its_clock_begins_anew(
+    world: World, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    token = world.sessions.begin(world.ana)
+    (tmp_path / "boot_id").write_text("another")
+    monkeypatch.setattr(session_file, "BOOT", tmp_path / "boot_id")
+    world.restart()
+    assert not world.is_in(token)
+    assert world.reported == []
+
+
+@pytest.mark.parametrize("content", ["", "[]", "{}", '{"boot": 1, "key": "k"}', "[" * 100_000])
+def test_a_damaged_file_is_reported_and_everybody_logs_in_again(world: World, content: str) -> None:
+    token = world.sessions.begin(world.ana)
+    world.file.write_text(content)
+    world.restart()
+    assert [one.fault_code for one in world.reported] == ["web.folder"]
+    assert not world.is_in(token)
+    token = world.sessions.begin(world.ana)
+    world.restart()
+    assert world.is_in(token)
+
+
+def test_on_a_full_disk_people_log_in_and_a_logout_is_kept_when_there_is_space(
+    world: World, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    former = world.sessions.begin(world.ana)
+
+    def refuse(*_arguments: Any) -> None:
+        raise OSError(28, "No space left on device")
+
+    with monkeypatch.context() as full:
+        full.setattr(session_file, "replace_file", refuse)
+        world.sessions.end(former)
+        token = world.sessions.begin(world.ana)
+    assert [world.is_in(former), world.is_in(token)] == [False, True]
+    assert "the disk is full" in str(world.reported[0])
+    world.sessions.keep()
+    world.restart()
+    assert [world.is_in(former), world.is_in(token)] == [False, True]
+
+
 class SessionMachine(RuleBasedStateMachine):
     """Logs in and out, waits, changes accounts; a list of those who are in says who may."""
 
@@ -229,12 +376,25 @@ class SessionMachine(RuleBasedStateMachine):
         self.clock = ManualClock()
         self.generation = 0
         self.accounts: Dict[str, Account] = {}
-        self.sessions = Sessions(self.accounts.get, self.clock, IDLE_S, LONGEST_S)
+        self.file = NoFile()
+        self.sessions = self._open()
         # Tokens: name, begin, last use; in the order of the logins.
         self.model: Dict[str, Tuple[str, float, float]] = {}
         self.ended: List[str] = []
         for name in self.NAMES:
             self.renew(name)
+
+    def _open(self) -> Sessions:
+        return Sessions(self.accounts.get, self.clock, IDLE_S, LONGEST_S, self.file)
+
+    @rule()
+    def restart(self) -> None:
+        """Restart the node."""
+        self.sessions.keep()
+        self.sessions = self._open()
+        for token, (name, begun_s, used_s) in self.model.items():
+            self.model[token] = (name, begun_s, used_s // KEPT_S * KEPT_S)
+        self.wait(0.0)
 
     @rule(name=st.sampled_from(NAMES))
     def renew(self, name: str) -> None:

@@ -12,7 +12,7 @@ from types import SimpleNamespace
 from typing import Any, Dict, List, Tuple
 
 from asked_storage import Storage
-from login_kit import PASSWORD, make_accounts
+from login_kit import PASSWORD, NoFile, make_accounts
 from result_kit import Requests
 from robot_views import ManualClock, state_of
 from surveys_kit import Surveys
@@ -86,7 +86,7 @@ class WholePage:
         self.control, self.storage, self.requests = Control(), Storage(), Requests()
         self.acts: List[Any] = []
         self.accounts = make_accounts(folder)
-        self.sessions = Sessions(self.accounts.find, self.clock, 1800.0, 43200.0)
+        self.sessions = Sessions(self.accounts.find, self.clock, 1800.0, 43200.0, NoFile())
         self._tokens: Dict[Role, str] = {}
         notes: List[Any] = []
         self.audit = CountedAudit(

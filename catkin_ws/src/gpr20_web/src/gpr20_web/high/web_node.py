@@ -51,6 +51,7 @@ from gpr20_web.low.certificate import ensure_certificate, ssl_context
 from gpr20_web.low.doctor_program import make_bundle
 from gpr20_web.low.http_server import HttpServer
 from gpr20_web.low.notifier import Notifier
+from gpr20_web.low.session_file import SessionFile
 from gpr20_web.mid.accounts import Accounts
 from gpr20_web.mid.all_pages import Surroundings, all_pages
 from gpr20_web.mid.audit import Audit
@@ -102,6 +103,7 @@ class WebNode:
             *(self._accounts.find, self._clock),
             parameters.idle_minutes * SECONDS_PER_MINUTE,
             parameters.session_hours * SECONDS_PER_HOUR,
+            SessionFile(folder, self._warn),
         )
         self._note = ServiceClient("note_survey", NoteSurvey)
         self._audit = Audit(folder / "audit.jsonl", self._note_survey, self._warn, self._clock)
@@ -212,6 +214,7 @@ class WebNode:
         if now_s - self._checked_s >= (MASTER_CHECK_S if watchers else SELDOM_S):
             self._checked_s = now_s
             self._control.check_master()
+            in_background(self._sessions.keep)
         self._model.set_followed(watchers > 0)
         for client in (self._control, self._storage):
             client.set_watched(watchers > 0)

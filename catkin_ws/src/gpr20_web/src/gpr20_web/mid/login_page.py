@@ -48,8 +48,8 @@ class LoginPage(WebPage):
         self._audit, self._view_may_stop = audit, view_may_stop
         self.routes = (
             Route("POST", "/api/login", Role.NOBODY, self._log_in, blocking=True),
-            Route("POST", "/api/logout", Role.VIEW, self._log_out),
-            Route("POST", "/api/logout_everywhere", Role.VIEW, self._log_out_everywhere),
+            Route("POST", "/api/logout", Role.VIEW, self._log_out, True),
+            Route("POST", "/api/logout_everywhere", Role.VIEW, self._log_out_everywhere, True),
             Route("GET", "/api/me", Role.VIEW, self._me),
             Route("POST", "/api/password", Role.VIEW, self._change_password, blocking=True),
         )
