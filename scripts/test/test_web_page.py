@@ -88,6 +88,11 @@ window.fetch = (address, options) => {
   }));
 };
 """
+# How wide the alarm is, and how wide the page.
+ALARM_WIDTHS = """
+const { width } = document.querySelector("#stop-warning").getBoundingClientRect();
+return [width, document.documentElement.clientWidth];
+"""
 NARROWEST = "return Math.min(...[...document.querySelectorAll('td')].map((one) => one.clientWidth))"
 PAGES = ("now", "map", "radar", "surveys", "robots", "service", "users", "audit")
 
@@ -109,6 +114,9 @@ def site(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Site]:
             rospy.init_node("user_interface", disable_signals=True)
             made = Site(robot, f"https://localhost:{port}", folder)
             try:
+                # Of all nodes it is the last to begin.
+                opened = lambda: made.browser.open(f"{made.address}/") is None  # noqa: E731
+                made.browser.wait(opened, "the page answers")
                 yield made
             finally:
                 made.browser.close()
@@ -160,6 +168,9 @@ def _stop_over_a_bad_link(site: Site) -> None:
     browser.press("#pause")
     browser.press("#stop")
     browser.wait_for_text("STOP is not confirmed yet", ".said")
+    browser.wait_for_text("STOP NOT CONFIRMED: use the power switch", "#stop-warning")
+    assert len(set(browser.run(ALARM_WIDTHS))) == 1
+    assert violations(browser) == []
     browser.run("window.losePause()")
     assert "STOP is not confirmed yet" in browser.text(".said")
     assert not browser.find("#pause").is_enabled()
@@ -176,6 +187,7 @@ def _stop_over_a_bad_link(site: Site) -> None:
     assert "Conectando con" in browser.text("#page")
     browser.wait_for_text("otto: STOP: the request was accepted", ".said")
     assert browser.run("return window.asked.slice(0, 4)") == ["/api/stop", "/api/words"] * 2
+    browser.wait(lambda: browser.text("#stop-warning") == "", "STOP is confirmed")
     browser.driver.execute_cdp_cmd("Page.removeScriptToEvaluateOnNewDocument", bad)
 
 
@@ -332,6 +344,7 @@ def test_who_asks_for_control_and_a_stop_that_is_not_confirmed_are_in_sight(site
         browser.keep_picture(f"web_stop_warning_{page}_360")
     browser.run(DIALOG)
     browser.wait_for_text("X axis: MOVES", "dialog")
+    assert len(set(browser.run(ALARM_WIDTHS))) == 1
     browser.run("document.querySelector('dialog').remove()")
     browser.wait_for_text("X axis: MOVES", "#top")
     browser.resize(800)
@@ -375,12 +388,14 @@ def test_login_says_why_it_is_asked_for_and_what_was_not_carried_out(site: Site)
     browser.driver.delete_all_cookies()
     browser.press("#stop")
     browser.wait_for_text("STOP was NOT carried out", "form")
+    assert "STOP NOT CONFIRMED: use the power switch" in browser.text("#stop-warning")
+    assert len(set(browser.run(ALARM_WIDTHS))) == 1
     assert violations(browser) == []
     browser.keep_picture("web_login_stop_360")
     browser.resize(800)
     site.fill_in("vera")
-    assert browser.text(".said") == ""
-    # As by a restart of the page: every session is over.
+    browser.wait_for_text("vera: STOP: refused by the main control", ".said")
+    assert browser.text("#stop-warning") == ""
     browser.run(
         "fetch('/api/logout_everywhere', { method: 'POST', body: '{}',"
         " headers: { 'Content-Type': 'application/json' } })"

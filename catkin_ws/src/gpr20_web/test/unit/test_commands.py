@@ -292,9 +292,37 @@ def test_press_without_a_proper_mark_is_refused(press: Any) -> None:
 @pytest.mark.parametrize("values", [{}, {"press": "x"}, {"press": None}, {"press": ["0" * 32]}])
 def test_stop_without_a_proper_mark_is_passed_on_and_noted(values: Any) -> None:
     desk = armed()
-    assert desk.commands.routes[0].answer(Call(ANA, "", values)) == {}
+    assert desk.commands.routes[0].answer(Call(ANA, "", values)) == {"confirmed": False}
     assert desk.control.asked == ["stop"]
     assert (desk.audited[-1]["who"], desk.audited[-1]["what"]) == ("ana", "stop")
+
+
+def test_stop_that_is_sent_again_says_whether_it_is_confirmed_and_is_noted_once() -> None:
+    desk, press = Desk(), uuid.uuid4().hex
+    desk.be(SurveyState.SURVEYING)
+    assert desk.shown["stop_open"] is False
+    assert desk.ask("stop", press=press) == {"confirmed": False}
+    desk.commands.on_event(Answer(Request.STOP, False, Message("silent"), contact=False))
+    assert desk.ask("stop", press=press) == {"confirmed": False}
+    desk.commands.on_event(Answer(Request.STOP, True, Message("stopping")))
+    # An axis may still move.
+    assert desk.shown["stop_open"] is True
+    assert desk.ask("stop", press=press) == {"confirmed": False}
+    # Who is asked repeats it until it is answered: many more calls would wait for what hangs.
+    assert desk.control.asked == ["stop"]
+    desk.be(SurveyState.STOPPED, ON_REQUEST)
+    assert desk.shown["stop_open"] is False
+    assert desk.ask("stop", press=press) == {"confirmed": True}
+    # Should somebody use one mark for two presses: no STOP is ignored.
+    assert desk.control.asked == ["stop"] * 2
+    assert [one["outcome"] for one in desk.audited if one["what"] == "stop"].count("sent") == 1
+
+
+def test_stop_that_a_killed_node_had_taken_is_carried_out_by_the_next_one() -> None:
+    former, desk, press = Desk(), Desk(), uuid.uuid4().hex
+    former.ask("stop", press=press)
+    assert desk.ask("stop", press=press) == {"confirmed": False}
+    assert desk.control.asked == ["stop"]
 
 
 def test_what_each_axis_answers_is_noted_also_after_the_main_control() -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import uuid
 from dataclasses import dataclass, field
-from typing import Any, Callable, Dict, Mapping, Optional, Protocol
+from typing import Any, Callable, Dict, Mapping, Optional
 
 from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message
@@ -16,7 +16,7 @@ from gpr20_operator.robot.remote_control import RemoteAllowance, RemotePlan
 from gpr20_operator.robot.snapshot import Snapshot
 from gpr20_operator.robot.stop_confirmation import StopConfirmation, StopWarning
 from gpr20_operator.robot.survey_control import SurveyControl
-from gpr20_operator.robot.survey_model import Refusal
+from gpr20_operator.robot.survey_model import Refusal, SurveyModel
 from gpr20_web import faults
 from gpr20_web.calls import Audited, Call, Route
 from gpr20_web.errors import BadRequestError, NotAllowedError, NotNowError
@@ -26,13 +26,6 @@ from gpr20_web.mid.presses import Presses, press_of
 from gpr20_web.mid.remote_plan import plan_id, plan_values
 from gpr20_web.mid.web_page import WebPage
 from gpr20_web.roles import Role
-
-
-class Requested(Protocol):
-    """What shows that a request is not answered yet."""
-
-    def request_sent(self, request: Request) -> None:
-        """Note that a request was sent to the main control."""
 
 
 @dataclass
@@ -45,7 +38,7 @@ class Robot:
         allowance: Whether somebody at the robot allows START and RESUME, and of which plan.
     """
 
-    shown: Requested
+    shown: SurveyModel
     control: SurveyControl
     allowance: RemoteAllowance
     clock: Clock = field(default_factory=Clock)
@@ -84,10 +77,8 @@ class Commands(WebPage):
             "STOP is not confirmed yet: it is unknown whether it arrived. It is sent again until "
             "it is."
         ),
-        "stop_undone": Message(
-            "STOP was NOT carried out: log in again and press STOP, or use the switch of the "
-            "motors' power."
-        ),
+        "stop_alarm": Message("STOP NOT CONFIRMED: use the power switch"),
+        "stop_undone": Message("STOP was NOT carried out. It is sent again after a login."),
         "done": Message("{command}: done", command="{command}"),
         "refused": Message("{command}: refused", command="{command}"),
         "unknown": Message("{command}: unknown", command="{command}"),
@@ -175,23 +166,31 @@ class Commands(WebPage):
             },
             "command": self._presses.values(text),
             "refusal": self._refused(text),
+            "stop_open": self._is_stop_open,
             "stop_warning": None
             if warning is None
             else {"title": text(warning.title), "text": sentence(text, warning.text)},
         }
 
+    @property
+    def _is_stop_open(self) -> bool:
+        return bool(self._presses.waiting(Request.STOP)) or self._stop.is_open
+
     def _on_stop(self, call: Call) -> Mapping[str, Any]:
-        # First: nothing that is checked or noted may delay it, and one too many harms nobody.
-        self._robot.shown.request_sent(Request.STOP)
-        self._robot.control.stop()
-        if self._snapshot is not None:
-            self._stop.press(self._snapshot)
         try:
             press = press_of(call)
         except BadRequestError:
             press = uuid.uuid4().hex  # whoever sent it so: it is carried out, and noted
-        self._note(call, Request.STOP, press)
-        return {}
+        is_new = self._presses.find(press) is None
+        # The page asks until it is confirmed; an open one is repeated as long without that.
+        if is_new or not self._is_stop_open:
+            self._robot.shown.request_sent(Request.STOP)
+            self._robot.control.stop()
+        if is_new:
+            if self._snapshot is not None:
+                self._stop.press(self._snapshot)
+            self._note(call, Request.STOP, press)
+        return {"confirmed": not self._is_stop_open}
 
     def _pause(self, call: Call) -> Mapping[str, Any]:
         def send(snapshot: Snapshot) -> None:
@@ -252,7 +251,7 @@ class Commands(WebPage):
         try:
             self._presses.check_age(call, self._robot.clock.now_s())
             # A command after STOP would end its repetition, whoever has pressed it.
-            if self._presses.waiting(Request.STOP) or self._stop.is_open:
+            if self._is_stop_open:
                 raise NotNowError(
                     Message("a STOP is not confirmed yet; if that lasts, press STOP again")
                 )

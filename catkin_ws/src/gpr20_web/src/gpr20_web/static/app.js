@@ -2,7 +2,7 @@
 
 import { button, element, field } from "./dom.js";
 import { Notices } from "./notices.js";
-import { Live, Server, nowMs } from "./server.js";
+import { Live, Server } from "./server.js";
 import { PRESS_LIMIT_MS, Top } from "./top.js";
 import audit from "./pages/audit.js";
 import map from "./pages/map.js";
@@ -17,7 +17,6 @@ const OPERATE = 2;
 const ADMIN = 3;
 const PAGES = [now, map, radar, surveys, robots, service, users, audit];
 const TICK_MS = 400;
-const STOP_LIMIT_MS = 180000;
 const AGAIN_MS = 2000;
 const LOAD_LIMIT_MS = 10000;
 
@@ -38,6 +37,7 @@ class App {
 
   // Over a bad link, until it succeeds; the page says meanwhile that it connects.
   async begin() {
+    document.getElementById("stop-warning").hidden = !this.stops.length;
     while (!this.words)
       try {
         await this.load();
@@ -98,11 +98,9 @@ class App {
     return this.state.control?.holder?.mark === this.me.mark;
   }
 
-  // The presses of STOP that are not answered yet, and when: a late one would stop what somebody
-  // has started since.
+  // The presses of STOP that are not confirmed yet, and when; who has no session sends none.
   get stops() {
-    const presses = JSON.parse(this.kept.getItem("stops") ?? "[]");
-    return presses.filter(([, pressedMs]) => nowMs() - pressedMs < STOP_LIMIT_MS);
+    return JSON.parse(this.kept.getItem("stops") ?? "[]");
   }
 
   set stops(presses) {
@@ -160,14 +158,12 @@ class App {
 
   // Why somebody has to log in again; it is said until somebody has.
   why() {
-    if (this.stops.length) this.kept.setItem("why", "stop");
-    this.stops = [];
-    const why = this.kept.getItem("why");
-    if (!why) return null;
+    const isUndone = this.stops.length > 0;
+    if (!isUndone && !this.kept.getItem("why")) return null;
     return element(
       "div",
       { class: "card danger", role: "alert" },
-      why === "stop" ? element("strong", {}, this.word("commands.stop_undone")) : null,
+      isUndone ? element("strong", {}, this.word("commands.stop_undone")) : null,
       element("p", {}, this.word("shell.over")),
     );
   }

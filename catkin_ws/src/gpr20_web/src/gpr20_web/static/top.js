@@ -9,9 +9,8 @@ export const SIGNS = {
 // Before 5 s: it was on its way for a while, and the tick may be late.
 export const STALE_MS = 4500;
 export const PRESS_LIMIT_MS = 5000;
-const STOP_AGAIN_MS = 2000;
-// Not a request of the page, nobody logged in, not allowed: another try changes nothing.
-const FINAL = [400, 401, 403];
+// A STOP that works is confirmed sooner.
+const STOP_AGAIN_MS = 1000;
 
 const newPress = () => crypto.randomUUID().replaceAll("-", "");
 
@@ -41,7 +40,7 @@ export class Top {
     const note = element("small", { id: "stop-note" }, word("commands.not_emergency"));
     this.stop = button(word("commands.stop"), () => this.stopNow(),
       { id: "stop", "aria-describedby": note.id });
-    this.warning = element("div", { id: "stop-warning", class: "danger", role: "alert" });
+    this.warning = document.getElementById("stop-warning");
     this.said = element("p", { class: "said", role: "status" });
     this.remote = element("p", { class: "remote" });
     this.bar = element(
@@ -85,6 +84,7 @@ export class Top {
     this.start.hidden = !this.app.mayOperate || !can.start;
     this.stop.hidden = !can.stop || !this.app.mayStop;
     this.showCommand(state);
+    if (!state.stop_open) this.endStop(state.command?.press);
     this.tick();
   }
 
@@ -111,14 +111,21 @@ export class Top {
           ? this.app.word("shell.stale", { seconds: Math.floor(ageMs / 1000) })
           : this.app.word("shell.connecting"),
       );
+    this.showWarning(this.warningOf(state));
     if (!state.can) return;
-    this.showWarning(state.stop_warning);
     const inControl = this.app.inControl;
     const paused = state.job.paused;
     const waits = stale || this.app.stops.length > 0;
     this.pause.disabled = waits || (paused ? !(state.can.resume && inControl) : !state.can.pause);
     this.start.disabled = waits || !inControl;
     this.showRemote(state);
+  }
+
+  // Of a STOP of this page that is late, or of anybody's that the main control does not answer.
+  warningOf({ stop_warning: warning, stop_open: isOpen, command }) {
+    const isLate = this.app.stops.some(([, pressedMs]) => nowMs() - pressedMs > STOP_AGAIN_MS);
+    if (!isLate && !(isOpen && command?.outcome === "unknown")) return warning;
+    return { title: this.app.word("commands.stop_alarm"), text: warning?.text ?? "" };
   }
 
   // What is asked covers the page: then it is there.
@@ -226,59 +233,46 @@ export class Top {
 
   stopNow() {
     const press = newPress();
-    const answer = this.sendStop(press);
+    // The browser has few connections to one computer: none of them is for something else.
+    this.app.server.drop();
+    this.repeatStop(press);
     this.app.stops = [...this.app.stops, [press, nowMs()]];
     this.tick();
-    this.repeatStop(press, answer);
   }
 
-  // The browser has few connections to one computer: none of them is for something else.
-  sendStop(press) {
-    const { server } = this.app;
-    server.drop();
-    return server.ask("POST", "/api/stop", { press }, PRESS_LIMIT_MS);
-  }
-
-  isOpen(press) {
-    return this.app.stops.some(([one]) => one === press);
-  }
-
-  // STOP moves nothing: it is sent until it is answered, whatever else is pressed.
-  async repeatStop(press, answer = null) {
+  // STOP moves nothing: it is sent until it is confirmed, whatever else is pressed. Answered is too
+  // little: the node may end before it has passed it on.
+  async repeatStop(press) {
+    const { app } = this;
     this.press = press;
-    const sent = this.app.word("commands.sent", { command: this.app.word("commands.stop") });
-    write(this.said, sent);
-    while (this.isOpen(press)) {
+    this.text = app.word("commands.sent", { command: app.word("commands.stop") });
+    write(this.said, this.text);
+    do {
       try {
-        await (answer ?? this.sendStop(press));
-        this.endStop(press, sent);
-        return;
+        const { confirmed } = await app.server.ask("POST", "/api/stop", { press }, PRESS_LIMIT_MS);
+        if (confirmed) this.endStop(press);
       } catch (error) {
-        answer = null;
-        if (FINAL.includes(error.status)) {
-          // The form of the login says that the robot was not stopped.
-          if (error.status !== 401) this.endStop(press, "");
-          this.app.report(error);
-          return;
-        }
-        if (this.isOpen(press)) write(this.said, this.app.word("commands.stop_open"));
-        await new Promise((resolve) => setTimeout(resolve, STOP_AGAIN_MS));
+        // Nobody logged in, not allowed: another try changes nothing.
+        if ([401, 403].includes(error.status)) return app.report(error);
+        this.say(this.text);
+        app.server.drop();
       }
-    }
-    const command = this.app.word("commands.stop");
-    if (this.press === press) this.say(this.app.word("commands.lost", { command }));
+      await new Promise((resolve) => setTimeout(resolve, STOP_AGAIN_MS));
+    } while (app.stops.some(([one]) => one === press));
   }
 
-  // The answer and the document both say that it arrived: the first of them counts.
-  endStop(press, text) {
-    if (!this.isOpen(press)) return;
-    this.app.stops = this.app.stops.filter(([one]) => one !== press);
-    this.say(text);
+  // The answer and the document both say that it is confirmed, and with it those before it.
+  endStop(press) {
+    const place = this.app.stops.findIndex(([one]) => one === press);
+    if (place < 0) return;
+    this.app.stops = this.app.stops.slice(place + 1);
+    this.say(this.text);
   }
 
-  // Nothing hides that a STOP is not answered.
+  // Nothing hides that a STOP is not confirmed: until then it waits.
   say(text) {
-    if (!this.app.stops.length) write(this.said, text);
+    this.text = text;
+    write(this.said, this.app.stops.length ? this.app.word("commands.stop_open") : text);
   }
 
   showCommand({ command }) {
@@ -288,7 +282,6 @@ export class Top {
     this.shownCommand = shown;
     // What was done before this page was opened is over: it is not shown.
     if (!command || isOld) return;
-    this.endStop(command.press, "");
     if (command.press === this.press) this.press = null;
     const name = this.app.word(`commands.${command.request}`);
     const ofStop = `shell.stop_${command.outcome}`;
