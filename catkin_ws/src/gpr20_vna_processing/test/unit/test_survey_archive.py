@@ -13,7 +13,7 @@ from trace_examples import STARTED_US, SURVEY, make_trace
 
 from gpr20_common.message import Fault, Message
 from gpr20_survey.errors import ProcessingError, SurveyRefusedError
-from gpr20_survey.folder.soil_note import noted_permittivity, soil_values
+from gpr20_survey.folder.soil_note import soil_of_survey, soil_values
 from gpr20_vna_processing.mid.survey_archive import SurveyArchive
 
 METADATA = json.dumps(
@@ -63,7 +63,7 @@ def test_what_was_found_and_decided_is_told_of_the_log_before_and_after_the_end(
     log = archive.survey(folder.name).description["log"]
     assert [one["kind"] for one in log] == ["decision", "found"]
     assert log[1]["values"] == {"what": "scrap"}
-    assert noted_permittivity(log) == 4.0
+    assert soil_of_survey({"log": log}) == (4.0, "entered later")
 
 
 def test_the_list_tells_the_verdict_and_what_is_missing(kit, archive):
