@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Install what is missing, then run the tests: one run of pytest, side by side.
 #   scripts/test.sh                  everything but the tests of a release
-#   scripts/test.sh PART|PATH ...    only these: lint, unit, ros, commands, pythons, or test files
+#   scripts/test.sh PART|PATH ...    only these: lint, unit, ros, commands, or test files
 #   scripts/test.sh release          what takes minutes and scripts/release.sh runs too
 #   scripts/test.sh random [PART]    random tests draw other inputs than in each run before;
 #                                    GPR20_SEED=N repeats those of a run
@@ -10,22 +10,19 @@ set -euo pipefail
 # shellcheck source=scripts/environment.sh
 source "$(dirname "${BASH_SOURCE[0]}")/environment.sh"
 
-paths=()
-other_pythons=no options=()
-[ $# -gt 0 ] || other_pythons=yes
+paths=() options=() versions=()
 for argument in "$@"; do
     case "$argument" in
         lint) paths+=("$GPR20_ROOT/scripts/test/test_lint.py") ;;
         unit) paths+=("$GPR20_ROOT"/catkin_ws/src/*/test/unit) options+=(--cov --cov-report=) ;;
         ros) paths+=("$GPR20_ROOT"/catkin_ws/src/*/test/ros) ;;
-        commands) paths+=("$GPR20_ROOT/scripts/test") other_pythons=yes ;;
-        pythons) paths+=("$GPR20_ROOT/scripts/test/test_other_pythons.py") other_pythons=yes ;;
-        release) options+=(-m release) other_pythons=yes ;;
+        commands) paths+=("$GPR20_ROOT/scripts/test") ;;
+        release) options+=(-m release) versions=(3.8 3.13) ;;
         random) export GPR20_SEED="${GPR20_SEED:-$RANDOM$RANDOM}" ;;
         *)
             if [ ! -e "${argument%%::*}" ]; then
                 echo "test.sh: '$argument' is neither a path nor one of lint, unit, ros," \
-                    "commands, pythons, release, random" >&2
+                    "commands, release, random" >&2
                 exit 2
             fi
             paths+=("$(realpath -s "${argument%%::*}")${argument#"${argument%%::*}"}") ;;
@@ -62,13 +59,11 @@ make_venv() {
 installations=()
 # If the setup fails or is interrupted, nothing keeps running. Each is a process group of its own.
 trap 'for group in "${installations[@]}"; do kill -- "-$group" 2>/dev/null || true; done' EXIT
-if [ "$other_pythons" = yes ]; then
-    set -m
-    for version in 3.8 3.13; do
-        make_venv "$version" & installations+=($!)
-    done
-    set +m
-fi
+set -m
+for version in "${versions[@]}"; do
+    make_venv "$version" & installations+=($!)
+done
+set +m
 scripts/setup.sh --dev
 for installation in "${installations[@]}"; do wait "$installation"; done
 # Many tests wait for the robot more than they compute.

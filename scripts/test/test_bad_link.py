@@ -42,6 +42,7 @@ STOPPED_BY_CTRL_C = 130
 SURVEY = f"{CLIENT} --x-points {POINTS} --y-points 3"
 
 pytestmark = [
+    pytest.mark.release,
     pytest.mark.real_time,
     pytest.mark.needs("network namespaces", "tun"),
 ]

@@ -21,6 +21,7 @@ from two_machine_survey import CLIENT, is_loopback, launched, outcome, stored_tr
 from user_shell import wait_until
 
 pytestmark = [
+    pytest.mark.release,
     pytest.mark.real_time,
     pytest.mark.needs("network namespaces", "firewall"),
 ]

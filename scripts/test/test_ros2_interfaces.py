@@ -190,6 +190,7 @@ def write_stub(place, name, definitions, needed):
     )
 
 
+@pytest.mark.release
 @pytest.mark.skipif(
     not Path("/usr/share/rosidl_cmake").is_dir(), reason="Debian's rosidl-core is not installed"
 )

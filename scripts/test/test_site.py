@@ -49,6 +49,7 @@ def site(tmp_path_factory):
     return folder
 
 
+@pytest.mark.release
 def test_every_page_of_the_repository_is_on_the_site(site):
     for page in DOCS.rglob("*.md"):
         assert (site / page.relative_to(DOCS).with_suffix(".html")).exists()
@@ -57,6 +58,7 @@ def test_every_page_of_the_repository_is_on_the_site(site):
     assert (site / "project/changelog.html").exists()
 
 
+@pytest.mark.release
 def test_each_page_is_once_in_the_menu_and_linked_from_the_start(site):
     text = (ROOT / "mkdocs.yml").read_text(encoding="utf-8")
     start = (DOCS / "index.md").read_text(encoding="utf-8")
@@ -66,6 +68,7 @@ def test_each_page_is_once_in_the_menu_and_linked_from_the_start(site):
         assert name == "index.md" or f"]({name}" in start, name
 
 
+@pytest.mark.release
 @pytest.mark.parametrize(
     ("page", "picture"),
     [("architecture", "states"), ("reference/ros_graph", "graph"), ("ros", "frames")],
@@ -78,6 +81,7 @@ def test_each_page_shows_its_own_diagrams(site, page, picture):
     assert page == "architecture" or "states" not in shown
 
 
+@pytest.mark.release
 def test_nothing_is_loaded_from_a_network(site):
     loads = r"""<(?:script|img|iframe|source)[^>]*\ssrc="(//|https?:)[^>]*>"""
     styles = r"""<link[^>]*rel="(?:stylesheet|preload|preconnect|icon)"[^>]*href="https?:[^>]*>"""
@@ -86,6 +90,7 @@ def test_nothing_is_loaded_from_a_network(site):
         assert not re.search(f"{loads}|{styles}", text), page
 
 
+@pytest.mark.release
 def test_the_ros_interfaces_and_the_python_api_are_on_it(site):
     interfaces = (site / "packages/gpr20_msgs.html").read_text(encoding="utf-8")
     for folder in ("msg", "srv", "action"):
@@ -97,6 +102,7 @@ def test_the_ros_interfaces_and_the_python_api_are_on_it(site):
     )
 
 
+@pytest.mark.release
 @pytest.mark.parametrize("link", ["nothing.md", "operate.md#nothing"])
 def test_a_dead_link_fails_the_build(tmp_path, link):
     shutil.copytree(DOCS, tmp_path / "docs")

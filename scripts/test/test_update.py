@@ -120,6 +120,7 @@ def events(text):
     return int(re.search(r"events (\d+)", text).group(1))
 
 
+@pytest.mark.release
 def test_a_kill_at_any_event_ends_in_the_old_or_the_new_version(first, tmp_path):
     data = first.data()
     last = events(first.copy(tmp_path / "whole").update(first.bundle("2.0")))
@@ -136,6 +137,7 @@ def test_a_kill_at_any_event_ends_in_the_old_or_the_new_version(first, tmp_path)
     assert ended == ["1.0"] * last + ["2.0"]
 
 
+@pytest.mark.release
 def test_a_kill_at_any_event_of_the_return_still_ends_in_the_old_version(first, tmp_path):
     data = first.data()
     begun = first.copy(tmp_path / "begun")

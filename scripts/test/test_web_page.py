@@ -207,7 +207,7 @@ def _log_of_the_survey(site: Site) -> List[Dict[str, Any]]:
     return entries()
 
 
-@pytest.mark.parametrize("language", ["en", "es"])
+@pytest.mark.parametrize("language", ["en", pytest.param("es", marks=pytest.mark.release)])
 def test_every_page_fits_every_screen_and_asks_nobody_else(site: Site, language: str) -> None:
     browser = site.browser
     site.log_in("ada", language)
@@ -239,6 +239,7 @@ def test_every_page_fits_every_screen_and_asks_nobody_else(site: Site, language:
     assert all(one.startswith((site.address, "data:")) for one in addresses), addresses
 
 
+@pytest.mark.release
 @pytest.mark.parametrize("theme", ["sun", "night"])
 def test_every_page_keeps_the_rules_of_accessibility(site: Site, theme: str) -> None:
     browser = site.browser

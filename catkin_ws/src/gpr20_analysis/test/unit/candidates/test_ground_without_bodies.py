@@ -37,7 +37,10 @@ def density(lists):
 
 
 @pytest.mark.parametrize("kind", [Clutter.WHITE, Clutter.SURFACE])
-@pytest.mark.parametrize(("rows", "columns"), [(100, 100), (3, 100), (100, 3), (1, 100)])
+@pytest.mark.parametrize(
+    ("rows", "columns"),
+    [pytest.param(100, 100, marks=pytest.mark.release), (3, 100), (100, 3), (1, 100)],
+)
 def test_of_noise_and_of_a_rough_surface(kind, rows, columns):
     lists = []
     for seed in range(60):

@@ -23,7 +23,7 @@ from gpr20_analysis.trial.statistics import (
 )
 
 EXACT, BITS = 1e-6, 40
-TRIALS = 10_000
+TRIALS = [1_000, pytest.param(10_000, marks=pytest.mark.release)]
 
 
 def share_at_most(found, targets, share):
@@ -135,7 +135,8 @@ def test_intervals_of_densities_cover_every_true_density_in_95_of_100_trials():
         assert poisson.pmf(np.flatnonzero(covered), density * area_m2).sum() >= 0.95 - 1e-9
 
 
-def test_intervals_of_the_scorer_cover_the_truth_in_95_of_100_of_10000_trials(monkeypatch):
+@pytest.mark.parametrize("trials", TRIALS)
+def test_intervals_of_the_scorer_cover_the_truth_in_95_of_100_trials(monkeypatch, trials):
     chance, halo_m = np.random.default_rng(29), 0.1
     lane = Lane({}, "L", 0.0, 10.0, 0.0, 2.0)
     places = [(0.5 + at, 0.5) for at in range(10)]
@@ -146,7 +147,7 @@ def test_intervals_of_the_scorer_cover_the_truth_in_95_of_100_of_10000_trials(mo
     # The targets of all trials are the same, so it is computed once.
     monkeypatch.setattr(ground.Lane, "area_outside", lambda *_: area_m2)
     hits = {"share": 0, "density": 0}
-    for share, density in zip(chance.uniform(0.3, 1.0, TRIALS), chance.uniform(0.0, 0.5, TRIALS)):
+    for share, density in zip(chance.uniform(0.3, 1.0, trials), chance.uniform(0.0, 0.5, trials)):
         seen = [one for one in places if chance.random() < share]
         false = [(one, 1.5) for one in chance.uniform(0.0, 10.0, chance.poisson(density * area_m2))]
         marks = tuple(Mark(f"C{at}", *one, -at) for at, one in enumerate([*seen, *false]))
@@ -155,4 +156,4 @@ def test_intervals_of_the_scorer_cover_the_truth_in_95_of_100_of_10000_trials(mo
         for name, truth, ends in (("share", share, score.detection_range),
                                   ("density", density, score.alarms_range)):  # fmt: skip
             hits[name] += ends[0] <= truth <= ends[1]
-    assert min(hits.values()) >= 0.95 * TRIALS, hits
+    assert min(hits.values()) >= 0.95 * trials, hits
