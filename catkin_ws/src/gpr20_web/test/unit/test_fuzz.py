@@ -14,7 +14,7 @@ from whole_page_kit import WholePage
 
 from gpr20_web.roles import Role
 
-# benchmarks/web_fuzz.py sends more.
+# More: GPR20_FUZZ_REQUESTS.
 REQUESTS = int(os.environ.get("GPR20_FUZZ_REQUESTS", "2000"))
 
 
