@@ -333,7 +333,8 @@ def test_who_asks_for_control_and_a_stop_that_is_not_confirmed_are_in_sight(site
     browser.run(ASKED)
     browser.wait_for_text("ana asks for control", "#top")
     browser.run("document.querySelector('.remote button').focus()")
-    browser.wait_for_text("It passes in 17 s", "#top")
+    # Of 20 s; not one second of them: a busy machine may leave one out.
+    browser.wait_for_text("It passes in 1", "#top")
     assert browser.run("return document.activeElement.innerText") == "Pass control to ana"
     browser.press(".remote button")
     browser.wait_for_text("who asked for control does not ask for it now", "#alerts")
