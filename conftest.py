@@ -17,9 +17,7 @@ settings.load_profile("any_speed")
 # For another Python: what a test draws is examined under Debian's.
 settings.register_profile("few_examples", settings.get_profile("any_speed"), max_examples=20)
 
-# The others import the first.
 pytest_plugins = [
-    "pytest_gpr20.last_line",
     "pytest_gpr20.workspace",
     "pytest_gpr20.rostest_items",
     "pytest_gpr20.abilities",

@@ -5,7 +5,7 @@
 #   scripts/test.sh release          what takes minutes and scripts/release.sh runs too
 #   scripts/test.sh random [PART]    random tests draw other inputs than in each run before;
 #                                    GPR20_SEED=N repeats those of a run
-# The last line counts the tests that passed, failed, were skipped (why) or were repeated.
+# The end says what failed, what was skipped and why, and what was repeated.
 set -euo pipefail
 # shellcheck source=scripts/environment.sh
 source "$(dirname "${BASH_SOURCE[0]}")/environment.sh"

@@ -13,7 +13,6 @@ from pathlib import Path
 from typing import List, Optional, Sequence
 
 import pytest
-from pytest_gpr20.last_line import INSIDE
 from pytest_gpr20.processes import run_limited
 from pytest_gpr20.workspace import without_ros
 from user_shell import ROOT
@@ -173,7 +172,7 @@ def test_every_source_file_is_compiled_by_the_python_of_noetic(tmp_path):
 @pytest.mark.release
 @pytest.mark.real_time
 @pytest.mark.parametrize("python", PYTHONS, ids=lambda python: python.version)
-def test_the_unit_tests_pass_under(python, request, record_property):
+def test_the_unit_tests_pass_under(python, request):
     if not python.program.exists():
         pytest.skip(f"no Python {python.version} here ({python.venv})")
     environment = {name: value for name, value in os.environ.items() if "PYTEST" not in name}
@@ -191,7 +190,6 @@ def test_the_unit_tests_pass_under(python, request, record_property):
         LIMIT_S,
         ROOT,
     )
-    record_property(INSIDE, ended.printed.splitlines()[-1])
     assert ended.status == 0, ended.printed
 
 

@@ -12,7 +12,6 @@ from xml.etree import ElementTree
 
 import pytest
 
-from pytest_gpr20.last_line import INSIDE
 from pytest_gpr20.processes import Ended, run_limited
 from pytest_gpr20.workspace import has_ros
 
@@ -43,7 +42,6 @@ class RostestItem(pytest.Item):
         folder = Path(tempfile.mkdtemp(prefix="gpr20_rostest_"))
         command = ["rostest", str(self.path)]
         ended = run_limited(command, self._environment(folder), limit_s, self.path.parent)
-        self.user_properties.append((INSIDE, f"{tests_in(ended)} tests"))
         found = problem(ended)
         if found:
             raise RostestError(f"{found}; logs are in {folder}\n{end_of(ended.printed)}")
