@@ -56,7 +56,7 @@ class Imaging(unittest.TestCase):
         cls.sphere, cls.disc, cls.wire = scene.targets
         cls.report = {}
         cls.client = SurveyClient()
-        survey_id = cls.client.begin(**GRID)
+        survey_id = cls.client.begin(permittivity=0.0, **GRID)
         ends = (ControlStatus.FINISHED, ControlStatus.FAILED, ControlStatus.PAUSED)
         cls.client.wait(
             lambda: cls.client.statuses and cls.client.statuses[-1].code in ends, SURVEY_LIMIT_S

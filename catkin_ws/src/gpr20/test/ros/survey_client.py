@@ -120,7 +120,7 @@ class SurveyClient:
         """Set parameters that differ from the usual ones; return the answer."""
         return self.set_parameters(SurveyParameters(**{**PARAMETERS, **changes}))
 
-    def begin(self, annotation=None, refines="", **changes):
+    def begin(self, annotation=None, refines="", permittivity=4.0, **changes):
         """Set parameters and start; return the survey's id."""
         answer = self.set(**changes)
         assert answer.success, answer.message
@@ -131,7 +131,7 @@ class SurveyClient:
             plan_id=answer.plan_id,
             annotation=annotation or Annotation(),
             refines=refines,
-            permittivity=4.0,
+            permittivity=permittivity,
         )
         assert started.success, started.message
         self.survey_id = started.survey_id

@@ -50,6 +50,7 @@ NOT_RESTARTED = Fault(
     Severity.WARNING,
     replaces=True,
 )
+WATCHDOG_HANGS = Fault("doctor.watchdog_hangs", remedies.RESTART_ROBOT)
 NODE_HANGS = Fault(
     "doctor.node_hangs",
     Message(

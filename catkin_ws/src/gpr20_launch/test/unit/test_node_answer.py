@@ -76,6 +76,16 @@ def test_a_node_that_hung_before_it_was_asked_is_mute_until_it_answers(master, n
     assert answer.ask() is Answer.ALIVE
 
 
+def test_a_node_that_hangs_before_it_has_registered_is_mute(master, node, monkeypatch):
+    # The master has the address of the process before it, where nobody listens any more.
+    with socket.socket() as free:
+        free.bind(("127.0.0.1", 0))
+        node.uri = f"http://127.0.0.1:{free.getsockname()[1]}/"
+    assert asked(master).ask() is Answer.MUTE
+    monkeypatch.setattr(node_answer, "_is_own", lambda _host: False)
+    assert asked(master).ask() is Answer.UNKNOWN
+
+
 def test_a_node_that_never_answered_at_an_address_that_this_computer_lost_is_unknown(
     master, node, monkeypatch
 ):

@@ -91,7 +91,8 @@ def _publish(found: CandidateList) -> None:
 
     from gpr20_survey.high.candidate_topics import CandidateTopics
 
-    rospy.init_node("candidates", anonymous=True)
+    # A robot beside it records the markers; without a /clock their time would be 0.
+    rospy.init_node("candidates", anonymous=True, disable_rostime=True)
     CandidateTopics(BASE_LINK).publish(found)
     rospy.spin()
 

@@ -77,7 +77,7 @@ def check_watchdog(facts: MachineFacts) -> Iterator[Finding]:
     name = Message("Watchdog")
     if HALTED.intersection(facts.watchdogs):
         text = Message("{name} hangs: it runs, but does not answer.", name=name)
-        yield Finding.of("watchdog", text, faults.NODE_HANGS)
+        yield Finding.of("watchdog", text, faults.WATCHDOG_HANGS)
     elif "" in facts.watchdogs:
         text = Message("No watchdog runs here: a part of the robot that hangs is not restarted.")
         yield Finding("watchdog", Level.UNKNOWN, text, faults.LEFT_OVER.remedy)

@@ -18,7 +18,7 @@ class Answer(enum.Enum):
 
     ALIVE = "it answers"
     SILENT = "it takes requests and does not answer them"
-    MUTE = "it takes requests and has answered none yet"
+    MUTE = "the master knows it, and it has answered no request yet"
     UNKNOWN = "it could not be asked"
 
 
@@ -54,11 +54,14 @@ class NodeAnswer:
             return Answer.UNKNOWN
         try:
             is_same = query.ask() == self._number
-        except socket.timeout:
-            unanswered = Answer.MUTE if self._confirmed is None else Answer.SILENT
-            return unanswered if _is_own(self._host) else Answer.UNKNOWN
-        except NO_ANSWER:
-            return Answer.UNKNOWN
+        except NO_ANSWER as error:
+            if self._confirmed is None:
+                # Nobody listens: the master knows the address of the process before it.
+                is_silent = isinstance(error, (socket.timeout, ConnectionRefusedError))
+                unanswered = Answer.MUTE
+            else:
+                is_silent, unanswered = isinstance(error, socket.timeout), Answer.SILENT
+            return unanswered if is_silent and _is_own(self._host) else Answer.UNKNOWN
         if not is_same:
             # A process that has just died may be known to the master under the same name.
             query.close()
