@@ -1,6 +1,26 @@
 import sys
 from pathlib import Path
 
+import pytest
+from robot_in_process import RobotInProcess
+from simulated_world import World
+
 SOURCES = Path(__file__).resolve().parents[3]
 # The example candidates of gpr20_survey's tests.
 sys.path.append(str(SOURCES / "gpr20_survey" / "test" / "unit"))
+
+
+@pytest.fixture
+def world(tmp_path):
+    """Carriage, ground, instrument and disk of a simulated robot."""
+    world = World(tmp_path)
+    yield world
+    world.close()
+
+
+@pytest.fixture
+def robot(world):
+    """The robot in one process."""
+    robot = RobotInProcess(world)
+    yield robot
+    robot.close()

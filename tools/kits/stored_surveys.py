@@ -1,0 +1,96 @@
+"""What must be true of the surveys that a robot in one process has stored, file by file."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any, Dict, List
+
+import numpy as np
+from robot_in_process import RobotInProcess
+from stock_readers import bag_traces, mcap_traces
+
+from gpr20_common.low.catalogue_file import FOLDER, read_translations
+from gpr20_main_control.mid.survey.engine import NOTHING, Accepted
+from gpr20_main_control.mid.survey.survey_status import Status
+from gpr20_simulator.mid.world.medium import probed_rotation_deg
+from gpr20_survey.plan.survey_state import SurveyState
+from gpr20_survey.trace.trace import Trace
+
+TRACES = 18
+SPANISH = read_translations(FOLDER / "es.po")
+
+
+def folder_of(robot: RobotInProcess, survey_id: str = "") -> Path:
+    """Return the folder of a survey; of the present or last one by default."""
+    (folder,) = robot.world.data.glob(f"*_{(survey_id or robot.status.status.survey_id)[:8]}")
+    return folder
+
+
+def survey_json(robot: RobotInProcess, survey_id: str = "") -> Dict[str, Any]:
+    """Return the survey.json of a survey."""
+    return dict(json.loads((folder_of(robot, survey_id) / "survey.json").read_text()))
+
+
+def json_traces(robot: RobotInProcess, survey_id: str = "") -> List[Dict[str, Any]]:
+    """Return the JSON traces of a survey in the order of their index."""
+    files = sorted((folder_of(robot, survey_id) / "traces").glob("*.json"))
+    return [json.loads(path.read_text()) for path in files]
+
+
+def check_state(robot: RobotInProcess, state: SurveyState) -> Status:
+    """Return the status with which the survey ends or pauses; all of it is in Spanish too."""
+    status = robot.wait_for_end()
+    assert status.state is state, status.message
+    assert str(status.full_message).isprintable()
+    assert {one.template for one in status.full_message.nested()} <= SPANISH.keys()
+    return status
+
+
+def check_pause(robot: RobotInProcess, code: str, *values: str) -> None:
+    """Wait until the survey pauses with a fault; the operator must read these values."""
+    message = check_state(robot, SurveyState.PAUSED).message
+    assert message.fault_code == code, message
+    assert all(value in str(message) for value in values), message
+
+
+def check_resumed(robot: RobotInProcess, accepted: Accepted = NOTHING) -> List[Dict[str, Any]]:
+    """Resume the paused survey; it must end complete. Return its traces."""
+    robot.go_on(accepted)
+    check_state(robot, SurveyState.FINISHED)
+    return check_complete(robot)
+
+
+def check_complete(robot: RobotInProcess, survey_id: str = "") -> List[Dict[str, Any]]:
+    """Return the traces: each point once, a whole sweep of its own that was made there."""
+    stored = json_traces(robot, survey_id)
+    assert [one["index"] for one in stored] == list(range(TRACES))
+    places = {(one["x_coord_mm"], one["y_coord_mm"], one["z_coord_deg"]) for one in stored}
+    assert len(places) == TRACES
+    sweeps = [one["s21_real"][0] for one in stored]
+    assert len(set(sweeps)) == TRACES, "a sweep was stored twice"
+    for one in stored:
+        assert set(one["s21_real"]) == {one["s21_real"][0]}, "two sweeps are mixed"
+        place = np.float32(one["x_coord_mm"] + one["y_coord_mm"] / 1000.0)
+        assert set(one["s21_imag"]) == {float(place)}
+        assert abs(probed_rotation_deg(complex(sweeps[one["index"]])) - one["z_coord_deg"]) < 0.4
+        assert abs(one["antennae_height_m"] - 0.20) < 0.01
+    return stored
+
+
+def check_acknowledged(robot: RobotInProcess, acknowledged: List[Trace]) -> None:
+    """Find each trace whose storage was acknowledged, once, in every form of the survey."""
+    folder = folder_of(robot)
+    stored = {one["index"]: one for one in json_traces(robot)}
+    bag, mcap = (
+        {one.index: one for one in found}
+        for found in (bag_traces(folder / "survey.bag"), mcap_traces(folder / "survey.mcap"))
+    )
+    assert stored.keys() == bag.keys() == mcap.keys()
+    for trace in acknowledged:
+        assert stored[trace.index]["s21_real"] == trace.s21_real.tolist()
+        for one in (bag[trace.index], mcap[trace.index]):
+            for name in ("sample_id", "x_coord_mm", "y_coord_mm", "z_coord_deg"):
+                assert getattr(one, name) == getattr(trace, name) == stored[trace.index][name]
+            assert one.s21_real.tobytes() == trace.s21_real.tobytes()
+            assert one.s21_imag.tobytes() == trace.s21_imag.tobytes()
