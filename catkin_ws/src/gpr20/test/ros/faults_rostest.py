@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
-"""Every fault of the simulated robot: what the operator reads, and that the survey continues.
+"""What a fault is on the graph: what the operator reads, and that the survey continues.
 
-A survey that meets a fault pauses; nothing wrong is stored; once the fault is gone it ends
-with every point exactly once.
+The faults themselves are in test_surveys_with_faults.py. A survey that meets one pauses; nothing
+wrong is stored; once the fault is gone it ends with every point exactly once.
 """
 
 import os
@@ -14,7 +14,6 @@ import unittest
 import numpy as np
 import rospy
 import rostest
-import vxi11
 from survey_client import LIMIT_S, SurveyClient, json_traces, node_pid
 
 from gpr20_common.low.catalogue_file import FOLDER, read_translations
@@ -40,10 +39,8 @@ from gpr20_msgs.srv import (
     StartSurvey,
     StoreData,
 )
-from gpr20_simulator.high.simulated_robot import shared_state_path
-from gpr20_simulator.low.shared_state import open_shared_state
+from gpr20_simulator.mid.world.medium import probed_rotation_deg
 from gpr20_simulator.srv import SetFault
-from gpr20_survey.axes.axis_id import AxisId
 
 TRACES = 18
 NAN = float("nan")
@@ -76,13 +73,10 @@ NODES = (
 class FaultsTest(unittest.TestCase):
     """The tests run in the order of their names; the robot keeps its state between them."""
 
-    FAR_MM = 600.0
-
     @classmethod
     def setUpClass(cls):
         rospy.init_node("faults_rostest")
         cls.client = SurveyClient()
-        cls.state = open_shared_state(shared_state_path("/"))
         cls.set_fault = rospy.ServiceProxy("simulator/set_fault", SetFault)
 
     @classmethod
@@ -90,7 +84,7 @@ class FaultsTest(unittest.TestCase):
         shutil.rmtree(cls.client.data)
 
     def tearDown(self):
-        for device in ("vna", "adc", "endstop_x", "endstop_y"):
+        for device in ("vna", "adc"):
             self.fault(device, "NONE")
         # A test that failed must not be in the way of the next one.
         if self.client.statuses and self.client.statuses[-1].code == ControlStatus.PAUSED:
@@ -100,9 +94,6 @@ class FaultsTest(unittest.TestCase):
     def fault(self, device, name, count=0):
         answer = type(self).set_fault(device, name, count)
         self.assertTrue(answer.success, answer.message)
-
-    def true_steps(self):
-        return [self.state.steps(axis) for axis in AxisId]
 
     def wait_for_pause(self, code, *values):
         """Wait until the survey pauses with a fault; the operator must read these values.
@@ -151,6 +142,8 @@ class FaultsTest(unittest.TestCase):
             self.assertEqual(set(one["s21_real"]), {one["s21_real"][0]})
             place = np.float32(one["x_coord_mm"] + one["y_coord_mm"] / 1000.0)
             self.assertEqual(set(one["s21_imag"]), {float(place)})
+            turned_deg = probed_rotation_deg(one["s21_real"][0])
+            self.assertAlmostEqual(turned_deg, one["z_coord_deg"], delta=0.4)
             self.assertEqual((len(one["s21_real"]), len(one["s21_imag"])), (51, 51))
             self.assertAlmostEqual(one["antennae_height_m"], 0.20, delta=0.01)
 
@@ -161,114 +154,6 @@ class FaultsTest(unittest.TestCase):
             self.assertIs(answer.success, False, name)
             self.assertGreater(len(answer.message.split()), 4, f"{name}: {answer.message}")
             self.assertNotIn("internal error", answer.message)
-
-    # The endstops. These come first, because the first survey is the one that homes.
-
-    def test_01_an_endstop_stuck_open_at_homing(self):
-        self.fault("endstop_x", "STUCK_OPEN")
-        survey_id = self.client.begin()
-        self.wait_for_pause("axis.endstop_not_reached")
-        self.assertEqual(json_traces(self.client.folder(survey_id)), [])
-        self.fault("endstop_x", "NONE")
-        self.finish(survey_id)
-
-    def test_02_an_endstop_that_closes_in_a_move_and_stays_closed_at_homing(self):
-        # The second row leads towards the endstop of x, and takes long enough to be met.
-        survey_id = self.begin_and_meet(
-            "endstop_x", ("STUCK_CLOSED", 0), after=7, x_stop_mm=self.FAR_MM
-        )
-        self.wait_for_pause("axis.endstop_pressed")
-        self.client.go_on(survey_id)
-        self.wait_for_pause("axis.endstop_stuck")
-        self.fault("endstop_x", "NONE")
-        self.finish(survey_id)
-        # The axis has its zero back: it is where it reports to be.
-        self.assertEqual(self.state.steps(AxisId.X), 100 * self.FAR_MM)
-
-    def test_03_an_endstop_stuck_open_does_no_harm_before_the_next_homing(self):
-        self.check_complete(self.begin_and_meet("endstop_y", ("STUCK_OPEN", 0)))
-
-    # The network analyzer.
-
-    def check_vna_fault(self, fault, code, *values):
-        survey_id = self.begin_and_meet("vna", (fault, 0))
-        self.wait_for_pause(code, *values)
-        self.fault("vna", "NONE")
-        self.finish(survey_id)
-
-    def test_10_an_instrument_that_hangs(self):
-        self.check_vna_fault("HANG", "vna.no_link", "127.0.0.1")
-
-    def test_11_an_instrument_that_drops_its_connections(self):
-        self.check_vna_fault("DROP", "vna.no_link", "127.0.0.1")
-
-    def test_12_an_instrument_that_stays_silent(self):
-        self.check_vna_fault("SILENT", "vna.no_answer", "127.0.0.1")
-
-    def test_13_an_instrument_that_answers_late(self):
-        self.check_vna_fault("LATE", "vna.no_answer", "127.0.0.1")
-
-    def test_14_a_block_that_is_cut(self):
-        self.check_vna_fault("TRUNCATE", "vna.bad_data")
-
-    def test_15_numbers_that_are_none(self):
-        self.check_vna_fault("NAN", "vna.bad_data")
-
-    def test_16_an_instrument_that_babbles(self):
-        self.check_vna_fault("GARBAGE", "vna.wrong_instrument", "MS2026C")
-
-    def test_17_data_of_the_sweep_before(self):
-        self.check_vna_fault("STALE", "vna.old_data")
-
-    def test_18_another_instrument_at_the_same_address(self):
-        # Only a new link asks who is there.
-        survey_id = self.begin_and_meet("vna", ("WRONG_IDENTITY", 0), ("DROP", 1))
-        self.wait_for_pause("vna.wrong_instrument", "Rohde&Schwarz,ZNL6")
-        self.fault("vna", "NONE")
-        self.finish(survey_id)
-
-    def test_19_settings_that_are_refused(self):
-        # The instrument keeps what it has, so it must have something else to be noticed.
-        survey_id = self.begin_and_meet("adc", ("STUCK", 0))
-        self.wait_for_pause("height.sensor_off")
-        self.turn_knob(":SENS:FREQ:STAR 700E6")
-        self.fault("vna", "REFUSE_SETTINGS")
-        self.fault("adc", "NONE")
-        self.client.go_on(survey_id)
-        self.wait_for_pause("vna.setting_refused", "600000000")
-        self.fault("vna", "NONE")
-        self.finish(survey_id)
-
-    def test_20_settings_that_are_refused_from_the_start_fail_the_survey_before_it_moves(self):
-        before = self.true_steps()
-        self.fault("vna", "REFUSE_SETTINGS")
-        _survey_id, status = self.client.run_to_end(frequency_points=52)
-        self.assertEqual(status.code, ControlStatus.FAILED)
-        self.assertEqual(status.fault_code, "vna.setting_refused", status.message)
-        for points in ("51", "52"):
-            self.assertIn(points, status.message)
-        self.assertEqual(self.true_steps(), before)
-
-    def turn_knob(self, command):
-        """Change the instrument as a hand at its front panel would."""
-        panel = vxi11.Instrument("127.0.0.1")
-        panel.client = vxi11.vxi11.CoreClient("127.0.0.1", self.state.vna_port)
-        panel.write(command)
-        panel.close()
-
-    # The converter of the height sensor.
-
-    def check_adc_fault(self, fault, code, *values):
-        survey_id = self.begin_and_meet("adc", (fault, 0))
-        self.wait_for_pause(code, *values)
-        self.fault("adc", "NONE")
-        self.finish(survey_id)
-
-    def test_30_a_converter_that_is_stuck(self):
-        self.check_adc_fault("STUCK", "height.sensor_off")
-
-    def test_31_a_height_out_of_range(self):
-        self.check_adc_fault("OUT_OF_RANGE", "height.out_of_range", "0.1", "0.8")
 
     # What hangs, and what waits.
 
@@ -297,6 +182,33 @@ class FaultsTest(unittest.TestCase):
             self.assertLess(used_s, 0.3 * (time.monotonic() - begun_s), node)
         self.fault("adc", "NONE")
         self.finish(survey_id)
+
+    # What the services of the analyzer say beside success.
+
+    def test_42_a_sweep_that_cannot_be_confirmed_is_made_again(self):
+        self.check_complete(self.begin_and_meet("vna", ("HAND_POWER", 1)))
+        codes = [one.fault_code for one in self.client.statuses]
+        self.assertIn("vna.settings_changed", codes)
+        self.assertNotIn(ControlStatus.PAUSED, [one.code for one in self.client.statuses])
+
+    def test_43_another_analyzer_needs_the_consent_of_the_operator(self):
+        survey_id = self.begin_and_meet("vna", ("OTHER_SERIAL", 0), ("DROP", 1))
+        self.wait_for_pause("vna.replaced", "SIMULATED-2")
+        # The first resumption finds out, perhaps after its answer.
+        answer = self.client.resume(survey=survey_id)
+        if answer.success:
+            self.client.wait(lambda: self.client.statuses[-1].code != ControlStatus.PAUSED)
+            self.wait_for_pause("vna.replaced", "SIMULATED-2")
+            answer = self.client.resume(survey=survey_id)
+        self.assertFalse(answer.success)
+        self.assertIn("SIMULATED-2", answer.other_analyzer)
+        self.client.forget()
+        accepted = self.client.resume(survey=survey_id, accept_analyzer=answer.other_analyzer)
+        self.assertTrue(accepted.success, accepted.message)
+        self.client.wait(
+            lambda: any(one.code != ControlStatus.PAUSED for one in self.client.statuses)
+        )
+        self.check_complete(survey_id)
 
 
 def cpu_s(pid):

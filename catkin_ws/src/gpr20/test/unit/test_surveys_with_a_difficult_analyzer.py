@@ -1,0 +1,203 @@
+"""An analyzer that is less kind than its manual: what is read, what is stored, how it ends."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+
+import pytest
+from simulated_world import CONNECT, LIMIT_S, World
+from stored_surveys import (
+    check_complete,
+    check_pause,
+    check_resumed,
+    check_state,
+    json_traces,
+    survey_json,
+)
+
+from gpr20_main_control.errors import OtherAnalyzerError
+from gpr20_main_control.mid.survey.engine import Accepted
+from gpr20_survey.plan.survey_state import SurveyState
+from gpr20_survey.trace.sweep_settings import AnalyzerSettings
+from gpr20_vna_acquisition.mid.vna_parameters import VnaParameters
+
+OWN = AnalyzerSettings(10_000.0, 1, "HIGH")
+# Changes by hand, and what they change.
+HANDS = {
+    "HAND_BANDWIDTH": "the IF bandwidth",
+    "HAND_AVERAGES": "the number of averages",
+    "HAND_POWER": "the output power",
+    "HAND_START": "the start frequency",
+}
+LIMITS = VnaParameters()
+
+
+@pytest.fixture
+def world(tmp_path):
+    # A sweep of slow points takes longer than the bit of the sweep before stays set.
+    world = World(tmp_path, late_bit_s=0.3, late_memory_s=0.9, slow_point_s=0.01)
+    yield world
+    world.close()
+
+
+def finish(robot, settings=OWN):
+    """Wait for the end of a survey that never pauses; return its traces, checked."""
+    check_state(robot, SurveyState.FINISHED)
+    assert not [one for one in robot.history if one.state is SurveyState.PAUSED]
+    stored = check_complete(robot)
+    for one in stored:
+        assert AnalyzerSettings(*(one[name] for name in vars(settings))) == settings
+    return stored
+
+
+@pytest.mark.parametrize("slow", [("LATE_BIT", "SLOW_POINTS"), ("LATE_MEMORY",)], ids="/".join)
+@pytest.mark.parametrize("from_sweep", [0, 4], ids=["from the start", "during the survey"])
+def test_a_bit_or_display_that_is_late_gives_fresh_sweeps(world, robot, slow, from_sweep):
+    if from_sweep:
+        robot.at("sweep", from_sweep, lambda: world.fault(*slow))
+    else:
+        world.fault(*slow)
+    robot.begin()
+    finish(robot)
+
+
+def test_a_query_without_an_answer_is_a_remark_of_the_first_trace(world, robot):
+    world.fault("UNANSWERED_QUERY")
+    robot.begin()
+    stored = finish(robot)
+    remarked = [one["index"] for one in stored if "does not report" in " ".join(one["quality"])]
+    assert remarked == [0]
+
+
+def test_a_narrow_if_bandwidth_makes_each_sweep_slow_and_nothing_else(robot):
+    wanted = AnalyzerSettings(20.0, 1, "LOW")
+    survey_id = robot.begin(**vars(wanted))
+    stored = finish(robot, wanted)
+    assert {len(one["s21_real"]) for one in stored} == {51}
+    parameters = survey_json(robot, survey_id)["parameters"]
+    assert {name: parameters[name] for name in vars(wanted)} == vars(wanted)
+
+
+def test_averages_are_whole_and_the_next_survey_sets_everything_back(robot):
+    averaged = replace(OWN, averages=4)
+    robot.begin(**vars(averaged))
+    check_state(robot, SurveyState.FINISHED)
+    stored = json_traces(robot)
+    assert len(stored) == 18 and {one["averages"] for one in stored} == {4}
+    robot.begin(**vars(OWN))
+    finish(robot)
+
+
+def test_a_hand_at_the_front_panel_makes_the_robot_go_back(world, robot):
+    for number, fault in enumerate(HANDS):
+        robot.at("sweep", 3 + 3 * number, lambda fault=fault: world.fault(fault, count=1))
+    robot.begin()
+    finish(robot)
+    changed = [
+        str(one.full_message)
+        for one in robot.history
+        if one.full_message.fault_code == "vna.settings_changed"
+    ]
+    for fault, setting in HANDS.items():
+        assert [one for one in changed if setting in one], f"{fault}: nobody was informed"
+
+
+@pytest.mark.parametrize("outage_s", [2, 20])
+def test_a_link_that_is_lost_for_half_the_limit_is_waited_for(world, robot, outage_s):
+    robot.at("sweep", 4, lambda: world.fault("LINK_GONE", count=outage_s))
+    said = "survey.takes_long"
+
+    def look(message):
+        if message == CONNECT and not world.instrument.is_reachable() and outage_s > 2:
+            # While the link is gone, the control says what it waits for.
+            robot.clock.more_s += 1.0
+            robot.wait(lambda: robot.clock.more_s < 5.0 or said in codes(robot))
+
+    robot.begin()
+    world.on_message = look
+    finish(robot)
+    assert (said in codes(robot)) == (outage_s > 2)
+
+
+def codes(robot):
+    """Return the faults that the control has said since the survey began."""
+    return [one.full_message.fault_code for one in robot.history]
+
+
+def test_a_link_that_stays_lost_pauses_the_survey_within_its_time(world, robot):
+    began_s = []
+
+    def lose():
+        began_s.append(world.time.now_s())
+        world.fault("LINK_GONE")
+
+    robot.at("sweep", 4, lose)
+    robot.begin()
+    check_pause(robot, "vna.no_link", "127.0.0.1")
+    took_s = world.time.now_s() - began_s[0]
+    assert 0.75 * LIMITS.request_timeout_s < took_s < LIMITS.answered_within_s(1.0)
+    world.fault("NONE")
+    check_resumed(robot)
+
+
+def test_another_serial_number_needs_the_consent_of_the_operator(world, robot):
+    robot.at("sweep", 4, lambda: [world.fault("OTHER_SERIAL"), world.fault("DROP", count=1)])
+    survey_id = robot.begin()
+    check_pause(robot, "vna.replaced", "SIMULATED-2")
+    # The first resumption finds out; each one without consent is refused with both names.
+    for identity in ("", "", "Anritsu,MS2026C/2,7,1.23"):
+        with pytest.raises(OtherAnalyzerError, match="SIMULATED-2") as refused:
+            robot.control.resume(survey_id, Accepted(analyzer=identity))
+        check_pause(robot, refused.value.message.fault_code, "SIMULATED-2")
+    other = refused.value.identity
+    check_resumed(robot, Accepted(analyzer=other))
+    text = json.dumps(survey_json(robot, survey_id))
+    assert "Anritsu,MS2026C/2,SIMULATED,1.23" in text and other in text
+
+
+def test_a_calibration_that_is_lost_on_a_write_is_named_and_one_is_enough(world, robot):
+    world.fault("LOSES_CALIBRATION")
+    robot.begin(frequency_points=41)
+    status = check_state(robot, SurveyState.FAILED)
+    assert status.message.fault_code == "vna.calibration_lost", status.message
+    # The operator calibrates; the settings are already right and are not written again.
+    world.fault("NONE", "LOSES_CALIBRATION")
+    robot.begin(frequency_points=41)
+    finish(robot)
+
+
+def test_digits_without_end_are_an_error_and_no_wait(world, robot):
+    robot.at("sweep", 4, lambda: world.fault("ENDLESS_DIGITS"))
+    robot.begin()
+    check_pause(robot, "vna.bad_data")
+    world.fault("NONE")
+    check_resumed(robot)
+
+
+@pytest.mark.parametrize("fault", ["NO_CLEAR", "CLEAR_UNSUPPORTED"])
+def test_a_server_that_cannot_clear_is_good_enough(world, robot, fault):
+    world.serve()
+    world.fault(fault)
+    robot.begin()
+    finish(robot)
+
+
+def test_after_a_survey_the_instrument_is_left_to_its_front_panel(world, robot):
+    robot.begin()
+    finish(robot)
+    robot.control.shut_down(LIMIT_S)
+    assert not world.instrument.is_remote
+    assert world.sweeper.is_continuous and world.sweeper.is_running
+
+
+def test_another_instrument_on_the_same_link_is_noticed_at_the_next_point(world, robot):
+    robot.at("sweep", 4, lambda: world.fault("SWAPPED"))
+    survey_id = robot.begin()
+    check_pause(robot, "vna.replaced", "SIMULATED-2")
+    world.fault("NONE")
+    for one in check_resumed(robot):
+        (value,) = one["aux"]
+        assert (value["name"], value["value"]) == ("vna_temperature", 40.0)
+    details = survey_json(robot, survey_id)["instrument"]["calibration_details"]
+    assert details["parameters"] == ["S11", "S12", "S21", "S22"]
