@@ -1,7 +1,10 @@
 """The tests of the whole project are one run of pytest: see scripts/test.sh."""
 
+import logging
 import os
+from typing import Iterator, List
 
+import pytest
 from hypothesis import HealthCheck, settings
 
 # No test is about time by the clock of a busy computer. Each run draws the same, unless
@@ -24,3 +27,16 @@ pytest_plugins = [
     "pytest_gpr20.qt_application",
     "pytest_gpr20.real_time",
 ]
+
+
+@pytest.fixture
+def fault_log() -> Iterator[List[str]]:
+    """What is logged of faults in threads; nothing of what a rospy of an earlier test logs."""
+    texts: List[str] = []
+    handler = logging.Handler()
+    handler.addFilter(lambda record: hasattr(record, "failed_part"))
+    handler.emit = lambda record: texts.append(record.getMessage())  # type: ignore[method-assign]
+    logger = logging.getLogger("rosout")
+    logger.addHandler(handler)
+    yield texts
+    logger.removeHandler(handler)

@@ -69,19 +69,19 @@ def run(target):
     thread.join(LIMIT_S)
 
 
-def test_a_node_ends_in_order_with_a_thread_of_its_own(signals, caplog):
+def test_a_node_ends_in_order_with_a_thread_of_its_own(signals, fault_log):
     own = {**globals(), "__name__": "gpr20_axis_driver.mid.axis_driver"}
     run(type(fail)(fail.__code__, own))
     assert signals == [(os.getpid(), signal.SIGTERM)]
-    assert "worker" in caplog.text
-    assert "Traceback" in caplog.text
-    assert "a fault of our own" in caplog.text
+    assert "worker" in "".join(fault_log)
+    assert "Traceback" in "".join(fault_log)
+    assert "a fault of our own" in "".join(fault_log)
 
 
-def test_the_thread_of_a_library_is_logged_alone(signals, caplog):
+def test_the_thread_of_a_library_is_logged_alone(signals, fault_log):
     run(fail)
     assert signals == []
-    assert "a fault of our own" in caplog.text
+    assert "a fault of our own" in "".join(fault_log)
 
 
 def test_what_was_logged_is_a_fault_of_the_diagnostics_for_a_while(node, monkeypatch):

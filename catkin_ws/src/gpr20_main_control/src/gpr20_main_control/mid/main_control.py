@@ -147,8 +147,8 @@ class MainControl:
             if plan_id not in ("", present):
                 raise RequestRefusedError(
                     Message(
-                        "START is for plan {requested}, but plan {present} is set, by {set_by}; set "
-                        "the plan again, then start",
+                        "START is for plan {requested}, but plan {present} is set, by {set_by}; "
+                        "set the plan again, then start",
                         requested=repr(plan_id[:64]),
                         set_by=self._plan.set_by or "-",
                         present=present,

@@ -35,7 +35,7 @@ def test_a_stop_during_a_move_ends_as_stopped_with_what_was_measured(bench):
     assert bench.storage.ends[-1].status == final
 
 
-def test_a_fault_in_the_survey_itself_stops_the_axes_and_is_told(bench, monkeypatch, caplog):
+def test_a_fault_in_the_survey_itself_stops_the_axes_and_is_told(bench, monkeypatch, fault_log):
     ended = []
     monkeypatch.setattr(threading, "excepthook", ended.append)
 
@@ -52,7 +52,7 @@ def test_a_fault_in_the_survey_itself_stops_the_axes_and_is_told(bench, monkeypa
     # The thread ends as after any other survey: its node goes on.
     bench.control.shut_down(LIMIT_S)
     assert ended == []
-    assert "Traceback" in caplog.text
+    assert "Traceback" in "".join(fault_log)
 
 
 def test_shutting_down_stops_the_axes_and_leaves_the_survey_interrupted(bench):

@@ -138,8 +138,8 @@ class StorageQueue:
             if failure is None:
                 self._stored += 1
                 # Announced before the trace leaves: an empty queue means that all are announced.
-                # Whatever fails here, the trace is stored and must not be sent again. If it is missing
-                # from the coverage, the survey does not end as complete, and can be resumed.
+                # Whatever fails here, the trace is stored and must not be sent again. Without it in
+                # the coverage the survey does not end as complete, and can be resumed.
                 with faults_logged("storage queue"):
                     self._on_stored(self._stored, trace.index)
             with self._changed:
