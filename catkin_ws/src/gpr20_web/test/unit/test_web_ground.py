@@ -106,6 +106,12 @@ def test_what_loads_is_not_shown_as_missing(server):
     assert not loading[:8, :8, 3].any()
 
 
+def test_of_what_has_been_loaded_meanwhile_nothing_is_left(server):
+    server.run(stored=4)
+    assert "loading" not in server.ask()["ground"]["layers"]
+    assert not server.pixels(layer="loading")[:, :, 3].any()
+
+
 def test_a_place_is_said_in_words(server):
     server.run(stored=4)
     ground = server.ask(x="100", y="50", depth="100", layer="echoes")["ground"]

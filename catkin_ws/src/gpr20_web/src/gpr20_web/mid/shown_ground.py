@@ -171,6 +171,9 @@ class ShownGround:
         if kind == "map" and choice.layer in patterns:
             key, cells, _area = patterns[choice.layer]
             made = self._once((*key, choice.theme), lambda: pattern_png(cells, choice.theme))
+        elif kind == "map" and choice.layer == "loading":
+            # The last of it has arrived since the page was told that something loads.
+            made = pattern_png(np.full((1, 1), Cell.BLANK, np.uint8), choice.theme)
         else:
             if kind == "section":
                 picture = shown.sections[0] if shown.sections else None
