@@ -239,7 +239,6 @@ def test_every_page_fits_every_screen_and_asks_nobody_else(site: Site, language:
     assert all(one.startswith((site.address, "data:")) for one in addresses), addresses
 
 
-@pytest.mark.release
 @pytest.mark.parametrize("theme", ["sun", "night"])
 def test_every_page_keeps_the_rules_of_accessibility(site: Site, theme: str) -> None:
     browser = site.browser
