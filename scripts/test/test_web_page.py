@@ -4,16 +4,14 @@ from __future__ import annotations
 
 import json
 import re
-import socket
 from typing import Any, Dict, Iterator, List
 
 import pytest
-import rospy
 from accessibility_kit import press_by_keyboard, tab_reaches_all, violations
 from browser_kit import HEIGHTS
 from other_origin_kit import TRIES, other_origin
-from robot_kit import WEB, LaunchedRobot, free_port
-from web_site_kit import PASSWORD, Site, write_config
+from robot_kit import WEB
+from web_site_kit import PASSWORD, Site, launched_site
 
 pytestmark = pytest.mark.real_time
 
@@ -99,33 +97,8 @@ PAGES = ("now", "map", "radar", "surveys", "robots", "service", "users", "audit"
 
 @pytest.fixture(scope="module")
 def site(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Site]:
-    folder = tmp_path_factory.mktemp("web")
-    port = free_port()
-    config = folder / "config"
-    write_config(config, folder / "page", port)
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setenv("ROS_MASTER_URI", "")
-        patch.setenv("GPR20_STATE", "")
-        arguments = ("time_scale:=10", "web:=true", f"config:={config}")
-        robot = LaunchedRobot(folder, *arguments)
-        try:
-            robot.start()
-            # The page believes the window alone, and by its name.
-            rospy.init_node("user_interface", disable_signals=True)
-            made = Site(robot, f"https://localhost:{port}", folder)
-            try:
-                # Of all nodes it is the last to begin.
-                opened = lambda: made.browser.open(f"{made.address}/") is None  # noqa: E731
-                made.browser.wait(opened, "the page answers")
-                yield made
-            finally:
-                made.browser.close()
-                made.screen.close()
-        finally:
-            rospy.signal_shutdown("the tests are over")
-            robot.stop()
-            # rospy has limited the sockets of this process, which runs other tests after these.
-            socket.setdefaulttimeout(None)
+    with launched_site(tmp_path_factory.mktemp("web"), time_scale=10) as launched:
+        yield launched
 
 
 def test_survey_is_started_watched_paused_resumed_and_stopped_from_the_page(site: Site) -> None:

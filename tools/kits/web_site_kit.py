@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
+import contextlib
+import socket
 import subprocess
 from pathlib import Path
+from typing import Iterator
 
+import pytest
+import rospy
 from browser_kit import Browser
-from robot_kit import LaunchedRobot
+from robot_kit import LaunchedRobot, free_port
 from touchscreen_kit import Touchscreen
 
 PASSWORD = "correct horse battery staple"
@@ -45,6 +50,11 @@ class Site:
         self.browser = Browser()
         self.screen = Touchscreen()
 
+    def opens(self) -> bool:
+        """Open the page, and return that it could be opened."""
+        self.browser.open(f"{self.address}/")
+        return True
+
     def log_in(self, name: str, language: str = "en") -> None:
         """Open the page in a language, as somebody else than before."""
         browser = self.browser
@@ -81,3 +91,33 @@ class Site:
             return self.browser.text("#state").startswith(state)
 
         self.browser.wait(is_so, f"the state is {state}", 60.0)
+
+
+@contextlib.contextmanager
+def launched_site(folder: Path, time_scale: int) -> Iterator[Site]:
+    """Yield the page of a robot that runs so many times as fast, when the page answers."""
+    port = free_port()
+    config = folder / "config"
+    write_config(config, folder / "page", port)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("ROS_MASTER_URI", "")
+        patch.setenv("GPR20_STATE", "")
+        arguments = (f"time_scale:={time_scale}", "web:=true", f"config:={config}")
+        robot = LaunchedRobot(folder, *arguments)
+        try:
+            robot.start()
+            # The page believes the window alone, and by its name.
+            rospy.init_node("user_interface", disable_signals=True)
+            site = Site(robot, f"https://localhost:{port}", folder)
+            try:
+                # Of all nodes it is the last to begin.
+                site.browser.wait(site.opens, "the page answers")
+                yield site
+            finally:
+                site.browser.close()
+                site.screen.close()
+        finally:
+            rospy.signal_shutdown("the tests are over")
+            robot.stop()
+            # Of every new socket of the process, set when a topic was connected.
+            socket.setdefaulttimeout(None)

@@ -32,7 +32,7 @@ class Course:
     def __init__(self, world, draw):
         self.world, self.draw = world, draw
         self.robot = RobotInProcess(world)
-        self.told = []
+        self.events = []
 
     def plan(self):
         """Let two things happen to the survey that is about to begin or to continue."""
@@ -40,20 +40,20 @@ class Course:
             call = self.draw.choice(list(CALLS))
             number = self.draw.randint(1, CALLS[call])
             event = self.draw.choice([self.fault, self.pause, self.robot.die])
-            self.told.append(f"{event.__name__} before {call} {number}")
-            self.robot.at(call, number, event)
+            self.events.append(f"{event.__name__} before {call} {number}")
+            self.robot.calls.at(call, number, event)
 
     def fault(self):
         device, fault = self.draw.choice(FAULTS)
         count = self.draw.randint(0, 2) if device == "vna" else 0
-        self.told.append(f"{device} {fault} {count}")
+        self.events.append(f"{device} {fault} {count}")
         self.world.fault(fault, device=device, count=count)
 
     def pause(self):
         try:
             self.robot.control.pause()
         except RequestRefusedError:
-            self.told.append("refused")
+            self.events.append("refused")
 
     def run(self):
         self.plan()
@@ -75,16 +75,16 @@ class Course:
     def await_end(self):
         """Return the state in which the survey ends or pauses; of a killed robot, None."""
         robot = self.robot
-        robot.wait(lambda: robot.killed.is_set() or robot.ended)
-        return None if robot.killed.is_set() else robot.status.status.state
+        robot.wait(lambda: robot.calls.killed.is_set() or robot.ended)
+        return None if robot.calls.killed.is_set() else robot.status.status.state
 
     def mend(self):
         """Switch every fault off, and replace a robot that was killed."""
-        self.robot.forget_plans()
+        self.robot.calls.forget_plans()
         for device in ("vna", "adc", "endstop_x", "endstop_y"):
             self.world.fault("NONE", device=device)
-        if self.robot.killed.is_set():
-            self.told.append(f"killed with {len(self.world.acknowledged)} traces")
+        if self.robot.calls.killed.is_set():
+            self.events.append(f"killed with {len(self.world.acknowledged)} traces")
             self.robot = self.robot.kill()
 
 
@@ -97,6 +97,6 @@ def test_no_acknowledged_trace_of_a_drawn_survey_is_lost_doubled_or_misplaced(tm
         check_complete(course.robot)
         check_acknowledged(course.robot, world.acknowledged)
     finally:
-        print(*course.told, sep="\n")
+        print(*course.events, sep="\n")
         course.robot.close()
         world.close()

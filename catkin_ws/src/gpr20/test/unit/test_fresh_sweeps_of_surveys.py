@@ -54,7 +54,7 @@ def test_an_instrument_that_is_switched_back_to_continuous_sweeps_changes_nothin
         if len(counted) % messages == 0:
             world.instrument.execute(b":INIT:CONT ON")
 
-    robot.at("sweep", 1, lambda: setattr(world, "on_message", press))
+    robot.calls.at("sweep", 1, lambda: setattr(world, "on_message", press))
     robot.begin()
     if robot.wait_for_end().state is SurveyState.PAUSED:
         # Pressed so often that no attempt succeeds, the key is let go.

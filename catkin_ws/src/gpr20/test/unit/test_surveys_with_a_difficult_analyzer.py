@@ -55,7 +55,7 @@ def finish(robot, settings=OWN):
 @pytest.mark.parametrize("from_sweep", [0, 4], ids=["from the start", "during the survey"])
 def test_a_bit_or_display_that_is_late_gives_fresh_sweeps(world, robot, slow, from_sweep):
     if from_sweep:
-        robot.at("sweep", from_sweep, lambda: world.fault(*slow))
+        robot.calls.at("sweep", from_sweep, lambda: world.fault(*slow))
     else:
         world.fault(*slow)
     robot.begin()
@@ -91,7 +91,7 @@ def test_averages_are_whole_and_the_next_survey_sets_everything_back(robot):
 
 def test_a_hand_at_the_front_panel_makes_the_robot_go_back(world, robot):
     for number, fault in enumerate(HANDS):
-        robot.at("sweep", 3 + 3 * number, lambda fault=fault: world.fault(fault, count=1))
+        robot.calls.at("sweep", 3 + 3 * number, lambda fault=fault: world.fault(fault, count=1))
     robot.begin()
     finish(robot)
     changed = [
@@ -105,7 +105,7 @@ def test_a_hand_at_the_front_panel_makes_the_robot_go_back(world, robot):
 
 @pytest.mark.parametrize("outage_s", [2, 20])
 def test_a_link_that_is_lost_for_half_the_limit_is_waited_for(world, robot, outage_s):
-    robot.at("sweep", 4, lambda: world.fault("LINK_GONE", count=outage_s))
+    robot.calls.at("sweep", 4, lambda: world.fault("LINK_GONE", count=outage_s))
     said = "survey.takes_long"
 
     def look(message):
@@ -132,7 +132,7 @@ def test_a_link_that_stays_lost_pauses_the_survey_within_its_time(world, robot):
         began_s.append(world.time.now_s())
         world.fault("LINK_GONE")
 
-    robot.at("sweep", 4, lose)
+    robot.calls.at("sweep", 4, lose)
     robot.begin()
     check_pause(robot, "vna.no_link", "127.0.0.1")
     took_s = world.time.now_s() - began_s[0]
@@ -142,7 +142,7 @@ def test_a_link_that_stays_lost_pauses_the_survey_within_its_time(world, robot):
 
 
 def test_another_serial_number_needs_the_consent_of_the_operator(world, robot):
-    robot.at("sweep", 4, lambda: [world.fault("OTHER_SERIAL"), world.fault("DROP", count=1)])
+    robot.calls.at("sweep", 4, lambda: [world.fault("OTHER_SERIAL"), world.fault("DROP", count=1)])
     survey_id = robot.begin()
     check_pause(robot, "vna.replaced", "SIMULATED-2")
     # The first resumption finds out; each one without consent is refused with both names.
@@ -168,7 +168,7 @@ def test_a_calibration_that_is_lost_on_a_write_is_named_and_one_is_enough(world,
 
 
 def test_digits_without_end_are_an_error_and_no_wait(world, robot):
-    robot.at("sweep", 4, lambda: world.fault("ENDLESS_DIGITS"))
+    robot.calls.at("sweep", 4, lambda: world.fault("ENDLESS_DIGITS"))
     robot.begin()
     check_pause(robot, "vna.bad_data")
     world.fault("NONE")
@@ -192,7 +192,7 @@ def test_after_a_survey_the_instrument_is_left_to_its_front_panel(world, robot):
 
 
 def test_another_instrument_on_the_same_link_is_noticed_at_the_next_point(world, robot):
-    robot.at("sweep", 4, lambda: world.fault("SWAPPED"))
+    robot.calls.at("sweep", 4, lambda: world.fault("SWAPPED"))
     survey_id = robot.begin()
     check_pause(robot, "vna.replaced", "SIMULATED-2")
     world.fault("NONE")

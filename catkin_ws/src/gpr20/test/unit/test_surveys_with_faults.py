@@ -27,7 +27,7 @@ def test_an_endstop_stuck_open_at_homing(world, robot):
 
 def test_an_endstop_that_closes_in_a_move_and_stays_closed_at_homing(world, robot):
     # The second row leads towards the endstop of x.
-    robot.at("sweep", 8, lambda: world.fault("STUCK_CLOSED", device="endstop_x"))
+    robot.calls.at("sweep", 8, lambda: world.fault("STUCK_CLOSED", device="endstop_x"))
     robot.begin(x_stop_mm=FAR_MM)
     check_pause(robot, "axis.endstop_pressed")
     robot.go_on()
@@ -39,7 +39,7 @@ def test_an_endstop_that_closes_in_a_move_and_stays_closed_at_homing(world, robo
 
 
 def test_an_endstop_stuck_open_does_no_harm_before_the_next_homing(world, robot):
-    robot.at("sweep", 4, lambda: world.fault("STUCK_OPEN", device="endstop_y"))
+    robot.calls.at("sweep", 4, lambda: world.fault("STUCK_OPEN", device="endstop_y"))
     robot.begin()
     check_state(robot, SurveyState.FINISHED)
     check_complete(robot)
@@ -64,7 +64,7 @@ def test_an_endstop_stuck_open_does_no_harm_before_the_next_homing(world, robot)
 def test_a_fault_pauses_the_survey_and_once_it_is_gone_the_survey_ends_complete(
     world, robot, device, fault, code, values
 ):
-    robot.at("sweep", 4, lambda: world.fault(fault, device=device))
+    robot.calls.at("sweep", 4, lambda: world.fault(fault, device=device))
     robot.begin()
     check_pause(robot, code, *values)
     world.fault("NONE", device=device)
@@ -73,7 +73,9 @@ def test_a_fault_pauses_the_survey_and_once_it_is_gone_the_survey_ends_complete(
 
 def test_another_kind_of_instrument_at_the_same_address(world, robot):
     # Only a new link asks who is there.
-    robot.at("sweep", 4, lambda: [world.fault("WRONG_IDENTITY"), world.fault("DROP", count=1)])
+    robot.calls.at(
+        "sweep", 4, lambda: [world.fault("WRONG_IDENTITY"), world.fault("DROP", count=1)]
+    )
     robot.begin()
     check_pause(robot, "vna.wrong_instrument", "Rohde&Schwarz,ZNL6")
     world.fault("NONE")
@@ -82,7 +84,7 @@ def test_another_kind_of_instrument_at_the_same_address(world, robot):
 
 def test_settings_that_are_refused(world, robot):
     # The instrument keeps what it has, so it must have something else to be noticed.
-    robot.at("sweep", 4, lambda: world.fault("STUCK", device="adc"))
+    robot.calls.at("sweep", 4, lambda: world.fault("STUCK", device="adc"))
     robot.begin()
     check_pause(robot, "height.sensor_off")
     world.instrument.execute(b":SENS:FREQ:STAR 700E6")

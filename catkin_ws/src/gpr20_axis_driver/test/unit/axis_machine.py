@@ -5,11 +5,12 @@ from __future__ import annotations
 import dataclasses
 from typing import List, Optional, Tuple
 
+from direct_pulses import DirectPulses
 from recorded_rpi_gpio import RecordedRpiGpio
 
 from gpr20_axis_driver.mid.axis_driver import AxisDriver
 from gpr20_axis_driver.mid.pulse_loop import PulseLoop
-from gpr20_axis_driver.motion import Ending, LateLimits
+from gpr20_axis_driver.motion import LateLimits
 from gpr20_common.low.clock import Clock
 from gpr20_survey.axes.axis_parameters import AxisParameters
 from gpr20_survey.axes.zero_epoch import UNKNOWN_ZERO, ZeroEpoch
@@ -94,9 +95,15 @@ class Count:
         self.trusted = False
         self.exact = False
         self.endstop_pressed = None
+        self.endstop_presses = 0
+        self.zero = UNKNOWN_ZERO
 
     def note_endstop(self, pressed):
+        self.endstop_presses += pressed and self.endstop_pressed is False
         self.endstop_pressed = pressed
+
+    def begin_zero(self, time_us):
+        self.zero = ZeroEpoch(self.zero.number + 1, time_us)
 
     def begin(self):
         self.exact = self.trusted
@@ -112,44 +119,8 @@ class Count:
         self.steps = steps
         self.trusted = True
 
-
-class DirectPulses:
-    """Makes the pulses at once, without a separate process."""
-
-    def __init__(self, runner, count):
-        self.runner = runner
-        self.memory = count
-        self.zero = UNKNOWN_ZERO
-        self.failure = None
-
-    @property
-    def steps(self):
-        return self.memory.steps
-
-    @property
-    def trusted(self):
-        return self.memory.trusted
-
-    def run(self, motion, stop_requested):
-        exact = self.trusted
-        report = self.runner.run(motion, stop_requested)
-        assert self.trusted == (exact and report.ending is not Ending.GAP)
-        return report
-
-    def begin_zero(self, time_us):
-        self.zero = ZeroEpoch(self.zero.number + 1, time_us)
-
-    def place(self, steps):
-        self.memory.place(steps)
-
-    def distrust(self):
-        self.memory.begin()
-
-    def revive(self):
-        self.failure = None
-
     def close(self):
-        self.runner.close()
+        pass
 
 
 class Axis:

@@ -2,8 +2,9 @@
 
 import dataclasses
 
-from axis_machine import SHORT, Count, DirectPulses, SteppedClock
+from axis_machine import SHORT, Count, SteppedClock
 from case_kit import each_case
+from direct_pulses import DirectPulses
 from fault_kit import raises_fault
 
 from gpr20_axis_driver import faults

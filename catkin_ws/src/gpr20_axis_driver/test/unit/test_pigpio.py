@@ -5,8 +5,9 @@ import dataclasses
 import random
 
 import pytest
-from axis_machine import X_PARAMETERS, Z_PARAMETERS, Count, DirectPulses, SteppedClock
+from axis_machine import X_PARAMETERS, Z_PARAMETERS, Count, SteppedClock
 from case_kit import each_case
+from direct_pulses import DirectPulses
 from fault_kit import raises_fault
 from hypothesis import given, settings
 from hypothesis import strategies as st

@@ -168,6 +168,7 @@ def test_when_the_pins_of_a_dead_process_cannot_be_set_low_the_axis_may_move(mak
 def test_when_the_node_is_killed_in_a_turn_the_angle_is_still_known(make, tmp_path):
     node = subprocess.Popen(
         [sys.executable, str(Path(__file__).with_name("dying_node.py")), str(tmp_path)],
+        env={**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)},
         stdout=subprocess.PIPE,
     )
     process_id = int(node.stdout.readline())

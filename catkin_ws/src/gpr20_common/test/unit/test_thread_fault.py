@@ -35,9 +35,9 @@ def node(monkeypatch):
     monkeypatch.setattr(diagnostics.diagnostic_updater, "Updater", Updater)
     monkeypatch.setattr(diagnostics, "Periodic", lambda *_all: None)
     monkeypatch.setattr(diagnostics.rospy, "on_shutdown", lambda _call: None)
-    filters = list(LOGGER.filters)
+    handlers = list(LOGGER.handlers)
     yield diagnostics.Diagnostics
-    LOGGER.filters[:] = filters
+    LOGGER.handlers[:] = handlers
 
 
 class Updater:

@@ -1,4 +1,4 @@
-"""What the program watchdog tells systemd when it ends."""
+"""What the watchdog reports to systemd when it ends."""
 
 import os
 

@@ -337,13 +337,15 @@ def test_a_full_disk_is_told_and_the_trace_is_stored_once_after_space_was_made(k
     assert not kit.processing.state().failing
 
 
-def test_traces_are_stored_after_a_commit_that_failed_as_nobody_expected(kit, memory):
+def test_traces_are_stored_after_a_commit_that_failed_as_nobody_expected(kit, memory, fault_log):
     kit.open()
     memory.error = ZeroDivisionError("a fault of our own")
     deadline_s = time.monotonic() + 10.0
     while not kit.processing.state().failing:
         assert time.monotonic() < deadline_s
+        time.sleep(0.01)
     memory.error = None
+    assert len(fault_log) == 1
     kit.processing.store(make_trace(0))
     assert len(kit.stored) == 1
 

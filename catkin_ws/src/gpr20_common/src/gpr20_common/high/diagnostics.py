@@ -32,35 +32,40 @@ FAULT_S = 60.0
 _UNKNOWN: Health = (ERROR, verbatim(""), {})
 
 
+class _LastFault(logging.Handler):
+    """Remembers for a while which part failed last as nobody expected; empty: none."""
+
+    _part, _failed_s = "", -math.inf
+
+    def emit(self, record: logging.LogRecord) -> None:
+        if hasattr(record, PART):
+            self._part, self._failed_s = getattr(record, PART), time.monotonic()
+
+    @property
+    def part(self) -> str:
+        return self._part if time.monotonic() - self._failed_s < FAULT_S else ""
+
+
 class Diagnostics:
     """Publishes what `health` returns once a second, under the node's full name."""
 
     def __init__(self, hardware_id: str, health: Callable[[], Health]) -> None:
         self._health = health
-        self._failed_part, self._failed_s = "", -math.inf
-        LOGGER.addFilter(self._note_failed)
+        self._faults = _LastFault()
+        LOGGER.addHandler(self._faults)
         self._updater = diagnostic_updater.Updater()
         self._updater.setHardwareID(hardware_id)
         self._updater.add("state", self._fill)
         self._periodic = Periodic(PERIOD_S, self._updater.force_update)
         # It may be why the node ends.
-        rospy.on_shutdown(lambda: self._has_failed and self._updater.force_update())
-
-    @property
-    def _has_failed(self) -> bool:
-        return time.monotonic() - self._failed_s < FAULT_S
-
-    def _note_failed(self, record: logging.LogRecord) -> bool:
-        if hasattr(record, PART):
-            self._failed_part, self._failed_s = getattr(record, PART), time.monotonic()
-        return True
+        rospy.on_shutdown(lambda: self._faults.part and self._updater.force_update())
 
     def _fill(self, status: diagnostic_updater.DiagnosticStatusWrapper) -> Any:
         level, message, values = _UNKNOWN
         with faults_logged("diagnostics"):
             level, message, values = self._health()
-        if self._has_failed:
-            failed = Message("internal error in {service}; see the log", service=self._failed_part)
+        if self._faults.part:
+            failed = Message("internal error in {service}; see the log", service=self._faults.part)
             level, message = ERROR, failed.with_fault(INTERNAL)
         status.summary(level, str(message))
         status.add(MESSAGE_JSON, message.to_json())

@@ -8,6 +8,7 @@ from typing import Any, Callable, Collection, Dict, Optional, Sequence
 
 from gpr20_common.errors import Gpr20Error
 from gpr20_common.faults import INTERNAL
+from gpr20_common.low.thread_fault import log_fault
 from gpr20_common.message import Message, verbatim
 from gpr20_survey.errors import ProcessingError, StorageFailedError, SurveyRefusedError
 from gpr20_survey.folder import survey_folder, survey_metadata
@@ -326,7 +327,7 @@ class DataProcessing:
             self._unrecorded += survey.record(messages)
         except Exception as error:
             self._unrecorded += len(messages)
-            self._note(_reason(error), failing=True)
+            self._note_unanswered(error)
         now_s = self._storage.clock.now_s()
         if now_s < self._commit_due_s:
             return
@@ -334,7 +335,15 @@ class DataProcessing:
         try:
             survey.commit()
         except Exception as error:
-            self._note(_reason(error), failing=True)
+            self._note_unanswered(error)
+
+    def _note_unanswered(self, error: Exception) -> None:
+        """Note the error of the moment, for which no caller waits."""
+        reason = _reason(error)
+        # Once: the same happens several times a second.
+        if not isinstance(error, Gpr20Error) and reason != self._last_error:
+            log_fault("storage")
+        self._note(reason, failing=True)
 
 
 def _check_one_of(place: str, value: str, allowed: Collection[str]) -> None:

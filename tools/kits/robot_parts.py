@@ -1,0 +1,305 @@
+"""The parts of the robot in one process, as its control calls them.
+
+Each is the driver or the storage of the robot; what a node and a service are between it and the
+control is here a call.
+"""
+
+# ruff: noqa: D101, D102 (they are those of gpr20_main_control.mid.devices.robot)
+
+from __future__ import annotations
+
+import contextlib
+import json
+import queue
+import threading
+from collections import Counter
+from dataclasses import replace
+from typing import Callable, Dict, Iterator, Optional, Tuple
+
+import numpy as np
+from direct_pulses import DirectPulses
+from simulated_world import MECHANICS, STEP_MM, StepTime, World
+
+from gpr20_axis_driver.axis_exceptions import AxisException
+from gpr20_axis_driver.low.step_counter import open_step_counter
+from gpr20_axis_driver.mid.axis_driver import AxisDriver
+from gpr20_axis_driver.mid.axis_lease import AxisLease
+from gpr20_axis_driver.mid.pulse_client import LOCK_LIMIT_S, MADE_US
+from gpr20_axis_driver.mid.pulse_loop import PulseLoop
+from gpr20_common.errors import Gpr20Error
+from gpr20_common.message import Message, verbatim
+from gpr20_height_sensor.low.adc_interface import AdcInterface
+from gpr20_height_sensor.mid.height_driver import HeightDriver
+from gpr20_height_sensor.mid.height_parameters import HeightParameters
+from gpr20_main_control.errors import DeviceError, NodeLostError, UnconfirmedError
+from gpr20_main_control.mid.devices.axis_leases import Lease
+from gpr20_main_control.mid.devices.robot import (
+    AnalyzerCalibration,
+    AnalyzerSetup,
+    AxisReading,
+    MoveOutcome,
+    OpenedSurvey,
+    SurveyEnd,
+    SurveyRecord,
+    SweepConfirmation,
+    UnconfirmedSweep,
+)
+from gpr20_main_control.mid.survey.survey_notes import Note
+from gpr20_main_control.mid.waits import Workers
+from gpr20_simulator.low.pins import SimulatedPins
+from gpr20_simulator.low.spi import SimulatedSpi
+from gpr20_simulator.mid.axis_hardware import NO_LIMITS
+from gpr20_simulator.mid.carriage import AxisMotor, mechanics_of, wiring_of
+from gpr20_simulator.mid.world.ground import Ground
+from gpr20_simulator.mid.world.range_sensor import RangeSensor
+from gpr20_survey.axes.axis_id import AxisId
+from gpr20_survey.axes.axis_parameters import AxisParameters
+from gpr20_survey.results.reopened_survey import ReopenedSurvey
+from gpr20_survey.trace import trace_message
+from gpr20_survey.trace.sweep_settings import SweepSettings
+from gpr20_survey.trace.trace import Trace
+from gpr20_vna_acquisition.errors import VnaNotReadyError, VnaOldDataError, VnaSettingError
+from gpr20_vna_acquisition.mid.vna_driver import VNADriver
+from gpr20_vna_processing.mid.data_processing import DataProcessing
+
+CALLER = "/main_control"
+AXES = {
+    AxisId.X: AxisParameters(13, 15, STEP_MM, 0.0015, 0.005, 0.0001, 0.0, 650.0, "LIN", 16),
+    AxisId.Y: AxisParameters(37, 38, STEP_MM, 0.0025, 0.005, 0.0001, 0.0, 800.0, "LIN", 40),
+    AxisId.Z: AxisParameters(11, 12, 1.8, 0.010, 0.025, 0.005, -90.0, 90.0, "ROT"),
+}
+# A killed robot is gone for its control, too, which is ended only because it shares the process.
+KILLED = Message("the robot was killed")
+
+
+class Calls:
+    """The calls of the control to the parts: what happens before one, and after the kill.
+
+    Attributes:
+        killed: Set when no part answers any more.
+        disk: Held while files change.
+    """
+
+    def __init__(self) -> None:
+        self.killed = threading.Event()
+        self.disk = threading.RLock()
+        self._made: Counter[str] = Counter()
+        self._planned: Dict[Tuple[str, int], Callable[[], object]] = {}
+        self._lock = threading.Lock()
+
+    def at(self, call: str, number: int, action: Callable[[], object]) -> None:
+        """Do something before the call of a part, such as the 3rd "sweep" from now on, is made."""
+        with self._lock:
+            self._planned[call, self._made[call] + number] = action
+
+    def forget_plans(self) -> None:
+        """Forget what `at` has planned and has not happened."""
+        with self._lock:
+            self._planned.clear()
+
+    @contextlib.contextmanager
+    def answer(self, call: str) -> Iterator[None]:
+        """Carry out a call to a part; its errors are those that the control knows."""
+        with self._lock:
+            self._made[call] += 1
+            action = self._planned.pop((call, self._made[call]), None)
+        if action is not None:
+            action()
+        self._refuse_if_killed()
+        try:
+            yield
+        except DeviceError:
+            raise
+        except Gpr20Error as error:
+            raise DeviceError(error.message) from error
+        self._refuse_if_killed()
+
+    def _refuse_if_killed(self) -> None:
+        if self.killed.is_set():
+            raise NodeLostError(KILLED)
+
+
+class ProcessAxis:
+    """An axis as the control uses it."""
+
+    def __init__(self, world: World, calls: Calls, axis_id: AxisId) -> None:
+        self._calls, self._parameters = calls, AXES[axis_id]
+        mechanics = mechanics_of(MECHANICS, axis_id)
+        path = world.folder / f"{axis_id.value}_steps"
+        new = not path.exists()
+        counter = open_step_counter(path, self._parameters.step_size, LOCK_LIMIT_S)
+        if new and not self._parameters.finds_zero:
+            counter.begin_zero(MADE_US)
+            counter.place(world.state.steps(axis_id))
+        pins = SimulatedPins(
+            AxisMotor(world.state, axis_id, mechanics), wiring_of(axis_id, mechanics)
+        )
+        loop = PulseLoop(pins, self._parameters, StepTime(), NO_LIMITS, counter)
+        self.driver = AxisDriver(self._parameters, DirectPulses(loop, counter))
+        # No lease ends because this computer is slow.
+        self.lease = AxisLease(self._parameters.lease_limit_s, lambda: 0.0)
+        self.received = threading.Event()
+        self._stops = 0
+        self._outcomes: queue.SimpleQueue[MoveOutcome] = queue.SimpleQueue()
+        self._motions = Workers(most=1)
+
+    def reading(self) -> AxisReading:
+        here = self.driver.position
+        return AxisReading(here.coordinate, here.homed, self.driver.moving, 0.0, here.zero)
+
+    def is_connected(self) -> bool:
+        return not self._calls.killed.is_set()
+
+    def reserve(self) -> Lease:
+        with self._calls.answer("reserve"):
+            return Lease(self.lease.reserve(CALLER), self.lease.limit_s)
+
+    def renew(self, lease: Lease) -> bool:
+        return not self._calls.killed.is_set()
+
+    def release_lease(self, lease: Lease) -> None:
+        self.lease.release(CALLER, lease.number)
+
+    def begin_move(self, target: float) -> None:
+        outcomes: queue.SimpleQueue[MoveOutcome] = queue.SimpleQueue()
+        self._outcomes = outcomes
+        stopped = self._stop_since_now()
+
+        def move() -> None:
+            try:
+                with self.lease.use(CALLER) as lapsed:
+                    self.driver.move_to_coordinate(target, lambda: stopped() or lapsed())
+                outcomes.put(MoveOutcome(True, verbatim("")))
+            except AxisException as error:
+                outcomes.put(MoveOutcome(False, error.message))
+            self.received.set()
+
+        with self._calls.answer("move"):
+            self._motions.begin(move)
+
+    def move_outcome(self, wait_s: float) -> Optional[MoveOutcome]:
+        try:
+            return self._outcomes.get(timeout=wait_s)
+        except queue.Empty:
+            return None
+
+    def home(self, time_limit_s: float) -> None:
+        stopped = self._stop_since_now()
+        with self._calls.answer("home"), self.lease.use(CALLER):
+            self.driver.homing(stopped)
+
+    def set_zero(self) -> None:
+        with self._calls.answer("set_zero"), self.lease.use(CALLER):
+            self.driver.set_zero()
+
+    def stop(self) -> None:
+        self._stops += 1
+
+    def _stop_since_now(self) -> Callable[[], bool]:
+        stops, killed = self._stops, self._calls.killed
+        return lambda: self._stops != stops or killed.is_set()
+
+
+class ProcessAnalyzer:
+    def __init__(self, calls: Calls, driver: VNADriver) -> None:
+        self._answer, self._driver = calls.answer, driver
+
+    def connect(self, address: str) -> str:
+        with self._answer("connect"):
+            return self._driver.connect_to_vna(address)
+
+    def calibration(self) -> AnalyzerCalibration:
+        with self._answer("calibration"):
+            status = self._driver.check_calibration_status()
+            refusal = self._driver.calibration_refusal(status)
+            if refusal:
+                raise DeviceError(refusal)
+            return AnalyzerCalibration(status, dict(self._driver.state.calibration_details))
+
+    def configure(self, settings: SweepSettings) -> AnalyzerSetup:
+        with self._answer("configure"):
+            accepted = self._driver.set_frequency_sweep(settings)
+            duration_s, limit_s = self._driver.trace_duration_s, self._driver.answered_within_s
+            return AnalyzerSetup(accepted, duration_s, limit_s)
+
+    def frequencies_hz(self) -> np.ndarray:
+        with self._answer("frequencies"):
+            return self._driver.get_freq()
+
+    def prepare(self) -> None:
+        pass
+
+    def sweep(self) -> UnconfirmedSweep:
+        with self._answer("sweep"):
+            return UnconfirmedSweep(*self._driver.take_sweep())
+
+    def confirm(self, number: int) -> SweepConfirmation:
+        with self._answer("confirm"):
+            try:
+                confirmed = self._driver.confirm(number)
+            except Gpr20Error as error:
+                again = isinstance(error, (VnaSettingError, VnaNotReadyError, VnaOldDataError))
+                raise UnconfirmedError(error.message, again) from error
+            return SweepConfirmation(confirmed.remarks, confirmed.temperature_c)
+
+    def release(self) -> None:
+        with self._answer("release"):
+            self._driver.disconnect_from_vna()
+
+
+class ProcessHeightSensor:
+    def __init__(self, world: World, calls: Calls) -> None:
+        self._answer = calls.answer
+        ground = Ground(world.scene)
+
+        def true_height_m() -> float:
+            here = world.position()
+            return ground.antenna_height_m(here.x_mm, here.y_mm)
+
+        sensor = RangeSensor(world.scene.adc, true_height_m, lambda: world.state.adc_fault)
+        parameters = HeightParameters()
+        adc = AdcInterface(SimulatedSpi(sensor.code), parameters.channel)
+        self._driver = HeightDriver(adc, parameters, StepTime())
+
+    def height_m(self) -> float:
+        with self._answer("height"):
+            return self._driver.take_measurement().height_m
+
+
+class ProcessStorage:
+    """The storage; what it acknowledged is in `World.acknowledged`."""
+
+    def __init__(self, world: World, calls: Calls, processing: DataProcessing) -> None:
+        self._answer, self._disk = calls.answer, calls.disk
+        self._processing, self._acknowledged = processing, world.acknowledged
+
+    def open(self, record: SurveyRecord) -> OpenedSurvey:
+        with self._answer("open"), self._disk:
+            interrupted = self._processing.interrupt_other(record.survey_id)
+            folder = self._processing.open_survey(
+                record.survey_id, record.started_us, record.metadata_json, record.needed_bytes
+            )
+            return OpenedSurvey(str(folder), interrupted)
+
+    def reopen(self, survey: str) -> ReopenedSurvey:
+        with self._answer("reopen"), self._disk:
+            interrupted = self._processing.interrupt_other(survey)
+            return replace(self._processing.reopen_survey(survey), interrupted=interrupted)
+
+    def report(self, survey_id: str, report_json: str) -> int:
+        with self._answer("report"), self._disk:
+            return self._processing.report(survey_id, report_json)
+
+    def note(self, survey_id: str, note: Note) -> None:
+        with self._answer("note"), self._disk:
+            self._processing.note(survey_id, note.kind.value, json.dumps(note.values))
+
+    def store(self, trace: Trace) -> None:
+        with self._answer("store"), self._disk:
+            # As bytes, as it is sent.
+            self._processing.store(trace_message.decode(trace_message.encode(trace)))
+        self._acknowledged.append(trace)
+
+    def close(self, survey_id: str, end: SurveyEnd) -> None:
+        with self._answer("close"), self._disk:
+            self._processing.close_survey(survey_id, end.outcome, end.reason)
