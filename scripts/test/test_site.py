@@ -14,7 +14,7 @@ from user_shell import ROOT
 
 sys.path.insert(0, str(ROOT / "tools/site"))
 
-from fault_table import fault_table
+from messages_page import all_faults
 from messages_page import page as messages_page
 from pictures.architecture import pictures
 from pictures.graph import nodes_of
@@ -157,6 +157,6 @@ def test_the_page_of_the_faults_is_up_to_date_and_names_every_code_and_remedy():
         "run scripts/translations.sh"
     )
     words = " ".join(text.replace("<br>", "").replace("\\", "").split())
-    for code, fault in fault_table().faults.items():
-        assert f"- `{code}`" in words
+    for fault in all_faults():
+        assert f"- `{fault.code}`" in words
         assert fault.remedy is None or fault.remedy.template in words

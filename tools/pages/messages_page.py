@@ -5,15 +5,15 @@ Started by scripts/translations.sh; with --check it fails if the page is not up 
 
 from __future__ import annotations
 
+import importlib
 import itertools
 import re
 import sys
 import textwrap
 from pathlib import Path
-from typing import Iterator, List, Mapping
+from typing import Dict, Iterator, List, Mapping
 
 import polib
-from fault_table import fault_table
 
 from gpr20_common.message import Fault, Severity
 
@@ -37,10 +37,25 @@ está en los detalles de la tarjeta de la ventana.*
 REMARKS = {Severity.NOTE: "note", Severity.WARNING: "warning"}
 
 
+def all_faults() -> List[Fault]:
+    """Return the faults of all packages, in the order of their codes.
+
+    Raises:
+        ValueError: Two faults have one code.
+    """
+    faults: Dict[str, Fault] = {}
+    for path in sorted(ROOT.glob("catkin_ws/src/gpr20_*/src/*/faults.py")):
+        module = importlib.import_module(f"{path.parent.name}.faults")
+        for one in vars(module).values():
+            if isinstance(one, Fault) and faults.setdefault(one.code, one) != one:
+                raise ValueError(f"two faults have the code {one.code}")
+    return [faults[code] for code in sorted(faults)]
+
+
 def page() -> str:
     """Return the page."""
     spanish = {entry.msgid: entry.msgstr for entry in polib.pofile(str(CATALOGUE))}
-    faults = sorted(fault_table().faults.values(), key=lambda one: one.code)
+    faults = all_faults()
     areas = dict.fromkeys(_area(fault) for fault in faults)
     links = ", ".join(f"[{area}](#{area})" for area in areas) + "."
     text = [INTRODUCTION.rstrip(), *textwrap.wrap(links, WIDTH), ""]
