@@ -334,14 +334,21 @@ def test_a_start_of_the_computer_ends_all_as_its_clock_begins_anew(
     assert world.reported == []
 
 
-@pytest.mark.parametrize("content", ["", "[]", "{}", '{"boot": 1, "key": "k"}', "[" * 100_000])
+@pytest.mark.parametrize(
+    "content",
+    [
+        *("", "[]", "{}", "[" * 100_000, '{"boot": 1, "key": "k"}'),
+        *('{"boot": BOOT, "key": "1234"}', '{"boot": BOOT, "key": "\\ud800"}'),
+    ],
+)
 def test_a_damaged_file_is_reported_and_everybody_logs_in_again(world: World, content: str) -> None:
     token = world.sessions.begin(world.ana)
-    world.file.write_text(content)
+    world.file.write_text(content.replace("BOOT", json.dumps(session_file.BOOT.read_text())))
     world.restart()
     assert [one.fault_code for one in world.reported] == ["web.folder"]
     assert not world.is_in(token)
     token = world.sessions.begin(world.ana)
+    assert len(json.loads(world.file.read_text())["key"]) == 64
     world.restart()
     assert world.is_in(token)
 

@@ -17,6 +17,7 @@ from gpr20_web import faults
 from gpr20_web.low.secret_folder import ensure_secret_folder
 from gpr20_web.roles import Role
 
+KEY_BYTES = 32
 # Another one after each start of the computer, which begins the clock of the sessions anew.
 BOOT = Path("/proc/sys/kernel/random/boot_id")
 
@@ -50,10 +51,13 @@ class SessionFile:
 
     def read(self) -> Logins:
         """Return what was written since the computer was started, else a new key."""
-        found = new = Logins(BOOT.read_text(), secrets.token_hex())
+        found = new = Logins(BOOT.read_text(), secrets.token_hex(KEY_BYTES))
         try:
             if self._path.exists():
-                found = record_from(Logins, json.loads(read_regular(self._path)), "")
+                kept = record_from(Logins, json.loads(read_regular(self._path)), "")
+                if len(bytes.fromhex(kept.key)) != KEY_BYTES:
+                    raise ValueError(f"key must have {KEY_BYTES} bytes, as hexadecimal digits")
+                found = kept
         except (OSError, ValueError, RecursionError) as error:
             self._refused(error)
         return found if found.boot == new.boot else new
