@@ -6,12 +6,14 @@ from typing import Iterator, List
 
 import pytest
 from hypothesis import HealthCheck, settings
+from run_seed import draws
 
 # No test is about time by the clock of a busy computer. Each run draws the same, unless
 # `scripts/test.sh random` asks for more: a test that fails is the fault of a change.
 settings.register_profile(
     "any_speed",
     deadline=None,
+    max_examples=draws(25),
     suppress_health_check=[HealthCheck.too_slow],
     derandomize="GPR20_SEED" not in os.environ,
     database=None,
@@ -25,7 +27,6 @@ pytest_plugins = [
     "pytest_gpr20.rostest_items",
     "pytest_gpr20.abilities",
     "pytest_gpr20.qt_application",
-    "pytest_gpr20.real_time",
 ]
 
 

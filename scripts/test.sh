@@ -17,8 +17,10 @@ for argument in "$@"; do
         unit) paths+=("$GPR20_ROOT"/catkin_ws/src/*/test/unit) options+=(--cov --cov-report=) ;;
         ros) paths+=("$GPR20_ROOT"/catkin_ws/src/*/test/ros) ;;
         commands) paths+=("$GPR20_ROOT/scripts/test") ;;
-        release) options+=(-m release) versions=(3.8 3.13) ;;
-        random) export GPR20_SEED="${GPR20_SEED:-$RANDOM$RANDOM}" ;;
+        release)
+            options+=(-m "release or hypothesis") versions=(3.8 3.13)
+            export GPR20_LONG=1 ;;
+        random) export GPR20_LONG=1 GPR20_SEED="${GPR20_SEED:-$RANDOM$RANDOM}" ;;
         *)
             if [ ! -e "${argument%%::*}" ]; then
                 echo "test.sh: '$argument' is neither a path nor one of lint, unit, ros," \

@@ -10,8 +10,6 @@ from reachable_sockets import processes_below, reachable_at
 from robot_kit import free_port
 from user_shell import Terminal, is_ready, user_environment, wait_until
 
-pytestmark = pytest.mark.real_time
-
 # A word of the command line of each process of the system.
 ROBOT = ["x_axis-axis_driver", "y_axis-axis_driver", "z_axis-axis_driver", "name:=height_sensor"]
 ROBOT += ["name:=simulator"]

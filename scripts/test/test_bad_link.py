@@ -43,7 +43,6 @@ SURVEY = f"{CLIENT} --x-points {POINTS} --y-points 3"
 
 pytestmark = [
     pytest.mark.release,
-    pytest.mark.real_time,
     pytest.mark.needs("network namespaces", "tun"),
 ]
 

@@ -10,8 +10,6 @@ from pathlib import Path
 import pytest
 from run_seed import SEED
 
-pytestmark = pytest.mark.real_time
-
 MATRIX = Path(__file__).resolve().parents[2] / "tools/crash_matrix"
 LIMIT_S = 600.0
 NOT_POSSIBLE = 77

@@ -22,7 +22,6 @@ from user_shell import wait_until
 
 pytestmark = [
     pytest.mark.release,
-    pytest.mark.real_time,
     pytest.mark.needs("network namespaces", "firewall"),
 ]
 

@@ -13,7 +13,7 @@ from robot_kit import end, free_port
 from user_shell import LIMIT_S, ROOT, user_environment, wait_until
 from wings_kit import needs
 
-pytestmark = [pytest.mark.real_time, pytest.mark.release]
+pytestmark = pytest.mark.release
 
 AREA = "--x-start-mm 100 --x-stop-mm 120 --x-points 3 --y-start-mm 100 --y-stop-mm 120 --y-points 3"
 # catkin_make is part of the script; `catkin build` installs the same, but takes a minute longer.

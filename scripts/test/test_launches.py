@@ -18,8 +18,6 @@ from user_shell import ROOT
 
 from gpr20_survey.files.data_marker import FolderMemory, read_marker
 
-pytestmark = pytest.mark.real_time
-
 LIMIT_S = 120.0
 # A log line of this level, or of a worse one, as rospy writes it.
 ERROR = re.compile(r"\[(ERROR|FATAL)\]|Traceback")

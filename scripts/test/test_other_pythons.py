@@ -170,7 +170,6 @@ def test_every_source_file_is_compiled_by_the_python_of_noetic(tmp_path):
 
 
 @pytest.mark.release
-@pytest.mark.real_time
 @pytest.mark.parametrize("python", PYTHONS, ids=lambda python: python.version)
 def test_the_unit_tests_pass_under(python, request):
     if not python.program.exists():

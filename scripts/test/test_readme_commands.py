@@ -21,8 +21,6 @@ SMALL = ["--x-points", "3", "--y-points", "3"]  # 18 traces
 NEAR_MM, NEAR_DEPTH_MM = 10.0, 5.0
 PLACE = r"x (\d+), y (\d+), depth (\d+)"
 
-pytestmark = pytest.mark.real_time
-
 
 def fenced_lines(text):
     """Return the lines inside fences, in order."""

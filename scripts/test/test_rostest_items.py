@@ -8,7 +8,6 @@ import pytest
 from pytest_gpr20.workspace import ROOT
 
 pytest_plugins = ["pytester"]
-pytestmark = pytest.mark.real_time
 
 PACKAGE = """
 <package format="2"><name>trial</name><version>0.1.0</version><description>trial</description>

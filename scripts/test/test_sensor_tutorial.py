@@ -13,8 +13,6 @@ import pytest
 from robot_kit import LaunchedRobot, end
 from tutorial_code import code_blocks
 
-pytestmark = pytest.mark.real_time
-
 ROOT = Path(__file__).resolve().parents[2]
 PAGE = ROOT / "docs/extend/sensor.md"
 LIMIT_S = 120.0

@@ -10,8 +10,6 @@ import psutil
 import pytest
 from robot_kit import WATCHDOG, LaunchedRobot, free_port
 
-pytestmark = pytest.mark.real_time
-
 LIMIT_S = 120.0
 
 

@@ -13,8 +13,6 @@ from other_origin_kit import TRIES, other_origin
 from robot_kit import WEB
 from web_site_kit import PASSWORD, Site, launched_site
 
-pytestmark = pytest.mark.real_time
-
 # A link that loses STOP, and PAUSE once `losePause` is called.
 LOSE = """
 const { fetch } = window;

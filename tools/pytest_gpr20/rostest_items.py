@@ -70,9 +70,8 @@ class RostestFile(pytest.File):
     """A file `*.test`."""
 
     def collect(self) -> Iterator[pytest.Item]:
-        """Yield its only item, which depends on real time."""
+        """Yield its only item."""
         item = RostestItem.from_parent(self, name="rostest")
-        item.add_marker("real_time")
         described = ElementTree.parse(self.path).getroot()
         needs = [str(one.get("value")) for one in described.iter("arg") if is_need(one)]
         item.add_marker(pytest.mark.needs(*needs))

@@ -35,8 +35,6 @@ from gpr20_simulator.low.shared_state import EndstopFault, open_shared_state
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.axes.ramp import Ramp
 
-pytestmark = pytest.mark.real_time
-
 # What a stop may take besides the ramp.
 STOP_S = 0.1
 

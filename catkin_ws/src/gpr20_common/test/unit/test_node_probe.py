@@ -12,8 +12,6 @@ from gpr20_common import faults
 from gpr20_common.errors import NodeGoneError, NodeSilentError
 from gpr20_common.low.node_probe import NodeProbe
 
-pytestmark = pytest.mark.real_time
-
 LIMIT_S = 0.5
 
 

@@ -9,8 +9,6 @@ pytest.importorskip("rospy")
 
 from gpr20_common.high.periodic import Periodic
 
-pytestmark = pytest.mark.real_time
-
 LIMIT_S = 10.0
 
 

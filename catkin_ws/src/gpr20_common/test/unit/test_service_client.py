@@ -28,8 +28,6 @@ from gpr20_msgs.srv import (
     ReportSurveyResponse,
 )
 
-pytestmark = pytest.mark.real_time
-
 LIMIT_S = 20.0
 SHORT_S = 0.3
 DRAWS = int(os.environ.get("GPR20_SERVICE_DRAWS", "8"))

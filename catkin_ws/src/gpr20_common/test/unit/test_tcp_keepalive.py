@@ -8,8 +8,6 @@ from vanishing_peer import come_back, vanish
 
 from gpr20_common.low.tcp_keepalive import keep_alive, silence_s
 
-pytestmark = pytest.mark.real_time
-
 LIMIT_S = 20.0
 
 

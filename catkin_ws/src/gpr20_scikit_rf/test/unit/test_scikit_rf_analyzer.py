@@ -38,8 +38,6 @@ from gpr20_vna_acquisition.mid.request_deadline import RequestDeadline
 from gpr20_vna_acquisition.mid.vna_driver import VNADriver
 from gpr20_vna_acquisition.mid.vna_parameters import VnaParameters
 
-pytestmark = pytest.mark.real_time
-
 SWEEP = SweepSettings(600_000_000.0, 6_000_000_000.0, 51)
 # The first scikit-rf for Python 3.8 has no class of Rohde & Schwarz that works.
 HAS_ROHDE_SCHWARZ = importlib.util.find_spec("skrf.vi.vna.rohde_schwarz.rs_vna") is not None

@@ -20,8 +20,6 @@ from gpr20_simulator.mid.analyzer import scpi
 from gpr20_simulator.mid.analyzer.scpi import MOST_COMMANDS, ScpiError, split_message
 from gpr20_simulator.mid.analyzer.vna_commands import SETTINGS
 
-pytestmark = pytest.mark.real_time
-
 DRAWS = int(os.environ.get("GPR20_RANDOM_INPUT_DRAWS", "30"))
 HEADERS = [one.header.pattern.translate(str.maketrans("#", "1", "[]")) for one in SETTINGS]
 PIECES = [

@@ -15,8 +15,6 @@ from gpr20_simulator.low.portmapper import Portmapper, tcp_mapping
 from gpr20_simulator.low.rpc import RpcProgram, pack_opaque
 from gpr20_simulator.low.rpc_server import ListenError, RpcTcpServer
 
-pytestmark = pytest.mark.real_time
-
 PROGRAM, VERSION, ECHO = 400000, 1, 1
 LONGEST_RECORD = 1000
 PMAP = 100000

@@ -15,8 +15,6 @@ from gpr20_simulator.mid.analyzer.sweep_plan import SweepFaults, SweepPace, Swee
 from gpr20_simulator.mid.analyzer.sweeper import Sweeper
 from gpr20_simulator.mid.world.medium import PositionProbe, probed_position_mm, probed_sweep
 
-pytestmark = pytest.mark.real_time
-
 POINTS = 100
 POINT_S = 0.01
 SWEEP_S = POINTS * POINT_S

@@ -16,8 +16,6 @@ from gpr20_simulator.low.scaled_clock import ScaledClock
 from gpr20_simulator.mid.analyzer.instrument_scene import Averaging, InstrumentScene, Power
 from gpr20_simulator.mid.world.medium import probed_sweep
 
-pytestmark = pytest.mark.real_time
-
 TIME_SCALE = 10.0
 SWEEP_S = POINTS * POINT_S / TIME_SCALE
 

@@ -25,8 +25,6 @@ from gpr20_simulator.mid.world.ground import Ground
 from gpr20_simulator.mid.world.medium import PositionProbe, probed_position_mm, probed_sweep
 from gpr20_simulator.mid.world.scene import Scene
 
-pytestmark = pytest.mark.real_time
-
 
 @pytest.fixture
 def rig():

@@ -12,8 +12,6 @@ from gpr20_simulator.low.rpc_server import ListenError
 from gpr20_simulator.low.vxi11_core import Limits
 from gpr20_simulator.low.vxi11_server import Vxi11Server
 
-pytestmark = pytest.mark.real_time
-
 
 @pytest.fixture
 def device():

@@ -26,8 +26,6 @@ from gpr20_simulator.low.message_device import ClearSupport, NetworkFault
 from gpr20_simulator.low.vxi11_core import Limits
 from gpr20_simulator.low.vxi11_server import Vxi11Server
 
-pytestmark = pytest.mark.real_time
-
 # A call that takes longer hangs.
 LIMIT_S = 10.0
 LIMITS = Limits(receive_size=1024, reply_size=2000, message_size=5000, links=3, connections=8)

@@ -10,8 +10,6 @@ import pytest
 from gpr20_operator.robot.events import StopRequested
 from gpr20_user_interface.low.process import SecondStopSignal, StopSignals, leave_now
 
-pytestmark = pytest.mark.real_time
-
 
 @pytest.mark.parametrize(
     ("number", "name"), [(signal.SIGINT, "Ctrl-C"), (signal.SIGTERM, "SIGTERM")]

@@ -181,7 +181,6 @@ def taken(driver: VNADriver) -> Tuple[int, Tuple[str, ...]]:
     return number, sweep.quality
 
 
-@pytest.mark.real_time
 def test_the_simulated_instrument_tells_all_that_a_confirmation_needs(vna):
     driver = driver_of(vna)
     assert driver.confirm(taken(driver)[0]).temperature_c == 40.0
@@ -190,7 +189,6 @@ def test_the_simulated_instrument_tells_all_that_a_confirmation_needs(vna):
         driver.confirm(taken(driver)[0])
 
 
-@pytest.mark.real_time
 def test_a_setting_that_is_changed_and_put_back_within_a_sweep_is_remarked(vna):
     driver = driver_of(vna, points=1501)
     assert taken(driver)[1] == ()
@@ -200,7 +198,6 @@ def test_a_setting_that_is_changed_and_put_back_within_a_sweep_is_remarked(vna):
     driver.confirm(number)
 
 
-@pytest.mark.real_time
 def test_no_other_program_can_use_the_instrument_until_it_is_released(vna):
     driver = driver_of(vna)
     other = connect(HOST, LIMITS, vna.server.port)
@@ -215,7 +212,6 @@ def test_no_other_program_can_use_the_instrument_until_it_is_released(vna):
     other.close()
 
 
-@pytest.mark.real_time
 def test_a_lost_link_leaves_no_lock(vna):
     driver = driver_of(vna)
     vna.faults.set("DROP", 1)

@@ -29,8 +29,6 @@ from gpr20_vna_acquisition.mid.conformance.record import FILE, has_passed, store
 from gpr20_vna_acquisition.mid.conformance.suite import Result, passed, results
 from gpr20_vna_acquisition.mid.vna_parameters import VnaParameters
 
-pytestmark = pytest.mark.real_time
-
 QUICK = Extent(21, (1e5, 1e4, 1e3), sweeps=4, traces=3, limit_s=20.0, longest_lag_s=0.1)
 SCENE = Path(__file__).parents[3] / "gpr20_simulator/scenes/two_targets.yaml"
 

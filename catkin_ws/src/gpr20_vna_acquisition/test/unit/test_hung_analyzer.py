@@ -21,8 +21,6 @@ from gpr20_vna_acquisition.mid.request_deadline import RequestDeadline
 from gpr20_vna_acquisition.mid.vna_driver import VNADriver
 from gpr20_vna_acquisition.mid.vna_parameters import VnaParameters
 
-pytestmark = pytest.mark.real_time
-
 SWEEP = SweepSettings(600e6, 6e9, 51)
 # A request ends this long after its limit at the latest [s]; measured: 1.1 s.
 LATEST_S = 2.5

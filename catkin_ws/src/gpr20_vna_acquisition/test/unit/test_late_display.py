@@ -157,7 +157,6 @@ def test_a_sweep_with_every_bit_of_the_one_before_is_refused_unless_there_is_no_
         driver.get_trace()
 
 
-@pytest.mark.real_time
 def test_no_confirmed_trace_is_stale_mixed_or_doubled():
     # scripts/bench.sh freshness draws 2,000 from every kind.
     traces = int(os.environ.get("GPR20_FRESHNESS_TRACES", "3"))

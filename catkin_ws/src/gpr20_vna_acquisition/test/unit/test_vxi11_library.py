@@ -30,8 +30,6 @@ from gpr20_vna_acquisition import faults
 from gpr20_vna_acquisition.errors import VnaConnectionError
 from gpr20_vna_acquisition.low.vxi11_transport import connect
 
-pytestmark = pytest.mark.real_time
-
 READ_PIECE_BYTES = 1024
 
 

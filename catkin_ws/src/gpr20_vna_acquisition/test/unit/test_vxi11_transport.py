@@ -36,8 +36,6 @@ from gpr20_vna_acquisition import faults
 from gpr20_vna_acquisition.errors import VnaConnectionError
 from gpr20_vna_acquisition.low.vxi11_transport import connect
 
-pytestmark = pytest.mark.real_time
-
 
 @pytest.fixture
 def server():

@@ -25,8 +25,6 @@ from gpr20_vna_acquisition.mid.request_deadline import RequestDeadline
 from gpr20_vna_acquisition.mid.vna_driver import VNADriver
 from gpr20_vna_acquisition.mid.vna_parameters import VnaParameters
 
-pytestmark = pytest.mark.real_time
-
 HOST = "127.0.0.1"
 LIMITS = LinkLimits(connect_s=1.0, answer_s=1.0)
 SECONDS_PER_POINT = 100e-6

@@ -11,8 +11,6 @@ from gpr20_common.message import Message
 from gpr20_survey.errors import StorageFailedError, TraceRefusedError
 from gpr20_vna_processing.mid.storage_thread import QueueLimits, StorageThread
 
-pytestmark = pytest.mark.real_time
-
 TIME_LIMIT_S = 10.0
 
 

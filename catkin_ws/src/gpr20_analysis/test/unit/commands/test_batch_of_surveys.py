@@ -27,8 +27,6 @@ from gpr20_analysis.formats.common import Imported, as_dataset
 from gpr20_analysis.formats.dataset_files import write_dataset
 from gpr20_analysis.read.load import load_survey
 
-pytestmark = pytest.mark.real_time
-
 TIME_LIMIT_S = 120.0
 GPR20 = "import sys; from gpr20_analysis.commands.main import main; sys.exit(main())"
 IMAGE = "image --permittivity 4 --depth 0 0.1 0.01 --method back-projection"

@@ -15,8 +15,6 @@ from gpr20_analysis.atomic_output import BESIDE
 from gpr20_analysis.dataset import S21_DIMS, SAMPLE_DIMS
 from gpr20_analysis.formats.dataset_files import write_dataset
 
-pytestmark = pytest.mark.real_time
-
 TIME_LIMIT_S = 120.0
 STOPS = 100
 COMMAND = "import sys; from gpr20_analysis.commands.main import main; sys.exit(main())"

@@ -120,7 +120,6 @@ def test_a_lost_manifest_is_repaired_and_notes_can_be_added(tmp_path, capsys):
     assert "imported from line 7.dzt (dzt)" in capsys.readouterr().out
 
 
-@pytest.mark.real_time
 @pytest.mark.parametrize("seed", range(4))
 def test_an_import_that_is_killed_leaves_nothing_that_is_listed(tmp_path, seed):
     process = subprocess.Popen(

@@ -19,8 +19,6 @@ from gpr20_survey.files.durable_files import is_temporary
 from gpr20_survey.recording.recordings import open_recordings
 from gpr20_vna_processing.mid.processing_records import Limits
 
-pytestmark = pytest.mark.real_time
-
 LIMITS = Limits(timeout_s=20.0, period_s=0.05, disk_reserve_bytes=0)
 
 
