@@ -2,7 +2,7 @@
 
 import logging
 import os
-from typing import Iterator, List
+from typing import Any, Iterator, List
 
 import pytest
 from hypothesis import HealthCheck, settings
@@ -24,10 +24,22 @@ settings.register_profile("few_examples", settings.get_profile("any_speed"), max
 
 pytest_plugins = [
     "pytest_gpr20.workspace",
+    "pytest_gpr20.processes",
     "pytest_gpr20.rostest_items",
     "pytest_gpr20.abilities",
-    "pytest_gpr20.qt_application",
 ]
+
+
+@pytest.fixture(scope="session")
+def application() -> Iterator[Any]:
+    """The only application of Qt, for all tests of a process, on a screen that nobody sees.
+
+    A second one, or a widget that outlives the first, corrupts memory.
+    """
+    os.environ.setdefault("QT_QPA_PLATFORM", "offscreen")
+    from PyQt5.QtWidgets import QApplication
+
+    yield QApplication.instance() or QApplication(["test"])
 
 
 @pytest.fixture

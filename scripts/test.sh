@@ -1,11 +1,11 @@
 #!/usr/bin/env bash
 # Install what is missing, then run the tests: one run of pytest, side by side.
-#   scripts/test.sh                  everything but the tests of a release
+#   scripts/test.sh                  what every change has to pass
 #   scripts/test.sh PART|PATH ...    only these: lint, unit, ros, commands, or test files
-#   scripts/test.sh release          what takes minutes and scripts/release.sh runs too
+#   scripts/test.sh release          the rest, and random tests at length; so does release.sh
 #   scripts/test.sh random [PART]    random tests draw other inputs than in each run before;
 #                                    GPR20_SEED=N repeats those of a run
-# The end says what failed, what was skipped and why, and what was repeated.
+# The end says what failed, what was skipped and why, and what was left running.
 set -euo pipefail
 # shellcheck source=scripts/environment.sh
 source "$(dirname "${BASH_SOURCE[0]}")/environment.sh"
@@ -18,9 +18,11 @@ for argument in "$@"; do
         ros) paths+=("$GPR20_ROOT"/catkin_ws/src/*/test/ros) ;;
         commands) paths+=("$GPR20_ROOT/scripts/test") ;;
         release)
-            options+=(-m "release or hypothesis") versions=(3.8 3.13)
+            options+=(-m "release or hypothesis" --timeout 3600) versions=(3.8 3.13)
             export GPR20_LONG=1 ;;
-        random) export GPR20_LONG=1 GPR20_SEED="${GPR20_SEED:-$RANDOM$RANDOM}" ;;
+        random)
+            options+=(--timeout 3600)
+            export GPR20_LONG=1 GPR20_SEED="${GPR20_SEED:-$RANDOM$RANDOM}" ;;
         *)
             if [ ! -e "${argument%%::*}" ]; then
                 echo "test.sh: '$argument' is neither a path nor one of lint, unit, ros," \

@@ -65,7 +65,10 @@ def launched_beside_a_master(terminal, port):
 
 @pytest.mark.parametrize(
     ("launch", "survey"),
-    [(launched, SURVEY), (launched_beside_a_master, f"{SURVEY} __ns:=robot1")],
+    [
+        (launched, SURVEY),
+        pytest.param(launched_beside_a_master, f"{SURVEY} __ns:=robot1", marks=pytest.mark.release),
+    ],
 )
 def test_a_running_survey_can_be_reached_from_this_machine_alone(
     tmp_path, terminal_of, launch, survey
@@ -86,6 +89,7 @@ def test_a_running_survey_can_be_reached_from_this_machine_alone(
     assert len(found) >= 2 * len(ROBOT + SERVER)
 
 
+@pytest.mark.release
 def test_a_survey_runs_on_two_machines_each_bound_to_its_own_address(tmp_path, terminal_of):
     port = free_port()
     exported = {

@@ -11,7 +11,6 @@ import sysconfig
 import pytest
 from robot_kit import end, free_port
 from user_shell import LIMIT_S, ROOT, user_environment, wait_until
-from wings_kit import needs
 
 pytestmark = pytest.mark.release
 
@@ -108,16 +107,6 @@ def test_a_copy_runs_a_whole_survey_that_the_installed_command_verifies(installe
     run(sourced(folder, f"gpr20-verify {stored}"), environment)
 
 
-@needs("gpr20_viewer")
-def test_it_has_the_commands_that_packages_add(installed):
-    folder, _revision = installed
-    environment = user_environment(folder)
-    assert "--picks FILE" in run(sourced(folder, "gpr20 view --help"), environment)
-    # The environment of this checkout, which the copy uses here, has the entry point too.
-    (entries,) = folder.glob("lib/python3/dist-packages/gpr20_viewer-*.egg-info/entry_points.txt")
-    assert "[gpr20.commands]\nview = " in entries.read_text()
-
-
 def test_its_window_and_its_nodes_start_once_and_report_no_error(survey):
     _stored, log = survey
     assert "process[user_interface-" in log
@@ -140,16 +129,6 @@ def test_every_program_of_it_runs_in_the_python_of_its_own_environment(installed
         assert program.read_text().startswith("#!/usr/bin/env python3\n"), program
     found = run(sourced(folder, "command -v python3 gpr20"), user_environment(folder))
     assert found.split() == [str(folder / "venv/bin/python3"), str(folder / "bin/gpr20")]
-
-
-def test_nothing_of_another_python_environment_is_used(installed):
-    folder, _revision = installed
-    installed_in = folder / "lib/python3/dist-packages"
-    packages = sorted(path.name for path in installed_in.glob("gpr20_*") if path.suffix == "")
-    assert {"gpr20_common", "gpr20_msgs", "gpr20_survey"} <= set(packages)
-    program = f"import {', '.join(packages)}; print({', '.join(f'{p}.__path__' for p in packages)})"
-    printed = run(sourced(folder, f'python3 -c "{program}"'), user_environment(folder))
-    assert printed.count(str(installed_in)) == len(packages)
 
 
 @pytest.mark.parametrize("arguments", ["", "--robot", "folder --unknown"])

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import contextlib
-import itertools
 import os
 import re
 import shutil
@@ -13,10 +11,9 @@ from pathlib import Path
 import install_page
 import package_files
 import pytest
-from network_namespaces import ROBOT, ROBOT_STRANGER, SERVER, two_machines
+from network_namespaces import ROBOT, SERVER
 from package_files import unit_values
-from test_firewall import PORT, listening
-from user_shell import ROOT, wait_until
+from user_shell import ROOT
 
 from gpr20_survey.axes.realtime_priority import PULSE_PRIORITY
 
@@ -63,26 +60,6 @@ def printed_by(*command, status=0, **variables):
     )
     assert done.returncode == status, done.stdout
     return done.stdout
-
-
-def test_everything_belongs_to_root_and_only_root_may_write(packages):
-    for file in packages.folder.glob("*.deb"):
-        for line in printed_by("dpkg-deb", "--contents", file).splitlines():
-            rights, owner = line.split()[:2]
-            assert owner == "root/root", line
-            assert rights[0] == "l" or (rights[5] == "-" and rights[8] == "-"), line
-
-
-def test_what_people_change_is_a_conffile(packages):
-    conffiles = packages.control("gpr20-common", "conffiles").split()
-    assert {"/etc/gpr20/environment", "/etc/security/limits.d/gpr20.conf"} <= set(conffiles)
-
-
-def test_robot_and_server_exclude_each_other_and_all_have_one_version(packages):
-    assert packages.field("gpr20-robot", "Conflicts") == "gpr20-server"
-    assert packages.field("gpr20-server", "Conflicts") == "gpr20-robot"
-    for name in UNITS:
-        assert f"gpr20-common (= {package_files.VERSION})" in packages.field(name, "Depends")
 
 
 def test_the_packages_need_what_a_developer_installs_to_run_the_robot(packages):
@@ -259,29 +236,6 @@ def test_the_web_page_is_reached_from_its_networks_alone(environment, tmp_path, 
     assert port_rules(rules, port) == [f"tcp dport {port} drop"]
 
 
-@needs_network
-def test_a_browser_gets_through_from_a_network_of_the_page_and_from_no_other(environment, tmp_path):
-    (tmp_path / "web.yaml").write_text(f"port: {PORT}\n")
-    with two_machines() as (server, robot), listening(server, SERVER):
-        for web, link in itertools.product((ROBOT_STRANGER, ADMIN), ({}, ONE_MACHINE)):
-            settings = environment(GPR20_WEB=web, GPR20_CONFIG=tmp_path, **link)
-            printed_by(*server.prefix, FIREWALL, "load", **settings)
-            reached = robot.reached(ROBOT_STRANGER, SERVER, [PORT])
-            assert reached == ({PORT} if web == ROBOT_STRANGER else set()), (web, link)
-
-
-@needs_network
-@pytest.mark.parametrize(
-    "text", ["{port: 9443}", "'port': 9443", "port: 0x1F90", "port: 8443\nport: 9443"]
-)
-def test_a_port_of_the_page_that_the_firewall_cannot_read_is_refused(environment, tmp_path, text):
-    (tmp_path / "web.yaml").write_text(text)
-    settings = environment(GPR20_WEB="none", GPR20_CONFIG=tmp_path)
-    # Not on this computer, whose firewall it would be.
-    said = printed_by("unshare", "--net", FIREWALL, "load", status=1, **settings)
-    assert f"{tmp_path}/web.yaml cannot be read; write port: and a number" in said
-
-
 WRONG = {
     "nobody could get in": ({"GPR20_ADMIN": ""}, "GPR20_ADMIN is empty"),
     "no address": ({"GPR20_ROBOT": "10.20.0.256"}, "GPR20_ROBOT is '10.20.0.256'"),
@@ -311,29 +265,3 @@ def test_what_nftables_does_leaves_the_rules(environment):
         assert f"{key}=/usr/lib/gpr20/firewall load\n" in unit
     load = f"{FIREWALL} load"
     assert rules_after(load, "nft flush ruleset", load, **settings) == rules_after(load, **settings)
-
-
-@needs_network
-def test_the_robot_follows_the_clock_of_the_pc_behind_the_firewall(environment, tmp_path):
-    chronyd = program("chronyd")
-    settings = environment()
-    (tmp_path / "sources").mkdir()
-    server = (ROOT / "deploy/server/etc/chrony/conf.d/gpr20.conf").read_text("utf-8")
-    source = "server 10.20.0.2 iburst minpoll 2 maxpoll 4 prefer trust"
-    assert source.replace(SERVER, "$server") in FIREWALL.read_text("utf-8")
-    texts = [server, source]
-    with two_machines() as places, contextlib.ExitStack() as started:
-        logs = []
-        for number, (text, place) in enumerate(zip(texts, places)):
-            printed_by(*place.prefix, FIREWALL, "load", **settings)
-            file = tmp_path / f"{number}.conf"
-            file.write_text(f"{text}\npidfile {file}.pid\nbindcmdaddress /\ncmdport 0\n")
-            log = started.enter_context(file.with_suffix(".log").open("wb"))
-            # -x: the clock of this computer is not touched.
-            command = [*place.prefix, chronyd, "-x", "-d", "-u", "root", "-f", str(file)]
-            process = subprocess.Popen(command, stdout=log, stderr=subprocess.STDOUT)
-            started.callback(process.wait)
-            started.callback(process.terminate)
-            logs.append((file.with_suffix(".log"), process))
-        log, process = logs[1]
-        wait_until(lambda: f"Selected source {SERVER}" in log.read_text(), process, limit_s=60.0)

@@ -46,26 +46,6 @@ def run_survey(data, *options):
     )
 
 
-def test_the_readme_begins_with_the_two_commands():
-    lines = fenced_lines((ROOT / "README.md").read_text())
-    assert lines[:2] == ["scripts/survey.sh", "scripts/test.sh"]
-    assert "scripts/test.sh" in (ROOT / ".ci/run").read_text()
-
-
-def test_help_of_the_first_command_explains_its_options_and_runs_nothing(tmp_path):
-    ended = subprocess.run(
-        [str(ROOT / "scripts/survey.sh"), "--help"],
-        env=user_environment(tmp_path / "data", TMPDIR=str(tmp_path)),
-        capture_output=True,
-        text=True,
-        timeout=LIMIT_S,
-        check=True,
-    )
-    assert "--frequency-points" in ended.stdout
-    assert "The survey is in" not in ended.stdout
-    assert not (tmp_path / "data").exists()
-
-
 @pytest.fixture(scope="module")
 def whole_survey(tmp_path_factory):
     """A survey made by the first command: (what was printed, its folder).
@@ -166,11 +146,6 @@ def test_it_ends_with_a_report_beside_the_survey_that_says_it_is_simulated(whole
     assert "SIMULATED" in text
     # Pictures of the image, not only of the data.
     assert "Maximum projections at 0 deg" in text
-
-
-def test_its_progress_is_a_few_lines_where_there_is_no_terminal(whole_survey):
-    printed, _folder = whole_survey
-    assert len(re.findall(r"\d+/\d+ traces", printed)) <= 12
 
 
 def test_nothing_keeps_running_after_it(whole_survey):

@@ -10,8 +10,6 @@ from pathlib import Path
 
 import pytest
 import ros2_interfaces
-from hypothesis import given
-from hypothesis import strategies as st
 from rosbags.typesys import get_types_from_msg
 
 from gpr20_analysis.formats.ros2_types import Ros2Type
@@ -98,26 +96,6 @@ def test_an_exported_message_has_the_fields_of_the_built_interface(file):
     assert parts_of(own) == parts_of(FOUND[file])
 
 
-FIELDS = st.from_regex(r"[a-z](_?[a-z0-9]){0,12}", fullmatch=True)
-KINDS = st.sampled_from(["time", "duration", "string", "float64", "uint8", "std_msgs/Header"])
-ARRAYS = st.sampled_from(["", "[]", "[3]"])
-# The library that is the judge knows these as its own words.
-RESERVED = {"string", "wstring", "time", "duration"}
-
-
-@given(
-    st.dictionaries(FIELDS, st.tuples(KINDS, ARRAYS), min_size=1), st.text("abc # []=", max_size=9)
-)
-def test_random_definitions_keep_their_fields_and_comments(fields, comment):
-    fields = {name: kind for name, kind in fields.items() if name not in RESERVED} or {
-        "a": ("string", "")
-    }
-    text = "".join(f"{kind}{array} {name}  # {comment}\n" for name, (kind, array) in fields.items())
-    there = ros2_interfaces.ros2_text(text)
-    assert parts_of(there) == parts_of(text)
-    assert there.count(f"  # {comment}\n") >= len(fields)
-
-
 @pytest.mark.parametrize("line", ["float64 Height", "float64 a__b", "float64 a_", "float64", "X=1"])
 def test_a_name_that_ros2_does_not_allow_is_refused(line, tmp_path):
     (tmp_path / "msg").mkdir()
@@ -126,19 +104,6 @@ def test_a_name_that_ros2_does_not_allow_is_refused(line, tmp_path):
     assert done.returncode == 1
     assert "Wrong.msg" in done.stderr and repr(line)[1:-1] in done.stderr
     assert not (tmp_path / "out").exists()
-
-
-def test_a_folder_without_interfaces_is_refused(tmp_path):
-    done = run_script(tmp_path, tmp_path / "out")
-    assert done.returncode == 1 and "has no msg" in done.stderr
-    assert run_script(tmp_path).returncode == 2
-
-
-def test_what_did_not_change_is_not_written_again(tmp_path):
-    assert run_script(ROS1, tmp_path).stdout.split() == list(FOUND)
-    before = {path: path.stat().st_mtime_ns for path in tmp_path.glob("*/*")}
-    assert run_script(ROS1, tmp_path).returncode == 0
-    assert {path: path.stat().st_mtime_ns for path in tmp_path.glob("*/*")} == before
 
 
 def run_script(*arguments):

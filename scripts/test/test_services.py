@@ -10,10 +10,12 @@ import signal
 import subprocess
 
 import psutil
+import pytest
 from package_files import unit_values
 from robot_kit import free_port
 from user_shell import ROOT, Terminal, is_ready, user_environment, wait_until
 
+pytestmark = pytest.mark.release
 CLIENT = "rosrun gpr20_user_interface run_survey --wait 60"
 UNIT = "gpr20-robot"
 SIDE = 8

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import shutil
 import subprocess
 from dataclasses import dataclass, field
@@ -153,15 +152,6 @@ def test_it_waits_for_who_is_installing_packages_and_names_it(computer, command)
     assert computer.calls.count(f"apt-get {command}") == 2
 
 
-def test_it_waits_no_longer_than_its_limit(computer):
-    computer.environment["GPR20_APT_WAIT_S"] = "1"
-    computer.stub("apt-get", f'echo "{LOCKED}" >&2; exit 100')
-    ended = computer.run()
-    assert ended.returncode == 1
-    assert "held by process 4711" in ended.stderr
-    assert "Another program is installing packages" in ended.stderr
-
-
 @pytest.mark.parametrize(
     ("sudo", "reason"),
     [
@@ -182,13 +172,6 @@ def test_without_the_rights_it_says_at_once_what_root_has_to_run(computer, sudo,
     assert not (computer.checkout / "setup.log").exists()
 
 
-def test_a_user_with_sudo_installs_by_it(computer):
-    ordinary_user(computer)
-    computer.stub("sudo", '[ "$1" != -n ] || shift; "$@"')
-    assert computer.run().returncode == 0
-    assert "sudo env LC_ALL=C DEBIAN_FRONTEND=noninteractive apt-get install" in computer.calls
-
-
 @pytest.mark.parametrize(
     ("printed", "said"),
     [
@@ -205,29 +188,6 @@ def test_a_failure_of_apt_says_what_to_do_and_where_the_log_is(computer, printed
     for text in (printed, said, f"the end of {computer.checkout}/setup.log"):
         assert text in ended.stderr
     assert printed in computer.log
-
-
-def test_pip_that_fails_shows_the_end_of_what_it_printed(computer):
-    computer.stub("python", "seq 100; echo pip has failed; exit 1", folder="gpr20/.venv/bin")
-    ended = computer.run()
-    assert ended.returncode == 1
-    assert "100\npip has failed\n" in ended.stderr
-    assert len(ended.stderr.splitlines()) < 20
-    assert "\n1\n2\n3\n" in computer.log
-
-
-@pytest.mark.parametrize(("version", "updated"), [("20.0.2", True), ("23.0.1", False)])
-def test_a_pip_that_is_too_old_for_a_pyproject_is_updated_first(computer, version, updated):
-    (computer.checkout / ".venv/bin/activate").unlink()
-    computer.environment["GPR20_SYSTEM_PYTHON"] = str(computer.place / "bin/python_of_the_system")
-    python = 'case "$*" in -c*) echo 3.8 ;; *--version) echo "pip {0} from /x" ;; -m?venv*) '
-    python += 'mkdir -p "${{@: -1}}/bin"; cp "$0" "${{@: -1}}/bin/python" ;; esac'
-    computer.stub("python_of_the_system", python.format(version))
-    ended = computer.run()
-    assert ended.returncode == 0, ended.stderr
-    calls = [line for line in computer.calls.splitlines() if " -m pip install " in line]
-    assert calls[0].endswith("--upgrade pip") == updated
-    assert "requirements/python3.8.txt" in calls[-1]
 
 
 def test_a_full_disk_is_refused_before_anything_is_installed(computer):
@@ -252,23 +212,6 @@ def test_the_ros_of_the_system_is_used_and_nothing_of_ros_comes_from_debian(comp
     assert "SOURCED_ROS=the_systems" in computer.calls
 
 
-def test_without_it_ros_comes_from_debian(computer):
-    plan = computer.run("--dry-run").stdout
-    assert "ROS: the packages of Debian\n" in plan
-    assert {"python3-rospy", "ros-base", "catkin"} < set(plan.split())
-    assert "ros-noetic" not in plan
-
-
-def test_another_ros_than_that_of_the_last_build_makes_a_new_build(computer):
-    assert computer.run().returncode == 0
-    old = computer.checkout / "catkin_ws/build/old"
-    old.touch()
-    computer.install_ros("catkin")
-    assert "the catkin workspace is not built" in computer.run("--dry-run").stdout
-    assert computer.run().returncode == 0
-    assert not old.exists()
-
-
 def test_ubuntu_without_its_ros_is_told_how_to_install_it(computer):
     (computer.place / "os-release").write_text('ID=ubuntu\nVERSION_ID="20.04"\n')
     computer.environment["GPR20_OS_RELEASE"] = str(computer.place / "os-release")
@@ -284,12 +227,3 @@ def test_a_dry_run_changes_nothing(computer):
     for part in ("installed as: root", "xvfb", "nodes.in test.in lint.in", "is not built"):
         assert part in plan.stdout
     assert [one for one in sorted(computer.place.rglob("*")) if one.name != "calls"] == before
-
-
-def test_a_path_with_a_space_is_refused(computer):
-    moved = computer.place / "my robot"
-    os.rename(computer.checkout, moved)
-    ended = subprocess.run(
-        [str(moved / "scripts/setup.sh")], capture_output=True, text=True, check=False
-    )
-    assert "has a space, which catkin cannot build in" in ended.stderr

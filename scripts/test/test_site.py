@@ -7,7 +7,6 @@ import re
 import shutil
 import subprocess
 import sys
-from html import escape
 
 import pytest
 from user_shell import ROOT
@@ -17,8 +16,7 @@ sys.path.insert(0, str(ROOT / "tools/site"))
 from messages_page import all_faults
 from messages_page import page as messages_page
 from pictures.architecture import pictures
-from pictures.graph import nodes_of
-from site_markdown import changelog_markdown, heading_anchor, indent_lists
+from site_markdown import heading_anchor
 from wings_kit import NEEDS_ALL
 
 # The pages name and link every package.
@@ -59,29 +57,6 @@ def test_every_page_of_the_repository_is_on_the_site(site):
 
 
 @pytest.mark.release
-def test_each_page_is_once_in_the_menu_and_linked_from_the_start(site):
-    text = (ROOT / "mkdocs.yml").read_text(encoding="utf-8")
-    start = (DOCS / "index.md").read_text(encoding="utf-8")
-    for page in DOCS.rglob("*.md"):
-        name = page.relative_to(DOCS).as_posix()
-        assert text.count(f": {name}\n") == 1, name
-        assert name == "index.md" or f"]({name}" in start, name
-
-
-@pytest.mark.release
-@pytest.mark.parametrize(
-    ("page", "picture"),
-    [("architecture", "states"), ("reference/ros_graph", "graph"), ("ros", "frames")],
-)
-def test_each_page_shows_its_own_diagrams(site, page, picture):
-    shown = re.findall(
-        r'src="[./]*images/(\w+)\.svg"', (site / f"{page}.html").read_text(encoding="utf-8")
-    )
-    assert shown.count(picture) == 1
-    assert page == "architecture" or "states" not in shown
-
-
-@pytest.mark.release
 def test_nothing_is_loaded_from_a_network(site):
     loads = r"""<(?:script|img|iframe|source)[^>]*\ssrc="(//|https?:)[^>]*>"""
     styles = r"""<link[^>]*rel="(?:stylesheet|preload|preconnect|icon)"[^>]*href="https?:[^>]*>"""
@@ -115,40 +90,10 @@ def test_a_dead_link_fails_the_build(tmp_path, link):
     assert link in ended.stdout
 
 
-@pytest.mark.parametrize(
-    ("github", "mkdocs"),
-    [
-        ("- a\n  b\n", "- a\n    b\n"),
-        ("1. a\n\n   ```\n     code\n   ```\n", "1. a\n\n    ```\n      code\n    ```\n"),
-        ("text\n- a\n  - b\n    c\n", "text\n\n- a\n    - b\n        c\n"),
-        ("- a\n\ntext\n", "- a\n\ntext\n"),
-        ("- a\n\n  | b |\n", "- a\n\n    | b |\n"),
-        ("- a\n# b\n", "- a\n\n# b\n"),
-        ("```\n- a\n  b\n```\n", "```\n- a\n  b\n```\n"),
-    ],
-)
-def test_lists_are_those_of_github(github, mkdocs):
-    assert indent_lists(github) == mkdocs
-
-
-def test_the_changelog_of_ros_is_a_page_with_a_heading_for_each_version():
-    ros = "^^^^\nAll\n^^^^\n\n0.1.0 (2026-11-22)\n------------------\n\n**New**\n\n- ``a``\n"
-    assert changelog_markdown(ros) == "# All\n\n## 0.1.0 (2026-11-22)\n\n**New**\n\n- `a`\n"
-
-
 def test_the_pictures_of_the_architecture_are_up_to_date():
     for name, text in pictures().items():
         picture = (DOCS / "images" / name).read_text(encoding="utf-8")
         assert picture == text, "run scripts/pictures.sh architecture"
-
-
-def test_the_picture_of_the_graph_names_every_node_and_interface():
-    picture = (DOCS / "images/graph.svg").read_text(encoding="utf-8")
-    nodes = nodes_of((DOCS / "reference/ros_graph.md").read_text(encoding="utf-8"))
-    assert {"main_control", "vna_processing", "replay"} <= set(nodes)
-    for node, interfaces in nodes.items():
-        assert f"{escape(node.split(', ')[0])}<" in picture
-        assert all(f">{escape(interface)}<" in picture for interface, _kind in interfaces)
 
 
 def test_the_page_of_the_faults_is_up_to_date_and_names_every_code_and_remedy():

@@ -9,17 +9,12 @@ import fcntl
 import json
 import os
 import re
-import shutil
 import subprocess
 import sys
 
 import pytest
 import update_world
 
-from gpr20_common.low.catalogue_file import language_from_code, read_catalogue
-from gpr20_common.message import Message
-from gpr20_doctor.mid.finding import Finding, Level
-from gpr20_doctor.mid.findings import as_json
 from gpr20_survey.plan.survey_state import RUNNING
 from gpr20_update.mid import robot
 
@@ -60,13 +55,6 @@ def test_a_new_fault_returns_the_version_before(world):
     assert "axes is bad" in world.update("--status")
 
 
-def test_the_doctors_own_json_is_understood(world):
-    found = (Finding("vna", Level.OK, Message("good")), Finding("z", Level.FAULT, Message("bad z")))
-    catalogue = read_catalogue(language_from_code("en"))
-    (world.root / "doctor-2.0").write_text(as_json(found, catalogue))
-    assert "bad z" in world.update(world.bundle("2.0"), status=1)
-
-
 def test_a_doctor_that_cannot_judge_returns_the_version_before(world):
     (world.root / "doctor-2.0").write_text("Traceback")
     world.update(world.bundle("2.0"), status=1)
@@ -101,19 +89,6 @@ def test_the_version_returned_to_reads_the_journal_of_one_with_other_fields(worl
     world.update("--status")
     world.update(world.bundle("2.0"))
     assert world.version() == "2.0"
-
-
-def test_a_return_leaves_the_release_in_use_if_it_is_of_that_version(world):
-    world.update(world.bundle("2.0"))
-    world.update("--back")
-    slots = world.root / "opt/gpr20/slots"
-    assert {(one / "release").read_text("utf-8") for one in slots.iterdir()} == {"1.0\n"}
-    for one in slots.iterdir():
-        if not one.samefile(slots.parent / "current"):
-            shutil.rmtree(one / "lib")
-    world.update(world.bundle("2.0"), kill_at=2, status=-9)
-    world.update("--continue")
-    assert world.version() == "1.0"
 
 
 def events(text):
@@ -192,12 +167,6 @@ def test_the_states_of_a_survey_are_those_of_the_robot():
     assert {int(one) for one in RUNNING} == robot.SURVEY_CODES
 
 
-def test_with_nodes_that_do_not_answer_a_person_can_say_that_no_survey_runs(world):
-    (world.root / "code").write_text("")
-    world.update(world.bundle("2.0"), "--no-survey")
-    assert world.version() == "2.0"
-
-
 def test_the_lock_of_a_survey_refuses_whatever_the_nodes_and_the_person_say(world, tmp_path):
     (tmp_path / "elsewhere").mkdir()
     (tmp_path / "elsewhere/survey.json").touch()
@@ -223,13 +192,3 @@ def test_a_robot_launched_by_hand_refuses(world, tmp_path):
         said = world.update(world.bundle("2.0"), "--no-survey", status=2)
         launch.stdin.close()
     assert str(launch.pid) in said
-
-
-def test_without_the_packages_of_the_installed_version_there_is_no_way_back(world):
-    for kept in (world.root / "var/lib/gpr20-update/packages/1.0").iterdir():
-        kept.unlink()
-    (world.root / "var/lib/gpr20-update/packages/1.0").rmdir()
-    assert "1.0" in world.update(world.bundle("2.0"), status=2)
-    world.update(world.bundle("1.0"))
-    world.update(world.bundle("2.0"))
-    assert world.version() == "2.0"

@@ -14,11 +14,12 @@ from pathlib import Path
 import pytest
 from wings_kit import needs
 
+pytestmark = pytest.mark.release
 ROOT = Path(__file__).resolve().parents[2]
 SOURCES = ROOT / "catkin_ws/src"
 SURVEYS = ROOT / "catkin_ws/src/gpr20_vna_processing/test/unit/old_surveys/without_header"
 # They have what the requirements name and neither ROS nor this project.
-VENVS = [".venv313", pytest.param(".venv38", marks=pytest.mark.release)]
+VENVS = [".venv313", ".venv38"]
 PACKAGES = {"gpr20_analysis", "gpr20_common", "gpr20_survey"}
 FORMATS, VIEWER = "gpr20_foreign_formats", "gpr20_viewer"
 LIMIT_S = 300
@@ -93,12 +94,6 @@ def test_the_wheel_alone_reads_a_survey(gpr20, tmp_path):
     report = ["report", str(survey), "-o", "report.html", "--permittivity", "4"]
     gpr20(*report, "--language", "es")
     assert (tmp_path / "report.html").stat().st_size > 10_000
-
-
-@needs(VIEWER)
-def test_the_wheel_of_the_viewer_adds_its_command(gpr20):
-    assert "look at a survey in a window" in gpr20("--help")
-    assert "--picks FILE" in gpr20("view", "--help")
 
 
 @needs(FORMATS)

@@ -10,7 +10,7 @@ import os
 
 SEED = os.environ.get("GPR20_SEED", "1")
 # Set by `scripts/test.sh release` and `scripts/test.sh random`.
-LONG = "GPR20_LONG" in os.environ
+LONG = bool(os.environ.get("GPR20_LONG"))
 
 
 def draws(count: int) -> int:

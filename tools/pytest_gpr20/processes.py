@@ -1,87 +1,87 @@
-"""Run a command with a time limit that ends all of its descendants."""
+"""Ends, with a test or with the whole run, every process that the tests have started.
+
+A process is known by a variable of its environment: what a launch starts is in sessions of its own,
+and a child of init when its parent was killed.
+"""
 
 from __future__ import annotations
 
 import contextlib
 import os
-import subprocess
-import tempfile
-from dataclasses import dataclass
-from pathlib import Path
-from typing import Mapping, Optional, Sequence
+from typing import Any, List
 
 import psutil
+import pytest
 
+VARIABLE = "STARTED_BY_TESTS"
 # Longer than roslaunch takes to end its nodes.
 END_LIMIT_S = 20.0
+NAMES: pytest.StashKey[List[str]] = pytest.StashKey()
 
 
-@dataclass(frozen=True)
-class Ended:
-    """How a command ended.
-
-    Attributes:
-        status: Its exit status; None if the time limit ended it.
-        printed: What it printed, on both streams.
-    """
-
-    status: Optional[int]
-    printed: str
-
-
-def end_descendants(pid: int, and_itself: bool) -> None:
-    """End the descendants of a process, in whatever session: a launch ends its own nodes.
+def end_processes(mark: str) -> List[str]:
+    """End other processes, gently first; return their names.
 
     Args:
-        pid: The process; it is no error if it has ended already.
-        and_itself: Whether to end the process too.
+        mark: How the variable of their environment begins.
     """
+    found: List[psutil.Process] = []
+    for process in psutil.process_iter():
+        # It has ended meanwhile, or it is somebody else's.
+        with contextlib.suppress(psutil.Error):
+            marked = process.environ().get(VARIABLE, "").startswith(mark)
+            if marked and process.pid != os.getpid():
+                found.append(process)
+    names = [_name(process) for process in found]
+    for process in found:
+        with contextlib.suppress(psutil.NoSuchProcess):
+            process.terminate()
+    _gone, alive = psutil.wait_procs(found, END_LIMIT_S)
+    for process in alive:
+        with contextlib.suppress(psutil.NoSuchProcess):
+            process.kill()
+    psutil.wait_procs(alive)
+    return names
+
+
+def _name(process: psutil.Process) -> str:
     try:
-        parent = psutil.Process(pid)
-        family = parent.children(recursive=True)
-    except psutil.NoSuchProcess:
-        return
-    if and_itself:
-        family.insert(0, parent)
-    for one in family:
-        # psutil never mistakes a new process with the same number for the old one.
-        with contextlib.suppress(psutil.NoSuchProcess):
-            one.terminate()
-    _gone, alive = psutil.wait_procs(family, END_LIMIT_S)
-    for one in alive:
-        with contextlib.suppress(psutil.NoSuchProcess):
-            one.kill()
+        return " ".join(process.cmdline())
+    except psutil.Error:
+        return str(process.pid)
 
 
-def run_limited(
-    command: Sequence[str], environment: Mapping[str, str], limit_s: float, folder: Path
-) -> Ended:
-    """Run a command in a session of its own.
+@pytest.hookimpl(tryfirst=True)
+def pytest_configure(config: pytest.Config) -> None:
+    """Mark what this process will start; a worker's mark begins with that of the whole run."""
+    run = getattr(config, "workerinput", {}).get("gpr20_mark", "")
+    os.environ[VARIABLE] = f"{run}{os.getpid()}."
 
-    Args:
-        command: The program and its arguments.
-        environment: Its whole environment.
-        limit_s: After this many seconds it is ended with its descendants.
-        folder: Where it starts.
-    """
-    with tempfile.TemporaryFile() as log:
-        process = subprocess.Popen(
-            command,
-            cwd=folder,
-            env=environment,
-            stdin=subprocess.DEVNULL,
-            stdout=log,
-            stderr=subprocess.STDOUT,
-            start_new_session=True,
-        )
-        status: Optional[int] = None
-        try:
-            status = process.wait(limit_s)
-        except subprocess.TimeoutExpired:
-            os.write(log.fileno(), f"\nended after the limit of {limit_s:g} s\n".encode())
-        finally:
-            if process.poll() is None:
-                end_descendants(process.pid, and_itself=True)
-                process.wait()
-        log.seek(0)
-        return Ended(status, log.read().decode(errors="replace"))
+
+@pytest.hookimpl(optionalhook=True)
+def pytest_configure_node(node: Any) -> None:
+    """Tell a worker the mark of the run."""
+    node.workerinput["gpr20_mark"] = os.environ[VARIABLE]
+
+
+def pytest_exception_interact(call: Any) -> None:
+    """End what a test has started that came to its time limit."""
+    if "from pytest-timeout" in str(call.excinfo.value):
+        end_processes(os.environ[VARIABLE])
+
+
+def pytest_keyboard_interrupt() -> None:
+    """End the workers too: pytest-xdist would kill them and nobody else."""
+    end_processes(os.environ[VARIABLE])
+
+
+def pytest_sessionfinish(session: pytest.Session) -> None:
+    """End what the tests left running."""
+    if not hasattr(session.config, "workerinput"):
+        session.config.stash[NAMES] = end_processes(os.environ[VARIABLE])
+
+
+def pytest_terminal_summary(terminalreporter: Any, config: pytest.Config) -> None:
+    """Say what they left running."""
+    for name in config.stash.get(NAMES, []):
+        terminalreporter.write_line(f"LEFT RUNNING by a test, ended now: {name}")

@@ -5,19 +5,16 @@ from __future__ import annotations
 import os
 import re
 import shutil
+import subprocess
 import tempfile
 from pathlib import Path
-from typing import Any, Dict, Iterator, Optional
+from typing import Any, Iterator, Optional
 from xml.etree import ElementTree
 
 import pytest
 
-from pytest_gpr20.processes import Ended, run_limited
-from pytest_gpr20.workspace import has_ros
-
-OFF_SCREEN = "QT_QPA_PLATFORM"
-# Far more than any of them takes: it ends what hangs.
-LIMIT_S = 900.0
+# Beside the time limits of the tests in it: what a launch takes to begin and to end.
+LAUNCH_LIMIT_S = 60.0
 LINES_SHOWN = 120
 TESTS = re.compile(r"^ \* TESTS: (\d+)", re.MULTILINE)
 FAILED = re.compile(r"^\[(\S+)\]\[(?:FAILURE|ERROR)\]", re.MULTILINE)
@@ -34,17 +31,29 @@ class RostestItem(pytest.Item):
         """Run it.
 
         Raises:
-            RostestError: A test failed, none ran, or the time limit ended it.
+            RostestError: A test failed, or none ran.
         """
-        if not has_ros():
-            pytest.skip("this Python has no ROS")
-        limit_s = float(self.config.getini("rostest_limit_s"))
+        pytest.importorskip("rospy", reason="this Python has no ROS")
         folder = Path(tempfile.mkdtemp(prefix="gpr20_rostest_"))
-        command = ["rostest", str(self.path)]
-        ended = run_limited(command, self._environment(folder), limit_s, self.path.parent)
-        found = problem(ended)
+        own = {"ROS_HOME": folder, "ROS_LOG_DIR": folder / "log"}
+        own["ROS_TEST_RESULTS_DIR"] = folder / "results"
+        environment = {**os.environ, **{name: str(path) for name, path in own.items()}}
+        # Unit tests in this process draw off screen; a rostest chooses its screen itself.
+        environment.pop("QT_QPA_PLATFORM", None)
+        ended = subprocess.run(
+            ["rostest", str(self.path)],
+            cwd=self.path.parent,
+            env=environment,
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            text=True,
+            errors="replace",
+        )
+        found = problem(ended.returncode, ended.stdout)
         if found:
-            raise RostestError(f"{found}; logs are in {folder}\n{end_of(ended.printed)}")
+            end = "\n".join(ended.stdout.splitlines()[-LINES_SHOWN:])
+            raise RostestError(f"{found}; logs are in {folder}\n{end}")
         shutil.rmtree(folder)
 
     def repr_failure(self, excinfo: Any, style: Any = None) -> Any:
@@ -57,14 +66,6 @@ class RostestItem(pytest.Item):
         """Name it by its file; a skip needs a line."""
         return self.path, 0, self.path.name
 
-    @staticmethod
-    def _environment(folder: Path) -> Dict[str, str]:
-        own = {"ROS_HOME": folder, "ROS_LOG_DIR": folder / "log"}
-        own["ROS_TEST_RESULTS_DIR"] = folder / "results"
-        # Unit tests in this process draw off screen; a rostest chooses its screen itself.
-        inherited = {name: value for name, value in os.environ.items() if name != OFF_SCREEN}
-        return {**inherited, **{name: str(path) for name, path in own.items()}}
-
 
 class RostestFile(pytest.File):
     """A file `*.test`."""
@@ -72,41 +73,19 @@ class RostestFile(pytest.File):
     def collect(self) -> Iterator[pytest.Item]:
         """Yield its only item."""
         item = RostestItem.from_parent(self, name="rostest")
-        described = ElementTree.parse(self.path).getroot()
-        needs = [str(one.get("value")) for one in described.iter("arg") if is_need(one)]
-        item.add_marker(pytest.mark.needs(*needs))
+        tests = ElementTree.parse(self.path).getroot().iter("test")
+        limit_s = LAUNCH_LIMIT_S + sum(float(one.get("time-limit", 60)) for one in tests)
+        item.add_marker(pytest.mark.timeout(limit_s))
         yield item
 
 
-def is_need(argument: ElementTree.Element) -> bool:
-    """Return whether an argument of a rostest names what it needs of the machine."""
-    return argument.get("name") == "needs"
-
-
-def problem(ended: Ended) -> Optional[str]:
+def problem(status: int, printed: str) -> Optional[str]:
     """Return what is wrong with how rostest ended; None if nothing is."""
-    failed = ", ".join(sorted(set(FAILED.findall(ended.printed))))
-    if ended.status is None:
-        return "the time limit ended it"
-    if ended.status != 0 or failed:
-        return f"failed: {failed or f'rostest ended with status {ended.status}'}"
-    return None if tests_in(ended) else "no test ran"
-
-
-def tests_in(ended: Ended) -> int:
-    """Return how many tests a rostest ran."""
-    counted = TESTS.findall(ended.printed)
-    return int(counted[-1]) if counted else 0
-
-
-def end_of(printed: str) -> str:
-    """Return the last lines of a text."""
-    return "\n".join(printed.splitlines()[-LINES_SHOWN:])
-
-
-def pytest_addoption(parser: pytest.Parser) -> None:
-    """Declare the time limit."""
-    parser.addini("rostest_limit_s", "time limit of each rostest [s]", default=str(LIMIT_S))
+    failed = ", ".join(sorted(set(FAILED.findall(printed))))
+    if status != 0 or failed:
+        return f"failed: {failed or f'rostest ended with status {status}'}"
+    counted = TESTS.findall(printed)
+    return None if counted and int(counted[-1]) else "no test ran"
 
 
 def pytest_collect_file(file_path: Path, parent: pytest.Collector) -> Optional[RostestFile]:

@@ -17,19 +17,12 @@ from typing import Any, Dict, Mapping, NoReturn
 
 import pytest
 
-from pytest_gpr20.processes import end_descendants
-
 ROOT = Path(__file__).resolve().parents[2]
 WORKSPACE = ROOT / "catkin_ws"
 SOURCES = [str(path) for path in sorted((WORKSPACE / "src").glob("gpr20_*/src"))]
 # Variables of a shell that begin so would make the nodes of a test listen elsewhere, write
 # elsewhere or look for another robot.
 UNSET = ("ROS_", "ROSCONSOLE_", "GPR20_DATA", "GPR20_ROBOT", "GPR20_SERVER")
-
-
-def has_ros() -> bool:
-    """Return whether this interpreter has ROS."""
-    return importlib.util.find_spec("rospy") is not None
 
 
 def without_ros(environment: Mapping[str, str]) -> Dict[str, str]:
@@ -51,16 +44,11 @@ def with_ros(environment: Mapping[str, str]) -> Dict[str, str]:
     paths = clean.get("PYTHONPATH", "").split(os.pathsep)
     clean["PYTHONPATH"] = os.pathsep.join(one for one in paths if one and one not in SOURCES)
     clean["ROS_IP"] = "127.0.0.1"
-    sourced = subprocess.run(
-        ["bash", "-c", f"source '{setup}' && env -0"],
-        env=clean,
-        stdout=subprocess.PIPE,
-        check=True,
-    ).stdout.decode()
+    sourced = subprocess.check_output(
+        ["bash", "-c", f"source '{setup}' && env -0"], env=clean, text=True
+    )
     result = dict(line.split("=", 1) for line in sourced.split("\0") if line)
-    programs = str(Path(sys.prefix) / "bin")
-    rest = [one for one in result["PATH"].split(os.pathsep) if one != programs]
-    result["PATH"] = os.pathsep.join([programs, *rest])
+    result["PATH"] = os.pathsep.join([str(Path(sys.prefix) / "bin"), result["PATH"]])
     return result
 
 
@@ -68,38 +56,26 @@ def with_ros(environment: Mapping[str, str]) -> Dict[str, str]:
 def pytest_configure(config: pytest.Config) -> None:
     """Prepare the environment, which the workers of pytest-xdist inherit, and the search path."""
     if not hasattr(config, "workerinput"):
-        listen_to_signals()
-        prepared = with_ros(os.environ) if has_ros() else without_ros(os.environ)
+        # A shell starts what it runs in the background (`&`, nohup) with Ctrl-C ignored. The tests
+        # send Ctrl-C to processes of their own, which would inherit that.
+        if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
+            signal.signal(signal.SIGINT, signal.default_int_handler)
+        signal.signal(signal.SIGTERM, _interrupt)
+        has_ros = importlib.util.find_spec("rospy") is not None
+        prepared = with_ros(os.environ) if has_ros else without_ros(os.environ)
+        # The robot as it is built, whatever the configuration of this computer's user is. The state
+        # says which data folders were used before: names below /tmp return, after a restart.
+        for name in ("config", "state"):
+            folder = config.rootpath / ".pytest_cache" / name
+            shutil.rmtree(folder, ignore_errors=True)
+            folder.mkdir(parents=True)
+            prepared[f"GPR20_{name.upper()}"] = str(folder)
         os.environ.clear()
         os.environ.update(prepared)
-        # The robot as it is built, whatever the configuration of this computer's user is.
-        no_configuration = config.rootpath / ".pytest_cache" / "no_configuration"
-        no_configuration.mkdir(parents=True, exist_ok=True)
-        os.environ["GPR20_CONFIG"] = str(no_configuration)
-        # Which data folders were used before: names below /tmp return, after the next restart.
-        state = config.rootpath / ".pytest_cache" / "state"
-        shutil.rmtree(str(state), ignore_errors=True)
-        os.environ["GPR20_STATE"] = str(state)
     # The generated modules, behind the sources.
     for path in os.environ["PYTHONPATH"].split(os.pathsep):
         if path not in sys.path:
             sys.path.append(path)
-
-
-def pytest_keyboard_interrupt() -> None:
-    """Leave nothing running: pytest-xdist would kill its workers and nobody else."""
-    end_descendants(os.getpid(), and_itself=False)
-
-
-def listen_to_signals() -> None:
-    """Let Ctrl-C and SIGTERM end the tests.
-
-    A shell starts what it runs in the background (`&`, nohup) with Ctrl-C ignored. The tests send
-    Ctrl-C to processes of their own, which would inherit that.
-    """
-    if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
-        signal.signal(signal.SIGINT, signal.default_int_handler)
-    signal.signal(signal.SIGTERM, _interrupt)
 
 
 def _interrupt(_number: int, _frame: Any) -> NoReturn:

@@ -1,0 +1,134 @@
+"""The rules of the sources: size of each part, imports between packages, literal templates."""
+
+from __future__ import annotations
+
+import os
+import re
+import shutil
+import subprocess
+
+import pytest
+from house import complaints, limits, lines_by_part, part_of
+from literal_templates import complaints as template_complaints
+from user_shell import ROOT
+from wings_kit import NEEDS_ALL
+
+SOURCES = sorted(
+    [*ROOT.glob("catkin_ws/src/*/src/*/__init__.py"), *ROOT.glob("deploy/*/*/__init__.py")],
+    key=lambda one: one.parent.name,
+)
+
+
+def test_no_part_is_larger_than_its_limit_in_pyproject():
+    assert complaints(lines_by_part(ROOT), limits(ROOT)) == []
+
+
+@pytest.mark.parametrize(
+    "name, part",
+    [
+        ("catkin_ws/src/gpr20_web/src/gpr20_web/static/top.js", "gpr20_web"),
+        ("catkin_ws/src/gpr20_web/nodes/web", "gpr20_web"),
+        ("catkin_ws/src/gpr20_web/test/unit/test_fuzz.py", "gpr20_web tests"),
+        ("catkin_ws/src/gpr20/test/ros/faults.test", "gpr20 tests"),
+        ("scripts/test/test_lint.py", "scripts tests"),
+        ("scripts/test.sh", "scripts"),
+        ("conftest.py", "conftest.py"),
+        ("docs/operate.md", ""),
+        ("catkin_ws/src/gpr20_common/src/gpr20_common/translations/es.po", ""),
+    ],
+)
+def test_a_file_counts_for_its_part(name, part):
+    assert part_of(name) == part
+
+
+def test_what_is_too_large_unknown_or_gone_is_named():
+    found = complaints({"axis": 101, "web": 5}, {"axis": 100, "height": 200})
+    assert [one.split()[0] for one in found] == ["axis", "web", "height"]
+    assert "101" in found[0] and "100" in found[0]
+
+
+@pytest.fixture
+def copy(tmp_path):
+    """Return the folder of a copy of all packages."""
+    shutil.copy(ROOT / "pyproject.toml", tmp_path)
+    for source in SOURCES:
+        skipped = shutil.ignore_patterns("__pycache__")
+        shutil.copytree(source.parent, tmp_path / source.parent.name, ignore=skipped)
+    return tmp_path
+
+
+@NEEDS_ALL
+def test_every_package_is_covered_by_the_contracts_on_imports():
+    contracts = (ROOT / "pyproject.toml").read_text()
+    roots = contracts.split("root_packages = [")[1].split("]")[0]
+    assert re.findall(r'"(\w+)"', roots) == [one.parent.name for one in SOURCES]
+
+
+# The lint says that the packages keep the contracts; this, that each kind of them is one.
+@NEEDS_ALL
+def test_imports_that_are_not_allowed_are_refused_with_what_to_do(copy):
+    wrong = {
+        "gpr20_common/mid/checks.py": ("import gpr20_common.high.node", "from the higher level in"),
+        "gpr20_survey/errors.py": ("import rospy", "pass plain values or a function to the lower"),
+        "gpr20_axis_driver/high/__init__.py": (
+            "import gpr20_simulator.errors",
+            "use the topics and services of the other nodes",
+        ),
+        "gpr20_main_control/high/__init__.py": (
+            "import gpr20_axis_driver.errors",
+            "move what both need to gpr20_survey or gpr20_common",
+        ),
+        "gpr20_simulator/mid/world/ground.py": (
+            "import gpr20_survey.radar.refraction",
+            "solve it in gpr20_simulator, by another method",
+        ),
+        "gpr20_viewer/session.py": (
+            "import gpr20_imaging.errors",
+            "let gpr20_analysis offer what it needs",
+        ),
+        "gpr20_web/mid/web_page.py": ("import tornado.web", "let these offer what is needed"),
+    }
+    for file, (line, _remedy) in wrong.items():
+        with (copy / file).open("a") as source:
+            source.write(f"{line}\n")
+    ended = subprocess.run(
+        ["lint-imports", "--no-cache", "--no-logo"],
+        cwd=copy,
+        env={**os.environ, "PYTHONPATH": str(copy), "COLUMNS": "1000"},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert ended.returncode != 0
+    _kept, broken = ended.stdout.split("Broken contracts")
+    assert [remedy for _line, remedy in wrong.values() if remedy not in broken] == []
+    assert [
+        line.split()[1] for line, _remedy in wrong.values() if line.split()[1] not in broken
+    ] == []
+
+
+LITERAL = "write the template as one literal string"
+BEFORE = "put the text into a variable of its own, before the f-string"
+
+
+@pytest.mark.parametrize(
+    "source, remedy",
+    [
+        ("Message(text, height_m=1.0)", LITERAL),
+        ("Message(\n    TEXTS[0],\n)", LITERAL),
+        ("self.tr(f'{name} fails')", LITERAL),
+        ("Message('{} fails'.format(name))", LITERAL),
+        ("Message('%s fails' % name)", LITERAL),
+        ("Message('it fails' if bad else 'it works')", LITERAL),
+        ("f'{self.tr(\"it fails\")}: {name}'", BEFORE),
+    ],
+)
+def test_a_template_that_would_not_be_found_is_refused(source, remedy):
+    (found,) = template_complaints(source)
+    assert found.startswith(("1: ", "2: "))
+    assert remedy in found
+
+
+def test_a_literal_template_is_found():
+    source = "Message(\n    'the height {height_m:g} m '\n    'is wrong', height_m=1.0)\nf'{a}'"
+    assert list(template_complaints(source)) == []
