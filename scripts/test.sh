@@ -13,7 +13,7 @@ source "$(dirname "${BASH_SOURCE[0]}")/environment.sh"
 paths=() options=() versions=()
 for argument in "$@"; do
     case "$argument" in
-        lint) paths+=("$GPR20_ROOT/scripts/test/test_lint.py") ;;
+        lint) paths+=("$GPR20_ROOT/scripts/test/test_source_rules.py") ;;
         unit) paths+=("$GPR20_ROOT"/catkin_ws/src/*/test/unit) options+=(--cov --cov-report=) ;;
         ros) paths+=("$GPR20_ROOT"/catkin_ws/src/*/test/ros) ;;
         commands) paths+=("$GPR20_ROOT/scripts/test") ;;

@@ -5,8 +5,8 @@ from __future__ import annotations
 import ipaddress
 import json
 
+import psutil
 import pytest
-from reachable_sockets import processes_below, reachable_at
 from robot_kit import free_port
 from user_shell import Terminal, is_ready, user_environment, wait_until
 
@@ -20,6 +20,31 @@ MASTER = ["rosmaster", "name:=rosout"]
 ROBOT_ADDRESS = "127.0.0.3"
 SERVER_ADDRESS = "127.0.0.2"
 SURVEY = "rosrun gpr20_user_interface run_survey --wait 60 --x-stop 200"
+
+
+def processes_below(*parents):
+    """Return the command lines of these processes and of all that came from them, by process."""
+    found = {}
+    for parent in parents:
+        root = psutil.Process(parent.pid)
+        for process in [root, *root.children(recursive=True)]:
+            try:
+                found[process] = " ".join(process.cmdline())
+            except (psutil.NoSuchProcess, psutil.ZombieProcess):
+                continue
+    return found
+
+
+def reachable_at(processes):
+    """Yield (command line, address) of everything that listens by TCP or receives by UDP."""
+    for process, command_line in processes.items():
+        try:
+            connections = process.net_connections(kind="inet")
+        except (psutil.NoSuchProcess, psutil.ZombieProcess):
+            continue
+        for one in connections:
+            if one.status in (psutil.CONN_LISTEN, psutil.CONN_NONE) and one.laddr:
+                yield command_line, one.laddr.ip
 
 
 @pytest.fixture

@@ -5,7 +5,7 @@ from __future__ import annotations
 import threading
 
 import pytest
-from deploy_module import imported
+from user_shell import imported
 
 follow_master = imported("follow_master")
 

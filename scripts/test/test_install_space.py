@@ -129,10 +129,3 @@ def test_every_program_of_it_runs_in_the_python_of_its_own_environment(installed
         assert program.read_text().startswith("#!/usr/bin/env python3\n"), program
     found = run(sourced(folder, "command -v python3 gpr20"), user_environment(folder))
     assert found.split() == [str(folder / "venv/bin/python3"), str(folder / "bin/gpr20")]
-
-
-@pytest.mark.parametrize("arguments", ["", "--robot", "folder --unknown"])
-def test_the_script_refuses_arguments_that_it_does_not_know(arguments, tmp_path):
-    said = run(f"{ROOT / INSTALL} {arguments}", user_environment(tmp_path), tmp_path, status=2)
-    assert "name a folder; allowed options: --robot, --analysis, --no-venv" in said
-    assert list(tmp_path.iterdir()) == []

@@ -15,6 +15,7 @@ from ros2_kit import differences
 from rosbags.highlevel import AnyReader
 from user_shell import LIMIT_S, ROOT, user_environment, wait_until
 
+pytestmark = pytest.mark.timeout(900)
 TRACES = 7 * 7 * 2
 SMALL = ["--x-points", "3", "--y-points", "3"]  # 18 traces
 # A target is found if its candidate is this close [mm]; its depth is exact to the resolution.
@@ -176,10 +177,3 @@ def test_ctrl_c_stops_the_survey_cleanly_ends_everything_and_it_can_be_resumed(t
     ended = run_survey(tmp_path, "--resume", str(survey.parent))
     assert ended.returncode == 0, ended.stdout + ended.stderr
     assert json.loads(survey.read_text())["stored_traces"] == 18
-
-
-def test_a_refused_parameter_is_told_and_the_status_says_so(tmp_path):
-    ended = run_survey(tmp_path, "--x-stop", "700")
-    assert ended.returncode == 1, ended.stdout + ended.stderr
-    assert "x stop is 700 mm; it must lie between 0 and 650 mm" in ended.stdout + ended.stderr
-    assert not any(tmp_path.glob("[!.]*"))

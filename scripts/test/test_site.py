@@ -13,11 +13,14 @@ from user_shell import ROOT
 
 sys.path.insert(0, str(ROOT / "tools/site"))
 
+import api_reference
 from messages_page import all_faults
 from messages_page import page as messages_page
 from pictures.architecture import pictures
 from site_markdown import heading_anchor
 from wings_kit import NEEDS_ALL
+
+import gpr20_analysis
 
 # The pages name and link every package.
 pytestmark = NEEDS_ALL
@@ -105,3 +108,9 @@ def test_the_page_of_the_faults_is_up_to_date_and_names_every_code_and_remedy():
     for fault in all_faults():
         assert f"- `{fault.code}`" in words
         assert fault.remedy is None or fault.remedy.template in words
+
+
+def test_the_reference_of_the_interface_of_python_has_every_public_name(tmp_path):
+    text = api_reference.build(tmp_path).read_text(encoding="utf-8")
+    assert [one for one in gpr20_analysis.__all__ if f'id="{one}"' not in text] == []
+    assert "gpr20_analysis.commands" not in text

@@ -1,4 +1,4 @@
-"""The rules of the sources: size of each part, imports between packages, literal templates."""
+"""The rules of the sources: the lint, the size of each part, imports, literal templates."""
 
 from __future__ import annotations
 
@@ -17,6 +17,14 @@ SOURCES = sorted(
     [*ROOT.glob("catkin_ws/src/*/src/*/__init__.py"), *ROOT.glob("deploy/*/*/__init__.py")],
     key=lambda one: one.parent.name,
 )
+
+
+@NEEDS_ALL
+@pytest.mark.timeout(450)
+def test_the_lint_finds_nothing():
+    lint = [str(ROOT / "scripts/lint.sh")]
+    ended = subprocess.run(lint, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+    assert ended.returncode == 0, ended.stdout
 
 
 def test_no_part_is_larger_than_its_limit_in_pyproject():

@@ -7,8 +7,7 @@ import subprocess
 import sys
 
 import pytest
-from deploy_module import imported
-from user_shell import ROOT
+from user_shell import ROOT, imported
 
 from gpr20_common.catalogue import Language
 

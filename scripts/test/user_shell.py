@@ -1,10 +1,12 @@
-"""A shell of a user's, in which nothing of ROS or this checkout was sourced."""
+"""A shell of a user's, in which nothing of ROS or this checkout was sourced, and its programs."""
 
 from __future__ import annotations
 
+import importlib
 import os
 import signal
 import subprocess
+import sys
 import time
 from pathlib import Path
 
@@ -87,3 +89,12 @@ class Terminal:
             if process.poll() is None:
                 os.killpg(process.pid, signal.SIGINT)
                 process.wait(LIMIT_S)
+
+
+def imported(name):
+    """Return a module of deploy/, which are run as programs, from their folder."""
+    sys.path.insert(0, str(ROOT / "deploy"))
+    try:
+        return importlib.import_module(name)
+    finally:
+        sys.path.remove(str(ROOT / "deploy"))
