@@ -78,8 +78,8 @@ def test_imports_that_are_not_allowed_are_refused_with_what_to_do(copy):
     wrong = {
         "gpr20_common/mid/checks.py": ("import gpr20_common.high.node", "from the higher level in"),
         "gpr20_survey/errors.py": ("import rospy", "pass plain values or a function to the lower"),
-        "gpr20_axis_driver/high/__init__.py": (
-            "import gpr20_simulator.errors",
+        "gpr20_simulator/high/__init__.py": (
+            "import gpr20_main_control.errors",
             "use the topics and services of the other nodes",
         ),
         "gpr20_main_control/high/__init__.py": (
