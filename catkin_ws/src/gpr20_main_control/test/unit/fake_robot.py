@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import json
 import threading
+import time
 from dataclasses import asdict, replace
 
 import numpy as np
-from fake_clocks import FastClock
 from survey_examples import AXES, PARAMETERS
 
+from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message, verbatim
 from gpr20_common.mid.hardware import NO_HARDWARE, Hardware
 from gpr20_common.sent_message import received_message
@@ -61,6 +62,42 @@ def reports(message, fault, *shown):
 def warning_of(entry):
     """Return the message of a warning in survey.json."""
     return received_message(entry["warning"], json.dumps(entry["warning_message"]))
+
+
+class FastClock(Clock):
+    """A thousand seconds pass in each real one."""
+
+    FACTOR = 1000.0
+
+    def __init__(self):
+        # What a test has set the time of day forward by, against the passing seconds.
+        self.set_s = 1.8e9
+
+    def time_of_day_us(self):
+        return round(1e6 * (self.now_s() + self.set_s))
+
+    def now_s(self):
+        return time.monotonic() * self.FACTOR
+
+    def wait_s(self, event, timeout_s):
+        return event.wait(timeout_s / self.FACTOR)
+
+
+class ManualClock(FastClock):
+    """A test sets the time; each wait ends at once and takes a little of it."""
+
+    def __init__(self):
+        super().__init__()
+        self.time_s = 0.0
+        self.waits_s = []
+
+    def now_s(self):
+        return self.time_s
+
+    def wait_s(self, event, timeout_s):
+        self.waits_s.append(timeout_s)
+        self.time_s += 0.01
+        return event.wait(0.001)
 
 
 class FakeAxis:
@@ -240,62 +277,110 @@ class FakeHeightSensor:
         return 0.2
 
 
+def folder_of(survey_id):
+    return f"20260101T000000_{survey_id[:8]}"
+
+
 class FakeStorage:
-    """Stores samples in memory."""
+    """Stores surveys in memory; refuses what the real one refuses, and what a test wants."""
 
     def __init__(self):
-        self.records = []
-        self.samples = []
-        self.closed = []
-        self.ends = []
-        self.reports = []
-        self.notes = []
-        self.reopened = None
+        self.records, self.samples = [], []
+        self.closed, self.ends, self.reports, self.notes = [], [], [], []
+        self.opened, self.outcomes, self.last_report = "", {}, {}
+        self.reopened, self.reopenings = None, []
         self.interrupted = ""
-        self.reopenings = []
+        self.broken = False
         self.failures = 0
-        self.fail_open = ""
-        self.fail_close = ""
+        self.fail_open = self.fail_close = ""
         self.lose = 0
         self.free = threading.Event()
         self.free.set()
 
+    def stored(self, survey_id):
+        return {one.index: one for one in self.samples if one.survey_id == survey_id}
+
     def open(self, record):
-        if self.fail_open:
-            raise DeviceError(verbatim(self.fail_open))
+        self._check(not self.fail_open, self.fail_open)
+        self._check_disk()
+        interrupted = self._interrupt_other(record.survey_id) or self.interrupted
         self.records.append(record)
-        return OpenedSurvey("/data/survey", self.interrupted)
+        return OpenedSurvey(f"/data/{folder_of(record.survey_id)}", interrupted)
 
     def reopen(self, survey):
         self.reopenings.append(survey)
         if self.reopened is not None:
+            self.opened = self.reopened.survey_id
             return self.reopened
-        if self.records and survey == "survey":
-            stored = tuple(sample.index for sample in self.samples)
-            return ReopenedSurvey(self.records[-1].survey_id, "/data/survey", "{}", "", stored, ())
-        raise DeviceError(Message("there is no survey {survey}", survey=survey))
+        known = {one.survey_id: one for one in self.records}
+        found = [one for one in known if survey in (one, folder_of(one))]
+        self._check(found, f"there is no survey {survey}")
+        (survey_id,) = found
+        self._check(self.outcomes.get(survey_id) != "finished", "it is finished and complete")
+        self._check_disk()
+        interrupted = self._interrupt_other(survey_id)
+        self.outcomes.pop(survey_id, None)
+        stored = self.stored(survey_id)
+        in_order = list(stored.values())
+        return ReopenedSurvey(
+            survey_id,
+            f"/data/{folder_of(survey_id)}",
+            known[survey_id].metadata_json,
+            self.last_report.get(survey_id, ""),
+            tuple(sorted(stored)),
+            (*in_order[:-8][:4], *in_order[-8:]),
+            interrupted=interrupted,
+        )
 
     def report(self, survey_id, report_json):
+        self._check_open(survey_id)
+        self.last_report[survey_id] = report_json
         self.reports.append(json.loads(report_json))
-        stored = sum(sample.survey_id == survey_id for sample in self.samples)
         before = 0 if self.reopened is None else len(self.reopened.stored_indices)
-        return before + stored - self.lose
+        return before + len(self.stored(survey_id)) - self.lose
 
     def note(self, survey_id, note):
+        self._check_open(survey_id)
         self.notes.append(note)
 
     def store(self, sample):
         self.free.wait(LIMIT_S)
+        self._check_open(sample.survey_id)
         if self.failures:
             self.failures -= 1
-            raise DeviceError(Message("the disk is full"))
+            self._check(False, "the disk is full")
+        stored = self.stored(sample.survey_id).get(sample.index, sample)
+        self._check(stored is sample, f"index {sample.index} is stored with other content")
         self.samples.append(sample)
 
     def close(self, survey_id, end):
-        if self.fail_close:
-            raise DeviceError(verbatim(self.fail_close))
+        self._check(not self.fail_close, self.fail_close)
+        if not self.opened and self.outcomes.get(survey_id) == end.outcome:
+            return
+        self._check_open(survey_id)
+        self.opened = ""
+        self.outcomes[survey_id] = end.outcome
         self.closed.append((survey_id, end.outcome, end.reason))
         self.ends.append(end)
+
+    def _interrupt_other(self, survey_id):
+        other, self.opened = self.opened, survey_id
+        if other in ("", survey_id):
+            return ""
+        self.outcomes[other] = "interrupted"
+        return folder_of(other)
+
+    def _check_open(self, survey_id):
+        self._check_disk()
+        self._check(self.opened == survey_id, f"survey {survey_id} is not open")
+
+    def _check_disk(self):
+        self._check(not self.broken, "the disk of the robot is full")
+
+    @staticmethod
+    def _check(allowed, reason):
+        if not allowed:
+            raise DeviceError(verbatim(reason))
 
 
 def described_robot(time_scale=1.0, simulated=True):
@@ -397,6 +482,16 @@ class Bench:
     def start(self, **changes):
         self.control.set_parameters(replace(PARAMETERS, **changes))
         return self.control.start()
+
+    def at_sweep(self, number, act):
+        """Act once, at the beginning of the sweep after so many."""
+
+        def on_sweep():
+            if self.analyzer.sweeps == number:
+                self.analyzer.on_sweep = lambda: None
+                act()
+
+        self.analyzer.on_sweep = on_sweep
 
     def complete(self, total=24):
         """Wait for the end of a survey, which must have stored every point exactly once."""

@@ -4,15 +4,16 @@ import random
 from dataclasses import replace
 
 import pytest
-from fake_clocks import ManualClock
-from fake_robot import warning_of
+from fake_robot import ManualClock, warning_of
+from run_seed import draws
 from trace_examples import make_trace
 
 from gpr20_main_control import faults
 from gpr20_main_control.mid.survey.running_survey import LARGEST_CORRECTION_S, ClockSteps
+from gpr20_survey.folder.log_record import Kind
 from gpr20_survey.plan.survey_state import SurveyState as State
 
-DRAWS = 200
+DRAWS = draws(50)
 
 
 class Steps:
@@ -72,12 +73,7 @@ def test_nothing_is_said_of_a_clock_that_is_corrected_by_little_in_any_order():
 
 
 def test_a_survey_tells_the_operator_and_stores_it_and_continues(bench):
-    def set_back():
-        if bench.analyzer.sweeps == 5:
-            bench.analyzer.on_sweep = lambda: None
-            bench.clock.set_s -= 3600.0 * 1000
-
-    bench.analyzer.on_sweep = set_back
+    bench.at_sweep(5, lambda: setattr(bench.clock, "set_s", bench.clock.set_s - 3.6e6))
     bench.start()
     bench.complete()
     status = bench.board.status
@@ -86,7 +82,9 @@ def test_a_survey_tells_the_operator_and_stores_it_and_continues(bench):
     assert shown.fault_code == faults.CLOCK_SET.code
     assert shown.values["status"] == status.message
     (warning,) = bench.storage.reports[-1]["warnings"]
+    (note,) = [one for one in bench.storage.notes if one.kind is Kind.CLOCK]
     assert warning_of(warning).fault_code == faults.CLOCK_SET.code
+    assert note.values["message"]["fault"]["code"] == faults.CLOCK_SET.code
     remarked = [one.index for one in bench.storage.samples if one.quality]
     assert remarked == [5]
     bench.start()

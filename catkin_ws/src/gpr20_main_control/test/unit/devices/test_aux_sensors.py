@@ -6,7 +6,8 @@ import json
 import math
 
 import pytest
-from fake_robot import Bench, reports
+from case_kit import each_case
+from fake_robot import Bench, ManualClock, reports
 from fault_kit import raises_fault
 
 from gpr20_common.errors import InvalidValueError
@@ -22,19 +23,6 @@ OTHER_TYPE = Fault("config.other_type", Message("Correct the type."))
 NOW_US = 1_790_000_000_000_000
 
 
-class HandClock:
-    """A clock that a test sets."""
-
-    def __init__(self) -> None:
-        self.s = 100.0
-
-    def now_s(self) -> float:
-        return self.s
-
-    def time_of_day_us(self) -> int:
-        return NOW_US + round((self.s - 100.0) * 1e6)
-
-
 def read(content):
     if isinstance(content, str):
         raise InvalidValueError(Message("another type arrives"), fault=OTHER_TYPE)
@@ -43,7 +31,9 @@ def read(content):
 
 @pytest.fixture
 def clock():
-    return HandClock()
+    clock = ManualClock()
+    clock.time_s, clock.set_s = 100.0, NOW_US / 1e6 - 100.0
+    return clock
 
 
 def sensor(**changes):
@@ -54,96 +44,80 @@ def sensor(**changes):
 def sensors_with(clock, *received, **changes):
     """Return sensors of which the one has received values: (time [s], value)."""
     one = SensorInput(sensor(**changes), read, clock)
-    for clock.s, value in received:
+    for clock.time_s, value in received:
         one.note(value)
     return AuxSensors([one], clock)
 
 
 def test_the_value_is_the_last_one_that_was_received_until_the_sweep_ended(clock):
     sensors = sensors_with(clock, (101.0, 1.0), (102.0, 2.0), (103.0, 3.0))
-    clock.s = 103.5
+    clock.time_s = 103.5
     values, remarks = sensors.at_sweep(NOW_US + 2_500_000)
     assert values == (AuxValue("soil", 2.0, "%", NOW_US + 2_000_000),)
     assert remarks == ()
 
 
-@pytest.mark.parametrize(
-    ("value", "stored", "remark"),
+@each_case(
+    "value, stored, fault, shown",
     [
-        (None, (), "probe"),
-        (math.nan, (), "nan"),
-        (math.inf, (), "inf"),
-        ("text", (), "another type arrives"),
-        (-1.0, (-1.0,), "-1 %"),
+        (None, (), faults.SENSOR_NOT_MEASURED, "probe"),
+        (math.nan, (), faults.SENSOR_IMPLAUSIBLE, "nan"),
+        (math.inf, (), faults.SENSOR_IMPLAUSIBLE, "inf"),
+        ("text", (), OTHER_TYPE, "another type arrives"),
+        (-1.0, (-1.0,), faults.SENSOR_IMPLAUSIBLE, "-1 %"),
     ],
 )
-def test_a_sensor_that_is_not_required_leaves_a_remark(clock, value, stored, remark):
+def test_a_sensor_that_fails_refuses_the_trace_or_leaves_a_remark_if_it_is_not_required(
+    clock, value, stored, fault, shown
+):
     received = [] if value is None else [(101.0, value)]
-    values, remarks = sensors_with(clock, *received).at_sweep(clock.time_of_day_us())
+    values, (remark,) = sensors_with(clock, *received).at_sweep(clock.time_of_day_us())
     assert tuple(one.value for one in values) == stored
-    (said,) = remarks
-    assert "soil" in said and remark in said
-
-
-@pytest.mark.parametrize(
-    ("value", "fault"),
-    [
-        (None, faults.SENSOR_NOT_MEASURED),
-        (math.nan, faults.SENSOR_IMPLAUSIBLE),
-        ("text", OTHER_TYPE),
-        (-1.0, faults.SENSOR_IMPLAUSIBLE),
-    ],
-)
-def test_a_sensor_that_is_required_refuses_the_trace(clock, value, fault):
-    received = [] if value is None else [(101.0, value)]
-    sensors = sensors_with(clock, *received, required=True)
-    with raises_fault(fault, "soil", error=DeviceError):
-        sensors.at_sweep(clock.time_of_day_us())
-    with raises_fault(fault, "soil", error=DeviceError):
-        sensors.check_required()
+    assert "soil" in remark and shown in remark
+    required = sensors_with(clock, *received, required=True)
+    for ask in (lambda: required.at_sweep(clock.time_of_day_us()), required.check_required):
+        with raises_fault(fault, "soil", error=DeviceError):
+            ask()
 
 
 def test_a_value_that_is_too_old_counts_as_silence(clock):
     sensors = sensors_with(clock, (101.0, 1.0))
-    clock.s = 103.0
+    clock.time_s = 103.0
     assert sensors.now()[0].problem is None
-    clock.s = 103.1
+    clock.time_s = 103.1
     measured = sensors.now()[0]
     assert reports(measured.message, faults.SENSOR_NOT_MEASURED, "soil", "2.1", 2.0)
     assert sensors.at_sweep(clock.time_of_day_us())[0] == ()
 
 
-@pytest.mark.parametrize("step_us", [-(10**12), 10**12])
+@each_case("step_us", [-(10**12), 10**12])
 def test_a_clock_that_is_set_changes_no_age(clock, step_us):
     sensors = sensors_with(clock, (101.0, 1.0))
-    clock.time_of_day_us = lambda: NOW_US + step_us
-    (value,), _remarks = sensors.at_sweep(NOW_US + step_us)
-    assert value.stamp_us == NOW_US + step_us
+    clock.set_s += step_us / 1e6
+    now_us = clock.time_of_day_us()
+    (value,), _remarks = sensors.at_sweep(now_us)
+    assert value.stamp_us == now_us
 
 
-def test_of_a_fast_sensor_few_messages_are_kept_and_only_those_needed_are_read(clock):
+@each_case("period_s, longest_age_s", [(1e-3, 2.0), (1.0, 3600.0)])
+def test_few_messages_are_kept_and_only_those_that_a_trace_needs_are_read(
+    clock, period_s, longest_age_s
+):
     calls = []
-    one = SensorInput(sensor(), lambda content: calls.append(content) or content, clock)
-    for number in range(20 * KEPT):
-        clock.s = 100.0 + number * 1e-3
+    one = SensorInput(
+        sensor(longest_age_s=longest_age_s), lambda value: calls.append(value) or value, clock
+    )
+    count = 20 * KEPT
+    for number in range(count):
+        clock.time_s = 100.0 + number * period_s
         one.note(float(number))
-    assert len(one._kept) <= KEPT
-    assert calls == []
-    assert one.at(clock.s).value == 20 * KEPT - 1
-    assert one.at(clock.s - 1.0).value == pytest.approx(20 * KEPT - 1001, abs=12)
+    assert len(one._kept) <= min(KEPT, LONGEST_LAG_S / period_s + 2) and calls == []
+    assert one.at(clock.time_s).value == count - 1
+    before = 1.0 if period_s < 1.0 else LONGEST_LAG_S
+    assert one.at(clock.time_s - before).value == pytest.approx(
+        count - 1 - before / period_s, abs=12.0 if period_s < 1.0 else 0.0
+    )
     assert len(calls) == 2
-
-
-def test_messages_that_no_trace_can_need_are_not_kept(clock):
-    one = SensorInput(sensor(longest_age_s=3600.0), read, clock)
-    for number in range(100):
-        clock.s = 100.0 + number
-        one.note(float(number))
-    assert len(one._kept) <= LONGEST_LAG_S + 2
-    assert one.at(clock.s - LONGEST_LAG_S).value == 99 - LONGEST_LAG_S
-    clock.s += 60.0
-    one.note(100.0)
-    assert one.at(clock.s - 1.0).value == 99.0
 
 
 def test_many_silent_sensors_leave_room_for_other_remarks(clock):
@@ -154,42 +128,23 @@ def test_many_silent_sensors_leave_room_for_other_remarks(clock):
 
 
 def bench_with(**changes):
-    """Return a bench with one sensor, and what publishes its values."""
-    clock = HandClock()
+    """Return a bench with one sensor, and what publishes a value that is older than any sweep."""
+    clock = ManualClock()
     one = SensorInput(sensor(longest_age_s=3600.0, **changes), read, clock)
     bench = Bench(sensors=AuxSensors([one], clock))
 
     def publish(value):
-        """Send a value that is older than any sweep."""
         one.note(value)
-        clock.s += 100.0
+        clock.time_s += 100.0
 
     return bench, publish
 
 
-def test_every_trace_of_a_survey_has_the_value_and_survey_json_the_sensor():
-    bench, soil = bench_with()
-    soil(0.25)
-    bench.start()
-    bench.complete()
-    bench.release()
-    found = {tuple((one.name, one.value) for one in s.aux) for s in bench.storage.samples}
-    assert found == {(("soil", 0.25),)}
-    (recorded,) = json.loads(bench.storage.records[0].metadata_json)["sensors"]
-    assert (recorded["name"], recorded["unit"], recorded["required"]) == ("soil", "%", False)
-
-
-def test_a_survey_is_not_stopped_by_a_silent_sensor_that_is_not_required():
-    bench, _soil = bench_with()
-    bench.start()
-    bench.complete()
-    bench.release()
-    (quality,) = {s.quality for s in bench.storage.samples}
-    assert len(quality) == 1 and "soil" in quality[0] and "probe" in quality[0]
-
-
 def test_a_survey_pauses_when_a_required_sensor_fails_and_is_resumed_without_loss():
     bench, soil = bench_with(required=True)
+    bench.start()
+    bench.wait_for(SurveyState.FAILED)
+    assert bench.storage.records == []
     soil(0.25)
     bench.start()
     bench.wait_for_visited(3)
@@ -198,14 +153,14 @@ def test_a_survey_pauses_when_a_required_sensor_fails_and_is_resumed_without_los
     assert reports(bench.board.status.message, faults.SENSOR_IMPLAUSIBLE, "soil", "nan")
     soil(0.5)
     bench.resume_to_the_end()
-    bench.release()
-    assert [s.index for s in bench.storage.samples] == list(range(24))
-    assert all(s.aux[0].value in (0.25, 0.5) for s in bench.storage.samples)
+    assert {s.aux[0].value for s in bench.storage.samples} == {0.25, 0.5}
+    (recorded,) = json.loads(bench.storage.records[0].metadata_json)["sensors"]
+    assert (recorded["name"], recorded["unit"], recorded["required"]) == ("soil", "%", True)
 
 
-def test_a_survey_without_its_required_sensor_does_not_begin():
-    bench, _soil = bench_with(required=True)
+def test_a_survey_is_not_stopped_by_a_silent_sensor_that_is_not_required():
+    bench, _soil = bench_with()
     bench.start()
-    bench.wait_for(SurveyState.FAILED)
-    bench.release()
-    assert bench.storage.records == []
+    bench.complete()
+    (quality,) = {s.quality for s in bench.storage.samples}
+    assert len(quality) == 1 and "soil" in quality[0] and "probe" in quality[0]

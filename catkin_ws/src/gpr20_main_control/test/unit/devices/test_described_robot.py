@@ -4,10 +4,11 @@ import json
 from dataclasses import replace
 
 import pytest
-from fake_robot import Bench, described_robot
+from fake_robot import described_robot, warning_of
 from fault_kit import raises_fault
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from run_seed import draws
 from survey_examples import AXES, PARAMETERS
 
 from gpr20_common.errors import InvalidValueError
@@ -28,7 +29,7 @@ def redescribe(robot, node, simulated=True, time_scale=1.0, **changes):
     robot.note(NodeDescription(node, hardware, {**before.configuration, **changes}))
 
 
-@settings(max_examples=30)
+@settings(max_examples=draws(8))
 @given(st.sets(st.sampled_from(sorted(PLAIN_NAMES))))
 def test_a_robot_is_simulated_or_real_only_where_all_its_nodes_agree(simulated):
     robot = described_robot(simulated=False)
@@ -42,7 +43,7 @@ def test_a_robot_is_simulated_or_real_only_where_all_its_nodes_agree(simulated):
         assert robot.config().simulated is bool(simulated)
 
 
-@settings(max_examples=30)
+@settings(max_examples=draws(8))
 @given(st.sets(st.sampled_from(sorted(PLAIN_NAMES)), min_size=1))
 def test_a_robot_is_unknown_until_every_node_has_described_itself(silent):
     known = described_robot().nodes
@@ -74,8 +75,7 @@ def test_an_instrument_of_the_other_kind_is_refused(identity, simulated):
         robot.check_identity(identity, robot.config())
 
 
-def test_no_survey_starts_on_a_mixed_robot():
-    bench = Bench()
+def test_no_survey_starts_on_a_mixed_robot(bench):
     bench.control.set_parameters(PARAMETERS)
     redescribe(bench.description, "vna_acquisition", simulated=False)
     with pytest.raises(InvalidValueError, match=str(PLAIN_NAMES["vna_acquisition"])):
@@ -83,29 +83,13 @@ def test_no_survey_starts_on_a_mixed_robot():
     assert bench.storage.samples == []
 
 
-def test_a_survey_pauses_when_a_node_comes_back_as_another_one():
-    bench = Bench()
-    measure, heights = bench.height.height_m, []
-
-    def restart_an_axis_at_the_third():
-        heights.append(measure())
-        if len(heights) == 3:
-            redescribe(bench.description, "y_axis/axis_driver", max_coord=700.0)
-        return heights[-1]
-
-    bench.height.height_m = restart_an_axis_at_the_third
+def test_a_survey_pauses_when_a_node_comes_back_as_another_one(bench):
+    bench.at_sweep(3, lambda: redescribe(bench.description, "y_axis/axis_driver", max_coord=700.0))
     bench.start()
     status = bench.wait_for(SurveyState.PAUSED)
     assert status.message.fault_code == faults.CONFIGURATION_CHANGED.code
     redescribe(bench.description, "y_axis/axis_driver", max_coord=AXES[AxisId.Y].max_coord)
     bench.resume_to_the_end()
-
-
-def test_an_empty_address_is_that_of_the_configuration():
-    plan = Bench().control.set_parameters(
-        PARAMETERS.__class__(**{**vars(PARAMETERS), "vna_address": ""})
-    )
-    assert plan.parameters.vna_address == "127.0.0.2"
 
 
 def test_the_configuration_and_the_nodes_are_recorded():
@@ -118,23 +102,15 @@ def test_the_configuration_and_the_nodes_are_recorded():
     assert all(one["simulated"] and one["time_scale"] == 20.0 for one in recorded["nodes"])
 
 
-def test_different_software_is_found_but_no_obstacle():
-    robot = described_robot()
+def test_different_software_is_said_and_recorded_but_no_obstacle(bench):
+    robot = bench.description
     assert robot.software_difference() is None
     for node, revision in (("height_sensor", "abc"), ("vna_acquisition", "def")):
         one = replace(robot.nodes[node], software=NodeSoftware("0.1.0", revision, "pc"))
         robot.note(one)
-    assert "0.1.0 (abc) on pc; 0.1.0 (def) on pc" in str(robot.software_difference())
-    assert robot.problem() is None
-
-
-def test_a_survey_with_different_software_runs_and_says_so():
-    bench = Bench()
-    for node, revision in (("height_sensor", "abc"), ("vna_acquisition", "def")):
-        one = replace(bench.description.nodes[node], software=NodeSoftware("0.1.0", revision, "pc"))
-        bench.description.note(one)
+    difference = robot.software_difference()
+    assert "0.1.0 (abc) on pc; 0.1.0 (def) on pc" in str(difference)
     bench.start()
     bench.complete()
-    assert bench.board.status.state is SurveyState.FINISHED
     (warning,) = bench.storage.reports[-1]["warnings"]
-    assert "run different software" in warning["warning"]
+    assert warning_of(warning) == difference

@@ -3,6 +3,7 @@
 import json
 
 import pytest
+from case_kit import each_case
 from cut_off_surveys import reopened_survey
 from fake_robot import LIMIT_S, Bench, reports
 from fault_kit import raises_fault
@@ -10,7 +11,7 @@ from fault_kit import raises_fault
 from gpr20_common.low.clock import Clock
 from gpr20_main_control import faults
 from gpr20_main_control.errors import OtherAnalyzerError, RequestRefusedError, SurveyError
-from gpr20_main_control.mid.survey.engine import Accepted
+from gpr20_main_control.mid.survey.engine import NOTHING, Accepted
 from gpr20_main_control.mid.survey.survey_report import AnalyzerRecord, recorded_analyzers
 from gpr20_survey.plan.survey_state import SurveyState as State
 
@@ -33,11 +34,9 @@ def pause_with(bench, identity, sweeps=5):
     """Pause a survey after some sweeps; the analyzer has another identity then."""
 
     def fail():
-        if bench.analyzer.sweeps == sweeps:
-            bench.analyzer.failures, bench.analyzer.identity = 1, identity
-            bench.analyzer.on_sweep = lambda: None
+        bench.analyzer.failures, bench.analyzer.identity = 1, identity
 
-    bench.analyzer.on_sweep = fail
+    bench.at_sweep(sweeps, fail)
     survey_id = bench.start()
     bench.wait_for(State.PAUSED)
     bench.wait_for_visited(sweeps)
@@ -66,6 +65,9 @@ def test_a_survey_does_not_continue_with_another_analyzer(bench):
 def test_a_survey_continues_with_the_analyzer_that_is_accepted_and_records_both(bench):
     survey_id = pause_with(bench, OTHER)
     bench.control.resume(survey_id, Accepted(OTHER))
+    # A second request accepts nothing.
+    with raises_fault(faults.SURVEY_IN_PROGRESS, error=RequestRefusedError):
+        bench.control.resume("", Accepted(THIRD))
     bench.complete()
     assert recorded(bench) == [(FORMER, 0), (OTHER, 5)]
     # The first report with both precedes the first trace of the other one.
@@ -77,11 +79,7 @@ def test_a_survey_continues_with_the_analyzer_that_is_accepted_and_records_both(
 def test_an_accepted_analyzer_stays_accepted_and_the_former_one_does_not(bench):
     pause_with(bench, OTHER)
 
-    def fail():
-        if bench.analyzer.sweeps == 9:
-            bench.analyzer.failures, bench.analyzer.on_sweep = 1, lambda: None
-
-    bench.analyzer.on_sweep = fail
+    bench.at_sweep(9, lambda: setattr(bench.analyzer, "failures", 1))
     bench.control.resume("", Accepted(OTHER))
     bench.wait_for(State.PAUSED)
     bench.analyzer.identity = FORMER
@@ -106,52 +104,33 @@ def test_an_analyzer_that_is_not_the_accepted_one_is_refused(bench):
     bench.resume_to_the_end()
 
 
-def test_a_second_request_accepts_nothing(bench):
-    pause_with(bench, OTHER)
-    bench.control.resume("", Accepted(OTHER))
-    with raises_fault(faults.SURVEY_IN_PROGRESS, error=RequestRefusedError):
-        bench.control.resume("", Accepted(THIRD))
-    bench.complete()
-    assert recorded(bench) == [(FORMER, 0), (OTHER, 5)]
-
-
 def test_new_firmware_does_not_make_another_analyzer(bench):
     pause_with(bench, UPDATED)
     bench.resume_to_the_end()
     assert recorded(bench) == [(FORMER, 0)]
 
 
-def cut_off_survey(bench, report=""):
-    bench.storage.reopened = reopened_survey(
-        report=report, folder="/data/survey_5ec1a5d2", instrument={"identity": FORMER}
-    )
-
-
-def test_a_survey_from_its_folder_asks_for_the_other_analyzer_too(bench):
-    cut_off_survey(bench)
-    bench.analyzer.identity = OTHER
-    with pytest.raises(OtherAnalyzerError) as refused:
-        bench.control.resume("survey_5ec1a5d2")
-    assert refused.value.identity == OTHER
-    assert bench.board.status.state is State.PAUSED
-    bench.control.resume("survey_5ec1a5d2", Accepted(OTHER))
-    bench.wait_for(State.FINISHED)
-    assert recorded(bench) == [(FORMER, 0), (OTHER, 2)]
-
-
-def test_a_survey_from_its_folder_remembers_which_analyzer_was_accepted(bench):
+@pytest.mark.parametrize("accepted_before", [False, True])
+def test_a_survey_from_its_folder_remembers_which_analyzer_was_accepted(bench, accepted_before):
+    accepted = "2026-01-01T00:00:00.000000Z"
     used = [
-        {"identity": FORMER, "from_index": 0, "accepted": "2026-01-01T00:00:00.000000Z"},
-        {"identity": OTHER, "from_index": 1, "accepted": "2026-01-01T01:00:00.000000Z"},
+        {"identity": name, "from_index": index, "accepted": accepted}
+        for index, name in enumerate((FORMER, OTHER))
     ]
-    cut_off_survey(bench, json.dumps({"controls": [], "analyzers": used}))
+    report = json.dumps({"controls": [], "analyzers": used}) if accepted_before else ""
+    bench.storage.reopened = reopened_survey(report=report, instrument={"identity": FORMER})
     bench.analyzer.identity = OTHER
-    bench.control.resume("survey_5ec1a5d2")
+    if not accepted_before:
+        with pytest.raises(OtherAnalyzerError) as refused:
+            bench.control.resume("survey_5ec1a5d2")
+        assert refused.value.identity == OTHER
+        assert bench.board.status.state is State.PAUSED
+    bench.control.resume("survey_5ec1a5d2", NOTHING if accepted_before else Accepted(OTHER))
     bench.wait_for(State.FINISHED)
-    assert bench.storage.reports[-1]["analyzers"] == used
+    assert recorded(bench) == [(FORMER, 0), (OTHER, 1 if accepted_before else 2)]
 
 
-@pytest.mark.parametrize("instrument", [None, 5, {}, {"identity": 3}])
+@each_case("instrument", [None, 5, {}, {"identity": 3}])
 def test_a_survey_that_does_not_name_its_analyzer_continues_with_any(instrument):
     metadata = json.dumps({"instrument": instrument})
     record = AnalyzerRecord(recorded_analyzers(metadata, ""))
@@ -159,7 +138,7 @@ def test_a_survey_that_does_not_name_its_analyzer_continues_with_any(instrument)
     assert [one.identity for one in record.used] == [OTHER]
 
 
-@pytest.mark.parametrize("used", ["x", [3], [{}], [{"identity": 1, "from_index": 0}]])
+@each_case("used", ["x", [3], [{}], [{"identity": 1, "from_index": 0}]])
 def test_a_record_of_analyzers_that_is_none_is_refused(used):
     with raises_fault(faults.RECORD_DAMAGED, error=SurveyError):
         recorded_analyzers("{}", json.dumps({"analyzers": used}))

@@ -1,64 +1,175 @@
-"""Failures of the devices' services, as the survey receives them."""
+"""Axes and devices over ROS, without a graph: what their services and goals answer."""
+
+import threading
 
 import pytest
 
-pytest.importorskip("gpr20_msgs.srv")
+pytest.importorskip("actionlib")
+pytest.importorskip("gpr20_msgs.msg")
+
+import rospy
+from fake_robot import LIMIT_S
+from fault_kit import raises_fault
 
 from gpr20_common.faults import NODE_SILENT
+from gpr20_common.high import service_client
 from gpr20_common.high.service_client import ServiceClient, ServiceUnavailableError
+from gpr20_common.low.clock import Clock
 from gpr20_common.message import Fault, Message, Severity
 from gpr20_common.sent_message import message_fields
-from gpr20_main_control.errors import DeviceError
+from gpr20_main_control import faults
+from gpr20_main_control.errors import DeviceError, NodeLostError
+from gpr20_main_control.high import ros_axis
 from gpr20_main_control.high.ros_devices import RosAnalyzer, RosHeightSensor
 from gpr20_main_control.mid.devices.described_robot import TimeLimits
-from gpr20_msgs.srv import GetCalibrationStatusResponse, GetHeightResponse
+from gpr20_main_control.mid.waits import Workers
+from gpr20_msgs.msg import AxisResult
+from gpr20_msgs.srv import CommandResponse, GetCalibrationStatusResponse, GetHeightResponse
+from gpr20_survey.axes.axis_id import AxisId
+from gpr20_survey.faults import CONTROL_SILENT
 from gpr20_survey.plan.robot_description import HEIGHT_SENSOR, PLAIN_NAMES
 
+NO_CONTACT = Message("the axis stopped by itself").with_fault(CONTROL_SILENT)
+
+
+@pytest.fixture
+def graph(monkeypatch):
+    """Services whose nodes are away, and what was called once they were back."""
+    graph = Graph()
+    monkeypatch.setattr(
+        service_client, "ServiceConnection", lambda name, *_others: Connection(graph, name)
+    )
+    monkeypatch.setattr(service_client.ServiceClient, "_look_up", lambda *_arguments: "")
+    monkeypatch.setattr(rospy, "Subscriber", lambda *_arguments, **_options: None)
+    monkeypatch.setattr(ros_axis, "_DriversClient", lambda *_arguments: None)
+    yield graph
+    graph.node_is_back.set()
+
+
+class Graph:
+    def __init__(self):
+        self.away = ""
+        self.waiting, self.node_is_back = threading.Event(), threading.Event()
+        self.called = []
+
+    def call(self, name):
+        self.called.append(name)
+        return CommandResponse(success=True)
+
+
+class Connection:
+    """A connection to a service of the graph."""
+
+    def __init__(self, graph, name):
+        self.graph, self.name = graph, name
+
+    def connect(self, _address, _timeout_s, _answer_timeout_s):
+        if self.name == self.graph.away:
+            self.graph.waiting.set()
+            self.graph.node_is_back.wait(LIMIT_S)
+
+    def call(self, _request, _timeout_s):
+        return self.graph.call(self.name)
+
+    def abort(self):
+        pass
+
+    def close(self):
+        pass
+
+
+def test_a_homing_that_waits_for_its_node_is_not_begun_after_a_stop(graph):
+    graph.away = "x_axis/homing"
+    axis = ros_axis.RosAxis(AxisId.X, Clock())
+    homing = Workers().begin(lambda: axis.home(LIMIT_S))
+    assert graph.waiting.wait(LIMIT_S)
+    axis.stop()
+    graph.node_is_back.set()
+    with raises_fault(faults.AXIS_SILENT, error=NodeLostError) as lost:
+        homing.result(LIMIT_S)
+    assert lost.value.message.may_move
+    # Its call belongs to this test's graph, not to the next one's.
+    axis._await_stops()
+    assert graph.called == ["x_axis/stop"]
+
+
+def test_a_homing_begins_only_when_the_stop_before_it_is_over(graph):
+    graph.away = "x_axis/stop"
+    axis = ros_axis.RosAxis(AxisId.X, Clock())
+    axis.stop()
+    assert graph.waiting.wait(LIMIT_S)
+    homing = Workers().begin(lambda: axis.home(LIMIT_S))
+    graph.node_is_back.set()
+    homing.result(LIMIT_S)
+    assert graph.called == ["x_axis/stop", "x_axis/homing"]
+
+
+class EndedGoal:
+    """The handle of a goal that ended without success."""
+
+    def __init__(self, message):
+        self._result = message and AxisResult(success=False, **message_fields(message))
+
+    def get_result(self):
+        return self._result
+
+    def get_goal_status_text(self):
+        return ""
+
+
+def test_a_stop_for_lack_of_contact_is_told_from_one_that_was_requested():
+    assert ros_axis._outcome(EndedGoal(NO_CONTACT)).contact_lost
+    assert not ros_axis._outcome(EndedGoal(Message("the move was stopped"))).contact_lost
+    # Without a result the move may continue.
+    assert ros_axis._outcome(EndedGoal(None)).message.fault_code == faults.AXIS_SILENT.code
+
+
+def test_a_homing_that_stopped_for_lack_of_contact_is_no_failed_axis(graph, monkeypatch):
+    response = CommandResponse(success=False, **message_fields(NO_CONTACT))
+    monkeypatch.setattr(graph, "call", lambda _name: response)
+    with raises_fault(CONTROL_SILENT, error=NodeLostError):
+        ros_axis.RosAxis(AxisId.X, Clock()).home(LIMIT_S)
+
+
+# Failures of the services of other devices, as the survey receives them.
+
+NOTE = Fault("survey.complete", Message("Plan a new survey."), Severity.NOTE)
 REFUSAL = Message("the height sensor reads {height_m:g} m", height_m=1.6, details="ADC 1023")
+GONE = ServiceUnavailableError(Message("service get_height is gone"))
 
 
-def answer_with(monkeypatch, response):
+def failure_of(monkeypatch, device, response):
+    """Return the message of the failure when a service answers so."""
+
     def call(_client, _timeout_s, **_fields):
         if isinstance(response, Exception):
             raise response
         return response
 
     monkeypatch.setattr(ServiceClient, "call", call)
-
-
-def test_a_refusal_keeps_template_and_values_and_names_its_service_in_the_details(monkeypatch):
-    answer_with(monkeypatch, GetHeightResponse(success=False, **message_fields(REFUSAL)))
     with pytest.raises(DeviceError) as refused:
-        RosHeightSensor(1.0).height_m()
-    message = refused.value.message
-    assert message.sentence() == "the height sensor reads 1.6 m"
+        device()
+    return refused.value.message
+
+
+def test_a_refusal_keeps_template_values_and_fault_and_names_its_service(monkeypatch):
+    answer = GetHeightResponse(success=False, **message_fields(REFUSAL.with_fault(NOTE)))
+    message = failure_of(monkeypatch, RosHeightSensor(1.0).height_m, answer)
     assert message.values["reason"] == REFUSAL
     assert message.all_details == ("get_height", "ADC 1023")
-
-
-def test_what_the_part_reports_decides_also_if_it_is_a_note(monkeypatch):
-    note = Fault("survey.complete", Message("Plan a new survey."), Severity.NOTE)
-    fields = message_fields(REFUSAL.with_fault(note))
-    answer_with(monkeypatch, GetHeightResponse(success=False, **fields))
-    with pytest.raises(DeviceError) as refused:
-        RosHeightSensor(1.0).height_m()
-    assert refused.value.message.cause == note
+    # What the part reports decides, also if it is a note.
+    assert message.cause == NOTE
 
 
 def test_a_service_that_does_not_answer_is_reported_as_the_device_that_operators_know(monkeypatch):
-    answer_with(monkeypatch, ServiceUnavailableError(Message("service get_height is gone")))
-    with pytest.raises(DeviceError) as refused:
-        RosHeightSensor(1.0).height_m()
-    message = refused.value.message
+    message = failure_of(monkeypatch, RosHeightSensor(1.0).height_m, GONE)
     assert message.fault_code == NODE_SILENT.code
     assert message.values["device"] == PLAIN_NAMES[HEIGHT_SENSOR]
     assert message.all_details == ("service get_height is gone",)
 
 
 def test_a_calibration_that_is_not_accepted_is_refused_with_the_drivers_message(monkeypatch):
-    refusal = Message("the VNA is not calibrated; calibrate it")
-    fields = message_fields(refusal)
-    answer_with(monkeypatch, GetCalibrationStatusResponse(success=True, accepted=False, **fields))
-    with pytest.raises(DeviceError) as refused:
-        RosAnalyzer(TimeLimits(analyzer_limit_s=1.0)).calibration()
-    assert refused.value.message == refusal
+    fields = message_fields(REFUSAL)
+    answer = GetCalibrationStatusResponse(success=True, accepted=False, **fields)
+    analyzer = RosAnalyzer(TimeLimits(analyzer_limit_s=1.0))
+    assert failure_of(monkeypatch, analyzer.calibration, answer) == REFUSAL

@@ -14,12 +14,11 @@ import time
 
 import numpy as np
 import pytest
-from run_seed import SEED
+from run_seed import SEED, draws
 
 pytest.importorskip("gpr20_axis_driver.mid.axis_lease")
 
-from fake_robot import Bench, FakeAnalyzer, FakeAxis
-from strict_storage import StrictStorage, folder_of
+from fake_robot import LIMIT_S, Bench, FakeAnalyzer, FakeAxis, folder_of
 from survey_examples import PARAMETERS
 
 from gpr20_axis_driver.axis_exceptions import AxisException
@@ -34,8 +33,7 @@ from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.faults import LEASE_LAPSED, OTHER_ZEROS
 from gpr20_survey.plan.survey_state import SurveyState as State
 
-ACTIONS = int(os.environ.get("GPR20_FOREIGN_CALLS", "500"))
-LIMIT_S = 60.0
+ACTIONS = int(os.environ.get("GPR20_FOREIGN_CALLS", draws(125)))
 CONTROL, OTHER = "/main_control", "/rostopic_7"
 LEASE_LIMIT_S = 2.0
 
@@ -200,8 +198,9 @@ class Operator:
 
 def survey(chance):
     """Run one survey to its end; return how much was asked, and how many traces are marked."""
-    clock, analyzer, storage = FreezableClock(), SeeingAnalyzer(), StrictStorage()
-    bench = Bench(analyzer=analyzer, storage=storage, return_limit_s=3600.0)
+    clock, analyzer = FreezableClock(), SeeingAnalyzer()
+    bench = Bench(analyzer=analyzer, return_limit_s=3600.0)
+    storage = bench.storage
     for name, axis_id in zip("xyz", list(bench.robot.axes)):
         axis = TrueAxis(name != "z", clock)
         setattr(bench, name, axis)
@@ -219,7 +218,7 @@ def survey(chance):
             time.sleep(0.004)
     finally:
         bench.control.shut_down(LIMIT_S)
-    return operator, storage.samples.get(survey_id, {})
+    return operator, storage.stored(survey_id)
 
 
 def test_no_trace_has_a_wrong_coordinate_that_is_not_marked():

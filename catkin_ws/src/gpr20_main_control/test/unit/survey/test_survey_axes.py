@@ -3,8 +3,7 @@
 import threading
 
 import pytest
-from fake_clocks import ManualClock
-from fake_robot import Bench, reports
+from fake_robot import Bench, ManualClock, reports
 
 from gpr20_common.message import Fault, Message, Severity
 from gpr20_main_control import faults
@@ -12,20 +11,17 @@ from gpr20_main_control.errors import DeviceError
 from gpr20_main_control.mid.devices.robot import MoveOutcome
 from gpr20_survey.plan.survey_state import SurveyState as State
 
-STOPPED_BY_OTHERS = Fault("axis.stopped", Message("Nothing to do"), Severity.NOTE)
+STOPPED_BY_OTHERS = Message("stopped").with_fault(
+    Fault("axis.stopped", Message("Nothing to do"), Severity.NOTE)
+)
 
 
-def test_each_axis_gets_its_own_targets(bench):
+def test_each_axis_gets_its_own_targets_and_no_move_of_zero_length(bench):
     bench.start()
-    bench.wait_for(State.FINISHED)
+    bench.complete()
     assert set(bench.x.moves) == {10.0, 20.0, 30.0}
     assert set(bench.y.moves) == {5.0, 15.0, 25.0, 35.0}
     assert set(bench.z.moves) == {0.0, 90.0}
-
-
-def test_no_move_of_zero_length_is_sent(bench):
-    bench.start()
-    bench.wait_for(State.FINISHED)
     for axis in bench.axes:
         assert all(a != b for a, b in zip([0.0, *axis.moves], axis.moves))
 
@@ -33,7 +29,7 @@ def test_no_move_of_zero_length_is_sent(bench):
 def test_homed_axes_are_not_homed_again(bench):
     bench.x.homed = bench.y.homed = bench.z.homed = True
     bench.start()
-    bench.wait_for(State.FINISHED)
+    bench.complete()
     assert [axis.homings for axis in bench.axes] == [0, 0, 0]
 
 
@@ -44,37 +40,58 @@ def test_what_an_axis_said_before_its_node_was_restarted_does_not_count(bench):
     assert bench.x.homings == 1
 
 
-def test_a_refused_move_is_never_measured_and_pauses_the_survey(bench):
-    bench.y.fail_move = "the endstop was pressed"
-    bench.start()
-    status = bench.wait_for(State.PAUSED)
-    assert reports(status.message, faults.MOVE_FAILED, "y", 5.0)
-    assert bench.y.fail_move in str(status.message)
-    assert bench.analyzer.sweeps == 0
-    bench.y.fail_move = ""
-    bench.resume_to_the_end()
+def is_refused(axis):
+    axis.fail_move = "the endstop was pressed"
 
 
-def test_a_move_that_ends_elsewhere_is_never_measured(bench):
-    bench.x.stay = True
+def stays(axis):
+    axis.stay = True
+
+
+def rests_a_step_beside(axis):
+    axis.offset = 0.01
+
+
+def never_ends(axis):
+    axis.blocked.clear()
+
+
+def falls_silent(axis):
+    axis.blocked.clear()
+    axis.begin_move = lambda _target: setattr(axis, "silent", True)
+
+
+def is_stopped_by_another_client(axis):
+    outcome = MoveOutcome(False, STOPPED_BY_OTHERS)
+    axis.begin_move = lambda _target: setattr(axis, "_outcome", outcome)
+
+
+@pytest.mark.parametrize(
+    "move, fault, shown, may_move",
+    [
+        (is_refused, faults.MOVE_FAILED, ("x", 10.0), False),
+        (stays, faults.AXIS_OFF_TARGET, ("x", 0.0, 10.0), False),
+        (rests_a_step_beside, faults.AXIS_OFF_TARGET, ("x", 10.01, 10.0), False),
+        (never_ends, faults.MOVE_TOO_LONG, ("x", 10.0), True),
+        (falls_silent, faults.AXIS_SILENT, ("x",), True),
+        (is_stopped_by_another_client, faults.MOVE_FAILED, ("x", 10.0), False),
+    ],
+)
+def test_a_move_that_does_not_arrive_pauses_the_survey_and_nothing_is_measured(
+    bench, move, fault, shown, may_move
+):
+    move(bench.x)
     bench.start()
-    status = bench.wait_for(State.PAUSED)
-    assert reports(status.message, faults.AXIS_OFF_TARGET, "x", 0.0, 10.0)
-    assert bench.storage.samples == []
+    message = bench.wait_for(State.PAUSED).message
+    assert reports(message, fault, *shown) and message.may_move is may_move
+    assert bench.analyzer.sweeps == 0 and bench.storage.samples == []
+    assert not may_move or bench.x.stops
 
 
 def test_a_lost_result_is_settled_by_the_axis_own_coordinate(bench):
     bench.x.lose_result = True
     bench.start()
     bench.complete()
-
-
-def test_a_move_that_never_ends_pauses_the_survey_after_its_time_limit(bench):
-    bench.x.blocked.clear()
-    bench.start()
-    status = bench.wait_for(State.PAUSED)
-    assert reports(status.message, faults.MOVE_TOO_LONG, "x", 10.0)
-    assert bench.x.stops > 0
 
 
 def test_a_silent_axis_pauses_the_survey_and_it_goes_on_when_it_speaks_again(bench):
@@ -87,56 +104,38 @@ def test_a_silent_axis_pauses_the_survey_and_it_goes_on_when_it_speaks_again(ben
     bench.resume_to_the_end()
 
 
-def test_an_axis_that_falls_silent_in_a_move_may_still_move(bench):
-    bench.x.blocked.clear()
-    bench.x.begin_move = lambda _target: setattr(bench.x, "silent", True)
+def fail_homing(message):
+    def home(_limit_s):
+        raise DeviceError(message)
+
+    return home
+
+
+@pytest.mark.parametrize("reason", [Message("it is stuck open"), STOPPED_BY_OTHERS])
+def test_every_axis_is_homed_even_if_one_fails_and_the_failure_pauses_the_survey(bench, reason):
+    bench.x.home = fail_homing(reason)
     bench.start()
-    status = bench.wait_for(State.PAUSED)
-    assert reports(status.message, faults.AXIS_SILENT, "x")
-    assert status.message.may_move
-
-
-def test_an_axis_that_another_client_stops_in_a_move_must_be_clear_before_the_next(bench):
-    stopped = MoveOutcome(False, Message("the move was stopped").with_fault(STOPPED_BY_OTHERS))
-    bench.y.begin_move = lambda _target: setattr(bench.y, "_outcome", stopped)
-    bench.start()
-    status = bench.wait_for(State.PAUSED)
-    assert reports(status.message, faults.MOVE_FAILED, "y", 5.0)
-
-
-def test_an_axis_that_another_client_stops_in_its_homing_must_be_clear_before_the_next(bench):
-    def stopped(_limit_s):
-        raise DeviceError(Message("homing was stopped").with_fault(STOPPED_BY_OTHERS))
-
-    bench.x.home = stopped
-    bench.start()
-    status = bench.wait_for(State.PAUSED)
-    assert reports(status.message, faults.HOMING_FAILED, "x")
+    message = bench.wait_for(State.PAUSED).message
+    assert faults.HOMING_FAILED in message.faults and reason in message.nested()
+    assert [axis.homings for axis in bench.axes] == [0, 1, 1]
 
 
 def test_an_axis_that_lost_its_zero_is_homed_before_the_survey_goes_on(bench):
-    def lose_zero():
-        if bench.analyzer.sweeps == 5:
-            bench.x.homed = False
-            bench.analyzer.on_sweep = lambda: None
-
-    bench.analyzer.on_sweep = lose_zero
+    bench.at_sweep(5, lambda: setattr(bench.x, "homed", False))
     bench.start()
     status = bench.wait_for(State.PAUSED)
     assert reports(status.message, faults.AXIS_NOT_HOMED, "x")
     assert len(bench.storage.samples) <= 5
-    bench.control.resume("")
-    bench.wait_for(State.FINISHED)
+    bench.resume_to_the_end()
     assert bench.x.homings == 2
-    assert [sample.index for sample in bench.storage.samples] == list(range(24))
+    # The last complete stop was measured twice; the repeats are not among the traces.
+    report = bench.storage.reports[-1]
+    assert [control["index"] for control in report["controls"]] == [2, 3]
+    assert report["coverage"].count("r") == 2
 
 
 def test_a_trace_is_not_stored_if_the_axes_moved_during_its_sweep(bench):
-    def push():
-        bench.x.coordinate += 0.01
-        bench.analyzer.on_sweep = lambda: None
-
-    bench.analyzer.on_sweep = push
+    bench.at_sweep(0, lambda: setattr(bench.x, "coordinate", 10.01))
     bench.start()
     status = bench.wait_for(State.PAUSED)
     assert reports(status.message, faults.MOVED_BY_OTHERS, 0)
@@ -146,70 +145,45 @@ def test_a_trace_is_not_stored_if_the_axes_moved_during_its_sweep(bench):
 def test_an_axis_whose_node_is_still_starting_is_waited_for(bench):
     bench.z.silent_readings = 3
     bench.start()
-    bench.wait_for(State.FINISHED)
+    bench.complete()
 
 
 def test_an_axis_that_never_speaks_fails_the_survey_before_anything_moves(bench):
     bench.z.silent = True
     bench.start()
-    final = bench.wait_for(State.FAILED)
-    assert reports(final.message, faults.NODE_LOST, "z")
+    message = bench.wait_for(State.FAILED).message
+    assert reports(message, faults.NODE_LOST, "z") and not message.may_move
     assert bench.x.moves == []
 
 
-@pytest.mark.parametrize("offset", [0.01, -0.04])
-def test_an_axis_that_rests_a_step_beside_its_target_is_never_measured(bench, offset):
-    bench.x.offset = offset
-    bench.start()
-    status = bench.wait_for(State.PAUSED)
-    assert status.message.fault_code in (faults.AXIS_OFF_TARGET.code, faults.MOVED_BY_OTHERS.code)
-    assert bench.storage.samples == []
-
-
-def test_every_sweep_comes_after_the_antennas_have_settled():
-    clock = ManualClock()
-    bench = Bench(clock=clock, settle_s=0.7)
-    settled = []
-    bench.analyzer.on_sweep = lambda: settled.append(clock.waits_s.count(0.7))
-    bench.start()
-    bench.wait_for(State.FINISHED)
-    assert settled == list(range(1, 25))
-
-
-def test_every_sweep_is_prepared_while_the_antennas_settle(monkeypatch):
+@pytest.fixture
+def settling():
     bench = Bench(clock=ManualClock(), settle_s=0.7)
-    prepared = threading.Semaphore(0)
-    monkeypatch.setattr(bench.analyzer, "prepare", prepared.release)
-    bench.start()
-    bench.wait_for(State.FINISHED)
-    assert all(prepared.acquire(timeout=5.0) for _ in bench.storage.samples)
+    yield bench
+    bench.control.shut_down(20.0)
+
+
+def test_every_sweep_is_prepared_while_the_antennas_settle_and_comes_after_it(settling):
+    prepared, settled = threading.Semaphore(0), []
+    settling.analyzer.prepare = prepared.release
+    settling.analyzer.on_sweep = lambda: settled.append(settling.clock.waits_s.count(0.7))
+    settling.start()
+    settling.complete()
+    assert settled == list(range(1, 25))
+    assert all(prepared.acquire(timeout=20.0) for _ in settling.storage.samples)
     assert not prepared.acquire(blocking=False)
 
 
-def test_every_axis_is_homed_even_if_one_fails_and_the_failure_is_told(bench):
-    bench.x.fail_homing = "it is stuck open"
-    bench.start()
-    status = bench.wait_for(State.PAUSED)
-    assert faults.HOMING_FAILED in status.message.faults
-    assert bench.x.fail_homing in str(status.message)
-    assert [axis.homings for axis in bench.axes] == [1, 1, 1]
-
-
-def test_an_axis_that_somebody_else_moved_during_the_settling_is_never_measured():
-    clock = ManualClock()
-    bench = Bench(clock=clock, settle_s=0.7)
-
-    usual = clock.wait_s
+def test_an_axis_that_somebody_else_moved_during_the_settling_is_never_measured(settling):
+    usual = settling.clock.wait_s
 
     def meddle(event, timeout_s):
-        if timeout_s == 0.7 and len(bench.storage.samples) >= 2:
-            bench.z.coordinate = -5.4
+        if timeout_s == 0.7 and len(settling.storage.samples) >= 2:
+            settling.z.coordinate = -5.4
         return usual(event, timeout_s)
 
-    clock.wait_s = meddle
-    bench.start()
-    status = bench.wait_for(State.PAUSED)
+    settling.clock.wait_s = meddle
+    settling.start()
+    status = settling.wait_for(State.PAUSED)
     assert reports(status.message, faults.MOVED_BY_OTHERS, -5.4)
-    assert all(sample.z_coord_deg in (0.0, 90.0) for sample in bench.storage.samples)
-    bench.control.stop()
-    bench.wait_for(State.STOPPED)
+    assert all(sample.z_coord_deg in (0.0, 90.0) for sample in settling.storage.samples)

@@ -1,6 +1,5 @@
 """A sweep is confirmed while the axes move on; only then its trace is stored."""
 
-import json
 import threading
 
 import pytest
@@ -85,23 +84,12 @@ def test_the_survey_ends_only_when_its_last_sweep_is_confirmed(bench, confirmati
 
 def test_the_trace_has_the_remarks_of_the_sweep_and_of_its_confirmation(bench, confirmations):
     confirmations.remarks[3] = ("the level is low",)
+    bench.analyzer.temperature_c = 40.75
     bench.start()
     bench.complete()
     assert [one.quality for one in bench.storage.samples[1:4]] == [(), ("the level is low",), ()]
-
-
-def test_the_trace_has_the_temperature_of_the_analyzer_and_the_survey_its_calibration(bench):
-    bench.analyzer.temperature_c = 40.75
-    bench.analyzer.calibration_details = {"parameters": ["S21"], "type": "TRFP"}
-    bench.start()
-    bench.complete()
-    values = {
-        (one.name, one.value, one.unit) for trace in bench.storage.samples for one in trace.aux
-    }
+    values = {(one.name, one.value, one.unit) for s in bench.storage.samples for one in s.aux}
     assert values == {("vna_temperature", 40.75, "degC")}
-    (record,) = bench.storage.records
-    instrument = json.loads(record.metadata_json)["instrument"]
-    assert instrument["calibration_details"] == bench.analyzer.calibration_details
 
 
 @pytest.mark.parametrize("number", [1, 24])
@@ -120,52 +108,29 @@ def test_a_sweep_that_is_not_confirmed_is_taken_again_at_its_own_place(
     assert places[number] == places[number - 1]
     assert places[number] == (again.x_coord_mm, again.y_coord_mm, again.z_coord_deg)
     assert again.quality == (f"measured again: {CHANGED}",)
-    shown = [status.message for status in bench.history if CHANGED in str(status.message)]
-    assert shown and all(reports(one, faults.SWEEP_UNCONFIRMED, number - 1) for one in shown)
     (warning,) = bench.storage.reports[-1]["warnings"]
     assert reports(warning_of(warning), faults.SWEEP_UNCONFIRMED, number - 1, CHANGED)
     assert State.PAUSED.name not in bench.states
 
 
-def test_the_status_shows_again_that_the_survey_measures(bench, confirmations):
-    confirmations.refused[5] = refusal()
-    confirmations.hold(8)
+@pytest.mark.parametrize(
+    "refused, error, swept",
+    [
+        ((4, 5, 6), refusal(), 6),
+        ((4,), refusal(repeat=False), 4),
+        ((4,), DeviceError(Message("{reason}", reason=CHANGED)), 4),
+    ],
+)
+def test_a_point_that_is_not_confirmed_after_its_repetitions_pauses_the_survey(
+    bench, confirmations, refused, error, swept
+):
+    confirmations.refused.update(dict.fromkeys(refused, error))
     bench.start()
-    assert confirmations.begun[8].wait(LIMIT_S)
-    assert str(bench.board.status.message) == "Measuring"
-    confirmations.release()
-    bench.complete()
-
-
-def test_a_point_that_is_never_confirmed_pauses_the_survey(bench, confirmations):
-    for number in (4, 5, 6):
-        confirmations.refused[number] = refusal()
-    bench.start()
-    status = bench.wait_for(State.PAUSED)
-    assert reports(status.message, faults.SWEEP_UNCONFIRMED, 3, CHANGED)
+    assert CHANGED in str(bench.wait_for(State.PAUSED).message)
     bench.wait_for_visited(3)
-    assert numbers(bench) == [1, 2, 3]
+    assert numbers(bench) == [1, 2, 3] and bench.analyzer.sweeps == swept
     bench.resume_to_the_end()
-    assert numbers(bench) == [1, 2, 3, *range(7, 28)]
-
-
-def test_a_refusal_that_cannot_be_repeated_pauses_the_survey_at_once(bench, confirmations):
-    confirmations.refused[4] = refusal(repeat=False)
-    bench.start()
-    status = bench.wait_for(State.PAUSED)
-    assert CHANGED in str(status.message)
-    bench.wait_for_visited(3)
-    assert numbers(bench) == [1, 2, 3] and bench.analyzer.sweeps == 4
-    bench.resume_to_the_end()
-
-
-def test_a_confirmation_without_an_answer_pauses_the_survey(bench, confirmations):
-    confirmations.refused[4] = DeviceError(Message("the VNA driver did not answer"))
-    bench.start()
-    assert "the VNA driver did not answer" in str(bench.wait_for(State.PAUSED).message)
-    bench.wait_for_visited(3)
-    assert numbers(bench) == [1, 2, 3]
-    bench.resume_to_the_end()
+    assert numbers(bench) == [1, 2, 3, *range(swept + 1, swept + 22)]
 
 
 def test_a_fault_in_a_confirmation_fails_the_survey_and_stores_nothing(bench, confirmations):
@@ -181,11 +146,7 @@ def test_a_fault_of_an_axis_loses_no_sweep_that_can_be_confirmed(bench, confirma
     if not confirmed:
         confirmations.refused[3] = refusal()
 
-    def fail_next_move():
-        if bench.analyzer.sweeps == 2:
-            bench.z.fail_move = "the endstop was pressed"
-
-    bench.analyzer.on_sweep = fail_next_move
+    bench.at_sweep(2, lambda: setattr(bench.z, "fail_move", "the endstop was pressed"))
     bench.start()
     assert confirmations.begun[3].wait(LIMIT_S)
     confirmations.release()
@@ -194,7 +155,6 @@ def test_a_fault_of_an_axis_loses_no_sweep_that_can_be_confirmed(bench, confirma
         assert status.state is State.PAUSED
         bench.control.resume("")
         status = bench.wait_for(State.PAUSED)
-    bench.analyzer.on_sweep = lambda: None
     bench.z.fail_move = ""
     bench.resume_to_the_end()
     assert len(set(numbers(bench))) == 24 and (3 in numbers(bench)) is confirmed
@@ -258,7 +218,7 @@ def test_an_analyzer_that_is_lost_while_it_confirms_costs_one_more_sweep():
 
 
 def test_a_pause_holds_when_the_last_sweep_is_confirmed_and_stored(bench, confirmations):
-    bench.analyzer.on_sweep = lambda: bench.analyzer.sweeps == 2 and bench.control.pause()
+    bench.at_sweep(2, bench.control.pause)
     confirmations.hold(3)
     bench.start()
     assert confirmations.begun[3].wait(LIMIT_S)
@@ -266,5 +226,4 @@ def test_a_pause_holds_when_the_last_sweep_is_confirmed_and_stored(bench, confir
     confirmations.release()
     bench.wait_for(State.PAUSED)
     bench.wait_for_visited(3)
-    bench.analyzer.on_sweep = lambda: None
     bench.resume_to_the_end()

@@ -9,24 +9,6 @@ from gpr20_main_control.errors import DeviceError, RequestRefusedError, SurveyEr
 from gpr20_survey.plan.survey_state import SurveyState as State
 
 
-def test_after_an_axis_was_homed_again_the_last_stop_is_compared(bench):
-    def lose_zero():
-        if bench.analyzer.sweeps == 5:
-            bench.x.homed = False
-            bench.analyzer.on_sweep = lambda: None
-
-    bench.analyzer.on_sweep = lose_zero
-    bench.start()
-    bench.wait_for(State.PAUSED)
-    bench.control.resume("")
-    bench.wait_for(State.FINISHED)
-    report = bench.storage.reports[-1]
-    # The last complete stop was measured twice; the repeats are not among the traces.
-    assert [control["index"] for control in report["controls"]] == [2, 3]
-    assert report["coverage"].count("r") == 2
-    assert [sample.index for sample in bench.storage.samples] == list(range(24))
-
-
 @pytest.mark.parametrize("stored", [[], [0, 2, 5, 23]])
 def test_a_survey_that_was_cut_off_goes_on_with_exactly_what_is_missing(bench, stored):
     bench.storage.reopened = reopened_survey(stored)
@@ -51,11 +33,7 @@ def test_the_control_measurement_tells_how_far_it_is_from_the_stored_trace(bench
     # The first sweep of this analyzer is 1 + 1j everywhere, which is what is stored.
     assert control["difference_db"] is None
     assert control["height_difference_m"] == 0.0
-    messages = [str(status.message) for status in bench.history]
-    assert any(
-        "point 1 was measured again; the difference is inf dB below" in message
-        for message in messages
-    )
+    assert any("point 1 was measured again" in str(one.message) for one in bench.history)
 
 
 def test_a_survey_of_a_version_that_knew_fewer_parameters_of_an_axis_is_resumed(bench):

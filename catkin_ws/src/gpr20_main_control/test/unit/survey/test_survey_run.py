@@ -1,32 +1,59 @@
-"""A whole survey over a fake robot: its order, its requests, its end."""
+"""A whole survey over a fake robot: its order, its requests, its pauses, its end."""
+
+import gc
+import itertools
 
 import pytest
-from fake_robot import Bench
+from fake_robot import Bench, FakeStorage, ManualClock
 from fault_kit import raises_fault
 from survey_examples import PARAMETERS, TRAVEL
 
+from gpr20_common.message import Message
 from gpr20_main_control import faults
-from gpr20_main_control.errors import RequestRefusedError
+from gpr20_main_control.errors import DeviceError, RequestRefusedError
+from gpr20_main_control.mid.survey.engine import Accepted
+from gpr20_main_control.mid.survey.survey_notes import SurveyNotes
+from gpr20_main_control.mid.survey.survey_status import SurveyStatus
+from gpr20_survey.folder.log_record import Kind
 from gpr20_survey.plan.survey_plan import survey_points
+from gpr20_survey.plan.survey_state import (
+    RUNNING,
+    TRANSITIONS,
+    TransitionError,
+    check_transition,
+)
 from gpr20_survey.plan.survey_state import SurveyState as State
+from gpr20_survey.trace.trace import Trace
 
 
 def test_a_survey_stores_every_point_exactly_once_and_finishes(bench):
-    x_points = 4
-    bench.start(x_points=x_points)
+    bench.start(x_points=4)
     status = bench.wait_for(State.FINISHED)
-    total = x_points * 4 * 2
-    assert [sample.index for sample in bench.storage.samples] == list(range(total))
-    places = {(s.x_coord_mm, s.y_coord_mm, s.z_coord_deg) for s in bench.storage.samples}
-    assert len(places) == total
-    assert len({sample.sample_id for sample in bench.storage.samples}) == total
-    assert status.completion_percent == 100.0
-    assert status.remaining_s == 0.0
+    samples, total = bench.storage.samples, 4 * 4 * 2
+    assert [sample.index for sample in samples] == list(range(total))
+    assert len({(s.x_coord_mm, s.y_coord_mm, s.z_coord_deg) for s in samples}) == total
+    assert len({sample.sample_id for sample in samples}) == total
+    assert (status.completion_percent, status.remaining_s) == (100.0, 0.0)
     assert bench.states == ["CONFIGURED", "CHECKING", "HOMING", "SURVEYING", "FINISHED"]
     assert [outcome for _id, outcome, _reason in bench.storage.closed] == ["finished"]
     # The recordings end with the status that is published.
     assert bench.storage.ends[-1].status == status
     assert bench.storage.ends[-1].coverage.verdict().complete
+    # Told when they are set and when the survey begins.
+    assert [one.x_points for one in bench.parameters] == [4, 4]
+
+
+def test_the_height_of_every_trace_is_the_one_measured_at_its_own_point(bench):
+    def ground_below():
+        return 0.1 + bench.x.coordinate / 1000.0 + bench.y.coordinate / 100.0
+
+    bench.height.height_m = ground_below
+    bench.start()
+    bench.complete()
+    for one in bench.storage.samples:
+        expected_m = 0.1 + one.x_coord_mm / 1000.0 + one.y_coord_mm / 100.0
+        assert one.antennae_height_m == pytest.approx(expected_m)
+    assert len({one.antennae_height_m for one in bench.storage.samples}) == 12
 
 
 def test_requests_that_do_not_fit_the_state_are_refused_with_the_reason(bench):
@@ -42,15 +69,14 @@ def test_requests_that_do_not_fit_the_state_are_refused_with_the_reason(bench):
         with raises_fault(faults.SURVEY_IN_PROGRESS, error=RequestRefusedError):
             request()
     bench.storage.free.set()
-    bench.wait_for(State.FINISHED)
+    bench.complete()
 
 
 def test_the_target_is_shown_while_a_survey_runs_and_only_then(bench):
     bench.start()
-    bench.wait_for(State.FINISHED)
-    planned = survey_points(PARAMETERS, TRAVEL)
-    shown = [status.target for status in bench.history if status.target is not None]
-    assert set(planned) == set(shown)
+    bench.complete()
+    shown = {status.target for status in bench.history if status.target is not None}
+    assert shown == set(survey_points(PARAMETERS, TRAVEL))
     assert bench.board.status.target is None
 
 
@@ -60,3 +86,135 @@ def test_the_estimate_follows_the_speed_of_the_robot():
     assert real.total_points == fast.total_points == 24
     assert real.duration_s == pytest.approx(50.0 * fast.duration_s)
     assert real.duration_s > 24 * 1.0
+
+
+def test_the_control_keeps_nothing_of_a_trace_that_is_stored():
+    class CountingStorage(FakeStorage):
+        """Keeps nothing, and counts at the last trace what others keep."""
+
+        stored_traces = kept = 0
+
+        def store(self, _trace):
+            self.stored_traces += 1
+            if self.stored_traces == 96:
+                self.kept = sum(isinstance(one, Trace) for one in gc.get_objects())
+
+        def report(self, _survey_id, _report_json):
+            return self.stored_traces
+
+    gc.collect()
+    before = sum(isinstance(one, Trace) for one in gc.get_objects())
+    bench = Bench(storage=CountingStorage())
+    bench.start(y_points=16)
+    bench.wait_for(State.FINISHED)
+    # The last eight, with which a known point is compared, the first two, and those under way.
+    assert bench.storage.kept - before <= 20
+
+
+# Pauses.
+
+
+def test_resume_names_the_survey_that_is_paused(bench):
+    bench.y.fail_move = "the endstop was pressed"
+    survey_id = bench.start()
+    bench.wait_for(State.PAUSED)
+    with raises_fault(faults.OTHER_PAUSED, survey_id, error=RequestRefusedError):
+        bench.control.resume("another")
+    bench.y.fail_move = ""
+    bench.control.resume(survey_id)
+    bench.complete()
+
+
+def test_a_pause_does_not_count_for_the_remaining_time_and_loses_none():
+    bench = Bench(clock=ManualClock())
+
+    def pass_time():
+        bench.clock.time_s += 10.0
+        if bench.analyzer.sweeps == 5:
+            bench.y.fail_move = "the endstop was pressed"
+
+    bench.analyzer.on_sweep = pass_time
+    bench.start()
+    bench.wait_for(State.PAUSED)
+    bench.clock.time_s += 1.0e6
+    bench.y.fail_move = ""
+    bench.analyzer.on_sweep = lambda: None
+    bench.resume_to_the_end()
+    assert max(status.remaining_s for status in bench.history) < 1000.0
+    # Nor is the pace before the pause forgotten.
+    assert all(status.remaining_s > 0.0 for status in bench.history if status.visited_points == 6)
+
+
+@pytest.mark.parametrize("after", [1, 23])
+def test_a_pause_finishes_the_present_sample_and_holds(bench, after):
+    bench.at_sweep(after - 1, bench.control.pause)
+    bench.start()
+    bench.wait_for(State.PAUSED)
+    assert bench.analyzer.sweeps == after
+    bench.wait_for_visited(after)
+    assert "PAUSING" in bench.states
+    bench.resume_to_the_end()
+
+
+def test_a_pause_at_the_last_sample_ends_as_finished(bench):
+    bench.at_sweep(23, bench.control.pause)
+    bench.start()
+    bench.complete()
+
+
+def test_a_pause_its_end_and_what_the_operator_accepted_are_noted_in_their_order(bench):
+    bench.at_sweep(2, bench.control.pause)
+    bench.start()
+    bench.wait_for(State.PAUSED)
+    bench.control.resume("", Accepted(zeros=True))
+    bench.complete()
+    notes = bench.storage.notes
+    assert [one.kind for one in notes] == [Kind.EPOCH, Kind.PAUSE, Kind.DECISION, Kind.CONTINUE]
+    assert notes[1].values["message"]["fault"]["code"] == faults.PAUSED_ON_REQUEST.code
+    assert notes[2].values["zeros"] is True
+    assert all(one.values["time"] for one in notes)
+
+
+def test_a_note_that_could_not_be_stored_waits_and_keeps_its_place():
+    notes, stored = SurveyNotes(), []
+    notes.add(Kind.EPOCH, number=1)
+    notes.add_message(Kind.PAUSE, Message("Paused"))
+
+    def refuse(_note):
+        raise DeviceError(Message("the disk is full"))
+
+    with pytest.raises(DeviceError):
+        notes.send(refuse)
+    notes.send(stored.append)
+    notes.send(stored.append)
+    assert [one.kind for one in stored] == [Kind.EPOCH, Kind.PAUSE]
+
+
+# The table of states.
+
+
+def test_a_transition_that_is_not_in_the_table_is_refused():
+    for before, after in itertools.product(State, repeat=2):
+        if after in TRANSITIONS[before]:
+            check_transition(before, after)
+        else:
+            with pytest.raises(TransitionError, match=f"{before.name} .*{after.name}"):
+                print(before, after, check_transition(before, after))
+
+
+def test_a_running_survey_can_fail_and_be_stopped_and_after_every_end_another_can_begin():
+    for state in State:
+        if state in RUNNING:
+            assert State.FAILED in TRANSITIONS[state], state
+        if state in RUNNING - {State.STOPPING}:
+            assert State.STOPPING in TRANSITIONS[state], state
+        if state not in RUNNING and state is not State.IDLE:
+            assert {State.CHECKING, State.CONFIGURED} <= set(TRANSITIONS[state]), state
+
+
+def test_an_illegal_transition_changes_nothing_and_tells_nobody():
+    changes = []
+    board = SurveyStatus(lambda _before, after: changes.append(after), print, print)
+    with pytest.raises(TransitionError):
+        board.enter(State.SURVEYING, Message("Measuring"))
+    assert board.status.state is State.IDLE and changes == []

@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-import pytest
 from cut_off_surveys import stored_trace
-from fake_robot import Bench, reports
+from fake_robot import LIMIT_S, Bench, reports
 
 from gpr20_main_control import faults
 from gpr20_main_control.mid.survey.engine import Accepted
@@ -15,25 +14,6 @@ from gpr20_survey.plan.survey_state import SurveyState as State
 from gpr20_survey.plan.zero_history import Proof, UsedZeros, unproven_zeros
 
 ACCEPT = Accepted(zeros=True)
-
-
-@pytest.fixture
-def bench():
-    bench = Bench()
-    yield bench
-    bench.release()
-    bench.control.shut_down(20.0)
-
-
-def at_sweep(bench, number, act):
-    """Act once, during a sweep."""
-
-    def on_sweep():
-        if bench.analyzer.sweeps == number:
-            bench.analyzer.on_sweep = lambda: None
-            act()
-
-    bench.analyzer.on_sweep = on_sweep
 
 
 def marked(bench):
@@ -52,20 +32,27 @@ def test_traces_name_the_zeros_that_their_coordinates_refer_to(bench):
     assert proofs(bench) == ["start"]
 
 
-def test_a_zero_that_somebody_sets_pauses_the_survey_and_is_never_taken_for_its_own(bench):
-    at_sweep(bench, 5, bench.z.begin_zero)
+STORED = 5
+
+
+def until_it_asks_about_a_zero(bench):
+    """Let somebody set the zero of z in a sweep, and resume until the operator must decide."""
+    bench.at_sweep(STORED, bench.z.begin_zero)
     bench.start()
     bench.wait_for_fault(faults.MOVED_BY_OTHERS)
-    stored = 5
-    bench.wait_for_visited(stored)
+    bench.wait_for_visited(STORED)
     bench.control.resume("")
     # The known point agrees: the antennas were at their mark. That proves nothing.
     bench.wait_for_fault(OTHER_ZEROS)
     bench.wait_for(State.PAUSED)
-    assert len(bench.storage.samples) == stored
+    assert len(bench.storage.samples) == STORED
+
+
+def test_a_zero_that_somebody_sets_pauses_the_survey_and_is_never_taken_for_its_own(bench):
+    until_it_asks_about_a_zero(bench)
     bench.control.resume("", ACCEPT)
     bench.complete()
-    assert marked(bench) == list(range(stored, 24))
+    assert marked(bench) == list(range(STORED, 24))
     assert proofs(bench) == ["start", "accepted"]
     zeros = [sample.zeros for sample in bench.storage.samples]
     assert unproven_zeros(bench.storage.reports[-1], zeros) == {zeros[-1]}
@@ -85,7 +72,7 @@ def test_a_zero_that_changes_between_two_traces_is_noticed_before_the_next_one(b
 
 
 def test_an_axis_that_somebody_homed_is_homed_again_and_compared(bench):
-    at_sweep(bench, 5, bench.x.begin_zero)
+    bench.at_sweep(5, bench.x.begin_zero)
     bench.start()
     bench.wait_for(State.PAUSED)
     homings = bench.x.homings
@@ -100,7 +87,7 @@ def test_a_known_point_that_does_not_agree_asks_the_operator(bench):
         bench.x.homed = False
         bench.analyzer.level *= -1.0
 
-    at_sweep(bench, 5, lose_zero)
+    bench.at_sweep(5, lose_zero)
     bench.start()
     bench.wait_for(State.PAUSED)
     bench.control.resume("")
@@ -117,12 +104,7 @@ def test_a_known_point_that_does_not_agree_asks_the_operator(bench):
 
 
 def test_what_the_operator_accepted_are_those_zeros_and_no_later_ones(bench):
-    at_sweep(bench, 5, bench.z.begin_zero)
-    bench.start()
-    bench.wait_for(State.PAUSED)
-    bench.control.resume("")
-    bench.wait_for_fault(OTHER_ZEROS)
-    bench.wait_for(State.PAUSED)
+    until_it_asks_about_a_zero(bench)
     bench.z.begin_zero()
     bench.control.resume("", ACCEPT)
     bench.wait_for_fault(OTHER_ZEROS)
@@ -131,25 +113,14 @@ def test_what_the_operator_accepted_are_those_zeros_and_no_later_ones(bench):
 
 
 def test_agreeing_with_traces_that_nothing_proves_proves_nothing(bench):
-    at_sweep(bench, 5, bench.z.begin_zero)
-    bench.start()
-    bench.wait_for_fault(faults.MOVED_BY_OTHERS)
-    stored = 5
-    bench.wait_for_visited(stored)
-    bench.control.resume("")
-    bench.wait_for_fault(OTHER_ZEROS)
-    bench.wait_for(State.PAUSED)
-
-    def lose_zero():
-        bench.x.homed = False
-
-    at_sweep(bench, 16, lose_zero)
+    until_it_asks_about_a_zero(bench)
+    bench.at_sweep(16, lambda: setattr(bench.x, "homed", False))
     bench.control.resume("", ACCEPT)
     bench.wait_for_fault(faults.AXIS_NOT_HOMED)
     bench.control.resume("")
     bench.complete()
     assert proofs(bench) == ["start", "accepted", "accepted"]
-    assert marked(bench) == list(range(stored, 24))
+    assert marked(bench) == list(range(STORED, 24))
 
 
 def test_while_another_node_has_an_axis_no_survey_and_no_service_begins(bench):
@@ -164,9 +135,9 @@ def test_the_axes_are_reserved_once_and_released_at_the_end(bench):
     bench.start()
     bench.complete()
     assert [axis.leases for axis in bench.axes] == [1, 1, 1]
-    bench.control.shut_down(20.0)
+    bench.control.shut_down(LIMIT_S)
     for axis in bench.axes:
-        assert axis.released.wait(20.0)
+        assert axis.released.wait(LIMIT_S)
 
 
 def traces_at(numbers):

@@ -1,0 +1,162 @@
+"""The faults that the status reports: what decides, how grave it is, and whether things move."""
+
+import threading
+from dataclasses import replace
+
+import pytest
+from fake_robot import LIMIT_S, NODES, Bench, ManualClock, reports, warning_of
+
+from gpr20_common.faults import INTERNAL
+from gpr20_common.message import Message, Severity
+from gpr20_common.mid.node_software import NodeSoftware
+from gpr20_main_control import faults
+from gpr20_main_control.errors import (
+    DeviceError,
+    SurveyError,
+    UnconfirmedError,
+    message_of,
+)
+from gpr20_survey.plan.survey_state import SurveyState as State
+
+VNA = "vna_acquisition"
+
+
+def severities(message):
+    return {fault.severity for fault in message.faults}
+
+
+def test_a_pause_on_request_is_a_note_whatever_is_missing(bench):
+    bench.at_sweep(2, bench.control.pause)
+    bench.start()
+    message = bench.wait_for(State.PAUSED).message
+    assert message.fault_code == faults.PAUSED_ON_REQUEST.code
+    assert severities(message) == {Severity.NOTE} and not message.may_move
+    bench.nodes.note_silent(VNA)
+    shown = bench.board.status.full_message
+    assert severities(shown) == {Severity.NOTE, Severity.WARNING}
+    assert faults.PAUSED_ON_REQUEST in shown.faults
+    assert reports(shown.values["warning"], faults.NODE_LOST, NODES[VNA])
+
+
+def test_a_fault_decides_though_a_warning_is_shown_before_it(bench):
+    bench.y.fail_move = "the endstop was pressed"
+    bench.start()
+    bench.wait_for(State.PAUSED)
+    bench.nodes.note_silent(VNA)
+    assert bench.board.status.full_message.fault_code == faults.MOVE_FAILED.code
+
+
+def test_a_survey_that_continues_never_shows_a_fault(bench):
+    """Different software, a clock that is set, a sweep that is repeated, and a lost node."""
+    for node, revision in (("height_sensor", "abc"), (VNA, "def")):
+        one = replace(bench.description.nodes[node], software=NodeSoftware("0.1.0", revision, "pc"))
+        bench.description.note(one)
+
+    def disturb():
+        if bench.analyzer.sweeps == 3:
+            bench.clock.set_s -= 1.0e7
+        elif bench.analyzer.sweeps == 9:
+            bench.nodes.note_silent(VNA)
+            bench.nodes.note_alive(VNA, 2)
+
+    refused = {6}
+
+    def confirm(number):
+        if number in refused:
+            raise UnconfirmedError(Message("changed by hand"), repeat=True)
+        return ()
+
+    bench.analyzer.on_sweep, bench.analyzer.on_confirm = disturb, confirm
+    bench.start()
+    bench.complete()
+    shown = [status.full_message for status in bench.history]
+    assert {one for message in shown for one in severities(message)} == {Severity.WARNING}
+    codes = {fault.code for message in shown for fault in message.faults}
+    assert {faults.CLOCK_SET.code, faults.SWEEP_UNCONFIRMED.code} <= codes
+    assert faults.WAITING_FOR_PART.code in codes
+    warnings = [warning_of(one) for one in bench.storage.reports[-1]["warnings"]]
+    assert len(warnings) == 3
+    assert {one.cause.severity for one in warnings} == {Severity.WARNING}
+
+
+def test_a_stop_and_a_shutdown_are_notes():
+    bench = Bench()
+    bench.start()
+    bench.control.stop()
+    assert severities(bench.wait_for(State.STOPPED).message) == {Severity.NOTE}
+    bench.start()
+    bench.control.shut_down(LIMIT_S)
+    assert severities(bench.board.status.message) == {Severity.NOTE}
+
+
+def test_an_error_has_its_own_message_and_a_fault_in_the_software_a_short_one():
+    message = Message("the {axis} axis failed", axis="x")
+    assert message_of(DeviceError(message)) == message
+    assert message_of(SurveyError(message)).fault_code == faults.SURVEY_FAILED.code
+    internal = message_of(RuntimeError("x" * 100_000))
+    assert internal.fault_code == INTERNAL.code
+    # Short enough to close a survey.
+    assert "RuntimeError: xxx" in str(internal) and len(str(internal)) < 4096
+
+
+# What is waited for.
+
+
+def waits_for(bench, *shown):
+    """Whether the status says that it waits, and what for: shown are the names and the point."""
+    message = bench.board.status.full_message
+    return reports(message, faults.TAKES_LONG) and all(one in str(message) for one in shown)
+
+
+@pytest.mark.parametrize(
+    "part, call, index, shown",
+    [
+        ("analyzer", "sweep", 3, ("the VNA: sweep", "point 3,")),
+        ("analyzer", "confirm", 3, ("the VNA: settings", "point 3,")),
+        ("analyzer", "connect", 0, ("the VNA: connection,",)),
+        ("height", "height_m", 4, ("the height sensor: height", "point 3,")),
+    ],
+)
+def test_a_call_that_takes_long_is_shown_until_it_ends(bench, part, call, index, shown):
+    """One real second is a thousand for the survey."""
+    hang, calls = threading.Event(), []
+    device = getattr(bench, part)
+    usual = getattr(device, call)
+
+    def hang_once(*arguments):
+        calls.append(arguments)
+        if len(calls) == index + 1:
+            hang.wait(LIMIT_S)
+        return usual(*arguments)
+
+    setattr(device, call, hang_once)
+    bench.start()
+    bench.wait_until(lambda: waits_for(bench, *shown))
+    assert bench.board.status.state is (State.CHECKING if index == 0 else State.SURVEYING)
+    hang.set()
+    bench.complete()
+    assert not waits_for(bench)
+
+
+def test_a_slow_sweep_is_not_late():
+    bench = Bench(clock=ManualClock())
+    bench.analyzer.sweep_duration_s = 35.0
+    bench.analyzer.on_sweep = lambda: setattr(bench.clock, "time_s", bench.clock.time_s + 30.0)
+    bench.start()
+    bench.complete()
+    assert not any(status.waiting for status in bench.history)
+
+
+def test_a_fault_replaces_what_was_waited_for(bench):
+    hang = threading.Event()
+
+    def fail_late():
+        hang.wait(LIMIT_S)
+        bench.analyzer.failures = 1
+
+    bench.at_sweep(2, fail_late)
+    bench.start()
+    bench.wait_until(lambda: waits_for(bench, "point 2"))
+    hang.set()
+    assert "the VNA did not answer" in str(bench.wait_for(State.PAUSED).full_message)
+    assert not waits_for(bench)
