@@ -1,21 +1,30 @@
-"""One axis for tests: client, processes, and the true state."""
+"""One axis for tests, with its true state; as a program, another client of it.
+
+The program begins something and waits for its end, to be killed in the middle:
+axis_under_test.py AXIS home | TARGET | TARGET unplugged | leased
+
+Leased, it reserves the axis and renews that. Unplugged, it vanishes without a word at the first
+line of its input and comes back at the next.
+"""
 
 import subprocess
 import sys
 import threading
 import time
 from pathlib import Path
-from xmlrpc.client import ServerProxy
 
 import actionlib
-import rosgraph
-import rosnode
 import rospy
 
 from gpr20_msgs.msg import AxisAction, AxisGoal, CurrentCoordinate
-from gpr20_msgs.srv import Command
+from gpr20_msgs.srv import AxisLease, Command
 from gpr20_simulator.high.simulated_robot import shared_state_path
 from gpr20_simulator.low.shared_state import open_shared_state
+from gpr20_survey.axes.axis_id import AxisId
+
+sys.path.append(str(Path(__file__).resolve().parents[3] / "gpr20_common/test/unit"))
+
+from vanishing_peer import come_back, vanish
 
 LIMIT_S = 60.0
 
@@ -32,29 +41,24 @@ class Axis:
     """One axis as a client sees it, and its true state."""
 
     def __init__(self, name):
-        self.name = name
-        self.group = f"{name.value}_axis"
+        self.name, self.group = name, f"{name.value}_axis"
         self.last = None
-        self.readings = []
         self.received = threading.Event()
-        self.subscriber = rospy.Subscriber(
-            f"{self.group}/current_coord", CurrentCoordinate, self._receive
-        )
-        self.connect()
+        topic = f"{self.group}/current_coord"
+        self.subscriber = rospy.Subscriber(topic, CurrentCoordinate, self._receive)
+        self.client = actionlib.SimpleActionClient(f"{self.group}/axis", AxisAction)
+        assert self.client.wait_for_server(rospy.Duration(LIMIT_S))
+        assert self.received.wait(LIMIT_S)
         # Only now: the first process that opens it sets where the carriage begins.
         self.world = open_shared_state(shared_state_path("/"))
 
     def _receive(self, message):
         self.last = message
-        self.readings.append(message)
         self.received.set()
 
-    def connect(self):
-        """Wait for the node, which may have been restarted."""
-        self.client = actionlib.SimpleActionClient(f"{self.group}/axis", AxisAction)
-        assert self.client.wait_for_server(rospy.Duration(LIMIT_S))
-        self.received.clear()
-        assert self.received.wait(LIMIT_S)
+    @property
+    def steps(self):
+        return self.world.steps(self.name)
 
     def call(self, service):
         rospy.wait_for_service(f"{self.group}/{service}", LIMIT_S)
@@ -74,42 +78,8 @@ class Axis:
         Not by wait_for_result: SimpleActionClient loses a result that arrives before it has
         stored the goal's handle, and would wait for ever.
         """
-        deadline_s = time.monotonic() + LIMIT_S
-        while self.client.gh.get_comm_state() != actionlib.CommState.DONE:
-            assert time.monotonic() < deadline_s, "the goal never ended"
-            time.sleep(0.005)
+        wait_until(lambda: self.client.gh.get_comm_state() == actionlib.CommState.DONE)
         return self.client.gh.get_goal_status(), self.client.gh.get_result()
-
-    @property
-    def last_zero(self):
-        """Number and time of the zero of the next reading."""
-        self.received.clear()
-        assert self.received.wait(LIMIT_S)
-        return (self.last.zero_epoch, self.last.zero_time.to_nsec())
-
-    @property
-    def steps(self):
-        return self.world.steps(self.name)
-
-    @property
-    def last_pulse_ns(self):
-        return self.world.last_pulse_ns(self.name)
-
-    @property
-    def pins_low(self):
-        return self.world.pins_low(self.name)
-
-    @property
-    def node_pid(self):
-        name = rospy.resolve_name(f"{self.group}/axis_driver")
-        server = rosnode.get_api_uri(rosgraph.Master(rospy.get_name()), name, skip_cache=True)
-        return ServerProxy(server).getPid(rospy.get_name())[2]
-
-    @property
-    def pulse_pid(self):
-        """The process that makes the pulses: the node's only child."""
-        (child,) = children(self.node_pid)
-        return child
 
     def begin_move(self, target):
         """Begin a move; return when the axis has moved by some steps and the client knows of it.
@@ -123,35 +93,48 @@ class Axis:
         wait_until(lambda: abs(self.steps - before) > 10)
         wait_until(lambda: self.client.gh.get_comm_state() == actionlib.CommState.ACTIVE)
 
+    def vanish_and_come_back(self):
+        action = self.client.action_client
+        for change in (vanish, come_back):
+            sys.stdin.readline()
+            for topic in (action.pub_goal, action.status_sub):
+                for connection in topic.impl.connections:
+                    change(connection.socket)
+
+    def hold(self):
+        lease = rospy.ServiceProxy(f"{self.group}/lease", AxisLease)
+        held = lease()
+        assert held.success, held.message
+        rospy.Timer(rospy.Duration(held.limit_s / 8), lambda _event: lease(lease=held.lease))
+
 
 def start_client(axis, *what):
-    """Start a client that begins something."""
-    script = str(Path(__file__).with_name("axis_client.py"))
-    return subprocess.Popen([sys.executable, script, axis.name.value, *what], stdin=subprocess.PIPE)
+    """Start another client, which begins something."""
+    arguments = [sys.executable, __file__, axis.name.value, *what]
+    return subprocess.Popen(arguments, stdin=subprocess.PIPE)
 
 
-def killed_client(axis, what, begun):
-    """Let a client begin something, kill it, and return when it was killed [ns]."""
-    client = start_client(axis, what)
-    wait_until(begun)
+def end_client(client):
     client.kill()
-    killed_ns = time.monotonic_ns()
-    client.wait()
-    return killed_ns
+    client.communicate()
 
 
-def children(parent_pid):
-    """The processes whose parent this is; a process that ends meanwhile is left out."""
-    found = []
-    for status in Path("/proc").glob("[0-9]*/status"):
-        try:
-            fields = dict(line.split(":", 1) for line in status.read_text().splitlines())
-        except (FileNotFoundError, ProcessLookupError):
-            continue
-        if int(fields["PPid"]) == parent_pid:
-            found.append(int(fields["Pid"]))
-    return found
+def main(name, what, unplugged=""):
+    rospy.init_node("axis_client", anonymous=True)
+    axis = Axis(AxisId(name))
+    if what == "home":
+        axis.call("homing")
+    elif what == "leased":
+        axis.hold()
+        rospy.spin()
+    elif unplugged:
+        axis.client.send_goal(AxisGoal(target_coordinate=float(what)))
+        axis.vanish_and_come_back()
+        axis.finish()
+        axis.move(1.0)
+    else:
+        axis.move(float(what))
 
 
-def exists(pid):
-    return Path(f"/proc/{pid}").exists()
+if __name__ == "__main__":
+    main(*sys.argv[1:])

@@ -3,17 +3,18 @@
 from __future__ import annotations
 
 import dataclasses
+import os
 from typing import List, Optional, Tuple
 
 from direct_pulses import DirectPulses
 from recorded_rpi_gpio import RecordedRpiGpio
 
+from gpr20_axis_driver.low.step_counter import FILE_BYTES, StepCounter
 from gpr20_axis_driver.mid.axis_driver import AxisDriver
 from gpr20_axis_driver.mid.pulse_loop import PulseLoop
 from gpr20_axis_driver.motion import LateLimits
 from gpr20_common.low.clock import Clock
 from gpr20_survey.axes.axis_parameters import AxisParameters
-from gpr20_survey.axes.zero_epoch import UNKNOWN_ZERO, ZeroEpoch
 
 X_PARAMETERS = AxisParameters(
     dir_pin=13,
@@ -87,39 +88,16 @@ class Machine(RecordedRpiGpio):
         return super().input(channel)
 
 
-class Count:
-    """The steps, in this process."""
+class Count(StepCounter):
+    """The step count, in the memory of this process alone."""
 
-    def __init__(self):
-        self.steps = 0
-        self.trusted = False
-        self.exact = False
-        self.endstop_pressed = None
-        self.endstop_presses = 0
-        self.zero = UNKNOWN_ZERO
+    def __init__(self) -> None:
+        descriptor = os.memfd_create("steps")
+        os.truncate(descriptor, FILE_BYTES)
+        super().__init__(descriptor)
+        os.close(descriptor)
 
-    def note_endstop(self, pressed):
-        self.endstop_presses += pressed and self.endstop_pressed is False
-        self.endstop_pressed = pressed
-
-    def begin_zero(self, time_us):
-        self.zero = ZeroEpoch(self.zero.number + 1, time_us)
-
-    def begin(self):
-        self.exact = self.trusted
-        self.trusted = False
-
-    def count(self, change):
-        self.steps += change
-
-    def rest(self):
-        self.trusted = self.exact
-
-    def place(self, steps):
-        self.steps = steps
-        self.trusted = True
-
-    def close(self):
+    def close(self) -> None:
         pass
 
 

@@ -14,7 +14,7 @@ from gpr20_simulator.mid.axis_hardware import SimulatedHardware
 from gpr20_simulator.mid.world.scene import X_AXIS, Z_AXIS
 from gpr20_survey.axes.axis_id import AxisId
 
-LIMIT_S = 10.0
+LIMIT_S = 30.0
 PARAMETERS = {AxisId.X: X_PARAMETERS, AxisId.Z: Z_PARAMETERS}
 MECHANICS = {AxisId.X: X_AXIS, AxisId.Z: Z_AXIS}
 

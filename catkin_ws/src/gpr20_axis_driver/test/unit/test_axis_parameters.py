@@ -70,12 +70,10 @@ def test_the_memory_file_has_an_absolute_path():
 
 @given(st.integers(0, 65000))
 def test_every_step_of_x_has_a_coordinate_that_leads_back_to_it(steps):
-    assert X_PARAMETERS.distance_steps(X_PARAMETERS.coordinate_of(steps)) == steps
-
-
-@given(st.integers(0, 65000))
-def test_a_coordinate_is_the_float_nearest_to_its_decimal_value(steps):
-    assert X_PARAMETERS.coordinate_of(steps) == float(f"{steps // 100}.{steps % 100:02d}")
+    coordinate = X_PARAMETERS.coordinate_of(steps)
+    assert X_PARAMETERS.distance_steps(coordinate) == steps
+    # The float nearest to its decimal value.
+    assert coordinate == float(f"{steps // 100}.{steps % 100:02d}")
 
 
 @each_case("target, steps", [(0.29, 29), (0.57, 57), (90.01, 9001), (649.99, 64999)])

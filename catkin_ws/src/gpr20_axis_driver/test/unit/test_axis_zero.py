@@ -1,4 +1,4 @@
-"""Each homing and each set_zero begins another zero."""
+"""The zero of an axis: with each homing and set_zero another one, or none that is known."""
 
 from __future__ import annotations
 
@@ -7,20 +7,26 @@ from collections import defaultdict
 
 import pytest
 from axis_machine import X_PARAMETERS, Z_PARAMETERS, Axis
+from fault_kit import raises_fault
+from run_seed import draws
 
-from gpr20_axis_driver.axis_exceptions import MotionStopped
+from gpr20_axis_driver import faults
+from gpr20_axis_driver.axis_exceptions import (
+    AxisBusyError,
+    EndstopError,
+    MotionStopped,
+    PositionLostError,
+    ZeroUnknownError,
+)
 from gpr20_axis_driver.motion import never
 from gpr20_survey.axes.zero_epoch import UNKNOWN_ZERO
 
-LIMIT_S = 10.0
-
-
-def test_the_zero_of_an_axis_that_was_never_homed_is_not_known():
-    assert Axis(X_PARAMETERS).driver.position.zero == UNKNOWN_ZERO
+LIMIT_S = 30.0
 
 
 def test_each_homing_and_each_set_zero_begins_another_zero_and_moves_do_not():
     axis = Axis(Z_PARAMETERS, start_steps=0)
+    assert axis.driver.position.zero == UNKNOWN_ZERO
     axis.driver.set_zero()
     first = axis.driver.position.zero
     axis.driver.move_to_coordinate(90.0, never)
@@ -59,7 +65,7 @@ def test_no_reading_has_the_coordinate_of_one_zero_and_the_number_of_another():
     thread = threading.Thread(target=read)
     thread.start()
     assert reading.wait(LIMIT_S)
-    while len(coordinates) < 100:
+    while len(coordinates) < draws(25):
         axis.driver.set_zero()
         axis.driver.move_to_coordinate(1.8, never)
     ended.set()
@@ -67,3 +73,68 @@ def test_no_reading_has_the_coordinate_of_one_zero_and_the_number_of_another():
     # Within one zero the axis turns from 0 to 1.8 and never back.
     for number, seen in coordinates.items():
         assert seen == sorted(seen) and set(seen) <= {0.0, 1.8}, number
+
+
+# Of an axis that has no endstop.
+
+
+def test_homing_is_refused_while_nobody_knows_the_rotation():
+    axis = Axis(Z_PARAMETERS, start_steps=50)
+    with raises_fault(faults.ZERO_UNKNOWN, error=ZeroUnknownError):
+        axis.driver.homing(never)
+    assert axis.machine.pulses == []
+    assert not axis.driver.homing_done
+
+
+def test_homing_twice_does_not_take_the_rotation_of_a_measurement_for_zero():
+    axis = Axis(Z_PARAMETERS, start_steps=0)
+    axis.driver.set_zero()
+    axis.driver.move_to_coordinate(90.0, never)
+    axis.driver.homing(never)
+    assert axis.machine.steps == 0
+
+
+def test_a_homing_that_was_stopped_is_not_homed_and_goes_on_later():
+    axis = Axis(Z_PARAMETERS, start_steps=50)
+    axis.pulses.place(50)
+    with pytest.raises(MotionStopped):
+        axis.driver.homing(lambda: len(axis.machine.pulses) >= 10)
+    assert not axis.driver.homing_done
+    axis.driver.homing(never)
+    assert axis.machine.steps == 0
+    assert (axis.driver.homing_done, axis.driver.current_coord) == (True, 0.0)
+
+
+def test_after_a_gap_the_zero_must_be_set_again():
+    axis = Axis(Z_PARAMETERS, start_steps=0)
+    axis.driver.set_zero()
+    sleeps = iter([0.0] * 40 + [0.2])
+    axis.clock.oversleep_s = lambda: next(sleeps, 0.0)
+    with raises_fault(faults.ZERO_UNKNOWN, error=PositionLostError):
+        axis.driver.move_to_coordinate(90.0, never)
+    with pytest.raises(ZeroUnknownError):
+        axis.driver.homing(never)
+    axis.driver.set_zero()
+    assert axis.driver.homing_done
+
+
+def test_the_zero_is_not_set_in_the_middle_of_a_turn():
+    axis = Axis(Z_PARAMETERS, start_steps=0)
+    axis.driver.set_zero()
+    refused = []
+
+    def set_zero():
+        if not refused:
+            with pytest.raises(AxisBusyError) as raised:
+                axis.driver.set_zero()
+            refused.append(raised)
+        return False
+
+    axis.driver.move_to_coordinate(90.0, set_zero)
+    assert refused
+    assert axis.driver.current_coord == 90.0
+
+
+def test_an_axis_with_an_endstop_takes_its_zero_from_there_alone():
+    with raises_fault(faults.ENDSTOP_SETS_ZERO, error=EndstopError):
+        Axis(X_PARAMETERS).driver.set_zero()

@@ -20,17 +20,12 @@ def test_homing_finds_the_same_zero_from_everywhere(start_steps):
     assert axis.machine.steps == 0
 
 
-def test_homing_never_exceeds_the_lowest_speed():
-    axis = Axis(X_PARAMETERS)
-    axis.driver.homing(never)
-    assert min(axis.pauses_s) == pytest.approx(X_PARAMETERS.max_step)
-
-
-def test_the_endstop_is_touched_twice():
+def test_the_endstop_is_touched_twice_at_the_lowest_speed():
     axis = Axis(X_PARAMETERS, start_steps=0)
     axis.driver.homing(never)
     turns = [direction for _time, direction in axis.machine.pulses]
     assert turns == [-1] * 100 + [1] * 100 + [-1] * 100 + [1] * 100
+    assert min(axis.pauses_s) == pytest.approx(X_PARAMETERS.max_step)
 
 
 def test_an_endstop_stuck_open_is_an_error_after_the_length_of_the_axis():
@@ -121,17 +116,24 @@ def test_a_motor_that_does_not_turn_is_not_taken_for_success():
         axis.driver.homing(never)
 
 
-def test_an_endstop_that_switches_at_another_place_the_second_time_is_an_error():
+def switches_elsewhere(machine):
+    # The switch moves once the carriage has backed off from the first touch.
+    if len(machine.pulses) == 700:
+        machine.endstop_steps = -30
+
+
+def stays_pressed(machine):
+    machine.stuck = True if len(machine.pulses) > 620 else None
+
+
+@each_case(
+    "second_touch, fault",
+    [(switches_elsewhere, faults.ENDSTOP_INACCURATE), (stays_pressed, faults.ENDSTOP_STUCK)],
+)
+def test_an_endstop_that_does_not_switch_at_the_same_place_again_is_an_error(second_touch, fault):
     axis = Axis(X_PARAMETERS)
-
-    def slip():
-        # The switch moves once the carriage has backed off from the first touch.
-        if len(axis.machine.pulses) == 700:
-            axis.machine.endstop_steps = -30
-        return False
-
-    with raises_fault(faults.ENDSTOP_INACCURATE, error=EndstopError):
-        axis.driver.homing(slip)
+    with raises_fault(fault, error=EndstopError):
+        axis.driver.homing(lambda: bool(second_touch(axis.machine)))
     assert not axis.driver.homing_done
 
 
@@ -140,25 +142,4 @@ def test_homing_can_be_stopped_at_any_step():
     with raises_fault(faults.STOPPED, error=MotionStopped):
         axis.driver.homing(lambda: len(axis.machine.pulses) >= 50)
     assert len(axis.machine.pulses) == 50
-    assert not axis.driver.homing_done
-
-
-def test_an_axis_that_fails_homing_is_no_longer_homed():
-    axis = Axis(SHORT)
-    axis.driver.homing(never)
-    axis.machine.stuck = False
-    with pytest.raises(EndstopError):
-        axis.driver.homing(never)
-    assert not axis.driver.homing_done
-
-
-def test_an_endstop_that_stays_pressed_after_the_first_touch_is_an_error():
-    axis = Axis(X_PARAMETERS)
-
-    def stick():
-        axis.machine.stuck = True if len(axis.machine.pulses) > 620 else None
-        return False
-
-    with raises_fault(faults.ENDSTOP_STUCK, "1 mm", error=EndstopError):
-        axis.driver.homing(stick)
     assert not axis.driver.homing_done

@@ -12,6 +12,7 @@ from fault_kit import raises_fault
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from recorded_pigpio import OUTPUT, PUD_DOWN, PUD_OFF, PUD_UP, RecordedPigpio
+from run_seed import SEED, draws
 
 from gpr20_axis_driver import faults
 from gpr20_axis_driver.axis_exceptions import (
@@ -81,19 +82,15 @@ def test_every_pin_of_the_header_has_its_gpio():
     assert len(set(GPIO_OF_BOARD.values())) == len(GPIO_OF_BOARD)
 
 
-def test_the_pins_are_set_up_low_and_the_endstop_is_pulled_up(axis):
-    assert axis.daemon.modes == {DIR: OUTPUT, STEP: OUTPUT, SENSOR: 0}
-    assert axis.daemon.levels == {DIR: 0, STEP: 0}
-    assert axis.daemon.pulls == {SENSOR: PUD_UP}
-
-
 def opened(folder, **changes):
     return contextlib.closing(Axis(folder, dataclasses.replace(X_PARAMETERS, **changes)))
 
 
 @each_case("pull, resistor", [("up", PUD_UP), ("down", PUD_DOWN), ("none", PUD_OFF)])
-def test_the_endstop_is_pulled_as_configured(tmp_path, pull, resistor):
+def test_the_pins_are_set_up_low_and_the_endstop_is_pulled_as_configured(tmp_path, pull, resistor):
     with opened(tmp_path, endstop_pull=pull) as axis:
+        assert axis.daemon.modes == {DIR: OUTPUT, STEP: OUTPUT, SENSOR: 0}
+        assert axis.daemon.levels == {DIR: 0, STEP: 0}
         assert axis.daemon.pulls == {SENSOR: resistor}
 
 
@@ -127,11 +124,10 @@ def test_the_pulses_of_a_move_come_when_the_ramp_says(axis):
 
 
 def test_the_count_is_exact_whatever_is_stopped_when(axis):
-    chance = random.Random(5)
+    chance = random.Random(SEED)
     axis.driver.homing(never)
-    for _ in range(60):
-        polls = chance.randrange(0, 300)
-        countdown = iter([False] * polls)
+    for _ in range(draws(15)):
+        countdown = iter([False] * chance.randrange(0, 300))
         with contextlib.suppress(MotionStopped):
             axis.driver.move_to_coordinate(
                 chance.randrange(0, 2000) / 100, lambda c=countdown: next(c, True)
@@ -141,7 +137,7 @@ def test_the_count_is_exact_whatever_is_stopped_when(axis):
 
 
 @given(st.floats(0.0, 3.0))
-@settings(max_examples=30)
+@settings(max_examples=draws(8))
 def test_a_stop_takes_effect_within_its_limit_and_the_ramp(tmp_path_factory, request_s):
     axis = Axis(tmp_path_factory.mktemp("lock"))
     axis.driver._motions.place(0)
@@ -167,21 +163,17 @@ def test_a_daemon_left_without_waves_slows_the_rest_down(axis):
         assert later_s >= slow_s - RAMP.delta_s - X_PARAMETERS.late_limit_s
 
 
-def test_a_daemon_left_without_waves_for_long_ends_the_move(axis):
-    axis.driver.homing(never)
-    oversleep(axis, 200, 0.5)
-    with pytest.raises(PositionLostError):
-        axis.driver.move_to_coordinate(10.0, never)
-    assert not axis.driver.homing_done
-    assert not axis.count.trusted
-
-
-def test_a_wave_that_the_daemon_dropped_makes_the_position_unknown(axis):
-    axis.driver.homing(never)
-    axis.daemon.lost_after = len(axis.daemon.sendings) + 5
-    with pytest.raises(PositionLostError):
-        axis.driver.move_to_coordinate(10.0, never)
-    assert not axis.count.trusted
+@each_case("delay_s, dropped", [(0.5, None), (0.0, 5)])
+def test_a_daemon_left_without_waves_for_long_or_that_drops_one_makes_the_position_unknown(
+    tmp_path, delay_s, dropped
+):
+    with opened(tmp_path) as axis:
+        axis.driver.homing(never)
+        oversleep(axis, 200, delay_s)
+        axis.daemon.lost_after = dropped and len(axis.daemon.sendings) + dropped
+        with pytest.raises(PositionLostError):
+            axis.driver.move_to_coordinate(10.0, never)
+        assert not axis.driver.homing_done and not axis.count.trusted
 
 
 def test_the_endstop_pressed_in_a_move_ends_it(axis):

@@ -1,6 +1,7 @@
 """Pulses made by a process of their own: exact counts, stops, and every way of dying."""
 
 import contextlib
+import doctest
 import importlib.util
 import os
 import random
@@ -14,7 +15,8 @@ from pathlib import Path
 import pytest
 from axis_machine import X_PARAMETERS
 from fault_kit import raises_fault
-from simulated_axis import LIMIT_S, SimulatedAxis, exists, wait_until
+from run_seed import SEED, draws
+from simulated_axis import LIMIT_S, SimulatedAxis, exists, simulated_hardware, wait_until
 
 from gpr20_axis_driver import faults
 from gpr20_axis_driver.axis_exceptions import (
@@ -33,10 +35,8 @@ from gpr20_axis_driver.motion import never
 from gpr20_common.message import Message
 from gpr20_simulator.low.shared_state import EndstopFault, open_shared_state
 from gpr20_survey.axes.axis_id import AxisId
-from gpr20_survey.axes.ramp import Ramp
 
-# What a stop may take besides the ramp.
-STOP_S = 0.1
+README = Path(__file__).parents[2] / "README.md"
 
 
 @pytest.fixture
@@ -76,10 +76,9 @@ class Move(threading.Thread):
 def test_moves_and_stops_at_random_never_lose_a_step(make):
     axis = make(AxisId.X, time_scale=500.0)
     axis.driver.homing(never)
-    chance = random.Random(3)
-    for _ in range(100):
-        polls = chance.randrange(1, 12)
-        countdown = iter([False] * polls)
+    chance = random.Random(SEED)
+    for _ in range(draws(25)):
+        countdown = iter([False] * chance.randrange(1, 12))
         with contextlib.suppress(MotionStopped):
             axis.driver.move_to_coordinate(
                 chance.randrange(0, 3000) / 100, lambda c=countdown: next(c, True)
@@ -87,22 +86,42 @@ def test_moves_and_stops_at_random_never_lose_a_step(make):
         assert round(axis.driver.current_coord * 100) == axis.true_steps
 
 
-def test_a_stop_takes_no_longer_than_its_limit_and_the_ramp(make):
+@pytest.fixture
+def placed(make):
+    """An axis that knows where it is without a homing, which takes long."""
     axis = make(AxisId.X)
     axis.pulses.place(200)
     axis.driver._homing_done = True
+    return axis
+
+
+def test_a_stop_ends_a_move_long_before_its_target(placed):
     requested = threading.Event()
-    move = Move(axis, 50.0, requested.is_set)
-    wait_until(lambda: axis.true_steps > 300)
+    move = Move(placed, 600.0, requested.is_set)
+    wait_until(lambda: placed.true_steps > 250)
     requested.set()
-    requested_ns = time.monotonic_ns()
     assert isinstance(move.result(), MotionStopped)
-    ramp = Ramp(X_PARAMETERS.min_step, X_PARAMETERS.max_step, X_PARAMETERS.delta_step)
-    ramp_s = ramp.duration_s(2 * ramp.braking_steps(ramp.min_pause_s)) / 2.0
-    took_s = (axis.world.last_pulse_ns(AxisId.X) - requested_ns) * 1e-9
-    assert took_s < ramp_s + STOP_S
-    assert axis.true_steps == axis.pulses.steps
-    assert axis.driver.homing_done
+    # It would take three minutes.
+    assert placed.true_steps == placed.pulses.steps < 30_000
+    assert placed.driver.homing_done
+
+
+def test_a_node_that_hangs_ends_its_move_and_keeps_an_exact_coordinate(placed):
+    hung, go_on = threading.Event(), threading.Event()
+
+    def hang():
+        if placed.true_steps > 250:
+            hung.set()
+            go_on.wait(LIMIT_S)
+        return False
+
+    move = Move(placed, 600.0, hang)
+    assert hung.wait(LIMIT_S)
+    wait_until(lambda: time.monotonic_ns() - placed.world.last_pulse_ns(AxisId.X) > 5e8)
+    go_on.set()
+    assert move.result().message.fault_code == faults.DRIVER_HUNG.code
+    assert placed.true_steps == placed.pulses.steps < 30_000
+    assert placed.driver.homing_done
 
 
 def test_a_motion_that_was_stopped_before_it_began_makes_no_pulse(make):
@@ -119,35 +138,30 @@ def test_when_the_pulse_process_dies_in_a_move_the_pins_are_low_and_the_axis_is_
 ):
     axis = make(AxisId.X, time_scale=10.0)
     axis.driver.homing(never)
-    for _ in range(2):
-        before = axis.pulses.process_id
-        move = Move(axis, 100.0)
-        wait_until(lambda: axis.true_steps > 100)
-        os.kill(before, number)
-        error = move.result()
-        assert isinstance(error, PulseProcessError)
-        assert error.message.fault_code == faults.PULSES_ENDED.code
-        assert axis.pins_low
-        assert not exists(before)
-        assert not axis.driver.homing_done
-        assert not axis.pulses.trusted
-        axis.driver.homing(never)
-        assert (axis.driver.current_coord, axis.true_steps) == (0.0, 0)
-        assert axis.pulses.process_id != before
+    before = axis.pulses.process_id
+    move = Move(axis, 100.0)
+    wait_until(lambda: axis.true_steps > 100)
+    os.kill(before, number)
+    error = move.result()
+    assert isinstance(error, PulseProcessError)
+    assert error.message.fault_code == faults.PULSES_ENDED.code
+    assert axis.pins_low and not exists(before)
+    assert not axis.driver.homing_done and not axis.pulses.trusted
+    axis.driver.homing(never)
+    assert (axis.driver.current_coord, axis.true_steps) == (0.0, 0)
+    assert axis.pulses.process_id != before
 
 
 def test_when_the_pulse_process_dies_at_rest_the_axis_says_so(make):
     axis = make(AxisId.Z)
     axis.driver.homing(never)
-    process_id = axis.pulses.process_id
-    os.kill(process_id, signal.SIGKILL)
+    os.kill(axis.pulses.process_id, signal.SIGKILL)
     wait_until(lambda: axis.driver.failure)
     assert axis.driver.failure.fault_code == faults.PULSES_ENDED.code
     assert "SIGKILL" in axis.driver.failure.details
     assert not axis.driver.homing_done
     axis.driver.homing(never)
-    assert axis.driver.homing_done
-    assert not axis.driver.failure
+    assert axis.driver.homing_done and not axis.driver.failure
 
 
 def test_when_the_pins_of_a_dead_process_cannot_be_set_low_the_axis_may_move(make, monkeypatch):
@@ -173,13 +187,10 @@ def test_when_the_node_is_killed_in_a_turn_the_angle_is_still_known(make, tmp_pa
     world = open_shared_state(tmp_path / "world")
     wait_until(lambda: world.steps(AxisId.Z) > 10)
     node.kill()
-    killed_ns = time.monotonic_ns()
     node.communicate()
     wait_until(lambda: not exists(process_id))
     assert world.pins_low(AxisId.Z)
     assert 10 < world.steps(AxisId.Z) < 50
-    # The turn ramps down: at most three steps of 50 ms after one of 20 ms.
-    assert world.last_pulse_ns(AxisId.Z) - killed_ns < (STOP_S + 0.2) * 1e9
     axis = make(AxisId.Z)
     assert not axis.driver.homing_done
     axis.driver.homing(never)
@@ -240,8 +251,7 @@ def test_a_second_driver_of_the_same_axis_is_refused(make, monkeypatch):
 
 
 def test_closing_leaves_no_process_and_the_pins_low(make):
-    axis = make(AxisId.X, time_scale=10.0)
-    axis.driver.homing(never)
+    axis = make(AxisId.Z)
     process_id = axis.pulses.process_id
     axis.driver.close(timeout_s=1.0)
     assert not exists(process_id)
@@ -277,18 +287,15 @@ def command_of(process_id):
     return Path(f"/proc/{process_id}/cmdline").read_text()
 
 
-def test_pulses_are_punctual_or_say_why_not(make):
-    axis = make(AxisId.Z)
-    if axis.pulses.unpunctual:
-        assert "refused: " in str(axis.pulses.scheduling)
+@pytest.mark.parametrize("time_scale", [1.0, 10.0])
+def test_pulses_are_punctual_or_say_why_not_and_a_faster_robot_asks_for_no_real_time(
+    make, time_scale
+):
+    pulses = make(AxisId.Z, time_scale).pulses
+    if time_scale > 1.0:
+        assert not pulses.unpunctual and "ordinary scheduling" in str(pulses.scheduling)
     else:
-        assert "SCHED_FIFO" in str(axis.pulses.scheduling)
-
-
-def test_a_faster_robot_asks_for_no_real_time(make):
-    axis = make(AxisId.X, time_scale=10.0)
-    assert not axis.pulses.unpunctual
-    assert "ordinary scheduling" in str(axis.pulses.scheduling)
+        assert ("refused: " if pulses.unpunctual else "SCHED_FIFO") in str(pulses.scheduling)
 
 
 def test_a_user_without_rights_gets_ordinary_scheduling_and_the_reason():
@@ -309,28 +316,22 @@ def test_a_user_without_rights_gets_ordinary_scheduling_and_the_reason():
     assert "limits.d" in answer
 
 
-def test_the_endstop_of_an_axis_at_rest_is_read_all_the_time(tmp_path):
-    axis = SimulatedAxis(tmp_path, AxisId.X, 50.0)
-    try:
-        wait_until(lambda: axis.pulses.endstop_pressed is False)
-        axis.world.set_endstop_fault(AxisId.X, EndstopFault.STUCK_CLOSED)
-        begun_s = time.monotonic()
-        wait_until(lambda: axis.pulses.endstop_pressed)
-        # At least 5 Hz; more only on a computer that stalls.
-        assert time.monotonic() - begun_s < 1.0
-        axis.world.set_endstop_fault(AxisId.X, EndstopFault.NONE)
-        wait_until(lambda: axis.pulses.endstop_pressed is False)
-        os.kill(axis.pulses.process_id, signal.SIGKILL)
-        wait_until(lambda: axis.pulses.endstop_pressed is None)
-    finally:
-        axis.driver.close(LIMIT_S)
+def test_the_endstop_is_read_all_the_time_and_each_touch_of_a_homing_is_counted(make):
+    axis = make(AxisId.X, 50.0)
+    wait_until(lambda: axis.pulses.endstop_pressed is False)
+    axis.driver.homing()
+    assert (axis.driver.endstop_pressed, axis.driver.endstop_presses) == (False, 2)
+    axis.world.set_endstop_fault(AxisId.X, EndstopFault.STUCK_CLOSED)
+    wait_until(lambda: axis.pulses.endstop_pressed)
+    axis.world.set_endstop_fault(AxisId.X, EndstopFault.NONE)
+    wait_until(lambda: axis.pulses.endstop_pressed is False)
+    os.kill(axis.pulses.process_id, signal.SIGKILL)
+    wait_until(lambda: axis.pulses.endstop_pressed is None)
 
 
-def test_each_touch_of_a_homing_is_counted(tmp_path):
-    axis = SimulatedAxis(tmp_path, AxisId.X, 50.0)
-    try:
-        axis.driver.homing()
-        assert axis.driver.endstop_pressed is False
-        assert axis.driver.endstop_presses == 2
-    finally:
-        axis.driver.close(LIMIT_S)
+def test_the_examples_of_the_readme_do_what_they_say(tmp_path):
+    hardware = simulated_hardware(tmp_path, AxisId.X, time_scale=100.0)
+    result = doctest.testfile(
+        str(README), module_relative=False, globs={"hardware": hardware}, encoding="utf-8"
+    )
+    assert result.attempted > 0 and result.failed == 0

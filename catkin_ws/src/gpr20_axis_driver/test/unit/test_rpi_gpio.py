@@ -1,10 +1,12 @@
-"""The pins of the real robot over RPi.GPIO."""
+"""The pins of the real robot over RPi.GPIO, and how they may be wired."""
 
 import dataclasses
 
 import pytest
-from axis_machine import X_PARAMETERS, Count, SteppedClock
+from axis_machine import SHORT, X_PARAMETERS, Count, SteppedClock
 from case_kit import each_case
+from direct_pulses import DirectPulses
+from fault_kit import raises_fault
 from recorded_rpi_gpio import (
     HIGH,
     IN,
@@ -16,9 +18,18 @@ from recorded_rpi_gpio import (
     RecordedRpiGpio,
 )
 
+from gpr20_axis_driver import faults
+from gpr20_axis_driver.axis_exceptions import EndstopError
 from gpr20_axis_driver.low.pins import StepperInterface
+from gpr20_axis_driver.mid.axis_driver import AxisDriver
 from gpr20_axis_driver.mid.pulse_loop import PulseLoop
 from gpr20_axis_driver.motion import Ending, LateLimits, Motion, Until, never
+from gpr20_simulator.low.pins import SimulatedPins
+from gpr20_simulator.low.shared_state import open_shared_state
+from gpr20_simulator.mid.carriage import AxisMotor, wiring_of
+from gpr20_simulator.mid.world.scene import X_AXIS
+from gpr20_survey.axes.axis_id import AxisId
+from gpr20_survey.axes.axis_parameters import Level
 from gpr20_survey.axes.ramp import Ramp
 
 SLOW = Ramp(0.005, 0.005, 0.001)
@@ -85,26 +96,20 @@ def opened(gpio, **changes):
     return PulseLoop(gpio, parameters, SteppedClock(), LateLimits.of(parameters), Count())
 
 
-@each_case("pull, resistor", [("up", PUD_UP), ("down", PUD_DOWN), ("none", PUD_OFF)])
-def test_the_endstop_is_pulled_as_configured(pull, resistor):
+@each_case(
+    "changes, call",
+    [
+        ({"endstop_pull": "up"}, ("setup", 16, IN, PUD_UP, -1)),
+        ({"endstop_pull": "down"}, ("setup", 16, IN, PUD_DOWN, -1)),
+        ({"endstop_pull": "none"}, ("setup", 16, IN, PUD_OFF, -1)),
+        ({"invert_direction": True}, ("output", 13, LOW)),
+        ({}, ("output", 13, HIGH)),
+    ],
+)
+def test_the_pins_are_wired_as_configured(changes, call):
     gpio = RecordedRpiGpio()
-    opened(gpio, endstop_pull=pull)
-    assert ("setup", 16, IN, resistor, -1) in gpio.calls
-
-
-@each_case("level, pressed", [(HIGH, True), (LOW, False)])
-def test_an_active_high_endstop_is_pressed_when_it_reads_high(level, pressed):
-    gpio = RecordedRpiGpio()
-    loop = opened(gpio, endstop_active="high")
-    gpio.inputs[16] = level
-    assert loop.run(Motion(False, 0, SLOW), never).endstop_pressed is pressed
-
-
-@each_case("forward, level", [(True, LOW), (False, HIGH)])
-def test_an_inverted_direction_pin_is_low_for_increasing_coordinates(forward, level):
-    gpio = RecordedRpiGpio()
-    opened(gpio, invert_direction=True).run(Motion(forward, 1, SLOW), never)
-    assert ("output", 13, level) in gpio.calls
+    opened(gpio, **changes).run(Motion(True, 1, SLOW), never)
+    assert call in gpio.calls
 
 
 @each_case("active, level", [("low", LOW), ("high", HIGH)])
@@ -117,3 +122,64 @@ def test_the_motor_driver_is_enabled_before_the_first_step_and_after_the_end(act
     loop.close()
     assert [call for call in gpio.calls if call[1] == 18] == [enabled]
     assert (gpio.directions, gpio.levels[18]) == ({18: OUT}, level)
+
+
+# Robots that are wired in another way than the built one, and configurations that do not fit.
+
+
+class WiredAxis:
+    """A driver over a simulated axis with this wiring and these parameters."""
+
+    def __init__(self, folder, wiring, parameters):
+        self.state = open_shared_state(folder / "world", {AxisId.X: 500})
+        self.state.set_steps(AxisId.X, 500)
+        mechanics = dataclasses.replace(X_AXIS, **wiring)
+        motor = AxisMotor(self.state, AxisId.X, mechanics)
+        pins = SimulatedPins(motor, wiring_of(AxisId.X, mechanics))
+        axis, count = dataclasses.replace(SHORT, **parameters), Count()
+        loop = PulseLoop(pins, axis, SteppedClock(), LateLimits.of(axis), count)
+        self.driver = AxisDriver(axis, DirectPulses(loop, count))
+
+
+@each_case(
+    "wiring, parameters",
+    [
+        ({"endstop_active": Level.HIGH}, {"endstop_active": "high", "endstop_pull": "down"}),
+        ({"endstop_active": Level.HIGH}, {"endstop_active": "high", "endstop_pull": "none"}),
+        ({}, {"endstop_pull": "none"}),
+        ({"direction_inverted": True}, {"invert_direction": True}),
+        ({"enable_pin": 18}, {"enable_pin": 18}),
+        (
+            {"enable_pin": 18, "enable_active": Level.HIGH},
+            {"enable_pin": 18, "enable_active": "high"},
+        ),
+    ],
+)
+def test_a_configuration_that_fits_the_wiring_moves_the_axis(tmp_path, wiring, parameters):
+    axis = WiredAxis(tmp_path, wiring, parameters)
+    axis.driver.homing()
+    axis.driver.move_to_coordinate(12.34)
+    assert axis.state.steps(AxisId.X) == 1234
+
+
+@each_case(
+    "wiring, parameters, fault",
+    [
+        # Pulled to the level that means pressed.
+        ({"endstop_active": Level.HIGH}, {"endstop_active": "high"}, faults.ENDSTOP_STUCK),
+        ({"endstop_active": Level.HIGH}, {}, faults.ENDSTOP_NOT_REACHED),
+        ({}, {"endstop_active": "high"}, faults.ENDSTOP_STUCK),
+        ({"direction_inverted": True}, {}, faults.ENDSTOP_NOT_REACHED),
+        ({"enable_pin": 18}, {}, faults.ENDSTOP_NOT_REACHED),
+        (
+            {"enable_pin": 18},
+            {"enable_pin": 18, "enable_active": "high"},
+            faults.ENDSTOP_NOT_REACHED,
+        ),
+    ],
+)
+def test_a_configuration_that_does_not_fit_is_an_error(tmp_path, wiring, parameters, fault):
+    axis = WiredAxis(tmp_path, wiring, parameters)
+    with raises_fault(fault, error=EndstopError):
+        axis.driver.homing()
+    assert not axis.driver.homing_done

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import doctest
 import math
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -14,6 +16,8 @@ from hypothesis import strategies as st
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.faults import CONFIGURATION, NOT_ALLOWED
 from gpr20_height_sensor.mid.height_parameters import HeightParameters
+
+README = Path(__file__).parents[2] / "README.md"
 
 
 @each_case("voltage_v, distance_m", [(0.4, 0.80), (2.3, 0.10)])
@@ -58,3 +62,8 @@ WRONG = {
 def test_parameters_that_make_no_sense_are_refused(name, value):
     with raises_fault((NOT_ALLOWED, CONFIGURATION), f"{value:.12g}", error=InvalidValueError):
         HeightParameters(**{name: value})
+
+
+def test_the_examples_of_the_readme_do_what_they_say():
+    result = doctest.testfile(str(README), module_relative=False, encoding="utf-8")
+    assert result.attempted > 0 and result.failed == 0

@@ -1,0 +1,352 @@
+"""What the node of an axis answers and publishes: its handlers, called without a graph."""
+
+from types import SimpleNamespace
+from typing import ClassVar
+
+import pytest
+from case_kit import each_case
+
+pytest.importorskip("rospy")
+pytest.importorskip("gpr20_msgs.msg")
+
+import rospy
+from axis_machine import SHORT, Z_PARAMETERS, Axis
+
+from gpr20_axis_driver import faults
+from gpr20_axis_driver.high import axis_node, axis_programs
+from gpr20_axis_driver.high.goals import ENDED, LISTED_GOALS, GoalServer
+from gpr20_common.faults import INTERNAL
+from gpr20_common.high.diagnostics import ERROR, OK, WARN
+from gpr20_common.message import Severity
+from gpr20_common.mid.hardware import Hardware
+from gpr20_common.sent_message import message_from
+from gpr20_msgs.msg import AxisGoal
+from gpr20_msgs.srv import AxisLeaseRequest, CommandRequest
+from gpr20_survey.axes.axis_id import AxisId
+from gpr20_survey.faults import CONTROL_SILENT, LEASE_LAPSED, NOT_HOMED
+
+CONTROL, OTHER = "/main_control", "/rostopic_7"
+FAR_MM = 20.0
+
+
+class Publisher:
+    """Notes what is published, by topic."""
+
+    published: ClassVar[dict] = {}
+
+    def __init__(self, topic, _type, **_options):
+        self.messages = Publisher.published[topic] = []
+        self.publish = self.messages.append
+
+    def get_num_connections(self):
+        return 1
+
+
+class Goals:
+    """The server of the action: which goal is under way, and how it ended."""
+
+    sender, preempted, gone = CONTROL, False, False
+
+    def __init__(self, _name, _action, execute, check_sender):
+        self.execute, self.check_sender = execute, check_sender
+        self.ends = []
+
+    def start(self):
+        pass
+
+    def stop_status(self):
+        pass
+
+    def is_preempt_requested(self):
+        return self.preempted
+
+    def watch_sender(self):
+        return lambda: self.gone
+
+    def watch_node(self, _name):
+        return self.watch_sender()
+
+    def __getattr__(self, name):
+        state = name.replace("set_", "")
+        return lambda result, text: self.ends.append((state, result))
+
+
+class Node:
+    """The node of an axis over pins at no cost of time, and who calls it."""
+
+    def __init__(self, monkeypatch, axis_id=AxisId.X):
+        parameters = SHORT if axis_id is AxisId.X else Z_PARAMETERS
+        self.services, self.periods_s, self.hooks = {}, [], []
+        patch = monkeypatch.setattr
+        patch(rospy, "Publisher", Publisher)
+        patch(rospy, "Service", self._advertise)
+        patch(rospy, "on_shutdown", self.hooks.append)
+        patch(rospy.Time, "now", rospy.Time)
+        patch(axis_node, "GoalServer", Goals)
+        patch(axis_node, "Periodic", lambda _period_s, tick: self._note_tick(tick))
+        patch(axis_node, "publish_description", lambda *_arguments: None)
+        patch(axis_node.diagnostics, "Diagnostics", self._note_health)
+        self.axis = Axis(parameters, start_steps=500 if parameters.finds_zero else 0)
+        motions, hardware = self.axis.pulses, Hardware("pins")
+        self.node = axis_node.AxisNode(axis_id, parameters, self.axis.driver, motions, hardware)
+        self.goals = self.node._server
+
+    def _advertise(self, name, _type, handler):
+        self.services[name] = handler
+
+    def _note_tick(self, tick):
+        self.tick = tick
+        return self
+
+    def set_period(self, period_s):
+        self.periods_s.append(period_s)
+
+    def _note_health(self, _name, health):
+        self.health = health
+
+    def call(self, service, caller=CONTROL, **fields):
+        request = AxisLeaseRequest(**fields) if service == "lease" else CommandRequest()
+        request._connection_header = {"callerid": caller}
+        return self.services[service](request)
+
+    def move(self, target):
+        self.goals.execute(AxisGoal(target_coordinate=target))
+        return self.goals.ends[-1]
+
+    def in_motion(self, act, pulses=300):
+        """Act once in the next motion, after so many pulses; a pulse may be late [s] by it."""
+        calls = iter([None] * 2 * pulses)
+
+        def sleep():
+            if next(calls, act) is None:
+                return 0.0
+            self.axis.clock.oversleep_s = lambda: 0.0
+            late_s = act()
+            return late_s if isinstance(late_s, float) else 0.0
+
+        self.axis.clock.oversleep_s = sleep
+
+    @property
+    def coordinates(self):
+        return Publisher.published["current_coord"]
+
+    @property
+    def rests_exactly(self):
+        steps = round(self.axis.driver.current_coord / self.axis.machine.parameters.step_size)
+        return not self.axis.driver.moving and steps == self.axis.machine.steps
+
+
+@pytest.fixture
+def node(monkeypatch):
+    return Node(monkeypatch)
+
+
+@pytest.fixture
+def homed(node):
+    assert node.call("homing").success
+    return node
+
+
+def fault_of(answer):
+    assert not answer.success and message_from(answer).fault_code == answer.fault_code
+    return answer.fault_code
+
+
+def test_a_goal_before_homing_is_aborted_and_the_diagnostics_warn_of_it(node):
+    state, result = node.move(5.0)
+    assert (state, fault_of(result)) == ("aborted", NOT_HOMED.code)
+    assert node.axis.machine.pulses == []
+    level, message, _values = node.health()
+    assert (level, message.fault_code) == (ERROR, NOT_HOMED.code)
+
+
+def test_homing_and_a_move_end_where_they_should_and_the_result_names_the_zero(homed):
+    state, result = homed.move(12.34)
+    assert (state, result.success, result.coordinate) == ("succeeded", True, 12.34)
+    assert homed.axis.machine.steps == 1234
+    zero = homed.axis.driver.position.zero
+    assert (result.zero_epoch, result.zero_time.to_nsec()) == (zero.number, 1000 * zero.time_us)
+    # The resting coordinate is published before the result.
+    last = homed.coordinates[-1]
+    assert (last.coordinate, last.homed, last.moving) == (12.34, True, False)
+    assert (last.zero_epoch, last.zero_time) == (result.zero_epoch, result.zero_time)
+    assert homed.health()[0] == OK
+
+
+@each_case("target", [-0.01, 20.5, float("nan"), float("inf")])
+def test_goals_outside_the_axis_are_aborted_and_move_nothing(homed, target):
+    steps = homed.axis.machine.steps
+    state, result = homed.move(target)
+    assert (state, fault_of(result)) == ("aborted", faults.OUTSIDE_TRAVEL.code)
+    values = message_from(result).values
+    assert (values["low"], values["high"]) == (0.0, 20.0)
+    assert homed.axis.machine.steps == steps
+
+
+def cancel(node):
+    node.goals.preempted = True
+
+
+def stop(node):
+    assert node.call("stop", OTHER).success
+
+
+def lose_contact(node):
+    node.goals.gone = True
+
+
+def lapse(node):
+    node.node._lease._now_s = lambda: 1e9
+
+
+def shut_down(node):
+    node.node._stops += 1
+
+
+@pytest.mark.parametrize(
+    "ends, fault",
+    [
+        ((cancel,), faults.STOPPED),
+        ((stop,), faults.STOPPED),
+        ((shut_down,), faults.STOPPED),
+        ((lose_contact,), CONTROL_SILENT),
+        ((lapse,), LEASE_LAPSED),
+        # A requested stop counts, even if the contact was lost as well.
+        ((lose_contact, lapse, stop), faults.STOPPED),
+    ],
+)
+def test_what_ends_a_move_lets_it_ramp_down_to_an_exact_coordinate(homed, ends, fault):
+    assert homed.call("lease").success
+    homed.in_motion(lambda: [end(homed) for end in ends])
+    state, result = homed.move(FAR_MM)
+    assert (state, fault_of(result)) == ("preempted", fault.code)
+    assert 3.0 < result.coordinate < 5.0
+    assert homed.rests_exactly and homed.coordinates[-1].homed
+
+
+@pytest.mark.parametrize("end, fault", [(stop, faults.STOPPED), (lose_contact, CONTROL_SILENT)])
+def test_what_ends_a_homing_leaves_the_axis_not_homed_and_nothing_is_wrong_with_it(
+    homed, end, fault
+):
+    homed.move(FAR_MM)
+    homed.in_motion(lambda: end(homed))
+    answer = homed.call("homing")
+    assert fault_of(answer) == fault.code
+    if fault is faults.STOPPED:
+        assert message_from(answer).cause.severity is Severity.NOTE
+    assert homed.axis.machine.steps > 1000 and not homed.coordinates[-1].homed
+    level, message, _values = homed.health()
+    assert (level, message.fault_code) == (WARN, NOT_HOMED.code)
+
+
+def test_a_stop_before_a_motion_does_not_end_it(homed):
+    stop(homed)
+    assert homed.move(1.0)[0] == "succeeded"
+
+
+def test_a_homing_that_fails_says_why_and_a_fault_of_our_own_is_an_answer_too(homed, monkeypatch):
+    homed.axis.machine.stuck = True
+    assert fault_of(homed.call("homing")) == faults.ENDSTOP_STUCK.code
+    assert homed.health()[:2] == (ERROR, homed.node._last_error)
+
+    def fail(*_arguments):
+        raise ZeroDivisionError("a fault of ours")
+
+    monkeypatch.setattr(homed.axis.driver, "move_to_coordinate", fail)
+    state, result = homed.move(1.0)
+    assert (state, fault_of(result)) == ("aborted", INTERNAL.code)
+
+
+def test_while_a_node_has_the_axis_nobody_else_moves_it_or_sets_its_zero(monkeypatch):
+    node = Node(monkeypatch, AxisId.Z)
+    zero = node.axis.driver.position.zero
+    lease = node.call("lease")
+    assert lease.success and lease.limit_s == Z_PARAMETERS.lease_limit_s
+    for service in ("homing", "set_zero", "lease"):
+        answer = node.call(service, OTHER)
+        assert fault_of(answer) == faults.OWNED.code
+        assert message_from(answer).values["owner"] == CONTROL
+    assert node.axis.driver.position.zero == zero and node.axis.machine.pulses == []
+    assert node.call("lease", lease=lease.lease).lease == lease.lease
+    assert fault_of(node.call("lease", lease=lease.lease + 1)) == LEASE_LAPSED.code
+    assert node.call("lease", lease=lease.lease, release=True).success
+    assert node.call("set_zero", OTHER).success
+    assert node.axis.driver.position.zero.number == zero.number + 1
+
+
+def test_while_nobody_has_the_axis_its_owner_is_who_moves_it(homed):
+    owners = []
+    homed.in_motion(lambda: owners.append((homed.node._publish(), homed.coordinates[-1].owner)))
+    homed.move(FAR_MM)
+    assert owners == [(None, CONTROL)] and homed.coordinates[-1].owner == ""
+
+
+def test_only_an_axis_without_endstop_can_be_given_a_zero(node, monkeypatch):
+    assert set(node.services) == {"homing", "stop", "lease"}
+    assert set(Node(monkeypatch, AxisId.Z).services) == {"homing", "stop", "lease", "set_zero"}
+
+
+def test_the_coordinate_is_published_faster_while_moving_and_soon_after(homed, monkeypatch):
+    homed.coordinates.clear()
+    homed.in_motion(homed.tick)
+    homed.move(FAR_MM)
+    # That of the tick in the move, and that of its end.
+    assert [one.moving for one in homed.coordinates] == [True, False]
+    for _tick in range(axis_node.RESTING_TICKS):
+        homed.tick()
+    assert len(homed.coordinates) == 3
+    monkeypatch.setattr(axis_node, "SOON_S", -1.0)
+    for _tick in range(2 * axis_node.RESTING_TICKS):
+        homed.tick()
+    assert homed.periods_s == [axis_node.MOVING_PERIOD_S, axis_node.RESTING_PERIOD_S]
+    assert len(homed.coordinates) > 3 + axis_node.RESTING_TICKS
+
+
+def test_each_touch_of_the_endstop_is_published_at_least_once(homed):
+    touched = Publisher.published["endstop"]
+    homed.tick()
+    homed.tick()
+    assert [bool(one) for one in touched] == [True, False]
+
+
+def test_late_pulses_and_refused_scheduling_are_warnings(homed):
+    homed.in_motion(lambda: 0.01)
+    homed.move(FAR_MM)
+    level, message, values = homed.health()
+    assert (level, message.fault_code) == (WARN, faults.PULSES_SLOWED.code)
+    assert values["edges that slowed it down"] == 1
+    homed.axis.pulses.unpunctual = True
+    assert (homed.health()[0], homed.health()[1].fault_code) == (WARN, "")
+
+
+def test_when_the_node_ends_the_pins_are_low_and_nothing_moves_any_more(homed):
+    for hook in homed.hooks:
+        hook()
+    assert homed.axis.machine.directions == {}
+    assert fault_of(homed.move(1.0)[1]) == faults.BUSY.code
+
+
+def test_goals_that_ended_do_not_fill_the_status():
+    ended, active = sorted(ENDED), max(ENDED) + 1
+    states = [*ended[:4], active, *ended, *ended]
+    listed = [SimpleNamespace(status=SimpleNamespace(status=state)) for state in states]
+    server = GoalServer.__new__(GoalServer)
+    server.action_server = SimpleNamespace(status_list=listed)
+    server._forget_old_goals()
+    assert [one.status.status for one in listed] == [active, *ended[-LISTED_GOALS:]]
+
+
+def test_a_controller_that_is_configured_moves_the_axis_instead_of_the_pins(monkeypatch):
+    opened = SimpleNamespace(name="Grbl 1.1h")
+    monkeypatch.setattr(axis_programs, "open_controller", lambda _parameters: opened)
+    monkeypatch.setattr(axis_programs, "controller_driver", lambda *given: given)
+    monkeypatch.setattr(axis_programs, "AxisNode", lambda *given: given)
+    parameters = SimpleNamespace(controller="grbl_axis:GrblController")
+    built = axis_programs.build_robot_axis(AxisId.X, parameters)
+    assert built == (AxisId.X, parameters, (parameters, opened), opened, Hardware("Grbl 1.1h"))
+
+
+@each_case("namespace, axis_id", [("/x_axis/", AxisId.X), ("/robot1/z_axis/", AxisId.Z)])
+def test_the_namespace_of_a_node_says_which_axis_it_is(monkeypatch, namespace, axis_id):
+    monkeypatch.setattr(rospy, "get_namespace", lambda: namespace)
+    assert axis_programs.own_axis() is axis_id

@@ -1,0 +1,107 @@
+"""What the node of the height sensor answers and publishes, without a graph."""
+
+import math
+from collections import defaultdict
+from types import SimpleNamespace
+
+import pytest
+from test_height_driver import NOW_US, PARAMETERS, code_at, driver_with
+
+pytest.importorskip("rospy")
+pytest.importorskip("gpr20_msgs.srv")
+
+import rospy
+from sensor_msgs.msg import Range
+
+from gpr20_common.high.diagnostics import ERROR, OK, WARN
+from gpr20_common.mid.hardware import Hardware
+from gpr20_common.sent_message import message_from
+from gpr20_height_sensor import faults
+from gpr20_height_sensor.high import height_node
+from gpr20_msgs.srv import GetHeightRequest
+from gpr20_survey.faults import HEIGHT_NOT_MEASURED
+
+
+@pytest.fixture
+def node(monkeypatch):
+    """Return what builds a node over a converter that gives these codes, and is a part of it."""
+
+    def build(*codes):
+        built = SimpleNamespace(published=defaultdict(list), hooks=[])
+        driver, _adc = driver_with(codes)
+        patch = monkeypatch.setattr
+
+        def publisher(topic, _type, **_options):
+            return SimpleNamespace(publish=built.published[topic].append)
+
+        def service(_name, _type, handler):
+            built.measure = lambda: handler(GetHeightRequest())
+
+        patch(rospy, "Publisher", publisher)
+        patch(rospy, "Service", service)
+        patch(rospy, "on_shutdown", built.hooks.append)
+        patch(rospy.Time, "now", rospy.Time)
+        patch(height_node, "publish_description", lambda *_arguments: None)
+        patch(height_node, "Periodic", lambda period_s, tick: setattr(built, "tick", tick))
+        patch(
+            height_node.diagnostics,
+            "Diagnostics",
+            lambda _name, health: setattr(built, "health", health),
+        )
+        built.node = height_node.HeightNode(driver, Hardware("sensor"))
+        return built
+
+    return build
+
+
+GOOD = [code_at(0.2)] * 5
+
+
+def test_a_height_is_answered_with_its_time_spread_and_voltage(node):
+    answer = node(*GOOD).measure()
+    assert answer.success and answer.height_m == pytest.approx(0.2, abs=0.001)
+    assert (answer.samples, answer.spread_m) == (PARAMETERS.samples, 0.0)
+    assert answer.measured.to_nsec() == 1000 * NOW_US
+    assert answer.voltage_v == pytest.approx(3.3 * GOOD[0] / 1024)
+
+
+@pytest.mark.parametrize(
+    "code, fault", [(1023, faults.SENSOR_OFF), (code_at(1.6), faults.OUT_OF_RANGE)]
+)
+def test_no_height_is_no_number_and_says_why_also_in_the_topic_and_the_diagnostics(
+    node, code, fault
+):
+    built = node(*[code] * 10, *GOOD)
+    assert built.health()[1].fault_code == HEIGHT_NOT_MEASURED.code
+    assert built.health()[0] == WARN
+    answer = built.measure()
+    assert not answer.success and math.isnan(answer.height_m) and math.isnan(answer.spread_m)
+    assert answer.fault_code == message_from(answer).fault_code == fault.code
+    assert answer.voltage_v == pytest.approx(3.3 * code / 1024)
+    built.tick()
+    assert math.isnan(built.published["measured_height"][-1].range)
+    level, message, _values = built.health()
+    assert (level, message.fault_code) == (ERROR, fault.code)
+    built.tick()
+    assert math.isfinite(built.published["measured_height"][-1].range)
+    assert built.health()[0] == OK
+
+
+def test_the_topic_shows_the_height_in_metres_with_its_limits(node):
+    built = node(*GOOD)
+    built.tick()
+    (message,) = built.published["measured_height"]
+    assert message.range == pytest.approx(0.2, abs=0.001)
+    assert message.radiation_type == Range.INFRARED
+    assert message.header.frame_id == "height_sensor_link"
+    assert message.header.stamp.to_nsec() == 1000 * NOW_US
+    assert (message.min_range, message.max_range) == pytest.approx((0.10, 0.80))
+    assert message.field_of_view > 0.0
+
+
+def test_a_node_that_ends_publishes_nothing_more(node):
+    built = node(*GOOD)
+    for hook in built.hooks:
+        hook()
+    built.tick()
+    assert built.published["measured_height"] == []
