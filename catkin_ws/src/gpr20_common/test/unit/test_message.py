@@ -11,11 +11,9 @@ from gpr20_common.message import Fault, Message, Severity, in_a_row, verbatim
 from gpr20_common.sent_message import received_message
 
 SPANISH = {
-    "the height {height_m:.3f} m is below {low_m:g} m": "la altura {height_m:.3f} m es menor de "
-    "{low_m:g} m",
+    "the height {height_m:.3f} m is below {low_m:g} m": "altura {height_m:.3f} m, mínima {low_m:g}",
     "paused: {reason}": "en pausa: {reason}",
     "check the sensor": "compruebe el sensor",
-    "{sentences}": "{sentences}",
 }
 
 
@@ -24,12 +22,8 @@ def spanish(template):
 
 
 def low_height(details=""):
-    return Message(
-        "the height {height_m:.3f} m is below {low_m:g} m",
-        height_m=0.0123,
-        low_m=0.02,
-        details=details,
-    )
+    template = "the height {height_m:.3f} m is below {low_m:g} m"
+    return Message(template, height_m=0.0123, low_m=0.02, details=details)
 
 
 values = st.one_of(
@@ -52,24 +46,13 @@ messages = st.recursive(
 )
 
 
-def test_a_message_reads_as_its_english_sentence():
-    assert str(low_height()) == "the height 0.012 m is below 0.02 m"
-
-
-def test_a_message_inside_a_message_is_translated_too():
-    paused = Message(
-        "paused: {reason}", reason=in_a_row([low_height(), Message("check the sensor")])
-    )
-    assert str(paused) == "paused: the height 0.012 m is below 0.02 m; check the sensor"
-    assert paused.sentence(spanish) == (
-        "en pausa: la altura 0.012 m es menor de 0.02 m; compruebe el sensor"
-    )
-
-
-def test_details_are_in_the_english_text_and_not_in_the_sentence():
-    paused = Message("paused: {reason}", reason=low_height("[Errno 5]"), details="get_height")
-    assert str(paused) == "paused: the height 0.012 m is below 0.02 m (get_height; [Errno 5])"
-    assert paused.sentence() == "paused: the height 0.012 m is below 0.02 m"
+def test_a_message_and_those_in_it_are_one_sentence_in_every_language_beside_the_details():
+    reason = in_a_row([low_height("[Errno 5]"), Message("check the sensor")])
+    paused = Message("paused: {reason}", reason=reason, details="get_height")
+    sentence = "paused: the height 0.012 m is below 0.02 m; check the sensor"
+    assert paused.sentence() == sentence
+    assert str(paused) == f"{sentence} (get_height; [Errno 5])"
+    assert paused.sentence(spanish) == "en pausa: altura 0.012 m, mínima 0.02; compruebe el sensor"
 
 
 def test_known_values_take_the_place_of_those_that_a_sentence_has_and_of_no_others():
@@ -112,47 +95,50 @@ def test_whatever_arrives_can_be_shown(text, received):
     assert str(message) == text or json.loads(received)["template"] == message.template
 
 
-@each_case(
-    "template",
-    ["{x:>99999999999}", "{x.__class__}", "{x[0]}", "{x!r:>9999999}", "{0}", "{x:{x}}", "{x"],
-)
-def test_a_template_from_elsewhere_cannot_ask_for_more_than_its_values(template):
-    received = json.dumps({"template": template, "values": {"x": 7, "0": 1}})
-    assert received_message("as sent", received) == verbatim("as sent")
+def sent(template, **values):
+    return json.dumps({"template": template, "values": values})
 
 
-def test_messages_inside_messages_cannot_multiply_the_text():
+def doubled(times):
     record = {"template": "a" * 100, "values": {}}
-    for _ in range(30):
+    for _ in range(times):
         record = {"template": "{x}{x}", "values": {"x": record}}
-    assert received_message("as sent", json.dumps(record)) == verbatim("as sent")
-    long = json.dumps({"template": "{x}" * 5000, "values": {"x": "a" * 20_000}})
-    assert received_message("as sent", long) == verbatim("as sent")
+    return json.dumps(record)
 
 
-@each_case("field", ["{x:g}", "{x:f}", "{x:%}"])
-def test_a_received_number_too_large_for_its_format_leaves_the_text(field):
-    record = {"template": f"height {field}", "values": {"x": 10**400}}
-    assert received_message("as sent", json.dumps(record)) == verbatim("as sent")
+def nested(depth):
+    message = Message("x")
+    for _ in range(depth):
+        message = Message("{x}", x=message)
+    return message.to_json()
+
+
+TEMPLATES = [
+    "{x:>99999999999}",
+    "{x.__class__}",
+    "{x[0]}",
+    "{x!r:>9999999}",
+    "{0}",
+    "{x:{x}}",
+    "{x",
+]
 
 
 @each_case(
-    "record",
+    "received",
     [
-        {"template": "\ud800", "values": {}},
-        {"template": "{x}", "values": {"x": "\udcff"}},
-        {"template": "x", "values": {}, "details": "\ud800"},
+        # It asks for more than its values.
+        *(sent(template, **{"x": 7, "0": 1}) for template in TEMPLATES),
+        # The text would multiply, or a number is too large for its format.
+        *(doubled(30), sent("{x}" * 5000, x="a" * 20_000)),
+        *(sent(f"height {field}", x=10**400) for field in ("{x:g}", "{x:f}", "{x:%}")),
+        # It cannot be sent again, or is nested too deeply to be shown.
+        *(sent("\ud800"), sent("{x}", x="\udcff"), nested(200)),
+        '{"template": "x", "values": {}, "details": "\\ud800"}',
     ],
 )
-def test_a_received_message_that_cannot_be_sent_leaves_the_text(record):
-    assert received_message("as sent", json.dumps(record)) == verbatim("as sent")
-
-
-def test_a_received_message_nested_too_deeply_to_be_shown_leaves_the_text():
-    message = Message("x")
-    for _ in range(200):
-        message = Message("{x}", x=message)
-    assert received_message("as sent", message.to_json()) == verbatim("as sent")
+def test_a_message_that_cannot_be_shown_safely_leaves_the_text(received):
+    assert received_message("as sent", received) == verbatim("as sent")
 
 
 def test_text_that_looks_like_a_template_stays_as_it_is():

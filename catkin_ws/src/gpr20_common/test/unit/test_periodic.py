@@ -1,15 +1,34 @@
-"""Calls at a fixed rate that can be changed."""
+"""The clock, and calls at a fixed rate that can be changed."""
 
 import threading
 import time
 
 import pytest
 
+from gpr20_common.low.clock import Clock
+
 pytest.importorskip("rospy")
 
 from gpr20_common.high.periodic import Periodic
 
-LIMIT_S = 10.0
+LIMIT_S = 30.0
+
+
+def test_a_sleep_ends_no_earlier_than_its_deadline_and_one_in_the_past_is_no_sleep():
+    clock = Clock()
+    deadline_s = clock.now_s() + 0.02
+    clock.sleep_until_s(deadline_s)
+    assert clock.now_s() >= deadline_s
+    clock.sleep_until_s(clock.now_s() - 1000.0)
+
+
+def test_a_wait_ends_with_its_event_or_its_time_limit():
+    event = threading.Event()
+    begin_s = time.monotonic()
+    assert not Clock().wait_s(event, 0.02)
+    assert time.monotonic() - begin_s >= 0.02
+    threading.Timer(0.01, event.set).start()
+    assert Clock().wait_s(event, 60.0)
 
 
 class Counter:
@@ -27,15 +46,15 @@ class Counter:
             assert self.called.wait_for(lambda: len(self.calls_s) >= calls, LIMIT_S)
 
 
-def test_it_calls_at_the_period_on_average():
+def test_it_calls_no_faster_than_its_period_and_not_after_it_was_stopped():
     counter = Counter()
     periodic = Periodic(0.01, counter)
-    counter.wait_for(50)
+    counter.wait_for(20)
     periodic.stop()
     # Delays of single calls do not add up, and calls that were missed are left out.
-    assert counter.calls_s[49] - counter.calls_s[0] >= 49 * 0.01 - 0.005
+    assert counter.calls_s[19] - counter.calls_s[0] >= 19 * 0.01 - 0.005
     calls = len(counter.calls_s)
-    time.sleep(0.03)
+    assert not threading.Event().wait(0.03)
     assert len(counter.calls_s) == calls
 
 
@@ -44,20 +63,19 @@ def test_a_shorter_period_counts_from_the_last_call():
     periodic = Periodic(1000.0, counter)
     counter.wait_for(1)
     periodic.set_period(0.01)
-    counter.wait_for(20)
+    counter.wait_for(5)
     periodic.stop()
 
 
 def test_it_can_be_stopped_by_its_own_action():
-    periodics = []
-    counter = Counter()
+    counter, ready, periodics = Counter(), threading.Event(), []
 
     def act():
-        counter()
-        periodics[0].stop()
+        if ready.wait(LIMIT_S):
+            counter()
+            periodics[0].stop()
 
-    ready = threading.Event()
-    periodics.append(Periodic(0.001, lambda: ready.wait(LIMIT_S) and act()))
+    periodics.append(Periodic(0.001, act))
     ready.set()
     counter.wait_for(1)
     periodics[0].stop()

@@ -1,10 +1,12 @@
-"""Records from mappings."""
+"""Records from mappings, and as the parameter server can hold them."""
 
 import enum
 import math
+import xmlrpc.client
 from dataclasses import dataclass, field
 from typing import Optional, Tuple
 
+import pytest
 from case_kit import each_case
 from fault_kit import raises_fault
 
@@ -78,11 +80,28 @@ def test_what_does_not_fit_is_named(change, shown):
         record_from(Cart, {"name": "a", **change}, "cart")
 
 
-def test_a_value_that_must_be_there_is_named():
-    with raises_fault(faults.CONFIGURATION, "cart/name"):
-        record_from(Cart, {}, "cart")
+@each_case("values, shown", [({}, ("cart/name",)), (["name"], ("cart", "['name']"))])
+def test_a_value_that_must_be_there_or_what_is_no_mapping_is_named(values, shown):
+    with raises_fault(faults.CONFIGURATION, *shown):
+        record_from(Cart, values, "cart")
 
 
-def test_what_is_not_a_mapping_is_refused():
-    with raises_fault(faults.CONFIGURATION, "cart", "['name']"):
-        record_from(Cart, ["name"], "cart")
+@each_case(
+    "value, expected",
+    [
+        (None, ""),
+        (Colour.RED, "red"),
+        ((1, (2.5, None)), [1, [2.5, ""]]),
+        ({"site": {"name": None}}, {"site": {"name": ""}}),
+        (2**31 - 1, 2**31 - 1),
+        (2**31, 2.0**31),
+        (True, True),
+        ("Bogotá", "Bogotá"),
+        ("two\nlines\x00", '"two\\nlines\\u0000"'),
+    ],
+)
+def test_every_value_can_be_sent(value, expected):
+    shown = pytest.importorskip("gpr20_common.high.shown_parameters").shown
+    assert shown(value) == expected
+    (received,), _method = xmlrpc.client.loads(xmlrpc.client.dumps((shown(value),), "setParam"))
+    assert received == expected

@@ -1,3 +1,5 @@
+"""Which software this is, and where its data are."""
+
 from __future__ import annotations
 
 import re
@@ -6,6 +8,7 @@ from pathlib import Path
 
 from case_kit import each_case
 
+from gpr20_common.low.data_folder import data_folder
 from gpr20_common.low.revision import git_revision, software_revision
 from gpr20_survey.files.durable_files import free_bytes
 
@@ -36,3 +39,19 @@ def test_an_installed_package_has_the_revision_of_its_sources(tmp_path, recorded
 
 def test_the_free_space_is_that_of_the_folder(tmp_path):
     assert 0 < free_bytes(tmp_path) < 1 << 60
+
+
+@each_case(
+    "configured, environment, folder",
+    [
+        ("/disk/a", {"GPR20_DATA": "/disk/b"}, Path("/disk/a")),
+        ("/disk/a\n", {}, Path("/disk/a")),
+        (" ", {"GPR20_DATA": "~/b"}, Path.home() / "b"),
+        ("", {"GPR20_DATA": ""}, Path.home() / "gpr20_data"),
+        ("a", {}, Path.cwd() / "a"),
+    ],
+)
+def test_the_folder_of_the_data_is_the_parameter_or_of_the_environment_or_the_home(
+    configured, environment, folder
+):
+    assert data_folder(configured, environment) == folder

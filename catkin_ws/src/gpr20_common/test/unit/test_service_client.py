@@ -1,6 +1,5 @@
 """Service calls over real sockets: answered, too late, given up, and over connections kept open."""
 
-import os
 import random
 import socket
 import struct
@@ -11,26 +10,34 @@ from concurrent.futures import ThreadPoolExecutor
 import pytest
 from case_kit import each_case
 from fault_kit import raises_fault
+from run_seed import draws
 
 from gpr20_common import faults
+from gpr20_common.errors import Gpr20Error, InvalidValueError
+from gpr20_common.message import Message
+from gpr20_common.sent_message import message_from
 
 pytest.importorskip("rospy")
 pytest.importorskip("gpr20_msgs.srv")
 
+import rospy
 from rosgraph.network import encode_ros_handshake_header
 
 from gpr20_common.high import service_client
 from gpr20_common.high.raw_message import deserialized, serialized
 from gpr20_common.high.service_client import ServiceClient, ServiceUnavailableError
+from gpr20_common.high.services import advertise
 from gpr20_msgs.srv import (
+    Command,
+    CommandRequest,
     ReportSurvey,
     ReportSurveyRequest,
     ReportSurveyResponse,
 )
 
-LIMIT_S = 20.0
+LIMIT_S = 30.0
 SHORT_S = 0.3
-DRAWS = int(os.environ.get("GPR20_SERVICE_DRAWS", "8"))
+DRAWS = draws(2)
 
 
 class Node:
@@ -148,10 +155,8 @@ def silent(graph):
 
 def test_a_call_that_is_not_answered_in_time_ends_and_so_does_its_connection(silent):
     client = ServiceClient("stop", ReportSurvey)
-    begun_s = time.monotonic()
     with raises_fault(faults.SERVICE_SILENT, "stop", 0.3, error=ServiceUnavailableError):
         call(client, "a", SHORT_S)
-    assert time.monotonic() - begun_s < LIMIT_S
     assert silent.ended.wait(LIMIT_S)
 
 
@@ -161,13 +166,6 @@ def test_a_call_that_is_given_up_before_it_is_connected_is_never_made(silent):
         call(ServiceClient("homing", ReportSurvey), "a", SHORT_S)
     assert silent.ended.wait(LIMIT_S)
     assert silent.connections and silent.requests == []
-
-
-def test_a_call_whose_delivery_counts_more_than_its_answer_is_not_given_up(silent):
-    client = ServiceClient("stop_survey", ReportSurvey, discard_late=False)
-    with pytest.raises(ServiceUnavailableError):
-        call(client, "a", SHORT_S)
-    assert not silent.ended.wait(SHORT_S)
 
 
 def test_a_request_whose_delivery_counts_reaches_a_node_that_no_longer_hangs(silent):
@@ -182,12 +180,13 @@ def test_a_request_whose_delivery_counts_reaches_a_node_that_no_longer_hangs(sil
     assert silent.requests == ["a"]
 
 
-def test_a_service_that_refuses_connections_is_told_within_the_limit(graph):
+def test_a_service_that_refuses_connections_is_told(graph):
     graph.node.end()
-    begun_s = time.monotonic()
+    client = ServiceClient("report_survey", ReportSurvey, keep_open=True)
+    # Preparing tells nothing; the call itself does.
+    client.prepare(SHORT_S)
     with pytest.raises(ServiceUnavailableError):
-        call(ServiceClient("get_height", ReportSurvey), "a", SHORT_S)
-    assert time.monotonic() - begun_s < LIMIT_S
+        call(client, "a", SHORT_S)
 
 
 def test_calls_that_follow_each_other_use_one_connection_and_one_lookup(graph):
@@ -205,57 +204,31 @@ def test_a_prepared_call_uses_the_connection_that_was_made_ahead(graph):
     client = ServiceClient("report_survey", ReportSurvey, keep_open=True)
     client.prepare(LIMIT_S)
     client.prepare(LIMIT_S)
-    assert graph.lookups == 1
-    assert graph.node.requests == []
+    assert (graph.lookups, graph.node.requests) == (1, [])
     assert call(client, "a") == "node a"
     assert graph.lookups == 1
 
 
-def test_a_call_that_was_prepared_long_ago_asks_for_the_node_again(graph, monkeypatch):
+@pytest.mark.parametrize("prepared", [True, False])
+@pytest.mark.parametrize("lives", [True, False])
+def test_a_node_that_was_started_again_or_replaced_is_found(graph, monkeypatch, prepared, lives):
     client = ServiceClient("report_survey", ReportSurvey, keep_open=True)
-    client.prepare(LIMIT_S)
+    client.prepare(LIMIT_S) if prepared else call(client, "a")
     former = graph.replace()
-    monkeypatch.setattr(service_client, "REUSE_S", 0.0)
-    assert call(client, "a") == "other a"
-    assert former.requests == []
-
-
-def test_a_prepared_call_finds_a_node_that_was_started_again(graph):
-    client = ServiceClient("report_survey", ReportSurvey, keep_open=True)
-    client.prepare(LIMIT_S)
-    graph.replace().end()
-    assert call(client, "a") == "other a"
-
-
-def test_a_call_that_cannot_be_prepared_says_why_itself(graph):
-    client = ServiceClient("report_survey", ReportSurvey, keep_open=True)
-    graph.node.end()
-    client.prepare(SHORT_S)
-    with pytest.raises(ServiceUnavailableError):
-        call(client, "a", SHORT_S)
+    before = list(former.requests)
+    if lives:
+        # As if the time had passed within which no node can take the name of another.
+        monkeypatch.setattr(service_client, "REUSE_S", 0.0)
+    else:
+        former.end()
+    assert call(client, "b") == "other b"
+    assert former.requests == before
 
 
 def test_a_client_that_keeps_nothing_open_connects_for_each_call(graph):
     client = ServiceClient("homing", ReportSurvey)
     assert [call(client, "a"), call(client, "b")] == ["node a", "node b"]
     assert (len(graph.node.connections), graph.lookups) == (2, 2)
-
-
-def test_a_node_that_was_started_again_is_found(graph):
-    client = ServiceClient("report_survey", ReportSurvey, keep_open=True)
-    call(client, "a")
-    graph.replace().end()
-    assert call(client, "b") == "other b"
-
-
-def test_a_node_that_was_replaced_is_not_called_again_though_its_process_lives(graph, monkeypatch):
-    client = ServiceClient("report_survey", ReportSurvey, keep_open=True)
-    call(client, "a")
-    former = graph.replace()
-    # As if the time had passed within which no node can take the name of another.
-    monkeypatch.setattr(service_client, "REUSE_S", 0.0)
-    assert call(client, "b") == "other b"
-    assert former.requests == ["a"]
 
 
 def test_a_connection_without_an_answer_in_time_is_not_used_again(graph):
@@ -288,9 +261,9 @@ def test_calls_in_parallel_do_not_wait_for_each_other(graph):
 def test_every_answer_is_that_to_its_own_request_whatever_the_node_does(monkeypatch, seed):
     graph = Graph(monkeypatch)
     chance = random.Random(seed)
-    faults = ["", "", "", "pieces", "close", "cut", "late"]
+    kinds = ["", "", "", "pieces", "close", "cut", "late"]
     client = ServiceClient("report_survey", ReportSurvey, keep_open=True)
-    graph.node.fault = lambda: chance.choice(faults)
+    graph.node.fault = lambda: chance.choice(kinds)
 
     def calls(name):
         answered = 0
@@ -307,3 +280,37 @@ def test_every_answer_is_that_to_its_own_request_whatever_the_node_does(monkeypa
         assert sum(pool.map(calls, "abcd")) > 0
     # No request was made twice.
     assert len(set(graph.node.requests)) == len(graph.node.requests)
+
+
+# What a service answers.
+
+
+@pytest.fixture
+def ask(monkeypatch):
+    """Return what asks a service whose handler is given."""
+    monkeypatch.setattr(rospy, "Service", lambda _name, _class, handler: handler)
+    return lambda handler: advertise("homing", Command, handler)(CommandRequest())
+
+
+def failing(error):
+    def handler(_request):
+        raise error
+
+    return handler
+
+
+@each_case("fault", [None, faults.DISK_FULL])
+def test_an_error_becomes_an_answer_with_its_fault(ask, fault):
+    error = InvalidValueError(Message("{axis} is refused", axis="x"), fault=fault)
+    answer = ask(failing(error))
+    assert not answer.success and answer.message == str(error)
+    assert answer.fault_code == (fault or faults.NOT_ALLOWED).code
+    assert message_from(answer).cause == (fault or faults.NOT_ALLOWED)
+
+
+@each_case("error", [ZeroDivisionError("0"), KeyError("x"), OSError(5, "bad")])
+def test_a_fault_in_our_own_code_is_an_answer_too(ask, error):
+    assert not isinstance(error, Gpr20Error)
+    answer = ask(failing(error))
+    assert not answer.success and type(error).__name__ in answer.message
+    assert message_from(answer).cause == faults.INTERNAL

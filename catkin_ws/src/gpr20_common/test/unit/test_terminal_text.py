@@ -6,10 +6,12 @@ import io
 import os
 from pathlib import Path
 
+import pytest
 from case_kit import each_case
 from hypothesis import given
 from hypothesis import strategies as st
 
+from gpr20_common.low.line_output import enable_line_buffering
 from gpr20_common.terminal_text import is_shown, printable, say
 
 ANYTHING = st.text(
@@ -49,3 +51,28 @@ def test_as_many_lines_are_printed_as_are_said(lines):
     stream = io.StringIO()
     say(*lines, file=stream)
     assert stream.getvalue().split("\n")[:-1] == [printable(one) for one in lines]
+
+
+@pytest.fixture
+def file(tmp_path):
+    with (tmp_path / "log").open("w") as opened:
+        yield opened
+
+
+def test_a_line_in_a_file_is_seen_when_it_is_said(file, tmp_path):
+    enable_line_buffering(file)
+    file.write("the robot is ready\n")
+    assert (tmp_path / "log").read_text() == "the robot is ready\n"
+
+
+def test_standard_output_is_meant_if_nothing_else_is(file, tmp_path, monkeypatch):
+    monkeypatch.setattr("sys.stdout", file)
+    enable_line_buffering()
+    file.write("PAUSED\n")
+    assert (tmp_path / "log").read_text() == "PAUSED\n"
+
+
+def test_what_is_no_buffered_file_is_left_as_it_is(monkeypatch):
+    enable_line_buffering(io.StringIO())
+    monkeypatch.setattr("sys.stdout", None)
+    enable_line_buffering()

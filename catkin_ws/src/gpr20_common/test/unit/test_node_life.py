@@ -1,0 +1,178 @@
+"""How the nodes and services of the robot begin, say that they live, fail and end."""
+
+import os
+import signal
+import socket
+import threading
+from types import SimpleNamespace
+
+import pytest
+from case_kit import each_case
+
+from gpr20_common.errors import InvalidValueError, NodeSilentError
+from gpr20_common.faults import INTERNAL
+from gpr20_common.low.service_manager import ServiceManager
+from gpr20_common.low.thread_fault import LOGGER, end_with_thread, faults_logged
+from gpr20_common.message import Message
+
+pytest.importorskip("rospy")
+
+from gpr20_common.high import diagnostics, node
+
+LIMIT_S = 30.0
+
+LAUNCH = 4711
+
+
+class Probe:
+    """Finds no other node of the name, or one that lives."""
+
+    other = False
+
+    def __init__(self, *_arguments):
+        pass
+
+    def process(self):
+        if not self.other:
+            raise NodeSilentError(Message("nobody"))
+        return 12
+
+
+@pytest.fixture
+def ended(monkeypatch):
+    """The launches that a node has ended; each node here is the first of a launch."""
+    found = []
+    for name in ("init_node", "logfatal", "get_name"):
+        monkeypatch.setattr(node.rospy, name, lambda *_all, **_named: "/node")
+    # The node sets another one.
+    monkeypatch.setattr(node.threading, "excepthook", node.threading.excepthook)
+    monkeypatch.setattr(node.rospy, "has_param", lambda _name: False)
+    monkeypatch.setattr(node, "configuration_name", lambda: "/launch_1")
+    monkeypatch.setattr(node, "enable_line_buffering", lambda: None)
+    monkeypatch.setattr(node, "roslaunch_number", lambda: LAUNCH)
+    monkeypatch.setattr(node, "end_with_roslaunch", found.append)
+    monkeypatch.setattr(node, "NodeProbe", Probe)
+    return found
+
+
+def refuse():
+    raise InvalidValueError(Message("the port is taken"))
+
+
+@each_case("other", [False, True])
+@each_case("needed, launches", [(True, [LAUNCH]), (False, [])])
+def test_only_a_node_that_is_needed_ends_its_launch(ended, monkeypatch, other, needed, launches):
+    monkeypatch.setattr(Probe, "other", other)
+    ended.clear()
+    with pytest.raises(SystemExit) as status:
+        node.run_node("node", refuse, needed)
+    assert status.value.code == 1
+    assert ended == launches
+
+
+def fail():
+    raise ZeroDivisionError("a fault of our own")
+
+
+@pytest.fixture
+def signals(monkeypatch):
+    """The signals that this process would have got."""
+    found = []
+    monkeypatch.setattr(os, "kill", lambda number, one: found.append((number, one)))
+    monkeypatch.setattr(threading, "excepthook", end_with_thread)
+    return found
+
+
+@pytest.fixture
+def said(monkeypatch):
+    """Return what the diagnostics of a node say: level and values, without their thread."""
+    found = SimpleNamespace(setHardwareID=print, force_update=print)
+    found.add = lambda _name, fill: setattr(found, "fill", fill)
+    monkeypatch.setattr(diagnostics.diagnostic_updater, "Updater", lambda: found)
+    monkeypatch.setattr(diagnostics, "Periodic", lambda *_all: None)
+    monkeypatch.setattr(diagnostics.rospy, "on_shutdown", lambda _call: None)
+    handlers = list(LOGGER.handlers)
+
+    def ask(health):
+        if health is not None:
+            diagnostics.Diagnostics("hardware", health)
+        values = {}
+        status = SimpleNamespace(add=values.__setitem__)
+        status.summary = lambda level, _text: setattr(status, "level", level)
+        found.fill(status)
+        return status.level, values
+
+    yield ask
+    LOGGER.handlers[:] = handlers
+
+
+def run(target):
+    thread = threading.Thread(target=target, name="worker")
+    thread.start()
+    thread.join(LIMIT_S)
+
+
+def test_a_node_ends_in_order_with_a_thread_of_its_own(signals, fault_log):
+    own = {**globals(), "__name__": "gpr20_axis_driver.mid.axis_driver"}
+    run(type(fail)(fail.__code__, own))
+    assert signals == [(os.getpid(), signal.SIGTERM)]
+    for said in ("worker", "Traceback", "a fault of our own"):
+        assert said in "".join(fault_log)
+
+
+def test_the_thread_of_a_library_is_logged_alone(signals, fault_log):
+    run(fail)
+    assert signals == []
+    assert "a fault of our own" in "".join(fault_log)
+
+
+def test_what_was_logged_is_a_fault_of_the_diagnostics_for_a_while(said, monkeypatch):
+    assert said(lambda: (diagnostics.OK, Message("fine"), {"free": 1}))[0] == diagnostics.OK
+    with faults_logged("storage queue"):
+        fail()
+    level, values = said(None)
+    assert (level, values[diagnostics.FAULT_CODE]) == (diagnostics.ERROR, INTERNAL.code)
+    assert values["free"] == "1" and "storage queue" in values[diagnostics.MESSAGE_JSON]
+    monkeypatch.setattr(diagnostics, "FAULT_S", 0.0)
+    assert said(None)[0] == diagnostics.OK
+
+
+def test_diagnostics_that_fail_are_a_fault(said):
+    level, values = said(fail)
+    assert (level, values[diagnostics.FAULT_CODE]) == (diagnostics.ERROR, INTERNAL.code)
+
+
+@pytest.fixture(params=["path", "abstract"])
+def manager(request, tmp_path):
+    """Return systemd's socket and the address that it gives to its services."""
+    name = str(tmp_path / "notify")
+    with socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM) as listener:
+        listener.settimeout(LIMIT_S)
+        listener.bind(name if request.param == "path" else "\0" + name[1:])
+        yield listener, name if request.param == "path" else "@" + name[1:]
+
+
+def test_a_service_says_that_it_works_and_for_how_long(manager):
+    listener, address = manager
+    service = ServiceManager({"NOTIFY_SOCKET": address})
+    service.keep_alive(60.0)
+    assert listener.recv(200).split(b"\n") == [b"WATCHDOG=1", b"WATCHDOG_USEC=60000000"]
+    service.release()
+    assert listener.recv(200) == b"WATCHDOG_USEC=0"
+
+
+@each_case("environment", [{}, {"NOTIFY_SOCKET": ""}, {"NOTIFY_SOCKET": "/nowhere/notify"}])
+def test_without_systemd_nothing_is_sent(manager, environment):
+    listener, _address = manager
+    ServiceManager(environment).keep_alive(60.0)
+    listener.setblocking(False)
+    with pytest.raises(BlockingIOError):
+        listener.recv(200)
+
+
+def test_a_systemd_that_reads_nothing_does_not_hold_up_a_service(manager):
+    listener, address = manager
+    service = ServiceManager({"NOTIFY_SOCKET": address})
+    for _ in range(1000):
+        service.keep_alive(60.0)
+    assert listener.recv(200).startswith(b"WATCHDOG=1")
