@@ -1,8 +1,6 @@
 """The tutorial docs/extend/axis_controller.md, and the contract that pins and controllers keep."""
 
 import dataclasses
-import os
-import signal
 import sys
 import tempfile
 import threading
@@ -19,29 +17,20 @@ from tutorial_code import code_blocks
 
 from gpr20_axis_driver import faults
 from gpr20_axis_driver.axis_exceptions import AxisException, MotionStopped
-from gpr20_axis_driver.contract import AxisContract
 from gpr20_axis_driver.controller import ControllerError, ControllerState
 from gpr20_axis_driver.mid import controller_motions
-from gpr20_axis_driver.mid.axis_driver import AxisDriver
 from gpr20_axis_driver.mid.controller_motions import ControllerMotions
 from gpr20_axis_driver.mid.controllers import (
     check_controller,
     controller_driver,
     open_controller,
 )
-from gpr20_axis_driver.mid.pulse_client import PulseClient
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.mid.records import record_from
-from gpr20_simulator.low.shared_state import EndstopFault, open_shared_state
-from gpr20_simulator.mid.axis_hardware import SimulatedHardware
-from gpr20_simulator.mid.world.scene import X_AXIS
-from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.axes.axis_parameters import AxisParameters
 from gpr20_survey.faults import NOT_HOMED
 
 PAGE = Path(__file__).parents[5] / "docs/extend/axis_controller.md"
-FAULTS = {True: EndstopFault.STUCK_CLOSED, False: EndstopFault.STUCK_OPEN}
-
 # The modules of the page, importable as a package of their own would be.
 _folder = tempfile.TemporaryDirectory()
 for _name, _code in code_blocks(PAGE, "python").items():
@@ -49,43 +38,6 @@ for _name, _code in code_blocks(PAGE, "python").items():
 sys.path.insert(0, _folder.name)
 
 from test_grbl_axis import TestGrblController  # noqa: E402, F401
-
-
-class TestPins(AxisContract):
-    """The axis that has pins keeps the same contract."""
-
-    parameters = SHORT
-
-    @classmethod
-    def setup_class(cls):
-        cls.folder = tempfile.TemporaryDirectory()
-        path = Path(cls.folder.name, "world")
-        cls.world = open_shared_state(path, {AxisId.X: 500})
-        hardware = SimulatedHardware(SHORT, path, AxisId.X, X_AXIS, 30.0, 500)
-        cls.pulses = PulseClient(hardware)
-
-    @classmethod
-    def teardown_class(cls):
-        cls.pulses.close()
-        cls.folder.cleanup()
-
-    def open_axis(self):
-        return AxisDriver(SHORT, self.pulses)
-
-    def close_axis(self):
-        assert not self.axis.moving
-
-    def true_steps(self):
-        return self.world.steps(AxisId.X)
-
-    def jam_endstop(self, pressed):
-        self.world.set_endstop_fault(AxisId.X, FAULTS[pressed])
-
-    def break_contact(self):
-        os.kill(self.pulses.process_id, signal.SIGKILL)
-
-    def restore_contact(self):
-        self.world.set_endstop_fault(AxisId.X, EndstopFault.NONE)
 
 
 def test_the_configuration_of_the_page_is_accepted():
@@ -110,12 +62,6 @@ def test_a_controller_that_cannot_be_used_is_refused_with_the_reason(controller,
     )
     with pytest.raises(InvalidValueError, match=error):
         open_controller(parameters)
-
-
-@each_case("name", ["grbl_axis", "os.system", "a:b:c", "a b:C", "../x:C", "x:" * 300])
-def test_a_controller_must_be_named_as_module_and_class(name):
-    with pytest.raises(InvalidValueError, match="package.module:Class"):
-        dataclasses.replace(X_PARAMETERS, controller=name)
 
 
 def parameters_of(board):

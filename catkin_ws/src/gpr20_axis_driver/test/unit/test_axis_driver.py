@@ -6,7 +6,7 @@ import random
 import threading
 
 import pytest
-from axis_machine import X_PARAMETERS, Z_PARAMETERS, Axis
+from axis_machine import X_PARAMETERS, Axis
 from case_kit import each_case
 from fault_kit import raises_fault
 from run_seed import draws
@@ -125,16 +125,6 @@ def test_a_second_motion_is_refused_while_one_is_under_way_and_works_after_a_fai
     assert not axis.driver.moving
     axis.driver.move_to_coordinate(5.0, never)
     assert axis.machine.steps == 500
-
-
-def test_the_antennas_turn_by_whole_steps_without_an_endstop():
-    axis = Axis(Z_PARAMETERS, start_steps=0)
-    axis.driver.set_zero()
-    axis.driver.move_to_coordinate(90.0, never)
-    assert axis.machine.steps == 50
-    axis.driver.move_to_coordinate(-90.0, never)
-    assert axis.machine.steps == -50
-    assert axis.driver.current_coord == -90.0
 
 
 def test_closing_in_the_middle_of_a_pulse_leaves_the_pins_low_and_released(axis):

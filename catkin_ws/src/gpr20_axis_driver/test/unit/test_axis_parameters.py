@@ -46,6 +46,8 @@ from gpr20_common.faults import CONFIGURATION, NOT_ALLOWED
         ("enable_active", "high", ("enable_active is high", "no enable_pin")),
         ("enable_pin", 9, ("enable_pin", 9)),
         ("enable_pin", 16, ("sensor_pin 16, enable_pin 16",)),
+        *(("controller", odd, ()) for odd in ("grbl_axis", "os.system", "a:b:c", "../x:C")),
+        ("controller", "x:" * 300, ()),
         ("homing_margin", -1.0, ("homing_margin", "-1 mm")),
         ("homing_margin", math.nan, ("homing_margin", "nan")),
     ],
@@ -55,17 +57,19 @@ def test_a_wrong_parameter_is_refused_by_name(field, value, shown):
         dataclasses.replace(X_PARAMETERS, **{field: value})
 
 
-@each_case("changes", [{"endstop_active": "high"}, {"endstop_pull": "none"}])
-def test_an_axis_without_endstop_says_nothing_about_one(changes):
-    (name,) = changes
-    with raises_fault(CONFIGURATION, name, "no sensor_pin", error=InvalidValueError):
-        dataclasses.replace(Z_PARAMETERS, **changes)
-
-
-def test_the_memory_file_has_an_absolute_path():
+@each_case(
+    "changes, shown",
+    [
+        ({"endstop_active": "high"}, ("endstop_active", "no sensor_pin")),
+        ({"endstop_pull": "none"}, ("endstop_pull", "no sensor_pin")),
+        # A path that is not absolute.
+        ({"memory_file": "z_axis"}, ("z_axis",)),
+    ],
+)
+def test_an_axis_without_endstop_has_nothing_of_one_and_its_memory_has_a_path(changes, shown):
     dataclasses.replace(Z_PARAMETERS, memory_file="/var/lib/gpr20/z_axis")
-    with raises_fault(CONFIGURATION, "z_axis", error=InvalidValueError):
-        dataclasses.replace(Z_PARAMETERS, memory_file="z_axis")
+    with raises_fault(CONFIGURATION, *shown, error=InvalidValueError):
+        dataclasses.replace(Z_PARAMETERS, **changes)
 
 
 @given(st.integers(0, 65000))
@@ -79,8 +83,3 @@ def test_every_step_of_x_has_a_coordinate_that_leads_back_to_it(steps):
 @each_case("target, steps", [(0.29, 29), (0.57, 57), (90.01, 9001), (649.99, 64999)])
 def test_a_target_whose_quotient_is_not_exact_in_binary_loses_no_step(target, steps):
     assert X_PARAMETERS.distance_steps(target) == steps
-
-
-def test_a_quarter_turn_is_a_whole_number_of_steps():
-    assert Z_PARAMETERS.distance_steps(90.0) == 50
-    assert Z_PARAMETERS.coordinate_of(-50) == -90.0

@@ -187,33 +187,21 @@ def test_the_endstop_pressed_in_a_move_ends_it(axis):
     assert axis.daemon.level(STEP) == 0
 
 
-def test_a_dead_daemon_is_an_error_that_names_it(axis):
+def test_a_daemon_that_dies_or_does_not_run_is_an_error_that_names_it(axis):
     axis.driver.homing(never)
     axis.daemon.running = False
     with raises_fault(faults.PIGPIO_FAILED, error=PulseProcessError):
         axis.driver.move_to_coordinate(1.0, never)
-
-
-def test_a_daemon_that_does_not_run_is_an_error_at_the_start(tmp_path):
-    daemon = RecordedPigpio(SteppedClock())
-    daemon.running = False
-    lock = lock_wave_transmitter(tmp_path / "lock")
     with raises_fault(faults.PIGPIO_FAILED, error=PinLibraryError):
-        WaveRunner(daemon, lock, Z_PARAMETERS, SteppedClock(), Count())
-    lock.close()
+        WaveRunner(axis.daemon, axis.lock, Z_PARAMETERS, SteppedClock(), Count())
 
 
-def test_only_one_axis_gets_the_transmitter(tmp_path):
-    first = lock_wave_transmitter(tmp_path / "lock")
+def test_only_one_axis_gets_the_transmitter_and_closing_leaves_it_free_and_the_pins_low(
+    axis, tmp_path
+):
+    axis.driver.homing(never)
     with raises_fault(faults.PIGPIO_TAKEN, error=PinLibraryError):
         lock_wave_transmitter(tmp_path / "lock")
-    first.close()
-    lock_wave_transmitter(tmp_path / "lock").close()
-
-
-def test_closing_leaves_the_pins_low_and_the_transmitter_free(axis, tmp_path):
-    axis.driver.homing(never)
-    axis.driver.move_to_coordinate(1.0, never)
     axis.runner.close()
     assert axis.daemon.levels == {DIR: 0, STEP: 0}
     lock_wave_transmitter(tmp_path / "lock").close()

@@ -2,6 +2,8 @@
 
 import errno
 import mmap
+from types import SimpleNamespace
+from unittest import mock
 
 import pytest
 from case_kit import each_case
@@ -100,20 +102,13 @@ def test_a_file_that_is_something_else_is_refused_and_left_alone(path, content):
     assert path.read_bytes() == content
 
 
-def test_a_place_that_cannot_be_written_is_an_error_that_names_it(tmp_path):
-    (tmp_path / "file").write_text("")
-    path = tmp_path / "file" / "memory"
-    with raises_fault(faults.STEP_COUNT_NOT_STORED, path, error=StepCounterError):
-        reopen(path)
-
-
-def test_a_full_disk_is_a_matter_of_the_disk(path, monkeypatch):
-    def full(*_arguments):
-        raise OSError(errno.ENOSPC, "no space")
-
-    monkeypatch.setattr(step_counter.os, "open", full)
-    with raises_fault(DISK_FULL, path, error=StepCounterError):
-        reopen(path)
+@each_case(
+    "error, fault", [(errno.ENOTDIR, faults.STEP_COUNT_NOT_STORED), (errno.ENOSPC, DISK_FULL)]
+)
+def test_a_place_that_cannot_be_written_is_an_error_that_names_it(path, error, fault):
+    with mock.patch.object(step_counter.os, "open", side_effect=OSError(error, "refused")):
+        with raises_fault(fault, path, error=StepCounterError):
+            reopen(path)
 
 
 @settings(max_examples=draws(6))
@@ -135,26 +130,15 @@ def test_a_count_torn_by_a_power_cut_is_never_trusted(tmp_path_factory, before, 
 
 
 def test_what_is_begun_is_on_the_disk_before_the_first_step(path, monkeypatch):
-    memory = reopen(path)
+    memory, flushed = reopen(path), []
     memory.place(3)
     assert mmap.PAGESIZE >= FILE_BYTES
-    flushed = []
-    monkeypatch.setattr(memory, "_memory", Flushed(memory, flushed))
+    flush = SimpleNamespace(flush=lambda: flushed.append((memory.steps, memory.trusted)))
+    monkeypatch.setattr(memory, "_memory", flush)
     memory.begin()
     memory.count(1)
     memory.rest()
     assert flushed == [(3, False), (4, True)]
-
-
-class Flushed:
-    """Notes what the count was when it was written to the disk."""
-
-    def __init__(self, memory, flushed):
-        self.memory = memory
-        self.flushed = flushed
-
-    def flush(self):
-        self.flushed.append((self.memory.steps, self.memory.trusted))
 
 
 def test_the_endstop_is_unknown_until_it_is_read_and_each_press_counts(tmp_path):

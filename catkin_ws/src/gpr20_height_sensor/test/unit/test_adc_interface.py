@@ -4,9 +4,7 @@ from __future__ import annotations
 
 import sys
 import types
-from typing import ClassVar
 
-import pytest
 from case_kit import each_case
 from fault_kit import raises_fault
 
@@ -77,13 +75,13 @@ def test_a_missing_library_is_a_clear_error(monkeypatch):
 class FakeSpiDev(FakeSpi):
     """The library's class; its settings only work on an open bus."""
 
-    instances: ClassVar[list] = []
     failure = None
+    last = None
 
     def __init__(self):
         super().__init__([0, 0, 0])
         self.opened = None
-        FakeSpiDev.instances.append(self)
+        FakeSpiDev.last = self
 
     def open(self, bus, device):
         if self.failure:
@@ -96,22 +94,11 @@ class FakeSpiDev(FakeSpi):
         super().__setattr__(name, value)
 
 
-@pytest.fixture
-def spidev(monkeypatch):
-    library = types.ModuleType("spidev")
-    library.SpiDev = FakeSpiDev
-    monkeypatch.setitem(sys.modules, "spidev", library)
-    monkeypatch.setattr(FakeSpiDev, "instances", [])
-    monkeypatch.setattr(FakeSpiDev, "failure", None)
-
-
-def test_opens_the_bus_with_clock_and_mode(spidev):
+def test_the_bus_is_opened_with_clock_and_mode_or_named_and_released(monkeypatch):
+    monkeypatch.setitem(sys.modules, "spidev", types.SimpleNamespace(SpiDev=FakeSpiDev))
     spi = open_spi_bus(1, 2, 500_000)
     assert (spi.opened, spi.max_speed_hz, spi.mode) == ((1, 2), 500_000, 0)
-
-
-def test_a_bus_that_cannot_be_opened_is_named_and_released(spidev, monkeypatch):
     monkeypatch.setattr(FakeSpiDev, "failure", FileNotFoundError("no such file"))
     with raises_fault(faults.SPI_REFUSED, "/dev/spidev0.1", error=SpiError):
         open_spi_bus(0, 1, 1_000_000)
-    assert FakeSpiDev.instances[0].closed
+    assert FakeSpiDev.last.closed

@@ -502,27 +502,21 @@ class Bench:
         self.control.resume("")
         self.complete()
 
-    def wait_until(self, condition):
+    def wait_until(self, condition, limit_s=LIMIT_S):
         """Wait for a condition that is true after some change of the status."""
         with self._changed:
-            assert self._changed.wait_for(condition, LIMIT_S), f"still {self.board.status}"
+            assert self._changed.wait_for(condition, limit_s), f"still {self.board.status}"
 
     def wait_for_visited(self, points, limit_s=LIMIT_S):
         """Wait until a number of points is stored."""
-        with self._changed:
-            assert self._changed.wait_for(
-                lambda: self.board.status.visited_points >= points, limit_s
-            ), f"still {self.board.status}"
+        self.wait_until(lambda: self.board.status.visited_points >= points, limit_s)
 
     def wait_for_fault(self, fault, *shown):
         """Wait until the message of the control reports a fault and shows some values."""
         self.wait_until(lambda: reports(self.board.status.message, fault, *shown))
 
-    def wait_for(self, *states, limit_s=LIMIT_S):
+    def wait_for(self, *states):
         """Wait until the control is in one of the states and return its status."""
-        names = {state.name for state in states}
         with self._changed:
-            assert self._changed.wait_for(lambda: self.board.status.state.name in names, limit_s), (
-                f"still {self.board.status}"
-            )
+            self.wait_until(lambda: self.board.status.state in states)
             return self.board.status

@@ -145,18 +145,3 @@ def test_a_slow_sweep_is_not_late():
     bench.start()
     bench.complete()
     assert not any(status.waiting for status in bench.history)
-
-
-def test_a_fault_replaces_what_was_waited_for(bench):
-    hang = threading.Event()
-
-    def fail_late():
-        hang.wait(LIMIT_S)
-        bench.analyzer.failures = 1
-
-    bench.at_sweep(2, fail_late)
-    bench.start()
-    bench.wait_until(lambda: waits_for(bench, "point 2"))
-    hang.set()
-    assert "the VNA did not answer" in str(bench.wait_for(State.PAUSED).full_message)
-    assert not waits_for(bench)

@@ -19,7 +19,7 @@ from gpr20_main_control.mid.daily_check import (
 )
 from gpr20_main_control.mid.daily_check_steps import CHECK_LIMIT_S
 from gpr20_main_control.mid.devices.robot import UnconfirmedSweep
-from gpr20_survey.faults import CHECK_ORDER, OTHER_DATA_FOLDER
+from gpr20_survey.faults import CHECK_ORDER
 from gpr20_survey.folder.data_folder import DataFolderUse
 from gpr20_survey.results.daily_check import Part
 from gpr20_survey.trace.sweep import Sweep
@@ -126,19 +126,6 @@ def test_three_steps_make_a_check_with_a_verdict_and_a_line_of_the_history(stepp
     stepped.robot.analyzer_calls.call(lambda: None, lambda: None)
     assert (stepped.analyzer.sweeps, stepped.analyzer.releases) == (12, 6)
     assert stepped.activities[0] is not None and stepped.activities[-1] is None
-
-
-def test_a_check_does_not_make_a_data_folder_in_the_place_of_one_that_is_gone(stepped, tmp_path):
-    def make_check_of_robot():
-        return [step(stepped, number) for number in range(3)]
-
-    make_check_of_robot()
-    moved = tmp_path.rename(tmp_path.with_name("moved"))
-    with raises_fault(OTHER_DATA_FOLDER, tmp_path, error=DeviceError):
-        make_check_of_robot()
-    assert not tmp_path.exists()
-    moved.rename(tmp_path)
-    assert len((tmp_path / HISTORY).read_text().splitlines()) == 1
 
 
 def test_a_step_without_those_before_it_is_refused_and_sweeps_nothing(stepped):

@@ -2,6 +2,7 @@
 
 import math
 import threading
+from types import SimpleNamespace
 
 import pytest
 from case_kit import each_case
@@ -15,6 +16,7 @@ from survey_examples import AXES
 from gpr20_main_control import faults
 from gpr20_main_control.errors import DeviceError, RequestRefusedError, StopRequested
 from gpr20_main_control.mid.service import AxisAction, AxisMove, axis_move, jog_target
+from gpr20_main_control.mid.waits import Workers
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.plan.survey_state import SurveyState as State
 
@@ -29,25 +31,9 @@ def jog(bench, axis, distance):
     return bench.control.move_for_service(AxisMove(axis, AxisAction.JOG, distance))
 
 
-class InBackground:
-    """A call that waits, and how it ended."""
-
-    def __init__(self, call):
-        self.error = None
-        self._call = call
-        self._thread = threading.Thread(target=self._run)
-        self._thread.start()
-
-    def _run(self):
-        try:
-            self._call()
-        except Exception as error:
-            self.error = error
-
-    def join(self):
-        self._thread.join(LIMIT_S)
-        assert not self._thread.is_alive()
-        return self.error
+def in_background(call):
+    """Return the future of a call that waits."""
+    return Workers().begin(call)
 
 
 def block_the_next_move(axis):
@@ -61,7 +47,8 @@ def block_the_next_move(axis):
     axis.begin_move = begin
 
 
-def test_one_axis_is_homed_also_if_it_is_homed_already(bench):
+def test_one_axis_is_homed_also_if_it_is_homed_already_and_the_analyzer_is_lost(bench):
+    bench.nodes.note_silent("vna_acquisition")
     for homings in (1, 2):
         home(bench, Y)
         assert [axis.homings for axis in bench.axes] == [0, homings, 0]
@@ -146,14 +133,14 @@ def test_there_is_no_service_while_a_survey_has_not_ended(bench):
 def test_no_survey_starts_during_a_service_move(bench):
     home(bench, X)
     block_the_next_move(bench.x)
-    moving = InBackground(lambda: jog(bench, X, 100.0))
+    moving = in_background(lambda: jog(bench, X, 100.0))
     bench.x.begun.wait(LIMIT_S)
     for request in (bench.start, lambda: bench.control.resume("survey"), lambda: home(bench, Y)):
         with raises_fault(faults.SERVICE_IN_PROGRESS, error=RequestRefusedError):
             request()
     bench.x.coordinate = 100.0
     bench.x.blocked.set()
-    assert moving.join() is None
+    assert moving.exception(LIMIT_S) is None
     del bench.x.begin_move
     bench.start()
     bench.complete()
@@ -162,13 +149,13 @@ def test_no_survey_starts_during_a_service_move(bench):
 def test_a_stop_ends_a_jog_and_the_answer_says_where_the_axis_is(bench):
     home(bench, X)
     block_the_next_move(bench.x)
-    moving = InBackground(lambda: jog(bench, X, 100.0))
+    moving = in_background(lambda: jog(bench, X, 100.0))
     bench.x.begun.wait(LIMIT_S)
     bench.control.stop()
     assert all(axis.stops for axis in bench.axes)
     bench.x.coordinate = 12.5
     bench.x.blocked.set()
-    error = moving.join()
+    error = moving.exception(LIMIT_S)
     assert isinstance(error, StopRequested)
     assert reports(error.message, faults.SERVICE_STOPPED, "x", 12.5, "mm")
     del bench.x.begin_move
@@ -179,11 +166,18 @@ def test_a_stop_ends_a_jog_and_the_answer_says_where_the_axis_is(bench):
 
 
 def test_a_service_move_that_waits_for_another_request_when_stop_comes_does_not_begin(bench):
-    bench.control._requests.acquire()
-    homing = InBackground(lambda: home(bench, X))
+    lock, waiting = bench.control._requests, threading.Event()
+    lock.acquire()
+    bench.control._requests = SimpleNamespace(
+        acquire=lambda **given: (waiting.set(), lock.acquire(**given))[1],
+        release=lock.release,
+        locked=lock.locked,
+    )
+    homing = in_background(lambda: home(bench, X))
+    assert waiting.wait(LIMIT_S)
     bench.control.stop()
-    bench.control._requests.release()
-    assert reports(homing.join().message, faults.STOPPED_BEFORE)
+    lock.release()
+    assert reports(homing.exception(LIMIT_S).message, faults.STOPPED_BEFORE)
     assert not bench.x.homings
 
 
@@ -191,28 +185,18 @@ def test_a_stop_ends_a_homing(bench):
     bench.y.hanging.clear()
     begun, usual = threading.Event(), bench.y.home
     bench.y.home = lambda limit_s: (begun.set(), usual(limit_s))
-    homing = InBackground(lambda: home(bench, Y))
+    homing = in_background(lambda: home(bench, Y))
     assert begun.wait(LIMIT_S)
     bench.control.stop()
-    assert reports(homing.join().message, faults.SERVICE_STOPPED_UNHOMED, "y")
+    assert reports(homing.exception(LIMIT_S).message, faults.SERVICE_STOPPED_UNHOMED, "y")
 
 
-def test_a_lost_analyzer_does_not_keep_the_axes_from_service(bench):
-    bench.nodes.note_silent("vna_acquisition")
-    home(bench, X)
-    jog(bench, X, 5.0)
-    assert bench.x.moves == [5.0]
-
-
-def test_a_failed_axis_is_stopped_and_reported(bench):
+def test_a_failed_axis_is_stopped_and_reported_and_a_silent_one_is_not_jogged(bench):
     bench.x.fail_homing = "the endstop was not reached"
     with pytest.raises(DeviceError, match="endstop was not reached"):
         home(bench, X)
-    assert bench.x.stops
-    assert str(bench.activities[-1]) == "None"
-
-
-def test_a_silent_axis_is_not_jogged(bench):
+    assert bench.x.stops and bench.activities[-1] is None
+    bench.x.fail_homing = ""
     home(bench, X)
     bench.x.silent = True
     with raises_fault(faults.NODE_LOST, "x", error=DeviceError):
@@ -220,25 +204,18 @@ def test_a_silent_axis_is_not_jogged(bench):
     assert bench.x.moves == []
 
 
-def test_the_analyzer_is_tested_and_released(bench):
+def test_the_analyzer_is_tested_to_its_first_failure_and_released(bench):
     test = bench.control.test_analyzer("")
-    assert test.failure is None
-    assert test.address == "127.0.0.2"
-    assert "MS2026C" in test.identity
-    assert test.calibration == "HIGH"
+    assert (test.failure, test.address, test.calibration) == (None, "127.0.0.2", "HIGH")
     assert (test.points, test.level_db) == (101, pytest.approx(80.0, abs=0.01))
     # The release is not waited for.
     bench.robot.analyzer_calls.call(lambda: None, lambda: None)
     assert bench.analyzer.releases == 1
-
-
-def test_a_test_of_the_analyzer_ends_at_its_first_failure(bench):
     bench.analyzer.calibration_refusal = "there is no calibration"
     test = bench.control.test_analyzer("10.0.0.1")
-    assert bench.analyzer.connections == ["10.0.0.1"]
-    assert test.identity
+    assert bench.analyzer.connections[-1] == "10.0.0.1" and "MS2026C" in test.identity
     assert "no calibration" in str(test.failure)
-    assert (test.calibration, test.points, bench.analyzer.sweeps) == ("", 0, 0)
+    assert (test.calibration, test.points, bench.analyzer.sweeps) == ("", 0, 1)
 
 
 @pytest.mark.parametrize("call", ["test_analyzer", "daily_check"])
@@ -247,12 +224,12 @@ def test_a_test_of_the_analyzer_beside_which_no_survey_starts_can_be_stopped(ben
     bench.analyzer.on_sweep = lambda: (sweeping.set(), may_sweep.wait(LIMIT_S))
     results = []
     argument = {"test_analyzer": "", "daily_check": 0}[call]
-    testing = InBackground(lambda: results.append(getattr(bench.control, call)(argument)))
+    testing = in_background(lambda: results.append(getattr(bench.control, call)(argument)))
     assert sweeping.wait(LIMIT_S)
     with raises_fault(faults.SERVICE_IN_PROGRESS, error=RequestRefusedError):
         bench.start()
     bench.control.stop()
-    error = testing.join()
+    error = testing.exception(LIMIT_S)
     may_sweep.set()
     message = error.message if call == "daily_check" else results[0].failure
     assert message.fault_code == faults.TEST_STOPPED.code

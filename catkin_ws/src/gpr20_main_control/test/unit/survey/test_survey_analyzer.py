@@ -192,14 +192,3 @@ def test_the_analyzer_is_released_however_the_survey_ends(bench, end):
     bench.wait_for(end)
     bench.control.set_parameters(PARAMETERS)
     assert bench.analyzer.releases == 1
-
-
-def test_an_analyzer_that_cannot_be_released_does_not_disturb_the_next_survey(bench):
-    def fail():
-        raise DeviceError(Message("the VNA driver did not answer"))
-
-    bench.analyzer.release = fail
-    for _survey in range(2):
-        bench.start()
-        bench.wait_for(State.FINISHED)
-    assert len(bench.storage.samples) == 48

@@ -140,26 +140,6 @@ def test_a_fault_in_a_confirmation_fails_the_survey_and_stores_nothing(bench, co
     assert numbers(bench) == [1, 2, 3]
 
 
-@pytest.mark.parametrize("confirmed", [True, False])
-def test_a_fault_of_an_axis_loses_no_sweep_that_can_be_confirmed(bench, confirmations, confirmed):
-    confirmations.hold(3)
-    if not confirmed:
-        confirmations.refused[3] = refusal()
-
-    bench.at_sweep(2, lambda: setattr(bench.z, "fail_move", "the endstop was pressed"))
-    bench.start()
-    assert confirmations.begun[3].wait(LIMIT_S)
-    confirmations.release()
-    status = bench.wait_for(State.PAUSED, State.FINISHED)
-    while "endstop" not in str(status.message):
-        assert status.state is State.PAUSED
-        bench.control.resume("")
-        status = bench.wait_for(State.PAUSED)
-    bench.z.fail_move = ""
-    bench.resume_to_the_end()
-    assert len(set(numbers(bench))) == 24 and (3 in numbers(bench)) is confirmed
-
-
 def test_a_stop_stores_the_last_sweep_if_it_is_confirmed(bench, confirmations):
     confirmations.hold(3)
     bench.start()
@@ -215,15 +195,3 @@ def test_an_analyzer_that_is_lost_while_it_confirms_costs_one_more_sweep():
     assert numbers(bench) == [1, 2, *range(4, 26)]
     assert State.PAUSED.name not in bench.states
     bench.control.shut_down(LIMIT_S)
-
-
-def test_a_pause_holds_when_the_last_sweep_is_confirmed_and_stored(bench, confirmations):
-    bench.at_sweep(2, bench.control.pause)
-    confirmations.hold(3)
-    bench.start()
-    assert confirmations.begun[3].wait(LIMIT_S)
-    assert bench.board.status.state is State.PAUSING
-    confirmations.release()
-    bench.wait_for(State.PAUSED)
-    bench.wait_for_visited(3)
-    bench.resume_to_the_end()

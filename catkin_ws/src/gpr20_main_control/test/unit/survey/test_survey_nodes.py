@@ -16,7 +16,7 @@ VNA, STORAGE, X_AXIS = "vna_acquisition", "vna_processing", "x_axis/axis_driver"
 
 
 @pytest.fixture
-def patient_bench():
+def bench():
     bench = Bench(return_limit_s=3600.0)
     yield bench
     bench.release()
@@ -33,8 +33,7 @@ def come_back(bench, node):
 
 
 @pytest.mark.parametrize("node", [VNA, STORAGE, X_AXIS])
-def test_a_survey_holds_while_a_node_is_gone_and_goes_on_by_itself(patient_bench, node):
-    bench = patient_bench
+def test_a_survey_holds_while_a_node_is_gone_and_goes_on_by_itself(bench, node):
     lose(bench, node, after=5)
     bench.start()
     bench.wait_for_fault(faults.WAITING_FOR_PART, NODES[node])
@@ -52,8 +51,7 @@ def test_a_survey_holds_while_a_node_is_gone_and_goes_on_by_itself(patient_bench
     assert bench.board.status.full_message.fault_code == ""
 
 
-def test_an_axis_that_was_started_anew_is_homed_and_a_known_point_is_compared(patient_bench):
-    bench = patient_bench
+def test_an_axis_that_was_started_anew_is_homed_and_a_known_point_is_compared(bench):
     lose(bench, X_AXIS, after=5)
     bench.start()
     bench.wait_for_fault(faults.WAITING_FOR_PART)
@@ -65,17 +63,24 @@ def test_an_axis_that_was_started_anew_is_homed_and_a_known_point_is_compared(pa
     assert len(bench.storage.reports[-1]["controls"]) == 2
 
 
-def test_a_node_that_stays_away_pauses_the_survey_with_the_reason(bench):
-    lose(bench, VNA, after=5)
+@pytest.mark.parametrize("after, end", [(0, State.FAILED), (5, State.PAUSED)])
+def test_a_node_that_stays_away_fails_the_survey_before_anything_moves_or_pauses_it(after, end):
+    bench = Bench()
+    if after:
+        lose(bench, VNA, after)
+    else:
+        bench.nodes.note_silent(VNA)
     bench.start()
-    status = bench.wait_for(State.PAUSED)
-    assert reports(status.message, faults.NODE_NOT_BACK, NODES[VNA], 300.0)
-    come_back(bench, VNA)
-    bench.resume_to_the_end()
+    assert reports(bench.wait_for(end).message, faults.NODE_NOT_BACK, NODES[VNA], 300.0)
+    if after:
+        come_back(bench, VNA)
+        bench.resume_to_the_end()
+    else:
+        assert all(axis.moves == [] and axis.homings == 0 for axis in bench.axes)
+    bench.control.shut_down(LIMIT_S)
 
 
-def test_a_node_that_dies_again_and_again_pauses_the_survey(patient_bench):
-    bench = patient_bench
+def test_a_node_that_dies_again_and_again_pauses_the_survey(bench):
     deaths = []
 
     def die():
@@ -92,8 +97,7 @@ def test_a_node_that_dies_again_and_again_pauses_the_survey(patient_bench):
     bench.resume_to_the_end()
 
 
-def test_an_error_whose_cause_is_a_dead_node_does_not_pause_the_survey(patient_bench):
-    bench = patient_bench
+def test_an_error_whose_cause_is_a_dead_node_does_not_pause_the_survey(bench):
 
     def fail():
         bench.analyzer.failures = 1
@@ -125,37 +129,23 @@ def test_a_paused_survey_and_a_control_at_rest_say_so_and_stay_as_they_are(bench
     bench.resume_to_the_end()
 
 
-def test_a_survey_that_was_told_to_pause_pauses_when_a_node_is_lost(patient_bench):
-    bench = patient_bench
-    swept, hang = threading.Event(), threading.Event()
+def test_a_survey_that_was_told_to_pause_pauses_when_a_node_is_lost(bench):
+    hang = threading.Event()
 
-    def hang_up():
-        swept.set()
+    def pause_and_die():
+        bench.control.pause()
+        bench.nodes.note_silent(VNA)
         hang.wait(LIMIT_S)
 
-    bench.analyzer.on_sweep = hang_up
+    bench.at_sweep(2, pause_and_die)
     bench.start()
-    assert swept.wait(LIMIT_S)
-    bench.control.pause()
-    bench.nodes.note_silent(VNA)
-    status = bench.wait_for(State.PAUSED)
-    assert reports(status.message, faults.NODE_LOST, NODES[VNA])
-    bench.analyzer.on_sweep = lambda: None
+    assert reports(bench.wait_for(State.PAUSED).message, faults.NODE_LOST, NODES[VNA])
     hang.set()
     come_back(bench, VNA)
     bench.resume_to_the_end()
 
 
-def test_a_survey_that_is_started_without_a_node_fails_before_anything_moves(bench):
-    bench.nodes.note_silent(VNA)
-    bench.start()
-    status = bench.wait_for(State.FAILED)
-    assert reports(status.message, faults.NODE_NOT_BACK, NODES[VNA])
-    assert all(axis.moves == [] and axis.homings == 0 for axis in bench.axes)
-
-
-def test_a_storage_that_ended_the_survey_and_died_is_believed_when_it_is_back(patient_bench):
-    bench = patient_bench
+def test_a_storage_that_ended_the_survey_and_died_is_believed_when_it_is_back(bench):
     usual = bench.storage.close
 
     def close_and_die(survey_id, end):
@@ -176,8 +166,7 @@ def test_a_storage_that_ended_the_survey_and_died_is_believed_when_it_is_back(pa
     bench.complete()
 
 
-def test_an_opening_whose_answer_was_lost_is_repeated_as_it_was(patient_bench):
-    bench = patient_bench
+def test_an_opening_whose_answer_was_lost_is_repeated_as_it_was(bench):
     usual = bench.storage.open
 
     def open_and_die(record):
@@ -193,13 +182,6 @@ def test_an_opening_whose_answer_was_lost_is_repeated_as_it_was(patient_bench):
     bench.complete()
     first, second = bench.storage.records
     assert first == second
-
-
-def test_a_survey_that_was_still_open_is_told_and_can_be_resumed(bench):
-    bench.storage.interrupted = "20260101T000000_01234567"
-    bench.start()
-    bench.wait_for(State.FINISHED)
-    assert any("20260101T000000_01234567" in str(status.message) for status in bench.history)
 
 
 def test_a_request_that_takes_long_does_not_hang_the_next_one(bench, monkeypatch):
@@ -243,20 +225,3 @@ def test_an_axis_that_stopped_because_the_link_was_silent_goes_on_by_itself(benc
     assert bench.states.count("CHECKING") == 2
     # Nothing has lost its zero.
     assert [axis.homings for axis in bench.axes] == [1, 1, 1]
-
-
-def test_readings_that_stay_away_for_a_while_do_not_pause_the_survey(bench):
-    bench.at_sweep(5, lambda: setattr(bench.x, "silent_readings", 20))
-    bench.start()
-    bench.complete()
-    assert "PAUSED" not in bench.states
-    assert bench.states.count("CHECKING") == 2
-
-
-def test_a_move_waits_until_its_axis_is_connected(bench):
-    waits = iter([False] * 10)
-    bench.z.is_connected = lambda: next(waits, True)
-    bench.start()
-    bench.complete()
-    assert next(waits, None) is None
-    assert "PAUSED" not in bench.states

@@ -25,17 +25,6 @@ def test_a_survey_that_was_cut_off_goes_on_with_exactly_what_is_missing(bench, s
     assert bench.storage.records == []
 
 
-def test_the_control_measurement_tells_how_far_it_is_from_the_stored_trace(bench):
-    bench.storage.reopened = reopened_survey([0, 1])
-    bench.control.resume("survey")
-    bench.wait_for(State.FINISHED)
-    (control,) = bench.storage.reports[-1]["controls"]
-    # The first sweep of this analyzer is 1 + 1j everywhere, which is what is stored.
-    assert control["difference_db"] is None
-    assert control["height_difference_m"] == 0.0
-    assert any("point 1 was measured again" in str(one.message) for one in bench.history)
-
-
 def test_a_survey_of_a_version_that_knew_fewer_parameters_of_an_axis_is_resumed(bench):
     later = (
         *("homing_margin", "endstop_active", "endstop_pull"),

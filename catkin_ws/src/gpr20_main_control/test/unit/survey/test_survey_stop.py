@@ -63,15 +63,9 @@ def test_shutting_down_stops_the_axes_and_leaves_the_survey_interrupted(bench):
 
 
 def test_shutting_down_while_a_survey_is_closed_says_finished(bench):
-    closing, may_close = threading.Event(), threading.Event()
-    close = bench.storage.close
-
-    def close_slowly(survey_id, end):
-        closing.set()
-        may_close.wait(LIMIT_S)
-        close(survey_id, end)
-
-    bench.storage.close = close_slowly
+    closing, close = threading.Event(), bench.storage.close
+    may_close = threading.Event()
+    bench.storage.close = lambda *end: (closing.set(), may_close.wait(LIMIT_S), close(*end))
     bench.start()
     assert closing.wait(LIMIT_S)
     threading.Timer(0.05, may_close.set).start()
@@ -81,10 +75,10 @@ def test_shutting_down_while_a_survey_is_closed_says_finished(bench):
 
 
 def test_shutting_down_does_not_wait_for_a_storage_that_is_gone(bench):
+    bench.storage.fail_close = "the storage has ended"
     bench.x.blocked.clear()
     bench.start()
     assert bench.x.begun.wait(LIMIT_S)
-    bench.storage.fail_close = "the storage has ended"
     bench.x.blocked.set()
     bench.control.shut_down(LIMIT_S)
     assert bench.board.status.state is State.STOPPED

@@ -80,25 +80,22 @@ def test_a_full_disk_at_the_start_is_refused_before_anything_moves(bench):
 def test_a_failing_disk_pauses_the_survey_and_loses_nothing(bench):
     bench.storage.failures = 3
     bench.start()
-    status = bench.wait_for(State.PAUSED)
-    assert faults.NOT_STORED in status.message.faults
-    assert "the disk is full" in str(status.message)
+    message = bench.wait_for(State.PAUSED).message
+    assert faults.NOT_STORED in message.faults and "the disk is full" in str(message)
     bench.resume_to_the_end()
     # The storage may have been restarted: the survey is reopened, not opened a second time.
-    assert len(bench.storage.records) == 1
-    assert len(bench.storage.reopenings) == 1
+    assert (len(bench.storage.records), len(bench.storage.reopenings)) == (1, 1)
+
+
+def break_down(*_arguments):
+    raise ValueError("a fault of ours")
 
 
 def test_a_fault_in_storing_pauses_the_survey_and_loses_nothing(bench, monkeypatch):
-    def break_down(_sample):
-        raise ValueError("a fault of ours")
-
     monkeypatch.setattr(bench.storage, "store", break_down)
     bench.start()
-    status = bench.wait_for(State.PAUSED)
-    assert faults.NOT_STORED in status.message.faults
-    assert status.message.fault_code == INTERNAL.code
-    assert "a fault of ours" in str(status.message)
+    message = bench.wait_for(State.PAUSED).message
+    assert faults.NOT_STORED in message.faults and message.fault_code == INTERNAL.code
     monkeypatch.undo()
     bench.resume_to_the_end()
 
@@ -156,18 +153,12 @@ def test_a_trace_that_is_refused_pauses_the_survey(bench, monkeypatch):
     bench.resume_to_the_end()
 
 
-def test_a_fault_in_closing_does_not_leave_the_survey_stopping_for_ever(bench, monkeypatch):
-    def break_down(*_arguments):
-        raise ValueError("a fault of ours")
-
-    bench.analyzer.failures = 1
+def test_a_fault_in_closing_does_not_leave_the_survey_stopping_for_ever(bench):
+    bench.storage.close = break_down
+    bench.at_sweep(3, bench.control.stop)
     bench.start()
-    bench.wait_for(State.PAUSED)
-    monkeypatch.setattr(bench.storage, "close", break_down)
-    bench.control.stop()
     message = bench.wait_for(State.STOPPED).message
-    assert faults.NOT_FINISHED in message.faults
-    assert message.fault_code == INTERNAL.code
+    assert faults.NOT_FINISHED in message.faults and message.fault_code == INTERNAL.code
 
 
 def test_a_trace_that_is_stored_after_its_survey_ended_does_not_count_for_the_next(
@@ -198,23 +189,18 @@ def test_a_trace_that_is_stored_after_its_survey_ended_does_not_count_for_the_ne
 
 def test_a_trace_that_is_stored_at_the_last_moment_is_not_called_missing(bench):
     bench.start()
-    bench.wait_for(State.FINISHED)
+    bench.complete()
     storage = FakeStorage()
     storage.opened = bench.board.status.survey_id
     storage.free.clear()
     queue = StorageQueue(storage, Clock(), lambda _stored, _index: None)
     queue.add(bench.storage.samples[0])
-    threading.Timer(0.06, storage.free.set).start()
-    # It waits 0.1 s at a time.
-    queue.drain_within(0.03)
-    queue.close()
-    storage.free.clear()
-    queue = StorageQueue(storage, Clock(), lambda _stored, _index: None)
-    queue.add(bench.storage.samples[0])
     with raises_fault(faults.NOT_STORED, 1, 0.03, error=DeviceError):
         queue.drain_within(0.03)
+    threading.Timer(0.06, storage.free.set).start()
+    queue.drain_within(LIMIT_S)
     queue.close()
-    storage.free.set()
+    assert len(storage.samples) == 1
 
 
 def test_a_trace_whose_storing_cannot_be_shown_is_not_stored_again(bench, fault_log):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 from cut_off_surveys import stored_trace
-from fake_robot import LIMIT_S, Bench, reports
+from fake_robot import LIMIT_S, Bench
 
 from gpr20_main_control import faults
 from gpr20_main_control.mid.survey.engine import Accepted
@@ -56,19 +56,6 @@ def test_a_zero_that_somebody_sets_pauses_the_survey_and_is_never_taken_for_its_
     assert proofs(bench) == ["start", "accepted"]
     zeros = [sample.zeros for sample in bench.storage.samples]
     assert unproven_zeros(bench.storage.reports[-1], zeros) == {zeros[-1]}
-
-
-def test_a_zero_that_changes_between_two_traces_is_noticed_before_the_next_one(bench):
-    def set_zero(number):
-        if number == 3:
-            bench.y.begin_zero()
-        return ()
-
-    bench.analyzer.on_confirm = set_zero
-    bench.start()
-    bench.wait_for(State.PAUSED)
-    shown = (faults.ZERO_CHANGED, faults.MOVED_BY_OTHERS)
-    assert any(reports(bench.board.status.message, one) for one in shown)
 
 
 def test_an_axis_that_somebody_homed_is_homed_again_and_compared(bench):

@@ -50,12 +50,6 @@ def test_status_and_description_say_whose_plan_it_is(bench):
     assert (ended.plan_id, ended.plan_set_by) == (plan.parameters.plan_id, "/window")
 
 
-def test_a_plan_of_the_same_size_is_announced_as_another(bench):
-    bench.control.set_parameters(PARAMETERS, "/window")
-    bench.control.set_parameters(replace(PARAMETERS, x_start_mm=1.0), "/other")
-    assert len({one.plan_id for one in bench.history if one.state is State.CONFIGURED}) == 2
-
-
 def test_a_resumed_survey_says_who_set_its_plan(bench):
     bench.storage.reopened = reopened_survey([0, 1], plan_set_by="/window")
     bench.control.set_parameters(OTHER, "/other")
