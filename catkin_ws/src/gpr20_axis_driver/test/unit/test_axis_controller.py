@@ -72,13 +72,6 @@ def parameters_of(board):
     )
 
 
-def test_a_board_that_does_not_answer_is_an_error_at_the_start():
-    board = GrblBoard()
-    board.close()
-    with raises_fault(faults.CONTROLLER_FAILED, error=ControllerError):
-        open_controller(parameters_of(board))
-
-
 def test_a_move_ends_by_itself_when_nobody_asks_for_the_state_any_more():
     board = GrblBoard()
     parameters = parameters_of(board)
@@ -98,6 +91,9 @@ def test_a_move_ends_by_itself_when_nobody_asks_for_the_state_any_more():
     assert board.true_steps < 1000
     controller.close()
     board.close()
+    # One that does not answer is an error at the start.
+    with raises_fault(faults.CONTROLLER_FAILED, error=ControllerError):
+        open_controller(parameters)
 
 
 class ScriptedController:

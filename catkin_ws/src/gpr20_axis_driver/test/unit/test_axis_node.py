@@ -161,6 +161,8 @@ def test_a_goal_before_homing_is_aborted_and_the_diagnostics_warn_of_it(node):
 
 
 def test_homing_and_a_move_end_where_they_should_and_the_result_names_the_zero(homed):
+    # A stop before it does not end it.
+    stop(homed)
     state, result = homed.move(12.34)
     assert (state, result.success, result.coordinate) == ("succeeded", True, 12.34)
     assert homed.axis.machine.steps == 1234
@@ -239,11 +241,6 @@ def test_what_ends_a_homing_leaves_the_axis_not_homed_and_nothing_is_wrong_with_
     assert (level, message.fault_code) == (WARN, NOT_HOMED.code)
 
 
-def test_a_stop_before_a_motion_does_not_end_it(homed):
-    stop(homed)
-    assert homed.move(1.0)[0] == "succeeded"
-
-
 def test_a_homing_that_fails_says_why_and_a_fault_of_our_own_is_an_answer_too(homed, monkeypatch):
     homed.axis.machine.stuck = True
     assert fault_of(homed.call("homing")) == faults.ENDSTOP_STUCK.code
@@ -258,6 +255,8 @@ def test_a_homing_that_fails_says_why_and_a_fault_of_our_own_is_an_answer_too(ho
 
 
 def test_while_a_node_has_the_axis_nobody_else_moves_it_or_sets_its_zero(monkeypatch):
+    # Only an axis without endstop can be given a zero.
+    assert set(Node(monkeypatch).services) == {"homing", "stop", "lease"}
     node = Node(monkeypatch, AxisId.Z)
     zero = node.axis.driver.position.zero
     lease = node.call("lease")
@@ -279,11 +278,6 @@ def test_while_nobody_has_the_axis_its_owner_is_who_moves_it(homed):
     homed.in_motion(lambda: owners.append((homed.node._publish(), homed.coordinates[-1].owner)))
     homed.move(FAR_MM)
     assert owners == [(None, CONTROL)] and homed.coordinates[-1].owner == ""
-
-
-def test_only_an_axis_without_endstop_can_be_given_a_zero(node, monkeypatch):
-    assert set(node.services) == {"homing", "stop", "lease"}
-    assert set(Node(monkeypatch, AxisId.Z).services) == {"homing", "stop", "lease", "set_zero"}
 
 
 def test_the_coordinate_is_published_faster_while_moving_and_soon_after(homed, monkeypatch):

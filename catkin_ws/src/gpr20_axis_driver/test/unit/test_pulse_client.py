@@ -4,6 +4,7 @@ import contextlib
 import doctest
 import importlib.util
 import os
+import queue
 import random
 import signal
 import subprocess
@@ -51,25 +52,22 @@ def make(tmp_path):
         yield make_axis
 
 
-class Move(threading.Thread):
-    """A move in the background; `error` is what it raised."""
+class Move:
+    """A move in the background."""
 
     def __init__(self, axis, target, stop=never):
-        super().__init__()
-        self.axis, self.target, self.stop = axis, target, stop
-        self.error = None
-        self.start()
+        self._error = queue.SimpleQueue()
+        threading.Thread(target=self._run, args=(axis.driver, target, stop)).start()
 
-    def run(self):
+    def _run(self, driver, target, stop):
         try:
-            self.axis.driver.move_to_coordinate(self.target, self.stop)
+            driver.move_to_coordinate(target, stop)
         except AxisException as error:
-            self.error = error
+            self._error.put(error)
 
-    def result(self):
-        self.join(LIMIT_S)
-        assert not self.is_alive()
-        return self.error
+    def error(self):
+        """Return what the move has raised."""
+        return self._error.get(timeout=LIMIT_S)
 
 
 def test_moves_and_stops_at_random_never_lose_a_step(make):
@@ -99,10 +97,15 @@ def test_a_stop_ends_a_move_long_before_its_target(placed):
     move = Move(placed, 600.0, requested.is_set)
     wait_until(lambda: placed.true_steps > 250)
     requested.set()
-    assert isinstance(move.result(), MotionStopped)
+    assert isinstance(move.error(), MotionStopped)
     # It would take three minutes.
     assert placed.true_steps == placed.pulses.steps < 30_000
     assert placed.driver.homing_done
+    # One that was stopped before it began makes no pulse.
+    steps = placed.true_steps
+    with pytest.raises(MotionStopped):
+        placed.driver.move_to_coordinate(600.0, lambda: True)
+    assert placed.true_steps == steps
 
 
 def test_a_node_that_hangs_ends_its_move_and_keeps_an_exact_coordinate(placed):
@@ -118,17 +121,9 @@ def test_a_node_that_hangs_ends_its_move_and_keeps_an_exact_coordinate(placed):
     assert hung.wait(LIMIT_S)
     wait_until(lambda: time.monotonic_ns() - placed.world.last_pulse_ns(AxisId.X) > 5e8)
     go_on.set()
-    assert move.result().message.fault_code == faults.DRIVER_HUNG.code
+    assert move.error().message.fault_code == faults.DRIVER_HUNG.code
     assert placed.true_steps == placed.pulses.steps < 30_000
     assert placed.driver.homing_done
-
-
-def test_a_motion_that_was_stopped_before_it_began_makes_no_pulse(make):
-    axis = make(AxisId.Z)
-    axis.driver.homing(never)
-    with pytest.raises(MotionStopped):
-        axis.driver.move_to_coordinate(90.0, lambda: True)
-    assert axis.true_steps == 0
 
 
 @pytest.mark.parametrize("number", [signal.SIGKILL, signal.SIGTERM])
@@ -141,7 +136,7 @@ def test_when_the_pulse_process_dies_in_a_move_the_pins_are_low_and_the_axis_is_
     move = Move(axis, 100.0)
     wait_until(lambda: axis.true_steps > 100)
     os.kill(before, number)
-    error = move.result()
+    error = move.error()
     assert isinstance(error, PulseProcessError)
     assert error.message.fault_code == faults.PULSES_ENDED.code
     assert axis.pins_low and not exists(before)
@@ -202,7 +197,7 @@ def test_when_node_and_pulse_process_are_killed_in_a_turn_homing_is_refused(make
     move = Move(axis, 90.0)
     wait_until(lambda: axis.true_steps > 10)
     os.kill(axis.pulses.process_id, signal.SIGKILL)
-    assert isinstance(move.result(), PulseProcessError)
+    assert isinstance(move.error(), PulseProcessError)
     with raises_fault(faults.ZERO_UNKNOWN, "set_zero", error=ZeroUnknownError):
         axis.driver.homing(never)
     axis.driver.set_zero()
@@ -219,7 +214,7 @@ def test_a_process_that_is_halted_in_a_move_ends_it_and_the_position_is_not_trus
     # A pause that its own process sees as a late pulse.
     time.sleep(0.2)
     os.kill(axis.pulses.process_id, signal.SIGCONT)
-    error = move.result()
+    error = move.error()
     assert isinstance(error, PositionLostError)
     assert error.message.fault_code == faults.ZERO_UNKNOWN.code
     assert axis.true_steps - halted <= 1
@@ -235,7 +230,7 @@ def test_a_process_that_hangs_is_ended_and_the_move_with_it(make, monkeypatch):
     wait_until(lambda: axis.true_steps > 5)
     process_id = axis.pulses.process_id
     os.kill(process_id, signal.SIGSTOP)
-    error = move.result()
+    error = move.error()
     assert isinstance(error, PulseProcessError)
     assert error.message.fault_code == faults.PULSES_STALLED.code
     assert not exists(process_id)
@@ -255,7 +250,7 @@ def test_closing_ends_even_a_process_that_hangs_and_leaves_the_pins_low(make, mo
     axis.driver.close(timeout_s=0.05)
     wait_until(lambda: not exists(process_id))
     assert axis.pins_low
-    assert isinstance(move.result(), PulseProcessError)
+    assert isinstance(move.error(), PulseProcessError)
 
 
 @pytest.mark.skipif(importlib.util.find_spec("RPi") is not None, reason="this is the robot")

@@ -45,13 +45,6 @@ def loop(gpio):
     return PulseLoop(gpio, X_PARAMETERS, SteppedClock(), LateLimits.of(X_PARAMETERS), Count())
 
 
-def test_the_pins_are_set_up_low_and_the_endstop_is_pulled_up(gpio, loop):
-    assert ("setup", 13, OUT, PUD_OFF, LOW) in gpio.calls
-    assert ("setup", 15, OUT, PUD_OFF, LOW) in gpio.calls
-    assert ("setup", 16, IN, PUD_UP, -1) in gpio.calls
-    assert gpio.calls[0] == ("setmode", gpio.BOARD)
-
-
 @each_case("forward, level", [(True, HIGH), (False, LOW)])
 def test_the_direction_is_there_before_the_first_step(gpio, loop, forward, level):
     gpio.calls.clear()
@@ -103,7 +96,9 @@ def opened(gpio, **changes):
         ({"endstop_pull": "down"}, ("setup", 16, IN, PUD_DOWN, -1)),
         ({"endstop_pull": "none"}, ("setup", 16, IN, PUD_OFF, -1)),
         ({"invert_direction": True}, ("output", 13, LOW)),
-        ({}, ("output", 13, HIGH)),
+        ({}, ("setmode", RecordedRpiGpio.BOARD)),
+        ({}, ("setup", 13, OUT, PUD_OFF, LOW)),
+        ({}, ("setup", 15, OUT, PUD_OFF, LOW)),
     ],
 )
 def test_the_pins_are_wired_as_configured(changes, call):

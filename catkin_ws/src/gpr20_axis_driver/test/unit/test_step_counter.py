@@ -106,9 +106,9 @@ def test_a_file_that_is_something_else_is_refused_and_left_alone(path, content):
     "error, fault", [(errno.ENOTDIR, faults.STEP_COUNT_NOT_STORED), (errno.ENOSPC, DISK_FULL)]
 )
 def test_a_place_that_cannot_be_written_is_an_error_that_names_it(path, error, fault):
-    with mock.patch.object(step_counter.os, "open", side_effect=OSError(error, "refused")):
-        with raises_fault(fault, path, error=StepCounterError):
-            reopen(path)
+    refused = mock.patch.object(step_counter.os, "open", side_effect=OSError(error, "refused"))
+    with refused, raises_fault(fault, path, error=StepCounterError):
+        reopen(path)
 
 
 @settings(max_examples=draws(6))

@@ -22,7 +22,6 @@ from gpr20_common.message import (
 )
 from gpr20_common.sent_message import (
     MAX_CHARACTERS,
-    MAX_DEPTH,
     message_fields,
     message_from,
     received_message,
@@ -219,18 +218,6 @@ def test_a_code_without_the_form_of_one_is_none(code):
 def test_a_code_beside_a_message_counts_if_that_has_no_fault(fault, code):
     message = received_message("", reporting(fault).to_json(), "axis.lost_zero")
     assert message == reporting(fault) and message.fault_code == code
-
-
-def test_remedies_inside_remedies_are_read_to_a_depth():
-    def nested(depth):
-        record = {"code": "vna.x"}
-        for _ in range(depth):
-            remedy = {"template": "x", "values": {}, "fault": record}
-            record = {"code": "vna.x", "remedy": remedy}
-        return sent_with(record)
-
-    for depth in (1, MAX_DEPTH, 300):
-        assert received_message("as sent", nested(depth)).fault_code == "vna.x"
 
 
 def test_a_huge_message_leaves_the_text_and_the_fault():

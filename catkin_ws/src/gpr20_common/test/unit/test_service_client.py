@@ -225,12 +225,6 @@ def test_a_node_that_was_started_again_or_replaced_is_found(graph, monkeypatch, 
     assert former.requests == before
 
 
-def test_a_client_that_keeps_nothing_open_connects_for_each_call(graph):
-    client = ServiceClient("homing", ReportSurvey)
-    assert [call(client, "a"), call(client, "b")] == ["node a", "node b"]
-    assert (len(graph.node.connections), graph.lookups) == (2, 2)
-
-
 def test_a_connection_without_an_answer_in_time_is_not_used_again(graph):
     client = ServiceClient("report_survey", ReportSurvey, keep_open=True)
     call(client, "a")

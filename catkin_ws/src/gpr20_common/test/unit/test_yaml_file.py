@@ -62,11 +62,8 @@ def test_what_is_no_file_of_ours_is_refused(path, text):
         read_yaml(path)
 
 
-def test_not_a_number_and_the_deepest_file_are_read(path):
+def test_not_a_number_and_the_deepest_file_are_read_and_a_missing_one_is_an_error(path):
     path.write_text("[.nan, " + "[" * (MAX_DEPTH - 1) + "]" * (MAX_DEPTH - 1) + "]")
     assert math.isnan(read_yaml(path)[0])
-
-
-def test_a_missing_file_is_an_error_of_the_system(path):
     with pytest.raises(FileNotFoundError):
         read_yaml(path.with_name("missing.yaml"))
