@@ -14,7 +14,7 @@ from axis_machine import SHORT, Z_PARAMETERS, Axis
 
 from gpr20_axis_driver import faults
 from gpr20_axis_driver.high import axis_node, axis_programs
-from gpr20_axis_driver.high.goals import ENDED, LISTED_GOALS, GoalServer
+from gpr20_axis_driver.high.goals import ENDED, LISTED_GOALS, STATUS_LIMIT_S, GoalServer
 from gpr20_common.faults import INTERNAL
 from gpr20_common.high.diagnostics import ERROR, OK, WARN
 from gpr20_common.message import Severity
@@ -328,6 +328,15 @@ def test_goals_that_ended_do_not_fill_the_status():
     server.action_server = SimpleNamespace(status_list=listed)
     server._forget_old_goals()
     assert [one.status.status for one in listed] == [active, *ended[-LISTED_GOALS:]]
+
+
+def test_no_status_is_published_after_the_end_of_the_node():
+    ended = []
+    timer = SimpleNamespace(shutdown=lambda: ended.append("shutdown"), join=ended.append)
+    server = GoalServer.__new__(GoalServer)
+    for server.action_server in (SimpleNamespace(status_timer=one) for one in (None, timer)):
+        server.stop_status()
+    assert ended == ["shutdown", STATUS_LIMIT_S]
 
 
 def test_a_controller_that_is_configured_moves_the_axis_instead_of_the_pins(monkeypatch):

@@ -140,45 +140,33 @@ def test_a_fault_in_a_confirmation_fails_the_survey_and_stores_nothing(bench, co
     assert numbers(bench) == [1, 2, 3]
 
 
-def test_a_stop_stores_the_last_sweep_if_it_is_confirmed(bench, confirmations):
-    confirmations.hold(3)
-    bench.start()
-    assert confirmations.begun[3].wait(LIMIT_S)
-    bench.control.stop()
-    bench.wait_for(State.STOPPING)
-    confirmations.release()
-    bench.wait_for(State.STOPPED)
-    assert numbers(bench) == [1, 2, 3]
-
-
-def test_a_stop_does_not_wait_for_ever_for_a_confirmation(bench, confirmations):
-    confirmations.hold(3)
-    bench.start()
-    assert confirmations.begun[3].wait(LIMIT_S)
-    bench.control.stop()
-    bench.wait_for(State.STOPPED)
-    assert numbers(bench) == [1, 2]
-    report = bench.storage.reports[-1]
-    assert report["coverage"] == "mmf" + 21 * "-"
-    # Confirmed too late: its survey is closed.
-    confirmations.release()
-    bench.control.start()
-    bench.wait_for(State.FINISHED)
-    assert 3 not in numbers(bench) and len(bench.storage.samples) == 2 + 24
-
-
 @pytest.mark.parametrize("confirmed", [True, False])
-def test_ctrl_c_stores_the_last_sweep_if_it_is_confirmed(bench, confirmations, confirmed):
+@pytest.mark.parametrize("ctrl_c", [True, False])
+def test_what_ends_a_survey_stores_its_last_sweep_exactly_if_it_is_confirmed(
+    bench, confirmations, ctrl_c, confirmed
+):
     confirmations.hold(3)
     bench.start()
     assert confirmations.begun[3].wait(LIMIT_S)
     bench.wait_for_visited(2)
     if confirmed:
         confirmations.release()
-    bench.control.shut_down(LIMIT_S)
-    assert bench.storage.closed[-1][1] == "interrupted"
+    if ctrl_c:
+        bench.control.shut_down(LIMIT_S)
+    else:
+        # It does not wait for ever for a confirmation.
+        bench.control.stop()
+        bench.wait_for(State.STOPPED)
+    assert bench.storage.closed[-1][1] == ("interrupted" if ctrl_c else "stopped")
     stored = numbers(bench)
     assert stored == list(range(1, len(stored) + 1)) and (len(stored) >= 3) is confirmed
+    if not confirmed and not ctrl_c:
+        assert bench.storage.reports[-1]["coverage"] == "mmf" + 21 * "-"
+        # Confirmed too late: its survey is closed.
+        confirmations.release()
+        bench.control.start()
+        bench.wait_for(State.FINISHED)
+        assert 3 not in numbers(bench) and len(bench.storage.samples) == 2 + 24
 
 
 def test_an_analyzer_that_is_lost_while_it_confirms_costs_one_more_sweep():

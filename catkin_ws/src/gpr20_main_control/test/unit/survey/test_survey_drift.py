@@ -87,33 +87,25 @@ def test_a_survey_shorter_than_the_interval_visits_nothing(interval_s):
     assert "drift" not in bench.storage.reports[-1]
 
 
-def test_too_large_a_drift_pauses_and_is_accepted_as_it_is_measured_after_resuming(visiting):
-    first = PLAN.visits[0]
+def test_each_drift_that_is_too_large_pauses_and_is_accepted_as_it_is_after_resuming(visiting):
+    first, second, *rest = PLAN.visits
     visiting.at_sweep(first - 1, louder(visiting))
     visiting.start()
     visiting.wait_for_fault(faults.DRIFTED)
     assert visiting.wait_for(State.PAUSED).remaining_s > 0.0
     visiting.wait_for_visited(first)
-    visiting.control.resume("")
-    visiting.complete()
-    expected = [(first, True, False), (first, False, True)]
-    assert marks(visiting) == expected + [(one, False, False) for one in PLAN.visits[1:]]
-    # What is stored is the drift since the start, whatever was accepted.
-    gains_db = [one["rotations"][1]["gain_db"] for one in visits(visiting)]
-    assert gains_db == pytest.approx([20.0 * math.log10(1.5)] * len(gains_db), abs=0.01)
-
-
-def test_a_second_drift_asks_again(visiting):
-    first, second = PLAN.visits[:2]
-    visiting.at_sweep(first - 1, louder(visiting))
-    visiting.start()
-    visiting.wait_for_fault(faults.DRIFTED)
-    visiting.wait_for(State.PAUSED)
     visiting.at_sweep(second + 2 * SWEEPS - 1, louder(visiting, 0.5))
     visiting.control.resume("")
     visiting.wait_for_visited(second)
     visiting.wait_for(State.PAUSED)
-    assert [one[1:] for one in marks(visiting)] == [(True, False), (False, True), (True, False)]
+    visiting.control.resume("")
+    visiting.complete()
+    paused = [(one, *mark) for one in (first, second) for mark in ((True, False), (False, True))]
+    assert marks(visiting) == paused + [(one, False, False) for one in rest]
+    # What is stored is the drift since the start, whatever was accepted.
+    gains_db = [one["rotations"][1]["gain_db"] for one in visits(visiting)]
+    expected_db = [20.0 * math.log10(gain) for gain in (1.5, 1.5, *[0.75] * (len(rest) + 2))]
+    assert gains_db == pytest.approx(expected_db, abs=0.01)
 
 
 def test_a_drift_at_the_end_warns_but_keeps_nobody_waiting(visiting):
@@ -171,6 +163,12 @@ def test_a_survey_from_the_disk_compares_with_the_first_stop_that_is_stored(visi
     assert [one["next_index"] for one in visits(visiting)] == [4, 13, *rest]
     gain_db = visits(visiting)[-1]["rotations"][0]["gain_db"]
     assert gain_db == pytest.approx(20.0 * math.log10(1.05), abs=0.001)
+
+
+def test_the_estimate_contains_the_visit_at_the_end():
+    at_points_s = sum(PLAN.pending_durations_s[: PLAN.total_points])
+    assert sum(PLAN.pending_durations_s) == pytest.approx(PLAN.duration_s)
+    assert PLAN.duration_s > at_points_s
 
 
 def test_what_is_stored_of_the_drift_is_bounded():

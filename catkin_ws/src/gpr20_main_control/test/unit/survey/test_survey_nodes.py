@@ -8,7 +8,7 @@ from fault_kit import raises_fault
 
 from gpr20_common.message import Message
 from gpr20_main_control import faults
-from gpr20_main_control.errors import DeviceError, RequestRefusedError
+from gpr20_main_control.errors import RequestRefusedError
 from gpr20_main_control.mid.devices.robot import MoveOutcome
 from gpr20_survey.plan.survey_state import SurveyState as State
 
@@ -49,18 +49,6 @@ def test_a_survey_holds_while_a_node_is_gone_and_goes_on_by_itself(bench, node):
     assert len(bench.analyzer.connections) > connections
     assert "PAUSED" not in bench.states
     assert bench.board.status.full_message.fault_code == ""
-
-
-def test_an_axis_that_was_started_anew_is_homed_and_a_known_point_is_compared(bench):
-    lose(bench, X_AXIS, after=5)
-    bench.start()
-    bench.wait_for_fault(faults.WAITING_FOR_PART)
-    bench.x.homed = False
-    come_back(bench, X_AXIS)
-    bench.complete()
-    assert [axis.homings for axis in bench.axes] == [2, 1, 1]
-    # At both rotations.
-    assert len(bench.storage.reports[-1]["controls"]) == 2
 
 
 @pytest.mark.parametrize("after, end", [(0, State.FAILED), (5, State.PAUSED)])
@@ -145,39 +133,30 @@ def test_a_survey_that_was_told_to_pause_pauses_when_a_node_is_lost(bench):
     bench.resume_to_the_end()
 
 
-def test_a_storage_that_ended_the_survey_and_died_is_believed_when_it_is_back(bench):
-    usual = bench.storage.close
+def die_after(bench, call):
+    """Let the storage die after it has carried out a call, once, and wait for it."""
+    usual = getattr(bench.storage, call)
 
-    def close_and_die(survey_id, end):
-        bench.storage.close = usual
-        usual(survey_id, end)
+    def act_and_die(*given):
+        setattr(bench.storage, call, usual)
+        usual(*given)
         bench.nodes.note_silent(STORAGE)
         bench.nodes.check()
 
-    bench.storage.close = close_and_die
+    setattr(bench.storage, call, act_and_die)
     bench.start()
     bench.wait_for_fault(faults.WAITING_FOR_PART, NODES[STORAGE])
 
-    def refuse(*_arguments):
-        raise DeviceError(Message("a survey that has ended cannot be reopened"))
 
-    bench.storage.reopen = bench.storage.report = refuse
+def test_a_storage_that_ended_the_survey_and_died_is_believed_when_it_is_back(bench):
+    die_after(bench, "close")
+    bench.storage.broken = True
     come_back(bench, STORAGE)
     bench.complete()
 
 
 def test_an_opening_whose_answer_was_lost_is_repeated_as_it_was(bench):
-    usual = bench.storage.open
-
-    def open_and_die(record):
-        bench.storage.open = usual
-        usual(record)
-        bench.nodes.note_silent(STORAGE)
-        bench.nodes.check()
-
-    bench.storage.open = open_and_die
-    bench.start()
-    bench.wait_for_fault(faults.WAITING_FOR_PART, NODES[STORAGE])
+    die_after(bench, "open")
     come_back(bench, STORAGE)
     bench.complete()
     first, second = bench.storage.records
