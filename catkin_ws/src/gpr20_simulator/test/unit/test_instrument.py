@@ -1,27 +1,208 @@
-"""The instrument's settings and what it says of itself, without network."""
+"""What the instrument understands, and what it says of itself, without network.
+
+After the programming manual of the MS20xxC (Anritsu 10580-00306).
+"""
 
 from __future__ import annotations
 
+import math
+
+import numpy as np
+import pytest
 from case_kit import each_case
-from vna_bench import (
-    ascii_numbers,
-    new_bench,
-)
+from hypothesis import given
+from hypothesis import strategies as st
+from vna_bench import ascii_numbers, new_bench
 
 from gpr20_simulator.low.message_device import NetworkFault
+from gpr20_simulator.mid.analyzer.instrument_scene import InstrumentScene, Power
+from gpr20_simulator.mid.analyzer.scpi import (
+    MOST_COMMANDS,
+    HeaderPattern,
+    ScpiError,
+    chosen_keyword,
+    frequency_between,
+    number_between,
+    short_form,
+    split_message,
+    switch,
+    whole_number_between,
+)
+from gpr20_simulator.mid.analyzer.trace_reader import (
+    INTEGER_STEPS_PER_UNIT,
+    block_header,
+    display_data,
+    payload,
+)
+from gpr20_simulator.mid.analyzer.vna_commands import SETTINGS
+from gpr20_simulator.mid.analyzer.vna_settings import GRAPH_TYPES, DataFormat
+
+STYLE = InstrumentScene()
+FLOATS = st.lists(st.floats(width=32, allow_nan=False, allow_infinity=False), min_size=1)
+FREQUENCY_HZ = np.linspace(1e9, 2e9, 11)
+DELAY_S = 0.2e-9
+VALUES = 0.5 * np.exp(-2j * np.pi * FREQUENCY_HZ * DELAY_S)
 
 
-def test_identity_is_quoted_and_says_simulated(bench):
+@pytest.fixture
+def bench(request):
+    return new_bench(request)
+
+
+# The language.
+
+
+@each_case(
+    "message, commands",
+    [
+        (b"*IDN?", [("*IDN", True, "")]),
+        (b":CALC1:DATA? SDAT\r\n", [(":CALC1:DATA", True, "SDAT")]),
+        (b"  CALC1:DATA?SDAT", [(":CALC1:DATA", True, "SDAT")]),
+        (
+            b":FREQ:STAR  1 ;:FREQ:STOP 2;*IDN?",
+            [(":FREQ:STAR", False, "1"), (":FREQ:STOP", False, "2"), ("*IDN", True, "")],
+        ),
+        # A later command needs its colon.
+        (b":FREQ:STAR 1;FREQ:STOP 2", [(":FREQ:STAR", False, "1")]),
+        (b':INST "A;B";:INST?', [(":INST", False, '"A;B"'), (":INST", True, "")]),
+        (b";;;", []),
+    ],
+)
+def test_message_is_split_into_its_commands(message, commands):
+    found = [(one.header, one.is_query, one.argument) for one in split_message(message)]
+    assert found == commands
+
+
+def test_number_of_commands_in_a_message_is_bounded():
+    assert len(split_message(b":INIT;" * 10 * MOST_COMMANDS)) == MOST_COMMANDS
+
+
+START, PARAMETER = "[:SENSe]:FREQuency:STARt", "[:SENSe]:TRACe#:SPARams"
+
+
+@each_case(
+    "pattern, header, numbers",
+    [
+        (START, ":SENS:FREQ:STAR", ()),
+        (START, ":sense:FREQuency:start", ()),
+        (START, ":FREQU:STAR", None),
+        (START, ":FREQ:STA", None),
+        (START, ":SENS1:FREQ:STAR", None),
+        (START, "FREQ:STAR", None),
+        (PARAMETER, ":SENS:TRACE1:SPAR", (1,)),
+        (PARAMETER, ":TRAC4:SPARAMS", (4,)),
+        (PARAMETER, ":TRAC:SPAR", (1,)),
+        (PARAMETER, ":TRAC1:SPARAMETER", None),
+        ("[:SENSe#]:FREQuency:DATA", ":FREQ:DATA", (1,)),
+        (":INITiate[:IMMediate]", ":INIT", ()),
+        (":INITiate[:IMMediate]", ":INIT:IMME", None),
+        ("*IDN", "*idn", ()),
+        ("*IDN", ":*IDN", None),
+    ],
+)
+def test_only_the_short_and_the_long_form_of_a_keyword_match(pattern, header, numbers):
+    assert HeaderPattern(pattern).match(header) == numbers
+
+
+def test_every_documented_header_of_a_setting_is_understood():
+    for one in SETTINGS:
+        spelled = one.header.pattern.replace("[", "").replace("]", "").replace("#", "2")
+        assert HeaderPattern(one.header.pattern).match(spelled) in ((), (2,))
+
+
+@each_case("text", ["600000000", "6E8", "600MHZ", "600 mahz", "0.6GHz", "600000 KHZ", "+6.0e+8 HZ"])
+def test_frequencies_with_units_are_understood(text):
+    assert frequency_between(text, 5e3, 6e9) == pytest.approx(6e8, rel=1e-15)
+
+
+@each_case(
+    "read, texts",
+    [
+        (
+            frequency_between,
+            ["", "nan", "inf", "1_000", "600 MS", "1e999", "-6e8", "7GHZ", "4999", "0x10", "6e8 6"],
+        ),
+        (whole_number_between, ["4999", "6000000001", "5000.5", "NAN", "5000HZ", ""]),
+        # In no time, however long they are.
+        (number_between, ["1" * 40_000 + "X", "1" * 65, "1E" + "0" * 64, "." * 40_000]),
+    ],
+)
+def test_what_is_no_number_in_range_is_refused(read, texts):
+    for text in texts:
+        with pytest.raises(ScpiError):
+            print(text, read(text, 5000, 6_000_000_000))
+
+
+def test_switches_and_keywords_are_short_or_long():
+    assert [switch(one) for one in ("ON", "1", "off", "0")] == [True, True, False, False]
+    assert chosen_keyword("smith", ("SMITh", "REAL")) == "SMIT"
+    with pytest.raises(ScpiError, match="SMITh"):
+        chosen_keyword("SMI", ("SMITh", "REAL"))
+
+
+@given(st.one_of(st.binary(max_size=100), st.text(max_size=30).map(str.encode)))
+def test_no_bytes_break_the_parser(message):
+    for command in split_message(message):
+        assert command.header[0] in ":*" and "?" not in command.header
+        assert not any(letter.isspace() for letter in command.header)
+        try:
+            value_hz = frequency_between(command.argument, 5e3, 6e9)
+        except ScpiError:
+            continue
+        assert math.isfinite(value_hz) and 5e3 <= value_hz <= 6e9
+
+
+# Its data blocks.
+
+
+@given(FLOATS)
+def test_ascii_and_binary_keep_every_float32(numbers):
+    values = np.array(numbers, dtype=np.float32)
+    text = payload(values, DataFormat.ASCII, STYLE, STYLE.ascii_digits).decode()
+    assert text.endswith(",")
+    read = np.array([float(one) for one in text[:-1].split(",")], dtype=np.float32)
+    assert read.tobytes() == values.tobytes()
+    data = payload(values, DataFormat.REAL_32, STYLE, 8)
+    assert np.frombuffer(data, "<f4").tobytes() == values.tobytes()
+
+
+def test_integers_are_little_endian_steps():
+    data = payload(np.array([0.5, -1.0, 1e9]), DataFormat.INTEGER_32, STYLE, 8)
+    step = INTEGER_STEPS_PER_UNIT
+    assert list(np.frombuffer(data, "<i4")) == [step // 2, -step, 2**31 - 1]
+
+
+@each_case(
+    "length, digits, header",
+    [(2204, 0, b"#42204"), (78, 4, b"#40078"), (5, 0, b"#15"), (123456, 4, b"#6123456")],
+)
+def test_header_tells_the_length(length, digits, header):
+    assert block_header(length, InstrumentScene(header_digits=digits)) == header
+
+
+def test_displays_show_what_they_are_named_after():
+    def shown(graph_type, values=VALUES):
+        return display_data(FREQUENCY_HZ, values, graph_type)
+
+    assert shown("LMAG") == pytest.approx(-6.0206, abs=1e-3)
+    assert shown("SWR") == pytest.approx(3.0)
+    assert shown("GDEL") == pytest.approx(DELAY_S)
+    assert list(shown("REAL")) == list(VALUES.real)
+    assert shown("SMIT", np.full(11, 1j / 3))[:2] == pytest.approx([40.0, 30.0])
+    for graph_type in map(short_form, GRAPH_TYPES):
+        for values in (VALUES, np.zeros(11), np.ones(11), -np.ones(11)):
+            numbers = shown(graph_type, values.astype(np.complex64))
+            assert len(numbers) in (11, 22) and np.all(np.isfinite(numbers))
+
+
+# The instrument.
+
+
+def test_identity_comes_from_the_scene_and_is_quoted(request, bench):
     assert bench.send("*IDN?").answer == b'"Anritsu,MS2026C/2,SIMULATED,1.23"\n'
-
-
-def test_identity_comes_from_the_scene(request):
-    bench = new_bench(request, model="MS2036C/2/10", serial="SIMULATED-1")
-    assert bench.ask("*idn?\r\n") == '"Anritsu,MS2036C/2/10,SIMULATED-1,1.23"'
-    assert bench.ask(":SYST:OPT?") == "2/10"
-
-
-def test_instrument_without_options_says_none(request):
+    other = new_bench(request, model="MS2036C/2/10", serial="SIMULATED-1")
+    assert other.ask("*idn?\r\n") == '"Anritsu,MS2036C/2/10,SIMULATED-1,1.23"'
+    assert other.ask(":SYST:OPT?") == "2/10"
     assert new_bench(request, model="MS2026C").ask(":SYSTem:OPTions?") == "NONE"
 
 
@@ -36,18 +217,25 @@ def test_original_software_is_understood_word_by_word(bench):
     ):
         assert bench.send(command).answer == b""
     assert len(ascii_numbers(bench.send(":SENSE1:FREQ:DATA?").answer)) == 501
-    assert len(ascii_numbers(bench.send(":CALC1:DATA? SDAT").answer)) == 1002
+    assert len(ascii_numbers(bench.data())) == 1002
     assert bench.ask(":CALC1:FORM?") == "SMIT"
 
 
-def test_power_on_state_is_that_of_the_manual(bench):
-    assert bench.ask(":FREQ:STAR?;:FREQ:STOP?;:SWE:POIN?") == "5000;6000000000;201"
-    assert bench.ask(":FREQ:CENT?;:FREQ:SPAN?") == "3000002500;5999995000"
-    assert bench.ask(":SWE:IFBW?;:AVER:COUN?;:FORM?;:SWE:TYPE?") == "10000;1;ASC;CONT"
-    assert bench.ask(":TRAC1:SPAR?;:TRAC2:SPAR?;:TRAC3:SPAR?;:TRAC4:SPAR?") == "S11;S12;S21;S22"
-    assert bench.ask(":CALC1:FORM?;:CALC2:FORM?;:TRAC:TOT?;:TRAC:SEL?") == "SMIT;LMAG;4;TR1"
-    assert bench.ask(":INIT:CONT?;:INIT:HOLD?;:SOUR:POW?;:INP:GAIN:MODE?") == "1;0;HIGH;AUTO"
-    assert bench.ask(":INST?;:INST:NSEL?;:RFON?") == '"MWVNA";26;1'
+def test_power_on_state_is_that_of_the_manual_also_after_a_preset(bench):
+    def check():
+        assert bench.ask(":FREQ:STAR?;:FREQ:STOP?;:SWE:POIN?") == "5000;6000000000;201"
+        assert bench.ask(":FREQ:CENT?;:FREQ:SPAN?") == "3000002500;5999995000"
+        assert bench.ask(":SWE:IFBW?;:AVER:COUN?;:FORM?;:SWE:TYPE?") == "10000;1;ASC;CONT"
+        parameters = bench.ask(":TRAC1:SPAR?;:TRAC2:SPAR?;:TRAC3:SPAR?;:TRAC4:SPAR?")
+        assert parameters == "S11;S12;S21;S22"
+        assert bench.ask(":CALC1:FORM?;:CALC2:FORM?;:TRAC:TOT?;:TRAC:SEL?") == "SMIT;LMAG;4;TR1"
+        assert bench.ask(":INIT:CONT?;:INIT:HOLD?;:SOUR:POW?;:INP:GAIN:MODE?") == "1;0;HIGH;AUTO"
+        assert bench.ask(":INST?;:INST:NSEL?;:RFON?") == '"MWVNA";26;1'
+
+    check()
+    bench.send(":INIT:CONT OFF;:SWE:POIN 77;:FORM REAL,32;:SOUR:POW LOW;:CALC2:FORM SWR")
+    bench.send(":SYST:PRES")
+    check()
 
 
 @each_case(
@@ -56,9 +244,11 @@ def test_power_on_state_is_that_of_the_manual(bench):
         ("FREQ:STAR 600MHZ", "FREQ:STAR?", "600000000"),
         ("SENSE:FREQUENCY:STOP 2.5 GHZ", "SENS:FREQ:STOP?", "2500000000"),
         ("FREQ:STAR 5000.5", "FREQ:STAR?", "5000.500"),
+        ("FREQ:STOP 1GHZ;:FREQ:STAR 2GHZ", "FREQ:STAR?;:FREQ:STOP?", "2000000000;2000000000"),
+        ("FREQ:STAR 2GHZ;:FREQ:STOP 1GHZ", "FREQ:STAR?;:FREQ:STOP?", "1000000000;1000000000"),
+        ("FREQ:CENT 2GHZ;:FREQ:SPAN 1GHZ", "FREQ:STAR?;:FREQ:STOP?", "1500000000;2500000000"),
         ("SWE:POIN 4001", "SWE:POIN?", "4001"),
         ("SWE:POIN 2", "SWE:POIN?", "2"),
-        ("SWE:IFBW 100000", "SWE:IFBW?", "100000"),
         ("SWE:IFBW 1 KHZ", "SWE:IFBW?", "1000"),
         ("AVER:COUN 16", "AVER:COUN?", "16"),
         ("FORM real,32", "FORM?", "REAL,32"),
@@ -71,7 +261,8 @@ def test_power_on_state_is_that_of_the_manual(bench):
         ("SOUR:POW LOW", "SOUR:POW?", "LOW"),
         ("INP:GAIN:MODE FIXed", "INP:GAIN:MODE?", "FIX"),
         ("RFON OFF", "RFON:STAT?", "0"),
-        ("CORR OFF", "CORR:STAT?", "0"),
+        ("CORR OFF", "CORR:STAT?;:SENS:CORR:COLL:STAT:ACC?", "0;0"),
+        ("CORR OFF;:CORR ON", "CORR:STAT?", "1"),
         ("SWE:TYPE SING", "SWE:TYPE?;:INIT:HOLD?", "SING;1"),
         ("SWE:TYPE EXTernal", "SWE:TYPE?", "EXT"),
         ("INIT:HOLD ON", "INIT:HOLD?;:INIT:CONT?", "1;0"),
@@ -108,18 +299,6 @@ def test_invalid_settings_keep_the_former_value(bench, command, query):
     assert bench.ask(query) == before
 
 
-def test_start_above_stop_takes_the_stop_along(bench):
-    bench.send("FREQ:STOP 1GHZ;:FREQ:STAR 2GHZ")
-    assert bench.ask("FREQ:STAR?;:FREQ:STOP?") == "2000000000;2000000000"
-    bench.send("FREQ:STOP 1GHZ")
-    assert bench.ask("FREQ:STAR?;:FREQ:STOP?") == "1000000000;1000000000"
-
-
-def test_centre_and_span_set_both_ends(bench):
-    bench.send("FREQ:CENT 2GHZ;:FREQ:SPAN 1GHZ")
-    assert bench.ask("FREQ:STAR?;:FREQ:STOP?") == "1500000000;2500000000"
-
-
 @each_case(
     "query",
     ["*OPC?", "*ESR?", ":SYST:ERR?", ":CALC9:DATA? SDAT", ":CALC1:DATA? SMEM", ":FOO?", "?", ":?"],
@@ -129,25 +308,32 @@ def test_unknown_queries_get_no_answer(bench, query):
     assert (outcome.answer, outcome.fault) == (b"", NetworkFault.NONE)
 
 
-@each_case("accuracy, state, mask", [(0, "0", "0"), (3, "4", "15")])
-def test_calibration_is_that_of_the_scene(request, accuracy, state, mask):
-    bench = new_bench(request, calibration_accuracy=accuracy)
-    assert bench.ask(":SENS:CORR:COLL:STAT:ACC?") == str(accuracy)
-    assert bench.ask(":CORR:COLL:STAT?;:CAL:STAT?") == f"{state};{mask}"
-    assert bench.ask(":CORR:STAT?") == str(int(accuracy > 0))
-
-
-def test_correction_needs_a_calibration(request):
-    bench = new_bench(request, calibration_accuracy=0)
+@each_case(
+    "accuracy, interpolated, covers, answers",
+    [
+        (3, True, 15, "3;4;15;RF2P;1;1"),
+        (1, False, 1, "1;4;1;RF2P;0;1"),
+        (0, True, 15, "0;0;0;;0;0"),
+    ],
+)
+def test_calibration_is_that_of_the_scene(request, accuracy, interpolated, covers, answers):
+    bench = new_bench(
+        request,
+        calibration_accuracy=accuracy,
+        calibration_interpolated=interpolated,
+        calibrated_parameters=covers,
+    )
+    # Without a calibration there is no correction.
     bench.send(":CORR ON")
-    assert bench.ask(":CORR?") == "0"
+    queries = (
+        ":SENS:CORR:COLL:STAT:ACC?", ":CORR:COLL:STAT?", ":SENS:CAL:STAT?",
+        ":SENS:CORR:COLL:TYPE?", ":SENS:CORR:COLL:INT?", ":CORR:STAT?",
+    )  # fmt: skip
+    assert ";".join(bench.ask(one) for one in queries) == answers
 
 
-def test_switched_off_correction_reads_as_no_calibration(bench):
-    bench.send(":CORR OFF")
-    assert bench.ask(":SENS:CORR:COLL:STAT:ACC?") == "0"
-
-
-def test_preset_brings_back_the_power_on_state(bench):
-    bench.send(":INIT:CONT OFF;:SWE:POIN 77;:FORM REAL,32;:SYST:PRES")
-    assert bench.ask(":SWE:POIN?;:FORM?;:INIT:CONT?") == "201;ASC;1"
+def test_calibration_at_other_power_is_less_accurate(request):
+    bench = new_bench(request, calibration_power=Power.LOW)
+    assert bench.ask(":CORR:COLL:STAT:ACC?") == "2"
+    bench.send(":SOUR:POW LOW")
+    assert bench.ask(":CORR:COLL:STAT:ACC?") == "1"

@@ -1,4 +1,4 @@
-"""The instrument's faults, and messages that are none, without network."""
+"""The faults of an analyzer that behaves less kindly, without network."""
 
 from __future__ import annotations
 
@@ -8,81 +8,192 @@ from case_kit import each_case
 from fault_kit import raises_fault
 from hypothesis import given
 from hypothesis import strategies as st
-from rpc_wire import wait_until
-from vna_bench import (
-    Bench,
-    ascii_numbers,
-    real_numbers,
-    swept,
-)
+from vna_bench import SWEEP_S, Bench, ascii_numbers, new_bench, real_numbers, swept, timed_bench
+from vxi11_wire import wait_until
 
-from gpr20_simulator.errors import FaultError
+from gpr20_simulator.errors import FaultError, SceneError
 from gpr20_simulator.faults import UNKNOWN_FAULT
-from gpr20_simulator.low.message_device import NetworkFault
-from gpr20_simulator.mid.analyzer.scpi import HeaderPattern
+from gpr20_simulator.low.capture import CaptureFolder
+from gpr20_simulator.low.message_device import ClearSupport, NetworkFault
+from gpr20_simulator.low.shared_state import AdcFault, EndstopFault, open_shared_state
+from gpr20_simulator.mid.analyzer.instrument_scene import InstrumentScene
 from gpr20_simulator.mid.analyzer.vna_commands import SETTINGS
-from gpr20_simulator.mid.analyzer.vna_faults import FaultBoard
+from gpr20_simulator.mid.analyzer.vna_faults import FaultBoard, VnaFault
+from gpr20_simulator.mid.faults import FaultSwitch
+from gpr20_survey.axes.axis_id import AxisId
 
 
-def test_hang_gets_no_reply_for_as_many_messages_as_counted(bench):
-    bench.faults.set("hang", 2)
-    conducts = [bench.send("*IDN?").fault for _ in range(3)]
-    assert conducts == [NetworkFault.NO_REPLY, NetworkFault.NO_REPLY, NetworkFault.NONE]
-    assert bench.instrument.opened() is NetworkFault.NONE
+@pytest.fixture
+def bench(request):
+    return new_bench(request)
+
+
+# Which faults are on.
+
+
+@pytest.fixture
+def state(tmp_path):
+    return open_shared_state(tmp_path / "state", {axis: 0 for axis in AxisId})
+
+
+@pytest.fixture
+def now_s():
+    return [100.0]
+
+
+@pytest.fixture
+def board(now_s):
+    return FaultBoard(lambda: now_s[0])
+
+
+@pytest.fixture
+def switch(state, board):
+    return FaultSwitch(state, board)
+
+
+def test_fault_strikes_as_often_as_counted_and_none_switches_all_off(switch, board):
+    for fault in VnaFault:
+        assert fault.value in str(switch.set("vna", fault.value.lower(), 0))
+        assert board.is_permanent(fault)
+    switch.set("vna", "none", 0)
+    assert board.names() == ""
+    switch.set("vna", "truncate", 2)
+    assert [board.strikes(VnaFault.TRUNCATE) for _ in range(3)] == [True, True, False]
+
+
+def test_timed_fault_lasts_as_many_seconds_as_counted(switch, board, now_s):
+    noted = []
+    board.on_set(noted.append)
+    assert "20 s" in str(switch.set("vna", "link_gone", 20))
+    assert noted == [VnaFault.LINK_GONE]
+    now_s[0] += 19.9
+    # However often it strikes meanwhile.
+    assert all(board.is_on(VnaFault.LINK_GONE) for _ in range(9))
+    now_s[0] += 0.2
+    assert not board.is_on(VnaFault.LINK_GONE) and board.names() == ""
+    board.set("LINK_GONE", 0)
+    now_s[0] += 1e6
+    assert board.is_on(VnaFault.LINK_GONE)
 
 
 @each_case(
-    "fault, conduct", [("HANG", NetworkFault.NO_REPLY), ("DROP", NetworkFault.DROP_CONNECTIONS)]
+    "device, fault, kept, none",
+    [
+        ("endstop_x", "stuck_closed", EndstopFault.STUCK_CLOSED, EndstopFault.NONE),
+        ("endstop_y", "stuck_open", EndstopFault.STUCK_OPEN, EndstopFault.NONE),
+        ("adc", "OUT_OF_RANGE", AdcFault.OUT_OF_RANGE, AdcFault.NONE),
+    ],
+)
+def test_faults_of_other_devices_reach_the_state(switch, state, device, fault, kept, none):
+    def found():
+        axis = {"endstop_x": AxisId.X, "endstop_y": AxisId.Y}.get(device)
+        return state.adc_fault if axis is None else state.endstop_fault(axis)
+
+    switch.set(device, fault, 0)
+    assert found() is kept and switch.names() == f"{device} {fault.upper()}"
+    switch.set(device, "none", 0)
+    assert found() is none and switch.names() == ""
+
+
+@each_case(
+    "device, fault, count, shown",
+    [
+        ("gpu", "HANG", 0, ("'gpu'", "vna, endstop_x, endstop_y, adc")),
+        ("vna", "STUCK", 0, ("'STUCK'", "NONE, HANG")),
+        ("vna", "HANG", -1, ("count", -1)),
+        ("endstop_x", "HANG", 0, ("NONE, STUCK_OPEN, STUCK_CLOSED",)),
+        ("adc", "STUCK", 3, (3,)),
+    ],
+)
+def test_what_does_not_exist_is_refused_with_what_does(switch, device, fault, count, shown):
+    with raises_fault(UNKNOWN_FAULT, *shown, error=FaultError):
+        switch.set(device, fault, count)
+    assert switch.names() == ""
+
+
+def test_captured_replies_are_numbered_files_and_never_overwritten(tmp_path):
+    folder = tmp_path / "new" / "capture"
+    first = CaptureFolder(folder)
+    first.save("sdat", b"first")
+    first.save("freq", b"second")
+    CaptureFolder(folder).save("sdat", b"third")
+    assert [(one.name, one.read_bytes()) for one in sorted(folder.iterdir())] == [
+        ("000001_sdat.bin", b"first"),
+        ("000002_freq.bin", b"second"),
+        ("000003_sdat.bin", b"third"),
+    ]
+
+
+# What they do.
+
+
+@each_case(
+    "fault, conduct",
+    [
+        ("HANG", NetworkFault.NO_REPLY),
+        ("DROP", NetworkFault.DROP_CONNECTIONS),
+        ("LINK_GONE", NetworkFault.DROP_CONNECTIONS),
+    ],
 )
 def test_fault_that_stays_hits_new_links_too_until_it_is_cleared(bench, fault, conduct):
     bench.faults.set(fault)
     assert bench.instrument.opened() is conduct
-    assert [bench.send("*IDN?").fault for _ in range(5)] == [conduct] * 5
+    assert [bench.send("*IDN?").fault for _ in range(3)] == [conduct] * 3
     bench.faults.clear()
     assert bench.instrument.opened() is NetworkFault.NONE
     assert bench.ask("*IDN?").startswith('"Anritsu')
+    if fault != "LINK_GONE":
+        bench.faults.set(fault, 1)
+        assert bench.instrument.opened() is NetworkFault.NONE
+        assert [bench.send("*IDN?").fault for _ in range(2)] == [conduct, NetworkFault.NONE]
 
 
-def test_silent_fault_keeps_answers_back(bench):
-    bench.faults.set("SILENT", 1)
-    assert bench.send("*IDN?").answer == b""
-    assert bench.send("*IDN?").answer != b""
+@each_case(
+    "fault, spoilt",
+    [
+        ("SILENT", lambda answer, whole: answer == b""),
+        ("TRUNCATE", lambda answer, whole: answer == whole[:-10] + b"\n"),
+        ("NAN", lambda answer, whole: 0 < np.isnan(real_numbers(answer)).sum() < 20),
+        ("GARBAGE", lambda answer, whole: len(answer) == len(whole) and answer != whole),
+    ],
+)
+def test_fault_spoils_one_answer(bench, fault, spoilt):
+    whole = swept(bench, points=101)
+    bench.faults.set(fault, 1)
+    assert spoilt(bench.data(), whole)
+    assert bench.data() == whole
 
 
-@each_case("data_format", ["ASC", "REAL,32"])
-def test_truncated_block_lacks_its_last_nine_bytes(bench, data_format):
-    swept(bench)
-    bench.send(f"FORM {data_format}")
-    whole = bench.send(":CALC1:DATA? SDAT").answer
-    bench.faults.set("TRUNCATE", 1)
-    assert bench.send(":CALC1:DATA? SDAT").answer == whole[:-10] + b"\n"
-    assert bench.send(":CALC1:DATA? SDAT").answer == whole
-
-
-def test_nan_fault_spoils_some_numbers_only(bench):
-    swept(bench, points=101)
+def test_numbers_are_spoilt_in_text_too(bench):
     bench.faults.set("NAN", 1)
-    spoiled = np.isnan(real_numbers(bench.send(":CALC1:DATA? SDAT").answer))
-    assert 0 < np.count_nonzero(spoiled) < 20
-    assert not np.any(np.isnan(real_numbers(bench.send(":CALC1:DATA? SDAT").answer)))
-    bench.send("FORM ASC")
-    bench.faults.set("NAN", 1)
-    assert np.isnan(ascii_numbers(bench.send(":CALC1:DATA? SDAT").answer)).any()
+    assert np.isnan(ascii_numbers(bench.data())).any()
 
 
-def test_garbage_is_anything_but_the_answer(bench):
-    whole = swept(bench)
-    bench.faults.set("GARBAGE", 1)
-    garbage = bench.send(":CALC1:DATA? SDAT").answer
-    assert len(garbage) == len(whole)
-    assert garbage != whole
-    assert bench.send(":CALC1:DATA? SDAT").answer == whole
+def test_late_answer_is_an_order_to_the_network(bench):
+    bench.faults.set("LATE", 1)
+    assert bench.send(":SWE:POIN?").fault is NetworkFault.ANSWER_LATE
+    assert bench.send(":SWE:POIN?").fault is NetworkFault.NONE
 
 
-def test_wrong_identity_is_another_maker(bench):
+def test_reset_makes_the_instrument_vanish(bench):
+    assert bench.send("*RST").fault is NetworkFault.GO_SILENT
+    assert bench.instrument.network_lost
+
+
+def test_identities_of_others(bench):
     bench.faults.set("WRONG_IDENTITY", 1)
-    assert "Anritsu" not in bench.ask("*IDN?")
-    assert "Anritsu" in bench.ask("*IDN?")
+    assert ["Anritsu" in bench.ask("*IDN?") for _ in range(2)] == [False, True]
+    bench.faults.set("SWAPPED")
+    assert "SIMULATED-2" in bench.ask("*IDN?") and bench.preamble()["SN"] == "SIMULATED-2"
+    bench.faults.clear()
+    # Another serial number is that of the next connection.
+    bench.faults.set("OTHER_SERIAL")
+    assert bench.preamble()["SN"] == "SIMULATED"
+    bench.instrument.opened()
+    assert bench.ask("*IDN?").split(",")[2] == "SIMULATED-2" == bench.preamble()["SN"]
+    bench.faults.clear()
+    bench.instrument.opened()
+    assert bench.preamble()["SN"] == "SIMULATED"
 
 
 def test_stale_fault_sets_the_bit_and_keeps_the_old_data(bench):
@@ -93,26 +204,145 @@ def test_stale_fault_sets_the_bit_and_keeps_the_old_data(bench):
 
 
 def test_refused_settings_keep_their_value_while_sweeps_go_on(bench):
-    bench.faults.set("REFUSE_SETTINGS")
-    bench.send("SWE:POIN 77;:FREQ:STAR 1GHZ;:FORM REAL,32;:CORR OFF;:SWE:TYPE SING")
-    assert bench.ask("SWE:POIN?;:FREQ:STAR?;:FORM?;:CORR?;:SWE:TYPE?") == "201;5000;ASC;1;CONT"
-    bench.send(":INIT:CONT OFF;:INIT:IMM")
-    wait_until(lambda: bench.ask(":STAT:OPER?") == "256", "end of the sweep")
-    bench.faults.clear()
-    bench.send("SWE:POIN 77")
-    assert bench.ask("SWE:POIN?") == "77"
-
-
-def test_refused_setting_counts_as_one(bench):
     bench.faults.set("REFUSE_SETTINGS", 1)
     bench.send("SWE:POIN 77;:FREQ:STAR 1GHZ")
     assert bench.ask("SWE:POIN?;:FREQ:STAR?") == "201;1000000000"
+    bench.faults.set("REFUSE_SETTINGS")
+    bench.send("SWE:POIN 77;:FREQ:STAR 2GHZ;:FORM REAL,32;:CORR OFF;:SWE:TYPE SING")
+    assert (
+        bench.ask("SWE:POIN?;:FREQ:STAR?;:FORM?;:CORR?;:SWE:TYPE?") == "201;1000000000;ASC;1;CONT"
+    )
+    bench.send(":INIT:CONT OFF;:INIT:IMM")
+    bench.wait_for_bit()
 
 
-@each_case("name, count, shown", [("EXPLODE", 0, "HANG"), ("", 0, "HANG"), ("HANG", -1, 0)])
-def test_unknown_fault_is_refused_with_what_is_allowed(name, count, shown):
-    with raises_fault(UNKNOWN_FAULT, shown, error=FaultError):
-        FaultBoard().set(name, count)
+def test_late_bit_stays_set_after_a_trigger_and_then_tells_the_truth(request):
+    bench = timed_bench(request, late_bit_s=1.0, slow_point_s=0.02)
+    before = bench.sweep_numbers()
+    bench.faults.set("LATE_BIT", 1)
+    bench.faults.set("SLOW_POINTS", 1)
+    bench.send(":INIT:IMM")
+    assert bench.ask(":STAT:OPER?") == "256"
+    # Whoever believes it reads points of the sweep before.
+    assert bench.sweep_numbers() & before
+    bench.clock.advance(1.01)
+    assert bench.ask(":STAT:OPER?") == "0"
+    # Slow points take longer than configured, once.
+    bench.clock.advance(1.1)
+    bench.wait_for_bit()
+    assert bench.sweep_numbers() == {max(before) + 1}
+    bench.sweep()
+    # There is none of an unfinished sweep.
+    bench.faults.set("LATE_BIT")
+    bench.send(":SWE:POIN 55;:INIT:IMM")
+    assert bench.ask(":STAT:OPER?") == "0"
+
+
+def test_end_of_a_hold_is_a_trigger_with_its_faults(request):
+    bench = timed_bench(request)
+    bench.faults.set("LATE_BIT", 1)
+    bench.send(":INIT:HOLD OFF")
+    assert bench.ask(":STAT:OPER?") == "256"
+
+
+def test_display_has_a_sweep_only_some_time_after_its_bit(request):
+    bench = timed_bench(request, late_memory_s=0.5)
+    before = bench.sweep_numbers()
+    bench.faults.set("LATE_MEMORY", 2)
+    for _ in range(2):
+        bench.sweep()
+        assert bench.sweep_numbers() == before
+        bench.clock.advance(0.51)
+        assert bench.sweep_numbers() == {max(before) + 1}
+        before = bench.sweep_numbers()
+    bench.sweep()
+    assert bench.sweep_numbers() == {max(before) + 1}
+
+
+def test_unanswered_queries_are_those_of_the_scene(request):
+    bench = new_bench(request, unanswered_queries=(":SENS:TRACE1:DOM?", "*IDN?"))
+    bench.faults.set("UNANSWERED_QUERY")
+    for query in (":SENS:TRACE1:DOM?", ":trac:domain?", "*IDN?"):
+        assert bench.send(query).answer == b""
+    assert bench.ask(":SENS:TRACE2:DOM?;:SWE:POIN?") == "FREQ;201"
+    bench.faults.clear()
+    assert bench.ask(":trac:domain?") == "FREQ"
+    with pytest.raises(SceneError, match="BANANA"):
+        new_bench(request, unanswered_queries=(":BANANA?",))
+    with pytest.raises(SceneError, match="1234"):
+        InstrumentScene(other_serial="1234")
+
+
+@each_case(
+    "command",
+    [
+        ":FREQ:STAR 1GHZ",
+        ":FREQ:STOP 6GHZ",
+        ":SWE:POIN 401",
+        ":SWE:IFBW 1000",
+        ":SOUR:POW HIGH",
+        ":FREQ:CENT 3GHZ",
+        ":FREQ:SPAN 1GHZ",
+    ],
+)
+def test_calibration_is_lost_by_a_write_until_the_fault_is_cleared(bench, command):
+    bench.faults.set("LOSES_CALIBRATION", 1)
+    bench.send(":SENS:TRACE1:SPAR S21;:CALC1:FORM SMIT;:AVER:COUN 1;:SWE:POIN?")
+    state = ":CORR:COLL:STAT:ACC?;:CORR?;:CAL:STAT?;:CORR:COLL:STAT?"
+    assert bench.ask(state) == "1;1;15;4"
+    bench.send(command)
+    bench.send(":CORR ON")
+    assert bench.ask(state) == "0;0;0;0"
+    assert bench.preamble()["CAL_CORRECTION"] == "1"
+    assert bench.faults.names() == "LOSES_CALIBRATION"
+    bench.faults.clear()
+    assert bench.ask(state) == "1;1;15;4"
+
+
+def test_endless_digits_replace_numbers_alone(bench):
+    bench.faults.set("ENDLESS_DIGITS")
+    for query in (":SENS:FREQ:STAR?", ":SWE:POIN?", ":STAT:OPER?"):
+        answer = bench.ask(query)
+        assert answer[:-1].isdigit() and len(answer) == 40_001 and answer[-1] == "X"
+    assert bench.ask("*IDN?").startswith('"Anritsu')
+    assert bench.ask(":SENS:TRACE3:SPAR?") == "S21"
+    assert len(ascii_numbers(bench.data())) == 402
+
+
+def test_clear_can_be_missing_or_unsupported(bench):
+    bench.faults.set("NO_CLEAR", 1)
+    bench.faults.set("CLEAR_UNSUPPORTED", 1)
+    conducts = [bench.instrument.clear() for _ in range(3)]
+    assert conducts == [ClearSupport.NO_PROCEDURE, ClearSupport.ERROR_8, ClearSupport.FULL]
+
+
+@each_case(
+    "fault, query, before, after",
+    [
+        ("HAND_BANDWIDTH", ":SWE:IFBW?", "10000", "1000"),
+        ("HAND_AVERAGES", ":AVER:COUN?", "1", "4"),
+        ("HAND_POWER", ":SOUR:POW?", "HIGH", "LOW"),
+        ("HAND_START", ":FREQ:STAR?", "5000", "1005000"),
+        # Of this, only a sweep that began again tells.
+        ("HAND_PUT_BACK", ":SWE:IFBW?", "10000", "10000"),
+    ],
+)
+def test_setting_is_changed_by_hand_in_mid_sweep(request, fault, query, before, after):
+    bench = timed_bench(request)
+    bench.faults.set(fault, 1)
+    assert bench.ask(query) == before
+    number = bench.sweeper.sweep_number + 1
+    bench.send(":INIT:IMM")
+    bench.clock.advance(0.6 * SWEEP_S)
+    wait_until(lambda: bench.sweeper.sweep_number > number and bench.ask(query) == after, "change")
+    # A setting that changes restarts the sweep.
+    assert bench.ask(":STAT:OPER?") == "0"
+    bench.clock.advance(100.0)
+    bench.wait_for_bit()
+    assert bench.ask(query) == after
+
+
+# Messages that are none.
 
 
 @pytest.fixture(scope="module")
@@ -122,17 +352,16 @@ def fuzzed():
     one.stop()
 
 
-SPELLINGS = [
-    one.header.pattern.replace("[", "").replace("]", "").replace("#", "1") for one in SETTINGS
-] + [":CALC1:DATA", ":TRAC:DATA", ":TRAC:PRE", ":FREQ:DATA", ":INIT", ":INIT:CONT", ":STAT:OPER"]
+HEADERS = [one.header.pattern.translate(str.maketrans("#", "1", "[]")) for one in SETTINGS]
+HEADERS += [":CALC1:DATA", ":TRAC:DATA", ":TRAC:PRE", ":FREQ:DATA", ":INIT", ":INIT:CONT"]
 COMMANDS = st.builds(
     "{}{} {}".format,
-    st.sampled_from(SPELLINGS),
+    st.sampled_from([*HEADERS, ":STAT:OPER"]),
     st.sampled_from(["", "?"]),
     st.one_of(
-        st.sampled_from(["", "ON", "OFF", "SDAT", "FDAT", "S21", "1", "2", "REAL,32", "1GHZ"]),
+        st.sampled_from(["", "ON", "OFF", "SDAT", "FDAT", "S21", "2", "REAL,32", "1GHZ"]),
+        st.sampled_from(["1", "A", " ", "?", ":", '"', "\n"]).map(lambda one: one * 150_000 + "X"),
         st.text(max_size=10),
-        st.integers().map(str),
         st.floats().map(str),
     ),
 )
@@ -141,19 +370,12 @@ COMMANDS = st.builds(
 @given(st.one_of(st.binary(max_size=60), st.lists(COMMANDS, max_size=4).map(";".join)))
 def test_no_message_breaks_the_instrument(fuzzed, message):
     data = message if isinstance(message, bytes) else message.encode("utf-8")
-    if b"*RST" in data.upper():
-        return
+    # A reset takes the instrument off the network, which is what it must do.
+    data = data.replace(b"*", b"")
     assert fuzzed.instrument.execute(data).fault is NetworkFault.NONE
     assert fuzzed.ask("*IDN?").startswith('"Anritsu')
-    start_hz, stop_hz, points = (
-        float(one) for one in fuzzed.ask("FREQ:STAR?;:FREQ:STOP?;:SWE:POIN?").split(";")
+    start_hz, stop_hz, points = map(
+        float, fuzzed.ask("FREQ:STAR?;:FREQ:STOP?;:SWE:POIN?").split(";")
     )
     assert 5e3 <= start_hz <= stop_hz <= 6e9
     assert 2 <= points <= 4001
-
-
-def test_every_documented_header_of_a_setting_is_understood():
-    for one in SETTINGS:
-        assert HeaderPattern(one.header.pattern).match(
-            one.header.pattern.replace("[", "").replace("]", "").replace("#", "2")
-        ) in ((), (2,))

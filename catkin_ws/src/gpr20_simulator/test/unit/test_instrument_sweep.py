@@ -1,77 +1,79 @@
-"""The instrument's sweeps and data, without network; sweeps take no time unless said."""
+"""The instrument's sweeps and data, without network; time passes only where the test says so."""
 
 from __future__ import annotations
 
 import numpy as np
 import pytest
 from case_kit import each_case
-from rpc_wire import wait_until
 from vna_bench import (
-    HandClock,
+    POINTS,
+    SWEEP_S,
     ascii_numbers,
     block_content,
     new_bench,
     real_numbers,
     swept,
+    timed_bench,
 )
+from vxi11_wire import wait_until
 
+from gpr20_simulator.mid.analyzer.instrument_scene import Averaging
 from gpr20_simulator.mid.world.medium import PositionProbe
 
 
-def test_status_bit_is_off_while_a_triggered_sweep_runs(request):
-    clock = HandClock()
-    bench = new_bench(request, clock=clock, seconds_per_point=0.001)
-    bench.send(":INIT:CONT OFF;:INIT:IMM")
-    assert bench.ask(":STAT:OPER?") == "0"
-    clock.advance(1.0)
-    wait_until(lambda: bench.ask(":STAT:OPER?") == "256", "end of the sweep")
-    bench.send(":INIT:IMM")
-    assert bench.ask(":STAT:OPER?") == "0"
+@pytest.fixture
+def bench(request):
+    return new_bench(request)
+
+
+@pytest.fixture
+def timed(request):
+    return timed_bench(request)
+
+
+def test_status_bit_is_off_until_a_triggered_sweep_has_ended(timed):
+    timed.send(":INIT:IMM")
+    timed.clock.advance(SWEEP_S - 1e-6)
+    assert timed.ask(":STAT:OPER?") == "0"
+    timed.clock.advance(2e-6)
+    timed.wait_for_bit()
 
 
 def test_delayed_setting_reads_back_only_when_it_has_taken_effect(request):
-    clock = HandClock()
-    bench = new_bench(request, clock=clock, setting_delay_s=2.0)
-    bench.send(":SWE:POIN 77;:SWE:POIN 1")
-    clock.advance(1.9)
-    assert bench.ask(":SWE:POIN?") == "201"
-    clock.advance(0.2)
+    bench = timed_bench(request, setting_delay_s=2.0)
+    bench.clock.advance(3.0)
+    assert bench.ask(":SWE:POIN?") == str(POINTS)
+    bench.send(":SWE:POIN 77")
+    bench.clock.advance(1.9)
+    assert bench.ask(":SWE:POIN?") == str(POINTS)
+    bench.clock.advance(0.2)
     assert bench.ask(":SWE:POIN?") == "77"
-
-
-def test_delayed_setting_is_forgotten_by_a_preset(request):
-    clock = HandClock()
-    bench = new_bench(request, clock=clock, setting_delay_s=2.0)
-    bench.send(":SWE:POIN 77;:SYST:PRES")
-    clock.advance(3.0)
+    bench.send(":SWE:POIN 99;:SYST:PRES")
+    bench.clock.advance(3.0)
     assert bench.ask(":SWE:POIN?") == "201"
 
 
 def test_external_trigger_never_comes(bench):
     bench.send(":SWE:TYPE EXT;:INIT:IMM")
-    number = bench.sweeper.sweep_number
     assert not bench.sweeper.is_running
-    assert bench.sweeper.sweep_number == number
 
 
-def test_ascii_and_binary_data_are_the_same_numbers(bench):
+def test_all_formats_have_the_same_numbers(bench):
     binary = real_numbers(swept(bench))
     bench.send("FORM ASC")
-    text = ascii_numbers(bench.send(":CALC1:DATA? SDAT").answer).astype(np.float32)
+    text = ascii_numbers(bench.data()).astype(np.float32)
     assert text.tobytes() == binary.tobytes()
-    assert bench.send(":TRAC? 1").answer == bench.send(":CALC1:DATA? SDAT").answer
+    assert bench.send(":TRAC? 1").answer == bench.data()
     bench.send("FORM INT,32")
-    steps = np.frombuffer(block_content(bench.send(":CALC1:DATA? SDAT").answer), "<i4")
+    steps = np.frombuffer(block_content(bench.data()), "<i4")
     assert steps == pytest.approx(binary * 1e6, abs=1.0)
 
 
 def test_ascii_ends_with_comma_and_newline_unless_told_otherwise(request):
-    answer = new_bench(request).send(":CALC1:DATA? SDAT").answer
-    assert answer.endswith(b",\n")
+    assert new_bench(request).data().endswith(b",\n")
     bench = new_bench(request, trailing_comma=False, trailing_newline=False, header_digits=8)
-    answer = bench.send(":CALC1:DATA? SDAT").answer
-    assert answer.startswith(b"#80000")
-    assert answer[-1:].isdigit()
+    answer = bench.data()
+    assert answer.startswith(b"#80000") and answer[-1:].isdigit()
     assert len(ascii_numbers(answer)) == 402
 
 
@@ -80,9 +82,8 @@ def test_frequencies_are_those_of_the_sweep(bench):
     expected_hz = np.linspace(600e6, 6e9, 501)
     assert np.array_equal(ascii_numbers(bench.send("FREQ:DATA?").answer), expected_hz)
     bench.send("FORM REAL,32")
-    assert real_numbers(bench.send("SENS4:FREQ:DATA?").answer) == pytest.approx(
-        expected_hz, abs=256
-    )
+    found_hz = real_numbers(bench.send("SENS4:FREQ:DATA?").answer)
+    assert found_hz == pytest.approx(expected_hz, abs=256)
 
 
 def test_s12_is_s21_and_reflections_are_not(bench):
@@ -95,92 +96,27 @@ def test_s12_is_s21_and_reflections_are_not(bench):
 def test_displayed_data_follow_the_graph_type_and_complex_data_do_not(bench):
     before = swept(bench)
     bench.send("CALC1:FORM REAL")
-    assert bench.send(":CALC1:DATA? SDAT").answer == before
+    assert bench.data() == before
     shown = real_numbers(bench.send(":CALC1:DATA? FDAT").answer)
     assert list(shown) == list(real_numbers(before)[0::2])
 
 
-def preamble(bench):
-    content = block_content(bench.send("TRAC:PRE?").answer).decode()
-    return dict(pair.split("=") for pair in content.split(","))
-
-
 def test_preamble_describes_the_sweep(bench):
     bench.send("FREQ:STAR 600MHZ;:SWE:POIN 501;:SWE:TYPE SING;:TRACE1:SPAR S21;:TRACE1:DOM TIME")
-    pairs = preamble(bench)
-    assert pairs["SN"] == "SIMULATED"
+    bench.send(":SWE:IFBW 20;:SOUR:POW LOW")
+    pairs = bench.preamble()
+    expected = {
+        "SN": "SIMULATED", "TRACE_1_DSP_DATA_POINTS": "501", "SWEEP_TYPE": "0", "S_TYPE": "1",
+        "CAL_CORRECTION": "0", "RF_SOURCE_POWER": "0", "IFBW": "11", "DOMAIN": "1",
+    }  # fmt: skip
+    assert {name: pairs[name] for name in expected} == expected
     assert float(pairs["TRACE_1_START_FREQ"]) == 600.0
-    assert pairs["TRACE_1_DSP_DATA_POINTS"] == "501"
-    assert (pairs["SWEEP_TYPE"], pairs["CAL_CORRECTION"], pairs["RF_SOURCE_POWER"]) == (
-        "0",
-        "0",
-        "1",
-    )
     assert float(pairs["CURRENT_TEMPERATURE"]) / 4.0 == 40.0
     # S21, S12, S21, S22 in four bits each, the first trace in the lowest.
-    assert int(pairs["TRACE_S_TYPES"]) == 0x3121 and pairs["S_TYPE"] == "1"
-    assert pairs["DOMAIN"] == "1" and int(pairs["TRACE_DOMAIN_TYPES"]) & 0xF == 1
+    assert int(pairs["TRACE_S_TYPES"]) == 0x3121
+    assert int(pairs["TRACE_DOMAIN_TYPES"]) & 0xF == 1
     bench.send(":SENS:CORR OFF")
-    assert preamble(bench)["CAL_CORRECTION"] == "1"
-
-
-def test_another_unit_can_answer_on_the_same_link(bench):
-    bench.faults.set("SWAPPED")
-    assert "SIMULATED-2" in bench.ask("*IDN?") and preamble(bench)["SN"] == "SIMULATED-2"
-    bench.faults.clear()
-    assert preamble(bench)["SN"] == "SIMULATED"
-
-
-def test_calibration_says_what_it_covers(request):
-    covers = new_bench(request, calibrated_parameters=1, calibration_interpolated=True)
-    asked = (":SENS:CAL:STAT?", ":SENS:CORR:COLL:TYPE?", ":SENS:CORR:COLL:INT?")
-    assert [covers.ask(one) for one in asked] == ["1", "RF2P", "1"]
-    none = new_bench(request, calibration_accuracy=0, calibration_interpolated=True)
-    assert [none.ask(one) for one in asked] == ["0", "", "0"]
-
-
-def test_display_has_a_sweep_only_some_time_after_its_bit(request):
-    clock = HandClock()
-    bench = new_bench(request, clock=clock, seconds_per_point=0.001, late_memory_s=0.5)
-    bench.send(":INIT:CONT OFF;:SWE:POIN 11;:SENS:TRACE1:SPAR S21;:FORM REAL,32")
-    bench.faults.set("LATE_MEMORY", 2)
-
-    def sweep():
-        bench.send(":INIT:IMM")
-        clock.advance(0.1)
-        wait_until(lambda: bench.ask(":STAT:OPER?") == "256", "end of the sweep")
-        return data()
-
-    def data():
-        return bench.send(":CALC1:DATA? SDAT").answer
-
-    before = data()
-    assert sweep() == before
-    clock.advance(0.51)
-    first = data()
-    assert first != before
-    assert sweep() == first
-    clock.advance(0.51)
-    assert data() != first
-    # The fault has struck twice.
-    last = data()
-    assert sweep() != last
-
-
-def test_hand_that_puts_a_setting_back_begins_the_sweep_again_and_leaves_no_other_trace(request):
-    clock = HandClock()
-    bench = new_bench(request, clock=clock, seconds_per_point=0.001)
-    bench.send(":INIT:CONT OFF;:SWE:POIN 101")
-    before = preamble(bench)
-    bench.faults.set("HAND_PUT_BACK", 1)
-    bench.send(":INIT:IMM")
-    numbers = [bench.sweeper.sweep_number]
-    clock.advance(0.06)
-    wait_until(lambda: bench.sweeper.sweep_number == numbers[0] + 2, "both restarts")
-    clock.advance(0.2)
-    wait_until(lambda: bench.ask(":STAT:OPER?") == "256", "end of the sweep")
-    now = preamble(bench)
-    assert {one for one in now if now[one] != before[one]} <= {"AVERAGING_COUNT"}
+    assert bench.preamble()["CAL_CORRECTION"] == "1"
 
 
 def test_data_replies_are_captured_byte_by_byte(bench):
@@ -216,15 +152,50 @@ def test_noise_follows_bandwidth_and_power(request, commands, gain):
     assert list(gains) == pytest.approx([gain])
 
 
-def test_end_of_a_hold_is_a_trigger_with_its_faults(request):
-    clock = HandClock()
-    bench = new_bench(request, clock=clock, seconds_per_point=0.001)
-    bench.send(":INIT:CONT OFF;:INIT:IMM")
-    clock.advance(1.0)
-    wait_until(lambda: bench.ask(":STAT:OPER?") == "256", "end of the sweep")
-    bench.faults.set("LATE_BIT", 1)
-    bench.send(":INIT:HOLD OFF")
-    assert bench.ask(":STAT:OPER?") == "256"
-    clock.advance(0.31)
-    bench.send(":INIT:HOLD ON;:INIT:HOLD OFF")
-    assert bench.ask(":STAT:OPER?") == "0"
+def test_narrow_bandwidth_takes_its_time(timed):
+    timed.send(":SWE:POIN 501;:SWE:IFBW 20;:INIT:IMM")
+    timed.clock.advance(35.0)
+    assert timed.ask(":STAT:OPER?") == "0"
+    timed.clock.advance(25.0)
+    timed.wait_for_bit()
+
+
+def test_average_rolls_over_triggers_by_default(timed):
+    timed.send(":AVER:COUN 3")
+    for expected in ("1", "2", "3", "3"):
+        timed.sweep()
+        found = timed.preamble()
+        assert (found["AVERAGING_COUNT"], found["AVERAGING_FACTOR"]) == (expected, "3")
+
+
+def test_bit_can_wait_for_the_whole_average(request):
+    bench = timed_bench(request, averaging=Averaging.ALL_SWEEPS)
+    bench.send(":AVER:COUN 3")
+    for _ in range(2):
+        first = bench.sweeper.sweep_number + 1
+        bench.send(":INIT:IMM")
+        for _sweep in range(3):
+            assert bench.ask(":STAT:OPER?") == "0"
+            completed = bench.sweeper.sweeps_completed
+            bench.clock.advance(SWEEP_S)
+            wait_until(lambda n=completed: bench.sweeper.sweeps_completed > n, "end of one sweep")
+        bench.wait_for_bit()
+        assert bench.preamble()["AVERAGING_COUNT"] == "3"
+        # The mean of the three sweeps, none from before the trigger among them.
+        assert bench.sweep_numbers() == {first + 1}
+
+
+def test_local_state_and_continuous_sweeps_after_release_can_be_seen(bench):
+    bench.send(":INIT:CONT OFF")
+    assert bench.instrument.is_remote and not bench.sweeper.is_continuous
+    bench.send(":INIT:CONT ON")
+    bench.instrument.set_remote(False)
+    assert not bench.instrument.is_remote and bench.sweeper.is_continuous
+
+
+def test_answers_of_one_message_are_bounded(bench):
+    assert bench.ask(";".join([":SWE:POIN?"] * 3500)) == ";".join(["201"] * 3500)
+    bench.send(":SWE:POIN 4001;:FORM ASC")
+    answer = bench.send(";".join([":CALC1:DATA? SDAT"] * 3500)).answer
+    # The answer that passes the limit is still given.
+    assert (1 << 20) <= len(answer) < (1 << 20) + 200_000

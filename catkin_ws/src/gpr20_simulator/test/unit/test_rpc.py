@@ -1,11 +1,21 @@
+"""Remote procedure calls, and the server and port mapper that take them from the network."""
+
 from __future__ import annotations
+
+import contextlib
+import os
+import select
+import socket
 
 import pytest
 from case_kit import each_case
+from fault_kit import raises_fault
 from hypothesis import given
 from hypothesis import strategies as st
-from rpc_wire import call, opaque, unpack_words, words
+from vxi11_wire import LAST, RawClient, call, opaque, record, unpack_words, wait_until, words
 
+from gpr20_simulator.faults import PORT_TAKEN
+from gpr20_simulator.low.portmapper import Portmapper, tcp_mapping
 from gpr20_simulator.low.rpc import (
     RpcProgram,
     XdrError,
@@ -15,8 +25,12 @@ from gpr20_simulator.low.rpc import (
     pack_opaque,
     pack_uint,
 )
+from gpr20_simulator.low.rpc_server import ListenError, RpcTcpServer
 
-PROGRAM, VERSION, ADD, SILENT = 400000, 3, 1, 2
+PROGRAM, VERSION, ADD, SILENT, ECHO = 400000, 3, 1, 2, 3
+LONGEST_RECORD = 1000
+PMAP = 100000
+SOCKET_LIMIT_S = 0.1
 
 
 class Nobody:
@@ -28,70 +42,55 @@ def add(arguments, _caller):
     return pack_uint((arguments.uint() + arguments.uint()) & 0xFFFFFFFF)
 
 
-OFFERED = RpcProgram(PROGRAM, VERSION, {ADD: add, SILENT: lambda _a, _c: None})
+OFFERED = RpcProgram(
+    PROGRAM,
+    VERSION,
+    {ADD: add, SILENT: lambda _a, _c: None, ECHO: lambda a, _c: pack_opaque(a.opaque(900))},
+)
 
 
 def answered(message):
     return answer_call(OFFERED, message, Nobody())
 
 
-@given(st.binary(max_size=50))
-def test_opaque_data_survive_packing(data):
-    packed = pack_opaque(data)
+@given(st.binary(max_size=50), st.integers(0, 2**32 - 1), st.integers(-(2**31), 2**31 - 1))
+def test_values_survive_packing(data, unsigned, signed):
+    packed = pack_opaque(data) + pack_uint(unsigned) + pack_int(signed)
     assert len(packed) % 4 == 0
     reader = XdrReader(packed)
-    assert reader.opaque(50) == data
+    assert (reader.opaque(50), reader.uint(), reader.sint()) == (data, unsigned, signed)
     assert reader.remaining == 0
 
 
-@given(st.integers(0, 2**32 - 1), st.integers(-(2**31), 2**31 - 1))
-def test_integers_survive_packing(unsigned, signed):
-    reader = XdrReader(pack_uint(unsigned) + pack_int(signed))
-    assert (reader.uint(), reader.sint()) == (unsigned, signed)
+@each_case("packed, most", [(pack_opaque(b"abc"), 2), (words(3) + b"abc", 10)])
+def test_opaque_data_too_long_or_without_padding_are_refused(packed, most):
+    with pytest.raises(XdrError):
+        XdrReader(packed).opaque(most)
 
 
-def test_opaque_longer_than_allowed_is_refused():
-    with pytest.raises(XdrError, match="at most 2"):
-        XdrReader(pack_opaque(b"abc")).opaque(2)
+UNIX = words(1) + opaque(b"machine and user ids")
 
 
-def test_opaque_without_its_padding_is_refused():
-    with pytest.raises(XdrError, match="expected"):
-        XdrReader(words(3) + b"abc").opaque(10)
-
-
-def test_call_is_answered_with_its_own_number():
-    reply = answered(call(PROGRAM, VERSION, ADD, words(40, 2), xid=0xDEADBEEF))
-    assert unpack_words(reply) == [0xDEADBEEF, 1, 0, 0, 0, 0, 42]
-
-
-def test_procedure_zero_answers_on_every_program():
-    assert unpack_words(answered(call(PROGRAM, VERSION, 0))) == [7, 1, 0, 0, 0, 0]
-
-
-def test_credentials_of_any_flavour_are_accepted():
-    unix = words(1) + opaque(b"machine and user ids")
-    message = words(7, 0, 2, PROGRAM, VERSION, ADD) + unix + words(0, 0) + words(1, 2)
-    assert unpack_words(answered(message))[-1] == 3
-
-
-@pytest.mark.parametrize(
-    ("message", "rest"),
+@each_case(
+    "message, reply",
     [
-        (call(PROGRAM + 1, VERSION, ADD), [1]),
-        (call(PROGRAM, VERSION + 1, ADD), [2, VERSION, VERSION]),
-        (call(PROGRAM, VERSION, 99), [3]),
-        (call(PROGRAM, VERSION, ADD, words(1)), [4]),
+        (call(PROGRAM, VERSION, ADD, words(40, 2)), [7, 1, 0, 0, 0, 0, 42]),
+        (call(PROGRAM, VERSION, 0), [7, 1, 0, 0, 0, 0]),
+        # Credentials of any kind.
+        (
+            words(7, 0, 2, PROGRAM, VERSION, ADD) + UNIX + words(0, 0, 1, 2),
+            [7, 1, 0, 0, 0, 0, 3],
+        ),
+        # What is wrong: program, version, procedure, arguments, version of RPC.
+        (call(PROGRAM + 1, VERSION, ADD), [7, 1, 0, 0, 0, 1]),
+        (call(PROGRAM, VERSION + 1, ADD), [7, 1, 0, 0, 0, 2, VERSION, VERSION]),
+        (call(PROGRAM, VERSION, 99), [7, 1, 0, 0, 0, 3]),
+        (call(PROGRAM, VERSION, ADD, words(1)), [7, 1, 0, 0, 0, 4]),
+        (words(7, 0, 3, PROGRAM, VERSION, ADD, 0, 0, 0, 0), [7, 1, 1, 0, 2, 2]),
     ],
-    ids=["program unavailable", "version mismatch", "procedure unavailable", "garbage arguments"],
 )
-def test_wrong_calls_are_told_what_is_wrong(message, rest):
-    assert unpack_words(answered(message)) == [7, 1, 0, 0, 0, *rest]
-
-
-def test_other_rpc_versions_are_denied():
-    message = words(7, 0, 3, PROGRAM, VERSION, ADD, 0, 0, 0, 0)
-    assert unpack_words(answered(message)) == [7, 1, 1, 0, 2, 2]
+def test_calls_are_answered_or_told_what_is_wrong(message, reply):
+    assert unpack_words(answered(message)) == reply
 
 
 def test_procedure_may_leave_a_call_without_reply():
@@ -111,3 +110,163 @@ def test_no_bytes_do_anything_but_get_an_answer_or_an_xdr_error(message):
     except XdrError:
         return
     assert reply is None or reply[:8] == message[:4] + words(1)
+
+
+# The server.
+
+
+@pytest.fixture
+def server():
+    one = RpcTcpServer("127.0.0.1", 0, OFFERED, LONGEST_RECORD, 3)
+    one.start()
+    yield one
+    one.stop()
+
+
+def echoed(client, data=b"still alive "):
+    return client.result(PROGRAM, VERSION, ECHO, pack_opaque(data)) == pack_opaque(data)
+
+
+def test_record_in_pieces_is_one_call(server):
+    message = call(PROGRAM, VERSION, ECHO, pack_opaque(b"abcd"))
+    with RawClient(server.port) as client:
+        client.sock.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+        for byte in record(message):
+            client.send(bytes([byte]))
+        assert client.reply()[24:] == pack_opaque(b"abcd")
+        for place in range(0, len(message) - 4, 4):
+            client.send(words(4) + message[place : place + 4])
+        client.send(words(0) + words(4 | LAST) + message[-4:])
+        assert client.reply()[24:] == pack_opaque(b"abcd")
+
+
+def test_calls_sent_together_are_answered_in_their_order(server):
+    with RawClient(server.port) as client:
+        client.send(b"".join(record(call(PROGRAM, VERSION, 0, xid=n)) for n in range(20)))
+        assert [unpack_words(client.reply())[0] for _ in range(20)] == list(range(20))
+
+
+@each_case(
+    "data",
+    [
+        words((LONGEST_RECORD + 1) | LAST),
+        words(0x7FFFFFFF | LAST),
+        # Too long in two.
+        words(40) + call(PROGRAM, VERSION, 0) + words(LONGEST_RECORD | LAST) + bytes(1000),
+        words(0) * 5000,
+        record(b"no call at all"),
+        record(words(7, 1, 0, 0, 0, 0)),
+    ],
+)
+def test_stream_that_cannot_be_followed_is_closed_and_others_served(server, data):
+    with RawClient(server.port) as good, RawClient(server.port) as bad:
+        # The server may close before all of it is sent.
+        with contextlib.suppress(OSError):
+            bad.send(data)
+        assert bad.is_closed()
+        assert echoed(good)
+
+
+def test_connections_beyond_the_limit_are_turned_away(server):
+    clients = [RawClient(server.port) for _ in range(3)]
+    assert all(echoed(client) for client in clients)
+    with RawClient(server.port) as refused:
+        assert refused.is_closed()
+    # One that leaves in mid record is forgotten, too.
+    clients[0].send(words(100 | LAST) + b"half")
+    clients[0].sock.close()
+
+    def is_served():
+        with RawClient(server.port) as client:
+            try:
+                return echoed(client)
+            except (EOFError, ConnectionResetError):
+                return False
+
+    wait_until(is_served, "a free place")
+    for client in clients[1:]:
+        client.sock.close()
+
+
+def test_stopped_server_drops_its_clients_and_listens_no_more(server):
+    with RawClient(server.port) as client:
+        assert echoed(client)
+        server.stop()
+        assert client.is_closed()
+    with pytest.raises(ConnectionRefusedError):
+        RawClient(server.port)
+
+
+def test_taken_port_is_a_clear_error(server):
+    with raises_fault(PORT_TAKEN, server.port, error=ListenError):
+        RpcTcpServer("127.0.0.1", server.port, OFFERED, LONGEST_RECORD, 1)
+
+
+@pytest.mark.skipif(os.geteuid() == 0, reason="root may listen on port 111")
+def test_privileged_port_is_a_clear_error():
+    with raises_fault(PORT_TAKEN, 111, error=ListenError):
+        Portmapper("127.0.0.1", [], 111)
+
+
+def test_silent_clients_keep_their_connections_in_a_process_of_rospy():
+    # Every new socket gets a time limit, as rospy does it to its process.
+    socket.setdefaulttimeout(SOCKET_LIMIT_S)
+    try:
+        server = RpcTcpServer("127.0.0.1", 0, OFFERED, LONGEST_RECORD, 3)
+        server.start()
+        with RawClient(server.port) as client:
+            assert echoed(client)
+            ended, _, _ = select.select([client.sock], [], [], 3 * SOCKET_LIMIT_S)
+            assert not ended and echoed(client)
+        server.stop()
+    finally:
+        socket.setdefaulttimeout(None)
+
+
+# The port mapper.
+
+
+@pytest.fixture
+def portmapper():
+    mappings = [tcp_mapping(395183, 1, 4711), tcp_mapping(395184, 1, 4712)]
+    one = Portmapper("127.0.0.1", mappings, 0)
+    one.start()
+    yield one
+    one.stop()
+
+
+@each_case(
+    "wanted, port",
+    [
+        ((395183, 1, 6, 0), 4711),
+        ((395184, 1, 6, 0), 4712),
+        ((395183, 1, 17, 0), 0),
+        ((395183, 2, 6, 0), 0),
+        ((1, 1, 6, 0), 0),
+    ],
+)
+def test_portmapper_tells_ports_on_tcp_and_udp(portmapper, wanted, port):
+    with RawClient(portmapper.port) as client:
+        # Nobody can change them.
+        for procedure in (1, 2):
+            assert client.result(PMAP, 2, procedure, words(395183, 1, 6, 1)) == words(0)
+        assert client.result(PMAP, 2, 3, words(*wanted)) == words(port)
+        listed = unpack_words(client.result(PMAP, 2, 4))
+        assert listed == [1, 395183, 1, 6, 4711, 1, 395184, 1, 6, 4712, 0]
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sock:
+        sock.settimeout(30.0)
+        sock.sendto(b"garbage", ("127.0.0.1", portmapper.port))
+        sock.sendto(call(PMAP, 2, 3, words(*wanted)), ("127.0.0.1", portmapper.port))
+        assert unpack_words(sock.recv(100)) == [7, 1, 0, 0, 0, 0, port]
+
+
+def test_stopped_portmapper_answers_no_more(portmapper):
+    portmapper.stop()
+    with pytest.raises(ConnectionRefusedError):
+        RawClient(portmapper.port)
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sock:
+        sock.settimeout(0.2)
+        sock.connect(("127.0.0.1", portmapper.port))
+        sock.send(call(PMAP, 2, 0))
+        with pytest.raises(OSError):
+            sock.recv(100)

@@ -2,19 +2,19 @@
 
 from __future__ import annotations
 
-import threading
-
 import numpy as np
-from rpc_wire import wait_until
+import vxi11
+from vxi11_wire import LIMIT_S, wait_until
 
 from gpr20_common.low.clock import Clock
 from gpr20_simulator.mid.analyzer.instrument import SimulatedVna
 from gpr20_simulator.mid.analyzer.instrument_scene import InstrumentScene
+from gpr20_simulator.mid.analyzer.simulated_analyzer import AnalyzerOptions, SimulatedAnalyzer
 from gpr20_simulator.mid.analyzer.sweep_plan import SweepPace
 from gpr20_simulator.mid.analyzer.sweeper import Sweeper
 from gpr20_simulator.mid.analyzer.vna_faults import FaultBoard
 from gpr20_simulator.mid.analyzer.vna_settings import VnaSettings
-from gpr20_simulator.mid.world.medium import AntennaPosition, PositionProbe
+from gpr20_simulator.mid.world.medium import AntennaPosition, PositionProbe, probed_sweep
 
 
 class HandClock(Clock):
@@ -22,7 +22,6 @@ class HandClock(Clock):
 
     def __init__(self):
         self._now_s = 1000.0
-        self._moved = threading.Event()
 
     def now_s(self):
         return self._now_s
@@ -61,22 +60,28 @@ class Carriage:
         return self.here
 
 
+# Of a sweep that takes time: its points, and the time of each [s].
+POINTS, POINT_S = 101, 0.001
+SWEEP_S = POINTS * POINT_S
+
+
 class Bench:
-    """An instrument without network."""
+    """An instrument without network; its sweeps take no time unless said."""
 
     def __init__(self, clock=None, seconds_per_point=0.0, medium=None, **description):
+        self.clock = clock or Clock()
         self.carriage = Carriage()
         self.faults = FaultBoard()
         self.captured = []
-        plan = VnaSettings().plan(seconds_per_point)
-        clock = clock or Clock()
+        scene = InstrumentScene(**description)
+        plan = VnaSettings().plan(seconds_per_point, scene.averaging)
         self.sweeper = Sweeper(
-            medium or PositionProbe(), self.carriage.position, clock, plan, SweepPace()
+            medium or PositionProbe(), self.carriage.position, self.clock, plan, SweepPace()
         )
         self.instrument = SimulatedVna(
             self.sweeper,
-            clock,
-            InstrumentScene(**description),
+            self.clock,
+            scene,
             self.faults,
             seconds_per_point,
             lambda kind, reply: self.captured.append((kind, reply)),
@@ -89,6 +94,27 @@ class Bench:
     def ask(self, text):
         """Return the answer without its newline, as text."""
         return self.send(text).answer.decode("latin-1").rstrip("\n")
+
+    def data(self):
+        return self.send(":CALC1:DATA? SDAT").answer
+
+    def sweep_numbers(self):
+        """Return the numbers of the sweeps that the points are from."""
+        numbers = real_numbers(self.data())
+        return {probed_sweep(value) for value in numbers[0::2] + 1j * numbers[1::2]}
+
+    def preamble(self):
+        content = block_content(self.send(":TRAC:PRE? 1").answer).decode()
+        return dict(pair.split("=") for pair in content.split(","))
+
+    def wait_for_bit(self):
+        wait_until(lambda: self.ask(":STAT:OPER?") == "256", "end of the sweep")
+
+    def sweep(self, after_s=2.0 * SWEEP_S):
+        """Trigger a sweep, let time pass, and wait for its end."""
+        self.send(":INIT:IMM")
+        self.clock.advance(after_s)
+        self.wait_for_bit()
 
     def stop(self):
         self.sweeper.stop()
@@ -112,10 +138,6 @@ def real_numbers(reply):
     return np.frombuffer(block_content(reply), "<f4")
 
 
-def complex_numbers(numbers):
-    return numbers[0::2] + 1j * numbers[1::2]
-
-
 def new_bench(request, **options):
     """Return a bench of other options that ends with the test."""
     one = Bench(**options)
@@ -123,8 +145,58 @@ def new_bench(request, **options):
     return one
 
 
+def timed_bench(request, **description):
+    """Return a bench whose sweeps take the time of a hand clock, after one of them."""
+    one = new_bench(request, clock=HandClock(), seconds_per_point=POINT_S, **description)
+    one.send(f":INIT:CONT OFF;:SWE:POIN {POINTS};:SENS:TRACE1:SPAR S21;:FORM REAL,32")
+    one.sweep()
+    return one
+
+
 def swept(bench, points=11):
     """Hold, set the sweep, run it once and return its data in REAL,32."""
     bench.send(f":INIT:CONT OFF;:SWE:POIN {points};:SENS:TRACE1:SPAR S21;:FORM REAL,32;:INIT:IMM")
-    wait_until(lambda: bench.ask(":STAT:OPER?") == "256", "end of the sweep")
-    return bench.send(":CALC1:DATA? SDAT").answer
+    bench.wait_for_bit()
+    return bench.data()
+
+
+class Rig:
+    """The whole analyzer behind a real VXI-11 socket, with a client."""
+
+    def __init__(self, **description):
+        self.carriage = Carriage()
+        self.vna = SimulatedAnalyzer(
+            PositionProbe(),
+            self.carriage.position,
+            Clock(),
+            InstrumentScene(**description),
+            AnalyzerOptions(seconds_per_point=1e-4),
+        )
+        self.vna.start()
+        self.client = self.connected()
+        self.client.write(":SWE:POIN 101;:SENS:TRACE1:SPAR S21;:FORM REAL,32")
+
+    def connected(self):
+        return connected(self.vna.server.port)
+
+    def data(self):
+        numbers = real_numbers(self.client.ask_raw(b":CALC1:DATA? SDAT"))
+        return numbers[0::2] + 1j * numbers[1::2]
+
+    def sweep(self):
+        self.client.write(":INIT:CONT OFF;:INIT:IMM")
+        wait_until(lambda: self.client.ask(":STAT:OPER?") == "256", "end of the sweep")
+
+    def stop(self):
+        self.client.client.sock.close()
+        self.client.link = None
+        self.vna.stop()
+
+
+def connected(port):
+    """Return a link of python-vxi11 to a port."""
+    client = vxi11.Instrument("127.0.0.1")
+    client.client = vxi11.vxi11.CoreClient("127.0.0.1", port)
+    client.timeout = LIMIT_S
+    client.open()
+    return client

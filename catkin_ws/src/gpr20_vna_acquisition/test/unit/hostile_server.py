@@ -14,10 +14,10 @@ from typing import Callable, List, Optional
 from gpr20_vna_acquisition.low.vxi11_transport import LinkLimits
 
 HOST = "127.0.0.1"
+# For what comes, for an answer that never comes, and for nothing that ever comes.
+PATIENT = LinkLimits(connect_s=30.0, answer_s=30.0)
+IMPATIENT = LinkLimits(connect_s=30.0, answer_s=0.5)
 QUICK = LinkLimits(connect_s=0.4, answer_s=0.3)
-# What a call may take with these limits: the answer, the margin, closing the link, and a machine
-# that stalls.
-LONGEST_S = 0.3 + 1.0 + 0.5 + 5.0
 GETPORT, CREATE_LINK, WRITE, READ, CLEAR, DESTROY_LINK = 3, 10, 11, 12, 15, 23
 LOCK, UNLOCK = 18, 19
 END = 4
@@ -27,11 +27,15 @@ class HangUp(Exception):
     """Close the connection instead of answering."""
 
 
-def wait_until(condition, limit_s: float = 2.0) -> None:
-    deadline = time.monotonic() + limit_s
+def wait_until(condition) -> None:
+    deadline = time.monotonic() + 30.0
     while not condition():
         assert time.monotonic() < deadline, "the condition did not come true in time"
         time.sleep(0.005)
+
+
+def proper(_procedure: int, answer: bytes) -> bytes:
+    return answer
 
 
 def hang_up(_procedure: int, _proper: bytes) -> bytes:
@@ -39,7 +43,13 @@ def hang_up(_procedure: int, _proper: bytes) -> bytes:
 
 
 def on(procedure: int, what):
-    return lambda called, proper: what(called, proper) if called == procedure else proper
+    """Return what makes something else of the proper answer to one procedure."""
+    return lambda called, answer: what(called, answer) if called == procedure else answer
+
+
+def body(content: bytes):
+    """Return what puts something else behind the head of a proper answer."""
+    return lambda _called, answer: record(answer[4:28] + content)
 
 
 def opaque(data: bytes) -> bytes:
@@ -60,7 +70,7 @@ class HostileServer:
     def __init__(self) -> None:
         self._listener = socket.create_server(("127.0.0.1", 0))
         self.port = self._listener.getsockname()[1]
-        self.spoil: Callable[[int, bytes], bytes] = lambda procedure, proper: proper
+        self.spoil: Callable[[int, bytes], bytes] = proper
         # Sends bytes in its own way; used to drip them.
         self.send: Callable[[socket.socket, bytes], None] = lambda peer, data: peer.sendall(data)
         self.answer: Callable[[bytes], bytes] = lambda question: read_reply(b"<" + question + b">")

@@ -2,36 +2,40 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 
+import numpy as np
 import pytest
-from driver_bench import ADDRESS, SWEEP, Bench
+from case_kit import each_case
+from driver_bench import ADDRESS, OTHER_IDENTITY, SWEEP, Bench
 from fault_kit import raises_fault
+from hypothesis import given
+from hypothesis import strategies as st
 
 from gpr20_common import faults as common_faults
-from gpr20_common.message import Message
+from gpr20_common.mid.records import record_from
 from gpr20_survey.trace.sweep_settings import AnalyzerSettings, SweepSettings
 from gpr20_vna_acquisition import faults
-from gpr20_vna_acquisition.errors import (
-    VnaConnectionError,
-    VnaNotReadyError,
-    VnaSweepError,
-    VnaTimeoutError,
-)
-from gpr20_vna_acquisition.mid.settings import HOLD
+from gpr20_vna_acquisition.errors import VnaNotReadyError, VnaSweepError, VnaTimeoutError
+from gpr20_vna_acquisition.mid.settings import HOLD, check_frequencies
+from gpr20_vna_acquisition.mid.vna_parameters import VnaParameters
 
 OPTIONAL = [":SENS:TRACE1:DOM?", ":SENS:TRAC:TOT?", ":SENS:SWE:IFBW?", ":SOUR:POW?"]
 
 
-def commands(bench: Bench) -> list:
-    return [one for one in bench.vna.sent if "?" not in one and not one.startswith("<")]
+def commands(bench: Bench) -> set:
+    return {one for one in bench.vna.sent if "?" not in one and not one.startswith("<")}
 
 
 def with_settings(*settings) -> SweepSettings:
     return replace(SWEEP, analyzer=AnalyzerSettings(*settings))
 
 
-@pytest.mark.parametrize(
+# What can be asked for.
+
+
+@each_case(
     "settings, header, value",
     [
         ((20.0, 0, ""), ":SENS:SWE:IFBW", "20"),
@@ -52,54 +56,109 @@ def test_a_setting_of_the_survey_is_made_and_the_others_are_left(settings, heade
     assert bench.driver.get_trace().analyzer == accepted.analyzer
 
 
-@pytest.mark.parametrize(
+@each_case(
     "settings, shown",
     [
-        ((30_000.0, 0, ""), "0, 10, 20, 50"),
-        ((float("nan"), 0, ""), "0, 10"),
-        ((0.0, 65_536, ""), "65535"),
-        ((0.0, -1, ""), "65535"),
-        ((0.0, 0, "high"), "LOW, HIGH"),
+        (with_settings(30_000.0, 0, ""), ("0, 10, 20, 50",)),
+        (with_settings(math.nan, 0, ""), ("0, 10",)),
+        (with_settings(0.0, 65_536, ""), ("65535",)),
+        (with_settings(0.0, -1, ""), ("65535",)),
+        (with_settings(0.0, 0, "high"), ("LOW, HIGH",)),
+        (SweepSettings(0.0, 6e9, 501), ("0 Hz", 5000)),
+        (SweepSettings(4999.0, 6e9, 501), (5000, "6000000000 Hz")),
+        (SweepSettings(math.nan, 6e9, 501), ("nan",)),
+        (SweepSettings(1e9, math.inf, 501), ("inf",)),
+        (SweepSettings(1e9, 6.1e9, 501), ("6100000000 Hz", "6000000000 Hz")),
+        (SweepSettings(2e9, 1e9, 501), ("2000000000 Hz", "1000000000 Hz")),
+        # Closer than the synthesizer's step.
+        (SweepSettings(1e9, 1e9 + 9.9, 501), ("1000000000",)),
+        (SweepSettings(1e9, 2e9, 1), (1, 2, 4000)),
+        (SweepSettings(1e9, 2e9, 4001), (4001, 4000)),
+        (SweepSettings(1e9, 2e9, -5), (-5, 2)),
     ],
 )
 def test_what_the_instrument_does_not_have_is_refused_before_anything_is_sent(settings, shown):
     bench = Bench().configured()
     del bench.vna.sent[:]
-    with raises_fault(common_faults.NOT_ALLOWED, shown):
-        bench.driver.set_frequency_sweep(with_settings(*settings))
+    with raises_fault(common_faults.NOT_ALLOWED, *shown):
+        bench.driver.set_frequency_sweep(settings)
     assert bench.vna.sent == []
 
 
-@pytest.mark.parametrize("span_hz", [0.0, 0.5, 9.9])
-def test_frequencies_closer_than_the_synthesizers_step_are_refused(span_hz):
-    with raises_fault(common_faults.NOT_ALLOWED, "1000000000"):
-        Bench().driver.set_frequency_sweep(SweepSettings(1e9, 1e9 + span_hz, 11))
+def test_accepts_the_whole_range():
+    for points in (2, 4000):
+        VnaParameters().check_sweep(SweepSettings(5e3, 6e9, points))
 
 
-def test_a_second_setup_writes_nothing():
-    bench = Bench().configured()
-    del bench.vna.sent[:]
-    bench.driver.set_frequency_sweep(SWEEP)
-    assert set(commands(bench)) == {":INIT:IMM"}
+@given(st.integers(2, 4000), st.integers(5000, 5_999_000_000))
+def test_grid_is_exact_where_single_precision_is_not(points, start_hz):
+    grid_hz = SweepSettings(float(start_hz), 6e9, points).frequencies_hz()
+    assert grid_hz.dtype == np.float64 and len(grid_hz) == points
+    assert grid_hz[0] == start_hz and grid_hz[-1] == 6e9
+    assert (np.diff(grid_hz) > 0).all()
+    middle = points // 2
+    exact = start_hz + middle * (6_000_000_000 - start_hz) / (points - 1)
+    assert abs(grid_hz[middle] - exact) < 1e-5
+
+
+def test_another_grid_is_refused_and_its_own_in_single_precision_accepted():
+    sweep = SweepSettings(600e6, 6e9, 501)
+    check_frequencies(sweep.frequencies_hz().astype(np.float32).astype(np.float64), sweep)
+    for grid_hz in (
+        SweepSettings(600e6, 5.9e9, 501).frequencies_hz(),
+        SweepSettings(600.002e6, 6e9, 501).frequencies_hz(),
+        SweepSettings(600e6, 6.00001e9, 501).frequencies_hz(),
+        np.geomspace(600e6, 6e9, 501),
+    ):
+        with raises_fault(faults.NOT_LINEAR):
+            print(grid_hz, check_frequencies(grid_hz, sweep))
+
+
+@each_case(
+    "name, value",
+    [
+        ("answer_timeout_s", 0.0),
+        ("settle_s", math.nan),
+        ("attempts", 0),
+        ("vxi11_port", 70000),
+        ("transfer_format", "REAL,64"),
+        ("seconds_per_point", -1.0),
+        ("max_frequency_hz", 1.0),
+        ("min_level_db", math.nan),
+        ("min_level_db", 0.0),
+        ("max_level_db", math.inf),
+        ("same_points", 1),
+        ("duration_tolerance_s", -0.1),
+        ("connect_timeout_s", 1e300),
+        ("poll_interval_s", 1e-300),
+        ("link_check_s", 3601.0),
+        ("maker", ""),
+        ("model", " "),
+        ("accepted_calibrations", (1, 6)),
+    ],
+)
+def test_parameters_that_make_no_sense_are_named(name, value):
+    with raises_fault((common_faults.NOT_ALLOWED, common_faults.CONFIGURATION), name):
+        record_from(VnaParameters, {name: value}, "vna_acquisition")
+
+
+# What is written.
 
 
 def test_only_the_setting_that_differs_is_written():
     bench = Bench().configured()
-    bench.vna.settings[":SENS:TRACE1:SPAR"] = "S11"
     del bench.vna.sent[:]
     bench.driver.set_frequency_sweep(SWEEP)
-    assert set(commands(bench)) == {":SENS:TRACE1:SPAR S21", ":INIT:IMM"}
+    assert commands(bench) == {":INIT:IMM"}
+    bench.vna.settings[":SENS:TRACE1:SPAR"] = "S11"
+    bench.driver.set_frequency_sweep(SWEEP)
+    assert commands(bench) == {":SENS:TRACE1:SPAR S21", ":INIT:IMM"}
 
 
 def test_a_calibration_that_a_setting_ends_is_reported_once_and_survives_the_next_setup():
     bench = Bench()
     bench.driver.connect_to_vna(ADDRESS)
-
-    def lose_calibration(message: str) -> None:
-        if message.startswith(":SENS:FREQ:STAR "):
-            bench.vna.calibration = "0"
-
-    bench.vna.before = lose_calibration
+    bench.lose_calibration_at(":SENS:FREQ:STAR ")
     with raises_fault(faults.CALIBRATION_LOST):
         bench.driver.set_frequency_sweep(SWEEP)
     with pytest.raises(VnaNotReadyError):
@@ -110,50 +169,56 @@ def test_a_calibration_that_a_setting_ends_is_reported_once_and_survives_the_nex
     assert bench.vna.calibration == "1"
 
 
+def test_an_instrument_that_loses_its_calibration_when_it_is_held_says_so():
+    bench = Bench().configured()
+    bench.driver.disconnect_from_vna()
+    bench.lose_calibration_at(":INIT:CONT OFF")
+    with raises_fault(faults.CALIBRATION_LOST, HOLD.name):
+        bench.configured()
+
+
 def test_an_instrument_without_calibration_can_be_set_up():
     bench = Bench()
     bench.vna.calibration = "0"
     bench.configured()
 
 
-@pytest.mark.parametrize("query", OPTIONAL)
-def test_a_query_without_an_answer_is_learned_once_and_remarked(query):
+# What is not answered.
+
+
+@each_case("query", OPTIONAL)
+@each_case("code", ["", "-113", '-400,"unknown"', '"-230"'])
+def test_a_query_without_an_answer_is_learned_once_and_remarked(query, code):
     bench = Bench(max_level_db=60.0)
-    bench.vna.unanswered = [query]
+    ask = bench.vna.answer
+    if code:
+        # An error code is no answer.
+        bench.vna.answer = lambda one: code.encode() if one == query else ask(one)
+    else:
+        bench.vna.unanswered = [query]
     bench.configured()
-    assert bench.vna.sent.count(query) == 2
+    assert bench.vna.sent.count(query) == (1 if code else 2)
     bench.driver.get_trace()
     (remark,) = bench.driver.state.last_quality
     assert remark.fault == faults.SETTING_UNREPORTED
     del bench.vna.sent[:]
     assert bench.driver.get_trace().quality == ()
     assert query not in bench.vna.sent
-
-
-@pytest.mark.parametrize("query", [*OPTIONAL, ":TRAC:PRE? 1"])
-def test_a_query_without_an_answer_is_tried_again_at_each_new_set_up(query):
-    bench = Bench(max_level_db=60.0)
-    bench.vna.unanswered = [query]
-    bench.configured()
-    bench.vna.unanswered = []
-    del bench.vna.sent[:]
+    # It is tried again at each new set-up.
+    bench.vna.answer, bench.vna.unanswered = ask, []
     bench.driver.set_frequency_sweep(SWEEP)
     assert query in bench.vna.sent
     assert bench.driver.get_trace().quality == ()
 
 
-@pytest.mark.parametrize(
-    "query, answer", list(zip(OPTIONAL, ["-113", '-400,"unknown"', '"-230"', "-400"]))
-)
-def test_an_error_code_is_no_answer_to_a_query(query, answer):
-    bench = Bench(max_level_db=60.0)
-    ask = bench.vna.answer
-    bench.vna.answer = lambda one: answer.encode() if one == query else ask(one)
-    bench.configured()
-    assert bench.vna.sent.count(query) == 1
-    bench.driver.get_trace()
-    (remark,) = bench.driver.state.last_quality
-    assert remark.fault == faults.SETTING_UNREPORTED
+def test_another_instrument_is_asked_again():
+    bench = Bench()
+    bench.vna.unanswered = [":SOUR:POW?", ":TRAC:PRE? 1"]
+    assert bench.configured().driver.state.sweep.analyzer.output_power == ""
+    bench.vna.unanswered = []
+    bench.vna.identity = OTHER_IDENTITY
+    bench.vna.preamble["SN"] = "7654321"
+    assert bench.configured().driver.state.sweep.analyzer.output_power == "HIGH"
 
 
 def test_a_number_of_averages_below_one_is_an_error():
@@ -172,6 +237,14 @@ def test_all_optional_queries_may_be_without_an_answer():
     assert bench.clock.time_s - begun_s < 40.0
 
 
+def test_a_required_query_without_an_answer_fails_within_the_limit():
+    bench = Bench()
+    bench.vna.unanswered = [":SENS:FREQ:STAR?"]
+    bench.driver.connect_to_vna(ADDRESS)
+    with raises_fault(faults.NO_ANSWER, error=VnaTimeoutError):
+        bench.driver.set_frequency_sweep(SWEEP)
+
+
 def test_every_answer_may_have_quotes():
     bench = Bench()
     answer = bench.vna.answer
@@ -182,37 +255,6 @@ def test_every_answer_may_have_quotes():
     )
     assert bench.configured().driver.state.sweep.analyzer == AnalyzerSettings(10_000.0, 1, "HIGH")
     bench.driver.get_trace()
-
-
-def test_an_instrument_that_loses_its_calibration_when_it_is_held_says_so():
-    bench = Bench().configured()
-    bench.driver.disconnect_from_vna()
-
-    def lose_calibration(message: str) -> None:
-        if message == ":INIT:CONT OFF":
-            bench.vna.calibration = "0"
-
-    bench.vna.before = lose_calibration
-    with raises_fault(faults.CALIBRATION_LOST, HOLD.name):
-        bench.configured()
-
-
-def test_another_instrument_is_asked_again():
-    bench = Bench()
-    bench.vna.unanswered = [":SOUR:POW?"]
-    bench.configured()
-    bench.vna.unanswered = []
-    bench.vna.identity = '"Anritsu,MS2026C/2,7654321,1.23"'
-    bench.configured()
-    assert bench.driver.state.sweep.analyzer.output_power == "HIGH"
-
-
-def test_a_required_query_without_an_answer_fails_within_the_limit():
-    bench = Bench()
-    bench.vna.unanswered = [":SENS:FREQ:STAR?"]
-    bench.driver.connect_to_vna(ADDRESS)
-    with raises_fault(faults.NO_ANSWER, error=VnaTimeoutError):
-        bench.driver.set_frequency_sweep(SWEEP)
 
 
 @pytest.mark.parametrize("silences, known", [(3, True), (4, False)])
@@ -233,118 +275,3 @@ def test_a_query_that_was_answered_before_is_soon_not_taken_for_unknown(silences
     del bench.vna.sent[:]
     bench.driver.get_trace()
     assert (":SENS:TRACE1:DOM?" in bench.vna.sent) is known
-
-
-HAND = [
-    (":SENS:FREQ:STAR", "700000000"),
-    (":SENS:FREQ:STOP", "5000000000"),
-    (":SENS:SWE:POIN", "12"),
-    (":SENS:TRAC:TOT", "4"),
-    (":SENS:TRACE1:SPAR", "S11"),
-    (":SENS:TRACE1:DOM", "TIME"),
-    (":SENS:AVER:COUN", "4"),
-    (":SENS:SWE:IFBW", "20"),
-    (":SOUR:POW", "LOW"),
-    (":FORM", "ASC"),
-    (":INIT:CONT", "1"),
-]
-
-
-@pytest.mark.parametrize("is_broken", [False, True])
-def test_a_sweep_is_not_confirmed_after_a_change_by_hand(is_broken):
-    for header, value in HAND:
-        check_not_confirmed(header, value, is_broken)
-
-
-def check_not_confirmed(header, value, is_broken):
-    bench = Bench().configured()
-    number, sweep = bench.driver.take_sweep()
-    bench.vna.settings[header] = value
-    left = [VnaConnectionError(Message("broken on purpose"))] * is_broken
-
-    def break_once(message: str) -> None:
-        if left:
-            raise left.pop()
-
-    bench.vna.before = break_once
-    with raises_fault(faults.SETTINGS_CHANGED):
-        print(header, bench.driver.confirm(number))
-    assert bench.vna.settings[header] == value, "nothing may be written to prove a sweep"
-    number, again = bench.driver.take_sweep()
-    assert again.analyzer == sweep.analyzer and bench.driver.confirm(number).remarks == (), header
-    assert bench.vna.settings[header] != value
-
-
-def test_settings_restored_before_the_proof_do_not_hide_a_change():
-    bench = Bench().configured()
-    number, _sweep = bench.driver.take_sweep()
-    bench.vna.settings[":SENS:SWE:POIN"] = "201"
-
-    def break_once(_message: str) -> None:
-        bench.vna.before = lambda _message: None
-        raise VnaConnectionError(Message("broken on purpose"))
-
-    bench.vna.before = break_once
-    bench.driver.check_calibration_status()
-    assert bench.vna.settings[":SENS:SWE:POIN"] == "11", "restored on the new link"
-    with raises_fault(faults.SWEEP_UNCONFIRMED, number):
-        bench.driver.confirm(number)
-
-
-def test_only_the_last_sweep_can_be_confirmed():
-    bench = Bench().configured()
-    first, _sweep = bench.driver.take_sweep()
-    second, _sweep = bench.driver.take_sweep()
-    with raises_fault(faults.SWEEP_UNCONFIRMED, first):
-        bench.driver.confirm(first)
-    with pytest.raises(VnaNotReadyError):
-        bench.driver.confirm(second)
-
-
-@pytest.mark.parametrize(
-    "outage_s, survives", [(2.0, True), (20.0, True), (30.0, True), (60.0, False)]
-)
-def test_a_link_may_be_lost_for_half_a_minute(outage_s, survives):
-    bench = Bench().configured()
-    back_s = bench.clock.time_s + outage_s
-
-    def gone(_message: str) -> None:
-        if bench.clock.time_s < back_s:
-            raise VnaConnectionError(Message("connection refused"))
-
-    bench.vna.before = gone
-    if survives:
-        bench.driver.get_trace()
-        assert bench.clock.time_s - back_s < 2.0
-        assert len(bench.warnings) == 1
-    else:
-        with raises_fault(faults.NO_LINK, error=VnaTimeoutError):
-            bench.driver.get_trace()
-
-
-def test_another_serial_number_fails_the_request_at_once_until_it_is_connected():
-    bench = Bench().configured()
-    bench.vna.identity = '"Anritsu,MS2026C/2,7654321,1.23"'
-    left = [VnaConnectionError(Message("broken on purpose"))]
-    bench.vna.before = lambda message: [None for one in left if not left.clear()] and None
-    bench.driver._link.drop()
-    begun_s = bench.clock.time_s
-    with raises_fault(faults.REPLACED, 7654321, 1234567):
-        bench.driver.get_trace()
-    assert bench.clock.time_s - begun_s < 1.0
-    assert "7654321" in bench.driver.connect_to_vna(ADDRESS)
-    bench.configured()
-    bench.driver.get_trace()
-
-
-def test_after_the_survey_the_instrument_sweeps_by_itself_and_is_left_alone():
-    bench = Bench().configured()
-    bench.driver.disconnect_from_vna()
-    assert bench.vna.settings[":INIT:CONT"] == "0" or bench.vna._pending
-    bench.vna.answer(":INIT:CONT?")
-    assert bench.vna.settings[":INIT:CONT"] == "1" and bench.vna.local
-    assert bench.vna.open_links == 0
-    del bench.vna.sent[:]
-    bench.clock.pass_s(60.0)
-    bench.driver.check_idle_link()
-    assert bench.vna.sent == []

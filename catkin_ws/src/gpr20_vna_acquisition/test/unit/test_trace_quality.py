@@ -7,9 +7,10 @@ import math
 
 import numpy as np
 import pytest
+from case_kit import each_case
 from driver_bench import Bench
 from fault_kit import raises_fault
-from hypothesis import example, given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as arrays
 
@@ -20,17 +21,12 @@ from gpr20_survey.trace.calibration import CalibrationStatus
 from gpr20_survey.trace.sweep import MAX_REMARK_CHARACTERS, Sweep
 from gpr20_survey.trace.sweep_settings import AnalyzerSettings
 from gpr20_vna_acquisition import faults
-from gpr20_vna_acquisition.errors import (
-    VnaConnectionError,
-    VnaDataError,
-)
+from gpr20_vna_acquisition.errors import VnaConnectionError, VnaDataError
 from gpr20_vna_acquisition.mid.trace_quality import (
     MOST_REASONS,
     TraceQuality,
     calibration_remarks,
     duration_remarks,
-    flat_remarks,
-    level_remarks,
     refuse_impossible,
     retry_remarks,
     stored_remarks,
@@ -49,66 +45,57 @@ def sweep_of(real, imag, duration_s=0.1):
     return Sweep(frequency_hz, real, imag, STARTED_US, ended_us, (), AnalyzerSettings())
 
 
-def trace(level_db, points=POINTS, duration_s=0.1):
-    """Return a noisy trace of a level."""
+def trace(level_db=-40.0, flat=slice(0), points=POINTS):
+    """Return a noisy trace of a level, some points of which do not change."""
     random = np.random.default_rng(3)
     level = 10.0 ** (level_db / 20.0) * (1.0 + random.normal(0.0, 0.01, points))
     angle = random.uniform(-math.pi, math.pi, points)
-    return sweep_of(level * np.cos(angle), level * np.sin(angle), duration_s)
+    real, imag = level * np.cos(angle), level * np.sin(angle)
+    real[flat], imag[flat] = 0.001, -0.002
+    return sweep_of(real, imag)
 
 
 def judged(sweep, failures=()):
     return TraceQuality(LIMITS).remarks(sweep, failures)
 
 
-@pytest.mark.parametrize("level_db", [-70.0, -35.0, -1.0])
-def test_a_usual_trace_has_no_remarks(level_db):
-    assert judged(trace(level_db)) == ()
+def test_a_usual_trace_has_no_remarks():
+    weak_point = trace()
+    weak_point.s21_real[50] = weak_point.s21_imag[50] = 0.0
+    few_equal = trace(flat=slice(20, 27))
+    for sweep in (trace(-70.0), trace(-35.0), trace(-1.0), weak_point, few_equal):
+        assert judged(sweep) == ()
 
 
-@pytest.mark.parametrize(
+@each_case(
     "level_db, fault, limit_db",
     [(-95.0, faults.WEAK, LIMITS.min_level_db), (6.0, faults.STRONG, LIMITS.max_level_db)],
 )
 def test_a_level_beyond_its_limits_is_told_with_both_numbers(level_db, fault, limit_db):
-    (remark,) = level_remarks(trace(level_db), LIMITS)
+    (remark,) = judged(trace(level_db))
     assert remark.fault == fault
     assert f"{level_db:g}" in str(remark) and f"{limit_db:g} dB" in str(remark)
 
 
-def test_a_single_strong_point_is_told_and_a_single_weak_one_is_usual():
-    sweep = trace(-40.0)
-    sweep.s21_real[50] = sweep.s21_imag[50] = 0.0
-    assert level_remarks(sweep, LIMITS) == ()
+def test_a_single_strong_point_is_told():
+    sweep = trace()
     sweep.s21_real[50] = 2.0
-    assert level_remarks(sweep, LIMITS)[0].fault == faults.STRONG
+    assert judged(sweep)[0].fault == faults.STRONG
 
 
-@pytest.mark.parametrize("first, count", [(0, 8), (40, 20), (POINTS - 8, 8), (0, POINTS)])
+@each_case("first, count", [(0, 8), (40, 20), (POINTS - 8, 8), (0, POINTS)])
 def test_points_that_do_not_change_are_told_wherever_they_are(first, count):
-    sweep = trace(-40.0)
-    sweep.s21_real[first : first + count] = 0.001
-    sweep.s21_imag[first : first + count] = -0.002
-    (remark,) = flat_remarks(sweep, LIMITS)
+    (remark,) = judged(trace(flat=slice(first, first + count)))
     assert remark.fault == faults.FLAT
     assert {remark.values["same"], remark.values["points"]} == {count, POINTS}
 
 
-def test_a_few_equal_points_are_usual():
-    sweep = trace(-40.0)
-    sweep.s21_real[20:27] = 0.001
-    sweep.s21_imag[20:27] = -0.002
-    assert flat_remarks(sweep, LIMITS) == ()
-
-
-@pytest.mark.parametrize(
-    "duration_s, usual", [(0.6, True), (2.2, True), (0.4, False), (2.3, False)]
-)
+@each_case("duration_s, usual", [(0.6, True), (2.2, True), (0.4, False), (2.3, False)])
 def test_a_duration_far_from_the_usual_one_is_told(duration_s, usual):
     assert (duration_remarks(duration_s, 1.0, LIMITS) == ()) is usual
 
 
-@pytest.mark.parametrize(
+@each_case(
     "status, fault",
     [
         (CalibrationStatus.NONE, NOT_CALIBRATED),
@@ -129,34 +116,25 @@ def test_repetitions_are_told_with_their_number_and_each_reason_once():
     assert first.values["times"] == 3 and str(first).endswith(": cut")
     assert str(second).endswith(": not finite")
     assert first.fault_code == second.fault_code == faults.BAD_DATA.code
-
-
-def test_a_hundred_reasons_leave_room_for_the_other_remarks():
-    failures = [VnaDataError(verbatim(str(number))) for number in range(100)]
-    remarks = retry_remarks(failures)
+    # A hundred reasons leave room for the other remarks.
+    remarks = retry_remarks([VnaDataError(verbatim(str(number))) for number in range(100)])
     assert len(remarks) == MOST_REASONS and remarks[0].values["times"] == 100
-
-
-@settings(max_examples=40)
-@given(st.text(max_size=400))
-def test_every_remark_can_be_stored(text):
-    for remark in stored_remarks(judged(trace(-40.0), failures=[VnaDataError(verbatim(text))])):
-        assert len(remark) <= MAX_REMARK_CHARACTERS and remark.isprintable()
 
 
 @given(
     arrays.arrays(np.float64, (2, 9), elements=FINITE),
     st.sampled_from(list(CalibrationStatus)),
     st.floats(0.0, 100.0),
+    st.text(max_size=400),
 )
-def test_any_finite_data_can_be_judged(data, calibration, duration_s):
+def test_any_finite_data_can_be_judged_and_every_remark_stored(data, calibration, duration_s, text):
     quality = TraceQuality(LIMITS)
     for _ in range(6):
         sweep = sweep_of(data[0], data[1], duration_s)
-        remarks = quality.remarks(sweep, [VnaDataError(Message("x"))])
+        remarks = quality.remarks(sweep, [VnaDataError(verbatim(text))])
         remarks += calibration_remarks(calibration)
         for remark in stored_remarks(remarks):
-            assert len(remark) <= MAX_REMARK_CHARACTERS
+            assert len(remark) <= MAX_REMARK_CHARACTERS and remark.isprintable()
         for message in remarks:
             # They go to the diagnostics as JSON, which has no infinite numbers.
             assert received_message("", message.to_json()) == message
@@ -166,31 +144,33 @@ def test_any_finite_data_can_be_judged(data, calibration, duration_s):
 def test_a_trace_of_zeros_is_refused():
     with raises_fault(faults.BAD_DATA):
         refuse_impossible(sweep_of(np.zeros(POINTS), np.zeros(POINTS)))
+    for part in ("s21_real", "s21_imag"):
+        # One part may be zero.
+        sweep = trace()
+        getattr(sweep, part)[:] = 0.0
+        refuse_impossible(sweep)
 
 
 def test_an_imaginary_part_that_copies_the_real_one_is_refused():
-    real = trace(-40.0).s21_real
+    real = trace().s21_real
     with raises_fault(faults.BAD_DATA):
         refuse_impossible(sweep_of(real, real.copy()))
 
 
-@pytest.mark.parametrize("part", ["s21_real", "s21_imag"])
-def test_a_part_that_is_zero_is_a_measurement(part):
-    sweep = trace(-40.0)
-    getattr(sweep, part)[:] = 0.0
-    refuse_impossible(sweep)
-
-
 # The same, through the driver.
+
+
+def remarks_of(status):
+    return stored_remarks(calibration_remarks(status))
 
 
 def test_the_calibration_is_that_of_the_moment_of_each_sweep():
     bench = Bench(max_level_db=60.0).configured()
     assert bench.driver.get_trace().quality == ()
     bench.vna.calibration = "3"
-    assert bench.driver.get_trace().quality == stored_remarks(
-        calibration_remarks(CalibrationStatus.MODERATE_TEMPERATURE)
-    )
+    expected = remarks_of(CalibrationStatus.MODERATE_TEMPERATURE)
+    assert bench.driver.get_trace().quality == expected
+    assert bench.driver.confirm(bench.taken).remarks == expected
 
 
 @pytest.mark.parametrize("status", [CalibrationStatus.NONE, CalibrationStatus.LOW])
@@ -211,9 +191,7 @@ def test_a_sweep_without_an_accepted_calibration_is_refused_and_not_repeated(sta
 def test_which_calibrations_are_accepted_is_a_parameter():
     bench = Bench(accepted_calibrations=(0,), max_level_db=60.0).configured()
     bench.vna.calibration = "0"
-    assert bench.driver.get_trace().quality == stored_remarks(
-        calibration_remarks(CalibrationStatus.NONE)
-    )
+    assert bench.driver.get_trace().quality == remarks_of(CalibrationStatus.NONE)
     bench.vna.calibration = "1"
     with raises_fault(NOT_CALIBRATED):
         bench.driver.get_trace()
@@ -221,13 +199,7 @@ def test_which_calibrations_are_accepted_is_a_parameter():
 
 def test_a_calibration_that_cannot_be_read_repeats_the_sweep():
     bench = Bench().configured()
-    broken = [VnaConnectionError(Message("broken on purpose"))]
-
-    def before(message):
-        if message.endswith("ACC?") and broken:
-            raise broken.pop()
-
-    bench.vna.before = before
+    bench.lose_link_once(":SENS:CORR:COLL:STAT:ACC?")
     assert (bench.driver.get_trace().s21_real == bench.vna.sweep_number).all()
 
 
@@ -239,59 +211,30 @@ def test_a_sweep_that_takes_longer_than_its_like_says_so():
     bench.driver.get_trace()
     (remark,) = bench.driver.state.last_quality
     assert remark.fault == faults.UNUSUAL_DURATION
-
-
-def test_a_newly_configured_sweep_has_a_usual_duration_of_its_own():
-    bench = Bench(max_level_db=60.0).configured()
-    for _ in range(5):
-        bench.driver.get_trace()
-    bench.vna.sweep_s = 0.5
+    # One that is set up anew has a usual duration of its own.
     bench.configured()
     assert bench.driver.get_trace().quality == ()
-
-
-# The remarks of a repeated sweep give the number of its failures and every reason.
-
-
-def cut(answer):
-    return answer[:-9]
-
-
-def not_finite(answer):
-    return answer[:8] + b"\x00\x00\xc0\x7f" + answer[12:]
-
-
-def babble(_answer):
-    return b"\x8f\x01garbage"
 
 
 def break_link(_answer):
     raise VnaConnectionError(Message("broken on purpose"))
 
 
-FAULTS = (cut, not_finite, babble, break_link)
-MOST_FAILURES = VnaParameters.attempts - 1
+SPOILERS = (
+    lambda answer: answer[:-9],
+    lambda answer: answer[:8] + b"\x00\x00\xc0\x7f" + answer[12:],
+    lambda answer: b"\x8f\x01garbage",
+    break_link,
+)
 
 
-def remarks_after(failures):
-    """Return the remarks of a sweep whose first attempts fail so."""
+@given(st.lists(st.sampled_from(SPOILERS), min_size=1, max_size=VnaParameters.attempts - 1))
+def test_a_sweep_that_failed_in_several_ways_names_each_of_them_once(failures):
     bench = Bench(max_level_db=60.0).configured()
     left = list(failures)
     bench.vna.spoil = lambda answer: left.pop(0)(answer) if left else answer
     sweep = bench.driver.get_trace()
     assert not left and (sweep.s21_real == bench.vna.sweep_number).all()
-    return sweep.quality
-
-
-def times(count):
-    return "once" if count == 1 else f"{count} times"
-
-
-@settings(max_examples=40)
-@given(st.lists(st.sampled_from(FAULTS), min_size=1, max_size=MOST_FAILURES))
-@example([cut])
-@example([break_link] * MOST_FAILURES)
-def test_a_sweep_that_failed_in_several_ways_names_each_of_them_once(faults):
-    remarks = remarks_after(faults)
-    assert remarks[0].startswith(f"the sweep was repeated {times(len(faults))}: ")
-    assert len(remarks) == len(set(faults))
+    remarks = bench.driver.state.last_quality
+    assert remarks[0].values.get("times", 1) == len(failures)
+    assert len(remarks) == len(sweep.quality) == len(set(failures))

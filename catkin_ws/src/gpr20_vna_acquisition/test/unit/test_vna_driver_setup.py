@@ -6,19 +6,18 @@ import threading
 
 import numpy as np
 import pytest
-from driver_bench import ACCEPTED, ADDRESS, SWEEP, Bench
-from fake_vna import IDENTITY
+from case_kit import each_case
+from driver_bench import ACCEPTED, ADDRESS, IDENTITY, Bench
 from fault_kit import raises_fault
 
 from gpr20_common import faults as common_faults
-from gpr20_common.message import Message
+from gpr20_survey.faults import NOT_CALIBRATED
 from gpr20_survey.trace.calibration import CalibrationStatus
 from gpr20_survey.trace.sweep_settings import SweepSettings
 from gpr20_vna_acquisition import faults
 from gpr20_vna_acquisition.errors import (
     VnaClosedError,
     VnaConnectionError,
-    VnaIdentityError,
     VnaNotReadyError,
     VnaSweepError,
     VnaTimeoutError,
@@ -31,33 +30,27 @@ def bench() -> Bench:
     return Bench().configured()
 
 
-@pytest.mark.parametrize(
+@each_case(
     "identity",
-    ['"Anritsu,MS2038C/2,1,1"', '"Keysight,MS2026C/2,1,1"', "", "garbage", '"Anritsu,MS2026C/2"'],
+    [
+        '"Anritsu,MS2038C/2,1,1"',
+        '"Keysight,MS2026C/2,1,1"',
+        "",
+        "P\x006\x07",
+        '"Anritsu,MS2026C/2"',
+    ],
 )
 def test_another_instrument_is_refused_and_its_link_closed(identity):
     bench = Bench()
     bench.vna.identity = identity
-    with raises_fault(faults.WRONG_INSTRUMENT, "Anritsu MS2026C"):
+    with raises_fault(faults.WRONG_INSTRUMENT, "Anritsu MS2026C") as refusal:
         bench.driver.connect_to_vna(ADDRESS)
     assert bench.vna.open_links == 0 and not bench.driver.vna_connected
-
-
-def test_an_unreadable_identification_is_in_the_details_not_in_the_sentence():
-    bench = Bench()
-    bench.vna.identity = "P\x006\x07"
-    with raises_fault(faults.WRONG_INSTRUMENT, "'P?6?'") as refusal:
-        bench.driver.connect_to_vna(ADDRESS)
-    assert refusal.value.message.details == repr("P\x006\x07")
-
-
-def test_the_reports_say_why_no_connection_was_made_until_there_is_one():
-    bench = Bench()
-    expected, bench.vna.identity = bench.vna.identity, "garbage"
-    with pytest.raises(VnaIdentityError):
-        bench.driver.connect_to_vna(ADDRESS)
     assert bench.driver.state.last_error.fault == faults.WRONG_INSTRUMENT
-    bench.vna.identity = expected
+    if "\x07" in identity:
+        assert "'P?6?'" in str(refusal.value)
+        assert refusal.value.message.details == repr(identity)
+    bench.vna.identity = IDENTITY
     bench.driver.connect_to_vna(ADDRESS)
     assert bench.driver.state.last_error is None
 
@@ -68,27 +61,30 @@ def test_expected_model_is_a_parameter():
     assert bench.driver.connect_to_vna(ADDRESS).startswith("Anritsu,MS2038C")
 
 
-def test_an_address_that_is_not_four_numbers_is_refused():
+@each_case("address", ["", "192.168.1", "192.168.1.256", "localhost", "1.2.3.4.5"])
+def test_an_address_that_is_not_four_numbers_is_refused(address):
     bench = Bench()
-    for address in ("", "192.168.1", "192.168.1.256", "localhost", "1.2.3.4.5"):
-        with raises_fault(common_faults.NOT_ALLOWED, f"'{address}'"):
-            bench.driver.connect_to_vna(address)
+    with raises_fault(common_faults.NOT_ALLOWED, f"'{address}'"):
+        bench.driver.connect_to_vna(address)
     assert bench.vna.links == 0
 
 
-@pytest.mark.parametrize(
-    "call", ["get_trace", "get_freq", "check_calibration_status", "test_connection"]
+@each_case(
+    "call, connected, fault, shown",
+    [
+        ("get_trace", False, faults.NOT_CONNECTED, "service connection"),
+        ("get_freq", False, faults.NOT_CONNECTED, "service connection"),
+        ("check_calibration_status", False, faults.NOT_CONNECTED, "service connection"),
+        ("test_connection", False, faults.NOT_CONNECTED, "service connection"),
+        ("get_trace", True, faults.NOT_CONFIGURED, "freq_sweep_setup"),
+        ("get_freq", True, faults.NOT_CONFIGURED, "freq_sweep_setup"),
+    ],
 )
-def test_without_connection_the_caller_is_told_to_connect(call):
-    with raises_fault(faults.NOT_CONNECTED, "service connection"):
-        getattr(Bench().driver, call)()
-
-
-@pytest.mark.parametrize("call", ["get_trace", "get_freq"])
-def test_without_configuration_the_caller_is_told_to_configure(call):
+def test_the_caller_is_told_to_connect_or_to_configure_first(call, connected, fault, shown):
     bench = Bench()
-    bench.driver.connect_to_vna(ADDRESS)
-    with raises_fault(faults.NOT_CONFIGURED, "freq_sweep_setup"):
+    if connected:
+        bench.driver.connect_to_vna(ADDRESS)
+    with raises_fault(fault, shown):
         getattr(bench.driver, call)()
 
 
@@ -122,8 +118,7 @@ def test_an_instrument_without_time_domain_is_not_asked_for_it():
 def test_a_setting_may_take_the_instruments_settling_time():
     bench = Bench()
     bench.vna.settling_s = 1.9
-    bench.configured()
-    assert bench.driver.state.sweep == ACCEPTED
+    assert bench.configured().driver.state.sweep == ACCEPTED
 
 
 @pytest.mark.parametrize("header", [":SENS:FREQ:STAR", ":FORM", ":INIT:CONT"])
@@ -156,28 +151,52 @@ def test_calibration_is_read_by_its_meaning(bench):
         bench.vna.calibration = str(int(status))
         assert bench.driver.check_calibration_status() is status
         assert bench.driver.state.calibration is status
-
-
-def test_a_calibration_off_the_scale_is_an_error(bench):
     for bench.vna.calibration in ("5", "-1", "1.5", "", "nan", "high", "0_1"):
         with raises_fault(faults.BAD_DATA, 9, error=VnaSweepError):
             print(bench.vna.calibration, bench.driver.check_calibration_status())
 
 
-def test_disconnecting_closes_the_link_and_forgets_the_sweep(bench):
+def test_a_calibration_without_s21_is_none():
+    bench = Bench()
+    bench.vna.calibrated = "1"
+    bench.driver.connect_to_vna(ADDRESS)
+    status = bench.driver.check_calibration_status()
+    assert status is CalibrationStatus.NONE
+    refusal = bench.driver.calibration_refusal(status)
+    assert refusal.fault == NOT_CALIBRATED and "S11" in str(refusal)
+    bench.vna.calibrated = "5"
+    assert bench.driver.check_calibration_status() is CalibrationStatus.HIGH
+
+
+def test_a_calibration_is_described_as_far_as_the_instrument_says():
+    bench = Bench()
+    bench.driver.connect_to_vna(ADDRESS)
+    bench.driver.check_calibration_status()
+    asked = {"parameters": ["S11", "S12", "S21", "S22"], "type": "2PFP", "interpolated": False}
+    told = {"is_corrected": True, "temperature_c": 40.75, "smoothing_percent": 0, "trace_math": 0}
+    assert bench.driver.state.calibration_details == {**asked, **told}
+    bench.vna.unanswered = [":SENS:CAL:STAT?", ":SENS:CORR:COLL:TYPE?", ":SENS:CORR:COLL:INT?"]
+    bench.driver.connect_to_vna(ADDRESS)
+    assert bench.driver.check_calibration_status() is CalibrationStatus.HIGH
+    assert bench.driver.state.calibration_details == told
+
+
+def test_connecting_again_and_disconnecting_close_the_link_and_forget_the_sweep(bench):
+    bench.driver.connect_to_vna("192.168.1.11")
+    assert bench.vna.open_links == 1 and bench.driver.state.sweep is None
+    bench.configured()
+    del bench.vna.sent[:]
     bench.driver.disconnect_from_vna()
     assert bench.vna.open_links == 0 and not bench.driver.state.linked
+    # It sweeps by itself again, and is left alone.
+    assert ":INIT:CONT ON" in bench.vna.sent and bench.vna.local
     with pytest.raises(VnaNotReadyError):
         bench.driver.get_trace()
 
 
 @pytest.mark.parametrize("same_one", [True, False])
 def test_disconnecting_after_a_lost_link_leaves_the_instrument_sweeping(bench, same_one):
-    def lose_link(_message: str) -> None:
-        bench.vna.before = lambda _message: None
-        raise VnaConnectionError(Message("broken on purpose"))
-
-    bench.vna.before = lose_link
+    bench.lose_link_once()
     with pytest.raises(VnaConnectionError):
         bench.driver.test_connection()
     if not same_one:
@@ -186,12 +205,6 @@ def test_disconnecting_after_a_lost_link_leaves_the_instrument_sweeping(bench, s
     assert bench.vna.local is same_one, "another instrument is left alone"
     assert bench.vna.answer(":INIT:CONT?") == (b"1" if same_one else b"0")
     assert bench.vna.open_links == 0
-
-
-def test_connecting_again_closes_the_former_link(bench):
-    bench.driver.connect_to_vna("192.168.1.11")
-    assert bench.vna.open_links == 1
-    assert bench.driver.state.sweep is None
 
 
 @pytest.mark.parametrize(
@@ -214,12 +227,10 @@ def test_a_sweep_that_nobody_waits_for_any_more_ends_at_once(bench, request_afte
     begun_s = bench.clock.now_s()
     with raises_fault(faults.SUPERSEDED):
         bench.driver.get_trace()
-    threads[0].join(10.0)
+    threads[0].join(30.0)
     assert bench.clock.now_s() - begun_s < 5.0
-    bench.driver.connect_to_vna(ADDRESS)
     bench.vna.sweep_s = 0.05
-    bench.driver.set_frequency_sweep(SWEEP)
-    bench.driver.get_trace()
+    bench.configured().driver.get_trace()
 
 
 def test_a_shutdown_ends_a_waiting_sweep_and_later_calls(bench):
@@ -242,16 +253,6 @@ def test_a_start_above_the_former_stop_is_set_once_the_new_stop_is_there(bench):
     bench.driver.set_frequency_sweep(SweepSettings(600e6, 1e9, 11))
     higher = SweepSettings(3e9, 6e9, 11)
     assert bench.driver.set_frequency_sweep(higher).fulfils(higher)
-
-
-def test_setting_up_ends_within_the_time_limit_of_one_request():
-    bench = Bench()
-    bench.driver.connect_to_vna(ADDRESS)
-    begun_s, step_s = bench.clock.now_s(), 2.4
-    bench.vna.before = lambda message: bench.clock.pass_s(step_s)
-    with raises_fault(faults.TOO_SLOW, 40, error=VnaTimeoutError):
-        bench.driver.set_frequency_sweep(SWEEP)
-    assert bench.clock.now_s() - begun_s < 40.0 + 2.0 * step_s
 
 
 def test_nothing_is_asked_before_the_buffers_are_emptied():

@@ -1,23 +1,27 @@
-"""One fresh sweep per request, or an error with the reason."""
+"""One fresh sweep per request, confirmed with its settings, or an error with the reason."""
 
 from __future__ import annotations
 
 import threading
+from dataclasses import replace
 from typing import List
 
 import pytest
-from driver_bench import STARTED_US, SWEEP, Bench
-from fake_vna import FakeVna
+from case_kit import each_case
+from driver_bench import ADDRESS, OTHER_IDENTITY, STARTED_US, SWEEP, Bench, FakeVna
 from fault_kit import raises_fault
 
 from gpr20_common.message import Message
 from gpr20_vna_acquisition import faults
 from gpr20_vna_acquisition.errors import (
     VnaConnectionError,
+    VnaNotReadyError,
+    VnaReplacedError,
+    VnaSettingError,
     VnaSweepError,
-    VnaTimeoutError,
 )
 from gpr20_vna_acquisition.mid.block_parser import TransferFormat
+from gpr20_vna_acquisition.mid.vna_driver import VNADriver
 
 
 @pytest.fixture
@@ -29,18 +33,6 @@ def _is_the_last_sweep(bench: Bench) -> bool:
     return bool((bench.driver.get_trace().s21_real == bench.vna.sweep_number).all())
 
 
-def failing(times: int, when: str):
-    """Break the link the next `times` times that a message beginning with `when` comes."""
-    left = [times]
-
-    def before(message: str) -> None:
-        if message.startswith(when) and left[0] > 0:
-            left[0] -= 1
-            raise VnaConnectionError(Message("broken on purpose"))
-
-    return before
-
-
 @pytest.mark.parametrize("transfer", list(TransferFormat))
 def test_a_sweep_is_one_new_sweep_with_both_parts(transfer):
     bench = Bench(transfer_format=transfer).configured()
@@ -49,6 +41,16 @@ def test_a_sweep_is_one_new_sweep_with_both_parts(transfer):
         sweep = bench.driver.get_trace()
         assert sweep.s21_real.tolist() == [float(first + number)] * 11
         assert sweep.s21_imag.tolist() == [float(point) for point in range(11)]
+
+
+def test_four_messages_take_a_sweep_and_three_confirm_it(bench):
+    for _ in range(3):
+        del bench.vna.sent[:]
+        number = bench.taken
+        assert bench.vna.sent == [":INIT:IMM", ":STAT:OPER?", ":STAT:OPER?", ":CALC1:DATA? SDAT"]
+        del bench.vna.sent[:]
+        bench.driver.confirm(number)
+        assert bench.vna.sent == [":TRAC:PRE? 1", ":CALC1:DATA? SDAT", ":SENS:CORR:COLL:STAT:ACC?"]
 
 
 def test_reset_is_never_sent(bench):
@@ -68,36 +70,16 @@ def test_data_are_not_read_before_the_sweep_has_ended(sweep_s):
     assert sweep_s <= sweep.duration_s <= 1.3 * sweep_s + 0.02
 
 
-def test_a_stale_bit_right_after_the_trigger_is_not_believed():
-    bench = Bench(seconds_per_point=0.005).configured()
-    bench.vna.stale_bit_s = 0.03
-    assert _is_the_last_sweep(bench)
-
-
-def test_a_bit_that_never_clears_is_believed_only_when_the_sweep_must_have_ended():
-    bench = Bench(seconds_per_point=0.005).configured()
-    bench.vna.stale_bit_s = 1e9
-    sweep = bench.driver.get_trace()
-    assert (sweep.s21_real == bench.vna.sweep_number).all()
-    assert sweep.duration_s >= 0.055
-
-
-def test_times_are_whole_microseconds_around_the_sweep(bench):
+def test_time_stamps_survive_a_correction_of_the_clock():
+    bench = Bench().configured()
+    walls_us = iter([STARTED_US, STARTED_US - 3_600_000_000])
+    bench.analyzer._sweeps._utc_now_us = lambda: next(walls_us)
     sweep = bench.driver.get_trace()
     assert sweep.sweep_started_us == STARTED_US
-    assert sweep.sweep_ended_us >= sweep.sweep_started_us + 50_000
+    assert 0.05 <= sweep.duration_s < 0.1
 
 
-def test_a_sweep_that_never_ends_is_given_up_within_its_limit():
-    bench = Bench(sweep_timeout_s=2.0, attempts=1).configured()
-    bench.vna.sweep_s = 1e9
-    begun_s = bench.clock.time_s
-    with raises_fault(faults.SWEEP_NOT_ENDED, error=VnaSweepError):
-        bench.driver.get_trace()
-    assert bench.clock.time_s - begun_s < 3.0
-
-
-@pytest.mark.parametrize(
+@each_case(
     "spoil",
     [
         lambda answer: answer[:-9],
@@ -106,10 +88,9 @@ def test_a_sweep_that_never_ends_is_given_up_within_its_limit():
         lambda answer: b"",
         lambda answer: answer.replace(b"#288", b"#284"),
     ],
-    ids=["truncated", "nan", "garbage", "empty", "other length"],
 )
-def test_a_spoilt_answer_is_never_data_and_the_sweep_is_repeated(bench, spoil):
-    spoilt = [spoil]
+def test_a_spoilt_answer_is_never_data_and_the_sweep_is_repeated(spoil):
+    bench, spoilt = Bench().configured(), [spoil]
     bench.vna.spoil = lambda answer: spoilt.pop()(answer) if spoilt else answer
     assert _is_the_last_sweep(bench)
     assert len(bench.warnings) == 1
@@ -133,22 +114,18 @@ def test_the_same_data_twice_are_refused():
     bench.vna.spoil = lambda answer: old
     with raises_fault(faults.OLD_DATA):
         bench.driver.get_trace()
-
-
-def test_an_old_buffer_read_once_is_repeated_with_a_new_sweep(bench):
-    first = bench.driver.get_trace()
-    old = bench.vna.block([value for pair in zip(first.s21_real, first.s21_imag) for value in pair])
+    # Once, it is repeated with a new sweep.
     stale = [old]
     bench.vna.spoil = lambda answer: stale.pop() if stale else answer
     assert _is_the_last_sweep(bench)
 
 
-@pytest.mark.parametrize("when", [":INIT:IMM", ":STAT:OPER?", ":CALC1:DATA?", ":TRAC:PRE? 1"])
-def test_a_broken_link_is_replaced_and_the_settings_compared(bench, when):
-    bench.vna.before = failing(1, when)
+@each_case("when", [":INIT:IMM", ":STAT:OPER?", ":CALC1:DATA?", ":TRAC:PRE? 1"])
+def test_a_broken_link_is_replaced_and_the_settings_compared(when):
+    bench = Bench().configured()
+    bench.lose_link_once(when)
     del bench.vna.sent[:]
-    sweep = bench.driver.get_trace()
-    assert (sweep.s21_real == bench.vna.sweep_number).all()
+    assert _is_the_last_sweep(bench)
     assert bench.vna.links == 2 and bench.vna.open_links == 1
     assert "*IDN?" in bench.vna.sent and ":TRAC:PRE? 1" in bench.vna.sent
     # An instrument that kept its settings is not set up again: that may end its calibration.
@@ -167,43 +144,36 @@ def test_an_instrument_that_forgot_its_settings_is_set_up_again(bench):
     assert bench.vna.settings[":SENS:TRACE1:SPAR"] == "S21"
 
 
-def test_another_instrument_after_a_reconnection_is_refused(bench):
-    bench.vna.before = failing(1, ":INIT:IMM")
-    bench.vna.identity = '"Anritsu,MS2026C/2,7654321,1.23"'
-    with raises_fault(faults.REPLACED, 7654321):
+def test_another_serial_number_fails_the_request_at_once_until_it_is_connected(bench):
+    bench.vna.identity = OTHER_IDENTITY
+    bench.lose_link_once()
+    begun_s = bench.clock.time_s
+    with raises_fault(faults.REPLACED, 7654321, 1234567):
         bench.driver.get_trace()
-    assert bench.vna.open_links == 0
+    assert bench.clock.time_s - begun_s < 1.0 and bench.vna.open_links == 0
+    assert "7654321" in bench.driver.connect_to_vna(ADDRESS)
+    bench.configured().driver.get_trace()
 
 
-@pytest.mark.parametrize(
-    "header, value",
-    [
-        (":SENS:FREQ:STAR", "700000000"),
-        (":SENS:TRACE1:SPAR", "S11"),
-        (":INIT:CONT", "1"),
-        (":SENS:TRACE1:DOM", "TIME"),
-        (":SENS:AVER:COUN", "4"),
-    ],
-)
-def test_a_hand_at_the_instrument_during_the_sweep_is_noticed(bench, header, value):
-    done: List[str] = []
-
-    def turn_knob(message: str) -> None:
-        if message == ":CALC1:DATA? SDAT" and not done:
-            done.append(message)
-            bench.vna.settings[header] = value
-
-    bench.vna.before = turn_knob
-    assert _is_the_last_sweep(bench)
-    assert header in bench.warnings[0]
-    assert bench.vna.settings[":SENS:TRACE1:SPAR"] == "S21"
+@each_case("says_its_serial_number", [True, False])
+def test_another_instrument_on_the_same_link_is_noticed(says_its_serial_number):
+    bench = Bench()
+    if not says_its_serial_number:
+        bench.vna.unanswered = [":TRAC:PRE? 1"]
+    number = bench.configured().taken
+    bench.vna.preamble["SN"] = "7654321"
+    bench.vna.identity = OTHER_IDENTITY
+    with raises_fault(faults.REPLACED, 7654321, 1234567, error=VnaReplacedError):
+        bench.driver.confirm(number)
+    with raises_fault(faults.REPLACED, 7654321, 1234567):
+        bench.driver.take_sweep()
 
 
 def test_exchanges_of_two_callers_do_not_mix(bench):
     results: List[float] = []
 
     def measure() -> None:
-        for _ in range(20):
+        for _ in range(10):
             sweep = bench.driver.get_trace()
             assert len(set(sweep.s21_real)) == 1
             results.append(sweep.s21_real[0])
@@ -213,27 +183,137 @@ def test_exchanges_of_two_callers_do_not_mix(bench):
     for thread in threads:
         thread.start()
     for thread in threads:
-        thread.join(timeout=20.0)
-    assert sorted(results) == [float(first + number) for number in range(1, 61)]
+        thread.join(timeout=30.0)
+    assert sorted(results) == [float(first + number) for number in range(1, 31)]
 
 
-def test_time_stamps_survive_a_correction_of_the_clock():
+# Confirmation.
+
+HAND = {
+    ":SENS:FREQ:STAR": "700000000",
+    ":SENS:FREQ:STOP": "5000000000",
+    ":SENS:SWE:POIN": "12",
+    ":SENS:TRAC:TOT": "4",
+    ":SENS:TRACE1:SPAR": "S11",
+    ":SENS:TRACE1:DOM": "TIME",
+    ":SENS:AVER:COUN": "4",
+    ":SENS:SWE:IFBW": "20",
+    ":SOUR:POW": "LOW",
+    ":FORM": "ASC",
+    ":INIT:CONT": "1",
+}
+
+
+@each_case("header", list(HAND))
+@each_case("is_broken", [False, True])
+def test_a_sweep_is_not_confirmed_after_a_change_by_hand(header, is_broken):
     bench = Bench().configured()
-    walls_us = iter([STARTED_US, STARTED_US - 3_600_000_000])
-    bench.analyzer._sweeps._utc_now_us = lambda: next(walls_us)
-    assert 0.05 <= bench.driver.get_trace().duration_s < 0.1
+    number, sweep = bench.driver.take_sweep()
+    bench.vna.settings[header] = HAND[header]
+    if is_broken:
+        bench.lose_link_once()
+    with raises_fault(faults.SETTINGS_CHANGED):
+        bench.driver.confirm(number)
+    assert bench.vna.settings[header] == HAND[header], "nothing may be written to prove a sweep"
+    number, again = bench.driver.take_sweep()
+    assert again.analyzer == sweep.analyzer and bench.driver.confirm(number).remarks == ()
+    assert bench.vna.settings[header] != HAND[header]
+    # A trace is repeated.
+    bench.vna.settings[header] = HAND[header]
+    assert _is_the_last_sweep(bench)
+    assert bench.vna.settings[header] != HAND[header]
 
 
-def test_an_instrument_slow_at_every_step_is_given_up_within_the_requests_limit():
-    bench = Bench(request_timeout_s=20.0, attempts=50).configured()
-    bench.vna.spoil = lambda answer: answer[:-9]
-    bench.vna.before = lambda message: bench.clock.pass_s(0.4)
-    begun_s = bench.clock.time_s
-    # The last attempt's fault says what to do, not that the time was over.
-    with raises_fault(faults.BAD_DATA, 20.5, error=VnaTimeoutError):
-        bench.driver.get_trace()
-    assert bench.clock.time_s - begun_s < 21.0
-    assert bench.vna.open_links == 0
-    bench.vna.before = lambda message: None
-    bench.vna.spoil = lambda answer: answer
-    assert len(set(bench.driver.get_trace().s21_real)) == 1
+@each_case(
+    "name, asked",
+    [
+        ("TRACE_1_STOP_FREQ", ":SENS:FREQ:STOP?"),
+        ("IFBW", ":SENS:SWE:IFBW?"),
+        ("S_TYPE", ":SENS:TRACE1:SPAR?"),
+        ("DOMAIN", ":SENS:TRACE1:DOM?"),
+    ],
+)
+def test_what_a_preamble_does_not_say_is_asked_for(name, asked):
+    bench = Bench()
+    bench.vna.left_out = name
+    bench.configured()
+    del bench.vna.sent[:]
+    bench.driver.confirm(bench.taken)
+    assert asked in bench.vna.sent
+    number = bench.taken
+    bench.vna.settings[asked[:-1]] = "17"
+    with raises_fault(faults.SETTINGS_CHANGED, error=VnaSettingError):
+        bench.driver.confirm(number)
+
+
+@each_case("name, value", [("SMOOTHING_PERCENT", "5.0"), ("TRACE_MATH_TYPES", "1")])
+def test_a_trace_that_the_instrument_processes_is_refused(name, value):
+    bench = Bench()
+    bench.vna.preamble[name] = value
+    with raises_fault(faults.PROCESSED, error=VnaSettingError):
+        bench.configured()
+    bench.vna.preamble[name] = "0"
+    number = bench.configured().taken
+    bench.vna.preamble[name] = value
+    with raises_fault(faults.SETTINGS_CHANGED, name, error=VnaSettingError):
+        bench.driver.confirm(number)
+
+
+def test_the_temperature_of_the_instrument_is_in_quarters_of_a_degree(bench):
+    def temperature_c():
+        return bench.driver.confirm(bench.taken).temperature_c
+
+    assert temperature_c() == 40.75
+    bench.vna.preamble["CURRENT_TEMPERATURE"] = "-6"
+    assert temperature_c() == -1.5
+    # It is valid only with a calibration, and 0 is how the instrument says that it is applied.
+    bench.vna.preamble["CAL_CORRECTION"] = "1"
+    assert temperature_c() is None
+
+
+def test_only_the_last_sweep_can_be_confirmed(bench):
+    first, second = bench.taken, bench.taken
+    with raises_fault(faults.SWEEP_UNCONFIRMED, first):
+        bench.driver.confirm(first)
+    with pytest.raises(VnaNotReadyError):
+        bench.driver.confirm(second)
+
+
+def restored(driver: VNADriver) -> None:
+    """Make the settings again on a new link."""
+    driver._link.drop()
+    driver.check_calibration_status()
+
+
+@each_case(
+    "meanwhile",
+    [
+        lambda driver: driver.set_frequency_sweep(replace(SWEEP, points=21)),
+        lambda driver: driver.set_frequency_sweep(SWEEP),
+        lambda driver: driver.connect_to_vna(ADDRESS),
+        VNADriver.get_trace,
+        restored,
+    ],
+)
+def test_what_happens_before_the_confirmation_does_not_hide_a_change_by_hand(meanwhile):
+    bench = Bench().configured()
+    bench.vna.settings[":SENS:SWE:IFBW"] = "100"
+    number = bench.taken
+    meanwhile(bench.driver)
+    with raises_fault(faults.SWEEP_UNCONFIRMED, number):
+        bench.driver.confirm(number)
+
+
+@pytest.mark.parametrize("is_changed", [True, False])
+def test_the_check_of_an_idle_link_neither_hides_a_change_nor_hinders_the_confirmation(is_changed):
+    bench = Bench().configured()
+    if is_changed:
+        bench.vna.settings[":SENS:SWE:IFBW"] = "100"
+    number = bench.taken
+    bench.driver._link.drop()
+    bench.driver.test_connection()
+    if not is_changed:
+        assert bench.driver.confirm(number).remarks == ()
+        return
+    with raises_fault(faults.SETTINGS_CHANGED):
+        bench.driver.confirm(number)

@@ -1,0 +1,167 @@
+"""The simulated height sensor on its bus, and the states that the parts of a robot share."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+import time
+
+import numpy as np
+import pytest
+from case_kit import each_case
+from hypothesis import given
+from hypothesis import strategies as st
+
+from gpr20_common.low.clock import Clock
+from gpr20_height_sensor.errors import SensorRangeError, SensorStuckError
+from gpr20_height_sensor.low.adc_interface import AdcInterface
+from gpr20_height_sensor.mid.height_driver import HeightDriver
+from gpr20_height_sensor.mid.height_parameters import HeightParameters
+from gpr20_simulator.low.shared_state import AdcFault, open_shared_state
+from gpr20_simulator.low.spi import SimulatedSpi
+from gpr20_simulator.low.stale_states import GRACE_S, remove_stale_states
+from gpr20_simulator.mid.world.range_sensor import RangeSensor, sensor_voltage_v
+from gpr20_simulator.mid.world.scene import Adc
+from gpr20_survey.axes.axis_id import AxisId
+
+
+class NoClock(Clock):
+    def sleep_until_s(self, deadline_s):
+        pass
+
+    def wait_s(self, event, timeout_s):
+        return event.is_set()
+
+
+def sensor_at(height_m, fault=AdcFault.NONE, adc=None):
+    return RangeSensor(adc or Adc(), lambda: height_m, lambda: fault)
+
+
+def measured_m(sensor):
+    adc = AdcInterface(SimulatedSpi(sensor.code), 0)
+    return HeightDriver(adc, HeightParameters(), NoClock(), lambda: 0).take_measurement().height_m
+
+
+def test_the_output_is_that_of_the_data_sheet():
+    assert sensor_voltage_v(0.80) == pytest.approx(0.4)
+    assert sensor_voltage_v(0.10) == pytest.approx(2.3)
+    # It falls on both sides of its peak.
+    distances_m = np.linspace(0.0, 1.5, 301)
+    voltages_v = np.array([sensor_voltage_v(d) for d in distances_m])
+    peak = int(voltages_v.argmax())
+    assert 0.05 < distances_m[peak] < 0.10 and voltages_v[peak] <= 3.1
+    assert (np.diff(voltages_v[: peak + 1]) > 0).all() and (np.diff(voltages_v[peak:]) < 0).all()
+
+
+@each_case("height_m", [0.12, 0.20, 0.30, 0.40])
+def test_the_driver_finds_the_true_height_within_5_mm(height_m):
+    assert measured_m(sensor_at(height_m)) == pytest.approx(height_m, abs=0.005)
+
+
+def test_the_noise_has_the_level_of_the_scene_and_can_be_repeated():
+    adc = Adc(noise_v=0.05, seed=7)
+    sensor, again = sensor_at(0.2, adc=adc), sensor_at(0.2, adc=adc)
+    codes = np.array([sensor.code(0) for _ in range(2000)])
+    assert codes.std() * 3.3 / 1024 == pytest.approx(0.05, rel=0.1)
+    assert codes.tolist() == [again.code(0) for _ in range(2000)]
+
+
+@each_case(
+    "fault, error",
+    [(AdcFault.STUCK, SensorStuckError), (AdcFault.OUT_OF_RANGE, SensorRangeError)],
+)
+def test_faults_of_the_sensor_are_noticed(fault, error):
+    with pytest.raises(error):
+        measured_m(sensor_at(0.2, fault))
+
+
+@each_case("height_m", [0.0, -0.1, 0.07, 100.0])
+def test_any_height_gives_a_code_of_the_converter(height_m):
+    assert 0 <= sensor_at(height_m).code(0) <= 1023
+    assert sensor_at(height_m).code(1) == 0, "other channels are grounded"
+
+
+@given(st.integers(0, 1023), st.integers(0, 7))
+def test_the_driver_reads_the_code_of_the_channel_it_asks_for(code, channel):
+    spi = SimulatedSpi(lambda asked: code if asked == channel else 1023 - code)
+    assert AdcInterface(spi, channel).read_code() == code
+
+
+def refuse(_channel):
+    raise AssertionError("the channel was not sent completely")
+
+
+@each_case(
+    "code_of, sent, received",
+    [
+        # Start bit, single-ended, channel 5; then five floating ones, the null bit, ten bits.
+        (lambda one: 683 if one == 5 else 0, [0x01, 0xD0, 0x00], [0xFF, 0b11111010, 0b10101011]),
+        # The start bit one place earlier shifts everything by one place.
+        (lambda one: 1023, [0x03, 0x00, 0x00], [0xFF, 0b11110111, 0b11111110]),
+        (lambda one: 5, [0, 0, 0], [255, 255, 255]),
+        (refuse, [0x01], [255]),
+    ],
+)
+def test_the_exchange_is_that_of_the_data_sheet(code_of, sent, received):
+    assert SimulatedSpi(code_of).xfer2(sent) == received
+
+
+def test_a_closed_bus_fails_as_the_real_one_does():
+    spi = SimulatedSpi(lambda channel: 5)
+    spi.close()
+    with pytest.raises(OSError):
+        spi.xfer2([1, 0x80, 0])
+
+
+# The states of launches that have ended are cleared away; those that are in use never.
+
+STATE, OTHER = "0" * 32, "f" * 32
+OPEN_AND_WAIT = """
+import sys, pathlib
+from gpr20_simulator.low.shared_state import open_shared_state
+from gpr20_survey.axes.axis_id import AxisId
+state = open_shared_state(pathlib.Path(sys.argv[1]), {axis: 0 for axis in AxisId})
+print("open", flush=True)
+sys.stdin.read()
+"""
+
+
+@pytest.fixture
+def folder(tmp_path):
+    """The states of two launches, with the step memories of their axes."""
+    for name in (STATE, OTHER):
+        for axis in AxisId:
+            (tmp_path / f"{name}_{axis.value}_steps").write_bytes(b"steps")
+    (tmp_path / f"{STATE}.txt").write_text("somebody else's")
+    return tmp_path
+
+
+def grow_old(folder):
+    for path in folder.iterdir():
+        old_s = time.time() - 2 * GRACE_S
+        os.utime(str(path), (old_s, old_s))
+
+
+def test_a_state_that_a_process_has_open_is_kept_until_that_process_is_killed(folder):
+    command = [sys.executable, "-c", OPEN_AND_WAIT, str(folder / STATE)]
+    with subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE) as owner:
+        assert owner.stdout.readline() == b"open\n"
+        grow_old(folder)
+        assert remove_stale_states(folder) == 3
+        assert {path.name[:32] for path in folder.iterdir()} == {STATE}
+        owner.kill()
+        owner.wait()
+    assert remove_stale_states(folder) == 4
+    assert [path.name for path in folder.iterdir()] == [f"{STATE}.txt"]
+
+
+def test_a_state_that_was_just_made_is_kept(folder):
+    assert remove_stale_states(folder) == 0
+    assert remove_stale_states(folder / "missing") == 0
+
+
+def test_a_state_that_was_cleared_away_is_made_anew(tmp_path):
+    for _ in range(2):
+        open_shared_state(tmp_path / STATE, {axis: 0 for axis in AxisId})
+        (tmp_path / STATE).unlink()
