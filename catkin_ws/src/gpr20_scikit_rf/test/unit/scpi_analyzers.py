@@ -15,6 +15,7 @@ from typing import Callable, ClassVar, Dict, List, Optional, Set, Tuple
 
 import numpy as np
 
+from gpr20_common.low.clock import Clock
 from gpr20_common.low.tcp_keepalive import acknowledge_at_once
 
 SERIAL = "SIMULATED-1"
@@ -32,6 +33,7 @@ class Faults:
         old_data: Whether it always shows the same sweep.
         answers: Other answers than the right ones, by query.
         endless: A query that it answers without end.
+        endless_sweep: Whether a sweep ends only when the instrument is stopped.
     """
 
     silent: Set[str] = field(default_factory=set)
@@ -41,10 +43,31 @@ class Faults:
     old_data: bool = False
     answers: Dict[str, bytes] = field(default_factory=dict)
     endless: str = ""
+    endless_sweep: bool = False
 
 
 class Dropped(Exception):
     """The instrument closes the connection."""
+
+
+class SweepClock(Clock):
+    """Time passes only while somebody waits for a sweep, or pauses."""
+
+    def __init__(self) -> None:
+        self._lock = threading.Lock()
+        self._now_s = 1000.0
+
+    def now_s(self) -> float:
+        return self._now_s
+
+    def pass_until(self, time_s: float) -> None:
+        with self._lock:
+            self._now_s = max(self._now_s, time_s)
+
+    def wait_s(self, event: threading.Event, timeout_s: float) -> bool:
+        if not event.is_set():
+            self.pass_until(self._now_s + timeout_s)
+        return event.is_set()
 
 
 class ScpiAnalyzer:
@@ -56,8 +79,9 @@ class ScpiAnalyzer:
     settings: ClassVar[Dict[str, str]] = {}
     points_header = ""
 
-    def __init__(self, sweep_s: float = 0.02) -> None:
-        self.sweep_s = sweep_s
+    def __init__(self) -> None:
+        self.sweep_s = 0.02
+        self.clock = SweepClock()
         self.serial = SERIAL
         self.faults = Faults()
         self.values = dict(self.settings)
@@ -65,7 +89,8 @@ class ScpiAnalyzer:
         self.written: List[str] = []
         self.sweeps = 0
         self.average_cleared_at = 0
-        self._begun_s = time.monotonic() - 1e6
+        self._begun_s = 0.0
+        self._shown_by_itself = 0
         self._selected = ""
         self._stopped = threading.Event()
 
@@ -119,21 +144,24 @@ class ScpiAnalyzer:
         if text == "*IDN?":
             return self.identity.encode() + b"\n"
         if text == "*OPC?":
-            if not self.faults.early_end:
-                self._stopped.wait(max(0.0, self._begun_s + self.sweep_s - time.monotonic()))
+            if self.faults.endless_sweep:
+                self._stopped.wait()
+            elif not self.faults.early_end:
+                self.clock.pass_until(self._begun_s + self.sweep_s)
             return b"+1\n"
         return self.values[text.rstrip("?")].encode() + b"\n"
 
     def trigger(self) -> None:
         self.sweeps += 1
-        self._begun_s = time.monotonic()
+        self._begun_s = self.clock.now_s()
 
     def data(self) -> np.ndarray:
         """Return real and imaginary part of each point in turn."""
         points, number = self.points, 1 if self.faults.old_data else self.sweeps
-        share = (time.monotonic() - self._begun_s) / self.sweep_s
+        share = (self.clock.now_s() - self._begun_s) / self.sweep_s
         if self.is_continuous:
-            number, share = int(time.monotonic() * 1e6), 1.0
+            self._shown_by_itself += 1
+            number, share = -self._shown_by_itself, 1.0
         new = np.arange(points) < share * points
         numbers = np.empty(2 * points)
         numbers[0::2] = np.where(new, number, number - 1)
@@ -165,8 +193,8 @@ class PnaAnalyzer(ScpiAnalyzer):
     catalog_query, create, select = "CALC1:PAR:CAT:EXT?", "CALC1:PAR:EXT", "CALC1:PAR:SEL"
     quote = '"'
 
-    def __init__(self, sweep_s: float = 0.02) -> None:
-        super().__init__(sweep_s)
+    def __init__(self) -> None:
+        super().__init__()
         self.measurements = {"CH1_S11_1": "S11"}
 
     def command(self, header: str, value: str = "") -> None:
@@ -260,16 +288,11 @@ class FieldFoxAnalyzer(ScpiAnalyzer):
 
 
 class ScpiServer:
-    """Serves an analyzer on a TCP port of loopback, one message per line.
+    """Serves an analyzer on a TCP port of loopback, one message per line."""
 
-    Args:
-        analyzer: The analyzer.
-        port: The port; 0: any free one.
-    """
-
-    def __init__(self, analyzer: ScpiAnalyzer, port: int = 0) -> None:
+    def __init__(self, analyzer: ScpiAnalyzer) -> None:
         self.analyzer = analyzer
-        self._listener = socket.create_server(("127.0.0.1", port))
+        self._listener = socket.create_server(("127.0.0.1", 0))
         self.port = self._listener.getsockname()[1]
         self.address = f"TCPIP0::127.0.0.1::{self.port}::SOCKET"
         self._connections: List[socket.socket] = []
@@ -288,7 +311,7 @@ class ScpiServer:
         _shut(self._listener)
         self.drop_all()
         for thread in self._threads:
-            thread.join(5.0)
+            thread.join(30.0)
 
     def _accept(self) -> None:
         while True:
@@ -315,6 +338,13 @@ class ScpiServer:
                         connection.sendall(answer)
         except (OSError, ValueError, Dropped):
             _shut(connection)
+
+
+def wait_until(condition: Callable[[], bool]) -> None:
+    deadline_s = time.monotonic() + 30.0
+    while not condition():
+        assert time.monotonic() < deadline_s
+        time.sleep(0.001)
 
 
 def _shut(connection: socket.socket) -> None:

@@ -1,0 +1,171 @@
+"""Surveys with an analyzer of scikit-rf, and what analyzer.yaml may say of one."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+import yaml
+from case_kit import each_case
+from fault_kit import raises_fault
+from robot_in_process import RobotInProcess
+from scpi_analyzers import PnaAnalyzer, ScpiServer, wait_until
+from simulated_world import World
+from stored_surveys import TRACES, check_pause, check_state, json_traces, survey_json
+from tutorial_code import code_blocks
+
+from gpr20_common import faults
+from gpr20_common.errors import InvalidValueError
+from gpr20_common.low.clock import Clock
+from gpr20_common.mid.records import record_from
+from gpr20_scikit_rf.mid.scikit_rf_options import visa_resource_name
+from gpr20_survey.plan.survey_state import SurveyState
+from gpr20_vna_acquisition.mid.foreign_analyzer import make_foreign_analyzer
+from gpr20_vna_acquisition.mid.request_deadline import RequestDeadline
+from gpr20_vna_acquisition.mid.vna_parameters import VnaParameters
+
+README = Path(__file__).parents[2] / "README.md"
+OF_README = code_blocks(README, "yaml")["analyzer.yaml"]
+
+
+@pytest.fixture
+def vna():
+    return PnaAnalyzer()
+
+
+@pytest.fixture
+def server(vna):
+    one = ScpiServer(vna)
+    yield one
+    one.stop()
+
+
+@pytest.fixture
+def robot(tmp_path, vna, server):
+    """The robot in one process with an analyzer that numbers its sweeps."""
+    world = World(tmp_path)
+    world.time = vna.clock
+    robot = RobotInProcess(
+        world,
+        analyzer="gpr20_scikit_rf:ScikitRfAnalyzer",
+        analyzer_options={"scikit_rf_class": "keysight.PNA"},
+        address=server.address,
+        maker=vna.maker,
+        model=vna.model,
+        accepted_calibrations=(5,),
+        clear_on_connect=False,
+        answer_timeout_s=1.0,
+        max_level_db=100.0,
+        antenna_delay_ns=0.3,
+    )
+    yield robot
+    robot.close()
+    world.close()
+
+
+def check_fresh(robot):
+    """Return the traces: each once, of a whole sweep that was made after the one before."""
+    traces = json_traces(robot)
+    assert len(traces) == TRACES
+    sweeps = [set(trace["s21_real"]) for trace in traces]
+    assert {len(numbers) for numbers in sweeps} == {1}
+    order = [next(iter(numbers)) for numbers in sweeps]
+    assert order == sorted(set(order))
+    return traces
+
+
+def test_a_survey_stores_fresh_sweeps_of_the_configured_address(robot, vna, server):
+    robot.begin(vna_address="", averages=2)
+    check_state(robot, SurveyState.FINISHED)
+    traces, survey = check_fresh(robot), survey_json(robot)
+    assert survey["instrument"]["identity"] == vna.identity
+    assert survey["instrument"]["address"] == server.address
+    assert survey["instrument"]["calibration_status"] == 5
+    assert survey["analyzer"]["antenna_delay_ns"] == 0.3
+    assert {trace["averages"] for trace in traces} == {2}
+    assert {trace["if_bandwidth_hz"] for trace in traces} == {1e5}
+    # It sweeps by itself again; the last command has no answer.
+    wait_until(lambda: vna.is_continuous)
+
+
+def test_a_link_that_drops_repeats_a_sweep_and_nothing_more(robot, vna, server):
+    robot.calls.at("sweep", 3, server.drop_all)
+    robot.calls.at("sweep", 7, lambda: setattr(vna.faults, "drop_at", "*OPC?"))
+    robot.begin(vna_address="")
+    check_state(robot, SurveyState.FINISHED)
+    remarks = [remark for trace in check_fresh(robot) for remark in trace["quality"]]
+    assert sum("repeated once" in remark for remark in remarks) == 2, remarks
+
+
+def test_another_serial_number_pauses_the_survey(robot, vna, server):
+    def replace_it():
+        vna.serial = "SIMULATED-2"
+        server.drop_all()
+
+    robot.calls.at("sweep", 3, replace_it)
+    robot.begin(vna_address="")
+    check_pause(robot, "vna.replaced", "SIMULATED-2")
+
+
+def test_an_address_of_another_kind_is_refused(robot):
+    robot.begin(vna_address="127.0.0.1")
+    status = robot.wait_for_end()
+    assert status.state in (SurveyState.FAILED, SurveyState.PAUSED)
+    assert status.message.fault_code == faults.NOT_ALLOWED.code
+    assert "127.0.0.1" in str(status.message)
+
+
+# The configuration.
+
+
+def made(text):
+    """Return the analyzer of a configuration, as the check before a launch makes it."""
+    parameters = record_from(VnaParameters, yaml.safe_load(text), "vna_acquisition")
+    return make_foreign_analyzer(parameters, RequestDeadline(Clock()))
+
+
+def test_the_configuration_of_the_readme_is_accepted():
+    assert made(OF_README).trace_duration_s is None
+
+
+@each_case(
+    "former, new, fault, shown",
+    [
+        ("{scikit_rf_class: keysight.PNA}", "{}", faults.CONFIGURATION, "scikit_rf_class"),
+        ("keysight.PNA", "nanovna.NanoVNAv2", faults.NOT_ALLOWED, "keysight.PNA, keysight.Fiel"),
+        ("keysight.PNA", "keysight.PNA, port: 1", faults.CONFIGURATION, "port is unknown"),
+        ("keysight.PNA", "keysight.PNA, visa_library: 1", faults.NOT_ALLOWED, "visa_library"),
+        ("keysight.PNA", "keysight.PNA, correction_query: ¿", faults.CONFIGURATION, "ASCII"),
+        ("TCPIP0::192.168.1.5::inst0::INSTR", "1.2.3.4", faults.NOT_ALLOWED, "::inst0::INSTR"),
+        ("model: N5222A", "", faults.CONFIGURATION, "MS2026C"),
+        ("maker: Agilent Technologies", "", faults.CONFIGURATION, "Anritsu"),
+    ],
+)
+def test_what_no_such_analyzer_has_is_refused_before_a_launch(former, new, fault, shown):
+    assert former in OF_README
+    with raises_fault(fault, shown, error=InvalidValueError):
+        made(OF_README.replace(former, new))
+
+
+@each_case(
+    "address",
+    [
+        "TCPIP0::192.168.1.5::inst0::INSTR",
+        "TCPIP0::192.168.1.5::hislip0,4880::INSTR",
+        "TCPIP::192.168.1.5::5025::SOCKET",
+        "GPIB0::16::INSTR",
+        "USB0::0x2A8D::0x5D18::MY12345678::INSTR",
+        "ASRL/dev/ttyACM0::INSTR",
+    ],
+)
+def test_names_of_visa_resources_are_accepted(address):
+    assert visa_resource_name("address", address) == address
+
+
+@each_case(
+    "address",
+    ["", "192.168.1.5", "::", "GPIB0::", "::INSTR", "A::b c", "A::\n", "A::ñ", "A::" + "b" * 126],
+)
+def test_other_texts_are_no_visa_resources(address):
+    with raises_fault(faults.NOT_ALLOWED, address[:64], error=InvalidValueError):
+        visa_resource_name("address", address)
