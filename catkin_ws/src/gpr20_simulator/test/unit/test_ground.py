@@ -141,15 +141,6 @@ def test_cables_and_antennas_delay_everything_by_the_same_time():
     assert second == pytest.approx(expected, abs=1e-9)
 
 
-def test_surface_rises_to_the_antennas():
-    scene = Surface(slope_x=0.1, slope_y=-0.05, wave_amplitude_m=0.01, wave_length_m=0.4)
-    uneven = ground(surface=scene)
-    assert uneven.surface_height_m(0.0, 0.0) == 0.0
-    assert uneven.surface_height_m(200.0, 400.0) == pytest.approx(0.0)
-    assert uneven.surface_height_m(100.0, 100.0) == pytest.approx(0.005 + 0.01)
-    assert uneven.antenna_height_m(100.0, 100.0) == pytest.approx(0.2 - 0.015)
-
-
 def test_depth_is_counted_from_the_plane_not_from_the_slope():
     sloped = ground(point(), surface=Surface(slope_x=0.05))
     # At x = 100 mm the surface is 5 mm higher: less air, more soil.
@@ -225,22 +216,6 @@ def test_noise_has_its_level_and_gain_and_is_the_same_for_the_same_seed():
     assert abs(np.mean(noise(7) ** 2)) < 1e-7
     assert np.array_equal(noise(7), noise(7))
     assert not np.array_equal(noise(7), noise(8))
-
-
-def test_image_shows_the_target_where_the_scene_puts_it():
-    one = ground(point(x_mm=113.0, depth_m=0.08))
-    positions_mm = np.arange(0.0, 241.0, 20.0)
-    traces = [one.s21(FREQUENCY_HZ, AntennaPosition(x, 200.0, 0.0), 1) for x in positions_mm]
-
-    def focus(x_mm, depth_m):
-        total = 0.0
-        for here_mm, values in zip(positions_mm, traces):
-            delay_s = 2.0 * fermat_delay_s(0.2, depth_m, abs(here_mm - x_mm) / 1000.0, 4.0)
-            total += np.sum(values * np.exp(2j * np.pi * FREQUENCY_HZ * delay_s))
-        return abs(total)
-
-    places = [(x, z) for x in (93.0, 103.0, 113.0, 123.0, 133.0) for z in (0.06, 0.08, 0.10)]
-    assert max(places, key=lambda place: focus(*place)) == (113.0, 0.08)
 
 
 def test_disc_and_line_are_spread_over_their_size():

@@ -12,7 +12,7 @@ import pytest
 from case_kit import each_case
 from hypothesis import given
 from hypothesis import strategies as st
-from vna_bench import ascii_numbers, new_bench
+from vna_bench import new_bench
 
 from gpr20_simulator.low.message_device import NetworkFault
 from gpr20_simulator.mid.analyzer.instrument_scene import InstrumentScene, Power
@@ -20,22 +20,16 @@ from gpr20_simulator.mid.analyzer.scpi import (
     MOST_COMMANDS,
     HeaderPattern,
     ScpiError,
-    chosen_keyword,
     frequency_between,
     number_between,
-    short_form,
     split_message,
-    switch,
     whole_number_between,
 )
 from gpr20_simulator.mid.analyzer.trace_reader import (
-    INTEGER_STEPS_PER_UNIT,
     block_header,
-    display_data,
     payload,
 )
-from gpr20_simulator.mid.analyzer.vna_commands import SETTINGS
-from gpr20_simulator.mid.analyzer.vna_settings import GRAPH_TYPES, DataFormat
+from gpr20_simulator.mid.analyzer.vna_settings import DataFormat
 
 STYLE = InstrumentScene()
 FLOATS = st.lists(st.floats(width=32, allow_nan=False, allow_infinity=False), min_size=1)
@@ -104,12 +98,6 @@ def test_only_the_short_and_the_long_form_of_a_keyword_match(pattern, header, nu
     assert HeaderPattern(pattern).match(header) == numbers
 
 
-def test_every_documented_header_of_a_setting_is_understood():
-    for one in SETTINGS:
-        spelled = one.header.pattern.replace("[", "").replace("]", "").replace("#", "2")
-        assert HeaderPattern(one.header.pattern).match(spelled) in ((), (2,))
-
-
 @each_case("text", ["600000000", "6E8", "600MHZ", "600 mahz", "0.6GHz", "600000 KHZ", "+6.0e+8 HZ"])
 def test_frequencies_with_units_are_understood(text):
     assert frequency_between(text, 5e3, 6e9) == pytest.approx(6e8, rel=1e-15)
@@ -131,13 +119,6 @@ def test_what_is_no_number_in_range_is_refused(read, texts):
     for text in texts:
         with pytest.raises(ScpiError):
             print(text, read(text, 5000, 6_000_000_000))
-
-
-def test_switches_and_keywords_are_short_or_long():
-    assert [switch(one) for one in ("ON", "1", "off", "0")] == [True, True, False, False]
-    assert chosen_keyword("smith", ("SMITh", "REAL")) == "SMIT"
-    with pytest.raises(ScpiError, match="SMITh"):
-        chosen_keyword("SMI", ("SMITh", "REAL"))
 
 
 @given(st.one_of(st.binary(max_size=100), st.text(max_size=30).map(str.encode)))
@@ -166,33 +147,12 @@ def test_ascii_and_binary_keep_every_float32(numbers):
     assert np.frombuffer(data, "<f4").tobytes() == values.tobytes()
 
 
-def test_integers_are_little_endian_steps():
-    data = payload(np.array([0.5, -1.0, 1e9]), DataFormat.INTEGER_32, STYLE, 8)
-    step = INTEGER_STEPS_PER_UNIT
-    assert list(np.frombuffer(data, "<i4")) == [step // 2, -step, 2**31 - 1]
-
-
 @each_case(
     "length, digits, header",
     [(2204, 0, b"#42204"), (78, 4, b"#40078"), (5, 0, b"#15"), (123456, 4, b"#6123456")],
 )
 def test_header_tells_the_length(length, digits, header):
     assert block_header(length, InstrumentScene(header_digits=digits)) == header
-
-
-def test_displays_show_what_they_are_named_after():
-    def shown(graph_type, values=VALUES):
-        return display_data(FREQUENCY_HZ, values, graph_type)
-
-    assert shown("LMAG") == pytest.approx(-6.0206, abs=1e-3)
-    assert shown("SWR") == pytest.approx(3.0)
-    assert shown("GDEL") == pytest.approx(DELAY_S)
-    assert list(shown("REAL")) == list(VALUES.real)
-    assert shown("SMIT", np.full(11, 1j / 3))[:2] == pytest.approx([40.0, 30.0])
-    for graph_type in map(short_form, GRAPH_TYPES):
-        for values in (VALUES, np.zeros(11), np.ones(11), -np.ones(11)):
-            numbers = shown(graph_type, values.astype(np.complex64))
-            assert len(numbers) in (11, 22) and np.all(np.isfinite(numbers))
 
 
 # The instrument.
@@ -204,21 +164,6 @@ def test_identity_comes_from_the_scene_and_is_quoted(request, bench):
     assert other.ask("*idn?\r\n") == '"Anritsu,MS2036C/2/10,SIMULATED-1,1.23"'
     assert other.ask(":SYST:OPT?") == "2/10"
     assert new_bench(request, model="MS2026C").ask(":SYSTem:OPTions?") == "NONE"
-
-
-def test_original_software_is_understood_word_by_word(bench):
-    assert bench.ask(":SENS:CORR:COLL:STAT:ACC?") == "1"
-    for command in (
-        ":SENS:FREQ:STAR 600000000",
-        ":SENS:FREQ:STOP 6000000000",
-        ":SENS:SWE:POIN 501",
-        ":SENS:TRACE1:SPAR S21",
-        ":CALC1:FORM SMITh",
-    ):
-        assert bench.send(command).answer == b""
-    assert len(ascii_numbers(bench.send(":SENSE1:FREQ:DATA?").answer)) == 501
-    assert len(ascii_numbers(bench.data())) == 1002
-    assert bench.ask(":CALC1:FORM?") == "SMIT"
 
 
 def test_power_on_state_is_that_of_the_manual_also_after_a_preset(bench):

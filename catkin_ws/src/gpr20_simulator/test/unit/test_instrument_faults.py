@@ -148,6 +148,15 @@ def test_fault_that_stays_hits_new_links_too_until_it_is_cleared(bench, fault, c
         assert [bench.send("*IDN?").fault for _ in range(2)] == [conduct, NetworkFault.NONE]
 
 
+def test_late_answer_and_reset_are_orders_to_the_network(bench):
+    bench.faults.set("LATE", 1)
+    found = [bench.send("*IDN?").fault for _ in range(2)]
+    assert found == [NetworkFault.ANSWER_LATE, NetworkFault.NONE]
+    # A reset makes the instrument vanish.
+    assert bench.send("*RST").fault is NetworkFault.GO_SILENT
+    assert bench.instrument.network_lost
+
+
 @each_case(
     "fault, spoilt",
     [
@@ -162,22 +171,6 @@ def test_fault_spoils_one_answer(bench, fault, spoilt):
     bench.faults.set(fault, 1)
     assert spoilt(bench.data(), whole)
     assert bench.data() == whole
-
-
-def test_numbers_are_spoilt_in_text_too(bench):
-    bench.faults.set("NAN", 1)
-    assert np.isnan(ascii_numbers(bench.data())).any()
-
-
-def test_late_answer_is_an_order_to_the_network(bench):
-    bench.faults.set("LATE", 1)
-    assert bench.send(":SWE:POIN?").fault is NetworkFault.ANSWER_LATE
-    assert bench.send(":SWE:POIN?").fault is NetworkFault.NONE
-
-
-def test_reset_makes_the_instrument_vanish(bench):
-    assert bench.send("*RST").fault is NetworkFault.GO_SILENT
-    assert bench.instrument.network_lost
 
 
 def test_identities_of_others(bench):
@@ -236,13 +229,6 @@ def test_late_bit_stays_set_after_a_trigger_and_then_tells_the_truth(request):
     bench.faults.set("LATE_BIT")
     bench.send(":SWE:POIN 55;:INIT:IMM")
     assert bench.ask(":STAT:OPER?") == "0"
-
-
-def test_end_of_a_hold_is_a_trigger_with_its_faults(request):
-    bench = timed_bench(request)
-    bench.faults.set("LATE_BIT", 1)
-    bench.send(":INIT:HOLD OFF")
-    assert bench.ask(":STAT:OPER?") == "256"
 
 
 def test_display_has_a_sweep_only_some_time_after_its_bit(request):

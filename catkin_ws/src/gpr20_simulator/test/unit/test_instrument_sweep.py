@@ -53,11 +53,6 @@ def test_delayed_setting_reads_back_only_when_it_has_taken_effect(request):
     assert bench.ask(":SWE:POIN?") == "201"
 
 
-def test_external_trigger_never_comes(bench):
-    bench.send(":SWE:TYPE EXT;:INIT:IMM")
-    assert not bench.sweeper.is_running
-
-
 def test_all_formats_have_the_same_numbers(bench):
     binary = real_numbers(swept(bench))
     bench.send("FORM ASC")
@@ -84,21 +79,6 @@ def test_frequencies_are_those_of_the_sweep(bench):
     bench.send("FORM REAL,32")
     found_hz = real_numbers(bench.send("SENS4:FREQ:DATA?").answer)
     assert found_hz == pytest.approx(expected_hz, abs=256)
-
-
-def test_s12_is_s21_and_reflections_are_not(bench):
-    transmission = swept(bench)
-    bench.send("TRAC2:SPAR S12;:TRAC3:SPAR S11")
-    assert bench.send(":CALC2:DATA? SDAT").answer == transmission
-    assert bench.send(":CALC3:DATA? SDAT").answer != transmission
-
-
-def test_displayed_data_follow_the_graph_type_and_complex_data_do_not(bench):
-    before = swept(bench)
-    bench.send("CALC1:FORM REAL")
-    assert bench.data() == before
-    shown = real_numbers(bench.send(":CALC1:DATA? FDAT").answer)
-    assert list(shown) == list(real_numbers(before)[0::2])
 
 
 def test_preamble_describes_the_sweep(bench):
@@ -183,14 +163,6 @@ def test_bit_can_wait_for_the_whole_average(request):
         assert bench.preamble()["AVERAGING_COUNT"] == "3"
         # The mean of the three sweeps, none from before the trigger among them.
         assert bench.sweep_numbers() == {first + 1}
-
-
-def test_local_state_and_continuous_sweeps_after_release_can_be_seen(bench):
-    bench.send(":INIT:CONT OFF")
-    assert bench.instrument.is_remote and not bench.sweeper.is_continuous
-    bench.send(":INIT:CONT ON")
-    bench.instrument.set_remote(False)
-    assert not bench.instrument.is_remote and bench.sweeper.is_continuous
 
 
 def test_answers_of_one_message_are_bounded(bench):

@@ -107,13 +107,6 @@ def test_the_exchange_is_that_of_the_data_sheet(code_of, sent, received):
     assert SimulatedSpi(code_of).xfer2(sent) == received
 
 
-def test_a_closed_bus_fails_as_the_real_one_does():
-    spi = SimulatedSpi(lambda channel: 5)
-    spi.close()
-    with pytest.raises(OSError):
-        spi.xfer2([1, 0x80, 0])
-
-
 # The states of launches that have ended are cleared away; those that are in use never.
 
 STATE, OTHER = "0" * 32, "f" * 32

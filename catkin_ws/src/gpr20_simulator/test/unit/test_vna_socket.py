@@ -12,13 +12,12 @@ import pyvisa
 import vxi11
 from case_kit import each_case
 from run_seed import draws
-from vna_bench import Rig, ascii_numbers, connected
+from vna_bench import Rig, connected
 from vxi11_wire import CORE, CoreLink, EchoDevice, RawClient, wait_until, words
 
 from gpr20_common.errors import InvalidValueError
 from gpr20_simulator.errors import MediumError
 from gpr20_simulator.low import scaled_clock
-from gpr20_simulator.low.rpc_server import ListenError
 from gpr20_simulator.low.vxi11_core import Limits
 from gpr20_simulator.low.vxi11_server import Vxi11Server
 from gpr20_simulator.mid.analyzer.simulated_analyzer import AnalyzerOptions, medium_by_name
@@ -88,27 +87,11 @@ def test_continuous_sweeps_keep_counting(rig):
     wait_until(has_counted_on, "three more sweeps")
 
 
-def test_longest_ascii_reply_comes_whole(rig):
-    rig.client.write(":INIT:CONT OFF;:FORM ASC;:SWE:POIN 4001")
-    assert len(ascii_numbers(rig.client.ask_raw(b":CALC1:DATA? SDAT"))) == 2 * 4001
-
-
 def test_pyvisa_reads_a_trace(rig, visa):
     resource = visa(rig.vna.server.port)
     assert resource.query("*IDN?").startswith('"Anritsu,MS2026C/2,SIMULATED')
     values = resource.query_binary_values(":CALC1:DATA? SDAT", container=np.array)
     assert len(values) == 2 * 101
-
-
-def test_late_answer_puts_a_careless_client_out_of_step(rig):
-    rig.vna.faults.set("LATE", 1)
-    rig.client.timeout = 0.05
-    with pytest.raises(vxi11.vxi11.Vxi11Exception, match="15"):
-        rig.client.ask(":SWE:POIN?")
-    rig.client.timeout = 30.0
-    assert rig.client.ask("*IDN?") == "101"
-    rig.client.clear()
-    assert rig.client.ask("*IDN?").startswith('"Anritsu')
 
 
 def test_link_is_gone_until_the_fault_ends(rig):
@@ -182,43 +165,6 @@ def test_python_vxi11_clears_locks_aborts_and_closes(device):
     instrument.close()
     assert server.link_count == 0
     server.stop()
-
-
-def test_python_vxi11_finds_the_port_by_the_portmapper(device, monkeypatch):
-    server = Vxi11Server(device, portmapper_port=0)
-    server.start()
-    monkeypatch.setattr(vxi11.rpc, "PMAP_PORT", server.portmapper_port)
-    one = vxi11.Instrument("127.0.0.1")
-    assert one.ask("*IDN?") == "*IDN?"
-    one.close()
-    server.stop()
-
-
-def test_clients_find_the_server_on_port_111(device, visa):
-    try:
-        server = Vxi11Server(device, portmapper_port=111)
-    except ListenError as error:
-        pytest.skip(str(error))
-    server.start()
-    resource = visa()
-    assert resource.query("*IDN?").strip() == "*IDN?"
-    resource.close()
-    server.stop()
-
-
-def test_pyvisa_locks_out_another_client_whatever_terminator_it_sends(server, device, visa):
-    resource = visa(server.port)
-    for terminator in ("", "\n", "\r\n"):
-        resource.write_termination = terminator
-        assert resource.query("*IDN?") == "*IDN?" + terminator
-    resource.lock_excl()
-    other = connected(server.port)
-    with pytest.raises(vxi11.vxi11.Vxi11Exception, match="11"):
-        other.write("x")
-    resource.unlock()
-    other.write("x")
-    other.close()
-    resource.close()
 
 
 # Random bytes.

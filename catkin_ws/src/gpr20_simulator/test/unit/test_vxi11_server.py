@@ -2,10 +2,7 @@
 
 from __future__ import annotations
 
-import socket
-
 import pytest
-from case_kit import each_case
 from vxi11_wire import (
     ABORT,
     CHARACTER,
@@ -16,7 +13,6 @@ from vxi11_wire import (
     WAIT_LOCK,
     CoreLink,
     EchoDevice,
-    InBackground,
     RawClient,
     call,
     opaque,
@@ -66,19 +62,6 @@ def test_link_tells_receive_size_and_abort_port(server, link):
         Limits(receive_size=1023)
 
 
-def test_read_without_an_answer_ends_at_once_in_a_process_of_rospy(device):
-    # rospy gives every new socket a limit; here it is longer than the client waits.
-    socket.setdefaulttimeout(60.0)
-    try:
-        one = Vxi11Server(device, limits=LIMITS)
-        one.start()
-        with CoreLink(one.port) as link:
-            assert link.read(io_timeout_ms=0)[0] == 15
-        one.stop()
-    finally:
-        socket.setdefaulttimeout(None)
-
-
 def test_message_is_executed_at_its_end_only(device, link):
     assert link.write(b"*IDN", flags=0) == (0, 4)
     assert link.write(b"", flags=0) == (0, 0)
@@ -101,14 +84,6 @@ def test_message_without_end_cannot_fill_the_memory(device, link):
     assert link.write(b"x" * 1024, flags=0)[0] == 9
     assert link.write(b"B")[0] == 0
     assert device.messages == [b"B"]
-
-
-def test_call_above_the_record_size_ends_the_connection(device):
-    server = Vxi11Server(device, limits=Limits(record_size=100_000))
-    server.start()
-    with CoreLink(server.port) as link, pytest.raises((EOFError, ConnectionError)):
-        link.write(b"x" * 100_000)
-    server.stop()
 
 
 def test_read_in_pieces_says_why_each_piece_ended(link):
@@ -158,57 +133,6 @@ def test_clear_may_be_unsupported_or_missing(device, link):
     assert link.write(b"x")[0] == 0
 
 
-def test_answers_not_read_are_bounded_and_the_oldest_are_lost(device):
-    server = Vxi11Server(device, limits=Limits(message_size=2 << 20))
-    server.start()
-    part = b"?" * 60_000
-    with CoreLink(server.port) as link:
-        for number in range(6):
-            for _ in range(17):
-                link.write(part, flags=0)
-            link.write(b"%d" % number)
-        kept = []
-        while link.generic(13) == (0, 0x10):
-            reason, answer = 0, b""
-            while not reason & END_REASON:
-                error, reason, piece = link.read(size=1 << 21)
-                assert error == 0
-                answer += piece
-            kept.append(answer)
-    server.stop()
-    assert [one[-1:] for one in kept] == [b"2", b"3", b"4", b"5"]
-    assert sum(map(len, kept)) <= 4 << 20
-
-
-def test_service_requests_and_commands_are_not_supported(link):
-    assert link.result(CORE, 1, 20, words(link.link, 1) + opaque(b"handle")) == words(8)
-    docmd = words(link.link, 0, 1000, 0, 0x20000, 1, 1) + opaque(b"")
-    assert link.result(CORE, 1, 22, docmd) == words(8, 0)
-    assert link.result(CORE, 1, 25, words(0, 0, 0, 0, 0)) == words(8)
-    assert link.result(CORE, 1, 26) == words(8)
-
-
-def test_calls_on_no_link_get_error_4(server, link):
-    with CoreLink(server.port) as other:
-        assert other.destroy(link.link) == 4, "it is that of another connection"
-        other.destroy()
-        assert other.write(b"x") == (4, 0)
-        assert other.read() == (4, 0, b"")
-        assert other.lock() == other.unlock() == other.destroy() == 4
-    # Status byte, trigger, clear, remote and local.
-    assert [link.generic(procedure, link=9999)[0] for procedure in range(13, 18)] == [4] * 5
-    assert link.write(b"x")[0] == 0
-
-
-def test_destroyed_links_make_room_for_new_ones(server):
-    with CoreLink(server.port) as first, CoreLink(server.port), CoreLink(server.port):
-        with CoreLink(server.port) as refused:
-            assert refused.error == 9
-        first.destroy()
-        with CoreLink(server.port) as accepted:
-            assert accepted.error == 0
-
-
 def test_client_that_leaves_frees_its_link_and_its_lock(server, link):
     with CoreLink(server.port, lock=1) as other:
         assert link.write(b"x")[0] == 11
@@ -234,41 +158,6 @@ def test_lock_keeps_others_out_until_it_is_given_back(server, link):
         assert other.lock() == 0
 
 
-@each_case(
-    "wait, ended",
-    [
-        (lambda one: one.write(b"x", 8 | WAIT_LOCK, lock_timeout_ms=LONG_MS)[0], 0),
-        (lambda one: one.lock(WAIT_LOCK, lock_timeout_ms=LONG_MS), 0),
-    ],
-)
-def test_waiting_for_the_lock_ends_when_it_is_free(server, link, wait, ended):
-    with CoreLink(server.port) as other:
-        assert link.lock() == 0
-        waiting = InBackground(lambda: wait(other))
-        assert link.read(io_timeout_ms=50)[0] == 15
-        assert waiting.is_waiting
-        assert link.unlock() == 0
-        assert waiting.result() == ended
-    wait_until(lambda: server.link_count == 1, "freeing of the lock")
-
-
-def test_abort_ends_the_call_in_progress_only(link):
-    with RawClient(link.abort_port) as abort:
-        # Nothing is in progress: no effect on what comes later.
-        assert abort.result(ABORT, 1, 1, words(link.link)) == words(0)
-        assert link.write(b"x")[0] == 0
-        reading = InBackground(lambda: link.read(io_timeout_ms=LONG_MS))
-
-        def has_ended():
-            # Not aborted again once it has ended, so that the next call shows what is left.
-            return not reading.is_waiting or abort.result(ABORT, 1, 1, words(link.link)) is None
-
-        wait_until(has_ended, "end of the read")
-        assert reading.result() == (23, 0, b"")
-        assert abort.result(ABORT, 1, 1, words(9999)) == words(4)
-    assert link.read(io_timeout_ms=10)[0] == 15
-
-
 def test_device_that_does_not_reply_leaves_the_client_waiting(server, device, link):
     device.fault = device.open_conduct = NetworkFault.NO_REPLY
     link.sock.settimeout(0.1)
@@ -279,13 +168,6 @@ def test_device_that_does_not_reply_leaves_the_client_waiting(server, device, li
     device.fault = device.open_conduct = NetworkFault.NONE
     with CoreLink(server.port) as other:
         assert other.write(b"x")[0] == 0
-
-
-def test_unreachable_device_closes_new_connections(server, device, link):
-    device.reachable = False
-    with RawClient(server.port) as client:
-        assert client.is_closed()
-    assert link.write(b"x")[0] == 0
 
 
 def test_device_that_drops_closes_every_connection_but_takes_new_ones(server, device, link):
@@ -311,15 +193,3 @@ def test_device_that_goes_silent_is_found_nowhere(device):
             with pytest.raises(ConnectionRefusedError):
                 RawClient(port)
     server.stop()
-
-
-def test_server_stops_while_a_client_waits(server, link):
-    def read_nothing():
-        with pytest.raises(EOFError) as ended:
-            link.read(io_timeout_ms=LONG_MS)
-        return ended
-
-    reading = InBackground(read_nothing)
-    wait_until(lambda: reading.is_waiting, "start of the read")
-    server.stop()
-    assert reading.result() is not None

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import socket
 import struct
-import threading
 import time
 
 from gpr20_simulator.low.message_device import ClearSupport, NetworkFault, Outcome
@@ -150,24 +149,3 @@ class CoreLink(RawClient):
     def destroy(self, link=None):
         link = self.link if link is None else link
         return struct.unpack(">i", self.result(CORE, 1, 23, words(link)))[0]
-
-
-class InBackground:
-    """Runs a call in a thread and keeps what it returned."""
-
-    def __init__(self, work):
-        self._result = None
-        self._thread = threading.Thread(target=self._run, args=(work,), daemon=True)
-        self._thread.start()
-
-    def _run(self, work):
-        self._result = work()
-
-    @property
-    def is_waiting(self):
-        return self._thread.is_alive()
-
-    def result(self):
-        self._thread.join(LIMIT_S)
-        assert not self._thread.is_alive(), "the call did not return"
-        return self._result

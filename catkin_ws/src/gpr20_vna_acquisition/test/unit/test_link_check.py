@@ -9,7 +9,6 @@ from case_kit import each_case
 from driver_bench import ADDRESS, SWEEP, Bench
 from fault_kit import raises_fault
 
-from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message
 from gpr20_survey.trace.calibration import CalibrationStatus
 from gpr20_vna_acquisition import faults
@@ -59,17 +58,6 @@ def test_an_idle_instrument_is_asked_for_its_calibration_once_in_a_while(bench):
     assert bench.driver.state.calibration is CalibrationStatus.LOW
 
 
-def test_an_address_that_nothing_can_have_does_not_end_the_checks(bench):
-    with pytest.raises(InvalidValueError):
-        bench.driver.connect_to_vna("x\ny")
-    assert not bench.driver.vna_ip
-    check_after(bench)
-    assert bench.driver.connect_to_vna(ADDRESS)
-    bench.vna.sent.clear()
-    check_after(bench)
-    assert bench.vna.sent == [":SENS:CORR:COLL:STAT:ACC?"]
-
-
 def test_a_pulled_cable_is_reported_until_it_is_back_and_the_sweep_is_set_up_again(bench):
     bench.vna.before = cable_is_pulled
     for _ in range(2):
@@ -100,15 +88,6 @@ def test_an_address_where_connecting_failed_is_tried_again_until_it_answers(benc
     # Only the survey knows what to sweep.
     with pytest.raises(VnaNotReadyError):
         bench.driver.get_trace()
-
-
-def test_what_was_wrong_is_reported_until_connecting_again_has_ended(bench):
-    bench.vna.before = cable_is_pulled
-    check_after(bench)
-    reported = []
-    bench.vna.before = lambda message: reported.append(bench.driver.state.trouble)
-    bench.driver.connect_to_vna(ADDRESS)
-    assert set(reported) == {NO_ANSWER} and bench.driver.state.trouble is None
 
 
 @each_case("fault", ["garbled", "silent"])

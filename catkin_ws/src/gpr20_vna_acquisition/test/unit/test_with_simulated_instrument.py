@@ -135,22 +135,6 @@ def test_no_point_of_a_sweep_was_measured_before_the_antennas_stopped(robot, vna
         assert len(set(resting.s21_real)) == 1 and resting.s21_real[0] > moving.s21_real[0]
 
 
-def test_an_instrument_switched_back_to_continuous_gives_no_sweep_that_ran_before(robot, vna):
-    driver = driver_of(vna, lock_instrument=False)
-    other_hand = connect(HOST, PATIENT, vna.server.port)
-    for _ in range(3):
-        robot.stopped_at_mm = None
-        other_hand.write(":INIT:CONT ON")
-        before = vna.sweeper.sweep_number
-        wait_until(lambda number=before: vna.sweeper.sweep_number != number)
-        robot.stop()
-        running = vna.sweeper.sweep_number
-        sweep = driver.get_trace()
-        assert set(sweep.s21_imag) == {robot.stopped_at_mm}
-        assert len(set(sweep.s21_real)) == 1 and sweep.s21_real[0] > running
-    other_hand.close()
-
-
 @each_case(
     "comma, newline, digits, transfer",
     [
