@@ -79,23 +79,6 @@ def test_time_stamps_survive_a_correction_of_the_clock():
     assert 0.05 <= sweep.duration_s < 0.1
 
 
-@each_case(
-    "spoil",
-    [
-        lambda answer: answer[:-9],
-        lambda answer: answer[:8] + b"\x00\x00\xc0\x7f" + answer[12:],
-        lambda answer: b"\x8f\x01garbage",
-        lambda answer: b"",
-        lambda answer: answer.replace(b"#288", b"#284"),
-    ],
-)
-def test_a_spoilt_answer_is_never_data_and_the_sweep_is_repeated(spoil):
-    bench, spoilt = Bench().configured(), [spoil]
-    bench.vna.spoil = lambda answer: spoilt.pop()(answer) if spoilt else answer
-    assert _is_the_last_sweep(bench)
-    assert len(bench.warnings) == 1
-
-
 def test_after_so_many_spoilt_answers_the_sweep_fails_with_the_reason():
     bench = Bench(attempts=3).configured()
     bench.vna.spoil = lambda answer: answer[:-9]
