@@ -305,6 +305,14 @@ def test_data_that_are_wrong_are_an_error(bench, answer):
         bench.analyzer.sweep()
 
 
+def test_numbers_that_are_not_finite_are_refused(bench):
+    bench.configured()
+    data = bench.vna.data
+    bench.vna.data = lambda: np.append(data()[:-1], np.nan)
+    with raises_fault(faults.BAD_DATA):
+        bench.analyzer.sweep()
+
+
 @each_case(
     "name, query, answer",
     [

@@ -31,14 +31,6 @@ def timed(request):
     return timed_bench(request)
 
 
-def test_status_bit_is_off_until_a_triggered_sweep_has_ended(timed):
-    timed.send(":INIT:IMM")
-    timed.clock.advance(SWEEP_S - 1e-6)
-    assert timed.ask(":STAT:OPER?") == "0"
-    timed.clock.advance(2e-6)
-    timed.wait_for_bit()
-
-
 def test_delayed_setting_reads_back_only_when_it_has_taken_effect(request):
     bench = timed_bench(request, setting_delay_s=2.0)
     bench.clock.advance(3.0)

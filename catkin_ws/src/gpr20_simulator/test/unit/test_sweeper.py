@@ -11,7 +11,7 @@ from run_seed import draws
 from vna_bench import Carriage, CountingProbe, HandClock
 from vxi11_wire import LIMIT_S, wait_until
 
-from gpr20_simulator.mid.analyzer.sweep_plan import SweepFaults, SweepPace, SweepPlan
+from gpr20_simulator.mid.analyzer.sweep_plan import SweepPace, SweepPlan
 from gpr20_simulator.mid.analyzer.sweeper import Sweeper
 from gpr20_simulator.mid.analyzer.trace_memory import MOST_WAITING_SWEEPS, SweepPart, TraceMemory
 from gpr20_simulator.mid.world.medium import (
@@ -170,16 +170,6 @@ def test_held_series_goes_on_where_it_paused(rig):
     rig.sweeper.trigger()
     rig.finish()
     assert rig.sweeper.is_running
-
-
-def test_stale_trigger_is_complete_at_once_and_keeps_the_old_data(rig):
-    rig.sweeper.trigger()
-    rig.finish()
-    rig.sweeper.trigger(SweepFaults(stale=True))
-    assert rig.sweeper.is_complete
-    rig.clock.advance(SWEEP_S)
-    rig.wait_for_completed(2)
-    assert rig.sweeps() == [1] * POINTS
 
 
 def test_new_plan_begins_the_sweep_anew_and_clears_the_bit(rig):

@@ -23,7 +23,7 @@ from gpr20_simulator.low.vxi11_server import Vxi11Server
 from gpr20_simulator.mid.analyzer.simulated_analyzer import AnalyzerOptions, medium_by_name
 from gpr20_simulator.mid.analyzer.vna_commands import SETTINGS
 from gpr20_simulator.mid.world.ground import Ground
-from gpr20_simulator.mid.world.medium import PositionProbe, probed_position_mm, probed_sweep
+from gpr20_simulator.mid.world.medium import PositionProbe
 from gpr20_simulator.mid.world.scene import Scene
 
 RESOURCE = "TCPIP::127.0.0.1{}::inst0::INSTR"
@@ -61,30 +61,6 @@ def visa():
 
     yield resource
     manager.close()
-
-
-def test_triggered_sweep_after_a_move_holds_points_of_that_sweep_and_place_alone(rig):
-    numbers = []
-    for x_mm in (123.0, 124.0):
-        rig.carriage.move(x_mm, 45.0)
-        rig.sweep()
-        data = rig.data()
-        assert {probed_position_mm(value) for value in data} == {(x_mm, 45)}
-        numbers += {probed_sweep(value) for value in data}
-    assert numbers == [numbers[0], numbers[0] + 1]
-
-
-def test_continuous_sweeps_keep_counting(rig):
-    seen = set()
-
-    def has_counted_on():
-        numbers = [probed_sweep(value) for value in rig.data()]
-        # What the display holds: the newest points first, the rest from the sweep before.
-        assert numbers == sorted(numbers, reverse=True)
-        seen.update(numbers)
-        return len(seen) >= 4
-
-    wait_until(has_counted_on, "three more sweeps")
 
 
 def test_pyvisa_reads_a_trace(rig, visa):

@@ -163,13 +163,12 @@ def swept(bench, points=11):
 class Rig:
     """The whole analyzer behind a real VXI-11 socket, with a client."""
 
-    def __init__(self, **description):
-        self.carriage = Carriage()
+    def __init__(self):
         self.vna = SimulatedAnalyzer(
             PositionProbe(),
-            self.carriage.position,
+            Carriage().position,
             Clock(),
-            InstrumentScene(**description),
+            InstrumentScene(),
             AnalyzerOptions(seconds_per_point=1e-4),
         )
         self.vna.start()
@@ -178,14 +177,6 @@ class Rig:
 
     def connected(self):
         return connected(self.vna.server.port)
-
-    def data(self):
-        numbers = real_numbers(self.client.ask_raw(b":CALC1:DATA? SDAT"))
-        return numbers[0::2] + 1j * numbers[1::2]
-
-    def sweep(self):
-        self.client.write(":INIT:CONT OFF;:INIT:IMM")
-        wait_until(lambda: self.client.ask(":STAT:OPER?") == "256", "end of the sweep")
 
     def stop(self):
         self.client.client.sock.close()

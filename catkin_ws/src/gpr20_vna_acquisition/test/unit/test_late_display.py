@@ -103,6 +103,26 @@ def test_only_the_first_confirmation_waits_until_the_display_must_have_followed(
     assert max(durations_s[1:]) < 0.01
 
 
+def test_a_sweep_between_two_links_does_not_come_as_that_of_the_next_trace():
+    bench = Bench().configured()
+    confirmed(bench)
+    bench.vna.set_late(0.4)
+    answers = [lambda answer: answer[:-9]]
+    bench.vna.spoil = lambda answer: answers.pop()(answer) if answers else answer
+    for _ in range(3):
+        before = bench.vna.sweep_number
+        assert {one > before for one in confirmed(bench).s21_real} == {True}
+
+
+def test_an_averaging_instrument_with_a_late_display_gives_whole_averages():
+    bench = Bench()
+    bench.vna.settings[":SENS:AVER:COUN"] = "3"
+    bench.vna.sweep_s, bench.vna.late_memory_s = 0.1, 0.15
+    bench.configured()
+    for _ in range(4):
+        assert set(confirmed(bench).s21_real) == {float(bench.vna.sweep_number)}
+
+
 class Copying:
     """An analyzer of which every sweep has the same bits."""
 

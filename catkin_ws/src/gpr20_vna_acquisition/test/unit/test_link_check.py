@@ -90,6 +90,15 @@ def test_an_address_where_connecting_failed_is_tried_again_until_it_answers(benc
         bench.driver.get_trace()
 
 
+def test_what_was_wrong_is_reported_until_connecting_again_has_ended(bench):
+    bench.vna.before = cable_is_pulled
+    check_after(bench)
+    reported = []
+    bench.vna.before = lambda message: reported.append(bench.driver.state.trouble)
+    bench.driver.connect_to_vna(ADDRESS)
+    assert set(reported) == {NO_ANSWER} and bench.driver.state.trouble is None
+
+
 @each_case("fault", ["garbled", "silent"])
 def test_the_fault_of_a_request_ends_when_the_instrument_answers_again(fault):
     bench = idle_bench()

@@ -60,7 +60,7 @@ def test_an_address_that_is_not_four_numbers_is_refused(address):
     bench = Bench()
     with raises_fault(common_faults.NOT_ALLOWED, f"'{address}'"):
         bench.driver.connect_to_vna(address)
-    assert bench.vna.links == 0
+    assert bench.vna.links == 0 and not bench.driver.vna_ip
 
 
 @each_case(
@@ -121,6 +121,14 @@ def test_a_refused_setting_is_named_and_nothing_is_measured_with_the_former_one(
     bench.vna.refused = [header]
     with raises_fault(faults.SETTING_REFUSED, header):
         bench.configured()
+    with pytest.raises(VnaNotReadyError):
+        bench.driver.get_trace()
+
+
+def test_a_failed_setup_forgets_the_former_one(bench):
+    bench.vna.refused = [":SENS:SWE:POIN"]
+    with raises_fault(faults.SETTING_REFUSED, "'11'", 21):
+        bench.driver.set_frequency_sweep(SweepSettings(600e6, 6e9, 21))
     with pytest.raises(VnaNotReadyError):
         bench.driver.get_trace()
 
