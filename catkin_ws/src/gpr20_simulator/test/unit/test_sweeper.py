@@ -225,6 +225,10 @@ def test_series_that_nobody_reads_is_not_computed_and_hardly_watched(make):
     assert set(rig.sweeps()) <= {newest - 1, newest, newest + 1}
 
 
+def test_a_faster_clock_is_as_fine_in_real_seconds():
+    assert PACE.faster(10.0) == SweepPace(1.001, 5.0, 10 * PACE.rest_s, 10 * PACE.attention_s)
+
+
 # The memory: data that are computed only when somebody looks at them are those computed at once.
 
 FEW = 24

@@ -158,7 +158,7 @@ def test_a_sweep_with_every_bit_of_the_one_before_is_refused_unless_there_is_no_
 
 def test_no_confirmed_trace_is_stale_mixed_or_doubled():
     # scripts/bench.sh freshness draws 2,000 from every kind.
-    traces = int(os.environ.get("GPR20_FRESHNESS_TRACES", "3"))
+    traces = int(os.environ.get("GPR20_FRESHNESS_TRACES", "2"))
     chosen = [cell for place, cell in enumerate(cells((51, 501))) if place % 4 == _turn(cell)]
     counts = drawn(chosen, traces, workers=14)
     assert len(chosen) == 14 and {one.traces for one in counts} == {traces}
