@@ -246,7 +246,17 @@ def test_invalid_settings_keep_the_former_value(bench, command, query):
 
 @each_case(
     "query",
-    ["*OPC?", "*ESR?", ":SYST:ERR?", ":CALC9:DATA? SDAT", ":CALC1:DATA? SMEM", ":FOO?", "?", ":?"],
+    [
+        "*OPC?",
+        "*ESR?",
+        ":SYST:ERR?",
+        ":CALC9:DATA? SDAT",
+        ":SENS9:FREQ:DATA?",
+        ":CALC1:DATA? SMEM",
+        ":FOO?",
+        "?",
+        ":?",
+    ],
 )
 def test_unknown_queries_get_no_answer(bench, query):
     outcome = bench.send(query)
