@@ -1,4 +1,4 @@
-"""What people add to a survey: what is allowed, and that it comes out as it went in."""
+"""What people add to a survey, and what was found: it comes out as it went in, or is refused."""
 
 from __future__ import annotations
 
@@ -25,6 +25,7 @@ from gpr20_survey.plan.annotation import (
     keeping_heading,
     position_from_text,
 )
+from gpr20_survey.results.found import Found, What, found_of, present
 
 
 @given(annotations)
@@ -113,3 +114,48 @@ def test_a_damaged_former_annotation_has_no_heading():
 @each_case("text", ["4.5,-74.25", "4.5; -74.25", "4,5; -74,25", " 4.50 , -74.250 ", "4,5;-74.25"])
 def test_a_position_is_read_with_decimal_points_and_commas(text):
     assert position_from_text(text) == Wgs84Position(4.5, -74.25)
+
+
+TIME = "2026-11-27T03:00:00.000000+00:00"
+FOUND = Found(What.SCRAP, "C03", "a" * 64, 10.0, 20.0, "Ana", TIME)
+TEXT = st.text(st.characters(blacklist_categories=["Cc", "Cs", "Zl", "Zp", "Cf"]), max_size=20)
+MM = st.floats(-10_000.0, 10_000.0)
+DEPTH = st.none() | st.floats(0.0, 10_000.0)
+
+
+@given(st.sampled_from(What), MM, MM, TEXT.filter(bool), DEPTH, TEXT)
+def test_any_record_comes_back_from_json(what, x_mm, y_mm, who, depth_mm, notes):
+    one = Found(what, "C01", "b" * 64, x_mm, y_mm, who, TIME, depth_mm, "", notes)
+    assert found_of(json.loads(json.dumps(one.values()))) == one
+
+
+@given(st.dictionaries(st.sampled_from([*list(FOUND.values())[1:], "more"]),
+                       st.none() | st.booleans() | st.floats() | st.text(max_size=4)
+                       | st.lists(st.integers(), max_size=1)))  # fmt: skip
+def test_values_of_any_kind_are_a_record_or_refused(changes):
+    try:
+        one = found_of({**FOUND.values(), **changes})
+    except InvalidValueError:
+        return
+    assert one.values() == {**FOUND.values(), **changes}
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        {"who": ""}, {"who": "a\nb"}, {"who": "\u202eAna"}, {"notes": "x" * 501},
+        {"x_mm": float("nan")}, {"y_mm": 1e5}, {"depth_mm": -1.0}, {"candidate": "3"},
+        {"list_sha256": "A" * 64}, {"photo": "../../etc/passwd"}, {"photo": "a" * 64 + ".exe"},
+        {"time": "yesterday"},
+    ],
+)  # fmt: skip
+def test_a_value_that_is_not_allowed_is_refused(change):
+    with pytest.raises(InvalidValueError):
+        replace(FOUND, **change)
+
+
+def test_a_later_record_replaces_one_of_the_same_candidate_of_the_same_list_only():
+    later = replace(FOUND, what=What.DEVICE)
+    other_list = replace(FOUND, list_sha256="b" * 64)
+    other = replace(FOUND, candidate="C04")
+    assert present([FOUND, other_list, other, later]) == [later, other_list, other]

@@ -1,17 +1,23 @@
-"""The data folder: known by its marker, never made in the place of one that is gone."""
+"""The data folder: known by its marker, never made in the place of one that is gone.
+
+Also on real disks, where this machine can mount some: unmounted, replaced, read-only, copied.
+"""
 
 from __future__ import annotations
 
+import contextlib
 import errno
 import fcntl
 import os
 import shutil
+import subprocess
 from dataclasses import replace
 
 import pytest
 from case_kit import each_case
 from fault_kit import raises_fault
 
+from gpr20_common.faults import DISK_REFUSES
 from gpr20_common.low.clock import Clock
 from gpr20_survey.errors import StorageFailedError, SurveyRefusedError
 from gpr20_survey.faults import (
@@ -23,9 +29,11 @@ from gpr20_survey.faults import (
 )
 from gpr20_survey.files.data_marker import MARKER_FILE, FolderMemory, read_marker, write_marker
 from gpr20_survey.files.durable_files import keep_aside
-from gpr20_survey.files.file_system import ROOT, FileSystem, file_system_of
+from gpr20_survey.files.file_system import ROOT, FileSystem, check_can_store, file_system_of
 from gpr20_survey.files.json_lines import add_line
 from gpr20_survey.folder.data_folder import RETRY_S, DataFolder, DataFolderUse
+
+MEMORY_DISK = ("-t", "tmpfs", "-o", "size=4m", "tmpfs")
 
 
 class SteppedClock(Clock):
@@ -57,6 +65,15 @@ def problem_code(folder):
     return None if found is None else found.fault_code
 
 
+def is_refused(use, folder, fault, *shown):
+    """Expect that the folder is refused, now and by its diagnostics, and that nothing is made."""
+    before = content(use.path.parent)
+    assert problem_code(folder) == fault.code
+    with raises_fault(fault, use.path, *shown):
+        folder.check()
+    assert content(use.path.parent) == before
+
+
 def test_the_first_use_makes_and_marks_the_folder_and_every_later_one_knows_it(use, folder):
     assert folder.problem() is None and folder.identify().identity == ""
     assert not use.path.exists()
@@ -67,12 +84,11 @@ def test_the_first_use_makes_and_marks_the_folder_and_every_later_one_knows_it(u
         DataFolder(use, Clock()).check()
     assert folder.identify() == known and folder.problem() is None
     assert content(use.path) == [MARKER_FILE]
-
-
-def test_a_folder_of_before_this_version_gets_a_marker(use, folder):
-    (use.path / "20260921T141320_0f8fad5b").mkdir(parents=True)
-    folder.check()
-    assert folder.identify().remembered
+    # Each path is remembered for itself; a folder of before this version gets a marker.
+    other = replace(use, path=use.path.with_name("other"))
+    (other.path / "20260921T141320_0f8fad5b").mkdir(parents=True)
+    DataFolder(other, Clock()).check()
+    assert read_marker(other.path).identity not in ("", known.identity)
 
 
 def remove(path):
@@ -99,73 +115,36 @@ def damage(path):
     (path / MARKER_FILE).write_bytes((path / MARKER_FILE).read_bytes()[:40])
 
 
-@each_case("change", [remove, empty, other, damage])
-def test_another_folder_in_its_place_is_refused_and_nothing_is_made(tmp_path, change):
-    use = DataFolderUse(tmp_path / change.__name__ / "data", tmp_path / "state")
-    folder = DataFolder(use, Clock())
+@pytest.mark.parametrize("change", [None, remove, empty, other, copy, damage])
+def test_another_folder_in_its_place_is_refused_until_somebody_accepts_it(use, folder, change):
     folder.check()
-    change(use.path)
-    before = content(tmp_path)
-    assert problem_code(folder) == OTHER_DATA_FOLDER.code
-    for one in (folder, DataFolder(use, Clock())):
-        with raises_fault(OTHER_DATA_FOLDER, use.path, error=SurveyRefusedError):
-            one.check()
-    assert content(tmp_path) == before
-
-
-def test_the_refusal_names_the_expected_and_the_found_identity(use, folder):
-    folder.check()
-    expected = folder.identify().identity
-    other(use.path)
-    with raises_fault(OTHER_DATA_FOLDER, use.path, expected, "7c9e6679"):
-        folder.check()
-
-
-def test_a_copy_on_another_file_system_is_not_the_original(use, folder):
-    folder.check()
-    if not file_system_of(use.path).identity:
+    former = folder.identify().identity
+    if change is copy and not file_system_of(use.path).identity:
         pytest.skip("this file system has no identity")
-    copy(use.path)
-    with raises_fault(OTHER_DATA_FOLDER, "copy"):
-        folder.check()
-    former = read_marker(use.path).identity
-    assert folder.accept() != former
-
-
-@each_case("change", [None, remove, empty, other, copy, damage])
-def test_what_somebody_accepts_is_used_from_then_on(tmp_path, change):
-    use = DataFolderUse(tmp_path / str(change) / "data", tmp_path / "state")
-    folder = DataFolder(use, Clock())
-    folder.check()
     if change is not None:
         change(use.path)
+        shown = {other: (former, "7c9e6679"), copy: ("copy",)}.get(change, ())
+        for one in (folder, DataFolder(use, Clock())):
+            is_refused(use, one, OTHER_DATA_FOLDER, *shown)
     identity = folder.accept()
     DataFolder(use, Clock()).check()
     assert folder.identify().identity == identity == folder.accept()
+    assert change is not copy or identity != former
 
 
 def test_a_damaged_memory_does_not_count_as_a_first_use(use, folder):
     folder.check()
     FolderMemory(use.state).file_of(use.path).write_text("{")
     remove(use.path)
-    with raises_fault(OTHER_DATA_FOLDER, use.path):
-        folder.check()
-    assert not use.path.exists()
+    is_refused(use, folder, OTHER_DATA_FOLDER)
 
 
-def test_a_link_or_a_pipe_in_the_place_of_the_marker_is_refused_without_waiting(use, folder):
+def test_a_pipe_in_the_place_of_the_marker_is_refused_without_waiting(use, folder):
     folder.check()
     (use.path / MARKER_FILE).unlink()
     os.mkfifo(use.path / MARKER_FILE)
     with raises_fault(NOT_A_FILE, error=StorageFailedError):
         folder.check()
-
-
-def test_each_path_is_remembered_for_itself(tmp_path):
-    one, two = (DataFolderUse(tmp_path / name, tmp_path / "state") for name in ("one", "two"))
-    DataFolder(one, Clock()).check()
-    DataFolder(two, Clock()).check()
-    assert read_marker(one.path).identity != read_marker(two.path).identity
 
 
 @each_case("place", [ROOT, ROOT / "run", ROOT / "no" / "such" / "mount"])
@@ -185,12 +164,8 @@ def test_with_a_data_disk_nothing_is_stored_on_that_of_the_system_or_in_memory(t
 @each_case(
     "module, name, number",
     [
-        (os, "link", errno.EPERM),  # FAT, exFAT
-        (os, "link", errno.EOPNOTSUPP),
-        (os, "link", errno.ENOSYS),
-        (fcntl, "flock", errno.ENOLCK),
-        (fcntl, "flock", errno.EOPNOTSUPP),
-        (fcntl, "flock", errno.EBADF),  # some network mounts
+        *((os, "link", one) for one in (errno.EPERM, errno.EOPNOTSUPP, errno.ENOSYS)),  # FAT
+        *((fcntl, "flock", one) for one in (errno.ENOLCK, errno.EOPNOTSUPP, errno.EBADF)),
     ],
 )
 def test_a_file_system_without_links_or_locks_is_refused_and_nothing_is_left(
@@ -214,14 +189,10 @@ def test_a_file_system_without_links_or_locks_is_refused_and_nothing_is_left(
     clock.time_s += RETRY_S
     assert problem_code(folder) is None
     folder.check()
-
-
-def test_the_diagnostics_write_nothing_each_second(use, folder, monkeypatch):
-    folder.check()
-    assert folder.problem() is None
-    monkeypatch.setattr("gpr20_survey.folder.data_folder.check_can_store", pytest.fail)
-    for _second in range(5):
-        assert folder.problem() is None
+    # Nor are the diagnostics a write each second.
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("gpr20_survey.folder.data_folder.check_can_store", pytest.fail)
+        assert [folder.problem() for _second in range(5)] == [None] * 5
 
 
 def test_nothing_makes_the_data_folder_again_below_which_it_writes(tmp_path):
@@ -294,3 +265,66 @@ def test_a_folder_that_this_user_may_not_write_to_is_refused(use, folder):
 def test_an_identity_of_another_file_system_is_recognized(kind, identity, marked, other):
     system = FileSystem(1, "/data", kind, identity, read_only=False)
     assert system.is_other_than(marked) is other
+
+
+@contextlib.contextmanager
+def mounted(path, *arguments):
+    path.mkdir(exist_ok=True)
+    subprocess.run(["mount", *arguments, str(path)], check=True, timeout=20)
+    try:
+        yield
+    finally:
+        subprocess.run(["umount", "--lazy", str(path)], check=True, timeout=20)
+
+
+@pytest.mark.needs("mounts")
+def test_neither_the_folder_below_an_unmounted_disk_nor_another_disk_takes_its_place(use, folder):
+    disk = use.path.parent
+    with mounted(disk, *MEMORY_DISK):
+        folder.check()
+        assert folder.problem() is None
+        with mounted(disk, *MEMORY_DISK):
+            is_refused(use, folder, OTHER_DATA_FOLDER)
+        assert folder.problem() is None
+    is_refused(use, folder, OTHER_DATA_FOLDER)
+
+
+@pytest.mark.needs("mounts")
+def test_a_disk_that_becomes_read_only_is_refused_at_once(use, folder):
+    disk = use.path.parent
+    with mounted(disk, *MEMORY_DISK):
+        folder.check()
+        remount = ["mount", "-o", "remount,ro", str(disk)]
+        subprocess.run(remount, check=True, timeout=20)
+        is_refused(use, folder, DISK_REFUSES)
+    fresh = DataFolder(replace(use, path=disk / "fresh"), Clock())
+    with mounted(disk, *MEMORY_DISK, "-o", "ro"):
+        with raises_fault(DISK_REFUSES, error=StorageFailedError):
+            fresh.check()
+        assert content(disk) == []
+
+
+@pytest.mark.needs("mounts")
+def test_the_identity_of_an_ext4_outlives_a_remount_and_tells_it_from_its_copy(tmp_path, use):
+    image, disk = tmp_path / "image", use.path.parent
+    loop = ("-o", "loop", str(image))
+    with image.open("wb") as file:
+        file.truncate(8 << 20)
+    made = subprocess.run(["mkfs.ext4", "-q", str(image)], check=False, timeout=60)
+    if made.returncode:
+        pytest.skip("no mkfs.ext4 here")
+    own = replace(use, own_disk=True)
+    with mounted(disk, *loop):
+        DataFolder(own, Clock()).check()
+        check_can_store(use.path)
+        identity = file_system_of(use.path).identity
+        copied = shutil.copytree(use.path, tmp_path / "copied")
+    with mounted(disk, *loop):
+        DataFolder(own, Clock()).check()
+        assert file_system_of(use.path).identity == identity != ""
+    with raises_fault(NO_DATA_DISK):
+        DataFolder(own, Clock()).check()
+    shutil.copytree(copied, use.path)
+    if file_system_of(use.path).identity:
+        with raises_fault(OTHER_DATA_FOLDER, "copy"):
+            DataFolder(use, Clock()).check()

@@ -1,4 +1,7 @@
-"""The log of a survey: records that judge themselves, in two files of which each is enough."""
+"""The log of a survey: records that judge themselves, in two files of which each is enough.
+
+The manifest seals it, covers itself to the last bit, and is read as earlier versions wrote it.
+"""
 
 from __future__ import annotations
 
@@ -6,16 +9,31 @@ import hashlib
 import json
 import os
 import random
+from dataclasses import replace
 
 import pytest
 from case_kit import each_case
 from fault_kit import raises_fault
 from hypothesis import given
 from hypothesis import strategies as st
-from log_examples import NOW, PLAN, entries, facts, make_survey, write_log
+from log_examples import (
+    EARLIER,
+    NOW,
+    PLAN,
+    add_marker,
+    entries,
+    facts,
+    make_former,
+    make_survey,
+    with_own_sum,
+    write_log,
+)
+from run_seed import SEED, draws
 
 from gpr20_survey.errors import SurveyRefusedError
-from gpr20_survey.folder import survey_log, survey_metadata
+from gpr20_survey.files import file_sums
+from gpr20_survey.folder import manifest, survey_log, survey_metadata
+from gpr20_survey.folder.annotating import add_to_survey
 from gpr20_survey.folder.log_content import description_of, view_of
 from gpr20_survey.folder.log_reading import read_log
 from gpr20_survey.folder.log_record import (
@@ -26,6 +44,7 @@ from gpr20_survey.folder.log_record import (
     record_of,
     record_of_line,
 )
+from gpr20_survey.folder.recovery import recover
 from gpr20_survey.folder.survey_log import SurveyLog
 
 JSON = st.recursive(
@@ -51,41 +70,23 @@ def test_no_byte_of_a_line_can_change_unseen(values, place, change):
     assert record_of_line(bytes(line)) is None
 
 
-def test_records_are_numbered_and_each_names_the_one_before():
-    log = [LogRecord.after(None, Kind.PLAN, PLAN, NOW)]
-    for fact in facts():
-        log.append(LogRecord.after(log[-1], fact.kind, fact.values, NOW))
-    assert [one.number for one in log] == list(range(len(log)))
-    assert [one.previous for one in log] == ["", *(one.sha256 for one in log[:-1])]
+RECORD = LogRecord.after(None, Kind.MARKER, {"x": 1}, NOW).as_json()
 
 
 @each_case(
-    "change",
+    "values",
     [
-        {"number": -1},
-        {"number": True},
-        {"number": 1.0},
-        {"number": MAX_NUMBER + 1},
-        {"time": None},
-        {"values": None},
-        {"values": []},
-        {"sha256": 5},
-        {"previous": None},
-        {"kind": "plan "},
-        {"more": 1},
+        *({**RECORD, "number": wrong} for wrong in (-1, True, 1.0, MAX_NUMBER + 1)),
+        *({**RECORD, "values": wrong} for wrong in (None, [])),
+        *({**RECORD, name: None} for name in ("time", "previous")),
+        *({**RECORD, **wrong} for wrong in ({"sha256": 5}, {"kind": "plan "}, {"more": 1})),
+        *({name: RECORD[name] for name in KEYS if name != absent} for absent in KEYS),
+        dict(reversed(list(RECORD.items()))),
     ],
 )
-def test_what_is_no_record_is_none(change):
-    assert record_of({**LogRecord.after(None, Kind.MARKER, {"x": 1}, NOW).as_json(), **change}) is (
-        None
-    )
-
-
-def test_an_entry_in_another_order_or_without_a_key_is_no_record():
-    values = LogRecord.after(None, Kind.MARKER, {"x": 1}, NOW).as_json()
-    assert record_of(dict(reversed(list(values.items())))) is None
-    for key in KEYS:
-        assert record_of({name: one for name, one in values.items() if name != key}) is None
+def test_what_is_no_record_is_none(values):
+    assert record_of(RECORD) is not None
+    assert record_of(values) is None
 
 
 def test_a_record_of_a_kind_of_a_later_version_is_kept_and_changes_nothing(tmp_path):
@@ -123,11 +124,10 @@ def test_a_log_made_again_of_survey_json_alone_is_whole(tmp_path):
     (tmp_path / "log.jsonl").unlink()
     found = read_log(tmp_path)
     assert (found.lost, description_of(found.records)) == ((), expected)
-    SurveyLog(tmp_path, found.records, whole=False).write()
-    again = read_log(tmp_path)
-    assert again.is_whole and description_of(again.records) == expected
+    log = SurveyLog(tmp_path, found.records, whole=False)
+    log.write()
+    assert read_log(tmp_path).is_whole
     assert (tmp_path / "survey.json").read_bytes() == view
-    log = SurveyLog(tmp_path, again.records, whole=True)
     log.add(log.next(Kind.REPORT, {"verdict": "later"}, NOW))
     assert read_log(tmp_path).is_whole
 
@@ -136,14 +136,11 @@ def test_an_empty_report_can_not_be_put_in_the_place_of_the_last_one(tmp_path):
     """Its checksum cannot be calculated, and no record behind it names it."""
     log = write_log(tmp_path)
     last = log.add(log.next(Kind.REPORT, {"verdict": "the last"}, NOW))
-    forged = last.without_values()
-    for path, content in (
-        (tmp_path / "log.jsonl", b"".join(one.line() for one in [*log.records[:-1], forged])),
-        (tmp_path / "survey.json", view_of([*log.records[:-1], forged])),
-    ):
-        path.write_bytes(content)
+    forged = [*log.records[:-1], last.without_values()]
+    (tmp_path / "log.jsonl").write_bytes(b"".join(one.line() for one in forged))
+    (tmp_path / "survey.json").write_bytes(view_of(forged))
     found = read_log(tmp_path)
-    assert forged not in found.records
+    assert forged[-1] not in found.records
     assert found.lost == (last.number,)
 
 
@@ -185,26 +182,86 @@ def test_a_log_that_is_full_takes_no_more_facts_but_the_end_and_stays_readable(
 ):
     log = write_log(tmp_path)
     module = survey_log if limit == "MAX_LOG_BYTES" else survey_metadata
-    monkeypatch.setattr(module, limit, 200_000)
-    monkeypatch.setattr(survey_log, "RESERVED_BYTES", 50_000)
-    with raises_fault("storage.request_refused", 150_000, error=SurveyRefusedError):
+    monkeypatch.setattr(module, limit, 60_000)
+    monkeypatch.setattr(survey_log, "RESERVED_BYTES", 20_000)
+    with raises_fault("storage.request_refused", 40_000, error=SurveyRefusedError):
         for _ in range(1000):
-            log.add(log.next(Kind.PAUSE, {"reason": "x" * 1000}, NOW))
+            log.add(log.next(Kind.PAUSE, {"reason": "x" * 4000}, NOW))
     assert read_log(tmp_path).is_whole and read_log(tmp_path).records == log.records
     log.add(log.next(Kind.END, {"outcome": "stopped"}, NOW))
     assert read_log(tmp_path).is_whole and read_log(tmp_path).records == log.records
 
 
 def test_each_random_log_is_read_as_it_was_written(tmp_path):
-    for seed in range(30):
-        chance = random.Random(seed)
-        folder = tmp_path / str(seed)
+    chance = random.Random(SEED)
+    for number in range(draws(6)):
+        folder = tmp_path / str(number)
         folder.mkdir()
         log = SurveyLog(folder, [LogRecord.after(None, Kind.PLAN, PLAN, NOW)], whole=False)
         log.write()
-        for _ in range(chance.randrange(30)):
-            fact = chance.choice(facts())
+        for fact in chance.choices(facts(), k=chance.randrange(30)):
             log.add(log.next(fact.kind, fact.values, NOW))
+        assert [one.number for one in log.records] == list(range(len(log.records)))
+        previous = ["", *(one.sha256 for one in log.records[:-1])]
+        assert [one.previous for one in log.records] == previous
         found = read_log(folder)
-        assert found.is_whole, seed
-        assert [one.sha256 for one in found.records] == [one.sha256 for one in log.records], seed
+        assert found.is_whole
+        assert [one.sha256 for one in found.records] == [one.sha256 for one in log.records]
+
+
+@pytest.fixture
+def folder(tmp_path):
+    make_survey(tmp_path / "survey")
+    return tmp_path / "survey"
+
+
+def test_the_manifest_names_the_log_by_its_last_record_and_is_read_as_it_was_written(folder):
+    sealed = manifest.read_manifest(folder)
+    last = recover(folder).found.records[-1]
+    assert (sealed.log, sealed.next_log) == ((last.number, last.sha256), None)
+    assert set(sealed.files) == {"traces/one.json"}
+    sealed = replace(
+        sealed,
+        next_log=manifest.LogHead(4, "a" * 64),
+        unconfirmed=("record 3", "markers/1"),
+        reopened=NOW,
+        rewritten=({"time": NOW, "reason": "it was missing"},),
+    )
+    assert manifest.decode(sealed.encode()) == sealed
+
+
+def test_every_bit_of_a_manifest_is_covered(folder):
+    whole, chance = (folder / "manifest.json").read_bytes(), random.Random(SEED)
+    assert manifest.decode(whole).covers_itself
+    for place in chance.sample(range(len(whole)), draws(50)):
+        changed = bytearray(whole)
+        changed[place] ^= 1 << chance.randrange(8)
+        for damaged in (bytes(changed), whole[:place]):
+            with pytest.raises(manifest.ManifestDamagedError):
+                manifest.decode(damaged)
+
+
+@each_case("key", ["rewritten", "files", "survey_id", "log", "next_log", "unconfirmed"])
+@each_case("value", [1, [1], "x", {"number": -1, "sha256": "a"}, {"number": 1, "sha256": 1}])
+def test_a_manifest_with_entries_of_another_type_is_damaged(folder, key, value):
+    values = json.loads((folder / "manifest.json").read_text())
+    if type(value) is type(values[key]) and key not in ("log", "next_log", "rewritten"):
+        value = 2.5
+    del values["sha256"]
+    with pytest.raises(manifest.ManifestDamagedError):
+        manifest.decode(with_own_sum({**values, key: value}))
+
+
+@pytest.mark.parametrize("form", EARLIER)
+def test_a_manifest_of_an_earlier_version_is_read_and_replaced_by_the_next_addition(folder, form):
+    former = make_former(folder, form)
+    sealed = manifest.read_manifest(folder)
+    assert sealed.log is None and sealed.covers_itself is (form != EARLIER[0])
+    assert sealed.matches("survey.json", file_sums.sum_of_file(folder / "survey.json"))
+    add_to_survey(folder, add_marker(7), NOW)
+    sealed, found = manifest.read_manifest(folder), recover(folder)
+    assert sealed.covers_itself and sealed.covers(found.found.records)
+    for name in sealed.files:
+        assert sealed.matches(name, file_sums.sum_of_file(folder / name))
+    assert found.found.records[0].values == former
+    assert found.all_unconfirmed == {}

@@ -1,16 +1,24 @@
+"""Names of surveys, traces and topics; metadata that are kept, and the message of a replay."""
+
 from __future__ import annotations
 
 import json
-from pathlib import Path
+from pathlib import Path, PurePosixPath
 
+import pytest
 from case_kit import each_case
 from fault_kit import raises_fault
 from hypothesis import given
 from hypothesis import strategies as st
-from trace_examples import STARTED_US, SURVEY, make_trace
+from rosbags.typesys import Stores, get_types_from_msg, get_typestore
+from trace_examples import MESSAGES, STARTED_US, SURVEY, make_trace
 
 from gpr20_survey.errors import SurveyRefusedError
 from gpr20_survey.folder import survey_folder, survey_metadata
+from gpr20_survey.recording import replay_message
+from gpr20_survey.recording.recording import RecordedMessage
+from gpr20_survey.recording.replay_message import RecordedSurvey
+from gpr20_survey.recording.topic_types import MAX_RENAMED, TopicTypes
 
 DATA = Path("/data")
 COORDINATE = st.floats(-10_000, 10_000)
@@ -89,3 +97,68 @@ def test_metadata_are_kept_beside_the_own_entries():
 def test_odd_texts_survive_in_strict_ascii_json():
     values = {"place": "Cañón \ud800 \u2028"}
     assert json.loads(survey_metadata.encode(values)) == values
+
+
+OLD, NEW = "7b530785257ca423f317a80d75c5dad5", "0123456789abcdef0123456789abcdef"
+
+
+def status(md5sum: str) -> RecordedMessage:
+    return RecordedMessage("/status", "gpr20_msgs/ControlStatus", md5sum, "", b"", 0)
+
+
+def names(types, *md5sums):
+    return [types.named(status(md5sum)).topic for md5sum in md5sums]
+
+
+def test_the_first_type_of_a_topic_has_its_name_and_others_have_their_own():
+    types = TopicTypes({})
+    assert names(types, OLD, NEW, OLD) == ["/status", "/status_01234567", "/status"]
+
+
+def test_a_type_that_a_recording_holds_already_has_the_name():
+    assert names(TopicTypes({"/status": {OLD}}), NEW, OLD) == ["/status_01234567", "/status"]
+
+
+def test_a_survey_that_is_resumed_again_uses_the_same_names():
+    again = TopicTypes({"/status": {OLD}, "/status_01234567": {NEW}})
+    assert names(again, NEW, OLD) == ["/status_01234567", "/status"]
+
+
+def test_a_topic_with_far_too_many_types_is_not_recorded_for_ever():
+    types = TopicTypes({"/status": {OLD}})
+    found = [types.named(status(f"{number:032x}"[::-1])) for number in range(2 * MAX_RENAMED)]
+    assert sum(one is not None for one in found) == MAX_RENAMED
+    assert types.named(status(OLD)).topic == "/status"
+
+
+NAME = "gpr20_msgs/msg/Replay"
+TYPES = get_typestore(Stores.ROS1_NOETIC)
+TYPES.register(get_types_from_msg((MESSAGES / "Replay.msg").read_text(), NAME))
+RECORDED = RecordedSurvey("0f8fad5b", "2026-11-22T07:53:11.859801+00:00", "señal \U0001f4a5")
+
+
+def test_the_definition_and_its_checksum_are_those_of_the_message():
+    other = get_typestore(Stores.ROS1_NOETIC)
+    other.register(get_types_from_msg(replay_message.DEFINITION, NAME))
+    for types in (TYPES, other):
+        assert types.generate_msgdef(NAME)[1] == replay_message.MD5SUM
+
+
+def test_another_library_reads_what_is_recorded():
+    message = TYPES.deserialize_ros1(RECORDED.encode(), NAME)
+    found = (message.survey_id, message.started, message.folder)
+    assert found == (RECORDED.survey_id, RECORDED.started, RECORDED.folder)
+    assert (message.state, message.rate, message.position_s, message.length_s) == (0, 0, 0, 0)
+    assert RecordedSurvey.decode(RECORDED.encode()) == RECORDED
+
+
+@each_case("size", range(12))
+def test_a_message_that_is_cut_off_is_refused(size):
+    with pytest.raises(ValueError, match="incomplete"):
+        RecordedSurvey.decode(bytes(size))
+
+
+@each_case("description", [{}, {"survey_id": 7, "started": None}])
+def test_a_description_that_is_not_whole_gives_the_folder_alone(description):
+    survey = RecordedSurvey.of(description, PurePosixPath("/data/20260921T141320_0f8fad5b"))
+    assert survey == RecordedSurvey("", "", "20260921T141320_0f8fad5b")

@@ -1,14 +1,41 @@
-"""The order in which a survey visits its points."""
+"""What a survey visits, in which order, and which parameters and sensors it may have."""
+
+from __future__ import annotations
 
 import itertools
-from dataclasses import replace
+import math
+from dataclasses import asdict, replace
 
+import pytest
 from case_kit import each_case
+from fault_kit import raises_fault
 from hypothesis import given
 from hypothesis import strategies as st
+from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 from survey_examples import PARAMETERS, TRAVEL
+from trace_examples import make_trace
 
+from gpr20_common.errors import InvalidValueError
+from gpr20_common.message import Message
+from gpr20_common.mid.records import record_from
+from gpr20_survey.plan.imported import (
+    ImportedFit,
+    ImportedGrid,
+    imported_grid,
+    is_imported,
+    measured_area,
+)
+from gpr20_survey.plan.sensors import Sensors
+from gpr20_survey.plan.survey_parameters import (
+    SurveyParameters,
+    SurveyParametersError,
+    check,
+    problems,
+)
 from gpr20_survey.plan.survey_plan import alternating, grid, raster, survey_points
+from gpr20_survey.trace import trace_message
+from gpr20_survey.trace.sweep_settings import AnalyzerSettings
+from gpr20_survey.trace.trace_definition import TRACE_DEFINITION
 
 
 @each_case("columns", [1, 3, 4, 5, 6])
@@ -59,3 +86,235 @@ def test_a_reverse_survey_visits_the_same_grid_the_other_way_round():
 def test_a_grid_holds_both_ends_on_motor_steps():
     coordinates = grid(0.0, 100.0, 7, TRAVEL.x)
     assert coordinates == [0.0, 16.67, 33.33, 50.0, 66.67, 83.33, 100.0]
+
+
+SETTINGS = ("if_bandwidth_hz", "averages", "output_power")
+
+
+def test_the_parameters_of_a_usual_survey_are_allowed():
+    assert problems(PARAMETERS, TRAVEL) == []
+
+
+@each_case(
+    "field, value, shown",
+    [
+        ("vna_address", "192.168.1", ("VNA address", "192.168.1")),
+        ("vna_address", "GPIB0::16::INSTR\n", ("GPIB0::16::INSTR",)),
+        ("start_frequency_hz", 0.0, ("start frequency", 0, 5000)),
+        ("start_frequency_hz", math.nan, ("start frequency", "nan")),
+        ("start_frequency_hz", 6.0e9, (6000000000,)),
+        ("stop_frequency_hz", 6.1e9, ("stop frequency", 6100000000)),
+        ("stop_frequency_hz", math.inf, ("stop frequency", "inf")),
+        ("stop_frequency_hz", 500.0e6, (500000000,)),
+        ("frequency_points", 1, ("frequency points", 1, 2, 4000)),
+        ("frequency_points", 4001, ("frequency points", 4001)),
+        ("stop_frequency_hz", 600.0e6 + 0.5, (1,)),
+        ("stop_frequency_hz", 600.0e6, ()),
+        ("stop_frequency_hz", 600.0e6 + 2.0, (0.5,)),
+        ("if_bandwidth_hz", 0.5, ("IF bandwidth", 0.5, 1, 10000000)),
+        ("if_bandwidth_hz", 2.0e7, ("IF bandwidth", 20000000)),
+        ("if_bandwidth_hz", math.nan, ("IF bandwidth", "nan")),
+        ("averages", -1, ("averages", -1, 0, 65535)),
+        ("averages", 65536, ("averages", 65536)),
+        ("output_power", "LOW POWER", ("LOW POWER", 16)),
+        ("output_power", "A" * 17, ()),
+        ("output_power", "LOW\n", ()),
+        ("output_power", "HÖCH", ()),
+        ("x_start_mm", -0.01, ("x start", -0.01, 0, 650)),
+        ("x_start_mm", math.nan, ("x start", "nan")),
+        ("x_stop_mm", 650.01, ("x stop", 650.01, 0, 650)),
+        ("x_stop_mm", math.inf, ("x stop", "inf")),
+        ("x_points", 2, ("x", 2, 3)),
+        ("x_stop_mm", 10.0, (0.01,)),
+        ("x_points", 2002, (2002, 0.009995)),
+        ("y_start_mm", 800.01, ("y start", 800.01, 0, 800)),
+        ("y_stop_mm", math.nan, ("y stop", "nan")),
+        ("y_points", 0, ("y", 0)),
+        ("polarizations_deg", (), ("number of polarizations", 0, 1, 36)),
+        ("polarizations_deg", (0.0,) * 37, ("number of polarizations", 37)),
+        ("polarizations_deg", (0.0, 91.0), ("polarization", 91)),
+        ("polarizations_deg", (math.nan,), ("polarization", "nan")),
+        ("polarizations_deg", (0.0, 0.0), ()),
+        ("polarizations_deg", (0.0, 1.0), (1,)),
+    ],
+)
+def test_a_wrong_parameter_is_refused_with_its_value_and_its_limits(field, value, shown):
+    with raises_fault("plan.not_allowed", *shown, error=SurveyParametersError):
+        check(replace(PARAMETERS, **{field: value}), TRAVEL)
+
+
+@given(
+    st.just(0.0) | st.floats(1.0, 1.0e7),
+    st.integers(0, 65535),
+    st.text("ABCxyz0123456789+-.", max_size=16),
+)
+def test_settings_of_any_analyzer_are_allowed_and_reach_its_sweep(bandwidth_hz, averages, power):
+    parameters = replace(
+        PARAMETERS, if_bandwidth_hz=bandwidth_hz, averages=averages, output_power=power
+    )
+    assert problems(parameters, TRAVEL) == []
+    expected = AnalyzerSettings(bandwidth_hz, averages, power)
+    assert parameters.sweep_settings.analyzer == expected
+
+
+def test_parameters_of_early_surveys_leave_the_settings_to_the_instrument():
+    early = {name: value for name, value in asdict(PARAMETERS).items() if name not in SETTINGS}
+    assert record_from(SurveyParameters, early, "parameters") == PARAMETERS
+    assert not PARAMETERS.sweep_settings.analyzer.is_known
+
+
+def test_a_survey_of_more_traces_than_can_be_counted_is_refused():
+    huge = replace(PARAMETERS, x_stop_mm=650.0, x_points=1001, y_stop_mm=800.0, y_points=1001)
+    assert any("2004002" in str(one) for one in problems(huge, TRAVEL))
+
+
+@given(
+    st.floats(),
+    st.floats(),
+    st.integers(-(2**31), 2**31 - 1),
+    st.lists(st.floats(), max_size=3),
+)
+def test_any_numbers_give_sentences_and_never_an_exception(start, stop, points, rotations):
+    wild = replace(
+        PARAMETERS,
+        x_start_mm=start,
+        x_stop_mm=stop,
+        x_points=points,
+        start_frequency_hz=start,
+        stop_frequency_hz=stop,
+        polarizations_deg=tuple(rotations),
+    )
+    assert all(isinstance(one, Message) for one in problems(wild, TRAVEL))
+
+
+def test_the_address_may_be_of_another_form_that_only_its_driver_knows():
+    check(replace(PARAMETERS, vna_address="TCPIP0::192.168.1.5::inst0::INSTR"), TRAVEL)
+
+
+SOIL = {"name": "soil", "topic": "probe/soil", "message": "std_msgs/Float64", "field": "data"}
+
+
+def made(**changes):
+    values = {**SOIL, **changes}
+    return record_from(Sensors, {"sensors": [values]}, "").sensors[0]
+
+
+def test_four_keys_are_enough():
+    sensor = made()
+    assert (sensor.unit, sensor.required, sensor.longest_age_s) == ("", False, 5.0)
+    assert sensor.is_plausible(-1e300)
+
+
+@each_case("field", ["data", "a.b[0]", "temperature", "a[12].b.c[3]"])
+def test_a_field_may_lie_inside_others(field):
+    assert made(field=field).field == field
+
+
+WRONG = {
+    "name": ("Soil", "", "a" * 65, "vna_temperature"),
+    "topic": ("~soil", "soil moisture", ""),
+    "message": ("Float64", "std_msgs/msg/Float64"),
+    "field": ("data[", "a..b", "__class__.x()"),
+    "unit": ("u" * 33, "\n", 5),
+    "longest_age_s": (0.0, math.nan, 1e9),
+    "required": ("yes",),
+    "low": (math.inf,),
+    "high": (math.nan,),
+    "higher": (1.0,),
+}
+
+
+@each_case("key, value", [(key, value) for key in WRONG for value in WRONG[key]])
+def test_the_message_names_a_key_or_value_that_is_wrong(key, value):
+    with pytest.raises(InvalidValueError) as caught:
+        made(**{key: value})
+    message = caught.value.message
+    assert message.fault_code in ("config.value_not_allowed", "value.not_allowed")
+    values = [str(one) for inner in message.nested() for one in inner.values.values()]
+    if key in ("unit", "low", "high") and message.fault_code == "config.value_not_allowed":
+        assert SOIL["name"] in values and any(repr(value).strip("'") in one for one in values)
+    else:
+        assert any(key in one for one in values)
+
+
+def test_low_is_below_high():
+    assert made(low=1.0, high=2.0).is_plausible(1.0)
+    for low, high in ((2.0, 1.0), (1.0, 1.0)):
+        with raises_fault("config.value_not_allowed", "soil", error=InvalidValueError):
+            made(low=low, high=high)
+
+
+@each_case("key", SOIL)
+def test_a_key_that_is_missing_is_named(key):
+    values = {name: value for name, value in SOIL.items() if name != key}
+    with raises_fault("config.value_not_allowed", f"sensors[0]/{key}", error=InvalidValueError):
+        record_from(Sensors, {"sensors": [values]}, "")
+
+
+def test_names_are_unique_and_sensors_few():
+    with raises_fault("config.value_not_allowed", "soil", error=InvalidValueError):
+        record_from(Sensors, {"sensors": [SOIL, SOIL]}, "")
+    many = [{**SOIL, "name": f"s{number}"} for number in range(33)]
+    with raises_fault("config.value_not_allowed", 33, 31, error=InvalidValueError):
+        record_from(Sensors, {"sensors": many}, "")
+
+
+AXIS = st.lists(st.floats(-900.0, 900.0), min_size=1, max_size=5, unique=True).map(sorted)
+GRID = {"polarization_deg": [0.0, 90.0], "y_mm": [-5.0], "x_mm": [1.0, 2.5, 9.0]}
+
+
+def described(**changes):
+    return {"imported": {**GRID, **changes}}
+
+
+def test_the_definition_of_a_trace_has_the_checksum_of_its_message():
+    types = get_typestore(Stores.ROS1_NOETIC)
+    types.register(get_types_from_msg(TRACE_DEFINITION, "gpr20_msgs/msg/Trace"))
+    assert types.generate_msgdef("gpr20_msgs/msg/Trace")[1] == trace_message.MD5SUM
+
+
+@given(turns=AXIS, ys=AXIS, xs=AXIS)
+def test_every_place_has_one_index_and_a_trace_fits_only_its_own(turns, ys, xs):
+    description = described(polarization_deg=turns, y_mm=ys, x_mm=xs)
+    assert is_imported(description)
+    points = imported_grid(description).points()
+    places = {(one.z_deg, one.y_mm, one.x_mm) for one in points}
+    assert places == {(z, y, x) for z in turns for y in ys for x in xs}
+    fit = ImportedFit(description)
+    for point in points:
+        place = {"x_coord_mm": point.x_mm, "y_coord_mm": point.y_mm, "z_coord_deg": point.z_deg}
+        assert fit.misfits(make_trace(point.index, **place)) == []
+        assert fit.misfits(make_trace(len(points), **place))
+        moved = {**place, "x_coord_mm": point.x_mm + 1.0}
+        assert "not at its place" in str(fit.misfits(make_trace(point.index, **moved))[0])
+
+
+@each_case(
+    "axis",
+    [None, [], [1], ["1.0"], [True], [2.0, 1.0], [1.0, 1.0], [math.nan], [1.0, math.inf], {}],
+)
+def test_a_grid_that_is_none_is_refused(axis):
+    for name in GRID:
+        with pytest.raises(InvalidValueError, match="grid of the imported survey"):
+            imported_grid(described(**{name: axis}))
+    for entry in (axis, {"x_mm": axis}):
+        assert is_imported({"imported": entry})
+        assert measured_area({"imported": entry}) is None
+        with pytest.raises(InvalidValueError):
+            imported_grid({"imported": entry})
+
+
+def test_a_grid_with_more_places_than_a_survey_may_have_is_refused():
+    axis = [float(number) for number in range(1001)]
+    with pytest.raises(InvalidValueError):
+        imported_grid(described(x_mm=axis, y_mm=axis))
+
+
+def test_the_area_has_the_names_of_parameters():
+    assert measured_area(described()) == {
+        "polarizations_deg": [0.0, 90.0],
+        **{"x_start_mm": 1.0, "x_stop_mm": 9.0, "x_points": 3},
+        **{"y_start_mm": -5.0, "y_stop_mm": -5.0, "y_points": 1},
+    }
+    assert measured_area({"parameters": 7}) == 7
+    assert imported_grid(described()) == ImportedGrid((0.0, 90.0), (-5.0,), (1.0, 2.5, 9.0))

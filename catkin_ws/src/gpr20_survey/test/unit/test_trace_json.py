@@ -1,3 +1,5 @@
+"""A trace as a value, a JSON file and in a block: what is damaged or not allowed is refused."""
+
 from __future__ import annotations
 
 import datetime
@@ -5,6 +7,7 @@ import hashlib
 import json
 import math
 import random
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -13,12 +16,15 @@ from fault_kit import raises_fault
 from hypothesis import given
 from hypothesis import strategies as st
 from log_examples import without_checksum
-from trace_examples import STARTED_US, assert_same_numbers, make_trace, read_json
+from run_seed import SEED, draws
+from trace_examples import STARTED_US, SURVEY, assert_same_numbers, make_trace, read_json
 
+from gpr20_survey import faults
 from gpr20_survey.errors import TraceRefusedError
 from gpr20_survey.trace import trace_json, utc_time
 from gpr20_survey.trace.aux_value import AuxValue
 from gpr20_survey.trace.sweep_settings import AnalyzerSettings
+from gpr20_survey.trace.trace_block import SAMPLE, TraceBlock, block_fields, block_from
 
 KEYS = [
     "format", "survey_id", "sample_id", "index", "timestamp", "x_coord_mm", "y_coord_mm",
@@ -36,91 +42,54 @@ def test_neighbouring_frequencies_stay_apart(frequency_hz):
     assert_same_numbers(trace, json.loads(trace_json.encode(trace)))
 
 
-def test_the_keys_are_those_of_the_format():
-    assert list(json.loads(trace_json.encode(make_trace()))) == [
-        *(*KEYS, *ANALYZER_KEYS, "aux", "zero_epochs", "zero_times", "sha256")
-    ]
-
-
-def test_a_trace_without_known_settings_sensors_and_zeros_has_the_form_of_early_versions():
+def test_the_keys_are_those_of_the_format_and_of_early_versions_without_what_is_unknown():
+    keys = [*KEYS, *ANALYZER_KEYS, "aux", "zero_epochs", "zero_times", "sha256"]
+    assert list(json.loads(trace_json.encode(make_trace()))) == keys
     unknown = make_trace(analyzer=AnalyzerSettings(), aux=(), zeros=())
     assert list(json.loads(trace_json.encode(unknown))) == [*KEYS, "sha256"]
 
 
-@each_case(
-    "changes",
-    [
-        {"zero_epochs": None},
-        {"zero_times": None},
-        {"zero_epochs": [], "zero_times": []},
-        {"zero_epochs": [1, 2]},
-        {"zero_epochs": [1, 2, 3, 4]},
-        {"zero_epochs": [0, 1, 2]},
-        {"zero_epochs": [1, 2, 1 << 32]},
-        {"zero_epochs": [1.0, 2, 3]},
-        {"zero_epochs": [True, 2, 3]},
-        {"zero_times": ["yesterday"] * 3},
-        {"zero_times": [0, 1, 2]},
-    ],
-)
-def test_zeros_that_are_not_three_numbers_with_three_times_are_refused(changes):
-    values = {**json.loads(trace_json.encode(make_trace())), **changes}
-    kept = {name: value for name, value in values.items() if value is not None}
-    with pytest.raises(TraceRefusedError):
-        trace_json.from_values(kept)
-
-
-@each_case(
-    "changes",
-    [
-        {"if_bandwidth_hz": None},
-        {"averages": None},
-        {"output_power": None},
-        {"if_bandwidth_hz": 1000},
-        {"averages": 1.0},
-        {"averages": True},
-        {"output_power": 1},
-        {"if_bandwidth_hz": -0.0},
-        {"if_bandwidth_hz": 0.0, "averages": 0, "output_power": ""},
-        {"rf_power": 1.0},
-    ],
-)
-def test_settings_that_are_not_all_three_with_their_types_are_refused(changes):
-    values = {**json.loads(trace_json.encode(make_trace())), **changes}
-    kept = {name: value for name, value in values.items() if value is not None}
-    with pytest.raises(TraceRefusedError):
-        trace_json.from_values(kept)
-
-
 AUX = {"name": "t", "value": 1.5, "unit": "", "stamp": utc_time.iso_text(STARTED_US)}
+VALUES = json.loads(trace_json.encode(make_trace()))
 
 
 def test_a_value_of_another_sensor_has_a_name_a_value_a_unit_and_a_time():
-    values = {**json.loads(trace_json.encode(make_trace())), "aux": [AUX]}
-    assert trace_json.from_values(values).aux == (AuxValue("t", 1.5, "", STARTED_US),)
+    found = trace_json.from_values({**VALUES, "aux": [AUX]})
+    assert found.aux == (AuxValue("t", 1.5, "", STARTED_US),)
 
 
 @each_case(
-    "aux",
+    "changes",
     [
-        [],
-        {},
-        None,
-        [[]],
-        [{}],
-        [{**AUX, "more": 1}],
-        *[[{**AUX, "name": name}] for name in ("T", "", "t" * 65, "1t", "t\n")],
-        *[[{**AUX, "value": value}] for value in (1, None, "1", 1e999)],
-        *[[{**AUX, "unit": unit}] for unit in ("u" * 33, "\n", None)],
-        *[[{**AUX, "stamp": stamp}] for stamp in ("today", 0, "1970-01-01T00:00:00.000000+00:00")],
-        [AUX, AUX],
-        [{**AUX, "name": f"t{number}"} for number in range(33)],
+        # Zeros: three numbers with three times; None: without that key.
+        *({name: None} for name in ("zero_epochs", "zero_times")),
+        {"zero_epochs": [], "zero_times": []},
+        *({"zero_epochs": wrong} for wrong in ([1, 2], [1, 2, 3, 4], [0, 1, 2], [1, 2, 1 << 32])),
+        *({"zero_epochs": wrong} for wrong in ([1.0, 2, 3], [True, 2, 3])),
+        *({"zero_times": wrong} for wrong in (["yesterday"] * 3, [0, 1, 2])),
+        # Settings of the analyzer: all three with their types.
+        *({name: None} for name in ANALYZER_KEYS),
+        *({"averages": wrong} for wrong in (1.0, True)),
+        *({"if_bandwidth_hz": wrong} for wrong in (1000, -0.0)),
+        {"output_power": 1},
+        {"if_bandwidth_hz": 0.0, "averages": 0, "output_power": ""},
+        {"rf_power": 1.0},
+        # Values of other sensors.
+        *({"aux": wrong} for wrong in ([], {}, 0, [[]], [{}], [{**AUX, "more": 1}], [AUX, AUX])),
+        *({"aux": [{**AUX, "name": name}]} for name in ("T", "", "t" * 65, "1t", "t\n")),
+        *({"aux": [{**AUX, "value": value}]} for value in (1, None, "1", 1e999)),
+        *({"aux": [{**AUX, "unit": unit}]} for unit in ("u" * 33, "\n", None)),
+        *(
+            {"aux": [{**AUX, "stamp": stamp}]}
+            for stamp in ("today", 0, "1970-01-01T00:00:00.000000+00:00")
+        ),
+        {"aux": [{**AUX, "name": f"t{number}"} for number in range(33)]},
     ],
 )
-def test_values_of_other_sensors_that_are_not_allowed_are_refused(aux):
-    values = {**json.loads(trace_json.encode(make_trace())), "aux": aux}
+def test_values_that_no_trace_has_are_refused(changes):
+    values = {**VALUES, **changes}
     with pytest.raises(TraceRefusedError):
-        trace_json.from_values(values)
+        trace_json.from_values({name: one for name, one in values.items() if one is not None})
 
 
 @each_case("value", [math.nan, math.inf, -math.inf])
@@ -159,20 +128,131 @@ def test_a_file_ends_with_the_checksum_of_all_bytes_before_it():
     assert trace_json.is_proven(content)
 
 
-def test_no_byte_of_a_file_can_change_unseen():
-    content = trace_json.encode(make_trace())
-    chance = random.Random(7)
-    for place in range(len(content)):
+def test_no_byte_of_a_file_can_change_unseen_and_none_can_be_cut_off():
+    content, chance = trace_json.encode(make_trace()), random.Random(SEED)
+    for place in chance.sample(range(len(content)), draws(50)):
         changed = bytearray(content)
         changed[place] ^= 1 << chance.randrange(8)
-        with pytest.raises(TraceRefusedError):
-            print(place, trace_json.decode(bytes(changed)))
-    for cut in range(len(content)):
-        with pytest.raises(TraceRefusedError):
-            print(cut, trace_json.decode(content[:cut]))
+        for damaged in (bytes(changed), content[:place]):
+            with pytest.raises(TraceRefusedError):
+                print(place, trace_json.decode(damaged))
 
 
 def test_a_file_of_an_earlier_version_is_read_but_proves_nothing():
     former = without_checksum(trace_json.encode(make_trace()))
     assert trace_json.decode(former).fingerprint() == make_trace().fingerprint()
     assert not trace_json.is_proven(former)
+
+
+NAN, INF = math.nan, math.inf
+
+
+def with_value(value: float) -> np.ndarray:
+    return np.array([1.0, 2.0, value, 4.0, 5.0])
+
+
+@each_case(
+    "changes, expected",
+    [
+        ({"format": "gpr20-trace/2"}, ("trace.not_allowed", "gpr20-trace/2")),
+        ({"survey_id": ""}, ("trace.not_allowed", "survey_id")),
+        ({"survey_id": "0F8FAD5B-D9CB-469F-A165-70867728950E"}, ("trace.not_allowed", "survey_id")),
+        ({"sample_id": ""}, ("trace.not_allowed", "sample_id")),
+        ({"sample_id": "../../etc/passwd"}, ("trace.not_allowed", "sample_id")),
+        ({"sample_id": "a/b"}, ("trace.not_allowed", "sample_id")),
+        ({"sample_id": "a\n"}, ("trace.not_allowed", "sample_id")),
+        ({"sample_id": "a" * 129}, ("trace.not_allowed", "sample_id")),
+        ({"index": -1}, ("trace.not_allowed", "index", -1)),
+        ({"index": 1_000_000}, ("trace.not_allowed", "index", 1000000)),
+        ({"x_coord_mm": NAN}, ("trace.not_allowed", "x_coord_mm", "nan")),
+        ({"y_coord_mm": INF}, ("trace.not_allowed", "y_coord_mm", "inf")),
+        ({"z_coord_deg": -10_000.1}, ("trace.not_allowed", "z_coord_deg")),
+        ({"antennae_height_m": -INF}, ("sensor.not_finite",)),
+        ({"frequency_hz": with_value(2.0)}, ("vna.wrong_sweep",)),
+        ({"frequency_hz": with_value(NAN)}, ("vna.wrong_sweep", "frequency_hz", 1)),
+        ({"frequency_hz": np.array([0.0, 1, 2, 3, 4])}, ("vna.wrong_sweep",)),
+        ({"frequency_hz": np.linspace(1, 2, 6)}, ("vna.wrong_sweep", "s21_real", 5, 6)),
+        ({"s21_real": with_value(NAN)}, ("vna.wrong_sweep", "s21_real", 1)),
+        ({"s21_imag": with_value(-INF)}, ("vna.wrong_sweep", "s21_imag", 1)),
+        ({"s21_imag": np.ones(4)}, ("vna.wrong_sweep", "s21_imag", 4, 5)),
+        ({"s21_imag": np.ones(5, np.float32)}, ("vna.wrong_sweep", "s21_imag")),
+        ({"timestamp_us": 0}, ("clock.wrong", "timestamp", 1970)),
+        ({"sweep_started_us": 0}, ("clock.wrong", "sweep_started", 1970)),
+        ({"sweep_ended_us": 0}, ("clock.wrong", "sweep_ended", 1970)),
+        ({"sweep_ended_us": STARTED_US}, ("clock.wrong",)),
+        ({"quality": ("a\x00",)}, ("trace.not_allowed",)),
+        ({"quality": ("\ud800",)}, ("trace.not_allowed",)),
+        ({"quality": ("a" * 201,)}, ("trace.not_allowed", 200)),
+        ({"quality": ("a",) * 33}, ("trace.not_allowed", 33)),
+        ({"analyzer": AnalyzerSettings(NAN)}, ("vna.wrong_sweep", "if_bandwidth_hz", "nan")),
+        ({"analyzer": AnalyzerSettings(INF)}, ("vna.wrong_sweep", "if_bandwidth_hz", "inf")),
+        ({"analyzer": AnalyzerSettings(-1.0)}, ("vna.wrong_sweep", "if_bandwidth_hz", -1)),
+        ({"analyzer": AnalyzerSettings(-0.0)}, ("vna.wrong_sweep", "if_bandwidth_hz", "-0")),
+        ({"analyzer": AnalyzerSettings(2e9)}, ("vna.wrong_sweep", "if_bandwidth_hz", 2000000000)),
+        ({"analyzer": AnalyzerSettings(averages=-1)}, ("vna.wrong_sweep", "averages", -1)),
+        (
+            {"analyzer": AnalyzerSettings(averages=1_000_001)},
+            ("vna.wrong_sweep", "averages", 1000001),
+        ),
+        ({"analyzer": AnalyzerSettings(output_power="A\n")}, ("vna.wrong_sweep",)),
+        ({"analyzer": AnalyzerSettings(output_power="A" * 33)}, ("vna.wrong_sweep",)),
+    ],
+)
+def test_a_wrong_value_is_refused_by_name(changes, expected):
+    with raises_fault(*expected, error=TraceRefusedError):
+        make_trace(**changes)
+
+
+@each_case("points", [0, 1, 4002])
+def test_too_few_or_too_many_points_are_refused(points):
+    ramp = np.arange(1.0, points + 1.0)
+    with raises_fault("vna.wrong_sweep", points, error=TraceRefusedError):
+        make_trace(frequency_hz=ramp, s21_real=ramp, s21_imag=ramp)
+
+
+@each_case("points", [2, 4001])
+def test_the_smallest_and_the_largest_sweep_are_taken(points):
+    ramp = np.arange(1.0, points + 1.0)
+    trace = make_trace(frequency_hz=ramp, s21_real=ramp, s21_imag=-ramp)
+    assert len(trace.s21_imag) == points
+
+
+def received(block, **changes):
+    return block_from(SimpleNamespace(**{**block_fields(block), **changes}))
+
+
+@given(st.lists(st.integers(0, 999_999), unique=True, max_size=5))
+def test_a_block_arrives_as_it_was_sent(indices):
+    traces = [
+        make_trace(index, x_coord_mm=0.1 * number, antennae_height_m=float("nan"))
+        for number, index in enumerate(indices)
+    ]
+    block = TraceBlock.of(SURVEY, traces)
+    found = received(block)
+    for name in ("frequency_hz", "indices", "positions", "heights_m", "s21"):
+        own, other = getattr(block, name), getattr(found, name)
+        assert own.dtype == other.dtype and own.shape == other.shape, name
+        np.testing.assert_array_equal(own, other, name)
+
+
+def test_the_samples_are_those_of_the_traces_in_single_precision():
+    trace = make_trace(7)
+    (samples,) = TraceBlock.of(SURVEY, [trace]).s21
+    assert np.array_equal(samples, (trace.s21_real + 1j * trace.s21_imag).astype(SAMPLE))
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {"indices": (1, 1)},
+        {"indices": (1, 2, 3)},
+        {"antennae_height_m": (0.1,)},
+        {"y_coord_mm": (1.0,)},
+        {"s21": bytes(79)},
+        {"frequency_hz": (1e9, 2e9)},
+    ],
+)
+def test_a_block_that_contradicts_itself_is_refused(changes):
+    whole = TraceBlock.of(SURVEY, [make_trace(1), make_trace(2)])
+    with raises_fault(faults.TRACE_DAMAGED, error=TraceRefusedError):
+        received(whole, **changes)

@@ -1,7 +1,10 @@
-"""Makes the example traces of gpr20_survey's tests available to these, and a storage."""
+"""Makes the example traces of gpr20_survey's tests available to these, and storages."""
 
 from __future__ import annotations
 
+import contextlib
+import itertools
+import shutil
 import sys
 from pathlib import Path
 
@@ -9,8 +12,10 @@ import pytest
 
 sys.path.append(str(Path(__file__).resolve().parents[3] / "gpr20_survey" / "test" / "unit"))
 
+from reopening_kit import STORED, make
 from storage_kit import Kit
 
+from gpr20_survey.errors import StorageFailedError
 from gpr20_survey.recording.recordings import open_recordings
 
 
@@ -20,3 +25,37 @@ def kit(tmp_path):
     kit = Kit(tmp_path / "data", open_recordings)
     yield kit
     kit.processing.shut_down()
+
+
+@pytest.fixture
+def kits(tmp_path):
+    """Makes storages over the same data folder, each beside the former ones."""
+    made = []
+
+    def make_kit(**options):
+        made.append(Kit(tmp_path / "data", open_recordings, **options))
+        return made[-1]
+
+    yield make_kit
+    for kit in made:
+        with contextlib.suppress(StorageFailedError):  # it has ended
+            kit.processing.shut_down()
+
+
+@pytest.fixture(scope="session")
+def surveys(tmp_path_factory):
+    """A survey for each way in which one ends; nobody changes them."""
+    return {ending: make(tmp_path_factory.mktemp("whole"), ending) for ending in STORED}
+
+
+@pytest.fixture
+def copies(surveys, tmp_path):
+    """Gives copies of these surveys, each alone in a data folder."""
+    numbers = itertools.count()
+
+    def copy(ending):
+        place = tmp_path / f"copy{next(numbers)}" / "data"
+        shutil.copytree(str(surveys[ending].folder.parent), str(place))
+        return place / surveys[ending].folder.name
+
+    return copy

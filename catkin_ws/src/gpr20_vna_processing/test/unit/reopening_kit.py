@@ -1,71 +1,116 @@
-"""A survey that was cut off, to be reopened, and what must be true of it in the end."""
+"""Surveys of every ending, which are damaged or reopened, and what must be true in the end."""
 
 from __future__ import annotations
 
+import json
 import shutil
 from pathlib import Path
+from typing import Any, Dict, Iterable, List, NamedTuple
 
-import pytest
+from annotation_examples import EXAMPLE
+from log_examples import marker
 from mcap.reader import make_reader
 from mcap_ros1.decoder import DecoderFactory
+from planned_survey import METADATA, POINTS, planned_trace
 from rosbags.rosbag1 import Reader
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
-from storage_kit import TYPES, Kit, text_message
-from trace_examples import (
-    FORMER_DEFINITIONS,
-    STARTED_US,
-    SURVEY,
-    assert_same_numbers,
-    make_trace,
-    read_json,
-)
+from storage_kit import OTHER_SURVEY, TYPES, Kit, text_message
+from trace_examples import FORMER_DEFINITIONS, SURVEY, assert_same_numbers, read_json
 
+from gpr20_survey.folder.recovery import read_description
+from gpr20_survey.plan.markers import markers_of
 from gpr20_survey.recording.recordings import open_recordings
 from gpr20_survey.trace import trace_message
 
-TRACES = [make_trace(index, timestamp_us=STARTED_US + 10**6 * (index + 2)) for index in range(7)]
 TYPES_OF = {trace_message.MD5SUM: TYPES}
 for _md5sum, _definition in FORMER_DEFINITIONS.items():
     TYPES_OF[_md5sum] = get_typestore(Stores.ROS1_NOETIC)
     TYPES_OF[_md5sum].register(get_types_from_msg(_definition, "gpr20_msgs/msg/Trace"))
-FIRST = 4  # traces before the survey is cut off
-METADATA = '{"planned_traces": 7, "simulated": true, "parameters": {"x_points": 3}}'
+TRACES = [planned_trace(index) for index in range(len(POINTS))]
+STORED = {"finished": len(POINTS), "stopped": 6, "interrupted": 6, "cut off": 6}
+REPORT = {"verdict": "some", "coverage": "mmmmmm---"}
 
 
-def fill(kit: Kit, traces) -> None:
+class Made(NamedTuple):
+    """A survey's folder, and the older files that a copy of it has kept."""
+
+    folder: Path
+    older: Path
+
+
+def make(place: Path, ending: str) -> Made:
+    """Make a survey with a report, an annotation and a marker, and another one after its end.
+
+    What a kill leaves of one that was cut off is what is on the disk then.
+    """
+    kit = Kit(place / "open", open_recordings)
+    folder = kit.open(metadata_json=METADATA)
+    kit.processing.add_marker(SURVEY, marker(1))
+    kit.processing.annotate(SURVEY, EXAMPLE)
+    kit.processing.report(SURVEY, json.dumps(REPORT))
+    fill(kit, TRACES[: STORED[ending] - 1])
+    if ending == "interrupted":
+        kit.processing.interrupt_other(OTHER_SURVEY)
+        kit.processing.reopen_survey(SURVEY)
+    fill(kit, TRACES[STORED[ending] - 1 : STORED[ending]])
+    if ending == "interrupted":
+        kit.processing.interrupt_other(OTHER_SURVEY)
+    elif ending != "cut off":
+        kit.processing.close_survey(SURVEY, ending)
+    shutil.copytree(str(folder), str(place / "older"))
+    kit.processing.add_marker(SURVEY, marker(2))
+    shutil.copytree(str(place / "open"), str(place / "data"))
+    kit.processing.shut_down()
+    return Made(place / "data" / folder.name, place / "older")
+
+
+def fill(kit: Kit, traces: Iterable[Any]) -> None:
+    """Store traces, each behind a message of another topic."""
     for trace in traces:
         kit.processing.record(text_message("/t", f"before {trace.index}"))
         kit.processing.store(trace)
 
 
-@pytest.fixture
-def data(tmp_path):
-    """A data folder with a survey that was cut off after four traces."""
-    kit = Kit(tmp_path / "before", open_recordings)
-    folder = kit.open(metadata_json=METADATA)
-    kit.processing.record(text_message("/t", "first"))
-    fill(kit, TRACES[:FIRST])
-    # What a kill leaves is what is on the disk now.
-    shutil.copytree(str(tmp_path / "before"), str(tmp_path / "data"))
-    kit.processing.shut_down()
-    assert read_json(tmp_path / "data" / folder.name / "survey.json")["ended"] is None
-    return tmp_path / "data"
+def resume(folder: Path, outcome: str = "finished") -> Any:
+    """Resume a survey and close it again, complete if it is to be finished."""
+    kit = Kit(folder.parent, open_recordings)
+    try:
+        reopened = kit.processing.reopen_survey(folder.name)
+        if outcome == "finished":
+            kit.finish(TRACES, reopened.stored_indices)
+        else:
+            kit.processing.close_survey(SURVEY, outcome)
+    finally:
+        kit.processing.shut_down()
+    return reopened
 
 
-@pytest.fixture
-def folder(data):
-    (folder,) = data.iterdir()
-    return folder
+def noted(folder: Path) -> List[str]:
+    """Return the texts of the markers that are present."""
+    return [one.text for one in markers_of(read_description(folder)) if one.is_present]
 
 
-@pytest.fixture
-def kit(data):
-    kit = Kit(data, open_recordings)
-    yield kit
-    kit.processing.shut_down()
+def texts(*numbers: int) -> List[str]:
+    """Return the texts of markers."""
+    return [marker(number).text for number in numbers]
 
 
-def traces_in_bag(folder):
+def tree(folder: Path) -> Dict[str, bytes]:
+    """Return the content of each file of a folder, by its name."""
+    return {
+        path.relative_to(folder).as_posix(): path.read_bytes()
+        for path in folder.rglob("*")
+        if path.is_file()
+    }
+
+
+def trace_file(folder: Path, index: int) -> Path:
+    """Return the JSON file of a trace."""
+    return next((folder / "traces").glob(f"{index:06d}_*.json"))
+
+
+def traces_in_bag(folder: Path) -> List[Any]:
+    """Return the traces that a stock reader finds in the bag."""
     with Reader(str(folder / "survey.bag")) as reader:
         return [
             TYPES_OF[connection.digest].deserialize_ros1(data, "gpr20_msgs/msg/Trace")
@@ -74,14 +119,15 @@ def traces_in_bag(folder):
         ]
 
 
-def messages_in_mcap(folder, topic="/trace"):
+def messages_in_mcap(folder: Path, topic: str = "/trace") -> List[Any]:
+    """Return the messages of a topic that a stock reader finds in the MCAP."""
     topics = [topic, f"{topic}_{trace_message.MD5SUM[:8]}"]
     with open(folder / "survey.mcap", "rb") as stream:
         reader = make_reader(stream, validate_crcs=True, decoder_factories=[DecoderFactory()])
         return [one.decoded_message for one in reader.iter_decoded_messages(topics=topics)]
 
 
-def assert_whole(folder, traces) -> None:
+def assert_whole(folder: Path, traces: List[Any]) -> None:
     """Compare what the stock readers find in a survey that ended with what was stored."""
     files = sorted((folder / "traces").iterdir())
     for found in (map(read_json, files), traces_in_bag(folder), messages_in_mcap(folder)):
@@ -91,11 +137,3 @@ def assert_whole(folder, traces) -> None:
         assert len(by_index) == len(traces)
         for trace, values in zip(traces, by_index):
             assert_same_numbers(trace, values)
-
-
-def finish(kit: Kit, folder: Path, reopened, traces=TRACES) -> None:
-    """Store what is missing, end the survey, and check that it is whole."""
-    stored = set(reopened.stored_indices)
-    fill(kit, [trace for trace in traces if trace.index not in stored])
-    assert kit.processing.close_survey(SURVEY, "finished").stored_traces == len(traces)
-    assert_whole(folder, traces)

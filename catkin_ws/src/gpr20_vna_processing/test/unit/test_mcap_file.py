@@ -1,7 +1,13 @@
+"""The MCAP of a survey by its stock readers; cut or changed anywhere, it invents no trace.
+
+So do its JSON files, and the bag.
+"""
+
 from __future__ import annotations
 
 import io
 import json
+import random
 import shutil
 import struct
 
@@ -9,45 +15,82 @@ import pytest
 from mcap.exceptions import McapError
 from mcap.reader import NonSeekingReader, make_reader
 from mcap_ros1.decoder import DecoderFactory
-from storage_kit import Kit, text_message
+from run_seed import SEED, draws
+from storage_kit import Kit, bag_messages, text_message
 from trace_examples import STARTED_US, SURVEY, assert_same_numbers, make_trace
 
+from gpr20_survey.errors import TraceRefusedError
+from gpr20_survey.folder import trace_files
+from gpr20_survey.recording.mcap_reader import StoredMcap
 from gpr20_survey.recording.mcap_writer import McapFile
+from gpr20_survey.recording.recordings import open_recordings
+from gpr20_survey.recording.survey_topics import recorded_trace
+from gpr20_survey.trace import trace_json
 
-TRACES = [make_trace(index) for index in range(4)]
+TRACES = [make_trace(index, timestamp_us=STARTED_US + 10**6 * (index + 2)) for index in range(4)]
+PRINTS = {trace.index: trace.fingerprint() for trace in TRACES}
 
 
-@pytest.fixture
-def folder(tmp_path):
-    kit = Kit(tmp_path / "data")
+@pytest.fixture(scope="module")
+def snapshots(tmp_path_factory):
+    """Copies of a survey's folder after each trace, and after its end."""
+    place = tmp_path_factory.mktemp("torn")
+    kit = Kit(place / "data", open_recordings)
     folder = kit.open(metadata_json='{"vna": {"identity": "x"}, "simulated": true}')
     for trace in TRACES:
         kit.processing.record(text_message("/t", f"before {trace.index}"))
         kit.processing.store(trace)
-        shutil.copy(str(folder / "survey.mcap"), str(tmp_path / f"after_{trace.index}.mcap"))
+        shutil.copytree(str(folder), str(place / str(trace.index)))
     kit.processing.close_survey(SURVEY, "finished")
+    shutil.copytree(str(folder), str(place / "end"))
     kit.processing.shut_down()
-    return folder
+    return place
 
 
-def read_forward(content, factory=None):
-    """Return the messages up to the first record that cannot be read.
+@pytest.fixture
+def folder(snapshots):
+    """The survey that has ended."""
+    return snapshots / "end"
 
-    Pieces of one file may share a factory, which makes the classes of its types once.
-    """
-    factories = [factory or DecoderFactory()]
-    reader = NonSeekingReader(io.BytesIO(content), decoder_factories=factories)
+
+def read_forward(content, factory):
+    """Return the traces up to the first record that the stock reader cannot read."""
+    reader = NonSeekingReader(io.BytesIO(content), decoder_factories=[factory])
     found = []
     try:
         for _, channel, _, message in reader.iter_decoded_messages(log_time_order=False):
-            found.append((channel.topic, message))
+            if channel.topic == "/trace":
+                found.append(message)
     except (McapError, EOFError, struct.error):
         return found  # what the stock reader raises at a torn record
     return found
 
 
-def traces_of(found):
-    return [message for topic, message in found if topic == "/trace"]
+def read(kind, path):
+    """Return the prints of the traces that a file holds, and what is wrong in it.
+
+    Nobody says of a bag whether it is whole to its end.
+    """
+    mcap = StoredMcap(path)
+    prints, wrong = {}, 0
+    for message in bag_messages(path) if kind == "bag" else mcap.messages():
+        try:
+            trace = recorded_trace(message)
+        except TraceRefusedError:
+            wrong += 1
+            continue
+        if trace is None and message.topic == "/trace":
+            wrong += 1  # its type is damaged
+        elif trace is not None and trace.index in prints:
+            wrong += 1
+        elif trace is not None:
+            prints[trace.index] = trace.fingerprint()
+    return prints, [*mcap.faults, *["damaged trace"] * wrong]
+
+
+def drawn(first, last, count=12):
+    """Return places from the first to before the last, that one and others."""
+    return [first, *random.Random(SEED).sample(range(first, last), draws(count))]
 
 
 def test_the_stock_reader_finds_every_trace_with_the_same_numbers(folder):
@@ -88,17 +131,16 @@ def test_each_trace_has_a_chunk_of_its_own(folder):
     assert sum("/trace" in one for one in topics) == len(TRACES)
 
 
-def test_a_file_cut_anywhere_behind_an_acknowledged_trace_still_has_it(folder, tmp_path):
-    acknowledged = (tmp_path / "after_2.mcap").read_bytes()
-    longer = (tmp_path / "after_3.mcap").read_bytes()
+def test_a_file_cut_anywhere_behind_an_acknowledged_trace_still_has_it(snapshots):
+    acknowledged, longer = ((snapshots / n / "survey.mcap").read_bytes() for n in "23")
     assert longer.startswith(acknowledged)
     factory = DecoderFactory()
-    for cut in range(len(acknowledged), len(longer) + 1):
-        traces = traces_of(read_forward(longer[:cut], factory))
+    for cut in [*drawn(len(acknowledged), len(longer)), len(longer)]:
+        traces = read_forward(longer[:cut], factory)
         assert len(traces) in (3, 4)
         for trace, message in zip(TRACES, traces):
             assert_same_numbers(trace, message)
-    assert len(traces_of(read_forward(longer))) == 4
+    assert len(traces) == 4
 
 
 def test_a_file_is_never_overwritten(folder):
@@ -106,3 +148,67 @@ def test_a_file_is_never_overwritten(folder):
     with pytest.raises(FileExistsError):
         McapFile(folder / "survey.mcap", {}, b"{}", 1)
     assert (folder / "survey.mcap").read_bytes() == before
+
+
+@pytest.mark.parametrize("kind", ["bag", "mcap"])
+def test_a_recording_cut_in_its_last_records_holds_what_was_acknowledged(kind, snapshots, tmp_path):
+    acknowledged, longer = ((snapshots / n / f"survey.{kind}").read_bytes() for n in "23")
+    shared = next(place for place, (a, b) in enumerate(zip(acknowledged + b"\0", longer)) if a != b)
+    path = tmp_path / "cut"
+    for cut in [*drawn(shared, len(longer), 25), len(longer)]:
+        # The empty chunk that ends a bag is still there until it is written over.
+        path.write_bytes(longer[:cut] + (acknowledged[cut:] if kind == "bag" else b""))
+        prints, faults = read(kind, path)
+        assert faults == []
+        assert {index: PRINTS[index] for index in range(3)}.items() <= prints.items()
+        assert prints.items() <= PRINTS.items()
+    assert prints == PRINTS
+
+
+@pytest.mark.parametrize("kind", ["bag", "mcap"])
+def test_a_recording_cut_while_it_was_finished_is_whole_but_for_its_index(
+    kind, snapshots, tmp_path
+):
+    stored, ended = ((snapshots / n / f"survey.{kind}").read_bytes() for n in ("3", "end"))
+    for cut in [*drawn(len(stored), len(ended)), len(ended)]:
+        (tmp_path / "cut").write_bytes(stored[:100] + ended[100:cut])
+        assert read(kind, tmp_path / "cut") == (PRINTS, [])
+
+
+@pytest.mark.parametrize("kind", ["bag", "mcap"])
+def test_a_recording_cut_or_an_mcap_changed_anywhere_holds_no_wrong_trace(
+    kind, snapshots, tmp_path
+):
+    for when in ("3", "end"):
+        content = (snapshots / when / f"survey.{kind}").read_bytes()
+        for place in drawn(0, len(content), 25):
+            changed = bytearray(content)
+            changed[place] ^= 1 << (place % 8)
+            for damaged in [content[:place], *([bytes(changed)] if kind == "mcap" else [])]:
+                (tmp_path / "damaged").write_bytes(damaged)
+                prints, _ = read(kind, tmp_path / "damaged")
+                assert prints.items() <= PRINTS.items()
+
+
+def test_two_damaged_traces_are_passed_over_and_the_next_is_read(snapshots, tmp_path):
+    changed = bytearray((snapshots / "end" / "survey.mcap").read_bytes())
+    lengths = [len((snapshots / f"{index}" / "survey.mcap").read_bytes()) for index in range(4)]
+    for middle in ((lengths[0] + lengths[1]) // 2, (lengths[1] + lengths[2]) // 2):
+        changed[middle : middle + 40] = bytes(40)
+    (tmp_path / "changed").write_bytes(changed)
+    prints, faults = read("mcap", tmp_path / "changed")
+    assert faults
+    assert prints == {index: PRINTS[index] for index in prints}
+    assert {0, 3} <= prints.keys()
+    assert not {1, 2} <= prints.keys()
+
+
+def test_a_json_file_that_was_cut_is_no_trace(tmp_path):
+    content = trace_json.encode(TRACES[0])
+    path = tmp_path / "000000_X0050.00_Y0012.35_Z+090.00.json"
+    for cut in drawn(0, len(content)):
+        path.write_bytes(content[:cut])
+        with pytest.raises(TraceRefusedError):
+            trace_files.read_trace(path, SURVEY)
+    path.write_bytes(content)
+    assert trace_files.read_trace(path, SURVEY).fingerprint() == PRINTS[0]

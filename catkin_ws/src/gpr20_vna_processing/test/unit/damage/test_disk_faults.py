@@ -1,25 +1,41 @@
-"""Disks that are full, read-only or slow: nothing lost, nothing half, and a message."""
+"""Disks that are full, read-only or slow, and whose files others may read: nothing lost, no half.
+
+START stores nothing in a folder that is not the data folder, or on an unsuitable disk.
+"""
 
 from __future__ import annotations
 
+import errno
+import fcntl
 import multiprocessing
 import os
+import shutil
+import stat
 import subprocess
 import threading
-import time
 
 import pytest
+from case_kit import each_case
 from fault_kit import raises_fault
-from reopening_kit import messages_in_mcap, traces_in_bag
-from storage_kit import Kit, wait_until
+from log_examples import NOW, add_marker
+from reopening_kit import messages_in_mcap, trace_file, traces_in_bag
+from storage_kit import OTHER_SURVEY, Kit, MemoryRecording, wait_until
 from trace_examples import SURVEY, assert_same_numbers, make_trace, read_json
 
-from gpr20_survey.errors import StorageFailedError
+from gpr20_common.errors import InvalidValueError
+from gpr20_common.low.clock import Clock
+from gpr20_common.mid.records import record_from
+from gpr20_survey.errors import StorageFailedError, SurveyRefusedError
+from gpr20_survey.faults import FILE_SYSTEM_UNSUITABLE, OTHER_DATA_FOLDER
+from gpr20_survey.files.access import Readers
 from gpr20_survey.files.durable_files import is_temporary
+from gpr20_survey.folder.annotating import add_to_survey
+from gpr20_survey.folder.data_folder import DataFolder, DataFolderUse
 from gpr20_survey.recording.recordings import open_recordings
+from gpr20_vna_processing.mid.processing_parameters import ProcessingParameters
 from gpr20_vna_processing.mid.processing_records import Limits
 
-LIMITS = Limits(timeout_s=20.0, period_s=0.05, disk_reserve_bytes=0)
+LIMITS = Limits(timeout_s=60.0, period_s=0.05, disk_reserve_bytes=0)
 
 
 @pytest.fixture
@@ -68,17 +84,19 @@ def filled_by_killed_process(place) -> int:
     return refused
 
 
-def assert_stored(folder, count: int) -> None:
-    files = sorted((folder / "traces").iterdir())
-    assert len(files) == count
+def finish(kit, folder, count) -> None:
+    """End a survey; each of its traces is once in every form."""
+    kit.processing.close_survey(SURVEY, "finished")
+    kit.processing.shut_down()
     # The trace that was refused last may be in its file only, and is then added with its own time.
+    json = map(read_json, sorted((folder / "traces").iterdir()))
     bag, mcap = (
         sorted(found, key=lambda one: one.index)
         for found in (traces_in_bag(folder), messages_in_mcap(folder))
     )
-    assert len(bag) == len(mcap) == count
-    for index, found in enumerate(zip(map(read_json, files), bag, mcap)):
-        for values in found:
+    for found in (list(json), bag, mcap):
+        assert len(found) == count
+        for index, values in enumerate(found):
             assert_same_numbers(make_trace(index), values)
 
 
@@ -101,9 +119,7 @@ def test_a_survey_goes_on_after_space_was_made_on_a_full_disk(small_disk):
     ballast.unlink()
     for index in range(refused, refused + 10):
         kit.processing.store(make_trace(index))
-    kit.processing.close_survey(SURVEY, "finished")
-    kit.processing.shut_down()
-    assert_stored(folder, refused + 10)
+    finish(kit, folder, refused + 10)
 
 
 @pytest.mark.needs("mounts")
@@ -118,24 +134,20 @@ def test_a_survey_on_a_full_disk_is_reopened_after_a_kill(small_disk):
     assert reopened.stored_indices[:refused] == tuple(range(refused))
     for index in range(len(reopened.stored_indices), refused + 5):
         later.processing.store(make_trace(index))
-    later.processing.close_survey(SURVEY, "finished")
-    later.processing.shut_down()
-    assert_stored(folder, refused + 5)
+    finish(later, folder, refused + 5)
 
 
 @pytest.mark.needs("mounts")
 def test_a_disk_that_became_read_only_is_told_and_the_survey_goes_on_when_it_is_not(small_disk):
+    def remount(mode: str) -> None:
+        # By force: the recordings are open for writing, as they are when a disk fails.
+        command = ["mount", "-o", f"remount,{mode}", str(small_disk)]
+        subprocess.run(command, check=True, capture_output=True)
+
     kit = kit_on(small_disk)
     folder = kit.open()
     for index in range(3):
         kit.processing.store(make_trace(index))
-
-    def remount(mode: str) -> None:
-        # By force: the recordings are open for writing, as they are when a disk fails.
-        subprocess.run(
-            ["mount", "-o", f"remount,{mode}", str(small_disk)], check=True, capture_output=True
-        )
-
     kit.processing.close_survey(SURVEY, "stopped")
     remount("ro")
     try:
@@ -145,18 +157,16 @@ def test_a_disk_that_became_read_only_is_told_and_the_survey_goes_on_when_it_is_
         remount("rw")
     assert kit.processing.reopen_survey(SURVEY).stored_indices == (0, 1, 2)
     kit.processing.store(make_trace(3))
-    kit.processing.close_survey(SURVEY, "finished")
-    kit.processing.shut_down()
-    assert_stored(folder, 4)
+    finish(kit, folder, 4)
 
 
 def test_a_slow_disk_makes_the_callers_wait_and_loses_nothing(tmp_path, monkeypatch):
     kit = kit_on(tmp_path)
     folder = kit.open()
-    real_fsync = os.fsync
+    real_fsync, may_go_on, most = os.fsync, threading.Event(), 0
 
     def slow(descriptor):
-        time.sleep(0.01)  # this is the slow disk, not a wait for something
+        may_go_on.wait(30.0)
         real_fsync(descriptor)
 
     monkeypatch.setattr(os, "fsync", slow)
@@ -166,16 +176,138 @@ def test_a_slow_disk_makes_the_callers_wait_and_loses_nothing(tmp_path, monkeypa
     ]
     for caller in callers:
         caller.start()
-    waiting = []
-    wait_until(
-        lambda: waiting.append(kit.processing.state().queues.jobs) or len(kit.stored) == 12, 20.0
-    )
+    wait_until(lambda: kit.processing.state().queues.jobs >= LIMITS.queues.jobs, 30.0)
+    most = kit.processing.state().queues.jobs
+    may_go_on.set()
     for caller in callers:
-        caller.join(10.0)
-    assert max(waiting) <= LIMITS.queues.jobs
-    kit.processing.close_survey(SURVEY, "finished")
+        caller.join(30.0)
+    assert most <= LIMITS.queues.jobs
+    finish(kit, folder, 12)
+
+
+EXPECTED = {
+    Readers.OWNER: (0o700, 0o600),
+    Readers.GROUP: (0o750, 0o640),
+    Readers.ALL: (0o755, 0o644),
+}
+
+
+def modes(top):
+    """Return the modes of all folders and of all files in a folder."""
+    found = [top, *top.rglob("*")]
+    return [{stat.S_IMODE(one.stat().st_mode) for one in found if one.is_dir() == folders}
+            for folders in (True, False)]  # fmt: skip
+
+
+def damage_everything(folder):
+    """Damage one file of each kind, so that each is kept and written again."""
+    names = ("survey.bag", "survey.mcap", "survey.json", "log.jsonl")
+    for path in (trace_file(folder, 0), *(folder / name for name in names)):
+        content = path.read_bytes()
+        # In a recording behind what it begins with.
+        place = max(content.find(b"zstd"), content.find(b"op=\x05"), len(content) // 4)
+        path.write_bytes(content[:place] + bytes(100) + content[place + 100 :])
+
+
+def use(kit, then=None):
+    """Make every kind of file: open, store, close, damage, reopen, repair, close, reseal."""
+    folder = kit.open(metadata_json='{"planned_traces": 3}')
+    kit.processing.store(make_trace(0))
+    kit.processing.close_survey(SURVEY, "stopped")
+    damage_everything(folder)
+    if then is not None:
+        kit.processing.shut_down()
+        kit = then
+    kit.processing.reopen_survey(SURVEY)
+    kit.processing.store(make_trace(1))
+    kit.processing.close_survey(SURVEY, "stopped")
     kit.processing.shut_down()
-    by_index = sorted(map(read_json, (folder / "traces").iterdir()), key=lambda one: one["index"])
-    for index, values in enumerate(by_index):
-        assert_same_numbers(make_trace(index), values)
-    assert len(by_index) == len(traces_in_bag(folder)) == len(messages_in_mcap(folder)) == 12
+    (folder / "log.jsonl").unlink()
+    add_to_survey(folder, add_marker(1), NOW)
+    names = {one.name for one in folder.rglob("*")}
+    files = {"survey.json", "log.jsonl", "survey.bag", "survey.mcap"}
+    assert {"manifest.json", "damaged", *files} <= names
+    assert files <= {one.name for one in (folder / "damaged").iterdir()}
+    return folder
+
+
+@each_case("umask, readers", [(mask, one) for mask in (0o000, 0o077) for one in Readers])
+def test_folders_and_files_have_their_modes_whatever_the_umask(tmp_path, umask, readers):
+    before = os.umask(umask)
+    try:
+        top = tmp_path / f"{umask} {readers.name}"
+        use(Kit(top / "data", open_recordings, readers=readers))
+    finally:
+        os.umask(before)
+    folder_mode, file_mode = EXPECTED[readers]
+    assert modes(top) == [{folder_mode}, {file_mode}]
+
+
+def test_a_survey_and_a_data_folder_that_exist_keep_their_modes_and_group(tmp_path):
+    data = tmp_path / "data"
+    data.mkdir()
+    groups = [one for one in os.getgroups() if one != os.getegid()]
+    if groups:
+        shutil.chown(str(data), group=groups[0])
+    data.chmod(0o2775)
+    first, second = (
+        Kit(data, open_recordings, readers=one) for one in (Readers.ALL, Readers.OWNER)
+    )
+    folder = use(first, second)
+    assert modes(folder) == [{0o2755}, {0o644}]
+    assert {one.stat().st_gid for one in folder.rglob("*")} == {data.stat().st_gid}
+    assert stat.S_IMODE(data.stat().st_mode) == 0o2775
+
+
+def test_the_parameter_of_the_readers_is_one_of_the_three():
+    assert ProcessingParameters().readable_by is Readers.GROUP
+    read = record_from(ProcessingParameters, {"readable_by": "owner"}, "storage")
+    assert read.readable_by is Readers.OWNER
+    with raises_fault("value.not_allowed", "everyone", error=InvalidValueError):
+        record_from(ProcessingParameters, {"readable_by": "everyone"}, "storage")
+
+
+@pytest.fixture
+def checking_kit(tmp_path):
+    """A storage that knows its data folder."""
+    data = tmp_path / "disk" / "data"
+    folder = DataFolder(DataFolderUse(data, tmp_path / "state"), Clock())
+    kit = Kit(data, lambda *_: [MemoryRecording()], check_data=folder.check)
+    yield kit, data
+    kit.processing.shut_down()
+
+
+def refusals(kit, fault):
+    """Expect that neither a new survey nor one that was cut off is opened."""
+    for action in (lambda: kit.open(OTHER_SURVEY), lambda: kit.processing.reopen_survey(SURVEY)):
+        with raises_fault(fault, error=SurveyRefusedError):
+            action()
+
+
+def test_a_data_folder_that_is_moved_away_while_the_robot_runs_is_not_made_again(checking_kit):
+    kit, data = checking_kit
+    kit.open()
+    kit.processing.close_survey(SURVEY, "stopped")
+    data.rename(data.with_name("moved"))
+    refusals(kit, OTHER_DATA_FOLDER)
+    assert not data.exists()
+    data.mkdir()
+    refusals(kit, OTHER_DATA_FOLDER)
+    assert os.listdir(data) == []
+    data.rmdir()
+    data.with_name("moved").rename(data)
+    assert kit.open(OTHER_SURVEY).parent == data
+
+
+@each_case("module, name, number", [(os, "link", errno.EPERM), (fcntl, "flock", errno.ENOLCK)])
+def test_a_disk_without_links_or_locks_is_refused_before_any_folder_is_made(
+    checking_kit, module, name, number
+):
+    def refuse(*_arguments, **_options):
+        raise OSError(number, os.strerror(number))
+
+    kit, data = checking_kit
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(module, name, refuse)
+        refusals(kit, FILE_SYSTEM_UNSUITABLE)
+        assert not data.exists()

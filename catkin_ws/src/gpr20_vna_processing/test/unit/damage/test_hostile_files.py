@@ -1,4 +1,7 @@
-"""What somebody else put into a survey's folder: nothing hangs, fills memory or leads outside."""
+"""What somebody else put into a survey's folder: nothing hangs, fills memory or leads outside.
+
+What is not a survey's file keeps no survey from going on or ending, and is named.
+"""
 
 from __future__ import annotations
 
@@ -8,33 +11,39 @@ import os
 import re
 import resource
 import shutil
+import socket
 import struct
 import threading
 from pathlib import Path
 
 import pytest
+from case_kit import each_case
 from fault_kit import raises_fault
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from log_examples import make_former, marker
+from reopening_kit import TRACES, trace_file, tree
+from run_seed import draws
 from storage_kit import Kit
-from trace_examples import STARTED_US, SURVEY, make_trace
+from trace_examples import SURVEY
 
-from gpr20_survey.errors import ProcessingError, SurveyRefusedError
+from gpr20_analysis.read.manifest_check import Seal, check_manifest
+from gpr20_survey.errors import ProcessingError, StorageFailedError, SurveyRefusedError
+from gpr20_survey.files import durable_files
+from gpr20_survey.folder.recovery import recover
 from gpr20_survey.recording.bag_writer import EMPTY_CHUNK
 from gpr20_survey.recording.recordings import open_recordings
 from gpr20_vna_processing.mid.survey_archive import SurveyArchive
 
-TRACES = [make_trace(index, timestamp_us=STARTED_US + 10**6 * (index + 2)) for index in range(3)]
 LIMIT_S = 30.0
 MEMORY_BYTES = 100 << 20
 HUGE_BYTES = 160 << 20
+FOREIGN = "somebody else's"
 # Where what counts ends in a recording of which the index was written.
 RECORDING_ENDS = {
     "survey.mcap": lambda content: content.rindex(struct.pack("<BQ", 0x0F, 4)),  # end of data
     "survey.bag": lambda content: content.rindex(EMPTY_CHUNK),
 }
-
 JSON = st.recursive(
     st.none() | st.booleans() | st.integers() | st.floats(allow_nan=False) | st.text(max_size=20),
     lambda inner: st.lists(inner, max_size=4) | st.dictionaries(st.text(max_size=8), inner),
@@ -47,27 +56,33 @@ KEYS = st.sampled_from(
 
 
 @pytest.fixture
-def data(tmp_path):
-    return tmp_path / "data"
+def folder(copies):
+    """A survey that was stopped."""
+    return copies("stopped")
 
 
 @pytest.fixture
-def folder(data):
-    """A survey of three traces that was stopped."""
-    kit = Kit(data, open_recordings)
-    folder = kit.open(metadata_json=json.dumps({"parameters": {"x_points": 3}}))
-    for trace in TRACES:
-        kit.processing.store(trace)
-    kit.processing.close_survey(SURVEY, "stopped")
-    kit.processing.shut_down()
-    return folder
+def data(folder):
+    return folder.parent
 
 
 @pytest.fixture
-def kit(data, folder):
+def kit(data):
     kit = Kit(data, open_recordings)
     yield kit
     kit.processing.shut_down()
+
+
+def path_of(folder, part):
+    return trace_file(folder, 1) if part == "trace" else folder / part
+
+
+def go_on_and_close(kit):
+    """Reopen the survey, finish it, and return what was repaired."""
+    reopened = kit.processing.reopen_survey(SURVEY)
+    assert reopened.stored_indices == tuple(range(6))
+    kit.finish(TRACES, reopened.stored_indices)
+    return [(one.values.get("file"), one.fault_code) for one in reopened.repairs]
 
 
 def in_time(action):
@@ -88,13 +103,35 @@ def in_time(action):
     return ended[0]
 
 
-def tree(folder):
-    """Return the content of a folder, links as links."""
-    return {
-        str(path.relative_to(folder)): os.readlink(path) if path.is_symlink() else path.read_bytes()
-        for path in folder.rglob("*")
-        if path.is_symlink() or path.is_file()
-    }
+def put_folder(path):
+    path.mkdir()
+    (path / "inside").write_text(FOREIGN)
+
+
+def put_link(path):
+    path.symlink_to("/nowhere")
+
+
+def put_socket(path):
+    with socket.socket(socket.AF_UNIX) as unix:
+        here = os.getcwd()
+        os.chdir(str(path.parent))  # the name of a socket may not be long
+        try:
+            unix.bind(path.name)
+        finally:
+            os.chdir(here)
+
+
+def put_pipe(path):
+    os.mkfifo(str(path))
+
+
+def put_file(path):
+    path.write_text(FOREIGN)
+
+
+def checked(folder):
+    return check_manifest(folder, SURVEY, recover(folder).found)
 
 
 @pytest.mark.parametrize("part", ["survey.json", "log.jsonl", "traces", "survey.bag", "damaged"])
@@ -107,44 +144,41 @@ def test_a_survey_part_of_which_lies_elsewhere_is_not_gone_on_with(kit, folder, 
     (folder / part).symlink_to(outside)
     # These would be cleared away or moved, were the link followed.
     if outside.is_dir():
-        (outside / ".torn.json.0123abcd.tmp").write_text("somebody else's")
-        (outside / "000001_wrong.json").write_text("somebody else's")
+        (outside / ".torn.json.0123abcd.tmp").write_text(FOREIGN)
+        (outside / "000001_wrong.json").write_text(FOREIGN)
     before = tree(tmp_path)
     with raises_fault("storage.not_a_file", part, error=SurveyRefusedError):
         kit.processing.reopen_survey(SURVEY)
     assert tree(tmp_path) == before
 
 
-@pytest.mark.parametrize("part", ["survey.json", "log.jsonl", "survey.mcap", "survey.bag"])
+@pytest.mark.parametrize("part", ["survey.json", "log.jsonl", "survey.mcap", "survey.bag", "trace"])
 def test_a_pipe_in_the_place_of_a_file_is_not_waited_for(kit, data, folder, part):
-    (folder / part).unlink()
-    os.mkfifo(str(folder / part))
+    path = path_of(folder, part)
+    path.unlink()
+    put_pipe(path)
     assert in_time(lambda: SurveyArchive(data).traces(SURVEY, range(3))) is None
+    assert in_time(lambda: kit.processing.add_marker(SURVEY, marker(3))) is None
     refused = in_time(lambda: kit.processing.reopen_survey(SURVEY))
     if part == "survey.mcap":
         assert refused.message.fault_code == "storage.not_a_file"
     else:
         assert refused is None  # another file holds the same
-        assert (folder / part).is_file()
+        assert path.is_file()
     assert in_time(lambda: SurveyArchive(data).list("", 10)) is None
 
 
-@pytest.mark.parametrize("part", ["survey.json", "log.jsonl", "manifest.json"])
-def test_a_pipe_in_the_place_of_a_file_is_not_waited_for_by_an_annotation(kit, folder, part):
-    (folder / part).unlink()
-    os.mkfifo(str(folder / part))
-    refused = in_time(lambda: kit.processing.add_marker(SURVEY, marker(1)))
-    assert (refused is None) is (part != "manifest.json")
-
-
-def test_a_pipe_among_the_traces_is_put_aside_and_the_trace_written_again(kit, data, folder):
-    trace = next((folder / "traces").glob("000001_*.json"))
-    trace.unlink()
-    os.mkfifo(str(trace))
-    assert in_time(lambda: SurveyArchive(data).traces(SURVEY, range(10))) is None
-    assert in_time(lambda: kit.processing.reopen_survey(SURVEY)) is None
-    assert trace.is_file()
-    assert kit.processing.reopen_survey(SURVEY).stored_indices == (0, 1, 2)
+@each_case("put", [put_folder, put_pipe])
+def test_a_check_does_not_wait_for_what_stands_in_the_place_of_the_manifest(copies, put):
+    folder = copies("stopped")
+    (folder / "manifest.json").unlink()
+    put(folder / "manifest.json")
+    assert checked(folder).damage.fault_code == "storage.not_a_file"
+    kit = Kit(folder.parent, open_recordings)
+    assert in_time(lambda: kit.processing.add_marker(SURVEY, marker(3))) is not None
+    go_on_and_close(kit)  # where it is no obstacle
+    kit.processing.shut_down()
+    assert checked(folder).differences == []
 
 
 @contextlib.contextmanager
@@ -162,8 +196,7 @@ def little_memory():
 
 @pytest.mark.parametrize("part", ["survey.json", "log.jsonl", "trace"])
 def test_a_huge_file_does_not_fill_the_memory(kit, data, folder, part):
-    path = next((folder / "traces").iterdir()) if part == "trace" else folder / part
-    os.truncate(str(path), HUGE_BYTES)  # without taking the space
+    os.truncate(str(path_of(folder, part)), HUGE_BYTES)  # without taking the space
     with little_memory():
         in_time(lambda: SurveyArchive(data).list("", 10))
         in_time(lambda: SurveyArchive(data).traces(SURVEY, range(10)))
@@ -178,14 +211,14 @@ def test_a_huge_file_does_not_fill_the_memory(kit, data, folder, part):
         ("survey.bag", struct.pack("<I", 0) + struct.pack("<I", HUGE_BYTES)),
     ],
 )
-def test_a_record_that_says_it_is_huge_does_not_fill_the_memory(kit, folder, part, record):
+def test_a_record_that_says_it_is_huge_does_not_fill_the_memory(kit, data, folder, part, record):
     with (folder / part).open("r+b") as file:
         # In the place of the index, which is behind all that counts.
         file.seek(RECORDING_ENDS[part](file.read()))
         file.write(record)
         file.truncate(2 * HUGE_BYTES)
     with little_memory():
-        in_time(lambda: SurveyArchive(folder.parent).traces(SURVEY, range(3)))
+        in_time(lambda: SurveyArchive(data).traces(SURVEY, range(3)))
         refused = in_time(lambda: kit.processing.reopen_survey(SURVEY))
     if part == "survey.mcap":
         # A file that is mostly a hole is not read; the JSON files hold the traces.
@@ -193,29 +226,106 @@ def test_a_record_that_says_it_is_huge_does_not_fill_the_memory(kit, folder, par
         (folder / part).unlink()
     else:
         assert refused is None
-    assert kit.processing.reopen_survey(SURVEY).stored_indices == (0, 1, 2)
+    assert kit.processing.reopen_survey(SURVEY).stored_indices == tuple(range(6))
 
 
-@settings(max_examples=10, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(max_examples=draws(5), suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(st.dictionaries(KEYS, JSON, min_size=1, max_size=4))
-def test_no_description_writes_outside_its_folder_or_ends_the_storage(
-    tmp_path_factory, folder, description
-):
-    top = tmp_path_factory.mktemp("described")
-    shutil.copytree(str(folder.parent), str(top / "data"))
-    folder = top / "data" / folder.name
-    kit = Kit(top / "data", open_recordings)
+def test_no_description_writes_outside_its_folder_or_ends_the_storage(copies, description):
+    folder = copies("stopped")
+    data, top = folder.parent, folder.parent.parent
+    kit = Kit(data, open_recordings)
     # Of a survey of this version the log shows that it was changed.
     values = make_former(folder)
     (folder / "survey.json").write_text(json.dumps({**values, **description}))
     try:
         in_time(lambda: kit.processing.reopen_survey(SURVEY))
-        in_time(lambda: SurveyArchive(top / "data").list("", 10))
-        in_time(lambda: SurveyArchive(top / "data").survey(SURVEY))
-        in_time(lambda: SurveyArchive(top / "data").traces(SURVEY, range(10)))
-        assert list((top / "data").iterdir()) == [folder]
-        assert list(top.iterdir()) == [top / "data"]
-        assert list((folder / "traces").glob("000000_*.json"))
+        in_time(lambda: SurveyArchive(data).list("", 10))
+        in_time(lambda: SurveyArchive(data).survey(SURVEY))
+        in_time(lambda: SurveyArchive(data).traces(SURVEY, range(10)))
+        assert (list(data.iterdir()), list(top.iterdir())) == ([folder], [data])
+        assert trace_file(folder, 0).is_file()
     finally:
         kit.processing.shut_down()
         shutil.rmtree(str(top))
+
+
+@pytest.mark.parametrize("put", [put_folder, put_link, put_socket, put_pipe])
+def test_what_is_named_like_a_trace_file_is_put_aside_and_the_survey_ends(kit, folder, put):
+    trace, more = trace_file(folder, 1), "000009_X0001.00_Y0001.00_Z+000.00.json"
+    trace.unlink()
+    put(trace)
+    put(folder / "traces" / more)
+    assert (trace.name, "survey.repaired") in go_on_and_close(kit)
+    aside = sorted(one.name for one in (folder / "damaged").iterdir())
+    assert aside == [trace.name, more]
+    assert len(list((folder / "traces").iterdir())) == len(TRACES)
+    assert (checked(folder).seal, checked(folder).differences) == (Seal.VALID, [])
+
+
+def test_a_folder_put_aside_takes_the_place_of_nothing(tmp_path):
+    aside = tmp_path / "damaged"
+    kept = []
+    for number in range(3):
+        (tmp_path / "trace.json").mkdir()
+        (tmp_path / "trace.json" / str(number)).touch()
+        kept.append(durable_files.move_aside(tmp_path / "trace.json", aside))
+    assert [one.name for one in kept] == ["trace.json", "trace.json.1", "trace.json.2"]
+    assert [next(one.iterdir()).name for one in kept] == ["0", "1", "2"]
+
+
+def test_another_users_file_of_which_no_second_name_may_be_made_is_moved(folder, monkeypatch):
+    def refuse(*_names, **_options):
+        raise PermissionError(1, "Operation not permitted")
+
+    torn = trace_file(folder, 1)
+    torn.write_bytes(b"")
+    monkeypatch.setattr(os, "link", refuse)
+    target = durable_files.move_aside(torn, folder / "damaged")
+    assert target.read_bytes() == b"" and not torn.exists()
+
+
+def test_foreign_things_that_are_no_obstacle_are_left_alone_or_told(kit, folder):
+    never_finished = [folder / place / ".survey.json.0123abcd.tmp" for place in (".", "traces")]
+    for path in never_finished:
+        put_folder(path)
+    with open(os.fsencode(str(folder / "traces")) + b"/\xff\xfe.json", "wb") as stream:
+        stream.write(b"x")
+    put_link(folder / "link.txt")
+    put_pipe(folder / "pipe.txt")
+    assert (r"\xff\xfe.json", "survey.repaired") in go_on_and_close(kit)
+    assert all((path / "inside").is_file() for path in never_finished)
+    assert sorted(one.values["file"] for one in checked(folder).differences) == [
+        "link.txt",
+        "pipe.txt",
+    ]
+
+
+def test_a_strange_thing_among_the_data_keeps_a_survey_open_until_it_is_moved(kit, folder):
+    kit.processing.reopen_survey(SURVEY)
+    strange = folder / "traces" / "notes.txt"
+    put_link(strange)
+    with raises_fault("storage.not_a_file", "notes.txt", error=StorageFailedError):
+        kit.processing.close_survey(SURVEY, "stopped")
+    strange.unlink()
+    kit.processing.close_survey(SURVEY, "stopped")
+
+
+@pytest.mark.parametrize(
+    ("part", "put", "code"),
+    [
+        ("survey.bag", put_folder, "storage.not_a_file"),
+        ("survey.mcap", put_folder, "storage.not_a_file"),
+        ("traces", put_file, "storage.file_exists"),
+        ("damaged", put_file, "storage.file_exists"),
+    ],
+)
+def test_what_is_in_the_way_is_named(kit, folder, part, put, code):
+    trace_file(folder, 1).write_bytes(b"")
+    if (folder / part).is_dir():
+        shutil.rmtree(str(folder / part))
+    elif part != "damaged":
+        (folder / part).unlink()
+    put(folder / part)
+    with raises_fault(code, part, error=StorageFailedError):
+        kit.processing.reopen_survey(SURVEY)

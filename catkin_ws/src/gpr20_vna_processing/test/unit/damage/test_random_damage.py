@@ -1,66 +1,34 @@
 """Random damage to a survey's files: nothing is lost that an intact form holds, nothing is wrong,
 and nothing is called complete that is not.
 
-GPR20_DAMAGES sets how many damages are tried, GPR20_SEED repeats those of a run.
+GPR20_SEED repeats the damages of a run.
 """
 
 from __future__ import annotations
 
-import os
+import copy
+import json
 import random
 import shutil
 
-import pytest
 from annotation_examples import EXAMPLE
 from log_examples import marker
-from planned_survey import METADATA, POINTS, planned_trace
-from reopening_kit import assert_whole
-from run_seed import SEED
-from storage_kit import Kit, text_message
-from trace_examples import SURVEY, assert_same_numbers, read_json
+from reopening_kit import REPORT, STORED, TRACES, assert_whole, resume, tree
+from run_seed import SEED, draws
+from storage_kit import Kit
+from trace_examples import assert_same_numbers, read_json
 
 from gpr20_analysis.read.verification import verify_survey
-from gpr20_analysis.read.verification_result import COMPLETE
+from gpr20_analysis.read.verification_result import COMPLETE, DAMAGED
 from gpr20_survey.errors import SurveyRefusedError
+from gpr20_survey.folder import survey_metadata
+from gpr20_survey.folder.description_differences import differences
 from gpr20_survey.folder.recovery import read_description
 from gpr20_survey.plan.annotation import annotation_of
 from gpr20_survey.plan.markers import markers_of
 from gpr20_survey.recording.recordings import open_recordings
 
-DAMAGES = int(os.environ.get("GPR20_DAMAGES", "60"))
-TRACES = [planned_trace(index) for index in range(len(POINTS))]
-STORED = {"finished": len(POINTS), "stopped": 6, "cut off": 6}
-FORMS = ("json", "bag", "mcap", "survey.json", "log", "manifest")
-SINGLE = {
-    "bag": "survey.bag",
-    "mcap": "survey.mcap",
-    "survey.json": "survey.json",
-    "log": "log.jsonl",
-    "manifest": "manifest.json",
-}
-
-
-@pytest.fixture(scope="module")
-def surveys(tmp_path_factory):
-    """A data folder for each way in which a survey ends."""
-    made = {}
-    for ending, count in STORED.items():
-        place = tmp_path_factory.mktemp("whole")
-        kit = Kit(place / "open", open_recordings)
-        folder = kit.open(metadata_json=METADATA)
-        kit.processing.add_marker(SURVEY, marker(1))
-        kit.processing.annotate(SURVEY, EXAMPLE)
-        for trace in TRACES[:count]:
-            kit.processing.record(text_message("/control_status", f"measuring {trace.index}"))
-            kit.processing.store(trace)
-        if ending != "cut off":
-            kit.processing.close_survey(SURVEY, ending)
-        kit.processing.add_marker(SURVEY, marker(2))
-        kit.processing.remove_marker(SURVEY, marker(1).marker_id, "Luis")
-        shutil.copytree(str(place / "open"), str(place / "data"))
-        kit.processing.shut_down()
-        made[ending] = place / "data" / folder.name
-    return made
+FORMS = ("traces", "survey.bag", "survey.mcap", "survey.json", "log.jsonl", "manifest.json")
 
 
 def damage_file(rng, path) -> None:
@@ -68,45 +36,31 @@ def damage_file(rng, path) -> None:
     content = bytearray(path.read_bytes())
     start = rng.randrange(len(content))
     end = min(len(content), start + rng.choice([1, 4, 50, 1000, 10_000]))
-    action = rng.choice(["flip", "flip", "flips", "cut", "overwrite", "zero", "delete", "insert"])
-    if action == "flip":
-        content[start] ^= 1 << rng.randrange(8)
-    elif action == "flips":
-        for _ in range(rng.randrange(2, 30)):
+    more = bytes(rng.randrange(256) for _ in range(end - start))
+    action = rng.choice(["flips", "flips", "cut", "overwrite", "zero", "delete", "insert"])
+    if action == "flips":
+        for _ in range(rng.choice([1, 1, 1, 30])):
             content[rng.randrange(len(content))] ^= 1 << rng.randrange(8)
     elif action == "cut":
         del content[start:]
-    elif action == "overwrite":
-        content[start:end] = bytes(rng.randrange(256) for _ in range(end - start))
-    elif action == "zero":
-        content[start:end] = bytes(end - start)
-    elif action == "delete":
-        del content[start:end]
+    elif action == "insert":
+        content[start:start] = more
     else:
-        content[start:start] = bytes(rng.randrange(256) for _ in range(end - start))
+        content[start:end] = {"overwrite": more, "zero": bytes(end - start)}.get(action, b"")
     path.write_bytes(content)
 
 
 def damage(rng, folder) -> None:
     for form in rng.sample(FORMS, rng.choice([1, 1, 1, 1, 2, 2, 3])):
-        if form == "json":
+        paths = [folder / form]
+        if form == "traces":
             files = sorted((folder / "traces").iterdir())
             paths = rng.sample(files, rng.choice([1, 1, 2, len(files)]))
-        else:
-            paths = [folder / SINGLE[form]]
         for path in paths:
             if rng.random() < 0.15:
                 path.unlink(missing_ok=True)
             elif path.exists():
                 damage_file(rng, path)
-
-
-def tree(folder):
-    return {
-        path.relative_to(folder).as_posix(): path.read_bytes()
-        for path in folder.rglob("*")
-        if path.is_file()
-    }
 
 
 def data_of(files):
@@ -131,12 +85,10 @@ def check_facts(folder, before, after) -> None:
     found = {one.marker_id: one for one in markers_of(description)}
     for number in (1, 2):
         one = found.pop(marker(number).marker_id, None)
-        assert one is not None or description["unconfirmed"]
-        if one is not None:
-            assert one.same_request(marker(number))
-            assert one.is_present is (number == 2) or description["unconfirmed"]
+        assert one.same_request(marker(number)) if one else description["unconfirmed"]
     assert not found
     assert annotation_of(description) == EXAMPLE or description["unconfirmed"]
+    assert description.get("report") == REPORT or description["unconfirmed"]
     if is_noted(before, after):
         assert "unconfirmed" not in description
 
@@ -155,22 +107,22 @@ def reopen(kit, folder, before, after):
         return None
 
 
-def check(number, whole, place) -> None:
-    rng = random.Random(f"{SEED} {number}")
-    ending = rng.choice(list(STORED))
-    folder = place / "data" / whole[ending].name
-    shutil.copytree(str(whole[ending]), str(folder))
+def check(rng, ending, folder) -> None:
     before = tree(folder)
     damage(rng, folder)
     after = tree(folder)
     if ending != "finished" or data_of(after) != data_of(before):
         assert verify_survey(folder).status != COMPLETE
-    kit = Kit(place / "data", open_recordings)
+    kit = Kit(folder.parent, open_recordings)
     try:
         reopened = reopen(kit, folder, before, after)
         if reopened is None:
             return
-        check_reopened(folder, before, after, STORED[ending], reopened.stored_indices)
+        for index in range(STORED[ending]):
+            assert index in reopened.stored_indices or not intact_forms(before, after, index)
+        for path in (folder / "traces").iterdir():
+            values = read_json(path)
+            assert_same_numbers(TRACES[values["index"]], values)
         kit.finish(TRACES, reopened.stored_indices)
     finally:
         kit.processing.shut_down()
@@ -181,16 +133,73 @@ def check(number, whole, place) -> None:
     assert found.status == COMPLETE or not is_noted(before, after), found.unconfirmed
 
 
-def check_reopened(folder, before, after, count, stored) -> None:
-    for index in range(count):
-        assert index in stored or not intact_forms(before, after, index)
-    for path in (folder / "traces").iterdir():
-        values = read_json(path)
-        assert_same_numbers(TRACES[values["index"]], values)
-
-
-def test_no_damage_loses_a_trace_or_makes_a_wrong_one(surveys, tmp_path):
-    for number in range(DAMAGES):
+def test_no_damage_loses_a_trace_or_makes_a_wrong_one(copies):
+    for number in range(draws(15)):
         print(f"{number}: repeat with GPR20_SEED={SEED}")
-        check(number, surveys, tmp_path / str(number))
-        shutil.rmtree(str(tmp_path / str(number)))
+        rng = random.Random(f"{SEED} {number}")
+        ending = rng.choice(["finished", "stopped", "cut off"])
+        check(rng, ending, copies(ending))
+
+
+def places(value, place=()):
+    """Yield the path of every entry, nested ones too."""
+    if place:
+        yield place
+    if isinstance(value, (dict, list)):
+        for key, inner in value.items() if isinstance(value, dict) else enumerate(value):
+            yield from places(inner, (*place, key))
+
+
+def similar(value):
+    """Return another value of the same type."""
+    if isinstance(value, bool):
+        return not value
+    if isinstance(value, (int, float)):
+        return value + type(value)(1)
+    if isinstance(value, str):
+        return value[:-1] + chr(ord(value[-1]) ^ 1) if value else "x"
+    return type(value)() if value else ({"a": 1} if isinstance(value, dict) else [1])
+
+
+def with_a_key_changed(rng, content):
+    """Return survey.json with a value of the same type, or of another, in any place."""
+    values = json.loads(content)
+    place = rng.choice(list(places(values)))
+    inner = values = copy.deepcopy(values)
+    for key in place[:-1]:
+        inner = inner[key]
+    former = inner[place[-1]]
+    is_plain = former is not None and not isinstance(former, (str, dict, list))
+    other = str(former) if is_plain else 7
+    inner[place[-1]] = other if former is None or rng.random() < 0.5 else similar(former)
+    return survey_metadata.encode(values)
+
+
+def with_a_bit_flipped(rng, content):
+    changed = bytearray(content)
+    changed[rng.randrange(len(content))] ^= 1 << rng.randrange(8)
+    return bytes(changed)
+
+
+def test_no_key_or_bit_of_the_description_can_be_changed_unseen_and_the_log_corrects_it(copies):
+    for number in range(draws(15)):
+        print(f"{number}: repeat with GPR20_SEED={SEED}")
+        rng = random.Random(f"{SEED} description {number}")
+        folder = copies(rng.choice(list(STORED)))
+        content = (folder / "survey.json").read_bytes()
+        change = rng.choice([with_a_key_changed, with_a_key_changed, with_a_bit_flipped])
+        (folder / "survey.json").write_bytes(change(rng, content))
+        changed = (folder / "survey.json").read_bytes()
+        assert changed != content
+        found = verify_survey(folder)
+        assert found.status == DAMAGED
+        assert "survey.json" in " ".join(map(str, found.faults))
+        resume(folder)
+        assert changed in [one.read_bytes() for one in (folder / "damaged").glob("survey.json*")]
+        original, final = json.loads(content), read_description(folder)
+        assert differences(final, original) == []
+        for name in ("report", "markers", "annotation"):
+            assert final[name] == original[name]
+        assert_whole(folder, TRACES)
+        assert verify_survey(folder).status == COMPLETE
+        shutil.rmtree(str(folder.parent))

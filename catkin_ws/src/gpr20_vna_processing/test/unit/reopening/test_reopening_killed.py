@@ -1,46 +1,54 @@
-"""A storage that is killed at any of its calls of the disk while it reopens a survey."""
+"""A storage that is killed, or whose disk fails or loses its power, at any of its calls.
+
+While it reopens a survey, adds a fact to one that is closed, or opens a new one. A change tries
+every few calls, a release each of them.
+"""
 
 from __future__ import annotations
 
 import importlib.util
+import itertools
 import os
+import random
 import shutil
+from dataclasses import replace
 
 import pytest
-from planned_survey import METADATA, POINTS, planned_trace
-from reopening_kit import assert_whole, messages_in_mcap
-from storage_kit import Kit, text_message
-from trace_examples import SURVEY
+from failing_disk import CALLS, FailingDisk, Failure
+from fault_kit import raises_fault
+from log_examples import NOW, add_marker, change_digit, make_former
+from planned_survey import METADATA
+from reopening_kit import TRACES, assert_whole, messages_in_mcap, noted, resume, texts, trace_file
+from run_seed import LONG, SEED
+from storage_kit import Kit
+from trace_examples import STARTED_US, SURVEY
 
 from gpr20_analysis.read.verification import verify_survey
+from gpr20_analysis.read.verification_result import COMPLETE
+from gpr20_survey.errors import StorageFailedError
+from gpr20_survey.files import durable_files
+from gpr20_survey.folder import manifest
+from gpr20_survey.folder.annotating import add_to_survey
 from gpr20_survey.recording.bag_format import MAGIC, chunk_record, file_header
 from gpr20_survey.recording.bag_writer import EMPTY_CHUNK
 from gpr20_survey.recording.recordings import open_recordings
+from gpr20_vna_processing.mid.new_survey import describe
 
-TRACES = [planned_trace(index) for index in range(len(POINTS))]
-STORED = 4
-CALLS = ("pwrite", "fsync", "ftruncate", "link", "unlink", "replace", "mkdir")
 KILLED, DONE = 9, 0
 STOCK_TOOLS = importlib.util.find_spec("rosbag") is not None  # part of ROS
+STORED = 6
+FORMS = ("survey.json", "log.jsonl")
 
 
-@pytest.fixture(scope="module")
-def stopped(tmp_path_factory):
-    """A survey that was stopped: its recordings have their index."""
-    data = tmp_path_factory.mktemp("stopped") / "data"
-    kit = Kit(data, open_recordings)
-    kit.open(metadata_json=METADATA)
-    kit.processing.record(text_message("/t", "early"))
-    for trace in TRACES[:STORED]:
-        kit.processing.store(trace)
-    kit.processing.close_survey(SURVEY, "stopped")
-    kit.processing.shut_down()
-    return data
+def numbers(step):
+    """Return which calls of the disk are tried, until the work is done before them."""
+    chance = random.Random(SEED)
+    return itertools.count(1, 1) if LONG else itertools.count(1 + chance.randrange(step), step)
 
 
 def damage(folder) -> None:
     """Remove a trace's file and change a number of another in the bag."""
-    sorted((folder / "traces").iterdir())[1].unlink()
+    trace_file(folder, 1).unlink()
     bag = bytearray((folder / "survey.bag").read_bytes())
     bag[bag.index(TRACES[2].s21_real.tobytes()) + 3] ^= 1
     (folder / "survey.bag").write_bytes(bag)
@@ -53,6 +61,14 @@ def tear(folder) -> None:
     head = MAGIC + file_header(0, 0, 0)
     torn = chunk_record(bytes(3000))[:600]
     (folder / "survey.bag").write_bytes(head + content[len(head) : end] + torn)
+
+
+def damage_log(folder) -> None:
+    """Change a byte of log.jsonl, and one of the MCAP, which is rebuilt."""
+    for name in ("log.jsonl", "survey.mcap"):
+        content = bytearray((folder / name).read_bytes())
+        content[len(content) // 2] ^= 1
+        (folder / name).write_bytes(content)
 
 
 def die_at(number: int) -> None:
@@ -103,37 +119,175 @@ def indices_after_stock_repair(folder, place):
         return [message.index for _, message, _ in bag.read_messages(topics=["/trace"])]
 
 
-def damage_log(folder) -> None:
-    """Change a byte of log.jsonl, and one of the MCAP, which is rebuilt."""
-    for name in ("log.jsonl", "survey.mcap"):
-        content = bytearray((folder / name).read_bytes())
-        content[len(content) // 2] ^= 1
-        (folder / name).write_bytes(content)
-
-
 @pytest.mark.parametrize("change", [tear, damage, damage_log])
-def test_a_survey_survives_a_kill_at_any_instant_of_its_reopening(stopped, tmp_path, change):
-    number, ending = 0, KILLED
-    while ending == KILLED:
-        number += 1
-        data = tmp_path / str(number)
-        shutil.copytree(str(stopped), str(data))
-        (folder,) = data.iterdir()
+def test_a_survey_survives_a_kill_at_any_instant_of_its_reopening(copies, tmp_path, change):
+    for number in numbers(9):
+        folder = copies("stopped")
         change(folder)
-        ending = reopen_and_store_until(data, number)
+        ending = reopen_and_store_until(folder.parent, number)
         assert ending in (KILLED, DONE)
         if change is tear and STOCK_TOOLS:
             assert indices_after_stock_repair(folder, tmp_path)[:STORED] == list(range(STORED))
-        kit = Kit(data, open_recordings)
-        reopened = kit.processing.reopen_survey(SURVEY)
-        assert reopened.stored_indices[:STORED] == tuple(range(STORED))
-        for trace in TRACES[len(reopened.stored_indices) :]:
-            kit.processing.store(trace)
-        kit.processing.close_survey(SURVEY, "finished")
-        kit.processing.shut_down()
+        assert resume(folder).stored_indices[:STORED] == tuple(range(STORED))
         assert_whole(folder, TRACES)
         if change is not damage_log:
-            assert [one.data for one in messages_in_mcap(folder, "/t")] == ["early"]
+            found = [one.data for one in messages_in_mcap(folder, "/t")]
+            assert found == [f"before {index}" for index in range(STORED)]
+        assert noted(folder) == texts(1, 2)
         assert verify_survey(folder).faults == []
-        shutil.rmtree(str(data))
+        shutil.rmtree(str(folder.parent))
+        if ending == DONE:
+            break
     assert number > 20
+
+
+def test_a_disk_that_refuses_while_reopening_leaves_a_survey_to_reopen(copies):
+    for calls in numbers(9):
+        folder = copies("stopped")
+        damage(folder)
+        damage_log(folder)
+        disk, kit = FailingDisk(folder.parent), Kit(folder.parent, open_recordings)
+        try:
+            with disk.failing(Failure(calls - 1, False), folder):
+                kit.processing.reopen_survey(SURVEY)
+        except StorageFailedError as error:
+            assert error.message.fault_code == "disk.full"
+        finally:
+            disk.release()
+        reopened = kit.processing.reopen_survey(SURVEY)
+        assert reopened.stored_indices == tuple(range(STORED))
+        kit.finish(TRACES, reopened.stored_indices)
+        kit.processing.shut_down()
+        assert_whole(folder, TRACES)
+        if not disk.has_failed:
+            break
+    assert calls > 20
+
+
+def cut_power(folder, place, failure, work):
+    """Do some work on a disk that loses its power; return whether it was done before that."""
+    disk = FailingDisk(folder)
+    try:
+        with disk.failing(failure, place):
+            try:
+                work()
+            except StorageFailedError:
+                return False
+            return not disk.has_failed
+    finally:
+        disk.release()
+
+
+@pytest.mark.parametrize("damaged", ["", "former", *FORMS])
+def test_a_power_cut_at_any_call_adds_a_fact_whole_or_not_and_leaves_it_intact(
+    copies, tmp_path, damaged
+):
+    """Even where the disk loses all that was not made durable, or a part of it."""
+    whole, seen = copies("finished"), set()
+    if damaged == "former":
+        make_former(whole)
+    for calls in numbers(1 if damaged == "" else 3):
+        place, after = tmp_path / f"{calls} before", tmp_path / f"{calls} after"
+        folder, left = place / whole.name, after / whole.name
+        shutil.copytree(str(whole), str(folder))
+        if damaged in FORMS:
+            change_digit(folder, damaged, 1)
+        chance = random.Random(f"{SEED} {calls}")
+        failure = Failure(calls - 1, True, chance.choice([0.0, 0.5, 1.0]), chance.randrange(100))
+        done = cut_power(
+            place, after, failure, lambda folder=folder: add_to_survey(folder, add_marker(3), NOW)
+        )
+        count = len(noted(left))
+        seen.add(count)
+        assert count == 3 if done else count in (2, 3)
+        found = verify_survey(left)
+        assert damaged in FORMS or (found.status, found.faults) == (COMPLETE, [])
+        for number in (3, 4):
+            add_to_survey(left, add_marker(number), NOW)
+        assert noted(left) == texts(1, 2, 3, 4)
+        found = verify_survey(left)
+        assert (found.status, found.faults) == (COMPLETE, [])
+        if done:
+            break
+    assert seen == {2, 3} and calls > 8
+
+
+def test_an_entry_that_was_torn_while_it_was_added_leaves_a_sealed_survey_intact(copies):
+    folder = copies("finished")
+    before, former = ((folder / name).read_bytes() for name in ("log.jsonl", "survey.json"))
+    sealed = manifest.read_manifest(folder)
+    add_to_survey(folder, add_marker(3), NOW)
+    line = (folder / "log.jsonl").read_bytes()[len(before) :]
+    adding = replace(sealed, next_log=manifest.read_manifest(folder).log)
+    # Of a line on two sectors the second one alone may be on the disk.
+    for torn in (line[:1], line[: len(line) // 2], line[:-2], bytes(200) + line[200:]):
+        (folder / "log.jsonl").write_bytes(before + torn)
+        (folder / "survey.json").write_bytes(former)
+        (folder / "manifest.json").write_bytes(adding.encode())
+        found = verify_survey(folder)
+        assert (found.status, found.faults) == (COMPLETE, [])
+        add_to_survey(folder, add_marker(4), NOW)
+        assert noted(folder) == texts(1, 2, 4)
+        assert verify_survey(folder).status == COMPLETE
+
+
+def test_an_opening_that_failed_half_way_is_repeated_with_the_same_id(tmp_path):
+    for calls in numbers(3):
+        data = tmp_path / str(calls)
+        data.mkdir()
+        disk = FailingDisk(data)
+        kit = Kit(data, open_recordings, check_data=lambda: None)
+        try:
+            with disk.failing(Failure(calls - 1, False), data):
+                kit.open(metadata_json=METADATA)
+            opened = not disk.has_failed
+        except StorageFailedError as error:
+            assert error.message.fault_code == "disk.full"
+            opened = False
+        finally:
+            disk.release()
+        if calls % 2 and not opened:  # the process ends
+            kit.processing.shut_down()
+            kit = Kit(data, open_recordings, check_data=lambda: None)
+        folder = kit.open(metadata_json=METADATA)
+        assert not any(map(durable_files.is_temporary, os.listdir(folder)))
+        kit.finish(TRACES, ())
+        kit.processing.shut_down()
+        assert verify_survey(folder).status == COMPLETE
+        if opened:
+            break
+    assert calls > 8
+
+
+@pytest.mark.parametrize("recorded", [True, False])
+def test_a_survey_whose_opening_was_cut_off_is_resumed_and_nothing_of_it_is_lost(
+    tmp_path, recorded
+):
+    kit = Kit(tmp_path / "open", open_recordings)
+    if not recorded:
+        opened = tmp_path / "open" / "20260921T141320_0f8fad5b"
+        opened.mkdir(parents=True)
+        for recording in open_recordings(opened, describe(SURVEY, STARTED_US, METADATA, "1.2.3")):
+            recording.commit()  # as a write that was torn behind what a recording begins with
+    else:
+        opened = kit.open(metadata_json=METADATA)
+    shutil.copytree(str(tmp_path / "open"), str(tmp_path / "data"))
+    kit.processing.shut_down()
+    folder = tmp_path / "data" / opened.name
+    for name in FORMS:  # the last that an opening makes
+        (folder / name).unlink(missing_ok=True)
+    resume(folder)
+    found = verify_survey(folder)
+    assert (found.status, found.faults, found.unconfirmed) == (COMPLETE, [], ())
+
+
+def test_a_folder_that_holds_anything_else_is_not_emptied_by_an_opening(copies):
+    folder = copies("stopped")
+    for name in ("survey.json", "manifest.json"):
+        (folder / name).unlink()
+    before = {path: path.read_bytes() for path in folder.rglob("*") if path.is_file()}
+    kit = Kit(folder.parent, open_recordings)
+    with raises_fault("survey.folder_exists"):
+        kit.open(metadata_json=METADATA)
+    kit.processing.shut_down()
+    assert {path: path.read_bytes() for path in folder.rglob("*") if path.is_file()} == before

@@ -1,0 +1,254 @@
+"""Echoes, depths, hyperbolas, noise, drift and soils are as physics says."""
+
+from __future__ import annotations
+
+import json
+import math
+
+import numpy as np
+import pytest
+from case_kit import each_case
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from run_seed import draws
+
+from gpr20_survey.folder.log_content import view_of
+from gpr20_survey.folder.log_record import Kind, LogRecord
+from gpr20_survey.folder.soil_note import (
+    ENTERED,
+    KIND,
+    OF_PLAN,
+    PLANNED,
+    soil_of_survey,
+    soil_values,
+)
+from gpr20_survey.radar.depth import (
+    SPEED_OF_LIGHT_M_S,
+    delay_of_depth,
+    depth_of_delay_m,
+    one_way_path_m,
+)
+from gpr20_survey.radar.drift import drift_between, noise_db
+from gpr20_survey.radar.frequency_to_delay import FrequencyToDelay, Window, delay_kernel
+from gpr20_survey.radar.hyperbola import Hyperbola
+from gpr20_survey.radar.noise import LateDelays, late_delays_s, noise_of_traces
+from gpr20_survey.radar.refraction import one_way_delay_s
+from gpr20_survey.radar.soils import MAX_PERMITTIVITY, MIN_PERMITTIVITY, Soils, soil_of
+
+
+def echo(delay_s, level, frequency_hz):
+    return level * np.exp(-2j * np.pi * frequency_hz * delay_s)
+
+
+@settings(max_examples=draws(15))
+@given(st.floats(0.5e-9, 14e-9), st.floats(0.01, 2.0), st.integers(11, 4000))
+def test_an_echo_stands_at_its_delay_with_its_level(delay_s, level, points):
+    frequency_hz = np.linspace(0.6e9, 6.0e9, points)
+    transform = FrequencyToDelay.resolved(frequency_hz, 1000)
+    delay_s = min(delay_s, 0.8 * transform.delays_s[-1])
+    found = np.abs(transform.transform(echo(delay_s, level, frequency_hz)))
+    assert abs(transform.delays_s[np.argmax(found)] - delay_s) <= transform.step_s / 2 + 1e-15
+    assert 0.93 * level < found.max() <= 1.001 * level
+
+
+def test_uneven_frequencies_keep_the_echo_in_its_place():
+    uneven_hz = np.sort(np.random.default_rng(1).uniform(0.6e9, 6.0e9, 801))
+    transform = FrequencyToDelay.resolved(uneven_hz, 1000)
+    found = np.abs(transform.transform(echo(4e-9, 1.0, uneven_hz)))
+    assert abs(transform.delays_s[np.argmax(found)] - 4e-9) < transform.step_s
+
+
+def test_depth_counts_from_the_surface_in_ground_of_the_permittivity():
+    assert delay_of_depth(0.0, 0.15, 9.0) == pytest.approx(1.0007e-9, rel=1e-3)
+    assert delay_of_depth(0.1, 0.0, 9.0) == pytest.approx(3 * delay_of_depth(0.1, 0.0, 1.0))
+    # Above the surface there is air.
+    assert delay_of_depth(-0.05, 0.15, 9.0) == pytest.approx(delay_of_depth(0.0, 0.10, 9.0))
+    assert depth_of_delay_m(delay_of_depth(0.1, 0.15, 9.0), 0.15, 9.0) == pytest.approx(0.1)
+    assert depth_of_delay_m(delay_of_depth(-0.1, 0.15, 9.0), 0.15, 9.0) == 0.0
+    assert one_way_path_m(1e-9, 9.0) == pytest.approx(0.05, rel=1e-3)
+
+
+@each_case("window", Window)
+@each_case("count", [2, 3, 101])
+def test_a_window_is_symmetric_and_leaves_the_level_of_an_echo(window, count):
+    shares = window.shares(count)
+    assert shares == pytest.approx(shares[::-1])
+    assert (shares > 0.0).all()
+    frequency_hz = np.linspace(1e9, 2e9, count)
+    peak = echo(3e-9, 0.2, frequency_hz) @ delay_kernel(frequency_hz, np.array([3e-9]), window)
+    assert peak == pytest.approx(0.2)
+
+
+def test_late_delays_hold_noise_and_not_the_echoes_of_the_ground():
+    frequency_hz = np.linspace(0.6e9, 6.0e9, 501)
+    late = LateDelays(frequency_hz)
+    assert np.abs(late.samples(echo(8e-9, 1.0, frequency_hz))).max() < 1e-3
+    delay_s = late_delays_s(frequency_hz)[10]
+    assert np.abs(late.samples(echo(delay_s, 1.0, frequency_hz))).max() == pytest.approx(1.0)
+
+
+def test_the_noise_of_a_trace_is_its_root_mean_square_also_beside_late_echoes():
+    rng = np.random.default_rng(6)
+    late = 3.0 * (rng.standard_normal(4000) + 1j * rng.standard_normal(4000)) / np.sqrt(2.0)
+    assert noise_of_traces(late) == pytest.approx(3.0, rel=0.05)
+    late[:400] += 1000.0
+    assert noise_of_traces(late) == pytest.approx(3.0, rel=0.1)
+
+
+HEIGHTS_M = st.floats(0.02, 0.5)
+DEPTHS_M = st.floats(0.02, 0.4)
+PERMITTIVITIES = st.floats(1.5, 40.0)
+
+
+@settings(max_examples=draws(15))
+@given(st.floats(0.0, 0.5), DEPTHS_M, HEIGHTS_M, PERMITTIVITIES)
+def test_the_wave_takes_the_fastest_path(offset_m, depth_m, height_m, permittivity):
+    crossings_m = np.linspace(0.0, offset_m, 4001)
+    index = math.sqrt(permittivity)
+    paths_m = np.hypot(height_m, crossings_m) + index * np.hypot(depth_m, offset_m - crossings_m)
+    fastest_s = paths_m.min() / SPEED_OF_LIGHT_M_S
+    found_s = one_way_delay_s(height_m, depth_m, offset_m, permittivity)
+    assert found_s == pytest.approx(fastest_s, rel=1e-6)
+
+
+@settings(max_examples=draws(15))
+@given(DEPTHS_M, HEIGHTS_M, PERMITTIVITIES, st.floats(40.0, 400.0), st.sampled_from([-1, 1]))
+def test_a_point_of_the_flank_gives_the_permittivity(depth_m, height_m, truth, offset_mm, side):
+    apex_s = float(delay_of_depth(depth_m, height_m, truth))
+    target = Hyperbola(300.0, apex_s, height_m, truth)
+    assert target.depth_m == pytest.approx(depth_m, rel=1e-6)
+    place_mm = 300.0 + side * offset_mm
+    delay_s = float(target.delays_s(np.array([place_mm]))[0])
+    start = Hyperbola(300.0, apex_s, height_m, 4.0)
+    assert start.through(place_mm, delay_s).permittivity == pytest.approx(truth, rel=1e-2)
+
+
+def test_the_apex_is_the_earliest_point_and_both_sides_are_equal():
+    hyperbola = Hyperbola(100.0, 2e-9, 0.1, 6.0)
+    delays_s = hyperbola.delays_s(np.array([0.0, 50.0, 100.0, 150.0, 200.0]))
+    assert delays_s == pytest.approx(delays_s[::-1])
+    assert delays_s[2] == pytest.approx(2e-9)
+    assert (np.diff(delays_s[2:]) > 0.0).all()
+
+
+@each_case("delay_s", [0.0, 1.0])
+def test_a_point_that_no_ground_explains_ends_at_the_limits(delay_s):
+    fitted = Hyperbola(100.0, 2e-9, 0.1, 6.0).through(200.0, delay_s)
+    assert fitted.permittivity == pytest.approx(1.0 if delay_s == 0.0 else 81.0, rel=1e-6)
+
+
+def test_an_apex_above_the_surface_stays_drawable():
+    above = Hyperbola(100.0, 0.1e-9, 0.1, 6.0)
+    assert above.depth_m > 0.0
+    assert np.isfinite(above.delays_s(np.linspace(0.0, 200.0, 9))).all()
+
+
+HZ = np.linspace(600.0e6, 6.0e9, 101)
+
+
+def echoes(seed):
+    """Return a sweep with a coupling and an echo, which has deep nulls."""
+    random = np.random.default_rng(seed)
+    levels, delays_s = random.uniform(0.01, 1.0, 2), random.uniform(0.5e-9, 8e-9, 2)
+    return sum(
+        level * np.exp(-2j * np.pi * HZ * delay_s) for level, delay_s in zip(levels, delays_s)
+    )
+
+
+@settings(max_examples=draws(50))
+@given(
+    st.integers(0, 2**31),
+    st.floats(-20.0, 20.0),
+    st.floats(-4e-9, 4e-9),
+    st.floats(-120.0, -60.0),
+)
+def test_a_known_gain_and_delay_are_recovered_below_noise(seed, gain_db, delay_s, noise):
+    before = echoes(seed)
+    level = math.sqrt(np.mean(np.abs(before) ** 2)) * 10.0 ** (noise / 20.0)
+    random = np.random.default_rng(seed + 1)
+    hiss = level * (random.standard_normal(101) + 1j * random.standard_normal(101))
+    changed = 10.0 ** (gain_db / 20.0) * (before + hiss) * np.exp(-2j * np.pi * HZ * delay_s)
+    found = drift_between(HZ, before, changed)
+    assert found.gain_db == pytest.approx(gain_db, abs=0.02)
+    assert found.delay_s == pytest.approx(delay_s, abs=1e-12)
+    assert found.amplitude_rms_db == pytest.approx(abs(gain_db), abs=0.05)
+
+
+@settings(max_examples=draws(50))
+@given(st.integers(0, 2**31), st.floats(-40.0, 40.0), st.floats(-179.0, 179.0))
+def test_a_known_gain_and_phase_are_recovered_at_every_frequency(seed, gain_db, phase_deg):
+    before = echoes(seed)
+    turned = before * 10.0 ** (gain_db / 20.0) * np.exp(1j * math.radians(phase_deg))
+    found = drift_between(HZ, before, turned)
+    assert found.amplitude_db == pytest.approx(np.full(101, gain_db), abs=1e-6)
+    assert found.phase_deg == pytest.approx(np.full(101, phase_deg), abs=1e-6)
+    assert found.phase_rms_deg == pytest.approx(abs(phase_deg), abs=1e-6)
+    assert found.delay_s == pytest.approx(0.0, abs=1e-15)
+
+
+def test_the_drift_of_a_single_frequency_shows_there():
+    after = np.ones(101, complex)
+    after[7] = 2.0j
+    found = drift_between(HZ, np.ones(101, complex), after)
+    assert (found.amplitude_db[7], found.phase_deg[7]) == pytest.approx((6.0206, 90.0), abs=1e-4)
+    assert not np.delete(found.amplitude_db, 7).any()
+
+
+def test_a_signal_that_is_gone_is_an_infinite_drift():
+    nothing, signal = np.zeros(101, complex), np.ones(101, complex)
+    assert drift_between(HZ, signal, nothing).amplitude_rms_db == math.inf
+    assert drift_between(HZ, nothing, signal).amplitude_rms_db == math.inf
+    assert drift_between(HZ, nothing, signal).phase_rms_deg == math.inf
+
+
+@settings(max_examples=50)
+@given(st.integers(0, 2**31), st.floats(-100.0, -20.0))
+def test_the_noise_floor_is_that_of_one_sweep(seed, level_db):
+    random = np.random.default_rng(seed)
+    level = 10.0 ** (level_db / 20.0) / math.sqrt(2.0)
+    first, second = (
+        1.0 + level * (random.standard_normal(4000) + 1j * random.standard_normal(4000))
+        for _ in range(2)
+    )
+    assert noise_db(first, second) == pytest.approx(level_db, abs=0.5)
+    assert noise_db(first, first) == -math.inf
+
+
+# Davis and Annan (1989), table 1; moist sand lies between its two neighbours.
+RANGES = {
+    Soils.DRY_SAND: (3.0, 5.0),
+    Soils.MOIST_SAND: (5.0, 20.0),
+    Soils.WET_SAND: (20.0, 30.0),
+    Soils.CLAY: (5.0, 40.0),
+}
+
+
+@each_case("soil", Soils)
+def test_the_permittivity_of_a_soil_lies_within_the_published_range(soil):
+    low, high = RANGES[soil]
+    assert MIN_PERMITTIVITY < low <= soil.value.permittivity <= high < MAX_PERMITTIVITY
+    assert soil_of(soil.value.permittivity) is soil
+
+
+def test_moist_sand_agrees_with_the_equation_of_topp():
+    water = 0.16
+    topp = 3.03 + 9.3 * water + 146.0 * water**2 - 76.7 * water**3
+    assert Soils.MOIST_SAND.value.permittivity == pytest.approx(topp, rel=0.05)
+
+
+def test_a_survey_that_is_resumed_keeps_its_soil_until_somebody_decides_again():
+    records, said = [], []
+    for kind, values in (
+        (Kind.PLAN, {PLANNED: 4.0, "started": "2026"}),
+        (Kind.RESUME, {}),
+        (Kind.DECISION, {"accepted": "other zeros"}),
+        (KIND, soil_values(9.5, 0)),
+        (Kind.RESUME, {}),
+        (KIND, soil_values(7.0, 0)),
+        (Kind.END, {"outcome": "finished"}),
+        (KIND, soil_values(None, 0)),
+    ):
+        records.append(LogRecord.after(records[-1] if records else None, kind, values, "2026"))
+        said.append(soil_of_survey(json.loads(view_of(records))))
+    plan, last = (4.0, OF_PLAN), (7.0, ENTERED)
+    assert said == [plan, plan, plan, *[(9.5, ENTERED)] * 2, last, last, None]

@@ -1,0 +1,492 @@
+"""One table: a survey's files damaged in every way, and what load, verify and reopen make of it.
+
+Nothing is lost that an intact form holds, nothing wrong is believed, and whatever is lost is named
+for ever. `test_random_damage.py` draws other damages.
+"""
+
+from __future__ import annotations
+
+import json
+import shutil
+from dataclasses import dataclass, replace
+from typing import Callable, Collection, Optional, Sequence, Union
+
+import pytest
+from annotation_examples import EXAMPLE
+from case_kit import each_case
+from fault_kit import raises_fault
+from log_examples import NOW, add_marker, change_digit, make_former, marker
+from planned_survey import METADATA
+from reopening_kit import (
+    REPORT,
+    STORED,
+    TRACES,
+    assert_whole,
+    noted,
+    resume,
+    texts,
+    trace_file,
+    tree,
+)
+from storage_kit import Kit
+from trace_examples import SURVEY, read_json
+
+from gpr20_analysis.read.manifest_repair import repair_manifest
+from gpr20_analysis.read.verification import verify_survey
+from gpr20_analysis.read.verification_result import COMPLETE, DAMAGED, INCOMPLETE
+from gpr20_survey.errors import SurveyRefusedError
+from gpr20_survey.folder import trace_files
+from gpr20_survey.folder.annotating import add_to_survey, annotate
+from gpr20_survey.folder.description_copies import sealed_description
+from gpr20_survey.folder.recovery import LATER, read_description
+from gpr20_survey.plan.annotation import annotation_of
+from gpr20_survey.plan.markers import markers_of
+from gpr20_survey.recording.recordings import open_recordings
+from gpr20_survey.trace import trace_json
+from gpr20_vna_processing.mid.survey_archive import SurveyArchive
+
+VIEW, LOG, SEAL = "survey.json", "log.jsonl", "manifest.json"
+BAG, MCAP, TRACE = "survey.bag", "survey.mcap", "a trace"
+SIX = tuple(range(6))
+WITHOUT_2 = (0, 1, 3, 4, 5)
+TRACE_NAME = "000002_X0020.00_Y0010.00_Z+000.00.json"
+
+
+def path_of(folder, name):
+    return trace_file(folder, 2) if name == TRACE else folder / name
+
+
+def gone(*names):
+    def change(folder, _older):
+        for name in names:
+            path = path_of(folder, name)
+            shutil.rmtree(str(path)) if path.is_dir() else path.unlink()
+
+    return change
+
+
+def content(name, make):
+    """Give a file another content, made of its own."""
+
+    def change(folder, _older):
+        path = path_of(folder, name)
+        changed = make(path.read_bytes())
+        assert changed != path.read_bytes()
+        path.write_bytes(changed)
+
+    return change
+
+
+def emptied(name):
+    return content(name, lambda _: b"")
+
+
+def cut(name):
+    return content(name, lambda whole: whole[:-20])
+
+
+def flipped(name, wanted=None, place=0.5):
+    """Flip a bit at a place, or in the last byte of a text."""
+
+    def flip(whole):
+        at = int(place * len(whole)) if wanted is None else whole.rindex(wanted) + len(wanted) - 1
+        return whole[:at] + bytes([whole[at] ^ 1]) + whole[at + 1 :]
+
+    return content(name, flip)
+
+
+def replaced(name, old, new):
+    return content(name, lambda whole: whole.replace(old, new, 1))
+
+
+def digit(*names):
+    """Change a digit of marker 1 in forms of the log."""
+
+    def change(folder, _older):
+        for name in names:
+            change_digit(folder, name, 1)
+
+    return change
+
+
+def older(*names):
+    """Put older files back, from before marker 2."""
+
+    def change(folder, source):
+        for name in names:
+            shutil.copy(str(source / name), str(folder / name))
+
+    return change
+
+
+def both(*changes):
+    def change(folder, source):
+        for one in changes:
+            one(folder, source)
+
+    return change
+
+
+def former(*changes):
+    """Make it a survey of an earlier version, which has neither log nor checksums of traces."""
+
+    def change(folder, source):
+        make_former(folder)
+        both(*changes)(folder, source)
+
+    return change
+
+
+def other_history(folder, source):
+    """Put the log of a copy in its place to which marker 3 was added."""
+    other = folder.parent.parent / "other" / folder.name
+    shutil.copytree(str(source), str(other))
+    add_to_survey(other, add_marker(3), NOW)
+    shutil.copy(str(other / LOG), str(folder / LOG))
+
+
+def other_trace(folder, _older):
+    """Put another trace in the place of one, with a right checksum."""
+    path = trace_file(folder, 2)
+    trace = trace_files.read_trace(path, SURVEY)
+    path.write_bytes(trace_json.encode(replace(trace, antennae_height_m=0.7)))
+
+
+def other_number(folder, _older):
+    """Change a number of a trace that has no checksum."""
+    values = read_json(trace_file(folder, 2))
+    values["s21_real"][0] += 1.0
+    trace_file(folder, 2).write_text(json.dumps(values) + "\n")
+
+
+def other_plan(**entry):
+    """Change the plan in the survey.json of an earlier version."""
+
+    def change(folder, _older):
+        values = json.loads((folder / VIEW).read_text())
+        values["parameters"].update(entry)
+        (folder / VIEW).write_text(json.dumps(values, indent=2) + "\n")
+
+    return change
+
+
+def added_file(folder, _older):
+    (folder / "notes.txt").write_text("not there at the close")
+
+
+def not_recorded(folder, _older):
+    """Put the bag in the place of the MCAP, which holds the log too."""
+    shutil.copy(str(folder / BAG), str(folder / MCAP))
+
+
+SEALED_COPY = flipped(MCAP, b'"x_points"')
+OTHER_ID = replaced(VIEW, SURVEY.encode(), f"{SURVEY[:-1]}f".encode())
+Y_STOP = replaced(VIEW, b'"y_stop_mm": 20.0', b'"y_stop_mm": 30.0')
+
+
+@dataclass(frozen=True)
+class Damage:
+    """A damage, and what follows.
+
+    Attributes:
+        ending: How the survey ended.
+        change: Damages its folder.
+        names: What verify names: files and others.
+        kept: Files that are kept in `damaged/` as they were.
+        repaired: What the repairs name; None: what verify names.
+        loaded: The traces that are read, or the code of the refusal; None: all that are stored.
+        stored: The traces that are there when it is reopened; None: all that were.
+        refused: The code with which reopening it is refused.
+        markers: The markers that are noted in the end.
+        doubts: What nothing vouches for, for ever.
+    """
+
+    ending: str
+    change: Callable[..., None]
+    names: Sequence[str] = ()
+    kept: Collection[str] = ()
+    repaired: Optional[Sequence[str]] = None
+    loaded: Union[str, Sequence[int], None] = None
+    stored: Optional[Sequence[int]] = None
+    refused: str = ""
+    markers: Sequence[int] = (1, 2)
+    doubts: Collection[str] = ()
+
+
+STOPPED, CUT_OFF, FINISHED, INTERRUPTED = "stopped", "cut off", "finished", "interrupted"
+ENTRIES = ("annotation", "report", "markers/0", "markers/1")
+NOT_PLANNED, LOST = "survey.traces_not_planned", "survey.description_lost"
+DAMAGES = {
+    # The description: each form of the log replaces the other.
+    "nothing": Damage(STOPPED, both()),
+    "view empty": Damage(STOPPED, emptied(VIEW), [VIEW], [VIEW]),
+    "view cut": Damage(CUT_OFF, cut(VIEW), [VIEW], [VIEW]),
+    "view flipped": Damage(INTERRUPTED, flipped(VIEW, place=0), [VIEW], [VIEW]),
+    "view gone": Damage(FINISHED, gone(VIEW), [VIEW]),
+    "view of another id": Damage(STOPPED, OTHER_ID, [VIEW], [VIEW]),
+    "view with another plan": Damage(
+        CUT_OFF, Y_STOP, [VIEW, "parameters/y_stop_mm"], [VIEW], [VIEW]
+    ),
+    "marker in the view": Damage(FINISHED, digit(VIEW), [VIEW], [VIEW]),
+    "log flipped": Damage(FINISHED, flipped(LOG, place=0), [LOG], [LOG]),
+    "log gone": Damage(CUT_OFF, gone(LOG), [LOG]),
+    "marker in the log": Damage(STOPPED, digit(LOG), [LOG], [LOG]),
+    "view and sealed copy": Damage(STOPPED, both(emptied(VIEW), SEALED_COPY), [VIEW, MCAP]),
+    "plan and mcap": Damage(CUT_OFF, both(Y_STOP, gone(MCAP)), [VIEW, MCAP]),
+    "marker in both forms": Damage(STOPPED, digit(VIEW, LOG), [VIEW, LOG], [VIEW, LOG]),
+    "marker in both forms and no mcap": Damage(
+        CUT_OFF, both(digit(VIEW, LOG), gone(MCAP)), [VIEW, LOG], [VIEW, LOG],
+        markers=[2], doubts=["record 1"],
+    ),
+    "marker in both forms and a bag as mcap": Damage(
+        STOPPED, both(digit(VIEW, LOG), not_recorded), [VIEW, LOG, MCAP], [VIEW, LOG, MCAP],
+        markers=[2], doubts=["record 1"],
+    ),
+    "no log": Damage(
+        STOPPED, gone(VIEW, LOG, SEAL), [VIEW], markers=[1], doubts=[LATER]
+    ),
+    "no log beside the manifest": Damage(
+        STOPPED, gone(VIEW, LOG), [VIEW], markers=[1], doubts=["record 4", "record 5"]
+    ),
+    "no description": Damage(
+        STOPPED, both(gone(LOG), emptied(VIEW), emptied(MCAP)), [VIEW], loaded=LOST, refused=LOST
+    ),
+    "no description, no recording": Damage(
+        CUT_OFF, gone(LOG, VIEW, MCAP, BAG), [VIEW], loaded=LOST, refused=LOST
+    ),
+    # Older files, each right by itself.
+    "older log and view": Damage(
+        FINISHED, older(LOG, VIEW), ["entry 5"], repaired=["record 5"], markers=[1],
+        doubts=["record 5"],
+    ),
+    "older view": Damage(FINISHED, older(VIEW), [VIEW], repaired=[]),
+    "older log": Damage(STOPPED, older(LOG), [LOG], repaired=[]),
+    "older manifest": Damage(STOPPED, older(SEAL), ["entry 4"], repaired=[], doubts=["log"]),
+    "older log, no manifest, no view": Damage(
+        STOPPED, both(older(LOG), gone(SEAL), replaced(VIEW, b'"survey_id"', b'&survey_id"')),
+        [VIEW],
+    ),
+    "log of another history": Damage(STOPPED, other_history, [LOG], doubts=["record 5"]),
+    # The manifest.
+    "manifest flipped": Damage(STOPPED, flipped(SEAL), [SEAL], [SEAL]),
+    "manifest gone": Damage(FINISHED, gone(SEAL), [SEAL], repaired=[]),
+    "another file": Damage(STOPPED, added_file, ["notes.txt"]),
+    # Traces.
+    "trace gone": Damage(STOPPED, gone(TRACE), [TRACE]),
+    "trace cut": Damage(FINISHED, cut(TRACE), [TRACE], [TRACE]),
+    "digit of a trace": Damage(CUT_OFF, flipped(TRACE, b'"s21_real": [0.1'), [TRACE], [TRACE]),
+    "space in a trace": Damage(STOPPED, replaced(TRACE, b": ", b":  "), [TRACE], [TRACE]),
+    "another trace": Damage(
+        CUT_OFF, other_trace, ["trace 2", MCAP], [MCAP], [TRACE], doubts=["traces/000002"]
+    ),
+    "trace cut, no mcap": Damage(
+        CUT_OFF, both(cut(TRACE), gone(MCAP)), [TRACE, MCAP], [TRACE, BAG],
+        loaded=WITHOUT_2, stored=WITHOUT_2,
+    ),
+    "trace in the bag alone": Damage(
+        STOPPED, gone(TRACE, MCAP), [TRACE, MCAP], [BAG], [MCAP], WITHOUT_2, WITHOUT_2
+    ),
+    "all traces": Damage(STOPPED, gone("traces"), ["traces/"], repaired=[TRACE],
+                         loaded="storage.unreadable"),
+    # The MCAP: what cannot be read of it is in the JSON files, and in the bag that is kept.
+    "mcap gone": Damage(CUT_OFF, gone(MCAP), [MCAP], [BAG]),
+    "mcap empty": Damage(STOPPED, emptied(MCAP), [MCAP]),
+    "mcap flipped": Damage(STOPPED, flipped(MCAP, place=0.6), [MCAP], [BAG, MCAP]),
+    "mcap of a survey that was cut off": Damage(CUT_OFF, flipped(MCAP), [MCAP], [BAG, MCAP]),
+    # A bag has no checksums: it is never believed, and written again.
+    "bag gone": Damage(STOPPED, gone(BAG), [BAG]),
+    "bag flipped": Damage(STOPPED, flipped(BAG, b"before 3"), [BAG]),
+    "bag empty": Damage(CUT_OFF, emptied(BAG)),
+    "no bag at all": Damage(CUT_OFF, content(BAG, lambda _: b"no bag at all" * 1000)),
+    "number in the bag": Damage(CUT_OFF, flipped(BAG, TRACES[2].s21_real.tobytes())),
+    "type in the bag": Damage(CUT_OFF, flipped(BAG, b"type=gpr20_msgs/Trace")),
+    "topic in the bag": Damage(CUT_OFF, flipped(BAG, b"topic=/trace")),
+    # Surveys of an earlier version, which have no log.
+    "former": Damage(STOPPED, former()),
+    "former, view empty": Damage(
+        STOPPED, former(emptied(VIEW)), [VIEW], [VIEW], [LATER], markers=[], doubts=[LATER]
+    ),
+    "former, another plan": Damage(
+        STOPPED, former(Y_STOP), [VIEW, "parameters/y_stop_mm"], repaired=["report"],
+        doubts=[*ENTRIES, "outcome"],
+    ),
+    "former, another id": Damage(
+        CUT_OFF, former(OTHER_ID, gone(MCAP)), loaded="survey.unknown",
+        refused="survey.other_description",
+    ),
+    "former, another number": Damage(
+        CUT_OFF, former(other_number), ["trace 2", MCAP], [TRACE], [TRACE], doubts=ENTRIES
+    ),
+    "former, no mcap": Damage(
+        CUT_OFF, former(gone(MCAP)), [MCAP], [BAG], ["plan", MCAP],
+        doubts=["plan", *ENTRIES, *(f"traces/00000{index}" for index in SIX)],
+    ),
+    "former, another plan, no mcap": Damage(
+        CUT_OFF, former(Y_STOP, gone(MCAP)), ["trace 3"], refused=NOT_PLANNED
+    ),
+    "former, other points, no mcap": Damage(
+        CUT_OFF, former(other_plan(frequency_points=6), gone(MCAP)), ["trace 0"],
+        refused=NOT_PLANNED,
+    ),
+    "former, other frequency, no mcap": Damage(
+        CUT_OFF, former(other_plan(stop_frequency_hz=5e9), gone(MCAP)), ["trace 0"],
+        refused=NOT_PLANNED,
+    ),
+}  # fmt: skip
+
+
+def said(messages):
+    return " ".join(map(str, messages))
+
+
+def check_loaded(folder, damage):
+    """Read the traces: each is as it was stored, or is named with a reason."""
+    count = STORED[damage.ending]
+    if isinstance(damage.loaded, str):
+        with raises_fault(damage.loaded):
+            SurveyArchive(folder.parent).traces(SURVEY, range(count))
+        return
+    found = SurveyArchive(folder.parent).traces(SURVEY, range(count))
+    indices = found.block.indices.tolist()
+    assert indices == [*(range(count) if damage.loaded is None else damage.loaded)]
+    assert sorted([*indices, *found.unreadable]) == [*range(count)]
+    for index, samples in zip(indices, found.block.s21):
+        own = TRACES[index].s21_real + 1j * TRACES[index].s21_imag
+        assert samples.tolist() == own.astype(samples.dtype).tolist()
+
+
+def check_verified(folder, damage):
+    """Verify the survey: what is damaged is named, and nothing damaged is called intact."""
+    found = verify_survey(folder)
+    for name in damage.names:
+        assert name.replace(TRACE, TRACE_NAME) in said(found.faults)
+    assert found.status == (DAMAGED if damage.names or damage.refused else INCOMPLETE)
+
+
+def check_reopened(folder, damage, damaged):
+    """Reopen the survey: it has every trace, and what was damaged is repaired and kept."""
+    stored = range(STORED[damage.ending]) if damage.stored is None else damage.stored
+    reopened = resume(folder, "stopped")
+    assert reopened.stored_indices == tuple(stored)
+    repaired = damage.names if damage.repaired is None else damage.repaired
+    for name in repaired:
+        assert name.replace(TRACE, TRACE_NAME) in said(reopened.repairs)
+    assert bool(reopened.repairs) == bool(repaired)
+    kept = {one.name: one.read_bytes() for one in (folder / "damaged").glob("*")}
+    for name in damage.kept:
+        place = f"traces/{TRACE_NAME}" if name == TRACE else name
+        assert kept[TRACE_NAME if name == TRACE else name] == damaged[place]
+
+
+def check_finished(folder, damage):
+    """Finish the survey: it is whole for every reader, and what nothing vouches for is named."""
+    resume(folder)
+    traces = list(TRACES)
+    if damage.change is other_trace:
+        traces[2] = replace(TRACES[2], antennae_height_m=0.7)
+    assert_whole(folder, traces)
+    found = verify_survey(folder)
+    assert (found.status, found.faults) == (INCOMPLETE if damage.doubts else COMPLETE, [])
+    assert len(found.unconfirmed) == len(damage.doubts)
+    for name in damage.doubts:
+        assert any(one.startswith(name) for one in found.unconfirmed)
+    assert noted(folder) == texts(*damage.markers)
+    description = read_description(folder)
+    if damage.markers:
+        assert (annotation_of(description), description["report"]) == (EXAMPLE, REPORT)
+
+
+@pytest.mark.parametrize("name", DAMAGES)
+def test_damage_is_named_and_costs_nothing_that_another_form_holds(copies, surveys, name):
+    damage = DAMAGES[name]
+    folder = copies(damage.ending)
+    damage.change(folder, surveys[damage.ending].older)
+    damaged = tree(folder)
+    check_loaded(folder, damage)
+    check_verified(folder, damage)
+    assert tree(folder) == damaged
+    if damage.refused:
+        kit = Kit(folder.parent, open_recordings)
+        with raises_fault(damage.refused, error=SurveyRefusedError):
+            kit.processing.reopen_survey(folder.name)
+        kit.processing.shut_down()
+        assert tree(folder) == damaged
+        return
+    check_reopened(folder, damage, damaged)
+    check_finished(folder, damage)
+
+
+@pytest.mark.parametrize("name", [VIEW, LOG])
+@pytest.mark.parametrize(
+    "repair",
+    [
+        lambda folder: add_to_survey(folder, annotate(EXAMPLE), NOW),
+        lambda folder: repair_manifest(folder, "1.2.3", NOW),
+    ],
+)
+def test_a_form_that_an_addition_or_gpr20_repair_finds_damaged_is_kept_and_never_sealed(
+    copies, repair, name
+):
+    folder = copies(STOPPED)
+    change_digit(folder, name, 1)
+    repair(folder)
+    first, second = markers_of(read_description(folder))
+    assert first.same_request(marker(1)) and second.same_request(marker(2))
+    found = verify_survey(folder)
+    assert (found.status, found.faults, found.unconfirmed) == (INCOMPLETE, [], ())
+    assert (folder / "damaged" / name).is_file()
+
+
+@each_case("change", [both(digit(VIEW, LOG), not_recorded), former(Y_STOP), flipped(SEAL)])
+def test_nothing_is_added_to_a_survey_of_which_something_is_lost_or_damaged(
+    copies, surveys, change
+):
+    folder = copies(FINISHED)
+    change(folder, surveys[FINISHED].older)
+    before = tree(folder)
+    with raises_fault(("survey.description_damaged", "survey.manifest_damaged")):
+        add_to_survey(folder, add_marker(3), NOW)
+    assert tree(folder) == before
+
+
+def test_the_manifest_holds_what_was_acknowledged_and_not_what_is_on_the_disk_at_the_end(kit):
+    folder = kit.open(metadata_json=METADATA)
+    kit.processing.store(TRACES[2])
+    flipped(TRACE, b'"s21_imag": [')(folder, None)
+    kit.processing.close_survey(SURVEY, "stopped")
+    assert trace_file(folder, 2).name in said(verify_survey(folder).faults)
+
+
+def test_a_trace_that_is_in_json_alone_is_put_into_the_recordings(copies):
+    folder = copies(CUT_OFF)
+    shutil.copy(str(trace_file(copies(FINISHED), 7)), str(folder / "traces"))
+    assert resume(folder).stored_indices == (*SIX, 7)
+    assert_whole(folder, TRACES)
+
+
+def test_what_was_never_finished_is_removed_and_is_never_data(copies):
+    folder = copies(CUT_OFF)
+    torn = [folder / "traces" / ".000006_X0050.00.json.0a.tmp", folder / ".survey.json.0a.tmp"]
+    for path in torn:
+        path.write_text("{")
+    reopened = resume(folder)
+    assert reopened.repairs[0].values["count"] == 2
+    assert not any(path.exists() for path in torn)
+    assert reopened.stored_indices == SIX
+    assert_whole(folder, TRACES)
+
+
+def test_the_copy_in_the_mcap_stays_as_it_was_at_the_start(copies):
+    folder = copies(STOPPED)
+    flipped(MCAP, place=0.6)(folder, None)
+    resume(folder)
+    copy = sealed_description(folder)
+    assert (copy["outcome"], "resumed" in copy) == (None, False)
+
+
+def test_the_description_of_another_survey_is_not_taken_for_this_ones(copies):
+    folder = copies(STOPPED)
+    emptied(VIEW)(folder, None)
+    other = folder.rename(folder.with_name(folder.name[:-8] + "01234567"))
+    with raises_fault("survey.unknown", SURVEY, error=SurveyRefusedError):
+        resume(other)

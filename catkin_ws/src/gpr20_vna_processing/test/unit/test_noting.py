@@ -1,0 +1,330 @@
+"""What people note of a survey is as safe as what the robot measures: annotation, markers, report.
+
+It is stored before it is acknowledged, whether the survey is open or closed, and never hides
+damage; `damage/test_damages.py` has what damage does to it.
+"""
+
+from __future__ import annotations
+
+import json
+import multiprocessing
+import os
+import random
+from dataclasses import replace
+
+import pytest
+from annotation_examples import EXAMPLE, annotations
+from case_kit import each_case
+from fault_kit import raises_fault
+from hypothesis import HealthCheck, given, settings
+from log_examples import NOW, add_marker, make_former, marker
+from planned_survey import METADATA, planned_trace
+from reopening_kit import TRACES, noted, resume, texts, tree
+from run_seed import SEED, draws
+from storage_kit import OTHER_SURVEY, Kit
+from trace_examples import SURVEY, read_json
+
+from gpr20_analysis.read.verification import verify_survey
+from gpr20_analysis.read.verification_result import COMPLETE, DAMAGED, INCOMPLETE
+from gpr20_survey.errors import StorageFailedError, SurveyRefusedError
+from gpr20_survey.folder import annotating
+from gpr20_survey.folder.annotating import add_to_survey, annotate
+from gpr20_survey.folder.recovery import read_description, recover
+from gpr20_survey.plan.annotation import EMPTY, Annotation, annotation_of
+from gpr20_survey.plan.markers import (
+    MAX_MARKERS,
+    Marker,
+    markers_of,
+    new_marker,
+    present_markers,
+    removed_marker,
+    values_of,
+)
+from gpr20_survey.recording.recordings import open_recordings
+
+AT_START = Annotation("Ana", "El Carmen", "at the start")
+WITH_ANNOTATION = json.dumps({**json.loads(METADATA), "annotation": AT_START.values()})
+ONE = Marker(marker(1).marker_id, 12.5, 20.0, 80.0, "metal, junto a la raíz", "Ana")
+OTHER = Marker(marker(2).marker_id, 15.0, 10.0)
+WRITERS, MARKERS_EACH = 3, 3
+
+
+@pytest.fixture
+def folder(kit):
+    """A survey that is open, with every trace."""
+    folder = kit.open(metadata_json=WITH_ANNOTATION)
+    for trace in TRACES:
+        kit.processing.store(trace)
+    return folder
+
+
+@pytest.fixture
+def closed(kit, folder):
+    """A survey that is finished."""
+    kit.processing.close_survey(SURVEY, "finished")
+    return folder
+
+
+def annotation(folder) -> Annotation:
+    return annotation_of(read_json(folder / "survey.json"))
+
+
+def markers(folder):
+    return markers_of(read_json(folder / "survey.json"))
+
+
+def assert_intact(folder) -> None:
+    found = verify_survey(folder)
+    assert (found.status, found.faults) == (COMPLETE, []), found.verdict
+
+
+@pytest.mark.parametrize("name", ["", SURVEY, "folder"])
+def test_the_open_survey_is_annotated_and_marked_and_stays_so(kit, folder, name):
+    assert annotation(folder) == AT_START
+    survey = folder.name if name == "folder" else name
+    annotated = kit.processing.annotate(survey, EXAMPLE)
+    marked = kit.processing.add_marker(survey, ONE)
+    for answer in (annotated, marked):
+        assert (answer.survey_id, answer.folder) == (SURVEY, folder)
+    for closing in (False, True):
+        if closing:
+            kit.processing.report(SURVEY, "{}")
+            kit.processing.close_survey(SURVEY, "finished")
+        assert annotation(folder) == EXAMPLE
+        assert markers(folder) == marked.markers
+    assert marked.markers[0].time and marked.markers[0].same_request(ONE)
+    assert_intact(folder)
+
+
+@pytest.mark.parametrize("former", [False, True])
+@pytest.mark.parametrize("by_folder", [False, True])
+def test_a_closed_survey_is_annotated_and_marked_and_stays_intact(kit, closed, by_folder, former):
+    before = make_former(closed) if former else read_description(closed)
+    name = closed.name if by_folder else SURVEY
+    for wanted in (EXAMPLE, EMPTY, replace(EXAMPLE, notes="")):
+        kit.processing.annotate(name, wanted)
+        assert read_description(closed) == {**before, "annotation": wanted.values()}
+        assert_intact(closed)
+    kit.open(OTHER_SURVEY)  # even while another one is open
+    kit.processing.add_marker(name, ONE)
+    marked = kit.processing.add_marker(name, OTHER)
+    kit.processing.close_survey(OTHER_SURVEY, "stopped")
+    assert read_description(closed)["markers"] == values_of(marked.markers)
+    assert [one.marker_id for one in markers(closed)] == [ONE.marker_id, OTHER.marker_id]
+    assert_intact(closed)
+
+
+@pytest.mark.parametrize("is_open", [True, False])
+def test_a_removed_marker_remains_in_the_history(kit, folder, is_open):
+    kit.processing.add_marker(SURVEY, ONE)
+    kit.processing.add_marker(SURVEY, OTHER)
+    if not is_open:
+        kit.processing.close_survey(SURVEY, "finished")
+    for _ in range(2):  # the answer to the first call may have been lost
+        kit.processing.remove_marker(SURVEY, ONE.marker_id, "Luis")
+    removed, other = markers(folder)
+    assert (removed.text, removed.author, removed.removed_by) == (ONE.text, "Ana", "Luis")
+    assert removed.removed and not removed.is_present and other.is_present
+    assert present_markers(read_json(folder / "survey.json")) == (other,)
+
+
+def test_a_repeated_request_adds_nothing_and_another_one_of_its_id_is_refused(kit, folder):
+    for _ in range(2):
+        kit.processing.add_marker(SURVEY, ONE)
+    for action in (
+        lambda: kit.processing.add_marker(SURVEY, Marker(ONE.marker_id, 0.0, 0.0)),
+        lambda: kit.processing.remove_marker(SURVEY, OTHER.marker_id, ""),
+    ):
+        with raises_fault("marker.refused", error=SurveyRefusedError):
+            action()
+    assert len(markers(folder)) == 1
+
+
+def test_what_was_noted_survives_interruption_resumption_and_another_process(kits):
+    first = kits()
+    folder = first.open(metadata_json=WITH_ANNOTATION)
+    first.processing.store(planned_trace(0))
+    first.processing.add_marker("", ONE)
+    first.processing.shut_down()
+    second = kits()
+    second.processing.annotate(SURVEY, EXAMPLE)
+    second.processing.add_marker(SURVEY, OTHER)
+    reopened = second.processing.reopen_survey(SURVEY)
+    metadata = json.loads(reopened.metadata_json)
+    assert annotation_of(metadata) == EXAMPLE and "markers" not in metadata
+    second.finish(TRACES, reopened.stored_indices)
+    assert annotation(folder) == EXAMPLE
+    assert [one.text for one in markers(folder)] == [ONE.text, OTHER.text]
+    assert_intact(folder)
+
+
+def test_a_survey_with_damaged_markers_can_be_resumed(kits):
+    first = kits()
+    folder = first.open(metadata_json=METADATA)
+    first.processing.store(planned_trace(0))
+    first.processing.shut_down()
+    values = {**make_former(folder), "markers": [5]}
+    (folder / "survey.json").write_text(json.dumps(values))
+    (folder / "manifest.json").unlink()
+    second = kits()
+    with raises_fault("marker.damaged", error=SurveyRefusedError):
+        second.processing.add_marker(SURVEY, ONE)
+    second.processing.reopen_survey(SURVEY)
+    second.processing.add_marker(SURVEY, ONE)
+    second.processing.shut_down()
+    assert len(markers(folder)) == 1
+    assert "5" in str(read_json(folder / "survey.json")["unconfirmed"]["markers"])
+
+
+@each_case("name", ["", OTHER_SURVEY, "../x", "/etc", "20260921T141320_ffffffff"])
+def test_what_is_no_survey_cannot_be_annotated_or_marked(kit, closed, name):
+    with pytest.raises(SurveyRefusedError):
+        kit.processing.annotate(name, EXAMPLE)
+    with pytest.raises(SurveyRefusedError):
+        kit.processing.add_marker(name, ONE)
+    assert annotation(closed) == AT_START
+
+
+@each_case(
+    "metadata, code",
+    [
+        ({"annotation": {"operator": "a\nb"}}, "value.not_allowed"),
+        ({"markers": []}, "storage.request_refused"),
+    ],
+)
+def test_metadata_bring_no_markers_and_no_wrong_annotation(kit, metadata, code):
+    with raises_fault(code, error=SurveyRefusedError):
+        kit.open(metadata_json=json.dumps(metadata))
+
+
+def test_a_disk_that_refuses_leaves_what_was_noted_before(kit, closed, monkeypatch):
+    def refuse(*_arguments):
+        raise OSError(28, "No space left on device")
+
+    with monkeypatch.context() as patch:
+        patch.setattr("os.fsync", refuse)
+        with raises_fault("disk.full", error=StorageFailedError):
+            kit.processing.add_marker(SURVEY, ONE)
+    assert markers(closed) == ()
+    assert_intact(closed)
+
+
+def test_a_missing_manifest_is_not_made_again_by_an_addition(kit, closed):
+    (closed / "manifest.json").unlink()
+    kit.processing.annotate(SURVEY, EXAMPLE)
+    assert annotation(closed) == EXAMPLE
+    assert not (closed / "manifest.json").exists()
+    assert verify_survey(closed).status == DAMAGED
+
+
+def test_a_flipped_bit_is_never_covered_by_a_new_checksum(copies):
+    chance = random.Random(SEED)
+    for _ in range(draws(8)):
+        folder, former = copies("finished"), chance.random() < 0.5
+        if former:
+            make_former(folder)
+        names = ["survey.json", "manifest.json", *([] if former else ["log.jsonl"])]
+        path = folder / chance.choice(names)
+        content = bytearray(path.read_bytes())
+        content[chance.randrange(len(content))] ^= 1 << chance.randrange(8)
+        path.write_bytes(content)
+        before = tree(folder)
+        assert verify_survey(folder).status == DAMAGED
+        if former or path.name == "manifest.json":
+            with pytest.raises(SurveyRefusedError):
+                add_to_survey(folder, add_marker(3), NOW)
+            assert tree(folder) == before
+        else:
+            add_to_survey(folder, add_marker(3), NOW)
+            assert noted(folder) == texts(1, 2, 3)
+            assert_intact(folder)
+
+
+@given(annotations)
+@settings(max_examples=draws(4), suppress_health_check=[HealthCheck.function_scoped_fixture])
+def test_any_annotation_is_stored_as_it_is(closed, annotated):
+    add_to_survey(closed, annotate(annotated), NOW)
+    assert repr(annotation(closed)) == repr(annotated)
+
+
+@each_case(
+    "wrong, shown",
+    [
+        ({"marker_id": "1"}, ()),
+        ({"marker_id": 5}, (5,)),
+        ({"x_mm": float("nan")}, ("X", "nan")),
+        ({"y_mm": 10_001.0}, ("Y", 10001)),
+        ({"y_mm": True}, ("Y", "bool")),
+        ({"depth_mm": -1.0}, ("depth", -1)),
+        ({"text": "a\nb"}, ("U+000A",)),
+        ({"text": "a" * 501}, (501,)),
+        ({"author": "\x1b"}, ("U+001B",)),
+        ({"author": None}, ("NoneType",)),
+    ],
+)
+def test_a_marker_that_is_not_allowed_is_refused(wrong, shown):
+    with raises_fault("value.not_allowed", *shown):
+        Marker(**{"marker_id": ONE.marker_id, "x_mm": 1.0, "y_mm": 2.0, **wrong})
+
+
+def test_damaged_markers_are_recognized_and_their_number_is_limited():
+    assert markers_of(json.loads(METADATA)) == ()  # an older survey
+    more = {**values_of((ONE,))[0], "more": 1}
+    for wrong in (5, {}, [5], [{"x_mm": 1}], [more], values_of((ONE, ONE))):
+        with raises_fault("marker.damaged"):
+            print(wrong, markers_of({"markers": wrong}))
+    full = {"markers": values_of(tuple(marker(number) for number in range(MAX_MARKERS)))}
+    with raises_fault("marker.too_many", error=SurveyRefusedError):
+        new_marker(full, marker(MAX_MARKERS), NOW)
+    assert removed_marker(full, marker(5).marker_id, "", NOW) is not None
+
+
+def write_markers(folder, writer, answers):
+    for number in range(MARKERS_EACH):
+        add_to_survey(folder, add_marker(100 * writer + number), NOW)
+        answers.put(100 * writer + number)
+
+
+def test_processes_that_add_at_once_lose_nothing_and_leave_it_intact(copies):
+    folder = copies("finished")
+    context = multiprocessing.get_context("fork")
+    answers = context.Queue()
+    children = [
+        context.Process(target=write_markers, args=(folder, writer, answers))
+        for writer in range(1, WRITERS + 1)
+    ]
+    for child in children:
+        child.start()
+    acknowledged = [answers.get(timeout=60) for _ in range(WRITERS * MARKERS_EACH)]
+    for child in children:
+        child.join(60)
+        assert child.exitcode == 0
+    found = noted(folder)[2:]
+    assert sorted(found) == sorted(texts(*acknowledged))
+    for writer in range(1, WRITERS + 1):
+        own = texts(*(100 * writer + number for number in range(MARKERS_EACH)))
+        assert [text for text in found if text in own] == own
+    assert_intact(folder)
+
+
+def test_a_survey_that_is_open_takes_facts_from_its_storage_alone(copies, monkeypatch):
+    monkeypatch.setattr(annotating, "SHORT_WAIT_S", 0.05)
+    folder = copies("stopped")
+    kit = Kit(folder.parent, open_recordings)
+    kit.processing.reopen_survey(SURVEY)
+    with raises_fault("survey.locked", os.getpid(), error=SurveyRefusedError):
+        add_to_survey(folder, add_marker(3), NOW)
+    kit.processing.add_marker("", marker(3))
+    found = verify_survey(folder)
+    assert (found.writer, found.status, found.faults) == (str(os.getpid()), INCOMPLETE, [])
+    kit.processing.close_survey(SURVEY, "stopped")
+    kit.processing.shut_down()
+    add_to_survey(folder, add_marker(4), NOW)
+    assert noted(folder) == texts(1, 2, 3, 4)
+
+
+def test_what_resuming_repaired_is_in_the_log_and_in_the_recording(copies):
+    folder = copies("cut off")
+    resume(folder, "stopped")
+    kinds = [one.kind for one in recover(folder).found.records]
+    assert kinds == ["plan", "marker", "annotation", "report", "marker", "resume", "end"]
