@@ -1,20 +1,30 @@
-"""Reading surveys back: lists, surveys that still run, and nothing outside the data folder."""
+"""Reading surveys back: lists, thumbnails, surveys that still run or were imported."""
 
 import json
 import os
 
+import numpy as np
 import pytest
 from fault_kit import raises_fault
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from imported_kit import imported_folder
 from log_examples import make_former
 from storage_kit import OTHER_SURVEY, Kit
 from trace_examples import STARTED_US, SURVEY, make_trace
 
+from gpr20_analysis.read.verification import verify_survey
 from gpr20_common.message import Fault, Message
 from gpr20_survey.errors import ProcessingError, SurveyRefusedError
 from gpr20_survey.folder.soil_note import soil_of_survey, soil_values
+from gpr20_survey.plan.annotation import Annotation
+from gpr20_survey.plan.survey_parameters import RobotTravel, SurveyParameters, Travel
+from gpr20_survey.plan.survey_plan import survey_points
+from gpr20_survey.results.survey_summary import NO_THUMBNAIL, summary_fields
+from gpr20_vna_processing import faults
+from gpr20_vna_processing.mid.recent_summaries import SETTLED_NS, RecentSummaries
 from gpr20_vna_processing.mid.survey_archive import SurveyArchive
+from gpr20_vna_processing.mid.survey_thumbnail import MOST_CELLS, thumbnail_of
 
 METADATA = json.dumps(
     {
@@ -110,16 +120,6 @@ def test_a_report_that_was_changed_gives_no_verdict(kit, archive, coverage):
     assert (ended.verdict, ended.outcome) == (None, "stopped")
 
 
-def test_half_of_a_character_hides_no_survey(kit, archive):
-    folder = fill(kit)
-    kit.processing.close_survey(SURVEY, "stopped")
-    values = {**make_former(folder), "started": "\udcff"}
-    (folder / "survey.json").write_text(json.dumps(values))
-    (folder / "survey.mcap").unlink()  # its copy would take the place of the damaged start
-    (survey,), _more = archive.list("", 10)
-    assert survey.started == "\\udcff"
-
-
 @pytest.mark.parametrize("former", [False, True])
 def test_a_damaged_plan_is_shown_as_it_was_at_the_start(kit, archive, former):
     folder = fill(kit, range(6))
@@ -167,10 +167,6 @@ def test_a_folder_that_cannot_be_read_is_listed_with_its_problem(tmp_path, archi
     assert one.problem.fault_code == "survey.description_lost"
 
 
-def test_a_data_folder_that_was_not_made_yet_holds_no_surveys(tmp_path):
-    assert SurveyArchive(tmp_path / "later").list("", 10) == ([], False)
-
-
 @pytest.mark.parametrize("name", ["survey.json", "traces"])
 def test_links_out_of_the_data_folder_are_not_followed(kit, archive, tmp_path, name):
     folder = fill(kit)
@@ -203,12 +199,6 @@ def test_only_ids_and_folder_names_are_looked_up(tmp_path_factory, text):
             archive.list(text, 1)
 
 
-def test_what_is_not_there_is_refused(archive):
-    for name in ("../x", "/etc", "20260921T141320_0f8fad5b/..", SURVEY):
-        with pytest.raises(SurveyRefusedError):
-            print(archive.survey(name))
-
-
 @pytest.mark.parametrize("count", [0, 1001])
 def test_requests_are_bounded(kit, archive, count):
     fill(kit, [0])
@@ -217,3 +207,129 @@ def test_requests_are_bounded(kit, archive, count):
     if count:
         with raises_fault("storage.request_refused", count, 1, 50, error=SurveyRefusedError):
             archive.list("", count)
+
+
+def contents(folder):
+    return {one: one.read_bytes() for one in folder.rglob("*") if one.is_file()}
+
+
+def test_it_is_listed_as_imported_with_its_source_and_its_area(tmp_path):
+    folder = imported_folder(tmp_path, 6, 3)
+    (survey,), _ = SurveyArchive(tmp_path).list("", 10)
+    assert (survey.folder, survey.outcome, survey.problem) == (folder.name, "imported", None)
+    assert (survey.stored_traces, survey.planned_traces) == (18, 0)
+    assert not survey.complete and not survey.simulated
+    assert str(survey.verdict) == "imported from line 7.dzt (dzt)"
+    area = survey.thumbnail
+    assert (area.width_mm, area.height_mm, area.columns, area.rows) == (100.0, 200.0, 6, 3)
+    assert set(area.percent) == {100}
+    assert summary_fields(survey)["outcome"] == "imported"
+
+
+def test_its_traces_are_read(tmp_path):
+    archive = SurveyArchive(tmp_path)
+    folder = imported_folder(tmp_path, 6, 3)
+    assert archive.survey(folder.name).stored_indices == tuple(range(18))
+    found = archive.traces(folder.name, range(4, 11))
+    assert found.block.indices.tolist() == list(range(4, 11)) and not found.unreadable
+
+
+def test_it_is_not_continued_and_nothing_in_it_changes(kit, tmp_path):
+    folder = imported_folder(tmp_path)
+    (folder / "traces" / "000003_X0060.00_Y0000.00_Z+000.00.json").unlink()
+    before = contents(folder)
+    with raises_fault(faults.IMPORTED, "was imported; it has no plan"):
+        kit.processing.reopen_survey(folder.name)
+    assert contents(folder) == before
+
+
+def test_a_note_can_be_added_to_it(kit, tmp_path):
+    folder = imported_folder(tmp_path)
+    kit.processing.annotate(folder.name, Annotation(name="Line 7"))
+    (survey,), _ = SurveyArchive(tmp_path).list("", 10)
+    assert survey.name == "Line 7"
+    assert verify_survey(folder).faults == []
+
+
+TRAVEL = RobotTravel(Travel(0.0, 650.0, 0.01), Travel(0.0, 800.0, 0.01), Travel(-90.0, 90.0, 1.8))
+
+
+def parameters(generator):
+    x_mm, y_mm = (generator.choice([10.0, 310.0], 2, replace=False) for _ in range(2))
+    points = generator.integers(3, 60, 2)
+    return {
+        **{"vna_address": "", "start_frequency_hz": 6e8, "stop_frequency_hz": 6e9},
+        **{"frequency_points": 5, "x_points": int(points[0]), "y_points": int(points[1])},
+        **{"x_start_mm": float(x_mm[0]), "x_stop_mm": float(x_mm[1])},
+        **{"y_start_mm": float(y_mm[0]), "y_stop_mm": float(y_mm[1])},
+        "polarizations_deg": [0.0, 90.0][: int(generator.integers(1, 3))],
+    }
+
+
+def test_every_stored_trace_counts_where_it_was_measured():
+    for seed in range(12):
+        check_thumbnail(seed)
+
+
+def check_thumbnail(seed):
+    generator = np.random.default_rng(seed)
+    values = parameters(generator)
+    points = survey_points(SurveyParameters(**values), TRAVEL)
+    stored = sorted(generator.choice(len(points), generator.integers(0, len(points) + 1), False))
+    found = thumbnail_of(values, [int(one) for one in stored])
+    assert (found.width_mm, found.height_mm) == (300.0, 300.0)
+    assert (found.columns, found.rows) == tuple(
+        min(values[f"{axis}_points"], MOST_CELLS) for axis in "xy"
+    )
+    kept, planned = (np.zeros((found.rows, found.columns)) for _ in range(2))
+    for point in points:
+        row, column = (
+            round((at_mm - 10.0) / 300.0 * (count - 1)) * cells // count
+            for at_mm, count, cells in (
+                (point.y_mm, values["y_points"], found.rows),
+                (point.x_mm, values["x_points"], found.columns),
+            )
+        )
+        planned[row, column] += 1
+        kept[row, column] += point.index in stored
+    percent = np.frombuffer(found.percent, np.uint8).reshape(found.rows, found.columns)
+    assert np.array_equal(percent == 100, kept == planned)
+    assert np.array_equal(percent == 0, kept == 0)
+    assert np.all(np.abs(percent - 100.0 * kept / planned) < 1.0 + (kept > 0))
+
+
+def test_impossible_counts_make_no_map():
+    for wrong in (
+        *({"x_points": 10**9}, {"y_points": "3"}, {"polarizations_deg": 2}, {"x_points": True}),
+    ):
+        found = thumbnail_of({**parameters(np.random.default_rng(0)), **wrong}, [0])
+        assert (found.columns, found.percent) == (0, b""), wrong
+
+
+def test_unreadable_parameters_make_no_thumbnail():
+    whole = parameters(np.random.default_rng(0))
+    for wrong in (None, [], {}, {**whole, "x_start_mm": float("nan")}):
+        assert thumbnail_of(wrong, [0]) == NO_THUMBNAIL, wrong
+
+
+def test_a_summary_is_made_again_only_after_a_change(tmp_path):
+    folder = tmp_path / "survey"
+    (folder / "traces").mkdir(parents=True)
+    (folder / "survey.json").write_text("{}")
+    made = []
+    now = [os.stat(str(folder)).st_mtime_ns]
+
+    def make(path):
+        made.append(path)
+        return len(made)
+
+    summaries = RecentSummaries(make, lambda: now[0])
+    # Just changed: another change might not show.
+    assert [summaries.of(folder), summaries.of(folder)] == [1, 2]
+    now[0] += 2 * SETTLED_NS
+    assert [summaries.of(folder) for _ in range(3)] == [3, 3, 3]
+    (folder / "traces" / "000000.json").write_text("{}")
+    os.utime(str(folder / "traces"), ns=(0, now[0]))
+    assert summaries.of(folder) == 4
+    (folder / "survey.json").unlink()
+    assert [summaries.of(folder), summaries.of(folder)] == [5, 6]

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from run_seed import SEED, draws
 from storage_kit import OTHER_SURVEY, Kit, text_message
 from trace_examples import SURVEY, make_trace
 
@@ -61,7 +62,7 @@ def json_file(folder, index):
     return next((folder / "traces").glob(f"{index:06d}_*"))
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=draws(10))
 @given(
     stored=st.sets(st.sampled_from(PLANNED), min_size=1),
     wanted=st.sets(st.sampled_from(PLANNED), min_size=1),
@@ -107,33 +108,24 @@ def test_a_gap_that_was_filled_later_costs_only_its_own_traces(tmp_path, monkeyp
 @pytest.mark.parametrize("end", [True, False])
 def test_an_mcap_that_is_gone_cut_or_changed_hides_and_invents_nothing(tmp_path, end):
     folder = stored_survey(tmp_path, PLANNED, end)
-    path = folder / "survey.mcap"
+    path, chance = folder / "survey.mcap", random.Random(SEED)
     content = path.read_bytes()
-    chance = random.Random(20)
-    cuts = [content[: chance.randrange(len(content))] for _ in range(15)]
-    flips = []
-    for _ in range(60):
+    damaged = [None, b"", *(content[: chance.randrange(len(content))] for _ in range(draws(4)))]
+    for _ in range(draws(15)):
         changed = bytearray(content)
         changed[chance.randrange(len(content))] ^= 1 << chance.randrange(8)
-        flips.append(bytes(changed))
-    for damaged in (b"", *cuts, *flips):
-        path.write_bytes(damaged)
+        damaged.append(bytes(changed))
+    for one in damaged:
+        path.unlink() if one is None else path.write_bytes(one)
         found = TraceReader().read(folder, SURVEY, PLANNED)
         assert found.block.indices.tolist() == list(PLANNED)
         assert_as_stored(found.block)
-    path.unlink()
-    assert_as_stored(TraceReader().read(folder, SURVEY, PLANNED).block)
-
-
-def test_a_torn_json_file_does_not_hide_a_trace_that_the_mcap_holds(tmp_path):
-    folder = stored_survey(tmp_path, PLANNED)
-    json_file(folder, 2).write_bytes(b"{")
-    found = TraceReader().read(folder, SURVEY, [1, 2, 3])
-    assert found.block.indices.tolist() == [1, 2, 3]
 
 
 def test_a_trace_of_which_nothing_is_whole_is_named_and_the_others_are_read(tmp_path):
     folder = stored_survey(tmp_path, PLANNED)
+    json_file(folder, 6).write_bytes(b"{")
+    assert TraceReader().read(folder, SURVEY, [6]).block.indices.tolist() == [6]
     (folder / "survey.mcap").unlink()
     torn, unreadable = json_file(folder, 2), json_file(folder, 3)
     torn.write_bytes(torn.read_bytes()[:-20])

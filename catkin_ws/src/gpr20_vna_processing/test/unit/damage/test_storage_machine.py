@@ -20,6 +20,7 @@ from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, initialize, invariant, rule
 from planned_survey import METADATA, POINTS, planned_trace
 from reopening_kit import assert_whole
+from run_seed import draws
 from storage_kit import OTHER_SURVEY, Kit, text_message
 from trace_examples import STARTED_US, SURVEY, read_json
 
@@ -372,5 +373,5 @@ class StorageMachine(RuleBasedStateMachine):
         assert found.status == COMPLETE, found.faults
 
 
-StorageMachine.TestCase.settings = settings(max_examples=40, stateful_step_count=25)
+StorageMachine.TestCase.settings = settings(max_examples=draws(10), stateful_step_count=25)
 TestStorageMachine = StorageMachine.TestCase

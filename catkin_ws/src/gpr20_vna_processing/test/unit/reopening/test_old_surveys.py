@@ -30,6 +30,7 @@ VERSIONS = {
     "without_header": (trace_message.WITHOUT_HEADER_MD5SUM, AnalyzerSettings(1000.0, 4, "HIGH")),
 }
 CUT_OFF_AFTER = 4
+FORMS = ("survey.bag", "survey.mcap", "traces")
 
 
 @pytest.fixture(params=VERSIONS)
@@ -50,143 +51,100 @@ def kit(data):
     kit.processing.shut_down()
 
 
-@pytest.fixture
-def finished(version):
-    """The traces of the survey that was finished."""
-    return [old_trace(version, index) for index in range(len(POINTS))]
-
-
-@pytest.fixture
-def traces(version):
-    """The traces of the survey that was cut off; the later ones are of the present version."""
+def traces_of(version, survey_id):
+    """Return the traces of a survey; those behind the cut are of the present version."""
+    old = {"analyzer": VERSIONS[version][1], "aux": (), "zeros": ()}
+    count = CUT_OFF_AFTER if survey_id == OTHER_SURVEY else len(POINTS)
     return [
-        old_trace(version, index, OTHER_SURVEY)
-        if index < CUT_OFF_AFTER
-        else planned_trace(index, OTHER_SURVEY)
+        planned_trace(index, survey_id, **(old if index < count else {}))
         for index in range(len(POINTS))
     ]
-
-
-def old_trace(version, index, survey_id=SURVEY):
-    return planned_trace(index, survey_id, analyzer=VERSIONS[version][1], aux=(), zeros=())
-
-
-def mcap_messages(folder):
-    return StoredMcap(folder / "survey.mcap").messages()
-
-
-def store_the_rest(kit, traces):
-    for trace in traces[CUT_OFF_AFTER:]:
-        kit.processing.store(trace)
 
 
 def folder_of(data, survey_id):
     return next(data.glob(f"*_{survey_id[:8]}"))
 
 
-def test_a_finished_survey_is_complete_and_there_is_nothing_to_go_on_with(kit, data, finished):
+def finish(kit, data, version, survey_id):
+    """Store what is missing, and check that the survey is whole; return what verify says of it."""
+    traces, folder = traces_of(version, survey_id), folder_of(data, survey_id)
+    for trace in traces:
+        kit.processing.store(trace)
+    kit.processing.close_survey(survey_id, "finished")
+    assert_whole(folder, traces)
+    return verify_survey(folder)
+
+
+def remove(path):
+    shutil.rmtree(str(path)) if path.is_dir() else path.unlink()
+
+
+def test_a_finished_survey_is_complete_and_there_is_nothing_to_go_on_with(kit, data, version):
     folder = folder_of(data, SURVEY)
     assert verify_survey(folder).status == COMPLETE
-    assert_whole(folder, finished)
+    assert_whole(folder, traces_of(version, SURVEY))
     with raises_fault("survey.complete", 9, error=SurveyRefusedError):
         kit.processing.reopen_survey(SURVEY)
 
 
-@pytest.mark.parametrize("name", ["survey.bag", "survey.mcap", "traces"])
-def test_a_finished_survey_that_lost_a_form_is_made_whole_again(kit, data, finished, name):
-    folder = folder_of(data, SURVEY)
-    if name == "traces":
-        shutil.rmtree(str(folder / name))
-    else:
-        (folder / name).unlink()
+@pytest.mark.parametrize("name", FORMS)
+def test_a_finished_survey_that_lost_a_form_is_made_whole_again(kit, data, version, name):
+    remove(folder_of(data, SURVEY) / name)
     assert kit.processing.reopen_survey(SURVEY).stored_indices == tuple(range(len(POINTS)))
-    kit.processing.close_survey(SURVEY, "finished")
-    assert_whole(folder, finished)
-    assert verify_survey(folder).status == COMPLETE
+    assert finish(kit, data, version, SURVEY).status == COMPLETE
 
 
-def test_a_survey_that_was_cut_off_goes_on_to_its_end(kit, data, traces):
+def test_a_survey_that_was_cut_off_goes_on_to_its_end(kit, data, version):
     folder = folder_of(data, OTHER_SURVEY)
     assert verify_survey(folder).status == INCOMPLETE
     reopened = kit.processing.reopen_survey(OTHER_SURVEY)
-    assert reopened.stored_indices == tuple(range(CUT_OFF_AFTER))
-    assert reopened.repairs == ()
-    store_the_rest(kit, traces)
-    kit.processing.close_survey(OTHER_SURVEY, "finished")
-    assert_whole(folder, traces)
-    assert verify_survey(folder).status == COMPLETE
-
-
-def test_each_topic_of_a_resumed_survey_has_one_type_of_trace(kit, data, traces, version):
-    folder = folder_of(data, OTHER_SURVEY)
-    kit.processing.reopen_survey(OTHER_SURVEY)
-    store_the_rest(kit, traces)
-    kit.processing.close_survey(OTHER_SURVEY, "finished")
-    expected = {
-        "/trace": {VERSIONS[version][0]},
-        f"/trace_{trace_message.MD5SUM[:8]}": {trace_message.MD5SUM},
-    }
-    for messages in (bag_messages(folder / "survey.bag"), mcap_messages(folder)):
-        types = {}
-        for message in messages:
-            if message.datatype == trace_message.DATATYPE:
-                types.setdefault(message.topic, set()).add(message.md5sum)
-        assert types == expected
-
-
-@pytest.mark.parametrize("name", ["survey.bag", "survey.mcap", "traces"])
-def test_a_resumed_survey_that_lost_a_form_is_made_whole_and_resumed_again(kit, data, traces, name):
-    folder = folder_of(data, OTHER_SURVEY)
-    kit.processing.reopen_survey(OTHER_SURVEY)
-    for trace in traces[CUT_OFF_AFTER:-1]:
-        kit.processing.store(trace)
-    kit.processing.close_survey(OTHER_SURVEY, "stopped")
-    if name == "traces":
-        shutil.rmtree(str(folder / name))
-    else:
-        (folder / name).unlink()
-    kit.processing.reopen_survey(OTHER_SURVEY)
-    kit.processing.store(traces[-1])
-    kit.processing.close_survey(OTHER_SURVEY, "finished")
-    assert_whole(folder, traces)
-    assert verify_survey(folder).status == COMPLETE
-
-
-def test_the_recordings_of_a_resumed_survey_agree_without_a_manifest(kit, data, traces):
-    folder = folder_of(data, OTHER_SURVEY)
-    kit.processing.reopen_survey(OTHER_SURVEY)
-    store_the_rest(kit, traces)
-    kit.processing.close_survey(OTHER_SURVEY, "finished")
+    assert (reopened.stored_indices, reopened.repairs) == (tuple(range(CUT_OFF_AFTER)), ())
+    assert finish(kit, data, version, OTHER_SURVEY).status == COMPLETE
+    # Each topic has one type of trace.
+    for messages in (
+        bag_messages(folder / "survey.bag"),
+        StoredMcap(folder / "survey.mcap").messages(),
+    ):
+        types = {
+            (one.topic, one.md5sum) for one in messages if one.datatype == trace_message.DATATYPE
+        }
+        assert types == {
+            ("/trace", VERSIONS[version][0]),
+            (f"/trace_{trace_message.MD5SUM[:8]}", trace_message.MD5SUM),
+        }
+    # The recordings agree without a manifest, too.
     (folder / "manifest.json").unlink()
     (fault,) = verify_survey(folder).faults
     assert fault.fault_code == "analysis.manifest"
 
 
-@pytest.mark.parametrize("ended", [True, False])
-def test_a_survey_whose_description_is_lost_goes_on_with_the_copy_of_its_start(
-    kit, data, finished, traces, ended
+@pytest.mark.parametrize("name", FORMS)
+def test_a_resumed_survey_that_lost_a_form_is_made_whole_and_resumed_again(
+    kit, data, version, name
 ):
-    survey_id = SURVEY if ended else OTHER_SURVEY
-    folder = folder_of(data, survey_id)
-    kit.processing.annotate(survey_id, EXAMPLE)
-    for name in ("survey.json", "log.jsonl"):
-        (folder / name).unlink()
-    stored = kit.processing.reopen_survey(survey_id).stored_indices
-    assert stored == tuple(range(len(POINTS) if ended else CUT_OFF_AFTER))
-    if not ended:
-        store_the_rest(kit, traces)
-    kit.processing.close_survey(survey_id, "finished")
-    assert_whole(folder, finished if ended else traces)
-    # Whatever was noted of it is lost, and it is never called intact again.
-    found = verify_survey(folder)
-    assert (found.status, found.faults) == (INCOMPLETE, [])
-    assert found.unconfirmed
+    kit.processing.reopen_survey(OTHER_SURVEY)
+    for trace in traces_of(version, OTHER_SURVEY)[CUT_OFF_AFTER:-1]:
+        kit.processing.store(trace)
+    kit.processing.close_survey(OTHER_SURVEY, "stopped")
+    remove(folder_of(data, OTHER_SURVEY) / name)
+    kit.processing.reopen_survey(OTHER_SURVEY)
+    assert finish(kit, data, version, OTHER_SURVEY).status == COMPLETE
 
 
-@pytest.mark.parametrize(("survey_id", "status"), [(SURVEY, COMPLETE), (OTHER_SURVEY, INCOMPLETE)])
-def test_surveys_without_an_annotation_are_given_one(kit, data, survey_id, status):
+@pytest.mark.parametrize("survey_id", [SURVEY, OTHER_SURVEY])
+def test_a_survey_whose_description_is_lost_goes_on_with_the_copy_of_its_start(
+    kit, data, version, survey_id
+):
     folder = folder_of(data, survey_id)
     kit.processing.annotate(survey_id, EXAMPLE)
     assert annotation_of(read_json(folder / "survey.json")) == EXAMPLE
     found = verify_survey(folder)
+    status = COMPLETE if survey_id == SURVEY else INCOMPLETE
     assert (found.status, found.faults) == (status, [])
+    for name in ("survey.json", "log.jsonl"):
+        (folder / name).unlink()
+    kit.processing.reopen_survey(survey_id)
+    # Whatever was noted of it is lost, and it is never called intact again.
+    found = finish(kit, data, version, survey_id)
+    assert (found.status, found.faults) == (INCOMPLETE, [])
+    assert found.unconfirmed

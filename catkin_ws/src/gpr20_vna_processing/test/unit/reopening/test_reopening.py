@@ -1,131 +1,145 @@
-"""Going on with a survey that was cut off or stopped."""
+"""Going on with a survey that was cut off or stopped, or that its control left open.
+
+Every trace and every record of the log is published once, whatever failed before that.
+"""
 
 from __future__ import annotations
 
 import json
 import os
+import shutil
 
 import pytest
+from annotation_examples import EXAMPLE
+from case_kit import each_case
 from fault_kit import raises_fault
-from log_examples import make_former
+from log_examples import make_former, marker
 from mcap.reader import make_reader
-from planned_survey import METADATA as PLANNED
-from planned_survey import planned_trace
+from planned_survey import METADATA, planned_trace
 from reopening_kit import (
-    FIRST,
-    METADATA,
+    REPORT,
     TRACES,
-    data,
+    assert_whole,
     fill,
-    finish,
-    folder,
-    kit,
     messages_in_mcap,
+    trace_file,
+    tree,
 )
 from rosbags.rosbag1 import Reader
-from storage_kit import OTHER_SURVEY, Kit
-from trace_examples import STARTED_US, SURVEY, assert_same_numbers, make_trace, read_json
+from storage_kit import OTHER_SURVEY, Kit, bag_messages
+from trace_examples import SURVEY, make_trace, read_json
 
+from gpr20_analysis.read.verification import verify_survey
+from gpr20_analysis.read.verification_result import INCOMPLETE
 from gpr20_common.message import Fault, verbatim
 from gpr20_survey.errors import StorageFailedError, SurveyRefusedError
+from gpr20_survey.files import file_sums
+from gpr20_survey.folder import manifest
+from gpr20_survey.folder.recovery import recover
+from gpr20_survey.recording.mcap_reader import StoredMcap
 from gpr20_survey.recording.mcap_writer import McapFile
 from gpr20_survey.recording.recordings import open_recordings
+from gpr20_survey.recording.survey_topics import recorded_log
 from gpr20_survey.trace.sweep_settings import AnalyzerSettings
 
-__all__ = ["data", "folder", "kit"]
+STORED = (0, 1, 2, 3, 4, 5)
+
+
+@pytest.fixture
+def folder(copies):
+    """A survey that was cut off after six traces."""
+    return copies("cut off")
+
+
+@pytest.fixture
+def kit(folder):
+    kit = Kit(folder.parent, open_recordings)
+    yield kit
+    kit.processing.shut_down()
+
+
+@pytest.fixture
+def opened(kits):
+    """A storage with a survey that is open, with three traces, and its folder."""
+    kit = kits()
+    folder = kit.open(metadata_json=METADATA)
+    fill(kit, TRACES[:3])
+    return kit, folder
+
+
+def finish(kit, folder, reopened) -> None:
+    """Store what is missing, end the survey, and check that it is whole."""
+    fill(kit, [trace for trace in TRACES if trace.index not in reopened.stored_indices])
+    assert kit.processing.close_survey(SURVEY, "finished").stored_traces == len(TRACES)
+    assert_whole(folder, TRACES)
+
+
+def published(kit):
+    return [trace.index for trace in kit.stored]
 
 
 @pytest.mark.parametrize("by_folder", [False, True])
 def test_a_survey_that_was_cut_off_goes_on_where_it_was(kit, folder, by_folder):
     reopened = kit.processing.reopen_survey(folder.name if by_folder else SURVEY)
     assert (reopened.survey_id, reopened.folder) == (SURVEY, str(folder))
-    assert json.loads(reopened.metadata_json) == json.loads(METADATA)
-    assert reopened.report_json == ""
-    assert reopened.stored_indices == (0, 1, 2, 3)
-    assert reopened.recent[-1].index == 3
-    assert_same_numbers(TRACES[3], read_json(sorted((folder / "traces").iterdir())[3]))
+    metadata = json.loads(reopened.metadata_json)
+    assert metadata == {**json.loads(METADATA), "annotation": EXAMPLE.values()}
+    assert json.loads(reopened.report_json) == REPORT
+    assert (reopened.stored_indices, reopened.recent[-1].index) == (STORED, 5)
     assert read_json(folder / "survey.json")["resumed"] == ["2026-09-21T14:15:00.000000+00:00"]
     finish(kit, folder, reopened)
     # The last trace may not have been published before the cut.
-    assert [trace.index for trace in kit.stored] == [3, 4, 5, 6]
-    texts = [message.data for message in messages_in_mcap(folder, "/t")]
-    assert texts == ["first", *(f"before {index}" for index in range(7))]
-
-
-@pytest.mark.parametrize("content", [None, b"", b"no bag at all" * 1000])
-def test_a_bag_is_not_believed_but_written_again_from_the_mcap(kit, folder, content):
-    if content is None:
-        (folder / "survey.bag").unlink()
-    else:
-        (folder / "survey.bag").write_bytes(content)
-    reopened = kit.processing.reopen_survey(SURVEY)
-    assert reopened.stored_indices == (0, 1, 2, 3)
-    assert reopened.repairs == ()
-    finish(kit, folder, reopened)
-    messages = [(channel.topic, message.data) for channel, message in raw_messages(folder)]
-    with Reader(str(folder / "survey.bag")) as reader:
-        found = [(connection.topic, data) for connection, _, data in reader.messages()]
-    assert sorted(found) == sorted(messages)
-
-
-def raw_messages(folder):
+    assert published(kit) == [5, 6, 7, 8]
+    found = [message.data for message in messages_in_mcap(folder, "/t")]
+    assert found == [f"before {index}" for index in range(9)]
     with open(folder / "survey.mcap", "rb") as stream:
-        return [(channel, one) for _, channel, one in make_reader(stream).iter_messages()]
+        messages = [(one.topic, raw.data) for _, one, raw in make_reader(stream).iter_messages()]
+    with Reader(str(folder / "survey.bag")) as reader:
+        in_bag = [(connection.topic, data) for connection, _, data in reader.messages()]
+    assert sorted(in_bag) == sorted(messages)
 
 
-def test_a_bag_that_went_on_can_still_be_repaired_by_stock_tools(kit, folder, tmp_path):
-    rosbag = pytest.importorskip("rosbag")  # part of ROS; all else here runs without it
-    kit.processing.reopen_survey(SURVEY)
-    fill(kit, TRACES[FIRST:])
-    path = tmp_path / "cut.bag"
-    path.write_bytes((folder / "survey.bag").read_bytes() + b"torn")
-    with rosbag.Bag(str(path), "a", allow_unindexed=True) as bag:
-        for _ in bag.reindex():
-            pass
-    with rosbag.Bag(str(path)) as bag:
-        found = [message for _, message, _ in bag.read_messages(topics=["/trace"])]
-    assert [one.index for one in found] == list(range(7))
+@pytest.mark.parametrize("ending", ["stopped", "interrupted"])
+def test_every_closed_survey_is_sealed(surveys, ending):
+    folder = surveys[ending].folder
+    sealed = manifest.read_manifest(folder)
+    assert len(sealed.files) == len(STORED) + 2
+    assert sealed.covers(recover(folder).found.records)
+    for name in sealed.files:
+        assert sealed.matches(name, file_sums.sum_of_file(folder / name))
+    assert verify_survey(folder).status == INCOMPLETE and verify_survey(folder).sealed
 
 
-def test_a_finished_and_complete_survey_is_refused_and_unchanged(kit, folder):
-    finish(kit, folder, kit.processing.reopen_survey(SURVEY))
-    before = {path: path.read_bytes() for path in folder.rglob("*") if path.is_file()}
-    with raises_fault("survey.complete", 7, error=SurveyRefusedError):
+def test_a_finished_and_complete_survey_is_refused_and_unchanged(copies):
+    folder = copies("finished")
+    kit, before = Kit(folder.parent, open_recordings), tree(folder)
+    with raises_fault("survey.complete", 9, error=SurveyRefusedError):
         kit.processing.reopen_survey(SURVEY)
-    assert {path: path.read_bytes() for path in folder.rglob("*") if path.is_file()} == before
+    assert tree(folder) == before
     assert kit.processing.state().survey_id == ""
+    kit.processing.shut_down()
 
 
-def test_a_finished_survey_with_an_unreadable_trace_may_go_on(kit, folder):
-    finish(kit, folder, kit.processing.reopen_survey(SURVEY))
-    path = sorted((folder / "traces").iterdir())[2]
-    path.write_bytes(path.read_bytes()[:-10])
-    reopened = kit.processing.reopen_survey(SURVEY)
-    assert reopened.stored_indices == tuple(range(7))
-    assert "survey.repaired" in {one.fault_code for one in reopened.repairs}
-    finish(kit, folder, reopened)
-
-
-def test_only_surveys_in_the_data_folder_can_be_reopened(kit):
-    for name, code in [
-        ("", "survey.wrong_name"),
-        ("..", "survey.wrong_name"),
-        ("../before", "survey.wrong_name"),
-        ("/etc", "survey.wrong_name"),
+@each_case(
+    "name, code",
+    [
+        *((name, "survey.wrong_name") for name in ("", "..", "../before", "/etc")),
         ("20260921T141320_0f8fad5b/..", "survey.wrong_name"),
         ("20260921T141320_0f8fad5b\n", "survey.wrong_name"),
         (OTHER_SURVEY, "survey.unknown"),
         ("20260921T141320_7c9e6679", "survey.unknown"),
         (SURVEY[:8] + OTHER_SURVEY[8:], "survey.unknown"),
-    ]:
-        with raises_fault(code, error=SurveyRefusedError):
-            print(kit.processing.reopen_survey(name))
+    ],
+)
+def test_only_surveys_in_the_data_folder_can_be_reopened(kit, name, code):
+    with raises_fault(code, error=SurveyRefusedError):
+        kit.processing.reopen_survey(name)
     assert kit.processing.state().survey_id == ""
 
 
-def test_a_link_out_of_the_data_folder_is_no_survey(kit, data, folder, tmp_path):
+def test_a_link_out_of_the_data_folder_is_no_survey(kit, folder, tmp_path):
     folder.rename(tmp_path / folder.name)
-    (data / folder.name).symlink_to(tmp_path / folder.name)
+    folder.symlink_to(tmp_path / folder.name)
     with raises_fault("survey.unknown", error=SurveyRefusedError):
         kit.processing.reopen_survey(SURVEY)
 
@@ -135,30 +149,30 @@ def test_reopening_the_open_survey_answers_what_is_stored_by_now(kit, folder):
         kit.processing.reopen_survey(SURVEY)
         # A repeated request is one resumption.
         assert len(read_json(folder / "survey.json")["resumed"]) == 1
-    fill(kit, TRACES[FIRST:6])
+    fill(kit, TRACES[6:8])
     kit.processing.report(SURVEY, '{"verdict": "INCOMPLETE"}')
     reopened = kit.processing.reopen_survey(SURVEY)
-    assert reopened.stored_indices == (0, 1, 2, 3, 4, 5)
-    assert reopened.recent[-1].index == 5
+    assert (reopened.stored_indices, reopened.recent[-1].index) == ((*STORED, 6, 7), 7)
     assert json.loads(reopened.report_json) == {"verdict": "INCOMPLETE"}
     assert len(read_json(folder / "survey.json")["resumed"]) == 2
     finish(kit, folder, reopened)
 
 
-def test_the_first_traces_are_answered_beside_the_latest(tmp_path):
-    kit = Kit(tmp_path, open_recordings)
-    kit.open(metadata_json=METADATA.replace("7", "20"))
-    traces = [make_trace(index, timestamp_us=STARTED_US + 10**6 * index) for index in range(14)]
-    fill(kit, traces)
+def test_the_first_traces_are_answered_beside_those_of_the_largest_indices(kits):
+    """Whatever the clock said: it was set back before the last one."""
+    traces = [make_trace(index, timestamp_us=10**15 * 2 - 10**6 * index) for index in range(14)]
+    first = kits()
+    first.open()
+    fill(first, traces)
     expected = [0, 1, 2, 3, *range(6, 14)]
-    assert [one.index for one in kit.processing.reopen_survey(SURVEY).recent] == expected
-    kit.processing.shut_down()
-    again = Kit(tmp_path, open_recordings)
+    assert [one.index for one in first.processing.reopen_survey(SURVEY).recent] == expected
+    first.processing.shut_down()
+    again = kits()
     assert [one.index for one in again.processing.reopen_survey(SURVEY).recent] == expected
-    fill(again, [make_trace(14, timestamp_us=STARTED_US + 10**6 * 20)])
+    assert published(again) == [13]
+    fill(again, [make_trace(14)])
     later = [0, 1, 2, 3, *range(7, 15)]
     assert [one.index for one in again.processing.reopen_survey(SURVEY).recent] == later
-    again.processing.shut_down()
 
 
 def test_a_survey_that_is_half_closed_is_not_resumed(kit, folder, monkeypatch):
@@ -180,10 +194,10 @@ def test_a_survey_that_is_half_closed_is_not_resumed(kit, folder, monkeypatch):
 @pytest.mark.parametrize(
     "wanted", [{"if_bandwidth_hz": 500.0}, {"averages": 1}, {"output_power": "LOW"}]
 )
-def test_traces_with_other_settings_than_the_survey_asked_for_are_refused_by_name(tmp_path, wanted):
-    described = json.loads(PLANNED)
+def test_traces_with_other_settings_than_the_survey_asked_for_are_refused_by_name(kits, wanted):
+    described = json.loads(METADATA)
     described["parameters"].update(wanted)
-    kit = Kit(tmp_path, open_recordings)
+    kit = kits()
     kit.open(metadata_json=json.dumps(described))
     kit.processing.store(planned_trace(0, analyzer=AnalyzerSettings(500.0, 1, "LOW")))
     kit.processing.store(planned_trace(1, analyzer=AnalyzerSettings(1000.0, 4, "HIGH")))
@@ -191,15 +205,12 @@ def test_traces_with_other_settings_than_the_survey_asked_for_are_refused_by_nam
     shown = (1, 1000, 4, "HIGH")
     with raises_fault("survey.traces_not_planned", *shown, error=SurveyRefusedError):
         kit.processing.reopen_survey(SURVEY)
-    kit.processing.shut_down()
 
 
-@pytest.mark.parametrize("ending", ["cut off", "failed"])
-def test_a_survey_of_the_version_before_the_fault_codes_is_resumed(kit, folder, ending):
-    if ending == "failed":
-        kit.processing.reopen_survey(SURVEY)
-        reason = verbatim("lost").with_fault(Fault("axis.lost_zero"))
-        kit.processing.close_survey(SURVEY, "failed", reason)
+def test_a_survey_of_the_version_before_the_fault_codes_is_resumed(kit, folder):
+    kit.processing.reopen_survey(SURVEY)
+    reason = verbatim("lost").with_fault(Fault("axis.lost_zero"))
+    kit.processing.close_survey(SURVEY, "failed", reason)
     make_former(folder, without=("fault_code", "reason_message"))
     reopened = kit.processing.reopen_survey(SURVEY)
     assert reopened.repairs == ()
@@ -208,36 +219,188 @@ def test_a_survey_of_the_version_before_the_fault_codes_is_resumed(kit, folder, 
     finish(kit, folder, reopened)
 
 
-def test_a_disk_that_refuses_while_reopening_leaves_a_survey_to_reopen(kit, folder, monkeypatch):
-    calls = []
-    real_fsync = os.fsync
-    path = sorted((folder / "traces").iterdir())[1]
-    path.unlink()
-    (folder / "survey.json").write_bytes(b"")
-    content = (folder / "survey.mcap").read_bytes()
-    (folder / "survey.mcap").write_bytes(content[:-40] + bytes(40))
+def test_a_close_that_a_dead_process_did_not_answer_is_answered_by_the_next_one(kits):
+    first, reason = kits(), verbatim("complete")
+    folder = first.open(metadata_json=METADATA)
+    fill(first, TRACES)
+    closed = first.processing.close_survey(SURVEY, "finished", reason)
+    first.processing.shut_down()
+    second, content = kits(), tree(folder)
+    assert second.processing.close_survey(SURVEY, "finished", reason) == closed
+    assert tree(folder) == content
+    with raises_fault("survey.none_open", error=SurveyRefusedError):
+        second.processing.close_survey(SURVEY, "stopped")  # it ended otherwise
+    (folder / "manifest.json").unlink()  # as if the close was cut off
+    with raises_fault("survey.none_open", error=SurveyRefusedError):
+        second.processing.close_survey(SURVEY, "finished", reason)
 
-    def fail_at(number):
-        def fsync(descriptor):
-            calls.append(descriptor)
-            if len(calls) == number:
-                raise OSError(28, "No space left on device")
-            real_fsync(descriptor)
 
-        return fsync
+def test_a_survey_that_another_process_writes_is_not_reopened(opened, kits):
+    """As by a second robot with the same data folder and its own ROS master."""
+    (writer, folder), other = opened, kits()
+    before = tree(folder)
+    with raises_fault("survey.locked", os.getpid(), error=SurveyRefusedError):
+        other.processing.reopen_survey(SURVEY)
+    assert tree(folder) == before
+    assert other.processing.state().survey_id == ""
+    fill(writer, TRACES[3:4])
+    writer.processing.close_survey(SURVEY, "interrupted")
+    # One that cannot be reopened can be reopened by another process later.
+    whole = (folder / "survey.mcap").read_bytes()
+    (folder / "survey.mcap").unlink()
+    (folder / "survey.mcap").mkdir()
+    with pytest.raises((SurveyRefusedError, StorageFailedError)):
+        writer.processing.reopen_survey(SURVEY)
+    (folder / "survey.mcap").rmdir()
+    (folder / "survey.mcap").write_bytes(whole)
+    assert other.processing.reopen_survey(SURVEY).stored_indices == (0, 1, 2, 3)
+    with raises_fault("survey.locked", error=SurveyRefusedError):
+        writer.processing.reopen_survey(SURVEY)
 
-    failures = 0
-    for number in range(1, 200):
-        calls.clear()
-        with monkeypatch.context() as patch:
-            patch.setattr(os, "fsync", fail_at(number))
-            try:
-                reopened = kit.processing.reopen_survey(SURVEY)
-                break
-            except StorageFailedError as error:
-                assert error.message.fault_code == "disk.full"
-                failures += 1
-    assert failures > 8
-    assert path.is_file()
-    assert reopened.stored_indices == (0, 1, 2, 3)
+
+def test_a_report_is_kept_and_a_wrong_one_refused(opened):
+    kit, folder = opened
+    for verdict in ("old", "new"):
+        kit.processing.report(SURVEY, json.dumps({"verdict": verdict}))
+    refused = "storage.request_refused"
+    for survey_id, text, *expected in [
+        (SURVEY, "[]", refused, "report_json", "list"),
+        (SURVEY, "{", refused, "report_json"),
+        (SURVEY, '{"a": NaN}', refused, "NaN"),
+        (SURVEY, '{"a": "' + "x" * (8 << 20) + '"}', refused, 8388608),
+        (OTHER_SURVEY, "{}", "survey.other_open", SURVEY),
+        ("..", "{}", refused, ".."),
+    ]:
+        with raises_fault(*expected, error=SurveyRefusedError):
+            print(kit.processing.report(survey_id, text))
+    kit.processing.close_survey(SURVEY, "stopped")
+    assert read_json(folder / "survey.json")["report"] == {"verdict": "new"}
+    with raises_fault("survey.none_open", error=SurveyRefusedError):
+        kit.processing.report(SURVEY, "{}")
+
+
+def store_refused(kit, *shown):
+    with raises_fault("storage.folder_moved", *shown, error=StorageFailedError):
+        kit.processing.store(TRACES[3])
+
+
+def go_on_to_the_end(kit, folder):
+    """What the control does when the survey is resumed: reopen, store again, close."""
+    reopened = kit.processing.reopen_survey(folder.name)
+    assert reopened.stored_indices[:3] == (0, 1, 2)
     finish(kit, folder, reopened)
+    assert published(kit) == [*range(9)]
+
+
+@pytest.mark.parametrize("name", ["survey.bag", "survey.mcap"])
+@pytest.mark.parametrize("replaced", [False, True])
+def test_no_trace_is_acknowledged_into_a_recording_that_is_gone(opened, name, replaced):
+    kit, folder = opened
+    if replaced:
+        shutil.copy(str(folder / name), str(folder / "copy"))
+        os.replace(str(folder / "copy"), str(folder / name))
+    else:
+        (folder / name).unlink()
+    store_refused(kit, name)
+    with raises_fault("storage.folder_moved", error=StorageFailedError):
+        kit.processing.close_survey(SURVEY, "finished")
+    assert not (folder / "manifest.json").exists()
+    assert published(kit) == [0, 1, 2]
+    go_on_to_the_end(kit, folder)
+
+
+@pytest.mark.parametrize("way", ["back", "as a copy", "as a copy, unnoticed"])
+def test_a_survey_that_was_moved_away_goes_on_when_it_is_back(opened, tmp_path, way):
+    kit, folder = opened
+    folder.rename(tmp_path / "away")
+    if way != "as a copy, unnoticed":
+        store_refused(kit)
+        with raises_fault("survey.unknown", error=SurveyRefusedError):
+            kit.processing.reopen_survey(folder.name)
+    if way == "back":
+        (tmp_path / "away").rename(folder)
+    else:  # as from another disk
+        shutil.copytree(str(tmp_path / "away"), str(folder))
+    if way == "as a copy, unnoticed":
+        store_refused(kit)
+    go_on_to_the_end(kit, folder)
+
+
+def test_the_traces_folder_is_made_again_when_the_survey_is_resumed(opened):
+    kit, folder = opened
+    shutil.rmtree(str(folder / "traces"))
+    store_refused(kit)
+    go_on_to_the_end(kit, folder)
+
+
+@pytest.mark.parametrize("remove", [shutil.rmtree, lambda path: os.rename(path, path + ".away")])
+def test_a_survey_that_is_gone_does_not_keep_the_next_one_from_beginning(opened, remove):
+    kit, folder = opened
+    remove(str(folder))
+    with pytest.raises(StorageFailedError):
+        kit.processing.close_survey(SURVEY, "stopped")
+    assert kit.processing.interrupt_other(OTHER_SURVEY) == folder.name
+    kit.open(OTHER_SURVEY)
+
+
+@pytest.mark.parametrize("is_there", [True, False])
+def test_a_trace_whose_recording_failed_is_published_if_it_is_there(opened, tmp_path, is_there):
+    kit, folder = opened
+    (folder / "survey.mcap").unlink()  # the trace has a JSON file by then
+    with pytest.raises(StorageFailedError):
+        kit.processing.store(TRACES[3])
+    if not is_there:
+        trace_file(folder, 3).unlink()
+    folder.rename(tmp_path / "away")
+    # Another survey begins; the storage gives up the first one, which is not there.
+    assert kit.processing.interrupt_other(OTHER_SURVEY) == folder.name
+    kit.open(OTHER_SURVEY)
+    kit.processing.close_survey(OTHER_SURVEY, "stopped")
+    (tmp_path / "away").rename(folder)
+    kit.processing.reopen_survey(SURVEY)
+    assert published(kit) == [0, 1, 2, 3][: 3 + is_there]
+
+
+def test_every_record_of_the_log_is_recorded_and_published_when_it_is_durable(kits, monkeypatch):
+    def refuse(*_arguments):
+        raise OSError(28, "No space left on device")
+
+    kit = kits()
+    folder = kit.open(metadata_json=METADATA)
+    with monkeypatch.context() as patch:
+        patch.setattr("os.fsync", refuse)
+        with pytest.raises(StorageFailedError):
+            kit.processing.add_marker("", marker(2))
+    assert kit.logged == []
+    kit.processing.annotate("", EXAMPLE)
+    kit.processing.add_marker("", marker(1))
+    kit.processing.add_marker("", marker(1))  # a repeated request says nothing new
+    kit.processing.remove_marker(SURVEY, marker(1).marker_id, "Luis")
+    kit.processing.report(SURVEY, '{"verdict": "none"}')
+    kit.processing.close_survey(SURVEY, "stopped")
+    kit.processing.reopen_survey(SURVEY)
+    kit.processing.close_survey(SURVEY, "stopped")
+    kinds = ["annotation", "marker", "marker_removed", "report"]
+    assert [record.kind for record in map(recorded_log, kit.logged)] == kinds
+    added = recover(folder).found.records
+    assert [one.kind for one in added] == ["plan", *kinds, "end", "resume", "end"]
+    expected = list(added[:-1])  # the end is noted when nothing records any more
+    mcap = [recorded_log(one) for one in StoredMcap(folder / "survey.mcap").messages()]
+    bag = [recorded_log(one) for one in bag_messages(folder / "survey.bag")]
+    assert [one for one in mcap if one] == [one for one in bag if one] == expected
+
+
+def test_a_trace_waits_for_its_file_and_the_mcap_alone(opened, monkeypatch):
+    kit, folder = opened
+    synced = []
+    real = os.fsync
+
+    def fsync(descriptor):
+        synced.append(os.readlink(f"/proc/self/fd/{descriptor}"))
+        real(descriptor)
+
+    with monkeypatch.context() as patch:
+        patch.setattr(os, "fsync", fsync)
+        kit.processing.store(TRACES[3])
+    assert str(folder / "survey.mcap") in synced and str(folder / "survey.bag") not in synced
+    assert len(synced) == 3  # the file, its name, the MCAP
