@@ -135,13 +135,6 @@ def test_times_that_do_not_fit_the_names_are_refused(survey, tmp_path):
             group_csv.read_group_csv(tmp_path / "t")
 
 
-def test_files_over_frequency_and_over_time_are_not_mixed(survey, tmp_path):
-    group_csv.write_group_csv(survey, tmp_path / "t")
-    group_csv.write_group_csv(to_time(survey), tmp_path / "t")
-    with raises_fault(faults.FILE_CONTENT):
-        group_csv.read_group_csv(tmp_path / "t")
-
-
 def test_real_a_scans_of_a_merged_file_give_spectra_of_the_right_level(survey, tmp_path):
     """Simulations that the group merges have no imaginary parts."""
     write_dataset(survey, tmp_path / "f.nc")
@@ -156,9 +149,3 @@ def test_real_a_scans_of_a_merged_file_give_spectra_of_the_right_level(survey, t
     factor = np.vdot(true, found) / np.linalg.norm(true) ** 2
     assert factor == pytest.approx(1.0, abs=0.05)
     assert np.linalg.norm(found - true) < 0.15 * np.linalg.norm(true)
-
-
-@pytest.mark.parametrize("band", [(1e9, 9e8, 5), (1e9, 2e9, 1), (1e9, 1e12, 5), (-1.0, 2e9, 5)])
-def test_bands_that_the_times_do_not_hold_are_refused(survey, band):
-    with raises_fault(faults.OPTION):
-        to_frequency(to_time(survey), *band)

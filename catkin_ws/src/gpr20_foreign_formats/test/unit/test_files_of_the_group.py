@@ -1,23 +1,34 @@
-"""What is written for the group's programs is theirs, and comes back with the same numbers."""
+"""Files of the group are recognized, written as theirs, and refused when they are damaged."""
 
 from __future__ import annotations
 
+import ast
 import json
+import re
+import shlex
 
 import h5py
 import numpy as np
 import pandas as pd
 import pytest
 from fault_kit import raises_fault
+from foreign_formats_kit import PACKAGE, added
+from random_surveys import random_survey
 from survey_kit import POINTS, make_survey
 
 from gpr20_analysis import faults
 from gpr20_analysis.commands.main import main
+from gpr20_analysis.entry_points import additions
+from gpr20_analysis.errors import UnreadableFileError
+from gpr20_analysis.formats.conversion import EXPORTS, export_survey
+from gpr20_analysis.formats.dataset_files import read_dataset
+from gpr20_analysis.formats.format import IMAGE_FORMATS, IMPORTS
+from gpr20_analysis.imaging.methods import METHODS
 from gpr20_analysis.read.load import load_survey
-from gpr20_foreign_formats import group_csv, merged_hdf5
+from gpr20_foreign_formats import group_csv, merged_hdf5, original_json
+from gpr20_foreign_formats.migrated_hdf5 import read_migrated
 
 ALL = len(POINTS)
-
 MISSING = 4
 
 
@@ -80,29 +91,6 @@ def test_the_merged_file_is_laid_out_as_the_group_reads_it(survey, tmp_path):
         np.testing.assert_array_equal(scans[1], own.real.astype(np.float32))
 
 
-def test_a_scans_over_time_come_back_from_the_merged_file(folder, tmp_path):
-    assert export(folder, tmp_path / "t.h5", "merged-hdf5", "--domain", "time") == 0
-    with h5py.File(tmp_path / "t.h5", "r") as file:
-        assert file["A-Scan/Im{A-Scan y-pol}"].shape == (ALL // 2, file["Time"].attrs["q"])
-    found = merged_hdf5.read_merged(tmp_path / "t.h5")
-    assert found.a_scan.dims == ("polarization", "y", "x", "delay")
-    assert float(found.delay[-1]) < 1 / 1.35e9
-
-
-def test_the_real_parts_over_time_hold_two_samples_per_period_of_the_highest_frequency(
-    survey, folder, tmp_path
-):
-    assert export(folder, tmp_path / "t.h5", "merged-hdf5", "--domain", "time") == 0
-    highest_hz = float(survey.frequency[-1])
-    with h5py.File(tmp_path / "t.h5", "r") as file:
-        step_s = float(file["Time"].attrs["dt"])
-        own = file["A-Scan/Re{A-Scan y-pol}"][0]
-    assert step_s * 2.0 * highest_hz <= 1.0 + 1e-9
-    spectrum = survey.s21.sel(polarization=90.0).values[0, 0]
-    turns = np.exp(2j * np.pi * survey.frequency.values * 2.0 * step_s)
-    assert own[2] == pytest.approx((spectrum * turns).sum().real / len(spectrum), rel=1e-5)
-
-
 def test_samples_of_the_original_project_keep_its_keys(folder, tmp_path):
     assert export(folder, tmp_path / "o", "original-json") == 0
     sample = json.loads((tmp_path / "o" / "X010.00_Y010.00_Z000.00.json").read_text())
@@ -118,33 +106,235 @@ def test_heights_that_are_not_known_cannot_be_said_in_the_groups_names(survey, t
         group_csv.write_group_csv(survey.assign(height=survey.height * np.nan), tmp_path / "c")
 
 
-def test_a_file_of_the_group_with_lines_missing_is_refused(survey, tmp_path):
-    group_csv.write_group_csv(survey, tmp_path)
-    victim = sorted(tmp_path.iterdir())[3]
-    victim.write_text("".join(victim.read_text().splitlines(keepends=True)[:-1]))
-    with raises_fault(faults.FILE_DAMAGED, victim.name):
-        group_csv.read_group_csv(tmp_path)
+VICTIM = 7
+NOT_COMPLETE, REFUSED = 1, 3
 
 
-def test_files_of_the_group_with_mixed_sweeps_are_refused(survey, tmp_path):
-    group_csv.write_group_csv(survey, tmp_path)
-    group_csv.write_group_csv(survey.isel(frequency=slice(0, 3)), tmp_path)
-    with raises_fault(faults.FILE_CONTENT):
-        group_csv.read_group_csv(tmp_path)
+@pytest.fixture(scope="module")
+def whole(tmp_path_factory):
+    return make_survey(tmp_path_factory.mktemp("whole"), ALL, "finished")
 
 
-def test_scans_that_do_not_fill_the_grid_of_a_merged_file_are_refused(survey, tmp_path):
-    path = tmp_path / "m.h5"
-    merged_hdf5.write_merged(survey, path, "title")
+WRITERS = {
+    "group-csv": lambda survey, path: group_csv.write_group_csv(survey, path),
+    "original-json": lambda survey, path: original_json.write_original(survey, path),
+    "merged-hdf5": lambda survey, path: merged_hdf5.write_merged(survey, path, "t"),
+}
+
+
+def bring_in(tmp_path, kind):
+    output = tmp_path / "in.nc"
+    status = main(["import", str(tmp_path / "there"), str(output), "--format", kind])
+    return status, output.exists()
+
+
+@pytest.mark.parametrize("place", [0.05, 0.5, 0.95])
+def test_a_changed_byte_of_a_merged_file_is_refused(whole, tmp_path, refusals, place):
+    path = tmp_path / "there"
+    WRITERS["merged-hdf5"](load_survey(whole), path)
+    content = bytearray(path.read_bytes())
+    content[int(len(content) * place)] ^= 0x10
+    path.write_bytes(content)
+    assert bring_in(tmp_path, "merged-hdf5") == (REFUSED, False)
+    assert refusals[-1:] == [faults.FILE_CHANGED.code]
+
+
+@pytest.mark.parametrize("kind", ["group-csv", "original-json"])
+@pytest.mark.parametrize("cut", [1, 20, None])
+def test_files_of_other_formats_that_are_cut_short_are_refused(whole, tmp_path, kind, cut):
+    WRITERS[kind](load_survey(whole), tmp_path / "there")
+    victim = sorted((tmp_path / "there").iterdir())[VICTIM]
+    victim.write_bytes(victim.read_bytes()[: -cut if cut else 0])
+    assert bring_in(tmp_path, kind) == (REFUSED, False)
+
+
+@pytest.mark.parametrize(
+    "damage",
+    [
+        lambda file: file.attrs.update({"Total Amount of A-Scans": 17}),
+        lambda file: file["Frequency"].attrs.update(df=1e6),
+        lambda file: file["Position"].attrs.update(dx=0.004),
+        lambda file: file["A-Scan"].pop("Im{S21 x-pol}"),
+        lambda file: file["A-Scan"].move("Re{S21 x-pol}", "Rx{S21 x-pol}"),
+        lambda file: file["Position/h x-pol"].write_direct(np.full((9, 1), -0.2, np.float32)),
+        lambda file: file["Position/h x-pol"].write_direct(np.full((9, 1), np.inf, np.float32)),
+    ],
+)
+def test_a_merged_file_that_contradicts_itself_is_refused(whole, tmp_path, damage):
+    path = tmp_path / "there"
+    merged_hdf5.write_merged(load_survey(whole), path, "t")
+    unsealed = path.read_bytes()[:-80]  # as the group's own files, which have no checksum
+    path.write_bytes(unsealed)
     with h5py.File(path, "r+") as file:
-        kept = file["A-Scan/Re{S21 x-pol}"][:-1]
-        del file["A-Scan/Re{S21 x-pol}"]
-        file["A-Scan/Re{S21 x-pol}"] = kept
-    with raises_fault(faults.FILE_CONTENT):
-        merged_hdf5.read_merged(path)
+        damage(file)
+    assert bring_in(tmp_path, "merged-hdf5") == (REFUSED, False)
 
 
-def test_a_merged_file_of_more_than_the_memory_is_refused(folder, tmp_path, monkeypatch):
-    monkeypatch.setattr("gpr20_analysis.lazy.available_bytes", lambda: 1000)
-    with raises_fault(faults.TOO_LARGE, "merged HDF5 file needs"):
-        merged_hdf5.write_merged(load_survey(folder, lazy_bytes=0), tmp_path / "s.h5", "s")
+OUTPUTS = {
+    "merged-hdf5": ("o.h5", ""),
+    "group-csv": ("group", "VNA_X1_Y1.csv"),
+    "original-json": ("original", "X1_Y1_Z1.json"),
+}
+
+
+@pytest.mark.parametrize("form", OUTPUTS)
+def test_what_exists_is_refused_then_replaced_when_that_is_asked_for(
+    folder, tmp_path, refusals, form
+):
+    name, inside = OUTPUTS[form]
+    precious = tmp_path / name / inside
+    precious.parent.mkdir(exist_ok=True)
+    precious.write_text("precious")
+    arguments = ["export", str(folder), str(tmp_path / name), "--format", form]
+    assert main(arguments) == 3
+    assert refusals == [faults.OUTPUT.code]
+    assert precious.read_text() == "precious"
+    assert main([*arguments, "--overwrite"]) == 0
+    assert not precious.exists() or precious.read_bytes() != b"precious"
+
+
+def test_traces_of_a_survey_are_no_output_that_may_be_replaced(folder, refusals):
+    arguments = ["export", str(folder), str(folder / "traces"), "--format", "original-json"]
+    assert main([*arguments, "--overwrite"]) == 3
+    assert refusals == [faults.OUTPUT.code]
+    assert len(list((folder / "traces").iterdir())) == ALL
+
+
+IMAGE = ("--permittivity", "4", "--depth", "0", "0.02", "0.005", "--height", "0.03")
+
+
+@pytest.fixture(scope="module")
+def survey_folder(tmp_path_factory):
+    return make_survey(tmp_path_factory.mktemp("s"), len(POINTS), "finished",
+                       more={"simulated": True})  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("command", "form", "name", "given"),
+    [
+        ("info", "group-csv", "a folder", "a folder"),
+        ("image", "group-csv", "folder", "folder/*.csv"),
+        ("plot coverage", "original-json", "folder", "folder"),
+        ("process", "original-json", "folder", "folder/X*.json"),
+        ("report", "merged-hdf5", "file.h5", "file.h5"),
+    ],
+)
+def test_the_command_that_imports_it_is_given_and_works(
+    tmp_path, monkeypatch, capsys, command, form, name, given
+):
+    monkeypatch.chdir(tmp_path)
+    export_survey(random_survey(11), tmp_path / name, form)
+    path = sorted(tmp_path.glob(given))[0]
+    word, *more = command.split()
+    options = [] if word == "info" else ["-o", "x.png" if word == "plot" else "x.nc"]
+    options = ["-o", "x.html"] if word == "report" else options
+    steps = ["--step", "background"] if word == "process" else []
+    assert main([word, *more, str(path), *steps, *options]) == 3
+    error = capsys.readouterr().err
+    found = re.search(r"(gpr20 import .*)", error)
+    assert found, error
+    _program, *arguments = shlex.split(found.group(1).strip())
+    assert main(arguments) in (0, 1)
+    assert load_survey("survey.nc").attrs["survey_id"] == "survey-11"
+
+
+def test_migrated_images_are_written_and_read_again(survey_folder, tmp_path, capsys):
+    command = ["image", str(survey_folder), *IMAGE, "-o", str(tmp_path / "i.nc")]
+    assert main([*command, "-o", str(tmp_path / "i.h5")]) == 0
+    image = read_dataset(tmp_path / "i.nc")
+    for turn, name in enumerate(("i_000.h5", "i_090.h5")):
+        own = np.abs(image.image.values[turn])
+        with h5py.File(tmp_path / name, "r") as file:
+            assert file.attrs["Title"] == f"{name[:-3]} (SIMULATED)"
+            assert file.attrs["Relative permittivity"] == 4.0
+            place, stored = file["Position"].attrs, file["MigratedImage/Image"]
+            assert [place[f"q{axis}"] for axis in "xyz"] == [3, 3, 5]
+            assert (place["zf"], place["h_ant_mig"]) == pytest.approx((0.02, 0.03))
+            assert (stored.dtype, stored.compression) == (np.float32, "gzip")
+            np.testing.assert_allclose(stored[()], own.transpose(2, 1, 0), rtol=1e-6)
+        found = load_survey(tmp_path / name)
+        for axis in ("x", "y", "depth"):
+            np.testing.assert_allclose(found[axis].values, image[axis].values, atol=1e-12)
+        np.testing.assert_allclose(found.image.values[0], own, rtol=1e-6)
+        assert found.attrs["simulated"] == 1
+    capsys.readouterr()
+    assert main([*command, "-o", str(tmp_path / "i.h5")]) == 3  # nothing is overwritten
+    path = tmp_path / "i_000.h5"
+    content = bytearray(path.read_bytes())
+    content[len(content) // 2] ^= 4
+    path.write_bytes(content)
+    with pytest.raises(UnreadableFileError):
+        read_migrated(path)
+
+
+def test_a_migrated_image_of_the_group_is_read_with_its_doubts(tmp_path):
+    magnitude = np.random.default_rng(1).random((4, 3, 5)).astype("f4")
+    path = tmp_path / "migration_er2.58.h5"
+    with h5py.File(path, "w") as file:
+        file.attrs["Title"], file.attrs["Relative permittivity"] = "migration", 2.58
+        place = file.create_group("/Position")
+        for name, value in zip(
+            ("x0", "y0", "z0", "xf", "yf", "zf", "qx", "qy", "qz", "h_ant_mig"),
+            (0.0, 0.1, 0.0, 0.3, 0.3, 0.4, 4, 3, 5, 0.25),
+        ):
+            place.attrs[name] = value
+        file.create_dataset("/MigratedImage/Image", data=magnitude, compression="gzip")
+    found = load_survey(path)
+    assert found.image.dims == ("polarization", "depth", "y", "x")
+    np.testing.assert_array_equal(found.image.values[0], magnitude.transpose(2, 1, 0))
+    assert "simulated" not in found.attrs and found.attrs["permittivity"] == 2.58
+    assert any("up to 100.0 mm smaller" in one for one in found.attrs["notes"])
+
+
+@pytest.mark.parametrize(
+    ("form", "name", "inside"),
+    [
+        ("group-csv", "o", "VNA_SIMULATED_*.csv"),
+        ("original-json", "o", "*.json"),
+        ("merged-hdf5", "o.h5", None),
+    ],
+)
+def test_simulated_survives_every_format(survey_folder, tmp_path, form, name, inside):
+    survey = load_survey(survey_folder)
+    written = export_survey(survey, tmp_path / name, form)
+    for path in written:
+        for one in sorted(path.glob(inside)) if inside else [path]:
+            content = one.read_bytes() + one.name.encode()
+            assert b"SIMULATED" in content or b'"simulated": true' in content
+    # Without the file beside it too.
+    for sums in tmp_path.glob("*.sha256"):
+        sums.unlink()
+    back = ["import", str(tmp_path / name), str(tmp_path / "back.nc"), "--format", form]
+    assert main(back) == 0
+    assert load_survey(tmp_path / "back.nc").attrs["simulated"] == 1
+
+
+GROUPS = {one.group: one for one in (EXPORTS, IMPORTS, IMAGE_FORMATS, METHODS)}
+
+
+def test_pip_and_catkin_install_the_same_entry_points():
+    (call,) = (
+        node
+        for node in ast.walk(ast.parse((PACKAGE / "setup.py").read_text()))
+        if isinstance(node, ast.keyword) and node.arg == "entry_points"
+    )
+    of_catkin = {
+        group: dict(line.split(" = ") for line in lines)
+        for group, lines in ast.literal_eval(call.value).items()
+    }
+    assert of_catkin == added()
+
+
+def test_gpr20_knows_what_the_package_adds_where_it_is_not_installed():
+    for group, names in added().items():
+        assert dict(GROUPS[group].wings) == dict.fromkeys(names, PACKAGE.name)
+
+
+@pytest.mark.parametrize(
+    ("group", "name"), [(one, name) for one in added() for name in added()[one]]
+)
+def test_each_addition_can_be_loaded(group, name):
+    assert name in GROUPS[group].names()
+    found = [one for one in additions(group) if one.name == name]
+    assert len(found) == 1
+    assert GROUPS[group].find(name) is found[0].load()

@@ -57,12 +57,6 @@ def test_a_dzt_file_is_read_as_shares_of_its_full_scale(tmp_path, bits):
     assert "1.5/1.6GH" in str(found.attrs["notes"]) and "LINE.dzx" in str(found.attrs["notes"])
 
 
-def test_a_record_that_begins_after_the_pulse_begins_later(tmp_path):
-    write_dzt(tmp_path / "a.dzt", position=0.8)
-    found = read(tmp_path / "a.dzt", "dzt")
-    assert float(found.delay[0]) == pytest.approx(0.8e-9) and found.attrs["antenna_delay_s"] == 0.0
-
-
 @pytest.mark.parametrize("data", [2, 4, 2048])
 def test_a_channel_of_several_is_chosen_wherever_the_data_begin(tmp_path, data):
     channels = [counts(seed=seed) for seed in (1, 2)]
@@ -159,13 +153,6 @@ def test_segy_says_where_source_and_receiver_are_and_what_is_dead(tmp_path):
     assert read(tmp_path / "g.sgy", "segy").a_scan.shape[:3] == (1, 3, 2)
 
 
-def test_options_decide_what_the_times_in_segy_headers_leave_open(tmp_path):
-    write_segy(tmp_path / "l.sgy", b109=5, b117=[200, 200, 0, 300, 200, 200])
-    found = read(tmp_path / "l.sgy", "segy", interval_s=50e-12, time_zero_s=1e-9)
-    check_line(found, counts(8), 50e-12)
-    assert found.attrs["antenna_delay_s"] == 1e-9
-
-
 def test_extended_headers_of_segy_are_skipped_and_garbage_of_old_files_is_not_one(tmp_path):
     write_segy(tmp_path / "l.sgy", b3501=0x0100, b3505=1)
     content = (tmp_path / "l.sgy").read_bytes()
@@ -233,13 +220,6 @@ def test_a_merged_file_of_gprmax_has_the_steps_of_its_receiver(tmp_path, steps, 
     np.testing.assert_array_equal(found.s21.values, given.s21.values)
 
 
-def test_without_a_recorded_time_zero_a_note_says_so(tmp_path):
-    write_rd3(tmp_path / "l.rd3")
-    assert "--time-zero" in str(read(tmp_path / "l.rd3", "rd3").attrs["notes"])
-    given = read(tmp_path / "l.rd3", "rd3", time_zero_s=0.0)
-    assert "--time-zero" not in str(given.attrs["notes"])
-
-
 def real_line(path):
     """Write the real line as the DZT file that it was, see benchmarks/worlds/data/README.md."""
     with np.load(REAL_LINE_FILE) as stored:
@@ -269,6 +249,7 @@ def test_the_bars_of_a_real_line_are_found_in_its_dzt_file(tmp_path, capsys):
     assert np.count_nonzero(away_m[:14].min(axis=1) < BAR_M) >= 12
 
 
+@pytest.mark.release
 def test_an_image_uses_the_separation_that_the_import_recorded(tmp_path):
     real_line(tmp_path / "l.dzt")
     command = ["import", str(tmp_path / "l.dzt"), "--format", "dzt", "--time-zero", "1.98"]

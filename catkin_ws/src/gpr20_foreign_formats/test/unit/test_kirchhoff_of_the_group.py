@@ -1,8 +1,7 @@
 """The Kirchhoff methods against the algorithm that the GPR-20 group publishes.
 
 The reference is written from a description of the published program, with sums and loops in place
-of its transforms and tables.
-"""
+of its transforms and tables."""
 
 from __future__ import annotations
 
@@ -12,10 +11,12 @@ import numpy as np
 import pytest
 from fault_kit import raises_fault
 from ground_kit import point, scene, survey_of
+from noise_kit import errors_in_uncertainties
 
 from gpr20_analysis import faults
 from gpr20_analysis.imaging.image import image_survey
 from gpr20_analysis.imaging.image_options import ImageOptions
+from gpr20_analysis.imaging.records import Ground
 from gpr20_analysis.processing.background import Background, remove_background
 from gpr20_analysis.processing.sweep import FrequencyGrid
 from gpr20_foreign_formats.kirchhoff import KIRCHHOFF, KIRCHHOFF_2D, GroupTime
@@ -134,3 +135,22 @@ def test_a_single_line_is_imaged_in_two_dimensions_alone():
     assert image_survey(survey, ImageOptions(KIRCHHOFF_2D, 4.0)).image.max() > 0.0
     with raises_fault(faults.METHOD, "1 position along y"):
         image_survey(survey, ImageOptions(KIRCHHOFF, 4.0))
+
+
+METHODS = [KIRCHHOFF, KIRCHHOFF_2D]
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_the_positions_of_the_survey_are_kept(method):
+    with raises_fault(faults.OPTION, "use --grid-step with --method phase-shift"):
+        ImageOptions(method, 4.0, grid_step_m=0.01)
+
+
+def test_uneven_ground_is_refused():
+    with raises_fault(faults.METHOD, "needs --method back-projection"):
+        ImageOptions(KIRCHHOFF, 4.0, ground=Ground.UNEVEN)
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_candidates_lie_where_they_are_within_their_uncertainties(method):
+    assert errors_in_uncertainties(method).max() < 1.6

@@ -1,4 +1,4 @@
-"""Files of the original software become surveys' folders: exact, with every decision in the log."""
+"""Files of other programs become surveys' folders: exact, with every decision in the log."""
 
 from __future__ import annotations
 
@@ -14,7 +14,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from random_surveys import random_survey
-from test_round_trips import FORMATS
+from run_seed import draws
+from test_round_trips import FORMATS, SINGLE, same
 
 from gpr20_analysis import image_survey
 from gpr20_analysis.commands.main import main
@@ -86,7 +87,7 @@ def decisions_of(folder):
     return [one["text"] for one in values]
 
 
-@settings(max_examples=15, deadline=None)
+@settings(max_examples=draws(4))
 @given(samples=old_samples())
 def test_every_number_of_old_samples_arrives_bit_for_bit(samples, tmp_path_factory):
     place = tmp_path_factory.mktemp("old")
@@ -141,7 +142,7 @@ def test_the_log_says_what_was_decided_and_from_which_files(tmp_path, form):
     assert checked.stdout.count(b": OK") == description["imported"]["files"]
 
 
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=draws(8))
 @given(seed=st.integers(0, 1 << 32), form=st.sampled_from(sorted(FORMATS)))
 def test_a_damaged_file_is_refused_with_a_sentence_and_leaves_nothing(seed, form, tmp_path_factory):
     place, rng = tmp_path_factory.mktemp("damaged"), random.Random(seed)
@@ -192,3 +193,58 @@ def test_the_constant_of_the_original_is_no_height_and_a_given_one_makes_an_imag
     assert set(found.height.values[np.isfinite(found.height.values)]) == {0.2}
     options = ImageOptions(permittivity=4.0, leave_out_missing=True)
     assert np.isfinite(image_survey(found, options).image.values).any()
+
+
+@pytest.mark.parametrize("seed", range(draws(1)))
+def test_the_formats_of_the_group_become_surveys_that_are_the_same(tmp_path, seed):
+    survey, data = random_survey(seed), tmp_path / "data"
+    for form, name in FORMATS.items():
+        path = tmp_path / form / name
+        path.parent.mkdir()
+        export_survey(survey, path, form)
+        folder = imported(path, form, data / form)
+        found, verified = load_survey(folder), verify_survey(folder)
+        entry = json.loads((folder / "survey.json").read_text("ascii"))["imported"]
+        assert (entry["source"], entry["format"]) == (path.name, form)
+        # The survey is another one, whose source it names.
+        assert entry["survey_id"] == f"survey-{seed}"
+        assert found.attrs["survey_id"] not in (entry["survey_id"], None)
+        own = found.assign_attrs(survey_id=entry["survey_id"])
+        same(own, survey, SINGLE if form == "merged-hdf5" else 0.0)
+        assert verified.faults == [] and verified.imported is not None
+
+
+def test_outputs_that_cannot_take_a_survey_are_refused(tmp_path, capsys):
+    survey, data = random_survey(1), tmp_path / "data"
+    export_survey(survey, tmp_path / "scans", "group-csv")
+    folder = imported(tmp_path / "scans", "group-csv", data)
+    (tmp_path / "file").write_text("")
+    before = {one: one.stat().st_mtime_ns for one in tmp_path.rglob("*")}
+    for output, reason in (
+        (folder, "in the folder of the survey"),
+        (folder / "traces", "in the folder of the survey"),
+        (tmp_path / "scans", "is an input"),
+        (tmp_path / "file", "is not a folder"),
+        (tmp_path / "survey.h5", "must end in .nc, .zarr"),
+    ):
+        call = ["import", str(tmp_path / "scans"), str(output), "--format", "group-csv"]
+        assert main(call) == 3
+        assert reason in " ".join(capsys.readouterr().err.split())
+    assert {one: one.stat().st_mtime_ns for one in tmp_path.rglob("*")} == before
+
+
+def test_the_command_may_say_that_the_ground_is_real_but_not_of_simulated_data(tmp_path, capsys):
+    survey, data = random_survey(1), tmp_path / "data"
+    for name, simulated in (("simulated", 1), ("real", None)):
+        own = survey.assign_attrs(simulated=simulated) if simulated else survey.copy()
+        if not simulated:
+            own.attrs.pop("simulated")
+        export_survey(own, tmp_path / name, "group-csv")
+    found = load_survey(imported(tmp_path / "real", "group-csv", data / "1"))
+    assert "simulated" not in found.attrs
+    found = load_survey(imported(tmp_path / "real", "group-csv", data / "2", "--real-ground"))
+    assert found.attrs["simulated"] == 0
+    capsys.readouterr()
+    call = ["import", str(tmp_path / "simulated"), str(data / "3"), "--format", "group-csv"]
+    assert main([*call, "--real-ground"]) == 3
+    assert "holds simulated data" in capsys.readouterr().err and not (data / "3").exists()

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import os
-
 import numpy as np
 import pytest
 from checksum_kit import check_with_sha256sum
 from fault_kit import raises_fault
 from random_surveys import random_survey
+from run_seed import draws
 
 from gpr20_analysis import ImageOptions, faults, image_survey
 from gpr20_analysis.commands.main import main
@@ -21,7 +20,7 @@ from gpr20_analysis.processing.delay import to_time
 from gpr20_analysis.processing.to_frequency import to_frequency
 from gpr20_survey.radar.frequency_to_delay import Window, delay_kernel
 
-SEEDS = range(int(os.environ.get("GPR20_ROUND_TRIPS", "6")))
+SEEDS = range(draws(2))
 FORMATS = {"group-csv": "out", "original-json": "out", "merged-hdf5": "out.h5"}
 SINGLE = 1e-6
 
@@ -163,18 +162,6 @@ def test_a_file_that_was_removed_or_added_is_refused(tmp_path, form):
         import_survey(path, form)
 
 
-@pytest.mark.parametrize("seed", SEEDS)
-def test_a_changed_byte_in_the_file_of_checksums_is_refused(tmp_path, seed):
-    rng = np.random.default_rng(seed)
-    export_survey(random_survey(seed), tmp_path / "out", "group-csv")
-    sums = tmp_path / "out.sha256"
-    content = bytearray(sums.read_bytes())
-    content[rng.integers(len(content))] ^= 1 << rng.integers(7)
-    sums.write_bytes(content)
-    with raises_fault(faults.FILE_CHANGED):
-        import_survey(tmp_path / "out", "group-csv")
-
-
 @pytest.mark.parametrize("form", ["group-csv", "original-json"])
 def test_sha256sum_checks_a_folder(tmp_path, form):
     export_survey(random_survey(1, one_polarization=True), tmp_path / "out", form)
@@ -186,14 +173,6 @@ def test_shifted_data_are_not_exported_to_formats_that_cannot_say_so(tmp_path):
     for form, name in FORMATS.items():
         with raises_fault(faults.FORMAT):
             export_survey(shifted, tmp_path / name, form)
-
-
-def test_an_export_that_was_renamed_is_still_checked(tmp_path):
-    survey = random_survey(2)
-    export_survey(survey, tmp_path / "out", "group-csv")
-    (tmp_path / "out").rename(tmp_path / "other")
-    (tmp_path / "out.sha256").rename(tmp_path / "other.sha256")
-    same(import_survey(tmp_path / "other", "group-csv"), survey, 0.0)
 
 
 def test_an_export_replaces_its_checksums(tmp_path, capsys):

@@ -10,6 +10,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from random_surveys import random_survey
+from run_seed import draws
 from test_old_files_as_folders import REFUSED, decisions_of, imported, run, written
 from test_round_trips import FORMATS
 
@@ -187,7 +188,7 @@ def test_what_may_be_right_is_kept_and_said_in_the_log(tmp_path):
     assert status == REFUSED and "samples of only 0" in printed
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=draws(15))
 @given(data=st.data())
 def test_anything_in_a_sample_is_refused_or_arrives_as_it_is(data, tmp_path_factory):
     place, found = tmp_path_factory.mktemp("any"), samples()
@@ -206,7 +207,7 @@ def test_anything_in_a_sample_is_refused_or_arrives_as_it_is(data, tmp_path_fact
         assert not known or float(own.height) == one["antennae_height"]
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=draws(10))
 @given(data=st.data(), value=ANYTHING)
 def test_anything_in_a_name_or_an_attribute_is_refused_or_a_survey(data, value, tmp_path_factory):
     form = data.draw(st.sampled_from(["group-csv", "merged-hdf5"]))
