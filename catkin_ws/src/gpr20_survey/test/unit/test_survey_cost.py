@@ -82,7 +82,9 @@ def test_a_sweep_takes_longer_with_a_narrow_if_bandwidth_and_with_averages(analy
     duration_s = sweep_duration_s(SweepSettings(6.0e8, 6.0e9, 501, analyzer))
     assert duration_s == pytest.approx(expected_s)
     slow = replace(PARAMETERS, if_bandwidth_hz=analyzer.if_bandwidth_hz, averages=analyzer.averages)
-    longer_s, usual_s = (cost(one, reference_interval_s=0.0).duration_s for one in (slow, PARAMETERS))
+    longer_s, usual_s = (
+        cost(one, reference_interval_s=0.0).duration_s for one in (slow, PARAMETERS)
+    )
     assert longer_s - usual_s == pytest.approx(TRACES * (expected_s - 501 * POINT_S), abs=1e-6)
 
 

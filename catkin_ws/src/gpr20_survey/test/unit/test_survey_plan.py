@@ -95,47 +95,41 @@ def test_the_parameters_of_a_usual_survey_are_allowed():
     assert problems(PARAMETERS, TRAVEL) == []
 
 
+NAN, INF = math.nan, math.inf
+WRONG_PARAMETERS = {
+    "vna_address": [("192.168.1", "VNA address"), ("GPIB0::16::INSTR\n", "GPIB0::16::INSTR")],
+    "start_frequency_hz": [
+        (0.0, "start frequency", 5000),
+        (NAN, "start frequency", "nan"),
+        (6.0e9,),
+    ],
+    "stop_frequency_hz": [
+        *((6.1e9, "stop frequency", 6100000000), (INF, "stop frequency"), (500.0e6, 500000000)),
+        *((600.0e6 + 0.5, 1), (600.0e6,), (600.0e6 + 2.0, 0.5)),
+    ],
+    "frequency_points": [(1, "frequency points", 2, 4000), (4001, "frequency points")],
+    "if_bandwidth_hz": [(0.5, "IF bandwidth", 1, 10000000), (2.0e7, 20000000), (NAN, "nan")],
+    "averages": [(-1, "averages", 0, 65535), (65536, "averages")],
+    "output_power": [("LOW POWER", 16), ("A" * 17,), ("LOW\n",), ("HÖCH",)],
+    "x_start_mm": [(-0.01, "x start", -0.01, 0, 650), (NAN, "x start", "nan")],
+    "x_stop_mm": [(650.01, "x stop", 650.01), (INF, "x stop", "inf"), (10.0, 0.01)],
+    "x_points": [(2, "x", 3), (2002, 2002, 0.009995)],
+    "y_start_mm": [(800.01, "y start", 800.01, 0, 800)],
+    "y_stop_mm": [(NAN, "y stop", "nan")],
+    "y_points": [(0, "y", 0)],
+    "polarizations_deg": [
+        *(((), "number of polarizations", 1, 36), ((0.0,) * 37, "number of polarizations", 37)),
+        *(((0.0, 91.0), "polarization", 91), ((NAN,), "nan"), ((0.0, 0.0),), ((0.0, 1.0), 1)),
+    ],
+}
+
+
 @each_case(
     "field, value, shown",
     [
-        ("vna_address", "192.168.1", ("VNA address", "192.168.1")),
-        ("vna_address", "GPIB0::16::INSTR\n", ("GPIB0::16::INSTR",)),
-        ("start_frequency_hz", 0.0, ("start frequency", 0, 5000)),
-        ("start_frequency_hz", math.nan, ("start frequency", "nan")),
-        ("start_frequency_hz", 6.0e9, (6000000000,)),
-        ("stop_frequency_hz", 6.1e9, ("stop frequency", 6100000000)),
-        ("stop_frequency_hz", math.inf, ("stop frequency", "inf")),
-        ("stop_frequency_hz", 500.0e6, (500000000,)),
-        ("frequency_points", 1, ("frequency points", 1, 2, 4000)),
-        ("frequency_points", 4001, ("frequency points", 4001)),
-        ("stop_frequency_hz", 600.0e6 + 0.5, (1,)),
-        ("stop_frequency_hz", 600.0e6, ()),
-        ("stop_frequency_hz", 600.0e6 + 2.0, (0.5,)),
-        ("if_bandwidth_hz", 0.5, ("IF bandwidth", 0.5, 1, 10000000)),
-        ("if_bandwidth_hz", 2.0e7, ("IF bandwidth", 20000000)),
-        ("if_bandwidth_hz", math.nan, ("IF bandwidth", "nan")),
-        ("averages", -1, ("averages", -1, 0, 65535)),
-        ("averages", 65536, ("averages", 65536)),
-        ("output_power", "LOW POWER", ("LOW POWER", 16)),
-        ("output_power", "A" * 17, ()),
-        ("output_power", "LOW\n", ()),
-        ("output_power", "HÖCH", ()),
-        ("x_start_mm", -0.01, ("x start", -0.01, 0, 650)),
-        ("x_start_mm", math.nan, ("x start", "nan")),
-        ("x_stop_mm", 650.01, ("x stop", 650.01, 0, 650)),
-        ("x_stop_mm", math.inf, ("x stop", "inf")),
-        ("x_points", 2, ("x", 2, 3)),
-        ("x_stop_mm", 10.0, (0.01,)),
-        ("x_points", 2002, (2002, 0.009995)),
-        ("y_start_mm", 800.01, ("y start", 800.01, 0, 800)),
-        ("y_stop_mm", math.nan, ("y stop", "nan")),
-        ("y_points", 0, ("y", 0)),
-        ("polarizations_deg", (), ("number of polarizations", 0, 1, 36)),
-        ("polarizations_deg", (0.0,) * 37, ("number of polarizations", 37)),
-        ("polarizations_deg", (0.0, 91.0), ("polarization", 91)),
-        ("polarizations_deg", (math.nan,), ("polarization", "nan")),
-        ("polarizations_deg", (0.0, 0.0), ()),
-        ("polarizations_deg", (0.0, 1.0), (1,)),
+        (field, value, shown)
+        for field, all_of in WRONG_PARAMETERS.items()
+        for value, *shown in all_of
     ],
 )
 def test_a_wrong_parameter_is_refused_with_its_value_and_its_limits(field, value, shown):

@@ -1,28 +1,22 @@
 """Random damage to a survey's files: nothing is lost that an intact form holds, nothing is wrong,
 and nothing is called complete that is not.
 
-GPR20_SEED repeats the damages of a run.
-"""
+GPR20_SEED repeats the damages of a run."""
 
 from __future__ import annotations
 
-import copy
-import json
 import random
-import shutil
 
 from annotation_examples import EXAMPLE
 from log_examples import marker
-from reopening_kit import REPORT, STORED, TRACES, assert_whole, resume, tree
+from reopening_kit import REPORT, STORED, TRACES, assert_whole, tree
 from run_seed import SEED, draws
 from storage_kit import Kit
 from trace_examples import assert_same_numbers, read_json
 
 from gpr20_analysis.read.verification import verify_survey
-from gpr20_analysis.read.verification_result import COMPLETE, DAMAGED
+from gpr20_analysis.read.verification_result import COMPLETE
 from gpr20_survey.errors import SurveyRefusedError
-from gpr20_survey.folder import survey_metadata
-from gpr20_survey.folder.description_differences import differences
 from gpr20_survey.folder.recovery import read_description
 from gpr20_survey.plan.annotation import annotation_of
 from gpr20_survey.plan.markers import markers_of
@@ -139,67 +133,3 @@ def test_no_damage_loses_a_trace_or_makes_a_wrong_one(copies):
         rng = random.Random(f"{SEED} {number}")
         ending = rng.choice(["finished", "stopped", "cut off"])
         check(rng, ending, copies(ending))
-
-
-def places(value, place=()):
-    """Yield the path of every entry, nested ones too."""
-    if place:
-        yield place
-    if isinstance(value, (dict, list)):
-        for key, inner in value.items() if isinstance(value, dict) else enumerate(value):
-            yield from places(inner, (*place, key))
-
-
-def similar(value):
-    """Return another value of the same type."""
-    if isinstance(value, bool):
-        return not value
-    if isinstance(value, (int, float)):
-        return value + type(value)(1)
-    if isinstance(value, str):
-        return value[:-1] + chr(ord(value[-1]) ^ 1) if value else "x"
-    return type(value)() if value else ({"a": 1} if isinstance(value, dict) else [1])
-
-
-def with_a_key_changed(rng, content):
-    """Return survey.json with a value of the same type, or of another, in any place."""
-    values = json.loads(content)
-    place = rng.choice(list(places(values)))
-    inner = values = copy.deepcopy(values)
-    for key in place[:-1]:
-        inner = inner[key]
-    former = inner[place[-1]]
-    is_plain = former is not None and not isinstance(former, (str, dict, list))
-    other = str(former) if is_plain else 7
-    inner[place[-1]] = other if former is None or rng.random() < 0.5 else similar(former)
-    return survey_metadata.encode(values)
-
-
-def with_a_bit_flipped(rng, content):
-    changed = bytearray(content)
-    changed[rng.randrange(len(content))] ^= 1 << rng.randrange(8)
-    return bytes(changed)
-
-
-def test_no_key_or_bit_of_the_description_can_be_changed_unseen_and_the_log_corrects_it(copies):
-    for number in range(draws(15)):
-        print(f"{number}: repeat with GPR20_SEED={SEED}")
-        rng = random.Random(f"{SEED} description {number}")
-        folder = copies(rng.choice(list(STORED)))
-        content = (folder / "survey.json").read_bytes()
-        change = rng.choice([with_a_key_changed, with_a_key_changed, with_a_bit_flipped])
-        (folder / "survey.json").write_bytes(change(rng, content))
-        changed = (folder / "survey.json").read_bytes()
-        assert changed != content
-        found = verify_survey(folder)
-        assert found.status == DAMAGED
-        assert "survey.json" in " ".join(map(str, found.faults))
-        resume(folder)
-        assert changed in [one.read_bytes() for one in (folder / "damaged").glob("survey.json*")]
-        original, final = json.loads(content), read_description(folder)
-        assert differences(final, original) == []
-        for name in ("report", "markers", "annotation"):
-            assert final[name] == original[name]
-        assert_whole(folder, TRACES)
-        assert verify_survey(folder).status == COMPLETE
-        shutil.rmtree(str(folder.parent))
