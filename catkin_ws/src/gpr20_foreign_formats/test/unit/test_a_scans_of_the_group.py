@@ -94,17 +94,6 @@ def test_spectra_of_the_groups_transform_are_those_that_were_measured(survey, tm
     assert coherence > 0.98
 
 
-@pytest.mark.parametrize("form", ["group-csv", "merged-hdf5"])
-def test_own_a_scans_are_imaged_like_the_spectra(survey, tmp_path, form):
-    write_dataset(survey, tmp_path / "f.nc")
-    output = tmp_path / ("t.h5" if form == "merged-hdf5" else "t")
-    arguments = ["--format", form, "--domain", "time"]
-    assert main(["export", str(tmp_path / "f.nc"), str(output), *arguments]) == 0
-    assert main(["import", str(output), str(tmp_path / "t.nc"), "--format", form]) == 0
-    assert brightest(tmp_path / "t.nc", tmp_path) == brightest(tmp_path / "f.nc", tmp_path)
-    assert read_dataset(tmp_path / "i.nc").attrs["simulated"] == 1
-
-
 def test_pandas_reads_a_scans_with_the_groups_names_and_times(survey, tmp_path):
     in_time = to_time(survey, Window.NONE, 2.0)
     group_csv.write_group_csv(in_time, tmp_path / "t")

@@ -27,7 +27,6 @@ from obspy.io.segy.segy import _read_segy
 
 from gpr20_analysis import faults, import_survey
 from gpr20_analysis.commands.main import main
-from gpr20_analysis.formats.dataset_files import read_dataset
 from gpr20_analysis.formats.format import Band
 from gpr20_analysis.read.load import load_survey
 from gpr20_analysis.sample.real_line import REAL_LINE_FILE
@@ -247,23 +246,6 @@ def test_the_bars_of_a_real_line_are_found_in_its_dzt_file(tmp_path, capsys):
     away_m = np.abs(places_m[:, None] - bars_m)
     assert np.count_nonzero(away_m.min(axis=0) < BAR_M) == 14
     assert np.count_nonzero(away_m[:14].min(axis=1) < BAR_M) >= 12
-
-
-@pytest.mark.release
-def test_an_image_uses_the_separation_that_the_import_recorded(tmp_path):
-    real_line(tmp_path / "l.dzt")
-    command = ["import", str(tmp_path / "l.dzt"), "--format", "dzt", "--time-zero", "1.98"]
-    command += ["--height", "0.01", "--band", "1e9", "2e9", "6"]
-    image = ["--permittivity", "6", "--method", "back-projection", "--depth", "0", "0.1", "0.02"]
-    volumes = []
-    given = ["--separation", "0.06"]
-    for number, (imported, imaged) in enumerate([("0.06", []), ("0", given), ("0", [])]):
-        survey, output = str(tmp_path / f"{number}.nc"), tmp_path / f"i{number}.nc"
-        assert main([*command[:2], survey, *command[2:], "--separation", imported]) == 0
-        assert main(["image", survey, *image, *imaged, "-o", str(output)]) == 0
-        volumes.append(read_dataset(output).image.values)
-    np.testing.assert_array_equal(volumes[0], volumes[1])
-    assert not np.allclose(volumes[0], volumes[2])
 
 
 @pytest.mark.parametrize(

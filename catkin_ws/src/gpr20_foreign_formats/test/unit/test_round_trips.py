@@ -10,7 +10,6 @@ from random_surveys import random_survey
 from run_seed import draws
 
 from gpr20_analysis import ImageOptions, faults, image_survey
-from gpr20_analysis.commands.main import main
 from gpr20_analysis.formats.common import Imported, as_dataset
 from gpr20_analysis.formats.conversion import export_survey, import_survey
 from gpr20_analysis.formats.dataset_files import read_dataset, write_dataset
@@ -173,14 +172,3 @@ def test_shifted_data_are_not_exported_to_formats_that_cannot_say_so(tmp_path):
     for form, name in FORMATS.items():
         with raises_fault(faults.FORMAT):
             export_survey(shifted, tmp_path / name, form)
-
-
-def test_an_export_replaces_its_checksums(tmp_path, capsys):
-    for seed in (3, 4):
-        write_dataset(random_survey(seed), tmp_path / f"{seed}.nc")
-    arguments = [str(tmp_path / "3.nc"), str(tmp_path / "out"), "--format", "group-csv"]
-    main(["export", *arguments])
-    arguments[0] = str(tmp_path / "4.nc")
-    assert main(["export", *arguments]) == 3
-    assert main(["export", *arguments, "--overwrite"]) in (0, 1)
-    same(import_survey(tmp_path / "out", "group-csv"), random_survey(4), 0.0)

@@ -133,11 +133,6 @@ def entries(folder: Path) -> List[Dict[str, Any]]:
     return shown
 
 
-def recovered(folder: Path) -> RecoveredSurvey:
-    """Return what a folder says of its survey."""
-    return recover(folder)
-
-
 def with_own_sum(values: Dict[str, Any]) -> bytes:
     """Return the content of a manifest that ends with its checksum."""
     own_sum = hashlib.sha256(survey_metadata.encode(values)).hexdigest()
@@ -156,7 +151,7 @@ def make_former(
 
     It has no log, its traces have no checksums, and its manifest, if any, lists survey.json.
     """
-    described = description_of(recovered(folder).found.records)
+    described = description_of(recover(folder).found.records)
     for key in ("content_sha256", *without):
         described.pop(key, None)
     (folder / "log.jsonl").unlink()

@@ -18,7 +18,6 @@ from log_examples import (
     both_files,
     change_digit,
     entries,
-    facts,
     make_survey,
     marker,
 )
@@ -161,43 +160,6 @@ def test_the_last_record_damaged_in_both_forms_is_named(folder):
     assert "Eva" in str(found.all_unconfirmed)
     # Nothing else gets the number of what is lost.
     assert [one.number for one in found.found.records[-2:]] == [last + 1, last + 2]
-
-
-@pytest.mark.parametrize("lines", [1, 3])
-@pytest.mark.parametrize("damage", [lambda line: b"#" + line[1:], lambda line: line[:-2] + b"#}"])
-def test_last_lines_that_are_damaged_are_named_if_survey_json_is_gone(tmp_path, lines, damage):
-    folder = tmp_path / "survey"
-    make_survey(folder, sealed=False)
-    content = (folder / "log.jsonl").read_bytes().splitlines()
-    content[-lines:] = map(damage, content[-lines:])
-    (folder / "log.jsonl").write_bytes(b"\n".join([*content, b""]))
-    (folder / "survey.json").write_bytes(b"{")
-    expected = tuple(range(len(content) - lines, len(content)))
-    assert recover(folder).found.lost == expected
-    assert names_of_lost(reopened(folder)) == {f"record {number}" for number in expected}
-
-
-def test_records_that_only_the_manifest_knows_of_are_named(sealed):
-    """A log that was cut off at a line, beside a survey.json that cannot be read."""
-    lines = (sealed / "log.jsonl").read_bytes().splitlines(keepends=True)
-    (sealed / "log.jsonl").write_bytes(b"".join(lines[:-3]))
-    (sealed / "survey.json").write_bytes(b"")
-    expected = tuple(range(len(lines) - 3, len(lines)))
-    assert recover(sealed).found.lost == expected
-    assert names_of_lost(reopened(sealed)) == {f"record {number}" for number in expected}
-
-
-def test_of_forms_of_two_logs_the_records_of_one_are_used_and_those_of_the_other_named(folder):
-    other = SurveyLog(folder.parent, recover(folder).found.records[:3], whole=False)
-    for number in (11, 12):
-        values = {**facts()[2].values, **marker(number).__dict__}
-        other.take(other.next(Kind.MARKER, values, NOW))
-    (folder / "survey.json").write_bytes(view_of(other.records))
-    after = reopened(folder)
-    found = {one.marker_id for one in markers_of(after.description)}
-    assert found == {marker(number).marker_id for number in (1, 2, 3)}
-    assert marker(11).marker_id in str(after.all_unconfirmed)
-    assert marker(12).marker_id in str(after.all_unconfirmed)
 
 
 def test_the_log_of_another_survey_is_never_mixed_in(folder):

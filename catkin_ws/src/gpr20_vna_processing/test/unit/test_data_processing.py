@@ -182,21 +182,6 @@ def test_closing_writes_how_the_survey_ended_with_its_fault(kit, memory):
     assert memory.finished
 
 
-def test_a_survey_that_is_half_finished_takes_no_more_traces(kit, memory, monkeypatch):
-    kit.open()
-
-    def refuse():
-        raise DISK_FULL
-
-    with monkeypatch.context() as patch:
-        patch.setattr(memory, "finish", refuse)
-        with raises_fault("disk.full", error=StorageFailedError):
-            kit.processing.close_survey(SURVEY, "finished")
-    with raises_fault("survey.closing", error=TraceRefusedError):
-        kit.processing.store(make_trace(0))
-    assert kit.processing.close_survey(SURVEY, "finished").stored_traces == 0
-
-
 def test_a_wrong_close_is_refused(kit):
     kit.open()
     for arguments, *expected in [

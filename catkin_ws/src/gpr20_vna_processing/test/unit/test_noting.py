@@ -24,7 +24,7 @@ from trace_examples import SURVEY, read_json
 
 from gpr20_analysis.read.verification import verify_survey
 from gpr20_analysis.read.verification_result import COMPLETE, DAMAGED, INCOMPLETE
-from gpr20_survey.errors import StorageFailedError, SurveyRefusedError
+from gpr20_survey.errors import SurveyRefusedError
 from gpr20_survey.folder import annotating
 from gpr20_survey.folder.annotating import add_to_survey, annotate
 from gpr20_survey.folder.recovery import read_description, recover
@@ -193,18 +193,6 @@ def test_what_is_no_survey_cannot_be_annotated_or_marked(kit, closed, name):
 def test_metadata_bring_no_markers_and_no_wrong_annotation(kit, metadata, code):
     with raises_fault(code, error=SurveyRefusedError):
         kit.open(metadata_json=json.dumps(metadata))
-
-
-def test_a_disk_that_refuses_leaves_what_was_noted_before(kit, closed, monkeypatch):
-    def refuse(*_arguments):
-        raise OSError(28, "No space left on device")
-
-    with monkeypatch.context() as patch:
-        patch.setattr("os.fsync", refuse)
-        with raises_fault("disk.full", error=StorageFailedError):
-            kit.processing.add_marker(SURVEY, ONE)
-    assert markers(closed) == ()
-    assert_intact(closed)
 
 
 def test_a_missing_manifest_is_not_made_again_by_an_addition(kit, closed):

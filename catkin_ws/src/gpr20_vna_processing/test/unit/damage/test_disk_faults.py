@@ -1,12 +1,9 @@
 """Disks that are full, read-only or slow, and whose files others may read: nothing lost, no half.
 
-START stores nothing in a folder that is not the data folder, or on an unsuitable disk.
-"""
+START stores nothing in a folder that is not the data folder, or on an unsuitable disk."""
 
 from __future__ import annotations
 
-import errno
-import fcntl
 import multiprocessing
 import os
 import shutil
@@ -26,7 +23,7 @@ from gpr20_common.errors import InvalidValueError
 from gpr20_common.low.clock import Clock
 from gpr20_common.mid.records import record_from
 from gpr20_survey.errors import StorageFailedError, SurveyRefusedError
-from gpr20_survey.faults import FILE_SYSTEM_UNSUITABLE, OTHER_DATA_FOLDER
+from gpr20_survey.faults import OTHER_DATA_FOLDER
 from gpr20_survey.files.access import Readers
 from gpr20_survey.files.durable_files import is_temporary
 from gpr20_survey.folder.annotating import add_to_survey
@@ -297,17 +294,3 @@ def test_a_data_folder_that_is_moved_away_while_the_robot_runs_is_not_made_again
     data.rmdir()
     data.with_name("moved").rename(data)
     assert kit.open(OTHER_SURVEY).parent == data
-
-
-@each_case("module, name, number", [(os, "link", errno.EPERM), (fcntl, "flock", errno.ENOLCK)])
-def test_a_disk_without_links_or_locks_is_refused_before_any_folder_is_made(
-    checking_kit, module, name, number
-):
-    def refuse(*_arguments, **_options):
-        raise OSError(number, os.strerror(number))
-
-    kit, data = checking_kit
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(module, name, refuse)
-        refusals(kit, FILE_SYSTEM_UNSUITABLE)
-        assert not data.exists()
