@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+import os
 import random
 from dataclasses import replace
 
@@ -126,6 +127,38 @@ def test_an_empty_report_can_not_be_put_in_the_place_of_the_last_one(tmp_path):
     found = read_log(tmp_path)
     assert forged[-1] not in found.records
     assert found.lost == (last.number,)
+
+
+@pytest.mark.parametrize("name", ["fsync", "write", "replace"])
+def test_a_disk_that_refuses_leaves_the_former_records_and_the_call_may_be_repeated(
+    tmp_path, monkeypatch, name
+):
+    log = write_log(tmp_path)
+    before = log.records
+    real, number, refused = getattr(os, name), 0, 0
+    while True:
+        number += 1
+        calls = []
+
+        def refuse(*arguments, calls=calls, number=number):
+            calls.append(arguments)
+            if len(calls) == number:
+                raise OSError(28, "No space left on device")
+            return real(*arguments)
+
+        record = log.next(Kind.MARKER, {"attempt": number}, NOW)
+        with monkeypatch.context() as patch:
+            patch.setattr(os, name, refuse)
+            try:
+                log.add(record)
+                break
+            except OSError:
+                refused += 1
+        assert log.records == before
+        assert read_log(tmp_path).records[: len(before)] == before
+    assert refused
+    found = read_log(tmp_path)
+    assert found.is_whole and found.records == (*before, record)
 
 
 @pytest.mark.parametrize("limit", ["MAX_LOG_BYTES", "MAX_FILE_BYTES"])

@@ -104,25 +104,28 @@ def traces(draw):
     )
 
 
-@given(traces())
-def test_every_trace_comes_back_to_the_last_bit(trace):
-    data = trace_message.encode(trace)
+@given(traces(), analyzer_settings())
+def test_every_trace_comes_back_to_the_last_bit_and_another_library_reads_the_same(trace, other):
+    data, content = trace_message.encode(trace), trace_json.encode(trace)
     decoded = trace_message.decode(data, trace_message.MD5SUM)
     assert decoded.fingerprint() == trace.fingerprint()
     assert trace_message.encode(decoded) == data
-
-
-@given(traces())
-def test_every_trace_comes_back_from_its_json_file(trace):
-    content = trace_json.encode(trace)
+    message = TYPES.deserialize_ros1(data, "gpr20_msgs/msg/Trace")
+    assert_same_numbers(trace, message)
+    assert bytes(TYPES.serialize_ros1(message, "gpr20_msgs/msg/Trace")) == data
     decoded = trace_json.decode(content)
     assert decoded.fingerprint() == trace.fingerprint()
     assert trace_json.encode(decoded) == content
-    assert_same_numbers(trace, json.loads(content))
-    held = trace_json.ANALYZER_KEYS & json.loads(content).keys()
+    values = json.loads(content)
+    assert_same_numbers(trace, values)
+    held = trace_json.ANALYZER_KEYS & values.keys()
     assert held == (trace_json.ANALYZER_KEYS if trace.analyzer.is_known else set())
-    assert (trace_json.AUX in json.loads(content)) == bool(trace.aux)
-    assert (trace_json.ZERO_EPOCHS in json.loads(content)) == bool(trace.zeros)
+    assert (trace_json.AUX in values) == bool(trace.aux)
+    assert (trace_json.ZERO_EPOCHS in values) == bool(trace.zeros)
+    # Other settings make another trace.
+    changed, same = dataclasses.replace(trace, analyzer=other), other == trace.analyzer
+    assert (changed.fingerprint() == trace.fingerprint()) == same
+    assert (trace_json.encode(changed) == content) == same
 
 
 @each_case("md5sum", trace_message.FORMER_MD5SUMS)
@@ -152,12 +155,6 @@ def test_the_versions_are_not_mixed_up(trace):
             trace_message.decode(trace_message.encode(trace, one), other)
 
 
-def test_a_former_message_that_is_cut_off_is_not_completed():
-    data = trace_message.encode(make_trace(), trace_message.WITHOUT_HEADER_MD5SUM)
-    with raises_fault("trace.damaged", error=TraceRefusedError):
-        trace_message.completed(data[:60], trace_message.WITHOUT_HEADER_MD5SUM)
-
-
 def test_the_header_has_the_time_the_frame_and_the_index_of_the_trace():
     trace = make_trace(7)
     header = TYPES.deserialize_ros1(trace_message.encode(trace), "gpr20_msgs/msg/Trace").header
@@ -176,45 +173,23 @@ def test_a_header_of_another_time_or_frame_is_refused(place, accepted):
             trace_message.decode(bytes(data))
 
 
-@settings(max_examples=draws(12))
-@given(traces(), analyzer_settings())
-def test_other_settings_make_another_trace(trace, settings):
-    other = dataclasses.replace(trace, analyzer=settings)
-    assert (other.fingerprint() == trace.fingerprint()) == (settings == trace.analyzer)
-    assert (trace_json.encode(other) == trace_json.encode(trace)) == (settings == trace.analyzer)
-
-
-@given(traces())
-def test_another_library_reads_the_same_numbers(trace):
-    message = TYPES.deserialize_ros1(trace_message.encode(trace), "gpr20_msgs/msg/Trace")
-    assert_same_numbers(trace, message)
-    assert bytes(TYPES.serialize_ros1(message, "gpr20_msgs/msg/Trace")) == trace_message.encode(
-        trace
-    )
-
-
 def test_the_checksum_of_the_type_is_that_of_its_definition():
     assert TYPES.generate_msgdef("gpr20_msgs/msg/Trace")[1] == trace_message.MD5SUM
     for md5sum, types in FORMER_TYPES.items():
         assert types.generate_msgdef("gpr20_msgs/msg/Trace")[1] == md5sum
 
 
-def test_a_message_of_another_version_is_refused():
+@given(st.binary(min_size=1, max_size=400), st.floats(0.0, 1.0, exclude_max=True))
+def test_a_message_that_is_cut_longer_of_another_version_or_any_bytes_is_refused(rest, share):
+    whole = trace_message.encode(make_trace())
+    former = trace_message.encode(make_trace(), trace_message.WITHOUT_HEADER_MD5SUM)
     with raises_fault("trace.other_version", error=TraceRefusedError):
-        trace_message.decode(trace_message.encode(make_trace()), "0" * 32)
-
-
-def test_a_message_that_is_cut_is_refused():
-    data = trace_message.encode(make_trace())
-    for cut in random.Random(SEED).sample(range(len(data)), draws(50)):
+        trace_message.decode(whole, "0" * 32)
+    with raises_fault("trace.damaged", error=TraceRefusedError):
+        trace_message.completed(former[:60], trace_message.WITHOUT_HEADER_MD5SUM)
+    for wrong in (whole[: int(share * len(whole))], whole + rest, rest):
         with pytest.raises(TraceRefusedError):
-            trace_message.decode(data[:cut])
-
-
-@given(st.binary(min_size=1, max_size=50))
-def test_a_message_that_is_longer_than_its_fields_is_refused(rest):
-    with pytest.raises(TraceRefusedError):
-        trace_message.decode(trace_message.encode(make_trace()) + rest)
+            trace_message.decode(wrong)
 
 
 def test_a_flipped_bit_is_refused_or_seen_in_the_fingerprint():
@@ -234,12 +209,6 @@ def test_a_flipped_bit_is_refused_or_seen_in_the_fingerprint():
             assert trace_message.encode(decoded) != data
     # Nothing but parts of a microsecond, which no form of a trace holds: 10 bits of eight times.
     assert len(same) <= 16
-
-
-@given(st.binary(max_size=400))
-def test_any_bytes_are_refused(data):
-    with pytest.raises(TraceRefusedError):
-        trace_message.decode(data)
 
 
 @given(st.integers(0, 200), st.binary(min_size=1, max_size=80))

@@ -242,6 +242,10 @@ DAMAGES = {
         STOPPED, both(digit(VIEW, LOG), not_recorded), [VIEW, LOG, MCAP], [VIEW, LOG, MCAP],
         markers=[2], doubts=["record 1"],
     ),
+    "last line of the log, no view": Damage(
+        CUT_OFF, both(content(LOG, lambda whole: whole[:-3] + b"#}\n"), gone(VIEW)), ["entry 4"],
+        repaired=["record 4"], markers=[1], doubts=["record 4"],
+    ),
     "no log": Damage(
         STOPPED, gone(VIEW, LOG, SEAL), [VIEW], markers=[1], doubts=[LATER]
     ),
