@@ -124,6 +124,13 @@ def test_times_that_do_not_fit_the_names_are_refused(survey, tmp_path):
             group_csv.read_group_csv(tmp_path / "t")
 
 
+def test_files_over_frequency_and_over_time_are_not_mixed(survey, tmp_path):
+    group_csv.write_group_csv(survey, tmp_path / "t")
+    group_csv.write_group_csv(to_time(survey), tmp_path / "t")
+    with raises_fault(faults.FILE_CONTENT):
+        group_csv.read_group_csv(tmp_path / "t")
+
+
 def test_real_a_scans_of_a_merged_file_give_spectra_of_the_right_level(survey, tmp_path):
     """Simulations that the group merges have no imaginary parts."""
     write_dataset(survey, tmp_path / "f.nc")

@@ -115,6 +115,24 @@ def whole(tmp_path_factory):
     return make_survey(tmp_path_factory.mktemp("whole"), ALL, "finished")
 
 
+def test_files_of_the_group_with_mixed_sweeps_are_refused(survey, tmp_path):
+    group_csv.write_group_csv(survey, tmp_path)
+    group_csv.write_group_csv(survey.isel(frequency=slice(0, 3)), tmp_path)
+    with raises_fault(faults.FILE_CONTENT):
+        group_csv.read_group_csv(tmp_path)
+
+
+def test_scans_that_do_not_fill_the_grid_of_a_merged_file_are_refused(survey, tmp_path):
+    path = tmp_path / "m.h5"
+    merged_hdf5.write_merged(survey, path, "title")
+    with h5py.File(path, "r+") as file:
+        kept = file["A-Scan/Re{S21 x-pol}"][:-1]
+        del file["A-Scan/Re{S21 x-pol}"]
+        file["A-Scan/Re{S21 x-pol}"] = kept
+    with raises_fault(faults.FILE_CONTENT):
+        merged_hdf5.read_merged(path)
+
+
 WRITERS = {
     "group-csv": lambda survey, path: group_csv.write_group_csv(survey, path),
     "original-json": lambda survey, path: original_json.write_original(survey, path),
