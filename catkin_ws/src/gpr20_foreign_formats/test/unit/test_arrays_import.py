@@ -313,3 +313,29 @@ def test_an_archive_that_unpacks_to_more_than_the_memory_is_refused(tmp_path, mo
     assert path.stat().st_size < 1 << 20
     with raises_fault(faults.TOO_LARGE, "d.npz"):
         read(path)
+
+
+def test_a_list_of_traces_is_put_on_its_grid_in_any_order(tmp_path):
+    path = tmp_path / "d.mat"
+    random = np.random.default_rng(1)
+    y_m, x_m = (one.ravel() for one in np.meshgrid([0.0, 0.1], [0.0, 0.02, 0.04]))
+    shuffled = random.permutation(6)
+    s21 = np.exp(1j * np.arange(6))[:, None] * np.ones(21)
+    arrays = {"s21": s21, "x_m": x_m, "y_m": y_m, "height_m": 0.1 + x_m}
+    arrays = {key: one[shuffled] for key, one in arrays.items()}
+    write_arrays(path, {**arrays, "frequency_hz": FREQUENCY_HZ})
+    found = read(path)
+    np.testing.assert_allclose(
+        found.s21.values[0, :, :, 3], np.exp(1j * np.arange(6)).reshape(3, 2).T
+    )
+    np.testing.assert_allclose(found.height.values[0], [[0.1, 0.12, 0.14]] * 2)
+
+
+def test_an_array_in_other_units_has_a_factor(tmp_path):
+    path, line = tmp_path / "d.h5", a_line()
+    write_arrays(path, {"g/s": line["s21"], "g/mm": line["x_m"] * 1e3, "GHz": FREQUENCY_HZ / 1e9})
+    factor = {"x_m": {"array": "g/mm", "factor": 0.001}}
+    describe(path, s21="g/s", frequency_hz={"array": "GHz", "factor": "1e9"}, **factor)
+    found = read(path)
+    np.testing.assert_allclose(found.x, line["x_m"])
+    np.testing.assert_allclose(found.frequency, FREQUENCY_HZ)

@@ -279,3 +279,9 @@ def test_the_files_are_recognized(tmp_path, form, name, write):
 def test_an_option_that_a_format_cannot_use_is_refused(tmp_path, form, options, shown):
     with raises_fault(faults.OPTION, form, shown):
         import_survey(tmp_path, form, **options)
+
+
+def test_a_record_that_begins_after_the_pulse_begins_later(tmp_path):
+    write_dzt(tmp_path / "a.dzt", position=0.8)
+    found = read(tmp_path / "a.dzt", "dzt")
+    assert float(found.delay[0]) == pytest.approx(0.8e-9) and found.attrs["antenna_delay_s"] == 0.0

@@ -137,3 +137,14 @@ def test_what_cannot_be_recovered_is_imported_but_never_imaged(tmp_path):
         image_survey(found, OPTIONS)
     sample = sorted(folder.iterdir())[0]
     assert json.loads(sample.read_text())["data"][0]["real_value"] == found.s21.values.flat[0].real
+
+
+def test_a_trace_of_zeros_is_no_copy():
+    zeros = np.zeros(201, dtype=complex)
+    assert recover([zeros], FREQUENCY_HZ, [0.2]).notes == []
+
+
+def test_uneven_frequencies_are_refused_too():
+    uneven_hz = np.array([1e9, 2e9, 4e9])
+    found = recover([copied(np.ones(3))], uneven_hz, [0.2])
+    assert "not evenly spaced" in str(found.refusal)
