@@ -314,3 +314,9 @@ def test_two_surveys_never_share_a_folder(kit):
         kit.open(SURVEY)
     assert len(trace_files(folder)) == 1
     assert kit.open(OTHER_SURVEY) != folder
+
+
+def test_messages_of_other_topics_reach_the_disk_without_a_trace(kit, memory):
+    kit.open()
+    kit.processing.record(text_message("/t", "a"))
+    wait_until(lambda: memory.texts("/t") == ["a"])

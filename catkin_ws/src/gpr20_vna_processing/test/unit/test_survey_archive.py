@@ -294,3 +294,13 @@ def test_a_summary_is_made_again_only_after_a_change(tmp_path):
     assert summaries.of(folder) == 4
     (folder / "survey.json").unlink()
     assert [summaries.of(folder), summaries.of(folder)] == [5, 6]
+
+
+def test_half_of_a_character_hides_no_survey(kit, archive):
+    folder = fill(kit)
+    kit.processing.close_survey(SURVEY, "stopped")
+    values = {**make_former(folder), "started": "\udcff"}
+    (folder / "survey.json").write_text(json.dumps(values))
+    (folder / "survey.mcap").unlink()  # its copy would take the place of the damaged start
+    (survey,), _more = archive.list("", 10)
+    assert survey.started == "\\udcff"

@@ -347,6 +347,16 @@ def test_a_survey_that_is_gone_does_not_keep_the_next_one_from_beginning(opened,
     kit.open(OTHER_SURVEY)
 
 
+def test_a_clock_that_was_set_back_makes_no_trace_be_published_twice(kits):
+    kit = kits()
+    kit.open()
+    for trace in (TRACES[1], make_trace(5, timestamp_us=TRACES[1].timestamp_us - 10**6)):
+        kit.processing.store(trace)
+    kit.processing.close_survey(SURVEY, "stopped")
+    kit.processing.reopen_survey(SURVEY)
+    assert published(kit) == [1, 5]
+
+
 @pytest.mark.parametrize("is_there", [True, False])
 def test_a_trace_whose_recording_failed_is_published_if_it_is_there(opened, tmp_path, is_there):
     kit, folder = opened
