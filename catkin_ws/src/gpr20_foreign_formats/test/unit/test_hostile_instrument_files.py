@@ -81,7 +81,7 @@ def test_a_file_that_was_cut_anywhere_is_refused(form, victim, place):
     assert found is None or form in ("dzt", "segy") or text
 
 
-@settings(max_examples=draws(25))
+@settings(max_examples=draws(12))
 @given(
     form=FORMS,
     victim=st.integers(0, 1),
