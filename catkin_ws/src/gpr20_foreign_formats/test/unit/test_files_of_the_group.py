@@ -118,8 +118,9 @@ def whole(tmp_path_factory):
 def test_files_of_the_group_with_mixed_sweeps_are_refused(survey, tmp_path):
     group_csv.write_group_csv(survey, tmp_path)
     group_csv.write_group_csv(survey.isel(frequency=slice(0, 3)), tmp_path)
-    with raises_fault(faults.FILE_CONTENT):
+    with raises_fault(faults.FILE_CONTENT) as caught:
         group_csv.read_group_csv(tmp_path)
+    assert "sweeps" in caught.value.message.values
 
 
 def test_scans_that_do_not_fill_the_grid_of_a_merged_file_are_refused(survey, tmp_path):
