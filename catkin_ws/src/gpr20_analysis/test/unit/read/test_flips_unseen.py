@@ -1,17 +1,16 @@
 """One changed byte anywhere in a survey's folder: what verify says covers what it has checked.
 
-GPR20_DAMAGES sets how many bytes are changed, GPR20_SEED repeats those of a run.
+GPR20_SEED repeats those of a run.
 """
 
 from __future__ import annotations
 
 import json
-import os
 import random
 from contextlib import contextmanager
 
 import pytest
-from run_seed import SEED
+from run_seed import SEED, draws
 from survey_kit import POINTS, SURVEY, add_marker, make_survey, planned_trace
 
 from gpr20_analysis.read.verification import verify_survey
@@ -21,7 +20,7 @@ from gpr20_survey.folder import trace_files
 from gpr20_survey.folder.recovery import read_description
 from gpr20_survey.plan.markers import Marker, markers_of
 
-FLIPS = int(os.environ.get("GPR20_DAMAGES", "40"))
+FLIPS = draws(10)
 SEALED = {"finished": len(POINTS), "stopped": 7, "interrupted": 7}
 UNSEALED = {"cut off": 7, "not sealed": 7}
 

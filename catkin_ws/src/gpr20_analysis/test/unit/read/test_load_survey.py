@@ -1,32 +1,71 @@
-"""A survey becomes the same Dataset from whatever holds it."""
+"""A survey becomes the same Dataset from whatever holds it, also one too large for the memory."""
 
 from __future__ import annotations
 
+import csv
+import json
+
+import dask.array
 import numpy as np
 import pytest
 from fault_kit import raises_fault
-from survey_kit import POINTS, make_survey, planned_trace
+from survey_kit import POINTS, STARTED_US, make_survey, planned_trace
 
 from gpr20_analysis import dataset, faults
+from gpr20_analysis.commands.main import main
 from gpr20_analysis.dataset import Quality
-from gpr20_analysis.formats.dataset_files import write_dataset
+from gpr20_analysis.formats.dataset_files import read_dataset, write_dataset
+from gpr20_analysis.formats.plain_csv import write_plain_csv
+from gpr20_analysis.imaging.image import image_survey
+from gpr20_analysis.imaging.image_options import ImageOptions
+from gpr20_analysis.lazy import available_bytes
+from gpr20_analysis.processing.chain import apply_steps, step_from_text
 from gpr20_analysis.read.load import load_survey
 from gpr20_analysis.read.survey_grid import grid_of
+from gpr20_analysis.report.sections import _sensors
+from gpr20_analysis.sentences import ENGLISH
+from gpr20_survey.trace.aux_value import AuxValue
+from gpr20_survey.trace.sweep_settings import AnalyzerSettings
 
 ALL = len(POINTS)
+SETTINGS = {"if_bandwidth_hz": 1000.0, "averages": 4, "output_power": "HIGH"}
+# The last traces have no value of a sensor, and those before them one of another unit.
+CELSIUS, KELVIN = 12, 14
+
+
+def aux_of(index):
+    if index >= KELVIN:
+        return ()
+    unit = "\N{DEGREE SIGN}C" if index < CELSIUS else "K"
+    return (
+        AuxValue("soil", 0.5 * index, unit, STARTED_US),
+        AuxValue("period", 2.0, "seconds", STARTED_US),
+    )
 
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
-    return make_survey(tmp_path_factory.mktemp("whole"), ALL, "finished")
+    aux = {index: {"aux": aux_of(index)} for index in range(ALL)}
+    return make_survey(tmp_path_factory.mktemp("whole"), ALL, "finished", misplaced=aux)
 
 
-@pytest.mark.parametrize("name", ["traces", "survey.bag", "survey.mcap"])
-def test_every_recording_gives_the_same_dataset(folder, name):
-    assert load_survey(folder / name).equals(load_survey(folder))
+def settings_in(attributes):
+    return {name: attributes[name] for name in SETTINGS if name in attributes}
 
 
-def test_every_sample_lies_at_its_place(folder):
+def test_every_source_gives_the_same_dataset_also_as_a_lazy_one(folder, tmp_path):
+    for name in (".", "traces", "survey.bag", "survey.mcap"):
+        found, lazy = load_survey(folder / name), load_survey(folder / name, lazy_bytes=0)
+        assert found.equals(load_survey(folder)), name
+        assert settings_in(found.attrs) == SETTINGS, name
+        assert isinstance(lazy.s21.data, dask.array.Array), name
+        assert lazy.compute().identical(found), name
+    stopped = make_survey(tmp_path, ALL - 5, "stopped")
+    for place in (stopped, stopped / "traces"):
+        assert load_survey(place, lazy_bytes=0).compute().identical(load_survey(place)), place
+
+
+def test_every_sample_lies_at_its_place_in_si_units(folder):
     survey = load_survey(folder)
     for index, point in enumerate(POINTS):
         trace = planned_trace(index)
@@ -37,10 +76,6 @@ def test_every_sample_lies_at_its_place(folder):
         np.testing.assert_array_equal(own.s21.values, trace.s21_real + 1j * trace.s21_imag)
         assert float(own.height) == trace.antennae_height_m
         assert own.timestamp.values == np.datetime64(trace.timestamp_us, "us")
-
-
-def test_the_dataset_says_units_and_origin(folder):
-    survey = load_survey(folder)
     assert survey.s21.dims == ("polarization", "y", "x", "frequency")
     assert survey.s21.dtype == np.complex128
     units = {name: survey[name].attrs["units"] for name in ("x", "y", "frequency", "height")}
@@ -57,7 +92,14 @@ def test_missing_samples_are_nan_marked_and_listed(tmp_path):
         assert int(missing.sum()) == len(survey.attrs["missing"]) == 4, name
         assert np.isnan(survey.s21.values[missing.values]).all(), name
         assert np.isfinite(survey.s21.values[~missing.values]).all(), name
-        assert survey.attrs["missing"][0].startswith("missing: x "), name
+    cut_off = make_survey(tmp_path / "crash", 7, None)
+    for name in ("survey.bag", "survey.mcap"):
+        found = load_survey(cut_off / name).attrs
+        assert found["stored"] == 7 and any("cut off" in note for note in found["notes"])
+    survey[dataset.QUALITY][:] = 0
+    survey[dataset.QUALITY][0, 1, 2] = int(Quality.DAMAGED)
+    (missing,) = dataset.missing_samples(survey)
+    assert str(missing) == "damaged: x 20 mm, y 15 mm, 0 deg"
 
 
 def test_a_row_that_is_missing_between_others_is_put_in():
@@ -65,17 +107,8 @@ def test_a_row_that_is_missing_between_others_is_put_in():
     positions = np.array([(0.0, y_mm, x_mm) for y_mm in rows_mm for x_mm in (5.0, 6.0)])
     notes = []
     grid = grid_of(positions, notes)
-    assert grid.y_mm == (0.0, 10.0, 20.0, 30.0, 40.0)
-    assert grid.x_mm == (5.0, 6.0)
-    assert "were inserted" in str(notes[0])
-
-
-def test_a_recording_cut_off_by_a_crash_is_read_up_to_the_cut(tmp_path):
-    folder = make_survey(tmp_path, 7, None)
-    for name in ("survey.bag", "survey.mcap"):
-        survey = load_survey(folder / name)
-        assert survey.attrs["stored"] == 7
-        assert any("cut off" in note for note in survey.attrs["notes"])
+    assert (grid.y_mm, grid.x_mm) == ((0.0, 10.0, 20.0, 30.0, 40.0), (5.0, 6.0))
+    assert len(notes) == 1
 
 
 def test_missing_heights_and_remarks_of_the_robot_are_marked(tmp_path):
@@ -90,12 +123,47 @@ def test_missing_heights_and_remarks_of_the_robot_are_marked(tmp_path):
     assert survey.remarks.values[marked(Quality.REMARKED)].tolist() == ["VNA was slow; again"]
 
 
-def test_a_dataset_comes_back_from_its_file_unchanged(folder, tmp_path):
-    for survey in (load_survey(folder), load_survey(make_survey(tmp_path, ALL - 5, "stopped"))):
-        for ending in ("nc", "zarr"):
-            path = tmp_path / f"survey{survey.attrs['stored']}.{ending}"
-            write_dataset(survey, path)
-            assert load_survey(path).identical(survey), path
+@pytest.mark.parametrize("ending", ["nc", "zarr"])
+def test_a_dataset_comes_back_from_its_file_unchanged(folder, tmp_path, ending):
+    with_holes = make_survey(tmp_path, ALL - 5, "stopped")
+    for number, (place, lazy_bytes) in enumerate(((folder, None), (folder, 0), (with_holes, None))):
+        survey = load_survey(place, **({} if lazy_bytes is None else {"lazy_bytes": lazy_bytes}))
+        write_dataset(survey, tmp_path / f"{number}.{ending}")
+        assert load_survey(tmp_path / f"{number}.{ending}").identical(load_survey(place)), number
+
+
+@pytest.mark.parametrize("ending", ["nc", "zarr"])
+def test_a_lazy_dataset_goes_through_steps_to_a_file(folder, tmp_path, ending):
+    steps = [step_from_text(one) for one in ("window", "time", "gain:method=agc")]
+    first, second, third = (tmp_path / f"{number}.{ending}" for number in range(3))
+    write_dataset(load_survey(folder), first)
+    write_dataset(apply_steps(load_survey(folder), steps, None), third)
+    lazy = load_survey(first, lazy_bytes=0)
+    assert isinstance(lazy.s21.data, dask.array.Array) and lazy.s21.data.chunks[0] == (1, 1)
+    write_dataset(apply_steps(lazy, steps, None), second)
+    found = load_survey(second, lazy_bytes=0)
+    assert found.chunks and found.compute().identical(load_survey(third))
+
+
+def test_the_temporary_file_goes_with_the_survey(folder, tmp_path, monkeypatch):
+    monkeypatch.setenv("TMPDIR", str(tmp_path))
+    monkeypatch.setattr("tempfile.tempdir", None)
+    lazy = load_survey(folder, lazy_bytes=0)
+    assert list(tmp_path.iterdir())
+    del lazy
+    assert not list(tmp_path.iterdir())
+
+
+def test_an_image_that_cannot_be_is_refused_before_it_is_computed(folder, refusals, monkeypatch):
+    assert main(["image", str(folder), "--permittivity", "4"]) == 3
+    assert refusals == [faults.TOO_DEEP.code]
+    assert available_bytes() > 1 << 20
+    monkeypatch.setattr("resource.getrlimit", lambda kind: (4096, 4096))
+    assert available_bytes() == 4096
+    monkeypatch.setattr("gpr20_analysis.lazy.available_bytes", lambda: 1000)
+    with raises_fault(faults.TOO_LARGE):
+        options = ImageOptions(permittivity=4.0, height_m=0.2)
+        image_survey(load_survey(folder, lazy_bytes=0), options)
 
 
 def test_what_is_no_survey_is_refused_by_name(tmp_path):
@@ -106,8 +174,54 @@ def test_what_is_no_survey_is_refused_by_name(tmp_path):
             load_survey(tmp_path / name)
 
 
-def test_the_list_of_missing_samples_follows_the_flags(folder):
+def test_a_sensors_value_is_at_its_sample_in_table_and_report(folder, tmp_path):
     survey = load_survey(folder)
-    survey[dataset.QUALITY][0, 1, 2] = int(Quality.DAMAGED)
-    (missing,) = dataset.missing_samples(survey)
-    assert str(missing) == "damaged: x 20 mm, y 15 mm, 0 deg"
+    assert dataset.aux_names(survey) == ["aux_period", "aux_soil", "aux_soil_2"]
+    for name, first, last in (("aux_soil", 0, CELSIUS), ("aux_soil_2", CELSIUS, KELVIN)):
+        index, values = survey["index"].values.ravel(), survey[name].values.ravel()
+        held = (index >= first) & (index < last)
+        assert np.array_equal(values[held], 0.5 * index[held])
+        assert np.isnan(values[~held]).all()
+    assert survey.aux_soil.attrs == {"long_name": "sensor soil", "units": "\N{DEGREE SIGN}C"}
+    assert "soil" in str(survey.attrs["notes"])
+    write_plain_csv(survey, tmp_path / "survey.csv")
+    with (tmp_path / "survey.csv").open(encoding="utf-8", newline="") as stream:
+        rows = {int(row["index"]): row for row in csv.DictReader(stream)}
+    assert rows[3]["aux_soil [\N{DEGREE SIGN}C]"] == "1.5"
+    assert rows[CELSIUS]["aux_soil_2 [K]"] == "6.0"
+    assert rows[KELVIN]["aux_period [s]"] == "nan"
+    section = _sensors(survey, ENGLISH)
+    assert section.rows[1] == ("soil", "\N{DEGREE SIGN}C", "12/18", "0", "2.75", "5.5")
+    assert _sensors(survey.drop_vars(dataset.aux_names(survey)), ENGLISH).empty
+
+
+def test_the_settings_of_the_analyzer_are_in_summary_and_exports(folder, tmp_path, capsys):
+    assert main(["info", str(folder), "--json"]) == 0
+    shown = json.loads(capsys.readouterr().out)
+    assert [shown[name] for name in ("IF bandwidth", "averages", "output power")] == [
+        "1000 Hz", "4", "HIGH",
+    ]  # fmt: skip
+    for name, file_format in (("s.nc", "netcdf"), ("ts", "touchstone")):
+        assert main(["export", str(folder), str(tmp_path / name), "--format", file_format]) == 0
+    assert settings_in(read_dataset(tmp_path / "s.nc").attrs) == SETTINGS
+    first = sorted((tmp_path / "ts").iterdir())[0]
+    assert "if_bandwidth_hz 1000.0, averages 4, output_power HIGH" in first.read_text()
+
+
+def test_samples_without_settings_do_not_count_and_different_ones_are_a_note(tmp_path):
+    unknown, other = (
+        {"analyzer": AnalyzerSettings()},
+        {"analyzer": AnalyzerSettings(20.0, 1, "LOW")},
+    )
+    for number, (changes, known, noted) in enumerate(
+        (
+            (dict.fromkeys(range(9), unknown), {}, 0),
+            (dict.fromkeys(range(7), unknown), SETTINGS, 0),
+            ({5: other, 7: other}, SETTINGS, 1),
+        )
+    ):
+        attributes = load_survey(make_survey(tmp_path / str(number), 9, "stopped", changes)).attrs
+        assert settings_in(attributes) == known, number
+        notes = [one for one in attributes["notes"] if "different settings" in one]
+        assert len(notes) == noted, number
+    assert "7 with IF bandwidth 1000 Hz, averages 4, output power HIGH, 2 with others" in notes[0]

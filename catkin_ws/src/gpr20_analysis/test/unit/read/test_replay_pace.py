@@ -50,29 +50,12 @@ def test_messages_are_due_at_their_recorded_times():
         assert found == pytest.approx(expected_s), pace
 
 
-def test_a_stopped_replay_yields_nothing_more():
-    playback = Playback(Pace(), JumpingClock())
-    contents = playback.play([Due(0, "a"), Due(1, "b")])
-    assert next(contents) == "a"
-    playback.stop()
-    assert list(contents) == []
-
-
 def test_a_rate_or_a_start_that_is_none_is_refused():
     nan, infinite = float("nan"), float("inf")
     wrong = [{"rate": one} for one in (0.0, -1.0, nan, infinite)]
     for one in [*wrong, *({"start_s": start_s} for start_s in (-1.0, nan, infinite))]:
         with raises_fault(faults.OPTION):
             Pace(**one)
-
-
-def test_a_folder_gives_every_recorded_topic_and_files_alone_the_traces(tmp_path):
-    folder = make_survey(tmp_path, len(POINTS), "finished")
-    topics = [due.content.topic for due in recorded(folder)]
-    assert topics.count("/trace") == len(POINTS) and "/survey_metadata" in topics
-    traces = [due.content for due in recorded(folder / "traces")]
-    assert [trace.index for trace in traces] == list(range(len(POINTS)))
-    assert not any(isinstance(trace, RecordedMessage) for trace in traces)
 
 
 def test_a_replay_pauses_and_changes_its_rate_in_the_middle_of_a_gap():

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import bz2
-import os
 
 import numpy as np
 import pytest
+from run_seed import draws
 from survey_kit import POINTS, SURVEY, make_survey, planned_trace
 
 from gpr20_analysis.errors import AnalysisError
@@ -16,7 +16,7 @@ from gpr20_analysis.read.unindexed_bag import complete_messages
 from gpr20_survey.recording import bag_format
 
 ALL = len(POINTS)
-DRAWS = int(os.environ.get("GPR20_DAMAGES", "40"))
+DRAWS = draws(10)
 
 
 @pytest.fixture(scope="module")

@@ -1,67 +1,37 @@
-"""What verify says where a survey's entries, nodes and clocks contradict each other."""
+"""What verify says of contradictions, and of a survey that is being written."""
 
 from __future__ import annotations
 
-import pytest
-from survey_kit import NOW_NS, STARTED_US, describe_again, make_survey
+import os
+import subprocess
+import sys
+import threading
 
+import pytest
+from case_kit import each_case
+from survey_kit import (
+    NOW_NS,
+    POINTS,
+    STARTED_US,
+    SURVEY,
+    describe_again,
+    make_survey,
+    planned_trace,
+)
+
+from gpr20_analysis.commands.main import main
 from gpr20_analysis.read.verification import verify_survey
 from gpr20_analysis.read.verification_result import DAMAGED
+from gpr20_analysis.verify import main as gpr20_verify
+from gpr20_survey.faults import LOCKED
+from gpr20_survey.folder import annotating
+from gpr20_survey.folder.log_record import Kind
+from gpr20_survey.folder.recovery import read_description, recover
+from gpr20_survey.plan.annotation import annotation_of
+from gpr20_survey.plan.markers import Marker
 from gpr20_survey.trace import utc_time
 
-SIMULATED = {"identity": "Anritsu,MS2026C/2,SIMULATED,1.0"}
-REAL = {"identity": "Anritsu,MS2026C/2,7654321,1.23"}
 S = 10**6  # [us]
-
-
-def node(name, simulated):
-    return {"name": name, "simulated": simulated, "hardware": "pins"}
-
-
-MEASURED_BY = (
-    ({"simulated": True, "instrument": SIMULATED}, []),
-    ({"simulated": False, "instrument": REAL}, []),
-    ({"simulated": False, "instrument": {}}, []),
-    ({"simulated": False, "instrument": REAL, "nodes": [node("/x", False)]}, []),
-    (
-        {"simulated": False, "instrument": SIMULATED},
-        ["survey.json says simulated: false, but the analyzer's identity is "
-         "Anritsu,MS2026C/2,SIMULATED,1.0"],
-    ),
-    (
-        {"simulated": True, "instrument": REAL},
-        ["survey.json says simulated: true, but the analyzer's identity is "
-         "Anritsu,MS2026C/2,7654321,1.23"],
-    ),
-    (
-        {"simulated": False, "nodes": [node("/x", False), node("/vna", True)]},
-        ["survey.json says simulated: false, but for node /vna it says true"],
-    ),
-    (
-        {"simulated": True, "nodes": [node("/x", False)]},
-        ["survey.json says simulated: true, but for node /x it says false"],
-    ),
-    (
-        {"simulated": True, "nodes": [{"name": "/x"}]},
-        ["survey.json says simulated: true, but for node /x it says None"],
-    ),
-    (
-        {"simulated": True, "nodes": 7},
-        ["survey.json says simulated: true, but for node 7 it says None"],
-    ),
-)  # fmt: skip
-
-
-def test_simulated_agrees_with_what_measured_the_survey(tmp_path):
-    for number, (more, faults) in enumerate(MEASURED_BY):
-        folder = make_survey(tmp_path / str(number), 4, "stopped", more=more)
-        assert [str(one) for one in verify_survey(folder).faults] == faults, more
-
-
-def notes(folder):
-    found = verify_survey(folder)
-    assert found.faults == []
-    return [str(one) for one in found.notes]
 
 
 def at(time_us, sweep_us=None):
@@ -73,31 +43,42 @@ def at(time_us, sweep_us=None):
     }
 
 
-def test_traces_in_order_of_time_need_no_note(tmp_path):
-    assert notes(make_survey(tmp_path, 4, "stopped")) == []
+def analyzer(serial):
+    return {"instrument": {"identity": f"Anritsu,MS2026C/2,{serial},1.0"}}
 
 
-def test_a_clock_that_was_set_back_between_two_traces_is_told_with_both_times(tmp_path):
-    back = {2: at(STARTED_US + 2 * S), 3: at(STARTED_US + 5 * S)}
-    (note,) = notes(make_survey(tmp_path, 4, "stopped", misplaced=back))
-    assert note.startswith("out of order: trace 2 of 2026-09-21T14:13:22.123456+00:00 was recorded")
-    assert "after trace 1 of 2026-09-21T14:13:23.123456+00:00" in note
+def nodes(*simulated):
+    return {"nodes": [{"name": "/x", "simulated": one, "hardware": "pins"} for one in simulated]}
 
 
-def test_traces_outside_of_the_survey_are_told(tmp_path):
-    ended_us = NOW_NS // 1000
-    outside = {0: at(STARTED_US - S), 3: at(ended_us + S)}
-    older, newer = notes(make_survey(tmp_path, 4, "stopped", misplaced=outside))
-    assert older.startswith("1 traces are older than the start of the survey")
-    assert older.endswith(": 0")
-    assert newer.startswith("1 traces are newer than the end of the survey")
-    assert newer.endswith(": 3")
+@each_case(
+    "number, simulated, measured_by, named",
+    [
+        (0, True, analyzer("SIMULATED"), ""),
+        (1, False, analyzer("7654321"), ""),
+        (2, False, {"instrument": {}}, ""),
+        (3, False, nodes(False), ""),
+        (4, False, analyzer("SIMULATED"), "SIMULATED"),
+        (5, True, analyzer("7654321"), "7654321"),
+        (6, False, nodes(False, True), "/x it says true"),
+        (7, True, nodes(False), "/x it says false"),
+        (8, True, {"nodes": [{"name": "/x"}]}, "/x it says None"),
+        (9, True, {"nodes": 7}, "7 it says None"),
+    ],
+)
+def test_simulated_agrees_with_what_measured_the_survey(
+    tmp_path, number, simulated, measured_by, named
+):
+    more = {"simulated": simulated, **measured_by}
+    folder = make_survey(tmp_path / str(number), 4, "stopped", more=more)
+    found = [str(one) for one in verify_survey(folder).faults]
+    assert len(found) == bool(named) and all(named in one for one in found)
 
 
-def test_a_trace_older_than_its_sweep_is_told(tmp_path):
-    odd = {1: at(STARTED_US + 3 * S, STARTED_US + 4 * S)}
-    (note,) = notes(make_survey(tmp_path, 4, "stopped", misplaced=odd))
-    assert "trace 1 of 2026-09-21T14:13:23.123456+00:00 has a sweep that started at" in note
+def notes(folder):
+    found = verify_survey(folder)
+    assert found.faults == []
+    return [str(one) for one in found.notes]
 
 
 def test_an_end_before_the_start_is_told(tmp_path):
@@ -110,11 +91,33 @@ def test_an_end_before_the_start_is_told(tmp_path):
     assert any(f"the survey ended at {ended}, before it started" in str(one) for one in found.notes)
 
 
-def test_many_traces_out_of_order_are_counted(tmp_path):
-    back = {index: at(STARTED_US + (50 - index) * S) for index in range(9)}
-    *named, rest = notes(make_survey(tmp_path, 9, "stopped", misplaced=back))
-    assert len(named) == 5
-    assert rest == "3 more are out of order"
+@pytest.mark.parametrize(
+    ("times", "said"),
+    [
+        ({}, []),
+        (
+            {2: at(STARTED_US + 2 * S), 3: at(STARTED_US + 5 * S)},
+            [("trace 2 of 2026-09-21T14:13:22.123456", "trace 1 of 2026-09-21T14:13:23.123456")],
+        ),
+        (
+            {0: at(STARTED_US - S), 3: at(NOW_NS // 1000 + S)},
+            [("1 traces are older", ": 0"), ("1 traces are newer", ": 3")],
+        ),
+        (
+            {1: at(STARTED_US + 3 * S, STARTED_US + 4 * S)},
+            [("trace 1 of 2026-09-21T14:13:23.123456", "has a sweep that started at")],
+        ),
+        (
+            {index: at(STARTED_US + (50 - index) * S) for index in range(9)},
+            [*[("out of order",)] * 5, ("3 more are out of order",)],
+        ),
+    ],
+)
+def test_times_that_contradict_each_other_are_told(tmp_path, times, said):
+    found = notes(make_survey(tmp_path, max(4, len(times)), "stopped", misplaced=times))
+    assert len(found) == len(said)
+    for note, words in zip(found, said):
+        assert all(one in note for one in words), note
 
 
 @pytest.mark.parametrize(
@@ -124,3 +127,78 @@ def test_a_folder_with_the_name_of_another_survey_is_noted(tmp_path, name, noted
     folder = make_survey(tmp_path, 4, "stopped")
     found = notes(folder.rename(folder.parent / name))
     assert len([one for one in found if f"the name {name} of another survey" in one]) == noted
+
+
+STORED = 5
+MARKER = Marker("7c9e6679-7425-40de-944b-e07fc1f90ae7", 12.5, 20.0)
+
+
+def test_a_survey_that_is_being_written_is_said_to_be_so(tmp_path, capsys):
+    def look(processing):
+        folder = tmp_path / "data" / os.listdir(str(tmp_path / "data"))[0]
+        processing.add_marker("", MARKER)
+        assert gpr20_verify([str(folder)]) == 1
+        printed = capsys.readouterr().out
+        assert f"BEING WRITTEN by process {os.getpid()}: {STORED} of {len(POINTS)}" in printed
+        assert "FAULT" not in printed and "DAMAGED" not in printed
+        found = verify_survey(folder)
+        assert (found.faults, found.verdict.fault_code) == ([], LOCKED.code)
+
+    folder = make_survey(tmp_path, STORED, "stopped", at_end=look)
+    assert "INCOMPLETE, but intact" in str(verify_survey(folder).verdict)
+
+
+def test_no_moment_of_a_survey_that_is_being_written_is_a_fault(tmp_path):
+    def look(processing):
+        folder = tmp_path / "data" / os.listdir(str(tmp_path / "data"))[0]
+        written = threading.Thread(target=write, args=(processing,))
+        written.start()
+        looks = 0
+        while written.is_alive() or looks < 2:
+            found = verify_survey(folder)
+            assert found.faults == [] and found.status == 1
+            looks += 1
+        written.join()
+
+    def write(processing):
+        for index in range(STORED, len(POINTS)):
+            processing.store(planned_trace(index))
+            processing.report(SURVEY, f'{{"traces": {index}}}')
+
+    folder = make_survey(tmp_path, STORED, "stopped", at_end=look)
+    assert verify_survey(folder).faults == []
+
+
+def test_annotating_a_survey_that_is_being_written_is_refused(tmp_path, refusals, monkeypatch):
+    monkeypatch.setattr(annotating, "SHORT_WAIT_S", 0.1)
+
+    def look(_processing):
+        folder = tmp_path / "data" / os.listdir(str(tmp_path / "data"))[0]
+        before = (folder / "log.jsonl").read_bytes()
+        assert main(["annotate", str(folder), "--site", "here"]) == 3
+        assert refusals[-1:] == [LOCKED.code]
+        assert (folder / "log.jsonl").read_bytes() == before
+        assert main(["annotate", str(folder)]) == 0  # it only reads
+
+    make_survey(tmp_path, STORED, "stopped", at_end=look)
+
+
+def test_two_who_write_at_once_lose_nothing(tmp_path):
+    folder = make_survey(tmp_path, STORED, "stopped")
+    program = "import sys; from gpr20_analysis.commands.main import main; sys.exit(main())"
+    wanted = {"--name": "one", "--site": "two"}
+    writers = [
+        subprocess.Popen(
+            [sys.executable, "-c", program, "annotate", str(folder), option, text],
+            env={**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)},
+            stdout=subprocess.DEVNULL,
+        )
+        for option, text in wanted.items()
+    ]
+    assert [one.wait(timeout=120) for one in writers] == [0] * len(writers)
+    noted = annotation_of(read_description(folder))
+    assert (noted.name, noted.site) == (*wanted.values(),)
+    kinds = [one.kind for one in recover(folder).found.records]
+    assert kinds.count(Kind.ANNOTATION.value) == len(writers)
+    found = verify_survey(folder)
+    assert (found.faults, found.status) == ([], 1)

@@ -1,35 +1,45 @@
-"""What people noted of a survey: repaired from its other form, or named as unconfirmed for ever.
+"""Repair writes again what another form proves, names the rest for ever, and changes nothing else.
 
-GPR20_DAMAGES sets how many surveys are damaged, GPR20_SEED repeats those of a run.
+GPR20_SEED repeats what is damaged in a run.
 """
 
 from __future__ import annotations
 
 import csv
 import json
-import os
 import random
 import re
 import shutil
 import string
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
-from run_seed import SEED
-from survey_kit import POINTS, SURVEY, add_marker, make_survey, remove_marker
+from run_seed import SEED, draws
+from survey_kit import (
+    POINTS,
+    SURVEY,
+    add_marker,
+    describe_again,
+    make_survey,
+    planned_trace,
+    remove_marker,
+)
 
+from gpr20_analysis import faults
 from gpr20_analysis.commands.main import main
 from gpr20_analysis.read.load import load_survey
+from gpr20_analysis.read.manifest_repair import NOT_VOUCHED, OTHERS, VOUCHED
 from gpr20_analysis.read.verification import verify_survey
 from gpr20_survey.faults import UNCONFIRMED
-from gpr20_survey.folder import manifest
+from gpr20_survey.folder import manifest, sealing
 from gpr20_survey.folder.annotating import add_to_survey, annotate
 from gpr20_survey.folder.log_record import Kind
 from gpr20_survey.folder.recovery import read_description, recover
 from gpr20_survey.plan.annotation import Annotation
 from gpr20_survey.plan.markers import Marker, markers_of
 
-DAMAGES = int(os.environ.get("GPR20_DAMAGES", "40"))
+DAMAGES = draws(10)
 NOW = "2026-11-21T05:10:00.000000Z"
 IDS = [f"7c9e6679-7425-40de-944b-e07fc1f90a{number:02d}" for number in range(5)]
 MARKERS = [
@@ -122,15 +132,6 @@ def test_damage_of_one_form_of_the_log_and_of_the_manifest_loses_nothing(noted, 
         for name in ("survey.json", "log.jsonl"):
             assert (folder / name).read_bytes() == (noted / name).read_bytes(), where
         shutil.rmtree(str(folder))
-
-
-@pytest.mark.parametrize("name", ["survey_id", "started", "parameters", "outcome", "fault_code"])
-def test_a_changed_key_of_survey_json_is_repaired_without_a_manifest(noted, copy, name):
-    path = copy / "survey.json"
-    (copy / "manifest.json").unlink()
-    path.write_text(path.read_text("ascii").replace(f'"{name}"', f'"{name[:-1]}0"', 1))
-    assert main(["repair", str(copy)]) == DONE
-    assert path.read_bytes() == (noted / path.name).read_bytes()
 
 
 BOTH_FORMS = (("survey.json", "log.jsonl"), ("survey.json", "log.jsonl", "manifest.json"))
@@ -235,3 +236,116 @@ def test_markers_that_nothing_vouches_for_are_marked_as_such(copy, tmp_path, cap
     assert {one["confirmed"] for one in rows} == {"False"}
     features = json.loads(collection.read_text("utf-8"))["features"]
     assert {one["properties"]["confirmed"] for one in features} == {False}
+
+
+@pytest.fixture(scope="module")
+def finished(tmp_path_factory):
+    return make_survey(tmp_path_factory.mktemp("finished"), len(POINTS), "finished")
+
+
+@pytest.fixture
+def sealed(finished, tmp_path):
+    return Path(shutil.copytree(str(finished), str(tmp_path / finished.name)))
+
+
+def files(folder):
+    return {
+        path.relative_to(folder).as_posix(): path.read_bytes()
+        for path in folder.rglob("*")
+        if path.is_file() and path != folder / "manifest.json"
+    }
+
+
+def test_a_manifest_is_left_alone_or_written_again_and_the_damaged_one_kept(sealed, capsys):
+    path, before = sealed / "manifest.json", files(sealed)
+    whole = path.read_bytes()
+    assert main(["repair", str(sealed)]) == 0 and path.read_bytes() == whole
+    path.unlink()
+    assert verify_survey(sealed).status == 2
+    assert main(["repair", str(sealed)]) == 0 and files(sealed) == before
+    content = bytearray(path.read_bytes())
+    content[len(content) // 3] ^= 8
+    path.write_bytes(content)
+    found = verify_survey(sealed)
+    assert found.status == 2 and found.faults[0].fault_code == faults.MANIFEST.code
+    capsys.readouterr()
+    assert main(["repair", str(sealed)]) == 0
+    assert str(VOUCHED) in capsys.readouterr().out
+    assert files(sealed) == {**before, "damaged/manifest.json": bytes(content)}
+    rewritten = manifest.read_manifest(sealed).rewritten[-1]
+    assert rewritten["reason"] and rewritten["time"]
+    assert rewritten["time"] in " ".join(map(str, verify_survey(sealed).notes))
+
+
+@pytest.mark.parametrize("keep", [True, False])
+def test_a_changed_plan_in_survey_json_is_written_again_from_the_log(sealed, keep):
+    before, path = files(sealed), sealed / "survey.json"
+    changed = path.read_bytes().replace(b'"y_stop_mm": 20.0', b'"y_stop_mm": 21.0', 1)
+    path.write_bytes(changed)
+    if not keep:
+        (sealed / "manifest.json").unlink()
+    assert main(["repair", str(sealed)]) == 0
+    after = files(sealed)
+    assert after["damaged/survey.json"] == changed
+    assert {name: after[name] for name in before} == before
+    assert verify_survey(sealed).status == 0
+
+
+@pytest.mark.parametrize("name", ["survey.bag", "survey.mcap", "trace"])
+@pytest.mark.parametrize("keep", [True, False])
+def test_nothing_is_sealed_that_disagrees(sealed, capsys, name, keep):
+    path = sorted((sealed / "traces").iterdir())[4] if name == "trace" else sealed / name
+    content = path.read_bytes()
+    place = content.index(b"s21_real") + 7 if name == "trace" else len(content) // 2
+    path.write_bytes(content[:place] + bytes([content[place] ^ 1]) + content[place + 1 :])
+    if not keep:
+        (sealed / "manifest.json").unlink()
+    before = files(sealed)
+    assert main(["repair", str(sealed)]) in (2, 3)
+    assert files(sealed) == before
+    assert (sealed / "manifest.json").exists() == keep
+
+
+def test_data_that_were_replaced_as_a_whole_are_named_for_ever(sealed, tmp_path, capsys):
+    other = {4: {"s21_real": planned_trace(5).s21_real}}
+    replaced = make_survey(tmp_path / "other", len(POINTS), "finished", misplaced=other)
+    for name in ("survey.bag", "survey.mcap", "traces"):
+        for path in [sealed / name] if name != "traces" else (sealed / name).iterdir():
+            shutil.copy(str(replaced / path.relative_to(sealed)), str(path))
+    (sealed / "manifest.json").unlink()
+    assert main(["repair", str(sealed)]) == 1
+    printed = capsys.readouterr().out
+    assert str(OTHERS) in printed and str(VOUCHED) not in printed
+    for _ in range(2):
+        found = verify_survey(sealed)
+        assert (found.status, found.unconfirmed) == (1, (sealing.DATA,))
+        assert main(["repair", str(sealed)]) == 1
+    assert manifest.read_manifest(sealed).unconfirmed == (sealing.DATA,)
+
+
+def test_data_that_were_replaced_with_the_manifest_are_found(sealed, tmp_path):
+    other = {4: {"s21_real": planned_trace(5).s21_real}}
+    replaced = make_survey(tmp_path / "other", len(POINTS), "finished", misplaced=other)
+    for name in ("survey.json", "log.jsonl"):
+        shutil.copy(str(sealed / name), str(replaced / name))
+    forged = manifest.read_manifest(replaced)
+    own = manifest.read_manifest(sealed)
+    (replaced / "manifest.json").write_bytes(replace(own, files=forged.files).encode())
+    assert verify_survey(sealed).status == 0
+    assert verify_survey(replaced).status == 2
+
+
+def test_a_survey_that_is_not_closed_is_refused_and_an_unproven_manifest_said_to_be_so(
+    tmp_path, refusals, capsys, monkeypatch
+):
+    folder = make_survey(tmp_path, 4, None)
+    assert main(["repair", str(folder)]) == 3
+    describe_again(folder, resumed=["now"])
+    assert main(["repair", str(folder)]) == 3
+    assert refusals == [faults.NOT_CLOSED.code] * 2
+    with monkeypatch.context() as patch:  # nothing says what the survey held
+        patch.setattr(sealing, "content_sum", lambda _sums: None)
+        folder = make_survey(tmp_path / "closed", len(POINTS), "finished")
+    (folder / "manifest.json").unlink()
+    assert main(["repair", str(folder)]) == 0
+    assert str(NOT_VOUCHED) in capsys.readouterr().out
