@@ -5,7 +5,6 @@ from __future__ import annotations
 import argparse
 import json
 import os
-import shutil
 import signal
 import subprocess
 import sys
@@ -15,21 +14,21 @@ import dask
 import numpy as np
 import psutil
 import pytest
-import xarray as xr
 from distributed import Client, LocalCluster
+from run_seed import LONG
 from survey_kit import POINTS, make_survey
 
 from gpr20_analysis import faults
 from gpr20_analysis.commands import batch_work
 from gpr20_analysis.commands.main import main
-from gpr20_analysis.dataset import ECHOES
 from gpr20_analysis.formats.common import Imported, as_dataset
 from gpr20_analysis.formats.dataset_files import write_dataset
 from gpr20_analysis.read.load import load_survey
 
-TIME_LIMIT_S = 120.0
+TIME_LIMIT_S = 60.0
+COLUMNS = (6, 7, 8, 9) if LONG else (6, 9)
 GPR20 = "import sys; from gpr20_analysis.commands.main import main; sys.exit(main())"
-IMAGE = "image --permittivity 4 --depth 0 0.1 0.01 --method back-projection"
+IMAGE = "image --permittivity 4 --depth 0 0.05 0.01 --method back-projection"
 DEADLY = '''
 import os, signal
 
@@ -42,8 +41,8 @@ def deadly(survey):
 
 
 def write_noise(path, columns):
-    frequency_hz = np.linspace(1e9, 5e9, 81)
-    noise = np.random.default_rng(columns).standard_normal((2, 2, 6, columns, 81))
+    frequency_hz = np.linspace(1e9, 5e9, 41)
+    noise = np.random.default_rng(columns).standard_normal((2, 2, 6, columns, 41))
     found = Imported(
         noise[0] + 1j * noise[1], [0.0, 90.0], np.arange(6) * 0.02, np.arange(columns) * 0.02,
         np.full((2, 6, columns), 0.2), "noise", frequency_hz=frequency_hz,
@@ -54,8 +53,8 @@ def write_noise(path, columns):
 @pytest.fixture(scope="module")
 def surveys(tmp_path_factory):
     folder = tmp_path_factory.mktemp("surveys")
-    paths = [folder / f"{columns}.nc" for columns in (6, 7, 8, 9)]
-    for path, columns in zip(paths, (6, 7, 8, 9)):
+    paths = [folder / f"{columns}.nc" for columns in COLUMNS]
+    for path, columns in zip(paths, COLUMNS):
         write_noise(path, columns)
     return [str(path) for path in paths]
 
@@ -100,42 +99,13 @@ def wait_for_jobs(process, into, count):
         time.sleep(0.01)
 
 
-def test_the_survey_of_a_killed_worker_is_computed_by_another(surveys, tmp_path):
-    into, alone = tmp_path / "into", tmp_path / "alone"
-    process = begun([*surveys, "--into", into, "--workers", 2, "--command", IMAGE])
-    try:
-        wait_for_jobs(process, into, 2)
-        workers = workers_of(process)
-        assert len(workers) == 2
-        workers[0].kill()
-        # Four surveys, and the killed one's again.
-        wait_for_jobs(process, into, 5)
-        printed, error = process.communicate(timeout=TIME_LIMIT_S)
-    finally:
-        process.kill()
-    assert process.returncode == 0, error
-    assert printed.count("done") == 4, printed
-    names = ["6.nc", "7.nc", "8.nc", "9.nc"]
-    assert sorted(one.name for one in into.glob("[!.]*")) == names
-    for survey, name in zip(surveys, names):
-        assert main([*IMAGE.split(), survey, "-o", str(alone / name)]) == 0
-        # Another number of threads adds the same numbers in another order.
-        made, expected = load_survey(into / name), load_survey(alone / name)
-        echoes = [one[ECHOES].values for one in (made, expected)]
-        xr.testing.assert_allclose(
-            made.drop_vars(ECHOES), expected.drop_vars(ECHOES), rtol=1e-6, atol=1e-6
-        )
-        strong = [one[one[:, -1] > 0.0] for one in echoes]
-        np.testing.assert_allclose(*strong, atol=1e-2)
-
-
 def test_one_failure_stops_no_other_and_a_second_run_makes_what_is_missing(tmp_path, batch):
     data, into = tmp_path / "data", tmp_path / "into"
     data.mkdir()
     write_noise(data / "whole.nc", 6)
     (data / "torn.nc").write_bytes(b"not NetCDF")
     arguments = [data / "torn.nc", data / "whole.nc", "--into", into]
-    arguments += ["--command", "candidates --permittivity 4 --depth 0 0.1 0.01", "--workers", 1]
+    arguments += ["--command", "candidates --permittivity 4 --depth 0 0.05 0.01", "--workers", 1]
     status, (torn, whole) = batch(*arguments)
     assert status == 1
     assert (torn["state"], torn["result"]) == ("failed", None)
@@ -177,15 +147,7 @@ def test_what_a_survey_lacks_is_said_each_time(tmp_path, batch):
     assert batch(*arguments)[1][0]["state"] == "failed"
 
 
-def test_the_recordings_of_a_folder_are_surveys(tmp_path, batch, made_survey):
-    (tmp_path / "many").mkdir()
-    for name in ("a", "b"):
-        shutil.copy(str(made_survey / "survey.mcap"), str(tmp_path / "many" / f"{name}.mcap"))
-    arguments = [tmp_path / "many", "--into", tmp_path / "into", "--workers", 1]
-    status, records = batch(*arguments, "--command", "export --format netcdf")
-    assert (status, [one["state"] for one in records]) == (0, ["done", "done"])
-
-
+@pytest.mark.timeout(300)
 def test_a_survey_that_kills_each_worker_is_named_and_the_others_are_done(surveys, tmp_path, batch):
     (tmp_path / "deadly.py").write_text(DEADLY)
     command = f"process --steps-from {tmp_path}/deadly.py --step deadly"
@@ -194,7 +156,7 @@ def test_a_survey_that_kills_each_worker_is_named_and_the_others_are_done(survey
     with dask.config.set({"distributed.deploy.lost-worker-timeout": "10ms"}):
         status, records = batch(*arguments)
     assert status == 1
-    assert [one["state"] for one in records] == ["done", "done", "done", "failed"]
+    assert [one["state"] for one in records] == ["done"] * (len(COLUMNS) - 1) + ["failed"]
     assert records[-1]["error"]["fault_code"] == faults.WORKER_KILLED.code
 
 
@@ -248,7 +210,7 @@ def test_a_worker_that_was_given_up_is_replaced(tmp_path, monkeypatch):
 def test_surveys_below_a_folder_are_computed_by_a_scheduler_that_runs(tmp_path, batch, made_survey):
     data = made_survey.parent
     with LocalCluster(
-        n_workers=1, threads_per_worker=1, processes=True, dashboard_address=None
+        n_workers=1, threads_per_worker=1, processes=False, dashboard_address=None
     ) as cluster:
         address = cluster.scheduler_address
         arguments = [data, "--into", tmp_path / "into", "--scheduler", address]

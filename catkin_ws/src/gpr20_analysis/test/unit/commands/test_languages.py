@@ -9,14 +9,12 @@ import xarray as xr
 from survey_kit import POINTS, make_survey
 
 from gpr20_analysis.commands import main as gpr20
-from gpr20_analysis.formats.dataset_files import read_dataset, write_dataset
 from gpr20_analysis.read.load import load_survey
 from gpr20_analysis.report import build
 from gpr20_analysis.report.summary import settings_of, summary_of
-from gpr20_analysis.sentences import sentences_of, shown, with_sentences
+from gpr20_analysis.sentences import sentences_of
 from gpr20_common.catalogue import Catalogue, Language
 from gpr20_common.message import Message, verbatim
-from gpr20_common.sent_message import received_message
 from gpr20_survey.trace.calibration import CalibrationStatus
 
 ALL = len(POINTS)
@@ -51,23 +49,18 @@ def stopped(tmp_path_factory):
     return make_survey(tmp_path_factory.mktemp("stopped"), ALL - 4, "stopped")
 
 
-def test_the_language_is_an_option_anywhere_in_the_call(tmp_path, capsys):
+def test_the_language_is_an_option_anywhere_else_that_of_the_environment(
+    tmp_path, capsys, monkeypatch
+):
     for place in range(3):
         arguments = ["info", str(tmp_path / "nowhere")]
         arguments[place:place] = ["--language", "es"]
         assert gpr20.main(arguments) == 3
         said, first = capsys.readouterr().err.splitlines()
         assert said.startswith(f"gpr20 info: {tmp_path}/nowhere") and first.startswith("Primero: ")
-
-
-def test_the_language_comes_from_the_environment_else(tmp_path, capsys, monkeypatch):
     monkeypatch.setenv("LANG", "es_PE.UTF-8")
     assert gpr20.main(["info", str(tmp_path / "nowhere")]) == 3
     assert "Primero: " in capsys.readouterr().err
-
-
-def test_an_unknown_language_is_refused(tmp_path):
-    assert gpr20.main(["info", str(tmp_path), "--language", "quechua"]) == 3
 
 
 def test_the_verdict_and_the_warnings_are_translated(stopped, capsys):
@@ -112,13 +105,6 @@ def test_reason_and_calibration_are_translated_where_their_template_is_known(sto
     assert calibration in [text for _, text in settings_of(survey)]
 
 
-def test_sentences_of_a_stored_dataset_can_be_translated_later(stopped, tmp_path):
-    write_dataset(load_survey(stopped), tmp_path / "s.nc")
-    missing = sentences_of(read_dataset(tmp_path / "s.nc"), "missing")
-    assert len(missing) == 4
-    assert all(shown(one, Catalogue(SPANISH)).startswith("falta: x ") for one in missing)
-
-
 def test_sentences_without_a_template_that_fits_stay_in_english():
     for messages in (
         "{}", "{", "[]", "5", 5, "[" * 100_000, '{"by hand": "{"}',
@@ -126,11 +112,3 @@ def test_sentences_without_a_template_that_fits_stay_in_english():
     ):  # fmt: skip
         survey = xr.Dataset(attrs={"notes": ["by hand"], "messages": messages})
         assert sentences_of(survey, "notes") == [verbatim("by hand")], messages
-
-
-def test_lists_of_sentences_hold_the_english_text_with_details():
-    message = Message("{count} samples", count=3, details="errno 5")
-    attributes = with_sentences({}, notes=[message])
-    assert attributes["notes"] == ["3 samples (errno 5)"]
-    recorded = json.loads(attributes["messages"])["3 samples (errno 5)"]
-    assert received_message("", recorded) == message

@@ -1,17 +1,29 @@
-"""Outputs are whole or not there, never replaced unasked, and never among what was measured."""
+"""Outputs are whole or not there, and what process, image and plot write."""
 
 from __future__ import annotations
 
+import json
+import signal
+import subprocess
+import sys
+import time
 from pathlib import Path
 
+import h5py
+import numpy as np
 import pytest
+import yaml
 from fault_kit import raises_fault
+from ground_kit import point, scene, survey_of
 from survey_kit import POINTS, make_survey
 
 from gpr20_analysis import faults
-from gpr20_analysis.atomic_output import atomic_output
+from gpr20_analysis.atomic_output import BESIDE, atomic_output
 from gpr20_analysis.commands import process_command
+from gpr20_analysis.commands.command import DONE, REFUSED
 from gpr20_analysis.commands.main import main
+from gpr20_analysis.formats.common import Imported, as_dataset
+from gpr20_analysis.formats.dataset_files import read_dataset, write_dataset
 from gpr20_analysis.read.load import load_survey
 
 ALL = len(POINTS)
@@ -95,12 +107,6 @@ def test_a_folder_with_other_things_in_it_is_never_deleted(folder, tmp_path, cap
     assert (tmp_path / "home" / "thesis.txt").read_text() == "precious"
 
 
-def test_traces_of_a_survey_are_no_output_that_may_be_replaced(folder, capsys):
-    arguments = ["export", str(folder), str(folder / "traces"), "--format", "touchstone"]
-    assert main([*arguments, "--overwrite"]) == 3
-    assert len(list((folder / "traces").iterdir())) == ALL
-
-
 def test_what_is_read_is_not_written(folder, tmp_path, refusals):
     path = tmp_path / "s.nc"
     assert main(["export", str(folder), str(path), "--format", "netcdf"]) == 0
@@ -116,8 +122,10 @@ def test_one_name_for_two_outputs_is_refused(folder, tmp_path, refusals):
     assert refusals[-1:] == [faults.OUTPUT.code]
 
 
-@pytest.mark.parametrize("ending", [KeyboardInterrupt, MemoryError, OSError(28, "No space left")])
-@pytest.mark.parametrize("there", [True, False])
+@pytest.mark.parametrize(
+    ("ending", "there"),
+    [(KeyboardInterrupt, True), (MemoryError, False), (OSError(28, "No space left"), True)],
+)
 def test_work_that_is_cut_off_leaves_nothing_half_written(
     folder, tmp_path, monkeypatch, capsys, ending, there
 ):
@@ -153,11 +161,146 @@ def test_a_disk_that_refuses_is_told_with_the_outputs_own_name():
         place.write_text("")
 
 
-def test_names_with_spaces_and_accents_are_names(folder, tmp_path, capsys):
-    survey = tmp_path / "campo número 3"
-    survey.symlink_to(folder)
-    output = tmp_path / "imágenes del día" / "señal ñ.nc"
-    assert main(["process", str(survey), "--step", "background", "-o", str(output)]) == 0
-    figure = tmp_path / "imágenes del día" / "corte β.png"
-    assert main(["plot", "coverage", str(output), "-o", str(figure)]) == 0
-    assert figure.stat().st_size > 1000
+TIME_LIMIT_S = 60.0
+COMMAND = "import sys; from gpr20_analysis.commands.main import main; sys.exit(main())"
+
+
+@pytest.fixture(scope="module")
+def survey_file(tmp_path_factory):
+    """A survey that takes long to write file by file."""
+    count, path = 100, tmp_path_factory.mktemp("survey") / "s.nc"
+    place_m, shape = np.arange(count) / 100.0, (2, count, count)
+    s21, frequency_hz = np.ones((*shape, 51), complex), np.linspace(6e8, 6e9, 51)
+    data = (s21, [0.0, 90.0], place_m, place_m, np.full(shape, 0.2), "slow")
+    write_dataset(as_dataset(Imported(*data, frequency_hz=frequency_hz)), path)
+    return path
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_what_is_interrupted_leaves_nothing_behind(survey_file, tmp_path, number):
+    call = ["export", str(survey_file), str(tmp_path / "out"), "--format", "touchstone"]
+    process = subprocess.Popen(
+        [sys.executable, "-c", COMMAND, *call], stderr=subprocess.PIPE, text=True
+    )
+    try:
+        end_s = time.monotonic() + TIME_LIMIT_S
+        while not list(tmp_path.glob(f"{BESIDE}*/out/*.s2p")):
+            assert process.poll() is None and time.monotonic() < end_s
+            time.sleep(0.01)
+        process.send_signal(number)
+        _, error = process.communicate(timeout=TIME_LIMIT_S)
+    finally:
+        process.kill()
+    assert process.returncode == 3
+    assert error.splitlines()[-1] == "gpr20 export: interrupted; no partial output is left"
+    assert "Traceback" not in error
+    assert list(tmp_path.iterdir()) == []
+
+
+PLACES_MM = np.linspace(140.0, 340.0, 11)
+TARGET = point(243.7, 236.2, 0.083)
+
+
+@pytest.fixture(scope="module")
+def ground_file(tmp_path_factory):
+    path = tmp_path_factory.mktemp("survey") / "survey.nc"
+    write_dataset(survey_of(scene([TARGET]), PLACES_MM, PLACES_MM), path)
+    return path
+
+
+def printed(capsys, *arguments, status=DONE):
+    assert main([str(one) for one in arguments]) == status
+    return capsys.readouterr().out
+
+
+def refused(capsys, *arguments):
+    assert main([str(one) for one in arguments]) == REFUSED
+    return capsys.readouterr().err
+
+
+def test_image_names_the_candidate_and_how_it_was_made(ground_file, capsys):
+    answer = json.loads(printed(capsys, "image", ground_file, "--permittivity", 4, "--json"))
+    echo = answer["candidates"][0]
+    assert abs(echo["x_m"] * 1e3 - TARGET.x_mm) < 3.0
+    assert abs(echo["depth_m"] - TARGET.depth_m) < 3e-3
+    assert answer["processing"][0]["step"] == "background"
+
+
+@pytest.mark.usefixtures("blank_figures")
+def test_image_writes_netcdf_and_vtk_and_pictures(ground_file, tmp_path, capsys):
+    netcdf, vtk, pictures = tmp_path / "i.nc", tmp_path / "i.vtr", tmp_path / "pictures"
+    printed(
+        capsys, "image", ground_file, "--permittivity", 4, "--depth", 0, 0.2, 0.05,
+        "-o", netcdf, "-o", vtk, "--figures", pictures,
+    )  # fmt: skip
+    image = read_dataset(netcdf)
+    assert image.image.dims == ("polarization", "depth", "y", "x")
+    assert image.image.dtype.kind == "c" and image.sizes["depth"] == 5
+    with h5py.File(netcdf) as stored:
+        assert stored["image_real"].shape == image.image.shape
+    assert b"RectilinearGrid" in vtk.read_bytes()[:400]
+    names = sorted(path.name for path in pictures.iterdir())
+    assert {"projections_0deg.png", "projections_90deg.png"} < set(names)
+
+
+def test_processed_data_go_through_the_chain_and_keep_their_recipe(ground_file, tmp_path, capsys):
+    result, recipe = tmp_path / "clean.nc", tmp_path / "recipe.yaml"
+    printed(
+        capsys, "process", ground_file, "--step", "background:method=median", "-o", result,
+        "--save-recipe", recipe,
+    )  # fmt: skip
+    assert yaml.safe_load(recipe.read_text())[0]["method"] == "median"
+    answer = json.loads(printed(capsys, "image", result, "--permittivity", 4, "--json"))
+    assert [one["method"] for one in answer["processing"]] == ["median"]
+    again = tmp_path / "again.nc"
+    printed(capsys, "process", ground_file, "--recipe", recipe, "-o", again)
+    np.testing.assert_array_equal(read_dataset(result).s21, read_dataset(again).s21)
+
+
+@pytest.mark.usefixtures("blank_figures")
+def test_plots_of_a_survey_are_written(ground_file, tmp_path, capsys):
+    for kind, *options in (
+        ("a-scan", "--x", "240", "--y", "240", "--until", "6"),
+        ("b-scan", "--along", "y", "--x", "240", "--value", "real"),
+        ("c-scan", "--delay", "2.4"),
+        ("coverage",),
+        ("height",),
+    ):
+        picture = tmp_path / f"{kind}.svg"
+        printed(capsys, "plot", kind, ground_file, *options, "-o", picture)
+        assert picture.exists(), kind
+
+
+WRONG_ARGUMENTS = (
+    (
+        ("image", "SURVEY", "--permittivity", "0.2"),
+        "permittivity is 0.2; it must lie between 1 and 100",
+    ),
+    (("image", "SURVEY", "--depth", "0", "0.3", "0.3001"), "gives 1 depths; use 2 to 5000"),
+    (("image", "SURVEY", "-o", "picture.jpg"), "must end in"),
+    (("image", "SURVEY", "--step", "migrate"), "the step 'migrate' does not exist"),
+    (("process", "SURVEY", "-o", "x.nc"), "no step was given"),
+    (("plot", "a-scan", "SURVEY", "--x", "900", "-o", "x.png"), "outside the data"),
+    (("plot", "c-scan", "SURVEY", "-o", "x.png"), "--delay"),
+    (("plot", "c-scan", "SURVEY", "--depth", "50", "-o", "x.png"), "--depth is for images"),
+    (("plot", "b-scan", "SURVEY", "--until", "0", "-o", "x.png"), "--until"),
+    (("plot", "height", "SURVEY", "-o", "x.jpg"), "must end in"),
+    (("plot", "projection", "SURVEY", "-o", "x.png"), "do not contain 'image'"),
+)
+
+
+def test_wrong_arguments_are_refused_with_a_reason(ground_file, capsys):
+    for arguments, reason in WRONG_ARGUMENTS:
+        given = [str(ground_file) if one == "SURVEY" else one for one in arguments]
+        assert reason in refused(capsys, *given)
+
+
+def test_the_commands_start_without_libraries_that_take_long_to_import():
+    slow = ["scipy.interpolate", "scipy.optimize", "scipy.signal", "scipy.stats", "scipy.spatial"]
+    slow += ["dask.array", "distributed", "numba", "matplotlib"]
+    code = (
+        "import sys\nfrom gpr20_analysis.commands import image_command, import_command\n"
+        f"print([name for name in {slow} if name in sys.modules])"
+    )
+    printed = subprocess.run([sys.executable, "-c", code], stdout=subprocess.PIPE, check=True)
+    assert printed.stdout.decode().strip() == "[]"

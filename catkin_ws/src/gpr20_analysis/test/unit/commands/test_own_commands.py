@@ -1,88 +1,119 @@
-"""Commands of other packages: the page docs/extend/command.md, and what they may not do."""
+"""Commands, formats, methods and steps of other packages: docs/extend, and what they may not do."""
 
+import json
 import re
+import shlex
 import sys
+import tempfile
 from pathlib import Path
 
+import numpy as np
 import pytest
+import yaml
+from case_kit import each_case
 from command_kit import install
+from fault_kit import raises_fault
 from tutorial_code import code_blocks
 
 from gpr20_analysis import entry_points, faults
 from gpr20_analysis.commands import command
 from gpr20_analysis.commands.main import main
+from gpr20_analysis.formats.conversion import EXPORTS, export_format
+from gpr20_analysis.formats.dataset_files import read_dataset
+from gpr20_analysis.formats.format import IMPORTS
+from gpr20_analysis.imaging.methods import imaging_method
+from gpr20_analysis.processing.chain import (
+    apply_steps,
+    recipe_of,
+    step_from_text,
+    steps_from_recipe,
+)
+from gpr20_analysis.processing.step_functions import StepLibrary
+from gpr20_analysis.read.load import load_survey
+from gpr20_analysis.sample.sample_survey import sample_survey
 
-PAGE = Path(__file__).parents[6] / "docs/extend/command.md"
-CODE = {**code_blocks(PAGE, "python"), **code_blocks(PAGE, "toml")}
-ENTRY = "[gpr20.commands]\ncorners = my_commands:CORNERS\n"
+DOCS = Path(__file__).parents[6] / "docs/extend"
+PAGES = {"my_commands": "command", "my_formats": "format", "my_methods": "imaging_method"}
+TEXTS = {name: (DOCS / f"{page}.md").read_text() for name, page in PAGES.items()}
+STEP_PAGE = DOCS / "processing_step.md"
 SUMMARY = "print 100 % of the corners"
+
+# The modules of the page on steps, importable as those of an installed package are.
+_folder = tempfile.TemporaryDirectory()
+STEP_CODE = {}
+for _kind in ("python", "toml", "yaml"):
+    STEP_CODE.update(code_blocks(STEP_PAGE, _kind))
+for _name, _code in STEP_CODE.items():
+    Path(_folder.name, _name).write_text(_code)
+sys.path.insert(0, _folder.name)
+
+from test_my_steps import *  # noqa: E402, F403
+
+
+def entries_of(code):
+    """Return the entry points that a page tells to write, as in a file entry_points.txt."""
+    found = re.findall(r'^\[project\.entry-points\."(.+)"\]\n(.+)\n', code, re.MULTILINE)
+    return "".join(f"[{group}]\n{line}\n".replace('"', "") for group, line in found)
 
 
 @pytest.fixture
 def site(tmp_path, monkeypatch):
-    """A folder with the package of the page, as pip installs it."""
+    """A folder with the packages of the pages, as pip installs them."""
     folder = tmp_path / "site"
-    install(folder, ENTRY, "my-commands", summary=SUMMARY)
-    (folder / "my_commands.py").write_text(CODE["my_commands.py"])
+    for name, page in PAGES.items():
+        entries = entries_of(code_blocks(DOCS / f"{page}.md", "toml")["pyproject.toml"])
+        install(folder, entries, name.replace("_", "-"), summary=SUMMARY)
+        code = code_blocks(DOCS / f"{page}.md", "python")[f"{name}.py"]
+        (folder / f"{name}.py").write_text(code)
+    install(folder, entries_of(STEP_CODE["pyproject.toml"]), "my-steps")
     monkeypatch.syspath_prepend(folder)
     yield folder
-    sys.modules.pop("my_commands", None)
+    for name in PAGES:
+        sys.modules.pop(name, None)
 
 
 @pytest.fixture
 def without_others(monkeypatch):
-    """Nothing is installed that adds a command."""
+    """Nothing is installed that adds anything."""
     for module in (command, entry_points):
         monkeypatch.setattr(module, "additions", lambda group: [])
 
 
-def refused(arguments, capsys, *shown):
-    """Call gpr20, which refuses; check the names in the one or two lines that it prints."""
-    assert main(arguments) == command.REFUSED
-    error = capsys.readouterr().err
-    assert "Traceback" not in error and len(error.splitlines()) <= 2
-    for one in shown:
-        assert one in error, error
-
-
-def test_the_commands_of_the_page_run(site, tmp_path, monkeypatch, capsys):
+@pytest.fixture
+def sample(tmp_path, monkeypatch):
+    """The sample survey, which the pages call survey.mcap, where commands are called."""
     monkeypatch.chdir(tmp_path)
-    for line in re.findall(r"^gpr20 (\w+ survey.mcap)$", PAGE.read_text(), re.MULTILINE):
-        assert main(line.split()) == command.DONE
+    assert main(["sample", "survey.mcap"]) == 0
+    return load_survey(sample_survey())
+
+
+def calls_in(text, pattern):
+    return [shlex.split(one) for one in re.findall(rf"^gpr20 ({pattern})$", text, re.MULTILINE)]
+
+
+def test_a_command_of_a_page_runs_and_is_listed_without_an_import(site, sample, capsys):
+    assert main(["--help"]) == command.DONE
+    assert re.search(rf"corners +{SUMMARY}", capsys.readouterr().out)
+    assert "my_commands" not in sys.modules
+    for call in calls_in(TEXTS["my_commands"], r"(?!sample)\w+ survey.mcap"):
+        assert main(call) == command.DONE
     assert re.search(r"^x: \S+ to \S+ m\ny: \S+ to \S+ m$", capsys.readouterr().out, re.MULTILINE)
 
 
-def test_the_entry_point_is_that_of_the_page():
-    assert 'commands"]\ncorners = "my_commands:CORNERS"' in CODE["pyproject.toml"]
-
-
-def test_help_shows_the_summary_of_the_package_and_imports_nothing_of_it(site, capsys):
-    assert main(["--help"]) == command.DONE
-    printed = capsys.readouterr().out
-    assert re.search(rf"corners +{SUMMARY}", printed)
-    assert "my_commands" not in sys.modules
-
-
-def test_a_command_explains_itself(site, capsys):
-    assert main(["corners", "--help"]) == command.DONE
-    assert "Print the corners of a survey." in capsys.readouterr().out
-
-
-def test_two_packages_with_one_command_are_named_and_neither_runs(site, refusals, capsys):
-    install(site, "[gpr20.commands]\ncorners = other:CORNERS\n", "other")
-    refused(["corners", "x"], capsys, "my-commands 1.0, my_commands:", "other 1.0, other:CORNERS")
-    assert refusals == [faults.ADDITION.code]
-    assert main(["--help"]) == command.DONE
-
-
-def test_no_package_replaces_a_command_of_gpr20(site, capsys):
-    install(site, "[gpr20.commands]\nverify = no_such_module:X\n", "other", summary="not this one")
+def test_no_package_replaces_what_gpr20_or_another_package_has(site, refusals, capsys):
+    install(site, "[gpr20.commands]\ncorners = other:CORNERS\nverify = none:X\n", "other")
+    assert main(["corners", "x"]) == command.REFUSED and refusals == [faults.ADDITION.code]
+    error = capsys.readouterr().err
+    assert "my-commands 1.0, my_commands:" in error and "other 1.0, other:CORNERS" in error
     assert main(["verify", "--help"]) == main(["--help"]) == command.DONE
-    assert "not this one" not in capsys.readouterr().out
+    install(site, "[gpr20_analysis.exports]\ncsv = more:X\nnumpy = more:X\n", "more")
+    assert EXPORTS.find("csv") is EXPORTS.own["csv"] and EXPORTS.names().count("csv") == 1
+    with raises_fault(faults.ADDITION, "my-formats 1.0, my_formats:EXPORT", "more 1.0, more:X"):
+        export_format("numpy")
 
 
 @pytest.mark.parametrize(
-    "code, shown",
+    ("code", "shown"),
     [
         ("1 / 0", "ZeroDivisionError"),
         ("import no_such_library", "no_such_library"),
@@ -94,20 +125,129 @@ def test_a_command_that_cannot_be_used_is_refused_with_the_reason(
     site, refusals, capsys, code, shown
 ):
     (site / "my_commands.py").write_text(code)
-    refused(["corners", "x"], capsys, "corners", "my-commands 1.0, my_commands:CORNERS", shown)
-    assert refusals == [faults.ADDITION.code]
+    assert main(["corners", "x"]) == command.REFUSED and refusals == [faults.ADDITION.code]
+    error = capsys.readouterr().err
+    assert "my-commands 1.0, my_commands:CORNERS" in error and shown in error
+    assert "Traceback" not in error and len(error.splitlines()) <= 2
     # The others are not touched by it.
     assert main(["info", "--help"]) == main(["--help"]) == command.DONE
 
 
-@pytest.mark.parametrize("name", command.COMMANDS.wings)
-def test_a_command_of_an_absent_package_names_the_package(without_others, refusals, capsys, name):
-    package = command.COMMANDS.wings[name]
-    refused([name, "x"], capsys, f"pip install 'catkin_ws/src/{package}'")
-    assert refusals == [faults.LIBRARY.code]
-    assert main(["--help"]) == command.DONE
-    assert re.search(rf"{name} +.*{package}", capsys.readouterr().out)
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        *([name, "x"] for name in command.COMMANDS.wings),
+        ("import", "there", "x.nc", "--format", "gprmax"),
+        ("image", "survey.mcap", "--method", "kirchhoff"),
+        ("info", "image.h5"),
+    ],
+)
+def test_a_command_names_the_absent_package(without_others, sample, refusals, capsys, arguments):
+    for name in ("there", "image.h5"):
+        Path(name).write_text("")
+    assert main(list(arguments)) == 3 and refusals == [faults.LIBRARY.code]
+    package = command.COMMANDS.wings.get(arguments[0], "gpr20_foreign_formats")
+    assert f"catkin_ws/src/{package}" in capsys.readouterr().err
 
 
-def test_an_unknown_command_is_refused(site):
-    assert main(["no_such_command"]) == command.REFUSED
+def test_a_format_of_a_page_writes_and_reads_a_survey(site, sample):
+    for call in calls_in(TEXTS["my_formats"], "(?:export|import).+"):
+        assert main(call) == 0
+    found = load_survey("survey.nc")
+    np.testing.assert_array_equal(found.s21, sample.s21)
+    assert found.attrs["simulated"] == sample.attrs["simulated"] == 1
+    assert main(["export", "survey.mcap", "it.npz", "--format", "numpy"]) == 0
+    with raises_fault(faults.IMPORT_FIRST, "gpr20 import it.npz survey.nc --format numpy"):
+        load_survey("it.npz")
+    (site / "my_formats.py").write_text("EXPORT = 'netcdf'\n")
+    sys.modules.pop("my_formats")
+    with raises_fault(faults.ADDITION, "my-formats 1.0, my_formats:EXPORT", "str"):
+        export_format("numpy")
+    with raises_fault(faults.ADDITION, "my-formats 1.0, my_formats:IMPORT", "AttributeError"):
+        IMPORTS.find("numpy")
+    assert load_survey("survey.mcap").attrs["simulated"] == 1
+
+
+def test_a_method_of_a_package_makes_an_image(site, sample):
+    (call,) = calls_in(TEXTS["my_methods"], "image .+")
+    assert main(call) == 0
+    image = load_survey("image.nc")
+    assert image.attrs["method"] == "columns" and np.abs(image.image).max() > 0.0
+    with raises_fault(faults.OPTION):
+        imaging_method("no_such_method")
+
+
+def never(path):
+    raise AssertionError(path)
+
+
+def test_the_commands_of_the_page_record_the_step_and_where_it_is_from(sample, tmp_path):
+    (tmp_path / "my_steps.py").write_text(STEP_CODE["my_steps.py"])
+    for call in calls_in(STEP_PAGE.read_text(), ".*--steps-from.*"):
+        assert main(call) == 0
+    recorded = recipe_of(read_dataset(tmp_path / "cleaned.nc"))
+    assert recorded[0]["step"] == "notch" and recorded[0]["width_hz"] == 100e6
+    assert re.fullmatch(r"my_steps.py, sha256 [0-9a-f]{16}", recorded[0]["origin"])
+
+
+def test_a_recipe_names_an_installed_step_and_its_version(site, sample):
+    result = apply_steps(sample, steps_from_recipe(yaml.safe_load(STEP_CODE["recipe.yaml"])), never)
+    notch, background = recipe_of(result)
+    assert re.fullmatch(r"my-steps 1.0, my_steps:notch, sha256 [0-9a-f]{16}", notch["origin"])
+    assert "origin" not in background
+    # What is recorded is a recipe, and makes the same again.
+    again = apply_steps(sample, steps_from_recipe(json.loads(result.attrs["processing"])), never)
+    assert again.identical(result)
+    recipe = [{"step": "notch", "center_hz": 1e9, "origin": "my-steps 0.9, my_steps:notch"}]
+    with raises_fault(faults.STEP_VERSION, "my-steps 0.9", "my-steps 1.0"):
+        steps_from_recipe(recipe)
+    for name in ("my_steps:notch", "os:system", "my_steps.notch"):
+        with raises_fault(faults.RECIPE):
+            steps_from_recipe([{"step": name, "center_hz": 1e9}])
+    install(site, "[gpr20_analysis.steps]\nnotch = other:notch\n", "other")
+    with raises_fault(faults.OWN_STEP, "my-steps 1.0, my_steps:notch", "other 1.0, other:notch"):
+        step_from_text("notch:center_hz=1.8e9")
+
+
+def own_step(folder, code):
+    path = folder / f"own{len(list(folder.iterdir()))}.py"
+    path.write_text(code)
+    return StepLibrary(path)
+
+
+@each_case(
+    "code, text, shown",
+    [
+        ("1 / 0", "own", "ZeroDivisionError"),
+        ("def own(survey, width): return survey", "own:width=1", "width"),
+        ("def own(survey, names: list): return survey", "own:names=1", "names"),
+        ("def background(survey): return survey", "background", "background"),
+    ],
+)
+def test_a_step_that_cannot_be_used_is_refused_with_the_reason(tmp_path, code, text, shown):
+    with raises_fault(faults.OWN_STEP, shown):
+        step_from_text(text, own_step(tmp_path, code))
+
+
+@each_case(
+    "body, shown",
+    [
+        ("None", "NoneType"),
+        ("survey.isel(x=slice(1))", "x, quality"),
+        ("survey.assign(s21=survey.s21.mean('frequency'))", "s21"),
+        ("survey.assign_coords(y=survey.y + 1.0)", "y"),
+        ("survey['no_such_variable']", "KeyError"),
+    ],
+)
+def test_a_step_that_does_not_keep_the_survey_is_an_error(tmp_path, sample, body, shown):
+    step = step_from_text("own", own_step(tmp_path, f"def own(survey): return {body}\n"))
+    with raises_fault(faults.OWN_STEP, shown):
+        apply_steps(sample, [step], never)
+
+
+def test_simulated_data_stay_marked_whatever_a_step_does(tmp_path, sample):
+    code = "def own(survey):\n    new = survey.copy()\n    new.attrs = {'simulated': 0}\n"
+    code += "    return new\n"
+    result = apply_steps(sample, [step_from_text("own", own_step(tmp_path, code))], never)
+    assert result.attrs["simulated"] == sample.attrs["simulated"] == 1
+    assert result.attrs["survey_id"] == sample.attrs["survey_id"]

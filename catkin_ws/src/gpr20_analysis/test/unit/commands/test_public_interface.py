@@ -1,14 +1,24 @@
-"""The public interface is what docs/reference/api.md shows, and importing it costs nothing."""
+"""The public interface is what docs/reference/api.md shows; the samples are what they say."""
 
 from __future__ import annotations
 
+import copy
 import importlib
+import json
 import re
+import runpy
 import subprocess
 import sys
 from pathlib import Path
 
+import numpy as np
+import pytest
+
 import gpr20_analysis
+from gpr20_analysis import faults
+from gpr20_analysis.commands.main import main
+from gpr20_analysis.read.load import load_survey
+from gpr20_analysis.sample.real_line import REAL_LINE_FILE, real_line
 
 ROOT = Path(__file__).resolve().parents[6]
 DOCUMENT = ROOT / "docs/reference/api.md"
@@ -47,3 +57,94 @@ def test_importing_and_the_list_of_commands_load_no_library():
     )
     printed = subprocess.run([sys.executable, "-c", program], stdout=subprocess.PIPE, check=True)
     assert printed.stdout.decode().endswith("LOADED []\n")
+
+
+MOST_BYTES = 1_600_000
+
+
+def test_it_is_small_whole_and_simulated():
+    path = gpr20_analysis.sample_survey()
+    assert path.stat().st_size < MOST_BYTES
+    survey = gpr20_analysis.load_survey(path)
+    assert survey.attrs["simulated"] and not survey.attrs["missing"] + survey.attrs["faults"]
+    assert survey.s21.shape == (2, 21, 21, 101)
+    assert np.isfinite(survey.height).all()
+    lines = gpr20_analysis.summarize(survey)
+    assert lines["VNA"].split(",")[2] == "SIMULATED" and "SIMULATED" in lines["ground"]
+
+
+def test_the_command_writes_a_copy_and_replaces_nothing(tmp_path, refusals):
+    output = tmp_path / "sample.mcap"
+    assert main(["sample", str(output)]) == 0
+    assert output.read_bytes() == gpr20_analysis.sample_survey().read_bytes()
+    assert main(["sample", str(output)]) == 3
+    assert refusals[-1:] == [faults.OUTPUT.code]
+    assert main(["sample", str(output), "--overwrite"]) == 0
+
+
+@pytest.mark.parametrize("name", ["sample.nc", "sample"])
+def test_the_copy_is_an_mcap(tmp_path, name, refusals):
+    assert main(["sample", str(tmp_path / name)]) == 3
+    assert refusals[-1:] == [faults.OUTPUT.code]
+
+
+BAR_M = 0.015
+
+
+@pytest.mark.parametrize("name", ["line.nc", "line.zarr"])
+def test_its_bars_are_the_first_candidates(tmp_path, capsys, name):
+    path = str(tmp_path / name)
+    assert main(["sample", "--real", path]) == 0
+    capsys.readouterr()
+    assert main(["candidates", path, "--permittivity", "6", "--json"]) == 0
+    candidates = json.loads(capsys.readouterr().out)["candidates"][:14]
+    with np.load(str(REAL_LINE_FILE)) as file:
+        bars_m, depths_m = file["rebar_x_m"], file["rebar_published_depth_m"]
+    away_m = np.abs(np.array([one["x_m"] for one in candidates])[:, None] - bars_m)
+    assert sorted(away_m.argmin(axis=1)) == list(range(14)) and away_m.min(axis=1).max() < BAR_M
+    assert all(0.05 < one["depth_m"] < 0.1 for one in candidates), depths_m
+
+
+def test_it_says_where_it_is_from_and_what_was_assumed(tmp_path):
+    main(["sample", "--real", str(tmp_path / "line.nc")])
+    line = load_survey(tmp_path / "line.nc")
+    assert "CHARISMA" in line.attrs["survey_notes"] and "CC0" in line.attrs["survey_notes"]
+    assert "assumed" in line.attrs["notes"][0]
+    assert line.attrs["simulated"] == 0 and line.attrs["missing"] == []
+    np.testing.assert_array_equal(line.s21.values, real_line().s21.values)
+
+
+def test_an_output_with_another_ending_and_one_that_exists_are_refused(tmp_path, capsys):
+    assert main(["sample", "--real", str(tmp_path / "line.mcap")]) == 3
+    assert "must end in .nc, .zarr" in capsys.readouterr().err
+    (tmp_path / "line.nc").write_text("kept")
+    assert main(["sample", "--real", str(tmp_path / "line.nc")]) == 3
+    assert (tmp_path / "line.nc").read_text() == "kept"
+    assert main(["sample", str(tmp_path / "s.nc")]) == 3
+
+
+NUMBER = re.compile(r"[-+]?\d+\.?\d*")
+# Sphere and disc of imaging_targets.yaml.
+TARGETS_MM = [(173.3, 181.7, 113.0), (318.9, 207.4, 71.0)]
+
+
+def printed(cell):
+    text = " ".join("".join(one.get("text", "")) for one in cell.get("outputs", []))
+    return " ".join(text.split())
+
+
+@pytest.mark.release
+def test_the_notebook_finds_the_targets_and_shows_what_a_run_prints():
+    stored = json.loads((ROOT / "docs/from_survey_to_image.ipynb").read_text(encoding="utf-8"))
+    notebook = copy.deepcopy(stored)
+    names = runpy.run_path(str(ROOT / "tools/pages/run_notebook.py"))["run_cells"](notebook)
+    found_mm = 1e3 * np.array(
+        [(one.x_m, one.y_m, one.depth_m) for one in names["found"].candidates]
+    )
+    for target_mm in TARGETS_MM:
+        assert min(np.linalg.norm(found_mm - target_mm, axis=1)) < 6.0
+    for new, old in zip(map(printed, notebook["cells"]), map(printed, stored["cells"])):
+        assert NUMBER.sub("#", new) == NUMBER.sub("#", old), "run tools/pages/run_notebook.py"
+        numbers = [[float(one) for one in NUMBER.findall(text)] for text in (new, old)]
+        # The last digit may be another one with other versions of the libraries.
+        assert numbers[0] == pytest.approx(numbers[1], rel=0.01, abs=0.2)

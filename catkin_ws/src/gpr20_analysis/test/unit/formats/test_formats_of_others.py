@@ -1,29 +1,36 @@
-"""What is exported can be read by others."""
+"""Others read what is exported; it has its checksum, and says that it is simulated."""
 
 from __future__ import annotations
+
+from xml.etree import ElementTree
 
 import numpy as np
 import pandas as pd
 import pytest
 import segyio
 import skrf
+from checksum_kit import check_with_sha256sum
+from fault_kit import raises_fault
+from obspy.io.segy.segy import _read_segy
+from random_surveys import random_survey
+from run_seed import draws
 from survey_kit import POINTS, make_survey
 
+from gpr20_analysis import faults
 from gpr20_analysis.commands.main import main
+from gpr20_analysis.dataset import usable
+from gpr20_analysis.formats.conversion import export_survey
+from gpr20_analysis.formats.dataset_files import read_dataset
+from gpr20_analysis.processing.delay import to_time
 from gpr20_analysis.read.load import load_survey
+from gpr20_survey.radar.frequency_to_delay import Window
 
 ALL = len(POINTS)
-MISSING = 4
 
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
     return make_survey(tmp_path_factory.mktemp("whole"), ALL, "finished")
-
-
-@pytest.fixture(scope="module")
-def cut_short(tmp_path_factory):
-    return make_survey(tmp_path_factory.mktemp("short"), ALL - MISSING, "stopped")
 
 
 @pytest.fixture(scope="module")
@@ -33,32 +40,6 @@ def survey(folder):
 
 def export(source, output, kind, *more):
     return main(["export", str(source), str(output), "--format", kind, *more])
-
-
-def test_segyio_reads_a_cube_whose_traces_are_the_a_scans(survey, tmp_path, folder):
-    assert export(folder, tmp_path / "s.sgy", "segy") == 0
-    with segyio.open(str(tmp_path / "s_090.sgy"), strict=True) as file:
-        cube = segyio.tools.cube(file)
-        assert cube.shape[:2] == (3, 3)
-        header = file.header[1]
-        assert header[segyio.TraceField.SourceX] == 150
-        assert header[segyio.TraceField.SourceGroupScalar] == -10000
-        assert file.bin[segyio.BinField.Interval] == 50
-    own = survey.s21.sel(polarization=90.0, y=0.01, x=0.015).values
-    weights = np.hanning(7)[1:-1]
-    turns = np.exp(2j * np.pi * survey.frequency.values * 3 * 50e-12)
-    assert cube[0, 1, 3] == pytest.approx((own * weights * turns).sum().real / 3.0, rel=1e-5)
-
-
-def test_a_missing_sample_is_a_dead_trace_in_seg_y(cut_short, tmp_path):
-    assert export(cut_short, tmp_path / "s.sgy", "segy") == 1
-    dead = 0
-    for name in ("s_000.sgy", "s_090.sgy"):
-        with segyio.open(str(tmp_path / name)) as file:
-            codes = file.attributes(segyio.TraceField.TraceIdentificationCode)[:]
-            assert np.isfinite(file.trace.raw[:]).all()
-            dead += int((codes == 2).sum())
-    assert dead == MISSING
 
 
 def test_scikit_rf_reads_s21_from_touchstone(survey, folder, tmp_path):
@@ -79,3 +60,171 @@ def test_pandas_reads_the_plain_table(survey, folder, tmp_path):
     own = survey.s21.values[survey["index"].values == 7][0]
     assert row["real_600000000.0_hz"] == own[0].real
     assert row["imag_6000000000.0_hz"] == own[-1].imag
+
+
+IMAGE = ("--permittivity", "4", "--depth", "0", "0.02", "0.005", "--height", "0.03")
+
+
+@pytest.fixture(scope="module")
+def survey_folder(tmp_path_factory):
+    return make_survey(tmp_path_factory.mktemp("s"), len(POINTS), "finished",
+                       more={"simulated": True})  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("form", "name", "inside"),
+    [
+        ("netcdf", "o.nc", None),
+        ("touchstone", "o", "*.s2p"),
+        ("csv", "o.csv", None),
+        ("segy", "o.sgy", None),
+    ],
+)
+def test_simulated_survives_every_format(survey_folder, tmp_path, form, name, inside):
+    survey = load_survey(survey_folder)
+    written = export_survey(survey, tmp_path / name, form)
+    for path in written:
+        for one in sorted(path.glob(inside)) if inside else [path]:
+            content = one.read_bytes() + one.name.encode()
+            text = content[:3200].decode("cp500") if form == "segy" else content.decode("latin-1")
+            assert "SIMULATED" in text or ",simulated," in text
+            if form == "csv":
+                assert text.splitlines()[1].split(",")[7] == "1"
+
+
+def read_vtr(path):
+    """Return the arrays of a VTK file by name, from its XML alone."""
+    head, _, data = path.read_bytes().partition(b'<AppendedData encoding="raw">')
+    data = data[data.index(b"_") + 1 :]
+    root = ElementTree.fromstring(head + b"</VTKFile>")
+    assert (root.get("type"), root.get("byte_order")) == ("RectilinearGrid", "LittleEndian")
+    size_type = {"UInt32": "<u4", "UInt64": "<u8", None: "<u4"}[root.get("header_type")]
+    found = {}
+    for one in root.iter("DataArray"):
+        start = int(one.get("offset"))
+        (size,) = np.frombuffer(data, size_type, 1, start)
+        start += np.dtype(size_type).itemsize
+        kind = {"Float64": "<f8", "Float32": "<f4", "Int64": "<i8"}[one.get("type")]
+        found[one.get("Name")] = np.frombuffer(data[start : start + int(size)], kind)
+    return found
+
+
+def test_vtk_files_hold_the_image_and_say_that_it_is_simulated(survey_folder, tmp_path):
+    paths = [tmp_path / name for name in ("i.vtr", "i.nc")]
+    outputs = [word for path in paths for word in ("-o", str(path))]
+    assert main(["image", str(survey_folder), *IMAGE, *outputs]) == 0
+    found, image = read_vtr(paths[0]), read_dataset(paths[1])
+    own = np.abs(image.image.values[1])[::-1].reshape(-1)  # x fastest, z upwards
+    np.testing.assert_array_equal(found["magnitude_90deg"], own)
+    np.testing.assert_allclose(found["z_coordinates"], -image.depth.values[::-1], atol=1e-12)
+    assert found["simulated"].tolist() == [1]
+
+
+def test_sha256sum_checks_an_export(tmp_path):
+    for form, name in (("touchstone", "out"), ("csv", "out.csv")):
+        (tmp_path / form).mkdir()
+        export_survey(random_survey(1, one_polarization=True), tmp_path / form / name, form)
+        check_with_sha256sum(tmp_path / form)
+
+
+SEEDS = range(draws(2))
+WITHIN_M = 0.51e-4
+MOMENT = np.datetime64("2026-03-05T14:07:09", "ns")
+
+
+def scaled(value, scalar):
+    return value * scalar if scalar > 0 else value / -scalar
+
+
+@pytest.fixture(scope="module")
+def written(tmp_path_factory):
+    """Return random surveys, each with the SEG-Y files of its polarizations."""
+    made = []
+    for seed in SEEDS:
+        survey = random_survey(seed)
+        survey.timestamp.values[:] = MOMENT
+        path = tmp_path_factory.mktemp("segy") / "s.sgy"
+        made.append((survey, list(export_survey(survey, path, "segy"))))
+    return made
+
+
+def test_obspy_reads_counts_units_places_and_heights(written):
+    files = [(one, *file) for one, paths in written for file in enumerate(paths)]
+    for survey, turn, path in files:
+        file = _read_segy(str(path))
+        binary = file.binary_file_header
+        present = usable(survey).values[turn]
+        rows, columns = present.shape
+        assert len(file.traces) == rows * columns
+        assert binary.seg_y_format_revision_number == 0x0100
+        assert binary.data_sample_format_code == 5
+        assert binary.measurement_system == 1 and binary.fixed_length_trace_flag == 1
+        assert binary.sample_interval_in_microseconds == 50
+        for number, trace in enumerate(file.traces):
+            header, (row, column) = trace.header, divmod(number, columns)
+            assert len(trace.data) == binary.number_of_samples_per_data_trace
+            assert header.number_of_samples_in_this_trace == len(trace.data)
+            assert header.sample_interval_in_ms_for_this_trace == 50
+            assert header.coordinate_units == 1
+            assert header.trace_sequence_number_within_segy_file == number + 1
+            assert header.for_3d_poststack_data_this_field_is_for_in_line_number == row + 1
+            assert header.for_3d_poststack_data_this_field_is_for_cross_line_number == column + 1
+            scalar = header.scalar_to_be_applied_to_all_coordinates
+            for place in ("source_coordinate", "group_coordinate"):
+                x_m = scaled(getattr(header, f"{place}_x"), scalar)
+                y_m = scaled(getattr(header, f"{place}_y"), scalar)
+                assert x_m == pytest.approx(float(survey.x[column]), abs=WITHIN_M)
+                assert y_m == pytest.approx(float(survey.y[row]), abs=WITHIN_M)
+            height_m = scaled(
+                header.receiver_group_elevation,
+                header.scalar_to_be_applied_to_all_elevations_and_depths,
+            )
+            true_m = np.nan_to_num(float(survey.height[turn, row, column]))
+            assert height_m == pytest.approx(true_m, abs=WITHIN_M)
+            live = header.trace_identification_code == 1
+            assert live == present[row, column] == bool(np.any(trace.data))
+            assert (header.year_data_recorded, header.day_of_year) == (2026, 64)
+            assert (header.hour_of_day, header.minute_of_hour) == (14, 7)
+            assert header.second_of_minute == 9 and header.time_basis_code == 4
+
+
+def test_segyio_and_obspy_read_the_same_numbers(written):
+    for path in (path for _, paths in written for path in paths):
+        with segyio.open(str(path), strict=True) as file:
+            own = file.trace.raw[:]
+            assert list(file.samples) == pytest.approx(0.05 * np.arange(own.shape[1]))
+            assert segyio.tools.cube(file).shape[:2] == (len(file.ilines), len(file.xlines))
+        others = np.stack([trace.data for trace in _read_segy(str(path)).traces])
+        np.testing.assert_array_equal(own, others)
+
+
+def test_the_textual_header_says_what_the_numbers_mean(written):
+    for survey, path in ((one, path) for one, paths in written for path in paths):
+        text = path.read_bytes()[:3200].decode("cp500")
+        lines = [text[start : start + 80] for start in range(0, 3200, 80)]
+        assert all(line.startswith(f"C{number:2d} ") for number, line in enumerate(lines, 1))
+        assert lines[38].split() == ["C39", "SEG", "Y", "REV1"]
+        assert f"SURVEY {survey.attrs['survey_id']}" in lines[0]
+        assert ("SIMULATED" in text) is bool(survey.attrs["simulated"])
+        assert "1 MICROSECOND IN THIS FILE MEANS 1 PICOSECOND" in text
+
+
+def test_a_scans_over_time_are_written_unchanged(tmp_path):
+    survey = random_survey(7, one_polarization=True)
+    step_s = 100e-12
+    survey = survey.isel(frequency=slice(0, 3))
+    survey = survey.assign_coords(frequency=1e9 + np.arange(3) / (3 * step_s))
+    in_time = to_time(survey, Window.NONE, 1.0)
+    (path,) = export_survey(in_time, tmp_path / "s.sgy", "segy")
+    found = np.stack([trace.data for trace in _read_segy(str(path)).traces])
+    own = np.nan_to_num(in_time.a_scan.values.real.astype(np.float32)).reshape(found.shape)
+    np.testing.assert_array_equal(found, own)
+
+
+@pytest.mark.parametrize("axis", ["x", "y"])
+def test_positions_that_do_not_fit_are_refused_before_anything_is_written(tmp_path, axis):
+    survey = random_survey(1, one_polarization=True)
+    far = survey.assign_coords({axis: survey[axis] - 5e6})
+    with raises_fault(faults.FORMAT, axis, "200000 m"):
+        export_survey(far, tmp_path / "far.sgy", "segy")
+    assert not list(tmp_path.iterdir())

@@ -16,6 +16,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from imported_kit import NOTE, SOURCE, imported_folder, imported_surveys, line_survey
+from run_seed import draws
 
 from gpr20_analysis import faults
 from gpr20_analysis.atomic_output import BESIDE
@@ -32,7 +33,6 @@ from gpr20_survey.files.file_sums import sum_of
 from gpr20_survey.folder.survey_folder import FOLDER_NAME
 
 TIME_LIMIT_S = 60.0
-NAMES = ("LINE.DT1", "LINE.hd")
 CHILD = """
 import sys
 from pathlib import Path
@@ -43,7 +43,7 @@ while True:
 """
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=draws(10))
 @given(survey=imported_surveys())
 def test_random_data_come_back_as_they_were(survey, tmp_path_factory):
     folder = write_imported_folder(survey, tmp_path_factory.mktemp("data"), SOURCE)
@@ -65,7 +65,8 @@ def test_random_data_come_back_as_they_were(survey, tmp_path_factory):
 
 
 def test_what_is_not_known_is_absent_and_the_source_is_named(tmp_path):
-    description = json.loads((imported_folder(tmp_path) / "survey.json").read_text("ascii"))
+    folder = imported_folder(tmp_path)
+    description = json.loads((folder / "survey.json").read_text("ascii"))
     names = {"parameters", "axes", "instrument", "settings", "planned_traces", "nodes", "report"}
     names |= {"software_revision", "analyzer"}
     assert not names & description.keys()
@@ -73,18 +74,14 @@ def test_what_is_not_known_is_absent_and_the_source_is_named(tmp_path):
     entry = description["imported"]
     assert (entry["source"], entry["format"], entry["files"]) == ("line 7.dzt", "dzt", 1)
     assert (entry["sha256"], entry["times_known"]) == (SOURCE.content.sha256, False)
-
-
-def test_verify_says_that_it_was_imported_and_never_complete(tmp_path):
-    folder = imported_folder(tmp_path)
     found = verify_survey(folder)
     assert str(found.verdict).startswith("IMPORTED, files intact: 5 traces")
-    assert "no plan" in str(found.verdict) and "complete" not in str(found.verdict).lower()
+    assert "complete" not in str(found.verdict).lower()
     assert (found.planned, found.stored, found.record()["imported"]) == (None, 5, True)
     assert any(SOURCE.content.sha256 in str(one) for one in found.notes)
 
 
-@pytest.mark.parametrize("seed", range(8))
+@pytest.mark.parametrize("seed", range(draws(2)))
 def test_a_changed_byte_of_any_file_is_named(tmp_path, seed):
     folder = imported_folder(tmp_path)
     rng = random.Random(seed)
@@ -120,7 +117,7 @@ def test_a_lost_manifest_is_repaired_and_notes_can_be_added(tmp_path, capsys):
     assert "imported from line 7.dzt (dzt)" in capsys.readouterr().out
 
 
-@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("seed", range(draws(1)))
 def test_an_import_that_is_killed_leaves_nothing_that_is_listed(tmp_path, seed):
     process = subprocess.Popen(
         [sys.executable, "-c", CHILD, str(tmp_path)],
@@ -145,14 +142,6 @@ def test_an_import_that_is_killed_leaves_nothing_that_is_listed(tmp_path, seed):
     assert {one for one, _ in _surveys(tmp_path, tmp_path / "into")} == set(listed)
 
 
-def test_who_may_read_the_folder_of_the_surveys_may_read_an_import(tmp_path):
-    tmp_path.chmod(0o750)
-    folder = imported_folder(tmp_path)
-    modes = {one: stat.S_IMODE(one.stat().st_mode) for one in (folder, *folder.rglob("*"))}
-    assert {mode for one, mode in modes.items() if one.is_dir()} == {0o750}
-    assert {mode for one, mode in modes.items() if one.is_file()} == {0o640}
-
-
 def test_data_that_a_survey_cannot_hold_leave_nothing(tmp_path):
     line = line_survey()
     far = line.assign_coords(x=line["x"] + 11.0)
@@ -169,33 +158,13 @@ def test_data_that_a_survey_cannot_hold_leave_nothing(tmp_path):
             write_imported_folder(survey, tmp_path / "data", SOURCE)
         assert not list(tmp_path.glob("data/*"))
 
-
-def test_a_failure_in_the_midst_leaves_nothing(tmp_path):
-    def fail(_items, _total):
+    def fail(items, _total):
         shutil.rmtree(next(tmp_path.glob(f"{BESIDE}*/*/traces")))
-        return _items
+        return items
 
     with pytest.raises(ExportError, match="cannot be written"):
-        write_imported_folder(line_survey(), tmp_path, SOURCE, fail)
-    assert list(tmp_path.iterdir()) == []
-
-
-def test_a_source_is_the_sum_of_its_files(tmp_path):
-    (tmp_path / "scans").mkdir()
-    for name in ("b.csv", "a.csv"):
-        (tmp_path / "scans" / name).write_text(name)
-    lines = "".join(f"{sum_of(one.encode()).sha256} 5 {one}\n" for one in ("a.csv", "b.csv"))
-    folder = ImportSource.of(tmp_path / "scans", "csv")
-    assert (folder.name, len(folder.sums), folder.content.size) == ("scans", 2, 10)
-    assert folder.content.sha256 == sum_of(lines.encode()).sha256
-    file = ImportSource.of(tmp_path / "scans" / "a.csv", "csv")
-    assert (len(file.sums), file.content) == (1, sum_of(b"a.csv"))
-    for name in ("LINE.DT1", "LINE.hd", "line2.hd", "LINE.nc"):
-        (tmp_path / "scans" / name).write_text(name)
-    both = ImportSource.of(tmp_path / "scans" / "LINE.DT1", "dt1")
-    lines = "".join(f"{sum_of(one.encode()).sha256} {len(one)} {one}\n" for one in NAMES)
-    assert (both.name, len(both.sums), both.content.size) == ("LINE.DT1", 2, 15)
-    assert both.content.sha256 == sum_of(lines.encode()).sha256
+        write_imported_folder(line, tmp_path, SOURCE, fail)
+    assert not list(tmp_path.glob(f"{BESIDE}*"))
 
 
 def test_sha256sum_checks_files_of_any_name(tmp_path):
@@ -206,13 +175,23 @@ def test_sha256sum_checks_files_of_any_name(tmp_path):
     (tmp_path / "list").write_bytes(source.listed())
     command = ["sha256sum", "--strict", "--quiet", "-c", "../list"]
     assert subprocess.run(command, cwd=str(tmp_path / "scans")).returncode == 0
-    assert len(source.content.sha256) == 64 and source.content.size == 5 + 11 + 6
+    assert (source.name, len(source.sums), source.content.size) == ("scans", 3, 5 + 11 + 6)
+    for name in ("LINE.DT1", "LINE.hd", "line2.hd", "LINE.nc"):
+        (tmp_path / "scans" / name).write_text(name)
+    both = ImportSource.of(tmp_path / "scans" / "LINE.DT1", "dt1")
+    assert sorted(both.sums) == ["LINE.DT1", "LINE.hd"] and both.content.size == 15
+    lines = "".join(f"{one.sha256} {one.size} {name}\n" for name, one in sorted(both.sums.items()))
+    assert both.content.sha256 == sum_of(lines.encode()).sha256
 
 
 def test_the_name_of_the_folder_is_that_of_a_survey_at_the_time_of_its_first_sample(tmp_path):
+    tmp_path.chmod(0o750)
     survey = line_survey()
     times = np.datetime64("2026-03-04T05:06:07", "ns") + np.arange(5) * np.timedelta64(1, "s")
     survey["timestamp"] = (SAMPLE_DIMS, times.reshape(1, 1, 5))
     folder = write_imported_folder(survey, tmp_path, SOURCE)
     assert re.fullmatch("20260304T050607_[0-9a-f]{8}", folder.name)
+    # Who may read the folder of the surveys may read an import.
+    for one, mode in ((folder / "traces", 0o750), (folder / "survey.json", 0o640)):
+        assert stat.S_IMODE(one.stat().st_mode) == mode
     assert load_survey(folder).attrs["ended"] == "2026-03-04T05:06:11.000000+00:00"

@@ -1,9 +1,10 @@
-"""The CF checker of IOOS finds nothing in NetCDF files, and xarray alone reads them."""
+"""NetCDF files keep the conventions, and a Zarr folder from elsewhere cannot run code."""
 
 from __future__ import annotations
 
 import json
 import os
+import pickle
 import subprocess
 import sys
 from pathlib import Path
@@ -11,13 +12,16 @@ from pathlib import Path
 import numpy as np
 import pytest
 import xarray as xr
+from fault_kit import raises_fault
 from random_surveys import random_survey
 from survey_kit import POINTS, make_survey
 
+from gpr20_analysis import faults
 from gpr20_analysis.commands.main import main
 from gpr20_analysis.dataset import Quality
-from gpr20_analysis.formats.dataset_files import write_dataset
-from gpr20_analysis.processing.delay import to_time
+from gpr20_analysis.formats.checksums import SUMS_FILE
+from gpr20_analysis.formats.dataset_files import read_dataset, write_dataset
+from gpr20_analysis.formats.zarr_codecs import refuse_unsafe_codecs
 
 CHECKER = Path(sys.executable).parent / "compliance-checker"
 needs_checker = pytest.mark.skipif(
@@ -67,13 +71,6 @@ def test_the_cf_checker_finds_nothing(files, tmp_path):
     assert not any(found.values()), found
 
 
-@needs_checker
-def test_the_checker_would_find_something(tmp_path):
-    data = xr.Dataset({"depth": ("x", np.arange(3.0), {"units": "furlong"})})
-    data.to_netcdf(tmp_path / "bad.nc", engine="h5netcdf")
-    assert any(checked([tmp_path / "bad.nc"], tmp_path).values())
-
-
 def test_xarray_reads_numbers_flags_and_times(tmp_path):
     survey = random_survey(3)
     survey.timestamp.values[:] = np.datetime64("2026-03-05T14:07:09.123456", "ns")
@@ -93,12 +90,65 @@ def test_xarray_reads_numbers_flags_and_times(tmp_path):
         assert masks["missing"] == int(Quality.MISSING)
         assert found.quality.attrs["flag_masks"].dtype == found.quality.dtype
         assert ("SIMULATED" in found.attrs["title"]) is bool(survey.attrs["simulated"])
+        assert survey.attrs["survey_id"] in found.attrs["title"]
 
 
-def test_a_scans_and_images_keep_their_meaning(files):
-    with xr.open_dataset(files[2], engine="h5netcdf") as image:
-        assert image.depth.attrs["standard_name"] == "depth" and image.depth.attrs["axis"] == "Z"
-        assert image.depth.attrs["positive"] == "down"
-    in_time = to_time(random_survey(5))
-    with xr.open_dataset(files[1], engine="h5netcdf") as found:
-        assert found.delay.attrs["units"] == "s" == in_time.delay.attrs["units"]
+class Trap:
+    """Makes a folder when it is unpickled."""
+
+    def __init__(self, path):
+        self._path = path
+
+    def __reduce__(self):
+        return os.mkdir, (str(self._path),)
+
+
+@pytest.fixture
+def trapped(tmp_path):
+    """Return a Zarr folder with an array of pickled objects, and what appears if they are read."""
+    path, trace = tmp_path / "s.zarr", tmp_path / "code_ran"
+    write_dataset(xr.Dataset({"a": ("x", np.arange(3.0))}), path)
+    # The author of such a folder leaves our checksum out.
+    (path / SUMS_FILE).unlink()
+    (path / ".zmetadata").unlink()
+    place = path / "a" / ".zarray"
+    array = json.loads(place.read_text())
+    array.update(dtype="|O", compressor=None, filters=[{"id": "pickle", "protocol": 5}])
+    place.write_text(json.dumps({**array, "fill_value": None}))
+    (path / "a" / "0").write_bytes(pickle.dumps([Trap(trace), None, None]))
+    return path, trace
+
+
+def test_pickled_objects_are_refused_unread(trapped):
+    path, trace = trapped
+    with raises_fault(faults.FILE_CONTENT, "needs the codec 'pickle', which is not known"):
+        read_dataset(path)
+    assert not trace.exists()
+
+
+def test_metadata_behind_a_link_are_checked_too(trapped, tmp_path):
+    path, _trace = trapped
+    linked = tmp_path / "linked.zarr"
+    linked.mkdir()
+    (linked / "a").symlink_to(path / "a", target_is_directory=True)
+    with raises_fault(faults.FILE_CONTENT):
+        refuse_unsafe_codecs(linked)
+
+
+def test_a_codec_that_is_not_known_is_refused_wherever_it_is_named(tmp_path):
+    for metadata in (
+        {"codecs": [{"name": "numcodecs.pickle"}]},
+        {"metadata": {"a/.zarray": {"filters": [{"id": "pickle"}]}}},
+        {"codecs": [{"name": "sharding_indexed", "configuration": {"codecs": ["python"]}}]},
+        {"compressor": {"id": "of somebody"}},
+        {"compressor": {}},
+    ):
+        (tmp_path / "zarr.json").write_text(json.dumps(metadata))
+        with raises_fault(faults.FILE_CONTENT):
+            refuse_unsafe_codecs(tmp_path)
+
+
+def test_a_folder_that_was_written_here_is_read(tmp_path):
+    data = xr.Dataset({"a": ("x", np.arange(3.0)), "text": ("x", np.array(["a", "b", "ñ"]))})
+    write_dataset(data, tmp_path / "s.zarr")
+    assert read_dataset(tmp_path / "s.zarr").a.values.tolist() == [0.0, 1.0, 2.0]

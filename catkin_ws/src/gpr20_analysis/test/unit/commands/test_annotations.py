@@ -1,0 +1,319 @@
+"""What people add to a survey: annotation, markers, what was found; and where each is shown."""
+
+from __future__ import annotations
+
+import csv
+import hashlib
+import json
+import os
+from dataclasses import replace
+
+import pytest
+from candidate_examples import candidate, candidate_list
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+from run_seed import draws
+from survey_kit import POINTS, SURVEY, add_marker, describe_again, make_survey, remove_marker
+
+from gpr20_analysis import faults, survey_markers
+from gpr20_analysis.commands.main import main
+from gpr20_analysis.formats.dataset_files import read_dataset
+from gpr20_analysis.read.load import load_survey
+from gpr20_analysis.verify import main as gpr20_verify
+from gpr20_survey.folder import annotating
+from gpr20_survey.folder.annotating import Fact
+from gpr20_survey.folder.found_records import read_found
+from gpr20_survey.folder.log_record import Kind
+from gpr20_survey.no_clearance import NO_CLEARANCE
+from gpr20_survey.plan.annotation import Annotation, Wgs84Position, annotation_of
+from gpr20_survey.plan.markers import Marker
+from gpr20_survey.results.candidate_json import json_text
+from gpr20_survey.results.found import What, present
+
+NOW, LATER = "2026-11-21T05:10:00.000000Z", "2026-11-21T06:00:00.000000Z"
+EXAMPLE = Annotation(
+    "Lucía Peña", "El Carmen", "wet\nsoil", Wgs84Position(4.60283, -74.06514), name="Carmen 3"
+)
+OPTIONS = ["--name", "Carmen 3", "--operator", "Lucía Peña", "--site", "El Carmen"]
+OPTIONS += ["--notes", "wet\nsoil"]
+POSITION = ["--position", "4.60283, -74.06514"]
+MARKER = Marker("7c9e6679-7425-40de-944b-e07fc1f90ae7", 12.5, 20.0, 80.0, 'raíz, "metal"', "Ana")
+SECOND = Marker("7c9e6679-7425-40de-944b-e07fc1f90ae8", 15.0, 10.0)
+PHOTO = b"\xff\xd8\xff a photograph"
+
+
+@pytest.fixture
+def folder(tmp_path):
+    return make_survey(tmp_path, len(POINTS), "finished")
+
+
+def stored(folder):
+    return annotation_of(json.loads((folder / "survey.json").read_text("ascii")))
+
+
+def annotate(folder, *options):
+    return main(["annotate", str(folder), *options])
+
+
+def test_what_is_given_is_set_and_the_rest_stays(folder, capsys):
+    assert annotate(folder, *OPTIONS, *POSITION) == 0
+    assert stored(folder) == EXAMPLE
+    assert annotate(folder, "--site", "") == 0
+    assert stored(folder) == replace(EXAMPLE, site="")
+    assert annotate(folder, "--no-position", "--site", "here") == 0
+    assert stored(folder) == replace(EXAMPLE, site="here", position=None)
+    assert annotate(folder, *POSITION, "--heading", "37.5") == 0
+    assert stored(folder).heading_deg == load_survey(folder).attrs["heading_deg"] == 37.5
+    assert annotate(folder, "--no-heading", "--no-position") == 0
+    assert stored(folder) == replace(EXAMPLE, site="here", position=None)
+    assert gpr20_verify([str(folder)]) == 0
+    capsys.readouterr()
+    before = (folder / "survey.json").read_bytes()
+    assert annotate(folder) == 0
+    printed = capsys.readouterr().out.splitlines()
+    assert [line.split(maxsplit=1)[-1] for line in printed[1:3]] == ["Lucía Peña", "here"]
+    assert printed[0].endswith("Carmen 3") and printed[4] == f"{'':24}soil"
+    assert (folder / "survey.json").read_bytes() == before
+
+
+@settings(max_examples=draws(4), suppress_health_check=[HealthCheck.function_scoped_fixture])
+@given(st.floats(-90.0, 90.0), st.floats(-180.0, 180.0))
+def test_any_position_on_the_earth_is_stored_as_it_is_given(folder, latitude_deg, longitude_deg):
+    assert annotate(folder, f"--position={latitude_deg!r},{longitude_deg!r}") == 0
+    assert repr(stored(folder).position) == repr(Wgs84Position(latitude_deg, longitude_deg))
+
+
+def test_a_wrong_value_is_refused_and_nothing_changes(folder, capsys):
+    before = (folder / "survey.json").read_bytes()
+    for options, reasons in (
+        (["--position", "91,0"], ["91 deg"]),
+        (["--position", "4.6"], ["latitude and longitude"]),
+        (["--position", "4.6,nan"], ["'nan'", "decimal number"]),
+        (["--position", "٤,5"], ["decimal number"]),
+        (["--heading", "400"], ["400 deg", "360 deg"]),
+        (["--operator", "a" * 201], ["201 characters", "200"]),
+        (["--site", "a\x07"], ["U+0007 at character 2"]),
+        ([*POSITION, "--no-position"], ["not allowed with"]),
+    ):
+        assert annotate(folder, *options) == 3, options
+        error = capsys.readouterr().err
+        assert all(one in error for one in reasons), error
+        assert (folder / "survey.json").read_bytes() == before, options
+
+
+def test_info_and_exports_show_the_annotation(folder, tmp_path, capsys):
+    annotate(folder, *OPTIONS, *POSITION, "--heading", "37.5")
+    capsys.readouterr()
+    assert main(["info", str(folder), "--json"]) == 0
+    printed = json.loads(capsys.readouterr().out)
+    for name, text in (
+        *(("survey name", "Carmen 3"), ("operator", "Lucía Peña"), ("survey notes", "wet\nsoil")),
+        *(("WGS 84 position", "4.60283, -74.06514"), ("heading of Y", "37.5 deg")),
+    ):
+        assert printed[name] == text
+    output = tmp_path / "s.nc"
+    assert main(["export", str(folder), str(output), "--format", "netcdf"]) == 0
+    attributes = read_dataset(output).attrs
+    names = ("survey_name", "operator", "site", "survey_notes", "latitude_deg", "longitude_deg")
+    assert [attributes[name] for name in names] == [
+        "Carmen 3", "Lucía Peña", "El Carmen", "wet\nsoil", 4.60283, -74.06514,
+    ]  # fmt: skip
+
+
+def test_a_damaged_annotation_or_list_of_markers_does_not_hide_the_survey(folder, capsys):
+    describe_again(folder, annotation={"operator": 1}, markers=5)
+    survey = load_survey(folder, accept_damaged=True)
+    assert "operator" not in survey.attrs
+    for said in ("the annotation in survey.json is not valid", "not a list of markers"):
+        assert any(said in one for one in survey.attrs["notes"])
+    assert main(["markers", str(folder), "--accept-damaged"]) == 3
+
+
+def test_a_survey_that_has_not_ended_is_refused(tmp_path, listed, refusals):
+    folder = make_survey(tmp_path, 3, None)
+    assert annotate(folder, *OPTIONS) == note(folder, listed, "C01", "scrap") == 3
+    assert refusals == [faults.SURVEY_RUNS.code] * 2
+    assert annotate(folder) == 0
+
+
+@pytest.fixture
+def marked(folder):
+    for marker in (MARKER, SECOND):
+        add_marker(folder, marker, NOW)
+    remove_marker(folder, SECOND, "Luis", LATER)
+    return folder
+
+
+@pytest.mark.usefixtures("blank_figures")
+def test_markers_are_listed_and_removed_ones_on_request(marked, tmp_path, capsys):
+    assert main(["markers", str(marked)]) == 0
+    _heading, line = capsys.readouterr().out.splitlines()
+    assert line.split()[:3] == ["12", "20", "80"] and line.endswith('raíz, "metal"')
+    assert main(["markers", str(marked), "--removed"]) == 0
+    assert f"removed {LATER} Luis" in capsys.readouterr().out
+    found = survey_markers(load_survey(marked))
+    assert [one.same_request(MARKER) for one in found.markers] == [True]
+    assert main(["report", str(marked), "-o", str(tmp_path / "r.html")]) == 0
+    assert "raíz, &quot;metal&quot;" in (tmp_path / "r.html").read_text("utf-8")
+    capsys.readouterr()
+    assert main(["info", str(marked), "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)["markers"].startswith("1")
+
+
+@pytest.mark.parametrize("known", [True, False])
+def test_csv_and_geojson_hold_metres_and_degrees_where_these_are_known(marked, tmp_path, known):
+    if known:
+        placed = Annotation(position=EXAMPLE.position, heading_deg=0.0)
+        annotating.add_to_survey(marked, annotating.annotate(placed), NOW)
+    table, collection = tmp_path / "m.csv", tmp_path / "m.geojson"
+    assert main(["markers", str(marked), "-o", str(table), "-o", str(collection)]) == 0
+    assert main(["markers", str(marked), "-o", str(tmp_path / "m.gpkg")]) == 3
+    text = table.read_text("utf-8")
+    (row,) = csv.DictReader(line for line in text.splitlines() if not line.startswith("#"))
+    assert (float(row["x_m"]), float(row["y_m"]), float(row["depth_m"])) == (0.0125, 0.02, 0.08)
+    assert (row["text"], row["author"], row["time"]) == (MARKER.text, "Ana", NOW)
+    values = json.loads(collection.read_text("utf-8"))
+    (feature,) = values["features"]
+    assert str(NO_CLEARANCE) in text and values["gpr20"]["warning"] == str(NO_CLEARANCE)
+    assert feature["properties"]["x_m"] == 0.0125
+    if known:
+        longitude_deg, latitude_deg = feature["geometry"]["coordinates"]
+        # One degree of latitude is 110.6 km here.
+        assert latitude_deg - 4.60283 == pytest.approx(0.02 / 110_600, rel=0.01)
+        assert longitude_deg > -74.06514
+        assert float(row["latitude_deg"]) == pytest.approx(latitude_deg, abs=1e-8)
+    else:
+        assert feature["geometry"] is None and row["latitude_deg"] == ""
+    checksum = (tmp_path / "m.csv.sha256").read_text()
+    assert checksum.split()[0] == hashlib.sha256(table.read_bytes()).hexdigest()
+
+
+@pytest.fixture
+def listed(tmp_path):
+    places = [candidate(1, 150.0, 90.0), candidate(2, 300.0, 90.0), candidate(3, 450.0, 90.0)]
+    path = tmp_path / "list.json"
+    path.write_text(json_text(candidate_list(places, survey_id=SURVEY)), encoding="utf-8")
+    return path
+
+
+@pytest.fixture
+def photo(tmp_path):
+    path = tmp_path / "IMG 1.JPG"
+    path.write_bytes(PHOTO)
+    return path
+
+
+def note(folder, listed, name, what, *options):
+    given = ("--list", str(listed), "--what", what, "--who", "Ana", *options)
+    return main(["found", str(folder), name, *given])
+
+
+def test_a_record_has_place_depth_list_who_and_photograph(folder, listed, photo):
+    (folder / "photos").mkdir()  # a command that was interrupted left a photograph
+    (folder / "photos" / f"{'0' * 64}.jpg").write_bytes(PHOTO)
+    options = ("--depth-mm", "40", "--photo", str(photo), "--notes", "PMN")
+    assert note(folder, listed, "C02", "device", *options) == 0
+    (one,) = read_found(folder)
+    assert (one.what, one.x_mm, one.y_mm, one.depth_mm) == (What.DEVICE, 300.0, 90.0, 40.0)
+    assert (one.candidate, one.who, one.notes) == ("C02", "Ana", "PMN")
+    assert len(one.list_sha256) == 64
+    assert (folder / "photos" / one.photo).read_bytes() == PHOTO
+    assert gpr20_verify([str(folder)]) == 0
+
+
+def test_a_correction_is_a_new_record_and_the_former_one_stays(folder, listed, capsys):
+    assert note(folder, listed, "C01", "device") == note(folder, listed, "C01", "scrap") == 0
+    assert note(folder, listed, "C03", "device") == 0
+    records = read_found(folder)
+    assert [one.what for one in records] == [What.DEVICE, What.SCRAP, What.DEVICE]
+    assert [one.candidate for one in present(records)] == ["C01", "C03"]
+    capsys.readouterr()
+    assert main(["found", str(folder)]) == 0
+    assert [line.split()[:4] for line in capsys.readouterr().out.splitlines()] == [
+        ["C01", "150", "90", "scrap"], ["C03", "450", "90", "device"],
+    ]  # fmt: skip
+
+
+@pytest.mark.parametrize("damage", ["changed", "removed", "replaced by a link"])
+def test_verify_finds_a_photograph_that_is_not_the_one_of_the_log(
+    folder, listed, photo, damage, capsys
+):
+    assert note(folder, listed, "C01", "scrap", "--photo", str(photo)) == 0
+    stored = folder / "photos" / read_found(folder)[0].photo
+    if damage == "changed":
+        stored.write_bytes(PHOTO + b".")
+    else:
+        stored.unlink()
+    if damage == "replaced by a link":
+        stored.symlink_to(photo)
+    capsys.readouterr()
+    assert gpr20_verify([str(folder)]) == 2
+    assert f"photos/{stored.name}" in capsys.readouterr().out
+
+
+def test_a_folder_of_photographs_that_leads_elsewhere_is_refused(folder, listed, photo, tmp_path):
+    (tmp_path / "elsewhere").mkdir()
+    (folder / "photos").symlink_to(tmp_path / "elsewhere")
+    assert note(folder, listed, "C01", "scrap", "--photo", str(photo)) == 3
+    assert list((tmp_path / "elsewhere").iterdir()) == [] and gpr20_verify([str(folder)]) == 2
+
+
+def test_what_is_not_complete_is_refused_and_nothing_is_stored(folder, listed, tmp_path, capsys):
+    other = tmp_path / "other.json"
+    other.write_text(json_text(candidate_list([candidate(1)])), encoding="utf-8")
+    before = sorted(os.walk(folder))
+    of_list, whole = ("--list", str(listed)), ("--what", "scrap", "--who", "A")
+    for options, said in (
+        (("C09", *of_list, *whole), "C01, C02, C03"),
+        (("C01", *whole), "--list"),
+        (whole, "candidate"),
+        (("C01", *of_list, "--what", "scrap"), "who"),
+        (("C01", *of_list), "--what"),
+        (("C01", *of_list, "--what", "scrap", "--who", "A\nB"), "who"),
+        (("C01", *of_list, *whole, "--depth-mm", "-1"), "10000"),
+        (("C01", *of_list, *whole, "--photo", str(listed)), "jpg"),
+        (("C01", "--list", str(folder / "survey.json"), *whole), "candidates"),
+        (("C01", "--list", str(other), *whole), "survey"),
+    ):
+        assert main(["found", str(folder), *options]) == 3, options
+        assert said in capsys.readouterr().err, options
+    assert sorted(os.walk(folder)) == before and read_found(folder) == []
+    score = ["trial", "score", str(other), "--found", str(folder), "--halo", "0.05"]
+    assert main(score) == 3
+
+
+def test_a_record_of_a_later_version_is_left_out_and_a_damaged_one_is_a_fault(folder, listed):
+    assert note(folder, listed, "C01", "scrap") == 0
+    (one,) = read_found(folder)
+    for values, status in (({"format": "gpr20-found/9"}, 0), ({**one.values(), "who": ""}, 2)):
+        fact = Fact(Kind.FOUND, values)
+        annotating.add_to_survey(folder, lambda _description, fact=fact: fact, one.time)
+        assert gpr20_verify([str(folder)]) == status
+        if status == 0:
+            assert read_found(folder) == [one]
+    assert main(["found", str(folder)]) == 3
+
+
+def test_found_records_score_candidates_and_say_that_pd_is_not_known(
+    folder, listed, tmp_path, capsys
+):
+    # A former list had a candidate 20 mm from C03.
+    former = tmp_path / "former.json"
+    places = [candidate(1, 430.0, 90.0), candidate(2, 900.0, 90.0)]
+    former.write_text(json_text(candidate_list(places, survey_id=SURVEY)), encoding="utf-8")
+    assert note(folder, listed, "C01", "nothing") == note(folder, former, "C01", "device") == 0
+    assert note(folder, former, "C02", "device") == 0
+    report = tmp_path / "report.json"
+    score = ["trial", "score", str(listed), "--found", str(folder), "--halo", "0.05"]
+    assert main([*score, "-o", str(report)]) == 0
+    values = json.loads(report.read_text())
+    (group,), (lane,) = values["groups"], values["lanes"]
+    assert (group["targets"], group["found"], group["alarms"]) == (2, 1, 1)
+    assert group["detection"] is None and group["alarms_per_m2"] == 1 / group["area_m2"]
+    assert [one["id"] for one in lane["found"].values() if one] == ["C03"]
+    assert [one["id"] for one in lane["outside"]] == ["C02"]
+    printed = capsys.readouterr().out
+    assert "PD cannot be known" in printed and "SIMULATED" in printed
+    assert main([*score, "-o", str(tmp_path / "report.html")]) == 0
+    assert "PD cannot be known" in (tmp_path / "report.html").read_text()
+    assert main(score[:-2]) == main([*score, "--truth", "x.csv"]) == 3
