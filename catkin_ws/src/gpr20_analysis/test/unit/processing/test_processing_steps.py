@@ -2,27 +2,42 @@
 
 from __future__ import annotations
 
+import json
+import re
+from pathlib import Path
+
 import numpy as np
 import pytest
+import xarray as xr
+import yaml
 from fault_kit import raises_fault
 from ground_kit import point, scene, survey_of
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
-from scipy.constants import speed_of_light
 
 from gpr20_analysis import faults
-from gpr20_analysis.errors import WrongDatasetError
+from gpr20_analysis.dataset import S21_DIMS
+from gpr20_analysis.errors import RecipeError
 from gpr20_analysis.imaging.image import image_survey
 from gpr20_analysis.imaging.image_options import ImageOptions
 from gpr20_analysis.processing.background import Background, remove_background, subtract_coupling
-from gpr20_analysis.processing.delay import set_time_zero, to_time
+from gpr20_analysis.processing.chain import (
+    apply_steps,
+    read_recipe,
+    recipe_of,
+    recipe_text,
+    step_from_text,
+    steps_from_recipe,
+)
+from gpr20_analysis.processing.delay import to_time
 from gpr20_analysis.processing.display import Gain, apply_gain
 from gpr20_analysis.processing.polarization import (
     Combination,
     combine_polarizations,
     select_polarization,
 )
-from gpr20_analysis.processing.sweep import FrequencyGrid, apply_window, select_band
+from gpr20_analysis.processing.step_functions import FUNCTIONS
+from gpr20_analysis.processing.sweep import FrequencyGrid, select_band
 from gpr20_survey.radar.frequency_to_delay import Window
 
 PLACES_MM = np.linspace(120.0, 360.0, 13)
@@ -53,23 +68,6 @@ def test_background_removal_takes_coupling_and_surface_and_keeps_the_target():
         assert 0.2 * power(alone) < power(cleaned) < 1.2 * power(alone), method
 
 
-def test_svd_of_higher_rank_takes_more():
-    left = [power(remove_background(survey(TARGET), Background.SVD, rank=n)) for n in (1, 2, 3)]
-    assert left[0] > left[1] > left[2]
-
-
-def test_background_parameters_that_do_not_suit_are_refused():
-    measured = survey(TARGET)
-    for wrong in (
-        {"method": Background.SVD, "rank": 0},
-        {"method": Background.SVD, "rank": 101},
-        {"method": Background.MOVING, "width": 4},
-        {"method": Background.MOVING, "width": 1},
-    ):
-        with pytest.raises(WrongDatasetError):
-            remove_background(measured, **wrong)
-
-
 def test_coupling_subtraction_leaves_surface_and_target():
     reference = survey(surface_gain_db=-200.0)
     cleaned = subtract_coupling(survey(TARGET), reference)
@@ -77,21 +75,6 @@ def test_coupling_subtraction_leaves_surface_and_target():
     np.testing.assert_allclose(cleaned.s21.values, wanted.s21.values, atol=2e-6)
 
 
-def test_reference_of_another_sweep_or_rotation_is_refused():
-    reference = survey()
-    with raises_fault(faults.REFERENCE):
-        subtract_coupling(survey(TARGET), reference.isel(frequency=slice(0, 50)))
-    with raises_fault(faults.REFERENCE, "no rotation 90"):
-        subtract_coupling(survey(TARGET), reference.isel(polarization=[0]))
-
-
-def test_the_survey_itself_is_no_reference():
-    named = survey(TARGET).assign_attrs(survey_id="7c9e6679-7425-40de-944b-e07fc1f90ae7")
-    with raises_fault(faults.REFERENCE):
-        subtract_coupling(named, named)
-
-
-@settings(max_examples=25)
 @given(
     delay_s=st.floats(0.5e-9, 17e-9),
     start_hz=st.floats(1e8, 2e9),
@@ -117,38 +100,11 @@ def test_an_echo_stands_at_its_delay_with_its_phase(
     assert np.abs(trace[at]) <= 1.0 + 1e-9
 
 
-def test_an_echo_of_one_has_magnitude_one():
-    one = survey(TARGET).isel(polarization=[0], x=[0], y=[0])
-    in_time = to_time(one.assign(s21=one.s21 * 0.0 + 1.0))
-    assert np.abs(in_time.a_scan.values[0, 0, 0, 0]) == pytest.approx(1.0)
-
-
-def test_padding_below_one_is_refused():
-    with raises_fault(faults.OPTION):
-        to_time(survey(TARGET), padding=0.5)
-
-
-def test_time_zero_puts_the_surface_at_delay_zero():
-    one = survey(height_m=0.173, coupling_level_db=-200.0).isel(polarization=[0])
-    trace = to_time(set_time_zero(one)).a_scan.values[0, 0, 0]
-    assert int(np.argmax(np.abs(trace))) == 0
-    assert float(set_time_zero(one).advance[0, 0, 0]) == pytest.approx(2.0 * 0.173 / speed_of_light)
-
-
 def test_band_selection_keeps_both_ends_and_refuses_an_empty_band():
     band = select_band(survey(TARGET), 1.14e9, 1.248e9)
     np.testing.assert_allclose(band.frequency.values, [1.14e9, 1.194e9, 1.248e9])
     with raises_fault(faults.OPTION, "contains 0 frequencies"):
         select_band(survey(TARGET), 7e9, 8e9)
-
-
-def test_windows_are_symmetric_positive_and_nowhere_zero():
-    measured = survey(TARGET)
-    for window in Window:
-        weights = window.weights(101)
-        assert np.all(weights > 0.0) and weights.max() == pytest.approx(1.0, abs=0.01)
-        np.testing.assert_allclose(weights, weights[::-1])
-        assert power(apply_window(measured, window)) <= power(measured) * 1.0001
 
 
 def test_difference_shows_what_one_polarization_sees_alone():
@@ -168,10 +124,22 @@ def test_a_combination_can_be_imaged_and_needs_two():
         combine_polarizations(combined)
 
 
-def test_a_rotation_that_was_not_measured_is_refused():
-    assert select_polarization(survey(TARGET), 90.0).polarization.values == [90.0]
-    with raises_fault(faults.OPTION):
-        select_polarization(survey(TARGET), 45.0)
+def test_parameters_and_references_that_do_not_suit_are_refused():
+    measured = survey(TARGET)
+    named = measured.assign_attrs(survey_id="7c9e6679-7425-40de-944b-e07fc1f90ae7")
+    for fault, refused in (
+        (faults.OPTION, lambda: remove_background(measured, Background.SVD, rank=0)),
+        (faults.OPTION, lambda: remove_background(measured, Background.SVD, rank=101)),
+        (faults.OPTION, lambda: remove_background(measured, Background.MOVING, width=4)),
+        (faults.OPTION, lambda: remove_background(measured, Background.MOVING, width=1)),
+        (faults.OPTION, lambda: to_time(measured, padding=0.5)),
+        (faults.OPTION, lambda: select_polarization(measured, 45.0)),
+        (faults.REFERENCE, lambda: subtract_coupling(named, named)),
+        (faults.REFERENCE, lambda: subtract_coupling(named, measured.isel(frequency=slice(50)))),
+        (faults.REFERENCE, lambda: subtract_coupling(named, measured.isel(polarization=[0]))),
+    ):
+        with raises_fault(fault):
+            refused()
 
 
 def test_gain_raises_late_samples_and_says_so():
@@ -189,3 +157,105 @@ def test_gain_raises_late_samples_and_says_so():
         assert method.value in raised.attrs["display_only"]
     with raises_fault(faults.STEPS):
         apply_gain(measured)
+
+
+LENGTHS = st.integers(1, 12)
+
+
+def random_traces(rows, columns, seed, missing):
+    """Return random traces, of which some are missing."""
+    random = np.random.default_rng(seed)
+    s21 = random.standard_normal((1, rows, columns, 3, 2)) @ np.array([1.0, 1j])
+    s21[random.random(s21.shape[:3]) < missing] = np.nan
+    axes = {name: np.arange(float(count)) for name, count in zip(S21_DIMS, s21.shape)}
+    return xr.Dataset({"s21": (S21_DIMS, s21)}, axes)
+
+
+def means_around(s21, half):
+    """Return the mean around each place by its definition."""
+    _turns, rows, columns, _frequencies = s21.shape
+    found = np.empty_like(s21)
+    for row, column in np.ndindex(rows, columns):
+        part = s21[
+            :, max(0, row - half) : row + half + 1, max(0, column - half) : column + half + 1
+        ]
+        present = part[np.isfinite(part).all(axis=-1)]
+        found[:, row, column] = present.mean(axis=0) if len(present) else 0.0
+    return found
+
+
+@given(LENGTHS, LENGTHS, st.integers(1, 20), st.integers(0, 99), st.sampled_from([0.0, 0.3]))
+def test_each_trace_loses_the_mean_of_those_around_it(rows, columns, half, seed, missing):
+    survey = random_traces(rows, columns, seed, missing)
+    width = 2 * half + 1
+    found = remove_background(survey, Background.MOVING, width).s21.values
+    s21 = survey.s21.values
+    np.testing.assert_allclose(found, s21 - means_around(s21, half), atol=1e-12)
+    turned = survey.rename(x="y", y="x").transpose(*S21_DIMS)
+    found_turned = remove_background(turned, Background.MOVING, width).s21
+    np.testing.assert_allclose(found_turned.values.swapaxes(1, 2), found, atol=1e-12)
+    lazy = remove_background(survey.chunk({"y": 2}), Background.MOVING, width).s21.values
+    np.testing.assert_allclose(lazy, found, atol=1e-12)
+    # A window that is wider than the survey is all of it.
+    if not missing:
+        wide = remove_background(survey, Background.MOVING, 999_999).s21.values
+        expected = remove_background(survey, Background.MEAN).s21.values
+        np.testing.assert_allclose(wide, expected, atol=1e-12)
+
+
+PAGE = Path(__file__).parents[6] / "docs/reference/imaging.md"
+FEW_MM = np.linspace(200.0, 280.0, 5)
+FEW = survey_of(scene([point(243.7, 236.2, 0.083)]), FEW_MM, FEW_MM)
+
+
+def never(path):
+    raise AssertionError(f"no step names a survey, but {path} was read")
+
+
+def test_the_recorded_recipe_repeats_the_result(tmp_path):
+    read = []
+    texts = [f"coupling:reference={tmp_path}/sky.nc", "background:method=svd,rank=2", "time_zero"]
+    texts += ["combine:method=difference", "time"]
+    steps = [step_from_text(text) for text in texts]
+    first = apply_steps(FEW, steps, lambda path: read.append(path) or FEW * 0.5)
+    assert read == [f"{tmp_path}/sky.nc"]
+    recorded = json.loads(first.attrs["processing"])
+    assert [one["step"] for one in recorded] == [one.partition(":")[0] for one in texts]
+    assert recorded[1] == {"step": "background", "method": "svd", "width": 11, "rank": 2}
+    path = tmp_path / "recipe.yaml"
+    path.write_text(recipe_text(recipe_of(first)))
+    second = apply_steps(FEW, steps_from_recipe(read_recipe(path)), lambda path: FEW * 0.5)
+    np.testing.assert_array_equal(first.a_scan.values, second.a_scan.values)
+    assert recipe_of(first) == recipe_of(second)
+
+
+NO_STEPS = (
+    ("migrate", "background"),
+    ("background:rang=2", "'rang'"),
+    ("background:rank=two", "'two'"),
+    ("background:rank=1.5", "'1.5'"),
+    ("background:rank=inf", "'inf'"),
+    ("time:padding=nan", "'nan'"),
+    ("background:method=average", "median"),
+    ("background:method", "'method'"),
+    ("background:rank=1,rank=2", "'rank=2'"),
+    ("band:start_hz=1e9", "'stop_hz'"),
+    ("coupling", "'reference'"),
+    ("", "background"),
+)
+
+
+def test_steps_that_make_no_sense_are_refused_with_what_is_allowed():
+    for text, shown in NO_STEPS:
+        with raises_fault(faults.RECIPE, shown):
+            step_from_text(text)
+    for recipe in ("", "[]", "step: background", "- background", "- {rank: 1}"):
+        with pytest.raises(RecipeError):
+            steps_from_recipe(yaml.safe_load(recipe))
+
+
+def test_the_page_on_imaging_lists_every_step():
+    table = PAGE.read_text("utf-8").split("## Steps\n")[1].split("\n## ")[0]
+    listed = set(re.findall(r"^\| `(\w+)`", table, re.MULTILINE))
+    different = listed ^ set(FUNCTIONS)
+    assert not different, f"only in FUNCTIONS, or only in 'Steps' of {PAGE}: {different}"
