@@ -11,10 +11,11 @@ from dataclasses import replace
 import numpy as np
 import pyogrio
 import pytest
+from echoes_kit import image_of
 from fault_kit import raises_fault
 from hypothesis import given
 from hypothesis import strategies as st
-from test_candidates import image_of
+from noise_kit import survey
 
 from gpr20_analysis import faults
 from gpr20_analysis.candidates.files import write_candidates
@@ -137,8 +138,6 @@ def cartesian(longitude_deg, latitude_deg):
 
 
 def test_the_command_prints_and_writes_and_replaces_nothing_unasked(tmp_path, capsys):
-    from noise_kit import survey
-
     data = survey(np.random.default_rng(1), 1.0, [(0.11, 0.12, 0.08)])
     source, listed = tmp_path / "survey.nc", tmp_path / "list.csv"
     write_dataset(data, source)
@@ -153,3 +152,35 @@ def test_the_command_prints_and_writes_and_replaces_nothing_unasked(tmp_path, ca
     assert json.loads(capsys.readouterr().out)["false_alarms_per_m2"] == pytest.approx(0.5)
     assert main([*command[:-1], str(tmp_path / "list.txt")]) == REFUSED
     assert main([*command[:-2], "--false-alarms", "0"]) == REFUSED
+
+
+def test_the_list_and_its_markers_are_published_and_stay(tmp_path, monkeypatch):
+    rospy, rosgraph = pytest.importorskip("rospy"), pytest.importorskip("rosgraph")
+    published = {}
+
+    class Publisher:
+        def __init__(self, name, _kind, latch, queue_size):
+            self.publish = lambda message: published.setdefault(name, (message, latch))
+
+    now = rospy.Time(7)
+    for place, name, value in (
+        (rosgraph, "is_master_online", lambda: True),
+        (rospy, "Publisher", Publisher),
+        (rospy, "init_node", lambda *_, **__: None),
+        (rospy, "spin", lambda: None),
+        (rospy.Time, "now", staticmethod(lambda: now)),
+    ):
+        monkeypatch.setattr(place, name, value)
+    place_m = (0.11, 0.12, 0.08)
+    data = survey(np.random.default_rng(1), 1.0, [place_m])
+    write_dataset(data.assign_attrs(simulated=1, survey_id="s"), tmp_path / "s.nc")
+    assert main(["candidates", str(tmp_path / "s.nc"), "--permittivity", "4", "--publish"]) == DONE
+    (listed, stays), (markers, they_stay) = published["candidates"], published["candidate_markers"]
+    assert stays and they_stay
+    assert (listed.survey_id, listed.simulated, listed.warning) == ("s", True, str(NO_CLEARANCE))
+    first = listed.candidates[0]
+    np.testing.assert_allclose((first.x_m, first.y_m, first.depth_m), place_m, atol=0.006)
+    removed, body, label, *_ = markers.markers
+    assert removed.action == removed.DELETEALL and len(markers.markers) > 2
+    assert (body.header.frame_id, body.header.stamp) == ("base_link", now)
+    assert body.pose.position.z == -first.depth_m and label.text == f"{first.id} SIMULATED"

@@ -11,7 +11,7 @@ import pytest
 from recorded_worlds import UNIANDES, area, dataset
 
 from gpr20_analysis.hiding.injection import with_targets
-from gpr20_analysis.hiding.scattering import STEP_M, Soil, ball_amplitude_m, echo_of
+from gpr20_analysis.hiding.scattering import Soil, ball_amplitude_m, echo_of
 from gpr20_analysis.hiding.transmission import SurfaceReference
 from gpr20_analysis.imaging.image import image_survey
 from gpr20_analysis.imaging.image_options import ImageOptions
@@ -67,7 +67,7 @@ def level_db(survey, permittivity):
     return 20.0 * np.log10(float(abs(image["image"]).max()))
 
 
-@pytest.mark.parametrize("name_and_size", [("disc", 0.112, 0.015, 3.0), ("disc", 0.16, 0.02, 2.3)])
+@pytest.mark.parametrize("name_and_size", [("disc", 0.112, 0.015, 3.0)])
 def test_a_disc_is_as_bright_as_by_an_exact_integral(load, name_and_size):
     """The antennas are dipoles over a half space; the disc differs little from the soil."""
     body, field = load("born_body"), load("born_field")
@@ -104,7 +104,10 @@ def test_a_disc_is_as_bright_as_by_an_exact_integral(load, name_and_size):
     )
 
 
-@pytest.mark.parametrize(("number", "body"), [(1, 3), (3, 1), (4, 2), (4, 3)])
+@pytest.mark.parametrize(
+    ("number", "body"),
+    [(1, 3), *(pytest.param(*one, marks=pytest.mark.release) for one in ((3, 1), (4, 2), (4, 3)))],
+)
 def test_a_metal_ball_is_as_bright_as_by_finite_differences(number, body):
     survey, truth = area(UNIANDES, number)
     ball, permittivity = truth["bodies"][body], truth["permittivity"]
@@ -139,9 +142,3 @@ def peak_db(survey, truth, ball):
         & (abs(image["depth"] - ball["top_m"]) < 0.03)
     )
     return 20.0 * np.log10(float(near.max()))
-
-
-def test_a_table_reaches_as_far_as_asked():
-    echo = echo_of(Targets.PMN.value, 0.05, Soil(4.0), 0.2, FREQUENCY_HZ, 0.33)
-    assert STEP_M * (len(echo.values) - 1) >= 0.33
-    assert np.isfinite(echo.values).all()

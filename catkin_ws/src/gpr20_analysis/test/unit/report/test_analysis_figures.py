@@ -1,27 +1,27 @@
-"""Figures show what they say, in the units they say, and hide nothing."""
+"""Figures show what they say, in the units they say, hide nothing, and no texts overlap."""
 
 from __future__ import annotations
 
-import argparse
+import itertools
 import math
+import random
 
 import numpy as np
 import pytest
 from fault_kit import raises_fault
 from ground_kit import point, scene, survey_of
-from matplotlib.backends.backend_agg import FigureCanvasAgg
 
 from gpr20_analysis import faults
-from gpr20_analysis.commands import plot_command
 from gpr20_analysis.commands.outputs import save_figure
 from gpr20_analysis.dataset import Quality
 from gpr20_analysis.imaging.image import image_survey
 from gpr20_analysis.imaging.image_options import ImageOptions
-from gpr20_analysis.plotting import maps, projections, ranges, scans
-from gpr20_analysis.plotting.style import NOT_MEASURED, relative_db, remarks_of
+from gpr20_analysis.plotting import maps, projections, scans
+from gpr20_analysis.plotting.noted_figure import NotedFigure
+from gpr20_analysis.plotting.style import NOT_MEASURED
 from gpr20_analysis.processing.background import remove_background
 from gpr20_analysis.processing.delay import to_time
-from gpr20_common.catalogue import Catalogue
+from gpr20_common.low.catalogue_file import languages, read_catalogue
 from gpr20_survey.results.candidates import Candidate
 
 PLACES_MM = np.linspace(160.0, 320.0, 9)
@@ -78,18 +78,6 @@ def test_figures_are_written_in_each_format_and_in_no_other(tmp_path):
         save_figure(figure, tmp_path / "figure.bmp")
 
 
-def test_c_scan_is_brightest_over_the_target():
-    axes = panels(FIGURES["c-scan of an image"]())[0]
-    drawn = axes.collections[0].get_array().reshape(9, 9)
-    row, column = np.unravel_index(np.argmax(drawn), drawn.shape)
-    assert abs(PLACES_MM[column] - 243.7) <= 10.0 and abs(PLACES_MM[row] - 236.2) <= 10.0
-
-
-def test_b_scan_has_delay_downwards():
-    low, high = panels(FIGURES["b-scan along x"]())[0].get_ylim()
-    assert low > high
-
-
 def test_figures_end_where_the_ground_ends_unless_all_is_wanted():
     deepest_ns = 2.0 * (0.2 + 0.3 * 3.0) / 0.299792458
     for figure, axis in ((FIGURES["a-scan"](), "x"), (FIGURES["b-scan along x"](), "y")):
@@ -115,28 +103,6 @@ def test_b_scan_has_an_axis_of_depth_if_the_permittivity_is_given():
     assert not panels(scans.b_scan_figure(blind, "x", 0.24, permittivity=4.0))[-1].child_axes
 
 
-def test_a_disturbed_trace_does_not_darken_the_others():
-    disturbed = IN_TIME.copy(deep=True)
-    disturbed.a_scan[0, :, 4] *= 1e4
-    before, after = (
-        panels(scans.b_scan_figure(one, "x", 0.24))[1].collections[0].get_array()
-        for one in (IN_TIME, disturbed)
-    )
-    assert np.max(np.abs(np.asarray(after) - np.asarray(before))) < 6.0
-
-
-@pytest.mark.parametrize("scale", [1.0, 1e-9, 0.0])
-def test_the_colours_reach_down_to_what_half_of_the_values_are_below(scale):
-    values = scale * np.random.default_rng(1).rayleigh(size=100_000)
-    reference = 30.0 * scale
-    reach_db = ranges.range_db(values, reference)
-    assert 20.0 <= reach_db <= 50.0
-    if scale:
-        assert np.mean(values < reference * 10.0 ** (-reach_db / 20.0)) == pytest.approx(
-            0.4, abs=0.15
-        )
-
-
 def test_missing_samples_are_grey_and_counted_never_filled_in():
     figure = scans.b_scan_figure(to_time(HOLED), "x", 0.2)
     drawn = panels(figure)[0].collections[0].get_array()
@@ -144,29 +110,13 @@ def test_missing_samples_are_grey_and_counted_never_filled_in():
     assert panels(figure)[0].get_facecolor()[:3] == pytest.approx((0.827, 0.827, 0.827), abs=0.01)
     assert NOT_MEASURED == "lightgrey"
     assert "1 samples missing" in figure._supxlabel.get_text()
-
-
-def test_coverage_counts_what_is_usable():
-    assert "161 of 162" in maps.coverage_figure(HOLED)._suptitle.get_text()
-    drawn = panels(maps.coverage_figure(HOLED))[0].collections[0].get_array().reshape(9, 9)
+    coverage = maps.coverage_figure(HOLED)
+    assert "161 of 162" in coverage._suptitle.get_text()
+    drawn = panels(coverage)[0].collections[0].get_array().reshape(9, 9)
     assert drawn[2, 3] == 3 and np.count_nonzero(drawn) == 1
-
-
-def test_a_scan_of_a_missing_place_is_refused():
-    alone = to_time(HOLED.isel(polarization=[0]))
-    with raises_fault(faults.OPTION):
-        scans.a_scan_figure(alone, float(PLACES_MM[3]) / 1e3, float(PLACES_MM[2]) / 1e3)
-
-
-def test_decibels_are_below_the_maximum_and_keep_nan():
-    values = relative_db(np.array([1.0, 0.1, np.nan, 0.0]))
-    np.testing.assert_allclose(values[:2], [0.0, -20.0])
-    assert np.isnan(values[2]) and values[3] < -200.0
-
-
-def test_notes_of_the_data_stand_below_the_figure():
-    noted = IMAGE.assign_attrs(notes=["3 samples were left out"])
-    assert "3 samples were left out" in [str(one) for one in remarks_of(noted)]
+    drawn = panels(FIGURES["c-scan of an image"]())[0].collections[0].get_array().reshape(9, 9)
+    row, column = np.unravel_index(np.argmax(drawn), drawn.shape)
+    assert abs(PLACES_MM[column] - 243.7) <= 10.0 and abs(PLACES_MM[row] - 236.2) <= 10.0
 
 
 @pytest.mark.parametrize("across", ["x", "y"])
@@ -185,34 +135,64 @@ def test_a_single_line_has_one_panel_with_its_section_and_candidates(across):
         assert len(axes.texts) == 1
 
 
-OF_KIND = ("along", "x", "y", "value", "depth", "delay", "until", "all_delays", "permittivity")
+LANGUAGES = [read_catalogue(language) for language in languages()]
+WITH_NOTES = {
+    "b-scan": lambda data, catalogue: scans.b_scan_figure(
+        IN_TIME.assign_attrs(data), "x", 0.24, permittivity=4.0, catalogue=catalogue
+    ),
+    "projections": lambda data, catalogue: projections.projection_figure(
+        IMAGE.assign_attrs(data), 0, catalogue=catalogue
+    ),
+}
 
 
-@pytest.mark.parametrize("across", ["x", "y"])
-def test_no_panel_of_a_single_line_is_blank(across):
-    survey, image = SURVEY.isel({across: [5]}), IMAGE.isel({across: [5]})
-    options = dict.fromkeys((*OF_KIND, "rotation"))
-    for kind, data, given in (
-        ("a-scan", survey, {}),
-        ("b-scan", survey, {}),
-        ("b-scan", survey, {"along": across}),
-        ("c-scan", survey, {"delay": 2.0}),
-        ("c-scan", image, {"depth": 80.0}),
-        ("coverage", survey, {}),
-        ("height", survey, {}),
-        ("projection", image, {}),
-    ):
-        chosen = argparse.Namespace(kind=kind, **{**options, **given})
-        figure = plot_command.figure_of(data, chosen, Catalogue())
-        canvas = FigureCanvasAgg(figure)
-        canvas.draw()
-        pixels = np.asarray(canvas.buffer_rgba())[::-1, :, :3]
-        for axes in panels(figure):
-            left, low, right, high = (round(one) for one in axes.get_window_extent().extents)
-            inside = pixels[low + 3 : high - 3, left + 3 : right - 3].reshape(-1, 3)
-            assert right - left > 150 and high - low > 50, (kind, given)
-            # Light grey is what was not measured.
-            assert np.mean((inside == 211).all(axis=1)) < 0.01, (kind, given)
-        shown = panels(figure)[0].get_xlabel()
-        if kind in ("b-scan", "projection") and not given:
-            assert shown == f"{'y' if across == 'x' else 'x'} [mm]"
+def random_text(draw: random.Random, most: int = 60) -> str:
+    letters = "abcdefghilmnoprstuvzáéñ0123456789./$_^{}%WM"
+    words = ("".join(draw.choices(letters, k=draw.choice((1, 4, 8, 90)))) for _ in range(most))
+    return " ".join(list(words)[: draw.randint(1, most)])
+
+
+def boxes_of(figure: NotedFigure):
+    figure.draw_without_rendering()
+    texts = [figure._suptitle, figure._supxlabel]
+    return (
+        [one.get_window_extent() for one in texts if one.get_text()],
+        [axes.get_tightbbox() for axes in figure.axes if axes.axison],
+    )
+
+
+def overlap(one, other) -> bool:
+    wide = min(one.x1, other.x1) - max(one.x0, other.x0)
+    high = min(one.y1, other.y1) - max(one.y0, other.y0)
+    return wide > 1.0 and high > 1.0
+
+
+def check(figure: NotedFigure) -> None:
+    texts, panels = boxes_of(figure)
+    page = figure.bbox
+    for number, text in enumerate(texts):
+        assert page.x0 <= text.x0 and text.x1 <= page.x1
+        assert page.y0 <= text.y0 and text.y1 <= page.y1
+        assert not any(overlap(text, other) for other in [*texts[number + 1 :], *panels])
+    assert not any(
+        overlap(one, other) for number, one in enumerate(panels) for other in panels[number + 1 :]
+    )
+
+
+@pytest.mark.parametrize(
+    ("name", "catalogue"),
+    [
+        pytest.param(*one, marks=[] if one[0] == "b-scan" else pytest.mark.release)
+        for one in zip(WITH_NOTES, itertools.cycle(LANGUAGES))
+    ],
+)
+def test_texts_are_apart_with_random_notes(name, catalogue):
+    draw = random.Random(name)
+    notes = [random_text(draw) for _ in range(draw.randint(0, 12))]
+    plain = WITH_NOTES[name]({}, catalogue)
+    plain.draw_without_rendering()
+    height = plain.axes[0].get_window_extent().height
+    figure = WITH_NOTES[name]({"notes": notes}, catalogue)
+    check(figure)
+    # The axes keep their size, because the figure grows.
+    assert figure.axes[0].get_window_extent().height > 0.75 * height

@@ -1,4 +1,4 @@
-"""Matching of candidates to targets, the area outside all halos, strata and comparisons."""
+"""Tables of a trial, matching of candidates to targets, the area outside halos, and strata."""
 
 from __future__ import annotations
 
@@ -6,15 +6,17 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
+from run_seed import draws
 from trial_kit import HALO_M, LANES, TARGETS
 
-from gpr20_analysis.errors import AnalysisError
+from gpr20_analysis.errors import AnalysisError, UnreadableFileError
 from gpr20_analysis.report.trial_report import warnings_of
 from gpr20_analysis.trial.documents import Mark, Plan, Seal
 from gpr20_analysis.trial.ground import Lane, read_lanes, read_targets
 from gpr20_analysis.trial.score import score_trial
+from gpr20_common.errors import InvalidValueError
 
 LANE_MAP = read_lanes(LANES.encode(), "lanes.csv")
 TARGET_LIST = read_targets(TARGETS.encode(), "targets.csv", LANE_MAP)
@@ -88,9 +90,6 @@ def test_a_stratum_of_lanes_has_their_ground_and_one_of_targets_that_of_all():
     lanes = [one.area_m2 for one in result.lanes]
     assert group(result, "soil sand").area_m2 == lanes[0]
     assert group(result, "type PMN").area_m2 == sum(lanes)
-
-
-def test_a_lane_without_targets_has_its_row_of_false_alarms():
     blank = Lane({"soil": "gravel"}, "L3", 0.0, 2.0, 0.0, 1.0)
     of_three = Plan(HALO_M, ("soil",), {**LANE_MAP, "L3": blank}, sha256="p")
     result = score_trial(of_three, TARGET_LIST, [seal([]), seal([(0.5, 0.5)], "L3")])
@@ -105,20 +104,13 @@ def test_methods_are_compared_on_the_targets_of_both():
     )  # fmt: skip
     (one,) = result.comparisons
     assert (one.targets, one.only_first, one.only_second, one.p_value) == (2, 0, 1, 1.0)
+    both = [seal([], lane, method) for lane in ("L1", "L2") for method in ("a", "b")]
+    assert warnings_of(plan(), score(*both)) == []
+    parts = warnings_of(plan(), score(seal([], area_m2=1.0), seal([], "L2", area_m2=3.9)))
+    assert [one.values["lane"] for one in parts] == ["L1"]
     (warning,) = warnings_of(plan(), result)
     assert "Simpson" in warning.template
     assert (warning.values["method"], warning.values["lane"]) == ("detector", "L2")
-
-
-def test_lanes_that_all_methods_surveyed_bring_no_warning():
-    seals = [seal([], lane, method) for lane in ("L1", "L2") for method in ("a", "b")]
-    assert warnings_of(plan(), score(*seals)) == []
-
-
-def test_a_part_of_a_lane_is_named():
-    result = score(seal([], area_m2=1.0), seal([], "L2", area_m2=3.9))
-    parts = [one for one in warnings_of(plan(), result) if "surveyed" in one.template]
-    assert [one.values["lane"] for one in parts] == ["L1"]
 
 
 @pytest.mark.parametrize("other", ["p2", "same"])
@@ -140,7 +132,7 @@ def test_one_list_for_two_methods_is_refused_unless_nothing_was_found():
             assert len(score(*both).lanes) == 2
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=draws(15))
 @given(st.lists(st.tuples(st.floats(-0.3, 4.3), st.floats(-0.3, 1.3)), max_size=12),
        st.floats(0.01, 1.5))  # fmt: skip
 def test_the_area_outside_halos_is_that_of_a_fine_grid(places, radius_m):
@@ -170,3 +162,65 @@ def test_the_area_outside_halos_is_exact_for_circles_edges_and_overlaps():
         ([(1.0, 0.4), (1.0, 0.6)], 2 * circle - lens),
     ):
         assert RECTANGLE.area_outside(places, radius_m) == pytest.approx(4 - covered, abs=4e-6)
+
+
+def refusal(targets):
+    with pytest.raises(UnreadableFileError) as caught:
+        read_targets(targets.encode(), "targets.csv", LANE_MAP)
+    return str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "said"),
+    [
+        ("T2,L1", "T1,L1", ("line 3", "two rows", "'T1'")),
+        ("T2,L1", ",L1", ("line 3", "''", "column target")),
+        ("T2,L1", "T2,L9", ("T2", "L9", "L1, L2")),
+        ("T2,L1,2.5", "T2,L1,4.5", ("T2", "not in its lane, L1")),
+        ("T2,L1,2.5", "T2,L1,nan", ("line 3", "'nan'", "column x_m")),
+        ("T2,L1,2.5", "T2,L1,2.5.0", ("line 3", "'2.5.0'", "column x_m", "-1000 ... 1000")),
+        ("0.5,0.10,PMN", "0.5,-1,PMN", ("line 3", "'-1'", "column depth_m", "0 ... 10")),
+        ("0.10,PMN", "0.10,", ("line 3", "column type")),
+        ("T2,L1,2.5,0.5", "T2,L1,2.5", ("line 3", "as many cells")),
+        ("depth_m", "x_m", ("line 1", "each column once", "depth_m")),
+        ("T3", '"T3', ("CSV",)),
+    ],
+)
+def test_a_bad_cell_is_named_with_file_line_value_and_what_is_allowed(old, new, said):
+    text = refusal(TARGETS.replace(old, new, 1))
+    assert "targets.csv" in text
+    assert all(one in text for one in said), text
+
+
+def test_a_lane_whose_ends_are_exchanged_and_an_empty_table_are_refused():
+    with pytest.raises(InvalidValueError, match="L1: x_max_m is 0 m; .* between 4.01 and"):
+        read_lanes(LANES.replace("0,4", "4,0", 1).encode(), "lanes.csv")
+    with pytest.raises(UnreadableFileError, match="heading"):
+        read_lanes(b"", "lanes.csv")
+    # Of a spreadsheet with decimal commas.
+    table = TARGETS.replace(",", ";").replace(".", ",").replace("\n", "\r\n").encode("utf-8-sig")
+    places = [one.place_m for one in read_targets(table, "t", LANE_MAP)]
+    assert places == [one.place_m for one in TARGET_LIST]
+    with pytest.raises(UnreadableFileError, match=r"t.csv as CSV in UTF-8"):
+        read_targets(TARGETS.replace("T2", "Ñ").encode("latin-1"), "t.csv", LANE_MAP)
+
+
+CELLS = st.one_of(
+    st.text(max_size=8),
+    st.floats().map(str),
+    st.sampled_from(["T1", "L1", "1e999", "-0", "=1+1", '"', "\0", "٣", "1_0", "inf", "0x1"]),
+)
+
+
+@settings(max_examples=draws(75))
+@given(st.lists(st.lists(CELLS, min_size=1, max_size=10), max_size=5), st.sampled_from(",;\t"))
+@example([["T1", "L1", "1", "٣", "0", "a", "", "", ""]], ",")
+def test_any_table_is_read_or_refused_with_a_sentence(rows, comma):
+    heading = TARGETS.splitlines()[0].replace(",", comma)
+    content = "\n".join([heading, *(comma.join(one) for one in rows)])
+    try:
+        targets = read_targets(content.encode("utf-8", "replace"), "targets.csv", LANE_MAP)
+    except UnreadableFileError as error:
+        assert "targets.csv" in str(error)
+    else:
+        assert all(LANE_MAP[one.lane].contains(one.place_m) for one in targets)
