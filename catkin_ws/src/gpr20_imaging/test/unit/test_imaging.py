@@ -1,3 +1,7 @@
+"""Images, candidates, maps and exports by a child that may die, hang and refuse."""
+
+from __future__ import annotations
+
 import json
 import math
 import os
@@ -7,20 +11,29 @@ import sys
 import threading
 import time
 from pathlib import Path
+from types import SimpleNamespace
 
+import numpy as np
 import pytest
 from fault_kit import raises_fault
 from imaging_kit import REFUSAL, store_survey
+from pytest import approx
 
+import gpr20_analysis
+from gpr20_analysis import faults as analysis_faults
+from gpr20_analysis.sample.sample_survey import sample_survey
 from gpr20_common.errors import Gpr20Error
 from gpr20_common.faults import DISK_FULL, NOT_ALLOWED
 from gpr20_imaging import faults
 from gpr20_imaging.errors import CancelledError
 from gpr20_imaging.low import analysis_process
 from gpr20_imaging.low.analysis_process import AnalysisProcess
+from gpr20_imaging.low.cancellation import Cancellation
 from gpr20_imaging.low.child_process import LOWEST_NICE, OOM_SCORE, memory_limit_bytes
 from gpr20_imaging.mid.imaging import Imaging
+from gpr20_imaging.mid.imaging_parameters import ImagingParameters
 from gpr20_imaging.mid.job_queue import MOST_WAITING, JobQueue
+from gpr20_survey.results.hidden_target import Targets
 
 
 @pytest.fixture
@@ -94,6 +107,11 @@ def test_a_child_that_takes_too_long_is_ended(imaging, survey, analysis, monkeyp
 
 
 def test_a_refusal_of_the_analysis_keeps_its_fault_and_template(imaging, survey, analysis):
+    found = imaging.find_candidates("a", survey.name, 0.0, "es")
+    assert found.found.candidates[0].id == "C01" and found.remarks == f"{survey} None es"
+    analysis.mode = "full"
+    with raises_fault(DISK_FULL, "/tmp/x"):
+        imaging.focus("a", survey.name, 4.0)
     analysis.mode = "refuse"
     for ask in (
         lambda: imaging.focus("a", survey.name, 4.0),
@@ -103,18 +121,6 @@ def test_a_refusal_of_the_analysis_keeps_its_fault_and_template(imaging, survey,
             ask()
         message = caught.value.message
         assert message == REFUSAL and message.cause == REFUSAL.fault
-
-
-def test_an_error_that_no_package_raises_on_purpose_is_told_too(imaging, survey, analysis):
-    analysis.mode = "full"
-    with raises_fault(DISK_FULL, "/tmp/x"):
-        imaging.focus("a", survey.name, 4.0)
-
-
-def test_candidates_come_with_remarks_in_the_language(imaging, survey):
-    found = imaging.find_candidates("a", survey.name, 0.0, "es")
-    assert found.found.candidates[0].id == "C01"
-    assert found.remarks == f"{survey} None es"
 
 
 @pytest.mark.parametrize("permittivity", [-1.0, 0.5, 101.0, math.nan, math.inf])
@@ -168,7 +174,7 @@ def test_a_request_that_runs_can_be_cancelled(imaging, survey, analysis):
         imaging.cancel("slow")
 
 
-def test_requests_are_carried_out_one_at_a_time_and_are_bounded():
+def test_requests_are_carried_out_one_at_a_time_are_bounded_and_can_be_cancelled():
     jobs = JobQueue(lambda: None, lambda: None, 60.0)
     go, running, most = threading.Event(), [], []
 
@@ -178,42 +184,28 @@ def test_requests_are_carried_out_one_at_a_time_and_are_bounded():
         go.wait(20.0)
         running.pop()
 
-    threads = [threading.Thread(target=lambda: jobs.run("x", work)) for _ in range(MOST_WAITING)]
-    for one in threads:
+    cancelled = []
+
+    def ask(name):
+        try:
+            jobs.run(name, work)
+        except CancelledError:
+            cancelled.append(name)
+
+    names = ["x"] * (MOST_WAITING - 1) + ["last"]
+    threads = [threading.Thread(target=ask, args=(name,)) for name in names]
+    for number, one in enumerate(threads, 1):
         one.start()
-    while jobs.waiting < MOST_WAITING:
-        time.sleep(0.01)
+        while jobs.waiting < number:
+            time.sleep(0.01)
     with raises_fault(faults.BUSY):
         jobs.run("y", work)
+    assert jobs.cancel("last")
     go.set()
     for one in threads:
         one.join()
     jobs.close()
-    assert max(most) == 1 and len(most) == MOST_WAITING
-
-
-def test_a_waiting_request_can_be_cancelled():
-    jobs = JobQueue(lambda: None, lambda: None, 60.0)
-    go, failures = threading.Event(), []
-    first = threading.Thread(target=lambda: jobs.run("first", lambda _: go.wait(20.0)))
-    first.start()
-
-    def second():
-        try:
-            jobs.run("second", lambda _: failures.append("ran"))
-        except CancelledError:
-            failures.append("cancelled")
-
-    waiting = threading.Thread(target=second)
-    waiting.start()
-    while jobs.waiting < 2:
-        time.sleep(0.01)
-    assert jobs.cancel("second")
-    go.set()
-    waiting.join()
-    first.join()
-    jobs.close()
-    assert failures == ["cancelled"]
+    assert max(most) == 1 and len(most) == MOST_WAITING - 1 and cancelled == ["last"]
 
 
 NODE = """
@@ -241,3 +233,105 @@ def test_the_child_is_killed_with_the_node(tmp_path, analysis, survey):
     while is_running(child):
         assert time.monotonic() < deadline
         time.sleep(0.01)
+
+
+PERMITTIVITY = 5.0
+
+
+@pytest.fixture
+def process():
+    made = AnalysisProcess()
+    yield made
+    made.close()
+
+
+@pytest.mark.timeout(300)
+def test_candidates_and_files_are_those_of_the_analysis(process, tmp_path):
+    corner = gpr20_analysis.load_survey(sample_survey()).isel(x=slice(9), y=slice(9))
+    survey = tmp_path / "corner.nc"
+    gpr20_analysis.write_dataset(corner, survey)
+    found, remarks = process.find_candidates(survey, PERMITTIVITY, "en", Cancellation())
+    cleaned = gpr20_analysis.process_survey(corner, "background:method=surface")
+    image = gpr20_analysis.image_survey(
+        cleaned, gpr20_analysis.ImageOptions(permittivity=PERMITTIVITY)
+    )
+    here = gpr20_analysis.find_candidates(image)
+    # Sums of several threads differ in their last bits.
+    assert [one.id for one in found.candidates] == [one.id for one in here.candidates]
+    for one, same in zip(found.candidates, here.candidates):
+        assert (one.x_m, one.y_m, one.depth_m) == approx(
+            (same.x_m, same.y_m, same.depth_m), abs=1e-6
+        )
+    assert remarks == ""
+    table, report = tmp_path / "list.csv", tmp_path / "report.html"
+    process.write("candidates", survey, table, PERMITTIVITY, "es", Cancellation())
+    process.write("report", survey, report, PERMITTIVITY, "es", Cancellation())
+    assert found.candidates[0].id in table.read_text()
+    assert '<html lang="es">' in report.read_text()
+
+
+@pytest.mark.timeout(300)
+def test_where_a_mine_could_hide_is_that_of_the_analysis(process, tmp_path):
+    corner = gpr20_analysis.load_survey(sample_survey()).isel(x=slice(4), y=slice(4))
+    file = tmp_path / "corner.nc"
+    gpr20_analysis.write_dataset(corner, file)
+    found = process.map_hidden(file, PERMITTIVITY, "pmn", Cancellation())
+    here = gpr20_analysis.map_hidden_in_field(corner, PERMITTIVITY, Targets.PMN.value)
+    assert found.target == Targets.PMN.value and found.tried.sum() > 0
+    assert (found.tried == here.tried).all() and (found.found == here.found).all()
+    with raises_fault(NOT_ALLOWED, "tank"):
+        process.map_hidden(file, PERMITTIVITY, "tank", Cancellation())
+
+
+def test_a_reason_comes_with_its_fault(process, tmp_path):
+    with raises_fault(analysis_faults.NO_INPUT, tmp_path / "nowhere"):
+        process.find_candidates(tmp_path / "nowhere", None, "en", Cancellation())
+    with raises_fault(analysis_faults.NO_TRACES):
+        folder = tmp_path / "20260921T141320_0f8fad5b"
+        (folder / "traces").mkdir(parents=True)
+        (folder / "survey.json").write_text("{}")
+        process.focus(folder, np.float64(4.0), Cancellation())
+
+
+def test_the_nodes_answers_are_those_of_the_imaging(
+    tmp_path, analysis, sticks, survey, monkeypatch
+):
+    rospy = pytest.importorskip("rospy")
+    node_module = pytest.importorskip("gpr20_imaging.high.imaging_node")
+    requests = pytest.importorskip("gpr20_msgs.srv")
+    services, published = {}, {}
+
+    def publisher(name, *_, **__):
+        return SimpleNamespace(publish=lambda message: published.setdefault(name, message))
+
+    for place, name, value in (
+        (rospy, "Publisher", publisher),
+        (rospy, "on_shutdown", lambda _stop: None),
+        (rospy.Time, "now", staticmethod(lambda: rospy.Time(7))),
+        (node_module, "AnalysisProcess", lambda: analysis.process),
+        (node_module, "Diagnostics", lambda _name, health: health),
+        (node_module, "publish_description", lambda *_: None),
+        (node_module, "advertise", lambda name, _kind, do: services.setdefault(name, do)),
+        (node_module, "ExportNotes", lambda: SimpleNamespace(add=lambda *_: REFUSAL)),
+    ):
+        monkeypatch.setattr(place, name, value)
+    node = node_module.ImagingNode(ImagingParameters(str(tmp_path / "data")), sticks.volumes)
+    asked = {"request_id": "a", "survey": survey.name, "permittivity": 4.0}
+    focused = services["focus_survey"](requests.FocusSurveyRequest(**asked))
+    assert focused.success and len(focused.levels_db) == 8 * 4
+    assert published["candidates"].candidates[0].id == "C01"
+    found = services["find_candidates"](requests.FindCandidatesRequest(**asked, language="en"))
+    assert found.remarks == f"{survey} 4.0 en" and "C01" in found.candidates_json
+    stick = sticks.plug_in()
+    (listed,) = services["list_volumes"](requests.ListVolumesRequest()).volumes
+    assert (listed.path, listed.writable) == (str(stick), True)
+    wanted = {**asked, "kinds": ["survey-zip"], "language": "en"}
+    on_stick = requests.ExportSurveyRequest(**wanted, volume=str(stick))
+    exported = services["export_survey"](on_stick)
+    # The log of the survey does not say so, and why.
+    assert len(exported.files) == 1 and exported.fault_code == REFUSAL.fault_code
+    assert published["imaging_progress"].request_id == "a"
+    with raises_fault(faults.NO_REQUEST):
+        services["cancel_imaging"](requests.CancelImagingRequest(request_id="a"))
+    assert node._diagnostics()[0] == node_module.OK
+    node._imaging.close()
