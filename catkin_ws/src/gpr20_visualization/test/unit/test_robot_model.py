@@ -1,11 +1,15 @@
-"""The URDF of the robot: its frames, its travel and where its links are."""
+"""The URDF, and the files for RViz, Foxglove and diagnostic_aggregator, name what there is."""
 
+from __future__ import annotations
+
+import json
 import math
 import shutil
 import subprocess
 from pathlib import Path
 
 import pytest
+import yaml
 from case_kit import each_case
 from fault_kit import raises_fault
 
@@ -51,13 +55,10 @@ def test_the_antennas_are_where_the_axes_are(model):
     assert y_carriage.place_m == (0.0, 0.34, 0.43)
     assert x_carriage.place_m == (0.12, 0.0, 0.0)
     assert antennas.place_m == (0.0, 0.0, -0.23)
-    assert rotated(antennas.rotation, (1.0, 0.0, 0.0)) == pytest.approx((0.0, 1.0, 0.0))
-
-
-def test_the_height_is_measured_downwards(model):
     (sensor,) = model.fixed()
     assert sensor.child == frames.HEIGHT_SENSOR_LINK
     assert rotated(sensor.rotation, (1.0, 0.0, 0.0)) == pytest.approx((0.0, 0.0, -1.0))
+    assert rotated(antennas.rotation, (1.0, 0.0, 0.0)) == pytest.approx((0.0, 1.0, 0.0))
 
 
 @each_case(
@@ -94,3 +95,64 @@ def test_check_urdf_accepts_it():
     checked = subprocess.run(["check_urdf", str(URDF)], capture_output=True, text=True)
     assert checked.returncode == 0, checked.stdout
     assert "root Link: base_link" in checked.stdout
+
+
+PACKAGE = Path(__file__).resolve().parents[2]
+NODES = {
+    *(f"{axis}_axis/axis_driver: state" for axis in "xyz"),
+    *(f"{name}: state" for name in ("height_sensor", "vna_acquisition", "vna_processing")),
+    *(f"{name}: state" for name in ("main_control", "imaging", "visualization", "simulator")),
+    *("user_interface: state", "web: state"),
+}
+FRAMES = {value for name, value in vars(frames).items() if name.isupper()}
+# What the layout and the configuration show, without the slash of the layout's absolute names.
+SHOWN = {
+    *("b_scan", "survey_area", "stops", "candidate_markers", "measured_height"),
+    *("robot_description", "joint_states", "trace", "control_status", "control_survey_data"),
+    *("diagnostics", "candidates"),
+}
+
+
+@pytest.fixture
+def layout():
+    return json.loads((PACKAGE / "foxglove" / "gpr20.json").read_text())
+
+
+def values(node, keys):
+    """Yield the texts that stand under some keys, at any depth."""
+    items = node.items() if isinstance(node, dict) else enumerate(node)
+    for key, value in items:
+        if key in keys and isinstance(value, str) and value:
+            yield value
+        elif isinstance(value, (dict, list)):
+            yield from values(value, keys)
+
+
+def test_the_layout_shows_topics_and_frames_that_exist(layout):
+    keys = {"topic", "imageTopic", "topicPath", "topicToRender", "value"}
+    named = {text.split(".")[0].lstrip("/") for text in values(layout, keys)}
+    robot = layout["configById"]["3D!robot"]
+    named |= {topic.lstrip("/") for topic in robot["topics"]}
+    assert named == SHOWN
+    assert {name.split(":")[1] for name in robot["transforms"]} == FRAMES
+    assert {robot["fixedFrame"], robot["followTf"]} <= FRAMES
+
+
+def test_rviz_shows_topics_and_frames_that_exist():
+    config = yaml.safe_load((PACKAGE / "rviz" / "gpr20.rviz").read_text())
+    manager = config["Visualization Manager"]
+    topics = set(values(manager, {"Topic", "Marker Topic", "Image Topic", "Robot Description"}))
+    # Relative names: RViz in the namespace of a robot shows that robot.
+    assert topics <= SHOWN
+    assert set(values(manager, {"Fixed Frame", "Target Frame", "Reference Frame"})) <= FRAMES
+
+
+def test_the_aggregator_has_every_node_in_one_group():
+    config = yaml.safe_load((PACKAGE / "diagnostics" / "aggregator.yaml").read_text())
+    for node in NODES:
+        groups = [
+            one["path"]
+            for one in config["analyzers"].values()
+            if any(part in node for part in one["contains"])
+        ]
+        assert len(groups) == 1, (node, groups)
