@@ -113,6 +113,6 @@ def test_the_commands_of_the_readme_show_the_sample_without_ros(gpr20, tmp_path)
     printed = "".join(gpr20(*shlex.split(command)[1:]) for command in commands)
     # Three bodies are buried below the sample; the wire, of 120 mm, is two places.
     assert "candidates: 4," in printed
-    # Of the real line the bars come first, with their depths; see test_real_line.py.
+    # Of the real line the bars come first, with their depths; see test_public_interface.py.
     assert re.search(r"^C14 +\d+ .*$", printed, re.MULTILINE) and "length: 2.8 m" in printed
     assert (tmp_path / "report.html").stat().st_size > 100_000
