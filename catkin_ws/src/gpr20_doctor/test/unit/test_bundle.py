@@ -6,6 +6,7 @@ import zipfile
 from unittest import mock
 
 import pytest
+from case_kit import each_case
 from hypothesis import given
 from hypothesis import strategies as st
 from test_robot_checks import facts
@@ -168,7 +169,7 @@ FORMS = (
 )
 
 
-@pytest.mark.parametrize("form", FORMS.split(" ~ "))
+@each_case("form", FORMS.split(" ~ "))
 def test_a_secret_is_removed_however_it_is_written(tmp_path, form):
     line = form.format(SECRET)
     assert SECRET not in without_secrets(f"before\n{line}\nafter")

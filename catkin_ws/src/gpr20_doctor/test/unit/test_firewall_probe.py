@@ -108,6 +108,7 @@ def test_a_table_that_was_flushed_is_found_and_the_advice_ends_it(machine):
     assert "gpr20-" not in machine.run("ip", "-brief", "link")
 
 
+@pytest.mark.release
 def test_a_firewall_that_is_switched_off_is_found_and_the_advice_ends_it(machine):
     machine.set("off")
     level, code, _text, advice = machine.look()
@@ -118,6 +119,7 @@ def test_a_firewall_that_is_switched_off_is_found_and_the_advice_ends_it(machine
     assert machine.look()[0] == "OK"
 
 
+@pytest.mark.release
 def test_who_may_not_try_it_gets_no_verdict_and_the_command(machine):
     level, code, text, advice = machine.look("setpriv", "--reuid=65534", "--clear-groups")
     assert (level, code) == ("UNKNOWN", "-")

@@ -132,18 +132,19 @@ def test_a_program_that_is_asked_is_understood_and_may_fail(stand_in, ask, name,
         assert expected != (ADVISED,) or found[0].fault_code == ADVISED.fault_code
 
 
-def test_a_disk_is_timed_and_nothing_is_left_on_it(tmp_path):
-    assert 0.0 < system.slowest_trace_s(tmp_path, 300_000) < 10.0
-    assert list(tmp_path.iterdir()) == []
+def test_a_disk_is_timed_and_nothing_is_left_on_it(tmp_path, monkeypatch):
+    seen, fsync = [], os.fsync
+
+    def synchronize(file):
+        seen.append(list(tmp_path.iterdir()))
+        fsync(file)
+
+    monkeypatch.setattr(os, "fsync", synchronize)
+    assert system.slowest_trace_s(tmp_path, 300_000) > 0.0
+    # While it is written, the file has no name.
+    assert seen and all(names == [] for names in [*seen, list(tmp_path.iterdir())])
     with pytest.raises(OSError):
         system.slowest_trace_s(tmp_path / "missing", 300)
-
-
-def test_a_file_of_the_disk_test_has_no_name_while_it_is_written(tmp_path, monkeypatch):
-    seen = []
-    monkeypatch.setattr(os, "fsync", lambda _file: seen.append(list(tmp_path.iterdir())))
-    system.slowest_trace_s(tmp_path, 300)
-    assert seen and all(names == [] for names in seen)
 
 
 def test_ports_and_addresses():
@@ -272,7 +273,7 @@ def test_a_computer_without_anything_is_known_to_have_nothing(tmp_path):
     assert (facts.spi.exists, facts.spi.usable) == (False, False)
     assert facts.gpio.devices == ()
     assert facts.power is None and facts.temperature_c is None and facts.vna is None
-    assert facts.disk.free_bytes > 0 and 0.0 < facts.disk.trace_s < 10.0
+    assert facts.disk.free_bytes > 0 and facts.disk.trace_s > 0.0
 
 
 def test_a_raspberry_pi_that_shows_nothing_is_not_called_good(tmp_path):
