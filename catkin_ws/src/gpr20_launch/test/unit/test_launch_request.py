@@ -1,4 +1,4 @@
-"""What a launch may ask for, and the configuration that it gives to its nodes."""
+"""What a launch may ask for, what it gives to its nodes, and what it warns of beforehand."""
 
 import os
 from pathlib import Path
@@ -8,10 +8,12 @@ from case_kit import each_case
 from fault_kit import raises_fault
 
 from gpr20_common.faults import NOT_ALLOWED
+from gpr20_common.message import verbatim
 from gpr20_common.mid.records import record_from
 from gpr20_launch import faults
 from gpr20_launch.errors import LaunchRefusedError
-from gpr20_launch.mid.launch_request import LaunchRequest
+from gpr20_launch.mid.launch_request import REAL, ROBOT, SERVER, SIMULATED, SURVEY, LaunchRequest
+from gpr20_launch.mid.machine_warnings import machine_warnings
 from gpr20_simulator.faults import WRONG_SCENE
 from gpr20_simulator.mid.simulator_parameters import SimulatorParameters
 from gpr20_survey.faults import (
@@ -23,6 +25,9 @@ from gpr20_survey.faults import (
 )
 from gpr20_survey.files.data_marker import read_marker
 from gpr20_survey.files.file_system import file_system_of
+from gpr20_vna_acquisition.mid.conformance.bench import Status
+from gpr20_vna_acquisition.mid.conformance.record import store
+from gpr20_vna_acquisition.mid.conformance.suite import Result
 from gpr20_vna_acquisition.mid.vna_parameters import VnaParameters
 
 PACKAGES = Path(__file__).resolve().parents[3]
@@ -175,3 +180,59 @@ def test_a_data_disk_that_is_not_there_refuses_the_launch(home):
 def test_the_robot_part_does_not_need_the_data_folder(home):
     (home / "surveys").write_text("")
     assert "data" not in request("robot", data=str(home / "surveys")).sections(AXES)["storage"]
+
+
+SECTIONS = {"x_axis": {}, "height_sensor": {"spi_device": 1}, "storage": {}}
+ENVIRONMENT = {"ROS_IP": "127.0.0.1"}
+
+
+def warnings(part, robot, root, sections=SECTIONS, config=""):
+    request = LaunchRequest(part, robot, config, "", SimulatorParameters(scene=""))
+    return machine_warnings(request, sections, ENVIRONMENT, root)
+
+
+def test_a_simulated_robot_needs_no_hardware(tmp_path):
+    assert warnings(SURVEY, SIMULATED, tmp_path) == ()
+
+
+@each_case("part, needed", [(ROBOT, True), (SURVEY, True), (SERVER, False)])
+def test_a_real_robot_without_its_bus_is_warned(tmp_path, part, needed):
+    texts = [str(one.text) for one in warnings(part, REAL, tmp_path)]
+    assert any("/dev/spidev0.1" in text for text in texts) is needed
+
+
+def test_axes_of_other_controllers_need_no_pins(tmp_path):
+    other = {"controller": "a.b:C"}
+    axes = {"x_axis": other, "y_axis": other, "z_axis": other}
+    some = warnings(ROBOT, REAL, tmp_path, {**SECTIONS, **axes, "z_axis": {}})
+    assert "gpio" in [one.check for one in some]
+    none = warnings(ROBOT, REAL, tmp_path, {**SECTIONS, **axes})
+    assert not {"gpio", "realtime"} & {one.check for one in none}
+
+
+class OwnAnalyzer:
+    """A class for another analyzer."""
+
+    connect = identify = check_sweep = configure = sweep = confirm = calibration = None
+    release = disconnect = trace_duration_s = remarks = None
+
+    def __init__(self, parameters, deadline):
+        raise AssertionError("it is not made")
+
+
+def test_a_class_for_the_analyzer_that_never_passed_its_check_is_warned_of(tmp_path):
+    own = {"analyzer": f"{__name__}:OwnAnalyzer"}
+
+    def codes(part=SURVEY, robot=REAL, analyzer=own):
+        sections = {**SECTIONS, "vna_acquisition": analyzer}
+        found = warnings(part, robot, tmp_path, sections, str(tmp_path))
+        return [one.text.fault_code for one in found]
+
+    code = faults.UNCHECKED_ANALYZER.code
+    assert code in codes() and code in codes(part=SERVER)
+    assert code not in codes(part=ROBOT) + codes(robot=SIMULATED) + codes(analyzer={})
+    for status in (Status.FAILED, Status.PASSED):
+        assert code in codes()
+        found = [Result("identity", status, verbatim("found"))]
+        store(tmp_path, VnaParameters(**own), found)
+    assert code not in codes()

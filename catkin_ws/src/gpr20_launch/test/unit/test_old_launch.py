@@ -51,8 +51,9 @@ def imported(path):
     return axes, robot
 
 
+WHOLE = "".join(node(params(AXES[axis]), axis) for axis in "xyz")
 FORMS = {
-    "nodes with a namespace": "".join(node(params(AXES[axis]), axis) for axis in "xyz"),
+    "nodes with a namespace": WHOLE,
     "groups": "".join(
         f'<group ns="gpr20_{axis}_axis">{node(params(AXES[axis]))}</group>' for axis in "xyz"
     ),
@@ -86,7 +87,7 @@ FORMS = {
         for axis in "xyz"
     ),
     "conditions": '<arg name="real" default="true"/>'
-    + "".join(node(params(AXES[axis]), axis) for axis in "xyz")
+    + WHOLE
     + f'<group unless="$(arg real)">{node(params({"dir_pin": 3}), "x")}</group>',
 }
 
@@ -178,7 +179,7 @@ def test_what_cannot_be_read_is_asked_for_and_no_default_counts(tmp_path, inside
 
 def test_what_has_no_counterpart_or_sets_nothing_of_an_axis_is_named(tmp_path):
     inner = (
-        "".join(node(params(AXES[axis]), axis) for axis in "xyz")
+        WHOLE
         + params({"rate": 100, "vna_ip": "192.168.1.20", "who": "$(env USER)", "a": "$(find b)/c"})
         + '<param name="robot_description" command="rm -rf /"/><arg name="b" value="$(env B)"/>'
         + node(params({"port": "$(env PORT)"}), name="bridge")
@@ -193,7 +194,6 @@ def test_what_has_no_counterpart_or_sets_nothing_of_an_axis_is_named(tmp_path):
     assert [one.refuses for one in robot.problems] == [False] * 4 + [True]
 
 
-WHOLE = "".join(node(params(AXES[axis]), axis) for axis in "xyz")
 PIN = '<param name="/gpr20_x_axis/gpr20_axis/dir_pin" value="32"/>'
 # What may replace values of a file that is complete otherwise.
 OVERRIDES = {
@@ -258,47 +258,6 @@ def test_files_that_include_each_other_end(tmp_path):
     assert "too many parameters" in str(read_launch(many).unread)
 
 
-@given(
-    st.recursive(
-        st.sampled_from(
-            ["<param name='x_axis/dir_pin' value='$(arg a)'/>", "<rosparam>[</rosparam>"]
-        )
-        | st.text("<>/= \"'$()abxyz_{}:", max_size=20),
-        lambda inner: st.lists(inner, max_size=3).map(
-            lambda parts: f"<group ns='x' if='1'>{''.join(parts)}</group>"
-        ),
-        max_leaves=6,
-    )
-)
-def test_any_file_is_read_or_refused(tmp_path_factory, text):
-    path = launch(tmp_path_factory.mktemp("old"), text)
-    try:
-        imported(path)
-    except OldLaunchError as error:
-        assert str(path) in str(error)
-
-
-@given(
-    st.recursive(
-        st.integers(-99, 99) | st.floats(-99, 99).filter(lambda one: "e" not in str(one)),
-        lambda one: st.tuples(one, st.sampled_from(["+", "-", "*", "/"]), one),
-        max_leaves=5,
-    )
-)
-def test_an_expression_has_the_value_that_python_gives_it(tmp_path_factory, parts):
-    def text(one):
-        return f"({text(one[0])} {one[1]} {text(one[2])})" if isinstance(one, tuple) else repr(one)
-
-    inner = f"<param name='a' value='$(eval {text(parts)})'/>"
-    found = read_launch(launch(tmp_path_factory.mktemp("old"), inner))
-    try:
-        wanted = eval(text(parts), {"__builtins__": {}})  # noqa: S307 - numbers of this test
-    except ZeroDivisionError:
-        assert found.unread and not found.values
-    else:
-        assert found.values == {"/a": wanted}
-
-
 def test_the_command_writes_once_and_what_it_wrote_passes_but_for_the_person(
     tmp_path, monkeypatch, capsys
 ):
@@ -318,19 +277,17 @@ def test_the_command_writes_once_and_what_it_wrote_passes_but_for_the_person(
     assert main() == 1
     assert "stay as they are" in capsys.readouterr().err
     assert {one.name: one.read_bytes() for one in folder.iterdir()} == before
-    # The direction of z on the pin of y's endstop, as in the group's packages, is found.
-    wrong = launch(tmp_path, FORMS["groups"].replace('value="38"', 'value="11"'))
-    monkeypatch.setattr(sys, "argv", ["robot_config", "import", str(wrong), str(tmp_path / "b")])
-    assert main() == 1
-    assert "pin 11 (GPIO17) has 2 purposes: axes.yaml y/sensor_pin" in capsys.readouterr().out
-    # So is what could not be read, also where every value is there.
+    # The direction of z on the pin of y's endstop, as in the group's packages, is found; so is
+    # what could not be read, also where every value is there.
+    pin = FORMS["groups"].replace('value="38"', 'value="11"')
     more = FORMS["groups"] + '<include file="$(find other)/more.launch"/>'
-    monkeypatch.setattr(
-        sys, "argv", ["robot_config", "import", str(launch(tmp_path, more)), str(tmp_path / "c")]
-    )
-    assert main() == 1
-    said = capsys.readouterr().out
-    assert "FAULT: " in said and "more.launch" in said and faults.OLD_UNREAD.remedy.template in said
+    for number, (inner, shown) in enumerate(((pin, "y/sensor_pin"), (more, "more.launch"))):
+        path = launch(tmp_path, inner)
+        own = ["robot_config", "import", str(path), str(tmp_path / f"wrong{number}")]
+        monkeypatch.setattr(sys, "argv", own)
+        assert main() == 1
+        said = capsys.readouterr().out
+        assert "FAULT: " in said and shown in said
 
 
 VALUES = st.integers(0, 9)

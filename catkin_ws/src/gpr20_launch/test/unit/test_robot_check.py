@@ -32,16 +32,7 @@ MISTAKES = [
     ("axes", "y: {sensor_pin: 11}", "z/dir_pin", "pin_conflict", "GPIO17|axes.yaml y/sensor_pin"),
     ("axes", THREE, "z/step_pin", "pin_conflict", "3 purposes|x/dir_pin|y/dir_pin|enable_pin"),
     ("axes", "y: {dir_pin: 13}", "y/dir_pin", "pin_conflict", "pin 13|x/dir_pin (default)"),
-    ("axes", "x: {step_pin: 13}", "x/step_pin", "pin_conflict", "pin 13|x/dir_pin|x/step_pin"),
-    ("axes", "z: {enable_pin: 40}", "z/enable_pin", "pin_conflict", "y/sensor_pin"),
     ("axes", LEVELS, "y/enable_pin", "pin_conflict", "x/enable_pin|enable_active"),
-    (
-        "axes",
-        "x: {sensor_pin: 19}",
-        "height.yaml spi_bus",
-        "pin_conflict",
-        "x/sensor_pin|SPI0 MOSI",
-    ),
     ("axes", "y: {sensor_pin: 24}", "height.yaml spi_device", "pin_conflict", "pin 24|SPI0 CE0"),
     ("height", "spi_bus: 5\nspi_device: 1", "spi_device", "pin_conflict", "y/dir_pin|SPI5 CE1"),
     ("height", "spi_bus: 2", "spi_bus", "wrong_value", "0, 1, 3, 4, 5, 6"),
@@ -58,15 +49,11 @@ MISTAKES = [
     ("axes", "z: {sensor_pin: 5}", "z/sensor_pin", "wrong_value", "homing_backoff has its default"),
     # Travel, steps, speed.
     ("axes", "y: {max_coord: 80000}", "y/max_coord", "travel", "80000 mm|20 to 3000 mm"),
-    ("axes", "x: {max_coord: 0.65}", "x/max_coord", "travel", "0.65 mm"),
-    ("axes", "z: {max_coord: 1000}", "z/max_coord", "travel", "1000 deg"),
     ("axes", "x: {max_coord: '1,000'}", "x/max_coord", "wrong_value", "without it"),
     ("axes", "z: {min_coord: 0, max_coord: 270}", "z/max_coord", "travel", "270 deg|cables"),
     ("axes", "x: {step_size: 0.001}", "x/step_size", "motion", "1.8 hours"),
-    ("axes", "x: {step_size: 0.00001}", "x/step_size", "motion", "1e-05 mm|0.0005 - 1 mm"),
-    ("axes", "x: {step_size: 10}", "x/step_size", "motion", "10 mm"),
+    ("axes", "x: {step_size: 10}", "x/step_size", "motion", "10 mm|0.0005 - 1 mm"),
     ("axes", "x: {homing_margin: 640}", "x/homing_margin", "wrong_value", "640 mm|0 - 50 mm"),
-    ("axes", "x: {homing_backoff: 129}", "x/homing_backoff", "wrong_value", "129 mm|0 - 20 mm"),
     (
         *("axes", "x: {step_size: 0.1, min_step: 0.00005, late_limit_s: 0.00003}"),
         *("x/min_step", "motion", "1000 mm/s"),
@@ -76,13 +63,7 @@ MISTAKES = [
     ("axes", "x: {type: ROT}", "x/type", "wrong_value", "LIN"),
     ("axes", "z: {type: LIN}", "z/type", "wrong_value", "ROT"),
     # Typing errors.
-    (
-        "axes",
-        "x: {step_size: 0,01}",
-        "x/step_size",
-        "wrong_value",
-        "'0,01'|point, not a comma: 0.01",
-    ),
+    ("axes", "x: {step_size: 0,01}", "x/step_size", "wrong_value", "point, not a comma: 0.01"),
     ("axes", "x:\n  step_size: 0,01", "x/step_size", "wrong_value", "0.01"),
     ("axes", "x:\n  dir_pin:13", "x", "wrong_value", "line 2|colon"),
     ("axes", "x:\n\tdir_pin: 13", "", "wrong_value", "line 2|tab"),
@@ -90,13 +71,7 @@ MISTAKES = [
     ("axes", "x: {delta_step: 1e-4}", "x/delta_step", "wrong_value", "1.0e-4"),
     ("analyzer", f"{VNA}min_frequency_hz: 2.0e9", "min_frequency_hz", "wrong_value", "2.0e+9"),
     ("axes", "x: {max_coord: 650 mm}", "x/max_coord", "wrong_value", "without its unit: 650"),
-    (
-        "axes",
-        "x: {max_cord: 900, min_coord: 700}",
-        "x/max_cord",
-        "wrong_value",
-        "max_coord is meant",
-    ),
+    ("axes", "x: {max_cord: 900}", "x/max_cord", "wrong_value", "max_coord is meant"),
     ("axes", "x: {type: lin}", "x/type", "wrong_value", "perhaps LIN is meant"),
     ("height", "Spi_Bus: 0", "Spi_Bus", "wrong_value", "perhaps spi_bus"),
     ("axes", "x: {dir_pin: 013}", "x/dir_pin", "wrong_value", "013|13"),
@@ -111,9 +86,7 @@ MISTAKES = [
     ("storage", "data: surveys", "data", "data_folder", "absolute path, such as /srv/gpr20"),
     ("storage", "data: $HOME/surveys", "data", "data_folder", "$HOME/surveys"),
     ("storage", "data: /etc/surveys", "data", "data_folder", "/etc/surveys|system"),
-    ("storage", "data: /", "data", "data_folder", "system"),
     ("analyzer", "address: 224.0.0.1", "address", "address", "224.0.0.1"),
-    ("analyzer", "address: 0.0.0.0", "address", "address", "0.0.0.0"),
     ("analyzer", "address: 192.168.1.255", "address", "address", "192.168.1.255"),
     ("analyzer", "address: 192.168.1.300", "address", "wrong_value", "192.168.1.300|192.168.1.10"),
     ("analyzer", "address: vna.local", "address", "wrong_value", "vna.local"),
@@ -144,25 +117,12 @@ DOUBTS = [
     ("storage", "data: ~/no_such_disk/surveys", "data", "data_folder", "does not exist"),
     ("storage", "data: /media/usb/surveys", "data", "data_folder", "data_disk: true"),
     ("storage", "data: ~/src/gpr20/surveys", "data", "data_folder", "repository"),
-    (
-        "storage",
-        "disk_reserve_mb: 900000000",
-        "disk_reserve_mb",
-        "disk_reserve",
-        "no survey can start",
-    ),
+    ("storage", "disk_reserve_mb: 900000000", "disk_reserve_mb", "disk_reserve", "can start"),
     ("storage", "disk_reserve_mb: 0.5", "disk_reserve_mb", "wrong_value", ">= 50 MB"),
     ("storage", "recorded_topics: []", "recorded_topics", "wrong_value", "extra_recorded_topics"),
     ("storage", "signing_key: /nowhere/key", "signing_key", "", "/nowhere/key|not signed"),
     ("survey", "settle_s: 0", "settle_s", "wrong_value", "swing"),
     ("analyzer", f"{VNA}antenna_delay_ns: 1.9e-9", "antenna_delay_ns", "wrong_value", "seconds"),
-    (
-        "analyzer",
-        f"{VNA}accepted_calibrations: []",
-        "accepted_calibrations",
-        "wrong_value",
-        "1 - 5",
-    ),
     ("analyzer", "address: 127.0.0.1", "address", "address", "127.0.0.1"),
     (
         *("analyzer", f"{VNA}accepted_calibrations: [1, 0]", "accepted_calibrations"),
@@ -173,8 +133,6 @@ DOUBTS = [
     ("site", "latitude_deg: 0.0\nlongitude_deg: 0.0", "latitude_deg", "site", "sea"),
     *((name, "x: 5", f"{name} ", "left_over_file", "is not read") for name in (*LEFT, *PACKAGED)),
 ]
-# The programs show all alike: one of each fault is enough.
-SHOWN = {(case in DOUBTS, case[3]): case for case in (*MISTAKES, *DOUBTS)}
 BOTH = {"GPR20_ROBOT": "192.168.1.2", "GPR20_SERVER": "192.168.1.3"}
 
 
@@ -221,7 +179,8 @@ def test_a_mistake_is_found_once_with_file_key_value_and_uses(tmp_path, case):
     assert fault == "pin_unusable" or all(use in text for use in one.uses)
 
 
-@each_case("case", list(SHOWN.values()))
+# The programs show all alike.
+@each_case("case", [MISTAKES[0], DOUBTS[0]])
 def test_command_launch_and_programs_get_the_same(tmp_path, run, case):
     refused, folder = case in MISTAKES, tmp_path / str([*MISTAKES, *DOUBTS].index(case))
     write(folder, {case[0]: case[1]})
@@ -330,10 +289,7 @@ def test_all_mistakes_are_found_at_once_the_gravest_first(tmp_path):
         {"axes": "x: {endstop_active: high, endstop_pull: down}\ny: {endstop_active: high}"},
         {"axes": "x: {max_coord: 600}\nz: {step_size: 0.9}", "site": "site: Bogotá"},
         {"height": "spi_device: 1\nreference_voltage_v: 3.31", "axes": "x: {sensor_pin: 7}"},
-        {
-            "storage": "data: ~/surveys\ndata_disk: false",
-            "sensors": f"sensors: [{{name: a, {SENSOR}}}]",
-        },
+        {"storage": "data: ~/surveys", "sensors": f"sensors: [{{name: a, {SENSOR}}}]"},
         {"site": "robot: GPR-20 Ñandú\nlatitude_deg: 4.6\nlongitude_deg: -74.1"},
         {"analyzer": f"{VNA}settle_s: 1.0e-1", "README.md": "of robot 2", ".hidden": ""},
     ],

@@ -1,13 +1,25 @@
-"""Who runs already, since when, and the command that ends them."""
+"""Who runs beside a launch, what they do, and the modules without which nothing is launched."""
 
+from __future__ import annotations
+
+import ctypes
+import glob
 import os
+import signal
 import subprocess
 import sys
 import time
 from dataclasses import replace
 from datetime import datetime
+from pathlib import Path
 
+import pytest
+from case_kit import each_case
+
+from gpr20_launch.low import needed_modules
+from gpr20_launch.low.needed_modules import what_to_install
 from gpr20_launch.low.process_info import ProcessInfo, process_info
+from gpr20_launch.low.sibling_nodes import SiblingNodes, is_traced, is_working
 from gpr20_launch.mid.running_robot import RunningNode, refusal
 
 LAUNCH = ProcessInfo(70, 1, ("/usr/bin/python3", "/usr/bin/roslaunch", "gpr20"), datetime.now())
@@ -73,3 +85,145 @@ def test_a_process_is_described_as_the_system_knows_it():
     while process_info(child.pid) is not None and time.monotonic() < deadline_s:
         time.sleep(0.01)
     assert process_info(child.pid) is None
+
+
+CHECK = Path(__file__).resolve().parents[2] / "nodes" / "check_launch"
+SOURCES = Path(__file__).resolve().parents[2] / "src"
+
+
+def test_nothing_is_said_where_nothing_is_missing():
+    assert what_to_install(lambda module: True) is None
+
+
+def test_what_is_missing_is_named_with_the_commands_that_install_it(monkeypatch):
+    monkeypatch.delenv("CMAKE_PREFIX_PATH", raising=False)
+    missing = {"actionlib_msgs", "yaml", "vxi11", "mcap"}
+    said = what_to_install(lambda module: module not in missing)
+    assert f"{sys.executable} (Python 3." in said
+    assert "lacks the modules actionlib_msgs, yaml, mcap, vxi11." in said
+    assert "sudo apt-get install python3-actionlib-msgs python3-yaml\n" in said
+    assert "python3 -m pip install mcap python-vxi11\n" in said
+
+
+def test_packages_of_ros_have_the_names_of_the_ros_that_was_sourced(monkeypatch):
+    monkeypatch.setenv("CMAKE_PREFIX_PATH", f"/home/user/install:{needed_modules.NOETIC}")
+    said = what_to_install(lambda module: module != "diagnostic_updater")
+    assert "sudo apt-get install ros-noetic-diagnostic-updater\n" in said
+    assert "pip" not in said
+
+
+def test_a_launch_without_them_is_refused_with_one_text_and_no_traceback():
+    ended = subprocess.run(
+        # Neither the packages of the system nor those of an environment.
+        [sys.executable, "-S", str(CHECK)],
+        env={"PYTHONPATH": str(SOURCES)},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert ended.returncode == 1
+    assert "This robot cannot be launched: " in ended.stderr
+    assert "lacks the modules actionlib, " in ended.stderr
+    assert "Traceback" not in ended.stderr
+
+
+PTRACE_ATTACH, PTRACE_DETACH = 16, 17
+WORD = "configuration:=/launch_1"
+SLEEP = "import time; print(flush=True); time.sleep(60)"
+SPIN = "print(flush=True)\nwhile True: pass"
+
+
+@pytest.fixture
+def start():
+    begun = []
+
+    def start(*words, program=SLEEP, namespace="/"):
+        environment = {**os.environ, "ROS_NAMESPACE": namespace}
+        process = subprocess.Popen(
+            [sys.executable, "-c", program, *words], stdout=subprocess.PIPE, env=environment
+        )
+        begun.append(process)
+        assert process.stdout.readline()
+        return process
+
+    yield start
+    for process in begun:
+        process.kill()
+        process.communicate()
+
+
+def nodes(parent=None):
+    return SiblingNodes(os.getpid() if parent is None else parent, WORD, ["/window"])
+
+
+def test_the_nodes_of_this_launch_are_found_by_their_full_names(start):
+    storage = start(WORD, "__name:=storage")
+    axis = start(WORD, "__name:=axis_driver", namespace="/robot1/x_axis")
+    window = start("__name:=window")
+    start("__name:=rosbag")
+    start("configuration:=/launch_2", "__name:=storage")
+    start(WORD)
+    assert nodes().find() == {
+        storage.pid: "/storage",
+        axis.pid: "/robot1/x_axis/axis_driver",
+        window.pid: "/window",
+    }
+    assert nodes(parent=1).find() == {}
+
+
+def test_only_the_process_that_is_the_node_is_killed(start):
+    storage = start(WORD, "__name:=storage")
+    nodes(parent=1).kill(storage.pid, "/storage")
+    nodes().kill(storage.pid, "/control")
+    assert storage.poll() is None
+    nodes().kill(storage.pid, "/storage")
+    assert storage.wait(10.0) == -signal.SIGKILL
+    nodes().kill(storage.pid, "/storage")
+
+
+@each_case(
+    "program, number, working", [(SLEEP, None, False), (SPIN, None, True), (SPIN, 19, False)]
+)
+def test_a_process_that_waits_or_is_halted_does_not_work(start, program, number, working):
+    process = start(program=program)
+    if number is not None:
+        process.send_signal(number)
+    deadline_s = time.monotonic() + 10.0
+    while is_working(process.pid) is not working:
+        assert time.monotonic() < deadline_s
+        time.sleep(0.01)
+
+
+def test_a_process_that_has_ended_does_nothing_and_can_be_killed(start, monkeypatch):
+    process = start(WORD, "__name:=storage")
+    others = nodes()
+    process.kill()
+    process.wait()
+    # It ended after it was looked at.
+    monkeypatch.setattr(others, "_name", lambda _number: "/storage")
+    others.kill(process.pid, "/storage")
+    assert not is_traced(process.pid)
+    assert not is_working(process.pid)
+
+
+def test_a_thread_that_ends_while_it_is_looked_at_hides_no_other(start, monkeypatch):
+    process = start(program=SPIN)
+    listed = glob.glob
+    ended = f"/proc/{process.pid}/task/0/stat"
+    monkeypatch.setattr(glob, "glob", lambda pattern: [ended, *listed(pattern)])
+    deadline_s = time.monotonic() + 10.0
+    while not is_working(process.pid):
+        assert time.monotonic() < deadline_s
+
+
+def test_only_a_process_under_a_debugger_is_traced(start):
+    process = start()
+    assert not is_traced(process.pid)
+    # As gdb does; this process is its parent, so it may.
+    ptrace = ctypes.CDLL(None).ptrace
+    assert ptrace(PTRACE_ATTACH, process.pid, None, None) == 0
+    os.waitpid(process.pid, 0)
+    traced = is_traced(process.pid)
+    assert ptrace(PTRACE_DETACH, process.pid, None, None) == 0
+    assert traced
+    assert not is_traced(process.pid)
