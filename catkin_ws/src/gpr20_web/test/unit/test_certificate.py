@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import random
 import shutil
 import socket
 import ssl
@@ -13,15 +14,15 @@ from pathlib import Path
 from typing import Callable, List
 
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from run_seed import SEED
 
 from gpr20_web.errors import CertificateError, FolderError
 from gpr20_web.low import certificate as module
 from gpr20_web.low.certificate import Certificate, ensure_certificate, ssl_context
 
 pytestmark = pytest.mark.skipif(shutil.which("openssl") is None, reason="openssl is not there")
-NAMES = ["192.168.1.10", "robot.example", "fd00::7"]
+# The last is none: it stands for all networks.
+NAMES = ["192.168.1.10", "robot.example", "fd00::7", "0.0.0.0"]
 
 
 @pytest.fixture(scope="module")
@@ -36,32 +37,19 @@ def folder(made: Certificate, tmp_path: Path) -> Path:
     return tmp_path / "web"
 
 
-def _shown(made: Certificate, what: str) -> str:
-    command = ["openssl", "x509", "-noout", what, "-in", str(made.certificate)]
-    return subprocess.run(command, capture_output=True, text=True, check=True).stdout
-
-
-def test_only_the_owner_reads_the_key_and_its_folder(made: Certificate) -> None:
-    assert stat.S_IMODE(made.key.stat().st_mode) == 0o600
-    assert stat.S_IMODE(made.key.parent.stat().st_mode) == 0o700
-
-
-def test_the_fingerprint_is_that_of_the_certificate_in_groups(made: Certificate) -> None:
+def test_it_is_of_p_256_for_a_server_no_authority_and_every_name_of_this_computer(
+    made: Certificate,
+) -> None:
+    command = ["openssl", "x509", "-noout", "-text", "-in", str(made.certificate)]
+    text = subprocess.run(command, capture_output=True, text=True, check=True).stdout
+    for part in ("prime256v1", "CA:FALSE", "TLS Web Server Authentication"):
+        assert part in text
+    for name in (f"DNS:{socket.gethostname()}", "DNS:localhost", "127.0.0.1", *NAMES[:2]):
+        assert name in text
+    assert NAMES[3] not in text
     der = ssl.PEM_cert_to_DER_cert(made.certificate.read_text())
     assert made.fingerprint.replace(" ", "").lower() == hashlib.sha256(der).hexdigest()
     assert [len(one) for one in made.fingerprint.split()] == [4] * 16
-
-
-def test_it_is_of_p_256_for_a_server_and_no_authority(made: Certificate) -> None:
-    text = _shown(made, "-text")
-    for part in ("prime256v1", "CA:FALSE", "TLS Web Server Authentication"):
-        assert part in text
-
-
-def test_it_is_for_every_name_of_this_computer(made: Certificate) -> None:
-    text = _shown(made, "-text")
-    for name in (f"DNS:{socket.gethostname()}", "DNS:localhost", "127.0.0.1", *NAMES[:2]):
-        assert name in text
 
 
 def test_no_browser_refuses_it_as_valid_for_too_long(made: Certificate) -> None:
@@ -94,17 +82,15 @@ def test_a_client_that_trusts_it_talks_tls_1_2_or_later_and_nothing_older(
     assert failed == []
 
 
-def test_a_folder_that_others_may_read_is_closed_to_them(folder: Path) -> None:
+def test_what_is_there_stays_and_only_its_owner_reads_it(folder: Path, made: Certificate) -> None:
+    assert stat.S_IMODE(made.key.stat().st_mode) == 0o600
+    assert stat.S_IMODE(made.key.parent.stat().st_mode) == 0o700
     folder.chmod(0o755)
-    ensure_certificate(folder, [])
-    assert stat.S_IMODE(folder.stat().st_mode) == 0o700
-
-
-def test_what_is_there_stays_and_openssl_makes_nothing(folder: Path, made: Certificate) -> None:
     before = {one.name: one.read_bytes() for one in folder.iterdir()}
     again = ensure_certificate(folder, ["another.example"])
     assert again.fingerprint == made.fingerprint
     assert {one.name: one.read_bytes() for one in folder.iterdir()} == before
+    assert stat.S_IMODE(folder.stat().st_mode) == 0o700
 
 
 def _file_in_the_way(place: Path) -> Path:
@@ -129,20 +115,22 @@ def test_a_folder_that_cannot_be_used_is_named_with_what_to_set(
     assert str(folder) in str(refused.value)
 
 
-@pytest.mark.parametrize("missing", ["key.pem", "certificate.pem"])
-def test_one_without_the_other_is_refused_and_stays(folder: Path, missing: str) -> None:
-    (folder / missing).unlink()
-    with pytest.raises(CertificateError, match="move both away") as refused:
-        ensure_certificate(folder, [])
-    assert refused.value.message.remedy is not None
-    assert len(list(folder.iterdir())) == 1
-
-
-def test_a_key_of_another_certificate_is_refused(folder: Path, tmp_path: Path) -> None:
-    other = ensure_certificate(tmp_path / "other", [])
-    shutil.copy(str(other.key), str(folder / "key.pem"))
-    with pytest.raises(CertificateError, match="move both away"):
-        ensure_certificate(folder, [])
+def test_one_without_the_other_another_key_and_random_bytes_are_refused_and_stay(
+    folder: Path, tmp_path: Path
+) -> None:
+    draw, whole = random.Random(SEED), {one: one.read_bytes() for one in folder.iterdir()}
+    other = ensure_certificate(tmp_path / "other", []).key.read_bytes()
+    damages = [(one, bad) for one in whole for bad in (None, b"", b"\xff" * 40)]
+    damages += [(one, bytes(draw.choices(range(256), k=100))) for one in whole]
+    for damaged, content in (*damages, (folder / "key.pem", other)):
+        for one, good in whole.items():
+            one.write_bytes(good)
+        damaged.unlink() if content is None else damaged.write_bytes(content)
+        before = {one: one.read_bytes() for one in folder.iterdir()}
+        with pytest.raises(CertificateError, match="move both away") as refused:
+            ensure_certificate(folder, [])
+        assert refused.value.message.remedy is not None
+        assert {one: one.read_bytes() for one in folder.iterdir()} == before
 
 
 def test_a_certificate_that_is_over_is_refused_and_not_renewed(folder: Path) -> None:
@@ -166,39 +154,15 @@ def test_a_key_with_a_passphrase_asks_nobody(folder: Path) -> None:
         ensure_certificate(folder, [])
 
 
-@given(st.binary(max_size=200) | st.just(b"\xff" * 40), st.sampled_from(["key", "certificate"]))
-def test_random_bytes_are_no_certificate_and_no_key(
-    made: Certificate, tmp_path_factory: pytest.TempPathFactory, data: bytes, which: str
-) -> None:
-    copy = tmp_path_factory.mktemp("random") / "web"
-    shutil.copytree(str(made.key.parent), str(copy))
-    (copy / f"{which}.pem").write_bytes(data)
-    with pytest.raises(CertificateError):
-        ensure_certificate(copy, [])
-
-
-@pytest.mark.parametrize("name", ["a b", "x\n[use]", "x,DNS:y", "", "-a", "a" * 300, "ñ"])
-def test_a_name_that_is_none_reaches_no_openssl(tmp_path: Path, name: str) -> None:
-    with pytest.raises(CertificateError, match="no name of a computer"):
-        ensure_certificate(tmp_path / "web", [name])
-
-
-def test_all_networks_are_no_name_of_this_computer(tmp_path: Path) -> None:
-    assert "0.0.0.0" not in _shown(ensure_certificate(tmp_path / "web", ["0.0.0.0"]), "-text")
-
-
-def test_without_openssl_the_error_names_it(
+def test_a_missing_or_failing_openssl_and_a_name_that_is_none_leave_no_files(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(module, "PROGRAM", "openssl-that-is-not-there")
-    with pytest.raises(CertificateError, match="not installed"):
-        ensure_certificate(tmp_path / "web", [])
-
-
-def test_an_openssl_that_fails_leaves_no_files(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(module, "PROGRAM", "false")
-    with pytest.raises(CertificateError, match="made no certificate"):
-        ensure_certificate(tmp_path / "web", [])
-    assert list((tmp_path / "web").iterdir()) == []
+    names = ["a b", "x\n[use]", "x,DNS:y", "", "-a", "a" * 300, "ñ"]
+    cases = [(name, "openssl", "no name of a computer") for name in names]
+    cases += [("a", "openssl-that-is-not-there", "not installed")]
+    cases += [("a", "false", "made no certificate")]
+    for name, program, said in cases:
+        monkeypatch.setattr(module, "PROGRAM", program)
+        with pytest.raises(CertificateError, match=said):
+            ensure_certificate(tmp_path / "web", [name])
+        assert list(tmp_path.glob("web/*")) == []

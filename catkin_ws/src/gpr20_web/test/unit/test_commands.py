@@ -9,8 +9,10 @@ from dataclasses import replace
 from typing import Any, Dict, List, Optional
 
 import pytest
+from case_kit import each_case
 from hypothesis import given
 from hypothesis import strategies as st
+from web_kit import ManualClock
 
 from gpr20_common.errors import Gpr20Error
 from gpr20_common.message import Fault, Message, Severity
@@ -49,14 +51,7 @@ PLAN = RemotePlan(PARAMETERS, EMPTY, "", 4.0)
 ON_REQUEST = Message("paused").with_fault(Fault("test.asked", None, Severity.NOTE))
 ANA = Person("ana", Role.OPERATE, "one", "10.0.0.5")
 BEN = Person("ben", Role.OPERATE, "two", "10.0.0.6")
-
-
-class Time:
-    def __init__(self) -> None:
-        self.time_s = 1000.0
-
-    def now_s(self) -> float:
-        return self.time_s
+EVA = Person("eva", Role.VIEW, "three", "")
 
 
 class Control:
@@ -87,7 +82,7 @@ class Desk:
     """The commands, a robot in a state, and what was noted."""
 
     def __init__(self, view_may_stop: bool = True) -> None:
-        self.time = Time()
+        self.time = ManualClock()
         self.model, self.control = SurveyModel(self.time), Control()
         self.allowance = RemoteAllowance(self.time)
         self.audited: List[Dict[str, Any]] = []
@@ -143,6 +138,9 @@ def test_start_measures_the_plan_that_the_person_at_the_robot_shows() -> None:
     desk = armed()
     desk.start()
     assert desk.control.asked == [("start", PARAMETERS, EMPTY, "", 4.0)]
+    assert desk.shown["command"]["outcome"] == "sent"
+    desk.commands.on_event(Answer(Request.START, True, Message("started"), survey_id=SURVEY))
+    assert desk.shown["command"]["outcome"] == "done"
 
 
 def test_start_and_resume_wait_for_somebody_at_the_robot() -> None:
@@ -157,6 +155,26 @@ def test_start_and_resume_wait_for_somebody_at_the_robot() -> None:
     assert desk.control.asked == []
 
 
+def test_a_fault_silence_and_another_plan_end_the_permission() -> None:
+    desk = armed()
+    desk.allow(replace(PLAN, permittivity=9.0))
+    with pytest.raises(NotNowError, match="changed"):
+        desk.start()
+    desk.allow(None)
+    with pytest.raises(NotNowError, match="not complete"):
+        desk.start()
+    desk = armed()
+    desk.time.time_s += 4.0
+    with pytest.raises(NotNowError):
+        desk.start()
+    desk = armed()
+    desk.be(SurveyState.SURVEYING)
+    desk.be(SurveyState.PAUSED, Message("unknown fault of another version"))
+    assert not desk.shown["remote"]["armed"]
+    with pytest.raises(NotNowError):
+        desk.ask("resume", survey=SURVEY)
+
+
 def test_start_and_resume_need_control() -> None:
     desk = armed()
     with pytest.raises(NotAllowedError, match="another page is in control: ana"):
@@ -165,16 +183,6 @@ def test_start_and_resume_need_control() -> None:
     with pytest.raises(NotAllowedError, match="not in control"):
         desk.start()
     assert desk.control.asked == []
-
-
-def test_start_of_a_plan_that_was_changed_since_is_refused() -> None:
-    desk = armed()
-    desk.allow(replace(PLAN, permittivity=9.0))
-    with pytest.raises(NotNowError, match="changed"):
-        desk.start()
-    desk.allow(None)
-    with pytest.raises(NotNowError, match="not complete"):
-        desk.start()
 
 
 def test_resume_continues_the_survey_that_was_seen_paused() -> None:
@@ -188,47 +196,23 @@ def test_resume_continues_the_survey_that_was_seen_paused() -> None:
     assert (desk.control.asked, desk.control.resumed) == (["resume"], SURVEY)
 
 
-def test_fault_ends_the_permission() -> None:
-    desk = armed()
-    desk.be(SurveyState.SURVEYING)
-    desk.be(SurveyState.PAUSED, Message("unknown fault of another version"))
-    assert not desk.shown["remote"]["armed"]
-    with pytest.raises(NotNowError):
-        desk.ask("resume", survey=SURVEY)
-
-
-def test_permission_that_is_not_repeated_is_over() -> None:
-    desk = armed()
-    desk.time.time_s += 4.0
-    with pytest.raises(NotNowError):
-        desk.start()
-
-
-def test_pause_needs_neither_permission_nor_control() -> None:
-    desk = Desk()
-    desk.be(SurveyState.SURVEYING)
-    desk.ask("pause", Person("eva", Role.VIEW, "three", ""))
-    assert desk.control.asked == ["pause"]
-
-
-@pytest.mark.parametrize("code", list(SurveyState))
-def test_stop_is_passed_on_in_every_state(code: SurveyState) -> None:
+@each_case("code", SurveyState)
+def test_stop_and_pause_need_neither_permission_nor_control_and_stop_no_state(
+    code: SurveyState,
+) -> None:
     desk = Desk()
     desk.be(code)
-    desk.ask("stop", Person("eva", Role.VIEW, "three", ""))
+    desk.ask("stop", EVA)
     assert desk.control.asked == ["stop"]
-
-
-def test_site_can_keep_stop_from_those_who_only_watch() -> None:
-    desk = Desk(view_may_stop=False)
-    with pytest.raises(NotAllowedError):
-        desk.ask("stop", Person("eva", Role.VIEW, "three", ""))
-    desk.ask("stop")
+    desk = Desk()
+    desk.be(SurveyState.SURVEYING)
+    desk.ask("pause", EVA)
+    assert desk.control.asked == ["pause"]
 
 
 def test_start_and_resume_wait_until_each_stop_is_answered_and_confirmed() -> None:
     desk = armed()
-    desk.ask("stop", Person("eva", Role.VIEW, "three", ""))
+    desk.ask("stop", EVA)
     desk.time.time_s += 1.0
     silent = Answer(Request.STOP, False, Message("silent"), contact=False)
     for answer in (silent, Answer(Request.STOP, True, Message("stopping"))):
@@ -245,7 +229,7 @@ def test_start_and_resume_wait_until_each_stop_is_answered_and_confirmed() -> No
     desk.start()
 
 
-@pytest.mark.parametrize("age_s", [6.1, 1e300, -2.1, float("inf"), -(10**400)])
+@each_case("age_s", [6.1, 1e300, -2.1, float("inf"), -(10**400)])
 def test_start_that_was_too_long_on_its_way_is_refused(age_s: float) -> None:
     desk = armed()
     with pytest.raises(NotNowError, match="too long on its way"):
@@ -253,7 +237,7 @@ def test_start_that_was_too_long_on_its_way_is_refused(age_s: float) -> None:
     desk.start(pressed_ms=1e3 * (1000.0 - 5.0))
 
 
-@pytest.mark.parametrize("pressed_ms", [None, "1000000", [1e6]])
+@each_case("pressed_ms", [None, "1000000", [1e6]])
 def test_start_and_resume_say_when_they_were_pressed(pressed_ms: Any) -> None:
     desk = armed()
     for name in ("start", "resume"):
@@ -281,7 +265,7 @@ def test_press_that_is_sent_twice_is_carried_out_once() -> None:
     assert len(desk.control.asked) == 1
 
 
-@pytest.mark.parametrize("press", ["x", "../" * 8, "0" * 31, "Z" * 32, 7, None, ["0" * 32]])
+@each_case("press", ["x", "../" * 8, "0" * 31, "Z" * 32, 7, None, ["0" * 32]])
 def test_press_without_a_proper_mark_is_refused(press: Any) -> None:
     desk = armed()
     with pytest.raises(BadRequestError):
@@ -289,7 +273,7 @@ def test_press_without_a_proper_mark_is_refused(press: Any) -> None:
     assert desk.control.asked == []
 
 
-@pytest.mark.parametrize("values", [{}, {"press": "x"}, {"press": None}, {"press": ["0" * 32]}])
+@each_case("values", [{}, {"press": "x"}, {"press": None}, {"press": ["0" * 32]}])
 def test_stop_without_a_proper_mark_is_passed_on_and_noted(values: Any) -> None:
     desk = armed()
     assert desk.commands.routes[0].answer(Call(ANA, "", values)) == {"confirmed": False}
@@ -338,16 +322,11 @@ def test_what_each_axis_answers_is_noted_also_after_the_main_control() -> None:
     desk.time.time_s += STOP_ANSWERS_S + 1.0
     desk.commands.on_event(AxisStopAnswer(AxisId.X, True))
     assert len(desk.audited) == len(said)
-
-
-def test_many_presses_of_stop_are_noted_once_for_each_axis() -> None:
-    desk = armed()
     for _press in range(30):
         desk.ask("stop")
         for axis in AxisId:
             desk.commands.on_event(AxisStopAnswer(axis, True))
-    noted = [one for one in desk.audited if one["what"] == "stop"]
-    assert len(noted) == 30 * (1 + len(AxisId))
+    assert len(desk.audited) == len(said) + 30 * (1 + len(AxisId))
 
 
 def test_a_start_is_asked_for_no_further_when_the_permission_has_ended() -> None:
@@ -359,14 +338,6 @@ def test_a_start_is_asked_for_no_further_when_the_permission_has_ended() -> None
     desk.commands.on_event(RemoteArmed(False))
     desk.be(SurveyState.CONFIGURED)
     assert desk.control.withdrawals == before + 1
-
-
-def test_answer_becomes_the_outcome() -> None:
-    desk = armed()
-    desk.start()
-    assert desk.shown["command"]["outcome"] == "sent"
-    desk.commands.on_event(Answer(Request.START, True, Message("started"), survey_id=SURVEY))
-    assert desk.shown["command"]["outcome"] == "done"
 
 
 @pytest.mark.parametrize("described_first", [False, True])
@@ -388,6 +359,9 @@ def test_start_is_noted_in_the_log_of_the_survey_once_there_is_one(described_fir
 
 def test_lost_answer_is_unknown() -> None:
     desk = Desk()
+    # The answer to another window is not that to a command from here.
+    desk.commands.on_event(Answer(Request.PAUSE, True, Message("pausing")))
+    assert desk.shown["command"] is None
     desk.be(SurveyState.SURVEYING)
     desk.ask("pause")
     desk.time.time_s += 60.0
@@ -406,12 +380,6 @@ def test_stop_without_contact_waits_for_the_answer_to_its_repetition() -> None:
     assert desk.shown["command"]["outcome"] == "done"
     said = [one["outcome"] for one in desk.audited]
     assert said == ["sent", "unknown: silent", "done: stopping"]
-
-
-def test_answer_to_another_window_is_not_the_outcome_of_a_command() -> None:
-    desk = Desk()
-    desk.commands.on_event(Answer(Request.PAUSE, True, Message("pausing")))
-    assert desk.shown["command"] is None
 
 
 ROLES = [Person(role.word, role, role.word, "") for role in Role if role is not Role.NOBODY]

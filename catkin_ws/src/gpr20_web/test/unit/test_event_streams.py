@@ -12,10 +12,10 @@ from gpr20_common.message import Message
 from gpr20_web.calls import Person, Stream
 from gpr20_web.errors import BusyError, NotLoggedInError
 from gpr20_web.low import event_streams
-from gpr20_web.low.event_streams import MAX_STREAMS_OF_PERSON, SIGN_OF_LIFE_S, EventStreams
+from gpr20_web.low.event_streams import MAX_STREAMS_OF_PERSON, EventStreams
 from gpr20_web.roles import Role
 
-LIMIT_S = 10.0
+LIMIT_S = 30.0
 
 
 class Browser:
@@ -74,28 +74,6 @@ def test_slow_browser_gets_the_newest_state_and_none_of_those_between() -> None:
     run(work)
 
 
-def test_only_what_changed_is_sent_and_a_sign_of_life_each_second() -> None:
-    document = {"large": "x" * 1000, "small": 1}
-
-    async def work() -> None:
-        streams, browser = EventStreams(lambda _one: None, print), Browser()
-        streams.add(browser, Stream(lambda: dict(document)), person())
-        running = asyncio.ensure_future(streams.run())
-        await until(lambda: len(browser.sent) == 3)
-        document["small"] = 2
-        await until(lambda: browser.known.get("small") == 2)
-        running.cancel()
-        first, *signs, last = browser.sent
-        assert set(first) == {"large", "small", "sent_ms"}
-        assert all(set(one) == {"sent_ms"} for one in signs)
-        assert set(last) == {"small", "sent_ms"}
-        assert [one["sent_ms"] for one in browser.sent] == sorted(
-            one["sent_ms"] for one in browser.sent
-        )
-
-    run(work)
-
-
 def test_state_that_is_no_longer_made_is_not_sent_as_new() -> None:
     async def work() -> None:
         streams, browser = EventStreams(lambda _one: None, print), Browser()
@@ -109,7 +87,9 @@ def test_state_that_is_no_longer_made_is_not_sent_as_new() -> None:
     run(work)
 
 
-def test_what_changes_all_the_time_waits_for_a_second_or_for_what_matters() -> None:
+def test_what_changes_all_the_time_waits_for_the_sign_of_life_or_for_what_matters(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     document = {"state": "works", "stored": 0}
 
     async def work() -> None:
@@ -119,13 +99,13 @@ def test_what_changes_all_the_time_waits_for_a_second_or_for_what_matters() -> N
         await until(lambda: len(browser.sent) == 1)
         document["stored"] = 1
         await until(lambda: browser.known.get("stored") == 1)
+        monkeypatch.setattr(event_streams, "SIGN_OF_LIFE_S", 1e6)
         document["stored"] = 2
+        await asyncio.sleep(0.3)
+        assert len(browser.sent) == 2
         document["state"] = "stopped"
         await until(lambda: browser.known.get("state") == "stopped")
         running.cancel()
-        times_ms = [one["sent_ms"] for one in browser.sent]
-        assert times_ms[1] - times_ms[0] >= 1000.0 * SIGN_OF_LIFE_S - 1.0
-        assert times_ms[2] - times_ms[1] < 1000.0 * SIGN_OF_LIFE_S
         assert browser.known["stored"] == 2
 
     run(work)

@@ -1,4 +1,7 @@
-"""Notices by apprise: whole, in time, again if needed, and without a word of its addresses."""
+"""What somebody must learn who is not looking: once per occurrence, and by apprise.
+
+The notices are whole, sent again if needed, and without a word of apprise's addresses.
+"""
 
 from __future__ import annotations
 
@@ -7,15 +10,24 @@ import http.server
 import json
 import logging
 import threading
-from typing import Any, Iterator, List, Tuple
+from dataclasses import replace
+from typing import Any, Dict, FrozenSet, Iterator, List, Optional, Tuple
 from urllib.parse import quote
 
 import pytest
+from case_kit import each_case
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from run_seed import draws
+from web_kit import ASKED, SILENT, ManualClock, state_of, view
 
-from gpr20_common.message import Message
+from gpr20_common.message import Fault, Message
+from gpr20_operator.robot.events import ControlState, Progress
+from gpr20_operator.robot.replay import ReplayMark, ReplayView
+from gpr20_operator.robot.snapshot import Snapshot
+from gpr20_survey.plan.survey_state import SurveyState as S
 from gpr20_web.low.notifier import TRIES, Notifier
+from gpr20_web.mid.watch import Watch
 from gpr20_web.news import News, Occasion
 
 LIMIT_S = 20.0
@@ -53,6 +65,12 @@ class Receiver:
         self.place = f"127.0.0.1:{self.server.server_port}"
         threading.Thread(target=self.server.serve_forever, args=(0.01,), daemon=True).start()
 
+    def close(self) -> None:
+        """End it."""
+        self.hang.set()
+        self.server.shutdown()
+        self.server.server_close()
+
     def take(self, path: str, values: Any) -> int:
         """Take a request; return the status."""
         with self._come:
@@ -74,9 +92,7 @@ class Receiver:
 def receiver() -> Iterator[Receiver]:
     one = Receiver()
     yield one
-    one.hang.set()
-    one.server.shutdown()
-    one.server.server_close()
+    one.close()
 
 
 def _notifier(url: str, **options: Any) -> Tuple[Notifier, List[Message]]:
@@ -100,40 +116,33 @@ def test_a_notice_arrives_with_reason_remedy_percent_and_picture(receiver: Recei
     assert reported == []
 
 
-def test_a_notice_that_was_refused_is_sent_again_and_reported_once(receiver: Receiver) -> None:
-    receiver.refusals = 3
-    notifier, reported = _notifier(f"json://{receiver.place}/")
-    notifier.send(NEWS)
-    receiver.wait_for(4)
-    notifier.close(LIMIT_S)
-    assert len(receiver.got) == 1
-    assert [one.fault_code for one in reported] == ["web.not_sent"]
-
-
-def test_after_three_more_tries_it_is_given_up_and_the_next_one_is_sent(receiver: Receiver) -> None:
-    receiver.refusals = TRIES
+@each_case("refusals", [TRIES - 1, TRIES])
+def test_a_notice_is_sent_again_a_few_times_and_holds_up_no_other(refusals: int) -> None:
+    receiver = Receiver()
+    receiver.refusals = refusals
     notifier, reported = _notifier(f"json://{receiver.place}/")
     notifier.send(NEWS)
     notifier.send(NEWS)
     receiver.wait_for(TRIES + 1)
     notifier.close(LIMIT_S)
-    assert len(receiver.got) == 1
-    assert len(reported) == 1
+    receiver.close()
+    assert len(receiver.got) == (1 if refusals == TRIES else 2)
+    assert [one.fault_code for one in reported] == ["web.not_sent"]
 
 
 def test_a_service_that_hangs_holds_up_nobody_and_has_a_time_limit(receiver: Receiver) -> None:
     receiver.hang.clear()
     heard = threading.Event()
-    notifier = Notifier(
-        [f"json://{receiver.place}/?rto=15"], "", str, lambda _m: heard.set(), limit_s=0.05
-    )
+    url = f"json://{receiver.place}/?rto=15"
+    notifier = Notifier([url], "", str, lambda _m: heard.set(), limit_s=0.05)
     for _ in range(50):
         notifier.send(NEWS)
     assert heard.wait(LIMIT_S)
+    receiver.hang.set()
     notifier.close(LIMIT_S)
 
 
-@pytest.mark.parametrize(
+@each_case(
     "url", ["", "nonsense://secret-word", "secret-word", "mailto://", "tgram://secret-word", "\0"]
 )
 def test_an_address_that_apprise_does_not_know_is_left_out_and_reported_without_its_text(
@@ -145,6 +154,7 @@ def test_an_address_that_apprise_does_not_know_is_left_out_and_reported_without_
     notifier.send(NEWS)
     notifier.close(LIMIT_S)
     assert len(receiver.got) == 1
+    receiver.got.clear()
     (warning,) = reported
     assert warning.fault_code == "web.notify"
     assert "address 1" in str(warning) and "secret-word" not in str(warning)
@@ -153,7 +163,7 @@ def test_an_address_that_apprise_does_not_know_is_left_out_and_reported_without_
 SECRETS = st.text("abcdefghijkmnpqrstuvwxyz23456789", min_size=12, max_size=20)
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=draws(6))
 @given(SECRETS, SECRETS, SECRETS, st.sampled_from(["takes it", "refuses", "is away"]))
 def test_no_part_of_an_address_is_in_a_log_a_report_or_an_error(
     password: str, path: str, value: str, service: str
@@ -181,7 +191,121 @@ def test_no_part_of_an_address_is_in_a_log_a_report_or_an_error(
     finally:
         root.removeHandler(handler)
         root.setLevel(level)
-        receiver.server.shutdown()
-        receiver.server.server_close()
+        receiver.close()
     assert (len(receiver.paths) > 0) is (service != "is away")
     assert not [one for one in words for secret in (password, path, value) if secret in one]
+
+
+OTHER = Fault("axis.stuck", Message("Look at the axis."))
+PAUSED, FAULT = Occasion.PAUSED, Occasion.FAULT
+FINISHED, NO_CONTACT = Occasion.FINISHED, Occasion.NO_CONTACT
+# State, fault, contact, and what somebody must learn who is not looking.
+TABLE: Dict[str, Tuple[S, Optional[Fault], bool, FrozenSet[Occasion]]] = {
+    "it rests": (S.IDLE, ASKED, True, frozenset()),
+    "it measures": (S.SURVEYING, ASKED, True, frozenset()),
+    "somebody has paused it": (S.PAUSED, ASKED, True, frozenset([PAUSED])),
+    "a fault has paused it": (S.PAUSED, SILENT, True, frozenset([FAULT])),
+    "another fault has paused it": (S.PAUSED, OTHER, True, frozenset([FAULT])),
+    "it has failed": (S.FAILED, SILENT, True, frozenset([FAULT])),
+    "somebody has stopped it": (S.STOPPED, ASKED, True, frozenset()),
+    "it was stopped, with a fault": (S.STOPPED, SILENT, True, frozenset([FAULT])),
+    "it has finished": (S.FINISHED, ASKED, True, frozenset([FINISHED])),
+    "no contact while it measures": (S.SURVEYING, ASKED, False, frozenset([NO_CONTACT])),
+    "no contact while it is paused": (S.PAUSED, ASKED, False, frozenset([NO_CONTACT, PAUSED])),
+    "it is switched off at rest": (S.IDLE, ASKED, False, frozenset()),
+    "it is switched off when done": (S.FINISHED, ASKED, False, frozenset([FINISHED])),
+}
+REPLAY = ReplayView(ReplayMark())
+
+
+def _snapshot(name: str, survey: str, number: int) -> Snapshot:
+    code, fault, alive, _expected = TABLE[name]
+    silent_s = 0.1 if alive else 6.0 + number
+    return view(state_of(code, fault, survey, number), alive, control_silent_s=silent_s)
+
+
+class Out:
+    """Collects what is sent."""
+
+    def __init__(self, **options: Any) -> None:
+        self.sent: List[News] = []
+        self.clock = ManualClock()
+        self.watch = Watch(self.clock, self.sent.append, **options)
+
+    def show(self, *snapshots: Snapshot) -> List[Occasion]:
+        """Show snapshots; return what was sent since."""
+        self.sent.clear()
+        for one in snapshots:
+            self.clock.time_s += 0.2
+            self.watch.refresh(one)
+        return [one.occasion for one in self.sent]
+
+
+STEPS = st.lists(st.tuples(st.sampled_from(sorted(TABLE)), st.sampled_from("ab")), max_size=12)
+
+
+@given(STEPS, st.integers(0, 9))
+def test_each_occurrence_is_sent_once_whatever_comes_after_what(
+    steps: List[Tuple[str, str]], number: int
+) -> None:
+    out = Out()
+    before: Any = None
+    for name, survey in steps:
+        code, fault, _alive, occasions = TABLE[name]
+        # The same one: of the same survey, and the same fault in the same state.
+        which = {
+            FAULT: (code, survey, fault),
+            PAUSED: survey,
+            FINISHED: survey,
+            NO_CONTACT: None,
+        }
+        now = {(one, which[one]) for one in occasions}
+        new = {one for one in now if one[0] is FAULT} if before is None else now - before
+        several = [_snapshot(name, survey, number + more) for more in range(4)]
+        assert sorted(one.value for one in out.show(*several)) == sorted(
+            one.value for one, _key in new
+        )
+        before = now
+
+
+def test_a_replay_and_a_robot_that_said_nothing_yet_are_no_occasion() -> None:
+    assert set(Occasion) == {one for *_state, news in TABLE.values() for one in news}
+    out = Out()
+    failed = _snapshot("it has failed", "a", 0)
+    measuring = _snapshot("it measures", "a", 0)
+    assert out.show(view(None), view(None, alive=False), replace(failed, replay=REPLAY)) == []
+    assert out.show(measuring, failed) == [FAULT]
+    assert out.show(replace(measuring, replay=REPLAY), failed) == []
+
+
+def test_a_main_control_that_lost_a_survey_or_says_no_code_is_an_occasion() -> None:
+    out = Out()
+    out.show(_snapshot("it measures", "a", 0))
+    assert out.show(view(state_of(S.IDLE), interrupted=True)) == [NO_CONTACT]
+    assert "restarted" in str(out.sent[0].text)
+    plain = ControlState(S.PAUSED, Message("paused, says an older version"), "a", True)
+    assert out.show(_snapshot("it measures", "a", 0), view(plain), view(plain)) == [FAULT]
+
+
+def test_a_notice_has_reason_remedy_percent_and_picture() -> None:
+    out = Out(picture=lambda: b"png")
+    progress = Progress("a", 34.9, 100, 34, 60.0)
+    out.show(_snapshot("it measures", "a", 0))
+    out.show(replace(_snapshot("a fault has paused it", "a", 7), progress=progress))
+    (news,) = out.sent
+    assert "7 times" in str(news.text)
+    assert str(news.remedy) == "Check the cable of the VNA."
+    assert (news.percent, news.picture) == (34, b"png")
+
+
+def test_browsers_are_sent_the_last_notice_while_it_is_true() -> None:
+    out = Out()
+    out.show(_snapshot("it measures", "a", 0))
+    assert out.watch.live(str) == {"notice": None}
+    out.show(_snapshot("a fault has paused it", "a", 0))
+    first = out.watch.live(str)["notice"]
+    assert (first["level"], first["remedy"]) == ("fault", "Check the cable of the VNA.")
+    out.show(_snapshot("another fault has paused it", "a", 0))
+    assert out.watch.live(str)["notice"]["id"] > first["id"]
+    out.show(_snapshot("it measures", "a", 0))
+    assert out.watch.live(str)["notice"] is None

@@ -1,71 +1,75 @@
-"""Who may what: a table that was written by hand, and every cell of it over a real socket."""
+"""Who may what, by a table that was written by hand; and what OWASP lists against web sites.
+
+Each over a real socket. Sessions, cookies and passwords are in test_sessions, test_login and
+test_accounts; a real page of another origin is in scripts/test/test_web_page.py.
+"""
 
 from __future__ import annotations
 
-from itertools import product
-from typing import Any, Iterator, Mapping, Optional, Sequence
+import random
+import re
+from pathlib import Path
+from typing import Iterator, List, Mapping, Optional, Sequence
 from uuid import uuid4
 
 import pytest
-from login_kit import PASSWORD
-from route_table import ADMIN, NOBODY, OPERATE, STOP, TABLE, VIEW, Row, S
-from whole_page_kit import WholePage, is_without_right
+from case_kit import each_case
+from run_seed import SEED, draws
+from web_kit import COOKIE, OTHER_PASSWORD, PASSWORD, STATIC, Reply
+from whole_page_kit import PEOPLE, STOP, TABLE, Row, S, WholePage, is_without_right, least_right
 
 from gpr20_survey.plan.survey_state import SurveyState
+from gpr20_web.low.http_server import MAX_BODY_BYTES, MAX_HEADER_BYTES
 from gpr20_web.roles import Role
 
+NOBODY, VIEW, OPERATE, ADMIN = Role
 # What another page can make a browser send.
-OF_OTHERS = ({"Sec-Fetch-Site": "same-site"}, {"Sec-Fetch-Site": "cross-site"})
+OF_OTHERS: Sequence[Mapping[str, Optional[str]]] = (
+    {"Sec-Fetch-Site": "same-site"},
+    {"Sec-Fetch-Site": "cross-site"},
+)
 WITHOUT_ORIGIN: Sequence[Mapping[str, Optional[str]]] = (
     {"Origin": None},
     {"Origin": "null"},
     {"Origin": "https://other.example"},
     {"Content-Type": "text/plain"},
+    {"Content-Type": "application/x-www-form-urlencoded"},
     {"Content-Type": None},
 )
-CHANGES = [row for row in TABLE if row.method != "GET"]
-
-
-def _named(row: Any) -> Any:
-    return f"{row.method} {row.path}" if isinstance(row, Row) else None
+FILES = [f"/{one.relative_to(STATIC).as_posix()}" for one in STATIC.rglob("*") if one.is_file()]
+BAD = b"HTTP/1.1 400"
 
 
 @pytest.fixture(scope="module")
-def pages(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Mapping[bool, WholePage]]:
-    made = {
-        may_stop: WholePage(tmp_path_factory.mktemp("page"), may_stop) for may_stop in (True, False)
-    }
+def shared(tmp_path_factory: pytest.TempPathFactory) -> Iterator[WholePage]:
+    made = WholePage(tmp_path_factory.mktemp("page"))
     yield made
-    for page in made.values():
-        page.close()
-        assert page.foreign == []
+    made.close()
+    assert made.foreign == []
+
+
+@pytest.fixture
+def page(shared: WholePage) -> WholePage:
+    shared.renew()
+    return shared
 
 
 def _path(page: WholePage, row: Row) -> str:
     return row.path.format(folder=page.surveys.whole)
 
 
-def test_the_table_has_every_route_and_every_route_is_in_the_table(
-    pages: Mapping[bool, WholePage],
-) -> None:
-    page = pages[True]
-    found = {
-        _named(row): [
-            one for one in page.routes if one.method == row.method and one.match(path) is not None
-        ]
-        for row, path in ((row, _path(page, row)) for row in TABLE)
-    }
-    assert [row for row, routes in found.items() if len(routes) != 1] == []
-    known = {id(routes[0]) for routes in found.values()}
+def test_the_table_has_every_route_and_every_route_is_in_the_table(page: WholePage) -> None:
+    known = set()
+    for row in TABLE:
+        path = _path(page, row)
+        routes = [one for one in page.routes if one.method == row.method]
+        (route,) = [one for one in routes if one.match(path) is not None]
+        known.add(id(route))
     assert [one.pattern for one in page.routes if id(one) not in known] == []
 
 
-@pytest.mark.parametrize("row", TABLE, ids=_named)
-def test_each_route_is_for_the_roles_of_the_table(
-    pages: Mapping[bool, WholePage], row: Row
-) -> None:
-    for (view_may_stop, page), role in product(pages.items(), Role):
-        least = OPERATE if row is STOP and not view_may_stop else row.right
+def _check_rights(page: WholePage, row: Row, least: Role) -> None:
+    for role in Role:
         page.renew()
         before = page.done()
         reply = page.ask(row.method, _path(page, row), role, row.values)
@@ -75,9 +79,21 @@ def test_each_route_is_for_the_roles_of_the_table(
             assert page.done() == before
 
 
-@pytest.mark.parametrize("row", TABLE, ids=_named)
-def test_nothing_is_done_for_another_page(pages: Mapping[bool, WholePage], row: Row) -> None:
-    page = pages[True]
+@each_case("row", TABLE)
+def test_each_route_is_for_the_roles_of_the_table(page: WholePage, row: Row) -> None:
+    _check_rights(page, row, row.right)
+
+
+def test_a_site_can_keep_stop_from_those_who_only_watch(tmp_path: Path) -> None:
+    page = WholePage(tmp_path, view_may_stop=False)
+    try:
+        _check_rights(page, STOP, OPERATE)
+    finally:
+        page.close()
+
+
+@each_case("row", TABLE)
+def test_csrf_nothing_is_done_for_another_page(page: WholePage, row: Row) -> None:
     page.renew()
     before = page.done()
     for headers in OF_OTHERS if row.method == "GET" else (*OF_OTHERS, *WITHOUT_ORIGIN):
@@ -95,11 +111,12 @@ NOT_HERE = (
     f"{S}/found",
 )
 STATES = {"/api/pause": SurveyState.SURVEYING, "/api/resume": SurveyState.PAUSED}
+CHANGES = [one for one in TABLE if one.method != "GET" and one.path not in NOT_HERE]
 
 
-@pytest.mark.parametrize("row", [one for one in CHANGES if one.path not in NOT_HERE], ids=_named)
-def test_who_may_do_something_does_it(pages: Mapping[bool, WholePage], row: Row) -> None:
-    page, role = pages[True], max(row.right, VIEW)
+@each_case("row", CHANGES)
+def test_who_may_do_something_does_it(page: WholePage, row: Row) -> None:
+    role = max(row.right, VIEW)
     page.renew()
     page.be(STATES.get(row.path, SurveyState.CONFIGURED))
     page.controller.holder = page.person(role)
@@ -110,3 +127,161 @@ def test_who_may_do_something_does_it(pages: Mapping[bool, WholePage], row: Row)
     reply = page.ask(row.method, _path(page, row), role, {**row.values, **pressed})
     assert reply.status == 200, reply.body
     assert page.done() != before
+
+
+def _head(page: WholePage, line: str, *more: str) -> bytes:
+    """Return a request of an administrator up to its body."""
+    own = [f"Host: 127.0.0.1:{page.site.port}", f"Origin: {page.site.origin}"]
+    own += ["Content-Type: application/json", "Connection: close"]
+    own.append(f"Cookie: {COOKIE}={page.session(ADMIN)}")
+    return "\r\n".join([line, *own, *more, "", ""]).encode()
+
+
+@pytest.fixture(scope="module")
+def answers(shared: WholePage) -> List[Reply]:
+    """What comes from every GET of the table, from files, and from what is not there."""
+    shared.renew()
+    paths = [_path(shared, one) for one in TABLE if one.method == "GET"]
+    asked = [(one, role) for one in paths for role in (NOBODY, ADMIN)]
+    asked += [(one, NOBODY) for one in (*FILES, "/", "/nowhere", "/api/nowhere", "/%ff")]
+    asked += [
+        (one, NOBODY) for one in ("//other.example", "/\\other.example", "/?next=//o.example")
+    ]
+    return [shared.ask("GET", path, role) for path, role in asked]
+
+
+def test_no_answer_may_be_in_a_frame_guessed_at_or_lead_elsewhere(answers: List[Reply]) -> None:
+    for reply in answers:
+        assert reply.headers["X-Frame-Options"] == "DENY"
+        assert reply.headers["X-Content-Type-Options"] == "nosniff"
+        policy = reply.headers["Content-Security-Policy"]
+        assert "frame-ancestors 'none'" in policy
+        assert "default-src 'self'" in policy and "unsafe" not in policy
+        assert reply.headers["Cross-Origin-Resource-Policy"] == "same-origin"
+        assert reply.status // 100 != 3
+        assert not {"Location", "Refresh", "Server"} & set(reply.headers)
+
+
+def test_caching_no_data_is_kept_and_no_file_is_used_without_asking(answers: List[Reply]) -> None:
+    contents = [(STATIC / one[1:]).read_bytes() for one in FILES]
+    for reply in answers:
+        kept = reply.headers["Cache-Control"]
+        assert kept == ("no-cache" if reply.body in contents else "no-store")
+
+
+def test_error_pages_say_nothing_of_the_program(page: WholePage, answers: List[Reply]) -> None:
+    sent = [
+        *(b"\0\0\0\r\n\r\n", b"GET\r\n\r\n", b"GET / HTTP/9.9\r\n\r\n"),
+        b"GET / HTTP/1.1\r\nConnection: close\r\n\r\n",
+        *(_head(page, f"{one} /api/me HTTP/1.1") for one in ("PUT", "BREW", "CONNECT", "get")),
+        _head(page, "GET /api/surveys?before=../.. HTTP/1.1"),
+        _head(page, "POST /api/stop HTTP/1.1", "Content-Length: 5") + b"[[[[[",
+    ]
+    found = [page.exchange(one) for one in sent]
+    for answer in (*found, *(one.body for one in answers if one.status >= 400)):
+        words = (b"Traceback", b"tornado", b"python", b".py", b"line ", b"Server:", b"/work")
+        assert not [one for one in words if one.lower() in answer.lower()]
+
+
+def test_directory_listing_a_folder_is_not_there(page: WholePage) -> None:
+    for path in ("/pages", "/pages/", "/.", "/pages/..", "/api", "/api/", "/api/surveys/"):
+        assert page.ask("GET", path, ADMIN).status == 404
+
+
+@each_case("up", ["..", "%2e%2e", "%252e%252e", "..%00", "%c0%ae%c0%ae", "..\\", "....", "..%2f.."])
+def test_path_traversal_nothing_outside_is_reached(page: WholePage, up: str) -> None:
+    secret = page.folder / "web" / "accounts.json"
+    starts = ("/", "/pages/", "/api/surveys/", f"/api/surveys/{page.surveys.whole}/files/")
+    for start in starts:
+        for name in (f"{up}/errors.py", f"{up}/" * 4 + "etc/passwd", f"{up}/{secret}"):
+            line = f"GET {start}{name} HTTP/1.1"
+            answer = page.exchange(_head(page, line))
+            assert re.match(rb"HTTP/1.1 (400|404) ", answer), line
+            assert b"hash" not in answer and b"root:" not in answer
+
+
+def test_upload_limits_more_than_the_page_sends_is_refused(page: WholePage) -> None:
+    before = page.done()
+    for path in ("/api/login", "/api/stop", f"/api/surveys/{page.surveys.whole}/notes"):
+        for size in (MAX_BODY_BYTES + 1, 10**12, 10**40):
+            answer = page.exchange(_head(page, f"POST {path} HTTP/1.1", f"Content-Length: {size}"))
+            assert answer == b"" or answer.startswith(BAD)
+    long = page.exchange(_head(page, "GET / HTTP/1.1", f"X: {'a' * MAX_HEADER_BYTES}"))
+    assert long == b"" or re.match(rb"HTTP/1.1 4(00|31) ", long)
+    assert page.done() == before
+
+
+def test_user_enumeration_a_known_and_an_unknown_name_are_answered_alike(page: WholePage) -> None:
+    page.wait(10_000.0)
+    page.renew()
+    answers = []
+    for name in ("vera", "nobody.here"):
+        values = {"name": name, "password": "wrong horse battery"}
+        replies = [page.ask("POST", "/api/login", NOBODY, values) for _ in range(6)]
+        answers.append([(one.status, one.values) for one in replies])
+        page.wait(10_000.0)
+    assert answers[0] == answers[1]
+    assert answers[0][0][0] == 401 and answers[0][-1][0] == 429
+
+
+def test_verb_tampering_another_verb_does_nothing(page: WholePage) -> None:
+    verbs = ("HEAD", "PUT", "post", "GET", "POST", "DELETE")
+    more = ("X-HTTP-Method-Override: POST", "Content-Length: 2")
+    paths = {_path(page, row) for row in TABLE}
+    wrong = [(verb, path) for path in paths for verb in verbs if least_right(verb, path) is None]
+    before = page.done()
+    for verb, path in random.Random(SEED).sample(sorted(wrong), draws(50)):
+        answer = page.exchange(_head(page, f"{verb} {path} HTTP/1.1", *more) + b"{}")
+        assert re.match(rb"HTTP/1.1 40[0345] ", answer), (verb, path, answer)
+    assert page.done() == before
+
+
+@each_case(
+    "framing",
+    [
+        ("Content-Length: 4", "Transfer-Encoding: chunked"),
+        ("Transfer-Encoding: chunked", "Content-Length: 4"),
+        ("Content-Length: 4", "Content-Length: 5"),
+        ("Content-Length: +4",),
+        ("Content-Length: 0x4",),
+        ("Content-Length: 4_0",),
+        ("Content-Length: -1",),
+        ("Content-Length: ٤",),
+        ("Transfer-Encoding: xchunked",),
+        ("Transfer-Encoding: chunked, identity",),
+        ("Transfer-Encoding : chunked",),
+        ("Content-Length: 4\r\n 5",),
+        ("Transfer-Encoding: \x0bchunked",),
+    ],
+)
+def test_request_smuggling_a_body_of_doubtful_length_ends_the_connection(
+    page: WholePage, framing: Sequence[str]
+) -> None:
+    before = page.done()
+    hidden = _head(page, "POST /api/stop HTTP/1.1", "Content-Length: 2") + b"{}"
+    sent = _head(page, "POST /api/pause HTTP/1.1", *framing) + b"0\r\n\r\n" + hidden
+    answer = page.exchange(sent)
+    assert answer == b"" or answer.startswith(BAD)
+    assert answer.count(b"HTTP/1.1 ") <= 1
+    assert page.done() == before
+
+
+def test_header_injection_no_name_reaches_the_headers_of_an_answer(page: WholePage) -> None:
+    whole, evil = page.surveys.whole, "%0d%0aSet-Cookie:%20a=b"
+    for path in (f"/api/surveys/{whole}/zip", f"/api/surveys/{whole}/files/survey.json"):
+        name = page.ask("GET", path, ADMIN).headers["Content-Disposition"]
+        assert re.fullmatch(r'attachment; filename="[\w.]+"', name)
+    for path in (f"/{evil}", f"/api/surveys/{whole}{evil}/zip", f"/api/words?language={evil}"):
+        assert "Set-Cookie" not in page.ask("GET", path, ADMIN).headers
+    user = {"name": "eva\r\nSet-Cookie: a=b", "role": "view", "password": PASSWORD}
+    assert page.ask("POST", "/api/users", ADMIN, user).status == 400
+
+
+def test_mass_assignment_fields_that_a_route_has_not_are_not_taken(page: WholePage) -> None:
+    more = {"role": "admin", "person": "ada", "session": page.session(ADMIN), "generation": 1}
+    login = {"name": "vera", "password": PASSWORD, **more}
+    assert page.ask("POST", "/api/login", NOBODY, login).values["role"] == VIEW
+    changed = {"old": PASSWORD, "new": OTHER_PASSWORD, "name": "ada", **more}
+    assert page.ask("POST", "/api/password", VIEW, changed).values["name"] == "vera"
+    roles = {one.name: one.role for one in page.accounts.all() if one.name in PEOPLE.values()}
+    assert roles == {name: role for role, name in PEOPLE.items()}

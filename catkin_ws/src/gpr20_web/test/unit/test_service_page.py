@@ -1,13 +1,17 @@
-"""What is wrong with the robot, and the bundle; nothing of it moves or tests anything."""
+"""SERVICE: what is wrong with the robot, and the bundle; ROBOTS: what each of a master does now.
+
+Nothing here moves or tests anything.
+"""
 
 from __future__ import annotations
 
 import os
-import threading
-from typing import Any, Callable, List
+from dataclasses import replace
+from typing import Any, Callable, Dict, List
 
 import pytest
-from robot_views import ManualClock, state_of, view
+from case_kit import each_case
+from web_kit import SILENT, ManualClock, state_of, view
 
 from gpr20_common.message import verbatim
 from gpr20_common.mid.node_software import NodeSoftware
@@ -15,11 +19,13 @@ from gpr20_doctor.mid.machine_facts import HardwareUse, MachineFacts
 from gpr20_doctor.mid.node_health import HealthLevel, NodeHealth
 from gpr20_operator.jobs.job import Service, Ticket
 from gpr20_operator.robot.health import HealthReport
+from gpr20_operator.robot.robots import RobotReported, Robots, RobotsFound
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_web.calls import Body, Call, Person
 from gpr20_web.errors import BundleError, NotFoundError, NotNowError
 from gpr20_web.low import doctor_program
 from gpr20_web.mid.interest import INTEREST_S
+from gpr20_web.mid.robots_page import RobotsPage
 from gpr20_web.mid.service_page import NoRequests, ServicePage
 from gpr20_web.roles import Role
 
@@ -72,7 +78,7 @@ def test_this_computer_is_looked_at_once_while_somebody_looks() -> None:
     assert robot.watched == [True, False]
 
 
-@pytest.mark.parametrize("service", Service)
+@each_case("service", Service)
 def test_no_service_of_the_robot_is_called_from_here(service: Service) -> None:
     refused: List[Any] = []
 
@@ -82,15 +88,6 @@ def test_no_service_of_the_robot_is_called_from_here(service: Service) -> None:
 
     NoRequests().ask(service, Asked())  # type: ignore[arg-type]
     assert len(refused) == 1
-
-
-def test_who_may_only_watch_sees_all_and_makes_no_bundle() -> None:
-    rights = {(one.method, one.pattern): one.right for one in Robot().page.routes}
-    assert rights == {
-        ("GET", "/api/service"): Role.VIEW,
-        ("POST", "/api/service/bundle"): Role.OPERATE,
-        ("GET", "/api/service/bundle"): Role.OPERATE,
-    }
 
 
 def test_a_bundle_is_made_then_given_once_and_noted() -> None:
@@ -106,24 +103,16 @@ def test_a_bundle_is_made_then_given_once_and_noted() -> None:
 
 
 def test_a_bundle_is_not_made_while_another_one_is() -> None:
-    begun, go = threading.Event(), threading.Event()
-
     def make() -> bytes:
-        begun.set()
-        assert go.wait(LIMIT_S)
+        answer: Any = robot.listed(CALL)
+        assert answer["making"]
+        with pytest.raises(NotNowError):
+            robot.made(CALL)
         return b"zip"
 
     robot = Robot(make)
-    thread = threading.Thread(target=robot.made, args=(CALL,))
-    thread.start()
-    assert begun.wait(LIMIT_S)
-    answer: Any = robot.listed(CALL)
-    assert answer["making"]
-    with pytest.raises(NotNowError):
-        robot.made(CALL)
-    go.set()
-    thread.join(LIMIT_S)
-    assert robot.made(CALL) == {"bytes": 3}
+    for _again in range(2):
+        assert robot.made(CALL) == {"bytes": 3}
 
 
 def test_after_a_bundle_that_failed_another_one_can_be_made() -> None:
@@ -170,3 +159,85 @@ def test_a_doctor_that_does_not_work_is_an_error_that_says_so(
     monkeypatch.setattr(doctor_program, "LIMIT_S", 0.05)
     with pytest.raises(BundleError, match="TimeoutExpired"):
         doctor_program.make_bundle("/")
+
+
+MEASURING = state_of(SurveyState.SURVEYING, None)
+
+
+class Field:
+    """Two robots, of which the page shows the first."""
+
+    def __init__(self) -> None:
+        self.clock, self.watched = ManualClock(), []  # type: ManualClock, List[bool]
+        self.page = RobotsPage(Robots("/a", watch=self.watched.append), self.clock)
+        self.page.on_event(RobotsFound(frozenset(["/a", "/b"])))
+        self.refresh()
+
+    def refresh(self) -> None:
+        self.page.refresh(view(MEASURING, state_s=20.0))
+
+    def rows(self) -> Dict[str, Any]:
+        (route,) = self.page.routes
+        assert route.right is Role.VIEW
+        answer: Any = route.answer(CALL)
+        return {one["name"]: one for one in answer["robots"]}
+
+
+@pytest.fixture
+def field() -> Field:
+    return Field()
+
+
+def test_each_robot_is_listed_with_what_it_does(field: Field) -> None:
+    field.rows()
+    field.page.on_event(RobotReported("/b", state_of(SurveyState.FAILED, SILENT)))
+    rows = field.rows()
+    assert (rows["a"]["title"], rows["a"]["level"]) == ("SURVEYING", "working")
+    assert (rows["b"]["title"], rows["b"]["level"]) == ("FAILED", "fault")
+    assert [rows[name]["shown"] for name in "ab"] == [True, False]
+
+
+def test_the_others_are_listened_to_only_while_somebody_asks(field: Field) -> None:
+    assert field.watched == []
+    for _ in range(5):
+        field.rows()
+        field.clock.time_s += INTEREST_S
+        field.refresh()
+    assert field.watched == [True]
+    field.clock.time_s += INTEREST_S + 0.1
+    field.refresh()
+    field.refresh()
+    assert field.watched == [True, False]
+
+
+def test_what_was_heard_before_is_not_what_a_robot_does_now(field: Field) -> None:
+    field.rows()
+    field.page.on_event(RobotReported("/b", MEASURING))
+    assert field.rows()["b"]["title"] == "SURVEYING"
+    field.clock.time_s += 6.0
+    assert field.rows()["b"]["title"] == "no report yet"
+    field.page.on_event(RobotReported("/b", MEASURING))
+    field.clock.time_s += INTEREST_S + 0.1
+    field.refresh()
+    assert field.rows()["b"]["title"] == "no report yet"
+
+
+def test_since_when_is_said_only_where_it_is_known(field: Field) -> None:
+    field.rows()
+    field.page.on_event(RobotReported("/b", MEASURING))
+    rows = field.rows()
+    assert rows["a"]["since"].startswith("2027-")
+    assert rows["b"]["since"] == ""
+    field.page.on_event(RobotReported("/b", state_of(SurveyState.PAUSED)))
+    since = field.rows()["b"]["since"]
+    assert since > rows["a"]["since"]
+    field.clock.time_s += 3.0
+    field.page.on_event(RobotReported("/b", state_of(SurveyState.PAUSED)))
+    assert field.rows()["b"]["since"] == since
+
+
+def test_the_robot_of_the_page_is_listed_also_if_it_is_away(field: Field) -> None:
+    field.page.on_event(RobotsFound(frozenset(["/b"])))
+    field.page.refresh(replace(view(None), control_alive=False, control_silent_s=None))
+    row = field.rows()["a"]
+    assert (row["title"], row["level"], row["since"]) == ("NO CONTACT", "fault", "")

@@ -1,17 +1,12 @@
 """MAP and RADAR for browsers: the pictures are those of the window, and none shows a wrong one."""
 
-import contextlib
-
 import numpy as np
 import pytest
 from hiding_kit import a_map
-from hypothesis import given
-from hypothesis import strategies as st
 from map_kit import MARKER, focused
 from view_kit import depth_echo, description, past_survey, trace_at
 from web_ground_kit import BEN, FOLDER, PAST, PERIOD_S, SURVEY, Server
 
-from gpr20_common.errors import Gpr20Error
 from gpr20_common.message import verbatim
 from gpr20_operator.ground.additions import AdditionsRead
 from gpr20_operator.ground.cells import MARKS, TILES, Cell
@@ -26,7 +21,6 @@ from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_web.errors import BadRequestError, BusyError, NotFoundError, NotNowError
 from gpr20_web.mid.ground_page import FORGOTTEN_S, MOST_PAST, ROOM_S
 from gpr20_web.mid.shown_ground import AGAIN_REFRESHES
-from gpr20_web.roles import Role
 
 TARGETED = Place(150.0, 90.0)
 
@@ -83,15 +77,6 @@ def test_the_coverage_has_the_signs_of_the_window(server, theme):
         assert (cells == np.array(colours)[tile]).all()
 
 
-def test_signs_for_the_legend_differ_without_their_colours(server):
-    shapes = set()
-    for cell in Cell:
-        found = server.pixels("sign", cell=cell.name.lower())
-        shapes.add((found != found[1, 1]).any(axis=2).tobytes())
-    # Of DONE and BLANK, which are plain, one is filled and one is empty.
-    assert len(shapes) == len(Cell) - 1
-
-
 def test_what_loads_is_not_shown_as_missing(server):
     server.open_past(stored=12)
     server.page._past[FOLDER].traces.shown.radar.begin(
@@ -106,12 +91,6 @@ def test_what_loads_is_not_shown_as_missing(server):
     assert not loading[:8, :8, 3].any()
 
 
-def test_of_what_has_been_loaded_meanwhile_nothing_is_left(server):
-    server.run(stored=4)
-    assert "loading" not in server.ask()["ground"]["layers"]
-    assert not server.pixels(layer="loading")[:, :, 3].any()
-
-
 def test_a_place_is_said_in_words(server):
     server.run(stored=4)
     ground = server.ask(x="100", y="50", depth="100", layer="echoes")["ground"]
@@ -120,15 +99,6 @@ def test_a_place_is_said_in_words(server):
     far = server.ask(x="200", y="110", layer="echoes")["ground"]
     assert far["lines"][1:] == ["Missing", "No trace to show"]
     assert ground["counts"][0] == ["done", "Done", 2]
-
-
-def test_the_section_says_where_it_is_and_what_its_axes_are(server):
-    server.run()
-    section = server.ask(x="150", y="90", depth="100", section="1")["ground"]["section"]
-    assert section["titles"] == ["X mm", "Depth mm, at Y 90 mm"]
-    assert section["at"] == [150.0, 100.0]
-    assert section["extent"][:2] == [87.5, 212.5]
-    assert section["columns"] == 5
 
 
 def test_no_choice_of_a_browser_changes_what_others_see(server):
@@ -231,14 +201,6 @@ def test_traces_of_the_running_survey_do_not_reach_a_past_one(server):
     assert radar_of(server).count == 5
 
 
-def test_the_folder_of_the_running_survey_shows_it_live(server):
-    server.run(stored=4)
-    server.ask(survey=FOLDER)
-    server.page._past[FOLDER].traces._opened = server.page._live.traces.live
-    server.tick()
-    assert not server.ask(survey=FOLDER)["past"]
-
-
 def test_a_replay_is_called_a_replay(server):
     server.run(code=None)
     mark = ReplayMark(SURVEY, "2026-11-21T05:10:00", FOLDER)
@@ -289,24 +251,6 @@ def test_few_past_surveys_are_kept_and_they_are_forgotten(server):
     assert set(server.page._past) == set(folders[1:])
     server.tick(FORGOTTEN_S + 1.0)
     assert not server.page._past
-
-
-def test_who_looks_at_several_past_surveys_in_a_row_takes_no_room_of_others(server):
-    folders = [f"20261121T06100{number}_7c9e6679" for number in range(2 * MOST_PAST)]
-    server.ask(survey=FOLDER, person=BEN)
-    for folder in folders:
-        server.tick(0.1)
-        server.ask(survey=folder)
-    assert set(server.page._past) == {FOLDER, *folders[1 - MOST_PAST :]}
-
-
-def test_markers_are_read_again_when_a_browser_asks(server):
-    server.run()
-    before = len(server.storage.of("additions"))
-    for _again in range(5):
-        server.ask(again="1")
-    server.tick()
-    assert len(server.storage.of("additions")) == before + 1
 
 
 def test_an_image_is_asked_for_once_and_shown_with_its_candidates(server):
@@ -371,12 +315,6 @@ def test_hiding_places_are_hatched_and_said_for_which_target_they_are(server):
     assert hatched[:, 8:].any()
 
 
-def test_who_only_watches_cannot_search_hiding_places(server):
-    rights = {route.pattern: route.right for route in server.page.routes}
-    assert rights["/api/ground/hide"] is Role.OPERATE
-    assert all(right >= Role.VIEW for right in rights.values())
-
-
 def test_without_a_survey_nothing_is_shown(server):
     server.tick()
     answer = server.ask(section="1")
@@ -405,34 +343,6 @@ def test_what_no_page_sends_is_refused(server, name, value):
     server.run()
     with pytest.raises(BadRequestError):
         server.ask(**{name: value})
-
-
-NAMES = [
-    *("survey", "layer", "theme", "x", "y", "depth", "along", "polarization", "permittivity"),
-    *("gain", "background", "section", "known", "again", "cell", "target", "colours"),
-]
-WORDS = [
-    *("", "0", "1", "nan", "-0", "150", "1e1", "x", "y", "echoes", "focused", "hiding", "loading"),
-    *("night", "grey", FOLDER, SURVEY, PAST, "done", "pmn", "7", "64", "0.5", "-1", "envelope"),
-]
-VALUES = st.one_of(
-    st.sampled_from(WORDS), st.text(max_size=40), st.integers(), st.floats(), st.none(),
-    st.booleans(), st.lists(st.integers(), max_size=2), st.dictionaries(st.text(), st.integers()),
-)  # fmt: skip
-
-
-class TestRandomQueries:
-    server = Server()
-    server.run(stored=17)
-    server.open_past(stored=9)
-
-    @given(st.integers(0, 5), st.dictionaries(st.sampled_from(NAMES), VALUES, max_size=8))
-    def test_random_queries_raise_no_other_errors(self, number, values):
-        paths = ["/api/ground", *(f"/api/ground/{one}.png" for one in ("map", "section", "bar"))]
-        posts = ["/api/ground/focus", "/api/ground/hide"]
-        method = "GET" if number < len(paths) else "POST"
-        with contextlib.suppress(Gpr20Error):
-            self.server.ask((paths + posts)[number], method, **values)
 
 
 def test_a_notice_shows_what_is_measured_and_nothing_that_was_found(server):

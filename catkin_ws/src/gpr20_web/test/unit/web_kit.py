@@ -7,14 +7,22 @@ import http.client
 import json
 import threading
 from pathlib import Path
-from typing import Any, Callable, Dict, List, Mapping, Optional, Sequence
+from typing import Any, Callable, Dict, List, Mapping, Optional, Sequence, Tuple
 
 import gpr20_web
-from gpr20_common.message import Message
-from gpr20_web.calls import Person, Route
+from gpr20_common.low.clock import Clock
+from gpr20_common.message import Fault, Message, Severity
+from gpr20_operator.robot.events import ControlState
+from gpr20_operator.robot.snapshot import Snapshot
+from gpr20_survey.plan.survey_state import SurveyState
+from gpr20_web.calls import Call, Person, Route
 from gpr20_web.errors import NotLoggedInError
+from gpr20_web.low.account_file import AccountFile
 from gpr20_web.low.http_server import HttpServer
+from gpr20_web.low.passwords import PasswordHash
+from gpr20_web.low.session_file import Logins, SessionFile
 from gpr20_web.low.table_handler import COOKIE
+from gpr20_web.mid.accounts import Accounts
 from gpr20_web.roles import Role
 
 STATIC = Path(gpr20_web.__file__).parent / "static"
@@ -110,3 +118,87 @@ class Site:
             return Reply(connection.getresponse())
         finally:
             connection.close()
+
+
+# Hashes that cost nothing: the tests are about everything else.
+CHEAP = PasswordHash(n=2, r=1, p=1)
+PASSWORD, OTHER_PASSWORD = "correct horse battery", "staple of another kind"
+
+
+class ManualClock(Clock):
+    """Stands still until a test moves it."""
+
+    def __init__(self) -> None:
+        self.time_s = 1000.0
+
+    def now_s(self) -> float:
+        """Return the time [s]."""
+        return self.time_s
+
+    def time_of_day_us(self) -> int:
+        """Return the time of day [us]."""
+        return int((1.8e9 + self.time_s) * 1e6)
+
+
+class Noted:
+    """Keeps what was reported to the audit."""
+
+    def __init__(self) -> None:
+        self.entries: List[Tuple[str, str, Mapping[str, Any]]] = []
+
+    def __call__(
+        self, call: Call, what: str, outcome: str = "", survey: str = "", **values: Any
+    ) -> None:
+        """Note an entry."""
+        who = "" if call.person is None else call.person.name
+        self.entries.append((who, what, {"outcome": outcome, **values}))
+
+
+class NoFile(SessionFile):
+    """Keeps sessions in memory, where a restart of the node finds them too."""
+
+    def __init__(self) -> None:
+        self.logins = Logins("boot", "key")
+
+    def read(self) -> Logins:
+        """Return what was written."""
+        return self.logins
+
+    def write(self, logins: Logins) -> bool:
+        """Write it."""
+        self.logins = logins
+        return True
+
+
+def make_accounts(folder: Path) -> Accounts:
+    """Return the accounts of a folder, with hashes that cost nothing."""
+    return Accounts(AccountFile(folder / "web"), Clock(), CHEAP)
+
+
+ASKED = Fault("survey.asked", severity=Severity.NOTE)
+SILENT = Fault("vna.silent", Message("Check the cable of the VNA."))
+
+
+def state_of(
+    code: SurveyState, fault: Optional[Fault] = ASKED, survey: str = "s1", number: int = 0
+) -> ControlState:
+    """Return what the main control says; the number is in the sentence alone."""
+    words = Message("it is as it is, {number} times", number=number).with_fault(fault)
+    return ControlState(code, words, survey, True)
+
+
+def view(state: Optional[ControlState], alive: bool = True, **other: Any) -> Snapshot:
+    """Return what is known of a robot that reports nothing but its state."""
+    values = {
+        "control_alive": alive,
+        "control_silent_s": 0.1 if alive else 7.9,
+        "state": state,
+        "progress": None,
+        "current": None,
+        "target": None,
+        "height_m": None,
+        "pending": frozenset(),
+        "travel": None,
+        **other,
+    }
+    return Snapshot(**values)

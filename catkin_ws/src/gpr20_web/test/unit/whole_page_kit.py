@@ -6,20 +6,30 @@ Every fake records what it is asked, so that a test sees whether a request has d
 from __future__ import annotations
 
 import logging
+import re
 import socket
 from pathlib import Path
 from types import SimpleNamespace
-from typing import Any, Dict, List, Tuple
+from typing import Any, Dict, List, Mapping, NamedTuple, Optional, Tuple
+from urllib.parse import unquote
 
 from asked_storage import Storage
-from login_kit import PASSWORD, NoFile, make_accounts
 from result_kit import Requests
-from robot_views import ManualClock, state_of
 from surveys_kit import Surveys
 from test_commands import PLAN, Control
 from view_kit import SURVEY, depth_echo, description, trace_at
 from web_ground_kit import PLANNED
-from web_kit import LIMIT_S, Reply, Site
+from web_kit import (
+    LIMIT_S,
+    OTHER_PASSWORD,
+    PASSWORD,
+    ManualClock,
+    NoFile,
+    Reply,
+    Site,
+    make_accounts,
+    state_of,
+)
 
 from gpr20_common.message import Message
 from gpr20_operator.ground.coverage import CoverageRuns
@@ -36,6 +46,7 @@ from gpr20_web.mid.all_pages import Surroundings, all_pages
 from gpr20_web.mid.audit import Audit
 from gpr20_web.mid.commands import Commands, Robot
 from gpr20_web.mid.controller import Controller
+from gpr20_web.mid.remote_plan import plan_id
 from gpr20_web.mid.sessions import Sessions
 from gpr20_web.mid.shell import Shell
 from gpr20_web.roles import Role
@@ -252,3 +263,87 @@ def is_without_right(reply: Reply) -> bool:
     if reply.status not in (401, 403):
         return False
     return reply.values.get("code") in ("web.not_logged_in", "web.not_allowed")
+
+
+NOBODY, VIEW, OPERATE, ADMIN = Role
+PRESS = {"press": "0" * 32}
+# What the path of a request has for {folder}: a stored survey.
+S = "/api/surveys/{folder}"
+
+
+class Row(NamedTuple):
+    """A route, who may use it, and a request that the page sends."""
+
+    method: str
+    path: str
+    right: Role
+    values: Mapping[str, Any] = {}
+
+
+STOP = Row("POST", "/api/stop", VIEW, PRESS)
+TABLE = (
+    # Before the login there is the form alone.
+    Row("GET", "/api/words", NOBODY),
+    Row("GET", "/api/colours.css", NOBODY),
+    Row("POST", "/api/login", NOBODY, {"name": "vera", "password": PASSWORD}),
+    # Everybody with an account watches, and has a session and a password.
+    Row("GET", "/api/live", VIEW),
+    Row("GET", "/api/me", VIEW),
+    Row("POST", "/api/logout", VIEW),
+    Row("POST", "/api/logout_everywhere", VIEW),
+    Row("POST", "/api/password", VIEW, {"old": PASSWORD, "new": OTHER_PASSWORD}),
+    Row("GET", "/api/ground", VIEW),
+    Row("GET", "/api/ground/map.png", VIEW),
+    Row("GET", "/api/ground/section.png", VIEW),
+    Row("GET", "/api/ground/bar.png", VIEW),
+    Row("GET", "/api/ground/sign.png", VIEW),
+    Row("GET", "/api/robots", VIEW),
+    Row("GET", "/api/service", VIEW),
+    # The stored surveys: search, verdict, candidates, downloads.
+    Row("GET", "/api/surveys", VIEW),
+    Row("GET", S, VIEW),
+    Row("GET", f"{S}/candidates", VIEW),
+    Row("POST", f"{S}/candidates", VIEW),
+    Row("GET", f"{S}/zip", VIEW),
+    Row("GET", f"{S}/made/report-pdf", VIEW),
+    Row("GET", f"{S}/files/survey.json", VIEW),
+    Row("POST", "/api/ground/focus", VIEW),
+    # Notes, markers, found records, PAUSE from anywhere; STOP too, if the site allows it.
+    Row("POST", f"{S}/notes", VIEW, {"text": "wet"}),
+    Row("POST", f"{S}/markers", VIEW, {"x_mm": 1.0, "y_mm": 2.0, "text": "can"}),
+    Row("POST", f"{S}/found", VIEW, {"what": "mine", "candidate": "c", "list": "l"}),
+    Row("POST", "/api/pause", VIEW, PRESS),
+    STOP,
+    # START and RESUME, and control over them.
+    Row("POST", "/api/start", OPERATE, {**PRESS, "plan": plan_id(PLAN)}),
+    Row("POST", "/api/resume", OPERATE, {**PRESS, "survey": SURVEY}),
+    Row("POST", "/api/control/take", OPERATE),
+    Row("POST", "/api/control/release", OPERATE),
+    Row("POST", "/api/control/pass", OPERATE, {"mark": "0" * 16}),
+    Row("POST", "/api/control/keep", OPERATE),
+    # What takes the robot's computer minutes, or shows how it is set up.
+    Row("POST", "/api/ground/hide", OPERATE, {"target": "pmn"}),
+    Row("POST", "/api/ground/cancel", OPERATE),
+    Row("POST", "/api/service/bundle", OPERATE),
+    Row("GET", "/api/service/bundle", OPERATE),
+    # Users, audit.
+    Row("GET", "/api/users", ADMIN),
+    Row("POST", "/api/users", ADMIN, {"name": "eva", "role": "view", "password": PASSWORD}),
+    Row("POST", "/api/users/eva", ADMIN, {"role": "operate"}),
+    Row("DELETE", "/api/users/eva", ADMIN),
+    Row("GET", "/api/audit", ADMIN),
+)
+
+
+def least_right(method: str, path: str) -> Optional[Role]:
+    """Return the least role that a request needs; None: there is no such route.
+
+    Args:
+        method: Of the request.
+        path: Of the request; names in it may be any.
+    """
+    for row in TABLE:
+        pattern = re.sub("{folder}|eva|(?<=files/).*|report-pdf", "[^/]+", row.path)
+        if row.method == method and re.fullmatch(pattern, unquote(path)):
+            return row.right
+    return None

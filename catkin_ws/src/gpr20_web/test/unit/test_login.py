@@ -1,0 +1,393 @@
+"""Logging in and out, who waits that guesses, and users: by the table of routes, and a socket."""
+
+from __future__ import annotations
+
+import contextlib
+from pathlib import Path
+from typing import Any, Dict, List, Mapping, Optional, Tuple
+
+import pytest
+import web_kit
+from hypothesis import given
+from hypothesis import strategies as st
+from web_kit import OTHER_PASSWORD, PASSWORD, ManualClock, NoFile, Noted, make_accounts
+
+from gpr20_common.message import Message
+from gpr20_web.calls import Call, Cookie
+from gpr20_web.errors import (
+    AccountError,
+    AccountsFileError,
+    BadRequestError,
+    BusyError,
+    NotLoggedInError,
+    TooManyLoginsError,
+    WrongLoginError,
+)
+from gpr20_web.low.passwords import PasswordHash
+from gpr20_web.low.table_handler import COOKIE
+from gpr20_web.mid import login_limits
+from gpr20_web.mid.login_limits import CHECKS_AT_ONCE, LoginLimits
+from gpr20_web.mid.login_page import LoginPage
+from gpr20_web.mid.sessions import Sessions
+from gpr20_web.mid.users_page import UsersPage
+from gpr20_web.roles import Role
+
+ADDRESS = "127.0.0.1"
+
+
+class Pages:
+    """The pages LOGIN and USERS of a folder with three accounts."""
+
+    def __init__(self, folder: Path, view_may_stop: bool = False) -> None:
+        self.clock, self.audit = ManualClock(), Noted()
+        self.accounts = make_accounts(folder)
+        for name, role in [("ana", Role.ADMIN), ("leo", Role.OPERATE), ("eva", Role.VIEW)]:
+            self.accounts.add(name, role, PASSWORD)
+        self.sessions = Sessions(self.accounts.find, self.clock, 1800.0, 43200.0, NoFile())
+        login = LoginPage(
+            self.accounts, self.sessions, LoginLimits(self.clock), self.audit, view_may_stop
+        )
+        users = UsersPage(self.accounts, self.audit)
+        self.routes = (*login.routes, *users.routes)
+
+    def ask(
+        self, method: str, path: str, values: Optional[Mapping[str, Any]] = None, token: str = ""
+    ) -> Any:
+        """Ask as the server does."""
+        for route in self.routes:
+            parts = route.match(path) if route.method == method else None
+            if parts is not None:
+                break
+        else:
+            raise LookupError(path)
+        person = None
+        if route.right is not Role.NOBODY:
+            person = self.sessions.find(token, ADDRESS)
+            assert person.role >= route.right
+        return route.answer(Call(person, ADDRESS, values or {}, parts))
+
+    def is_in(self, token: str) -> bool:
+        """Return whether a token is that of a session."""
+        try:
+            return bool(self.sessions.find(token, ADDRESS))
+        except NotLoggedInError:
+            return False
+
+    def log_in(self, name: str = "leo", password: str = PASSWORD) -> str:
+        """Return the token of a new session."""
+        answer = self.ask("POST", "/api/login", {"name": name, "password": password})
+        assert isinstance(answer, Cookie)
+        return answer.session
+
+
+@pytest.fixture
+def pages(tmp_path: Path) -> Pages:
+    return Pages(tmp_path)
+
+
+def test_a_login_gives_a_session_and_says_who_one_is(pages: Pages) -> None:
+    answer = pages.ask("POST", "/api/login", {"name": "Leo", "password": PASSWORD})
+    person = pages.sessions.find(answer.session, ADDRESS)
+    expected = {"name": "leo", "role": 2, "mark": person.mark, "may_stop": True}
+    assert answer.values == expected == pages.ask("GET", "/api/me", token=answer.session)
+    assert answer.session not in str(answer.values)
+
+
+def test_who_watches_may_stop_if_the_site_says_so(tmp_path: Path) -> None:
+    for may, folder in [(True, tmp_path / "a"), (False, tmp_path / "b")]:
+        folder.mkdir()
+        pages = Pages(folder, may)
+        assert pages.ask("GET", "/api/me", token=pages.log_in("eva"))["may_stop"] is may
+
+
+def test_logins_failed_ones_and_logouts_are_in_the_audit_without_secrets(pages: Pages) -> None:
+    with pytest.raises(WrongLoginError):
+        pages.log_in("eva", OTHER_PASSWORD)
+    with pytest.raises(WrongLoginError):
+        pages.log_in("my secret password, in the wrong field", "x")
+    pages.ask("POST", "/api/logout", token=pages.log_in())
+    assert pages.audit.entries == [
+        ("", "login", {"outcome": "web.wrong_login", "name": "eva"}),
+        ("", "login", {"outcome": "web.wrong_login", "name": "?"}),
+        ("leo", "login", {"outcome": "done"}),
+        ("leo", "logout", {"outcome": "done"}),
+    ]
+
+
+def test_changed_password_and_logouts_end_sessions_on_the_server(pages: Pages) -> None:
+    tokens = [pages.log_in(), pages.log_in()]
+    new = {"old": PASSWORD, "new": OTHER_PASSWORD}
+    with pytest.raises(AccountError):
+        pages.ask("POST", "/api/password", {**new, "new": "short"}, tokens[0])
+    changed = pages.ask("POST", "/api/password", new, tokens[0])
+    assert len({*tokens, changed.session}) == 3
+    assert [pages.is_in(one) for one in (*tokens, changed.session)] == [False, False, True]
+    with pytest.raises(WrongLoginError):
+        pages.log_in("leo", PASSWORD)
+    one, other, eva = pages.log_in(password=OTHER_PASSWORD), changed.session, pages.log_in("eva")
+    assert pages.ask("POST", "/api/logout", token=one) == Cookie("")
+    assert [pages.is_in(token) for token in (one, other, eva)] == [False, True, True]
+    one = pages.log_in(password=OTHER_PASSWORD)
+    assert pages.ask("POST", "/api/logout_everywhere", token=other) == Cookie("")
+    assert [pages.is_in(token) for token in (one, other, eva)] == [False, False, True]
+
+
+def test_guessing_is_delayed_before_any_hash(pages: Pages, monkeypatch: pytest.MonkeyPatch) -> None:
+    for _number in range(3):
+        with pytest.raises(WrongLoginError):
+            pages.log_in("eva", "guess")
+    monkeypatch.setattr(PasswordHash, "fits", lambda *_arguments: pytest.fail("it was hashed"))
+    with pytest.raises(TooManyLoginsError):
+        pages.log_in("eva", PASSWORD)
+
+
+def test_the_old_password_is_needed_and_its_guesses_are_delayed_too(pages: Pages) -> None:
+    token = pages.log_in()
+    for _number in range(3):
+        with pytest.raises(AccountError, match="present password") as refused:
+            pages.ask("POST", "/api/password", {"old": "guess", "new": OTHER_PASSWORD}, token)
+        # The browser leaves the page at 401.
+        assert refused.value.status == 400
+    with pytest.raises(TooManyLoginsError):
+        pages.ask("POST", "/api/password", {"old": PASSWORD, "new": OTHER_PASSWORD}, token)
+    assert pages.accounts.check("leo", PASSWORD)
+
+
+def test_an_administrator_makes_changes_and_removes_users_and_the_audit_says_so(
+    pages: Pages,
+) -> None:
+    token = pages.log_in("ana")
+    pages.audit.entries.clear()
+    for method, values in (("DELETE", {}), ("POST", {"role": "view"})):
+        with pytest.raises(AccountError, match="last administrator"):
+            pages.ask(method, "/api/users/ana", values, token)
+    with pytest.raises(BadRequestError):
+        pages.ask("POST", "/api/users/leo", {}, token)
+    made = {"name": "Tom", "role": "view", "password": PASSWORD}
+    listed = pages.ask("POST", "/api/users", made, token)["users"]
+    assert [one["name"] for one in listed] == ["ana", "eva", "leo", "tom"]
+    assert set(listed[0]) == {"name", "role", "created"}
+    tom = pages.log_in("tom")
+    pages.ask("POST", "/api/users/tom", {"role": "operate"}, token)
+    assert not pages.is_in(tom)
+    pages.ask("POST", "/api/users/tom", {"password": OTHER_PASSWORD}, token)
+    tom = pages.log_in("tom", OTHER_PASSWORD)
+    left = pages.ask("DELETE", "/api/users/tom", token=token)
+    assert left == pages.ask("GET", "/api/users", token=token)
+    assert not pages.is_in(tom)
+    assert [one for one in pages.audit.entries if one[1] != "login"] == [
+        ("ana", "add_user", {"outcome": "done", "name": "tom", "role": "view"}),
+        (
+            "ana",
+            "change_user",
+            {"outcome": "done", "name": "tom", "role": "operate", "password": False},
+        ),
+        (
+            "ana",
+            "change_user",
+            {"outcome": "done", "name": "tom", "role": "operate", "password": True},
+        ),
+        ("ana", "remove_user", {"outcome": "done", "name": "tom"}),
+    ]
+
+
+def _cookie(reply: web_kit.Reply) -> Dict[str, str]:
+    parts = [one.strip().partition("=") for one in reply.headers["Set-Cookie"].split(";")]
+    return {name.lower(): value for name, _equal, value in parts}
+
+
+def test_owasp_the_token_is_in_a_cookie_alone_chosen_here_and_out_of_reach_of_scripts(
+    pages: Pages,
+) -> None:
+    with contextlib.closing(web_kit.Site(pages.routes, find=pages.sessions.find)) as site:
+        _check_cookie(site)
+    assert site.reported == []
+
+
+def _check_cookie(site: web_kit.Site) -> None:
+    login = {"name": "leo", "password": PASSWORD}
+    reply = site.ask("POST", "/api/login", login, session="chosen-by-somebody-else")
+    cookie = _cookie(reply)
+    token = cookie[COOKIE.lower()]
+    assert token != "chosen-by-somebody-else"
+    assert site.ask("GET", "/api/me", session="chosen-by-somebody-else").status == 401
+    assert reply.status == 200
+    assert {"secure", "httponly"} <= set(cookie)
+    assert (cookie["samesite"], cookie["path"]) == ("Strict", "/")
+    assert "domain" not in cookie and "expires" not in cookie
+    assert token.encode() not in reply.body
+    assert reply.headers["Cache-Control"] == "no-store"
+    # A token in the address or the body is none.
+    for path in (f"/api/me?session={token}", f"/api/me?{COOKIE}={token}"):
+        assert site.ask("GET", path).status == 401
+    assert site.ask("POST", "/api/logout", {"session": token}).status == 401
+    assert site.ask("GET", "/api/me", session=token).values["name"] == "leo"
+    cookie = _cookie(site.ask("POST", "/api/logout", session=token))
+    assert cookie[COOKIE.lower()].strip('"') == "" and "1970" in cookie["expires"]
+    assert site.ask("GET", "/api/me", session=token).status == 401
+
+
+NAME, ADDRESS = "ana", "10.0.0.7"
+
+
+class Tries:
+    """Logs in and sees what becomes of it."""
+
+    def __init__(self) -> None:
+        self.clock = ManualClock()
+        self.limits = LoginLimits(self.clock)
+        self.checked = 0
+
+    def try_it(self, right: bool, name: str = NAME, address: str = ADDRESS) -> Optional[bool]:
+        """Return whether the login succeeded; None: it was refused without a check."""
+        try:
+            with self.limits.attempt(name, address):
+                self.checked += 1
+                if not right:
+                    raise WrongLoginError(Message("wrong"))
+        except TooManyLoginsError:
+            return None
+        except WrongLoginError:
+            return False
+        return True
+
+    def wait_s(self, name: str = NAME, address: str = ADDRESS) -> float:
+        """Return how long it refuses, in whole seconds, and let that time pass."""
+        begun_s = self.clock.time_s
+        with contextlib.suppress(WrongLoginError):
+            while True:
+                try:
+                    with self.limits.attempt(name, address):
+                        raise WrongLoginError(Message("wrong"))
+                except TooManyLoginsError as error:
+                    self.clock.time_s += float(error.message.values["seconds"])  # type: ignore
+        return self.clock.time_s - begun_s
+
+
+def test_three_failures_are_free_and_each_further_one_doubles_the_delay_to_300_s() -> None:
+    tries = Tries()
+    assert [tries.wait_s() for _number in range(14)] == [
+        *(0, 0, 0),
+        *(1, 2, 4, 8, 16, 32, 64, 128, 256),
+        *(300, 300),
+    ]
+
+
+def test_an_attempt_during_the_delay_says_the_seconds_and_checks_nothing() -> None:
+    tries = Tries()
+    for _number in range(3):
+        tries.try_it(False)
+    with pytest.raises(TooManyLoginsError, match="wait 1 s") as refused, tries.limits.attempt(
+        NAME, ADDRESS
+    ):
+        pytest.fail("it was checked")
+    assert refused.value.status == 429
+    assert "Wait as long as it says" in str(refused.value.message.remedy)
+    assert tries.try_it(True) is None
+    assert tries.checked == 3
+    # It was no failure either: the delay has not grown.
+    tries.clock.time_s += 1.0
+    assert tries.try_it(True) is True
+
+
+def test_a_name_is_the_same_in_other_letters() -> None:
+    tries = Tries()
+    for name in ("ana", "Ana", "ANA"):
+        tries.try_it(False, name, f"address of {name}")
+    assert tries.try_it(True, "aNa", "another") is None
+
+
+def test_who_guesses_elsewhere_keeps_nobody_out_who_has_logged_in_before() -> None:
+    tries = Tries()
+    assert tries.try_it(True) is True
+    for number in range(12):
+        tries.wait_s(NAME, f"guesser {number}")
+    assert tries.try_it(True, NAME, "new") is None
+    assert tries.try_it(True) is True
+    # That was no help for those who guess.
+    assert tries.try_it(False, NAME, "another guesser") is None
+
+
+def test_guesses_at_the_same_time_are_no_more_than_one_after_the_other() -> None:
+    tries = Tries()
+    for _number in range(2):
+        tries.try_it(False)
+    with tries.limits.attempt(NAME, "another address"), pytest.raises(
+        TooManyLoginsError
+    ), tries.limits.attempt(NAME, "a third address"):
+        pytest.fail("it was checked")
+
+
+def test_at_most_four_passwords_are_checked_at_the_same_time() -> None:
+    tries = Tries()
+    with contextlib.ExitStack() as stack:
+        for number in range(CHECKS_AT_ONCE):
+            stack.enter_context(tries.limits.attempt(f"user{number}", f"address{number}"))
+        with pytest.raises(BusyError), tries.limits.attempt("ana", "here"):
+            pytest.fail("it was checked")
+    assert [tries.try_it(True, f"u{number}") for number in range(9)] == [True] * 9
+
+
+def test_what_else_goes_wrong_frees_the_place_and_is_no_failure_of_the_address() -> None:
+    tries = Tries()
+    for number in range(2 * CHECKS_AT_ONCE):
+        with pytest.raises(AccountsFileError), tries.limits.attempt(f"user{number}", ADDRESS):
+            raise AccountsFileError(Message("damaged"))
+    assert tries.try_it(True) is True
+
+
+def test_memory_is_bounded_and_the_one_that_failed_last_is_kept(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(login_limits, "MOST_KNOWN", 20)
+    tries = Tries()
+    for number in range(100):
+        for _time in range(3):
+            tries.try_it(False, f"user{number}", f"address{number}")
+    for known in (tries.limits._names, tries.limits._addresses):
+        assert len(known._known) == 20
+    assert tries.try_it(True, "user99", "elsewhere") is None
+    assert tries.try_it(True, "elsewho", "address99") is None
+    assert tries.try_it(True, "x" * 60_000, "y") is True
+    for number in range(100):
+        assert tries.try_it(True, "eva", f"home {number}") is True
+    assert len(tries.limits._succeeded) == 20
+
+
+@given(
+    st.lists(
+        st.tuples(
+            st.sampled_from(["ana", "eva"]),
+            st.sampled_from(["here", "there"]),
+            st.booleans(),
+            st.sampled_from([0.0, 0.5, 1.0, 3.0, 60.0, 300.0, 3600.0]),
+        ),
+        max_size=40,
+    )
+)
+def test_random_logins_wait_as_long_as_a_simple_model_says(
+    steps: List[Tuple[str, str, bool, float]],
+) -> None:
+    tries = Tries()
+    model: Dict[object, List[float]] = {}
+    succeeded = set()
+    for name, address, right, time_s in steps:
+        tries.clock.time_s += time_s
+        now_s = tries.clock.time_s
+        early = False
+        login = (name, address) if (name, address) in succeeded else name
+        for key in (login, address):
+            times_s = model.setdefault(key, [])
+            if times_s and now_s - times_s[-1] >= 3600.0:
+                times_s.clear()
+            if len(times_s) >= 3:
+                early = early or now_s < times_s[-1] + min(300.0, 2.0 ** (len(times_s) - 3))
+        assert tries.try_it(right, name, address) is (None if early else right)
+        if early:
+            continue
+        if right:
+            model[login].clear()
+            succeeded.add((name, address))
+        else:
+            model[login].append(now_s)
+            model[address].append(now_s)
