@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import socket
 import subprocess
+import time
 from pathlib import Path
 from typing import Iterator
 
@@ -15,6 +16,7 @@ from robot_kit import LaunchedRobot, free_port
 from touchscreen_kit import Touchscreen
 
 PASSWORD = "correct horse battery staple"
+TAKEN, TAKEN_LIMIT_S = "cannot listen", 60.0
 PEOPLE = {"vera": "view", "otto": "operate", "ada": "admin"}
 
 
@@ -95,7 +97,10 @@ class Site:
 
 @contextlib.contextmanager
 def launched_site(folder: Path, time_scale: int) -> Iterator[Site]:
-    """Yield the page of a robot that runs so many times as fast, when the page answers."""
+    """Yield the page of a robot that runs so many times as fast, when the page answers.
+
+    Its port is taken until every other part of the robot is there, and the page has said so.
+    """
     port = free_port()
     config = folder / "config"
     write_config(config, folder / "page", port)
@@ -105,7 +110,12 @@ def launched_site(folder: Path, time_scale: int) -> Iterator[Site]:
         arguments = (f"time_scale:={time_scale}", "web:=true", f"config:={config}")
         robot = LaunchedRobot(folder, *arguments)
         try:
-            robot.start()
+            with socket.create_server(("127.0.0.1", port)):
+                robot.start()
+                deadline_s = time.monotonic() + TAKEN_LIMIT_S
+                while TAKEN not in (folder / "launch.log").read_text():
+                    assert time.monotonic() < deadline_s, "the page does not begin"
+                    time.sleep(0.1)
             # The page believes the window alone, and by its name.
             rospy.init_node("user_interface", disable_signals=True)
             site = Site(robot, f"https://localhost:{port}", folder)
