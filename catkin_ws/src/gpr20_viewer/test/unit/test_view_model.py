@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from case_kit import each_case
 from fault_kit import raises_fault
 from ground_kit import point, scene, survey_of
 
@@ -21,7 +22,6 @@ from gpr20_viewer.live_image import ImageRequest
 from gpr20_viewer.pictures import (
     Picture,
     longest_delay_s,
-    section_picture,
     slice_picture,
     traces_picture,
 )
@@ -59,8 +59,7 @@ def ridge_ns(picture):
     return np.linspace(*picture.down, len(picture.levels_db))[rows]
 
 
-@pytest.mark.parametrize("separation_m", [0.0, 0.12])
-@pytest.mark.parametrize("along", ["x", "y"])
+@each_case("separation_m,along", [(0.0, "x"), (0.12, "y")])
 def test_the_hyperbola_lies_on_the_echo_of_the_target(separation_m, along):
     # The simulator finds its paths by itself.
     ground = scene([TARGET], separation_m=separation_m)
@@ -71,14 +70,6 @@ def test_the_hyperbola_lies_on_the_echo_of_the_target(separation_m, along):
     expected_ns = line.delays_s(PLACE, 4.0, separation_m) * 1e9
     sample_ns = picture.down[1] / (len(picture.levels_db) - 1)
     assert np.abs(ridge_ns(picture) - expected_ns).max() < max(sample_ns, 0.06)
-
-
-def test_the_separation_that_a_survey_records_is_used_unless_another_is_given():
-    recorded = small().assign_attrs({"antenna_separation_m": 0.06})
-    for options, used_m in ((FIXED, 0.06), (replace(FIXED, separation_m=0.1), 0.1)):
-        assert ViewSession(recorded, options).options.separation_m == used_m
-    with raises_fault(faults.FILE_CONTENT, "nan"):
-        ViewSession(recorded.assign_attrs({"antenna_separation_m": np.nan}), FIXED)
 
 
 def test_the_hyperbola_follows_data_whose_time_zero_was_set():
@@ -111,41 +102,18 @@ def test_the_image_has_the_target_where_it_is(image):
     assert "as given" in str(image.caption) and "permittivity 4" in str(image.caption)
 
 
-def test_a_display_gain_changes_the_picture_and_not_the_level_that_is_read(image):
-    plain, lifted = (section_picture(image, 0, "x", 0.24, gain).levels_db for gain in (0.0, 5.0))
-    assert float(np.max(lifted)) <= 1e-3
-    assert np.argmax(lifted.max(axis=1)) >= np.argmax(plain.max(axis=1))
-    assert not np.allclose(plain, lifted)
-    assert abs(image.level_at_db(0, 0.24, 0.24, 0.083)) < 1.0
-
-
 def test_the_caption_says_where_the_permittivity_is_from_and_its_range():
-    session = ViewSession(small(), ImageOptions())
-    first = session.compute(session.first_request, at_once)
-    assert (first.source, first.permittivity) == ("assumed", 5.0)
-    assert "(2 to 16), ASSUMED" in str(first.caption)
-    chosen = session.compute(ImageRequest(8.0, False, 0.3), at_once)
-    assert (chosen.source, chosen.permittivity) == ("slider", 8.0)
-    assert "(7.2 to 8.8), set with the slider" in str(chosen.caption)
-
-
-def test_the_slider_replaces_a_chosen_soil():
-    session = ViewSession(small(), ImageOptions(soil=Soils.CLAY))
-    first = session.compute(session.first_request, at_once)
-    assert "(5 to 40), TYPICAL" in str(first.caption)
-    assert session.compute(ImageRequest(8.0, False, 0.3), at_once).permittivity == 8.0
-
-
-@pytest.mark.parametrize("axis", ["x_mm", "y_mm"])
-def test_a_single_line_has_one_section_by_the_default_method(axis):
-    session = ViewSession(small(**{axis: np.array([240.0])}), FIXED)
-    along = "y" if axis == "x_mm" else "x"
-    assert session.axes == (along,) and session.options.method is Method.PHASE_SHIFT
-    image = session.compute(session.first_request, at_once)
-    levels_db = section_picture(image, 0, along, 0.24, 0.0).levels_db
-    layer, column = np.unravel_index(np.argmax(levels_db), levels_db.shape)
-    assert levels_db.shape[1] == 11 and column == 5
-    assert abs(image.depth_m[layer] - 0.083) < 0.007
+    for options, permittivity, source, words in (
+        (ImageOptions(), 5.0, "assumed", "(2 to 16), ASSUMED"),
+        (ImageOptions(soil=Soils.CLAY), Soils.CLAY.value.permittivity, None, "(5 to 40), TYPICAL"),
+    ):
+        session = ViewSession(small(), options)
+        first = session.compute(session.first_request, at_once)
+        assert first.permittivity == permittivity and source in (None, first.source)
+        assert words in str(first.caption)
+        chosen = session.compute(ImageRequest(8.0, False, 0.3), at_once)
+        assert (chosen.source, chosen.permittivity) == ("slider", 8.0)
+        assert "(7.2 to 8.8), set with the slider" in str(chosen.caption)
 
 
 def test_a_line_with_uneven_spacing_is_imaged_by_back_projection():
@@ -154,6 +122,25 @@ def test_a_line_with_uneven_spacing_is_imaged_by_back_projection():
     session = ViewSession(small(x_mm=uneven_mm, y_mm=np.array([240.0])), FIXED)
     assert session.options.method is Method.BACK_PROJECTION
     assert "back-projection" in " ".join(map(str, session.notes))
+
+
+def test_the_separation_that_a_survey_records_is_used_unless_another_is_given():
+    recorded = small().assign_attrs({"antenna_separation_m": 0.06})
+    for options, used_m in ((FIXED, 0.06), (replace(FIXED, separation_m=0.1), 0.1)):
+        assert ViewSession(recorded, options).options.separation_m == used_m
+
+
+def test_what_cannot_be_shown_is_refused(monkeypatch):
+    nowhere = small().assign_attrs({"antenna_separation_m": np.nan})
+    for survey, fault, shown in (
+        (nowhere, faults.FILE_CONTENT, "nan"),
+        (process_survey(small(), "time"), faults.STEPS, "'s21'"),
+    ):
+        with raises_fault(fault, shown):
+            ViewSession(survey, FIXED)
+    monkeypatch.setattr(lazy, "available_bytes", lambda: 1 << 20)
+    with raises_fault(faults.TOO_LARGE):
+        ViewSession(small(), FIXED)
 
 
 def test_missing_samples_are_refused_unless_left_out_and_marked():
@@ -170,17 +157,6 @@ def test_missing_samples_are_refused_unless_left_out_and_marked():
     picture = traces_picture(session, line, 0, True, 5e-9, 0.0)
     assert np.isnan(picture.levels_db[:, 4]).all()
     assert np.isfinite(np.delete(picture.levels_db, 4, axis=1)).all()
-
-
-def test_a_survey_that_does_not_fit_into_the_memory_is_refused(monkeypatch):
-    monkeypatch.setattr(lazy, "available_bytes", lambda: 1 << 20)
-    with raises_fault(faults.TOO_LARGE):
-        ViewSession(small(), FIXED)
-
-
-def test_data_without_spectra_are_refused():
-    with raises_fault(faults.STEPS, "'s21'"):
-        ViewSession(process_survey(small(), "time"), FIXED)
 
 
 def test_a_picture_of_uneven_places_shows_the_nearest_one():
