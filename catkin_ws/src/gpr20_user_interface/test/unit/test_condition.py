@@ -1,12 +1,24 @@
 """The band follows what the robot does: its motion, its codes, and how old they are."""
 
 import dataclasses
-import itertools
 
+from case_kit import each_case
+from fake_clock import FakeClock
 from hypothesis import given
 from hypothesis import strategies as st
-from test_fault_messages import ASKED_PAUSE, ASKED_STOP, CLOCK, FULL, MOVING, paused
-from view_kit import RESTING, moving, snapshot, state_of
+from view_kit import (
+    ASKED_PAUSE,
+    ASKED_STOP,
+    CLOCK,
+    FULL,
+    MOVING,
+    RESTING,
+    moving,
+    paused,
+    said,
+    snapshot,
+    state_of,
+)
 
 from gpr20_common import remedies
 from gpr20_common.message import Fault, Message, Severity, verbatim
@@ -14,17 +26,19 @@ from gpr20_doctor.mid.node_health import EXPECTED_NODES, HealthLevel, NodeHealth
 from gpr20_doctor.mid.robot_facts import AxisPosition
 from gpr20_operator import faults
 from gpr20_operator.robot.condition import JobLevel, condition_of, left_of
-from gpr20_operator.robot.events import AxisReport, ControlState, Progress, Request
+from gpr20_operator.robot.events import AxisReport, Progress, Request
 from gpr20_operator.robot.health import NOT_NEEDED, STALE_S, HealthReport, HealthTracker
 from gpr20_operator.robot.survey_model import SurveyModel
 from gpr20_survey.axes.axis_id import AxisId
-from gpr20_survey.plan.survey_state import ENDED, RUNNING, SurveyState
+from gpr20_survey.plan.survey_state import RUNNING, SurveyState
 
 S, L = SurveyState, JobLevel
-MOVES_NOW = AxisPosition(0.0, True, True)
 WAITING = Message("Waiting for the VNA: a sweep").with_fault(
     Fault("survey.takes_long", remedies.TRY_LATER, Severity.WARNING)
 )
+LATE = said(S.SURVEYING, CLOCK.as_warning())
+HOMING, STOP = verbatim("homing"), frozenset({Request.STOP})
+SLOW = Progress("id", 0.0, 10, 0, 60.0)
 NEEDED = [name for name in EXPECTED_NODES if name not in NOT_NEEDED]
 # In these the survey itself may move the robot.
 MOVES = (S.HOMING, S.SURVEYING, S.PAUSING, S.STOPPING)
@@ -34,119 +48,77 @@ def health(name, level, text="no answer"):
     return HealthReport((NodeHealth(name, level, verbatim(text), {}),))
 
 
-def said(code, message):
-    return ControlState(code, message, "id", True)
+NO_STORAGE = health("vna_processing", HealthLevel.STALE)
+NO_VNA = health("vna_acquisition", HealthLevel.ERROR)
 
 
-# What the issue and the documentation say: what is known, the level, words of title and message.
+X_MOVES, BY_CONTROL = moving(AxisId.X), moving(AxisId.X, owner="/main_control")
+SILENT = AxisReport(AxisId.X, AxisPosition(0.0, True, True), "", 0.0, silent=True)
+# The state of the control, what else is known, the level, words of title and message.
 TABLE = (
     # Each state by itself.
-    ({"code": S.IDLE}, L.REST, "IDLE", "as it is"),
-    ({"code": S.CONFIGURED}, L.REST, "CONFIGURED", ""),
-    ({"code": S.CHECKING}, L.WORKING, "CHECKING", ""),
-    ({"code": S.HOMING}, L.WORKING, "HOMING", ""),
-    ({"code": S.SURVEYING}, L.WORKING, "SURVEYING", ""),
-    ({"code": S.PAUSING}, L.PAUSED, "PAUSING", ""),
-    ({"code": S.STOPPING}, L.ATTENTION, "STOPPING", ""),
-    ({"code": S.FINISHED}, L.DONE, "FINISHED", ""),
-    ({"code": S.STOPPED}, L.REST, "STOPPED", ""),
-    ({"code": S.FAILED}, L.FAULT, "FAILED", ""),
-    ({"state": paused(FULL)}, L.PAUSED, "PAUSED", "the disk is full"),
-    ({"state": said(S.PAUSED, ASKED_PAUSE)}, L.PAUSED, "PAUSED", ""),
-    ({"state": said(S.STOPPED, MOVING)}, L.FAULT, "STOPPED", "a motor runs"),
+    (S.IDLE, {}, L.REST, "IDLE", "as it is"),
+    (S.CONFIGURED, {}, L.REST, "CONFIGURED", ""),
+    (S.CHECKING, {}, L.WORKING, "CHECKING", ""),
+    (S.HOMING, {}, L.WORKING, "HOMING", ""),
+    (S.SURVEYING, {}, L.WORKING, "SURVEYING", ""),
+    (S.PAUSING, {}, L.PAUSED, "PAUSING", ""),
+    (S.STOPPING, {}, L.ATTENTION, "STOPPING", ""),
+    (S.FINISHED, {}, L.DONE, "FINISHED", ""),
+    (S.STOPPED, {}, L.REST, "STOPPED", ""),
+    (S.FAILED, {}, L.FAULT, "FAILED", ""),
+    (None, {"state": paused(FULL)}, L.PAUSED, "PAUSED", "the disk is full"),
+    (None, {"state": said(S.PAUSED, ASKED_PAUSE)}, L.PAUSED, "PAUSED", ""),
+    (None, {"state": said(S.STOPPED, MOVING)}, L.FAULT, "STOPPED", "a motor runs"),
     # An axis homes after a survey, or another program moves one.
-    ({"code": S.FINISHED, "axes": moving(AxisId.X)}, L.ATTENTION, "ROBOT MOVES", "x axis"),
-    (
-        {"code": S.IDLE, "axes": moving(AxisId.X), "service": verbatim("homing")},
-        *(L.ATTENTION, "ROBOT MOVES", "in service: homing"),
-    ),
-    ({"code": S.CHECKING, "axes": moving(AxisId.X)}, L.ATTENTION, "ROBOT MOVES", "x axis"),
-    (
-        {"code": S.CHECKING, "axes": moving(AxisId.X, owner="/main_control")},
-        L.WORKING,
-        "CHECKING",
-        "",
-    ),
+    (S.FINISHED, {"axes": X_MOVES}, L.ATTENTION, "ROBOT MOVES", "x axis"),
+    (S.IDLE, {"axes": X_MOVES, "service": HOMING}, L.ATTENTION, "ROBOT MOVES", "service: homing"),
+    (S.CHECKING, {"axes": X_MOVES}, L.ATTENTION, "ROBOT MOVES", "x axis"),
+    (S.CHECKING, {"axes": BY_CONTROL}, L.WORKING, "CHECKING", ""),
     # The state comes before the axis says that it rests; later, it moves.
-    (
-        {"code": S.FINISHED, "axes": moving(AxisId.X, owner="/main_control"), "state_s": 0.4},
-        *(L.DONE, "FINISHED", ""),
-    ),
-    (
-        {"code": S.FINISHED, "axes": moving(AxisId.X, owner="/main_control"), "state_s": 0.6},
-        *(L.ATTENTION, "ROBOT MOVES", "x axis, by main_control"),
-    ),
-    ({"code": S.FINISHED, "service": verbatim("homing")}, L.ATTENTION, "SERVICE", "homing"),
-    (
-        {"code": S.SURVEYING, "axes": moving(AxisId.Y, owner="/rqt")},
-        *(L.ATTENTION, "ROBOT MOVES", "y axis, by rqt"),
-    ),
-    (
-        {"code": S.SURVEYING, "axes": (AxisReport(AxisId.X, MOVES_NOW, "", 0.0, silent=True),)},
-        *(L.ATTENTION, "ROBOT MOVES", "no report since it moved"),
-    ),
+    (S.FINISHED, {"axes": BY_CONTROL, "state_s": 0.4}, L.DONE, "FINISHED", ""),
+    (S.FINISHED, {"axes": BY_CONTROL, "state_s": 0.6}, L.ATTENTION, "ROBOT MOVES", "main_control"),
+    (S.FINISHED, {"service": HOMING}, L.ATTENTION, "SERVICE", "homing"),
+    (S.SURVEYING, {"axes": moving(AxisId.Y, owner="/rqt")}, L.ATTENTION, "ROBOT MOVES", "by rqt"),
+    (S.SURVEYING, {"axes": (SILENT,)}, L.ATTENTION, "ROBOT MOVES", "no report since it moved"),
     # The control is frozen, has died, or was never there.
-    ({"code": S.SURVEYING, "control_silent_s": 3.0}, L.ATTENTION, "SURVEYING", "for 3 s"),
-    (
-        {"code": S.SURVEYING, "pending": frozenset({Request.STOP})},
-        *(L.ATTENTION, "SURVEYING", "STOP was pressed"),
-    ),
-    ({"code": S.STOPPING, "pending": frozenset({Request.STOP})}, L.ATTENTION, "STOPPING", ""),
-    ({"code": S.SURVEYING, "alive": False}, L.FAULT, "NO CONTACT", "for 7 s"),
-    (
-        {"code": S.SURVEYING, "alive": False, "axes": moving(AxisId.X)},
-        *(L.FAULT, "ROBOT MOVES", "No contact with the main control for 7 s"),
-    ),
-    ({"code": S.IDLE, "interrupted": True}, L.FAULT, "INTERRUPTED", "was restarted"),
-    ({"code": S.SURVEYING, "master_alive": False}, L.FAULT, "NO CONTACT", "ROS master"),
-    (
-        {"code": None, "alive": False, "control_silent_s": None},
-        *(L.FAULT, "NO CONTACT", "roslaunch gpr20 survey.launch"),
-    ),
+    (S.SURVEYING, {"control_silent_s": 3.0}, L.ATTENTION, "SURVEYING", "for 3 s"),
+    (S.SURVEYING, {"pending": STOP}, L.ATTENTION, "SURVEYING", "STOP was pressed"),
+    (S.STOPPING, {"pending": STOP}, L.ATTENTION, "STOPPING", ""),
+    (S.SURVEYING, {"alive": False}, L.FAULT, "NO CONTACT", "for 7 s"),
+    (S.SURVEYING, {"alive": False, "axes": X_MOVES}, L.FAULT, "ROBOT MOVES", "for 7 s"),
+    (S.IDLE, {"interrupted": True}, L.FAULT, "INTERRUPTED", "was restarted"),
+    (S.SURVEYING, {"master_alive": False}, L.FAULT, "NO CONTACT", "ROS master"),
+    (None, {"alive": False, "control_silent_s": None}, L.FAULT, "NO CONTACT", "roslaunch gpr20"),
     # The storage is dead, there is no VNA, the survey waits.
-    (
-        {"code": S.CHECKING, "health": health("vna_processing", HealthLevel.STALE)},
-        *(L.ATTENTION, "CHECKING", "No report: Storage"),
-    ),
-    (
-        {"code": S.SURVEYING, "health": health("vna_acquisition", HealthLevel.ERROR)},
-        *(L.ATTENTION, "SURVEYING", "VNA driver: no answer"),
-    ),
-    ({"state": said(S.SURVEYING, WAITING)}, L.ATTENTION, "SURVEYING", "Waiting for the VNA"),
-    (
-        {"state": said(S.SURVEYING, CLOCK.as_warning())},
-        *(L.ATTENTION, "SURVEYING", "the clock is late"),
-    ),
-    # Nothing happens for longer than it should.
-    ({"code": S.SURVEYING, "still_s": 11.0}, L.ATTENTION, "SURVEYING", "No progress for 11 s"),
-    ({"code": S.CHECKING, "still_s": 21.0}, L.ATTENTION, "CHECKING", "No progress for 21 s"),
-    # A sweep of a slow analyzer takes long.
-    (
-        {"code": S.SURVEYING, "still_s": 20.0, "progress": Progress("id", 0.0, 10, 0, 60.0)},
-        *(L.WORKING, "SURVEYING 0 %", ""),
-    ),
+    (S.CHECKING, {"health": NO_STORAGE}, L.ATTENTION, "CHECKING", "No report: Storage"),
+    (S.SURVEYING, {"health": NO_VNA}, L.ATTENTION, "SURVEYING", "VNA driver: no answer"),
+    (None, {"state": said(S.SURVEYING, WAITING)}, L.ATTENTION, "SURVEYING", "Waiting for the VNA"),
+    (None, {"state": LATE}, L.ATTENTION, "SURVEYING", "the clock is late"),
+    # Nothing happens for longer than it should, or a slow analyzer sweeps.
+    (S.SURVEYING, {"still_s": 11.0}, L.ATTENTION, "SURVEYING", "No progress for 11 s"),
+    (S.CHECKING, {"still_s": 21.0}, L.ATTENTION, "CHECKING", "No progress for 21 s"),
+    (S.SURVEYING, {"still_s": 20.0, "progress": SLOW}, L.WORKING, "SURVEYING 0 %", ""),
 )
 
 
-def test_the_band_says_what_the_robot_does():
-    for known, level, title, words in TABLE:
-        shown = condition_of(snapshot(**{"code": None, **known}))
-        found = shown.level, str(shown.title)
-        assert found == (level, title), (known, found)
-        assert words in str(shown.message), (known, str(shown.message))
+@each_case("code,known,level,title,words", TABLE)
+def test_the_band_says_what_the_robot_does(code, known, level, title, words):
+    shown = condition_of(snapshot(**{"code": code, **known}))
+    assert (shown.level, str(shown.title)) == (level, title)
+    assert words in str(shown.message)
 
 
 def test_hands_stay_clear_of_an_interrupted_robot_until_every_axis_says_that_it_rests():
     at_rest = tuple(dataclasses.replace(one, silent=False) for one in RESTING)
     silent = dataclasses.replace(at_rest[0], silent=True)
-    for axes, words in (
-        (at_rest, "Resume the survey on SURVEY"),
-        ((), "the axes may still move"),
-        (at_rest[:2], "the axes may still move"),
-        ((silent, *at_rest[1:]), "the axes may still move"),
+    for axes, rests in (
+        *((at_rest, True), ((), False), (at_rest[:2], False)),
+        ((silent, *at_rest[1:]), False),
     ):
-        shown = condition_of(snapshot(code=S.IDLE, interrupted=True, axes=axes))
-        assert words in str(shown.remedy), axes
+        remedy = str(condition_of(snapshot(code=S.IDLE, interrupted=True, axes=axes)).remedy)
+        assert ("Resume the survey on SURVEY" in remedy) is rests, axes
+        assert ("the axes may still move" in remedy) is not rests, axes
 
 
 CODES = st.none() | st.sampled_from(SurveyState)
@@ -214,6 +186,12 @@ def is_of_survey(now, axis):
 @given(known())
 def test_only_a_robot_that_works_is_green_and_only_one_that_rests_has_finished(now):
     shown = condition_of(now)
+    if shown.level is L.FAULT and now.code is not S.FAILED:
+        assert shown.remedy is not None, str(shown.message)
+    if left_of(now) is not None:
+        assert now.code in (S.CHECKING, S.HOMING, S.SURVEYING, S.PAUSING)
+        assert now.control_alive and now.master_alive and now.health.trouble is None
+        assert now.state.message != WAITING and now.still_s <= 23.0
     if shown.level not in (L.WORKING, L.DONE, L.REST):
         return
     assert now.control_alive and now.master_alive and not now.interrupted
@@ -228,48 +206,29 @@ def test_only_a_robot_that_works_is_green_and_only_one_that_rests_has_finished(n
         assert not now.moving
 
 
-@given(known())
-def test_who_must_do_something_can_read_what(now):
-    shown = condition_of(now)
-    if shown.level is L.FAULT and now.code is not S.FAILED:
-        assert shown.remedy is not None, str(shown.message)
-    if any(one.moving and not one.silent for one in now.axes) and shown.level is L.FAULT:
-        assert shown.message.may_move or now.code in MOVES
+@each_case("silent", NEEDED)
+def test_a_part_that_a_survey_needs_is_named_within_five_seconds(silent):
+    clock = FakeClock()
+    model = SurveyModel(clock)
 
-
-@given(known())
-def test_time_is_left_only_while_it_passes(now):
-    if left_of(now) is None:
-        return
-    assert now.code in (S.CHECKING, S.HOMING, S.SURVEYING, S.PAUSING)
-    assert now.control_alive and now.master_alive and now.health.trouble is None
-    assert now.state.message != WAITING and now.still_s <= 23.0
-
-
-def test_a_part_that_a_survey_needs_is_named_within_five_seconds(clock):
-    for name, code in itertools.product(NEEDED, (*RUNNING, S.IDLE, *ENDED)):
-        model = SurveyModel(clock)
-        for _second in range(10):
+    def live(seconds, nodes):
+        for _second in range(seconds):
             clock.advance(1.0)
-            model.handle(state_of(code))
-            for one in EXPECTED_NODES:
+            model.handle(state_of(S.CHECKING))
+            for one in nodes:
                 model.handle(NodeHealth(one, HealthLevel.OK, verbatim("fine"), {}))
-        assert "No report" not in str(condition_of(model.snapshot()).message)
-        for _second in range(5):
-            clock.advance(1.0)
-            model.handle(state_of(code))
-            for one in EXPECTED_NODES:
-                if one != name:
-                    model.handle(NodeHealth(one, HealthLevel.OK, verbatim("fine"), {}))
-        shown = condition_of(model.snapshot())
-        if code not in (S.PAUSED, S.FAILED):  # their own reason comes first
-            assert str(node_title(name)) in str(shown.message), (name, code)
-            assert shown.level not in (L.WORKING, L.DONE, L.REST)
-            assert shown.message.fault_code == faults.PART_SILENT.code
+        return condition_of(model.snapshot())
+
+    assert live(10, EXPECTED_NODES).level is L.WORKING
+    shown = live(5, set(EXPECTED_NODES) - {silent})
+    assert str(node_title(silent)) in str(shown.message)
+    assert shown.level is L.ATTENTION
+    assert shown.message.fault_code == faults.PART_SILENT.code
 
 
-def test_the_web_page_is_listed_once_it_has_reported_and_no_survey_misses_it(clock):
+def test_nodes_have_the_time_to_report_once_and_some_need_not(clock):
     tracker = HealthTracker(clock)
+    assert tracker.report().trouble is None
     assert tracker.report().node("web") is None
     tracker.note(NodeHealth("web", HealthLevel.OK, verbatim("fine"), {}))
     assert tracker.report().node("web").level is HealthLevel.OK
@@ -277,16 +236,7 @@ def test_the_web_page_is_listed_once_it_has_reported_and_no_survey_misses_it(clo
     report = tracker.report()
     assert report.node("web").level is HealthLevel.STALE
     assert str(node_title("web")) not in str(report.trouble)
-
-
-def test_nodes_have_the_time_to_report_once(clock):
-    tracker = HealthTracker(clock)
-    assert tracker.report().trouble is None
-    clock.advance(STALE_S + 0.1)
-    assert "Storage" in str(tracker.report().trouble)
-
-
-def test_images_can_wait():
+    assert str(node_title("vna_processing")) in str(report.trouble)
     for name in NOT_NEEDED:
         assert health(name, HealthLevel.STALE).trouble is None
         assert health(name, HealthLevel.ERROR).trouble is None

@@ -1,12 +1,15 @@
 """Every field of a plan: text and value, limits, arrows, presets, command line."""
 
 import pytest
+from case_kit import each_case
+from fault_kit import raises_fault
 from hypothesis import given
 from hypothesis import strategies as st
 from view_kit import TRAVEL as ROBOT
 
 from gpr20_common.catalogue import Catalogue
 from gpr20_common.errors import InvalidValueError
+from gpr20_common.faults import NOT_ALLOWED
 from gpr20_operator.plan.annotation import annotation_texts, check_annotation
 from gpr20_operator.plan.fields import (
     PARAMETERS,
@@ -21,7 +24,14 @@ from gpr20_operator.plan.form import PlanForm, check_plan
 from gpr20_operator.plan.presets import PresetContext
 from gpr20_operator.plan.spec import MAX_GRID_POINTS, Keys, Tile
 from gpr20_operator.robot.events import DOCUMENTED_TRAVEL
-from gpr20_operator.words import stepped
+from gpr20_operator.words import (
+    decimal_from_text,
+    hertz_from_megahertz,
+    number_from_text,
+    plain_text,
+    rotations_from_text,
+    stepped,
+)
 from gpr20_survey.plan.annotation import Annotation, Wgs84Position
 from gpr20_survey.plan.survey_parameters import SurveyParameters, problems
 from gpr20_survey.trace.sweep_settings import AnalyzerSettings
@@ -73,28 +83,30 @@ def test_the_plan_has_every_parameter_of_a_survey_and_every_field_is_on_one_tile
     assert {spec.name for spec in PARAMETERS} == set(SurveyParameters.__dataclass_fields__)
     shown = [name for tile in Tile for name in TILE_FIELDS[tile]]
     assert sorted(shown) == sorted(SPECS)
+    for spec in (*PLAN, *PEOPLE):
+        assert str(spec.title) and str(spec.hint(ROBOT)) and spec.kind.keys in Keys
 
 
-def test_the_plan_of_a_new_robot_can_be_started():
+def test_the_plan_of_a_new_robot_and_every_preset_can_be_started():
     result = check()
     assert (result.problems, result.parameters) == ({}, default_parameters())
     assert result.permittivity == 4.0
     assert problems(default_parameters(), ROBOT) == []
-
-
-@given(parameters())
-def test_texts_of_parameters_are_read_back_as_the_same_parameters(wanted):
-    assert problems(wanted, ROBOT) == []
-    assert check(following="", **texts_of(wanted)).parameters == wanted
-
-
-@given(annotations())
-def test_what_people_write_is_read_back_as_the_same(annotation):
-    assert check_annotation(annotation_texts(annotation)) == (annotation, {})
+    area = {"x_start_mm": "1", "x_stop_mm": "2", "y_start_mm": "3", "y_stop_mm": "4"}
+    context = PresetContext(ROBOT, area, "10.0.0.2", 11.37)
+    for spec in PLAN:
+        assert spec.presets(context), spec.name
+        for preset in spec.presets(context):
+            form = PlanForm(ROBOT)
+            form.set_texts(preset.texts)
+            assert form.check().problems == {}, preset
 
 
 @given(parameters(), annotations())
-def test_the_command_line_reads_what_the_window_reads(wanted, annotation):
+def test_texts_are_read_back_as_the_same_by_the_window_and_by_the_command_line(wanted, annotation):
+    assert problems(wanted, ROBOT) == []
+    assert check(following="", **texts_of(wanted)).parameters == wanted
+    assert check_annotation(annotation_texts(annotation)) == (annotation, {})
     texts = {**texts_of(wanted), **annotation_texts(annotation)}
     line = [f"{option_of(SPECS[name])}={text}" for name, text in texts.items()]
     given_ = parse_arguments(line, Catalogue())
@@ -120,19 +132,18 @@ def test_the_command_line_refuses_what_the_window_refuses(spec, text):
             assert getattr(parse_arguments(line, Catalogue()).parameters, spec.name) == value
 
 
-def test_a_number_beyond_its_limits_is_answered_with_them():
-    for spec in NUMBERS:
-        if spec.allowed is not None and spec.name != "start_frequency_hz":
-            continue
-        lower, upper = spec.limits(ROBOT)
-        beyond = [lower - 1] + [upper + 1] * (upper != MAX_GRID_POINTS)
-        for number in beyond:
-            text = f"{number:.12g}"
-            if spec.empty is not None and text == "0":
-                continue  # as it is set on the VNA
+@each_case("spec", NUMBERS)
+def test_a_number_beyond_its_limits_is_answered_with_them(spec):
+    assert spec.name in check(**{spec.name: "1e400"}).problems
+    if spec.allowed is not None and spec.name != "start_frequency_hz":
+        return
+    lower, upper = spec.limits(ROBOT)
+    bounds = [lower] + [upper] * (upper != MAX_GRID_POINTS)
+    for number in (lower - 1, upper + 1)[: len(bounds)]:
+        text = f"{number:.12g}"
+        if spec.empty is None or text != "0":  # as it is set on the VNA
             problem = str(check(following="", **{spec.name: text}).problems[spec.name])
-            named = [f"{lower:g}"] + [f"{upper:g}"] * (upper != MAX_GRID_POINTS)
-            assert all(limit in problem for limit in named), (spec.name, text, problem)
+            assert all(f"{limit:g}" in problem for limit in bounds), (text, problem)
 
 
 @given(st.sampled_from(NUMBERS), st.text(max_size=8), st.sampled_from([-100, -10, -1, 1, 10, 100]))
@@ -145,28 +156,18 @@ def test_an_arrow_stays_within_the_limits_whatever_was_written(spec, text, chang
     assert lower <= float(changed) <= upper
 
 
-def test_an_arrow_changes_a_number_by_its_step():
+def test_an_arrow_changes_a_number_by_its_step_or_chooses_among_the_values_of_the_vna():
     for text, change, expected in (
-        ("50", 10, "60"),
-        ("50.25", -1, "49.25"),
-        ("0.1", 1, "1.1"),
-        ("600", 100, "650"),
-        ("50", -100, "0"),
-        ("", 1, "0"),
-        ("nan", 1, "0"),
-        ("-1e999999999", 1, "0"),
+        *(("50", 10, "60"), ("50.25", -1, "49.25"), ("0.1", 1, "1.1"), ("600", 100, "650")),
+        *(("50", -100, "0"), ("", 1, "0"), ("nan", 1, "0"), ("-1e999999999", 1, "0")),
     ):
         assert stepped(text, change, (0.0, 650.0)) == expected, text
-
-
-def test_arrows_choose_among_the_values_of_the_vna():
     for name, text, change, expected in (
         ("if_bandwidth_hz", "", 1, "10"),
         ("if_bandwidth_hz", "", -1, ""),
         ("if_bandwidth_hz", "10000", 100, "20000"),
         ("if_bandwidth_hz", "100000", 1, "100000"),
         ("if_bandwidth_hz", "30000", 1, ""),
-        ("averages", "", 1, "1"),
         ("averages", "", 10, "10"),
         ("averages", "10", -10, ""),
         ("averages", "65535", 1, "65535"),
@@ -185,16 +186,6 @@ def test_empty_settings_of_the_vna_leave_it_as_it_is():
     assert result.parameters.sweep_settings.analyzer == AnalyzerSettings(1000.0, 16, "LOW")
 
 
-def test_what_is_wrong_is_named_and_locks():
-    for name, text, words in WRONG:
-        result = check(following="", **{name: text})
-        assert words in str(result.problems[name]), (name, text)
-        assert result.parameters is None
-        # The traces of all axes are too many as well.
-        beside = {"y_points"} if text == "90000" else set()
-        assert set(result.problems) - beside == {name}, (name, text)
-
-
 WRONG = (
     ("vna_address", "10.0.0.256", "four whole numbers"),
     *(("start_frequency_hz", text, "from 0.005 to 6000") for text in ("0", "-1")),
@@ -209,19 +200,26 @@ WRONG = (
     ("permittivity", "wet", "from 1 to 81"),
     ("polarizations_deg", "0, 91", "from -90 to 90"),
     ("polarizations_deg", "0, 0", "different"),
-    *(("if_bandwidth_hz", text, "from 1 to 1e+07") for text in ("-10",)),
+    ("if_bandwidth_hz", "-10", "from 1 to 1e+07"),
     ("averages", "65536", "a whole number from 1 to 65535"),
     ("output_power", "a b", "LOW or HIGH for the MS2026C"),
 )
 
 
-def test_too_many_points_in_all_are_a_fault_of_both_axes():
+@each_case("name,text,words", WRONG)
+def test_what_is_wrong_is_named_and_locks(name, text, words):
+    result = check(following="", **{name: text})
+    assert words in str(result.problems[name])
+    assert result.parameters is None
+    # The traces of all axes are too many as well.
+    beside = {"y_points"} if text == "90000" else set()
+    assert set(result.problems) - beside == {name}
+
+
+def test_what_several_fields_make_wrong_together_is_named_on_them():
     found = check(following="", x_points="1000", y_points="1000").problems
     assert list(found) == ["x_points", "y_points"]
     assert all("at most 1000000 traces" in str(one) for one in found.values())
-
-
-def test_frequencies_closer_than_a_hertz_are_a_fault_of_their_number():
     result = check(start_frequency_hz="600", stop_frequency_hz="600.0004")
     assert list(result.problems) == ["frequency_points"]
 
@@ -241,26 +239,29 @@ def test_a_decimal_comma_is_read_as_a_point():
         ("position", "4,60283; -74,06514", Wgs84Position(4.60283, -74.06514)),
     ):
         assert SPECS[name].kind.read(text) == value
+    for text in ("12.5", "12,5", " 12,50 ", "+12.5", "1.25e1", "1,25E+1"):
+        assert number_from_text(text) == 12.5
+    assert rotations_from_text("0, 90,-45.5") == (0.0, 90.0, -45.5)
 
 
-def test_every_preset_can_be_started():
-    area = {"x_start_mm": "1", "x_stop_mm": "2", "y_start_mm": "3", "y_stop_mm": "4"}
-    context = PresetContext(ROBOT, area, "10.0.0.2", 11.37)
-    for spec in PLAN:
-        found = spec.presets(context)
-        assert found, spec.name
-        for preset in found:
-            form = PlanForm(ROBOT)
-            form.set_texts(preset.texts)
-            assert form.check().problems == {}, preset
+@pytest.mark.parametrize(
+    "read, texts",
+    [
+        (number_from_text, ["", ",", ".", "1.2.3", "1,234.5", "1.234,5", "1_0", "٣", "nan", "inf"]),
+        (number_from_text, ["0x1", "1 2", "--1", "six hundred", "600 MHz"]),
+        (hertz_from_megahertz, ["nan", "inf", "-inf", "1,5,0", "sNaN"]),
+        (rotations_from_text, ["", "0,,90", "0;;90", "zero"]),
+    ],
+)
+def test_what_is_no_number_is_refused(read, texts):
+    for text in texts:
+        with raises_fault(NOT_ALLOWED, text, error=InvalidValueError):
+            read(text)
 
 
-@pytest.mark.parametrize("spec", [*PLAN, *PEOPLE], ids=lambda spec: spec.name)
-def test_a_field_says_what_it_allows(spec):
-    assert str(spec.title) and str(spec.hint(ROBOT))
-    assert spec.kind.keys in Keys
-
-
-def test_an_exponent_beyond_all_numbers_is_no_value():
-    for spec in NUMBERS:
-        assert spec.name in check(**{spec.name: "1e400"}).problems, spec.name
+@given(st.decimals(-(10**4), 10**4, places=9), st.integers(1, 6_000_000_000))
+def test_any_number_is_read_with_either_mark_and_every_whole_hertz_can_be_written(number, hertz):
+    text = f"{number:f}"
+    assert decimal_from_text(text.replace(".", ",")) == decimal_from_text(text) == number
+    assert decimal_from_text(plain_text(number)) == number
+    assert hertz_from_megahertz(f"{hertz // 10**6}.{hertz % 10**6:06d}") == hertz

@@ -3,7 +3,7 @@
 from dataclasses import replace
 from decimal import Decimal
 
-import pytest
+from case_kit import each_case
 from hypothesis import given
 from hypothesis import strategies as st
 from test_fields import annotations, parameters
@@ -58,7 +58,7 @@ def test_start_says_everything_that_the_survey_will_do():
 def test_start_shows_every_parameter_of_any_plan(measured, permittivity, annotation):
     shown = " ".join(rows(start(measured, permittivity, annotation)).values())
     ends = (measured.x_start_mm, measured.x_stop_mm, measured.y_start_mm, measured.y_stop_mm)
-    bandwidth = {10.0: "10 Hz", 12345.5: "12.3455 kHz"}.get(measured.if_bandwidth_hz)
+    bandwidth = {10.0: "10 Hz", 12345.5: "12.3455 kHz"}.get(measured.if_bandwidth_hz, "")
     people = (annotation.name, annotation.operator, annotation.site)
     named = [
         *(f"{round(Decimal(str(end)), 2):.2f}".rstrip("0").rstrip(".") for end in ends),
@@ -67,10 +67,8 @@ def test_start_shows_every_parameter_of_any_plan(measured, permittivity, annotat
         f"{measured.stop_frequency_hz / 1e6:.12g}",
         f"{measured.frequency_points} points",
         *(f"{one:.12g}" for one in measured.polarizations_deg),
-        *([measured.vna_address] if measured.vna_address else []),
-        *([bandwidth] if measured.if_bandwidth_hz else []),
+        *(measured.vna_address, bandwidth, measured.output_power),
         *([f"{measured.averages} x"] if measured.averages else []),
-        *([measured.output_power] if measured.output_power else []),
         f"permittivity {permittivity:.12g}",
         *(" ".join(one.split())[: LONGEST_SHOWN - 1] for one in people),
     ]
@@ -78,21 +76,18 @@ def test_start_shows_every_parameter_of_any_plan(measured, permittivity, annotat
     assert not missing, (missing, shown)
 
 
-def test_a_coarse_plan_is_said_in_words_before_the_start():
-    coarse = replace(PARAMETERS, x_points=5)
-    assert str(start(coarse).doubt) == (
-        "Measured every 25 mm: targets can be missed. At most 11.4 mm in this soil."
-    )
+def test_a_coarse_plan_is_said_in_words_and_what_a_plan_can_show_in_its_summary():
+    doubt = str(start(replace(PARAMETERS, x_points=5)).doubt)
+    assert "25 mm" in doubt and "targets can be missed" in doubt and "11.4 mm" in doubt
     assert start().doubt is None
-
-
-def test_the_summary_says_what_a_plan_can_show_and_holds_for_nothing():
-    question = plan_question(PARAMETERS, 4.0, FIGURES, EMPTY, start=False)
-    assert question.hold is None
-    shown = rows(question)
-    assert shown["Soil needs"] == "11.4 mm between stops, or less"
-    assert shown["Echoes repeat"] == "below 6.94 m; this is not the reach"
-    assert rows(start()).items() <= shown.items()
+    summary = plan_question(PARAMETERS, 4.0, FIGURES, EMPTY, start=False)
+    assert summary.hold is None
+    assert rows(summary) == {
+        **rows(start()),
+        "Resolution": rows(summary)["Resolution"],
+        "Soil needs": "11.4 mm between stops, or less",
+        "Echoes repeat": "below 6.94 m; this is not the reach",
+    }
 
 
 def test_resume_says_what_is_stored_and_how_long_it_takes():
@@ -108,41 +103,35 @@ def test_resume_says_what_is_stored_and_how_long_it_takes():
 
 def test_a_past_survey_is_named_before_it_is_resumed():
     survey = past_survey()
-    assert rows(resume_past_question(FOLDER, survey)) == {
+    expected = {
         "Survey": FOLDER,
         "Started": survey.local_time(),
         "Stored": "7 of 40 traces",
         "Plan": "that of the survey, not the one on this page",
     }
-    area = past_survey(thumbnail=Thumbnail(300.0, 250.0))
-    assert rows(resume_past_question(FOLDER, area))["Area"] == "300 x 250 mm"
-    named = rows(resume_past_question(FOLDER, past_survey(name="field 3")))
-    assert named["Survey"] == "field 3"
+    for changes, shown in (
+        ({}, {}),
+        ({"thumbnail": Thumbnail(300.0, 250.0)}, {"Area": "300 x 250 mm"}),
+        ({"name": "field 3"}, {"Survey": "field 3"}),
+    ):
+        question = resume_past_question(FOLDER, past_survey(**changes))
+        assert rows(question) == {**expected, **shown}
     assert rows(resume_past_question(FOLDER, None))["Survey"] == FOLDER
 
 
-@pytest.mark.parametrize(
-    "question",
-    [
-        start(),
-        resume_question(None),
-        resume_past_question(FOLDER, None),
-        other_analyzer_question("Anritsu,MS2026C"),
-    ],
-    ids=lambda question: str(question.title),
-)
+MOVING = (start(), resume_question(None), resume_past_question(FOLDER, None))
+
+
+@each_case("question", [*MOVING, other_analyzer_question("Anritsu,MS2026C")])
 def test_whatever_moves_the_robot_says_what_moves(question):
     warning = str(question.warning)
     assert warning.startswith("Hands clear!") and "X, Y and the antennas move" in warning
 
 
-def test_what_is_deleted_is_named():
+def test_what_is_deleted_or_changed_is_named_as_it_was_and_will_be():
     question = delete_profile_question("field-1")
     assert rows(question) == {"Plan": "field-1"}
     assert "Hands" not in str(question.warning)
-
-
-def test_records_that_change_are_shown_as_they_were_and_will_be():
     before = Annotation("Ana", "El Carmen", "wet", name="field 3")
     question = change_records_question("field 3", before, replace(before, operator="", notes="dry"))
     assert rows(question) == {"Survey": "field 3", "Operator": "Ana → —", "Notes": "wet → dry"}
@@ -154,13 +143,8 @@ def test_long_names_end_where_the_sheet_ends():
     assert shown["Name"].endswith("…")
 
 
-@given(
-    st.text("abc ", max_size=60),
-    st.text("xyz", min_size=1, max_size=60),
-    st.text("uvw", max_size=60),
-)
+@given(st.text("abc ", max_size=60), st.text("x", min_size=1, max_size=60), st.text("u"))
 def test_the_old_and_the_new_text_never_look_the_same(same, old, new):
-    before, after = Annotation(notes=same + old), Annotation(notes=same + new)
-    ((_title, text),) = overwritten(before, after)
+    ((_title, text),) = overwritten(Annotation(notes=same + old), Annotation(notes=same + new))
     shown_old, shown_new = str(text).split(" → ")
     assert shown_old != shown_new

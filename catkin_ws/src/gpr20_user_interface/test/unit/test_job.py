@@ -1,25 +1,24 @@
+"""What is said of the survey that runs: percent, line, time left; in a terminal too."""
+
+import io
 from dataclasses import replace
 
 import view_kit
 
+from gpr20_common.catalogue import Catalogue, Language
+from gpr20_common.low.catalogue_file import read_catalogue
+from gpr20_common.message import Message, verbatim
 from gpr20_operator.plan.fields import default_parameters
-from gpr20_operator.robot.condition import left_of
 from gpr20_operator.robot.events import Progress, TargetPosition
 from gpr20_operator.robot.job import JobScreen, area_of, line_of, percent_of, survey_name
 from gpr20_survey.plan.survey_state import ENDED, SurveyState
+from gpr20_user_interface.terminal.displays import BarDisplay, PlainDisplay
 
 HALF = Progress("id", 59.99, 18, 9, 1080.0)
 
 
 def snapshot(code=None, **other):
     return view_kit.snapshot(code, **{"progress": HALF, **other})
-
-
-def test_time_is_left_only_while_it_passes():
-    for code in SurveyState:
-        left = left_of(snapshot(code))
-        timed = ("CHECKING", "HOMING", "SURVEYING", "PAUSING")
-        assert (str(left) == "18 min left") if code.name in timed else left is None, code
 
 
 def test_a_percentage_is_rounded_down_and_only_of_this_survey():
@@ -70,3 +69,54 @@ def test_a_name_is_read_from_a_description_whatever_it_holds():
     assert survey_name('{"annotation": {"name": "", "site": "B"}}') == ("", "B")
     for text in ("", "{}", "[]", '{"annotation": null}', '{"annotation": {}}'):
         assert survey_name(text) == ("", "")
+
+
+ENGLISH, SPANISH = Catalogue(), read_catalogue(Language.SPANISH)
+SURVEYING = view_kit.state_of(SurveyState.SURVEYING)
+
+
+def progress(visited):
+    return Progress("id", visited / 2.0, 200, visited, 200.0 - visited)
+
+
+def test_plain_lines_come_every_ten_percent_and_at_the_end():
+    for visits, percents in (
+        (range(201), [f"{10.0 * one:.1f}" for one in range(11)]),
+        ((194, 199, 200, 200), ["97.0", "100.0"]),
+    ):
+        stream = io.StringIO()
+        display = PlainDisplay(stream, ENGLISH)
+        for visited in visits:
+            display.show(progress(visited), SURVEYING)
+        assert [one.split("%")[0].strip() for one in stream.getvalue().splitlines()] == percents
+
+
+def test_the_bar_carries_everything_within_the_width_of_the_terminal(monkeypatch):
+    for columns in (80, 200):
+        monkeypatch.setenv("COLUMNS", str(columns))
+        stream = io.StringIO()
+        display = BarDisplay(stream, ENGLISH)
+        display.close()
+        assert stream.getvalue() == ""  # it never moved
+        display.note(verbatim("SURVEYING: visiting"))
+        display.show(progress(50), SURVEYING)
+        display.close()
+        text = stream.getvalue()
+        assert "SURVEYING: visiting\n" in text and text.endswith("\n")
+        last = text.rstrip("\n").split("\r")[-1]
+        assert len(last) <= columns
+        for part in ("SIMULATED SURVEYING", "25%", "50/200", "3 min left (measured)"):
+            assert part in last
+
+
+def test_lines_are_in_the_language_of_the_terminal_with_the_details_behind_them():
+    stream = io.StringIO()
+    display = PlainDisplay(stream, SPANISH)
+    display.note(Message("Stop not accepted: {reason}", reason=Message("no answer in time")))
+    display.note(Message("permission denied", details="[Errno 13] Permission denied: '/data'"))
+    display.show(progress(50), SURVEYING)
+    assert stream.getvalue().splitlines() == [
+        "No se aceptó la orden de detener: no hubo respuesta a tiempo",
+        "permiso denegado ([Errno 13] Permission denied: '/data')",
+        " 25.0 %  50/200 trazas  quedan 3 min (según lo medido)",
+    ]

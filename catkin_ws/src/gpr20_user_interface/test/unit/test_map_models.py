@@ -1,5 +1,6 @@
 import numpy as np
 import pytest
+from case_kit import each_case
 from fault_kit import raises_fault
 from hypothesis import given
 from hypothesis import strategies as st
@@ -13,14 +14,6 @@ from gpr20_operator.ground.coverage import (
     MapModel,
     StopState,
     coverage_of_stored,
-)
-from gpr20_operator.ground.geometry import (
-    LEAST_ABOVE,
-    MOST_ABOVE,
-    Area,
-    divided,
-    shown_area,
-    survey_area,
 )
 from gpr20_operator.ground.grid import Stop, grid_from_description
 from gpr20_survey.plan.coverage import Coverage, SampleState
@@ -67,27 +60,22 @@ def test_coverage_comes_through_as_it_was(states):
     runs = runs_of(coverage)
     assert runs.trace_states().tolist() == states
     assert runs.failures == coverage.reasons
+    # Of a past survey only what is stored is known.
+    stored = {index for index, state in enumerate(states) if state is not SampleState.NOT_VISITED}
+    past = coverage_of_stored(SURVEY, len(states), {*stored, len(states)})
+    assert set(np.flatnonzero(past.trace_states())) == stored
 
 
-@given(st.integers(1, 50), st.sets(st.integers(0, 60)))
-def test_coverage_of_a_past_survey_has_exactly_the_stored_traces(planned, stored):
-    states = coverage_of_stored(SURVEY, planned, stored).trace_states()
-    assert set(np.flatnonzero(states)) == {index for index in stored if index < planned}
-
-
-def test_contradicting_coverage_is_refused():
-    for planned, starts, states in (
-        (5, (), ()),
-        (5, (1,), (0,)),
-        (5, (0, 0), (0, 1)),
-        (5, (0, 5), (0, 1)),
-        (5, (0, 3, 2), (0, 1, 0)),
-        (5, (0, 3), (0,)),
-        (5, (0,), (4,)),
-        (2**32 - 1, (0,), (0,)),
-    ):
-        with pytest.raises(SurveyNotReadableError):
-            CoverageRuns(SURVEY, planned, starts, states).trace_states()
+@each_case(
+    "planned,starts,states",
+    [
+        *((5, (), ()), (5, (1,), (0,)), (5, (0, 0), (0, 1)), (5, (0, 5), (0, 1))),
+        *((5, (0, 3, 2), (0, 1, 0)), (5, (0, 3), (0,)), (5, (0,), (4,)), (2**32 - 1, (0,), (0,))),
+    ],
+)
+def test_contradicting_coverage_is_refused(planned, starts, states):
+    with pytest.raises(SurveyNotReadableError):
+        CoverageRuns(SURVEY, planned, starts, states).trace_states()
 
 
 def filled_map(stored=(), failed=()):
@@ -132,28 +120,17 @@ def test_the_target_is_the_current_stop():
         assert model.current == stop
 
 
-def test_coverage_of_another_survey_is_not_shown_on_this_plan():
-    model = filled_map(stored=[0, 1])
-    model.set_grid(make_grid(survey_id="7c9e6679-7425-40de-944b-e07fc1f90ae7"))
-    assert model.stop_states is None
-    assert model.counts() is None
-    assert model.verdict is None
-
-
-def test_coverage_may_come_before_the_plan():
+def test_coverage_is_shown_on_the_plan_of_its_survey_whichever_comes_first():
     model = MapModel()
     model.set_coverage(runs_of(Coverage(40, [0, 1])))
     assert model.stop_states is None
     model.set_grid(make_grid())
     assert model.counts()[StopState.DONE] == 1
-
-
-def test_a_plan_of_another_size_is_refused():
-    model = MapModel()
+    model.set_grid(make_grid(survey_id="7c9e6679-7425-40de-944b-e07fc1f90ae7"))
+    assert (model.stop_states, model.counts(), model.verdict) == (None, None, None)
     model.set_grid(make_grid())
     with raises_fault(faults.COVERAGE_WRONG, 41):
         model.set_coverage(runs_of(Coverage(41)))
-    assert model.stop_states is None
 
 
 def test_the_plan_is_read_from_survey_json():
@@ -170,23 +147,3 @@ def test_what_describes_no_survey_is_refused():
     for text in ("", "[]", "{}", *wrong):
         with pytest.raises(SurveyNotReadableError):
             grid_from_description(text)
-
-
-@given(
-    st.floats(1.0, 900.0), st.floats(1.0, 900.0), st.integers(200, 1200), st.integers(100, 700)
-)  # fmt: skip
-def test_the_pictures_share_a_room_so_that_none_is_too_small(width_mm, height_mm, width, height):
-    beside, above_px = divided(width_mm, height_mm, width, height)
-    along_px = width if beside else height
-    assert LEAST_ABOVE * along_px - 1 <= above_px <= MOST_ABOVE * along_px + 1
-    room = (above_px, height) if beside else (width, above_px)
-    scale = min(room[0] / width_mm, room[1] / height_mm)
-    assert scale * width_mm <= room[0] + 1e-6 and scale * height_mm <= room[1] + 1e-6
-
-
-def test_a_survey_is_shown_with_those_around_it_unless_it_would_be_too_small():
-    own = Area(100.0, 200.0, 50.0, 150.0)
-    assert shown_area(own, [Area(80.0, 120.0, 50.0, 60.0)]) == Area(80.0, 200.0, 50.0, 150.0)
-    assert shown_area(own, [Area(-900.0, 900.0, 0.0, 600.0)]) == own.grown(25.0)
-    line = survey_area(np.array([10.0, 20.0, 30.0]), np.array([5.0]))
-    assert (line.width_mm, line.height_mm) == (30.0, 2.0)

@@ -6,7 +6,8 @@ import math
 
 import numpy as np
 
-from gpr20_common.message import verbatim
+from gpr20_common import remedies
+from gpr20_common.message import Fault, Message, Severity, verbatim
 from gpr20_doctor.mid.robot_facts import AxisPosition
 from gpr20_operator.errors import SurveyNotReadableError
 from gpr20_operator.ground.grid import Cell, Stop, planned_grid
@@ -16,6 +17,7 @@ from gpr20_operator.robot.snapshot import Snapshot
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.plan.site import Site
 from gpr20_survey.plan.survey_parameters import RobotTravel, SurveyParameters, Travel
+from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_survey.radar.depth import delay_of_depth
 from gpr20_survey.results.survey_summary import SurveySummary
 from gpr20_survey.trace.sweep_settings import AnalyzerSettings
@@ -29,6 +31,22 @@ FOLDER = "20261121T051000_7c9e6679"
 TRAVEL = RobotTravel(Travel(0.0, 650.0, 0.01), Travel(0.0, 800.0, 0.01), Travel(-90.0, 90.0, 1.8))
 FREQUENCY_HZ = np.linspace(0.6e9, 6.0e9, 501)
 NOW_US = 1_795_000_000_000_000
+# Why a survey pauses or ends.
+FULL = Message("the disk is full", details="errno 28").with_fault(
+    Fault("disk.full", remedies.MAKE_SPACE)
+)
+MOVING = Message("a motor runs").with_fault(
+    Fault("axis.still_moving", remedies.MOTORS_OFF, may_move=True)
+)
+ASKED_PAUSE = Message("asked for").with_fault(
+    Fault("survey.paused_on_request", severity=Severity.NOTE)
+)
+ASKED_STOP = Message("asked for").with_fault(
+    Fault("survey.stopped_on_request", severity=Severity.NOTE)
+)
+LOST = Message("lost").with_fault(Fault("survey.lost", remedies.NEW_SURVEY, can_continue=False))
+CLOCK = Message("the clock is late").with_fault(Fault("clock.late", remedies.SET_CLOCK))
+PAUSED = "Paused: {reason}. Fix the fault and resume, or stop."
 # Whenever STOP is pressed, they have said so after it.
 RESTING = tuple(AxisReport(axis, AxisPosition(0.0, True, False), "", math.inf) for axis in AxisId)
 
@@ -83,6 +101,11 @@ def description(**changes):
 def echo(delay_s, level=1.0, frequency_hz=FREQUENCY_HZ):
     """Return the S21 of one echo."""
     return level * np.exp(-2j * np.pi * frequency_hz * delay_s)
+
+
+def noise(draw, level=1e-4):
+    """Return the S21 of noise alone."""
+    return level * (draw.standard_normal(501) + 1j * draw.standard_normal(501))
 
 
 def depth_echo(depth_m, height_m=0.2, permittivity=4.0, level=1.0):
@@ -143,6 +166,15 @@ def c_scan(model, settings):
 def state_of(code, message="as it is", survey_id="id", simulated=True):
     """Return what the main control says."""
     return ControlState(code, verbatim(message), survey_id, simulated)
+
+
+def said(code, message):
+    """Return what the main control says, with a fault."""
+    return ControlState(code, message, "id", True)
+
+
+def paused(reason):
+    return said(SurveyState.PAUSED, Message(PAUSED, reason=reason))
 
 
 def snapshot(code=None, alive=True, **other):

@@ -152,13 +152,14 @@ def new_window(
     """Return a window; what its traces are reported for is in `window.problems`."""
     problems = []
     tools, node = ServiceTools(), imaging or Requests()
+    kept = Profiles(profiles)
     window = MainWindow(
         Presenters(
             survey or Survey(),
             TracePresenter(storage or Storage(), problems.append),
             Imaging(node, time.monotonic),
             ServiceModel(tools, tools.set_watched, tools.examine, clock or Clock()),
-            Profiles(profiles),
+            kept,
             PlanMemory(settings_in(profiles), problems.append),
             robots or Robots("/"),
             arming or Arming(clock or Clock()),
@@ -168,7 +169,7 @@ def new_window(
         clock=clock or Clock(),
     )
     window.problems, window.languages, window.clock = problems, languages, clock
-    window.tools, window.node = tools, node
+    window.tools, window.node, window.kept_profiles = tools, node, kept
     return window
 
 
@@ -235,3 +236,12 @@ def hold_to_start(window):
     """Hold the button of the sheet before the robot moves, if it is open."""
     if window.start_sheet.isVisible():
         hold(window.start_sheet.hold)
+
+
+def until(condition, limit_s=30.0):
+    """Let the window live until something is true; return whether it is."""
+    for _ in range(round(limit_s * 100)):
+        if condition():
+            return True
+        QTest.qWait(10)
+    return condition()

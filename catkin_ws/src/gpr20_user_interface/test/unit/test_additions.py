@@ -1,0 +1,221 @@
+"""What belongs to a survey: images, candidates, markers, finer surveys and their plans."""
+
+import random
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from candidate_examples import candidate_list
+from case_kit import each_case
+from map_kit import DOUBTED, FINER, MARKER, SURE, focused
+from run_seed import draws
+from view_kit import SURVEY, TRAVEL, make_grid
+
+from gpr20_common.errors import InvalidValueError
+from gpr20_common.message import verbatim
+from gpr20_operator.ground.additions import (
+    RETRY_REFRESHES,
+    AdditionsFailed,
+    AdditionsPresenter,
+    AdditionsRead,
+    MarkersStored,
+    RelatedSurvey,
+)
+from gpr20_operator.ground.finer_plan import SIZES_MM, plan_finer, proposed_spacing, spacing_of
+from gpr20_operator.ground.geometry import Area
+from gpr20_operator.ground.grid import planned_grid
+from gpr20_operator.ground.laid_over import MOST_VOXELS, laid_over
+from gpr20_operator.jobs.pictures import MOST_IMAGES
+from gpr20_survey.plan.survey_parameters import RobotTravel, Travel, check, coordinate_limits_mm
+from gpr20_survey.results.focused_image import FocusedImage
+
+RELATED = RelatedSurvey(FINER, "20261121T061000_7c9e6679", True, Area(1.0, 2.0, 3.0, 4.0))
+
+
+@pytest.fixture
+def additions(storage):
+    additions = AdditionsPresenter(storage, lambda: "Ana")
+    additions.follow(SURVEY, can_read=True)
+    return additions
+
+
+def test_what_belongs_to_a_survey_is_asked_for_once_and_again_after_a_failure(storage, additions):
+    additions.follow(SURVEY, can_read=True)
+    assert storage.asked == [("additions", SURVEY)]
+    additions.on_event(AdditionsFailed(SURVEY, verbatim("no")))
+    for _ in range(RETRY_REFRESHES - 1):
+        additions.refresh()
+    assert len(storage.asked) == 1
+    additions.refresh()
+    assert storage.asked == 2 * [("additions", SURVEY)]
+    additions.on_event(AdditionsRead(SURVEY, (MARKER,), (RELATED,)))
+    assert (additions.markers, additions.related) == ((MARKER,), (RELATED,))
+
+
+def test_nothing_of_another_survey_is_shown(additions):
+    additions.on_event(AdditionsRead(FINER, (MARKER,), (RELATED,)))
+    additions.on_event(MarkersStored(FINER, (MARKER,)))
+    additions.pictures.add_image(focused(survey_id=FINER))
+    assert (additions.markers, additions.related, additions.candidates) == ((), (), ())
+    additions.on_event(AdditionsRead(SURVEY, (MARKER,), ()))
+    additions.follow(FINER, can_read=True)
+    assert additions.markers == ()
+    assert additions.candidates == (SURE, DOUBTED)
+
+
+def test_a_replay_has_no_storage_to_ask(storage):
+    additions = AdditionsPresenter(storage, str)
+    additions.follow(SURVEY, can_read=False)
+    assert storage.asked == []
+    assert not additions.can_mark
+
+
+def test_a_marker_is_shown_when_the_storage_has_it(storage, additions):
+    with pytest.raises(InvalidValueError):
+        additions.add_marker(SURVEY, 1.0, 2.0, None, "a\nb")
+    assert len(storage.asked) == 1
+    additions.add_marker(SURVEY, 1.0, 2.0, None, "metal")
+    _kind, survey, marker = storage.asked[-1]
+    assert (survey, marker.text, marker.author, marker.depth_mm) == (SURVEY, "metal", "Ana", None)
+    assert additions.markers == ()
+    additions.on_event(MarkersStored(SURVEY, (marker,)))
+    assert additions.markers == (marker,)
+    additions.remove_marker(marker.marker_id)
+    assert storage.asked[-1] == ("remove marker", SURVEY, marker.marker_id, "Ana")
+
+
+def test_images_of_finer_surveys_are_kept_but_not_without_end(additions):
+    additions.on_event(AdditionsRead(SURVEY, (), (RELATED,)))
+    additions.pictures.add_image(focused())
+    additions.pictures.add_image(focused(survey_id=FINER))
+    assert [one.survey_id for one in additions.finer_images] == [FINER]
+    for number in range(2 * MOST_IMAGES):
+        assert additions.image is not None  # it is looked at
+        additions.pictures.add_image(focused(survey_id=str(number)))
+    assert additions.candidates == (SURE, DOUBTED)
+    assert additions.finer_images == ()
+
+
+def test_a_finer_survey_is_focused_once_and_laid_over_the_coarse_one(storage):
+    asked = []
+    additions = AdditionsPresenter(storage, str, None, lambda *wanted: asked.append(wanted))
+    additions.follow(SURVEY, can_read=True)
+    additions.on_event(AdditionsRead(SURVEY, (), (RELATED,)))
+    additions.focus_finer()
+    assert additions.laid_image is None
+    coarse = focused()
+    additions.pictures.add_image(coarse)
+    assert additions.laid_image is coarse
+    for _ in range(3):
+        additions.focus_finer()
+    assert asked == [(FINER, coarse.found.permittivity)]
+    fine = focused(survey_id=FINER)
+    fine.levels_db[:] = 20.0
+    additions.pictures.add_image(fine)
+    laid = additions.laid_image
+    assert laid.survey_id == SURVEY
+    assert laid.levels_db.max() == 20.0
+    assert additions.laid_image is laid
+
+
+def image(survey_id, x_mm, y_mm, level_db, depth_mm=(0.0, 20.0, 40.0)):
+    x_mm, y_mm, depth_mm = (np.asarray(one, float) for one in (x_mm, y_mm, depth_mm))
+    levels_db = np.full((len(depth_mm), len(y_mm), len(x_mm)), level_db, np.float32)
+    return FocusedImage(9, x_mm, y_mm, depth_mm, levels_db, candidate_list(survey_id=survey_id))
+
+
+def finer_image(spacing_mm=5.0, level_db=7.0, **changes):
+    across, along = np.arange(30, 60.1, spacing_mm), np.arange(20, 50.1, spacing_mm)
+    return image(FINER, across, along, level_db, **changes)
+
+
+def level_at(found, x_mm, y_mm, depth_mm):
+    axes = (found.depth_mm, depth_mm), (found.y_mm, y_mm), (found.x_mm, x_mm)
+    return found.levels_db[tuple(int(np.argmin(np.abs(one - at))) for one, at in axes)]
+
+
+COARSE = image(SURVEY, np.arange(0, 101, 10), np.arange(0, 81, 10), 1.0)
+
+
+@each_case("spacing_mm", [2.5, 5.0, 10.0])
+def test_a_finer_image_replaces_the_coarse_one_where_it_lies(spacing_mm):
+    found = laid_over(COARSE, [finer_image(spacing_mm)])
+    assert found.survey_id == SURVEY
+    assert np.allclose(np.diff(found.x_mm), spacing_mm)
+    for place, level_db in (
+        *(((45.0, 35.0, 20.0), 7.0), ((30.0, 20.0, 0.0), 7.0)),
+        *(((15.0, 35.0, 20.0), 1.0), ((45.0, 75.0, 40.0), 1.0)),
+    ):
+        assert level_at(found, *place) == level_db
+    # The area is the same.
+    for before, after in ((COARSE.x_mm, found.x_mm), (COARSE.y_mm, found.y_mm)):
+        edges = [one[0] - (one[1] - one[0]) / 2.0 for one in (before, after)]
+        assert edges[0] == pytest.approx(edges[1])
+
+
+def test_what_the_finer_survey_does_not_have_stays():
+    assert np.unique(laid_over(COARSE, [finer_image(level_db=np.nan)]).levels_db).tolist() == [1.0]
+    beside = image(FINER, np.arange(300, 330, 5), np.arange(20, 51, 5), 7.0)
+    assert laid_over(COARSE, [beside]) is laid_over(COARSE, []) is COARSE
+    # Of its depths those that are nearest are taken.
+    fine = finer_image(depth_mm=(0.0, 10.0, 20.0, 30.0))
+    fine.levels_db[:] = np.arange(4.0)[:, None, None]
+    found = laid_over(COARSE, [fine])
+    assert [level_at(found, 45.0, 35.0, one) for one in (0.0, 20.0, 40.0)] == [0.0, 2.0, 3.0]
+
+
+def test_the_memory_of_laid_images_is_bounded():
+    wide = image(SURVEY, np.arange(0, 1600, 5), np.arange(0, 1600, 5), 1.0, np.arange(60.0))
+    fine = image(FINER, np.arange(100, 200, 1), np.arange(100, 200, 1), 7.0, np.arange(60.0))
+    assert laid_over(wide, [fine]).levels_db.size <= MOST_VOXELS
+
+
+def test_a_finer_plan_has_half_the_spacing_and_all_else_of_the_survey():
+    grid = make_grid(x_points=11, y_points=7, if_bandwidth_hz=1000.0, averages=4)
+    assert (spacing_of(grid), proposed_spacing(grid)) == (10.0, 5.0)
+    plan = plan_finer(grid, 150.0, 80.0, 100.0, 5.0)
+    ends = {"x_start_mm": 100.0, "x_stop_mm": 200.0, "y_start_mm": 30.0, "y_stop_mm": 130.0}
+    assert plan.parameters == replace(grid.plan[0], **ends, x_points=21, y_points=21)
+    # What was changed in CONTROL still refines if it lies inside.
+    p = plan.parameters
+    for changed, refines in (
+        *((p, SURVEY), (replace(p, x_points=31, averages=8), SURVEY)),
+        *((replace(p, x_start_mm=120.0), SURVEY), (replace(p, x_stop_mm=250.0), "")),
+    ):
+        assert plan.refined_by(changed) == refines
+    # At the edge of travel it has the part that can be reached.
+    assert plan_finer(make_grid(), 0.0, 800.0, 100.0, 5.0).area == Area(0.0, 50.0, 750.0, 800.0)
+
+
+def test_any_finer_plan_can_be_measured_and_reaches_its_place():
+    for seed in range(draws(50)):
+        source = random.Random(seed)
+        lowest, highest = source.uniform(0, 50), source.uniform(300, 900)
+        x_travel = Travel(lowest, highest, source.choice([0.01, 0.1, 0.0125]))
+        travel = RobotTravel(x_travel, TRAVEL.y, TRAVEL.z)
+        grid = planned_grid(SURVEY, True, make_grid().plan[0], travel)
+        x_mm, y_mm = source.uniform(lowest, min(highest, 800)), source.uniform(0, 800)
+        size_mm = source.choice([*SIZES_MM, 3.0])
+        spacing_mm = source.choice([0.1, 1.0, 2.5, 7.3, 20.0, 90.0])
+        plan = plan_finer(grid, x_mm, y_mm, size_mm, spacing_mm)
+        p = plan.parameters
+        check(p, travel)
+        for low_mm, high_mm, points, limits in (
+            (p.x_start_mm, p.x_stop_mm, p.x_points, travel.x),
+            (p.y_start_mm, p.y_stop_mm, p.y_points, travel.y),
+        ):
+            assert points > 2
+            spacing = (high_mm - low_mm) / (points - 1)
+            assert spacing <= max(spacing_mm, 1.0) + 0.02, seed
+            lower, upper = coordinate_limits_mm(limits)
+            assert lower <= low_mm < high_mm <= upper, seed
+            assert high_mm - low_mm <= max(size_mm, 2 * max(spacing_mm, 1.0)) + 0.02, seed
+        # To within one distance of the stops.
+        assert plan.area.grown(spacing_mm + 1).holds(x_mm, y_mm), seed
+
+
+def test_a_finer_plan_of_an_axis_without_travel_is_refused():
+    grid = make_grid()
+    grid.plan = (grid.plan[0], RobotTravel(Travel(0.0, 0.005, 0.01), TRAVEL.y, TRAVEL.z))
+    with pytest.raises(InvalidValueError):
+        plan_finer(grid, 0.0, 0.0, 100.0, 5.0)

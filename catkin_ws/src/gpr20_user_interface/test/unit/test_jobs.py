@@ -1,0 +1,180 @@
+"""A job: only its last request may answer. When the window asks for a focused image."""
+
+import dataclasses
+
+import map_kit
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from result_kit import Now
+from view_kit import SURVEY
+
+from gpr20_common.message import verbatim
+from gpr20_operator.jobs.job import Job, JobState
+from gpr20_operator.jobs.pictures import (
+    FEWEST_TRACES,
+    PERIOD_S,
+    SETTLED_S,
+    Imaging,
+    Wanted,
+)
+
+REASON = verbatim("cancelled")
+STEPS = st.lists(
+    st.tuples(st.sampled_from(["ask", "end", "progress", "done", "fail"]), st.integers(0, 9)),
+    max_size=40,
+)
+
+
+@given(STEPS)
+def test_only_the_last_request_answers_and_cancelling_always_ends_it(steps):
+    cancelled, results, tickets = [], [], []
+    job = Job(tickets.append, cancelled.append, lambda: 0.0, results.append)
+    waiting = None
+    for number, (step, which) in enumerate(steps):
+        before = job.revision, job.state, job.result, job.problem, job.stage
+        ticket = tickets[which % len(tickets)] if tickets else None
+        if step == "ask":
+            ended = waiting
+            job.ask()
+            waiting = tickets[-1]
+            assert ended is None or cancelled[-1] == ended.request_id
+            assert job.running and job.result is None and job.problem is None
+        elif step == "end":
+            job.end(REASON)
+            assert waiting is None or cancelled[-1] == waiting.request_id
+            assert (job.state, job.problem, job.result) == (JobState.READY, REASON, None)
+            waiting = None
+        elif ticket is None:
+            continue
+        elif ticket is not waiting:
+            {"progress": ticket.progress, "done": ticket.done, "fail": ticket.fail}[step](REASON)
+            assert (job.revision, job.state, job.result, job.problem, job.stage) == before
+        elif step == "progress":
+            ticket.progress(REASON)
+            assert job.running and job.stage == REASON
+        elif step == "done":
+            ticket.done(number)
+            assert (job.state, job.result, results[-1]) == (JobState.DONE, number, number)
+            waiting = None
+        else:
+            ticket.fail(REASON)
+            assert (job.state, job.problem) == (JobState.FAILED, REASON)
+            waiting = None
+        assert job.running == (waiting is not None)
+        assert job.revision >= before[0]
+    assert len(set(cancelled)) == len(cancelled)
+    assert len({one.request_id for one in tickets}) == len(tickets)
+
+
+def test_fields_are_sent_and_a_result_that_is_refused_is_a_failure_with_its_reason():
+    results = []
+    job = Job(lambda ticket, **sent: ticket.done(sent), str, lambda: 0.0, results.append)
+    job.ask(survey="a", permittivity=4.0)
+    assert job.state is JobState.DONE
+    assert results == [job.result] == [{"survey": "a", "permittivity": 4.0}]
+    tickets = []
+    job = Job(tickets.append, str, lambda: 0.0, lambda _result: job.refuse(REASON))
+    job.ask()
+    tickets[0].done("of another survey")
+    assert (job.state, job.result, job.problem) == (JobState.FAILED, None, REASON)
+
+
+@pytest.fixture
+def now():
+    return Now()
+
+
+@pytest.fixture
+def imaging(node, now):
+    return Imaging(node, now)
+
+
+WANTED = Wanted(SURVEY, 20, 4.0)
+
+
+def focused(node, survey=SURVEY):
+    node.ticket("focus").done(map_kit.focused(survey_id=survey))
+
+
+def test_new_traces_lead_to_a_new_image_at_most_every_10_s(imaging, node, now):
+    for traces in (FEWEST_TRACES - 1, 0):  # too few are not asked about
+        imaging.keep(WANTED._replace(traces=traces))
+    imaging.keep(Wanted("", 100, 4.0))
+    assert node.asked == []
+    for step in range(40):
+        now.s += 1.0
+        imaging.keep(WANTED._replace(traces=20 + step))
+        if step % 3 == 0:
+            focused(node)
+    # An answer comes up to three seconds later.
+    assert 3 <= len(node.of("focus")) <= 5
+    assert imaging.pictures.image(SURVEY) is not None
+    assert imaging.pictures.image("another") is None
+
+
+def test_nothing_is_asked_without_new_traces_or_while_an_answer_is_on_its_way(imaging, node, now):
+    def keep_long(traces):
+        for _ in range(100):
+            imaging.keep(WANTED._replace(traces=traces))
+            now.s += 1.0
+        return len(node.of("focus"))
+
+    imaging.keep(WANTED)
+    assert keep_long(30) == 1
+    focused(node)
+    assert keep_long(30) == 2
+    focused(node)
+    assert keep_long(30) == 2
+
+
+def test_another_survey_is_asked_for_at_once_and_another_soil_when_it_rests(imaging, node, now):
+    imaging.keep(WANTED)
+    focused(node)
+    imaging.keep(WANTED._replace(survey_id="another"))
+    focused(node, "another")
+    assert [one[0] for one in node.of("focus")] == [SURVEY, "another"]
+    for permittivity in (5.0, 6.0, 7.0):
+        now.s += SETTLED_S / 2
+        imaging.keep(Wanted("another", 20, permittivity))
+    assert len(node.of("focus")) == 2
+    now.s += SETTLED_S
+    imaging.keep(Wanted("another", 20, 7.0))
+    assert node.of("focus")[-1] == ("another", 7.0)
+
+
+def test_a_failure_is_kept_until_there_is_an_image(imaging, node, now):
+    imaging.keep(WANTED)
+    node.ticket("focus").fail(verbatim("the analysis is not installed"))
+    assert str(imaging.problem) == "the analysis is not installed"
+    imaging.keep(WANTED)
+    assert len(node.of("focus")) == 1
+    now.s += PERIOD_S
+    imaging.keep(WANTED._replace(traces=21))
+    focused(node)
+    assert imaging.problem is None
+
+
+def test_images_of_other_surveys_come_one_at_a_time_and_all_end_with_the_window(imaging, node):
+    imaging.keep(WANTED)
+    assert imaging.focus("finer", 4.0) and not imaging.focus("another", 4.0)
+    assert [one[0] for one in node.of("focus")] == [SURVEY, "finer"]
+    imaging.end()
+    assert len(node.cancelled) == 2
+    assert imaging.focus("another", 4.0)
+
+
+def test_an_image_that_another_page_has_replaced_is_made_again(imaging, node, now):
+    wanted = WANTED._replace(permittivity=9.0)
+    imaging.keep(wanted)
+    image = map_kit.focused()
+    found = dataclasses.replace(image.found, permittivity=9.0)
+    node.ticket("focus").done(dataclasses.replace(image, found=found))
+    now.s += PERIOD_S
+    imaging.keep(wanted)
+    assert len(node.of("focus")) == 1
+    imaging.pictures.add_image(image)  # with 4
+    for _ in range(3):
+        imaging.keep(wanted)
+        now.s += PERIOD_S
+    assert node.of("focus")[1:] == [(SURVEY, 9.0)]
