@@ -1,7 +1,7 @@
 """What is wrong on a screen: text that is cut off, widgets over each other, too small to touch.
 
-`assert_fits` looks at a window, or at parts of it. test_layout.py shows every page and sheet;
-the tests of a page show it with the longest values.
+`assert_fits` looks at a window, or at parts of it. test_layout.py shows every page and sheet,
+and the plan with the longest values.
 """
 
 import contextlib
@@ -72,8 +72,24 @@ CONTENT = (
 )
 SIZES = ((480, 320), (800, 480), (1280, 800))
 SCREENS = list(itertools.product(SIZES, languages(), Theme))
+# For a change each size once, mostly with the longer language; the others for a release.
+FIRST = ((SIZES[0], Language.SPANISH), (SIZES[1], Language.ENGLISH), (SIZES[2], Language.SPANISH))
+
+
+def screens(of):
+    """Return screens as parameters of a test."""
+    return [
+        pytest.param(
+            one,
+            id=f"{one[0][0]}-{one[1].value}-{one[2].value}",
+            marks=() if one[:2] in FIRST and one in STRESSED else pytest.mark.release,
+        )
+        for one in of
+    ]
+
+
 # The colours change no size: with the longest values, each theme once with each size.
-STRESSED = [one for one in SCREENS if (one[1] is Language.SPANISH) == (one[2] is Theme.NIGHT)]
+STRESSED = [one for one in SCREENS if (one[1] == Language.SPANISH) == (one[2] is Theme.NIGHT)]
 
 
 @contextlib.contextmanager
@@ -88,7 +104,7 @@ def window_on(application, folder, size, language, theme):
     close(window)
 
 
-@pytest.fixture(scope="module", params=STRESSED, ids=lambda one: f"{one[0][0]}-{one[1].value}")
+@pytest.fixture(scope="module", params=screens(STRESSED))
 def screen(request, application, tmp_path_factory):
     """One window for all tests on a screen."""
     folder = tmp_path_factory.mktemp("profiles")

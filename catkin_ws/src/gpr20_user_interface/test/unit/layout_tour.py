@@ -6,7 +6,6 @@ import numpy as np
 from layout_kit import LARGEST, LONG, busiest
 from map_kit import FINER, MARKER
 from result_kit import BLUE, LOCKED, RED, plug_in, search
-from test_surveys_page import many
 from view_kit import (
     PAST,
     RESTING,
@@ -15,12 +14,13 @@ from view_kit import (
     description,
     make_grid,
     moving,
+    noise,
     past_survey,
     snapshot,
     state_of,
     trace_at,
 )
-from window_helpers import click, hold, show
+from window_helpers import click, hold, open_field, show
 
 from gpr20_common.message import Message, verbatim
 from gpr20_operator.ground.additions import AdditionsRead, RelatedSurvey
@@ -28,7 +28,7 @@ from gpr20_operator.ground.coverage import CoverageRuns
 from gpr20_operator.ground.geometry import Area
 from gpr20_operator.ground.past_surveys import Listed
 from gpr20_operator.ground.trace_events import SurveyDescribed, SurveysListed
-from gpr20_operator.plan.fields import VALUE_TILES, default_parameters
+from gpr20_operator.plan.fields import PLAN, default_parameters
 from gpr20_operator.robot.notices import Refused, analyzer_notice, refusal_notice
 from gpr20_operator.robot.remote_control import WebStatusReported
 from gpr20_operator.robot.robots import RobotReported, RobotsFound
@@ -41,6 +41,15 @@ WITH_DETAILS = Message("{reason}", reason=verbatim(LONG), details=LONG)
 IDENTITY = "Rohde&Schwarz,ZNB20-4Port,1311601062100123,3.40.0.1 with options K2, K4 and B16"
 NAME = "Ana María Rodríguez Vargas de la Cruz y Peña"
 SITE = "Vereda El Salado, franja 12, junto al camino viejo"
+FOLDER = "20261121T051000_7c9e6679"
+LONGEST = {
+    "vna_address": "192.168.100.100",
+    **{"start_frequency_hz": "999.999", "stop_frequency_hz": "6000", "frequency_points": "4000"},
+    **{"x_start_mm": "123.45", "x_stop_mm": "649.99", "x_points": "500"},
+    **{"y_start_mm": "123.45", "y_stop_mm": "799.99", "y_points": "500"},
+    **{"polarizations_deg": "-90, -45, 0, 45", "permittivity": "12.345"},
+    **{"if_bandwidth_hz": "100000", "averages": "1000", "output_power": "HIGH"},
+}
 PEOPLE = Annotation(NAME, SITE, "W " * 2000, Wgs84Position(-89.123456, -179.123456))
 OWNER = "/a_program_with_a_long_name_1795493315529903"
 CONDITIONS = (
@@ -52,41 +61,93 @@ CONDITIONS = (
     {"still_s": 86399.0},
     {"ignored_sender": OWNER},
 )
-DIGEST = " ".join(f"{number:02X}" * 2 for number in range(16))
-WEB = WebStatusReported("gpr20-pc.campo.local", 8443, DIGEST, 20, NAME)
+WEB = WebStatusReported("gpr20-pc.campo.local", 8443, " ".join(["4F4F"] * 16), 20, NAME)
 ROBOTS = [f"/{'w' * 20}{number}" for number in range(20)]
 ENDED = snapshot(SurveyState.FINISHED, state=state_of(SurveyState.FINISHED, survey_id=SURVEY))
 
 
-def plan(window):
+def plan(window, *acts):
+    """Show CONTROL with the longest values, and then what some acts open."""
+    window.touch_binding.set_locked(False)
     window.show_tab(TabName.SURVEY)
     window.survey.preview = LARGEST
+    window.on_event(SurveysListed("", (), False))
+    window.control.form.set_texts(LONGEST)
+    window.control.show_plan()
     show(window, busiest(SurveyState.IDLE))
-
-
-def after_plan(act):
-    def stop(window):
-        plan(window)
+    for act in acts:
         act(window)
 
-    return stop
+
+def after_plan(*acts):
+    return lambda window: plan(window, *acts)
 
 
-def running(code):
+def running(code=SurveyState.SURVEYING, **changes):
     def stop(window):
         window.show_tab(TabName.SURVEY)
-        show(window, busiest(code))
-
-    return stop
-
-
-def band(**changes):
-    def stop(window):
         # What is shown for the first time has its size with the next refresh.
         for _ in range(2):
-            show(window, busiest(**changes))
+            show(window, busiest(code, **changes))
 
     return stop
+
+
+def to_resume(window):
+    survey = past_survey(name="W" * 60, stored_traces=999999, planned_traces=1000000)
+    window.on_event(SurveysListed("", (survey,), False))
+    show(window, busiest(SurveyState.IDLE))
+    assert window.control.resume.isVisible()
+
+
+def wrong(spec):
+    def act(window):
+        window.control.form.set_text(spec.name, "-7 x5")
+        window.control.show_plan()
+        for tile in (window.control.tiles[spec.tile], window.control.start):
+            assert tile.sentence.isVisible() and not tile.sentence.is_cut, tile.sentence.whole
+
+    return after_plan(act)
+
+
+def written(spec):
+    """A field on the sheet of its tile, after something wrong was written."""
+
+    def act(window):
+        open_field(window, spec.name)
+        fields = [field for field in window.values.fields if field.isVisible()]
+        assert not any(line.is_cut for field in fields for line in field.lines)
+        window.values.write("7 x")
+
+    return after_plan(act)
+
+
+def keys(name, text="", shift=False):
+    """The pad of a field of the records."""
+
+    def act(window):
+        window.annotation.show_annotation(FOLDER, PEOPLE)
+        window.annotation.tiles[name].click()
+        pad = window.annotation.pad
+        if text:
+            pad.edit.setPlainText(text)
+            assert not pad.accept_button.isEnabled()
+        if shift:
+            pad.letters.shift.click()
+
+    return after_plan(act)
+
+
+def profiles(window):
+    for number in range(8):
+        window.kept_profiles.save(f"{'a' * 30}{number:02d}", default_parameters())
+    window.profiles.show_profiles(default_parameters())
+    window.profiles.names.setCurrentRow(0)
+
+
+def name_of_profile(window):
+    window.profiles.save.click()
+    window.profiles.pad.press("-")
 
 
 def stop_that_nobody_confirms(window):
@@ -108,10 +169,11 @@ def result(window):
 
 
 def past_result(window):
-    show(window, busiest(state=state_of(SurveyState.FINISHED, LONG, PAST)))
+    other = busiest(state=state_of(SurveyState.FINISHED, LONG, PAST))
+    show(window, other)
     window.past.result_requested.emit(SURVEY)
     search(window.result.result, window.node)
-    show(window, busiest(state=state_of(SurveyState.FINISHED, LONG, PAST)))
+    show(window, other)
 
 
 def stick(window):
@@ -134,8 +196,7 @@ def ground(window):
     live.map.set_coverage(runs)
     draw = np.random.default_rng(1)
     for index in range(10):
-        noise = 1e-4 * (draw.standard_normal(501) + 1j * draw.standard_normal(501))
-        live.take_traces([trace_at(grid, index, depth_echo(0.1, level=0.05) + noise)])
+        live.take_traces([trace_at(grid, index, depth_echo(0.1, level=0.05) + noise(draw))])
     related = RelatedSurvey(FINER, "20261121T061000_7c9e6679", True, Area(120, 150, 60, 80))
     window.on_event(AdditionsRead(SURVEY, (MARKER,), (related,)))
     window.draw()
@@ -153,7 +214,8 @@ def on_ground(name):
 def surveys(window):
     window.show_tab(TabName.SURVEYS)
     whole = past_survey(stored_traces=25000, planned_traces=25000, name="Field 7, north")
-    window.on_event(SurveysListed("", (whole, *many(60)), False))
+    many = [past_survey(folder=f"{FOLDER[:-2]}{one}", name=f"Lane {one}") for one in range(60)]
+    window.on_event(SurveysListed("", (whole, *many), False))
     window.past.choose(whole)
     show(window, busiest(SurveyState.IDLE))
 
@@ -228,45 +290,38 @@ def instruments(window):
     show(window, busiest(SurveyState.FINISHED))
 
 
-def locked(window):
-    plan(window)
-    window.touch_binding.set_locked(True)
+def start_sheet(name, *arguments):
+    return after_plan(lambda window: getattr(window.start_sheet, name)(*arguments))
 
 
-def unlocked(window):
-    window.touch_binding.set_locked(False)
-    plan(window)
+def refused(one):
+    return lambda window: window.notice.show_notice(refusal_notice(one, WITH_DETAILS))
 
 
 STOPS = {
     "plan": plan,
-    **{
-        f"tile {tile.name.lower()}": after_plan(
-            lambda window, tile=tile: window.values.show_tile(tile)
-        )
-        for tile in VALUE_TILES
-    },
+    "to resume": after_plan(to_resume),
+    **{f"wrong {spec.name}": wrong(spec) for spec in PLAN},
+    **{f"written {spec.name}": written(spec) for spec in PLAN},
     "check plan": after_plan(lambda window: window.control.check_plan.click()),
-    "profiles": after_plan(lambda window: window.profiles.show_profiles(default_parameters())),
+    "profiles": after_plan(profiles),
+    "delete profile": after_plan(profiles, lambda window: window.profiles.delete.click()),
+    "name of profile": after_plan(profiles, name_of_profile),
     "notes": after_plan(lambda window: window.annotation.show_annotation("", PEOPLE)),
-    "start": after_plan(
-        lambda window: window.start_sheet.ask_start(default_parameters(), 4.0, PEOPLE)
-    ),
-    "resume": after_plan(lambda window: window.start_sheet.ask_resume_past("20261121T051000_7c9")),
-    "other analyzer": after_plan(lambda window: window.start_sheet.ask_resume_with(IDENTITY)),
+    **{f"keys {name}": keys(name) for name in ("name", "operator", "site", "notes")},
+    "capitals": keys("notes", shift=True),
+    **{f"position {text}": keys("position", text) for text in ("1", "91,0", "4.6,1-")},
+    "start": start_sheet("ask_start", default_parameters(), 4.0, PEOPLE),
+    "resume": start_sheet("ask_resume_past", FOLDER),
+    "other analyzer": start_sheet("ask_resume_with", IDENTITY),
     **{code.name.lower(): running(code) for code in SurveyState},
     **{
-        f"band {number}": band(axes=axes, **changes)
+        f"band {number}": running(axes=axes, **changes)
         for number, (changes, axes) in enumerate(
             itertools.product(CONDITIONS, (RESTING, moving(*AxisId, owner=OWNER)))
         )
     },
-    **{
-        f"refused {refused.name}": lambda window, refused=refused: window.notice.show_notice(
-            refusal_notice(refused, WITH_DETAILS)
-        )
-        for refused in Refused
-    },
+    **{f"refused {one.name}": refused(one) for one in Refused},
     "details": details,
     "question": lambda window: window.question.ask(analyzer_notice(WITH_DETAILS, IDENTITY), list),
     "stop": stop_that_nobody_confirms,
@@ -274,9 +329,7 @@ STOPS = {
     "past result": past_result,
     "stick": stick,
     "ground": ground,
-    "layers": on_ground("layers"),
-    "finer": on_ground("finer"),
-    "marker": on_ground("set_marker"),
+    **{name: on_ground(name) for name in ("layers", "finer", "set_marker")},
     "surveys": surveys,
     "no survey found": no_survey_found,
     "no survey stored": no_survey_stored,
@@ -289,6 +342,6 @@ STOPS = {
     "not armed": not_armed,
     "service": service,
     "instruments": instruments,
-    "locked": locked,
-    "unlocked": unlocked,
+    "locked": after_plan(lambda window: window.touch_binding.set_locked(True)),
+    "unlocked": plan,
 }

@@ -1,43 +1,74 @@
-"""Opening a display is tried in a process of its own, whatever the library does there."""
+"""What runs in a process of its own: opening a display is tried, and a window that hangs ends."""
 
 import os
 import signal
+import subprocess
+import sys
 import time
+
+from case_kit import each_case
 
 from gpr20_user_interface.low.display_probe import display_problem
 
 
-def test_a_display_that_opens_is_no_problem():
-    assert display_problem(lambda: print("a warning")) is None
+def raise_error():
+    raise OSError("no such plugin")
 
 
-def test_a_library_that_ends_its_process_gives_the_line_that_names_the_display():
-    def open_display():
-        os.write(2, b"some library: loading\nsome library: could not connect to display :7\nmore\n")
-        os.kill(os.getpid(), signal.SIGKILL)
-
-    assert display_problem(open_display) == "some library: could not connect to display :7"
+def end_the_process():
+    os.write(2, b"some library: loading\nsome library: could not connect to display :7\nmore\n")
+    os.kill(os.getpid(), signal.SIGKILL)
 
 
-def test_an_exception_is_a_problem_with_its_reason():
-    def open_display():
-        raise OSError("no such plugin")
-
-    assert display_problem(open_display) == "OSError('no such plugin')"
-
-
-def test_a_display_that_hangs_is_given_up():
-    begin_s = time.monotonic()
-    problem = display_problem(lambda: time.sleep(60), limit_s=0.2)
-    assert problem == "no answer within 0.2 s"
-    assert time.monotonic() - begin_s < 10.0
-
-
-def test_no_child_is_left():
-    for attempt in (lambda: None, lambda: os._exit(3)):
-        display_problem(attempt)
+@each_case(
+    "open_display, problem",
+    [
+        (lambda: print("a warning"), None),
+        (raise_error, "OSError('no such plugin')"),
+        # The line that names the display.
+        (end_the_process, "some library: could not connect to display :7"),
+        (lambda: time.sleep(60), "no answer within 0.2 s"),
+    ],
+)
+def test_a_display_that_does_not_open_is_a_problem_with_its_reason(open_display, problem):
+    limits = {"limit_s": 0.2} if problem and "no answer" in problem else {}
+    assert display_problem(open_display, **limits) == problem
     try:
         left = os.waitpid(-1, os.WNOHANG)
     except ChildProcessError:
         left = (0, 0)
     assert left == (0, 0)
+
+
+PROGRAM = """
+import threading, time
+from gpr20_user_interface.low.process import HangGuard
+
+def hang_here():
+    {hang}
+
+guard = HangGuard(1.0)
+for _ in range(60):
+    guard.beat()
+    time.sleep(0.02)
+{end}
+hang_here()
+"""
+
+
+def run(hang, end=""):
+    program = PROGRAM.format(hang=hang, end=end)
+    return subprocess.run(
+        [sys.executable, "-c", program], capture_output=True, text=True, timeout=100, check=False
+    )
+
+
+@each_case("hang", ["threading.Event().wait(60)", "while True: pass"])
+def test_a_window_that_hangs_ends_and_says_where(hang):
+    ended = run(hang)
+    assert ended.returncode == 1
+    assert "hang_here" in ended.stderr
+
+
+def test_a_window_that_is_closed_takes_its_time():
+    assert run("threading.Event().wait(1.5)", end="guard.end()").returncode == 0

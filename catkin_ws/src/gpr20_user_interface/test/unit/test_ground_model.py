@@ -6,10 +6,12 @@ import numpy as np
 import pytest
 from asked_storage import Storage
 from candidate_examples import candidate, candidate_list
+from case_kit import each_case
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from map_kit import MARKER
-from view_kit import PAST, SURVEY, add_trace, depth_echo, echo, make_grid, trace_at
+from run_seed import draws
+from view_kit import PAST, SURVEY, add_trace, echo, make_grid, trace_at
 
 from gpr20_operator.ground.additions import AdditionsPresenter, AdditionsRead
 from gpr20_operator.ground.coverage import CoverageRuns
@@ -27,7 +29,7 @@ TARGET = Place(150.0, 90.0)
 BOTH = (Axis.X_MM, Axis.Y_MM)
 
 
-def image_of(grid, level_db=40.0, seed=1, traces=40, **changes):
+def image_of(grid, level_db=40.0, seed=1, **changes):
     """Return an image of noise with a target at X 150, Y 90, depth 60 mm."""
     rng = np.random.default_rng(seed)
     x_mm, y_mm = np.linspace(100.0, 200.0, 21), np.linspace(50.0, 110.0, 13)
@@ -36,15 +38,9 @@ def image_of(grid, level_db=40.0, seed=1, traces=40, **changes):
     noise = rng.standard_normal(shape) + 1j * rng.standard_normal(shape)
     levels_db = 20.0 * np.log10(np.abs(noise) / np.sqrt(2.0)).astype(np.float32)
     levels_db[12, 8, 10] = level_db
-    values = {
-        "traces": traces,
-        "x_mm": x_mm,
-        "y_mm": y_mm,
-        "depth_mm": depth_mm,
-        "levels_db": levels_db,
-        "found": candidate_list([candidate(level_db=level_db)], survey_id=grid.survey_id),
-    }
-    return FocusedImage(**{**values, **changes})
+    found = candidate_list([candidate(level_db=level_db)], survey_id=grid.survey_id)
+    image = FocusedImage(40, x_mm, y_mm, depth_mm, levels_db, found)
+    return dataclasses.replace(image, **changes)
 
 
 def new_model(grid=None, additions=None):
@@ -74,123 +70,6 @@ def cover(model, stored, planned=40):
     model.survey.map.set_coverage(CoverageRuns(SURVEY, planned, *runs))
 
 
-def on_axis(delay_s, axis, height_m):
-    """Return where a delay is drawn in a section of permittivity 4."""
-    if axis is Axis.DELAY_NS:
-        return delay_s * 1e9
-    return (delay_s * SPEED_OF_LIGHT_M_S / 2.0 - height_m) / 2.0 * 1000.0
-
-
-def test_the_crosshair_follows_the_last_trace_until_a_place_is_chosen(model):
-    assert model.place is None
-    add(model, 0)
-    assert model.place == Place(100.0, 50.0)
-    add(model, 3, 4)
-    assert model.place == Place(150.0, 50.0)
-    model.choose_place(172.0, 69.0)
-    assert model.place == Place(175.0, 70.0)
-    add(model, *range(5, 40))
-    assert model.place == Place(175.0, 70.0)
-    model.follow(True)
-    latest, grid = model.survey.radar.latest_of[0].stop, model.survey.map.grid
-    assert model.place == Place(grid.xs_mm[latest.column], grid.ys_mm[latest.row])
-
-
-def test_the_crosshair_stays_at_a_trace_of_its_polarization(model):
-    add(model, 0)
-    add(model, 1, 2)  # both of the other polarization, the second one at the next stop
-    assert model.place == Place(100.0, 50.0)
-    assert model.pictures(BOTH).curve is not None
-
-
-@settings(max_examples=200, deadline=None)
-@given(
-    st.integers(2, 30), st.integers(2, 30), st.booleans(), st.booleans(),
-    st.floats(-100.0, 500.0), st.floats(-100.0, 500.0),
-)  # fmt: skip
-def test_the_place_chosen_is_within_half_a_cell_of_the_touch(columns, rows, left, down, x, y):
-    xs, ys = (100.0, 200.0)[:: -1 if left else 1], (50.0, 110.0)[:: -1 if down else 1]
-    grid = make_grid(
-        columns, rows,
-        x_start_mm=xs[0], x_stop_mm=xs[1], y_start_mm=ys[0], y_stop_mm=ys[1],
-    )  # fmt: skip
-    model = new_model(grid)
-    model.choose_place(x, y)
-    place = model.place
-    # A touch off the area chooses its edge.
-    for at, touched, low, high, count in (
-        (place.x_mm, x, 100.0, 200.0, columns),
-        (place.y_mm, y, 50.0, 110.0, rows),
-    ):
-        half = (high - low) / (count - 1) / 2.0
-        assert abs(at - min(max(touched, low), high)) <= half + 0.02
-
-
-def test_the_crosshair_links_the_pictures(model):
-    add(model, *range(40))
-    model.change(remove_background=False)
-    model.choose_place(TARGET.x_mm, TARGET.y_mm)
-    model.touch_section(Axis.X_MM, 175.0, 100.0, Axis.DEPTH_MM)
-    shown = model.pictures(BOTH)
-    assert model.place == Place(175.0, 90.0)
-    assert model.settings.depth_m == pytest.approx(0.1)
-    assert shown.level_db == pytest.approx(shown.curve.scale.top_db, abs=6.0)
-    model.touch_section(Axis.Y_MM, 52.0, 200.0, Axis.DEPTH_MM)
-    assert model.place == Place(175.0, 50.0)
-    assert model.pictures((Axis.Y_MM,)).sections[0].across_mm == pytest.approx((40.0, 120.0))
-    model.touch_depth(33.0, Axis.DEPTH_MM)
-    assert model.settings.depth_m == pytest.approx(0.035)
-
-
-def test_any_section_along_x_or_y_can_be_shown(model):
-    grid = model.survey.map.grid
-    for index in range(grid.planned):
-        stop = grid.cell(index).stop
-        level = 1.0 if (stop.row, stop.column) == (2, 3) else 1e-3
-        add(model, index, s21=depth_echo(0.1, level=level))
-    model.change(remove_background=False, in_db=False)
-    for axis, lines, others in ((Axis.X_MM, range(4), 3), (Axis.Y_MM, range(5), 2)):
-        for number in lines:
-            along_x = axis is Axis.X_MM
-            here = (0, number) if along_x else (number, 0)
-            model.choose_place(float(grid.xs_mm[here[0]]), float(grid.ys_mm[here[1]]))
-            shades = model.pictures((axis,)).sections[0].shades
-            through = number == (2 if along_x else 3)
-            assert (np.nanmax(shades) > 0.5) == through
-            if through:
-                assert np.unravel_index(np.nanargmax(shades), shades.shape)[1] == others
-
-
-def test_in_time_a_touch_chooses_the_depth_of_the_delay(model):
-    add(model, *range(40))
-    model.change(in_depth=False)
-    assert model.pictures(BOTH).sections[0].axis is Axis.DELAY_NS
-    model.touch_depth(model.second_of(0.15, Axis.DELAY_NS), Axis.DELAY_NS)
-    assert model.settings.depth_m == pytest.approx(0.15)
-
-
-def test_without_height_no_depth_can_be_chosen(model):
-    add(model, *range(40), height_m=float("nan"))
-    model.touch_section(Axis.X_MM, 150.0, 4.0, Axis.DELAY_NS)
-    assert model.settings.depth_m == 0.05
-    model.begin_hyperbola()
-    assert model.hyperbola is None
-    assert model.pictures(BOTH).above is None
-
-
-def test_the_depth_stays_within_what_can_be_shown(model):
-    add(model, *range(40))
-    model.step_depth(-100)
-    assert model.settings.depth_m == 0.0
-    model.step_depth(1)
-    assert model.settings.depth_m == 0.005
-    model.step_depth(10_000)
-    assert model.settings.depth_m <= model.deepest_m + 1e-9
-    model.change(permittivity=20.0)
-    assert model.settings.depth_m <= model.deepest_m + 1e-9 < 0.5
-    assert model.pictures(BOTH).above.measured
-
-
 def test_another_survey_takes_crosshair_mark_and_hyperbola_away(model):
     add(model, *range(40))
     model.choose_place(150.0, 90.0)
@@ -201,20 +80,6 @@ def test_another_survey_takes_crosshair_mark_and_hyperbola_away(model):
     assert model.follows
     assert (model.place, model.mark, model.hyperbola) == (None, None, None)
     assert model.settings.polarization == 0
-
-
-def test_both_images_exclude_each_other_and_may_both_be_off(model):
-    assert Layer.ECHOES in model.layers
-    model.switch(Layer.FOCUSED)
-    assert {Layer.ECHOES, Layer.FOCUSED} & model.layers == {Layer.FOCUSED}
-    model.switch(Layer.ECHOES)
-    assert {Layer.ECHOES, Layer.FOCUSED} & model.layers == {Layer.ECHOES}
-    add(model, *range(40))
-    assert model.pictures(BOTH).above is not None
-    model.switch(Layer.ECHOES)
-    shown = model.pictures(BOTH)
-    assert shown.above is None
-    assert shown.sections[0] is not None
 
 
 def test_a_mark_is_chosen_with_its_depth_and_left_when_it_is_gone(model):
@@ -278,8 +143,80 @@ def test_a_ring_on_ground_that_was_not_measured_says_so(model):
     assert measured == {1: True, 2: False, 3: False}
 
 
-@pytest.mark.parametrize("truth", [3.0, 8.0, 20.0])
-@pytest.mark.parametrize("in_depth", [True, False])
+def test_the_crosshair_follows_the_last_trace_until_a_place_is_chosen(model):
+    assert model.place is None
+    add(model, 0, 1, 2)  # the others of another polarization, the last one at the next stop
+    assert model.place == Place(100.0, 50.0)
+    assert model.pictures(BOTH).curve is not None
+    add(model, 3, 4)
+    assert model.place == Place(150.0, 50.0)
+    model.choose_place(172.0, 69.0)
+    add(model, *range(5, 40))
+    assert model.place == Place(175.0, 70.0)
+    model.follow(True)
+    latest, grid = model.survey.radar.latest_of[0].stop, model.survey.map.grid
+    assert model.place == Place(grid.xs_mm[latest.column], grid.ys_mm[latest.row])
+
+
+@settings(max_examples=draws(50))
+@given(
+    *(st.integers(2, 30), st.integers(2, 30), st.booleans(), st.booleans()),
+    *(st.floats(-100.0, 500.0), st.floats(-100.0, 500.0)),
+)
+def test_the_place_chosen_is_within_half_a_cell_of_the_touch(columns, rows, left, down, x, y):
+    xs, ys = (100.0, 200.0)[:: -1 if left else 1], (50.0, 110.0)[:: -1 if down else 1]
+    ends = {"x_start_mm": xs[0], "x_stop_mm": xs[1], "y_start_mm": ys[0], "y_stop_mm": ys[1]}
+    model = new_model(make_grid(columns, rows, **ends))
+    model.choose_place(x, y)
+    # A touch off the area chooses its edge.
+    for at, touched, low, high, count in (
+        (model.place.x_mm, x, 100.0, 200.0, columns),
+        (model.place.y_mm, y, 50.0, 110.0, rows),
+    ):
+        half = (high - low) / (count - 1) / 2.0
+        assert abs(at - min(max(touched, low), high)) <= half + 0.02
+
+
+def test_the_crosshair_links_the_pictures(model):
+    add(model, *range(40))
+    model.change(remove_background=False)
+    model.choose_place(TARGET.x_mm, TARGET.y_mm)
+    model.touch_section(Axis.X_MM, 175.0, 100.0, Axis.DEPTH_MM)
+    shown = model.pictures(BOTH)
+    assert model.place == Place(175.0, 90.0)
+    assert model.settings.depth_m == pytest.approx(0.1)
+    assert shown.level_db == pytest.approx(shown.curve.scale.top_db, abs=6.0)
+    model.touch_section(Axis.Y_MM, 52.0, 200.0, Axis.DEPTH_MM)
+    assert model.place == Place(175.0, 50.0)
+    assert model.pictures((Axis.Y_MM,)).sections[0].across_mm == pytest.approx((40.0, 120.0))
+    model.touch_depth(33.0, Axis.DEPTH_MM)
+    assert model.settings.depth_m == pytest.approx(0.035)
+    # In time, the depth of the delay.
+    model.change(in_depth=False)
+    assert model.pictures(BOTH).sections[0].axis is Axis.DELAY_NS
+    model.touch_depth(model.second_of(0.15, Axis.DELAY_NS), Axis.DELAY_NS)
+    assert model.settings.depth_m == pytest.approx(0.15)
+
+
+def test_the_depth_stays_within_what_can_be_shown_and_needs_a_height(model):
+    add(model, *range(40))
+    for change, depth_m in ((-100, 0.0), (1, 0.005)):
+        model.step_depth(change)
+        assert model.settings.depth_m == depth_m
+    model.step_depth(10_000)
+    assert model.settings.depth_m <= model.deepest_m + 1e-9
+    model.change(permittivity=20.0)
+    assert model.settings.depth_m <= model.deepest_m + 1e-9 < 0.5
+    assert model.pictures(BOTH).above.measured
+    without = new_model()
+    add(without, *range(40), height_m=float("nan"))
+    without.touch_section(Axis.X_MM, 150.0, 4.0, Axis.DELAY_NS)
+    assert without.settings.depth_m == 0.05
+    without.begin_hyperbola()
+    assert without.hyperbola is None and without.pictures(BOTH).above is None
+
+
+@each_case("truth,in_depth", [(3.0, True), (8.0, False), (20.0, True)])
 def test_a_hyperbola_that_is_dragged_over_an_echo_gives_the_permittivity(truth, in_depth):
     height_m, depth_m, apex_mm = 0.1, 0.12, 300.0
     grid = make_grid(31, 3, rotations_deg=(0.0,), x_start_mm=150.0, x_stop_mm=450.0)
@@ -292,7 +229,9 @@ def test_a_hyperbola_that_is_dragged_over_an_echo_gives_the_permittivity(truth, 
     model.choose_place(250.0, 80.0)
     model.begin_hyperbola()
     section = model.pictures((Axis.X_MM,)).sections[0]
-    expected = np.array([on_axis(one, section.axis, height_m) for one in delays_s])
+    expected = delays_s * 1e9
+    if in_depth:  # drawn with permittivity 4
+        expected = (delays_s * SPEED_OF_LIGHT_M_S / 2.0 - height_m) / 2.0 * 1000.0
     model.drag_hyperbola(True, apex_mm, expected[15], section.axis)
     model.drag_hyperbola(False, float(grid.xs_mm[1]), expected[1], section.axis)
     assert model.hyperbola.permittivity == pytest.approx(truth, rel=0.01)
@@ -308,30 +247,22 @@ def test_a_hyperbola_that_is_dragged_over_an_echo_gives_the_permittivity(truth, 
     assert model.settings.depth_m == pytest.approx(depth_m, abs=0.005)
 
 
-def test_the_focused_image_is_shown_only_with_its_survey(model):
+def test_the_focused_image_of_the_survey_has_the_crosshair_and_the_rule_of_the_noise(model):
     add(model, *range(40))
     model.switch(Layer.FOCUSED)
-    assert not model.shows_focused
     model.additions.pictures.add_image(image_of(make_grid(survey_id=PAST)))
-    assert not model.shows_focused
-    assert marks_above(model) == ()
-    model.additions.pictures.add_image(image_of(model.survey.map.grid))
-    assert model.shows_focused
-    assert [one.text for one in marks_above(model)] == ["1"]
+    assert not model.shows_focused and marks_above(model) == ()
+    image = image_of(model.survey.map.grid)
+    image.levels_db[:, :, :5] = np.nan
+    model.additions.pictures.add_image(image)
+    assert model.shows_focused and [one.text for one in marks_above(model)] == ["1"]
     # It begins at its first candidate.
     assert model.place == TARGET
-
-
-def test_the_focused_image_has_the_same_crosshair_and_the_rule_of_the_noise(model):
-    add(model, *range(40))
-    model.additions.pictures.add_image(image_of(model.survey.map.grid))
-    model.switch(Layer.FOCUSED)
     model.choose_place(151.0, 88.0, 61.0)
     shown = model.pictures(BOTH)
     assert model.place == TARGET
     assert shown.level_db == pytest.approx(40.0)
-    assert shown.above.above_noise
-    assert all(one.above_noise for one in shown.sections)
+    assert all(one.above_noise for one in (shown.above, *shown.sections))
     assert shown.above.scale == shown.sections[0].scale == shown.curve.scale
     assert shown.curve.places[np.nanargmax(shown.curve.shades)] == 60.0
     for section in shown.sections:
@@ -340,76 +271,30 @@ def test_the_focused_image_has_the_same_crosshair_and_the_rule_of_the_noise(mode
         model.change(in_db=in_db)
         model.set_depth(0.2)
         empty = model.pictures(BOTH).above
-        assert not empty.above_noise
-        assert np.nanmax(empty.shades) < 0.1
-
-
-def test_newer_images_of_a_survey_keep_its_scale(model):
-    add(model, *range(40))
-    model.switch(Layer.FOCUSED)
-    tops = []
-    for number, level_db in enumerate((60.0, 58.0, 40.0, 66.0)):
-        image = image_of(model.survey.map.grid, level_db, seed=number)
-        model.additions.pictures.add_image(image)
-        tops.append(model.pictures(BOTH).above.scale.top_db)
-    assert tops == [60.0, 60.0, 60.0, 70.0]
-
-
-def test_what_was_not_measured_is_no_level_of_the_image(model):
-    add(model, *range(40))
-    image = image_of(model.survey.map.grid)
-    levels_db = image.levels_db.copy()
-    levels_db[:, :, :5] = np.nan
-    model.additions.pictures.add_image(dataclasses.replace(image, levels_db=levels_db))
-    model.switch(Layer.FOCUSED)
+        assert not empty.above_noise and np.nanmax(empty.shades) < 0.1
+    # What was not measured has no level.
     model.choose_place(100.0, 90.0)
     shown = model.pictures(BOTH)
     assert (shown.level_db, shown.curve) == (None, None)
     assert np.isnan(shown.above.shades[:, :5]).all()
 
 
-def test_stops_that_are_not_loaded_look_like_one_near_them_and_are_said_to_load():
-    grid = make_grid(60, 60, rotations_deg=(0.0,))
-    model = new_model(grid)
-    model.survey.map.set_coverage(CoverageRuns(SURVEY, grid.planned, (0,), (1,)))
-    step = model.survey.loading.step
-    assert step > 1
-    row, column, _polarization = grid.cells(np.arange(grid.planned))
-    some = np.flatnonzero((row % step == 0) & (column % step == 0))
-    add(model, *some.tolist())
-    assert model.waiting is not None
-    shades = model.pictures(BOTH).above.shades
-    assert np.isfinite(shades).all()
-    add(model, *np.setdiff1d(np.arange(grid.planned), some).tolist())
-    assert model.waiting is None
-
-
-def test_the_soil_of_the_survey_is_used_until_another_one_is_chosen_here(model):
-    model.take_soil(SURVEY, 8.0)
-    assert (model.settings.permittivity, model.other_permittivity) == (8.0, None)
-    model.change(permittivity=5.0)
-    model.take_soil(SURVEY, 8.0)
-    assert (model.settings.permittivity, model.other_permittivity) == (5.0, 8.0)
-    model.take_soil(SURVEY, 9.0)
-    assert (model.settings.permittivity, model.other_permittivity) == (9.0, None)
-    model.change(permittivity=5.0)
-    model.take_soil(PAST, 9.0)
-    assert model.settings.permittivity == 9.0
-
-
-def test_of_unknown_soil_the_depths_are_those_of_its_image(model):
-    model.take_soil(SURVEY, None)
-    assert model.settings.permittivity == ANY_SOIL.permittivity
+def test_the_soil_is_that_of_the_survey_or_of_its_image_until_another_one_is_chosen(model):
+    for survey, stored, chosen, shown in (
+        *((SURVEY, 8.0, 5.0, (8.0, None)), (SURVEY, 8.0, None, (5.0, 8.0))),
+        *((SURVEY, 9.0, 5.0, (9.0, None)), (PAST, 9.0, None, (9.0, None))),
+        (SURVEY, None, None, (ANY_SOIL.permittivity, None)),
+    ):
+        model.take_soil(survey, stored)
+        assert (model.settings.permittivity, model.other_permittivity) == shown
+        if chosen is not None:
+            model.change(permittivity=chosen)
     image = image_of(model.survey.map.grid)
     model.additions.pictures.add_image(image)
     model.take_soil(SURVEY, None)
     assert model.settings.permittivity == image.found.permittivity == 4.0
     assert model.wanted_permittivity is None
-
-
-def test_image_and_candidates_of_another_permittivity_are_not_shown(model):
-    model.additions.pictures.add_image(image_of(model.survey.map.grid))
-    model.take_soil(SURVEY, 4.0)
     assert model.image is not None and model.additions.candidates
+    # Image and candidates of another permittivity are not shown.
     model.change(permittivity=9.0)
     assert model.image is None and not model.additions.candidates

@@ -1,44 +1,16 @@
+"""A hold acts once after its time, and after nothing but an unbroken touch."""
+
 import pytest
 from fake_clock import FakeClock
 from hypothesis import given
 from hypothesis import strategies as st
+from PyQt5.QtCore import QEvent, QPoint, Qt
+from PyQt5.QtGui import QMouseEvent
+from PyQt5.QtTest import QSignalSpy, QTest
+from PyQt5.QtWidgets import QApplication, QFrame, QWidget
 
 from gpr20_user_interface.touch.guard import HOLD_S, MAX_STEP_S, Hold
-
-# Slightly more than the ticks of a window that keeps up.
-TICK_S = 0.033
-
-
-@pytest.fixture
-def hold(clock):
-    return Hold(clock)
-
-
-def wait(hold, clock, seconds, step_s=TICK_S):
-    """Let time pass in ticks; return how often the hold was completed."""
-    completed, left_s = 0, seconds
-    while left_s > 0.0:
-        clock.advance(min(step_s, left_s))
-        left_s -= step_s
-        completed += hold.tick()
-    return completed
-
-
-def test_a_finger_that_stays_completes_the_hold_once(hold, clock):
-    hold.begin()
-    assert wait(hold, clock, 0.97) == 0
-    assert 0.9 < hold.fraction < 1.0
-    assert wait(hold, clock, 5.0) == 1
-    assert (hold.active, hold.fraction) == (False, 0.0)
-
-
-def test_a_window_that_was_busy_does_not_take_a_tap_for_a_hold(hold, clock):
-    hold.begin()
-    # The finger has left long ago, but the window comes to its release only after this tick.
-    clock.advance(3.0)
-    assert not hold.tick()
-    assert hold.fraction <= MAX_STEP_S / HOLD_S
-
+from gpr20_user_interface.touch.hold_button import TICK_MS, HoldButton
 
 # Mostly ticks: a hold needs ten of them without a break.
 ACTS = ["begin", "cancel", *["tick"] * 18]
@@ -67,3 +39,95 @@ def test_nothing_but_a_second_without_a_break_completes_a_hold(steps):
             hold.cancel()
             seen_s = None
         looked_s = now_s
+
+
+class Held:
+    """A button in a window, with a clock that only the test moves."""
+
+    def __init__(self):
+        self.window = QWidget()
+        self.window.resize(400, 300)
+        self.clock = FakeClock()
+        self.button = HoldButton("START", self.clock)
+        self.button.setParent(self.window)
+        self.button.setGeometry(100, 100, 200, 72)
+        self.times = 0
+        self.button.held.connect(self.note)
+        self.window.show()
+
+    def note(self):
+        self.times += 1
+
+    def wait(self, seconds):
+        for _ in range(round(seconds * 1000.0 / TICK_MS)):
+            self.clock.advance(TICK_MS / 1000.0)
+            self.button.tick()
+
+    def press(self):
+        QTest.mousePress(self.button, Qt.LeftButton)
+
+    def release(self):
+        QTest.mouseRelease(self.button, Qt.LeftButton)
+
+    def move(self, place):
+        moved = QMouseEvent(QEvent.MouseMove, place, Qt.NoButton, Qt.LeftButton, Qt.NoModifier)
+        QApplication.sendEvent(self.button, moved)
+
+
+@pytest.fixture
+def held(application):
+    held = Held()
+    yield held
+    held.window.close()
+
+
+def test_a_finger_that_rests_acts_once_and_not_before_its_time(held):
+    for _bounce in range(3):
+        held.press()
+        held.wait(0.9 * HOLD_S)
+        held.release()
+    assert held.times == 0
+    held.press()
+    held.wait(2.0 * HOLD_S)
+    assert held.times == 1
+    held.release()
+    held.wait(2.0 * HOLD_S)
+    assert held.times == 1
+
+
+def leave_and_come_back(held):
+    held.move(QPoint(100, 300))
+    held.move(QPoint(100, 30))
+
+
+def open_over_it(held):
+    cover = QFrame(held.window)
+    cover.setGeometry(0, 0, 400, 300)
+    cover.show()
+
+
+@pytest.mark.parametrize(
+    "end",
+    [
+        leave_and_come_back,
+        open_over_it,
+        lambda held: QTest.mousePress(held.button, Qt.RightButton),  # a second finger
+        lambda held: (held.button.hide(), held.button.show()),
+        lambda held: (held.button.setEnabled(False), held.button.setEnabled(True)),
+    ],
+)
+def test_a_touch_that_is_broken_does_nothing(held, end):
+    held.press()
+    held.wait(0.5 * HOLD_S)
+    end(held)
+    held.wait(2.0 * HOLD_S)
+    assert held.times == 0
+
+
+def test_time_as_it_passes_completes_a_hold(application):
+    button = HoldButton("START")
+    held = QSignalSpy(button.held)
+    button.show()
+    QTest.mousePress(button, Qt.LeftButton)
+    assert len(held) or held.wait(30_000)
+    button.close()

@@ -7,24 +7,44 @@ The window itself says which pages and sheets there are, so that no new one is f
 import importlib
 import os
 import pkgutil
-import warnings
+import random
 from pathlib import Path
 
 import pytest
-from layout_kit import SCREENS, busiest, front, problems, settle, window_on
-from layout_tour import STOPS
-from pseudo_language import PSEUDO, write_pseudo_catalogue
-from PyQt5.QtWidgets import QLabel, QPushButton, QStackedWidget, QWidget
-from window_helpers import show
+from finger import place_of
+from layout_kit import (
+    SCREENS,
+    busiest,
+    front,
+    problems,
+    screen,
+    screens,
+    settle,
+    spoken,
+    window_on,
+)
+from layout_tour import IDENTITY, STOPS
+from PyQt5.QtWidgets import QPushButton, QStackedWidget, QWidget
+from view_kit import snapshot
+from window_helpers import click, open_field, show
 
 import gpr20_user_interface
-from gpr20_common.low.catalogue_file import VARIABLE
+from gpr20_operator.plan.fields import PLAN
 from gpr20_survey.plan.survey_state import SurveyState
-from gpr20_user_interface.look.look import Look, Theme
+from gpr20_user_interface.touch.hold_button import HoldButton
+from gpr20_user_interface.widgets.cards import NoticeView
+from gpr20_user_interface.widgets.hold_sheet import StartSheet
 from gpr20_user_interface.widgets.overlay import Overlay
 from gpr20_user_interface.window.rail import TabName
 
+__all__ = ["screen", "spoken"]
+
 PICTURES = os.environ.get("GPR20_PICTURES")
+# How sheets call the buttons that close them.
+CLOSING = (
+    *("accept_button", "cancel", "close_button", "done", "drop", "load", "save", "show_button"),
+    *("undo", "use"),
+)
 
 
 def every_problem(window):
@@ -51,13 +71,8 @@ def every_problem(window):
         look(name)
     close_sheets(window)
     for tab in TabName:
-        window.show_tab(tab)
-        for stack in window.tabs.currentWidget().findChildren(QStackedWidget):
-            look_through(stack, look)
-        if isinstance(window.tabs.currentWidget(), QStackedWidget):
-            look_through(window.tabs.currentWidget(), look)
-        else:
-            look(tab.value)
+        for page in every_page(window, tab):
+            look(page)
     for sheet in window.findChildren(Overlay):
         close_sheets(window)
         if not any(issubclass(one, type(sheet)) for one in seen):
@@ -67,14 +82,20 @@ def every_problem(window):
     return "\n".join(f"{what}: {one}" for one, what in wrong.items()), seen
 
 
-def look_through(stack, look):
-    """Look at each page of a stack, and leave it as it was."""
-    shown = stack.currentIndex()
-    for number in range(stack.count()):
-        stack.setCurrentIndex(number)
-        if stack.isVisible():
-            look(type(stack.currentWidget()).__name__)
-    stack.setCurrentIndex(shown)
+def every_page(window, tab):
+    """Show a tab with each of the pages that it can show, and yield the name of each."""
+    window.show_tab(tab)
+    page = window.tabs.currentWidget()
+    if not isinstance(page, QStackedWidget):
+        yield tab.value
+    own = [page] if isinstance(page, QStackedWidget) else []
+    for stack in (*own, *page.findChildren(QStackedWidget)):
+        shown = stack.currentIndex()
+        for number in range(stack.count()):
+            stack.setCurrentIndex(number)
+            if stack.isVisible():
+                yield type(stack.currentWidget()).__name__
+        stack.setCurrentIndex(shown)
 
 
 def close_sheets(window):
@@ -85,73 +106,98 @@ def close_sheets(window):
 def own_widgets():
     """Return the classes of all widgets of pages, and of those that several pages share."""
     package = gpr20_user_interface
-    found = set()
-    for one in pkgutil.walk_packages(package.__path__, f"{package.__name__}."):
-        if any(part in one.name for part in (".pages.", ".widgets.", ".window.")):
-            module = importlib.import_module(one.name)
-            found |= {
-                value
-                for value in vars(module).values()
-                if isinstance(value, type)
-                and issubclass(value, QWidget)
-                and value.__module__ == one.name
-            }
-    return found
+    modules = [
+        importlib.import_module(one.name)
+        for one in pkgutil.walk_packages(package.__path__, f"{package.__name__}.")
+        if any(part in one.name for part in (".pages.", ".widgets.", ".window."))
+    ]
+    values = [(module, one) for module in modules for one in vars(module).values()]
+    classes = [(module, one) for module, one in values if isinstance(one, type)]
+    return {
+        one
+        for module, one in classes
+        if issubclass(one, QWidget) and one.__module__ == module.__name__
+    }
 
 
-@pytest.mark.parametrize("size,language,theme", SCREENS)
-def test_every_page_and_sheet_fits(application, tmp_path, size, language, theme):
-    with window_on(application, tmp_path, size, language, theme) as window:
+@pytest.mark.parametrize("screen_shown", screens(SCREENS))
+def test_every_page_and_sheet_fits(application, tmp_path, screen_shown):
+    with window_on(application, tmp_path, *screen_shown) as window:
         wrong, seen = every_problem(window)
     assert not wrong, wrong
     unseen = {one for one in own_widgets() if not any(issubclass(two, one) for two in seen)}
     assert not unseen, f"add a stop to layout_tour.py that shows {unseen}"
 
 
-def test_texts_a_third_longer_than_english(application, tmp_path, monkeypatch):
-    """A language of somebody else's may need other words: only a warning."""
-    monkeypatch.setenv(VARIABLE, str(tmp_path))
-    write_pseudo_catalogue(tmp_path)
-    with window_on(application, tmp_path, (800, 480), PSEUDO, Theme.SUN) as window:
-        show(window, busiest(SurveyState.IDLE))
-        wrong, _seen = every_problem(window)
-        assert window.settings.title.text().startswith("Séttîñgš")
-    if wrong:
-        warnings.warn(wrong, stacklevel=1)
+def places(window, buttons):
+    return {button: place_of(window, button) for button in buttons if button.isVisible()}
 
 
-def at(widget, left, top, width, height):
-    widget.setGeometry(left, top, width, height)
-    return widget
+def assert_apart(window, held, closing):
+    for button, place in held.items():
+        assert window.rect().contains(place), button.text()
+        for overlay, closer, below in closing:
+            words = f"{type(overlay).__name__}: {closer.text()} lies over {button.text()}"
+            assert not place.intersects(below), words
 
 
-WRONG = {
-    "is cut off at its end": lambda part: at(QLabel("much too long", part), 10, 10, 40, 60),
-    "is cut off at its top": lambda part: at(QLabel("a\nb\nc", part), 10, 10, 200, 20),
-    "reaches over the edge": lambda part: at(QLabel("a", part), 350, 10, 100, 60),
-    "has too few lines": lambda part: at(wrapped("one line and another one", part), 10, 10, 90, 20),
-    "cuts the word": lambda part: at(wrapped("interferometrically", part), 10, 10, 60, 90),
-    "is hard to touch": lambda part: at(QPushButton("OK", part), 10, 10, 200, 40),
-    "lies over": lambda part: at(QLabel("a", part), 190, 190, 60, 60),
-}
+def test_a_touch_that_comes_twice_never_reaches_a_button_to_hold(spoken):
+    window = spoken
+    show(window, snapshot(SurveyState.IDLE))
+    closing, held = [], {}
+    for overlay in window.findChildren(Overlay):
+        named = [getattr(overlay, name, None) for name in CLOSING]
+        own = [one for one in named if isinstance(one, QPushButton)]
+        assert own, f"{type(overlay).__name__}: how is it closed?"
+        overlay.open()
+        settle()
+        # One that closes by a hold takes no bounce.
+        taps = [one for one in own if one.isVisible() and not isinstance(one, HoldButton)]
+        closing += [(overlay, button, place_of(window, button)) for button in taps]
+        held.update(places(window, set(overlay.findChildren(HoldButton)) - set(own)))
+        overlay.hide()
+    assert {window.start_sheet.hold, window.profiles.confirm.hold} <= set(held)
+    assert_apart(window, held, closing)
+    # Below a tab's own sheets there is that tab, below the others any tab.
+    anywhere = [one for one in closing if isinstance(one[0], (NoticeView, StartSheet))]
+    for tab in TabName:
+        for _page in every_page(window, tab):
+            settle()
+            held = window.tabs.currentWidget().findChildren(HoldButton)
+            assert_apart(window, places(window, held), anywhere)
 
 
-def wrapped(text, part):
-    label = QLabel(text, part)
-    label.setWordWrap(True)
-    return label
+def test_the_button_to_hold_is_not_where_it_was_asked_for(spoken):
+    window = spoken
+    show(window, snapshot(SurveyState.IDLE))
+    window.start_sheet.ask_resume_with(IDENTITY)
+    for sheet in (window.profiles.confirm, window.profiles, window.question):
+        sheet.open()
+    settle()
+    for hold, asked in (
+        (window.profiles.confirm.hold, window.profiles.delete),
+        (window.start_sheet.hold, window.question.accept_button),
+    ):
+        assert not place_of(window, hold).intersects(place_of(window, asked))
 
 
-@pytest.mark.parametrize("reason", WRONG)
-def test_the_kit_finds_what_is_wrong(application, reason):
-    window = QWidget()
-    window.look = Look()
-    window.resize(400, 300)
-    at(QPushButton("Right", window), 200, 200, 120, 60)
+# Characters of a number that are always seen.
+LONGEST_SEEN = 14
 
-    WRONG[reason](window)
-    window.show()
-    found = problems(window, [window])
-    assert len(found) == 1 and reason in found[0]
-    window.children()[-1].hide()
-    assert problems(window, [window]) == []
+
+def test_random_numbers_are_whole_or_show_their_beginning(spoken):
+    """600.1234 must not read as 500.1234 or 00.1234."""
+    draw = random.Random(5)
+    show(spoken, busiest(SurveyState.IDLE))
+    for spec in PLAN:
+        field = open_field(spoken, spec.name)
+        settle()
+        for digits in (0, draw.randint(1, 9), draw.randint(10, 30)):
+            text = f"{draw.uniform(-1e4, 1e4):.{digits}f}"
+            spoken.values.choose(spec.name)
+            spoken.values.write(text)
+            (line,) = field.lines
+            shown = line.text()
+            assert shown == f"{text}|" or (shown.endswith("…") and text.startswith(shown[:-1]))
+            assert not line.is_cut or len(text) > LONGEST_SEEN
+        click(spoken.values.done)

@@ -1,22 +1,29 @@
+"""What is seen: contrast, size, themes and signs, and a screen that is dimmed after a while."""
+
 import re
 
 import pytest
-from PyQt5.QtCore import QSize, Qt
+from PyQt5.QtCore import QPoint, QSize, Qt
 from PyQt5.QtGui import QIcon
 from PyQt5.QtTest import QTest
+from view_kit import snapshot
+from window_helpers import close, opened_window, show, wishes
 
+from gpr20_common.message import verbatim
+from gpr20_operator.robot.notices import Refused, refusal_notice
+from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_user_interface.look.icons import FOLDER, icon
 from gpr20_user_interface.look.look import (
-    TOUCH_PX,
     Look,
     Mark,
     TextColours,
     Theme,
-    look_of,
-    scale_for,
 )
-from gpr20_user_interface.look.style_sheet import TEMPLATE, style_sheet
+from gpr20_user_interface.look.style_sheet import style_sheet
+from gpr20_user_interface.touch.dimming import Dimming
+from gpr20_user_interface.window.rail import TabName
 
+AFTER_S = 120.0
 # WCAG 2.1: 1.4.6 for text (level AAA), 1.4.11 for what distinguishes a mark from its surroundings.
 TEXT_CONTRAST = 7.0
 MARK_CONTRAST = 3.0
@@ -34,11 +41,6 @@ def contrast(one, other):
     return (lighter + 0.05) / (darker + 0.05)
 
 
-def test_contrast_is_computed_as_wcag_says():
-    assert contrast("#000000", "#ffffff") == pytest.approx(21.0)
-    assert contrast("#777777", "#ffffff") == pytest.approx(4.48, abs=0.01)
-
-
 def test_every_text_and_every_mark_is_seen():
     for theme in Theme:
         for colours in TextColours:
@@ -47,48 +49,15 @@ def test_every_text_and_every_mark_is_seen():
             assert contrast(mark.of(theme), Mark.PAPER.of(theme)) >= MARK_CONTRAST, mark
 
 
-def test_style_sheet_has_no_colour_beside_the_palette():
+def test_the_style_sheet_has_the_palette_alone_and_no_ink_without_its_ground():
     for theme in Theme:
         palette = {mark.of(theme) for mark in Mark}
         palette.update(colour for colours in TextColours for colour in colours.of(theme))
         sheet = style_sheet(Look(theme))
         assert set(re.findall(r"#[0-9a-fA-F]{6}\b", sheet)) <= palette
         assert not re.search(r"(color|background):\s*[a-z]", sheet)
-
-
-def test_ink_never_comes_without_its_ground():
-    for rule in re.findall(r"\{([^}]*)\}", style_sheet(Look())):
-        if re.search(r"(?<![-\w])color:", rule):
-            assert "background:" in rule
-
-
-def test_everything_scales_with_the_window(window):
-    for size, scale in (((480, 320), 0.6), ((800, 480), 1.0), ((1280, 800), 1.6)):
-        window.resize(*size)
-        QTest.qWait(1)
-        assert (window.width(), window.height()) == size
-        assert window.look.scale == pytest.approx(scale)
-        assert look_of(window.top_bar) is window.look
-        assert window.control.start.height() >= round(TOUCH_PX * scale)
-        assert window.top_bar.stop.geometry().right() < size[0]
-    for size in ((1, 1), (480, 320), (1024, 600), (4000, 3000)):
-        assert 0.57 <= scale_for(*size) <= 1.8
-
-
-def test_theme_changes_while_the_window_is_open(window):
-    window.use_look(Look(Theme.NIGHT, window.look.scale))
-    QTest.qWait(1)
-    paper = window.grab().toImage().pixelColor(window.width() // 2, window.height() - 3)
-    assert paper.name() == Mark.PAPER.of(Theme.NIGHT)
-    assert Qt.GlobalColor.white != paper
-
-
-def test_every_name_of_the_style_sheet_is_that_of_a_widget():
-    package = TEMPLATE.parents[1]
-    source = "".join(path.read_text(encoding="utf-8") for path in package.glob("**/*.py"))
-    rules = re.sub(r"/[*].*?[*]/", "", TEMPLATE.read_text(encoding="utf-8"), flags=re.DOTALL)
-    names = {*re.findall(r"#(\w+)", rules), *re.findall(r"\[(\w+)=", rules)}
-    assert names and {one for one in names if f'"{one}"' not in source} == set()
+        for rule in re.findall(r"\{([^}]*)\}", sheet):
+            assert "background:" in rule or not re.search(r"(?<![-\w])color:", rule)
 
 
 def test_a_sign_has_the_colour_that_it_is_asked_for_also_where_it_is_disabled(application):
@@ -101,3 +70,81 @@ def test_a_sign_has_the_colour_that_it_is_asked_for_also_where_it_is_disabled(ap
             assert solid == {"#8f0000"}, path.name
     with pytest.raises(FileNotFoundError):
         icon("no such sign", "#8f0000", 32)
+
+
+def test_what_must_be_seen_and_never_keep_it_awake(clock):
+    dimming = Dimming(clock, None)
+    clock.advance(1e6)
+    dimming.refresh(awake=False)
+    assert not dimming.dimmed
+    dimming.set_after(AFTER_S)
+    for awake, seconds, dimmed in ((False, AFTER_S, True), (True, 0.0, False), (False, 9.0, False)):
+        clock.advance(seconds)
+        dimming.refresh(awake=awake)
+        assert dimming.dimmed is dimmed
+
+
+@pytest.fixture
+def dimmable(application, clock):
+    window = opened_window(application, clock=clock)
+    window.settings.dim_choices[2].click()
+    show(window, snapshot(SurveyState.SURVEYING))
+    yield window
+    close(window)
+
+
+def dim(window, clock, shown=None):
+    clock.advance(AFTER_S)
+    show(window, shown or snapshot(SurveyState.SURVEYING))
+    return window.settings.cover.isVisible()
+
+
+def touch(window, widget):
+    """Touch the screen where a widget is, as a finger does."""
+    place = widget.mapTo(window, widget.rect().center())
+    QTest.mouseClick(window.windowHandle(), Qt.LeftButton, pos=place)
+
+
+def test_the_first_touch_only_wakes_and_the_next_one_acts(dimmable, clock):
+    window = dimmable
+    window.show_tab(TabName.ROBOT)
+    assert dim(window, clock)
+    touch(window, window.rail.settings)
+    assert not window.settings.cover.isVisible()
+    assert not window.settings.isVisible()
+    touch(window, window.rail.settings)
+    assert window.settings.isVisible()
+
+
+def test_stop_is_seen_and_acts_on_a_dimmed_screen(dimmable, clock):
+    window = dimmable
+    bright = window.grab().toImage()
+    assert dim(window, clock)
+    assert window.settings.cover.size() == window.size()
+    dimmed = window.grab().toImage()
+    stop = window.top_bar.stop
+    inside = stop.mapTo(window, QPoint(10, stop.height() // 2))
+    assert dimmed.pixelColor(inside) == bright.pixelColor(inside)
+    outside = QPoint(window.width() // 2, window.height() - 10)
+    assert dimmed.pixelColor(outside).lightness() < 0.3 * bright.pixelColor(outside).lightness()
+    touch(window, stop)
+    assert wishes(window) == ["stop"]
+    assert not window.settings.cover.isVisible()
+
+
+def test_an_alarm_a_fault_or_a_notice_is_never_dimmed(dimmable, clock):
+    window = dimmable
+    for shown in (
+        snapshot(SurveyState.SURVEYING, alive=False),
+        snapshot(SurveyState.FAILED),
+        snapshot(SurveyState.PAUSED),
+    ):
+        assert not dim(window, clock, shown)
+        window.notice.hide()
+        assert not dim(window, clock, shown)
+        assert dim(window, clock)
+        show(window, shown)
+        assert not window.settings.cover.isVisible()
+        window.notice.hide()
+    window.notice.show_notice(refusal_notice(Refused.START, verbatim("no")))
+    assert not dim(window, clock)

@@ -1,107 +1,245 @@
-from view_kit import snapshot
-from window_helpers import click, show, wishes
+"""What the window shows of the survey that runs: band, job, cards of faults, the STOP warning."""
 
-from gpr20_common.faults import DISK_FULL
-from gpr20_common.message import Message, verbatim
+import itertools
+from dataclasses import replace
+
+import pytest
+from PyQt5.QtCore import Qt
+from PyQt5.QtTest import QTest
+from PyQt5.QtWidgets import QLabel
+from view_kit import (
+    ASKED_STOP,
+    FULL,
+    MOVING,
+    RESTING,
+    description,
+    make_grid,
+    paused,
+    said,
+    snapshot,
+    state_of,
+)
+from window_helpers import (
+    click,
+    close,
+    hold,
+    hold_to_start,
+    opened_window,
+    show,
+    until,
+    wishes,
+)
+
+from gpr20_common.message import verbatim
 from gpr20_doctor.mid.node_health import HealthLevel, NodeHealth
-from gpr20_operator.robot.condition import JobLevel
-from gpr20_operator.robot.events import ControlState, Progress
+from gpr20_operator.ground.trace_events import SurveyDescribed
+from gpr20_operator.robot.condition import Condition, JobLevel
+from gpr20_operator.robot.events import Answer, Progress, Request, TargetPosition
 from gpr20_operator.robot.health import HealthReport
-from gpr20_operator.robot.notices import Refused, refusal_notice
-from gpr20_survey.plan.survey_state import SurveyState
+from gpr20_operator.robot.notices import Refused, fault_notice, refusal_notice
+from gpr20_operator.robot.stop_confirmation import ANSWER_S
+from gpr20_survey.plan.survey_state import ENDED, SurveyState
 from gpr20_user_interface.window.rail import TabName
 
+DETAILS = [FULL.fault_code, FULL.details]
 
-def test_state_and_progress_are_seen_from_every_tab(window):
+
+def job(code, **other):
+    """Return what is known of a robot with a plan."""
+    values = {
+        "progress": Progress("id", 99.99, 1000000, 999999, 10**7),
+        "job_parameters": make_grid().plan[0],
+        **other,
+    }
+    return snapshot(code, **values)
+
+
+SURVEYING, FAULTY = job(SurveyState.SURVEYING), job(SurveyState.PAUSED, state=paused(FULL))
+
+
+def report(*nodes):
+    return HealthReport(tuple(NodeHealth(*node) for node in nodes))
+
+
+@pytest.fixture
+def band(window):
+    return window.top_bar.band
+
+
+def test_state_and_progress_are_seen_from_every_tab(window, band):
     show(window, snapshot(SurveyState.SURVEYING, progress=Progress("id", 99.99, 90, 89, 61.0)))
-    assert window.top_bar.band.title.whole == "SURVEYING 99 %"
-    assert window.top_bar.band.message.whole == "2 min left"
-    assert window.top_bar.band.simulated.isVisible()
+    assert band.title.whole == "SURVEYING 99 %"
+    assert band.message.whole == "2 min left"
+    assert band.simulated.isVisible()
+    signs = []
+    for level in JobLevel:
+        band.show_condition(Condition(level, verbatim(""), verbatim("")), "", "")
+        signs.append(band.sign.pixmap().toImage())
+    assert not any(one == other for one, other in itertools.combinations(signs, 2))
 
 
-def test_trouble_cannot_be_overlooked_and_goes_when_its_cause_goes(window):
-    failed = NodeHealth("vna_acquisition", HealthLevel.ERROR, verbatim("no answer"), {})
-    for known, title, words in (
-        ({"master_alive": False}, "NO CONTACT", "ROS master does not answer: the robot may"),
-        ({"alive": False}, "NO CONTACT", "No contact with the main control for 7 s: the robot may"),
-        ({"health": HealthReport((failed,))}, "SURVEYING", "VNA driver: no answer"),
-    ):
-        show(window, snapshot(SurveyState.SURVEYING, **known))
-        band = window.top_bar.band
-        assert band.level in (JobLevel.FAULT, JobLevel.ATTENTION)
-        assert words in band.message.whole
-        assert band.title.whole == title
-        show(window, snapshot(SurveyState.SURVEYING))
-        assert band.level is JobLevel.WORKING
-        assert words not in band.message.whole
-
-
-def test_refusal_is_a_dialog_with_reason_and_next_step_that_leaves_stop_free(window):
-    received = wishes(window)
+def test_a_refusal_is_a_card_with_reason_next_step_and_details_that_leaves_stop_free(window):
+    received, notice = wishes(window), window.notice
     show(window, snapshot(SurveyState.SURVEYING))
-    reason = verbatim("<b>the reason</b>")
     for number, refused in enumerate(Refused, 1):
-        window.notice.show_notice(refusal_notice(refused, reason))
-        assert window.notice.isVisible()
-        assert window.notice.reason.toPlainText() == "<b>the reason</b>"
-        assert window.notice.first.isVisible() and window.notice.first.text()
-        assert not window.notice.geometry().intersects(window.top_bar.geometry())
+        notice.show_notice(refusal_notice(refused, verbatim("<b>the reason</b>")))
+        assert notice.isVisible()
+        assert notice.reason.toPlainText() == "<b>the reason</b>"
+        assert notice.first.isVisible() and notice.first.text()
+        assert not notice.details_button.isVisible()
+        assert not notice.geometry().intersects(window.top_bar.geometry())
         click(window.top_bar.stop)
         assert received == ["stop"] * number
-        click(window.notice.close_button)
-        assert not window.notice.isVisible()
+        click(notice.close_button)
+        assert not notice.isVisible()
+    notice.show_notice(refusal_notice(Refused.START, FULL))
+    for is_open in (False, True, False):
+        assert notice.details.isVisible() is is_open and notice.reason.isVisible() is not is_open
+        assert notice.details.toPlainText().splitlines() == DETAILS
+        click(notice.details_button)
 
 
-NO_SPACE = Message(
-    "the disk is full", details="[Errno 28] No space left on device: '/data/traces/7.json'"
-).with_fault(DISK_FULL)
-DETAILS = f"{DISK_FULL.code}\n{NO_SPACE.details}"
-
-
-def test_details_of_a_refusal_are_behind_a_button(window):
-    notice = window.notice
-    notice.show_notice(refusal_notice(Refused.START, NO_SPACE))
-    assert notice.reason.toPlainText() == "The disk is full"
-    assert not notice.details.isVisible()
-    click(notice.details_button)
-    assert notice.details.isVisible()
-    assert notice.details.toPlainText() == DETAILS
-    click(notice.details_button)
-    assert notice.reason.isVisible() and not notice.details.isVisible()
-    notice.show_notice(refusal_notice(Refused.START, verbatim("no details")))
-    assert not notice.details_button.isVisible()
-
-
-def test_touch_on_the_band_opens_the_fault_with_its_details(window):
-    received = wishes(window)
-    status = Message("Paused: {reason}", reason=NO_SPACE)
-    state = ControlState(SurveyState.PAUSED, status, "id", True)
-    show(window, snapshot(SurveyState.PAUSED, state=state))
-    window.notice.hide()
-    click(window.top_bar.band.message)
-    assert window.notice.isVisible()
-    assert window.notice.title.text() == "The survey is PAUSED by a fault."
-    assert window.notice.reason.toPlainText() == "The disk is full"
-    assert window.notice.details.toPlainText() == DETAILS
-    assert window.notice.first.text() == str(DISK_FULL.remedy)
-    click(window.top_bar.stop)
-    assert received == ["stop"]
-
-
-def test_touch_on_a_node_opens_its_message_details_and_values(window):
+def test_a_touch_on_a_node_opens_its_message_details_and_values(window):
     window.show_tab(TabName.ROBOT)
-    nodes = (
-        NodeHealth("main_control", HealthLevel.OK, verbatim("measuring"), {}),
-        NodeHealth("vna_processing", HealthLevel.ERROR, NO_SPACE, {"free disk [MB]": "0.0"}),
+    nodes = report(
+        ("main_control", HealthLevel.OK, verbatim("measuring"), {}),
+        ("vna_processing", HealthLevel.ERROR, FULL, {"free disk [MB]": "0.0"}),
     )
-    show(window, snapshot(SurveyState.IDLE, health=HealthReport(nodes)))
-    show(window, window.survey.snapshot)
+    for _ in range(2):
+        show(window, snapshot(SurveyState.IDLE, health=nodes))
     click(window.robot.overview.parts.tile("vna_processing"))
-    assert window.notice.title.text() == "Storage: FAULT"
-    assert window.notice.reason.toPlainText() == "The disk is full"
-    assert window.notice.first.text() == str(DISK_FULL.remedy)
-    assert window.notice.details.toPlainText().splitlines() == [
-        *DETAILS.splitlines(),
-        "node: vna_processing",
-        "free disk [MB]: 0.0",
-    ]
+    notice = window.notice
+    assert notice.title.text() == "Storage: FAULT"
+    assert notice.reason.toPlainText() == "The disk is full"
+    assert notice.first.text() == str(FULL.fault.remedy)
+    shown = notice.details.toPlainText().splitlines()
+    assert shown == [*DETAILS, "node: vna_processing", "free disk [MB]: 0.0"]
+
+
+def test_the_job_is_shown_in_large_type_from_the_begin_of_a_survey_to_its_end(window):
+    def is_shown():
+        return window.survey_tab.currentWidget() is window.job
+
+    show(window, job(SurveyState.IDLE))
+    assert not is_shown()
+    for code in ENDED:
+        show(window, SURVEYING)
+        assert is_shown()
+        show(window, job(code))
+        assert not is_shown()
+    called = {"name": "Field 4", "site": "x"}
+    window.on_event(SurveyDescribed(description(survey_id="id", annotation=called)))
+    progress, target = Progress("id", 42.7, 242, 103, 1080.0), TargetPosition(150.0, 50.0, 0.0)
+    show(window, job(SurveyState.SURVEYING, progress=progress, target=target))
+    page = window.job
+    assert (page.left.text(), page.percent.text()) == ("18 min left", "42 %")
+    assert page.line.text() == "Line 1 of 4"
+    assert page.area.whole == "Field 4, 100 x 60 mm"
+    assert page.percent.fontMetrics().height() >= 2.5 * page.area.fontMetrics().height()
+
+
+def test_the_small_map_is_that_of_the_survey_and_drawn_only_when_it_changes(window, monkeypatch):
+    drawn = []
+    monkeypatch.setattr(window.job.map, "show_coverage", lambda model: drawn.append(model.grid))
+    window.draw()
+    assert drawn == [], "CONTROL shows the plan"
+    for survey, name in (("id", "Field 4"), ("next", "East")):
+        begun = state_of(SurveyState.CHECKING, survey_id=survey)
+        show(window, job(SurveyState.CHECKING, state=begun))
+        for _ in range(3):
+            window.draw()
+        # Nothing of the one before.
+        assert "Field 4" not in window.job.area.whole and drawn.pop() is None
+        text = description(survey_id=survey, annotation={"name": name})
+        window.on_event(SurveyDescribed(text))
+        show(window, job(SurveyState.SURVEYING, state=begun))
+        for _ in range(3):
+            window.draw()
+        assert window.job.area.whole.startswith(f"{name}, ")
+        assert drawn.pop().survey_id == survey and drawn == []
+
+
+def test_a_fault_opens_a_card_once_and_its_resume_asks_like_the_one_of_the_bar(window, band):
+    received, notice = wishes(window), window.notice
+    show(window, SURVEYING)
+    assert not notice.isVisible()
+    for touched in (None, window.job.card, band.message):
+        show(window, FAULTY)
+        if touched is not None:
+            assert not notice.isVisible()
+            click(touched)
+        assert notice.isVisible() and notice.resume.isVisible()
+        assert notice.reason.toPlainText() == "The disk is full"
+        assert notice.first.text() == str(FULL.fault.remedy)
+        assert not notice.details.isVisible()
+        assert notice.details.toPlainText().splitlines() == DETAILS
+        click(notice.close_button)
+    click(window.job.card)
+    click(notice.resume)
+    # It resumes nothing by itself.
+    assert received == [] and window.start_sheet.isVisible()
+    assert not notice.isVisible()
+    hold_to_start(window)
+    assert received == ["resume"]
+
+
+def test_a_card_goes_with_its_fault_and_no_other_card_does(window):
+    for fault in (
+        FAULTY,
+        job(SurveyState.SURVEYING, alive=False),
+        job(SurveyState.IDLE, interrupted=True),
+    ):
+        show(window, fault)
+        assert window.notice.isVisible() and window.notice.first.text()
+        show(window, SURVEYING)
+        assert not window.notice.isVisible()
+        show(window, fault)
+        window.notice.show_notice(fault_notice(paused(MOVING)))
+        show(window, SURVEYING)
+        assert window.notice.isVisible()
+        window.notice.hide()
+
+
+def test_a_stop_of_axes_that_are_silent_says_at_once_to_switch_off_the_motors(window):
+    gone = job(SurveyState.SURVEYING, axes=(), master_alive=False)
+    show(window, gone)
+    QTest.mousePress(window.top_bar.stop, Qt.LeftButton)
+    warning = window.stop_warning
+    assert warning.isVisible()
+    QTest.mouseRelease(window.top_bar.stop, Qt.LeftButton)
+    assert warning.title.text() == "SWITCH OFF THE MOTORS' POWER"
+    assert warning.title.fontMetrics().height() >= 2.5 * window.fontMetrics().height()
+    bar = window.top_bar.geometry()
+    assert warning.geometry().top() == bar.bottom() + 1
+    assert warning.geometry().bottom() == window.rect().bottom()
+    # Nothing may cover it.
+    window.notice.show_notice(fault_notice(paused(FULL)))
+    show(window, gone)
+    assert window.childAt(400, 300) in (warning, *warning.findChildren(QLabel))
+    # It is closed by a hold and not by a tap.
+    click(warning.close_button)
+    assert warning.isVisible()
+    hold(warning.close_button)
+    assert not warning.isVisible()
+    click(window.top_bar.stop)
+    assert warning.isVisible()
+    at_rest = said(SurveyState.STOPPED, ASKED_STOP)
+    show(window, job(SurveyState.STOPPED, state=at_rest, master_alive=False))
+    assert not warning.isVisible()
+
+
+def test_a_stop_that_is_not_answered_is_said_between_two_refreshes(application, clock):
+    window = opened_window(application, clock=clock)
+    try:
+        axes = tuple(replace(one, received_s=clock.now_s()) for one in RESTING)
+        show(window, job(SurveyState.SURVEYING, axes=axes))
+        QTest.mousePress(window.top_bar.stop, Qt.LeftButton)
+        assert not window.stop_warning.isVisible()
+        clock.advance(ANSWER_S + 0.001)
+        assert until(window.stop_warning.isVisible)
+        window.on_event(Answer(Request.STOP, True, verbatim("stopping")))
+        assert window.stop_warning.isVisible()
+        show(window, SURVEYING)
+        assert not window.stop_warning.isVisible()
+    finally:
+        close(window)

@@ -4,6 +4,7 @@ import dataclasses
 
 import pytest
 from asked_storage import Storage
+from imported_kit import imported_folder
 from view_kit import (
     FOLDER,
     PAST,
@@ -15,13 +16,24 @@ from view_kit import (
     state_of,
     trace_at,
 )
+from window_helpers import click
 
 from gpr20_common.message import verbatim
 from gpr20_operator.ground.coverage import CoverageRuns, StopState
-from gpr20_operator.ground.trace_events import SurveyDescribed, SurveyRead, SurveysListed
+from gpr20_operator.ground.grid import Stop, grid_from_description
+from gpr20_operator.ground.past_surveys import Ending, PastSurveys
+from gpr20_operator.ground.trace_events import (
+    SurveyDescribed,
+    SurveyRead,
+    SurveysListed,
+    TracesRead,
+)
 from gpr20_operator.ground.traces import TracePresenter
 from gpr20_operator.robot.replay import ReplayMark, ReplayView
+from gpr20_survey.folder.trace_files import read_trace
 from gpr20_survey.plan.survey_state import RUNNING, SurveyState
+from gpr20_survey.trace.trace_block import TraceBlock
+from gpr20_user_interface.window.rail import TabName
 
 NEXT = "1b4e28ba-2fa1-41d2-883f-0016d3cca427"
 ALL_STORED = tuple(range(40))
@@ -116,30 +128,21 @@ def test_a_past_survey_says_so_and_which_one_it_is(traces):
     open_past(traces)
     started = traces.past.find(FOLDER).local_time()
     assert str(traces.band) == f"PAST SURVEY: {started}, 7c9e6679"
-    traces.show_live()
-    assert traces.band is None
-
-
-def test_a_past_survey_is_called_by_its_name(traces):
     (listed,) = traces.past.surveys
     named = dataclasses.replace(listed, name="field 3, east")
     traces.on_event(SurveysListed("", (named,), False))
-    open_past(traces)
     assert str(traces.band).endswith(", field 3, east")
-
-
-def test_a_past_survey_that_is_opened_during_a_survey_says_that_it_is_not_that_one(traces):
     note(traces, SurveyState.SURVEYING)
     open_past(traces)
     note(traces, SurveyState.SURVEYING)
     assert "NOT THE RUNNING SURVEY" in str(traces.band)
     assert traces.shown.survey_id == PAST
-
-
-def test_a_past_survey_without_its_entry_in_the_list_is_named_by_its_folder(problems):
-    traces = TracePresenter(Storage(), problems.append)
-    open_past(traces)
-    assert str(traces.band) == f"PAST SURVEY: {FOLDER}"
+    traces.show_live()
+    assert traces.band is None
+    # Without its entry in the list it is named by its folder.
+    unlisted = TracePresenter(Storage(), [].append)
+    open_past(unlisted)
+    assert str(unlisted.band) == f"PAST SURVEY: {FOLDER}"
 
 
 def test_a_replay_is_shown_without_a_band_and_without_a_list_of_surveys(traces):
@@ -161,3 +164,47 @@ def test_the_survey_replayed_before_is_not_shown_as_another_one(traces):
         assert traces.shown.map.grid is None
         traces.on_event(SurveyDescribed(description(survey_id=survey)))
         assert traces.shown.survey_id == survey
+
+
+def imported(folder, traces):
+    """Return what the list says of an imported survey."""
+    values = {"outcome": "imported", "verdict": None, "simulated": False}
+    counts = {"stored_traces": traces, "planned_traces": 0}
+    return past_survey(folder=folder.name, **values, **counts)
+
+
+def test_an_imported_survey_opens_without_a_fault_and_is_not_resumed(window, tmp_path):
+    for size in ((5, 1), (1, 5), (6, 4), (1, 1)):
+        folder, count = imported_folder(tmp_path / str(size), *size), size[0] * size[1]
+        window.show_tab(TabName.SURVEYS)
+        window.on_event(SurveysListed("", (imported(folder, count),), False))
+        window.past.choose(imported(folder, count))
+        assert not window.past.resume.isEnabled()
+        click(window.past.open)
+        text = (folder / "survey.json").read_text("ascii")
+        window.on_event(SurveyRead(folder.name, text, tuple(range(count))))
+        shown = window.traces.shown
+        traces = tuple(map(read_trace, sorted((folder / "traces").iterdir())))
+        block = TraceBlock.of(shown.map.grid.survey_id, traces)
+        window.on_event(TracesRead(0, block, {}))
+        window.refresh()
+        assert shown.map.counts()[StopState.DONE] == shown.radar.count == count
+        assert shown.map.grid.simulated is False and shown.map.grid.plan is None
+        window.show_tab(TabName.GROUND)
+        window.grab()
+        window.ground.show_place(0.0, 0.0)
+        assert window.ground.model.stop == Stop(0, 0)
+        assert not window.ground.view.finer.isEnabled()
+        assert window.traces.past.problem is None
+        assert str(window.traces.band).startswith("IMPORTED SURVEY: ")
+
+
+def test_an_imported_survey_is_listed_as_such_and_a_touch_selects_its_nearest_stop(tmp_path):
+    folder = imported_folder(tmp_path)
+    surveys, survey = PastSurveys(), imported(folder, 5)
+    surveys.take("", (survey,), False)
+    assert surveys.ending_of(survey) is Ending.IMPORTED
+    assert surveys.can_open(survey) and not surveys.can_resume(survey)
+    grid = grid_from_description((folder / "survey.json").read_text("ascii"))
+    assert grid.nearest_stop(41.0, 700.0) == Stop(0, 2)
+    assert grid.nearest_stop(120.0, 0.0) is None

@@ -5,9 +5,8 @@ from pathlib import Path
 
 import pytest
 from pseudo_language import PSEUDO, write_pseudo_catalogue
-from PyQt5.QtTest import QTest
 from tutorial_code import code_blocks
-from window_helpers import click, close, new_window
+from window_helpers import click, close, new_window, until
 
 from gpr20_analysis.commands import main as gpr20
 from gpr20_common.catalogue import Catalogue, Language
@@ -34,20 +33,17 @@ def folder(tmp_path, monkeypatch):
     return tmp_path
 
 
-def test_the_languages_are_the_catalogues_found(folder):
+def test_the_languages_are_the_catalogues_found_and_what_one_lacks_is_english(folder, capsys):
     assert languages() == [Language.ENGLISH, Language.SPANISH, PORTUGUESE, PSEUDO]
-    (folder / "es.po").write_text('msgid "START"\nmsgstr "¡YA!"\n')
-    spanish = read_catalogue(Language.SPANISH)
-    # Other words on this computer; the rest is that of the project.
-    assert (spanish.template("START"), spanish.template("Settings")) == ("¡YA!", "Ajustes")
-
-
-def test_the_catalogue_of_the_page_translates_and_what_it_lacks_is_english(folder, capsys):
     portuguese = read_catalogue(PORTUGUESE)
     assert portuguese.template("START") == "INICIAR"
     assert portuguese.template("Colours") == "Colours"
     assert gpr20.main(["info", "/nowhere", "--language", "pt"]) == 3
     assert "/nowhere não existe" in capsys.readouterr().err
+    (folder / "es.po").write_text('msgid "START"\nmsgstr "¡YA!"\n')
+    spanish = read_catalogue(Language.SPANISH)
+    # Other words on this computer; the rest is that of the project.
+    assert (spanish.template("START"), spanish.template("Settings")) == ("¡YA!", "Ajustes")
 
 
 def test_a_translation_with_other_values_than_its_template_is_not_used(folder):
@@ -66,35 +62,38 @@ def test_a_translation_with_other_values_than_its_template_is_not_used(folder):
     assert catalogue.text(Message("one {a}", a=1)) == "one 1"
 
 
-def test_the_window_offers_and_uses_it_and_remembers_it(application, folder, tmp_path):
-    memory = WindowMemory(SettingsFile(tmp_path / "window.yaml"))
+@pytest.fixture
+def memory(tmp_path):
+    return WindowMemory(SettingsFile(tmp_path / "window.yaml"))
+
+
+@pytest.fixture
+def window(application, folder, memory):
     window = new_window(Languages(application, Language.ENGLISH), profiles=folder, memory=memory)
     window.resize(800, 480)
     window.show()
     click(window.rail.settings)
+    yield window
+    close(window)
+
+
+def test_the_window_offers_and_uses_it_and_remembers_it(window, memory, tmp_path):
     sheet = window.settings
     assert sheet.languages[PSEUDO].text() == PSEUDO.own_name
     click(sheet.languages[PSEUDO])
-    QTest.qWait(1)  # the change of language is an event
-    assert sheet.title.text().startswith("Séttîñgš")
+    assert until(lambda: sheet.title.text().startswith("Séttîñgš"))
     assert sheet.labels[1].text() == LEFT_OUT
-    assert memory.close(10.0)
-    close(window)
+    assert memory.close(30.0)
     assert WindowMemory(SettingsFile(tmp_path / "window.yaml")).settings.language == PSEUDO
 
 
-def test_a_damaged_catalogue_is_named_and_the_window_keeps_its_language(application, folder):
+def test_a_damaged_catalogue_is_named_and_the_window_keeps_its_language(window, memory, folder):
     (folder / "pt.po").write_text('msgid "START"\nmsgstr\n')
-    memory = WindowMemory()
-    window = new_window(Languages(application, Language.ENGLISH), profiles=folder, memory=memory)
-    window.show()
-    click(window.rail.settings)
     sheet = window.settings
-    click(next(button for one, button in sheet.languages.items() if one.value == "pt"))
+    click(sheet.languages[PORTUGUESE])
     assert f"{folder}/pt.po" in sheet.hint.text()
     assert sheet.languages[Language.ENGLISH].isChecked()
     assert memory.settings.language == Language.ENGLISH
-    close(window)
 
 
 def test_run_survey_offers_and_uses_it(folder, capsys):
