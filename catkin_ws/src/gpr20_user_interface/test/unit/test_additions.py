@@ -24,8 +24,7 @@ from gpr20_operator.ground.additions import (
 from gpr20_operator.ground.finer_plan import SIZES_MM, plan_finer, proposed_spacing, spacing_of
 from gpr20_operator.ground.geometry import Area
 from gpr20_operator.ground.grid import planned_grid
-from gpr20_operator.ground.laid_over import MOST_VOXELS, laid_over
-from gpr20_operator.jobs.pictures import MOST_IMAGES
+from gpr20_operator.ground.laid_over import laid_over
 from gpr20_survey.plan.survey_parameters import RobotTravel, Travel, check, coordinate_limits_mm
 from gpr20_survey.results.focused_image import FocusedImage
 
@@ -82,18 +81,6 @@ def test_a_marker_is_shown_when_the_storage_has_it(storage, additions):
     assert additions.markers == (marker,)
     additions.remove_marker(marker.marker_id)
     assert storage.asked[-1] == ("remove marker", SURVEY, marker.marker_id, "Ana")
-
-
-def test_images_of_finer_surveys_are_kept_but_not_without_end(additions):
-    additions.on_event(AdditionsRead(SURVEY, (), (RELATED,)))
-    additions.pictures.add_image(focused())
-    additions.pictures.add_image(focused(survey_id=FINER))
-    assert [one.survey_id for one in additions.finer_images] == [FINER]
-    for number in range(2 * MOST_IMAGES):
-        assert additions.image is not None  # it is looked at
-        additions.pictures.add_image(focused(survey_id=str(number)))
-    assert additions.candidates == (SURE, DOUBTED)
-    assert additions.finer_images == ()
 
 
 def test_a_finer_survey_is_focused_once_and_laid_over_the_coarse_one(storage):
@@ -162,12 +149,6 @@ def test_what_the_finer_survey_does_not_have_stays():
     fine.levels_db[:] = np.arange(4.0)[:, None, None]
     found = laid_over(COARSE, [fine])
     assert [level_at(found, 45.0, 35.0, one) for one in (0.0, 20.0, 40.0)] == [0.0, 2.0, 3.0]
-
-
-def test_the_memory_of_laid_images_is_bounded():
-    wide = image(SURVEY, np.arange(0, 1600, 5), np.arange(0, 1600, 5), 1.0, np.arange(60.0))
-    fine = image(FINER, np.arange(100, 200, 1), np.arange(100, 200, 1), 7.0, np.arange(60.0))
-    assert laid_over(wide, [fine]).levels_db.size <= MOST_VOXELS
 
 
 def test_a_finer_plan_has_half_the_spacing_and_all_else_of_the_survey():

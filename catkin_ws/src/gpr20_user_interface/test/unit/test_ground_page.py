@@ -12,7 +12,7 @@ from PyQt5.QtTest import QTest
 from test_ground_model import image_of
 from view_kit import PAST, SURVEY, make_grid, noise, state_of, trace_at
 from view_kit import snapshot as known
-from window_helpers import click, close, hold, opened_window, show
+from window_helpers import click, close, hold, opened_window
 
 from gpr20_common.catalogue import Language
 from gpr20_common.message import Message, verbatim
@@ -25,7 +25,6 @@ from gpr20_operator.ground.coverage import CoverageRuns
 from gpr20_operator.ground.model import Layer
 from gpr20_operator.ground.records import Axis, Colours, Place
 from gpr20_operator.robot.events import Answer, Request
-from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_survey.radar.soils import Soils
 from gpr20_user_interface.window.rail import TabName
 
@@ -139,17 +138,6 @@ def test_candidates_and_markers_are_counted_visited_and_described(filled, view):
     touch(view.pictures.above, MARKER.x_mm, MARKER.y_mm)
     marker = ["Marker: raíz", "X 175, Y 70, depth 60 mm", "2026-11-21 05:10 UTC Ana"]
     assert said(view) == marker
-
-
-def test_what_is_not_done_is_found_one_after_the_other_and_says_why(window, view):
-    fill(window, 10)
-    cover(window, 10, [verbatim("ADC: no answer")])
-    window.draw()
-    for x_mm in (100.0, 125.0):
-        click(view.next)
-        assert window.ground.model.place == Place(x_mm, 70.0)
-    touch(view.pictures.above, 200.0, 70.0)
-    assert said(view)[1:] == ["Failed", "ADC: no answer", "No trace to show"]
 
 
 def test_the_settings_change_what_is_drawn_and_never_the_data(filled, view):
@@ -326,26 +314,6 @@ def test_a_finer_survey_goes_to_the_plan_and_starts_only_there(filled):
     assert filled.survey.finer == filled.additions.plan == sheet.plan
     filled.on_event(Answer(Request.START, True, verbatim("Survey started")))
     assert filled.survey.finer is filled.additions.plan is None
-
-
-def test_a_plan_made_while_a_survey_runs_is_kept_found_again_and_dropped(filled, view):
-    show(filled, in_state(SurveyState.SURVEYING))
-    sheet = finer_sheet(filled)
-    assert "running" in sheet.note.text()
-    click(sheet.use)
-    assert view.isVisible()
-    assert filled.survey.finer is None
-    plan = filled.additions.plan
-    show(filled, in_state(SurveyState.FINISHED))
-    filled.draw()
-    assert view.finer.text() == "Finer\nplan"
-    click(view.finer)
-    click(sheet.use)
-    assert filled.survey.finer == sheet.plan == plan
-    filled.show_tab(TabName.GROUND)
-    click(view.finer)
-    click(sheet.drop)
-    assert filled.additions.plan is filled.survey.finer is None
 
 
 def test_a_marker_is_written_on_the_pad_and_sent_to_the_storage(filled, view):

@@ -12,7 +12,6 @@ from hypothesis import strategies as st
 from map_kit import MARKER
 from PyQt5.QtCore import QPoint, QPointF, Qt
 from PyQt5.QtTest import QTest
-from test_ground_model import image_of
 from view_kit import make_grid
 
 from gpr20_common.message import verbatim
@@ -20,9 +19,6 @@ from gpr20_operator.ground.cells import TILES, Cell
 from gpr20_operator.ground.coverage import CoverageRuns, MapModel, StopState
 from gpr20_operator.ground.geometry import Area
 from gpr20_operator.ground.marks import GroundMark
-from gpr20_operator.ground.records import Colours, RadarSettings
-from gpr20_operator.ground.shade_colours import NOT_MEASURED
-from gpr20_operator.ground.sources import FocusedSource
 from gpr20_user_interface.look.look import Look, Mark
 from gpr20_user_interface.widgets.ground_picture import Frame, GroundPicture
 from gpr20_user_interface.widgets.ink import round_ticks
@@ -102,18 +98,6 @@ def test_what_is_loading_missing_or_there_differs_with_and_without_the_states(pi
     picture.show_coverage(model_of(grid), states=False)
     assert colours(picture, 125.0, 55.0, reach=5) == {colour(Mark.PAPER)}
     assert colour(Mark.STOP_MISSING) in colours(picture, 126.0, 95.0, reach=6)
-
-
-def test_an_image_covers_the_states_and_leaves_what_it_lacks(picture, grid):
-    image = image_of(grid)
-    image.levels_db[:, 6:] = np.nan
-    slice_ = FocusedSource(image).slice(RadarSettings(depth_m=0.2))
-    picture.show_picture(slice_, Colours.ENVELOPE)
-    assert (picture.numbers[6:] == NOT_MEASURED).all()
-    assert colours(picture, 126.0, 95.0, reach=6) >= {colour(Mark.STOP_MISSING)}
-    assert colours(picture, 110.0, 58.0) == {"#440154"}
-    picture.show_picture(None, Colours.ENVELOPE)
-    assert picture.numbers is None
 
 
 @given(

@@ -137,12 +137,6 @@ def test_what_is_deleted_or_changed_is_named_as_it_was_and_will_be():
     assert rows(question) == {"Survey": "field 3", "Operator": "Ana → —", "Notes": "wet → dry"}
 
 
-def test_long_names_end_where_the_sheet_ends():
-    shown = rows(start(annotation=Annotation("O" * 200, "S" * 200, name="N" * 200)))
-    assert len(shown["Name"]) == 3 * LONGEST_SHOWN + len(", ") + len(" · ")
-    assert shown["Name"].endswith("…")
-
-
 @given(st.text("abc ", max_size=60), st.text("x", min_size=1, max_size=60), st.text("u"))
 def test_the_old_and_the_new_text_never_look_the_same(same, old, new):
     ((_title, text),) = overwritten(Annotation(notes=same + old), Annotation(notes=same + new))

@@ -1,7 +1,5 @@
 """A job: only its last request may answer. When the window asks for a focused image."""
 
-import dataclasses
-
 import map_kit
 import pytest
 from hypothesis import given
@@ -162,19 +160,3 @@ def test_images_of_other_surveys_come_one_at_a_time_and_all_end_with_the_window(
     imaging.end()
     assert len(node.cancelled) == 2
     assert imaging.focus("another", 4.0)
-
-
-def test_an_image_that_another_page_has_replaced_is_made_again(imaging, node, now):
-    wanted = WANTED._replace(permittivity=9.0)
-    imaging.keep(wanted)
-    image = map_kit.focused()
-    found = dataclasses.replace(image.found, permittivity=9.0)
-    node.ticket("focus").done(dataclasses.replace(image, found=found))
-    now.s += PERIOD_S
-    imaging.keep(wanted)
-    assert len(node.of("focus")) == 1
-    imaging.pictures.add_image(image)  # with 4
-    for _ in range(3):
-        imaging.keep(wanted)
-        now.s += PERIOD_S
-    assert node.of("focus")[1:] == [(SURVEY, 9.0)]

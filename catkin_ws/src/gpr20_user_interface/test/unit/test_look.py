@@ -1,10 +1,7 @@
 """What is seen: contrast, size, themes and signs, and a screen that is dimmed after a while."""
 
-import re
-
 import pytest
-from PyQt5.QtCore import QPoint, QSize, Qt
-from PyQt5.QtGui import QIcon
+from PyQt5.QtCore import QPoint, Qt
 from PyQt5.QtTest import QTest
 from view_kit import snapshot
 from window_helpers import close, opened_window, show, wishes
@@ -12,14 +9,11 @@ from window_helpers import close, opened_window, show, wishes
 from gpr20_common.message import verbatim
 from gpr20_operator.robot.notices import Refused, refusal_notice
 from gpr20_survey.plan.survey_state import SurveyState
-from gpr20_user_interface.look.icons import FOLDER, icon
 from gpr20_user_interface.look.look import (
-    Look,
     Mark,
     TextColours,
     Theme,
 )
-from gpr20_user_interface.look.style_sheet import style_sheet
 from gpr20_user_interface.touch.dimming import Dimming
 from gpr20_user_interface.window.rail import TabName
 
@@ -47,29 +41,6 @@ def test_every_text_and_every_mark_is_seen():
             assert contrast(*colours.of(theme)) >= TEXT_CONTRAST, colours
         for mark in set(Mark) - {Mark.PAPER}:
             assert contrast(mark.of(theme), Mark.PAPER.of(theme)) >= MARK_CONTRAST, mark
-
-
-def test_the_style_sheet_has_the_palette_alone_and_no_ink_without_its_ground():
-    for theme in Theme:
-        palette = {mark.of(theme) for mark in Mark}
-        palette.update(colour for colours in TextColours for colour in colours.of(theme))
-        sheet = style_sheet(Look(theme))
-        assert set(re.findall(r"#[0-9a-fA-F]{6}\b", sheet)) <= palette
-        assert not re.search(r"(color|background):\s*[a-z]", sheet)
-        for rule in re.findall(r"\{([^}]*)\}", sheet):
-            assert "background:" in rule or not re.search(r"(?<![-\w])color:", rule)
-
-
-def test_a_sign_has_the_colour_that_it_is_asked_for_also_where_it_is_disabled(application):
-    for path in FOLDER.glob("*.svg"):
-        drawn = icon(path.stem, "#8f0000", 32)
-        for mode in (QIcon.Normal, QIcon.Disabled):
-            picture = drawn.pixmap(QSize(32, 32), mode).toImage()
-            pixels = [picture.pixelColor(x, y) for x in range(32) for y in range(32)]
-            solid = {one.name() for one in pixels if one.alpha() == 255}
-            assert solid == {"#8f0000"}, path.name
-    with pytest.raises(FileNotFoundError):
-        icon("no such sign", "#8f0000", 32)
 
 
 def test_what_must_be_seen_and_never_keep_it_awake(clock):

@@ -31,7 +31,7 @@ from window_helpers import (
 )
 
 from gpr20_common.message import verbatim
-from gpr20_doctor.mid.node_health import HealthLevel, NodeHealth
+from gpr20_doctor.mid.node_health import NodeHealth
 from gpr20_operator.ground.trace_events import SurveyDescribed
 from gpr20_operator.robot.condition import Condition, JobLevel
 from gpr20_operator.robot.events import Answer, Progress, Request, TargetPosition
@@ -39,7 +39,6 @@ from gpr20_operator.robot.health import HealthReport
 from gpr20_operator.robot.notices import Refused, fault_notice, refusal_notice
 from gpr20_operator.robot.stop_confirmation import ANSWER_S
 from gpr20_survey.plan.survey_state import ENDED, SurveyState
-from gpr20_user_interface.window.rail import TabName
 
 DETAILS = [FULL.fault_code, FULL.details]
 
@@ -97,23 +96,6 @@ def test_a_refusal_is_a_card_with_reason_next_step_and_details_that_leaves_stop_
         assert notice.details.isVisible() is is_open and notice.reason.isVisible() is not is_open
         assert notice.details.toPlainText().splitlines() == DETAILS
         click(notice.details_button)
-
-
-def test_a_touch_on_a_node_opens_its_message_details_and_values(window):
-    window.show_tab(TabName.ROBOT)
-    nodes = report(
-        ("main_control", HealthLevel.OK, verbatim("measuring"), {}),
-        ("vna_processing", HealthLevel.ERROR, FULL, {"free disk [MB]": "0.0"}),
-    )
-    for _ in range(2):
-        show(window, snapshot(SurveyState.IDLE, health=nodes))
-    click(window.robot.overview.parts.tile("vna_processing"))
-    notice = window.notice
-    assert notice.title.text() == "Storage: FAULT"
-    assert notice.reason.toPlainText() == "The disk is full"
-    assert notice.first.text() == str(FULL.fault.remedy)
-    shown = notice.details.toPlainText().splitlines()
-    assert shown == [*DETAILS, "node: vna_processing", "free disk [MB]: 0.0"]
 
 
 def test_the_job_is_shown_in_large_type_from_the_begin_of_a_survey_to_its_end(window):

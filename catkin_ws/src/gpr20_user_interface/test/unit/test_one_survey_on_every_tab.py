@@ -20,8 +20,7 @@ from window_helpers import click
 
 from gpr20_common.message import verbatim
 from gpr20_operator.ground.coverage import CoverageRuns, StopState
-from gpr20_operator.ground.grid import Stop, grid_from_description
-from gpr20_operator.ground.past_surveys import Ending, PastSurveys
+from gpr20_operator.ground.grid import Stop
 from gpr20_operator.ground.trace_events import (
     SurveyDescribed,
     SurveyRead,
@@ -157,15 +156,6 @@ def test_a_replay_is_shown_without_a_band_and_without_a_list_of_surveys(traces):
     assert traces.source.asked == []
 
 
-def test_the_survey_replayed_before_is_not_shown_as_another_one(traces):
-    for survey in (SURVEY, PAST):
-        replay = ReplayView(ReplayMark(survey, rate=1.0), state=SurveyState.FINISHED)
-        note(traces, SurveyState.FINISHED, survey, replay)
-        assert traces.shown.map.grid is None
-        traces.on_event(SurveyDescribed(description(survey_id=survey)))
-        assert traces.shown.survey_id == survey
-
-
 def imported(folder, traces):
     """Return what the list says of an imported survey."""
     values = {"outcome": "imported", "verdict": None, "simulated": False}
@@ -197,14 +187,3 @@ def test_an_imported_survey_opens_without_a_fault_and_is_not_resumed(window, tmp
         assert not window.ground.view.finer.isEnabled()
         assert window.traces.past.problem is None
         assert str(window.traces.band).startswith("IMPORTED SURVEY: ")
-
-
-def test_an_imported_survey_is_listed_as_such_and_a_touch_selects_its_nearest_stop(tmp_path):
-    folder = imported_folder(tmp_path)
-    surveys, survey = PastSurveys(), imported(folder, 5)
-    surveys.take("", (survey,), False)
-    assert surveys.ending_of(survey) is Ending.IMPORTED
-    assert surveys.can_open(survey) and not surveys.can_resume(survey)
-    grid = grid_from_description((folder / "survey.json").read_text("ascii"))
-    assert grid.nearest_stop(41.0, 700.0) == Stop(0, 2)
-    assert grid.nearest_stop(120.0, 0.0) is None

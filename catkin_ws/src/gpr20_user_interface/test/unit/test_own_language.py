@@ -106,6 +106,7 @@ def test_run_survey_offers_and_uses_it(folder, capsys):
         parse_arguments(["--language", "fr"], Catalogue())
 
 
+@pytest.mark.release
 def test_the_commands_of_the_page_begin_check_and_update_a_catalogue(tmp_path):
     path = tmp_path / "fr.po"
 

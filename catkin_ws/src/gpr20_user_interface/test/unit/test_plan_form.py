@@ -10,7 +10,7 @@ from view_kit import TRAVEL as ROBOT
 from view_kit import past_survey, snapshot
 
 from gpr20_operator.ground.past_surveys import PastSurveys
-from gpr20_operator.plan.fields import PLAN, VALUE_TILES, default_parameters
+from gpr20_operator.plan.fields import default_parameters
 from gpr20_operator.plan.form import PlanForm, points_for
 from gpr20_operator.plan.presets import PresetContext
 from gpr20_operator.plan.preview import (
@@ -19,15 +19,13 @@ from gpr20_operator.plan.preview import (
     preview,
     quarter_wavelength_mm,
 )
-from gpr20_operator.plan.tiles import resumable, spacing_warning, tile_lines, tile_problem
+from gpr20_operator.plan.tiles import resumable, spacing_warning
 from gpr20_operator.robot.events import RobotFigures
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.axes.axis_parameters import AxisParameters
-from gpr20_survey.plan.annotation import EMPTY
 from gpr20_survey.plan.imported import IMPORTED
 from gpr20_survey.plan.robot_config import RobotConfig
 from gpr20_survey.plan.survey_cost import survey_cost
-from gpr20_survey.plan.survey_parameters import problems
 from gpr20_survey.plan.survey_settings import SurveySettings
 from gpr20_survey.plan.survey_state import SurveyState
 
@@ -122,26 +120,6 @@ def test_a_profile_is_measured_as_it_is_whatever_its_spacing():
         # The spacing gives the same points again.
         other.set_text("x_stop_mm", other.texts["x_stop_mm"])
         assert other.check().parameters == wanted
-
-
-def test_any_text_gives_tiles_and_good_parameters_or_a_problem_on_a_tile():
-    draw = random.Random(3)
-    texts = ["", "0", "12,5", "-1", "abc", "1e99", "600", "6000", "0;90", "300", "GPIB0::1::INSTR"]
-    form = PlanForm(ROBOT)
-    for number in range(draws(300)):
-        if number % 30 == 0:
-            form = PlanForm(ROBOT)
-        form.set_text(draw.choice(PLAN).name, draw.choice(texts))
-        if draw.random() < 0.3:
-            form.arrow(draw.choice(PLAN).name, draw.choice([-10, 1, 100]))
-        if draw.random() < 0.2:
-            form.normalize()
-        check = form.check()
-        assert all(len(tile_lines(tile, form.texts, EMPTY)) == 2 for tile in VALUE_TILES)
-        wrong = [tile for tile in VALUE_TILES if tile_problem(tile, check) is not None]
-        assert (check.parameters is None) == bool(wrong), form.texts
-        if check.parameters is not None:
-            assert problems(check.parameters, ROBOT) == []
 
 
 def context(form, last_area=None):

@@ -164,12 +164,3 @@ def test_file_that_is_no_profile_is_refused_with_its_fault(profiles, folder):
         path.write_text(text)
         with raises_fault(faults.PROFILE_UNREADABLE, shown, error=ProfileError):
             profiles.load("a")
-
-
-def test_what_is_no_file_or_has_another_name_is_not_listed(profiles, folder):
-    folder.mkdir()
-    (folder / "a.b.yaml").write_text("")
-    (folder / "a.txt").write_text("")
-    (folder / "a.yaml").mkdir()
-    os.mkfifo(str(folder / "b.yaml"))
-    assert profiles.names() == []

@@ -10,7 +10,6 @@ from PyQt5.QtWidgets import QLabel
 from view_kit import FOLDER, past_survey, snapshot, state_of
 from window_helpers import click, enter, hold, open_field, show, start, tile_of, wishes
 
-from gpr20_operator import faults
 from gpr20_operator.ground.trace_events import SurveysListed
 from gpr20_operator.plan.fields import TILE_FIELDS, VALUE_TILES, default_parameters
 from gpr20_operator.plan.preview import preview
@@ -19,8 +18,7 @@ from gpr20_operator.robot.events import Request, RobotDefaults
 from gpr20_operator.robot.replay import ReplayMark, ReplayView
 from gpr20_survey.plan.site import Site
 from gpr20_survey.plan.survey_state import SurveyState
-from gpr20_survey.trace.sweep_settings import AnalyzerSettings
-from gpr20_user_interface.widgets.keys import ERASE, UP
+from gpr20_user_interface.widgets.keys import ERASE
 
 
 def text(window, name):
@@ -91,19 +89,6 @@ def test_a_touch_fills_in_an_area_or_a_spacing_and_undo_brings_back_what_there_w
     click(values.undo)
     click(values.done)
     assert idle.control.parameters == before
-
-
-def test_settings_of_the_vna_are_chosen_with_the_arrows_and_reach_the_survey(idle):
-    for choose in (lambda: press(idle, [UP]), lambda: click(idle.values.presets[0])):  # AS SET
-        click(idle.control.tiles[Tile.VNA])
-        for name in TILE_FIELDS[Tile.VNA][1:]:
-            idle.values.choose(name)
-            choose()
-        click(idle.values.done)
-        start(idle)
-    chosen, as_set = (one.sweep_settings.analyzer for one in wishes(idle))
-    assert chosen == AnalyzerSettings(10.0, 1, "LOW")
-    assert not as_set.is_known
 
 
 def test_what_is_wrong_is_named_in_sheet_and_tile_and_start_says_which_tile(idle):
@@ -284,19 +269,6 @@ def test_fields_are_saved_and_loaded_with_fingers_alone(idle):
     assert idle.control.parameters.x_points == 9
 
 
-def test_a_taken_or_forbidden_name_cannot_be_accepted_and_is_not_red_before_typing(idle):
-    save(idle, "a")
-    click(idle.profiles.save)
-    pad = idle.profiles.pad
-    assert pad.hint.property("level") != "wrong" and not pad.accept_button.isEnabled()
-    for name in ("a", "a ", "-a", "a" * 33):
-        pad.edit.setPlainText(name)
-        assert pad.hint.property("level") == "wrong" and not pad.accept_button.isEnabled()
-    assert "1 to 32 of a to z, 0 to 9, - and _, inside also spaces" in pad.hint.text()
-    pad.edit.setPlainText("ab")
-    assert pad.accept_button.isEnabled()
-
-
 def test_deleting_is_asked_elsewhere_and_takes_a_hold(idle):
     save(idle, "a")
     idle.profiles.names.setCurrentRow(0)
@@ -314,13 +286,3 @@ def test_deleting_is_asked_elsewhere_and_takes_a_hold(idle):
     hold(confirm.hold)
     assert names(idle) == []
     assert not confirm.isVisible() and idle.profiles.isVisible()
-
-
-def test_damaged_profile_opens_a_dialog(idle, tmp_path):
-    (tmp_path / "a.yaml").write_text("[")
-    click(idle.control.saved)
-    idle.profiles.names.setCurrentRow(0)
-    click(idle.profiles.load)
-    assert idle.notice.isVisible()
-    assert faults.PROFILE_UNREADABLE.code in idle.notice.details.toPlainText()
-    assert idle.notice.title.text() == "The profile cannot be used."
