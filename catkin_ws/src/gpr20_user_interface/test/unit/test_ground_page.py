@@ -10,8 +10,7 @@ from finger import colours, drag, touch
 from map_kit import DOUBTED, MARKER, SURE, focused
 from PyQt5.QtTest import QTest
 from test_ground_model import image_of
-from view_kit import PAST, SURVEY, make_grid, noise, state_of, trace_at
-from view_kit import snapshot as known
+from view_kit import PAST, SURVEY, make_grid, noise, trace_at
 from window_helpers import click, close, hold, opened_window
 
 from gpr20_common.catalogue import Language
@@ -287,11 +286,6 @@ def test_over_a_candidate_nothing_is_said_to_be_nothing(window, view):
     model.set_depth(0.25)
     refreshed(view)
     assert all("Nothing above the clutter" in plot.notice for plot in plots)
-
-
-def in_state(code):
-    """Return what is known while the survey that is shown is in a state."""
-    return known(code, state=state_of(code, survey_id=SURVEY))
 
 
 def finer_sheet(window):

@@ -31,11 +31,9 @@ from window_helpers import (
 )
 
 from gpr20_common.message import verbatim
-from gpr20_doctor.mid.node_health import NodeHealth
 from gpr20_operator.ground.trace_events import SurveyDescribed
 from gpr20_operator.robot.condition import Condition, JobLevel
 from gpr20_operator.robot.events import Answer, Progress, Request, TargetPosition
-from gpr20_operator.robot.health import HealthReport
 from gpr20_operator.robot.notices import Refused, fault_notice, refusal_notice
 from gpr20_operator.robot.stop_confirmation import ANSWER_S
 from gpr20_survey.plan.survey_state import ENDED, SurveyState
@@ -54,10 +52,6 @@ def job(code, **other):
 
 
 SURVEYING, FAULTY = job(SurveyState.SURVEYING), job(SurveyState.PAUSED, state=paused(FULL))
-
-
-def report(*nodes):
-    return HealthReport(tuple(NodeHealth(*node) for node in nodes))
 
 
 @pytest.fixture

@@ -12,12 +12,10 @@ from view_kit import past_survey, snapshot
 from gpr20_operator.ground.past_surveys import PastSurveys
 from gpr20_operator.plan.fields import default_parameters
 from gpr20_operator.plan.form import PlanForm, points_for
-from gpr20_operator.plan.presets import PresetContext
 from gpr20_operator.plan.preview import (
     CostEstimated,
     CostEstimator,
     preview,
-    quarter_wavelength_mm,
 )
 from gpr20_operator.plan.tiles import resumable, spacing_warning
 from gpr20_operator.robot.events import RobotFigures
@@ -120,11 +118,6 @@ def test_a_profile_is_measured_as_it_is_whatever_its_spacing():
         # The spacing gives the same points again.
         other.set_text("x_stop_mm", other.texts["x_stop_mm"])
         assert other.check().parameters == wanted
-
-
-def context(form, last_area=None):
-    quarter_mm = quarter_wavelength_mm(form.check().parameters, 4.0)
-    return PresetContext(ROBOT, last_area or {}, "", quarter_mm)
 
 
 def test_only_the_last_survey_is_offered_and_only_if_it_ended_early_and_can_be_resumed():
