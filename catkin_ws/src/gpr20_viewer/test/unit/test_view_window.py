@@ -127,6 +127,9 @@ def test_every_view_shows_the_same_place_and_a_click_in_any_moves_all(windows, s
     _x, delays_ns = sections.b_scan.hyperbola.getData()
     assert np.argmin(delays_ns) == 5 and abs(delays_ns.min() - delay_ns) < 1e-6
     assert "x 240 mm, y 240 mm, depth 83 mm" in window.cursor_text.text()
+    # The target is the brightest of its slice.
+    shown = sections.slice.colours
+    assert shown[5, 5] == shown.max() > shown.min()
     for along, start in enumerate((Place(0.2, 0.24, 0.15), Place(0.24, 0.2, 0.15))):
         window.controls.direction.setCurrentIndex(along)
         for plot, begin, across, down in (
