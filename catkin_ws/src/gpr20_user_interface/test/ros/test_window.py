@@ -1,261 +1,439 @@
 #!/usr/bin/env python3
-"""The real window on a real screen and a real ROS graph, with a fake main_control."""
+"""The real window, touched on a screen of its own, with the whole simulated robot.
+
+`GPR20_REAL_TOUCHES` sets how many touches come at random, `GPR20_SEED` which.
+"""
 
 from __future__ import annotations
 
-import time
-from typing import List
+import contextlib
+import hashlib
+import json
+import os
+import random
+import re
+import shutil
+import signal
+import socket
+import socketserver
+import subprocess
+import sys
+import tempfile
+import threading
+import unittest
+from pathlib import Path
+from typing import Any, Callable, Dict, List, Tuple
 
-from fake_main_control import ANSWER_LIMIT_S, FakeMainControl
-from PyQt5 import sip
-from PyQt5.QtWidgets import QApplication
-from window_case import WindowCase, new_interface, run_on_a_screen, wait_until
+import actionlib
+import rosgraph
+import rospkg
+import rospy
+import rostest
+from touched_window import Screen, TouchedWindow
+from waiting import LIMIT_S, wait_until
 
-from gpr20_common.catalogue import Language
-from gpr20_common.high.services import advertise
-from gpr20_common.low.clock import Clock
-from gpr20_common.message import Message, verbatim
-from gpr20_common.sent_message import message_fields
-from gpr20_msgs.srv import Command, CommandResponse
-from gpr20_operator.plan.spec import Tile
-from gpr20_operator.robot.survey_model import SurveyModel
-from gpr20_survey.plan.annotation import Annotation, Wgs84Position
+from gpr20_common.high.service_client import ServiceClient
+from gpr20_msgs.msg import AxisAction, AxisGoal, ControlStatus
+from gpr20_msgs.srv import Command
+from gpr20_operator.files.settings_file import SettingsFile
+from gpr20_operator.plan.memory import RememberedPlan, values_of
+from gpr20_simulator.srv import SetFault
+from gpr20_survey.axes.axis_id import AxisId
+
+sys.path.insert(0, os.path.join(rospkg.RosPack().get_path("gpr20"), "test", "ros"))
+from survey_client import node_pid
+
+TOUCHES = int(os.environ.get("GPR20_REAL_TOUCHES", "30"))
+WIDTH_PX, HEIGHT_PX = 800, 480
+# Shorter than a hold; the longest ones still open what a long press would.
+LONGEST_TAP_S = 0.3
+PLACE = re.compile(r"X (-?\d+)\D+(\d+)\D+Y (-?\d+)\D+(\d+)")
+GRID = {"start_mm": "50", "stop_mm": "150", "spacing_mm": "20", "points": "6"}
+LOG = "log.jsonl"
+# What touches without a hold may add to the log: a permittivity, markers, a report on a stick.
+ADDITIONS = {"decision", "marker", "marker_removed", "export", "audit"}
+# Copies of what the log says.
+COPIES = {"survey.json", "manifest.json"}
+MOVING = {
+    ControlStatus.CHECKING,
+    ControlStatus.HOMING,
+    ControlStatus.SURVEYING,
+    ControlStatus.PAUSING,
+}
 
 
-class Window(WindowCase):
-    def setUp(self) -> None:
-        self.fake = FakeMainControl("")
-        self.addCleanup(lambda: self.fake.close())
-        self.open_window()
-        wait_until(lambda: self.title() == "IDLE", "the window has contact with main_control")
-        wait_until(lambda: self.enabled() == "start", "START is unlocked")
+class Link:
+    """The cable between the window and the master's computer, which a test may pull out.
+
+    Attributes:
+        uri: Where the window finds its master.
+    """
+
+    def __init__(self, port: int) -> None:
+        self._ends: List[socket.socket] = []
+        self._server = self._listening(0, port)
+        self._port = self._server.server_address[1]
+        self.uri = f"http://127.0.0.1:{self._port}"
+
+    def cut(self) -> None:
+        """Let nothing pass any more; more than once does nothing."""
+        self._server.shutdown()
+        self._server.server_close()
+        for one in self._ends:
+            with contextlib.suppress(OSError):
+                one.shutdown(socket.SHUT_RDWR)
+
+    def join(self, port: int) -> None:
+        """Let the window reach the master at a port, which may be another one."""
+        self._server = self._listening(self._port, port)
+
+    def _listening(self, port: int, target: int) -> socketserver.ThreadingTCPServer:
+        ends = self._ends
+
+        class Carrier(socketserver.BaseRequestHandler):
+            def handle(self) -> None:
+                with socket.create_connection(("127.0.0.1", target)) as far:
+                    ends.extend((self.request, far))
+                    threading.Thread(target=copy, args=(far, self.request), daemon=True).start()
+                    copy(self.request, far)
+
+        class Server(socketserver.ThreadingTCPServer):
+            allow_reuse_address = True
+            daemon_threads = True
+
+        server = Server(("127.0.0.1", port), Carrier)
+        threading.Thread(target=server.serve_forever, args=(0.05,), daemon=True).start()
+        return server
+
+
+def copy(source: socket.socket, target: socket.socket) -> None:
+    """Carry what one side says to the other one, until either ends."""
+    with contextlib.suppress(OSError):
+        while True:
+            said = source.recv(65536)
+            if not said:
+                break
+            target.sendall(said)
+        target.shutdown(socket.SHUT_WR)
+
+
+class Window(unittest.TestCase):
+    """The tests run in the order of their names, with one robot, one screen and one window."""
+
+    @classmethod
+    def setUpClass(cls) -> None:
+        # The master's port, before anything takes it away.
+        cls.master_port = int(rosgraph.get_master_uri().rstrip("/").rsplit(":", 1)[1])
+        cls.data = Path(rospy.get_param("~data"))
+        cls.draw = random.Random(os.environ.get("GPR20_SEED", "1"))
+        cls.moves: List[str] = []
+        cls.codes: List[int] = []
+        cls.subscribers = [
+            rospy.Subscriber(
+                "control_status", ControlStatus, lambda one: cls.codes.append(one.code)
+            ),
+            *(
+                rospy.Subscriber(f"{axis.value}_axis/axis/goal", rospy.AnyMsg, cls.moves.append)
+                for axis in AxisId
+            ),
+        ]
+        cls.link = Link(cls.master_port)
+        cls.screen = Screen()
+        cls.folder = Path(tempfile.mkdtemp())
+        # A short survey: 6 x 6 stops of two polarizations.
+        texts = {f"{axis}_{name}": text for axis in "xy" for name, text in GRID.items()}
+        plan = RememberedPlan({**texts, "frequency_points": "101"})
+        SettingsFile(cls.folder / "plan.yaml").write(values_of(plan))
+        cls.window = cls.opened("_full_screen:=true")
+
+    @classmethod
+    def note(cls, status: ControlStatus) -> None:
+        cls.codes.append(status.code)
+
+    @classmethod
+    def tearDownClass(cls) -> None:
+        cls.window.kill()
+        cls.screen.kill()
+        shutil.rmtree(cls.folder)
+        shutil.rmtree(cls.data)
+
+    @classmethod
+    def opened(cls, *arguments: str) -> TouchedWindow:
+        kept = (f"_settings:={cls.folder}/window.yaml", f"_profiles:={cls.folder}/profiles")
+        return TouchedWindow(cls.screen, *kept, *arguments, ROS_MASTER_URI=cls.link.uri)
+
+    def wait_for(self, condition: Callable[[Dict[str, Any]], bool], what: str) -> Dict[str, Any]:
+        return self.window.wait_for(condition, what)
+
+    def wait_for_title(self, title: str) -> Dict[str, Any]:
+        return self.wait_for(lambda one: one["title"] == title, f"the robot is {title}")
+
+    def wait_for_traces(self, more_than: int) -> Dict[str, Any]:
+        return self.wait_for(lambda one: one["visited"] > more_than, "the survey takes traces")
 
     def start(self) -> None:
-        self.enter("x_points", "3")
-        self.enter("y_points", "3")
-        self.fake.point_limit = 7
-        self.click("start")
-        wait_until(lambda: self.window.job.percent.text() == "38 %", "progress moves")
-        # What other topics say may come later.
-        wait_until(lambda: self.window.job.line.isVisible(), "the target is shown")
-        known = self.window.survey
-        wait_until(lambda: known.snapshot.current is not None, "the position is known")
-        # The message has single precision.
-        wait_until(lambda: round(known.snapshot.height_m or 0.0, 6) == 0.312, "the height is known")
-        wait_until(lambda: self.title() == "SURVEYING", "the status is shown")
+        """Start a survey with the plan that the window proposes."""
+        window = self.window
+        wait_until(lambda: self.may_start(window), "START is unlocked")
+        window.tap("control.start")
+        window.hold("start_sheet.hold")
 
-    def test_start_progress_stop(self) -> None:
+    def may_start(self, window: TouchedWindow) -> bool:
+        """Close what hides the plan; return whether START can be touched."""
+        for key in ("notice.close_button", "result.plan"):
+            if window.takes_touches(key):
+                window.tap(key)
+        return window.takes_touches("control.start")
+
+    def resume(self) -> None:
+        """Hold the button of the sheet that asks."""
+        self.window.hold("start_sheet.hold")
+
+    def stop(self) -> None:
+        """Touch STOP, and wait until the survey has ended for that."""
+        self.window.tap("top_bar.stop")
+        shown = self.wait_for_title("STOPPED")
+        self.assertEqual(shown["code"], "survey.stopped_on_request")
+        self.wait_for(lambda one: not one["pending"], "STOP is answered")
+
+    def test_1_a_first_survey_is_seen_whole_though_its_window_was_killed(self) -> None:
+        window = self.window
+        place = window.find("window")
+        self.assertEqual(place["frame"], place["screen"])
+        self.assertEqual(place["window"], [0, 0, WIDTH_PX, HEIGHT_PX])
+        self.assertEqual(place["outside"], [])
+        wait_until(lambda: window.takes_touches("control.start"), "there is contact")
         self.start()
-        self.assertEqual(self.window.job.percent.text(), "38 %")
-        self.assertEqual(self.window.job.left.text(), "Less than 1 min left")
-        self.assertTrue(self.window.top_bar.band.simulated.isVisible())
-        self.assertFalse(self.window.control.tiles[Tile.AREA].isEnabled())
-        wait_until(lambda: self.enabled() == "pause", "PAUSE is unlocked")
-        self.keep_picture("surveying")
-        self.fake.may_stop.clear()
-        self.click("stop")
-        wait_until(lambda: self.title() == "STOPPING", "stop is asked for")
-        # The axes still move: the window does not claim that they stopped (nor unlocks).
-        self.assertEqual(self.enabled(), "")
-        self.fake.may_stop.set()
-        wait_until(lambda: self.title() == "STOPPED", "main_control says stopped")
-        wait_until(lambda: self.enabled() == "start", "START is unlocked")
-        self.assertFalse(self.window.notice.isVisible())
+        self.assertEqual(window.touches, 2)
+        self.wait_for_title("SURVEYING")
+        before = self.wait_for_traces(4)
+        self.assertEqual(window.kill(), -signal.SIGKILL)
 
-    def test_notes_written_with_a_finger_go_with_the_start(self) -> None:
-        sheet = self.window.annotation
-        self.touch_notes()
-        for name, text in (("operator", "Lucía Peña"), ("position", "4.6,-74.1")):
-            self.touch(sheet.tiles[name])
-            sheet.pad.press(text)
-            self.touch(sheet.pad.accept_button)
-        self.keep_picture("notes")
-        self.touch(sheet.save)
+        # The next one has a frame.
+        type(self).window = window = self.opened("_full_screen:=false")
+        wait_until(lambda: self.fits(window), "it is on the screen with its frame")
+        now = self.wait_for_traces(before["visited"])
+        self.assertEqual((now["title"], now["locked"], now["simulated"]), ("SURVEYING", True, True))
+        window.tap("top_bar.pause")
+        paused = self.wait_for_title("PAUSED")
+        self.assertEqual(paused["parameters"], before["parameters"])
+        # What it has missed is read back.
+        paused = self.wait_for(is_all_seen, "every trace so far is on MAP and RADAR")
+        self.assertLess(paused["visited"], paused["area_traces"])
+        window.tap("top_bar.pause")
+        self.resume()
+        done = self.wait_for_title("FINISHED")
+        done = self.wait_for(is_all_seen, "every trace is on MAP and RADAR")
+        self.assertEqual((done["visited"], done["area_traces"]), (72, 72))
+        first = "result.rows.0.place"
+        wait_until(lambda: window.find(first)["visible"], "the places are shown")
+        self.assertRegex(window.find(first)["text"], PLACE)
+
+    def fits(self, window: TouchedWindow) -> bool:
+        known = window.find("window")
+        left, top, width, height = known["frame"]
+        inside = min(left, top) >= 0 and left + width <= WIDTH_PX and top + height <= HEIGHT_PX
+        return inside and known["frame"] != known["window"] and not known["outside"]
+
+    def test_2_random_touches_and_a_stall_move_nothing_and_change_no_record(self) -> None:
+        records = self.records()
+        self.assertTrue(records)
+        self.assertTrue(self.moves, "moves are noticed")
+        self.moves.clear()
+        self.codes.clear()
+        screens = set()
+        for number in range(TOUCHES):
+            if number == TOUCHES // 2:
+                with self.window.stalled():
+                    for _ in range(5):
+                        self.touch_anywhere()
+            screens.add(self.touch())
+            self.assertEqual(self.moves, [], f"touch {number}")
+        self.assertTrue(self.window.takes_touches("top_bar.stop"))
+        # They were no touches of a window that takes none.
+        self.assertGreater(len(screens), 3)
+        self.assertEqual(MOVING.intersection(self.codes), set())
+        self.assert_kept(records)
+
+    def touch(self) -> Tuple[Tuple[int, int], ...]:
+        """Touch a key or anywhere, or wipe; return the places of the keys that were looked at."""
+        chance = self.draw.random()
+        keys = self.window.find("keys")["keys"] if chance < 0.5 else []
+        if keys:
+            x, y = self.draw.choice(keys)
+            self.window.tap_at(x, y, self.draw.uniform(0.02, LONGEST_TAP_S))
+        elif chance < 0.6:
+            self.window.drag(self.place(), self.place())
+        else:
+            self.touch_anywhere()
+        return tuple(map(tuple, keys))
+
+    def touch_anywhere(self) -> None:
+        self.window.tap_at(*self.place(), self.draw.uniform(0.02, 0.1))
+
+    def place(self) -> Tuple[int, int]:
+        return self.draw.randrange(WIDTH_PX), self.draw.randrange(HEIGHT_PX)
+
+    def records(self) -> Dict[Path, bytes]:
+        """Return what is on the disk of the survey: digests, and the log as it is."""
+        found = {}
+        for path in self.data.rglob("*"):
+            if path.is_file() and path.name not in COPIES:
+                content = path.read_bytes()
+                found[path] = content if path.name == LOG else hashlib.sha256(content).digest()
+        return found
+
+    def assert_kept(self, before: Dict[Path, bytes]) -> None:
+        after = self.records()
+        for path, content in before.items():
+            self.assertIn(path, after)
+            if path.name != LOG:
+                self.assertEqual(after[path], content, path)
+                continue
+            self.assertTrue(after[path].startswith(content), path)
+            added = [json.loads(line) for line in after[path][len(content) :].splitlines()]
+            self.assertLessEqual({one["kind"] for one in added}, ADDITIONS)
+
+    def test_3_stop_reaches_an_axis_whoever_moves_it_though_the_main_control_is_frozen(
+        self,
+    ) -> None:
+        # Whatever the random touches left open, with the settings that are kept.
+        self.assertEqual(self.window.end(self.window.process.terminate), 0)
+        type(self).window = self.opened("_full_screen:=true")
+        self.wait_for(lambda one: one["title"] != "—", "there is contact")
+        self.send(AxisId.Y, 790.0)
+        with self.frozen_control():
+            # Slow, and by nobody whom the main control knows of.
+            homed: List[Any] = []
+            homing = threading.Thread(target=self.home, args=(AxisId.Y, homed))
+            homing.start()
+            shown = self.wait_for(lambda one: one["moving"] == ["y"], "the axis moves")
+            self.assertEqual(shown["condition"], "window.robot_moves")
+            self.window.tap("top_bar.stop")
+            self.wait_for(lambda one: not one["moving"], "every axis rests")
+            homing.join(LIMIT_S)
+            self.assertFalse(homed[0].success, "STOP came before the axis was homed")
+            wait_until(lambda: self.window.find("notice")["visible"], "the answers are shown")
+        self.window.tap("notice.close_button")
+        self.wait_for(lambda one: not one["condition"], "the main control is back")
+
+    def home(self, axis: AxisId, answers: List[Any]) -> None:
+        answers.append(ServiceClient(f"{axis.value}_axis/homing", Command).call(LIMIT_S))
+
+    def send(self, axis: AxisId, target_mm: float) -> None:
+        """Move an axis as a person at a terminal does, to the end."""
+        client = actionlib.SimpleActionClient(f"{axis.value}_axis/axis", AxisAction)
+        self.assertTrue(client.wait_for_server(rospy.Duration(LIMIT_S)))
+        client.send_goal(AxisGoal(target_coordinate=target_mm))
+        self.assertTrue(client.wait_for_result(rospy.Duration(LIMIT_S)))
+
+    @contextlib.contextmanager
+    def frozen_control(self) -> Any:
+        pid = node_pid("/main_control")
+        os.kill(pid, signal.SIGSTOP)
+        try:
+            yield
+        finally:
+            os.kill(pid, signal.SIGCONT)
+
+    def test_4_a_vna_that_is_gone_is_said_and_the_survey_goes_on_when_it_is_back(self) -> None:
+        set_fault = ServiceClient("simulator/set_fault", SetFault)
+        self.addCleanup(lambda: set_fault.call(LIMIT_S, device="vna", fault="NONE", count=0))
         self.start()
-        expected = Annotation("Lucía Peña", position=Wgs84Position(4.6, -74.1))
-        self.assertEqual(self.fake.annotation, expected)
+        self.wait_for_title("SURVEYING")
+        self.wait_for_traces(2)
+        set_fault.call(LIMIT_S, device="vna", fault="DROP", count=0)
+        self.wait_for(lambda one: one["trouble"], "the loss is reported")
+        held = self.wait_for_title("PAUSED")
+        wait_until(lambda: self.window.takes_touches("notice.resume"), "a card says what to do")
+        self.assertTrue(self.window.find("notice.first")["text"])
+        set_fault.call(LIMIT_S, device="vna", fault="NONE", count=0)
+        # The alarm ends with its cause, though the survey is still paused.
+        shown = self.wait_for(lambda one: not one["trouble"], "the return is reported")
+        self.assertEqual(shown["title"], "PAUSED")
+        self.window.tap("notice.resume")
+        self.resume()
+        self.wait_for_traces(held["visited"])
+        with self.frozen_control():
+            self.window.tap("top_bar.stop")
+            self.wait_for(lambda one: not one["moving"], "every axis rests")
+        self.stop()
 
-    def test_paused_survey_is_resumed(self) -> None:
+    def test_5_a_control_that_dies_interrupts_a_survey_that_a_finger_resumes_and_stops(
+        self,
+    ) -> None:
         self.start()
-        self.fake.pause("the VNA does not answer")
-        wait_until(lambda: self.enabled() == "resume", "RESUME is unlocked")
-        self.assertIn("The VNA does not answer", self.window.top_bar.band.message.whole)
-        self.fake.point_limit = 18
-        self.click("resume")
-        wait_until(lambda: self.title() == "FINISHED", "the survey continues")
-        self.assertEqual(self.window.job.percent.text(), "100 %")
+        begun = self.wait_for_title("SURVEYING")
+        held = self.wait_for_traces(2)
+        os.kill(node_pid("/main_control"), signal.SIGKILL)
+        self.wait_for(lambda one: one["condition"] == "window.interrupted", "the loss is said")
+        self.may_start(self.window)
+        self.window.tap("tab:SURVEYS")
+        wait_until(lambda: self.window.find("past.list")["visible"], "the surveys are listed")
+        self.choose_first()
+        self.window.tap("past.resume")
+        self.resume()
+        self.window.tap("tab:SURVEY")
+        shown = self.wait_for_title("SURVEYING")
+        self.assertEqual(shown["survey_id"], begun["survey_id"])
+        self.wait_for_traces(held["visited"])
+        self.link.cut()
+        self.wait_for(lambda one: one["condition"] == "window.master_lost", "the loss is said")
+        # STOP needs no master.
+        self.stop()
 
-    def test_another_vna_is_used_only_if_the_operator_accepts_it(self) -> None:
-        self.start()
-        self.fake.pause("the VNA is another one")
-        self.fake.other_analyzer = "Anritsu,MS2026C/2,62011033,1.23"
-        question = self.window.question
-        for button in (question.close_button, question.accept_button):
-            wait_until(lambda: self.enabled() == "resume", "RESUME is unlocked")
-            self.click("resume")
-            wait_until(question.isVisible, "a question opens")
-            self.keep_picture("other_vna")
-            self.assertIn(self.fake.other_analyzer, question.details.toPlainText())
-            self.fake.point_limit = 18
-            self.touch(button)
-        self.hold()
-        wait_until(lambda: self.title() == "FINISHED", "the survey continues")
-        self.assertEqual(self.fake.resumed_with, ["", "", self.fake.other_analyzer])
+    def choose_first(self) -> None:
+        """Touch the first row of the list, when it is there, until it is chosen."""
 
-    def test_axis_limits_of_the_robot_lock_start(self) -> None:
-        self.fake.describe_robot()
-        self.enter("x_stop_mm", "700")
-        wait_until(lambda: self.enabled() == "", "START is locked")
-        self.assertIn("from 0 to 650", self.window.control.tiles[Tile.AREA].sentence.whole)
-        self.enter("x_stop_mm", "650")
-        wait_until(lambda: self.enabled() == "start", "START is unlocked")
+        def is_chosen() -> bool:
+            if self.window.takes_touches("past.resume"):
+                return True
+            listed = self.window.find("past.list")
+            self.window.tap_at(listed["x"] + listed["width"] // 2, listed["y"] + 30)
+            return False
 
-    def test_refusal_opens_a_dialog_that_does_not_block(self) -> None:
-        self.fake.refusal = Message("permission denied", details="errno 13")
-        self.click("start")
-        wait_until(self.window.notice.isVisible, "a dialog opens")
-        self.assertEqual(self.window.notice.reason.toPlainText(), "Permission denied")
-        self.assertIn("errno 13", self.window.notice.details.toPlainText().splitlines())
-        self.languages.use(Language.SPANISH)
-        spanish = "Permiso denegado"
-        wait_until(
-            lambda: self.window.notice.reason.toPlainText() == spanish,
-            "it is translated",
-        )
-        self.languages.use(Language.ENGLISH)
-        self.assertEqual(self.fake.starts, 0)
-        self.keep_picture("refused")
-        self.touch(self.window.notice.close_button)
-        wait_until(lambda: self.enabled() == "start", "START can be tried again")
+        wait_until(is_chosen, "it is chosen")
 
-    def test_control_that_hangs_does_not_freeze_the_window(self) -> None:
-        self.fake.may_answer.clear()
-        self.click("start")
-        wait_until(lambda: self.fake.asked > 0, "main_control is asked")
-        self.assertEqual(self.enabled(), "")
-        started_s = time.monotonic()
-        QApplication.processEvents()
-        # A window that waits for the answer waits for a minute.
-        self.assertLess(time.monotonic() - started_s, ANSWER_LIMIT_S / 4)
-        self.fake.may_answer.set()
-        wait_until(lambda: self.fake.visited > 0, "the survey runs after all")
+    def test_6_the_next_master_is_joined(self) -> None:
+        self.link.cut()
+        with tempfile.TemporaryDirectory() as log, free_port() as port:
+            # Empty: it knows nothing of the nodes of the former one.
+            command = ["rosmaster", "--core", "-p", str(port)]
+            master = subprocess.Popen(command, env={**os.environ, "ROS_LOG_DIR": log})
+            try:
+                self.join(f"http://127.0.0.1:{port}", port)
+            finally:
+                master.kill()
+                master.wait(LIMIT_S)
 
-    def test_vanished_control_is_told_and_comes_back(self) -> None:
-        self.start()
-        self.fake.close()
-        wait_until(
-            lambda: "contact with the main control for" in self.window.top_bar.band.message.whole,
-            "the loss is reported",
-        )
-        # What the robot does is not known: neither stopped nor free to start.
-        self.assertEqual(self.title(), "SURVEYING")
-        self.assertEqual(self.enabled(), "")
-        self.keep_picture("control_gone")
-        self.fake = FakeMainControl("")
-        # The next main_control knows nothing of the survey: the window does not forget it.
-        wait_until(
-            lambda: "INTERRUPTED" in self.window.top_bar.band.title.whole, "the return is reported"
-        )
-        self.assertEqual(self.title(), "IDLE")
-        self.touch(self.window.notice.close_button)
-        wait_until(lambda: self.enabled() == "start", "START is unlocked")
-        self.click("start")
-        wait_until(
-            lambda: "SURVEYING" in self.window.top_bar.band.title.whole, "a survey runs again"
-        )
+    def join(self, uri: str, port: int) -> None:
+        graph = rosgraph.Master(rospy.get_name(), uri)
+        wait_until(graph.is_online, "the next master is there")
+        self.link.join(port)
+        self.wait_for(lambda one: one["condition"] != "window.master_lost", "the return is said")
 
-    def test_survey_of_somebody_else_is_shown(self) -> None:
-        self.start()
-        second = new_interface(SurveyModel(Clock()), self.languages)
-        second.begin()
-        self.addCleanup(lambda: sip.delete(second.window))
-        self.addCleanup(second.end)
-        wait_until(lambda: second.window.job.percent.text() == "38 %", "the second window follows")
-        mine, other = self.window.control, second.window.control
-        wait_until(lambda: not other.tiles[Tile.AREA].isEnabled(), "its parameters are locked")
-        wait_until(lambda: other.parameters == mine.parameters, "it shows the parameters")
-        self.assertTrue(second.window.top_bar.stop.isEnabled())
-        self.assertEqual(other.parameters.x_points, 3)
+        def subscribed() -> List[str]:
+            return [topic for topic, _nodes in graph.getSystemState()[1]]
 
-    def test_survey_is_paused_on_request_and_resumed(self) -> None:
-        self.fake.may_pause.clear()
-        self.start()
-        wait_until(lambda: self.enabled() == "pause", "PAUSE is unlocked")
-        self.click("pause")
-        wait_until(lambda: self.title() == "PAUSING", "the pause is asked for")
-        self.assertEqual(self.enabled(), "")
-        self.fake.may_pause.set()
-        wait_until(lambda: self.enabled() == "resume", "RESUME is unlocked")
-        self.fake.point_limit = 18
-        self.click("resume")
-        wait_until(lambda: self.title() == "FINISHED", "the survey continues")
+        wait_until(lambda: "/control_status" in subscribed(), "the window has joined it")
 
-    def test_a_pause_that_is_refused_opens_its_dialog(self) -> None:
-        self.start()
-        wait_until(lambda: self.enabled() == "pause", "PAUSE is unlocked")
-        # Between what the window shows and the touch the survey ends.
-        self.fake.end_silently()
-        self.click("pause")
-        wait_until(self.window.notice.isVisible, "a dialog opens")
-        self.assertEqual(self.window.notice.title.text(), "The survey was not paused.")
-        self.assertIn("No survey", self.window.notice.reason.toPlainText())
-        self.assertTrue(self.window.notice.first.text())
+    def test_7_a_display_that_is_lost_never_crashes_it(self) -> None:
+        self.assertEqual(self.window.end(self.screen.kill), 4)
 
-    def test_a_stop_that_nobody_answers_says_so(self) -> None:
-        self.start()
-        self.fake.close()
-        self.click("stop")
-        warning = self.window.stop_warning
-        wait_until(warning.isVisible, "over everything, until it is closed by a hold")
-        self.assertIn("MOTORS' POWER", warning.title.text())
-        wait_until(lambda: "main control does NOT" in warning.text.whole, "it is not there")
-        for axis in "xyz":
-            self.assertIn(f"{axis} axis does not answer", warning.text.whole.lower(), axis)
 
-    def test_every_press_of_stop_reaches_the_axes_whatever_the_control_says(self) -> None:
-        stopped = self.advertise_axes()
-        warning = self.window.stop_warning
-        self.start()
-        self.press_stop(stopped)
-        wait_until(lambda: self.title() == "STOPPED", "the survey ends")
-        # No survey runs now, but a goal from a terminal may move an axis.
-        self.press_stop(stopped)
-        wait_until(lambda: "main control: no survey" in warning.text.whole, "it is refused")
-        self.fake.close()
-        self.press_stop(stopped)
-        wait_until(lambda: "main control does NOT" in warning.text.whole, "it is not there")
-        # An answer proves nothing: no axis has said that it rests.
-        self.assertIn("x axis: stopping", warning.text.whole.lower())
-        self.assertTrue(warning.isVisible())
+@contextlib.contextmanager
+def free_port() -> Any:
+    with socket.socket() as one:
+        one.bind(("127.0.0.1", 0))
+        port = one.getsockname()[1]
+    yield port
 
-    def press_stop(self, stopped: List[str]) -> None:
-        stopped.clear()
-        self.click("stop")
-        wait_until(lambda: sorted(stopped) == ["x", "y", "z"], "every axis is asked")
 
-    def advertise_axes(self) -> List[str]:
-        """Advertise the services that stop the axes; return the axes that are stopped."""
-        stopped: List[str] = []
-
-        def stop(axis: str) -> CommandResponse:
-            stopped.append(axis)
-            return CommandResponse(success=True, **message_fields(verbatim("stopping")))
-
-        for axis in "xyz":
-            service = advertise(f"{axis}_axis/stop", Command, lambda _request, a=axis: stop(a))
-            self.addCleanup(service.shutdown)
-        return stopped
-
-    def test_language_changes_at_once(self) -> None:
-        self.start()
-        sheet = self.window.settings
-        self.touch(self.window.rail.settings)
-        self.touch(sheet.languages[Language.SPANISH])
-        wait_until(lambda: self.window.top_bar.pause.text() == "PAUSAR", "it speaks Spanish")
-        self.assertEqual(sheet.title.text(), "Ajustes")
-        self.touch(sheet.languages[Language.ENGLISH])
-        wait_until(lambda: self.window.top_bar.pause.text() == "PAUSE", "it speaks English")
+def is_all_seen(shown: Dict[str, Any]) -> bool:
+    """Return whether every visited trace is on the map and in the radar pictures."""
+    return shown["visited"] == shown["on_map"] == shown["on_radar"] > 0
 
 
 if __name__ == "__main__":
-    run_on_a_screen("window", Window)
+    rospy.init_node("test_window", disable_signals=True)
+    rostest.rosrun("gpr20_user_interface", "window", Window)

@@ -3,17 +3,20 @@
 from __future__ import annotations
 
 import json
+import os
+import shutil
 import signal
 import subprocess
 import sys
+import tempfile
 import time
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any, Dict, Iterator, Optional, Sequence, Tuple
+from typing import Any, Callable, Dict, Iterator, Tuple
 
-from virtual_screen import VirtualScreen, WindowManager, program_path
-from waiting import wait_until
+from waiting import LIMIT_S, wait_until
 
+SIZE = "800x480"
 # As long as the window takes no touch after something has opened or closed, and a little more.
 QUIET_S = 0.5
 # How long a finger touches.
@@ -21,76 +24,129 @@ TAP_S = 0.06
 HOLD_S = 1.3
 
 
+def program_path(name: str) -> str:
+    """Return the path of a program that the tests need."""
+    path = shutil.which(name)
+    if path is None:
+        raise AssertionError(f"{name} is missing; run scripts/setup.sh --dev")
+    return path
+
+
+class Screen:
+    """An X server on a display number that it chooses itself, with a window manager."""
+
+    def __init__(self) -> None:
+        reading, writing = os.pipe()
+        self._server = _silent(
+            *(program_path("Xvfb"), "-displayfd", str(writing), "-nolisten", "tcp"),
+            *("-screen", "0", f"{SIZE}x24"),
+            pass_fds=[writing],
+        )
+        os.close(writing)
+        with os.fdopen(reading) as answer:
+            # Ends with the server if it does not start.
+            number = answer.readline().strip()
+        if not number:
+            raise AssertionError("Xvfb did not start")
+        self.environment = {**os.environ, "DISPLAY": f":{number}", "QT_QPA_PLATFORM": "xcb"}
+        with tempfile.TemporaryDirectory() as folder:
+            started = Path(folder) / "started"
+            # It gives every window a frame, as on a desktop.
+            self._manager = _silent(
+                *(program_path("openbox"), "--sm-disable", "--startup", f"touch {started}"),
+                env=self.environment,
+            )
+            wait_until(started.exists, "the window manager runs")
+
+    def finger(self, *words: str) -> None:
+        """Do what xdotool is told to."""
+        command = [program_path("xdotool"), *words]
+        subprocess.run(command, env=self.environment, check=True, timeout=LIMIT_S)
+
+    def kill(self) -> None:
+        """End it without a warning to its windows; more than once does nothing."""
+        for process in (self._server, self._manager):
+            process.kill()
+            process.wait(LIMIT_S)
+
+
+def _silent(*command: str, **options: Any) -> subprocess.Popen:
+    return subprocess.Popen(
+        command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, **options
+    )
+
+
 class TouchedWindow:
     """A window, and the finger on it.
 
     Args:
-        folder: Where it keeps settings and profiles.
-        size: Width and height of the screen, as in 800x480.
-        full_screen: Whether the window covers the screen.
-        managed: Whether a window manager runs.
-        arguments: More arguments of the window, such as its language or services of another name.
+        screen: Where it is shown.
+        arguments: Options of the window's program.
+        environment: Variables of the window alone.
 
     Attributes:
         touches: How many times the finger touched.
+        process: Of the window.
     """
 
-    def __init__(
-        self,
-        folder: Path,
-        size: str = "800x480",
-        full_screen: bool = True,
-        managed: bool = True,
-        arguments: Sequence[str] = (),
-    ) -> None:
+    def __init__(self, screen: Screen, *arguments: str, **environment: str) -> None:
         self.touches = 0
-        self._closed = False
-        self.screen = VirtualScreen(size)
-        self._manager: Optional[WindowManager] = None
-        if managed:
-            self._manager = WindowManager(self.screen)
-        program = Path(__file__).with_name("touch_window.py")
-        options = ["--full-screen"] if full_screen else []
-        self._process = subprocess.Popen(
-            [sys.executable, str(program), "--folder", str(folder), *options, *arguments],
-            env={**self.screen.environment, "QT_XCB_GL_INTEGRATION": "none"},
+        self._screen = screen
+        program = Path(__file__).with_name("window_process.py")
+        self.process = subprocess.Popen(
+            [sys.executable, str(program), *arguments],
+            env={**screen.environment, **environment},
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             universal_newlines=True,
         )
-        wait_until(lambda: self.find("top_bar.stop")["visible"], "the window is there")
+        wait_until(lambda: self.takes_touches("top_bar.stop"), "the window is there")
 
-    def find(self, name: str) -> Dict[str, Any]:
-        """Return where a part of the window is on the screen, and how it is."""
-        if self._process.stdin is None or self._process.stdout is None:
-            raise AssertionError("the window has no pipes")
-        self._process.stdin.write(f"{name}\n")
-        self._process.stdin.flush()
-        line = self._process.stdout.readline()
+    def find(self, name: str = "") -> Dict[str, Any]:
+        """Return where a part of the window is on the screen, and how it is; empty: all of it."""
+        assert self.process.stdin is not None and self.process.stdout is not None
+        self.process.stdin.write(f"{name}\n")
+        self.process.stdin.flush()
+        line = self.process.stdout.readline()
         if not line:
-            raise AssertionError(f"the window has ended with {self._process.wait()}")
+            raise AssertionError(f"the window has ended with {self.process.wait()}")
         return json.loads(line)
 
-    def is_shown(self, name: str) -> bool:
-        """Whether a part of the window is visible."""
-        return bool(self.find(name)["visible"])
+    def wait_for(self, condition: Callable[[Dict[str, Any]], bool], what: str) -> Dict[str, Any]:
+        """Wait for what the window shows; return it."""
+        seen: Dict[str, Any] = {}
 
-    def tap(self, name: str) -> None:
+        def holds() -> bool:
+            seen.update(self.find())
+            return condition(seen)
+
+        try:
+            wait_until(holds, what)
+        except AssertionError as error:
+            raise AssertionError(f"{error}: {seen}") from error
+        return seen
+
+    def takes_touches(self, name: str) -> bool:
+        """Return whether a part of the window is seen and can be touched."""
+        found = self.find(name)
+        return bool(found["visible"] and found["enabled"])
+
+    def tap(self, name: str, for_s: float = TAP_S) -> None:
         """Touch a part of the window when it takes touches."""
         wait_until(lambda: self.takes_touches(name), f"{name} takes touches")
         time.sleep(QUIET_S)
-        self.tap_at(*self.centre(name))
+        found = self.find(name)
+        middle = found["x"] + found["width"] // 2, found["y"] + found["height"] // 2
+        self.tap_at(*middle, for_s)
 
-    def hold(self, name: str, for_s: float = HOLD_S) -> None:
+    def hold(self, name: str) -> None:
         """Touch a part of the window for long."""
-        wait_until(lambda: self.takes_touches(name), f"{name} takes touches")
-        time.sleep(QUIET_S)
-        self.tap_at(*self.centre(name), for_s)
+        self.tap(name, HOLD_S)
 
     def tap_at(self, x: int, y: int, for_s: float = TAP_S) -> None:
         """Touch a place on the screen, whatever is there."""
         self.touches += 1
-        self._finger(
+        self._screen.finger(
             *("mousemove", str(x), str(y), "mousedown", "1"),
             *("sleep", f"{for_s:g}", "mouseup", "1"),
         )
@@ -98,47 +154,29 @@ class TouchedWindow:
     def drag(self, start: Tuple[int, int], end: Tuple[int, int]) -> None:
         """Wipe over the screen."""
         self.touches += 1
-        self._finger(
-            *("mousemove", str(start[0]), str(start[1]), "mousedown", "1"),
-            *("mousemove", str(end[0]), str(end[1]), "mouseup", "1"),
+        places = [[str(side) for side in place] for place in (start, end)]
+        self._screen.finger(
+            *("mousemove", *places[0], "mousedown", "1"),
+            *("mousemove", *places[1], "mouseup", "1"),
         )
 
     @contextmanager
-    def stalled(self, for_s: float) -> Iterator[None]:
+    def stalled(self) -> Iterator[None]:
         """Let the window do nothing for a time; touches meanwhile wait for it."""
-        self._process.send_signal(signal.SIGSTOP)
-        begin_s = time.monotonic()
+        self.process.send_signal(signal.SIGSTOP)
         try:
             yield
-            time.sleep(max(0.0, for_s - (time.monotonic() - begin_s)))
         finally:
-            self._process.send_signal(signal.SIGCONT)
+            self.process.send_signal(signal.SIGCONT)
 
-    def centre(self, name: str) -> Tuple[int, int]:
-        """Return the middle of a part of the window."""
-        found = self.find(name)
-        return found["x"] + found["width"] // 2, found["y"] + found["height"] // 2
+    def end(self, end: Callable[[], None]) -> int:
+        """Let something end the window; return how it ended."""
+        if self.process.poll() is None:
+            end()
+        # Both streams are closed; waits for the end.
+        self.process.communicate(timeout=LIMIT_S)
+        return self.process.returncode
 
-    def close(self) -> None:
-        """End the window, the window manager and the screen."""
-        if self._closed:
-            return
-        self._closed = True
-        if self._process.poll() is None and self._process.stdin is not None:
-            self._process.stdin.close()
-        self._process.wait(timeout=60)
-        if self._process.stdout is not None:
-            self._process.stdout.close()
-        if self._manager is not None:
-            self._manager.close()
-        self.screen.close()
-
-    def takes_touches(self, name: str) -> bool:
-        """Return whether a part of the window is seen and can be touched."""
-        found = self.find(name)
-        return bool(found["visible"] and found["enabled"])
-
-    def _finger(self, *words: str) -> None:
-        subprocess.run(
-            [program_path("xdotool"), *words], env=self.screen.environment, check=True, timeout=60
-        )
+    def kill(self) -> int:
+        """End it as a crash does; more than once does nothing."""
+        return self.end(self.process.kill)

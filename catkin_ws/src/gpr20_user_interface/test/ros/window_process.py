@@ -1,83 +1,152 @@
 #!/usr/bin/env python3
-"""A window in its own process that reports what it shows: one line of JSON per line it reads.
+"""The real program of the window, which says what it shows: one line of JSON per line it reads.
 
-The line `stop` touches STOP first. With `--replay` the window shows a replay.
+An empty line asks what an operator sees, another one where a part of the window is. Its options
+are those of the program; without `_settings` and `_profiles` it keeps nothing of other windows.
 """
 
 from __future__ import annotations
 
 import json
+import os
 import sys
+import tempfile
+from pathlib import Path
+from typing import Any, Dict, List, Optional
 
-import rospy
-from PyQt5.QtCore import QSocketNotifier, Qt
-from PyQt5.QtTest import QTest
-from PyQt5.QtWidgets import QApplication
-from window_case import new_interface
+from PyQt5.QtCore import QPoint, QRect, QSocketNotifier
+from PyQt5.QtGui import QGuiApplication
+from PyQt5.QtWidgets import QAbstractButton, QApplication, QLabel, QLineEdit, QWidget
 
-from gpr20_common.catalogue import Language
-from gpr20_common.low.clock import Clock
 from gpr20_operator.ground.coverage import StopState
 from gpr20_operator.high.conversions import parameters_message
 from gpr20_operator.plan.spec import Tile
-from gpr20_operator.robot.condition import JobLevel
-from gpr20_operator.robot.replay_model import ReplayModel
-from gpr20_operator.robot.survey_model import SurveyModel
-from gpr20_user_interface.high.user_interface import UserInterface
-from gpr20_user_interface.look.translation import Languages
+from gpr20_operator.robot.condition import condition_of
+from gpr20_user_interface.high import user_interface
+from gpr20_user_interface.window.rail import TabName
+
+TAB = "tab:"
+WINDOW = "window"
+KEYS = "keys"
+PICTURE = "picture:"
 
 
-def shown(interface: UserInterface) -> str:
+def shown(window: Any) -> Dict[str, Any]:
     """Return what an operator sees."""
-    control, live = interface.window.control, interface.window.traces.live
-    progress = interface.window.survey.snapshot.progress
-    counts = live.map.counts()
-    snapshot, bar = interface.window.survey.snapshot, interface.window.top_bar
-    return json.dumps(
-        {
-            "title": "—" if snapshot.state is None else str(snapshot.state.title),
-            "visited": 0 if progress is None else progress.visited_points,
-            "area_traces": 0 if progress is None else progress.total_points,
-            "nodes": len(snapshot.health.nodes),
-            "on_radar": live.radar.count,
-            "on_map": 0
-            if counts is None
-            else 2 * counts[StopState.DONE] + counts[StopState.PARTLY],
-            "parameters": str(parameters_message(control.parameters)),
-            "locked": not control.tiles[Tile.AREA].isEnabled(),
-            "replay": bar.band.title.whole if snapshot.replay is not None else "",
-            "survey": bar.band.message.whole,
-            "stop": bar.stop.isVisible() and bar.stop.isEnabled(),
-            "alarm": bar.band.message.whole if bar.band.level is JobLevel.FAULT else "",
-            "simulated": interface.window.top_bar.band.simulated.isVisible(),
-        }
-    )
+    snapshot, bar, live = window.survey.snapshot, window.top_bar, window.traces.live
+    progress, counts, state = snapshot.progress, live.map.counts(), snapshot.state
+    return {
+        "title": "—" if state is None else str(state.title),
+        "code": "" if state is None else state.message.fault_code,
+        "survey_id": "" if state is None else state.survey_id,
+        "condition": condition_of(snapshot).message.fault_code,
+        "moving": [one.axis.value for one in snapshot.moving],
+        "pending": len(snapshot.pending),
+        "visited": 0 if progress is None else progress.visited_points,
+        "area_traces": 0 if progress is None else progress.total_points,
+        "nodes": len(snapshot.health.nodes),
+        "trouble": snapshot.health.trouble is not None,
+        "on_radar": live.radar.count,
+        "on_map": 0 if counts is None else 2 * counts[StopState.DONE] + counts[StopState.PARTLY],
+        "parameters": str(parameters_message(window.control.parameters)),
+        "locked": not window.control.tiles[Tile.AREA].isEnabled(),
+        "replay": bar.band.title.whole if snapshot.replay is not None else "",
+        "survey": bar.band.message.whole,
+        "stop": bar.stop.isVisible() and bar.stop.isEnabled(),
+        "simulated": bar.band.simulated.isVisible(),
+    }
 
 
-def main() -> None:
-    """Show the window until the process is ended."""
-    application = QApplication([])
-    rospy.init_node("window", disable_signals=True)
-    languages = Languages(application, Language.ENGLISH)
-    replay = "--replay" in sys.argv
-    interface = new_interface(ReplayModel() if replay else SurveyModel(Clock()), languages)
-    interface.begin()
+def part(window: Any, name: str) -> Dict[str, Any]:
+    """Return what is known of a part of the window.
 
-    def answer() -> None:
+    Args:
+        window: The window.
+        name: Attributes of the window separated by dots, such as `top_bar.stop`; `tab:MAP` a tab;
+            `window` all of it; `keys` the places of all keys that are seen; `picture:FILE` writes
+            a picture.
+    """
+    if name == WINDOW:
+        return whole(window)
+    if name == KEYS:
+        return {"keys": keys(window)}
+    if name.startswith(PICTURE):
+        return {"written": window.grab().save(name[len(PICTURE) :])}
+    if name.startswith(TAB):
+        return described(window.rail.tabs[TabName[name[len(TAB) :]]])
+    found: Optional[QWidget] = window
+    for word in name.split("."):
+        found = found[int(word)] if isinstance(found, list) else getattr(found, word)
+    return described(found)
+
+
+def whole(window: Any) -> Dict[str, Any]:
+    """Return where the window is, and what of it is outside the screen."""
+    screen = QGuiApplication.primaryScreen().geometry()
+    kinds = (QAbstractButton, QLabel, QLineEdit)
+    outside: List[str] = []
+    for one in (found for kind in kinds for found in window.findChildren(kind)):
+        seen = one.visibleRegion().boundingRect()
+        place = QRect(one.mapToGlobal(seen.topLeft()), seen.size())
+        if one.isVisible() and not seen.isEmpty() and not screen.contains(place):
+            outside.append(one.objectName() or one.text())
+    geometries = {"screen": screen, "window": window.geometry(), "frame": window.frameGeometry()}
+    return {**{name: sides(one) for name, one in geometries.items()}, "outside": outside}
+
+
+def keys(window: Any) -> List[List[int]]:
+    """Return the middle of each key that can be touched."""
+    found = []
+    for key in window.findChildren(QAbstractButton):
+        seen = key.visibleRegion().boundingRect()
+        if key.isVisible() and key.isEnabled() and not seen.isEmpty():
+            centre = key.mapToGlobal(seen.center())
+            found.append([centre.x(), centre.y()])
+    return found
+
+
+def described(widget: QWidget) -> Dict[str, Any]:
+    """Return where a widget is, and how it is."""
+    corner = widget.mapToGlobal(QPoint(0, 0))
+    text = getattr(widget, "text", None)
+    return {
+        **dict(zip(("x", "y", "width", "height"), sides(QRect(corner, widget.size())))),
+        "visible": widget.isVisible(),
+        "enabled": widget.isEnabled(),
+        "text": text() if callable(text) else "",
+    }
+
+
+def sides(rectangle: QRect) -> List[int]:
+    """Return left, top, width and height."""
+    return [rectangle.left(), rectangle.top(), rectangle.width(), rectangle.height()]
+
+
+class AskedInterface(user_interface.UserInterface):
+    """The window, which answers beside its work and ends when nobody asks any more."""
+
+    def begin(self) -> None:
+        super().begin()
+        # Nothing else goes there: what ROS writes comes with the errors.
+        self._answers = os.fdopen(os.dup(1), "w")
+        os.dup2(2, 1)
+        self._asked = QSocketNotifier(sys.stdin.fileno(), QSocketNotifier.Read)
+        self._asked.activated.connect(lambda *_: self._answer())
+
+    def _answer(self) -> None:
         line = sys.stdin.readline()
         if not line:
-            application.quit()
+            self._asked.setEnabled(False)
+            QApplication.quit()
             return
-        if line.strip() == "stop":
-            QTest.mouseClick(interface.window.top_bar.stop, Qt.LeftButton)
-        print(shown(interface), flush=True)
-
-    asked = QSocketNotifier(sys.stdin.fileno(), QSocketNotifier.Read)
-    asked.activated.connect(lambda *_: answer())
-    application.exec_()
-    interface.end()
-    rospy.signal_shutdown("nobody asks any more")
+        name = line.strip()
+        answer = part(self.window, name) if name else shown(self.window)
+        print(json.dumps(answer), file=self._answers, flush=True)
 
 
 if __name__ == "__main__":
-    main()
+    nothing = Path(tempfile.gettempdir()) / "gpr20_no_settings"
+    user_interface.DEFAULT_SETTINGS = str(nothing / "window.yaml")
+    user_interface.DEFAULT_PROFILES = str(nothing / "profiles")
+    user_interface.UserInterface = AskedInterface
+    user_interface.main()

@@ -5,6 +5,7 @@ import pytest
 from fault_kit import raises_fault
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from run_seed import draws
 from view_kit import (
     FREQUENCY_HZ,
     SURVEY,
@@ -189,7 +190,7 @@ ODD = st.sampled_from(
 )
 
 
-@settings(max_examples=50, deadline=None)
+@settings(max_examples=draws(13), deadline=None)
 @given(
     st.lists(st.tuples(st.integers(0, 39), ODD), unique_by=lambda one: one[0], max_size=30),
     st.lists(st.integers(1, 12)),
@@ -225,20 +226,10 @@ def test_a_block_is_the_same_as_its_traces_one_by_one(places, sizes, again):
         if model.background(number) is not None:
             assert model.background(number) == pytest.approx(single.background(number), abs=1e-6)
     for in_db in (False, True):
-        assert (model.scale(False, in_db) is None) == (single.scale(False, in_db) is None)
-
-
-def test_the_level_of_noise_is_that_of_the_traces_one_by_one():
-    grid, chance = make_grid(), np.random.default_rng(20)
-    noise = chance.standard_normal((40, 501)) + 1j * chance.standard_normal((40, 501))
-    traces = [trace_at(grid, index, noise[index]) for index in range(40)]
-    single, _reasons = one_by_one(grid, traces)
-    model = RadarModel()
-    model.begin(grid)
-    assert model.add_block(TraceBlock.of(SURVEY, traces)) == ()
-    for in_db in (False, True):
         own, other = model.scale(False, in_db), single.scale(False, in_db)
-        assert dataclasses.astuple(own) == pytest.approx(dataclasses.astuple(other))
+        assert (own is None) == (other is None)
+        if own is not None:
+            assert dataclasses.astuple(own) == pytest.approx(dataclasses.astuple(other))
 
 
 def test_it_knows_which_stored_traces_it_lacks():
@@ -260,10 +251,3 @@ def test_memory_is_bounded_whatever_the_plan():
     used = sum(model.echoes[number].nbytes for number in range(2))
     assert used <= 8_000_000
     assert model.transform.samples == 12
-
-
-def test_another_survey_begins_empty():
-    model = filled()
-    model.begin(make_grid(3, 3))
-    assert (model.count, model.latest, model.transform) == (0, None, None)
-    assert model.grid.survey_id == SURVEY

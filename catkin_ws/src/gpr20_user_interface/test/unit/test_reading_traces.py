@@ -1,24 +1,42 @@
-"""Stored traces are read once, those that show the whole area first, and none is lost."""
+"""Which survey is shown; its stored traces are read once, the whole area first, none is lost."""
 
 import dataclasses
 
 import numpy as np
 import pytest
 from asked_storage import Storage
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
-from view_kit import FOLDER, PAST, SURVEY, depth_echo, description, make_grid, trace_at
+from run_seed import draws
+from view_kit import (
+    FOLDER,
+    PAST,
+    SURVEY,
+    depth_echo,
+    description,
+    make_grid,
+    past_survey,
+    snapshot,
+    state_of,
+    trace_at,
+)
+from window_helpers import click, hold_to_start, show, wishes
 
 from gpr20_common.message import verbatim
 from gpr20_operator.ground.coverage import CoverageRuns, StopState
+from gpr20_operator.ground.grid import Stop
 from gpr20_operator.ground.trace_events import (
     ReadingFailed,
     SurveyDescribed,
     SurveyRead,
+    SurveysListed,
     TracesRead,
 )
 from gpr20_operator.ground.traces import RETRY_REFRESHES, TracePresenter
+from gpr20_operator.robot.events import CurrentPosition, TargetPosition
+from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_survey.trace.trace_block import TraceBlock
+from gpr20_user_interface.window.rail import TabName
 
 OTHER = PAST
 GRID = make_grid()
@@ -62,14 +80,14 @@ def test_a_window_that_comes_late_reads_what_was_measured_before(traces, storage
 
 
 def test_what_is_stored_and_not_here_yet_is_loading(traces, storage):
-    grid = make_grid(100, 50, rotations_deg=(0.0,))
+    grid = make_grid(50, 25, rotations_deg=(0.0,))
     traces.open_survey(FOLDER)
     parameters = {**grid.plan[0].__dict__, "polarizations_deg": [0.0]}
     text = description(survey_id=OTHER, parameters=parameters)
-    traces.on_event(SurveyRead(FOLDER, text, tuple(range(4000))))
+    traces.on_event(SurveyRead(FOLDER, text, tuple(range(1000))))
     loading = traces.shown.loading
-    assert (loading.loaded, loading.stored, loading.step) == (0, 4000, 3)
-    assert loading.waiting.sum() == 4000 and not loading.waiting[0, 40:].any()
+    assert (loading.loaded, loading.stored, loading.step) == (0, 1000, 2)
+    assert loading.waiting.sum() == 1000 and not loading.waiting[0, 20:].any()
     requested, shown = [], traces.shown
     refresh(traces, 2)
     while storage.asked[-1] != ("answered",):
@@ -77,17 +95,17 @@ def test_what_is_stored_and_not_here_yet_is_loading(traces, storage):
         requested += indices
         storage.asked.append(("answered",))
         # The last but one cannot be read.
-        some = [one for one in indices if one != 3998]
-        why = {3998: verbatim("torn")} if 3998 in indices else None
+        some = [one for one in indices if one != 998]
+        why = {998: verbatim("torn")} if 998 in indices else None
         traces.on_event(read(indices[0], *some, unreadable=why, grid=shown.map.grid))
-        here = len(requested) - (3998 in requested)
-        assert (shown.loading.loaded, shown.loading.waiting.sum()) == (here, 4000 - len(requested))
-    assert sorted(requested) == list(range(4000))
-    coarse = requested[: 14 * 34]
+        here = len(requested) - (998 in requested)
+        assert (shown.loading.loaded, shown.loading.waiting.sum()) == (here, 1000 - len(requested))
+    assert sorted(requested) == list(range(1000))
+    coarse = requested[:250]
     row, column, _polarization = shown.map.grid.cells(np.array(coarse))
-    assert set(row % 3) == set(column % 3) == {0}
-    assert requested[14 * 34 :] == sorted(set(range(4000)).difference(coarse))
-    assert (shown.loading.loaded, shown.loading.stored) == (3999, 3999)
+    assert set(row % 2) == set(column % 2) == {0}
+    assert requested[250:] == sorted(set(range(1000)).difference(coarse))
+    assert (shown.loading.loaded, shown.loading.stored) == (999, 999)
 
 
 def test_traces_on_their_way_on_the_topic_are_not_read(traces, storage):
@@ -101,7 +119,8 @@ def test_traces_on_their_way_on_the_topic_are_not_read(traces, storage):
     assert traces.shown.radar.count == 5
 
 
-@given(st.lists(st.tuples(st.integers(0, 4), st.booleans()), max_size=12))
+@settings(max_examples=draws(10), deadline=None)
+@given(st.lists(st.tuples(st.integers(0, 4), st.booleans()), max_size=6))
 def test_traces_that_come_at_once_are_shown_as_if_they_came_one_by_one(drawn):
     found = []
     for at_once in (True, False):
@@ -198,3 +217,86 @@ def test_what_cannot_be_shown_is_told_and_the_window_goes_on(storage):
         traces.on_event(trace_at(GRID, 0))
         traces.refresh()
         assert traces.shown.radar.count == 1
+
+
+def test_only_an_unfinished_survey_can_be_resumed_and_none_while_one_runs(window):
+    page = window.past
+    window.show_tab(TabName.SURVEYS)
+    surveys = (
+        past_survey(),
+        past_survey(outcome="finished", complete=True),
+        past_survey(started="", problem=verbatim("torn")),
+    )
+    window.on_event(SurveysListed("", surveys, False))
+    allowed = []
+    for one in surveys:
+        page.choose(one)
+        allowed.append((page.resume.isEnabled(), page.open.isEnabled()))
+    assert allowed == [(True, True), (False, True), (False, False)]
+    page.choose(surveys[0])
+    click(page.resume)
+    assert wishes(window) == []
+    hold_to_start(window)
+    assert wishes(window) == [f"resume {FOLDER}"]
+    show(window, snapshot(state=state_of(SurveyState.SURVEYING, survey_id=OTHER)))
+    assert not page.resume.isEnabled()
+
+
+def test_a_past_survey_is_opened_and_the_live_one_goes_on_behind_it(window, storage):
+    window.on_event(SurveyDescribed(description()))
+    window.show_tab(TabName.SURVEYS)
+    window.on_event(SurveysListed("", (past_survey(),), False))
+    window.past.choose(past_survey())
+    click(window.past.open)
+    assert storage.asked[-1] == ("survey", FOLDER)
+    window.on_event(SurveyRead(FOLDER, description(survey_id=OTHER), (0, 1, 5)))
+    view = window.ground.view
+    assert view.isVisible()
+    window.draw()
+    window.draw()
+    assert storage.asked[-1] == ("traces", OTHER, (0, 1, 5))
+    window.on_event(read(0, 0, 1, 5, grid=make_grid(survey_id=OTHER)))
+    window.on_event(trace_at(GRID, 0))
+    window.draw()
+    assert (window.traces.shown.radar.count, window.traces.live.radar.count) == (3, 1)
+    assert view.band.isVisible()
+    assert f"{past_survey().local_time()}, 7c9e6679" in view.band.whole
+    click(view.back)
+    assert window.traces.shown is window.traces.live
+    assert not view.band.isVisible()
+
+
+def test_the_counts_of_a_past_survey_are_never_those_of_the_one_that_runs(window):
+    def done():
+        counts = window.ground.model.survey.map.counts()
+        return None if counts is None else counts[StopState.DONE]
+
+    view = window.ground.view
+    window.traces.open_survey(FOLDER)
+    window.on_event(SurveyRead(FOLDER, description(survey_id=OTHER), tuple(range(40))))
+    window.show_tab(TabName.GROUND)
+    assert done() == 20 and view.band.isVisible()
+    show(window, snapshot(state=state_of(SurveyState.CHECKING, survey_id=SURVEY)))
+    assert done() is None and not view.band.isVisible()
+    window.on_event(SurveyDescribed(description()))
+    window.on_event(stored(2))
+    window.draw()
+    assert done() == 1
+    assert view.isVisible()
+
+
+def test_why_the_list_cannot_be_read_is_shown(window):
+    window.on_event(ReadingFailed(verbatim("the storage did not answer")))
+    assert "did not answer" in window.past.details.text()
+
+
+def test_the_target_is_the_current_stop(window):
+    window.on_event(SurveyDescribed(description()))
+    there = {
+        "target": TargetPosition(125.0, 70.0, 0.0),
+        "current": CurrentPosition(120.0, 70.0, 0.0),
+    }
+    show(window, snapshot(state=state_of(SurveyState.SURVEYING, survey_id=SURVEY), **there))
+    assert window.traces.live.map.current == Stop(1, 1)
+    show(window, snapshot(state=state_of(SurveyState.FINISHED, survey_id=SURVEY)))
+    assert window.traces.live.map.current is None

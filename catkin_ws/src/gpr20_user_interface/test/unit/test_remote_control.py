@@ -6,6 +6,7 @@ from types import SimpleNamespace
 
 import pytest
 from annotation_examples import annotations
+from case_kit import each_case
 from fake_clock import FakeClock
 from hypothesis import given
 from hypothesis import strategies as st
@@ -108,14 +109,6 @@ def test_a_hold_allows_it_for_ten_minutes_and_says_so_every_second(window):
     assert window.sent == []
 
 
-def test_a_touch_ends_it_at_once(window):
-    window.arming.arm(WELL)
-    window.arming.touched()
-    assert not window.arming.armed and not window.sent[-1].armed
-    window.pass_time(2.0)
-    assert not window.arming.armed
-
-
 def test_another_plan_is_sent_at_once(window):
     plan = replace(PLAN, permittivity=9.0)
     window.note(WELL, plan)
@@ -124,8 +117,9 @@ def test_another_plan_is_sent_at_once(window):
     assert [one.plan for one in window.sent] == [PLAN, plan, None]
 
 
-@pytest.mark.parametrize("reason", ENDING)
-def test_what_happens_at_the_robot_ends_it_for_good(window, reason):
+@each_case("reason", ENDING)
+def test_what_happens_at_the_robot_ends_it_for_good(reason):
+    window = Window()
     window.arming.arm(WELL)
     window.note(ENDING[reason])
     assert not window.arming.armed and not window.sent[-1].armed
@@ -133,13 +127,21 @@ def test_what_happens_at_the_robot_ends_it_for_good(window, reason):
     assert not window.arming.armed
 
 
-@pytest.mark.parametrize("reason", FORBIDDING)
-def test_a_hold_allows_nothing_where_something_forbids_it(window, reason):
-    shown = FORBIDDING[reason]
+@each_case("reason", FORBIDDING)
+def test_a_hold_allows_nothing_where_something_forbids_it(reason):
+    window, shown = Window(), FORBIDDING[reason]
     window.note(shown)
     window.arming.arm(shown)
     assert not window.arming.armed
     assert remote_question(WEB, remote_obstacle(shown)).hold is None
+    # The page says what forbids it, whatever the window has said before.
+    page = RemoteAllowance(window.clock)
+    page.on_event(RemoteArmed(True, REMOTE_LIMIT_S, PLAN))
+    assert not page.armed, "of a robot that it knows nothing of"
+    page.note(WELL)
+    assert page.armed
+    page.note(shown)
+    assert not page.armed and page.obstacle == remote_obstacle(shown)
 
 
 def test_a_fault_that_the_person_has_seen_may_be_resumed_but_not_twice(window):
@@ -165,12 +167,6 @@ def test_the_page_believes_only_what_is_fresh(web, clock):
     assert not web.armed
 
 
-@pytest.mark.parametrize("remaining_s", [0.0, -1.0, math.nan, -math.inf])
-def test_no_time_left_allows_nothing(web, remaining_s):
-    web.on_event(RemoteArmed(True, remaining_s, PLAN))
-    assert not web.armed and web.remaining_s == 0.0
-
-
 @pytest.mark.parametrize("fault", [FAULT, OTHER_FAULT])
 def test_a_fault_ends_it_for_the_page_until_the_next_hold(web, fault):
     web.note(fault)
@@ -180,18 +176,6 @@ def test_a_fault_ends_it_for_the_page_until_the_next_hold(web, fault):
     web.on_event(RemoteArmed(False))
     web.on_event(RemoteArmed(True, REMOTE_LIMIT_S, PLAN))
     assert web.armed
-
-
-@pytest.mark.parametrize("reason", FORBIDDING)
-def test_the_page_says_what_forbids_it_now(web, reason):
-    web.note(FORBIDDING[reason])
-    assert not web.armed and web.obstacle == remote_obstacle(FORBIDDING[reason])
-
-
-def test_the_page_allows_nothing_of_a_robot_that_it_knows_nothing_of(clock):
-    allowance = RemoteAllowance(clock)
-    allowance.on_event(RemoteArmed(True, REMOTE_LIMIT_S, PLAN))
-    assert not allowance.armed
 
 
 MESSAGES = st.builds(RemoteArmed, st.just(True), st.floats(), st.none() | st.just(PLAN))

@@ -7,6 +7,7 @@ from fake_clock import FakeClock
 from finger import AFTER_S, Finger, place_of
 from PyQt5.QtCore import QPoint, Qt
 from PyQt5.QtTest import QTest
+from run_seed import draws
 from view_kit import snapshot
 from window_helpers import close, new_window, show, start, wishes
 
@@ -26,7 +27,7 @@ from gpr20_user_interface.window.rail import TabName
 
 WEB = WebStatusReported("192.168.1.10", 8443, "AB12 CD34", 3, "Ana")
 ANNOTATION = Annotation("Ana", "El Carmen", "wet", name="El Carmen 2")
-TOUCHES = 300
+TOUCHES = draws(75)
 
 
 class Field:
@@ -139,28 +140,10 @@ def test_any_touch_ends_it_also_one_that_does_nothing_else(field):
     assert wishes(window) == ["stop"]
 
 
-def test_a_touch_right_after_the_hold_ends_it_too(field):
-    field.open()
-    place = place_of(field.window, field.sheet.hold).center()
-    field.finger.hold(place)
-    assert field.arming.armed
-    # Too early for anything else to take it.
-    field.finger.tap(QPoint(300, 300))
-    assert not field.arming.armed
-
-
 def test_a_key_ends_it(field):
     field.allow()
     QTest.keyClick(field.window, Qt.Key_Space)
     assert not field.arming.armed
-
-
-@pytest.mark.parametrize("code", [SurveyState.FAILED, SurveyState.PAUSED])
-def test_a_fault_ends_it(field, code):
-    field.say(SurveyState.SURVEYING)
-    field.allow()
-    field.say(code)
-    assert not field.mark.isVisible() and not field.sent[-1].armed
 
 
 def test_the_end_of_the_window_ends_it(field):

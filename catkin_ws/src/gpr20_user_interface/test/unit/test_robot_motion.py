@@ -94,30 +94,31 @@ def test_a_touch_on_the_band_says_what_moves_and_what_to_do(field):
 def test_stop_acts_on_every_tab_over_every_dialog_and_in_every_state(field):
     finger, stop, pressed = Finger(field, field.clock), field.top_bar.stop, 0
     states = itertools.cycle(itertools.product((None, *SurveyState), KNOWN))
-    for _ in range(3):
-        for tab, overlay in places_in(field):
-            code, known = next(states)
-            show(field, snapshot(code, **known))
-            for locked in (False, True):
-                field.touch_binding.set_locked(locked)
-                case = tab, overlay, code, known, locked
-                assert stop.isEnabled() and is_free(field, stop), case
-                finger.tap(stop)
-                pressed += 1
-                assert wishes(field).count("stop") == pressed, case
-            field.touch_binding.set_locked(False)
+    for tab, overlay in places_in(field):
+        code, known = next(states)
+        show(field, snapshot(code, **known))
+        for locked in (False, True):
+            field.touch_binding.set_locked(locked)
+            case = tab, overlay, code, known, locked
+            assert stop.isEnabled() and is_free(field, stop), case
+            finger.tap(stop)
+            pressed += 1
+            assert wishes(field).count("stop") == pressed, case
+        field.touch_binding.set_locked(False)
 
 
 def places_in(window):
-    """Yield every tab, alone and under every dialog, while it is shown."""
-    overlays = window.findChildren(Overlay)
+    """Yield every tab alone, and every dialog over one of them, while it is shown."""
+    tabs = itertools.cycle(TabName)
     for tab in TabName:
         window.show_tab(tab)
         yield tab, None
-        for overlay in overlays:
-            overlay.open()
-            yield tab, type(overlay).__name__
-            overlay.hide()
+    for overlay in window.findChildren(Overlay):
+        tab = next(tabs)
+        window.show_tab(tab)
+        overlay.open()
+        yield tab, type(overlay).__name__
+        overlay.hide()
 
 
 def is_free(window, widget):

@@ -1,12 +1,28 @@
+"""Files of settings: what is chosen by a touch is remembered, what is damaged is said."""
+
 import os
 import random
 
 import pytest
 from fault_kit import raises_fault
+from PyQt5.QtTest import QTest
+from run_seed import draws
+from window_helpers import click, close, new_window
 
+from gpr20_common.catalogue import Language
+from gpr20_common.low.catalogue_file import languages
 from gpr20_operator import faults
 from gpr20_operator.errors import SettingsError
 from gpr20_operator.files.settings_file import MAX_BYTES, SettingsFile
+from gpr20_operator.palette import Theme
+from gpr20_user_interface.look.settings import (
+    DIM_CHOICES_MIN,
+    WindowMemory,
+    WindowSettings,
+    settings_from,
+    values_of,
+)
+from gpr20_user_interface.look.translation import Languages
 
 
 @pytest.fixture
@@ -39,7 +55,7 @@ def test_random_damage_never_raises_anything_else(path):
     draw = random.Random(7)
     SettingsFile(path).write({"vna_address": "10.0.0.2", "list": [1, 2.5], "deep": {"a": "ñ"}})
     whole = path.read_bytes()
-    for _ in range(300):
+    for _ in range(draws(75)):
         damaged = bytearray(whole)
         for _ in range(draw.randint(1, 6)):
             damaged[draw.randrange(len(damaged))] = draw.randrange(256)
@@ -61,7 +77,85 @@ def test_a_folder_or_a_pipe_is_refused(path):
         SettingsFile(path).read()
 
 
-def test_a_folder_that_cannot_be_made_is_named(tmp_path):
-    (tmp_path / "file").write_text("")
-    with raises_fault(faults.SETTINGS_NOT_STORED, "window.yaml"):
-        SettingsFile(tmp_path / "file" / "window.yaml").write({"a": 1})
+def test_settings_survive_the_file():
+    for language in languages():
+        for theme in Theme:
+            for minutes in DIM_CHOICES_MIN:
+                settings = WindowSettings(language, theme, minutes)
+                assert settings_from(values_of(settings)) == settings
+    assert settings_from({}) == WindowSettings()
+
+
+def test_a_damaged_file_never_gives_settings_that_nobody_chose():
+    draw = random.Random(15)
+    junk = [None, True, -1, 3, 2.5, "", "fr", "SUN", [], {}, "sun\x00", 10**30]
+    for _ in range(draws(125)):
+        values = values_of(WindowSettings())
+        name = draw.choice(list(values))
+        values[name] = draw.choice(junk)
+        with raises_fault(faults.SETTINGS_DAMAGED):
+            settings_from(values)
+
+
+def test_what_cannot_be_read_is_reported_and_the_defaults_hold(tmp_path):
+    (tmp_path / "window.yaml").write_text("language: klingon\n")
+    problems = []
+    memory = WindowMemory(SettingsFile(tmp_path / "window.yaml"), problems.append)
+    assert memory.settings == WindowSettings()
+    assert len(problems) == 1
+
+
+def test_what_cannot_be_written_is_reported_and_holds_until_the_end(tmp_path):
+    (tmp_path / "file").touch()
+    problems = []
+    memory = WindowMemory(SettingsFile(tmp_path / "file" / "window.yaml"), problems.append)
+    problems.clear()
+    memory.change(theme=Theme.NIGHT)
+    assert memory.close(10.0)
+    assert memory.settings.theme is Theme.NIGHT
+    assert len(problems) == 1
+
+
+def test_the_last_of_many_changes_is_what_is_remembered(tmp_path):
+    file = SettingsFile(tmp_path / "window.yaml")
+    memory = WindowMemory(file)
+    draw = random.Random(3)
+    for _ in range(20):
+        memory.change(dim_after_min=draw.choice(DIM_CHOICES_MIN), theme=draw.choice(list(Theme)))
+    assert memory.close(10.0)
+    assert WindowMemory(file).settings == memory.settings
+
+
+def test_each_choice_takes_effect_at_once_and_at_the_next_start(application, tmp_path):
+    file = SettingsFile(tmp_path / "window.yaml")
+    memory = WindowMemory(file)
+    languages = Languages(application, memory.settings.language)
+    window = new_window(languages, profiles=tmp_path, memory=memory)
+    window.show()
+    sheet = window.settings
+    click(window.rail.settings)
+    assert sheet.isVisible()
+    assert sheet.languages[Language.ENGLISH].isChecked()
+    click(sheet.languages[Language.SPANISH])
+    click(sheet.themes[Theme.NIGHT])
+    click(sheet.dim_choices[10])
+    QTest.qWait(1)  # the change of language is an event
+    assert sheet.title.text() == "Ajustes"
+    assert window.look.theme is Theme.NIGHT
+    click(sheet.close_button)
+    assert not sheet.isVisible()
+    assert memory.close(10.0)
+    close(window)
+
+    remembered = WindowMemory(file)
+    assert remembered.settings == WindowSettings(Language.SPANISH, Theme.NIGHT, 10)
+    languages = Languages(application, remembered.settings.language)
+    window = new_window(languages, profiles=tmp_path, memory=remembered)
+    window.show()
+    click(window.rail.settings)
+    assert window.look.theme is Theme.NIGHT
+    sheet = window.settings
+    assert sheet.languages[Language.SPANISH].isChecked()
+    assert sheet.themes[Theme.NIGHT].isChecked()
+    assert sheet.dim_choices[10].isChecked()
+    close(window)

@@ -23,6 +23,7 @@ def test_defaults_are_a_survey_that_can_be_run():
     assert options.parameters.frequency_points == 501
     assert options.parameters.polarizations_deg == (0.0, 90.0)
     assert not options.parameters.sweep_settings.analyzer.is_known
+    assert options.permittivity == 0.0 and options.annotation == EMPTY
     assert (options.mode, options.on_pause, options.bar) == (Mode.START, OnPause.EXIT, Bar.AUTO)
 
 
@@ -31,9 +32,14 @@ def test_every_parameter_can_be_given():
         "--vna-address 10.0.0.7 --start-frequency-mhz 700.5 --stop-frequency-mhz 5000 "
         "--frequency-points 101 --x-start-mm 10 --x-stop-mm 20.5 --x-points 4 --y-start-mm 600 "
         "--y-stop-mm 30 --y-points 6 --polarizations-deg=-45,45 --if-bandwidth-hz 1000 "
-        "--averages 4 --output-power LOW"
+        "--averages 4 --output-power LOW --permittivity 4 --position=-4.6,-74.1 --site Carmen"
     )
-    assert parse_arguments(line.split()).parameters == SurveyParameters(
+    options = parse_arguments([*line.split(), "--name", "El Carmen 3", "--notes", "wet\nsoil"])
+    assert options.permittivity == 4.0
+    position = Wgs84Position(-4.6, -74.1)
+    expected = Annotation("", "Carmen", "wet\nsoil", position, name="El Carmen 3")
+    assert options.annotation == expected
+    assert options.parameters == SurveyParameters(
         vna_address="10.0.0.7",
         start_frequency_hz=700.5e6,
         stop_frequency_hz=5e9,
@@ -51,30 +57,17 @@ def test_every_parameter_can_be_given():
     )
 
 
-def test_the_permittivity_is_not_known_unless_it_is_given():
-    for line, permittivity in (
-        (["--permittivity", "4"], 4.0),
-        (["--permittivity="], 0.0),
-        ([], 0.0),
-    ):
-        assert parse_arguments(line).permittivity == permittivity
-
-
 def test_a_survey_that_exists_can_be_followed():
-    for line, mode, resume_id in (
-        ("--attach", Mode.ATTACH, ""),
-        ("--resume", Mode.RESUME, ""),
-        ("--resume 1234", Mode.RESUME, "1234"),
-        ("--resume /data/20260921T141320_0f8fad5b/", Mode.RESUME, "20260921T141320_0f8fad5b"),
+    for line, mode, resume_id, analyzer in (
+        ("--attach", Mode.ATTACH, "", ""),
+        ("--resume", Mode.RESUME, "", ""),
+        ("--resume --accept-analyzer A,B/2", Mode.RESUME, "", "A,B/2"),
+        ("--resume 1234", Mode.RESUME, "1234", ""),
+        ("--resume /data/20260921T141320_0f8fad5b/", Mode.RESUME, "20260921T141320_0f8fad5b", ""),
     ):
         options = parse_arguments(line.split())
-        assert (options.mode, options.resume_id) == (mode, resume_id)
-        assert options.accept_analyzer == ""
-
-
-def test_another_vna_is_accepted_for_a_survey_that_is_resumed():
-    options = parse_arguments(["--resume", "--accept-analyzer", "Anritsu,MS2026C/2,62011033,1.23"])
-    assert options.accept_analyzer == "Anritsu,MS2026C/2,62011033,1.23"
+        found = options.mode, options.resume_id, options.accept_analyzer
+        assert found == (mode, resume_id, analyzer)
 
 
 def test_wrong_command_line_has_status_2_and_names_the_fault(capsys):
@@ -108,20 +101,13 @@ def test_wrong_command_line_has_status_2_and_names_the_fault(capsys):
         assert words in capsys.readouterr().err, arguments
 
 
-def test_help_lists_every_exit_status(capsys):
+def test_help_lists_every_exit_status_in_the_language_of_the_catalogue_as_faults_are(capsys):
+    spanish = read_catalogue(Language.SPANISH)
     with pytest.raises(SystemExit) as caught:
-        parse_arguments(["--help"])
+        parse(["--help"], spanish)
     assert caught.value.code == 0
     text = capsys.readouterr().out
     assert all(f"\n  {status:>3}  " in text for status in (2, *map(int, ExitStatus)))
-
-
-def test_help_and_faults_are_in_the_language_of_the_catalogue(capsys):
-    spanish = read_catalogue(Language.SPANISH)
-    with pytest.raises(SystemExit):
-        parse(["--help"], spanish)
-    text = capsys.readouterr().out
-    assert "la campaña terminó: todas las trazas planificadas están guardadas" in text
     assert "(por defecto 15)" in " ".join(text.split())
     with pytest.raises(SystemExit):
         parse(["--wait", "0"], spanish)
@@ -140,12 +126,3 @@ def test_language_is_that_of_the_command_line_or_the_terminal():
         ("--language", {}, Language.ENGLISH),
     ):
         assert terminal_language(line.split(), environment) == language, line
-
-
-def test_name_operator_site_notes_and_position_can_be_given():
-    line = ["--name", "El Carmen 3", "--operator", "Lucía Peña", "--site", "El Carmen"]
-    options = parse_arguments([*line, "--notes", "wet\nsoil", "--position=-4.6, -74.1"])
-    position = Wgs84Position(-4.6, -74.1)
-    expected = Annotation("Lucía Peña", "El Carmen", "wet\nsoil", position, name="El Carmen 3")
-    assert options.annotation == expected
-    assert parse_arguments([]).annotation == EMPTY

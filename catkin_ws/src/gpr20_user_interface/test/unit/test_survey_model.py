@@ -19,7 +19,7 @@ from gpr20_operator.robot.events import (
     TargetPosition,
 )
 from gpr20_operator.robot.snapshot import CONTROL_SILENCE_S, STALE_S
-from gpr20_operator.robot.survey_model import SurveyModel
+from gpr20_operator.robot.survey_model import RequestOutcome, SurveyModel
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.plan.survey_state import ENDED, RUNNING, SurveyState
 
@@ -81,6 +81,20 @@ def test_buttons_follow_what_main_control_says(model):
         model.handle(state(SurveyState.FINISHED))
 
 
+def test_what_is_being_asked_for_is_asked_once(model):
+    for code, request in (
+        (SurveyState.CONFIGURED, Request.START),
+        (SurveyState.SURVEYING, Request.PAUSE),
+        (SurveyState.PAUSED, Request.RESUME),
+    ):
+        model.handle(state(code))
+        before = allowed(model.snapshot())
+        model.request_sent(request)
+        assert allowed(model.snapshot()) == []
+        model.handle(Answer(request, False, verbatim("no")))
+        assert allowed(model.snapshot()) == before == [request.name.lower()]
+
+
 def test_stop_that_was_asked_for_is_not_taken_for_done(model):
     model.handle(state(SurveyState.SURVEYING))
     model.request_sent(Request.STOP)
@@ -89,14 +103,6 @@ def test_stop_that_was_asked_for_is_not_taken_for_done(model):
     snapshot = model.snapshot()
     assert snapshot.running and snapshot.fields_locked
     assert not snapshot.can_start
-
-
-def test_start_that_is_being_asked_for_locks_start(model):
-    model.handle(state(SurveyState.CONFIGURED))
-    model.request_sent(Request.START)
-    assert allowed(model.snapshot()) == []
-    model.handle(Answer(Request.START, False, verbatim("no")))
-    assert allowed(model.snapshot()) == ["start"]
 
 
 def test_start_stays_locked_between_its_answer_and_the_first_status(model, clock):
@@ -125,36 +131,18 @@ def test_parameters_are_those_of_the_survey_that_runs(model):
     assert model.snapshot().survey_parameters is parameters
 
 
-def test_pause_and_resume_are_asked_for_once_at_a_time(model):
-    for code, request in (
-        (SurveyState.SURVEYING, Request.PAUSE),
-        (SurveyState.PAUSED, Request.RESUME),
-    ):
-        model.handle(state(code))
-        model.request_sent(request)
-        assert allowed(model.snapshot()) == []
-        model.handle(Answer(request, True, verbatim("")))
-
-
 def test_silent_main_control_keeps_its_last_word_but_allows_no_start(model, clock):
-    model.handle(state(SurveyState.FINISHED))
+    model.handle(state(SurveyState.FINISHED, simulated=True))
     clock.advance(CONTROL_SILENCE_S)
     assert model.snapshot().control_alive
     clock.advance(0.1)
     snapshot = model.snapshot()
     assert not snapshot.control_alive
     assert snapshot.control_silent_s == pytest.approx(CONTROL_SILENCE_S + 0.1)
-    assert snapshot.state.code is SurveyState.FINISHED
+    assert snapshot.state.code is SurveyState.FINISHED and snapshot.simulated
     assert allowed(snapshot) == []
     model.handle(PROGRESS)
     assert allowed(model.snapshot()) == ["start"]
-
-
-def test_running_survey_can_be_stopped_while_main_control_is_silent(model, clock):
-    model.handle(state(SurveyState.PAUSED, simulated=True))
-    clock.advance(100)
-    assert allowed(model.snapshot()) == []
-    assert model.snapshot().simulated
 
 
 def test_coordinates_and_height_that_are_old_are_not_shown_as_now(model, clock):
@@ -181,14 +169,6 @@ def test_a_height_out_of_range_or_a_target_of_minus_one_is_none(model):
     assert model.snapshot().target is not None
 
 
-def test_limits_of_the_axes_are_known_until_they_are_not(model):
-    limits = AxisLimits(object())
-    model.handle(limits)
-    assert model.snapshot().travel is limits.travel
-    model.handle(AxisLimits(None, verbatim("no axes")))
-    assert model.snapshot().travel is None
-
-
 def test_limits_of_the_axes_stay_known_while_the_master_is_away(model):
     model.handle(state(SurveyState.IDLE))
     limits = AxisLimits(object())
@@ -199,6 +179,8 @@ def test_limits_of_the_axes_stay_known_while_the_master_is_away(model):
     assert not model.snapshot().master_alive
     model.handle(limits)
     assert model.snapshot().master_alive
+    model.handle(AxisLimits(None, verbatim("no axes")))
+    assert model.snapshot().travel is None
 
 
 def test_trouble_of_the_analyzer_is_known_until_it_is_over(model):
@@ -250,3 +232,44 @@ def test_survey_that_ended_is_not_called_interrupted(model):
         for code in (SurveyState.SURVEYING, end, SurveyState.CONFIGURED):
             model.handle(state(code))
             assert not model.snapshot().interrupted, (end, code)
+
+
+@pytest.fixture
+def outcome():
+    return RequestOutcome()
+
+
+def printed(outcome, *codes):
+    return [
+        outcome.failed_request(ControlState(code, verbatim("why"), "id", False)) for code in codes
+    ]
+
+
+def test_checks_that_fail_after_the_acceptance_are_told_once(outcome):
+    ends = (SurveyState.FAILED, SurveyState.PAUSED)
+    for request in (Request.START, Request.RESUME):
+        for end in ends:
+            for before in (*ends, SurveyState.CONFIGURED):
+                outcome.asked(request)
+                codes = (before, SurveyState.CHECKING, SurveyState.HOMING, end, end)
+                assert printed(outcome, *codes) == [None, None, None, request, None], codes
+
+
+def test_survey_that_came_to_measure_may_fail_later_for_other_reasons(outcome):
+    outcome.asked(Request.START)
+    codes = (SurveyState.CHECKING, SurveyState.SURVEYING, SurveyState.PAUSED, SurveyState.FAILED)
+    assert printed(outcome, *codes) == [None] * 4
+
+
+def test_checks_that_are_stopped_have_not_failed(outcome):
+    outcome.asked(Request.START)
+    outcome.failed_request(ControlState(SurveyState.CHECKING, verbatim(""), "id", False))
+    outcome.asked(Request.STOP)
+    assert printed(outcome, SurveyState.STOPPING, SurveyState.FAILED) == [None, None]
+
+
+def test_what_was_refused_or_asked_by_others_is_not_told_again(outcome):
+    assert printed(outcome, SurveyState.CHECKING, SurveyState.FAILED) == [None, None]
+    outcome.asked(Request.START)
+    outcome.answered(Answer(Request.START, False, verbatim("no")))
+    assert printed(outcome, SurveyState.CHECKING, SurveyState.FAILED) == [None, None]

@@ -1,6 +1,13 @@
+"""What a terminal shows of a survey: its lines, its last words, times, and a question."""
+
+import os
+import pty
 import queue
+import re
 
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 from test_fault_messages import ASKED_PAUSE, FULL, LOST
 
 from gpr20_common import remedies
@@ -13,7 +20,9 @@ from gpr20_operator.robot.events import (
     Request,
     StopRequested,
 )
+from gpr20_operator.words import duration, time_left
 from gpr20_survey.plan.survey_state import SurveyState
+from gpr20_user_interface.terminal.displays import is_confirmed, remaining
 from gpr20_user_interface.terminal.follower import (
     ExitStatus,
     Limits,
@@ -155,25 +164,6 @@ def test_stop_and_its_refusal_are_told(clock):
     assert "Stop not accepted: busy" in recorder.shown
 
 
-def test_session_ends_by_itself_when_nobody_speaks(clock):
-    outcome, recorder, _ = run(clock)
-    assert outcome.status is ExitStatus.REFUSED
-    assert recorder.closed
-
-
-def test_display_is_closed_when_the_session_is_broken_off(clock):
-    recorder = Recorder()
-
-    class Broken:
-        def get(self, timeout):
-            raise KeyboardInterrupt
-
-    follower = SurveyFollower(Mode.START, OnPause.EXIT, Limits(), clock)
-    with pytest.raises(KeyboardInterrupt):
-        SurveySession(follower, Broken(), recorder.send, recorder).run()
-    assert recorder.closed
-
-
 def lines_of(status, message, simulated=False, stored=False):
     messages = outcome_lines(Outcome(status, message), "an-id", simulated, stored)
     return [str(line) for line in messages]
@@ -201,13 +191,6 @@ def test_last_words_tell_how_a_survey_that_ended_early_is_resumed_if_it_can_be()
         assert ends == (status is ExitStatus.PAUSED)
 
 
-def test_last_words_claim_no_simulation_and_no_survey_that_was_not():
-    outcome = Outcome(ExitStatus.REFUSED, verbatim("why"))
-    lines = outcome_lines(outcome, "", simulated=False)
-    assert [str(line) for line in lines[:2]] == ["No survey was run.", "why"]
-    assert lines[2].values["remedy"] == remedies.CHECK_STATUS and len(lines) == 3
-
-
 def test_the_last_words_have_remedy_and_code_of_a_fault():
     paused = Outcome(ExitStatus.PAUSED, Message("Paused: {reason}.", reason=FULL))
     (step,) = [line for line in outcome_lines(paused, "", False) if line.details]
@@ -215,3 +198,66 @@ def test_the_last_words_have_remedy_and_code_of_a_fault():
     assert step.values["remedy"] == remedies.MAKE_SPACE and step.details == "disk.full"
     asked = Outcome(ExitStatus.PAUSED, ASKED_PAUSE)
     assert not any("remedy" in line.values for line in outcome_lines(asked, "", False))
+
+
+DAY_S = 86400
+
+
+def test_a_time_is_written_as_people_say_it():
+    for time_s, text in (
+        *((time_s, "less than 1 min") for time_s in (-3, 0, 59.9)),
+        (60, "1 min"),
+        (61, "2 min"),
+        (1128, "19 min"),
+        (3599.5, "1 h 0 min"),
+        (3900, "1 h 5 min"),
+        (DAY_S - 1, "1 d 0 h"),
+        (2 * DAY_S + 3 * 3600 + 1, "2 d 4 h"),
+    ):
+        assert str(duration(time_s)) == text
+        assert str(time_left(time_s)) == f"{text} left"
+
+
+@given(st.integers(min_value=60, max_value=400 * DAY_S))
+def test_a_time_is_rounded_up_by_less_than_its_last_unit(time_s):
+    words = str(duration(time_s))
+    units = {"d": DAY_S, "h": 3600, "min": 60}
+    parts = re.findall(r"(\d+) (d|h|min)", words)
+    said_s = sum(int(number) * units[unit] for number, unit in parts)
+    assert 0 <= said_s - time_s < units[parts[-1][1]]
+
+
+def test_time_that_is_left_says_what_it_is_based_on():
+    for visited, basis in ((0, "by the plan"), (1, "measured"), (12, "measured")):
+        progress = Progress("id", 0.0, 18, visited, 1128.0)
+        assert str(remaining(progress)) == f"19 min left ({basis})"
+
+
+@pytest.fixture
+def keyboard(monkeypatch):
+    """Descriptor on which a test types; the question reads the other end."""
+    ours, theirs = pty.openpty()
+    with os.fdopen(theirs, "r") as stream:
+        monkeypatch.setattr("sys.stdin", stream)
+        yield ours
+    os.close(ours)
+
+
+@pytest.mark.needs("terminals")
+def test_only_a_clear_yes_confirms(keyboard, capsys):
+    for typed in ("y", "Yes", "s", "sí", "n", "", "x"):
+        os.write(keyboard, f"{typed}\n".encode())
+        confirmed = is_confirmed("Continue?", lambda: False)
+        assert confirmed is (typed not in ("n", "", "x")), typed
+        assert capsys.readouterr().out.startswith("Continue? ")
+
+
+@pytest.mark.needs("terminals")
+def test_a_stop_ends_the_question_with_no(keyboard):
+    assert not is_confirmed("Continue?", lambda: True)
+
+
+def test_an_input_that_ends_is_no(monkeypatch):
+    with open(os.devnull) as stream:
+        monkeypatch.setattr("sys.stdin", stream)
+        assert not is_confirmed("Continue?", lambda: False)

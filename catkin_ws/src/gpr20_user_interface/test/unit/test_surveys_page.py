@@ -1,8 +1,6 @@
 """SURVEYS: a finger finds, scrolls and chooses; and the list follows surveys that begin and end."""
 
 import dataclasses
-import datetime
-from collections import Counter
 
 import pytest
 from finger import Finger
@@ -11,7 +9,7 @@ from hypothesis import strategies as st
 from PyQt5.QtCore import QPoint, QPointF
 from PyQt5.QtTest import QTest
 from PyQt5.QtWidgets import QScroller
-from view_kit import FOLDER, SURVEY, description, past_survey, snapshot, state_of
+from view_kit import SURVEY, description, past_survey, snapshot, state_of
 from window_helpers import click, close, new_window, show
 
 from gpr20_common.catalogue import Language
@@ -74,12 +72,6 @@ def test_the_list_is_read_again_when_a_survey_begins_is_described_and_ends(windo
     assert asked == [1, 2, 2, 3]
 
 
-def test_a_list_that_nobody_sees_is_not_read(window, listed, storage):
-    window.show_tab(TabName.SURVEY)
-    show(window, RUNS)
-    assert storage.asked == []
-
-
 def test_the_choice_stays_with_its_survey_when_a_newer_one_is_listed(window, listed):
     chosen = listed.chosen
     newer = dataclasses.replace(chosen, folder="20261122T051000_0f8fad5b")
@@ -87,14 +79,6 @@ def test_the_choice_stays_with_its_survey_when_a_newer_one_is_listed(window, lis
     assert listed.chosen == chosen
     window.on_event(SurveysListed("", (newer,), False))
     assert listed.chosen is None and not listed.open.isEnabled()
-
-
-def test_times_are_local(listed):
-    bogota = datetime.timezone(datetime.timedelta(hours=-5))
-    assert listed.chosen.local_time(bogota) == "2026-11-21 00:10"
-    unknown = dataclasses.replace(listed.chosen, started="")
-    assert unknown.local_time(bogota) == "2026-11-21 00:10"
-    assert dataclasses.replace(unknown, folder="odd").local_time(bogota) == "odd"
 
 
 def test_what_is_wrong_with_an_incomplete_survey_is_said():
@@ -210,15 +194,6 @@ def test_a_search_is_a_plain_filter_of_all_pages(surveys, text, listed, split):
     assert past.found(listed, text) == tuple(one for one in numbered if wanted(one))
 
 
-@given(st.text(max_size=20))
-def test_every_text_is_found_by_itself_in_capitals_and_small_letters(text):
-    past = PastSurveys()
-    past.take("", (past_survey(name=text),), False)
-    assert past.found(Listed.ALL, text)
-    if text.lower().upper() == text.upper() and text.isascii():
-        assert past.found(Listed.ALL, text.upper())
-
-
 @pytest.fixture(scope="module")
 def touched(application, tmp_path_factory):
     """A window with 300 surveys, touched through its screen by a finger of its own clock."""
@@ -305,19 +280,6 @@ def test_a_tap_of_a_list_that_still_moves_only_stops_it(touched):
     finger.tap(row_place(window, 50, 50))
     assert scroller.state() == QScroller.Inactive
     assert window.past.chosen is None
-
-
-def test_each_action_names_the_chosen_survey(window, listed):
-    asked = Counter()
-    listed.open_requested.connect(lambda folder: asked.update([("open", folder)]))
-    listed.notes_requested.connect(lambda folder: asked.update([("notes", folder)]))
-    listed.resume_requested.connect(lambda folder: asked.update([("resume", folder)]))
-    show(window, ENDED)
-    for button in (listed.open, listed.notes, listed.resume):
-        click(button)
-        for sheet in (window.start_sheet, window.annotation):
-            sheet.hide()
-    assert asked == {("open", FOLDER): 1, ("notes", FOLDER): 1, ("resume", FOLDER): 1}
 
 
 @pytest.mark.parametrize("name", ["a\nb\tc", " a  b c\n"])

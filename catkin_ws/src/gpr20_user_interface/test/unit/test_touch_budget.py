@@ -87,47 +87,28 @@ def test_an_address_and_an_area_from_factory_values(opened):
         assert finger.touches <= FROM_FACTORY, address
 
 
-def test_the_same_survey_again_from_remembered_values(opened):
+def test_what_was_measured_last_takes_fewer_touches_as_it_was_or_with_changes(opened):
     window, finger = opened(), Finger()
     plan(window, finger, "192.168.1.10")
     before = window.survey.asked[0]
     window.on_event(Answer(Request.START, True, verbatim("Survey started"), "id"))
+    window.control.form.set_text("x_stop_mm", "200")
     window.refresh()
-    assert window.plans.wait(10.0)
+    assert window.plans.wait(30.0)
+    # The plan that is not finished, and the last area.
     window, finger = opened(), Finger()
+    finger.touch(window.control.tiles[Tile.AREA])
+    finger.touch(window.values.presets[3])
+    finger.touch(window.values.done)
     finger.start(window)
-    assert window.survey.asked == [before]
-    assert finger.touches <= FROM_MEMORY
-
-
-def test_another_spacing_soil_and_area_from_remembered_values(opened):
-    window, finger = opened(), Finger()
-    plan(window, finger, "10.0.0.2")
-    window.on_event(Answer(Request.START, True, verbatim("Survey started"), "id"))
-    window.refresh()
-    assert window.plans.wait(10.0)
-    window, finger = opened(), Finger()
+    assert window.survey.asked == [before] and finger.touches <= FROM_MEMORY
     for tile, preset in ((Tile.SPACING, 1), (Tile.SOIL, 1)):
         finger.touch(window.control.tiles[tile])
         finger.touch(window.values.presets[preset])
         finger.touch(window.values.done)
     finger.start(window)
-    assert window.survey.asked[0].x_points == 31
-    assert finger.touches <= FROM_MEMORY
-
-
-def test_the_last_area_is_offered(opened):
-    window = opened()
-    plan(window, Finger(), "10.0.0.2")
-    window.on_event(Answer(Request.START, True, verbatim("Survey started"), "id"))
-    window.control.form.set_text("x_stop_mm", "200")
-    window.refresh()
-    assert window.plans.wait(10.0)
-    window, finger = opened(), Finger()
-    finger.touch(window.control.tiles[Tile.AREA])
-    finger.touch(window.values.presets[3])
-    assert window.values.presets[3].text() == "Last\nsurvey"
-    assert window.control.form.texts["x_stop_mm"] == "475"
+    assert window.survey.asked[1].x_points == 31
+    assert finger.touches <= 2 * FROM_MEMORY
 
 
 def test_a_damaged_memory_is_said_and_the_factory_values_are_used(opened, tmp_path):

@@ -5,17 +5,18 @@ import itertools
 import pytest
 from fake_clock import FakeClock
 from finger import AFTER_S, Finger, place_of
-from PyQt5.QtCore import QPoint, Qt
-from PyQt5.QtTest import QTest
+from hypothesis import given
+from hypothesis import strategies as st
+from PyQt5.QtCore import QPoint
 from PyQt5.QtWidgets import QApplication, QPushButton
 from view_kit import snapshot
 from window_helpers import close, opened_window, show, wishes
 
 from gpr20_common.message import verbatim
 from gpr20_operator.plan.fields import default_parameters
-from gpr20_operator.plan.spec import Tile
 from gpr20_operator.robot.notices import Refused, refusal_notice
 from gpr20_survey.plan.survey_state import SurveyState
+from gpr20_user_interface.touch.guard import QUIET_S, TouchGuard, TouchTarget
 from gpr20_user_interface.widgets.overlay import Overlay
 from gpr20_user_interface.window.rail import TabName
 
@@ -97,21 +98,6 @@ def test_a_screen_that_is_too_small_can_be_looked_at_and_stops(application, tmp_
     close(window)
 
 
-def test_a_bounce_of_done_does_nothing(window, finger):
-    for gap_s in (0.0, 0.12):
-        finger.tap(window.control.tiles[Tile.AREA])
-        assert window.values.isVisible()
-        finger.wait(AFTER_S)
-        place = place_of(window, window.values.done).center()
-        finger.tap(place)
-        assert not window.values.isVisible()
-        finger.wait(gap_s)
-        finger.tap(place)
-        finger.tap(window.control.start)
-        finger.wait(3.0)
-        assert wishes(window) == [] and not window.start_sheet.isVisible(), gap_s
-
-
 def test_a_double_tap_deletes_no_profile(window, finger, tmp_path):
     window.profiles.show_profiles(default_parameters())
     window.profiles._save("a")
@@ -151,18 +137,6 @@ def test_another_tab_drops_the_touch_and_takes_none_for_a_moment(window, finger)
     finger.wait(AFTER_S)
     finger.tap(window.control.start)
     assert pressed == ["start"]
-
-
-def test_a_second_finger_that_comes_from_another_button_counts_for_nothing(window, finger):
-    sheet = start_sheet(window, finger)
-    finger.press(sheet.hold)
-    finger.wait(0.5)
-    place = place_of(window, sheet.cancel).center()
-    QTest.mousePress(window.windowHandle(), Qt.RightButton, Qt.NoModifier, place)
-    finger.wait(2.0)
-    QTest.mouseRelease(window.windowHandle(), Qt.RightButton, Qt.NoModifier, place)
-    finger.release(sheet.hold)
-    assert wishes(window) == [] and sheet.isVisible()
 
 
 def second_finger(window, place):
@@ -256,3 +230,50 @@ def test_a_touch_of_a_locked_screen_shows_why_it_does_nothing(window, finger):
     assert not window.touch_binding.band.text.property("flash")
     finger.tap(QPoint(400, 300))
     assert window.touch_binding.band.text.property("flash")
+
+
+STOP, UNLOCK, OTHER = TouchTarget.STOP, TouchTarget.UNLOCK, TouchTarget.OTHER
+
+
+ACTS = st.lists(
+    st.tuples(
+        st.sampled_from(
+            ["stop", "unlock key", "other", "release", "change", "lock", "unlock", "second finger"]
+        ),
+        st.floats(0.0, 0.6),
+    ),
+    max_size=60,
+)
+
+
+@given(ACTS)
+def test_in_any_order_nothing_counts_within_the_quiet_time_or_while_locked_but_stop(acts):
+    clock = FakeClock()
+    guard = TouchGuard(clock)
+    changed_s, locked, began_s, on_stop = -1.0, False, None, False
+    for act, seconds in acts:
+        clock.advance(seconds)
+        now_s = clock.now_s()
+        if act in ("stop", "unlock key", "other"):
+            target = {"stop": STOP, "unlock key": UNLOCK, "other": OTHER}[act]
+            free = now_s - changed_s >= QUIET_S and (not locked or target is UNLOCK)
+            assert guard.press(target) is (target is STOP or free)
+            began_s, on_stop = (now_s, target is STOP) if target is STOP or free else (None, False)
+        elif act == "release":
+            counts = began_s is not None and (on_stop or began_s > changed_s)
+            assert guard.release() is counts
+            began_s = None
+        elif act == "second finger":
+            assert guard.note_second_finger() is (began_s is not None and not on_stop)
+            if not on_stop:
+                began_s = None
+        else:
+            counted = began_s is not None and not on_stop and began_s > changed_s
+            change = {"change": guard.note_change, "lock": guard.lock, "unlock": guard.unlock}
+            assert change[act]() is counted
+            changed_s = now_s
+            locked = {"lock": True, "unlock": False}.get(act, locked)
+            if not on_stop:
+                began_s = None
+        assert guard.taken is (began_s is not None and (on_stop or began_s > changed_s))
+        assert guard.locked is locked

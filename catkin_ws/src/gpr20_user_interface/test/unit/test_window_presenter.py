@@ -1,4 +1,5 @@
 import threading
+import time
 from dataclasses import replace
 
 import pytest
@@ -112,15 +113,7 @@ def test_one_press_of_start_is_one_request(parts):
     assert not window.notice.isVisible()
 
 
-def test_stop_can_be_pressed_again_until_the_robot_stops(parts):
-    window, control, _ = parts
-    said(window, SurveyState.SURVEYING)
-    click(window.top_bar.stop)
-    click(window.top_bar.stop)
-    assert control.asked[1:] == ["stop", "stop"]
-
-
-def test_pause_and_resume_are_asked_for(parts):
+def test_pause_resume_and_every_press_of_stop_are_asked_for(parts):
     window, control, _ = parts
     said(window, SurveyState.SURVEYING)
     click(window.top_bar.pause)
@@ -128,18 +121,9 @@ def test_pause_and_resume_are_asked_for(parts):
     said(window, SurveyState.PAUSED)
     click(window.top_bar.pause)
     hold_to_start(window)
-    assert control.asked[1:] == ["pause", "resume"]
-
-
-def test_refused_request_opens_a_dialog_and_unlocks_start(parts):
-    window, _, _ = parts
-    said(window, SurveyState.CONFIGURED)
-    start(window)
-    assert not window.control.start.isEnabled()
-    window.on_event(Answer(Request.START, False, verbatim("the disk is full")))
-    assert window.notice.reason.toPlainText() == "The disk is full"
-    assert window.notice.isVisible()
-    assert window.control.start.isEnabled()
+    click(window.top_bar.stop)
+    click(window.top_bar.stop)
+    assert control.asked[1:] == ["pause", "resume", "stop", "stop"]
 
 
 OTHER = "Anritsu,MS2026C/2,62011033,1.23"
@@ -163,31 +147,24 @@ def test_another_vna_is_a_question_that_resumes_the_same_survey_with_it(parts, f
     assert window.question.isVisible() and not window.notice.isVisible()
     assert window.question.reason.toPlainText()[1:] == str(REFUSED.message)[1:]
     assert OTHER in window.question.details.toPlainText()
-    assert window.question.accept_button.text() == "CONTINUE WITH THIS VNA"
+    click(window.question.close_button)
+    assert not window.question.isVisible() and len(control.asked) == 2
+    window.survey.resume(folder)
+    window.on_event(REFUSED)
     click(window.question.accept_button)
     assert not window.question.isVisible()
-    assert len(control.asked) == 2
+    assert len(control.asked) == 3
     hold_to_start(window)
-    assert control.asked[1:] == [f"resume {folder}".strip(), f"resume {folder} {OTHER}"]
+    asked = f"resume {folder}".strip()
+    assert control.asked[1:] == [asked, asked, f"resume {folder} {OTHER}"]
     window.on_event(Answer(Request.RESUME, True, verbatim("")))
     assert not window.notice.isVisible() and not window.question.isVisible()
     # Another refusal after the question is a notice.
     window.on_event(Answer(Request.RESUME, False, verbatim("the VNA does not answer")))
-    assert window.notice.reason.toPlainText() == "The VNA does not answer"
-    assert window.notice.isVisible() and not window.question.isVisible()
-
-
-def test_another_vna_is_not_used_if_the_operator_declines(parts):
-    window, control, _ = parts
-    said(window, SurveyState.PAUSED)
-    click(window.top_bar.pause)
-    hold_to_start(window)
-    window.on_event(REFUSED)
-    click(window.question.close_button)
-    assert not window.question.isVisible()
     window.refresh()
     assert window.top_bar.pause.isEnabled()
-    assert control.asked[1:] == ["resume"]
+    assert window.notice.reason.toPlainText() == "The VNA does not answer"
+    assert window.notice.isVisible() and not window.question.isVisible()
 
 
 def test_events_of_other_threads_reach_the_window_in_its_own(parts):
@@ -200,17 +177,12 @@ def test_events_of_other_threads_reach_the_window_in_its_own(parts):
         thread.start()
         thread.join()
     assert model.threads == []
-    assert_within_5_s(lambda: window.job.percent.text() == "50 %")
+    deadline_s = time.monotonic() + 30.0
+    while window.job.percent.text() != "50 %":
+        assert time.monotonic() < deadline_s
+        QTest.qWait(20)
     assert set(model.threads) == {threading.current_thread()}
     assert window.top_bar.band.title.whole == "SURVEYING 50 %"
-
-
-def assert_within_5_s(condition):
-    for _ in range(250):
-        if condition():
-            return
-        QTest.qWait(20)
-    raise AssertionError("not within 5 s")
 
 
 def test_start_that_is_accepted_and_fails_in_its_checks_opens_a_dialog(parts):

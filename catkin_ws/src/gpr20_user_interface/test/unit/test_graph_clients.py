@@ -1,0 +1,245 @@
+"""Clients of the graph without one: STOP, and joining a master that comes, dies or is another."""
+
+import queue
+import threading
+from types import SimpleNamespace
+
+import pytest
+import rosgraph
+from case_kit import each_case
+from fake_clock import FakeClock
+
+from gpr20_common.high.service_client import ServiceClient, ServiceUnavailableError
+from gpr20_common.message import Message, verbatim
+from gpr20_common.sent_message import message_fields
+from gpr20_msgs.msg import ControlStatus
+from gpr20_msgs.srv import Command, CommandResponse
+from gpr20_operator import faults
+from gpr20_operator.errors import MasterUnavailableError
+from gpr20_operator.high import master, robot_stop, robots_client
+from gpr20_operator.robot.events import Answer, AxisStopAnswer, Request
+from gpr20_operator.robot.robots import RobotReported, RobotsFound
+from gpr20_operator.robot.senders import Senders
+from gpr20_survey.axes.axis_id import AxisId
+
+LIMIT_S = 30.0
+SILENT = ServiceUnavailableError(Message("no answer"))
+
+
+class Services:
+    """In place of the services that stop the robot: what each answers, in its order."""
+
+    def __init__(self):
+        self.asked, self.answers, self.hung = queue.Queue(), {}, threading.Event()
+
+    def call(self, client, _timeout_s):
+        self.asked.put(client.name)
+        answers = self.answers.get(client.name, [])
+        answer = answers.pop(0) if len(answers) > 1 else (answers or [True])[0]
+        if answer == "hangs":
+            assert self.hung.wait(LIMIT_S)
+        if isinstance(answer, Exception):
+            raise answer
+        return CommandResponse(success=answer is True, **message_fields(verbatim("stopping")))
+
+
+@pytest.fixture
+def services(monkeypatch):
+    services = Services()
+    monkeypatch.setattr(ServiceClient, "call", lambda *given: services.call(*given))
+    yield services
+    services.hung.set()
+
+
+@pytest.fixture
+def stop(services, monkeypatch):
+    """STOP, with a clock of its own; what it emits is in `stop.events`."""
+    monkeypatch.setattr(robot_stop, "Clock", FakeClock)
+    monkeypatch.setattr(robot_stop.rospy, "logwarn_throttle", lambda *_given: None)
+    events = queue.Queue()
+    stop = robot_stop.RobotStop(events.put)
+    stop.events = events
+    yield stop
+    stop.forget()
+
+
+def taken(events, count):
+    return [events.get(timeout=LIMIT_S) for _ in range(count)]
+
+
+def test_every_press_asks_every_axis_and_the_main_control_whatever_they_answer(stop, services):
+    services.answers = {"x_axis/stop": [SILENT], "y_axis/stop": [False], "stop_survey": [False]}
+    for _press in range(2):
+        stop.press()
+        answers = taken(stop.events, 4)
+        axes = {one.axis: one.answered for one in answers if isinstance(one, AxisStopAnswer)}
+        assert axes == {AxisId.X: False, AxisId.Y: False, AxisId.Z: True}
+        (control,) = [one for one in answers if isinstance(one, Answer)]
+        assert (control.request, control.success, control.contact) == (Request.STOP, False, True)
+
+
+def test_no_axis_waits_for_a_main_control_or_an_axis_that_hangs(stop, services):
+    services.answers = {"stop_survey": ["hangs"], "x_axis/stop": ["hangs"]}
+    stop.press()
+    assert {one.axis for one in taken(stop.events, 2)} == {AxisId.Y, AxisId.Z}
+
+
+def test_a_stop_that_the_main_control_did_not_hear_is_repeated_until_it_does(stop, services):
+    services.answers = {"stop_survey": [SILENT] * 5 + [True]}
+    stop.press()
+    answers = [one for one in taken(stop.events, 5) if isinstance(one, Answer)]
+    assert [(one.success, one.contact) for one in answers] == [(False, False), (True, True)]
+    assert answers[0].message.cause == faults.PART_SILENT
+    asked = taken(services.asked, 9)
+    assert asked.count("stop_survey") == 6 and services.asked.empty()
+
+
+def test_a_stop_is_repeated_no_more_when_something_was_started_since(stop, services):
+    services.answers = {"stop_survey": [SILENT, "hangs", SILENT]}
+    stop.press()
+    taken(stop.events, 4)
+    asked = taken(services.asked, 5)
+    stop.forget()
+    services.hung.set()
+    stop._repeating.acquire(timeout=LIMIT_S)
+    assert asked.count("stop_survey") == 2 and services.asked.empty()
+
+
+def test_stop_needs_no_master_once_it_knows_the_address(monkeypatch):
+    asked = []
+
+    def look_up(name):
+        asked.append(name)
+        if isinstance(answer, Exception):
+            raise answer
+        return answer
+
+    monkeypatch.setattr(
+        robot_stop.rosgraph, "Master", lambda _name: SimpleNamespace(lookupService=look_up)
+    )
+    monkeypatch.setattr(ServiceClient, "_look_up", lambda *_given: "asked the master")
+    client = robot_stop.DirectServiceClient("stop_survey", Command)
+    assert client._look_up(0, 1.0) == "asked the master"
+    answer = "rosrpc://robot:1"
+    client.remember()
+    # A service that is not there now has its last address; a silent master is said.
+    answer = rosgraph.MasterError("unknown service")
+    client.remember()
+    answer = OSError("refused")
+    with pytest.raises(OSError):
+        client.remember()
+    assert client._look_up(0, 1.0) == "rosrpc://robot:1"
+    # Where that fails, it may be a new one.
+    assert client._look_up(1, 1.0) == "asked the master"
+    assert set(asked) == {"/stop_survey"}
+
+
+@pytest.fixture
+def joining(monkeypatch):
+    """Join a graph as a test says: whether its master answers, and what comes of it."""
+    monkeypatch.setattr(master, "enable_line_buffering", lambda: None)
+    hung = threading.Event()
+
+    def join(online=True, joins=True, cancelled=lambda: False):
+        monkeypatch.setattr(master.rosgraph, "is_master_online", lambda: online)
+        monkeypatch.setattr(master.rospy, "init_node", lambda *_, **__: joins or hung.wait(LIMIT_S))
+        master.join_graph("a_node", 5.0, cancelled, WaitingClock())
+
+    yield join
+    hung.set()
+
+
+class WaitingClock(FakeClock):
+    """Lets other threads work while its time passes."""
+
+    def wait_s(self, event, timeout_s):
+        self.advance(timeout_s)
+        return event.wait(0.01)
+
+
+def test_a_graph_is_joined_within_the_limits_or_the_reason_is_said(joining):
+    joining()
+    for given in ({"online": False}, {"joins": False}):
+        with pytest.raises(MasterUnavailableError) as caught:
+            joining(**given)
+        assert caught.value.message.fault == faults.NO_MASTER
+    with pytest.raises(MasterUnavailableError) as caught:
+        joining(online=False, cancelled=lambda: True)
+    assert caught.value.message.fault == faults.NOT_STARTED
+
+
+def test_everything_is_registered_again_with_another_master_and_only_then(monkeypatch):
+    process_ids, registered = [7, 7, 8, 8, 9], []
+    monkeypatch.setattr(
+        master.rosgraph,
+        "Master",
+        lambda _name: SimpleNamespace(getPid=lambda: process_ids.pop(0)),
+    )
+    monkeypatch.setattr(
+        master,
+        "get_registration_listeners",
+        lambda: SimpleNamespace(notify_added=lambda *given: registered.append(given[0])),
+    )
+    topics = {
+        "get_subscriptions": lambda: [("/heard", "a/Type")],
+        "get_publications": lambda: [("/said", "a/Type")],
+    }
+    monkeypatch.setattr(master, "get_topic_manager", lambda: SimpleNamespace(**topics))
+    services = SimpleNamespace(get_services=lambda: [("/asked", "rosrpc://here")])
+    monkeypatch.setattr(master, "get_service_manager", lambda: services)
+    watch, counts = master.MasterWatch(), []
+    for _ in range(5):
+        watch.check()
+        counts.append(len(registered))
+    assert counts == [0, 0, 3, 3, 6]
+    assert set(registered) == {"/heard", "/said", "/asked"}
+
+
+@each_case("answer, states", [(None, [False]), ("gone", [False]), ("silent", [True])])
+def test_a_link_is_down_only_while_the_main_control_is_silent(answer, states):
+    from gpr20_common.errors import NodeGoneError, NodeSilentError
+
+    errors = {"gone": NodeGoneError, "silent": NodeSilentError}
+    heard = []
+    watch = master.LinkWatch.__new__(master.LinkWatch)
+    watch._listener, watch._down, watch._gone = heard.append, not states[0], False
+
+    def process():
+        if answer is not None:
+            raise errors[answer](Message("no answer"))
+
+    watch._probe = SimpleNamespace(process=process)
+    for _ in range(2):
+        watch._check()
+    assert [one.down for one in heard] == states
+
+
+def test_other_robots_are_listened_to_only_while_their_list_is_looked_at(monkeypatch):
+    services = [
+        f"{robot}/{name}" for robot in ("", "/beside") for name in ("start_survey", "stop_survey")
+    ]
+    state = SimpleNamespace(getSystemState=lambda: ([], [], [(name, []) for name in services]))
+    monkeypatch.setattr(robots_client.rosgraph, "Master", lambda _name: state)
+    monkeypatch.setattr(robots_client, "in_background", lambda work: work())
+    monkeypatch.setattr(robots_client, "Periodic", lambda _period_s, act: act())
+    subscribed = {}
+
+    def subscriber(name, _kind, received, callback_args, queue_size):
+        subscribed[name] = lambda message: received(message, callback_args)
+        return SimpleNamespace(unregister=lambda: subscribed.pop(name))
+
+    monkeypatch.setattr(robots_client.rospy, "Subscriber", subscriber)
+    events = []
+    client = robots_client.RobotsClient(events.append, Senders("/"))
+    client.listen()
+    assert events == [RobotsFound(frozenset({"/", "/beside"}))] and not subscribed
+    client.set_watched(True)
+    assert set(subscribed) == {"/control_status", "/beside/control_status"}
+    message = ControlStatus(code=ControlStatus.PAUSED)
+    for sender in ("/play_1", "/main_control", "/beside/main_control"):
+        message._connection_header = {"callerid": sender}
+        subscribed["/beside/control_status"](message)
+    (report,) = [one for one in events if isinstance(one, RobotReported)]
+    assert (report.namespace, report.state.code.name) == ("/beside", "PAUSED")
+    client.close()
+    assert not subscribed

@@ -1,0 +1,131 @@
+"""The program of the window without a graph: how it ends where it cannot be shown."""
+
+import argparse
+import os
+import signal
+import subprocess
+import sys
+from pathlib import Path
+from types import SimpleNamespace
+
+import pytest
+from PyQt5.QtCore import QtMsgType
+
+from gpr20_common.catalogue import Language
+from gpr20_common.errors import InvalidValueError
+from gpr20_common.message import Message
+from gpr20_operator.errors import MasterUnavailableError
+from gpr20_user_interface.high import display, user_interface
+
+PROGRAM = Path(__file__).resolve().parents[2] / "nodes" / "user_interface"
+LIMIT_S = 60.0
+
+
+def started(*arguments, display=""):
+    """Start the program with a display that there is not."""
+    environment = {**os.environ, "DISPLAY": display}
+    for name in ("QT_QPA_PLATFORM", "WAYLAND_DISPLAY"):
+        environment.pop(name, None)
+    return subprocess.Popen(
+        [sys.executable, str(PROGRAM), *arguments],
+        env=environment,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        text=True,
+    )
+
+
+def test_without_a_display_it_says_how_to_run_without_a_window():
+    output, _ = (process := started()).communicate(timeout=LIMIT_S)
+    said = [line for line in output.splitlines() if "QStandardPaths" not in line]
+    assert process.returncode == 3 and len(said) == 1, output
+    assert "ui:=false" in said[0]
+
+
+def test_it_waits_for_a_display_where_the_launch_says_so():
+    process = started("--wait-for-display", display=":4711")
+    assert "ui:=false" in process.stdout.readline()
+    process.terminate()
+    output, _ = process.communicate(timeout=LIMIT_S)
+    assert (process.returncode, output) == (-signal.SIGTERM, "")
+
+
+@pytest.fixture
+def run(monkeypatch, capsys):
+    """Run the program up to the graph; return its exit status and what it has said."""
+    monkeypatch.setattr(user_interface, "check_display", lambda _environment: None)
+
+    def run(replay=False):
+        options = argparse.Namespace(replay=replay, wait_for_display=False)
+        status, next_robot = user_interface._run(options)
+        assert next_robot == ""
+        return status, capsys.readouterr().err
+
+    return run
+
+
+def test_a_replay_in_the_namespace_of_a_robot_is_refused(run, monkeypatch):
+    # Two windows of one name: the master would end that of the robot.
+    asked = []
+    there = SimpleNamespace(lookupNode=asked.append)
+    monkeypatch.setattr(user_interface.rosgraph, "Master", lambda _name: there)
+    status, said = run(replay=True)
+    assert status == 2 and "a robot has the namespace" in said
+    assert asked == ["/main_control"]
+
+
+def test_without_a_master_it_ends(run, monkeypatch):
+    def join(*_given):
+        raise MasterUnavailableError(Message("no ROS master answers"))
+
+    monkeypatch.setattr(user_interface, "join_graph", join)
+    assert run()[0] == 1
+
+
+def test_the_language_of_a_parameter_comes_before_the_one_that_was_used_last(monkeypatch):
+    parameters = {}
+    monkeypatch.setattr(user_interface.rospy, "get_param", parameters.get)
+    assert user_interface._language(Language.SPANISH) is Language.SPANISH
+    parameters["~language"] = "en"
+    assert user_interface._language(Language.SPANISH) is Language.ENGLISH
+    parameters["~language"] = "fr"
+    with pytest.raises(InvalidValueError) as caught:
+        user_interface._language(Language.SPANISH)
+    assert "'fr'" in str(caught.value)
+
+
+class Left(BaseException):
+    """In place of the end of the process."""
+
+
+@pytest.mark.parametrize("asked_to_end, status", [(True, 0), (False, 4)])
+def test_a_window_whose_display_is_lost_leaves_the_graph_and_says_it(
+    monkeypatch, capsys, asked_to_end, status
+):
+    left = []
+    monkeypatch.setattr(
+        user_interface.rospy, "signal_shutdown", lambda _reason: left.append("graph")
+    )
+
+    def leave_now(status):
+        left.append(status)
+        raise Left
+
+    monkeypatch.setattr(user_interface, "leave_now", leave_now)
+    with pytest.raises(Left):
+        user_interface._leave_without_display(asked_to_end)
+    assert left == ["graph", status]
+    assert ("continues" in capsys.readouterr().err) is not asked_to_end
+
+
+def test_only_what_ends_the_display_ends_the_window(monkeypatch, capsys):
+    installed, left = [], []
+    monkeypatch.setattr(display, "qInstallMessageHandler", installed.append)
+    display.on_display_lost(lambda: left.append(True))
+    (handle,) = installed
+    handle(QtMsgType.QtWarningMsg, None, "a font is missing")
+    handle(QtMsgType.QtWarningMsg, None, None)
+    assert not left and "a font is missing" in capsys.readouterr().err
+    handle(QtMsgType.QtWarningMsg, None, "The X11 connection broke (error 1)")
+    handle(QtMsgType.QtFatalMsg, None, "cannot go on")
+    assert left == [True, True]
