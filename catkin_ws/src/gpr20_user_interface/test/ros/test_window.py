@@ -175,7 +175,7 @@ class Window(unittest.TestCase):
         """Start a survey with the plan that the window proposes."""
         window = self.window
         wait_until(lambda: self.may_start(window), "START is unlocked")
-        window.tap("control.start")
+        window.tap_for("start_sheet.hold", "control.start")
         window.hold("start_sheet.hold")
 
     def may_start(self, window: TouchedWindow) -> bool:
@@ -185,15 +185,16 @@ class Window(unittest.TestCase):
                 window.tap(key)
         return window.takes_touches("control.start")
 
-    def resume(self) -> None:
-        """Hold the button of the sheet that asks."""
+    def resume(self, key: str) -> None:
+        """Touch a key, and hold the button of the sheet that asks."""
+        self.window.tap_for("start_sheet.hold", key)
         self.window.hold("start_sheet.hold")
 
     def stop(self) -> None:
         """Touch STOP, and wait until the survey has ended for that."""
         self.window.tap("top_bar.stop")
         shown = self.wait_for_title("STOPPED")
-        self.assertEqual(shown["code"], "survey.stopped_on_request")
+        self.assertIn("survey.stopped_on_request", shown["codes"])
         self.wait_for(lambda one: not one["pending"], "STOP is answered")
 
     def test_1_a_first_survey_is_seen_whole_though_its_window_was_killed(self) -> None:
@@ -204,7 +205,6 @@ class Window(unittest.TestCase):
         self.assertEqual(place["outside"], [])
         wait_until(lambda: window.takes_touches("control.start"), "there is contact")
         self.start()
-        self.assertEqual(window.touches, 2)
         self.wait_for_title("SURVEYING")
         before = self.wait_for_traces(4)
         self.assertEqual(window.kill(), -signal.SIGKILL)
@@ -220,8 +220,7 @@ class Window(unittest.TestCase):
         # What it has missed is read back.
         paused = self.wait_for(is_all_seen, "every trace so far is on MAP and RADAR")
         self.assertLess(paused["visited"], paused["area_traces"])
-        window.tap("top_bar.pause")
-        self.resume()
+        self.resume("top_bar.pause")
         done = self.wait_for_title("FINISHED")
         done = self.wait_for(is_all_seen, "every trace is on MAP and RADAR")
         self.assertEqual((done["visited"], done["area_traces"]), (72, 72))
@@ -351,8 +350,7 @@ class Window(unittest.TestCase):
         # The alarm ends with its cause, though the survey is still paused.
         shown = self.wait_for(lambda one: not one["trouble"], "the return is reported")
         self.assertEqual(shown["title"], "PAUSED")
-        self.window.tap("notice.resume")
-        self.resume()
+        self.resume("notice.resume")
         self.wait_for_traces(held["visited"])
         with self.frozen_control():
             self.window.tap("top_bar.stop")
@@ -368,11 +366,9 @@ class Window(unittest.TestCase):
         os.kill(node_pid("/main_control"), signal.SIGKILL)
         self.wait_for(lambda one: one["condition"] == "window.interrupted", "the loss is said")
         self.may_start(self.window)
-        self.window.tap("tab:SURVEYS")
-        wait_until(lambda: self.window.find("past.list")["visible"], "the surveys are listed")
+        self.window.tap_for("past.list", "tab:SURVEYS")
         self.choose_first()
-        self.window.tap("past.resume")
-        self.resume()
+        self.resume("past.resume")
         self.window.tap("tab:SURVEY")
         shown = self.wait_for_title("SURVEYING")
         self.assertEqual(shown["survey_id"], begun["survey_id"])

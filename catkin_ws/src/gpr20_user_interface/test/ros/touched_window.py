@@ -134,10 +134,25 @@ class TouchedWindow:
     def tap(self, name: str, for_s: float = TAP_S) -> None:
         """Touch a part of the window when it takes touches."""
         wait_until(lambda: self.takes_touches(name), f"{name} takes touches")
+        self._touch(name, for_s)
+
+    def _touch(self, name: str, for_s: float = TAP_S) -> None:
         time.sleep(QUIET_S)
         found = self.find(name)
         middle = found["x"] + found["width"] // 2, found["y"] + found["height"] // 2
         self.tap_at(*middle, for_s)
+
+    def tap_for(self, wanted: str, name: str) -> None:
+        """Touch a part until it has opened another one: a touch is dropped where one closes."""
+
+        def is_open() -> bool:
+            if self.find(wanted)["visible"]:
+                return True
+            if self.takes_touches(name):
+                self._touch(name)
+            return False
+
+        wait_until(is_open, f"{name} opens {wanted}")
 
     def hold(self, name: str) -> None:
         """Touch a part of the window for long."""

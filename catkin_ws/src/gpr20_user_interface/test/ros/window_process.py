@@ -21,14 +21,13 @@ from PyQt5.QtWidgets import QAbstractButton, QApplication, QLabel, QLineEdit, QW
 from gpr20_operator.ground.coverage import StopState
 from gpr20_operator.high.conversions import parameters_message
 from gpr20_operator.plan.spec import Tile
-from gpr20_operator.robot.condition import condition_of
+from gpr20_operator.robot.condition import JobLevel, condition_of
 from gpr20_user_interface.high import user_interface
 from gpr20_user_interface.window.rail import TabName
 
 TAB = "tab:"
 WINDOW = "window"
 KEYS = "keys"
-PICTURE = "picture:"
 
 
 def shown(window: Any) -> Dict[str, Any]:
@@ -37,7 +36,7 @@ def shown(window: Any) -> Dict[str, Any]:
     progress, counts, state = snapshot.progress, live.map.counts(), snapshot.state
     return {
         "title": "—" if state is None else str(state.title),
-        "code": "" if state is None else state.message.fault_code,
+        "codes": [] if state is None else [one.code for one in state.message.faults],
         "survey_id": "" if state is None else state.survey_id,
         "condition": condition_of(snapshot).message.fault_code,
         "moving": [one.axis.value for one in snapshot.moving],
@@ -53,6 +52,7 @@ def shown(window: Any) -> Dict[str, Any]:
         "replay": bar.band.title.whole if snapshot.replay is not None else "",
         "survey": bar.band.message.whole,
         "stop": bar.stop.isVisible() and bar.stop.isEnabled(),
+        "alarm": bar.band.message.whole if bar.band.level is JobLevel.FAULT else "",
         "simulated": bar.band.simulated.isVisible(),
     }
 
@@ -63,15 +63,12 @@ def part(window: Any, name: str) -> Dict[str, Any]:
     Args:
         window: The window.
         name: Attributes of the window separated by dots, such as `top_bar.stop`; `tab:MAP` a tab;
-            `window` all of it; `keys` the places of all keys that are seen; `picture:FILE` writes
-            a picture.
+            `window` all of it; `keys` the places of all keys that are seen.
     """
     if name == WINDOW:
         return whole(window)
     if name == KEYS:
         return {"keys": keys(window)}
-    if name.startswith(PICTURE):
-        return {"written": window.grab().save(name[len(PICTURE) :])}
     if name.startswith(TAB):
         return described(window.rail.tabs[TabName[name[len(TAB) :]]])
     found: Optional[QWidget] = window

@@ -285,11 +285,6 @@ def test_the_counts_of_a_past_survey_are_never_those_of_the_one_that_runs(window
     assert view.isVisible()
 
 
-def test_why_the_list_cannot_be_read_is_shown(window):
-    window.on_event(ReadingFailed(verbatim("the storage did not answer")))
-    assert "did not answer" in window.past.details.text()
-
-
 def test_the_target_is_the_current_stop(window):
     window.on_event(SurveyDescribed(description()))
     there = {

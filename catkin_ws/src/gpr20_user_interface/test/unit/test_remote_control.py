@@ -117,16 +117,6 @@ def test_another_plan_is_sent_at_once(window):
     assert [one.plan for one in window.sent] == [PLAN, plan, None]
 
 
-@each_case("reason", ENDING)
-def test_what_happens_at_the_robot_ends_it_for_good(reason):
-    window = Window()
-    window.arming.arm(WELL)
-    window.note(ENDING[reason])
-    assert not window.arming.armed and not window.sent[-1].armed
-    window.note(WELL)
-    assert not window.arming.armed
-
-
 @each_case("reason", FORBIDDING)
 def test_a_hold_allows_nothing_where_something_forbids_it(reason):
     window, shown = Window(), FORBIDDING[reason]
@@ -165,17 +155,6 @@ def test_the_page_believes_only_what_is_fresh(web, clock):
     assert web.armed
     web.on_event(RemoteArmed(False, 0.0, PLAN))
     assert not web.armed
-
-
-@pytest.mark.parametrize("fault", [FAULT, OTHER_FAULT])
-def test_a_fault_ends_it_for_the_page_until_the_next_hold(web, fault):
-    web.note(fault)
-    web.on_event(RemoteArmed(True, 500.0, PLAN))
-    web.note(WELL)
-    assert not web.armed
-    web.on_event(RemoteArmed(False))
-    web.on_event(RemoteArmed(True, REMOTE_LIMIT_S, PLAN))
-    assert web.armed
 
 
 MESSAGES = st.builds(RemoteArmed, st.just(True), st.floats(), st.none() | st.just(PLAN))
@@ -261,19 +240,6 @@ def test_the_window_knows_the_page_until_its_node_is_gone(window):
     assert window.arming.web is None
 
 
-def test_only_the_window_of_the_robot_itself_is_believed():
-    senders = Senders("/robot1/", nodes=("user_interface",))
-    assert senders.takes("/robot1/user_interface")
-    for other in (
-        "/user_interface",
-        "/robot2/user_interface",
-        "/robot1/main_control",
-        "/robot1/web",
-    ):
-        assert not senders.takes(other)
-    assert not Senders("/robot1/").takes("/robot1/user_interface")
-
-
 @pytest.fixture
 def topics(monkeypatch):
     """The module of the topics, with the time of ROS."""
@@ -299,11 +265,6 @@ def test_the_message_of_the_window_arrives_as_it_was_sent(topics, armed):
             assert topics.remote_armed(sent) == event
 
     check()
-
-
-def test_the_status_of_the_page_is_read(topics):
-    message = topics.WebStatus(**vars(WEB))
-    assert topics.web_status(message) == WEB
 
 
 def test_the_page_takes_no_message_of_another_node(topics, monkeypatch):

@@ -117,15 +117,6 @@ def test_every_page_shows_how_long_it_is_allowed(field):
     assert not field.mark.isVisible() and not field.sent[-1].armed
 
 
-def test_the_screen_is_not_dimmed_while_it_is_allowed(field):
-    field.window.settings._dim_after(2)
-    field.allow()
-    field.clock.advance(REMOTE_LIMIT_S - 10.0)
-    field.say(SurveyState.CONFIGURED)
-    field.say(SurveyState.CONFIGURED)
-    assert not field.window.settings.cover.isVisible() and field.mark.isVisible()
-
-
 def test_any_touch_ends_it_also_one_that_does_nothing_else(field):
     window = field.window
     stop = place_of(window, window.top_bar.stop).center()

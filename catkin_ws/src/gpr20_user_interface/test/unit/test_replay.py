@@ -14,7 +14,7 @@ from gpr20_msgs.msg import ControlStatus, Coordinates, CurrentCoordinate, Replay
 from gpr20_operator.high import control_client, ros_events
 from gpr20_operator.high.control_client import ControlClient
 from gpr20_operator.robot.condition import JobLevel, condition_of
-from gpr20_operator.robot.events import ControlState, Progress, Request, StopRequested
+from gpr20_operator.robot.events import ControlState, Progress, Request
 from gpr20_operator.robot.replay import PlayerLink, ReplayMark, ReplayPhase
 from gpr20_operator.robot.replay_model import ReplayModel
 from gpr20_operator.robot.senders import SenderIgnored, Senders
@@ -324,9 +324,3 @@ def test_the_terminal_client_follows_a_replay_to_its_end():
         cut_off = followed(MARK, state(SurveyState.SURVEYING), end).outcome
         assert cut_off.status is ExitStatus.REPLAY
         assert "does not contain the survey's end" in str(cut_off.message)
-
-
-def test_an_operator_can_leave_a_replay():
-    left = followed(state(SurveyState.SURVEYING), StopRequested("SIGINT"))
-    assert left.outcome.status is ExitStatus.STOPPED
-    assert not left.concerns(StopRequested("SIGINT"))

@@ -5,6 +5,7 @@ import threading
 from types import SimpleNamespace
 
 import pytest
+from case_kit import each_case
 
 pytest.importorskip("rospy")
 
@@ -54,6 +55,11 @@ ANSWERS = {
 }
 
 
+# Of the other services of the storage.
+STORED = {"success": True, "survey_id": "id", "markers_json": "[]", "stored_indices": [0, 3]}
+STORED.update(metadata_json="{}")
+
+
 class Services:
     """In place of the services: what each is asked, and what it answers."""
 
@@ -62,6 +68,8 @@ class Services:
         self._asking = threading.Condition()
         self.answers = {one.value: dict(found, success=True) for one, found in ANSWERS.items()}
         self.answers["cancel_imaging"] = {"success": True}
+        # In place of every answer.
+        self.failure = None
         self.waits = threading.Event()
         self.waits.set()
 
@@ -71,7 +79,7 @@ class Services:
                 self.asked.append((name, fields))
                 self._asking.notify_all()
             self.waits.wait(10.0)
-            answer = self.answers[name]
+            answer = self.failure or self.answers.get(name, STORED)
             if isinstance(answer, Exception):
                 raise answer
             return SimpleNamespace(**answer)
@@ -87,7 +95,8 @@ class Services:
 @pytest.fixture
 def services(monkeypatch):
     services = Services()
-    monkeypatch.setattr(request_client, "ServiceClient", services.client)
+    for module in (request_client, storage_client):
+        monkeypatch.setattr(module, "ServiceClient", services.client)
     return services
 
 
@@ -110,29 +119,23 @@ def deliver(events):
     event.deliver()
 
 
-@pytest.mark.parametrize("service", list(Service))
-def test_each_answer_is_converted_and_delivered(imaging, services, events, service):
-    threads = []
-    job = imaging.job(service, lambda _result: threads.append(threading.current_thread()))
-    job.ask(survey=SURVEY)
-    assert job.running
-    deliver(events)
-    assert job.state is JobState.DONE and threads == [threading.current_thread()]
-    ((name, fields),) = services.asked
-    assert name == service.value and fields["survey"] == SURVEY
-    assert ("request_id" in fields) == service.can_be_cancelled
-
-
-def test_the_answers_are_what_pages_work_with(imaging, events):
-    found = {}
+def test_the_answers_are_what_pages_work_with_and_delivered_in_their_thread(
+    imaging, services, events
+):
+    found, threads = {}, []
     for service in Service:
-        job = imaging.job(service)
-        job.ask()
+        job = imaging.job(service, lambda _result: threads.append(threading.current_thread()))
+        job.ask(survey=SURVEY)
+        assert job.running
         deliver(events)
+        assert job.state is JobState.DONE
         found[service] = job.result
-    assert found[Service.FOCUS].found == candidate_list(
-        focused().found.candidates, survey_id=SURVEY
-    )
+        name, fields = services.asked[-1]
+        assert name == service.value and fields["survey"] == SURVEY
+        assert ("request_id" in fields) == service.can_be_cancelled
+    assert threads == [threading.current_thread()] * len(Service)
+    candidates = candidate_list(focused().found.candidates, survey_id=SURVEY)
+    assert found[Service.FOCUS].found == candidates
     assert found[Service.EXPORT].files == ("GPR20/a.pdf",)
     assert found[Service.STICKS].computer == "server"
     assert [one.path for one in found[Service.STICKS].volumes] == [BLUE.path]
@@ -155,7 +158,7 @@ def test_a_test_that_failed_says_what_it_has_found_before(imaging, services, eve
         assert found in (1.3, "Anritsu,MS2026C")
 
 
-@pytest.mark.parametrize("service", list(Service))
+@each_case("service", list(Service))
 def test_a_service_that_is_silent_or_refuses_is_a_failure_with_a_reason(
     imaging, services, events, service
 ):
@@ -229,35 +232,8 @@ FAILED = {
 }
 
 
-class StorageServices:
-    """In place of the services of the storage."""
-
-    def __init__(self):
-        self.text, self.failure, self.asked = "{}", None, []
-
-    def client(self, name, _kind):
-        def call(_timeout_s, **fields):
-            self.asked.append((name, fields))
-            if isinstance(self.failure, Exception):
-                raise self.failure
-            return SimpleNamespace(
-                **(self.failure or {"success": True}),
-                **{"metadata_json": self.text, "stored_indices": [0, 3]},
-                **{"surveys": [], "more": False, "markers_json": "[]", "survey_id": "id"},
-            )
-
-        return SimpleNamespace(call=call)
-
-
 @pytest.fixture
-def storage(monkeypatch):
-    storage = StorageServices()
-    monkeypatch.setattr(storage_client, "ServiceClient", storage.client)
-    return storage
-
-
-@pytest.fixture
-def answer(storage):
+def answer(services):
     events = queue.Queue()
     client = storage_client.StorageClient(events.put, Senders("/"))
 
@@ -273,16 +249,16 @@ def test_answers_become_events(answer):
     assert answer("list") == SurveysListed("", (), False)
     assert answer("survey") == SurveyRead("folder", "{}", (0, 3))
     assert answer("additions") == AdditionsRead("id", (), ())
-    assert answer("marker") == answer("removal") == MarkersStored("id", ())
+    assert answer("marker") == answer("removal") == MarkersStored(SURVEY, ())
 
 
-@pytest.mark.parametrize("what", list(ASKED))
-def test_silence_and_refusals_are_failures_with_a_reason(answer, storage, what):
-    storage.failure = ServiceUnavailableError(Message("no answer"))
+@each_case("what", list(ASKED))
+def test_silence_and_refusals_are_failures_with_a_reason(answer, services, what):
+    services.failure = ServiceUnavailableError(Message("no answer"))
     silent = answer(what)
     assert isinstance(silent, FAILED[what])
     assert silent.reason.cause == faults.PART_SILENT and silent.reason.remedy is not None
-    storage.failure = {"success": False, **message_fields(verbatim("refused"))}
+    services.failure = {"success": False, **message_fields(verbatim("refused"))}
     refused = answer(what)
     assert isinstance(refused, FAILED[what])
     assert str(refused.reason) == "refused" and refused.reason.cause is None

@@ -168,15 +168,6 @@ def test_the_sentence_is_visible_in_every_state_and_over_every_sheet(window, end
         click(sheet.close_button)
 
 
-def test_a_cancelled_search_rests(window, ended, node):
-    click(ended.card.button)
-    show(window, ENDED)
-    assert len(node.of("read")) == 1 and not ended.progress.isVisible()
-    click(ended.card.button)
-    show(window, ENDED)
-    assert len(node.of("read")) == 2
-
-
 def test_a_survey_that_begins_closes_the_sheets_and_ends_the_search(window, done, node):
     click(done.soil)
     show(window, RUNS)
@@ -275,23 +266,6 @@ def test_the_report_takes_one_touch_with_one_stick_and_two_with_several(done, no
     assert len(node.of("export")) == 1
     click(done.stick_sheet.sticks[1])
     assert node.of("export")[-1].volume == RED.path
-
-
-def test_an_export_that_fails_says_why_and_other_files_can_be_chosen(done, node):
-    click(done.stick)
-    plug_in(node, BLUE)
-    node.ticket("export").fail(verbatim("the USB stick BLUE is full"))
-    assert "BLUE is full" in window_text(refreshed(done).stick_sheet)
-    click(done.stick_sheet.again)
-    plug_in(node, RED)
-    assert node.of("export")[-1].volume == RED.path
-    node.ticket("export").fail(verbatim("the USB stick RED is full"))
-    refreshed(done)
-    click(done.stick_sheet.other)
-    refreshed(done)
-    assert all(key.isVisible() for key in done.stick_sheet.parts.values())
-    click(done.stick_sheet.sticks[0])
-    assert len(node.of("export")) == 3
 
 
 def test_a_stored_survey_opens_its_result(window, page, node):

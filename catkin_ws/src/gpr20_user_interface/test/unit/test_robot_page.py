@@ -89,29 +89,6 @@ def test_only_a_hold_moves_an_axis(service):
     assert service.tools.asked[2:] == [("z", "SET_ZERO", 0.0)]
 
 
-def test_a_survey_or_a_lost_contact_ends_the_service(service):
-    for shown in (snapshot(SurveyState.SURVEYING), snapshot(alive=False)):
-        show(service, AT_REST)
-        begin(service)
-        assert service.robot.in_service
-        show(service, shown)
-        assert not service.robot.in_service
-        assert not service.robot.overview.enter_button.isEnabled()
-        assert service.robot.overview.hint.text()
-        hold(service.robot.overview.enter_button)
-        assert not service.robot.in_service
-
-
-def test_another_tab_ends_the_service_and_its_subscriptions(service):
-    begin(service)
-    service.show_tab(TabName.SURVEY)
-    service.refresh()
-    assert service.tools.asked == [("watch", False)]
-    service.show_tab(TabName.ROBOT)
-    service.refresh()
-    assert not service.robot.in_service
-
-
 def test_endstops_and_positions_are_shown(service):
     begin(service)
     service.on_event(EndstopState(AxisId.X, True))
@@ -217,12 +194,6 @@ def test_a_touch_checks_everything_and_the_findings_are_listed(service):
     texts = "\n".join(listed(service))
     assert "FAULT: Temperature of the processor: 85 °C" in texts
     assert "FAULT: Test of the VNA: no connection" in texts
-
-
-def test_instruments_are_not_tested_beside_a_survey(service):
-    show(service, snapshot(SurveyState.SURVEYING))
-    click(service.robot.overview.check_button)
-    assert service.tools.asked == [("examine", True)]
 
 
 def test_what_is_good_is_listed_only_after_a_touch_and_what_is_not_known_always(service):

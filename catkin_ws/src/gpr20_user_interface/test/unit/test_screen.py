@@ -58,15 +58,6 @@ def test_a_window_that_is_too_large_becomes_smaller(window):
     assert free.contains(window.frameGeometry())
 
 
-def test_the_user_may_later_move_the_window_anywhere(window):
-    ScreenPlacement(window, full_screen=False).show()
-    for step in range(40):
-        window.move(step, step)
-    window.move(-50, -50)
-    QTest.qWait(1)
-    assert window.pos().x() < 0
-
-
 def test_no_part_of_any_window_is_outside():
     draw = random.Random(20261122)
     for _ in range(draws(500)):

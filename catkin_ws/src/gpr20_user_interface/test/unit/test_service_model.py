@@ -25,13 +25,11 @@ from gpr20_operator.robot.service_model import (
     IDLE_LIMIT_S,
     LAMP_S,
     AxisAction,
-    HeightTested,
     ServiceModel,
 )
 from gpr20_operator.robot.survey_model import SurveyModel
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.plan.survey_state import RUNNING, SurveyState
-from gpr20_survey.results.analyzer_test import AnalyzerTest
 
 
 def at_rest(code=SurveyState.FINISHED, **other):
@@ -130,18 +128,6 @@ def test_one_request_at_a_time(model, requests):
     jog(model)
     assert len(requests.asked) == 1
     assert "testing the VNA" in str(model.outcome)
-
-
-def test_what_came_back_is_shown_until_it_is_asked_for_again(model, requests):
-    model.measure_height()
-    measured = HeightTested(0.2, 0.001, 1.3)
-    requests.done(Service.HEIGHT, measured)
-    model.test_analyzer()
-    tested = AnalyzerTest("10.0.0.1", "VNA", "HIGH", 11, 0.1, -40.0)
-    requests.done(Service.ANALYZER, tested)
-    assert (model.height.result, model.tested) == (measured, tested)
-    model.measure_height()
-    assert (model.height.result, model.tested) == (None, tested)
 
 
 def test_the_lamp_shows_a_short_touch_and_no_old_state(model, clock):

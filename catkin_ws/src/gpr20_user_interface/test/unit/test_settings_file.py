@@ -30,11 +30,8 @@ def path(tmp_path):
     return tmp_path / "gpr20" / "window.yaml"
 
 
-def test_no_file_gives_no_values(path):
-    assert SettingsFile(path).read() == {}
-
-
 def test_values_are_read_as_they_were_written(path):
+    assert SettingsFile(path).read() == {}
     values = {"site": "El Carmen, Peña: №1", "soil": 4.5, "list": [0.0, 90.0], "none": None}
     SettingsFile(path).write(values)
     assert SettingsFile(path).read() == values

@@ -26,10 +26,6 @@ def test_first_signal_is_a_wish_and_the_second_leaves(number, name):
             events.get(timeout=5.0)
 
 
-def test_second_signal_is_no_failure_that_could_be_handled():
-    assert not issubclass(SecondStopSignal, Exception)
-
-
 def test_further_signals_can_be_told_to_somebody_else():
     printed = []
     with StopSignals(printed.append, on_next=lambda: printed.append("again")):

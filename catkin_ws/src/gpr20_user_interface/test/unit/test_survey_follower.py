@@ -1,8 +1,6 @@
 import pytest
-from test_fault_messages import ASKED_STOP, MOVING
 
-from gpr20_common import remedies
-from gpr20_common.message import in_a_row, verbatim
+from gpr20_common.message import verbatim
 from gpr20_operator import faults
 from gpr20_operator.robot.events import (
     Answer,
@@ -14,7 +12,6 @@ from gpr20_operator.robot.events import (
 )
 from gpr20_survey.plan.survey_state import RUNNING, SurveyState
 from gpr20_user_interface.terminal.follower import ExitStatus, Limits, Mode, OnPause, SurveyFollower
-from gpr20_user_interface.terminal.session import first_step, outcome_lines
 
 LIMITS = Limits(
     wait_s=10.0,
@@ -230,11 +227,6 @@ def test_refused_stop_is_tried_again_until_the_limit(surveying):
     assert surveying.follower.outcome.message.remedy == faults.STOP_UNCONFIRMED.remedy
 
 
-def test_stop_in_the_pause_does_not_leave_the_survey_paused(surveying):
-    surveying.say(StopRequested("Ctrl-C"), state("PAUSED"))
-    assert surveying.status is None
-
-
 def test_stop_before_the_answer_to_start_is_repeated_after_it(robot):
     robot.say(state("IDLE", ""), StopRequested("Ctrl-C"))
     robot.say(Answer(Request.STOP, False, verbatim("no survey runs")), STARTED)
@@ -270,14 +262,6 @@ def test_attaching_needs_a_survey_that_runs_and_asks_for_nothing(clock):
         assert robot.requests == []
 
 
-def test_attaching_to_a_stopped_survey_says_that_an_axis_still_moves(clock):
-    stopped = ControlState(SurveyState.STOPPED, in_a_row([ASKED_STOP, MOVING]), "ours", True)
-    outcome = Robot(clock, Mode.ATTACH).say(stopped).follower.outcome
-    assert outcome.message.fault_code == "axis.still_moving"
-    assert first_step(outcome.message) in outcome_lines(outcome, "", False)
-    assert first_step(outcome.message).values["remedy"] == remedies.MOTORS_OFF
-
-
 def test_resumed_survey_is_not_left_for_the_pause_it_came_from(clock):
     robot = Robot(clock, Mode.RESUME).say(state("PAUSED"))
     assert robot.requests == [Request.RESUME]
@@ -287,11 +271,3 @@ def test_resumed_survey_is_not_left_for_the_pause_it_came_from(clock):
     assert robot.follower.survey_id == "ours"
     robot.say(state("PAUSED", message="again"))
     assert (robot.status, robot.words) == (ExitStatus.PAUSED, "again")
-
-
-def test_only_words_about_this_survey_concern_the_operator(robot):
-    robot.say(state("FINISHED", "former"))
-    assert not robot.follower.concerns(progress("former"))
-    robot.say(STARTED, state("SURVEYING"))
-    assert robot.follower.concerns(progress("ours"))
-    assert not robot.follower.concerns(progress("former"))

@@ -183,14 +183,6 @@ def test_limits_of_the_axes_stay_known_while_the_master_is_away(model):
     assert model.snapshot().travel is None
 
 
-def test_trouble_of_the_analyzer_is_known_until_it_is_over(model):
-    model.handle(state(SurveyState.SURVEYING))
-    model.handle(NodeHealth("vna_acquisition", HealthLevel.ERROR, verbatim("no answer"), {}))
-    assert str(model.snapshot().health.trouble) == "VNA driver: no answer"
-    model.handle(NodeHealth("vna_acquisition", HealthLevel.OK, verbatim("connected"), {}))
-    assert model.snapshot().health.trouble is None
-
-
 def test_a_robot_stands_still_until_it_moves_measures_or_begins_something_else(model, clock):
     moves = AxisMeasured(AxisId.X, AxisPosition(1.0, True, True))
     rests = AxisMeasured(AxisId.X, AxisPosition(1.0, True, False))
@@ -205,13 +197,6 @@ def test_a_robot_stands_still_until_it_moves_measures_or_begins_something_else(m
         assert (model.snapshot().still_s == 0.0) is progress, event
     clock.advance(4.0)
     assert model.snapshot().still_s == 4.0
-
-
-def test_an_axis_that_falls_silent_is_said_to_be_so(model, clock):
-    model.handle(AxisMeasured(AxisId.X, AxisPosition(1.0, True, True)))
-    assert not model.snapshot().axes[0].silent
-    clock.advance(STALE_S + 0.1)
-    assert model.snapshot().axes[0].silent and model.snapshot().moving
 
 
 def test_survey_that_vanishes_with_its_main_control_is_told_until_the_next_one_runs(clock):

@@ -13,12 +13,10 @@ from test_fault_messages import ASKED_PAUSE, FULL, LOST
 from gpr20_common import remedies
 from gpr20_common.message import Message, verbatim
 from gpr20_operator.robot.events import (
-    Accepted,
     Answer,
     ControlState,
     Progress,
     Request,
-    StopRequested,
 )
 from gpr20_operator.words import duration, time_left
 from gpr20_survey.plan.survey_state import SurveyState
@@ -93,31 +91,6 @@ def run(clock, *events):
     return session.run(), recorder, session
 
 
-def test_operator_sees_the_survey_from_its_plan_to_its_last_trace(clock):
-    outcome, recorder, session = run(
-        clock,
-        state("FINISHED", "former"),
-        Progress("former", 100.0, 8, 8, 0.0),
-        Accepted(18, 65.0),
-        state("CHECKING"),
-        Answer(Request.START, True, verbatim(""), "ours"),
-        state("SURVEYING"),
-        None,
-        Progress("ours", 50.0, 18, 9, 30.0),
-        state("FINISHED"),
-    )
-    assert outcome.status is ExitStatus.FINISHED
-    assert recorder.sent == [Request.START]
-    assert recorder.shown == [
-        str(SIMULATED),
-        "Parameters accepted: 18 traces, estimated time: 2 min.",
-        "CHECKING: as it is",
-        "SURVEYING: as it is",
-        ("SURVEYING", 9),
-    ]
-    assert recorder.closed and session.simulated and session.stored
-
-
 def test_last_trace_is_shown_though_its_word_comes_after_that_of_the_end(clock):
     outcome, recorder, _ = run(
         clock,
@@ -130,7 +103,7 @@ def test_last_trace_is_shown_though_its_word_comes_after_that_of_the_end(clock):
         Progress("ours", 100.0, 18, 18, 0.0),
     )
     assert outcome.status is ExitStatus.FINISHED
-    assert recorder.shown[-1] == ("SURVEYING", 18)
+    assert recorder.shown[-1] == ("SURVEYING", 18) and recorder.closed
 
 
 def test_a_state_is_told_once_per_change_and_moves_the_bar(clock):
@@ -149,19 +122,6 @@ def test_a_state_is_told_once_per_change_and_moves_the_bar(clock):
         "CHECKING: as it is",
         ("CHECKING", 9),
     ]
-
-
-def test_stop_and_its_refusal_are_told(clock):
-    _, recorder, _ = run(
-        clock,
-        *BEGIN,
-        StopRequested("Ctrl-C"),
-        Answer(Request.STOP, False, verbatim("busy")),
-        state("STOPPED"),
-    )
-    assert recorder.sent == [Request.START, Request.STOP]
-    assert "Ctrl-C: stopping the survey." in recorder.shown
-    assert "Stop not accepted: busy" in recorder.shown
 
 
 def lines_of(status, message, simulated=False, stored=False):

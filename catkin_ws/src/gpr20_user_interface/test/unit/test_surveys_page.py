@@ -262,14 +262,6 @@ def test_a_tap_of_a_shaking_finger_chooses_the_survey_below_it(touched, x, y, dx
     assert page.chosen == page.model.surveys[row]
 
 
-def test_a_pull_scrolls_the_list(touched):
-    window = touched[0]
-    bar = window.past.list.verticalScrollBar()
-    bar.setValue(0)
-    pull(touched, row_place(window, 50, 90), [(0, -20)] * 8, step_ms=20)
-    assert bar.value() > 0
-
-
 def test_a_tap_of_a_list_that_still_moves_only_stops_it(touched):
     window, finger = touched
     window.past.choose(None)

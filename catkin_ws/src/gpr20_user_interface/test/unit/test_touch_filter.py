@@ -112,17 +112,6 @@ def test_a_double_tap_deletes_no_profile(window, finger, tmp_path):
     assert not list(tmp_path.glob("*.yaml"))
 
 
-def test_a_finger_that_stays_while_a_sheet_closes_holds_nothing_below_it(window, finger):
-    place = place_of(window, start_sheet(window, finger).hold).center()
-    window.notice.show_notice(NOTICE)
-    finger.wait(AFTER_S)
-    finger.press(place)
-    window.notice.hide()
-    finger.wait(3.0)
-    finger.release(place)
-    assert wishes(window) == []
-
-
 def test_another_tab_drops_the_touch_and_takes_none_for_a_moment(window, finger):
     pressed = []
     window.control.start.clicked.connect(lambda: pressed.append("start"))
@@ -222,14 +211,6 @@ def test_what_opens_on_a_locked_screen_leaves_the_band_free(window, finger):
     assert window.notice.isVisible()
     finger.hold(band.unlock)
     assert window.notice.y() == place_of(window, window.top_bar).bottom() + 1
-
-
-def test_a_touch_of_a_locked_screen_shows_why_it_does_nothing(window, finger):
-    finger.tap(window.rail.lock)
-    finger.wait(AFTER_S)
-    assert not window.touch_binding.band.text.property("flash")
-    finger.tap(QPoint(400, 300))
-    assert window.touch_binding.band.text.property("flash")
 
 
 STOP, UNLOCK, OTHER = TouchTarget.STOP, TouchTarget.UNLOCK, TouchTarget.OTHER
