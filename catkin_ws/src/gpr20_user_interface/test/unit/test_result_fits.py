@@ -9,7 +9,7 @@ from hiding_kit import a_map
 from layout_kit import assert_fits, screen, seen, spoken
 from PyQt5.QtTest import QTest
 from PyQt5.QtWidgets import QAbstractButton
-from result_kit import BLUE, LOCKED, RED, image_of, plug_in, search, stored
+from result_kit import BLUE, LOCKED, RED, plug_in, search, stored
 from view_kit import SURVEY, snapshot, state_of
 from window_helpers import show
 
@@ -62,71 +62,46 @@ def found(page, window, candidates=MANY, record=None, **changes):
     show(window, ENDED)
 
 
-def test_the_states_of_the_search_fit(spoken, page):
+def test_the_search_and_its_places_fit(spoken, page):
+    interrupted = stored(7, outcome="interrupted")
     check(spoken, page)
-    spoken.node.ticket("read").done(stored(7, outcome="interrupted"))
+    spoken.node.ticket("read").done(interrupted)
     check(spoken, page)
     spoken.node.ticket("focus").fail(REFUSED)
     check(spoken, page)
     page.result.try_again()
-    found(page, spoken, (), stored(7, outcome="interrupted"))
+    found(page, spoken, (), interrupted)
     check(spoken, page)
-
-
-def test_the_places_fit(spoken, page):
-    found(page, spoken, record=stored(7, outcome="interrupted"), omitted=12345, omitted_primary=9)
-    check(spoken, page)
+    page.result.open("")
+    found(page, spoken, record=interrupted, omitted=12345, omitted_primary=9)
     for _ in range(9):
         page.more.click()
     check(spoken, page)
-    page.result.set_permittivity(12.345)
-    show(spoken, ENDED)
-    spoken.node.ticket("focus").done(image_of(page_list()))
-    check(spoken, page)
 
 
-def test_three_places_with_several_flags_say_all_of_them(spoken, page):
+def test_places_with_several_flags_say_all_of_them(spoken, page):
     found(page, spoken, MANY[24:27])
     check(spoken, page)
     assert not [row.why.shown_lines() for row in page.rows[:3] if row.why.is_cut]
 
 
-def page_list():
-    from candidate_examples import candidate_list
-
-    return candidate_list(MANY, survey_id=SURVEY)
-
-
-def test_a_place_and_what_was_found_there_fit(spoken, page):
+def test_the_sheets_of_a_place_of_the_soil_and_of_what_is_hidden_fit(spoken, page):
     found(page, spoken)
     page.rows[4].click()
-    check(spoken, page, page.place_sheet)
-    page.place_sheet._who, page.place_sheet._depth, page.place_sheet._what = (
-        "W" * 60,
-        "1234.5",
-        What.DEVICE,
-    )
-    page.place_sheet.show_now()
-    check(spoken, page, page.place_sheet)
-    page.place_sheet.deep.click()
-    assert_fits(spoken, page.place_sheet.pad)
-    page.place_sheet.pad.hide()
-
-
-def test_the_soil_fits(spoken, page):
-    found(page, spoken)
+    sheet = page.place_sheet
+    check(spoken, page, sheet)
+    sheet._who, sheet._depth, sheet._what = "W" * 60, "1234.5", What.DEVICE
+    sheet.show_now()
+    check(spoken, page, sheet)
+    sheet.deep.click()
+    assert_fits(spoken, sheet.pad)
+    sheet.pad.hide()
+    sheet.hide()
     page.soil.click()
     page.soil_sheet._choose(12.345)
     check(spoken, page, page.soil_sheet)
-    page.soil_sheet.other.click()
-    assert_fits(spoken, page.soil_sheet.pad)
-    page.soil_sheet.pad.hide()
-
-
-def test_where_a_mine_could_hide_fits(spoken, page):
-    found(page, spoken)
+    page.soil_sheet.hide()
     page.hiding.click()
-    check(spoken, page, page.hiding_sheet)
     list(page.hiding_sheet.targets.values())[1].click()
     check(spoken, page, page.hiding_sheet)
     spoken.node.ticket("hide").done(a_map([[[6, 0]]], [[[6, 6]]], survey_id=SURVEY))

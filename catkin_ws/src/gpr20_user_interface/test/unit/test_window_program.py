@@ -111,10 +111,19 @@ def test_a_window_whose_display_is_lost_leaves_the_graph_and_says_it(
         left.append(status)
         raise Left
 
+    class Limit:
+        def __init__(self, _limit_s, act, given):
+            # However long the master lets it wait.
+            assert act is leave_now and given == (status,)
+
+        def start(self):
+            left.append("limited")
+
     monkeypatch.setattr(user_interface, "leave_now", leave_now)
+    monkeypatch.setattr(user_interface, "threading", SimpleNamespace(Timer=Limit))
     with pytest.raises(Left):
         user_interface._leave_without_display(asked_to_end)
-    assert left == ["graph", status]
+    assert left == ["limited", "graph", status]
     assert ("continues" in capsys.readouterr().err) is not asked_to_end
 
 
