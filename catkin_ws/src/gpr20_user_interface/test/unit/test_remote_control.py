@@ -310,3 +310,14 @@ def test_the_window_notices_that_the_node_of_the_page_is_gone(topics, monkeypatc
         links[0]()
     assert events == [WebPageGone()]
     client.close()
+
+
+@pytest.mark.parametrize("fault", [FAULT, OTHER_FAULT])
+def test_a_fault_ends_it_for_the_page_until_the_next_hold(web, fault):
+    web.note(fault)
+    web.on_event(RemoteArmed(True, 500.0, PLAN))
+    web.note(WELL)
+    assert not web.armed
+    web.on_event(RemoteArmed(False))
+    web.on_event(RemoteArmed(True, REMOTE_LIMIT_S, PLAN))
+    assert web.armed

@@ -8,7 +8,7 @@ from hiding_kit import a_map
 from PyQt5.QtWidgets import QAbstractButton
 from result_kit import BLUE, RED, noted, plug_in, search, stored
 from run_seed import draws
-from view_kit import PAST, SURVEY, past_survey, snapshot, state_of
+from view_kit import PAST, SURVEY, make_grid, past_survey, snapshot, state_of
 from window_helpers import click, hold, show
 
 from gpr20_common.message import Fault, Message, verbatim
@@ -313,3 +313,66 @@ def test_random_touches_store_nothing(window, done, node):
     assert touches > draws(375) // 2
     assert node.of("note") == [] and done.result.permittivity == plan
     assert len(node.of("focus")) == 1
+
+
+def test_a_failure_shows_its_remedy_and_can_be_tried_again(window, ended, node):
+    node.ticket("read").done(stored())
+    show(window, ENDED)
+    node.ticket("focus").fail(REFUSED)
+    view = refreshed(ended)
+    said = view.card.sentence.text()
+    assert "agree with every permittivity" in said and shown_text(REMEDY) in said
+    click(view.card.button)
+    search(ended.result, node)
+    assert len(ended.result.places) == 11
+
+
+def test_measure_finer_opens_its_plan_and_show_opens_ground(window, done):
+    click(done.rows[0])
+    click(done.place_sheet.finer)
+    assert window.ground.finer.isVisible() and window.ground.finer.plan.refines == SURVEY
+    click(window.ground.finer.close_button)
+    # The survey that has ended is the one that GROUND shows.
+    window.traces.live.begin(make_grid())
+    click(done.rows[0])
+    click(done.place_sheet.view)
+    show(window, ENDED)
+    assert window.tabs.currentWidget() is window.ground.view
+
+
+def test_a_record_that_cannot_be_stored_says_why(done, node):
+    click(done.rows[0])
+    click(done.place_sheet.whats[What.NOTHING])
+    done.place_sheet._who = "Ana"
+    done.place_sheet.show_now()
+    hold(done.place_sheet.store)
+    node.ticket("note").fail(verbatim("the disk is full"))
+    assert "the disk is full".capitalize() in refreshed(done).place_sheet.text.text()
+
+
+def test_any_permittivity_can_be_entered(done, node):
+    click(done.soil)
+    for text, allowed in (("0.5", False), ("101", False), ("x", False), ("6,5", True)):
+        click(done.soil_sheet.other)
+        done.soil_sheet.pad.edit.setPlainText(text)
+        assert done.soil_sheet.pad.accept_button.isEnabled() == allowed
+    click(done.soil_sheet.pad.accept_button)
+    hold(done.soil_sheet.use)
+    assert done.result.permittivity == 6.5
+
+
+def test_an_export_that_fails_says_why_and_other_files_can_be_chosen(done, node):
+    click(done.stick)
+    plug_in(node, BLUE)
+    node.ticket("export").fail(verbatim("the USB stick BLUE is full"))
+    assert "BLUE is full" in window_text(refreshed(done).stick_sheet)
+    click(done.stick_sheet.again)
+    plug_in(node, RED)
+    assert node.of("export")[-1].volume == RED.path
+    node.ticket("export").fail(verbatim("the USB stick RED is full"))
+    refreshed(done)
+    click(done.stick_sheet.other)
+    refreshed(done)
+    assert all(key.isVisible() for key in done.stick_sheet.parts.values())
+    click(done.stick_sheet.sticks[0])
+    assert len(node.of("export")) == 3

@@ -131,3 +131,13 @@ def test_the_next_window_has_the_options_of_this_one_and_a_name_of_its_own():
     ]
     environment = {"DISPLAY": ":0", NAMESPACE: "/robot1"}
     assert with_namespace("/robot2", environment) == {"DISPLAY": ":0", NAMESPACE: "/robot2"}
+
+
+def test_every_robot_can_be_reached_however_many_there_are(opened, choice):
+    names = [f"/robot{number:02d}" for number in range(1, 30)]
+    found(opened, "/robot1", *names)
+    opened.settings.robot_button.click()
+    for button in opened.robots.buttons:
+        if button.isEnabled():
+            button.click()
+    assert choice.shown == names

@@ -12,6 +12,7 @@ from gpr20_common.message import Message
 from gpr20_doctor.mid.robot_facts import AxisPosition
 from gpr20_operator.jobs.job import Service
 from gpr20_operator.robot.events import (
+    AxisLimits,
     AxisReport,
     ClockOffset,
     CurrentPosition,
@@ -203,3 +204,8 @@ def test_no_sequence_asks_for_a_motion_beside_a_survey(clock):
         draw.choice(acts)()
         if len(tools.asked) > before:
             assert entered and shown.control_alive and not shown.running
+
+
+def test_why_the_configuration_is_not_known_is_found(model):
+    model.on_event(AxisLimits(None, Message("the parts are mixed")))
+    assert "the parts are mixed" in str(model.findings()[0].text)

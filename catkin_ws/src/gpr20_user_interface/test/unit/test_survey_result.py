@@ -27,7 +27,7 @@ from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message, verbatim
 from gpr20_operator.jobs.job import JobState
 from gpr20_operator.jobs.pictures import Exported
-from gpr20_operator.jobs.result import CANCELLED, OTHER_SURVEY, PLACES_SHOWN, list_sum
+from gpr20_operator.jobs.result import BESIDE_MM, CANCELLED, OTHER_SURVEY, PLACES_SHOWN, list_sum
 from gpr20_operator.jobs.result_texts import (
     headline,
     measured,
@@ -389,3 +389,18 @@ def test_an_export_that_is_cancelled_does_not_begin_again_by_itself(result, requ
     result.export.look_for_sticks()
     plug_in(requests, BLUE)
     assert len(requests.of("export")) == 1
+
+
+def test_what_was_found_is_seen_beside_a_place_of_another_list_too(result, requests):
+    search(result, requests)
+    result.note_found(result.places[0], What.DEVICE, None, "Ana")
+    ((_survey, _kind, values),) = requests.of("note")
+    requests.ticket("note").done(None)
+    requests.ticket("read").done(stored(log=[noted("found", values)]))
+    result.set_permittivity(8.0)
+    result.keep()
+    moved = [candidate(1, 300.0, 300.0), candidate(2, 125.0, 90.0 + BESIDE_MM)]
+    found = candidate_list(moved, survey_id=SURVEY, permittivity=8.0)
+    requests.ticket("focus").done(image_of(found))
+    assert result.find_at(moved[0]) is None
+    assert result.find_at(moved[1]).what is What.DEVICE

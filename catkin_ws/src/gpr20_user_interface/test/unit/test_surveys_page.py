@@ -1,6 +1,7 @@
 """SURVEYS: a finger finds, scrolls and chooses; and the list follows surveys that begin and end."""
 
 import dataclasses
+from collections import Counter
 
 import pytest
 from finger import Finger
@@ -9,7 +10,7 @@ from hypothesis import strategies as st
 from PyQt5.QtCore import QPoint, QPointF
 from PyQt5.QtTest import QTest
 from PyQt5.QtWidgets import QScroller
-from view_kit import SURVEY, description, past_survey, snapshot, state_of
+from view_kit import FOLDER, SURVEY, description, past_survey, snapshot, state_of
 from window_helpers import click, close, new_window, show
 
 from gpr20_common.catalogue import Language
@@ -277,3 +278,16 @@ def test_a_tap_of_a_list_that_still_moves_only_stops_it(touched):
 @pytest.mark.parametrize("name", ["a\nb\tc", " a  b c\n"])
 def test_a_name_of_several_lines_is_one_line_in_the_list(name):
     assert title_of(SurveySummary(folder="20261120T000000_1", name=name)) == "a b c"
+
+
+def test_each_action_names_the_chosen_survey(window, listed):
+    asked = Counter()
+    listed.open_requested.connect(lambda folder: asked.update([("open", folder)]))
+    listed.notes_requested.connect(lambda folder: asked.update([("notes", folder)]))
+    listed.resume_requested.connect(lambda folder: asked.update([("resume", folder)]))
+    show(window, ENDED)
+    for button in (listed.open, listed.notes, listed.resume):
+        click(button)
+        for sheet in (window.start_sheet, window.annotation):
+            sheet.hide()
+    assert asked == {("open", FOLDER): 1, ("notes", FOLDER): 1, ("resume", FOLDER): 1}

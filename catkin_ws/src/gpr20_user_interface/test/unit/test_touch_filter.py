@@ -7,7 +7,8 @@ from fake_clock import FakeClock
 from finger import AFTER_S, Finger, place_of
 from hypothesis import given
 from hypothesis import strategies as st
-from PyQt5.QtCore import QPoint
+from PyQt5.QtCore import QPoint, Qt
+from PyQt5.QtTest import QTest
 from PyQt5.QtWidgets import QApplication, QPushButton
 from view_kit import snapshot
 from window_helpers import close, opened_window, show, wishes
@@ -258,3 +259,15 @@ def test_in_any_order_nothing_counts_within_the_quiet_time_or_while_locked_but_s
                 began_s = None
         assert guard.taken is (began_s is not None and (on_stop or began_s > changed_s))
         assert guard.locked is locked
+
+
+def test_a_second_finger_that_comes_from_another_button_counts_for_nothing(window, finger):
+    sheet = start_sheet(window, finger)
+    finger.press(sheet.hold)
+    finger.wait(0.5)
+    place = place_of(window, sheet.cancel).center()
+    QTest.mousePress(window.windowHandle(), Qt.RightButton, Qt.NoModifier, place)
+    finger.wait(2.0)
+    QTest.mouseRelease(window.windowHandle(), Qt.RightButton, Qt.NoModifier, place)
+    finger.release(sheet.hold)
+    assert wishes(window) == [] and sheet.isVisible()
