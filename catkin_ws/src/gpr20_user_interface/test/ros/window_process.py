@@ -2,7 +2,7 @@
 """The real program of the window, which says what it shows: one line of JSON per line it reads.
 
 An empty line asks what an operator sees, another one where a part of the window is. Its options
-are those of the program; without `_settings` and `_profiles` it keeps nothing of other windows.
+are those of the program; without `_settings` it keeps nothing, and knows no profiles.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ import os
 import sys
 import tempfile
 from pathlib import Path
-from typing import Any, Dict, List, Optional
+from typing import Any, Dict, List, Mapping, Optional
 
 from PyQt5.QtCore import QPoint, QRect, QSocketNotifier
 from PyQt5.QtGui import QGuiApplication
@@ -141,9 +141,22 @@ class AskedInterface(user_interface.UserInterface):
         print(json.dumps(answer), file=self._answers, flush=True)
 
 
+class NoSettings:
+    """In place of the files of a window."""
+
+    def __init__(self, _path: Path) -> None:
+        pass
+
+    def read(self) -> Dict[str, Any]:
+        return {}
+
+    def write(self, _values: Mapping[str, Any]) -> None:
+        pass
+
+
 if __name__ == "__main__":
-    nothing = Path(tempfile.gettempdir()) / "gpr20_no_settings"
-    user_interface.DEFAULT_SETTINGS = str(nothing / "window.yaml")
-    user_interface.DEFAULT_PROFILES = str(nothing / "profiles")
+    if not any(word.startswith("_settings:=") for word in sys.argv):
+        user_interface.SettingsFile = NoSettings
+        user_interface.DEFAULT_PROFILES = str(Path(tempfile.gettempdir()) / "gpr20_no_profiles")
     user_interface.UserInterface = AskedInterface
     user_interface.main()
