@@ -32,9 +32,7 @@ from gpr20_height_sensor.mid.height_parameters import HeightParameters
 from gpr20_main_control.mid.devices.aux_sensors import AuxSensors
 from gpr20_main_control.mid.devices.described_robot import DescribedRobot, TimeLimits
 from gpr20_main_control.mid.devices.node_liveness import NodeLiveness, WatchedNode
-from gpr20_main_control.mid.devices.robot import (
-    Robot,
-)
+from gpr20_main_control.mid.devices.robot import Robot
 from gpr20_main_control.mid.main_control import MainControl
 from gpr20_main_control.mid.survey.engine import NOTHING, Accepted
 from gpr20_main_control.mid.survey.survey_status import Status, SurveyStatus
@@ -90,11 +88,11 @@ class RobotInProcess:
 
     Args:
         world: What it moves and measures.
-        analyzer: Parameters of the VNA driver that differ from the usual ones.
+        settings: Settings of the surveys that differ from the usual ones.
     """
 
-    def __init__(self, world: World, **analyzer: Any) -> None:
-        self.world, self._analyzer = world, analyzer
+    def __init__(self, world: World, **settings: Any) -> None:
+        self.world, self._settings = world, settings
         self.calls = Calls()
         self.data = world.data
         self.clock = ControlTime()
@@ -102,12 +100,12 @@ class RobotInProcess:
         self._changed = threading.Condition()
         self.status = SurveyStatus(self._note, lambda _given: None, lambda _coverage, _id: None)
         self.processes = {name: 1 for name in (*PLAIN_NAMES, STORAGE)}
-        parameters = VnaParameters(**analyzer)
+        parameters = VnaParameters()
         self.processing = self._build_storage()
         self.axes = {axis_id: ProcessAxis(world, self.calls, axis_id) for axis_id in AxisId}
         self.driver = self._build_driver(parameters)
         self._nodes = NodeLiveness(self._watched_nodes(), self.clock, self.status.set_missing)
-        robot = Robot(
+        self.parts = Robot(
             self.axes,
             ProcessAnalyzer(self.calls, self.driver),
             ProcessHeightSensor(world, self.calls),
@@ -116,8 +114,9 @@ class RobotInProcess:
             _description(parameters),
             AuxSensors([], self.clock),
         )
-        settings = SurveySettings(settle_s=0.0)
-        self.control = MainControl(robot, settings, self.status, self.clock)
+        self.control = MainControl(
+            self.parts, SurveySettings(settle_s=0.0, **settings), self.status, self.clock
+        )
         self._nodes.start()
 
     def _note(self, _before: Status, after: Status) -> None:
@@ -159,6 +158,10 @@ class RobotInProcess:
         """Give no more answers from now on, as after a power cut; any thread may call it."""
         self.calls.killed.set()
         self.clock.pace = 1000.0
+        self.look()
+
+    def look(self) -> None:
+        """Let `wait` look at its condition."""
         with self._changed:
             self._changed.notify_all()
 
@@ -168,7 +171,7 @@ class RobotInProcess:
         with self.calls.disk:
             self.world.keep_disk()
         self.close()
-        return RobotInProcess(self.world, **self._analyzer)
+        return RobotInProcess(self.world, **self._settings)
 
     def close(self) -> None:
         """End everything in order; a survey that runs is interrupted."""
@@ -186,8 +189,8 @@ class RobotInProcess:
             check_data=lambda: ensure_folders(data, 0o750),
             open_recordings=open_recordings,
             topics=SurveyTopics(TRACE_DEFINITION),
-            free_bytes=lambda _path: 10**12,
-            now_ns=time.time_ns,
+            free_bytes=lambda _path: self.world.free_bytes,
+            now_ns=lambda: time.time_ns(),  # as it is set by then
             clock=Clock(),
             revision="1.2.3",
             end_status=end_status,

@@ -20,12 +20,13 @@ import numpy as np
 from direct_pulses import DirectPulses
 from simulated_world import MECHANICS, STEP_MM, StepTime, World
 
-from gpr20_axis_driver.axis_exceptions import AxisException
+from gpr20_axis_driver.axis_exceptions import AxisException, LeaseLapsedError, MotionStopped
 from gpr20_axis_driver.low.step_counter import open_step_counter
 from gpr20_axis_driver.mid.axis_driver import AxisDriver
 from gpr20_axis_driver.mid.axis_lease import AxisLease
 from gpr20_axis_driver.mid.pulse_client import LOCK_LIMIT_S, MADE_US
 from gpr20_axis_driver.mid.pulse_loop import PulseLoop
+from gpr20_axis_driver.motion import StopRequested
 from gpr20_common.errors import Gpr20Error
 from gpr20_common.message import Message, verbatim
 from gpr20_height_sensor.low.adc_interface import AdcInterface
@@ -54,6 +55,7 @@ from gpr20_simulator.mid.world.ground import Ground
 from gpr20_simulator.mid.world.range_sensor import RangeSensor
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.axes.axis_parameters import AxisParameters
+from gpr20_survey.faults import LEASE_LAPSED
 from gpr20_survey.results.reopened_survey import ReopenedSurvey
 from gpr20_survey.trace import trace_message
 from gpr20_survey.trace.sweep_settings import SweepSettings
@@ -63,6 +65,8 @@ from gpr20_vna_acquisition.mid.vna_driver import VNADriver
 from gpr20_vna_processing.mid.data_processing import DataProcessing
 
 CALLER = "/main_control"
+# Renewed so often that the control soon notices the end of a lease [s].
+RENEWED_S = 0.04
 AXES = {
     AxisId.X: AxisParameters(13, 15, STEP_MM, 0.0015, 0.005, 0.0001, 0.0, 650.0, "LIN", 16),
     AxisId.Y: AxisParameters(37, 38, STEP_MM, 0.0025, 0.005, 0.0001, 0.0, 800.0, "LIN", 40),
@@ -78,19 +82,32 @@ class Calls:
     Attributes:
         killed: Set when no part answers any more.
         disk: Held while files change.
+        frozen_s: How long the control has not renewed its leases [s].
     """
 
     def __init__(self) -> None:
         self.killed = threading.Event()
         self.disk = threading.RLock()
+        self.frozen_s = 0.0
         self._made: Counter[str] = Counter()
         self._planned: Dict[Tuple[str, int], Callable[[], object]] = {}
         self._lock = threading.Lock()
 
     def at(self, call: str, number: int, action: Callable[[], object]) -> None:
-        """Do something before the call of a part, such as the 3rd "sweep" from now on, is made."""
+        """Do something before the call of a part, such as the 3rd "sweep" from now on, is made.
+
+        Besides: "step" of an axis, and "stored", after a trace was stored and before that is said.
+        """
         with self._lock:
             self._planned[call, self._made[call] + number] = action
+
+    def note(self, call: str) -> None:
+        """Do what is planned for now."""
+        with self._lock:
+            self._made[call] += 1
+            action = self._planned.pop((call, self._made[call]), None)
+        if action is not None:
+            action()
 
     def forget_plans(self) -> None:
         """Forget what `at` has planned and has not happened."""
@@ -100,11 +117,7 @@ class Calls:
     @contextlib.contextmanager
     def answer(self, call: str) -> Iterator[None]:
         """Carry out a call to a part; its errors are those that the control knows."""
-        with self._lock:
-            self._made[call] += 1
-            action = self._planned.pop((call, self._made[call]), None)
-        if action is not None:
-            action()
+        self.note(call)
         self._refuse_if_killed()
         try:
             yield
@@ -137,7 +150,7 @@ class ProcessAxis:
         loop = PulseLoop(pins, self._parameters, StepTime(), NO_LIMITS, counter)
         self.driver = AxisDriver(self._parameters, DirectPulses(loop, counter))
         # No lease ends because this computer is slow.
-        self.lease = AxisLease(self._parameters.lease_limit_s, lambda: 0.0)
+        self.lease = AxisLease(self._parameters.lease_limit_s, lambda: calls.frozen_s)
         self.received = threading.Event()
         self._stops = 0
         self._outcomes: queue.SimpleQueue[MoveOutcome] = queue.SimpleQueue()
@@ -152,9 +165,13 @@ class ProcessAxis:
 
     def reserve(self) -> Lease:
         with self._calls.answer("reserve"):
-            return Lease(self.lease.reserve(CALLER), self.lease.limit_s)
+            return Lease(self.lease.reserve(CALLER), RENEWED_S)
 
     def renew(self, lease: Lease) -> bool:
+        try:
+            self.lease.renew(CALLER, lease.number)
+        except LeaseLapsedError:
+            return False
         return not self._calls.killed.is_set()
 
     def release_lease(self, lease: Lease) -> None:
@@ -162,16 +179,12 @@ class ProcessAxis:
 
     def begin_move(self, target: float) -> None:
         outcomes: queue.SimpleQueue[MoveOutcome] = queue.SimpleQueue()
-        self._outcomes = outcomes
-        stopped = self._stop_since_now()
+        self._outcomes, stops = outcomes, self._stops
 
         def move() -> None:
-            try:
-                with self.lease.use(CALLER) as lapsed:
-                    self.driver.move_to_coordinate(target, lambda: stopped() or lapsed())
-                outcomes.put(MoveOutcome(True, verbatim("")))
-            except AxisException as error:
-                outcomes.put(MoveOutcome(False, error.message))
+            outcomes.put(
+                self._owned(stops, lambda ends: self.driver.move_to_coordinate(target, ends))
+            )
             self.received.set()
 
         with self._calls.answer("move"):
@@ -184,9 +197,11 @@ class ProcessAxis:
             return None
 
     def home(self, time_limit_s: float) -> None:
-        stopped = self._stop_since_now()
-        with self._calls.answer("home"), self.lease.use(CALLER):
-            self.driver.homing(stopped)
+        stops = self._stops
+        with self._calls.answer("home"):
+            outcome = self._owned(stops, self.driver.homing)
+            if not outcome.success:
+                raise (NodeLostError if outcome.contact_lost else DeviceError)(outcome.message)
 
     def set_zero(self) -> None:
         with self._calls.answer("set_zero"), self.lease.use(CALLER):
@@ -195,9 +210,25 @@ class ProcessAxis:
     def stop(self) -> None:
         self._stops += 1
 
-    def _stop_since_now(self) -> Callable[[], bool]:
-        stops, killed = self._stops, self._calls.killed
-        return lambda: self._stops != stops or killed.is_set()
+    def _owned(self, stops: int, motion: Callable[[StopRequested], None]) -> MoveOutcome:
+        """Carry out a motion, until a stop, the end of the lease or the kill."""
+
+        def stopped() -> bool:
+            return self._stops != stops or self._calls.killed.is_set()
+
+        def ends() -> bool:
+            self._calls.note("step")
+            return stopped() or lapsed()
+
+        try:
+            with self.lease.use(CALLER) as lapsed:
+                motion(ends)
+        except AxisException as error:
+            message = error.message
+            if isinstance(error, MotionStopped) and not stopped():
+                message = self.lease.lapse
+            return MoveOutcome(False, message, message.fault_code == LEASE_LAPSED.code)
+        return MoveOutcome(True, verbatim(""))
 
 
 class ProcessAnalyzer:
@@ -270,7 +301,7 @@ class ProcessStorage:
     """The storage; what it acknowledged is in `World.acknowledged`."""
 
     def __init__(self, world: World, calls: Calls, processing: DataProcessing) -> None:
-        self._answer, self._disk = calls.answer, calls.disk
+        self._answer, self._note, self._disk = calls.answer, calls.note, calls.disk
         self._processing, self._acknowledged = processing, world.acknowledged
 
     def open(self, record: SurveyRecord) -> OpenedSurvey:
@@ -298,6 +329,7 @@ class ProcessStorage:
         with self._answer("store"), self._disk:
             # As bytes, as it is sent.
             self._processing.store(trace_message.decode(trace_message.encode(trace)))
+            self._note("stored")
         self._acknowledged.append(trace)
 
     def close(self, survey_id: str, end: SurveyEnd) -> None:

@@ -137,6 +137,7 @@ class World:
     ) -> None:
         self.folder, self.data = folder, folder / "data"
         self.acknowledged: List[Trace] = []
+        self.free_bytes = 10**12
         self.scene = Scene(robot=MECHANICS)
         self.scene = replace(self.scene, instrument=replace(self.scene.instrument, **instrument))
         self.state = open_shared_state(folder / "state", start_steps(MECHANICS))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
-from typing import Any, Dict, List
+from typing import Any, Dict, List, Sequence
 
 import numpy as np
 from robot_in_process import RobotInProcess
@@ -67,21 +67,34 @@ def check_complete(robot: RobotInProcess, survey_id: str = "") -> List[Dict[str,
     assert [one["index"] for one in stored] == list(range(TRACES))
     places = {(one["x_coord_mm"], one["y_coord_mm"], one["z_coord_deg"]) for one in stored}
     assert len(places) == TRACES
-    sweeps = [one["s21_real"][0] for one in stored]
-    assert len(set(sweeps)) == TRACES, "a sweep was stored twice"
-    for one in stored:
-        assert set(one["s21_real"]) == {one["s21_real"][0]}, "two sweeps are mixed"
-        place = np.float32(one["x_coord_mm"] + one["y_coord_mm"] / 1000.0)
-        assert set(one["s21_imag"]) == {float(place)}
-        assert abs(probed_rotation_deg(complex(sweeps[one["index"]])) - one["z_coord_deg"]) < 0.4
-        assert abs(one["antennae_height_m"] - 0.20) < 0.01
+    check_places(stored, [0.0] * TRACES)
     return stored
 
 
-def check_acknowledged(robot: RobotInProcess, acknowledged: List[Trace]) -> None:
+def check_places(stored: List[Dict[str, Any]], turned_deg: Sequence[float]) -> None:
+    """Check that each trace is a whole sweep of its own that was made where it says.
+
+    Args:
+        stored: The traces of a survey.
+        turned_deg: By how much the zero of z was off the mark of the antennas [deg].
+    """
+    sweeps = [one["s21_real"][0] for one in stored]
+    assert len(set(sweeps)) == len(stored), "a sweep was stored twice"
+    for one, sweep, angle_deg in zip(stored, sweeps, turned_deg):
+        assert set(one["s21_real"]) == {sweep}, "two sweeps are mixed"
+        place = np.float32(one["x_coord_mm"] + one["y_coord_mm"] / 1000.0)
+        assert set(one["s21_imag"]) == {float(place)}
+        off_deg = probed_rotation_deg(complex(sweep)) - one["z_coord_deg"] - angle_deg
+        assert abs((off_deg + 100.0) % 200.0 - 100.0) < 0.4
+        assert abs(one["antennae_height_m"] - 0.20) < 0.01
+
+
+def check_acknowledged(
+    robot: RobotInProcess, acknowledged: List[Trace], survey_id: str = ""
+) -> None:
     """Find each trace whose storage was acknowledged, once, in every form of the survey."""
-    folder = folder_of(robot)
-    stored = {one["index"]: one for one in json_traces(robot)}
+    folder = folder_of(robot, survey_id)
+    stored = {one["index"]: one for one in json_traces(robot, survey_id)}
     bag, mcap = (
         {one.index: one for one in found}
         for found in (bag_traces(folder / "survey.bag"), mcap_traces(folder / "survey.mcap"))
