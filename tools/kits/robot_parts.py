@@ -96,7 +96,7 @@ class Calls:
     def at(self, call: str, number: int, action: Callable[[], object]) -> None:
         """Do something before the call of a part, such as the 3rd "sweep" from now on, is made.
 
-        Besides: "step" of an axis, and "stored", after a trace was stored and before that is said.
+        Besides: "step x" and the like, and "stored", after a trace was stored and before that is said.
         """
         with self._lock:
             self._planned[call, self._made[call] + number] = action
@@ -152,6 +152,7 @@ class ProcessAxis:
         # No lease ends because this computer is slow.
         self.lease = AxisLease(self._parameters.lease_limit_s, lambda: calls.frozen_s)
         self.received = threading.Event()
+        self._step = f"step {axis_id.value}"
         self._stops = 0
         self._outcomes: queue.SimpleQueue[MoveOutcome] = queue.SimpleQueue()
         self._motions = Workers(most=1)
@@ -217,7 +218,7 @@ class ProcessAxis:
             return self._stops != stops or self._calls.killed.is_set()
 
         def ends() -> bool:
-            self._calls.note("step")
+            self._calls.note(self._step)
             return stopped() or lapsed()
 
         try:

@@ -22,12 +22,11 @@ from gpr20_analysis.read.verification_result import COMPLETE
 from gpr20_axis_driver.axis_exceptions import AxisException
 from gpr20_main_control.errors import SurveyError
 from gpr20_main_control.mid.survey.engine import Accepted
-from gpr20_simulator.mid.world.medium import PositionProbe
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.plan.survey_state import SurveyState
 
 # Calls of the control to the parts, before which a survey is held while something happens.
-CALLS = ("configure", "home", "move", "height", "sweep", "confirm", "store", "stored", "step")
+CALLS = ("configure", "home", "move", "height", "sweep", "confirm", "store", "stored", "step x")
 OTHER = "/rostopic_7"
 LEASE_LIMIT_S = 2.0
 FAULTS = [
@@ -40,23 +39,13 @@ FAULTS = [
 MOMENTS = {"call": st.sampled_from(CALLS), "number": st.integers(1, 5)}
 
 
-class LaterProbe(PositionProbe):
-    """A position probe that was on for long: its numbers of two sweeps differ by little.
-
-    So a point that is measured again agrees with its trace.
-    """
-
-    def s21(self, frequency_hz, position, sweep_number, noise_gain=1.0):
-        return super().s21(frequency_hz, position, sweep_number + 5000, noise_gain)
-
-
 class AnyCourse(RuleBasedStateMachine):
     """Surveys of one robot; a rule may come at any moment, and may be refused."""
 
     def __init__(self):
         super().__init__()
         self.folder = Path(tempfile.mkdtemp())
-        self.world = World(self.folder, LaterProbe())
+        self.world = World(self.folder)
         self.robot = RobotInProcess(self.world)
         self.surveys = []
         # How far the zero of z is from the mark of the antennas [deg], since which number of it.
@@ -145,7 +134,7 @@ class AnyCourse(RuleBasedStateMachine):
     def run_to(self, call, number, accept=False, another=False):
         """Let the survey run to a moment; begin one, or continue it, if none runs."""
         self.robot.calls.forget_plans()
-        self.robot.calls.at(call, 20 * number if call == "step" else number, self.hold)
+        self.robot.calls.at(call, 20 * number if call == "step x" else number, self.hold)
         self.let_go()
         if not self.status.state.running or self.status.state is SurveyState.PAUSED:
             self.request = threading.Thread(target=self.ask, args=(accept, another))

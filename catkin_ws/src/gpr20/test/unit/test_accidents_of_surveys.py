@@ -1,0 +1,253 @@
+"""Accidents that no part of the robot is to blame for: disk, clock, plugs, people, programs."""
+
+from __future__ import annotations
+
+import errno
+import threading
+import time
+
+import numpy as np
+import pytest
+from failing_disk import Failure, FailingDisk
+from robot_in_process import RobotInProcess
+from simulated_world import LIMIT_S, World
+from stored_surveys import (
+    TRACES,
+    check_acknowledged,
+    check_complete,
+    check_pause,
+    check_resumed,
+    check_state,
+    folder_of,
+    json_traces,
+    survey_json,
+)
+
+from gpr20_analysis.read.verification import verify_survey
+from gpr20_analysis.read.verification_result import COMPLETE
+from gpr20_axis_driver.axis_exceptions import AxisOwnedError
+from gpr20_main_control import faults
+from gpr20_main_control.mid.survey import storage_queue
+from gpr20_main_control.mid.survey.engine import Accepted
+from gpr20_survey.axes.axis_id import AxisId
+from gpr20_survey.faults import OTHER_ZEROS
+from gpr20_survey.plan.survey_state import SurveyState
+
+HOUR_S, DAY_S = 3600, 86_400
+# The next stop is far enough that the carriage is on its way for long.
+FAR = {"x_start_mm": 10.0, "x_stop_mm": 230.0}
+
+
+def check_verified(robot):
+    found = verify_survey(folder_of(robot))
+    assert (found.status, found.faults, found.unproven) == (COMPLETE, [], 0)
+    check_acknowledged(robot, robot.world.acknowledged)
+
+
+# The disk.
+
+
+@pytest.fixture
+def disk(world):
+    world.data.mkdir(0o750)
+    disk = FailingDisk(world.data)
+    yield disk
+    disk.release()
+
+
+@pytest.mark.parametrize(
+    "error, code, calls",
+    [
+        (errno.ENOSPC, "disk.full", 0),
+        (errno.ENOSPC, "disk.full", 3),
+        (errno.EROFS, "disk.refuses", 1),
+        (errno.EIO, "storage.failed", 3),
+    ],
+)
+def test_a_disk_that_fails_pauses_the_survey_and_nothing_is_lost(
+    tmp_path, disk, robot, monkeypatch, error, code, calls
+):
+    monkeypatch.setattr(storage_queue, "RETRY_S", 0.01)
+    failure = Failure(calls, power=False, error=error)
+    robot.calls.at("store", 5, lambda: disk.begin(failure, tmp_path / "unused"))
+    robot.begin()
+    check_pause(robot, code)
+    acknowledged = {one.index for one in robot.world.acknowledged}
+    assert acknowledged <= {one["index"] for one in json_traces(robot)}
+    assert 4 <= len(acknowledged) < TRACES
+    disk.end()
+    check_resumed(robot)
+    check_verified(robot)
+    left = [one.name for one in folder_of(robot).rglob("*")]
+    # A disk that cannot be written keeps what should be removed, too.
+    hidden = [one for one in left if one.startswith(".") or one.endswith((".tmp", ".partial"))]
+    assert not hidden or error != errno.ENOSPC
+
+
+def test_a_survey_does_not_begin_where_it_cannot_be_stored(tmp_path, disk, world, robot):
+    before = world.position()
+    disk.begin(Failure(0, power=False, error=errno.EROFS), tmp_path / "unused")
+    robot.begin()
+    assert check_state(robot, SurveyState.FAILED).message.fault_code == "disk.refuses"
+    disk.end()
+    world.free_bytes = 1000
+    robot.begin()
+    assert check_state(robot, SurveyState.FAILED).message.fault_code == "disk.full"
+    assert world.position() == before and not list(world.data.glob("*/traces/*"))
+
+
+# The clock of the computer.
+
+
+@pytest.fixture
+def set_clock(monkeypatch):
+    true_ns = time.time_ns
+
+    def set_clock(offset_s):
+        monkeypatch.setattr(time, "time_ns", lambda: true_ns() + offset_s * 10**9)
+
+    return set_clock
+
+
+def check_said(robot, fault):
+    """Check that it is in the last status, in the report, and with at most one trace."""
+    status = check_state(robot, SurveyState.FINISHED)
+    assert status.full_message.fault_code == fault.code
+    (warning,) = survey_json(robot)["report"]["warnings"]
+    assert warning["warning_message"]["fault"]["code"] == fault.code
+    stored = check_complete(robot)
+    assert len([one for one in stored if "clock" in " ".join(one["quality"])]) <= 1
+    assert all(one["sweep_started"] < one["sweep_ended"] for one in stored)
+    check_verified(robot)
+    return [one["timestamp"] for one in stored]
+
+
+@pytest.mark.parametrize("offset_s", [-HOUR_S, DAY_S])
+def test_a_clock_that_is_set_in_a_survey_is_said_once(robot, set_clock, offset_s):
+    robot.calls.at("sweep", 5, lambda: set_clock(offset_s))
+    robot.begin()
+    times = check_said(robot, faults.CLOCK_SET)
+    # The traces tell the time of day as it was.
+    assert (times == sorted(times)) == (offset_s > 0)
+
+
+def test_a_clock_that_is_set_while_a_survey_is_paused_is_said_then(robot, set_clock):
+    robot.calls.at("sweep", 5, lambda: robot.control.pause())
+    robot.begin()
+    check_state(robot, SurveyState.PAUSED)
+    set_clock(-HOUR_S)
+    robot.wait(lambda: robot.status.status.full_message.fault_code == faults.CLOCK_SET.code)
+    robot.go_on()
+    check_said(robot, faults.CLOCK_SET)
+
+
+def test_a_clock_that_is_behind_the_traces_of_a_stopped_survey_is_said(robot, set_clock):
+    robot.calls.at("sweep", 5, robot.control.stop)
+    survey_id = robot.begin()
+    check_state(robot, SurveyState.STOPPED)
+    set_clock(-DAY_S)
+    robot.go_on(survey=survey_id)
+    check_said(robot, faults.CLOCK_BEHIND)
+
+
+# The antennas.
+
+
+class Still:
+    """Ground that looks the same everywhere, but for noise."""
+
+    def s21(self, frequency_hz, position, sweep_number, noise_gain=1.0):
+        return np.full(len(frequency_hz), 0.1 + 1e-6 * sweep_number, np.complex128)
+
+
+def test_a_plug_that_comes_loose_pauses_the_survey_at_its_first_stop(tmp_path):
+    world = World(tmp_path, Still())
+    robot = RobotInProcess(world, reference_interval_s=10.0)
+
+    def pass_time():
+        robot.clock.more_s += 11.0
+
+    robot.calls.at("sweep", 3, lambda: world.fault("LOOSE_PLUG"))
+    robot.calls.at("sweep", 4, pass_time)
+    try:
+        robot.begin()
+        check_pause(robot, faults.DRIFTED.code, "3.10 dB", "20.0 deg")
+        robot.go_on()
+        check_state(robot, SurveyState.FINISHED)
+        assert [one["index"] for one in json_traces(robot)] == list(range(TRACES))
+        visits = survey_json(robot)["report"]["drift"]["visits"]
+        flags = [(one["exceeded"], one["accepted"]) for one in visits]
+        assert flags[:2] == [(True, False), (False, True)]
+        assert all(abs(one["gain_db"] + 3.1) < 0.1 for one in visits[-1]["rotations"])
+    finally:
+        robot.close()
+        world.close()
+
+
+# What people and other programs do.
+
+
+def test_a_stop_during_the_homing_ends_it(world, robot):
+    stopped = threading.Event()
+    robot.calls.at("step x", 50, lambda: [robot.control.stop(), stopped.set()])
+    robot.calls.at("step y", 2, lambda: stopped.wait(LIMIT_S))
+    robot.begin()
+    status = check_state(robot, SurveyState.STOPPED)
+    _stopped, stored = status.message.values["sentences"]
+    assert (stored.values["stored"], stored.values["total"]) == (0, TRACES)
+    description = survey_json(robot)
+    assert description["outcome"] == "stopped"
+    verdict = description["report"]["verdict_message"]["values"]
+    assert (verdict["stored"], verdict["planned"]) == (0, TRACES)
+    for axis in (AxisId.X, AxisId.Y):
+        reading = robot.axes[axis].reading()
+        assert world.state.steps(axis) != 0 and not reading.homed and not reading.moving
+
+
+def test_no_other_node_moves_an_axis_of_a_survey_or_sets_its_zero(robot):
+    refused = []
+
+    def ask():
+        for axis, part in robot.axes.items():
+            with pytest.raises(AxisOwnedError, match="/main_control"), part.lease.use("/other"):
+                raise AssertionError(f"{axis} belongs to nobody")
+            refused.append(axis)
+
+    robot.calls.at("sweep", 3, ask)
+    robot.begin()
+    check_state(robot, SurveyState.FINISHED)
+    assert refused == list(AxisId)
+    assert len({tuple(one["zero_epochs"]) for one in check_complete(robot)}) == 1
+
+
+@pytest.mark.parametrize("zero_is_set", [False, True])
+def test_a_frozen_control_costs_a_move_but_no_coordinate_and_no_zero_is_taken_for_another(
+    robot, zero_is_set
+):
+    z = robot.axes[AxisId.Z]
+
+    def freeze():
+        robot.calls.frozen_s += 3.0
+        if zero_is_set:
+            with z.lease.use("/other"):
+                z.driver.set_zero()
+
+    robot.calls.at("sweep", 2, lambda: robot.calls.at("step x", 300, freeze))
+    robot.begin(**FAR)
+    if not zero_is_set:
+        check_state(robot, SurveyState.FINISHED)
+        assert SurveyState.PAUSED not in [one.state for one in robot.history]
+        assert len({tuple(one["zero_epochs"]) for one in check_complete(robot)}) == 1
+        return
+    check_pause(robot, OTHER_ZEROS.code)
+    before = len(json_traces(robot))
+    robot.go_on()
+    check_pause(robot, OTHER_ZEROS.code)
+    robot.go_on(Accepted(zeros=True))
+    check_state(robot, SurveyState.FINISHED)
+    marked = [one for one in json_traces(robot) if "not proven" in " ".join(one["quality"])]
+    assert len(marked) == TRACES - before > 0
+    assert [one["proof"] for one in survey_json(robot)["report"]["zeros"]] == ["start", "accepted"]
+    found = verify_survey(folder_of(robot))
+    assert found.unproven == len(marked)
+    assert found.verdict.fault_code == "analysis.zeros_unproven"
