@@ -111,7 +111,7 @@ class RobotInProcess:
             ProcessHeightSensor(world, self.calls),
             ProcessStorage(world, self.calls, self.processing),
             self._nodes,
-            _description(parameters),
+            self._description(parameters),
             AuxSensors([], self.clock),
         )
         self.control = MainControl(
@@ -207,6 +207,20 @@ class RobotInProcess:
         )
         return VNADriver(analyzer, parameters, deadline, lambda _warning: None)
 
+    def _description(self, analyzer: VnaParameters) -> DescribedRobot:
+        """Return what the nodes of the robot say of themselves."""
+        described = DescribedRobot(Site(), TimeLimits(), lambda _robot: None)
+        configurations: Dict[str, Any] = {
+            f"{axis_id.value}_axis/axis_driver": AXES[axis_id] for axis_id in AxisId
+        }
+        configurations.update(height_sensor=HeightParameters(), vna_acquisition=analyzer)
+        for node, parameters in configurations.items():
+            hardware = Hardware(f"simulated {node}", simulated=True)
+            as_sent = json.loads(json.dumps(asdict(parameters), default=lambda value: value.value))
+            described.note(NodeDescription(node, hardware, as_sent))
+        described.note(NodeDescription(STORAGE, NO_HARDWARE, {"data": str(self.data)}))
+        return described
+
     def _watched_nodes(self) -> Dict[str, WatchedNode]:
         def probe(name: str) -> Callable[[], int]:
             def process() -> int:
@@ -222,18 +236,3 @@ class RobotInProcess:
 
 def _drop(_message: Any) -> None:
     pass  # nobody listens to the graph
-
-
-def _description(analyzer: VnaParameters) -> DescribedRobot:
-    """Return what the nodes of the robot say of themselves."""
-    described = DescribedRobot(Site(), TimeLimits(), lambda _robot: None)
-    configurations: Dict[str, Any] = {
-        f"{axis_id.value}_axis/axis_driver": AXES[axis_id] for axis_id in AxisId
-    }
-    configurations.update(height_sensor=HeightParameters(), vna_acquisition=analyzer)
-    for node, parameters in configurations.items():
-        hardware = Hardware(f"simulated {node}", simulated=True)
-        as_sent = json.loads(json.dumps(asdict(parameters), default=lambda value: value.value))
-        described.note(NodeDescription(node, hardware, as_sent))
-    described.note(NodeDescription(STORAGE, NO_HARDWARE, {}))
-    return described

@@ -96,7 +96,7 @@ class Calls:
     def at(self, call: str, number: int, action: Callable[[], object]) -> None:
         """Do something before the call of a part, such as the 3rd "sweep" from now on, is made.
 
-        Besides: "step x" and the like, and "stored", after a trace was stored and before that is said.
+        Besides: "step x" and the like, and "stored", when a trace is, before that is said.
         """
         with self._lock:
             self._planned[call, self._made[call] + number] = action
@@ -291,11 +291,11 @@ class ProcessHeightSensor:
         sensor = RangeSensor(world.scene.adc, true_height_m, lambda: world.state.adc_fault)
         parameters = HeightParameters()
         adc = AdcInterface(SimulatedSpi(sensor.code), parameters.channel)
-        self._driver = HeightDriver(adc, parameters, StepTime())
+        self.driver = HeightDriver(adc, parameters, StepTime())
 
     def height_m(self) -> float:
         with self._answer("height"):
-            return self._driver.take_measurement().height_m
+            return self.driver.take_measurement().height_m
 
 
 class ProcessStorage:

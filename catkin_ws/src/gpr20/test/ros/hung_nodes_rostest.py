@@ -12,7 +12,7 @@ import psutil
 import rosgraph
 import rospy
 import rostest
-from survey_client import SurveyClient, json_traces, node_pid
+from survey_client import LIMIT_S, SurveyClient, json_traces, node_pid
 
 from gpr20_analysis.read.verification import verify_survey
 from gpr20_analysis.read.verification_result import COMPLETE
@@ -20,17 +20,11 @@ from gpr20_common.sent_message import message_from
 from gpr20_msgs.msg import ControlStatus
 
 TRACES = 18
-# The limit of the watchdog, its rounds, the restart, and what a computer may stall [s].
-RESTART_LIMIT_S = 40.0
-# A node that hangs for less than this [s] is only late.
-EARLIEST_S = 9.0
-# What people are asked to wait until a part is back: the remedy of a part that is OFFLINE [s].
-MINUTE_S = 60.0
 
 
 def wait_until(condition, failure):
     """Wait until a condition holds."""
-    deadline_s = time.monotonic() + RESTART_LIMIT_S
+    deadline_s = time.monotonic() + LIMIT_S
     while not condition():
         assert time.monotonic() < deadline_s, failure
         time.sleep(0.05)
@@ -77,10 +71,10 @@ class HungNodesTest(unittest.TestCase):
         return pid
 
     def wait_for_end_of(self, pid):
-        """Wait until a process has been ended; return how long that took [s]."""
+        """Wait until a process has been ended."""
         begun_s = time.monotonic()
         wait_until(lambda: not psutil.pid_exists(pid), f"process {pid} was not ended")
-        return time.monotonic() - begun_s
+        print(f"ended after {time.monotonic() - begun_s:.1f} s")
 
     def check_whole(self, survey_id):
         folder = self.client.folder(survey_id)
@@ -89,50 +83,40 @@ class HungNodesTest(unittest.TestCase):
         found = verify_survey(folder)
         self.assertEqual((found.status, found.faults), (COMPLETE, []))
 
-    def test_01_a_frozen_storage_is_restarted_and_the_survey_continues_by_itself(self):
+    def test_1_a_frozen_storage_and_window_are_restarted_and_the_survey_continues(self):
         survey_id = self.client.begin()
         self.client.wait_for_visited(4)
-        begun_s = time.monotonic()
+        window, port = self.freeze("/user_interface"), port_of("/user_interface")
         pid = self.freeze("/vna_processing")
         acknowledged = max(one.visited_points for one in self.client.progress)
         self.client.forget()
-        frozen_s = self.wait_for_end_of(pid)
-        self.assertGreater(frozen_s, EARLIEST_S)
+        self.wait_for_end_of(pid)
         traces = self.client.folder(survey_id) / "traces"
         self.assertGreaterEqual(len(list(traces.glob("*.json"))), acknowledged)
         status = self.client.wait_for_status(
             ControlStatus.FINISHED, ControlStatus.PAUSED, ControlStatus.FAILED
         )
         self.assertEqual(status.code, ControlStatus.FINISHED, status.message)
-        self.assertLess(time.monotonic() - begun_s, MINUTE_S)
         codes = [one.code for one in self.client.statuses]
         self.assertNotIn(ControlStatus.PAUSED, codes)
         waiting = [one for one in self.client.statuses if one.code == ControlStatus.CHECKING]
         self.assertTrue(any("vna_processing" in message_from(one).all_details for one in waiting))
         self.assertTrue(any("continues by itself" in one.message for one in waiting))
         self.check_whole(survey_id)
-        print(f"storage: ended after {frozen_s:.1f} s")
+        self.wait_for_end_of(window)
+        wait_until(lambda: port_of("/user_interface") not in (None, port), "no other window")
 
-    def test_02_a_frozen_control_is_restarted_and_its_survey_is_resumed(self):
+    def test_2_a_frozen_control_is_restarted_and_its_survey_is_resumed(self):
         survey_id = self.client.begin()
         self.client.wait_for_visited(4)
         pid = self.freeze("/main_control")
         self.client.forget()
-        frozen_s = self.wait_for_end_of(pid)
-        self.assertGreater(frozen_s, EARLIEST_S)
+        self.wait_for_end_of(pid)
         self.client.wait_for_status(ControlStatus.IDLE)
         self.client.go_on(self.client.folder(survey_id).name)
         status = self.client.wait_for_status(ControlStatus.FINISHED, ControlStatus.PAUSED)
         self.assertEqual(status.code, ControlStatus.FINISHED, status.message)
         self.check_whole(survey_id)
-        print(f"control: ended after {frozen_s:.1f} s")
-
-    def test_03_a_frozen_window_is_restarted(self):
-        pid = self.freeze("/user_interface")
-        port = port_of("/user_interface")
-        self.wait_for_end_of(pid)
-        wait_until(lambda: port_of("/user_interface") not in (None, port), "no other window")
-        self.assertNotEqual(node_pid("/user_interface"), pid)
 
 
 if __name__ == "__main__":

@@ -1,16 +1,31 @@
 #!/usr/bin/env python3
-"""Two robots in their namespaces survey at once, and neither notices the other."""
+"""Two robots in their namespaces, and recordings that are played beside them."""
 
+import contextlib
+import json
+import os
 import shutil
+import signal
+import subprocess
+import sys
+import time
 import unittest
+from pathlib import Path
 
 import rosbag
+import rosgraph
+import rospkg
 import rospy
 import rostest
-from survey_client import SurveyClient, bits, json_traces
+from survey_client import LIMIT_S, SurveyClient, bits, json_traces
 
-from gpr20_msgs.msg import ControlStatus
+from gpr20_analysis.read.verification import verify_survey
+from gpr20_msgs.msg import ControlStatus, Replay
 
+WINDOW = Path(rospkg.RosPack().get_path("gpr20_user_interface")) / "test/ros/window_process.py"
+ENVIRONMENT = dict(os.environ, QT_QPA_PLATFORM="offscreen")
+BESIDE = "A recording plays on this robot's topics"
+ENDING_LIMIT_S = 20.0
 ROBOTS = ("/robot1", "/robot2")
 # Another part of the ground: the traces of the robots differ.
 AREAS = {
@@ -23,64 +38,184 @@ AREAS = {
 TRACES = 50
 
 
+def wait_until(condition, what):
+    deadline_s = time.monotonic() + LIMIT_S
+    while not condition():
+        assert time.monotonic() < deadline_s, what
+        time.sleep(0.05)
+
+
+@contextlib.contextmanager
+def process(*command, **options):
+    """Run a command; it is interrupted, as by Ctrl-C, in the end."""
+    with subprocess.Popen(command, env=ENVIRONMENT, text=True, **options) as started:
+        try:
+            yield started
+        finally:
+            if started.poll() is None:
+                started.send_signal(signal.SIGINT)
+            try:
+                started.wait(ENDING_LIMIT_S)
+            except subprocess.TimeoutExpired:
+                started.kill()
+
+
+def call(*command):
+    """Run a command to its end; return its status and output."""
+    pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.STDOUT}
+    ended = subprocess.run(command, env=ENVIRONMENT, text=True, timeout=LIMIT_S, **pipes)
+    return ended.returncode, ended.stdout
+
+
+class Window:
+    """A window in a process of its own, which reports what it shows."""
+
+    def __init__(self, opened):
+        self._process = opened
+        self.shown()
+
+    @classmethod
+    @contextlib.contextmanager
+    def open(cls, namespace, *options):
+        pipes = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE}
+        command = (sys.executable, str(WINDOW), *options, f"__ns:={namespace}")
+        with process(*command, **pipes) as opened:
+            yield cls(opened)
+            # Without a question more to answer it ends.
+            opened.stdin.close()
+            opened.wait(LIMIT_S)
+
+    def shown(self):
+        self._process.stdin.write("\n")
+        self._process.stdin.flush()
+        return json.loads(self._process.stdout.readline())
+
+
 class NamespaceTest(unittest.TestCase):
+    """The tests run in the order of their names and replay the surveys of the first."""
+
     @classmethod
     def setUpClass(cls):
         rospy.init_node("namespace_rostest")
         cls.clients = {robot: SurveyClient(robot) for robot in ROBOTS}
+        cls.folders = {}
 
     @classmethod
     def tearDownClass(cls):
         for client in cls.clients.values():
             shutil.rmtree(client.data)
 
-    def assert_finishes(self, robot):
-        status = self.clients[robot].wait_for_status(ControlStatus.FINISHED, ControlStatus.FAILED)
+    def check_finishes(self, robot):
+        client = self.clients[robot]
+        status = client.wait_for_status(ControlStatus.FINISHED, ControlStatus.FAILED)
         self.assertEqual(status.code, ControlStatus.FINISHED, status.message)
+        self.assertNotIn(ControlStatus.PAUSED, [one.code for one in client.statuses])
+        return status
 
-    def test_two_robots_survey_at_once_and_each_records_its_own_topics(self):
-        ids = {robot: client.begin(**AREAS[robot]) for robot, client in self.clients.items()}
-        for robot, client in self.clients.items():
-            client.wait_for_visited(1)
-            others = [one for name, one in self.clients.items() if name != robot]
-            self.assertNotIn(ControlStatus.FINISHED, [one.statuses[-1].code for one in others])
-        for robot, survey_id in ids.items():
-            self.assert_finishes(robot)
-            self.assert_own_survey(robot, survey_id)
-        measured = [
-            {bits(trace["s21_real"]) for trace in self.traces(robot, survey_id)}
-            for robot, survey_id in ids.items()
-        ]
-        self.assertEqual(set.intersection(*measured), set())
-
-    def test_stop_and_a_fault_of_one_robot_leave_the_other_alone(self):
-        first, second = (self.clients[robot] for robot in ROBOTS)
-        first.begin(x_points=20, y_points=20)
-        survey_id = second.begin(**AREAS["/robot2"])
-        first.wait_for_visited(1)
-        self.addCleanup(first.set_fault, device="adc", fault="NONE", count=0)
-        answer = first.set_fault(device="adc", fault="STUCK", count=0)
-        self.assertTrue(answer.success, answer.message)
-        first.wait_for_status(ControlStatus.PAUSED)
-        self.assertTrue(first.stop().success)
-        first.wait_for_status(ControlStatus.STOPPED)
-        self.assert_finishes("/robot2")
-        self.assertNotIn(ControlStatus.PAUSED, [one.code for one in second.statuses])
-        self.assert_own_survey("/robot2", survey_id)
-
-    def traces(self, robot, survey_id):
-        return json_traces(self.clients[robot].folder(survey_id))
-
-    def assert_own_survey(self, robot, survey_id):
-        traces = self.traces(robot, survey_id)
-        self.assertEqual(len(traces), TRACES)
-        self.assertEqual({trace["survey_id"] for trace in traces}, {survey_id})
-        folder = self.clients[robot].folder(survey_id)
+    def check_own_survey(self, robot, status):
+        """Check what the survey and its bag hold, to the end; return the bits of the traces."""
+        folder = self.folders[robot]
+        found = verify_survey(folder)
+        self.assertEqual((found.status, found.faults, found.stored), (0, [], TRACES))
         with rosbag.Bag(str(folder / "survey.bag")) as bag:
             topics = bag.get_type_and_topic_info().topics
+            statuses = [one.message for one in bag.read_messages([f"{robot}/control_status"])]
+            marks = list(bag.read_messages([f"{robot}/replay"], return_connection_header=True))
         self.assertEqual(topics[f"{robot}/trace"].message_count, TRACES)
         others = [topic for topic in topics if not topic.startswith((f"{robot}/", "/diagnostics"))]
         self.assertEqual(others, [])
+        last = statuses[-1]
+        self.assertEqual((last.code, last.message_json), (status.code, status.message_json))
+        for one in marks:
+            self.assertEqual((one.message.state, one.message.folder), (Replay.PLAYING, folder.name))
+            self.assertEqual(one.connection_header["latching"], b"1")
+        self.assertTrue(marks)
+        return {bits(trace["s21_real"]) for trace in json_traces(folder)}
+
+    def test_1_a_fault_and_a_stop_of_one_robot_leave_the_other_alone(self):
+        first, second = (self.clients[robot] for robot in ROBOTS)
+        for robot, client in self.clients.items():
+            self.folders[robot] = client.begin(**AREAS[robot])
+        for robot, client in self.clients.items():
+            client.wait_for_visited(1)
+            self.folders[robot] = client.folder(self.folders[robot])
+        self.assertNotIn(ControlStatus.FINISHED, [one.statuses[-1].code for one in (first, second)])
+        self.assertTrue(first.set_fault(device="adc", fault="STUCK", count=0).success)
+        first.wait_for_status(ControlStatus.PAUSED)
+        self.assertTrue(first.stop().success)
+        first.wait_for_status(ControlStatus.STOPPED)
+        measured = [self.check_own_survey("/robot2", self.check_finishes("/robot2"))]
+        self.assertTrue(first.set_fault(device="adc", fault="NONE", count=0).success)
+        first.go_on(self.folders["/robot1"].name)
+        measured.append(self.check_own_survey("/robot1", self.check_finishes("/robot1")))
+        self.assertEqual(set.intersection(*measured), set())
+
+    def test_2_a_recording_on_the_topics_of_a_robot_neither_moves_it_nor_is_shown(self):
+        bag = str(self.folders["/robot2"] / "survey.bag")
+        survey_id = self.clients["/robot2"].begin(**{**AREAS["/robot2"], "x_points": 12})
+        self.clients["/robot2"].wait_for_visited(1)
+        with Window.open("/robot2") as window:
+            wait_until(lambda: window.shown()["title"] == "SURVEYING", "the window does not follow")
+            # Everything that it says: results, statuses, goals and coordinates of the axes.
+            with process("rosbag", "play", "-q", "-r", "4", bag, stdout=subprocess.DEVNULL):
+                visited, said = [], ""
+                while BESIDE not in said:
+                    shown = window.shown()
+                    self.assertEqual((shown["replay"], shown["title"]), ("", "SURVEYING"), shown)
+                    self.assertEqual((shown["stop"], shown["area_traces"]), (True, 120))
+                    visited.append(shown["visited"])
+                    said = shown["survey"]
+                self.assertEqual(visited, sorted(visited))
+            wait_until(lambda: BESIDE not in window.shown()["survey"], "the band is not relieved")
+        self.check_finishes("/robot2")
+        found = verify_survey(self.clients["/robot2"].folder(survey_id))
+        self.assertEqual((found.status, found.faults, found.stored), (0, [], 120))
+
+    def test_3_a_window_shows_a_bag_that_is_played_and_its_end(self):
+        bag = str(self.folders["/robot1"] / "survey.bag")
+        with Window.open("/replay/robot1", "--replay") as window:
+            self.assertIn("Waiting for a recording", window.shown()["survey"])
+            # It does not wait until the window has connected.
+            player = ("rosbag", "play", "-q", "-d", "2", "-r", "4", "--prefix=/replay", bag)
+            with process(*player, stdout=subprocess.DEVNULL) as played:
+                wait_until(lambda: window.shown()["on_radar"] == TRACES, "traces are missing")
+                shown = window.shown()
+                self.assertTrue(shown["replay"] and not shown["stop"], shown)
+                played.wait(LIMIT_S)
+            wait_until(lambda: window.shown()["replay"].startswith("REPLAY ENDED"), "no end")
+            after = window.shown()
+        self.assertIn(f"Survey of {self.folders['/robot1'].name[:4]}-", after["survey"])
+        self.assertIn("FINISHED", after["survey"])
+        self.assertEqual((after["alarm"], after["locked"]), ("", True))
+        self.assertEqual((after["on_map"], after["visited"]), (TRACES, TRACES))
+
+    def test_4_a_replay_has_a_window_and_clients_which_start_nothing(self):
+        client = ["rosrun", "gpr20_user_interface", "run_survey", "--bar", "never"]
+        launch = ["gpr20", "replay.launch", f"survey:={self.folders['/robot1']}", "ui:=true"]
+        nodes = rosgraph.Master(rospy.get_name())
+        with process(
+            *["roslaunch", *launch, "paused:=true"], stdout=subprocess.DEVNULL
+        ) as launched, process(
+            *[*client, "--attach", "__ns:=replay"], stdout=subprocess.PIPE
+        ) as attached:
+            wait_until(lambda: self.window_of(nodes), "there is no window")
+            status, said = call(*client, "--wait", "10", "__ns:=replay")
+            self.assertEqual(status, 1, said)
+            self.assertIn("A replay of a recorded survey is running", said)
+            self.assertIn("success: True", call("rosservice", "call", "/replay/set_rate", "20")[1])
+            call("rosservice", "call", "/replay/continue")
+            said, _errors = attached.communicate(timeout=LIMIT_S)
+            self.assertEqual(attached.returncode, 5, said)
+            self.assertIn("The recorded survey ended FINISHED", said)
+            self.assertIsNone(launched.poll())
+            # It ends with its window.
+            call("rosnode", "kill", *self.window_of(nodes))
+            launched.wait(LIMIT_S)
+
+    def window_of(self, nodes):
+        published, _subscribed, _services = nodes.getSystemState()
+        names = {name for _topic, names in published for name in names}
+        return [name for name in names if name.startswith("/replay/user_interface")]
 
 
 if __name__ == "__main__":

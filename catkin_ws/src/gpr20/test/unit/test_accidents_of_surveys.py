@@ -8,7 +8,7 @@ import time
 
 import numpy as np
 import pytest
-from failing_disk import Failure, FailingDisk
+from failing_disk import FailingDisk, Failure
 from robot_in_process import RobotInProcess
 from simulated_world import LIMIT_S, World
 from stored_surveys import (

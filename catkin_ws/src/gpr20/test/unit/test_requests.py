@@ -1,0 +1,391 @@
+"""Requests to the nodes of the robot, as messages: what is answered, and what is refused."""
+
+from __future__ import annotations
+
+import copy
+import math
+import sys
+import threading
+import uuid
+
+import psutil
+import pytest
+
+pytest.importorskip("rospy")
+
+import rospy
+from genpy.base import is_simple
+from graph_in_process import Graph
+from robot_in_process import PARAMETERS
+from robot_parts import AXES
+from simulated_world import LIMIT_S
+from std_msgs.msg import Header
+from stored_surveys import check_complete, check_pause, check_state
+
+from gpr20_axis_driver.mid.robot_hardware import RobotHardware
+from gpr20_common.errors import Gpr20Error
+from gpr20_common.faults import INTERNAL, NOT_ALLOWED
+from gpr20_common.mid.hardware import Hardware
+from gpr20_common.sent_message import message_from
+from gpr20_height_sensor.high.height_node import HeightNode
+from gpr20_height_sensor.high.height_node import build_robot_node as build_height_sensor
+from gpr20_height_sensor.mid.height_parameters import HeightParameters
+from gpr20_imaging.high.imaging_node import ImagingNode
+from gpr20_imaging.low.usb_volumes import UsbVolumes
+from gpr20_imaging.mid.imaging_parameters import ImagingParameters
+from gpr20_main_control import faults
+from gpr20_main_control.high.main_control_node import MainControlNode
+from gpr20_main_control.high.survey_topics import SurveyTopics
+from gpr20_msgs.msg import SurveyParameters, Trace
+from gpr20_msgs.srv import DailyCheckRequest, ServiceMoveRequest
+from gpr20_survey.axes.axis_id import AxisId
+from gpr20_survey.faults import CHECK_ORDER
+from gpr20_survey.frames import ANTENNA_LINK
+from gpr20_survey.plan.sensors import Sensors
+from gpr20_survey.plan.survey_state import SurveyState
+from gpr20_vna_acquisition.high.vna_node import VNANode
+from gpr20_vna_processing.high import processing_node
+from gpr20_vna_processing.mid.processing_parameters import ProcessingParameters
+
+HOME, JOG, SET_ZERO = ServiceMoveRequest.HOME, ServiceMoveRequest.JOG, ServiceMoveRequest.SET_ZERO
+HARDWARE = Hardware("simulated", simulated=True)
+
+
+@pytest.fixture
+def graph(world, robot, monkeypatch):
+    """Main control, analyzer and height sensor of the robot in one process, as nodes."""
+    graph = Graph(monkeypatch)
+    monkeypatch.setattr(robot.parts.nodes, "start", lambda: None)
+    MainControlNode(robot.control, robot.parts, robot.status, SurveyTopics(), None)
+    VNANode(robot.driver, HARDWARE)
+    HeightNode(robot.parts.height_sensor.driver, HARDWARE)
+    return graph
+
+
+@pytest.fixture
+def storage(world, graph, monkeypatch):
+    """A storage and the imaging beside them, with a data folder of their own."""
+    for name in ("TopicRecorder", "connect_recorder", "connect_subscribers"):
+        monkeypatch.setattr(processing_node, name, lambda *_arguments: None)
+    data = world.folder / "deep/down/data"
+    node = processing_node.ProcessingNode(ProcessingParameters(data=str(data)), Sensors())
+    ImagingNode(ImagingParameters(data=str(data)), UsbVolumes(lambda: '{"blockdevices": []}'))
+    yield data
+    node._shut_down()
+
+
+def as_message(**changes):
+    values = {name: getattr(PARAMETERS, name) for name in SurveyParameters.__slots__[:-1]}
+    return SurveyParameters(**{**values, **changes})
+
+
+# Surveys.
+
+
+def test_a_survey_is_planned_started_and_continued_by_messages(world, robot, graph):
+    refused = graph.ask("set_survey_parameters", parameters=as_message(x_start_mm=math.nan))
+    assert not refused.success and "x start is nan mm" in refused.message
+    assert message_from(refused).sentence() == refused.message
+    assert graph.ask("start_survey").fault_code == faults.NO_PLAN.code
+    own = graph.ask("set_survey_parameters", parameters=as_message())
+    assert (own.success, own.total_points) == (True, 18)
+    other = graph.ask("set_survey_parameters", client="/other", parameters=as_message(x_points=4))
+    refused = graph.ask("start_survey", plan_id=own.plan_id)
+    assert refused.fault_code == faults.OTHER_PLAN.code and "/other" in refused.message
+    own = graph.ask("set_survey_parameters", parameters=as_message())
+    assert own.plan_id != other.plan_id
+    robot.calls.at("sweep", 4, lambda: [world.fault("OTHER_SERIAL"), world.fault("DROP", count=1)])
+    started = graph.ask("start_survey", plan_id=own.plan_id)
+    assert started.success, started.message
+    check_pause(robot, "vna.replaced", "SIMULATED-2")
+    assert (robot.status.status.plan_id, robot.status.status.plan_set_by) == (
+        own.plan_id,
+        "/client",
+    )
+    answers = [graph.ask("resume_survey") for _twice in range(2)]
+    assert not any(one.success for one in answers)
+    accepted = answers[-1].other_analyzer
+    assert "SIMULATED-2" in accepted
+    check_state(robot, SurveyState.PAUSED)
+    robot.history.clear()
+    resumed = graph.ask("resume_survey", survey=started.survey_id, accept_analyzer=accepted)
+    assert resumed.success, resumed.message
+    check_state(robot, SurveyState.FINISHED)
+    check_complete(robot)
+    assert graph.ask("stop_survey").fault_code == faults.NONE_RUNNING.code
+    assert graph.ask("pause_survey").fault_code == faults.NONE_MEASURING.code
+
+
+# Maintenance.
+
+
+@pytest.fixture
+def move(world, graph):
+    """A service move that must succeed, or be refused with a fault and move nothing."""
+
+    def move(axis, action, distance=0.0, fault=None):
+        steps = world.state.steps(AxisId(axis))
+        answer = graph.ask("service_move", axis=axis, action=action, distance=distance)
+        if fault is None:
+            assert answer.success, answer.message
+            return answer.message
+        assert (answer.success, answer.fault_code) == (False, fault.code), answer.message
+        assert world.state.steps(AxisId(axis)) == steps
+        return answer.message
+
+    return move
+
+
+def test_axes_are_homed_and_jogged_within_their_range(world, graph, move):
+    x_steps = lambda: world.state.steps(AxisId.X)  # noqa: E731
+    move("x", JOG, 10.0, faults.SERVICE_HOME_FIRST)
+    move("z", SET_ZERO)
+    assert "10.8 deg" in move("z", JOG, 10.0) and world.state.steps(AxisId.Z) == 6
+    move("z", HOME)
+    assert world.state.steps(AxisId.Z) == 0
+    move("x", SET_ZERO, fault=faults.SERVICE_HOME_FIRST)
+    move("x", HOME)
+    assert x_steps() == 0
+    move("x", JOG, 10.0)
+    assert x_steps() == 100
+    assert "0 mm, the end of its range" in move("x", JOG, -100.0)
+    move("x", JOG, -1.0, faults.SERVICE_END_OF_RANGE)
+    for distance in (0.0, math.nan, math.inf, -math.inf):
+        move("x", JOG, distance, faults.SERVICE_VALUE)
+    world.fault("STUCK_CLOSED", device="endstop_y")
+    stuck = graph.ask("service_move", axis="y", action=HOME)
+    assert (stuck.success, stuck.fault_code) == (False, "axis.endstop_stuck")
+    world.fault("NONE", device="endstop_y")
+    move("y", HOME)
+
+
+@pytest.mark.parametrize(
+    "action, stop, code",
+    [
+        (JOG, "stop_survey", faults.SERVICE_STOPPED.code),
+        (JOG, "axis", "survey.move_failed"),
+        (HOME, "stop_survey", faults.SERVICE_STOPPED_UNHOMED.code),
+    ],
+)
+def test_a_stop_ends_a_service_move_beside_which_no_survey_starts(
+    world, robot, graph, move, action, stop, code
+):
+    move("x", HOME)
+    move("x", JOG, 100.0)
+    graph.ask("set_survey_parameters", parameters=as_message())
+    moving, answers = threading.Event(), []
+    free = threading.Event()
+    robot.calls.at("step x", 300, lambda: [moving.set(), free.wait(LIMIT_S)])
+    thread = threading.Thread(
+        target=lambda: answers.append(
+            graph.ask("service_move", axis="x", action=action, distance=500.0)
+        )
+    )
+    thread.start()
+    assert moving.wait(LIMIT_S)
+    assert graph.ask("start_survey").fault_code == faults.SERVICE_IN_PROGRESS.code
+    if stop == "axis":
+        robot.axes[AxisId.X].stop()
+    else:
+        assert graph.ask(stop).success
+    free.set()
+    thread.join(LIMIT_S)
+    assert (answers[0].success, answers[0].fault_code) == (False, code), answers[0].message
+    # It ramps down.
+    steps = 1000 + (300 if action == JOG else -300)
+    assert abs(world.state.steps(AxisId.X) - steps) < 200
+
+
+def test_there_is_no_service_during_a_survey(robot, graph, move):
+    robot.calls.at("sweep", 3, robot.control.pause)
+    graph.ask("set_survey_parameters", parameters=as_message())
+    graph.ask("start_survey")
+    check_state(robot, SurveyState.PAUSED)
+    for axis, action, distance in (("x", JOG, 1.0), ("y", HOME, 0.0), ("z", SET_ZERO, 0.0)):
+        move(axis, action, distance, faults.SURVEY_IN_PROGRESS)
+    assert graph.ask("stop_survey").success
+    robot.wait_for(SurveyState.STOPPED)
+    move("x", JOG, 1.0)
+
+
+def test_analyzer_and_height_sensor_are_tested(world, graph):
+    tested = graph.ask("test_analyzer")
+    assert tested.success and "SIMULATED" in tested.identity and tested.calibration == "HIGH"
+    assert tested.points == 101 and math.isfinite(tested.level_db) and tested.sweep_duration_s > 0.0
+    assert graph.ask("test_analyzer", address="here").fault_code == NOT_ALLOWED.code
+    assert 0.1 < graph.ask("get_height").voltage_v < 3.3
+    world.fault("OUT_OF_RANGE", device="adc")
+    answer = graph.ask("get_height")
+    assert not answer.success and math.isnan(answer.height_m) and math.isfinite(answer.voltage_v)
+
+
+def test_the_daily_check_takes_its_steps_in_order_and_is_recorded(world, graph):
+    world.data.mkdir()
+    refused = graph.ask("daily_check", step=DailyCheckRequest.REFLECTOR)
+    assert (refused.success, refused.fault_code) == (False, CHECK_ORDER.code)
+    steps = (DailyCheckRequest.EMPTY, DailyCheckRequest.PLATE, DailyCheckRequest.REFLECTOR)
+    answers = [graph.ask("daily_check", step=step) for step in steps]
+    assert all(one.success for one in answers), answers
+    # A simulated robot sees no plate.
+    assert not answers[-1].good
+    assert len((world.data / "daily_checks/history.jsonl").read_text().splitlines()) == 1
+
+
+def test_a_robot_without_its_hardware_is_an_error_and_never_simulated(monkeypatch):
+    for library in ("RPi", "spidev"):
+        monkeypatch.setitem(sys.modules, library, None)
+    for build in (
+        lambda: RobotHardware(AXES[AxisId.X]).open(None),
+        lambda: build_height_sensor(HeightParameters()),
+    ):
+        with pytest.raises(Gpr20Error, match="elsewhere launch with robot:=simulated"):
+            build()
+
+
+# Values that no client of ours would send.
+
+SURVEY_ID = "0f8fad5b-d9cb-469f-a165-70867728950e"
+LONG, MANY, LONGEST_ANSWER = 1_000_000, 100_000, 4000
+ALLOWED_GROWTH_MIB = 300.0
+TEXTS = (
+    "",
+    "../../../outside",
+    "/tmp/gpr20_outside",
+    "..",
+    "a/b",
+    "a\x00b",
+    "$(touch /tmp/gpr20_outside)",
+    "`touch /tmp/gpr20_outside`; touch /tmp/gpr20_outside",
+    "!!python/object/apply:os.system ['touch /tmp/gpr20_outside']",
+    '{"survey_id": "../../../outside", "planned_traces": 1e999}',
+    "[" * 100_000,
+    "%s%n {0.__class__}",
+    "x" * LONG,
+)
+NUMBERS = (-1.0, 0.0, 1e308, -1e308, math.nan, math.inf, -math.inf)
+# Of the types that a field can have; how far a number goes, its message checks already.
+INTEGERS = {
+    "uint8": (0, 255),
+    "int32": (-(2**31), -1, 0, 2**31 - 1),
+    "uint32": (0, 2**32 - 1),
+    "uint64": (0, 2**64 - 1),
+}
+# Requests that are allowed, or as near to it as can be; where there is no survey of this id, that
+# is found out last.
+USUAL = {
+    "list_surveys": {"max_surveys": 10},
+    "read_survey": {"survey": SURVEY_ID},
+    "read_traces": {"survey": SURVEY_ID, "indices": [0, 1]},
+    "reopen_survey": {"survey": SURVEY_ID},
+    "resume_survey": {"survey": SURVEY_ID},
+    "annotate_survey": {"survey": SURVEY_ID},
+    "mark_survey": {"survey": SURVEY_ID, "marker_id": SURVEY_ID},
+    "report_survey": {"survey_id": SURVEY_ID, "report_json": "{}"},
+    "close_survey": {"survey_id": SURVEY_ID, "outcome": "stopped"},
+    "connection": {"connect": True, "address": "127.0.0.1"},
+    "service_move": {"axis": "x", "action": 1, "distance": 1.0},
+    "freq_sweep_setup": {"start_frequency_hz": 1e9, "stop_frequency_hz": 2e9, "points": 11},
+}
+# The last one closes the survey.
+OF_AN_OPEN_SURVEY = (
+    *("store_data", "report_survey", "annotate_survey", "mark_survey", "close_survey"),
+)
+
+
+def hostile_values(kind):
+    """Return values of a field's type that no client of ours would send."""
+    if kind.endswith("]"):
+        element, size = kind[:-1].split("[")
+        one = hostile_values(element)
+        if size:  # a list of another length cannot be sent
+            return [[value] * int(size) for value in one]
+        ordinary = "x" if "string" in kind else one[0] * 0
+        return [[], list(one)[:5], [ordinary] * MANY, [one[-1]]]
+    if kind in ("time", "duration"):
+        maker = rospy.Time if kind == "time" else rospy.Duration
+        return (maker(0, 0), maker(2**31 - 1, 999_999_999))
+    known = {"string": TEXTS, "bool": (False, True), "float32": NUMBERS, "float64": NUMBERS}
+    return {**known, **INTEGERS}[kind]
+
+
+def fields(message, path=()):
+    """Yield (path, type) of every field that is no message itself."""
+    for name, kind in zip(message.__slots__, message._slot_types):
+        value = getattr(message, name)
+        inner = kind.split("[")[0]
+        if hasattr(value, "__slots__") and kind not in ("time", "duration"):
+            yield from fields(value, (*path, name))
+        elif is_simple(inner) or inner in ("string", "time", "duration"):
+            yield (*path, name), kind
+
+
+def changed(message, path, value):
+    """Return a copy of a request with another value at a place."""
+    request = copy.deepcopy(message)
+    holder = request
+    for name in path[:-1]:
+        holder = getattr(holder, name)
+    setattr(holder, path[-1], value)
+    return request
+
+
+def usual_request(name, request_class):
+    """Return a request of which one field at a time is changed, so that this field decides."""
+    request = request_class(**USUAL.get(name, {}))
+    now = rospy.Time.from_sec(1.79e9)
+    if name == "set_survey_parameters":
+        request.parameters = as_message()
+    elif name == "open_survey":
+        request.survey_id, request.started = str(uuid.uuid4()), now
+        request.metadata_json = '{"planned_traces": 18}'
+    elif name == "store_data":
+        request.trace = Trace(
+            header=Header(stamp=now, frame_id=ANTENNA_LINK),
+            format="gpr20-trace/1",
+            survey_id=SURVEY_ID,
+            sample_id=str(uuid.uuid4()),
+            **{one: now for one in ("timestamp", "sweep_started", "sweep_ended")},
+            frequency_hz=[1e9, 2e9],
+            s21_real=[0.1, 0.2],
+            s21_imag=[0.1, 0.2],
+        )
+    return request
+
+
+def ask_all_about(graph, name):
+    """Ask with every hostile value in every field."""
+    usual = usual_request(name, graph.services[name][0]._request_class)
+    for path, kind in fields(usual):
+        for value in hostile_values(kind):
+            answer = graph.ask(name, changed(usual, path, value))
+            what = f"{name} {'.'.join(path)} = {value!r:.80}: {answer.message:.200}"
+            assert answer.success or len(answer.message.split()) > 4, what
+            assert len(answer.message) < LONGEST_ANSWER, what
+            assert answer.fault_code != INTERNAL.code, what
+            if name == "open_survey" and answer.success:
+                closing = {"survey_id": answer.message.split()[1], "outcome": "stopped"}
+                assert graph.ask("close_survey", reason="a test", **closing).success, what
+
+
+def test_hostile_values_are_answered_and_do_no_harm(world, robot, graph, storage):
+    outside = world.folder.parent / "outside"
+    memory = psutil.Process().memory_info()
+    asked = set(graph.services) - {"start_survey", "stop_survey"}
+    for name in sorted(asked):
+        ask_all_about(graph, name)
+    opening = usual_request("open_survey", graph.services["open_survey"][0]._request_class)
+    opening.survey_id = SURVEY_ID
+    assert graph.ask("open_survey", opening).success
+    for name in OF_AN_OPEN_SURVEY:
+        ask_all_about(graph, name)
+    (folder,) = storage.glob(f"*_{SURVEY_ID[:8]}")
+    (trace,) = (folder / "traces").iterdir()
+    assert trace.name == "000000_X0000.00_Y0000.00_Z+000.00.json"
+    grown_mib = (psutil.Process().memory_info().rss - memory.rss) / 2**20
+    assert grown_mib < ALLOWED_GROWTH_MIB
+    # Nothing but the data folder, whose parents are there for "../../..".
+    assert [one.name for one in storage.parent.iterdir()] == [storage.name]
+    assert not outside.exists() and not (world.folder / "outside").exists()
+    robot.begin()
+    check_state(robot, SurveyState.FINISHED)
+    check_complete(robot)
