@@ -20,6 +20,7 @@ import rostest
 from survey_client import LIMIT_S, SurveyClient, bits, json_traces
 
 from gpr20_analysis.read.verification import verify_survey
+from gpr20_analysis.read.verification_result import INCOMPLETE
 from gpr20_msgs.msg import ControlStatus, Replay
 
 WINDOW = Path(rospkg.RosPack().get_path("gpr20_user_interface")) / "test/ros/window_process.py"
@@ -152,8 +153,9 @@ class NamespaceTest(unittest.TestCase):
 
     def test_2_a_recording_on_the_topics_of_a_robot_neither_moves_it_nor_is_shown(self):
         bag = str(self.folders["/robot2"] / "survey.bag")
-        survey_id = self.clients["/robot2"].begin(**{**AREAS["/robot2"], "x_points": 12})
-        self.clients["/robot2"].wait_for_visited(1)
+        client = self.clients["/robot2"]
+        survey_id = client.begin(x_points=40, y_points=20)
+        client.wait_for_visited(1)
         with Window.open("/robot2") as window:
             wait_until(lambda: window.shown()["title"] == "SURVEYING", "the window does not follow")
             # Everything that it says: results, statuses, goals and coordinates of the axes.
@@ -162,14 +164,17 @@ class NamespaceTest(unittest.TestCase):
                 while BESIDE not in said:
                     shown = window.shown()
                     self.assertEqual((shown["replay"], shown["title"]), ("", "SURVEYING"), shown)
-                    self.assertEqual((shown["stop"], shown["area_traces"]), (True, 120))
+                    self.assertEqual((shown["stop"], shown["area_traces"]), (True, 1600))
                     visited.append(shown["visited"])
                     said = shown["survey"]
                 self.assertEqual(visited, sorted(visited))
             wait_until(lambda: BESIDE not in window.shown()["survey"], "the band is not relieved")
-        self.check_finishes("/robot2")
-        found = verify_survey(self.clients["/robot2"].folder(survey_id))
-        self.assertEqual((found.status, found.faults, found.stored), (0, [], 120))
+        self.assertNotIn(ControlStatus.PAUSED, [one.code for one in client.statuses])
+        self.assertTrue(client.stop().success)
+        client.wait_for_status(ControlStatus.STOPPED)
+        found = verify_survey(client.folder(survey_id))
+        self.assertEqual((found.status, found.faults, found.unproven), (INCOMPLETE, [], 0))
+        self.assertGreaterEqual(found.stored, visited[-1])
 
     def test_3_a_window_shows_a_bag_that_is_played_and_its_end(self):
         bag = str(self.folders["/robot1"] / "survey.bag")

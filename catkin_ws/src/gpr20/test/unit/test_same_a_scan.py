@@ -6,6 +6,7 @@ import numpy as np
 import xarray as xr
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from run_seed import draws
 
 from gpr20_analysis.dataset import ATTRIBUTES
 from gpr20_analysis.formats import segy
@@ -26,7 +27,7 @@ def survey_of(frequency_hz: np.ndarray, s21: np.ndarray) -> xr.Dataset:
     return xr.Dataset(traces, coords=axes)
 
 
-@settings(max_examples=50, deadline=None)
+@settings(max_examples=draws(12))
 @given(
     points=st.integers(21, 801),
     start_hz=st.floats(0.3e9, 2e9),
@@ -57,7 +58,7 @@ def test_all_parts_show_the_same_a_scan(points, start_hz, band_hz, seed):
     np.testing.assert_allclose(exported, expected.real, atol=atol)
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=draws(6))
 @given(points=st.integers(51, 801), delay_s=st.floats(1e-9, 5e-9), window=st.sampled_from(Window))
 def test_an_image_reads_the_same_a_scan_within_its_gate(points, delay_s, window):
     frequency_hz = np.linspace(0.6e9, 6e9, points)
