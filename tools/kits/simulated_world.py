@@ -11,7 +11,7 @@ import threading
 from collections import defaultdict, deque
 from dataclasses import replace
 from pathlib import Path
-from typing import Any, Callable, DefaultDict, Deque, List, Optional
+from typing import Any, Callable, DefaultDict, Deque, List, Optional, Type
 
 import numpy as np
 
@@ -19,7 +19,6 @@ from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message
 from gpr20_simulator.low.message_device import NetworkFault
 from gpr20_simulator.low.shared_state import open_shared_state
-from gpr20_simulator.low.vxi11_server import Vxi11Server
 from gpr20_simulator.mid.analyzer.instrument import SimulatedVna
 from gpr20_simulator.mid.analyzer.sweep_plan import SweepPace
 from gpr20_simulator.mid.analyzer.sweeper import Sweeper
@@ -30,8 +29,8 @@ from gpr20_simulator.mid.faults import FaultSwitch
 from gpr20_simulator.mid.world.medium import AntennaPosition, PositionProbe, SweptMedium
 from gpr20_simulator.mid.world.scene import X_AXIS, Y_AXIS, Z_AXIS, RobotMechanics, Scene
 from gpr20_survey.trace.trace import Trace
-from gpr20_vna_acquisition.errors import VnaConnectionError, VnaNoAnswerError
-from gpr20_vna_acquisition.low.vxi11_transport import LinkLimits, connect
+from gpr20_vna_acquisition.errors import VnaConnectionError, VnaError, VnaNoAnswerError
+from gpr20_vna_acquisition.low.vxi11_transport import LinkLimits
 from gpr20_vna_acquisition.mid.exchanges import Transport
 
 # A wait for what certainly comes ends here, so that a fault of the test ends it [s].
@@ -180,7 +179,6 @@ class World:
             lambda kind, reply: self.sent[kind].append(reply),
         )
         self._switch = FaultSwitch(self.state, self.vna_faults)
-        self._server: Optional[Vxi11Server] = None
         # Called before each message to the instrument, and with CONNECT before each new link.
         self.on_message: Callable[[str], None] = lambda _message: None
         self.sweeper.start()
@@ -201,22 +199,13 @@ class World:
             shutil.copytree(str(self.data), str(kept))
         self.data = kept
 
-    def serve(self) -> None:
-        """Let the driver speak VXI-11 with the instrument from now on, over a socket."""
-        self._server = Vxi11Server(self.instrument)
-        self._server.start()
-
     def link(self, address: str, limits: LinkLimits) -> Transport:
         """Open a link to the instrument."""
         self.on_message(CONNECT)
-        if self._server is not None:
-            return connect(address, limits, self._server.port)
         return _Link(self, address, limits)
 
     def close(self) -> None:
-        """End the threads."""
-        if self._server is not None:
-            self._server.stop()
+        """End the thread."""
         self.sweeper.stop()
 
 
@@ -228,17 +217,7 @@ class _Link:
         self._answers: Deque[bytes] = deque()
         self._late: List[bytes] = []
         self._open = True
-        fault = world.instrument.opened()
-        if fault is not NetworkFault.NONE:
-            reason = self._end(fault, limits.connect_s)
-            raise VnaConnectionError(
-                Message(
-                    "no connection to the VNA at {address} ({reason}); check its address, its "
-                    "network cable and that it is switched on",
-                    address=address,
-                    reason=reason,
-                )
-            )
+        self._fail(world.instrument.opened(), limits.connect_s, VnaConnectionError)
 
     def write(self, command: str) -> None:
         self._execute(command)
@@ -280,12 +259,22 @@ class _Link:
         if outcome.answer:
             self._answers.append(outcome.answer)
 
-    def _fail(self, fault: NetworkFault, limit_s: float) -> None:
+    def _fail(
+        self, fault: NetworkFault, limit_s: float, error: Type[VnaError] = VnaNoAnswerError
+    ) -> None:
+        """End the link as the fault does, with what the driver sees of it."""
         if fault is NetworkFault.NONE:
             return
-        reason = self._end(fault, limit_s)
-        dropped = fault is NetworkFault.DROP_CONNECTIONS
-        raise (VnaConnectionError if dropped else VnaNoAnswerError)(
+        self._open = False
+        if fault is NetworkFault.DROP_CONNECTIONS:
+            error, reason = (
+                VnaConnectionError,
+                Message("the connection was closed by the other side"),
+            )
+        else:
+            self._world.time.sleep_until_s(self._world.time.now_s() + limit_s)
+            reason = Message("no answer in time")
+        raise error(
             Message(
                 "communication with the VNA at {address} failed: {reason}; check the VNA and "
                 "its network cable",
@@ -293,11 +282,3 @@ class _Link:
                 reason=reason,
             )
         )
-
-    def _end(self, fault: NetworkFault, limit_s: float) -> Message:
-        """End the link as the fault does, and return what the driver sees of it."""
-        self._open = False
-        if fault is NetworkFault.DROP_CONNECTIONS:
-            return Message("the connection was closed by the other side")
-        self._world.time.sleep_until_s(self._world.time.now_s() + limit_s)
-        return Message("no answer in time")

@@ -231,14 +231,6 @@ def test_digits_without_end_are_an_error_and_no_wait(world, robot):
     check_resumed(robot)
 
 
-@pytest.mark.parametrize("fault", ["NO_CLEAR", "CLEAR_UNSUPPORTED"])
-def test_a_server_that_cannot_clear_is_good_enough(world, robot, fault):
-    world.serve()
-    world.fault(fault)
-    robot.begin()
-    finish(robot)
-
-
 def test_after_a_survey_the_instrument_is_left_to_its_front_panel(world, robot):
     robot.begin()
     finish(robot)
