@@ -32,6 +32,9 @@ class Graph:
             def __init__(self, name, _kind, **_options):
                 self.name = self.resolved_name = name
 
+            def get_num_connections(self):
+                return 1
+
             def publish(self, message):
                 graph.published[self.name].append(message)
 
@@ -45,6 +48,7 @@ class Graph:
             (rospy.Time, "now", rospy.Time),
             (Diagnostics, "__init__", lambda *_arguments: None),
             (Periodic, "__init__", lambda *_arguments: None),
+            (Periodic, "set_period", lambda *_arguments: None),
             (description, "show_parameters", lambda _values: None),
         ):
             monkeypatch.setattr(module, name, stand_in)

@@ -22,6 +22,7 @@ from simulated_world import LIMIT_S
 from std_msgs.msg import Header
 from stored_surveys import check_complete, check_pause, check_state
 
+from gpr20_axis_driver.high import axis_node
 from gpr20_axis_driver.mid.robot_hardware import RobotHardware
 from gpr20_common.errors import Gpr20Error
 from gpr20_common.faults import INTERNAL, NOT_ALLOWED
@@ -229,6 +230,41 @@ def test_the_daily_check_takes_its_steps_in_order_and_is_recorded(world, graph):
     # A simulated robot sees no plate.
     assert not answers[-1].good
     assert len((world.data / "daily_checks/history.jsonl").read_text().splitlines()) == 1
+
+
+class NoGoals:
+    """Stands for the action of an axis, which needs connections."""
+
+    def __init__(self, *_arguments):
+        self.start = lambda: None
+        self.watch_node = lambda _name: lambda: False
+
+
+def test_an_axis_shows_its_endstop_and_every_touch_of_it_and_belongs_to_one_owner(
+    world, robot, graph, monkeypatch
+):
+    monkeypatch.setattr(axis_node, "GoalServer", NoGoals)
+    axis = robot.axes[AxisId.X]
+    node = axis_node.AxisNode(AxisId.X, AXES[AxisId.X], axis.driver, None, HARDWARE)
+
+    def lamps(ticks):
+        graph.published["endstop"].clear()
+        for _tick in range(ticks):
+            node._tick()
+        return list(graph.published["endstop"])
+
+    lease = graph.ask("lease").lease
+    assert graph.ask("homing", client="/other").fault_code == "axis.owned"
+    assert graph.ask("homing").success and world.state.steps(AxisId.X) == 0
+    # The switch was closed for a few milliseconds only.
+    assert lamps(3) == [True, False, False]
+    reading = graph.published["current_coord"][-1]
+    assert (reading.homed, reading.moving, reading.owner) == (True, False, "/client")
+    assert graph.ask("lease", lease=lease, release=True).success
+    world.fault("STUCK_CLOSED", device="endstop_x")
+    stuck = graph.ask("homing", client="/other")
+    assert (stuck.success, stuck.fault_code) == (False, "axis.endstop_stuck")
+    assert lamps(2) == [True, True]
 
 
 def test_a_robot_without_its_hardware_is_an_error_and_never_simulated(monkeypatch):
