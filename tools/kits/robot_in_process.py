@@ -24,9 +24,7 @@ from simulated_world import LIMIT_S, World
 from storage_kit import end_status
 from trace_examples import TRACE_DEFINITION
 
-from gpr20_common.errors import NodeGoneError
 from gpr20_common.low.clock import Clock
-from gpr20_common.message import Message
 from gpr20_common.mid.hardware import NO_HARDWARE, Hardware
 from gpr20_height_sensor.mid.height_parameters import HeightParameters
 from gpr20_main_control.mid.devices.aux_sensors import AuxSensors
@@ -99,12 +97,14 @@ class RobotInProcess:
         self.history: List[Status] = []
         self._changed = threading.Condition()
         self.status = SurveyStatus(self._note, lambda _given: None, lambda _coverage, _id: None)
-        self.processes = {name: 1 for name in (*PLAIN_NAMES, STORAGE)}
         parameters = VnaParameters()
         self.processing = self._build_storage()
         self.axes = {axis_id: ProcessAxis(world, self.calls, axis_id) for axis_id in AxisId}
         self.driver = self._build_driver(parameters)
-        self._nodes = NodeLiveness(self._watched_nodes(), self.clock, self.status.set_missing)
+        names = {**PLAIN_NAMES, STORAGE: STORAGE_NAME}
+        # Always the same process.
+        nodes = {name: WatchedNode(plain, [lambda: 1]) for name, plain in names.items()}
+        self._nodes = NodeLiveness(nodes, self.clock, self.status.set_missing)
         self.parts = Robot(
             self.axes,
             ProcessAnalyzer(self.calls, self.driver),
@@ -149,11 +149,6 @@ class RobotInProcess:
         """Return the status with which the survey ends or pauses."""
         return self.wait_for(*ENDS)
 
-    @property
-    def ended(self) -> bool:
-        """Whether the survey has ended or is paused."""
-        return self.status.status.state in ENDS
-
     def die(self) -> None:
         """Give no more answers from now on, as after a power cut; any thread may call it."""
         self.calls.killed.set()
@@ -195,7 +190,7 @@ class RobotInProcess:
             revision="1.2.3",
             end_status=end_status,
         )
-        processing = DataProcessing(parts, Limits(), _drop, _drop, _drop)
+        processing = DataProcessing(parts, Limits(), *(lambda _message: None,) * 3)
         processing.start()
         return processing
 
@@ -220,19 +215,3 @@ class RobotInProcess:
             described.note(NodeDescription(node, hardware, as_sent))
         described.note(NodeDescription(STORAGE, NO_HARDWARE, {"data": str(self.data)}))
         return described
-
-    def _watched_nodes(self) -> Dict[str, WatchedNode]:
-        def probe(name: str) -> Callable[[], int]:
-            def process() -> int:
-                if self.processes[name] == 0:
-                    raise NodeGoneError(Message("{node} has ended", node=name))
-                return self.processes[name]
-
-            return process
-
-        names = {**PLAIN_NAMES, STORAGE: STORAGE_NAME}
-        return {name: WatchedNode(plain, [probe(name)]) for name, plain in names.items()}
-
-
-def _drop(_message: Any) -> None:
-    pass  # nobody listens to the graph

@@ -45,7 +45,28 @@ MECHANICS = RobotMechanics(
 )
 
 
-class InstrumentTime(Clock):
+class StepTime(Clock):
+    """Time that passes in waits alone, without waiting."""
+
+    def __init__(self) -> None:
+        self._now_s = 0.0
+
+    def now_s(self) -> float:
+        """Return the time [s]."""
+        return self._now_s
+
+    def sleep_until_s(self, deadline_s: float) -> None:
+        """Let the time pass until then [s]."""
+        self._now_s = max(self._now_s, deadline_s)
+
+    def wait_s(self, event: threading.Event, timeout_s: float) -> bool:
+        """Let the time pass unless the event is set [s]."""
+        if not event.is_set():
+            self.sleep_until_s(self._now_s + timeout_s)
+        return event.is_set()
+
+
+class InstrumentTime(StepTime):
     """Time that passes only while the driver of the instrument waits.
 
     The thread of the sweeps gets its turn at each moment for which it waits, and what it does then
@@ -58,10 +79,6 @@ class InstrumentTime(Clock):
         self._wake: Optional[threading.Event] = None
         self.sweeper = _SweeperClock(self)
 
-    def now_s(self) -> float:
-        """Return the time [s]."""
-        return self._now_s
-
     def sleep_until_s(self, deadline_s: float) -> None:
         """Let the time pass until then [s]."""
         with self._changed:
@@ -69,13 +86,7 @@ class InstrumentTime(Clock):
                 self._now_s = max(self._now_s, self._due_s)
                 assert self._wake is not None
                 self._wake.set()
-            self._now_s = max(self._now_s, deadline_s)
-
-    def wait_s(self, event: threading.Event, timeout_s: float) -> bool:
-        """Let the time pass unless the event is set [s]."""
-        if not event.is_set():
-            self.sleep_until_s(self._now_s + timeout_s)
-        return event.is_set()
+            super().sleep_until_s(deadline_s)
 
     def _sweeper_waits(self) -> bool:
         return self._changed.wait_for(
@@ -102,26 +113,6 @@ class _SweeperClock(Clock):
     def wait_s(self, event: threading.Event, timeout_s: float) -> bool:
         self._time.await_turn(event, timeout_s)
         return True
-
-
-class StepTime(Clock):
-    """Time that passes in waits alone, without waiting."""
-
-    def __init__(self) -> None:
-        self._now_s = 0.0
-
-    def now_s(self) -> float:
-        """Return the time [s]."""
-        return self._now_s
-
-    def sleep_until_s(self, deadline_s: float) -> None:
-        """Let the time pass."""
-        self._now_s = max(self._now_s, deadline_s)
-
-    def wait_s(self, event: threading.Event, timeout_s: float) -> bool:
-        """Let the time pass [s]."""
-        self.sleep_until_s(self._now_s + timeout_s)
-        return event.is_set()
 
 
 class LaterProbe(PositionProbe):

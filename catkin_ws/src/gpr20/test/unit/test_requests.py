@@ -197,18 +197,6 @@ def test_a_stop_ends_a_service_move_beside_which_no_survey_starts(
     assert abs(world.state.steps(AxisId.X) - steps) < 200
 
 
-def test_there_is_no_service_during_a_survey(robot, graph, move):
-    robot.calls.at("sweep", 3, robot.control.pause)
-    graph.ask("set_survey_parameters", parameters=as_message())
-    graph.ask("start_survey")
-    check_state(robot, SurveyState.PAUSED)
-    for axis, action, distance in (("x", JOG, 1.0), ("y", HOME, 0.0), ("z", SET_ZERO, 0.0)):
-        move(axis, action, distance, faults.SURVEY_IN_PROGRESS)
-    assert graph.ask("stop_survey").success
-    robot.wait_for(SurveyState.STOPPED)
-    move("x", JOG, 1.0)
-
-
 def test_analyzer_and_height_sensor_are_tested(world, graph):
     tested = graph.ask("test_analyzer")
     assert tested.success and "SIMULATED" in tested.identity and tested.calibration == "HIGH"

@@ -223,14 +223,6 @@ def test_a_calibration_that_is_lost_on_a_write_is_named_and_one_is_enough(world,
     finish(robot)
 
 
-def test_digits_without_end_are_an_error_and_no_wait(world, robot):
-    robot.calls.at("sweep", 4, lambda: world.fault("ENDLESS_DIGITS"))
-    robot.begin()
-    check_pause(robot, "vna.bad_data")
-    world.fault("NONE")
-    check_resumed(robot)
-
-
 def test_after_a_survey_the_instrument_is_left_to_its_front_panel(world, robot):
     robot.begin()
     finish(robot)

@@ -56,6 +56,7 @@ def test_an_endstop_stuck_open_does_no_harm_before_the_next_homing(world, robot)
         ("vna", "NAN", "vna.bad_data", []),
         ("vna", "GARBAGE", "vna.wrong_instrument", ["MS2026C"]),
         ("vna", "STALE", "vna.old_data", []),
+        ("vna", "ENDLESS_DIGITS", "vna.bad_data", []),
         ("adc", "STUCK", "height.sensor_off", []),
         ("adc", "OUT_OF_RANGE", "height.out_of_range", ["0.1", "0.8"]),
     ],
