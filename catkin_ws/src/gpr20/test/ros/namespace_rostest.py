@@ -14,6 +14,7 @@ from pathlib import Path
 
 import rosbag
 import rosgraph
+import rosnode
 import rospkg
 import rospy
 import rostest
@@ -22,6 +23,7 @@ from survey_client import LIMIT_S, SurveyClient, bits, json_traces
 from gpr20_analysis.read.verification import verify_survey
 from gpr20_analysis.read.verification_result import INCOMPLETE
 from gpr20_msgs.msg import ControlStatus, Replay
+from gpr20_msgs.srv import Command, SetReplayRate
 
 WINDOW = Path(rospkg.RosPack().get_path("gpr20_user_interface")) / "test/ros/window_process.py"
 ENVIRONMENT = dict(os.environ, QT_QPA_PLATFORM="offscreen")
@@ -207,14 +209,14 @@ class NamespaceTest(unittest.TestCase):
             status, said = call(*client, "--wait", "10", "__ns:=replay")
             self.assertEqual(status, 1, said)
             self.assertIn("A replay of a recorded survey is running", said)
-            self.assertIn("success: True", call("rosservice", "call", "/replay/set_rate", "20")[1])
-            call("rosservice", "call", "/replay/continue")
+            self.assertTrue(rospy.ServiceProxy("/replay/set_rate", SetReplayRate)(20.0).success)
+            self.assertTrue(rospy.ServiceProxy("/replay/continue", Command)().success)
             said, _errors = attached.communicate(timeout=LIMIT_S)
             self.assertEqual(attached.returncode, 5, said)
             self.assertIn("The recorded survey ended FINISHED", said)
             self.assertIsNone(launched.poll())
             # It ends with its window.
-            call("rosnode", "kill", *self.window_of(nodes))
+            rosnode.kill_nodes(self.window_of(nodes))
             launched.wait(LIMIT_S)
 
     def window_of(self, nodes):

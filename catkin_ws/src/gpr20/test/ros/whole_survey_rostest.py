@@ -5,6 +5,7 @@ import json
 import os
 import re
 import shutil
+import subprocess
 import threading
 import unittest
 import uuid
@@ -383,6 +384,20 @@ class WholeSurveyTest(unittest.TestCase):
             self.assertEqual((description["plan_id"], description["plan_set_by"]), own)
             self.assertAlmostEqual(json_traces(self.folder)[0]["x_coord_mm"], x_start_mm, 6)
             self.client.forget()
+
+    def test_9_the_program_of_the_daily_check_says_that_a_simulated_robot_sees_no_plate(self):
+        made = subprocess.run(
+            ["rosrun", "gpr20_main_control", "daily_check", "--language", "en"],
+            input="\n\n\n",
+            capture_output=True,
+            text=True,
+            timeout=LIMIT_S,
+        )
+        self.assertEqual(made.returncode, 1, made.stderr)
+        self.assertIn("No echo of the metal plate", made.stdout.splitlines()[-1])
+        history = self.client.data / "daily_checks" / "history.jsonl"
+        (line,) = [json.loads(one) for one in history.read_text().splitlines()]
+        self.assertEqual((line["simulated"], line["good"]), (True, False))
 
 
 if __name__ == "__main__":
