@@ -151,7 +151,7 @@ class ProcessAxis:
         self.driver = AxisDriver(self._parameters, DirectPulses(loop, counter))
         # No lease ends because this computer is slow.
         self.lease = AxisLease(self._parameters.lease_limit_s, lambda: calls.frozen_s)
-        self.received = threading.Event()
+        self.received, self.stopped = threading.Event(), threading.Event()
         self._step = f"step {axis_id.value}"
         self._stops = 0
         self._outcomes: queue.SimpleQueue[MoveOutcome] = queue.SimpleQueue()
@@ -210,6 +210,7 @@ class ProcessAxis:
 
     def stop(self) -> None:
         self._stops += 1
+        self.stopped.set()
 
     def _owned(self, stops: int, motion: Callable[[StopRequested], None]) -> MoveOutcome:
         """Carry out a motion, until a stop, the end of the lease or the kill."""

@@ -176,7 +176,8 @@ def test_a_stop_ends_a_service_move_beside_which_no_survey_starts(
     graph.ask("set_survey_parameters", parameters=as_message())
     moving, answers = threading.Event(), []
     free = threading.Event()
-    robot.calls.at("step x", 300, lambda: [moving.set(), free.wait(LIMIT_S)])
+    stopped = robot.axes[AxisId.X].stopped
+    robot.calls.at("step x", 300, lambda: [stopped.clear(), moving.set(), free.wait(LIMIT_S)])
     thread = threading.Thread(
         target=lambda: answers.append(
             graph.ask("service_move", axis="x", action=action, distance=500.0)
@@ -189,6 +190,7 @@ def test_a_stop_ends_a_service_move_beside_which_no_survey_starts(
         robot.axes[AxisId.X].stop()
     else:
         assert graph.ask(stop).success
+    assert stopped.wait(LIMIT_S)
     free.set()
     thread.join(LIMIT_S)
     assert (answers[0].success, answers[0].fault_code) == (False, code), answers[0].message
