@@ -24,6 +24,7 @@ UNITS = {
 }
 # Programs of other packages that the units start.
 PROGRAMS = ["usr/bin/xinit", "usr/sbin/nft", "usr/bin/Xorg"]
+pytestmark = pytest.mark.release
 needs_network = pytest.mark.needs("network namespaces", "firewall")
 
 

@@ -9,13 +9,16 @@ import sys
 import time
 from pathlib import Path
 
+import psutil
 import pytest
 from pytest_gpr20.rostest_items import problem
 from pytest_gpr20.workspace import ROOT
 
 pytest_plugins = ["pytester"]
 LIMIT_S = 60.0
-LOADED = "-p", "pytest_gpr20.processes", "-p", "pytest_gpr20.workspace"
+# No others, which take longer to load than the tests here.
+PLUGINS = "xdist.plugin", "pytest_timeout", "pytest_gpr20.processes", "pytest_gpr20.workspace"
+LOADED = [word for plugin in PLUGINS for word in ("-p", plugin)]
 # In a session of its own, as what a launch starts, and soon without its parent.
 LEAVE_A_PROCESS = """
     import pathlib, subprocess, time
@@ -31,11 +34,15 @@ def own(pytester, monkeypatch):
     """Return a folder for tests that the plugins run on."""
     monkeypatch.setenv("PYTHONPATH", f"{ROOT / 'tools'}:{os.environ.get('PYTHONPATH', '')}")
     monkeypatch.delenv("PYTEST_ADDOPTS", raising=False)
+    monkeypatch.setenv("PYTEST_DISABLE_PLUGIN_AUTOLOAD", "1")
     return pytester
 
 
 def is_running(pid: Path) -> bool:
-    return Path("/proc", pid.read_text().strip()).exists()
+    try:
+        return psutil.Process(int(pid.read_text())).status() != psutil.STATUS_ZOMBIE
+    except psutil.NoSuchProcess:
+        return False
 
 
 def test_a_test_that_hangs_fails_with_its_processes_and_the_others_run(own):

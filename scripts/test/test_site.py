@@ -110,6 +110,7 @@ def test_the_page_of_the_faults_is_up_to_date_and_names_every_code_and_remedy():
         assert fault.remedy is None or fault.remedy.template in words
 
 
+@pytest.mark.release
 def test_the_reference_of_the_interface_of_python_has_every_public_name(tmp_path):
     text = api_reference.build(tmp_path).read_text(encoding="utf-8")
     assert [one for one in gpr20_analysis.__all__ if f'id="{one}"' not in text] == []

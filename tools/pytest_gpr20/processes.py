@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import contextlib
 import os
+import time
 from typing import Any, List
 
 import psutil
@@ -16,6 +17,7 @@ import pytest
 VARIABLE = "STARTED_BY_TESTS"
 # Longer than roslaunch takes to end its nodes.
 END_LIMIT_S = 20.0
+POLL_S = 0.05
 NAMES: pytest.StashKey[List[str]] = pytest.StashKey()
 
 
@@ -36,12 +38,22 @@ def end_processes(mark: str) -> List[str]:
     for process in found:
         with contextlib.suppress(psutil.NoSuchProcess):
             process.terminate()
-    _gone, alive = psutil.wait_procs(found, END_LIMIT_S)
-    for process in alive:
-        with contextlib.suppress(psutil.NoSuchProcess):
-            process.kill()
-    psutil.wait_procs(alive)
+    deadline_s = time.monotonic() + END_LIMIT_S
+    while any(map(_runs, found)):
+        if time.monotonic() > deadline_s:
+            for process in filter(_runs, found):
+                with contextlib.suppress(psutil.NoSuchProcess):
+                    process.kill()
+        time.sleep(POLL_S)
     return names
+
+
+def _runs(process: psutil.Process) -> bool:
+    """Return whether a process runs: the orphans of a container may stay zombies."""
+    try:
+        return process.status() != psutil.STATUS_ZOMBIE
+    except psutil.NoSuchProcess:
+        return False
 
 
 def _name(process: psutil.Process) -> str:
