@@ -109,34 +109,22 @@ class FakeAxis:
         self.coordinate = 0.0
         self.homed = False
         self.zero = UNKNOWN_ZERO
-        self.owner = ""
         self.leases = 0
-        self.released = threading.Event()
         self.silent = False
-        self.silent_readings = 0
-        self.readings_from_before = 0
         self.moves = []
         self.homings = 0
         self.stops = 0
         self.fail_move = ""
-        self.fail_homing = ""
-        self.lose_result = False
-        self.stay = False
-        self.offset = 0.0
         self.blocked = threading.Event()
         self.blocked.set()
         self.begun = threading.Event()
         self.hanging = threading.Event()
         self.hanging.set()
-        self._outcome = None
+        self.outcome = None
 
     def reading(self):
         moving = not self.blocked.is_set()
-        if self.readings_from_before:
-            self.readings_from_before -= 1
-            return AxisReading(self.coordinate, True, False, 1.0, self.zero)
-        self.silent_readings -= 1
-        age_s = 100.0 if self.silent or self.silent_readings >= 0 else 0.0
+        age_s = 100.0 if self.silent else 0.0
         return AxisReading(self.coordinate, self.homed, moving, age_s, self.zero)
 
     def begin_zero(self, found=True):
@@ -145,8 +133,6 @@ class FakeAxis:
         self.zero = ZeroEpoch(number, FIRST_SWEEP_US + number if found else self.zero.time_us)
 
     def reserve(self):
-        if self.owner:
-            raise DeviceError(Message("the axis belongs to {owner}", owner=self.owner))
         self.leases += 1
         return Lease(self.leases, 2.0)
 
@@ -154,7 +140,7 @@ class FakeAxis:
         return lease.number == self.leases
 
     def release_lease(self, lease):
-        self.released.set()
+        pass
 
     def is_connected(self):
         return True
@@ -162,23 +148,16 @@ class FakeAxis:
     def begin_move(self, target):
         self.moves.append(target)
         self.begun.set()
-        if self.fail_move:
-            self._outcome = MoveOutcome(False, verbatim(self.fail_move))
-            return
-        if not self.stay and self.blocked.is_set():
-            self.coordinate = target + self.offset
-        self._outcome = None if self.lose_result else MoveOutcome(True, verbatim(""))
+        self.outcome = MoveOutcome(not self.fail_move, verbatim(self.fail_move))
+        if not self.fail_move and self.blocked.is_set():
+            self.coordinate = target
 
     def move_outcome(self, wait_s):
-        if not self.blocked.wait(wait_s):
-            return None
-        return self._outcome
+        return self.outcome if self.blocked.wait(wait_s) else None
 
     def home(self, time_limit_s):
         self.homings += 1
         self.hanging.wait(LIMIT_S)
-        if self.fail_homing:
-            raise DeviceError(verbatim(self.fail_homing))
         self.coordinate, self.homed = 0.0, True
         self.begin_zero(self.finds_zero)
 
@@ -196,8 +175,6 @@ class FakeAnalyzer:
     def __init__(self):
         self.connections = []
         self.calibration_refusal = ""
-        self.calibration_status = CalibrationStatus.HIGH
-        self.calibration_details = {}
         self.temperature_c = None
         self.sweeps = 0
         self.level = LEVEL
@@ -221,7 +198,7 @@ class FakeAnalyzer:
 
     def calibration(self):
         self._check_calibration()
-        return AnalyzerCalibration(self.calibration_status, self.calibration_details)
+        return AnalyzerCalibration(CalibrationStatus.HIGH, {})
 
     def _check_calibration(self):
         if self.calibration_refusal:
@@ -277,22 +254,17 @@ class FakeHeightSensor:
         return 0.2
 
 
-def folder_of(survey_id):
-    return f"20260101T000000_{survey_id[:8]}"
-
-
 class FakeStorage:
     """Stores surveys in memory; refuses what the real one refuses, and what a test wants."""
 
     def __init__(self):
         self.records, self.samples = [], []
-        self.closed, self.ends, self.reports, self.notes = [], [], [], []
+        self.ends, self.reports, self.notes = [], [], []
         self.opened, self.outcomes, self.last_report = "", {}, {}
         self.reopened, self.reopenings = None, []
-        self.interrupted = ""
         self.broken = False
         self.failures = 0
-        self.fail_open = self.fail_close = ""
+        self.fail_close = ""
         self.lose = 0
         self.free = threading.Event()
         self.free.set()
@@ -301,11 +273,10 @@ class FakeStorage:
         return {one.index: one for one in self.samples if one.survey_id == survey_id}
 
     def open(self, record):
-        self._check(not self.fail_open, self.fail_open)
         self._check_disk()
-        interrupted = self._interrupt_other(record.survey_id) or self.interrupted
+        self.opened = record.survey_id
         self.records.append(record)
-        return OpenedSurvey(f"/data/{folder_of(record.survey_id)}", interrupted)
+        return OpenedSurvey(f"/data/{record.survey_id}", "")
 
     def reopen(self, survey):
         self.reopenings.append(survey)
@@ -313,23 +284,20 @@ class FakeStorage:
             self.opened = self.reopened.survey_id
             return self.reopened
         known = {one.survey_id: one for one in self.records}
-        found = [one for one in known if survey in (one, folder_of(one))]
-        self._check(found, f"there is no survey {survey}")
-        (survey_id,) = found
-        self._check(self.outcomes.get(survey_id) != "finished", "it is finished and complete")
+        self._check(survey in known, f"there is no survey {survey}")
+        self._check(self.outcomes.get(survey) != "finished", "it is finished and complete")
         self._check_disk()
-        interrupted = self._interrupt_other(survey_id)
-        self.outcomes.pop(survey_id, None)
-        stored = self.stored(survey_id)
+        self.opened = survey
+        self.outcomes.pop(survey, None)
+        stored = self.stored(survey)
         in_order = list(stored.values())
         return ReopenedSurvey(
-            survey_id,
-            f"/data/{folder_of(survey_id)}",
-            known[survey_id].metadata_json,
-            self.last_report.get(survey_id, ""),
+            survey,
+            f"/data/{survey}",
+            known[survey].metadata_json,
+            self.last_report.get(survey, ""),
             tuple(sorted(stored)),
             (*in_order[:-8][:4], *in_order[-8:]),
-            interrupted=interrupted,
         )
 
     def report(self, survey_id, report_json):
@@ -360,15 +328,7 @@ class FakeStorage:
         self._check_open(survey_id)
         self.opened = ""
         self.outcomes[survey_id] = end.outcome
-        self.closed.append((survey_id, end.outcome, end.reason))
         self.ends.append(end)
-
-    def _interrupt_other(self, survey_id):
-        other, self.opened = self.opened, survey_id
-        if other in ("", survey_id):
-            return ""
-        self.outcomes[other] = "interrupted"
-        return folder_of(other)
 
     def _check_open(self, survey_id):
         self._check_disk()
@@ -428,11 +388,12 @@ class Bench:
         self.analyzer, self.height = analyzer or FakeAnalyzer(), FakeHeightSensor()
         self.storage = storage or FakeStorage()
         self.history = []
-        self.coverages = []
+        self.verdicts = []
         self.activities = []
         self.parameters = []
         self._changed = threading.Condition()
-        self.board = SurveyStatus(self._note, self.parameters.append, self._note_coverage)
+        note_coverage = lambda coverage, _survey: self.verdicts.append(coverage.verdict())  # noqa: E731
+        self.board = SurveyStatus(self._note, self.parameters.append, note_coverage)
         clock = self.clock = clock or FastClock()
         self.nodes = HandNotedNodes(clock, self.board.set_missing)
         self.description = described_robot(time_scale)
@@ -458,9 +419,6 @@ class Bench:
         with self._changed:
             self.history.append(after)
             self._changed.notify_all()
-
-    def _note_coverage(self, coverage, _survey_id):
-        self.coverages.append((coverage.states, coverage.verdict()))
 
     def release(self):
         """Release everything that a test has blocked."""

@@ -4,14 +4,12 @@ import random
 from dataclasses import replace
 
 import pytest
-from fake_robot import ManualClock, warning_of
+from fake_robot import ManualClock
 from run_seed import draws
 from trace_examples import make_trace
 
 from gpr20_main_control import faults
 from gpr20_main_control.mid.survey.running_survey import LARGEST_CORRECTION_S, ClockSteps
-from gpr20_survey.folder.log_record import Kind
-from gpr20_survey.plan.survey_state import SurveyState as State
 
 DRAWS = draws(50)
 
@@ -70,23 +68,3 @@ def test_nothing_is_said_of_a_clock_that_is_corrected_by_little_in_any_order():
             bench.clock.time_s += draw.uniform(2.0, 100.0)
             bench.clock.set_s += draw.uniform(-1.0, 1.0) * LARGEST_CORRECTION_S
             assert bench.next_trace() is None, seed
-
-
-def test_a_survey_tells_the_operator_and_stores_it_and_continues(bench):
-    bench.at_sweep(5, lambda: setattr(bench.clock, "set_s", bench.clock.set_s - 3.6e6))
-    bench.start()
-    bench.complete()
-    status = bench.board.status
-    assert status.state is State.FINISHED
-    shown = status.full_message
-    assert shown.fault_code == faults.CLOCK_SET.code
-    assert shown.values["status"] == status.message
-    (warning,) = bench.storage.reports[-1]["warnings"]
-    (note,) = [one for one in bench.storage.notes if one.kind is Kind.CLOCK]
-    assert warning_of(warning).fault_code == faults.CLOCK_SET.code
-    assert note.values["message"]["fault"]["code"] == faults.CLOCK_SET.code
-    remarked = [one.index for one in bench.storage.samples if one.quality]
-    assert remarked == [5]
-    bench.start()
-    assert bench.board.status.warning is None
-    bench.wait_for(State.FINISHED)

@@ -4,7 +4,7 @@ import threading
 from dataclasses import replace
 
 import pytest
-from fake_robot import LIMIT_S, NODES, Bench, ManualClock, reports, warning_of
+from fake_robot import LIMIT_S, Bench, ManualClock, reports, warning_of
 
 from gpr20_common.faults import INTERNAL
 from gpr20_common.message import Message, Severity
@@ -23,27 +23,6 @@ VNA = "vna_acquisition"
 
 def severities(message):
     return {fault.severity for fault in message.faults}
-
-
-def test_a_pause_on_request_is_a_note_whatever_is_missing(bench):
-    bench.at_sweep(2, bench.control.pause)
-    bench.start()
-    message = bench.wait_for(State.PAUSED).message
-    assert message.fault_code == faults.PAUSED_ON_REQUEST.code
-    assert severities(message) == {Severity.NOTE} and not message.may_move
-    bench.nodes.note_silent(VNA)
-    shown = bench.board.status.full_message
-    assert severities(shown) == {Severity.NOTE, Severity.WARNING}
-    assert faults.PAUSED_ON_REQUEST in shown.faults
-    assert reports(shown.values["warning"], faults.NODE_LOST, NODES[VNA])
-
-
-def test_a_fault_decides_though_a_warning_is_shown_before_it(bench):
-    bench.y.fail_move = "the endstop was pressed"
-    bench.start()
-    bench.wait_for(State.PAUSED)
-    bench.nodes.note_silent(VNA)
-    assert bench.board.status.full_message.fault_code == faults.MOVE_FAILED.code
 
 
 def test_a_survey_that_continues_never_shows_a_fault(bench):

@@ -30,11 +30,6 @@ class Hanging:
         return self.released.wait(LIMIT_S)
 
 
-def test_calls_one_after_another_share_a_thread():
-    workers = Workers()
-    assert len({result_of(workers.begin(threading.get_ident), go_on) for _call in range(50)}) == 1
-
-
 def test_a_call_that_hangs_does_not_delay_others():
     workers, hang = Workers(), Hanging()
     hanging = [workers.begin(hang) for _call in range(5)]
@@ -52,13 +47,6 @@ def test_no_more_calls_are_made_at_the_same_time_than_allowed():
     hang.released.set()
     for one in calls:
         one.result(LIMIT_S)
-
-
-def test_what_a_call_raises_is_raised_where_its_result_is_taken():
-    workers = Workers()
-    with pytest.raises(ZeroDivisionError):
-        result_of(workers.begin(lambda: 1 // 0), go_on)
-    assert result_of(workers.begin(lambda: 1), go_on) == 1
 
 
 ONE = Workers(most=1)

@@ -14,7 +14,7 @@ from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Fault, Message
 from gpr20_main_control import faults
 from gpr20_main_control.errors import DeviceError
-from gpr20_main_control.mid.devices.aux_sensors import KEPT, LONGEST_LAG_S, AuxSensors, SensorInput
+from gpr20_main_control.mid.devices.aux_sensors import AuxSensors, SensorInput
 from gpr20_survey.plan.sensors import Sensor
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_survey.trace.aux_value import AuxValue
@@ -97,22 +97,6 @@ def test_a_clock_that_is_set_changes_no_age(clock, step_us):
     now_us = clock.time_of_day_us()
     (value,), _remarks = sensors.at_sweep(now_us)
     assert value.stamp_us == now_us
-
-
-def test_few_messages_are_kept_and_only_those_that_a_trace_needs_are_read(clock):
-    calls = []
-    one = SensorInput(sensor(), lambda value: calls.append(value) or value, clock)
-    for number in range(20 * KEPT):
-        clock.time_s = 100.0 + number * 1e-3
-        one.note(float(number))
-    assert len(one._kept) <= KEPT and calls == []
-    assert one.at(clock.time_s).value == 20 * KEPT - 1
-    assert one.at(clock.time_s - 1.0).value == pytest.approx(20 * KEPT - 1001, abs=12)
-    assert len(calls) == 2
-    # Those that no trace can need are not kept.
-    clock.time_s += LONGEST_LAG_S + 60.0
-    one.note(0.0)
-    assert len(one._kept) <= 2
 
 
 def test_many_silent_sensors_leave_room_for_other_remarks(clock):

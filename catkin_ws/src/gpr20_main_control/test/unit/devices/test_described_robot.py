@@ -1,10 +1,9 @@
 """What the nodes say about themselves decides whether a robot is simulated."""
 
 import json
-from dataclasses import replace
 
 import pytest
-from fake_robot import described_robot, warning_of
+from fake_robot import described_robot
 from fault_kit import raises_fault
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -13,7 +12,6 @@ from survey_examples import AXES, PARAMETERS
 
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.mid.hardware import Hardware
-from gpr20_common.mid.node_software import NodeSoftware
 from gpr20_main_control import faults
 from gpr20_main_control.errors import DeviceError
 from gpr20_main_control.mid.devices.described_robot import DescribedRobot, TimeLimits
@@ -58,13 +56,6 @@ def test_a_robot_is_unknown_until_every_node_has_described_itself(silent):
     assert robot.config().simulated is True
 
 
-def test_parts_of_different_speed_are_refused():
-    robot = described_robot()
-    redescribe(robot, "height_sensor", time_scale=20.0)
-    with pytest.raises(InvalidValueError, match="1, 20"):
-        robot.config()
-
-
 @pytest.mark.parametrize(
     "identity, simulated",
     [("Anritsu,MS2026C/2,SIMULATED,1.0", False), ("Anritsu,MS2026C/2,1234567,1.0", True)],
@@ -100,17 +91,3 @@ def test_the_configuration_and_the_nodes_are_recorded():
     assert recorded["time_limits"]["storage_limit_s"] == TimeLimits().storage_limit_s
     assert [one["name"] for one in recorded["nodes"]] == sorted(PLAIN_NAMES)
     assert all(one["simulated"] and one["time_scale"] == 20.0 for one in recorded["nodes"])
-
-
-def test_different_software_is_said_and_recorded_but_no_obstacle(bench):
-    robot = bench.description
-    assert robot.software_difference() is None
-    for node, revision in (("height_sensor", "abc"), ("vna_acquisition", "def")):
-        one = replace(robot.nodes[node], software=NodeSoftware("0.1.0", revision, "pc"))
-        robot.note(one)
-    difference = robot.software_difference()
-    assert "0.1.0 (abc) on pc; 0.1.0 (def) on pc" in str(difference)
-    bench.start()
-    bench.complete()
-    (warning,) = bench.storage.reports[-1]["warnings"]
-    assert warning_of(warning) == difference

@@ -77,20 +77,6 @@ def test_a_survey_continues_with_the_analyzer_that_is_accepted_and_records_both(
     assert all(one["accepted"] for one in reports[0]["analyzers"])
 
 
-def test_an_accepted_analyzer_stays_accepted_and_the_former_one_does_not(bench):
-    pause_with(bench, OTHER)
-
-    bench.at_sweep(9, lambda: setattr(bench.analyzer, "failures", 1))
-    bench.control.resume("", Accepted(OTHER))
-    bench.wait_for(State.PAUSED)
-    bench.analyzer.identity = FORMER
-    with pytest.raises(OtherAnalyzerError):
-        bench.control.resume("")
-    bench.analyzer.identity = OTHER
-    bench.resume_to_the_end()
-    assert recorded(bench) == [(FORMER, 0), (OTHER, 5)]
-
-
 def test_an_analyzer_that_is_not_the_accepted_one_is_refused(bench):
     pause_with(bench, THIRD)
     not_accepted = raises_fault(faults.NOT_THE_ACCEPTED_VNA, OTHER, error=OtherAnalyzerError)

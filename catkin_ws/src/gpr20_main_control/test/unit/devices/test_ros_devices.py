@@ -20,11 +20,10 @@ from gpr20_common.sent_message import message_fields
 from gpr20_main_control import faults
 from gpr20_main_control.errors import DeviceError, NodeLostError
 from gpr20_main_control.high import ros_axis
-from gpr20_main_control.high.ros_devices import RosAnalyzer, RosHeightSensor
-from gpr20_main_control.mid.devices.described_robot import TimeLimits
+from gpr20_main_control.high.ros_devices import RosHeightSensor
 from gpr20_main_control.mid.waits import Workers
 from gpr20_msgs.msg import AxisResult
-from gpr20_msgs.srv import CommandResponse, GetCalibrationStatusResponse, GetHeightResponse
+from gpr20_msgs.srv import CommandResponse, GetHeightResponse
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.faults import CONTROL_SILENT
 from gpr20_survey.plan.robot_description import HEIGHT_SENSOR, PLAIN_NAMES
@@ -166,10 +165,3 @@ def test_a_service_that_does_not_answer_is_reported_as_the_device_that_operators
     assert message.fault_code == NODE_SILENT.code
     assert message.values["device"] == PLAIN_NAMES[HEIGHT_SENSOR]
     assert message.all_details == ("service get_height is gone",)
-
-
-def test_a_calibration_that_is_not_accepted_is_refused_with_the_drivers_message(monkeypatch):
-    fields = message_fields(REFUSAL)
-    answer = GetCalibrationStatusResponse(success=True, accepted=False, **fields)
-    analyzer = RosAnalyzer(TimeLimits(analyzer_limit_s=1.0))
-    assert failure_of(monkeypatch, analyzer.calibration, answer) == REFUSAL

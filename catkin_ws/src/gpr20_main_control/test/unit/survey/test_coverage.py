@@ -111,20 +111,6 @@ def test_a_report_has_its_sentences_as_text_and_as_template_with_values(number):
     assert str(restored) == failed["reason"] == f"the level is {number:.1f} dB"
 
 
-def test_every_change_of_the_coverage_is_announced_once():
-    coverage, announced = Coverage(3, [0]), []
-    coverage.on_change = lambda one: announced.append(one.states)
-    coverage.note_stored(1)
-    coverage.note_remeasured(0)
-    coverage.note_failed(2, NO_ANSWER)
-    coverage.note_failed(1, NO_ANSWER)
-    assert announced == [
-        [MEASURED, MEASURED, NOT_VISITED],
-        [REMEASURED, MEASURED, NOT_VISITED],
-        [REMEASURED, MEASURED, FAILED],
-    ]
-
-
 @pytest.mark.parametrize("former", ["{", "[]", '{"controls": 3}', '{"controls": [{"index": "x"}]}'])
 def test_a_former_report_that_is_none_is_refused(former):
     with raises_fault(faults.RECORD_DAMAGED, error=SurveyError):

@@ -10,9 +10,10 @@ from cut_off_surveys import SURVEY_ID, reopened_survey
 from fake_robot import Bench, reports
 from survey_examples import AXES, PARAMETERS
 
-from gpr20_common.message import Fault, Message
+from gpr20_common.message import Message
 from gpr20_main_control import faults
 from gpr20_main_control.errors import DeviceError
+from gpr20_main_control.mid.devices.robot import AnalyzerCalibration
 from gpr20_main_control.mid.survey.survey_plan import plan_survey
 from gpr20_survey.plan.robot_config import RobotConfig
 from gpr20_survey.plan.survey_settings import SurveySettings
@@ -30,53 +31,19 @@ def with_own_settings(settings):
     return replace(settings, analyzer=replace(OWN, **asked))
 
 
-def test_a_sweep_that_fails_pauses_the_survey_and_nothing_wrong_is_stored(bench):
-    bench.analyzer.accept = with_own_settings
-    bench.analyzer.failures = 1
-    bench.start()
-    bench.wait_for(State.PAUSED)
-    assert bench.storage.samples == []
-    # The driver alone repeats; the analyzer is released only after the end.
-    assert bench.analyzer.failures == 0 and len(bench.analyzer.connections) == 1
-    assert bench.analyzer.releases == 0
-    bench.resume_to_the_end()
-    assert len(bench.analyzer.connections) == 2
-    # What was left to the analyzer stays the same to the end of the survey.
-    assert [one.analyzer for one in bench.analyzer.requested] == [AnalyzerSettings(), OWN]
-
-
-def test_an_uncalibrated_instrument_is_refused_before_anything_moves(bench):
-    bench.analyzer.calibration_refusal = NOT_CALIBRATED
-    bench.start()
-    assert NOT_CALIBRATED in str(bench.wait_for(State.FAILED).message)
-    assert [axis.homings for axis in bench.axes] == [0, 0, 0]
-    assert bench.storage.records == []
-
-
 def test_the_calibration_is_recorded_as_it_is_after_the_setup(bench):
+    details = {"parameters": ["S21"], "type": "TRFP"}
+
     def accept(settings):
-        bench.analyzer.calibration_status = CalibrationStatus.MODERATE_POWER
+        after = AnalyzerCalibration(CalibrationStatus.MODERATE_POWER, details)
+        bench.analyzer.calibration = lambda: after
         return settings
 
     bench.analyzer.accept = accept
-    bench.analyzer.calibration_details = {"parameters": ["S21"], "type": "TRFP"}
     bench.start()
     bench.complete()
     instrument = json.loads(bench.storage.records[0].metadata_json)["instrument"]
-    assert instrument["calibration_status"] == 2
-    assert instrument["calibration_details"] == bench.analyzer.calibration_details
-
-
-def test_a_failed_height_pauses_the_survey_with_the_fault_of_the_sensor(bench):
-    sensor_off = Fault("height.test_sensor_off", Message("Switch the sensor on."))
-
-    def fail():
-        raise DeviceError(Message("no light comes back"), fault=sensor_off)
-
-    bench.analyzer.on_sweep = lambda: setattr(bench.height, "height_m", fail)
-    bench.start()
-    message = bench.wait_for(State.PAUSED).message
-    assert message.cause == sensor_off and faults.HEIGHT_NOT_MEASURED in message.faults
+    assert (instrument["calibration_status"], instrument["calibration_details"]) == (2, details)
 
 
 def test_a_failed_height_is_stored_as_none_with_its_reason_where_that_is_the_policy():

@@ -8,7 +8,8 @@ from fake_robot import Bench, ManualClock, reports
 from gpr20_common.message import Fault, Message, Severity
 from gpr20_main_control import faults
 from gpr20_main_control.errors import DeviceError
-from gpr20_main_control.mid.devices.robot import MoveOutcome
+from gpr20_main_control.mid.devices.robot import AxisReading, MoveOutcome
+from gpr20_survey.axes.zero_epoch import UNKNOWN_ZERO
 from gpr20_survey.plan.survey_state import SurveyState as State
 
 STOPPED_BY_OTHERS = Message("stopped").with_fault(
@@ -16,20 +17,16 @@ STOPPED_BY_OTHERS = Message("stopped").with_fault(
 )
 
 
-def test_each_axis_gets_its_own_targets_and_no_move_of_zero_length(bench):
-    bench.start()
-    bench.complete()
-    assert set(bench.x.moves) == {10.0, 20.0, 30.0}
-    assert set(bench.y.moves) == {5.0, 15.0, 25.0, 35.0}
-    assert set(bench.z.moves) == {0.0, 90.0}
-    for axis in bench.axes:
-        assert all(a != b for a, b in zip([0.0, *axis.moves], axis.moves))
+def answers_first(axis, reading):
+    usual, readings = axis.reading, [reading] * 3
+    axis.reading = lambda: readings.pop() if readings else usual()
 
 
 def test_what_an_axis_said_before_its_node_was_restarted_does_not_count(bench):
-    bench.x.readings_from_before = 4
+    answers_first(bench.x, AxisReading(0.0, True, False, 1.0, UNKNOWN_ZERO))
     # An axis whose node is still starting is waited for; one that is homed is not homed again.
-    bench.z.silent_readings, bench.y.homed = 3, True
+    answers_first(bench.z, AxisReading(0.0, False, False, 100.0, UNKNOWN_ZERO))
+    bench.y.homed = True
     bench.start()
     bench.complete()
     assert [axis.homings for axis in bench.axes] == [1, 0, 1]
@@ -39,12 +36,12 @@ def is_refused(axis):
     axis.fail_move = "the endstop was pressed"
 
 
-def stays(axis):
-    axis.stay = True
+def rests_at(coordinate):
+    def set_up(axis):
+        axis.outcome = MoveOutcome(True, Message(""))
+        axis.begin_move = lambda _target: setattr(axis, "coordinate", coordinate)
 
-
-def rests_a_step_beside(axis):
-    axis.offset = 0.01
+    return set_up
 
 
 def never_ends(axis):
@@ -58,15 +55,15 @@ def falls_silent(axis):
 
 def is_stopped_by_another_client(axis):
     outcome = MoveOutcome(False, STOPPED_BY_OTHERS)
-    axis.begin_move = lambda _target: setattr(axis, "_outcome", outcome)
+    axis.begin_move = lambda _target: setattr(axis, "outcome", outcome)
 
 
 @pytest.mark.parametrize(
     "move, fault, shown, may_move",
     [
         (is_refused, faults.MOVE_FAILED, ("x", 10.0), False),
-        (stays, faults.AXIS_OFF_TARGET, ("x", 0.0, 10.0), False),
-        (rests_a_step_beside, faults.AXIS_OFF_TARGET, ("x", 10.01, 10.0), False),
+        (rests_at(0.0), faults.AXIS_OFF_TARGET, ("x", 0.0, 10.0), False),
+        (rests_at(10.01), faults.AXIS_OFF_TARGET, ("x", 10.01, 10.0), False),
         (never_ends, faults.MOVE_TOO_LONG, ("x", 10.0), True),
         (falls_silent, faults.AXIS_SILENT, ("x",), True),
         (is_stopped_by_another_client, faults.MOVE_FAILED, ("x", 10.0), False),
@@ -84,19 +81,9 @@ def test_a_move_that_does_not_arrive_pauses_the_survey_and_nothing_is_measured(
 
 
 def test_a_lost_result_is_settled_by_the_axis_own_coordinate(bench):
-    bench.x.lose_result = True
+    bench.x.move_outcome = lambda _wait_s: None
     bench.start()
     bench.complete()
-
-
-def test_a_silent_axis_pauses_the_survey_and_it_goes_on_when_it_speaks_again(bench):
-    bench.analyzer.on_sweep = lambda: setattr(bench.z, "silent", bench.analyzer.sweeps == 5)
-    bench.start()
-    status = bench.wait_for(State.PAUSED)
-    assert reports(status.message, faults.NODE_LOST, "z")
-    bench.analyzer.on_sweep = lambda: None
-    bench.z.silent = False
-    bench.resume_to_the_end()
 
 
 def fail_homing(message):
@@ -113,20 +100,6 @@ def test_every_axis_is_homed_even_if_one_fails_and_the_failure_pauses_the_survey
     message = bench.wait_for(State.PAUSED).message
     assert faults.HOMING_FAILED in message.faults and reason in message.nested()
     assert [axis.homings for axis in bench.axes] == [0, 1, 1]
-
-
-def test_an_axis_that_lost_its_zero_is_homed_before_the_survey_goes_on(bench):
-    bench.at_sweep(5, lambda: setattr(bench.x, "homed", False))
-    bench.start()
-    status = bench.wait_for(State.PAUSED)
-    assert reports(status.message, faults.AXIS_NOT_HOMED, "x")
-    assert len(bench.storage.samples) <= 5
-    bench.resume_to_the_end()
-    assert bench.x.homings == 2
-    # The last complete stop was measured twice; the repeats are not among the traces.
-    report = bench.storage.reports[-1]
-    assert [control["index"] for control in report["controls"]] == [2, 3]
-    assert report["coverage"].count("r") == 2
 
 
 def test_a_trace_is_not_stored_if_the_axes_moved_during_its_sweep(bench):

@@ -71,17 +71,6 @@ def test_the_next_move_does_not_wait_for_the_confirmation(bench, confirmations):
     bench.complete()
 
 
-def test_the_survey_ends_only_when_its_last_sweep_is_confirmed(bench, confirmations):
-    confirmations.hold(24)
-    bench.start()
-    assert confirmations.begun[24].wait(LIMIT_S)
-    bench.wait_for_visited(23)
-    assert bench.board.status.state is State.SURVEYING
-    assert len(bench.storage.samples) == 23
-    confirmations.release()
-    bench.complete()
-
-
 def test_the_trace_has_the_remarks_of_the_sweep_and_of_its_confirmation(bench, confirmations):
     confirmations.remarks[3] = ("the level is low",)
     bench.analyzer.temperature_c = 40.75
@@ -157,7 +146,7 @@ def test_what_ends_a_survey_stores_its_last_sweep_exactly_if_it_is_confirmed(
         # It does not wait for ever for a confirmation.
         bench.control.stop()
         bench.wait_for(State.STOPPED)
-    assert bench.storage.closed[-1][1] == ("interrupted" if ctrl_c else "stopped")
+    assert bench.storage.ends[-1].outcome == ("interrupted" if ctrl_c else "stopped")
     stored = numbers(bench)
     assert stored == list(range(1, len(stored) + 1)) and (len(stored) >= 3) is confirmed
     if not confirmed and not ctrl_c:

@@ -165,12 +165,6 @@ def test_a_survey_from_the_disk_compares_with_the_first_stop_that_is_stored(visi
     assert gain_db == pytest.approx(20.0 * math.log10(1.05), abs=0.001)
 
 
-def test_the_estimate_contains_the_visit_at_the_end():
-    at_points_s = sum(PLAN.pending_durations_s[: PLAN.total_points])
-    assert sum(PLAN.pending_durations_s) == pytest.approx(PLAN.duration_s)
-    assert PLAN.duration_s > at_points_s
-
-
 def test_what_is_stored_of_the_drift_is_bounded():
     points = 1000
     trace = stored_trace(

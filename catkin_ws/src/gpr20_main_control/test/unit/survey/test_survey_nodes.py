@@ -117,22 +117,6 @@ def test_a_paused_survey_and_a_control_at_rest_say_so_and_stay_as_they_are(bench
     bench.resume_to_the_end()
 
 
-def test_a_survey_that_was_told_to_pause_pauses_when_a_node_is_lost(bench):
-    hang = threading.Event()
-
-    def pause_and_die():
-        bench.control.pause()
-        bench.nodes.note_silent(VNA)
-        hang.wait(LIMIT_S)
-
-    bench.at_sweep(2, pause_and_die)
-    bench.start()
-    assert reports(bench.wait_for(State.PAUSED).message, faults.NODE_LOST, NODES[VNA])
-    hang.set()
-    come_back(bench, VNA)
-    bench.resume_to_the_end()
-
-
 def die_after(bench, call):
     """Let the storage die after it has carried out a call, once, and wait for it."""
     usual = getattr(bench.storage, call)
@@ -195,7 +179,7 @@ def test_an_axis_that_stopped_because_the_link_was_silent_goes_on_by_itself(benc
         if len(bench.y.moves) == 2:
             bench.y.coordinate = target - 1.0
             silent = Message("no contact")
-            bench.y._outcome = MoveOutcome(False, silent, contact_lost=True)
+            bench.y.outcome = MoveOutcome(False, silent, contact_lost=True)
 
     bench.y.begin_move = begin_move
     bench.start()

@@ -1,28 +1,12 @@
 """Interrupted surveys continue with exactly the points that are missing."""
 
 import pytest
-from cut_off_surveys import SURVEY_ID, recorded_axes, reopened_survey
+from cut_off_surveys import recorded_axes, reopened_survey
 from fault_kit import raises_fault
 
 from gpr20_main_control import faults
-from gpr20_main_control.errors import DeviceError, RequestRefusedError, SurveyError
+from gpr20_main_control.errors import RequestRefusedError, SurveyError
 from gpr20_survey.plan.survey_state import SurveyState as State
-
-
-@pytest.mark.parametrize("stored", [[], [0, 2, 5, 23]])
-def test_a_survey_that_was_cut_off_goes_on_with_exactly_what_is_missing(bench, stored):
-    bench.storage.reopened = reopened_survey(stored)
-    bench.x.homed = bench.y.homed = bench.z.homed = True
-    message = bench.control.resume("20260101T000000_5ec1a5d2")
-    assert f"{24 - len(stored)} of 24 traces remain" in str(message)
-    status = bench.wait_for(State.FINISHED)
-    assert status.survey_id == SURVEY_ID
-    missing = [index for index in range(24) if index not in stored]
-    assert [sample.index for sample in bench.storage.samples] == missing
-    assert [axis.homings for axis in bench.axes] == [1, 1, 1]
-    controls = bench.storage.reports[-1]["controls"]
-    assert [control["index"] for control in controls] == ([max(stored)] if stored else [])
-    assert bench.storage.records == []
 
 
 def test_a_survey_of_a_version_that_knew_fewer_parameters_of_an_axis_is_resumed(bench):
@@ -50,14 +34,8 @@ def test_a_survey_that_this_robot_cannot_go_on_with_is_refused_and_closed(bench,
     with raises_fault(fault, "/data/survey", error=RequestRefusedError):
         bench.control.resume("survey")
     assert bench.board.status.state is State.IDLE
-    assert bench.storage.closed[-1][1] == "failed"
+    assert bench.storage.ends[-1].outcome == "failed"
     assert bench.storage.ends[-1].status.state is State.FAILED
-
-
-def test_a_survey_that_is_not_there_is_refused(bench):
-    with pytest.raises(DeviceError, match="there is no survey nowhere"):
-        bench.control.resume("nowhere")
-    assert bench.board.status.state is State.IDLE
 
 
 @pytest.mark.parametrize(
@@ -69,4 +47,4 @@ def test_a_survey_that_holds_more_than_its_plan_is_refused_and_closed(bench, sto
     with raises_fault(faults.RECORD_DAMAGED, error=SurveyError):
         bench.control.resume("survey")
     assert bench.board.status.state is State.IDLE
-    assert bench.storage.closed[-1][1] == "failed"
+    assert bench.storage.ends[-1].outcome == "failed"

@@ -123,21 +123,6 @@ def test_a_survey_from_the_disk_compares_its_last_stop_first_and_then_measures_w
         assert indices(steps, kind) == missing
 
 
-def test_an_interrupted_survey_continues_where_it_was_and_measures_nothing_twice():
-    progress = SurveyProgress(PLAN)
-    progress.note_homed(compare=True)
-    measured = []
-    for step in run(PLAN, progress):
-        if len(measured) == 7:
-            break
-        if isinstance(step, Confirm):
-            measured.append(step.point.index)
-    progress.note_homed(compare=False)
-    rest = steps_of(PLAN, progress)
-    assert rest[:4] == [Check(), Open(), Home(every_axis=False), Checkpoint()]
-    assert measured + indices(rest, Confirm) == list(range(TOTAL))
-
-
 @pytest.mark.parametrize("homed", [False, True])
 def test_a_known_point_is_compared_only_if_the_zeros_are_other_ones(homed):
     progress = SurveyProgress(PLAN)

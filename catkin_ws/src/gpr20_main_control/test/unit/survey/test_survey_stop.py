@@ -13,23 +13,6 @@ from gpr20_main_control.errors import RequestRefusedError
 from gpr20_survey.plan.survey_state import SurveyState as State
 
 
-def test_a_stop_during_a_move_ends_as_stopped_with_what_was_measured(bench):
-    bench.at_sweep(2, lambda: [axis.blocked.clear() for axis in bench.axes])
-    bench.start()
-    bench.wait_for_visited(2)
-    bench.control.stop()
-    for axis in bench.axes:
-        assert axis.stops > 0
-        axis.blocked.set()
-    final = bench.wait_for(State.STOPPED)
-    assert bench.states[-2:] == ["STOPPING", "STOPPED"]
-    assert faults.STOPPED_ON_REQUEST in final.message.faults
-    assert final.target is None
-    assert len(bench.storage.samples) < 24
-    assert bench.storage.closed[-1][1] == "stopped"
-    assert bench.storage.ends[-1].status == final
-
-
 def test_a_fault_in_the_survey_itself_stops_the_axes_and_is_told(bench, monkeypatch, fault_log):
     ended = []
     monkeypatch.setattr(threading, "excepthook", ended.append)
@@ -42,7 +25,7 @@ def test_a_fault_in_the_survey_itself_stops_the_axes_and_is_told(bench, monkeypa
     final = bench.wait_for(State.FAILED)
     assert "a fault of ours" in str(final.message)
     assert all(axis.stops > 0 for axis in bench.axes)
-    assert bench.storage.closed[-1][1] == "failed"
+    assert bench.storage.ends[-1].outcome == "failed"
     assert bench.storage.ends[-1].status == final
     # The thread ends as after any other survey: its node goes on.
     bench.control.shut_down(LIMIT_S)
@@ -58,7 +41,7 @@ def test_shutting_down_stops_the_axes_and_leaves_the_survey_interrupted(bench):
     bench.control.shut_down(LIMIT_S)
     assert all(axis.stops > 0 for axis in bench.axes)
     assert bench.board.status.state is State.STOPPED
-    assert [outcome for _survey, outcome, _reason in bench.storage.closed] == ["interrupted"]
+    assert [one.outcome for one in bench.storage.ends] == ["interrupted"]
     assert bench.board.status.message.fault_code == faults.ROBOT_SHUT_DOWN.code
 
 
@@ -71,7 +54,7 @@ def test_shutting_down_while_a_survey_is_closed_says_finished(bench):
     threading.Timer(0.05, may_close.set).start()
     bench.control.shut_down(LIMIT_S)
     assert bench.board.status.state is State.FINISHED
-    assert {outcome for _survey, outcome, _reason in bench.storage.closed} == {"finished"}
+    assert {one.outcome for one in bench.storage.ends} == {"finished"}
 
 
 def test_shutting_down_does_not_wait_for_a_storage_that_is_gone(bench):
@@ -144,17 +127,6 @@ def test_a_stop_does_not_wait_for_a_storage_that_hangs_and_does_not_come_back(be
     assert faults.NOT_FINISHED in status.message.faults
     assert any(NODES["vna_processing"] in one.values.values() for one in status.message.nested())
     hang.set()
-
-
-def test_a_survey_can_follow_one_that_was_stopped(bench):
-    bench.y.fail_move = "the endstop was pressed"
-    bench.start()
-    bench.wait_for(State.PAUSED)
-    bench.control.stop()
-    bench.wait_for(State.STOPPED)
-    bench.y.fail_move = ""
-    bench.control.start()
-    bench.complete()
 
 
 def test_a_stop_after_the_parameters_were_set_keeps_the_survey_from_starting(bench):

@@ -17,7 +17,6 @@ from gpr20_main_control.mid.survey import sampling, survey_ending
 from gpr20_main_control.mid.survey.storage_queue import StorageQueue
 from gpr20_survey.folder.soil_note import PLANNED
 from gpr20_survey.plan.annotation import EMPTY, Annotation, Wgs84Position, annotation_of
-from gpr20_survey.plan.coverage import SampleState
 from gpr20_survey.plan.refines import refines_of
 from gpr20_survey.plan.survey_state import SurveyState as State
 
@@ -69,14 +68,6 @@ def test_a_survey_refines_none_that_is_not_an_id(bench, wrong):
         bench.control.start(refines=wrong)
 
 
-def test_a_full_disk_at_the_start_is_refused_before_anything_moves(bench):
-    bench.storage.fail_open = "0 bytes are free"
-    bench.start()
-    final = bench.wait_for(State.FAILED)
-    assert "0 bytes are free" in str(final.message)
-    assert [axis.homings for axis in bench.axes] == [0, 0, 0]
-
-
 def break_down(*_arguments):
     raise ValueError("a fault of ours")
 
@@ -113,32 +104,8 @@ def test_a_folder_that_holds_too_few_traces_is_never_called_finished(bench):
     final = bench.wait_for(State.FAILED, State.FINISHED)
     assert final.state is State.FAILED
     assert reports(final.message, faults.INCOMPLETE, 23, 24)
-    assert bench.storage.closed[-1][1] == "failed"
+    assert bench.storage.ends[-1].outcome == "failed"
     assert bench.storage.ends[-1].status == final
-
-
-def test_the_coverage_says_of_every_sample_what_became_of_it(bench):
-    bench.at_sweep(4, lambda: setattr(bench.analyzer, "failures", 1))
-    bench.start()
-    bench.wait_for(State.PAUSED)
-    bench.wait_for_visited(4)
-    bench.control.stop()
-    bench.wait_for(State.STOPPED)
-    report = bench.storage.reports[-1]
-    assert report["coverage"] == "mmmmf" + 19 * "-"
-    (failed,) = report["failed"]
-    assert (failed["index"], failed["reason"]) == (4, "the VNA did not answer")
-    assert bench.coverages[-1][0].count(SampleState.MEASURED) == 4
-
-
-def test_a_finished_survey_is_complete_and_only_then_that_word_appears(bench):
-    bench.start()
-    status = bench.wait_for(State.FINISHED)
-    assert "complete: " in str(status.message)
-    assert bench.storage.reports[-1]["coverage"] == 24 * "m"
-    early = [verdict for _states, verdict in bench.coverages[:-1]]
-    assert early and not any(verdict.complete for verdict in early)
-    assert all("complete:" not in str(verdict.message) for verdict in early)
 
 
 def test_a_trace_that_is_refused_pauses_the_survey(bench, monkeypatch):

@@ -7,31 +7,15 @@ import threading
 from dataclasses import replace
 
 import pytest
-from cut_off_surveys import reopened_survey
 from fake_robot import LIMIT_S
-from fault_kit import raises_fault
 from run_seed import draws
 from survey_examples import PARAMETERS
 
-from gpr20_main_control import faults
 from gpr20_main_control.errors import RequestRefusedError
 from gpr20_survey.plan.survey_parameters import SurveyParametersError
-from gpr20_survey.plan.survey_state import SurveyState as State
 
 OTHER = replace(PARAMETERS, y_points=3)
 ROUNDS = draws(5)
-
-
-def test_a_start_for_another_plan_than_the_one_set_is_refused_and_names_both(bench):
-    own = bench.control.set_parameters(PARAMETERS, "/window").parameters.plan_id
-    other = bench.control.set_parameters(OTHER, "/run_survey").parameters.plan_id
-    with raises_fault(faults.OTHER_PLAN, own, other, "/run_survey", error=RequestRefusedError):
-        bench.control.start(plan_id=own)
-    assert not bench.storage.records
-    assert not any(axis.moves or axis.homings for axis in bench.axes)
-    bench.control.set_parameters(PARAMETERS, "/window")
-    bench.control.start(plan_id=own)
-    bench.complete()
 
 
 def test_status_and_description_say_whose_plan_it_is(bench):
@@ -48,15 +32,6 @@ def test_status_and_description_say_whose_plan_it_is(bench):
     bench.complete()
     ended = bench.board.status
     assert (ended.plan_id, ended.plan_set_by) == (plan.parameters.plan_id, "/window")
-
-
-def test_a_resumed_survey_says_who_set_its_plan(bench):
-    bench.storage.reopened = reopened_survey([0, 1], plan_set_by="/window")
-    bench.control.set_parameters(OTHER, "/other")
-    bench.control.resume("survey")
-    bench.wait_for(State.FINISHED)
-    ended = bench.board.status
-    assert (ended.plan_id, ended.plan_set_by) == (PARAMETERS.plan_id, "/window")
 
 
 def test_of_two_clients_none_measures_the_plan_of_the_other(bench):
