@@ -14,7 +14,6 @@ from diagnostic_msgs.msg import DiagnosticArray
 from sensor_msgs.msg import Range
 
 from gpr20_axis_driver import faults
-from gpr20_axis_driver.high.goals import LISTED_GOALS
 from gpr20_common.sent_message import message_from
 from gpr20_height_sensor.faults import SENSOR_OFF
 from gpr20_msgs.msg import AxisActionGoal, AxisActionResult
@@ -187,15 +186,6 @@ class AxisTest(unittest.TestCase):
         # The cable is plugged in again: the same connection carries the client's next goal.
         client.communicate(b"\n", timeout=LIMIT_S)
         self.assertEqual((client.returncode, self.x.steps), (0, 100))
-
-    def test_goals_that_ended_do_not_fill_the_status(self):
-        self.x.move(1.0)
-        self.statuses.clear()
-        for tenth in range(3 * LISTED_GOALS):
-            self.assertEqual(self.x.move(1.1 + 0.1 * tenth)[0], GoalStatus.SUCCEEDED)
-        wait_until(lambda: self.statuses)
-        # Those that are kept, and the one under way.
-        self.assertLessEqual(max(len(one.status_list) for one in self.statuses), LISTED_GOALS + 2)
 
     def test_the_height_is_that_of_the_scene_and_a_stuck_converter_is_told(self):
         rospy.wait_for_service("get_height", LIMIT_S)

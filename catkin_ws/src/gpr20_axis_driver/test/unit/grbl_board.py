@@ -14,7 +14,6 @@ from typing import Optional
 STEP_MM = 0.01
 PULL_OFF_MM = 1.0
 HOMING_MM_S = 60.0
-ACCELERATION_MM_S2 = 400.0
 MOST_HOMING_MM = 40.0
 TICK_S = 0.002
 GREETING = b"Grbl 1.1h ['$' for help]\r\n"
@@ -37,7 +36,6 @@ class GrblBoard:
         self._plugged, self._open = True, True
         self._place_mm = 5.0  # of the carriage, from the zero that homing finds
         self._offset_mm = -12.34  # of the board's own coordinates
-        self._speed_mm_s = 0.0
         self._feed_mm_s = 0.0
         self._target_mm: Optional[float] = None
         self._homing = ""
@@ -118,12 +116,10 @@ class GrblBoard:
             if self._homing:
                 self._send(b"ALARM:6\r\n")
             self._alarm = bool(self._homing) or self._alarm
-            self._homing, self._target_mm, self._speed_mm_s = "", None, 0.0
+            self._homing, self._target_mm = "", None
             self._send(GREETING)
         elif byte in (b"\x85", b"!") and self._target_mm is not None:
-            brake_mm = self._speed_mm_s**2 / (2.0 * ACCELERATION_MM_S2)
-            forward = math.copysign(1.0, self._target_mm - self._place_mm)
-            self._target_mm = round((self._place_mm + forward * brake_mm) / STEP_MM) * STEP_MM
+            self._target_mm = round(self._place_mm / STEP_MM) * STEP_MM
         elif byte == b"?" and not self._homing:
             state = "Alarm" if self._alarm else "Idle" if self._target_mm is None else "Jog"
             pins = "|Pn:X" if self._pressed else ""
@@ -179,10 +175,7 @@ class GrblBoard:
 
     def _jog(self, target_mm: float, time_s: float) -> None:
         rest_mm = abs(target_mm - self._place_mm)
-        brake_mm_s = math.sqrt(2.0 * ACCELERATION_MM_S2 * rest_mm)
-        faster_mm_s = self._speed_mm_s + ACCELERATION_MM_S2 * time_s
-        self._speed_mm_s = min(self._feed_mm_s, brake_mm_s, faster_mm_s)
-        change_mm = min(rest_mm, max(STEP_MM, self._speed_mm_s * time_s))
+        change_mm = min(rest_mm, self._feed_mm_s * time_s)
         self._place_mm += math.copysign(change_mm, target_mm - self._place_mm)
         if change_mm == rest_mm:
-            self._place_mm, self._target_mm, self._speed_mm_s = target_mm, None, 0.0
+            self._place_mm, self._target_mm = target_mm, None

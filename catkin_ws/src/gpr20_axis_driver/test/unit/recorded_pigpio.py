@@ -8,11 +8,6 @@ from __future__ import annotations
 
 from typing import Any, Dict, List, NamedTuple, Optional, Tuple
 
-INPUT, OUTPUT = 0, 1
-PUD_OFF, PUD_DOWN, PUD_UP = 0, 1, 2
-WAVE_MODE_ONE_SHOT_SYNC = 2
-NO_TX_WAVE = 9999
-
 
 class Error(Exception):
     """What the library raises for every negative answer of the daemon."""
@@ -35,9 +30,9 @@ class Sending(NamedTuple):
 class RecordedPigpio:
     """The module; `pi()` connects to the one daemon behind it."""
 
-    INPUT, OUTPUT = INPUT, OUTPUT
-    PUD_OFF, PUD_DOWN, PUD_UP = PUD_OFF, PUD_DOWN, PUD_UP
-    WAVE_MODE_ONE_SHOT_SYNC, NO_TX_WAVE = WAVE_MODE_ONE_SHOT_SYNC, NO_TX_WAVE
+    INPUT, OUTPUT = 0, 1
+    PUD_OFF, PUD_DOWN, PUD_UP = 0, 1, 2
+    WAVE_MODE_ONE_SHOT_SYNC, NO_TX_WAVE = 2, 9999
     error = Error
     pulse = Pulse
 
@@ -104,7 +99,7 @@ class RecordedPi:
 
     def write(self, gpio, level):
         assert level in (0, 1)
-        if self._daemon.modes.get(gpio) != OUTPUT:
+        if self._daemon.modes.get(gpio) != self._daemon.OUTPUT:
             raise Error("bad mode")
         self._daemon.levels[gpio] = level
         self._daemon.written_s[gpio] = self._daemon.clock.now_s()
@@ -119,9 +114,7 @@ class RecordedPi:
         return self._answer(0)
 
     def wave_add_generic(self, pulses):
-        for one in pulses:
-            assert isinstance(one.delay, int)
-            assert one.delay > 0
+        assert all(isinstance(one.delay, int) and one.delay > 0 for one in pulses)
         self._daemon.added += pulses
         return self._answer(len(self._daemon.added))
 
@@ -135,8 +128,8 @@ class RecordedPi:
         return self._answer(wave)
 
     def wave_send_using_mode(self, wave_id, mode):
-        assert mode == WAVE_MODE_ONE_SHOT_SYNC
         daemon = self._daemon
+        assert mode == daemon.WAVE_MODE_ONE_SHOT_SYNC
         if daemon.lost_after is not None and len(daemon.sendings) >= daemon.lost_after:
             return self._answer(10)
         begin_s = daemon.clock.now_s()
@@ -156,7 +149,7 @@ class RecordedPi:
                 return self._answer(sending.wave)
             if sending.end_s <= now_s:
                 break
-        return self._answer(NO_TX_WAVE)
+        return self._answer(self._daemon.NO_TX_WAVE)
 
     def wave_delete(self, wave_id):
         if wave_id not in self._daemon.waves:

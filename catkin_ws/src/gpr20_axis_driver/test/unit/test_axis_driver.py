@@ -41,11 +41,6 @@ def test_a_target_outside_the_axis_is_refused_and_moves_nothing(axis, target):
     assert axis.machine.pulses == []
 
 
-def test_a_move_to_where_the_axis_stands_makes_no_pulse(axis):
-    axis.driver.move_to_coordinate(0.0, never)
-    assert axis.machine.pulses == []
-
-
 @each_case("target, fastest_s", [(0.20, 0.0050 - 9 * 0.0001), (10.0, 0.0015)])
 def test_a_move_speeds_up_by_its_ramp_and_a_short_one_is_a_triangle(target, fastest_s):
     axis = Axis(X_PARAMETERS)
@@ -81,11 +76,6 @@ def test_a_stop_at_any_step_never_loses_the_count():
         with contextlib.suppress(MotionStopped):
             axis.driver.move_to_coordinate(target, stop)
         assert round(axis.driver.current_coord * 100) == axis.machine.steps
-
-
-def test_a_stop_while_already_slowing_down_ends_at_the_target(axis):
-    axis.driver.move_to_coordinate(1.0, stop_after(90, axis.machine))
-    assert axis.machine.steps == 100
 
 
 @pytest.mark.parametrize("target, pressed", [(0.0, "14.99 mm"), (40.0, "25.01 mm")])
@@ -125,13 +115,3 @@ def test_a_second_motion_is_refused_while_one_is_under_way_and_works_after_a_fai
     assert not axis.driver.moving
     axis.driver.move_to_coordinate(5.0, never)
     assert axis.machine.steps == 500
-
-
-def test_closing_in_the_middle_of_a_pulse_leaves_the_pins_low_and_released(axis):
-    axis.driver.move_to_coordinate(1.0, never)
-    axis.machine.levels[15] = axis.machine.HIGH
-    axis.driver.close(timeout_s=1.0)
-    assert axis.machine.levels[15] == axis.machine.levels[13] == axis.machine.LOW
-    assert axis.machine.directions == {}
-    with pytest.raises(AxisBusyError):
-        axis.driver.move_to_coordinate(2.0, never)

@@ -14,16 +14,6 @@ from gpr20_axis_driver.mid.axis_lease import AxisLease
 LIMIT_S = 2.0
 
 
-class SetClock:
-    """A time that tests set [s]."""
-
-    def __init__(self):
-        self.time_s = 100.0
-
-    def __call__(self):
-        return self.time_s
-
-
 NAMES = st.sampled_from(["/main_control", "/rostopic_7", "/play_9"])
 
 
@@ -32,8 +22,8 @@ class LeaseMachine(RuleBasedStateMachine):
 
     def __init__(self):
         super().__init__()
-        self.clock = SetClock()
-        self.lease = AxisLease(LIMIT_S, self.clock)
+        self.time_s = 100.0
+        self.lease = AxisLease(LIMIT_S, lambda: self.time_s)
         self.holder, self.number, self.until_s = "", 0, 0.0
         self.uses = []  # names, exits and numbers of the motions under way
         self.numbers = [0]
@@ -42,11 +32,11 @@ class LeaseMachine(RuleBasedStateMachine):
     def owner(self):
         if self.uses:
             return self.uses[0][0]
-        return self.holder if self.clock.time_s <= self.until_s else ""
+        return self.holder if self.time_s <= self.until_s else ""
 
     @rule(passing_s=st.sampled_from([0.0, 0.5, 1.5, 2.5]))
     def time_passes(self, passing_s):
-        self.clock.time_s += passing_s
+        self.time_s += passing_s
 
     @rule(name=NAMES)
     def somebody_reserves(self, name):
@@ -54,7 +44,7 @@ class LeaseMachine(RuleBasedStateMachine):
             self.number = self.lease.reserve(name)
             assert self.number > max(self.numbers)
             self.numbers.append(self.number)
-            self.holder, self.until_s = name, self.clock.time_s + LIMIT_S
+            self.holder, self.until_s = name, self.time_s + LIMIT_S
         else:
             with pytest.raises(AxisOwnedError, match=self.owner):
                 self.lease.reserve(name)
@@ -62,9 +52,9 @@ class LeaseMachine(RuleBasedStateMachine):
     @rule(name=NAMES, data=st.data())
     def somebody_renews(self, name, data):
         number = data.draw(st.sampled_from(self.numbers))
-        if (name, number) == (self.holder, self.number) and self.clock.time_s <= self.until_s:
+        if (name, number) == (self.holder, self.number) and self.time_s <= self.until_s:
             self.lease.renew(name, number)
-            self.until_s = self.clock.time_s + LIMIT_S
+            self.until_s = self.time_s + LIMIT_S
         else:
             with pytest.raises(LeaseLapsedError):
                 self.lease.renew(name, number)
@@ -73,7 +63,7 @@ class LeaseMachine(RuleBasedStateMachine):
     def somebody_releases(self, name, data):
         number = data.draw(st.sampled_from(self.numbers))
         self.lease.release(name, number)
-        if (name, number) == (self.holder, self.number) and self.clock.time_s <= self.until_s:
+        if (name, number) == (self.holder, self.number) and self.time_s <= self.until_s:
             self.holder = ""
 
     @rule(name=NAMES)
@@ -83,7 +73,7 @@ class LeaseMachine(RuleBasedStateMachine):
             with pytest.raises(AxisOwnedError, match=self.owner), use:
                 raise AssertionError("refused")
             return
-        held = self.holder == name and self.clock.time_s <= self.until_s
+        held = self.holder == name and self.time_s <= self.until_s
         if self.holder == name and not held:
             with pytest.raises(LeaseLapsedError), use:
                 raise AssertionError("nobody would watch this motion")
@@ -99,7 +89,7 @@ class LeaseMachine(RuleBasedStateMachine):
     @invariant()
     def there_is_one_owner_and_motions_end_exactly_with_their_lease(self):
         assert self.lease.owner == self.owner
-        live = self.holder and self.clock.time_s <= self.until_s
+        live = self.holder and self.time_s <= self.until_s
         for name, _use, lapsed, number in self.uses:
             held = live and (name, number) == (self.holder, self.number)
             assert lapsed() == (number > 0 and not held)

@@ -4,7 +4,6 @@ from types import SimpleNamespace
 from typing import ClassVar
 
 import pytest
-from case_kit import each_case
 
 pytest.importorskip("rospy")
 pytest.importorskip("gpr20_msgs.msg")
@@ -14,7 +13,7 @@ from axis_machine import SHORT, Z_PARAMETERS, Axis
 
 from gpr20_axis_driver import faults
 from gpr20_axis_driver.high import axis_node, axis_programs
-from gpr20_axis_driver.high.goals import ENDED, LISTED_GOALS, STATUS_LIMIT_S, GoalServer
+from gpr20_axis_driver.high.goals import ENDED, LISTED_GOALS, GoalServer
 from gpr20_common.faults import INTERNAL
 from gpr20_common.high.diagnostics import ERROR, OK, WARN
 from gpr20_common.message import Severity
@@ -175,16 +174,6 @@ def test_homing_and_a_move_end_where_they_should_and_the_result_names_the_zero(h
     assert homed.health()[0] == OK
 
 
-@each_case("target", [-0.01, 20.5, float("nan"), float("inf")])
-def test_goals_outside_the_axis_are_aborted_and_move_nothing(homed, target):
-    steps = homed.axis.machine.steps
-    state, result = homed.move(target)
-    assert (state, fault_of(result)) == ("aborted", faults.OUTSIDE_TRAVEL.code)
-    values = message_from(result).values
-    assert (values["low"], values["high"]) == (0.0, 20.0)
-    assert homed.axis.machine.steps == steps
-
-
 def cancel(node):
     node.goals.preempted = True
 
@@ -296,23 +285,6 @@ def test_the_coordinate_is_published_faster_while_moving_and_soon_after(homed, m
     assert len(homed.coordinates) > 3 + axis_node.RESTING_TICKS
 
 
-def test_each_touch_of_the_endstop_is_published_at_least_once(homed):
-    touched = Publisher.published["endstop"]
-    homed.tick()
-    homed.tick()
-    assert [bool(one) for one in touched] == [True, False]
-
-
-def test_late_pulses_and_refused_scheduling_are_warnings(homed):
-    homed.in_motion(lambda: 0.01)
-    homed.move(FAR_MM)
-    level, message, values = homed.health()
-    assert (level, message.fault_code) == (WARN, faults.PULSES_SLOWED.code)
-    assert values["edges that slowed it down"] == 1
-    homed.axis.pulses.unpunctual = True
-    assert (homed.health()[0], homed.health()[1].fault_code) == (WARN, "")
-
-
 def test_when_the_node_ends_the_pins_are_low_and_nothing_moves_any_more(homed):
     for hook in homed.hooks:
         hook()
@@ -330,15 +302,6 @@ def test_goals_that_ended_do_not_fill_the_status():
     assert [one.status.status for one in listed] == [active, *ended[-LISTED_GOALS:]]
 
 
-def test_no_status_is_published_after_the_end_of_the_node():
-    ended = []
-    timer = SimpleNamespace(shutdown=lambda: ended.append("shutdown"), join=ended.append)
-    server = GoalServer.__new__(GoalServer)
-    for server.action_server in (SimpleNamespace(status_timer=one) for one in (None, timer)):
-        server.stop_status()
-    assert ended == ["shutdown", STATUS_LIMIT_S]
-
-
 def test_a_controller_that_is_configured_moves_the_axis_instead_of_the_pins(monkeypatch):
     opened = SimpleNamespace(name="Grbl 1.1h")
     monkeypatch.setattr(axis_programs, "open_controller", lambda _parameters: opened)
@@ -347,9 +310,3 @@ def test_a_controller_that_is_configured_moves_the_axis_instead_of_the_pins(monk
     parameters = SimpleNamespace(controller="grbl_axis:GrblController")
     built = axis_programs.build_robot_axis(AxisId.X, parameters)
     assert built == (AxisId.X, parameters, (parameters, opened), opened, Hardware("Grbl 1.1h"))
-
-
-@each_case("namespace, axis_id", [("/x_axis/", AxisId.X), ("/robot1/z_axis/", AxisId.Z)])
-def test_the_namespace_of_a_node_says_which_axis_it_is(monkeypatch, namespace, axis_id):
-    monkeypatch.setattr(rospy, "get_namespace", lambda: namespace)
-    assert axis_programs.own_axis() is axis_id

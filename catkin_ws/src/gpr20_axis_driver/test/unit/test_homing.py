@@ -11,12 +11,11 @@ from gpr20_axis_driver.mid.axis_driver import AxisDriver
 from gpr20_axis_driver.motion import never
 
 
-@each_case("start_steps", [500, 0, -99, -100, -150, 2000])
+@each_case("start_steps", [500, -99, -100, -150])
 def test_homing_finds_the_same_zero_from_everywhere(start_steps):
     axis = Axis(SHORT, start_steps)
     axis.driver.homing(never)
-    assert axis.driver.homing_done
-    assert axis.driver.current_coord == 0.0
+    assert (axis.driver.homing_done, axis.driver.current_coord) == (True, 0.0)
     assert axis.machine.steps == 0
 
 
@@ -38,11 +37,6 @@ def homing_steps_with_an_open_endstop(axis, *shown):
     return len(axis.machine.pulses) - before
 
 
-def test_an_endstop_stuck_open_is_an_error_after_the_length_of_the_axis():
-    axis = Axis(SHORT)
-    assert 2000 < homing_steps_with_an_open_endstop(axis) <= 2000 * 1.06 + 100
-
-
 def test_an_axis_that_knows_where_it_is_does_not_push_far_beyond_its_endstop():
     axis = Axis(X_PARAMETERS)
     axis.driver.homing(never)
@@ -58,16 +52,6 @@ def test_a_restarted_node_trusts_the_count_and_a_homing_that_failed_ends_that():
     axis.driver = AxisDriver(SHORT, axis.pulses)
     assert homing_steps_with_an_open_endstop(axis, "0 mm") == 1100
     assert homing_steps_with_an_open_endstop(axis) == 2200
-
-
-def test_a_carriage_that_was_moved_by_hand_is_homed_by_the_second_homing():
-    axis = Axis(SHORT)
-    axis.driver.homing(never)
-    axis.machine.steps = 1900
-    with raises_fault(faults.ENDSTOP_NOT_REACHED, error=EndstopError):
-        axis.driver.homing(never)
-    axis.driver.homing(never)
-    assert (axis.machine.steps, axis.driver.current_coord) == (0, 0.0)
 
 
 def test_a_homing_that_was_stopped_keeps_a_position_that_was_known():
@@ -87,14 +71,6 @@ def test_after_a_pressed_endstop_in_a_move_nothing_is_known():
     with raises_fault(faults.ENDSTOP_PRESSED, error=EndstopError):
         axis.driver.move_to_coordinate(5.0, never)
     assert homing_steps_with_an_open_endstop(axis) == 2200
-
-
-def test_an_endstop_stuck_closed_is_an_error():
-    axis = Axis(X_PARAMETERS)
-    axis.machine.stuck = True
-    with raises_fault(faults.ENDSTOP_STUCK, error=EndstopError):
-        axis.driver.homing(never)
-    assert not axis.driver.homing_done
 
 
 def test_a_motor_that_does_not_turn_is_not_taken_for_success():
@@ -123,14 +99,3 @@ def test_an_endstop_that_does_not_switch_at_the_same_place_again_is_an_error(sec
     with raises_fault(fault, error=EndstopError):
         axis.driver.homing(lambda: bool(second_touch(axis.machine)))
     assert not axis.driver.homing_done
-
-
-def test_homing_can_be_stopped_at_any_step():
-    axis = Axis(SHORT, start_steps=1900)
-    with raises_fault(faults.STOPPED, error=MotionStopped):
-        axis.driver.homing(lambda: len(axis.machine.pulses) >= 50)
-    assert len(axis.machine.pulses) == 50
-    assert not axis.driver.homing_done
-    # Its way is not a position.
-    axis.driver.homing(never)
-    assert axis.machine.steps == 0

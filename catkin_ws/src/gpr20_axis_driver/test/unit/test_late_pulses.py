@@ -102,13 +102,3 @@ def test_a_gap_at_the_lowest_speed_loses_nothing():
     move(axis, 300, at(2, 1.0))
     assert axis.machine.steps == 300
     assert axis.driver.homing_done
-
-
-def test_the_lateness_of_the_pulses_is_reported():
-    axis = homed_axis()
-    move(axis, 100, [0.0001, 0.0] * 60 + [0.0004])
-    lateness = axis.driver.last_motion.lateness
-    assert lateness.pulses == 100
-    assert lateness.median_s == pytest.approx(0.0001)
-    assert lateness.p99_s == pytest.approx(0.0001)
-    assert lateness.max_s == pytest.approx(0.0004)

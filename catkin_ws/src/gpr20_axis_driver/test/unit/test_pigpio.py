@@ -11,7 +11,7 @@ from direct_pulses import DirectPulses
 from fault_kit import raises_fault
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from recorded_pigpio import OUTPUT, PUD_DOWN, PUD_OFF, PUD_UP, RecordedPigpio
+from recorded_pigpio import RecordedPigpio
 from run_seed import SEED, draws
 
 from gpr20_axis_driver import faults
@@ -29,6 +29,7 @@ from gpr20_survey.axes.axis_parameters import BOARD_PINS
 from gpr20_survey.axes.ramp import Ramp
 
 DIR, STEP, SENSOR, ENABLE = 27, 22, 23, 24
+OUTPUT, UP, DOWN, OFF = 1, 2, 1, 0
 RAMP = Ramp(X_PARAMETERS.min_step, X_PARAMETERS.max_step, X_PARAMETERS.delta_step)
 STOP_S = 0.1
 
@@ -44,8 +45,6 @@ class Axis:
         self.lock = lock_wave_transmitter(folder / "lock")
         self.runner = WaveRunner(self.daemon, self.lock, parameters, self.clock, self.count)
         self.driver = AxisDriver(parameters, DirectPulses(self.runner, self.count))
-        # Level of the direction pin for increasing coordinates.
-        self.forward = 1
         # Where the last motion began: edges until then, and the motor's step.
         self._began = (0, 0)
         self._set_direction = self.runner._waves.set_direction
@@ -60,7 +59,7 @@ class Axis:
         """Where the motor is, by the edges on its pins."""
         edges, steps = self._began
         turned = self.daemon.count_rising_edges(STEP) - edges
-        return steps + turned * (1 if self.daemon.levels[DIR] == self.forward else -1)
+        return steps + turned * (1 if self.daemon.levels[DIR] else -1)
 
     def close(self):
         self.runner.close()
@@ -77,31 +76,16 @@ def axis(tmp_path):
     axis.lock.close()
 
 
-def test_every_pin_of_the_header_has_its_gpio():
-    assert set(GPIO_OF_BOARD) == BOARD_PINS
-    assert len(set(GPIO_OF_BOARD.values())) == len(GPIO_OF_BOARD)
-
-
 def opened(folder, **changes):
     return contextlib.closing(Axis(folder, dataclasses.replace(X_PARAMETERS, **changes)))
 
 
-@each_case("pull, resistor", [("up", PUD_UP), ("down", PUD_DOWN), ("none", PUD_OFF)])
+@each_case("pull, resistor", [("up", UP), ("down", DOWN), ("none", OFF)])
 def test_the_pins_are_set_up_low_and_the_endstop_is_pulled_as_configured(tmp_path, pull, resistor):
     with opened(tmp_path, endstop_pull=pull) as axis:
         assert axis.daemon.modes == {DIR: OUTPUT, STEP: OUTPUT, SENSOR: 0}
         assert axis.daemon.levels == {DIR: 0, STEP: 0}
         assert axis.daemon.pulls == {SENSOR: resistor}
-
-
-def test_an_axis_that_is_wired_the_other_way_round_finds_its_zero(tmp_path):
-    with opened(tmp_path, endstop_active="high", invert_direction=True) as axis:
-        axis.forward = 0
-        axis.daemon.inputs = lambda gpio: int(axis.steps <= -100)
-        axis.driver.homing(never)
-        assert axis.steps == 0
-        axis.driver.move_to_coordinate(1.0, never)
-        assert axis.steps == 100
 
 
 @each_case("active, level", [("low", 0), ("high", 1)])
@@ -211,3 +195,8 @@ def oversleep(axis, sleeps, delay_s):
     """Let one sleep of the runner be too long."""
     delays = iter([0.0] * sleeps + [delay_s])
     axis.clock.oversleep_s = lambda: next(delays, 0.0)
+
+
+def test_every_pin_of_the_header_has_its_gpio():
+    assert set(GPIO_OF_BOARD) == BOARD_PINS
+    assert len(set(GPIO_OF_BOARD.values())) == len(GPIO_OF_BOARD)

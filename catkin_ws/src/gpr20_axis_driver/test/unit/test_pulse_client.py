@@ -2,7 +2,6 @@
 
 import contextlib
 import doctest
-import importlib.util
 import os
 import queue
 import random
@@ -14,7 +13,6 @@ import time
 from pathlib import Path
 
 import pytest
-from axis_machine import X_PARAMETERS
 from fault_kit import raises_fault
 from run_seed import SEED, draws
 from simulated_axis import LIMIT_S, SimulatedAxis, exists, simulated_hardware, wait_until
@@ -29,8 +27,6 @@ from gpr20_axis_driver.axis_exceptions import (
 )
 from gpr20_axis_driver.low import pulse_process
 from gpr20_axis_driver.mid import pulse_client
-from gpr20_axis_driver.mid.pulse_client import PulseClient
-from gpr20_axis_driver.mid.robot_hardware import RobotHardware
 from gpr20_axis_driver.motion import never
 from gpr20_common.message import Message
 from gpr20_simulator.low.shared_state import EndstopFault, open_shared_state
@@ -146,18 +142,6 @@ def test_when_the_pulse_process_dies_in_a_move_the_pins_are_low_and_the_axis_is_
     assert axis.pulses.process_id != before
 
 
-def test_when_the_pulse_process_dies_at_rest_the_axis_says_so(make):
-    axis = make(AxisId.Z)
-    axis.driver.homing(never)
-    os.kill(axis.pulses.process_id, signal.SIGKILL)
-    wait_until(lambda: axis.driver.failure)
-    assert axis.driver.failure.fault_code == faults.PULSES_ENDED.code
-    assert "SIGKILL" in axis.driver.failure.details
-    assert not axis.driver.homing_done
-    axis.driver.homing(never)
-    assert axis.driver.homing_done and not axis.driver.failure
-
-
 def test_when_the_pins_of_a_dead_process_cannot_be_set_low_the_axis_may_move(make, monkeypatch):
     axis = make(AxisId.Z)
 
@@ -251,50 +235,6 @@ def test_closing_ends_even_a_process_that_hangs_and_leaves_the_pins_low(make, mo
     wait_until(lambda: not exists(process_id))
     assert axis.pins_low
     assert isinstance(move.error(), PulseProcessError)
-
-
-@pytest.mark.skipif(importlib.util.find_spec("RPi") is not None, reason="this is the robot")
-def test_a_missing_library_is_an_error_at_the_start_and_leaves_no_process():
-    with raises_fault(faults.NO_PIN_LIBRARY, error=PulseProcessError) as refusal:
-        PulseClient(RobotHardware(X_PARAMETERS))
-    # It comes from the other process with template and details.
-    assert "RPi" in refusal.value.message.details
-    assert "RPi" not in refusal.value.message.sentence()
-    children = Path(f"/proc/self/task/{threading.get_native_id()}/children").read_text().split()
-    assert not any("pulse_process" in command_of(child) for child in children)
-
-
-def command_of(process_id):
-    return Path(f"/proc/{process_id}/cmdline").read_text()
-
-
-@pytest.mark.parametrize("time_scale", [1.0, 10.0])
-def test_pulses_are_punctual_or_say_why_not_and_a_faster_robot_asks_for_no_real_time(
-    make, time_scale
-):
-    pulses = make(AxisId.Z, time_scale).pulses
-    if time_scale > 1.0:
-        assert not pulses.unpunctual and "ordinary scheduling" in str(pulses.scheduling)
-    else:
-        assert ("refused: " if pulses.unpunctual else "SCHED_FIFO") in str(pulses.scheduling)
-
-
-def test_a_user_without_rights_gets_ordinary_scheduling_and_the_reason():
-    program = (
-        "import os\n"
-        "from gpr20_axis_driver.low.scheduling import realtime_scheduling\n"
-        "import resource\n"
-        "resource.setrlimit(resource.RLIMIT_RTPRIO, (0, 0))\n"
-        "resource.setrlimit(resource.RLIMIT_MEMLOCK, (65536, 65536))\n"
-        "if os.getuid() == 0: os.setuid(65534)\n"
-        "print(realtime_scheduling())\n"
-    )
-    answer = subprocess.run(
-        [sys.executable, "-c", program], capture_output=True, text=True, check=True
-    ).stdout
-    assert "realtime=False" in answer
-    assert "SCHED_FIFO (Operation not permitted)" in answer
-    assert "limits.d" in answer
 
 
 def test_the_endstop_is_read_all_the_time_and_each_touch_of_a_homing_is_counted(make):

@@ -9,12 +9,9 @@ from direct_pulses import DirectPulses
 from fault_kit import raises_fault
 from recorded_rpi_gpio import (
     HIGH,
-    IN,
     LOW,
     OUT,
-    PUD_DOWN,
     PUD_OFF,
-    PUD_UP,
     RecordedRpiGpio,
 )
 
@@ -23,7 +20,7 @@ from gpr20_axis_driver.axis_exceptions import EndstopError
 from gpr20_axis_driver.low.pins import StepperInterface
 from gpr20_axis_driver.mid.axis_driver import AxisDriver
 from gpr20_axis_driver.mid.pulse_loop import PulseLoop
-from gpr20_axis_driver.motion import Ending, LateLimits, Motion, Until, never
+from gpr20_axis_driver.motion import Ending, LateLimits, Motion, never
 from gpr20_simulator.low.pins import SimulatedPins
 from gpr20_simulator.low.shared_state import open_shared_state
 from gpr20_simulator.mid.carriage import AxisMotor, wiring_of
@@ -46,7 +43,13 @@ def loop(gpio):
 
 
 @each_case("forward, level", [(True, HIGH), (False, LOW)])
-def test_the_direction_is_there_before_the_first_step(gpio, loop, forward, level):
+def test_the_pins_are_set_up_and_the_direction_is_there_before_the_first_step(
+    gpio, loop, forward, level
+):
+    if forward:
+        assert gpio.calls[0] == ("setmode", gpio.BOARD)
+        assert {("setup", pin, gpio.OUT, gpio.PUD_OFF, LOW) for pin in (13, 15)} <= {*gpio.calls}
+        assert ("setup", 16, gpio.IN, gpio.PUD_UP, -1) in gpio.calls
     gpio.calls.clear()
     report = loop.run(Motion(forward, 2, SLOW), never)
     assert (report.ending, report.steps_made) == (Ending.COMPLETE, 2)
@@ -62,13 +65,6 @@ def test_a_fault_in_the_middle_of_a_pulse_leaves_the_step_pin_low(gpio):
     with pytest.raises(RuntimeError):
         stepper.step(fail)
     assert gpio.calls[-2:] == [("output", 15, HIGH), ("output", 15, LOW)]
-
-
-def test_a_low_sensor_pin_is_a_pressed_endstop(gpio, loop):
-    assert not loop.run(Motion(False, 0, SLOW), never).endstop_pressed
-    gpio.inputs[16] = LOW
-    report = loop.run(Motion(False, 5, SLOW, Until.PRESSED), never)
-    assert (report.ending, report.steps_made, report.endstop_pressed) == (Ending.UNTIL, 0, True)
 
 
 def test_closing_leaves_the_pins_low_and_then_releases_them(gpio, loop):
@@ -87,24 +83,6 @@ def test_closing_leaves_the_pins_low_and_then_releases_them(gpio, loop):
 def opened(gpio, **changes):
     parameters = dataclasses.replace(X_PARAMETERS, **changes)
     return PulseLoop(gpio, parameters, SteppedClock(), LateLimits.of(parameters), Count())
-
-
-@each_case(
-    "changes, call",
-    [
-        ({"endstop_pull": "up"}, ("setup", 16, IN, PUD_UP, -1)),
-        ({"endstop_pull": "down"}, ("setup", 16, IN, PUD_DOWN, -1)),
-        ({"endstop_pull": "none"}, ("setup", 16, IN, PUD_OFF, -1)),
-        ({"invert_direction": True}, ("output", 13, LOW)),
-        ({}, ("setmode", RecordedRpiGpio.BOARD)),
-        ({}, ("setup", 13, OUT, PUD_OFF, LOW)),
-        ({}, ("setup", 15, OUT, PUD_OFF, LOW)),
-    ],
-)
-def test_the_pins_are_wired_as_configured(changes, call):
-    gpio = RecordedRpiGpio()
-    opened(gpio, **changes).run(Motion(True, 1, SLOW), never)
-    assert call in gpio.calls
 
 
 @each_case("active, level", [("low", LOW), ("high", HIGH)])
@@ -140,7 +118,6 @@ class WiredAxis:
     "wiring, parameters",
     [
         ({"endstop_active": Level.HIGH}, {"endstop_active": "high", "endstop_pull": "down"}),
-        ({"endstop_active": Level.HIGH}, {"endstop_active": "high", "endstop_pull": "none"}),
         ({}, {"endstop_pull": "none"}),
         ({"direction_inverted": True}, {"invert_direction": True}),
         ({"enable_pin": 18}, {"enable_pin": 18}),
@@ -163,9 +140,7 @@ def test_a_configuration_that_fits_the_wiring_moves_the_axis(tmp_path, wiring, p
         # Pulled to the level that means pressed.
         ({"endstop_active": Level.HIGH}, {"endstop_active": "high"}, faults.ENDSTOP_STUCK),
         ({"endstop_active": Level.HIGH}, {}, faults.ENDSTOP_NOT_REACHED),
-        ({}, {"endstop_active": "high"}, faults.ENDSTOP_STUCK),
         ({"direction_inverted": True}, {}, faults.ENDSTOP_NOT_REACHED),
-        ({"enable_pin": 18}, {}, faults.ENDSTOP_NOT_REACHED),
         (
             {"enable_pin": 18},
             {"enable_pin": 18, "enable_active": "high"},

@@ -77,13 +77,6 @@ def test_the_number_of_the_zero_grows_over_restarts(path):
         again.close()
 
 
-def test_steps_of_another_size_are_not_trusted(path):
-    memory = reopen(path)
-    memory.place(10)
-    memory.close()
-    assert not reopen(path, step_size=0.9).trusted
-
-
 def test_two_processes_cannot_drive_one_axis(path):
     memory = reopen(path)
     with raises_fault(faults.DRIVEN_BY_OTHER, path, error=StepCounterError):
@@ -153,3 +146,10 @@ def test_the_endstop_is_unknown_until_it_is_read_and_each_press_counts(tmp_path)
     reopened = open_step_counter(tmp_path / "steps", 0.01, 0.0)
     assert reopened.endstop_pressed is None
     reopened.close()
+
+
+def test_steps_of_another_size_are_not_trusted(path):
+    memory = reopen(path)
+    memory.place(10)
+    memory.close()
+    assert not reopen(path, step_size=0.9).trusted

@@ -5,7 +5,7 @@ from case_kit import each_case
 from fault_kit import raises_fault
 
 from gpr20_common import faults
-from gpr20_common.catalogue import Catalogue, Language
+from gpr20_common.catalogue import Language
 from gpr20_common.errors import NodeSilentError
 from gpr20_common.low.catalogue_file import (
     FOLDER,
@@ -23,12 +23,6 @@ def test_the_spanish_catalogue_translates_a_message_and_what_is_in_it():
     message = Message("the file is lost: {reason}", reason=os_reason(OSError(errno.ENOSPC, "full")))
     assert read_catalogue(Language.SPANISH).text(message) == "the file is lost: el disco está lleno"
     assert read_catalogue(Language.ENGLISH).text(message) == "the file is lost: the disk is full"
-
-
-def test_an_english_template_without_translation_stays_english():
-    catalogue = Catalogue({"known": "conocido", "empty": ""})
-    words = [catalogue.tr(one) for one in ("known", "empty", "other")]
-    assert words == ["conocido", "empty", "other"]
 
 
 def test_every_translation_has_the_fields_of_its_template():
@@ -62,7 +56,6 @@ def test_a_language_is_found_by_its_code_or_refused(code):
     [
         ({}, Language.ENGLISH),
         ({"LANG": "es_PE.UTF-8"}, Language.SPANISH),
-        ({"LANG": "C.UTF-8"}, Language.ENGLISH),
         ({"LANG": "es_PE.UTF-8", "LC_ALL": "C"}, Language.ENGLISH),
         ({"LANGUAGE": "es:en", "LANG": "en_US"}, Language.SPANISH),
         ({"LANG": "fr"}, Language.ENGLISH),
@@ -72,18 +65,10 @@ def test_a_terminal_has_the_language_of_its_environment(environment, language):
     assert language_from_environment(environment) == language
 
 
-def test_the_number_of_an_error_of_the_system_is_a_detail():
-    reason = os_reason(PermissionError(errno.EACCES, "Permission denied", "/data"))
-    assert "Errno" not in reason.sentence()
-    assert reason.all_details == ("[Errno 13] Permission denied: '/data'",)
-
-
 @each_case(
     "error, shown",
     [
-        (TimeoutError("timed out"), "timed out"),
         (OSError(errno.ENOTTY, "Inappropriate ioctl"), "Inappropriate ioctl"),
-        (OSError("just words"), "just words"),
         (OSError(), "OSError"),
         (NodeSilentError(Message("{node} does not answer", node="/x")), "/x"),
     ],

@@ -6,7 +6,7 @@ from case_kit import each_case
 from hypothesis import given
 from hypothesis import strategies as st
 
-from gpr20_common.errors import Gpr20Error, InvalidValueError
+from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Fault, Message, Severity, in_a_row, verbatim
 from gpr20_common.sent_message import received_message
 
@@ -53,12 +53,6 @@ def test_a_message_and_those_in_it_are_one_sentence_in_every_language_beside_the
     assert paused.sentence() == sentence
     assert str(paused) == f"{sentence} (get_height; [Errno 5])"
     assert paused.sentence(spanish) == "en pausa: altura 0.012 m, mínima 0.02; compruebe el sensor"
-
-
-def test_known_values_take_the_place_of_those_that_a_sentence_has_and_of_no_others():
-    general = Message("restart {part} of {robot}", part="PART", robot="ROBOT")
-    known = general.with_values({"part": "x_axis", "other": 1})
-    assert str(known) == "restart x_axis of ROBOT"
 
 
 def test_a_template_without_all_its_values_fails_where_it_is_written():
@@ -113,15 +107,7 @@ def nested(depth):
     return message.to_json()
 
 
-TEMPLATES = [
-    "{x:>99999999999}",
-    "{x.__class__}",
-    "{x[0]}",
-    "{x!r:>9999999}",
-    "{0}",
-    "{x:{x}}",
-    "{x",
-]
+TEMPLATES = ["{x:>99999999999}", "{x.__class__}", "{x[0]}", "{x!r:>9999999}", "{x:{x}}", "{x"]
 
 
 @each_case(
@@ -157,12 +143,6 @@ def test_other_values_become_numbers_or_text():
     assert str(Message("{a} m", a=numpy.array([]))) == "[] m"
 
 
-def test_an_error_carries_its_message():
-    error = Gpr20Error(low_height("[Errno 5]"))
-    assert error.message == low_height("[Errno 5]")
-    assert str(error) == "the height 0.012 m is below 0.02 m ([Errno 5])"
-
-
 FULL = Message("full").with_fault(Fault("disk.full", Message("make space"), can_continue=False))
 ASKED = Message("asked for").with_fault(Fault("survey.asked", severity=Severity.NOTE))
 
@@ -173,11 +153,3 @@ def test_what_did_not_succeed_is_the_outermost_sentence_that_says_so():
     assert in_a_row([ASKED, FULL, outer]).failure == in_a_row([FULL, outer])
     assert Message("{text}, {asked}", text=verbatim("x"), asked=ASKED).failure is None
     assert Message("warning: {warning}", warning=outer.as_warning()).failure is None
-
-
-def test_a_sentence_knows_the_remedy_of_its_cause_and_whether_the_survey_can_continue():
-    paused = Message("paused: {reason}", reason=FULL)
-    assert paused.remedy == Message("make space") and not paused.can_continue
-    warning = paused.as_warning()
-    assert warning.remedy == Message("make space") and warning.can_continue
-    assert verbatim("x").remedy is None and ASKED.remedy is None and verbatim("x").can_continue

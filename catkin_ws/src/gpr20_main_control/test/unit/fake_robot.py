@@ -242,15 +242,9 @@ class FakeAnalyzer:
 
 
 class FakeHeightSensor:
-    """A height sensor that works or does not."""
-
-    def __init__(self):
-        self.failures = 0
+    """A height sensor over level ground."""
 
     def height_m(self):
-        if self.failures:
-            self.failures -= 1
-            raise DeviceError(Message("the sensor is out of range"))
         return 0.2
 
 
@@ -263,7 +257,6 @@ class FakeStorage:
         self.opened, self.outcomes, self.last_report = "", {}, {}
         self.reopened, self.reopenings = None, []
         self.broken = False
-        self.failures = 0
         self.fail_close = ""
         self.lose = 0
         self.free = threading.Event()
@@ -314,9 +307,6 @@ class FakeStorage:
     def store(self, sample):
         self.free.wait(LIMIT_S)
         self._check_open(sample.survey_id)
-        if self.failures:
-            self.failures -= 1
-            self._check(False, "the disk is full")
         stored = self.stored(sample.survey_id).get(sample.index, sample)
         self._check(stored is sample, f"index {sample.index} is stored with other content")
         self.samples.append(sample)

@@ -128,34 +128,20 @@ def test_three_steps_make_a_check_with_a_verdict_and_a_line_of_the_history(stepp
     assert stepped.activities[0] is not None and stepped.activities[-1] is None
 
 
-def test_a_step_without_those_before_it_is_refused_and_sweeps_nothing(stepped):
-    def refused(number):
+def test_the_parts_of_other_checks_clients_or_of_long_ago_do_not_make_one_check(
+    stepped, monkeypatch
+):
+    def refused(number, client):
         sweeps = stepped.analyzer.sweeps
         with raises_fault(CHECK_ORDER, error=RequestRefusedError):
-            step(stepped, number)
+            stepped.control.daily_check(number, client)
         assert stepped.analyzer.sweeps == sweeps
 
     for number in (1, 2, 3, 255):
-        refused(number)
-    step(stepped, 0)
-    refused(2)
-    step(stepped, 1)
-    # A new check forgets the one before.
-    step(stepped, 0)
-    refused(2)
-    step(stepped, 1)
-    step(stepped, 2)
-    refused(2)
-
-
-def test_the_parts_of_two_clients_or_of_long_ago_do_not_make_one_check(stepped, monkeypatch):
-    def refused(number, client):
-        with raises_fault(CHECK_ORDER, error=RequestRefusedError):
-            stepped.control.daily_check(number, client)
-
+        refused(number, "/window")
     stepped.control.daily_check(0, "/window")
-    for client in ("/other", ""):
-        refused(1, client)
+    refused(1, "/other")
+    refused(2, "/window")
     stepped.control.daily_check(1, "/window")
     stepped.control.daily_check(0, "/other")
     refused(2, "/window")

@@ -5,7 +5,7 @@ import json
 import pytest
 from case_kit import each_case
 from cut_off_surveys import reopened_survey
-from fake_robot import LIMIT_S, Bench, reports
+from fake_robot import LIMIT_S, Bench
 from fault_kit import raises_fault
 
 from gpr20_common.low.clock import Clock
@@ -49,13 +49,9 @@ def recorded(bench):
 
 def test_a_survey_does_not_continue_with_another_analyzer(bench):
     pause_with(bench, OTHER)
-    # However often it is requested.
-    for _tap in range(2):
-        with pytest.raises(OtherAnalyzerError) as refused:
-            bench.control.resume("")
-        assert refused.value.identity == OTHER
-        message = bench.wait_for(State.PAUSED).message
-        assert reports(message, faults.OTHER_VNA, OTHER, FORMER)
+    with raises_fault(faults.OTHER_VNA, OTHER, FORMER, error=OtherAnalyzerError):
+        bench.control.resume("")
+    bench.wait_for(State.PAUSED)
     assert bench.analyzer.sweeps == 5
     # New firmware does not make another analyzer.
     bench.analyzer.identity = UPDATED

@@ -130,15 +130,6 @@ def test_a_visit_that_fails_is_repeated_after_resuming(visiting, index):
     assert [one["next_index"] for one in visits(visiting)] == list(PLAN.visits)
 
 
-def test_a_stop_during_a_visit_stores_what_was_measured_and_no_visit(visiting):
-    first = PLAN.visits[0]
-    visiting.at_sweep(first + 1, visiting.control.stop)
-    visiting.start()
-    visiting.wait_for(State.STOPPED)
-    assert [one.index for one in visiting.storage.samples] == list(range(first))
-    assert "drift" not in visiting.storage.reports[-1]
-
-
 def test_after_a_pause_as_long_as_the_interval_the_drift_is_looked_at_first(visiting):
     visiting.at_sweep(4, visiting.control.pause)
     visiting.start()

@@ -9,7 +9,6 @@ from fault_kit import raises_fault
 from gpr20_common.message import Message
 from gpr20_main_control import faults
 from gpr20_main_control.errors import RequestRefusedError
-from gpr20_main_control.mid.devices.robot import MoveOutcome
 from gpr20_survey.plan.survey_state import SurveyState as State
 
 VNA, STORAGE, X_AXIS = "vna_acquisition", "vna_processing", "x_axis/axis_driver"
@@ -111,6 +110,7 @@ def test_a_paused_survey_and_a_control_at_rest_say_so_and_stay_as_they_are(bench
     shown = bench.board.status.full_message
     assert reports(shown.values["warning"], faults.NODE_LOST, NODES[VNA])
     assert shown.values["status"] == bench.board.status.message
+    assert shown.fault_code == faults.MOVE_FAILED.code
     come_back(bench, VNA)
     assert bench.board.status.full_message == bench.board.status.message
     bench.y.fail_move = ""
@@ -169,22 +169,3 @@ def test_a_request_that_takes_long_does_not_hang_the_next_one(bench, monkeypatch
         bench.start()
     opened.set()
     resuming.join(LIMIT_S)
-
-
-def test_an_axis_that_stopped_because_the_link_was_silent_goes_on_by_itself(bench):
-    usual = bench.y.begin_move
-
-    def begin_move(target):
-        usual(target)
-        if len(bench.y.moves) == 2:
-            bench.y.coordinate = target - 1.0
-            silent = Message("no contact")
-            bench.y.outcome = MoveOutcome(False, silent, contact_lost=True)
-
-    bench.y.begin_move = begin_move
-    bench.start()
-    bench.complete()
-    assert "PAUSED" not in bench.states
-    assert bench.states.count("CHECKING") == 2
-    # Nothing has lost its zero.
-    assert [axis.homings for axis in bench.axes] == [1, 1, 1]

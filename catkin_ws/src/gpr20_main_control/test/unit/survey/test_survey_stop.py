@@ -57,16 +57,6 @@ def test_shutting_down_while_a_survey_is_closed_says_finished(bench):
     assert {one.outcome for one in bench.storage.ends} == {"finished"}
 
 
-def test_shutting_down_does_not_wait_for_a_storage_that_is_gone(bench):
-    bench.storage.fail_close = "the storage has ended"
-    bench.x.blocked.clear()
-    bench.start()
-    assert bench.x.begun.wait(LIMIT_S)
-    bench.x.blocked.set()
-    bench.control.shut_down(LIMIT_S)
-    assert bench.board.status.state is State.STOPPED
-
-
 def test_stopped_is_said_only_when_no_axis_moves_any_more(bench):
     bench.x.blocked.clear()
     bench.start()

@@ -1,20 +1,16 @@
 """The published topics: each sentence as English text, and as template with values."""
 
-from types import SimpleNamespace
-
 import pytest
 
 pytest.importorskip("gpr20_msgs.msg")
 
 import rospy
-from fake_robot import FakeAxis
 
 from gpr20_common.message import Message
 from gpr20_common.sent_message import message_from, received_message
 from gpr20_main_control import faults
 from gpr20_main_control.high.survey_topics import SurveyTopics
 from gpr20_main_control.mid.survey.survey_status import Status
-from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.plan.coverage import Coverage
 from gpr20_survey.plan.survey_plan import SurveyPoint
 from gpr20_survey.plan.survey_state import SurveyState as State
@@ -82,16 +78,3 @@ def test_a_change_publishes_only_what_has_changed(topics):
     assert topics._target.published[0].x_mm == 100.0
     topics.publish_change(Status(target=point), Status())
     assert topics._target.published[1].x_mm == -1.0
-
-
-def test_a_position_that_stays_the_same_is_published_less_often(topics):
-    axes = [FakeAxis() for _axis in AxisId]
-    robot = SimpleNamespace(axes=dict(zip(AxisId, axes)))
-    published = topics._current.published
-    for _tick in range(11):
-        topics.publish_current(robot)
-    assert len(published) == 3
-    for tick in range(5):
-        axes[0].coordinate = float(tick + 1)
-        topics.publish_current(robot)
-    assert [one.x_mm for one in published[3:]] == [1.0, 2.0, 3.0, 4.0, 5.0]
