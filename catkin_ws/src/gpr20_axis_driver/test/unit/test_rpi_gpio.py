@@ -120,7 +120,6 @@ class WiredAxis:
         ({"endstop_active": Level.HIGH}, {"endstop_active": "high", "endstop_pull": "down"}),
         ({}, {"endstop_pull": "none"}),
         ({"direction_inverted": True}, {"invert_direction": True}),
-        ({"enable_pin": 18}, {"enable_pin": 18}),
         (
             {"enable_pin": 18, "enable_active": Level.HIGH},
             {"enable_pin": 18, "enable_active": "high"},

@@ -134,20 +134,6 @@ def test_what_is_begun_is_on_the_disk_before_the_first_step(path, monkeypatch):
     assert flushed == [(3, False), (4, True)]
 
 
-def test_the_endstop_is_unknown_until_it_is_read_and_each_press_counts(tmp_path):
-    counter = open_step_counter(tmp_path / "steps", 0.01, 0.0)
-    assert counter.endstop_pressed is None
-    for pressed in (False, True, True, False, True):
-        counter.note_endstop(pressed)
-        assert counter.endstop_pressed is pressed
-    assert counter.endstop_presses == 2
-    counter.close()
-    # Another process may have another switch.
-    reopened = open_step_counter(tmp_path / "steps", 0.01, 0.0)
-    assert reopened.endstop_pressed is None
-    reopened.close()
-
-
 def test_steps_of_another_size_are_not_trusted(path):
     memory = reopen(path)
     memory.place(10)

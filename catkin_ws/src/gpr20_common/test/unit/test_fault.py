@@ -35,8 +35,14 @@ remedies_of_any_kind = st.none() | st.builds(verbatim, st.text(max_size=20))
 any_fault = st.builds(
     Fault, codes, remedies_of_any_kind, st.sampled_from(Severity), *[st.booleans()] * 3
 )
+values = st.text() | st.integers() | st.floats(allow_nan=False) | st.booleans()
 any_message = st.recursive(
-    st.builds(lambda text, fault: verbatim(text).with_fault(fault), st.text(), any_fault),
+    st.builds(
+        lambda value, details, fault: Message("is {a}", a=value, details=details).with_fault(fault),
+        values | st.builds(verbatim, st.text()),
+        st.text(),
+        any_fault,
+    ),
     lambda inner: st.builds(
         lambda parts, fault: in_a_row(parts).with_fault(fault),
         st.lists(inner, max_size=3),
@@ -128,9 +134,11 @@ def test_a_message_keeps_its_faults_on_the_graph_and_in_a_file(message):
     back = message_from(SimpleNamespace(**fields))
     assert str(back) == str(message) and back.fault_code == message.fault_code
     if len(message.to_json()) <= MAX_CHARACTERS:
+        assert received_message("", message.to_json()) == message
         assert json.loads(back.to_json()) == json.loads(message.to_json())
         assert (back.cause, back.faults) == (message.cause, message.faults)
-    assert pickle.loads(pickle.dumps(message)).faults == message.faults  # noqa: S301
+    sent = pickle.loads(pickle.dumps(message))  # noqa: S301
+    assert sent == message and sent.faults == message.faults
 
 
 def sent_with(fault, **more):
@@ -204,7 +212,7 @@ def test_a_text_that_no_window_could_show_is_cut_and_its_fault_is_kept(text, sen
     assert message.fault_code == "axis.moving" and message.may_move == bool(sent)
 
 
-KEYS = st.sampled_from(["template", "values", "fault", "code", "remedy", "severity", "may_move"])
+KEYS = st.sampled_from(["template", "values", "details", "fault", "code", "remedy", "severity"])
 hostile = st.recursive(
     st.none() | st.booleans() | st.integers() | st.floats() | st.text() | codes,
     lambda inner: (
@@ -218,12 +226,14 @@ hostile = st.recursive(
 
 @given(hostile, st.text(), codes | st.text())
 def test_whatever_arrives_as_a_fault_can_be_shown_and_sent_again(record, text, code):
-    message = received_message(text, sent_with(record), code)
-    assert message.fault_code == "" or CODE_FORMAT.fullmatch(message.fault_code)
-    if message.cause is not None and message.cause.remedy is not None:
-        str(message.cause.remedy).encode()
-    again = message_from(SimpleNamespace(**message_fields(message)))
-    assert again.fault_code == message.fault_code
+    for sent in (sent_with(record), json.dumps(record), text):
+        message = received_message(text, sent, code)
+        assert str(message) == text or json.loads(sent)["template"] == message.template
+        assert message.fault_code == "" or CODE_FORMAT.fullmatch(message.fault_code)
+        if message.cause is not None and message.cause.remedy is not None:
+            str(message.cause.remedy).encode()
+        again = message_from(SimpleNamespace(**message_fields(message)))
+        assert again.fault_code == message.fault_code
 
 
 # Errors.

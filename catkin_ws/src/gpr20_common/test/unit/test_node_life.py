@@ -148,12 +148,3 @@ def test_a_service_says_that_it_works_and_for_how_long(manager):
     assert listener.recv(200).split(b"\n") == [b"WATCHDOG=1", b"WATCHDOG_USEC=60000000"]
     service.release()
     assert listener.recv(200) == b"WATCHDOG_USEC=0"
-
-
-@each_case("environment", [{}, {"NOTIFY_SOCKET": ""}, {"NOTIFY_SOCKET": "/nowhere/notify"}])
-def test_without_systemd_nothing_is_sent(manager, environment):
-    listener, _address = manager
-    ServiceManager(environment).keep_alive(60.0)
-    listener.setblocking(False)
-    with pytest.raises(BlockingIOError):
-        listener.recv(200)

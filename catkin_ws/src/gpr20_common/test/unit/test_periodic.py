@@ -48,21 +48,6 @@ def test_a_shorter_period_counts_from_the_last_call():
     periodic.stop()
 
 
-def test_it_can_be_stopped_by_its_own_action():
-    counter, ready, periodics = Counter(), threading.Event(), []
-
-    def act():
-        if ready.wait(LIMIT_S):
-            counter()
-            periodics[0].stop()
-
-    periodics.append(Periodic(0.001, act))
-    ready.set()
-    counter.wait_for(1)
-    periodics[0].stop()
-    assert len(counter.calls_s) == 1
-
-
 def test_it_goes_on_after_calls_that_fail_and_logs_the_first(fault_log):
     counter = Counter()
 

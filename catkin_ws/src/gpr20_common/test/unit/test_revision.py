@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 import subprocess
 from pathlib import Path
 
@@ -12,13 +11,6 @@ from gpr20_common.low.data_folder import data_folder
 from gpr20_common.low.revision import git_revision, software_revision
 
 PACKAGE = Path(__file__).resolve().parents[2]
-
-
-def test_the_revision_names_the_commit_of_the_sources(tmp_path):
-    identity = ["-c", "user.name=a", "-c", "user.email=a@b.example"]
-    for command in (["init", "-q"], [*identity, "commit", "-q", "--allow-empty", "-m", "first"]):
-        subprocess.run(["git", "-C", str(tmp_path), *command], check=True)
-    assert re.fullmatch(r"1\.2\.3 \(git [0-9a-f]{7,40}\)", software_revision("1.2.3", tmp_path))
 
 
 def test_sources_without_git_are_named_by_their_version(tmp_path):

@@ -179,18 +179,6 @@ def test_a_node_that_was_started_again_or_replaced_is_found(graph, monkeypatch, 
     assert former.requests == before
 
 
-def test_a_connection_without_an_answer_in_time_is_not_used_again(graph):
-    client = ServiceClient("report_survey", ReportSurvey, keep_open=True)
-    call(client, "a")
-    graph.node.answering.clear()
-    with raises_fault(faults.SERVICE_SILENT):
-        call(client, "b", SHORT_S)
-    hung = graph.replace()
-    # The late answer to `b` is not taken for that to `c`.
-    hung.answering.set()
-    assert call(client, "c") == "other c"
-
-
 def test_calls_in_parallel_do_not_wait_for_each_other(graph):
     client = ServiceClient("report_survey", ReportSurvey, keep_open=True)
     graph.node.answering.clear()

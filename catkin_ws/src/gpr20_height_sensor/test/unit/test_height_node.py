@@ -93,11 +93,3 @@ def test_no_height_is_no_number_and_says_why_also_in_the_topic_and_the_diagnosti
     built.tick()
     assert math.isfinite(built.published["measured_height"][-1].range)
     assert built.health()[0] == OK
-
-
-def test_a_node_that_ends_publishes_nothing_more(node):
-    built = node(*GOOD)
-    for hook in built.hooks:
-        hook()
-    built.tick()
-    assert built.published["measured_height"] == []

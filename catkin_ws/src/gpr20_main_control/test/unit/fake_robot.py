@@ -182,12 +182,11 @@ class FakeAnalyzer:
         self.on_sweep = lambda: None
         self.on_confirm = lambda number: ()
         self.accept = lambda settings: settings
-        self.other_settings = None
         self.identity = "Anritsu,MS2026C/2,SIMULATED,1.0"
         self.sweep_duration_s = 0.0
         self.releases = 0
         self.requested = []
-        self._settings = None
+        self.settings = None
 
     def connect(self, address):
         self.connections.append(address)
@@ -206,11 +205,11 @@ class FakeAnalyzer:
 
     def configure(self, settings):
         self.requested.append(settings)
-        self._settings = self.accept(settings)
-        return AnalyzerSetup(self._settings, self.sweep_duration_s, 40.0)
+        self.settings = self.accept(settings)
+        return AnalyzerSetup(self.settings, self.sweep_duration_s, 40.0)
 
     def frequencies_hz(self):
-        return self._settings.frequencies_hz()
+        return self.settings.frequencies_hz()
 
     def prepare(self):
         pass
@@ -222,7 +221,7 @@ class FakeAnalyzer:
             raise DeviceError(Message("the VNA did not answer"))
         self._check_calibration()
         self.sweeps += 1
-        settings = self.other_settings or self._settings
+        settings = self.settings
         values = np.full(settings.points, float(self.sweeps))
         began_us = FIRST_SWEEP_US + self.sweeps * 10
         sweep = Sweep(
@@ -266,7 +265,7 @@ class FakeStorage:
         return {one.index: one for one in self.samples if one.survey_id == survey_id}
 
     def open(self, record):
-        self._check_disk()
+        self._check(not self.broken, "the disk of the robot is full")
         self.opened = record.survey_id
         self.records.append(record)
         return OpenedSurvey(f"/data/{record.survey_id}", "")
@@ -279,7 +278,6 @@ class FakeStorage:
         known = {one.survey_id: one for one in self.records}
         self._check(survey in known, f"there is no survey {survey}")
         self._check(self.outcomes.get(survey) != "finished", "it is finished and complete")
-        self._check_disk()
         self.opened = survey
         self.outcomes.pop(survey, None)
         stored = self.stored(survey)
@@ -321,11 +319,8 @@ class FakeStorage:
         self.ends.append(end)
 
     def _check_open(self, survey_id):
-        self._check_disk()
-        self._check(self.opened == survey_id, f"survey {survey_id} is not open")
-
-    def _check_disk(self):
         self._check(not self.broken, "the disk of the robot is full")
+        self._check(self.opened == survey_id, f"survey {survey_id} is not open")
 
     @staticmethod
     def _check(allowed, reason):

@@ -1,12 +1,10 @@
 """The computer's clock is set during a survey, or between two sessions of it."""
 
 import random
-from dataclasses import replace
 
 import pytest
 from fake_robot import ManualClock
 from run_seed import draws
-from trace_examples import make_trace
 
 from gpr20_main_control import faults
 from gpr20_main_control.mid.survey.running_survey import LARGEST_CORRECTION_S, ClockSteps
@@ -49,15 +47,6 @@ def test_a_small_step_is_said_if_it_orders_two_traces_wrongly():
     bench.clock.set_s -= 1.5
     bench.next_trace()
     assert bench.said == [(faults.CLOCK_BEHIND.code, 0.5)]
-
-
-def test_a_clock_that_is_behind_the_traces_of_another_session_is_said():
-    clock = ManualClock()
-    last = replace(make_trace(), timestamp_us=clock.time_of_day_us() + 86_401_000_000)
-    bench = Steps(last)
-    bench.next_trace()
-    bench.next_trace()
-    assert bench.said == [(faults.CLOCK_BEHIND.code, 86400.0)]
 
 
 def test_nothing_is_said_of_a_clock_that_is_corrected_by_little_in_any_order():

@@ -1,11 +1,9 @@
 """Maintenance: single axes are moved and the analyzer is tested, never beside a survey."""
 
-import math
 import threading
 from types import SimpleNamespace
 
 import pytest
-from case_kit import each_case
 from fake_robot import LIMIT_S, reports
 from fault_kit import raises_fault
 from hypothesis import given, settings
@@ -16,7 +14,7 @@ from survey_examples import AXES
 from gpr20_common.message import Message
 from gpr20_main_control import faults
 from gpr20_main_control.errors import DeviceError, RequestRefusedError
-from gpr20_main_control.mid.service import AxisAction, AxisMove, axis_move, jog_target
+from gpr20_main_control.mid.service import AxisAction, AxisMove, jog_target
 from gpr20_main_control.mid.waits import Workers
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.plan.survey_state import SurveyState as State
@@ -71,15 +69,6 @@ def test_no_jog_leaves_the_axis_or_goes_the_wrong_way(axis, place, sign, exponen
     if axis.min_coord < coordinate < axis.max_coord:
         assert target != coordinate
     assert axis.coordinate_of(axis.distance_steps(target)) == target
-
-
-@each_case(
-    "axis, action, distance",
-    [("w", 1, 1.0), ("", 0, 0.0), ("x", 3, 1.0), *(("x", 1, d) for d in (0.0, math.nan, math.inf))],
-)
-def test_absurd_requests_are_refused(axis, action, distance):
-    with pytest.raises(RequestRefusedError):
-        axis_move(axis, action, distance)
 
 
 def test_there_is_no_service_while_a_survey_has_not_ended(bench):

@@ -68,16 +68,3 @@ def test_a_call_that_was_given_up_before_its_turn_is_never_made(call):
     call(go_on, go_on)
     first.join(LIMIT_S)
     assert made == []
-
-
-def test_a_thread_that_the_system_refuses_is_made_for_the_next_call(monkeypatch):
-    calls = SerialCalls()
-
-    def refuse(_thread):
-        raise RuntimeError("can't start new thread")
-
-    with monkeypatch.context() as patch:
-        patch.setattr(threading.Thread, "start", refuse)
-        with pytest.raises(RuntimeError):
-            calls.call(lambda: 1, go_on)
-    assert calls.call(lambda: 2, go_on) == 2

@@ -8,7 +8,7 @@ from fault_kit import raises_fault
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from run_seed import draws
-from survey_examples import AXES, PARAMETERS
+from survey_examples import AXES
 
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.mid.hardware import Hardware
@@ -64,14 +64,6 @@ def test_an_instrument_of_the_other_kind_is_refused(identity, simulated):
     robot = described_robot(simulated=simulated)
     with raises_fault(faults.WRONG_VNA, identity, error=DeviceError):
         robot.check_identity(identity, robot.config())
-
-
-def test_no_survey_starts_on_a_mixed_robot(bench):
-    bench.control.set_parameters(PARAMETERS)
-    redescribe(bench.description, "vna_acquisition", simulated=False)
-    with pytest.raises(InvalidValueError, match=str(PLAIN_NAMES["vna_acquisition"])):
-        bench.control.start()
-    assert bench.storage.samples == []
 
 
 def test_a_survey_pauses_when_a_node_comes_back_as_another_one(bench):

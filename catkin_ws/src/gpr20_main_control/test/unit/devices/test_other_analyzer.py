@@ -73,20 +73,6 @@ def test_a_survey_continues_with_the_analyzer_that_is_accepted_and_records_both(
     assert all(one["accepted"] for one in reports[0]["analyzers"])
 
 
-def test_an_analyzer_that_is_not_the_accepted_one_is_refused(bench):
-    pause_with(bench, THIRD)
-    not_accepted = raises_fault(faults.NOT_THE_ACCEPTED_VNA, OTHER, error=OtherAnalyzerError)
-    with not_accepted as no:
-        bench.control.resume("", Accepted(OTHER))
-    assert no.value.identity == THIRD
-    bench.analyzer.identity = FORMER
-    with pytest.raises(OtherAnalyzerError) as no:
-        bench.control.resume("", Accepted(OTHER))
-    # Nothing to ask the operator: the former one is back.
-    assert no.value.identity == ""
-    bench.resume_to_the_end()
-
-
 @pytest.mark.parametrize("accepted_before", [False, True])
 def test_a_survey_from_its_folder_remembers_which_analyzer_was_accepted(bench, accepted_before):
     accepted = "2026-01-01T00:00:00.000000Z"

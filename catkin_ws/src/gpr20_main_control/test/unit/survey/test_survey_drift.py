@@ -157,13 +157,8 @@ def test_a_survey_from_the_disk_compares_with_the_first_stop_that_is_stored(visi
 
 
 def test_what_is_stored_of_the_drift_is_bounded():
-    points = 1000
-    trace = stored_trace(
-        0,
-        frequency_hz=np.linspace(6.0e8, 6.0e9, points),
-        s21_real=np.ones(points),
-        s21_imag=np.zeros(points),
-    )
+    values = {"s21_real": np.ones(1000), "s21_imag": np.zeros(1000)}
+    trace = stored_trace(0, frequency_hz=np.linspace(6.0e8, 6.0e9, 1000), **values)
     record = DriftRecord(SurveySettings(), {})
     for index in range(MAX_DETAILED_VISITS + 5):
         record.note([Revisit(trace, trace, trace)], index, "")

@@ -9,6 +9,7 @@ from fault_kit import raises_fault
 from gpr20_common.message import Message
 from gpr20_main_control import faults
 from gpr20_main_control.errors import RequestRefusedError
+from gpr20_main_control.mid.waits import Workers
 from gpr20_survey.plan.survey_state import SurveyState as State
 
 VNA, STORAGE, X_AXIS = "vna_acquisition", "vna_processing", "x_axis/axis_driver"
@@ -157,15 +158,9 @@ def test_a_request_that_takes_long_does_not_hang_the_next_one(bench, monkeypatch
         raise RequestRefusedError(Message("there is none"))
 
     monkeypatch.setattr(bench.storage, "reopen", open_slowly)
-
-    def resume():
-        with pytest.raises(RequestRefusedError, match="there is none"):
-            bench.control.resume("survey")
-
-    resuming = threading.Thread(target=resume)
-    resuming.start()
+    resuming = Workers().begin(lambda: bench.control.resume("survey"))
     assert opening.wait(LIMIT_S)
     with raises_fault(faults.BUSY, error=RequestRefusedError):
         bench.start()
     opened.set()
-    resuming.join(LIMIT_S)
+    assert isinstance(resuming.exception(LIMIT_S), RequestRefusedError)

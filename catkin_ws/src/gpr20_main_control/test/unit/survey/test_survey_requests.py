@@ -5,9 +5,12 @@ from dataclasses import replace
 
 import pytest
 from fake_robot import LIMIT_S, Bench
+from fault_kit import raises_fault
 from survey_examples import PARAMETERS
 
+from gpr20_main_control import faults
 from gpr20_main_control.errors import DeviceError, RequestRefusedError
+from gpr20_survey.plan.survey_parameters import SurveyParametersError
 from gpr20_survey.plan.survey_state import RUNNING, TRANSITIONS
 from gpr20_survey.plan.survey_state import SurveyState as State
 
@@ -101,3 +104,36 @@ def test_what_does_not_fit_the_state_is_refused_with_what_to_do_and_has_no_effec
         bench.complete()
     states = [State.IDLE, *(status.state for status in bench.history)]
     assert all(a is b or b in TRANSITIONS[a] for a, b in zip(states, states[1:]))
+
+
+# Of two clients none starts the plan of the other.
+
+OTHER = replace(PARAMETERS, y_points=3)
+
+
+def test_a_start_for_another_plan_than_the_one_set_is_refused_and_names_both(bench):
+    own = bench.control.set_parameters(PARAMETERS, "/window").parameters.plan_id
+    other = bench.control.set_parameters(OTHER, "/run_survey").parameters.plan_id
+    with raises_fault(faults.OTHER_PLAN, own, other, "/run_survey", error=RequestRefusedError):
+        bench.control.start(plan_id=own)
+    assert not bench.storage.records
+    assert not any(axis.moves or axis.homings for axis in bench.axes)
+    bench.control.set_parameters(PARAMETERS, "/window")
+    bench.control.start(plan_id=own)
+    bench.complete()
+
+
+def test_status_and_description_say_whose_plan_it_is(bench):
+    plan = bench.control.set_parameters(replace(PARAMETERS, vna_address=""), "/window")
+    # The id is that of the address of the configuration, too.
+    assert plan.parameters.vna_address
+    shown = bench.board.status
+    assert (shown.plan_id, shown.plan_set_by) == (plan.parameters.plan_id, "/window")
+    # A plan that is refused replaces none.
+    with pytest.raises(SurveyParametersError):
+        bench.control.set_parameters(replace(PARAMETERS, x_points=2), "/other")
+    assert bench.board.status == shown
+    bench.control.start(plan_id=plan.parameters.plan_id)
+    bench.complete()
+    ended = bench.board.status
+    assert (ended.plan_id, ended.plan_set_by) == (plan.parameters.plan_id, "/window")

@@ -1,7 +1,5 @@
 """The list of steps of a survey; they are not executed."""
 
-from dataclasses import replace
-
 import pytest
 from cut_off_surveys import reopened_survey, stored_trace
 from survey_examples import AXES, PARAMETERS
@@ -92,20 +90,6 @@ def test_a_point_whose_sweep_is_not_confirmed_is_the_next_to_be_measured():
     assert indices(swept, Sweep) == indices(swept, Confirm)
     assert indices(steps, Sweep) == [0, *range(8), 7, 7, *range(8, TOTAL), TOTAL - 1]
     assert steps[-1] == Finish()
-
-
-@pytest.mark.parametrize(
-    "polarizations_deg, rotations",
-    [
-        ((0.0, 90.0), [0.0, 90.0, 90.0, 0.0]),
-        ((0.0, 45.0, 90.0), [0.0, 45.0, 90.0, 90.0, 45.0, 0.0]),
-    ],
-)
-def test_the_antennas_turn_as_little_as_possible_at_each_stop(polarizations_deg, rotations):
-    parameters = replace(PARAMETERS, polarizations_deg=polarizations_deg)
-    plan = plan_survey(parameters, CONFIG, SurveySettings())
-    turned = [step.point.z_deg for step in steps_of(plan) if isinstance(step, Sweep)]
-    assert turned == rotations * (len(turned) // len(rotations))
 
 
 @pytest.mark.parametrize("stored", [[], [0, 2, 5, 23], list(range(TOTAL))])

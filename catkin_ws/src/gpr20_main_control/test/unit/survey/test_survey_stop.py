@@ -57,18 +57,6 @@ def test_shutting_down_while_a_survey_is_closed_says_finished(bench):
     assert {one.outcome for one in bench.storage.ends} == {"finished"}
 
 
-def test_stopped_is_said_only_when_no_axis_moves_any_more(bench):
-    bench.x.blocked.clear()
-    bench.start()
-    assert bench.x.begun.wait(LIMIT_S)
-    bench.control.stop()
-    bench.wait_for(State.STOPPING)
-    at_rest = []
-    threading.Timer(0.005, lambda: (at_rest.append(True), bench.x.blocked.set())).start()
-    bench.wait_for(State.STOPPED)
-    assert at_rest or bench.board.status.message.may_move
-
-
 @pytest.mark.parametrize("silent, disk", [(False, ""), (True, ""), (False, "the disk is full")])
 def test_an_axis_that_does_not_stop_or_is_silent_is_said_to_move_whatever_else_is_said(
     bench, silent, disk
