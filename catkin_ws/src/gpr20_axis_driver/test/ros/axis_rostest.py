@@ -8,14 +8,13 @@ import unittest
 
 import rospy
 import rostest
-from actionlib_msgs.msg import GoalID, GoalStatus, GoalStatusArray
+from actionlib_msgs.msg import GoalStatus
 from axis_under_test import LIMIT_S, Axis, end_client, start_client, vanish, wait_until
 from sensor_msgs.msg import Range
 
 from gpr20_axis_driver import faults
 from gpr20_common.sent_message import message_from
 from gpr20_height_sensor.faults import SENSOR_OFF
-from gpr20_msgs.msg import AxisActionGoal, AxisActionResult
 from gpr20_msgs.srv import GetHeight
 from gpr20_simulator.low.shared_state import AdcFault
 from gpr20_survey.axes.axis_id import AxisId
@@ -34,10 +33,6 @@ class AxisTest(unittest.TestCase):
     def setUpClass(cls):
         rospy.init_node("axis_rostest")
         cls.x, cls.z = Axis(AxisId.X), Axis(AxisId.Z)
-        cls.statuses = []
-        cls.subscriber = rospy.Subscriber(
-            "x_axis/axis/status", GoalStatusArray, cls.statuses.append
-        )
 
     def assert_at_rest_before(self, target_mm):
         """The axis has come to rest on its way, and its coordinate is exact."""
@@ -81,22 +76,6 @@ class AxisTest(unittest.TestCase):
         self.assertEqual((state, self.x.steps), (GoalStatus.SUCCEEDED, 100))
         state, result = first.finish()
         self.assertEqual((state, result.fault_code), (GoalStatus.PREEMPTED, faults.STOPPED.code))
-
-    def test_6a_a_goal_that_was_cancelled_before_it_came_is_answered_with_a_code(self):
-        results = []
-        goals = rospy.Publisher("x_axis/axis/goal", AxisActionGoal, queue_size=1)
-        cancels = rospy.Publisher("x_axis/axis/cancel", GoalID, queue_size=1)
-        subscriber = rospy.Subscriber("x_axis/axis/result", AxisActionResult, results.append)
-        wait_until(lambda: goals.get_num_connections() and cancels.get_num_connections())
-        goal_id = GoalID(id="cancelled")
-        cancels.publish(goal_id)
-        wait_until(
-            lambda: any(one.goal_id.id == goal_id.id for one in self.statuses[-1].status_list)
-        )
-        goals.publish(AxisActionGoal(goal_id=goal_id))
-        wait_until(lambda: [one for one in results if one.status.goal_id.id == goal_id.id])
-        self.assertEqual(results[-1].result.fault_code, faults.NOT_BEGUN.code)
-        subscriber.unregister()
 
     def test_7_the_stop_service_ends_a_move_and_a_homing(self):
         self.x.begin_move(FAR_MM)

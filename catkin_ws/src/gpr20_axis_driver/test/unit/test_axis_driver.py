@@ -40,15 +40,6 @@ def test_a_target_outside_the_axis_is_refused_and_moves_nothing(axis, target):
     assert axis.machine.pulses == []
 
 
-@each_case("target, fastest_s", [(0.20, 0.0050 - 9 * 0.0001), (10.0, 0.0015)])
-def test_a_move_speeds_up_by_its_ramp_and_a_short_one_is_a_triangle(target, fastest_s):
-    axis = Axis(X_PARAMETERS)
-    axis.driver.homing(never)
-    axis.machine.pulses.clear()
-    axis.driver.move_to_coordinate(target, never)
-    assert min(axis.pauses_s) == pytest.approx(fastest_s)
-
-
 def test_a_stopped_move_slows_down_and_keeps_an_exact_coordinate(axis):
     with raises_fault(faults.STOPPED, "10 mm", error=MotionStopped):
         axis.driver.move_to_coordinate(10.0, stop_after(200, axis.machine))

@@ -14,7 +14,6 @@ from axis_machine import SHORT, Z_PARAMETERS, Axis
 from gpr20_axis_driver import faults
 from gpr20_axis_driver.high import axis_node, axis_programs
 from gpr20_axis_driver.high.goals import ENDED, LISTED_GOALS, GoalServer
-from gpr20_common.faults import INTERNAL
 from gpr20_common.high.diagnostics import ERROR, OK, WARN
 from gpr20_common.message import Severity
 from gpr20_common.mid.hardware import Hardware
@@ -228,19 +227,6 @@ def test_what_ends_a_homing_leaves_the_axis_not_homed_and_nothing_is_wrong_with_
     assert homed.axis.machine.steps > 1000 and not homed.coordinates[-1].homed
     level, message, _values = homed.health()
     assert (level, message.fault_code) == (WARN, NOT_HOMED.code)
-
-
-def test_a_homing_that_fails_says_why_and_a_fault_of_our_own_is_an_answer_too(homed, monkeypatch):
-    homed.axis.machine.stuck = True
-    assert fault_of(homed.call("homing")) == faults.ENDSTOP_STUCK.code
-    assert homed.health()[:2] == (ERROR, homed.node._last_error)
-
-    def fail(*_arguments):
-        raise ZeroDivisionError("a fault of ours")
-
-    monkeypatch.setattr(homed.axis.driver, "move_to_coordinate", fail)
-    state, result = homed.move(1.0)
-    assert (state, fault_of(result)) == ("aborted", INTERNAL.code)
 
 
 def test_while_a_node_has_the_axis_nobody_else_moves_it_or_sets_its_zero(monkeypatch):

@@ -10,8 +10,6 @@ from case_kit import each_case
 from gpr20_common.low.data_folder import data_folder
 from gpr20_common.low.revision import git_revision, software_revision
 
-PACKAGE = Path(__file__).resolve().parents[2]
-
 
 def test_sources_without_git_are_named_by_their_version(tmp_path):
     assert git_revision(tmp_path) == ""

@@ -109,7 +109,6 @@ class FakeAxis:
         self.coordinate = 0.0
         self.homed = False
         self.zero = UNKNOWN_ZERO
-        self.leases = 0
         self.silent = False
         self.moves = []
         self.homings = 0
@@ -133,11 +132,10 @@ class FakeAxis:
         self.zero = ZeroEpoch(number, FIRST_SWEEP_US + number if found else self.zero.time_us)
 
     def reserve(self):
-        self.leases += 1
-        return Lease(self.leases, 2.0)
+        return Lease(1, 2.0)
 
     def renew(self, lease):
-        return lease.number == self.leases
+        return True
 
     def release_lease(self, lease):
         pass
@@ -328,7 +326,7 @@ class FakeStorage:
             raise DeviceError(verbatim(reason))
 
 
-def described_robot(time_scale=1.0, simulated=True):
+def described_robot(simulated=True):
     """Return what the nodes of a robot say about themselves."""
     robot = DescribedRobot(Site(), TimeLimits(), lambda _robot: None)
     configurations = {
@@ -336,7 +334,7 @@ def described_robot(time_scale=1.0, simulated=True):
     }
     configurations.update(height_sensor={"samples": 5}, vna_acquisition={"address": "127.0.0.2"})
     for node, configuration in configurations.items():
-        hardware = Hardware(f"fake {node}", simulated, time_scale)
+        hardware = Hardware(f"fake {node}", simulated)
         robot.note(NodeDescription(node, hardware, configuration))
     robot.note(NodeDescription("vna_processing", NO_HARDWARE, {"data": "/surveys"}))
     return robot
@@ -361,7 +359,6 @@ class Bench:
 
     def __init__(
         self,
-        time_scale=1.0,
         clock=None,
         analyzer=None,
         storage=None,
@@ -381,7 +378,7 @@ class Bench:
         self.board = SurveyStatus(self._note, self.parameters.append, note_coverage)
         clock = self.clock = clock or FastClock()
         self.nodes = HandNotedNodes(clock, self.board.set_missing)
-        self.description = described_robot(time_scale)
+        self.description = described_robot()
         self.robot = Robot(
             dict(zip(AxisId, self.axes)),
             self.analyzer,

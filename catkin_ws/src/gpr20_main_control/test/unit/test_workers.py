@@ -38,17 +38,6 @@ def test_a_call_that_hangs_does_not_delay_others():
     assert all(one.result(LIMIT_S) for one in hanging)
 
 
-def test_no_more_calls_are_made_at_the_same_time_than_allowed():
-    workers, hang, begun = Workers(most=2), Hanging(), threading.Semaphore(0)
-    calls = [workers.begin(lambda: (begun.release(), hang())) for _call in range(10)]
-    for _call in range(2):
-        assert begun.acquire(timeout=LIMIT_S)
-    assert not begun.acquire(timeout=0.05)
-    hang.released.set()
-    for one in calls:
-        one.result(LIMIT_S)
-
-
 ONE = Workers(most=1)
 
 

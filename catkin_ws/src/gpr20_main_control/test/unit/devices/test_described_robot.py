@@ -1,7 +1,5 @@
 """What the nodes say about themselves decides whether a robot is simulated."""
 
-import json
-
 import pytest
 from fake_robot import described_robot
 from fault_kit import raises_fault
@@ -21,9 +19,9 @@ from gpr20_survey.plan.site import Site
 from gpr20_survey.plan.survey_state import SurveyState
 
 
-def redescribe(robot, node, simulated=True, time_scale=1.0, **changes):
+def redescribe(robot, node, simulated=True, **changes):
     before = robot.nodes[node]
-    hardware = Hardware("another", simulated, time_scale)
+    hardware = Hardware("another", simulated)
     robot.note(NodeDescription(node, hardware, {**before.configuration, **changes}))
 
 
@@ -73,13 +71,3 @@ def test_a_survey_pauses_when_a_node_comes_back_as_another_one(bench):
     assert status.message.fault_code == faults.CONFIGURATION_CHANGED.code
     redescribe(bench.description, "y_axis/axis_driver", max_coord=AXES[AxisId.Y].max_coord)
     bench.resume_to_the_end()
-
-
-def test_the_configuration_and_the_nodes_are_recorded():
-    recorded = json.loads(json.dumps(described_robot(time_scale=20.0).recorded()))
-    assert recorded["analyzer"] == {"address": "127.0.0.2"}
-    assert recorded["storage"] == {"data": "/surveys"}
-    assert recorded["site"]["robot"] == "GPR-20"
-    assert recorded["time_limits"]["storage_limit_s"] == TimeLimits().storage_limit_s
-    assert [one["name"] for one in recorded["nodes"]] == sorted(PLAIN_NAMES)
-    assert all(one["simulated"] and one["time_scale"] == 20.0 for one in recorded["nodes"])

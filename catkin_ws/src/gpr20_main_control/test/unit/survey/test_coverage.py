@@ -59,14 +59,6 @@ def test_a_failed_sample_keeps_its_reason_until_it_is_stored_and_never_fails_aft
     assert coverage.reasons == {} and coverage.states[1] is MEASURED
 
 
-def test_a_sample_measured_again_counts_as_stored_exactly_when_it_is():
-    coverage = Coverage(1)
-    coverage.note_remeasured(0)
-    assert coverage.states == [NOT_VISITED]
-    coverage.note_stored(0)
-    assert coverage.states == [REMEASURED] and coverage.verdict().complete
-
-
 @given(st.lists(st.sampled_from(SampleState), max_size=40))
 def test_the_runs_spell_out_every_state(states):
     coverage = Coverage(len(states))

@@ -31,21 +31,6 @@ def with_own_settings(settings):
     return replace(settings, analyzer=replace(OWN, **asked))
 
 
-def test_the_calibration_is_recorded_as_it_is_after_the_setup(bench):
-    details = {"parameters": ["S21"], "type": "TRFP"}
-
-    def accept(settings):
-        after = AnalyzerCalibration(CalibrationStatus.MODERATE_POWER, details)
-        bench.analyzer.calibration = lambda: after
-        return settings
-
-    bench.analyzer.accept = accept
-    bench.start()
-    bench.complete()
-    instrument = json.loads(bench.storage.records[0].metadata_json)["instrument"]
-    assert (instrument["calibration_status"], instrument["calibration_details"]) == (2, details)
-
-
 def test_a_failed_height_is_stored_as_none_with_its_reason_where_that_is_the_policy():
     def fail():
         raise DeviceError(Message("no answer:\nthe node died"))
@@ -107,14 +92,23 @@ def test_a_sweep_with_other_settings_than_the_surveys_is_never_stored(bench, cha
 
 
 def test_the_settings_of_a_survey_are_requested_and_what_was_accepted_is_recorded(bench):
-    bench.analyzer.accept = with_own_settings
+    details = {"parameters": ["S21"], "type": "TRFP"}
+
+    def accept(settings):
+        after = AnalyzerCalibration(CalibrationStatus.MODERATE_POWER, details)
+        bench.analyzer.calibration = lambda: after
+        return with_own_settings(settings)
+
+    bench.analyzer.accept = accept
     bench.analyzer.sweep_duration_s = 0.35
     bench.start(if_bandwidth_hz=100.0, averages=2)
     bench.complete()
     assert bench.analyzer.requested[0].analyzer == AnalyzerSettings(100.0, 2, "")
-    sweep = json.loads(bench.storage.records[0].metadata_json)["instrument"]["sweep"]
+    instrument = json.loads(bench.storage.records[0].metadata_json)["instrument"]
+    # The calibration is that after the setup.
+    assert (instrument["calibration_status"], instrument["calibration_details"]) == (2, details)
     accepted = AnalyzerSettings(100.0, 2, "HIGH")
-    assert sweep == {
+    assert instrument["sweep"] == {
         "start_frequency_hz": 600.0e6,
         "stop_frequency_hz": 6.0e9,
         "points": 5,

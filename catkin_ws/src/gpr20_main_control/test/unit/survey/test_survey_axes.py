@@ -80,10 +80,13 @@ def test_a_move_that_does_not_arrive_pauses_the_survey_and_nothing_is_measured(
     assert not may_move or bench.x.stops
 
 
-def test_a_lost_result_is_settled_by_the_axis_own_coordinate(bench):
-    bench.x.move_outcome = lambda _wait_s: None
-    bench.start()
-    bench.complete()
+def test_a_lost_result_is_settled_by_the_axis_own_coordinate(settling):
+    def lose_result(wait_s):
+        settling.clock.time_s += wait_s
+
+    settling.x.move_outcome = lose_result
+    settling.start()
+    settling.complete()
 
 
 def fail_homing(message):

@@ -4,7 +4,6 @@ import gc
 
 import pytest
 from fake_robot import Bench, FakeStorage, ManualClock
-from survey_examples import PARAMETERS
 
 from gpr20_common.message import Message
 from gpr20_main_control import faults
@@ -51,14 +50,6 @@ def test_the_height_of_every_trace_is_the_one_measured_at_its_own_point(bench):
         expected_m = 0.1 + one.x_coord_mm / 1000.0 + one.y_coord_mm / 100.0
         assert one.antennae_height_m == pytest.approx(expected_m)
     assert len({one.antennae_height_m for one in bench.storage.samples}) == 12
-
-
-def test_the_estimate_follows_the_speed_of_the_robot():
-    real = Bench(settle_s=1.0).control.set_parameters(PARAMETERS)
-    fast = Bench(time_scale=50.0, settle_s=1.0).control.set_parameters(PARAMETERS)
-    assert real.total_points == fast.total_points == 24
-    assert real.duration_s == pytest.approx(50.0 * fast.duration_s)
-    assert real.duration_s > 24 * 1.0
 
 
 def test_the_control_keeps_nothing_of_a_trace_that_is_stored():
