@@ -108,10 +108,3 @@ def test_reindexing_a_bag_cut_while_it_was_finished_keeps_every_trace(tmp_path, 
             torn[offset : offset + length] = data[:length]
             assert len(reindexed(tmp_path / "cut.bag", bytes(torn))) == 4
         content = torn
-
-
-def test_a_file_is_never_overwritten(folder):
-    before = (folder / "survey.bag").read_bytes()
-    with pytest.raises(FileExistsError):
-        BagFile(folder / "survey.bag")
-    assert (folder / "survey.bag").read_bytes() == before

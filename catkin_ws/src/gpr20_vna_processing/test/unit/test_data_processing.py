@@ -9,7 +9,6 @@ import time
 import numpy as np
 import pytest
 from fault_kit import raises_fault
-from mcap.reader import make_reader
 from storage_kit import (
     NOW_NS,
     OTHER_SURVEY,
@@ -250,35 +249,6 @@ def test_a_computer_without_a_clock_opens_no_survey(tmp_path):
     kit.processing.shut_down()
 
 
-def test_recordings_that_cannot_begin_leave_no_survey_open(tmp_path):
-    answers = [DISK_FULL, None]
-
-    def open_recordings(*_arguments):
-        error = answers.pop(0)
-        if error:
-            raise error
-        return [MemoryRecording()]
-
-    kit = Kit(tmp_path, open_recordings)
-    with raises_fault("disk.full", error=StorageFailedError):
-        kit.open()
-    assert kit.processing.state().survey_id == ""
-    kit.open(OTHER_SURVEY)
-    kit.processing.shut_down()
-
-
-def test_a_shut_down_finishes_the_recordings_and_says_interrupted(tmp_path):
-    kit = Kit(tmp_path)
-    folder = kit.open()
-    kit.processing.store(make_trace(0))
-    kit.processing.shut_down()
-    survey = read_json(folder / "survey.json")
-    assert (survey["outcome"], survey["stored_traces"]) == ("interrupted", 1)
-    with open(folder / "survey.mcap", "rb") as stream:
-        topics = [channel.topic for _, channel, _ in make_reader(stream).iter_messages()]
-    assert topics == ["/replay", "/survey_metadata", "/survey_log", "/trace", "/control_status"]
-
-
 def test_a_full_disk_is_told_and_the_trace_is_stored_once_after_space_was_made(kit, memory):
     kit.open()
     memory.error = DISK_FULL
@@ -304,16 +274,6 @@ def test_traces_are_stored_after_a_commit_that_failed_as_nobody_expected(kit, me
     assert len(fault_log) == 1
     kit.processing.store(make_trace(0))
     assert len(kit.stored) == 1
-
-
-def test_two_surveys_never_share_a_folder(kit):
-    folder = kit.open()
-    kit.processing.store(make_trace(0))
-    kit.processing.close_survey(SURVEY, "finished")
-    with raises_fault("survey.folder_exists", error=SurveyRefusedError):
-        kit.open(SURVEY)
-    assert len(trace_files(folder)) == 1
-    assert kit.open(OTHER_SURVEY) != folder
 
 
 def test_messages_of_other_topics_reach_the_disk_without_a_trace(kit, memory):

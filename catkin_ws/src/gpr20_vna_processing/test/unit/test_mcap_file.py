@@ -1,6 +1,6 @@
 """The MCAP of a survey by its stock readers; cut or changed anywhere, it invents no trace.
 
-So do its JSON files, and the bag.
+So does the bag.
 """
 
 from __future__ import annotations
@@ -20,12 +20,9 @@ from storage_kit import Kit, bag_messages, text_message
 from trace_examples import STARTED_US, SURVEY, assert_same_numbers, make_trace
 
 from gpr20_survey.errors import TraceRefusedError
-from gpr20_survey.folder import trace_files
 from gpr20_survey.recording.mcap_reader import StoredMcap
-from gpr20_survey.recording.mcap_writer import McapFile
 from gpr20_survey.recording.recordings import open_recordings
 from gpr20_survey.recording.survey_topics import recorded_trace
-from gpr20_survey.trace import trace_json
 
 TRACES = [make_trace(index, timestamp_us=STARTED_US + 10**6 * (index + 2)) for index in range(4)]
 PRINTS = {trace.index: trace.fingerprint() for trace in TRACES}
@@ -143,13 +140,6 @@ def test_a_file_cut_anywhere_behind_an_acknowledged_trace_still_has_it(snapshots
     assert len(traces) == 4
 
 
-def test_a_file_is_never_overwritten(folder):
-    before = (folder / "survey.mcap").read_bytes()
-    with pytest.raises(FileExistsError):
-        McapFile(folder / "survey.mcap", {}, b"{}", 1)
-    assert (folder / "survey.mcap").read_bytes() == before
-
-
 @pytest.mark.parametrize("kind", ["bag", "mcap"])
 def test_a_recording_cut_in_its_last_records_holds_what_was_acknowledged(kind, snapshots, tmp_path):
     acknowledged, longer = ((snapshots / n / f"survey.{kind}").read_bytes() for n in "23")
@@ -201,14 +191,3 @@ def test_two_damaged_traces_are_passed_over_and_the_next_is_read(snapshots, tmp_
     assert prints == {index: PRINTS[index] for index in prints}
     assert {0, 3} <= prints.keys()
     assert not {1, 2} <= prints.keys()
-
-
-def test_a_json_file_that_was_cut_is_no_trace(tmp_path):
-    content = trace_json.encode(TRACES[0])
-    path = tmp_path / "000000_X0050.00_Y0012.35_Z+090.00.json"
-    for cut in drawn(0, len(content)):
-        path.write_bytes(content[:cut])
-        with pytest.raises(TraceRefusedError):
-            trace_files.read_trace(path, SURVEY)
-    path.write_bytes(content)
-    assert trace_files.read_trace(path, SURVEY).fingerprint() == PRINTS[0]

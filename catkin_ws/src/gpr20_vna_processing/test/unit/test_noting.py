@@ -6,19 +6,16 @@ damage; `damage/test_damages.py` has what damage does to it."""
 from __future__ import annotations
 
 import json
-import multiprocessing
 import os
 from dataclasses import replace
 
 import pytest
-from annotation_examples import EXAMPLE, annotations
+from annotation_examples import EXAMPLE
 from case_kit import each_case
 from fault_kit import raises_fault
-from hypothesis import HealthCheck, given, settings
 from log_examples import NOW, add_marker, make_former, marker
 from planned_survey import METADATA, planned_trace
-from reopening_kit import TRACES, noted, resume, texts
-from run_seed import draws
+from reopening_kit import TRACES, noted, texts
 from storage_kit import OTHER_SURVEY, Kit
 from trace_examples import SURVEY, read_json
 
@@ -26,8 +23,8 @@ from gpr20_analysis.read.verification import verify_survey
 from gpr20_analysis.read.verification_result import COMPLETE, DAMAGED, INCOMPLETE
 from gpr20_survey.errors import SurveyRefusedError
 from gpr20_survey.folder import annotating
-from gpr20_survey.folder.annotating import add_to_survey, annotate
-from gpr20_survey.folder.recovery import read_description, recover
+from gpr20_survey.folder.annotating import add_to_survey
+from gpr20_survey.folder.recovery import read_description
 from gpr20_survey.plan.annotation import EMPTY, Annotation, annotation_of
 from gpr20_survey.plan.markers import (
     MAX_MARKERS,
@@ -44,7 +41,6 @@ AT_START = Annotation("Ana", "El Carmen", "at the start")
 WITH_ANNOTATION = json.dumps({**json.loads(METADATA), "annotation": AT_START.values()})
 ONE = Marker(marker(1).marker_id, 12.5, 20.0, 80.0, "metal, junto a la raíz", "Ana")
 OTHER = Marker(marker(2).marker_id, 15.0, 10.0)
-WRITERS, MARKERS_EACH = 3, 3
 
 
 @pytest.fixture
@@ -138,24 +134,6 @@ def test_a_repeated_request_adds_nothing_and_another_one_of_its_id_is_refused(ki
     assert len(markers(folder)) == 1
 
 
-def test_what_was_noted_survives_interruption_resumption_and_another_process(kits):
-    first = kits()
-    folder = first.open(metadata_json=WITH_ANNOTATION)
-    first.processing.store(planned_trace(0))
-    first.processing.add_marker("", ONE)
-    first.processing.shut_down()
-    second = kits()
-    second.processing.annotate(SURVEY, EXAMPLE)
-    second.processing.add_marker(SURVEY, OTHER)
-    reopened = second.processing.reopen_survey(SURVEY)
-    metadata = json.loads(reopened.metadata_json)
-    assert annotation_of(metadata) == EXAMPLE and "markers" not in metadata
-    second.finish(TRACES, reopened.stored_indices)
-    assert annotation(folder) == EXAMPLE
-    assert [one.text for one in markers(folder)] == [ONE.text, OTHER.text]
-    assert_intact(folder)
-
-
 def test_a_survey_with_damaged_markers_can_be_resumed(kits):
     first = kits()
     folder = first.open(metadata_json=METADATA)
@@ -203,26 +181,15 @@ def test_a_missing_manifest_is_not_made_again_by_an_addition(kit, closed):
     assert verify_survey(closed).status == DAMAGED
 
 
-@given(annotations)
-@settings(max_examples=draws(4), suppress_health_check=[HealthCheck.function_scoped_fixture])
-def test_any_annotation_is_stored_as_it_is(closed, annotated):
-    add_to_survey(closed, annotate(annotated), NOW)
-    assert repr(annotation(closed)) == repr(annotated)
-
-
 @each_case(
     "wrong, shown",
     [
-        ({"marker_id": "1"}, ()),
         ({"marker_id": 5}, (5,)),
         ({"x_mm": float("nan")}, ("X", "nan")),
         ({"y_mm": 10_001.0}, ("Y", 10001)),
-        ({"y_mm": True}, ("Y", "bool")),
         ({"depth_mm": -1.0}, ("depth", -1)),
-        ({"text": "a\nb"}, ("U+000A",)),
         ({"text": "a" * 501}, (501,)),
         ({"author": "\x1b"}, ("U+001B",)),
-        ({"author": None}, ("NoneType",)),
     ],
 )
 def test_a_marker_that_is_not_allowed_is_refused(wrong, shown):
@@ -242,34 +209,6 @@ def test_damaged_markers_are_recognized_and_their_number_is_limited():
     assert removed_marker(full, marker(5).marker_id, "", NOW) is not None
 
 
-def write_markers(folder, writer, answers):
-    for number in range(MARKERS_EACH):
-        add_to_survey(folder, add_marker(100 * writer + number), NOW)
-        answers.put(100 * writer + number)
-
-
-def test_processes_that_add_at_once_lose_nothing_and_leave_it_intact(copies):
-    folder = copies("finished")
-    context = multiprocessing.get_context("fork")
-    answers = context.Queue()
-    children = [
-        context.Process(target=write_markers, args=(folder, writer, answers))
-        for writer in range(1, WRITERS + 1)
-    ]
-    for child in children:
-        child.start()
-    acknowledged = [answers.get(timeout=60) for _ in range(WRITERS * MARKERS_EACH)]
-    for child in children:
-        child.join(60)
-        assert child.exitcode == 0
-    found = noted(folder)[2:]
-    assert sorted(found) == sorted(texts(*acknowledged))
-    for writer in range(1, WRITERS + 1):
-        own = texts(*(100 * writer + number for number in range(MARKERS_EACH)))
-        assert [text for text in found if text in own] == own
-    assert_intact(folder)
-
-
 def test_a_survey_that_is_open_takes_facts_from_its_storage_alone(copies, monkeypatch):
     monkeypatch.setattr(annotating, "SHORT_WAIT_S", 0.05)
     folder = copies("stopped")
@@ -284,10 +223,3 @@ def test_a_survey_that_is_open_takes_facts_from_its_storage_alone(copies, monkey
     kit.processing.shut_down()
     add_to_survey(folder, add_marker(4), NOW)
     assert noted(folder) == texts(1, 2, 3, 4)
-
-
-def test_what_resuming_repaired_is_in_the_log_and_in_the_recording(copies):
-    folder = copies("cut off")
-    resume(folder, "stopped")
-    kinds = [one.kind for one in recover(folder).found.records]
-    assert kinds == ["plan", "marker", "annotation", "report", "marker", "resume", "end"]

@@ -4,24 +4,20 @@ START stores nothing in a folder that is not the data folder, or on an unsuitabl
 
 from __future__ import annotations
 
-import multiprocessing
 import os
 import shutil
 import stat
 import subprocess
-import threading
 
 import pytest
 from case_kit import each_case
 from fault_kit import raises_fault
 from log_examples import NOW, add_marker
 from reopening_kit import messages_in_mcap, trace_file, traces_in_bag
-from storage_kit import OTHER_SURVEY, Kit, MemoryRecording, wait_until
+from storage_kit import OTHER_SURVEY, Kit, MemoryRecording
 from trace_examples import SURVEY, assert_same_numbers, make_trace, read_json
 
-from gpr20_common.errors import InvalidValueError
 from gpr20_common.low.clock import Clock
-from gpr20_common.mid.records import record_from
 from gpr20_survey.errors import StorageFailedError, SurveyRefusedError
 from gpr20_survey.faults import OTHER_DATA_FOLDER
 from gpr20_survey.files.access import Readers
@@ -29,7 +25,6 @@ from gpr20_survey.files.durable_files import is_temporary
 from gpr20_survey.folder.annotating import add_to_survey
 from gpr20_survey.folder.data_folder import DataFolder, DataFolderUse
 from gpr20_survey.recording.recordings import open_recordings
-from gpr20_vna_processing.mid.processing_parameters import ProcessingParameters
 from gpr20_vna_processing.mid.processing_records import Limits
 
 LIMITS = Limits(timeout_s=60.0, period_s=0.05, disk_reserve_bytes=0)
@@ -59,26 +54,6 @@ def fill_until_refused(kit: Kit) -> int:
             assert error.message.fault_code in ("disk.full", "disk.refuses")
             return index
     raise AssertionError("the disk takes everything")
-
-
-def filled_by_killed_process(place) -> int:
-    """Fill a disk in a process that is then killed; return the index that was not stored."""
-    context = multiprocessing.get_context("fork")
-    answers = context.SimpleQueue()
-
-    def fill() -> None:
-        kit = kit_on(place)
-        kit.open()
-        (place / "ballast").write_bytes(b"\0" * 500_000)
-        answers.put(fill_until_refused(kit))
-        threading.Event().wait()
-
-    child = context.Process(target=fill, daemon=True)
-    child.start()
-    refused = answers.get()
-    child.kill()
-    child.join()
-    return refused
 
 
 def finish(kit, folder, count) -> None:
@@ -120,21 +95,6 @@ def test_a_survey_goes_on_after_space_was_made_on_a_full_disk(small_disk):
 
 
 @pytest.mark.needs("mounts")
-def test_a_survey_on_a_full_disk_is_reopened_after_a_kill(small_disk):
-    refused = filled_by_killed_process(small_disk)
-    later = kit_on(small_disk)
-    folder = next((small_disk / "data").iterdir())
-    with raises_fault("disk.full", error=StorageFailedError):
-        later.processing.reopen_survey(SURVEY)
-    (small_disk / "ballast").unlink()
-    reopened = later.processing.reopen_survey(SURVEY)
-    assert reopened.stored_indices[:refused] == tuple(range(refused))
-    for index in range(len(reopened.stored_indices), refused + 5):
-        later.processing.store(make_trace(index))
-    finish(later, folder, refused + 5)
-
-
-@pytest.mark.needs("mounts")
 def test_a_disk_that_became_read_only_is_told_and_the_survey_goes_on_when_it_is_not(small_disk):
     def remount(mode: str) -> None:
         # By force: the recordings are open for writing, as they are when a disk fails.
@@ -155,31 +115,6 @@ def test_a_disk_that_became_read_only_is_told_and_the_survey_goes_on_when_it_is_
     assert kit.processing.reopen_survey(SURVEY).stored_indices == (0, 1, 2)
     kit.processing.store(make_trace(3))
     finish(kit, folder, 4)
-
-
-def test_a_slow_disk_makes_the_callers_wait_and_loses_nothing(tmp_path, monkeypatch):
-    kit = kit_on(tmp_path)
-    folder = kit.open()
-    real_fsync, may_go_on, most = os.fsync, threading.Event(), 0
-
-    def slow(descriptor):
-        may_go_on.wait(30.0)
-        real_fsync(descriptor)
-
-    monkeypatch.setattr(os, "fsync", slow)
-    callers = [
-        threading.Thread(target=kit.processing.store, args=(make_trace(index),))
-        for index in range(12)
-    ]
-    for caller in callers:
-        caller.start()
-    wait_until(lambda: kit.processing.state().queues.jobs >= LIMITS.queues.jobs, 30.0)
-    most = kit.processing.state().queues.jobs
-    may_go_on.set()
-    for caller in callers:
-        caller.join(30.0)
-    assert most <= LIMITS.queues.jobs
-    finish(kit, folder, 12)
 
 
 EXPECTED = {
@@ -254,14 +189,6 @@ def test_a_survey_and_a_data_folder_that_exist_keep_their_modes_and_group(tmp_pa
     assert modes(folder) == [{0o2755}, {0o644}]
     assert {one.stat().st_gid for one in folder.rglob("*")} == {data.stat().st_gid}
     assert stat.S_IMODE(data.stat().st_mode) == 0o2775
-
-
-def test_the_parameter_of_the_readers_is_one_of_the_three():
-    assert ProcessingParameters().readable_by is Readers.GROUP
-    read = record_from(ProcessingParameters, {"readable_by": "owner"}, "storage")
-    assert read.readable_by is Readers.OWNER
-    with raises_fault("value.not_allowed", "everyone", error=InvalidValueError):
-        record_from(ProcessingParameters, {"readable_by": "everyone"}, "storage")
 
 
 @pytest.fixture

@@ -17,7 +17,6 @@ import threading
 from pathlib import Path
 
 import pytest
-from case_kit import each_case
 from fault_kit import raises_fault
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
@@ -168,19 +167,6 @@ def test_a_pipe_in_the_place_of_a_file_is_not_waited_for(kit, data, folder, part
     assert in_time(lambda: SurveyArchive(data).list("", 10)) is None
 
 
-@each_case("put", [put_folder, put_pipe])
-def test_a_check_does_not_wait_for_what_stands_in_the_place_of_the_manifest(copies, put):
-    folder = copies("stopped")
-    (folder / "manifest.json").unlink()
-    put(folder / "manifest.json")
-    assert checked(folder).damage.fault_code == "storage.not_a_file"
-    kit = Kit(folder.parent, open_recordings)
-    assert in_time(lambda: kit.processing.add_marker(SURVEY, marker(3))) is not None
-    go_on_and_close(kit)  # where it is no obstacle
-    kit.processing.shut_down()
-    assert checked(folder).differences == []
-
-
 @contextlib.contextmanager
 def little_memory():
     """Let this process take a bounded amount more; beyond it there is a MemoryError."""
@@ -301,21 +287,10 @@ def test_foreign_things_that_are_no_obstacle_are_left_alone_or_told(kit, folder)
     ]
 
 
-def test_a_strange_thing_among_the_data_keeps_a_survey_open_until_it_is_moved(kit, folder):
-    kit.processing.reopen_survey(SURVEY)
-    strange = folder / "traces" / "notes.txt"
-    put_link(strange)
-    with raises_fault("storage.not_a_file", "notes.txt", error=StorageFailedError):
-        kit.processing.close_survey(SURVEY, "stopped")
-    strange.unlink()
-    kit.processing.close_survey(SURVEY, "stopped")
-
-
 @pytest.mark.parametrize(
     ("part", "put", "code"),
     [
         ("survey.bag", put_folder, "storage.not_a_file"),
-        ("survey.mcap", put_folder, "storage.not_a_file"),
         ("traces", put_file, "storage.file_exists"),
         ("damaged", put_file, "storage.file_exists"),
     ],

@@ -6,17 +6,15 @@ import shutil
 from pathlib import Path
 
 import pytest
-from annotation_examples import EXAMPLE
 from fault_kit import raises_fault
 from planned_survey import POINTS, planned_trace
 from reopening_kit import assert_whole
 from storage_kit import OTHER_SURVEY, Kit, bag_messages
-from trace_examples import SURVEY, read_json
+from trace_examples import SURVEY
 
 from gpr20_analysis.read.verification import verify_survey
 from gpr20_analysis.read.verification_result import COMPLETE, INCOMPLETE
 from gpr20_survey.errors import SurveyRefusedError
-from gpr20_survey.plan.annotation import annotation_of
 from gpr20_survey.recording.mcap_reader import StoredMcap
 from gpr20_survey.recording.recordings import open_recordings
 from gpr20_survey.trace import trace_message
@@ -87,13 +85,6 @@ def test_a_finished_survey_is_complete_and_there_is_nothing_to_go_on_with(kit, d
         kit.processing.reopen_survey(SURVEY)
 
 
-@pytest.mark.parametrize("name", FORMS)
-def test_a_finished_survey_that_lost_a_form_is_made_whole_again(kit, data, version, name):
-    remove(folder_of(data, SURVEY) / name)
-    assert kit.processing.reopen_survey(SURVEY).stored_indices == tuple(range(len(POINTS)))
-    assert finish(kit, data, version, SURVEY).status == COMPLETE
-
-
 def test_a_survey_that_was_cut_off_goes_on_to_its_end(kit, data, version):
     folder = folder_of(data, OTHER_SURVEY)
     assert verify_survey(folder).status == INCOMPLETE
@@ -129,22 +120,3 @@ def test_a_resumed_survey_that_lost_a_form_is_made_whole_and_resumed_again(
     remove(folder_of(data, OTHER_SURVEY) / name)
     kit.processing.reopen_survey(OTHER_SURVEY)
     assert finish(kit, data, version, OTHER_SURVEY).status == COMPLETE
-
-
-@pytest.mark.parametrize("survey_id", [SURVEY, OTHER_SURVEY])
-def test_a_survey_whose_description_is_lost_goes_on_with_the_copy_of_its_start(
-    kit, data, version, survey_id
-):
-    folder = folder_of(data, survey_id)
-    kit.processing.annotate(survey_id, EXAMPLE)
-    assert annotation_of(read_json(folder / "survey.json")) == EXAMPLE
-    found = verify_survey(folder)
-    status = COMPLETE if survey_id == SURVEY else INCOMPLETE
-    assert (found.status, found.faults) == (status, [])
-    for name in ("survey.json", "log.jsonl"):
-        (folder / name).unlink()
-    kit.processing.reopen_survey(survey_id)
-    # Whatever was noted of it is lost, and it is never called intact again.
-    found = finish(kit, data, version, survey_id)
-    assert (found.status, found.faults) == (INCOMPLETE, [])
-    assert found.unconfirmed
