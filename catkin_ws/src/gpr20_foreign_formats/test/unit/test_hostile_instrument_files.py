@@ -1,7 +1,5 @@
 """Files of other instruments that are cut, damaged or hostile: refused, or still a survey."""
 
-from __future__ import annotations
-
 import os
 import tempfile
 import tracemalloc
@@ -163,51 +161,27 @@ LINE = "# MHz S RI R 50\n1000 0 0 1 0 0 0 0 0\n"
 ROW = [SAMPLES] * 6
 WRONG = [
     ("l.dzt", of(write_dzt, tag=0x1234), ["rh_tag"]),
-    ("l.dzt", of(write_dzt, range=0.0), ["rhf_range", "0.0"]),
     ("l.dzt", of(write_dzt, epsr=0.5), ["rhf_epsr", "0.5", "between 1"]),
-    ("l.dzt", of(write_dzt, epsr=np.nan), ["rhf_epsr", "nan"]),
-    ("l.dzt", of(write_dzt, spm=np.inf), ["rhf_spm"]),
-    ("l.dzt", of(write_dzt, position=-1e30), ["rhf_position"]),
     ("l.dzt", of(write_dzt, position=-9.0), ["time zero", "--time-zero"]),
-    ("l.dzt", dzt_counts(samples=0), ["rh_nsamp"]),
     ("l.dzt", dzt_counts(channels=60000), ["rh_nchan"]),
     ("l.dzt", dzt_counts(data=1000), ["cut off"]),
     ("l.dt1", of(write_dt1, x=[0, 1, 0.5, 2, 3, 4]), ["trace", "--spacing"]),
-    ("l.dt1", of(write_dt1, x=[0, 1, np.nan, 3, 4, 5]), ["trace", "--spacing"]),
     ("l.dt1", of(write_dt1, **{"NUMBER OF TRACES": 5}), ["NUMBER OF TRACES", "6, as in l.dt1"]),
-    ("l.dt1", of(write_dt1, **{"NUMBER OF PTS/TRC": 41}), ["l.dt1", "cut off"]),
-    ("l.dt1", of(write_dt1, **{"TOTAL TIME WINDOW": "abc"}), ["TOTAL TIME WINDOW", "abc"]),
     ("l.dt1", of(write_dt1, **{"POSITION UNITS": "furlong"}), ["POSITION UNITS", "m or ft"]),
-    ("l.dt1", of(write_dt1, **{"ANTENNA SEPARATION": "30"}), ["--separation"]),
     ("l.rd3", of(write_rd3, **{"LAST TRACE": 7}), ["LAST TRACE", "6, as in l.rd3"]),
-    ("l.rd3", of(write_rd3, **{"SAMPLES": 0}), ["SAMPLES"]),
-    ("l.rd3", of(write_rd3, **{"NUMBER_OF_CH": 4}), ["NUMBER_OF_CH", "4"]),
-    ("l.rd3", of(write_rd3, **{"FREQUENCY": "nan"}), ["FREQUENCY"]),
     ("l.rd3", of(write_rd3, **{"TIMEWINDOW": 16.0}), ["TIMEWINDOW"]),
-    ("l.rd3", of(write_rd3, **{"DISTANCE INTERVAL": -1}), ["DISTANCE INTERVAL"]),
-    ("l.sgy", of(write_segy, b3221=0), ["number of samples"]),
-    ("l.sgy", of(write_segy, b3225=4), ["format code"]),
     ("l.sgy", of(write_segy, b3501=0x0100, b3505=0xFFFF), ["extended headers", "-1"]),
     ("l.sgy", of(write_segy, b115=[*ROW[:2], 7, *ROW[3:]]), ["number of samples", "7"]),
-    ("l.sgy", of(write_segy, b3217=0, b117=0), ["sample interval"]),
     ("l.sgy", of(write_segy, b89=2), ["angles", "--spacing"]),
     ("l.sgy", of(write_segy, b117=[200, 200, 0, 300, 200, 200]), ["300", "200", "--interval"]),
-    ("l.sgy", of(write_segy, b109=-5), ["delay recording time", "-5", "--time-zero"]),
     ("l.sgy", of(write_segy, b73=[0, 0, 20, 20, 40, 40], b81=[0, 0, 20, 20, 40, 40]), []),
-    ("t", touchstone("# MHz S RI R 50\n"), ["X20_Y0.s2p", "damaged"]),
     ("t", touchstone("# Hz S RI R 50\n1 0 0 1 0 0 0 0 0\n2 0 0 1 0 0 0 0 0\n"), ["first freq"]),
-    ("t", touchstone(LINE + "1100 0 0 1\n"), ["X20_Y0.s2p", "damaged"]),
     ("t", touchstone(LINE + "1200 0 0 1 0 0 0 0 0\n"), ["X20_Y0.s2p", "other frequencies"]),
     ("t", touchstone("no Touchstone file"), ["X20_Y0.s2p", "damaged"]),
     ("t", sweep(3e9, 2e9, 1e9), ["sort the lines"]),
-    ("t", sweep(1e9, 2e9, 2e9), ["2000", "sort the lines"]),
     ("t", sweep(1e9, 2e9, 4e9), ["not evenly spaced"]),
     ("t", of(write_touchstone, names=["X0.s1p", "X10.S2P"]), ["S11", "S21", "another folder"]),
-    ("t", of(write_touchstone, names=["a_X0_Y0.s2p", "b_X0_Y0.s2p", "c_X5_Y0.s2p"]), []),
-    ("m.h5", merged(lambda file: file.attrs.update(Iterations=7)), ["m.h5"]),
-    ("m.h5", merged(lambda file: file.attrs.update(nrx=2)), ["m.h5"]),
     ("m.h5", merged(lambda file: file.attrs.update(rxsteps=(np.nan, 0.0, 0.0))), ["m.h5"]),
-    ("m.h5", merged(lambda file: file.attrs.update(dt=np.nan)), ["m.h5"]),
     ("m.h5", merged(lambda f: f["rxs/rx1/Ey"].write_direct(np.full((400, 6), np.nan))), ["m.h5"]),
     ("m.h5", merged(lambda f: [f["rxs/rx1"].pop(one) for one in ("Ex", "Ey")]), ["m.h5"]),
 ]

@@ -1,7 +1,5 @@
 """Lines of other instruments become surveys, with time zero, separation and spacing."""
 
-from __future__ import annotations
-
 import json
 
 import numpy as np
@@ -46,6 +44,9 @@ def check_line(found, values, step_s=STEP_S):
 
 @pytest.mark.parametrize("bits", [8, 16, 32])
 def test_a_dzt_file_is_read_as_shares_of_its_full_scale(tmp_path, bits):
+    write_dzt(tmp_path / "later.dzt", position=0.8)
+    found = read(tmp_path / "later.dzt", "dzt")
+    assert float(found.delay[0]) == pytest.approx(0.8e-9) and found.attrs["antenna_delay_s"] == 0.0
     write_dzt(tmp_path / "line.DZT", bits=bits, position=-1.2)
     (tmp_path / "LINE.dzx").write_text("<DZX/>")
     found = read(tmp_path / "line.DZT", "dzt", separation_m=0.06, height_m=0.01)
@@ -107,10 +108,9 @@ def test_a_mala_file_is_read_with_its_header_beside_it(tmp_path, ending):
 
 @pytest.mark.parametrize("order", "<>")
 @pytest.mark.parametrize("code", [1, 2, 3, 5, 8])
-@pytest.mark.parametrize("ebcdic", [True, False])
-def test_segy_of_others_is_read_as_obspy_reads_it(tmp_path, code, order, ebcdic):
+def test_segy_of_others_is_read_as_obspy_reads_it(tmp_path, code, order):
     values = counts(8) * (0.37 if code in (1, 5) else 1.0)
-    write_segy(tmp_path / "l.sgy", code, order, values, ebcdic=ebcdic)
+    write_segy(tmp_path / "l.sgy", code, order, values, ebcdic=order == ">")
     found = read(tmp_path / "l.sgy", "segy")
     check_line(found, values, 200e-12)
     assert "picoseconds are assumed" in str(found.attrs["notes"])
@@ -179,7 +179,6 @@ def test_a_folder_of_touchstone_files_has_its_places_in_their_names(tmp_path, fo
     [
         (["x0_y0", "x10_y0", "x20,5_y0"], [0, 10, 20.5]),
         (["X-20", "X-40", "X20", "X0"], [-20, -40, 20, 0]),
-        (["X0.25", "X0.5", "X0.75"], [0.25, 0.5, 0.75]),
     ],
 )
 def test_places_in_names_of_touchstone_files_are_ordered_as_numbers(tmp_path, names, x_mm):
@@ -215,21 +214,13 @@ def test_a_merged_file_of_gprmax_has_the_steps_of_its_receiver(tmp_path, steps, 
     write_merged(tmp_path / "3.out", steps=None)
     with raises_fault(faults.OPTION, "3.out", "--spacing"):
         read(tmp_path / "3.out", "gprmax", **known)
-    found = read(tmp_path / "3.out", "gprmax", **known, spacing_m=0.1)
-    np.testing.assert_array_equal(found.s21.values, given.s21.values)
-
-
-def real_line(path):
-    """Write the real line as the DZT file that it was, see benchmarks/worlds/data/README.md."""
-    with np.load(REAL_LINE_FILE) as stored:
-        values, bars_m = np.rint(stored["a_scans"].astype(np.float64) * 2**15), stored["rebar_x_m"]
-    write_dzt(path, [values.astype(int)], spm=118.110, epsr=7.0)
-    return values, bars_m
 
 
 def test_the_bars_of_a_real_line_are_found_in_its_dzt_file(tmp_path, capsys):
     path, output = tmp_path / "Lab_specimen_data.DZT", tmp_path / "line.nc"
-    values, bars_m = real_line(path)
+    with np.load(REAL_LINE_FILE) as stored:  # see benchmarks/worlds/data/README.md
+        values, bars_m = np.rint(stored["a_scans"].astype(np.float64) * 2**15), stored["rebar_x_m"]
+    write_dzt(path, [values.astype(int)], spm=118.110, epsr=7.0)
     assert path.stat().st_size == 340992
     scans = read(path, "dzt").a_scan
     np.testing.assert_array_equal(scans.values[0, 0, :, 2:].real * 2**15, values[:, 2:])
@@ -269,19 +260,10 @@ def test_the_files_are_recognized(tmp_path, form, name, write):
     ("form", "options", "shown"),
     [
         ("dzt", {"interval_s": 1e-12}, "--interval"),
-        ("dt1", {"channel": 1}, "--channel"),
         ("segy", {"source": "none"}, "--source"),
         ("group-csv", {"height_m": 0.1}, "--height"),
-        ("original-json", {"spacing_m": 0.1}, "--spacing"),
-        ("arrays", {"time_zero_s": 0.0}, "--time-zero"),
     ],
 )
 def test_an_option_that_a_format_cannot_use_is_refused(tmp_path, form, options, shown):
     with raises_fault(faults.OPTION, form, shown):
         import_survey(tmp_path, form, **options)
-
-
-def test_a_record_that_begins_after_the_pulse_begins_later(tmp_path):
-    write_dzt(tmp_path / "a.dzt", position=0.8)
-    found = read(tmp_path / "a.dzt", "dzt")
-    assert float(found.delay[0]) == pytest.approx(0.8e-9) and found.attrs["antenna_delay_s"] == 0.0

@@ -3,8 +3,6 @@
 The reference is written from a description of the published program, with sums and loops in place
 of its transforms and tables."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np
@@ -18,8 +16,7 @@ from gpr20_analysis.imaging.image import image_survey
 from gpr20_analysis.imaging.image_options import ImageOptions
 from gpr20_analysis.imaging.records import Ground
 from gpr20_analysis.processing.background import Background, remove_background
-from gpr20_analysis.processing.sweep import FrequencyGrid
-from gpr20_foreign_formats.kirchhoff import KIRCHHOFF, KIRCHHOFF_2D, GroupTime
+from gpr20_foreign_formats.kirchhoff import KIRCHHOFF, KIRCHHOFF_2D
 
 SPEED_M_S = 3e8
 LAST_M = 0.24
@@ -28,9 +25,6 @@ LAST_M = 0.24
 SWEEPS = [
     (600, 6000, 101, 11, 0, 82.8829),
     (600, 6000, 201, 22, 1, 83.2579),
-    (600, 6000, 501, 55, 1, 83.3935),
-    (500, 8000, 501, 33, 0, 62.4765),
-    (1000, 6000, 501, 99, 1, 83.4448),
 ]
 
 
@@ -82,16 +76,7 @@ def published_line(a_scans, place_m, depths_m, height_m, permittivity, sample_s)
     return image
 
 
-@pytest.mark.parametrize("sweep", SWEEPS)
-def test_the_time_axis_is_that_of_the_group(sweep):
-    start_mhz, stop_mhz, count, zeros, dropped, sample_ps = sweep
-    step_hz = (stop_mhz - start_mhz) * 1e6 / (count - 1)
-    time = GroupTime.of(FrequencyGrid(start_mhz * 1e6, step_hz, count))
-    assert (time.zeros, time.dropped, time.count) == (zeros, dropped, zeros + count - dropped)
-    assert time.sample_s == pytest.approx(sample_ps * 1e-12, rel=1e-5)
-
-
-@pytest.mark.parametrize(("seed", "sweep"), list(enumerate(SWEEPS[:2])))
+@pytest.mark.parametrize(("seed", "sweep"), list(enumerate(SWEEPS)))
 def test_the_image_is_that_of_the_published_algorithm(seed, sweep):
     random = np.random.default_rng(seed)
     start_mhz, stop_mhz, count, zeros, dropped, sample_ps = sweep
@@ -122,35 +107,22 @@ def test_the_image_is_that_of_the_published_algorithm(seed, sweep):
     assert ("too shallow" in " ".join(images[0].attrs["notes"])) is (dropped > 0)
 
 
-def test_positions_that_are_not_regular_are_refused():
+def test_what_the_method_cannot_image_is_refused():
+    for fault, options in (
+        (faults.OPTION, {"grid_step_m": 0.01}),
+        (faults.METHOD, {"ground": Ground.UNEVEN}),
+    ):
+        with raises_fault(fault):
+            ImageOptions(KIRCHHOFF_2D, 4.0, **options)
     x_mm = np.array([0.0, 20.0, 47.0, 60.0])
     survey = survey_of(scene([]), x_mm, x_mm, np.linspace(6e8, 6e9, 51), (0.0,))
     with raises_fault(faults.METHOD):
         image_survey(survey, ImageOptions(KIRCHHOFF, 4.0))
-
-
-def test_a_single_line_is_imaged_in_two_dimensions_alone():
-    x_mm = 60 + 20.0 * np.arange(9)
-    survey = survey_of(scene([point(130, 0, 0.1)]), x_mm, [0.0], np.linspace(6e8, 6e9, 51), (0.0,))
-    assert image_survey(survey, ImageOptions(KIRCHHOFF_2D, 4.0)).image.max() > 0.0
+    line = survey_of(scene([]), np.arange(9) * 20.0, [0.0], np.linspace(6e8, 6e9, 51), (0.0,))
     with raises_fault(faults.METHOD, "1 position along y"):
-        image_survey(survey, ImageOptions(KIRCHHOFF, 4.0))
+        image_survey(line, ImageOptions(KIRCHHOFF, 4.0))
 
 
-METHODS = [KIRCHHOFF, KIRCHHOFF_2D]
-
-
-@pytest.mark.parametrize("method", METHODS)
-def test_the_positions_of_the_survey_are_kept(method):
-    with raises_fault(faults.OPTION, "use --grid-step with --method phase-shift"):
-        ImageOptions(method, 4.0, grid_step_m=0.01)
-
-
-def test_uneven_ground_is_refused():
-    with raises_fault(faults.METHOD, "needs --method back-projection"):
-        ImageOptions(KIRCHHOFF, 4.0, ground=Ground.UNEVEN)
-
-
-@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("method", [KIRCHHOFF, KIRCHHOFF_2D])
 def test_candidates_lie_where_they_are_within_their_uncertainties(method):
     assert errors_in_uncertainties(method).max() < 1.6

@@ -1,7 +1,5 @@
 """Random surveys come back from every format as they were, and damage to the files is refused."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from checksum_kit import check_with_sha256sum
@@ -10,7 +8,6 @@ from random_surveys import random_survey
 from run_seed import draws
 
 from gpr20_analysis import ImageOptions, faults, image_survey
-from gpr20_analysis.formats.common import Imported, as_dataset
 from gpr20_analysis.formats.conversion import export_survey, import_survey
 from gpr20_analysis.formats.dataset_files import read_dataset, write_dataset
 from gpr20_analysis.formats.sums_beside import sums_path
@@ -87,28 +84,6 @@ def test_random_surveys_come_back_from_segy(tmp_path, seed):
             )
         for name in ("survey_id", "antenna_delay_s"):
             assert whole.attrs[name] == survey.attrs[name]
-
-
-def test_a_scans_in_steps_of_picoseconds_come_back_from_segy_as_the_spectra(tmp_path):
-    frequency_hz = np.arange(500e6, 2.5e9, 50e6)
-    s21 = np.exp(-2j * np.pi * frequency_hz * np.arange(1.0, 5.0)[:, None] * 1e-9)
-    survey = as_dataset(
-        Imported(
-            s21[None, None],
-            [90.0],
-            np.zeros(1),
-            np.arange(4) * 0.02,
-            np.full((1, 1, 4), 0.1),
-            "a line",
-            frequency_hz=frequency_hz,
-        )
-    ).assign_attrs({"antenna_separation_m": 0.06})
-    in_time = to_time(survey, Window.HAMMING, 6.25)
-    (path,) = export_survey(in_time, tmp_path / "s.sgy", "segy")
-    found = to_frequency(import_survey(path, "segy"))
-    np.testing.assert_allclose(found.frequency, frequency_hz)
-    np.testing.assert_allclose(found.s21.values, survey.s21.values, atol=1e-5)
-    assert found.attrs["antenna_separation_m"] == 0.06
 
 
 @pytest.mark.parametrize(("form", "name"), [("segy", "s.sgy"), ("touchstone", "t")])
