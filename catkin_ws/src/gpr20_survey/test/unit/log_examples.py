@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import hashlib
 import json
+import os
 from pathlib import Path
-from typing import Any, Dict, List, Optional, Tuple
+from typing import Any, Callable, Dict, List, Optional
 
 from annotation_examples import EXAMPLE
+from failing_disk import CALLS
 from trace_examples import STARTED_US, SURVEY
 
 from gpr20_survey.files import file_sums
@@ -28,6 +30,7 @@ from gpr20_survey.trace import utc_time
 NOW = "2026-11-21T05:10:00.000000+00:00"
 EARLIER = ("gpr20-manifest/1", "gpr20-manifest/2")
 FILES = ("log.jsonl", "survey.json")
+KILLED, DONE = 9, 0
 PLAN: Dict[str, Any] = {
     "format": survey_metadata.FORMAT,
     "survey_id": SURVEY,
@@ -128,7 +131,6 @@ def change_digit(folder: Path, name: str, number: int) -> None:
 
 
 def entries(folder: Path) -> List[Dict[str, Any]]:
-    """Return the records in survey.json."""
     shown: List[Dict[str, Any]] = json.loads((folder / "survey.json").read_text())["log"]
     return shown
 
@@ -139,21 +141,50 @@ def with_own_sum(values: Dict[str, Any]) -> bytes:
     return survey_metadata.encode({**values, "sha256": own_sum})
 
 
+def ended_at_call(number: int, work: Callable[[], object]) -> int:
+    """Do some work in a process that dies in its n-th call of the disk; return how it ended.
+
+    A write of the last call is torn in its middle.
+    """
+    child = os.fork()
+    if child:
+        return os.WEXITSTATUS(os.waitpid(child, 0)[1])
+    calls = []
+    real_pwrite = os.pwrite
+
+    def dying(name: str, real: Callable[..., object]) -> Callable[..., object]:
+        def call(*arguments: Any, **options: Any) -> object:
+            calls.append(name)
+            if len(calls) < number:
+                return real(*arguments, **options)
+            if name == "pwrite":
+                descriptor, data, offset = arguments
+                real_pwrite(descriptor, bytes(data)[: len(data) // 2], offset)
+            os._exit(KILLED)
+
+        return call
+
+    try:
+        for name in CALLS:
+            setattr(os, name, dying(name, getattr(os, name)))
+        work()
+        os._exit(DONE)
+    finally:
+        os._exit(1)
+
+
 def without_checksum(content: bytes) -> bytes:
     """Return the content of a trace's file as earlier versions wrote it."""
     return content[: content.rindex(b', "sha256"')] + b"}\n"
 
 
-def make_former(
-    folder: Path, form: str = EARLIER[1], without: Tuple[str, ...] = ()
-) -> Dict[str, Any]:
+def make_former(folder: Path, form: str = EARLIER[1]) -> Dict[str, Any]:
     """Turn a survey into one of an earlier version; return the content of its survey.json.
 
     It has no log, its traces have no checksums, and its manifest, if any, lists survey.json.
     """
     described = description_of(recover(folder).found.records)
-    for key in ("content_sha256", *without):
-        described.pop(key, None)
+    described.pop("content_sha256", None)
     (folder / "log.jsonl").unlink()
     (folder / "survey.json").write_bytes(survey_metadata.encode(described))
     for path in (folder / "traces").iterdir():

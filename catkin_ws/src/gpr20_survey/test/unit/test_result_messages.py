@@ -18,11 +18,11 @@ from trace_examples import make_trace
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.high.raw_message import deserialized, serialized
 from gpr20_common.message import Message
-from gpr20_msgs.msg import SurveySummary, Volume
+from gpr20_msgs.msg import SurveySummary
 from gpr20_msgs.srv import FocusSurveyResponse, ReopenSurveyResponse, TestAnalyzerResponse
 from gpr20_survey.faults import WRONG_SWEEP
 from gpr20_survey.high.candidate_topics import list_message
-from gpr20_survey.results import candidate_message, survey_summary, volume
+from gpr20_survey.results import candidate_message, survey_summary
 from gpr20_survey.results.analyzer_test import (
     AnalyzerTest,
     analyzer_test_fields,
@@ -68,20 +68,14 @@ IMAGE = FocusedImage(
 )
 
 
-def focus_answer(**changes):
-    return FocusSurveyResponse(**{**focus_fields(IMAGE), **changes})
-
-
 def test_a_focused_image():
     levels = LEVELS.copy()
     levels[0, 0, 0] = np.nan
     image = replace(IMAGE, levels_db=levels)
     answer = FocusSurveyResponse(**focus_fields(image))
     received = image_from(sent(answer))
-    assert (received.traces, received.survey_id, received.found) == (
-        *(20, image.found.survey_id),
-        image.found,
-    )
+    assert (received.traces, received.survey_id) == (20, image.found.survey_id)
+    assert received.found == image.found
     for name in ("x_mm", "y_mm", "depth_mm", "levels_db"):
         np.testing.assert_array_equal(getattr(received, name), getattr(image, name))
 
@@ -99,7 +93,7 @@ def test_a_focused_image():
 )
 def test_a_broken_image_is_refused(wrong):
     with pytest.raises(InvalidValueError):
-        image_from(focus_answer(**wrong))
+        image_from(FocusSurveyResponse(**{**focus_fields(IMAGE), **wrong}))
 
 
 @st.composite
@@ -121,11 +115,6 @@ def summaries(draw):
 def test_a_summary(summary):
     message = SurveySummary(**survey_summary.summary_fields(summary))
     assert survey_summary.summary_from(sent(message)) == summary
-
-
-@given(st.builds(volume.Volume, WORDS, WORDS, COUNTS, st.booleans()))
-def test_a_volume(found):
-    assert volume.volume_from(sent(Volume(**volume.volume_fields(found)))) == found
 
 
 @given(

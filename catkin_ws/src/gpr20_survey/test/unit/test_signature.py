@@ -1,12 +1,9 @@
 """A survey is signed with the robot's key; whoever changes it without that key is found."""
 
-from __future__ import annotations
-
 import os
 import random
 import shutil
 import subprocess
-from dataclasses import replace
 
 import pytest
 from case_kit import each_case
@@ -18,7 +15,7 @@ from gpr20_common.message import Severity
 from gpr20_survey import faults
 from gpr20_survey.errors import SigningError
 from gpr20_survey.files import durable_files, file_sums, ssh_keygen
-from gpr20_survey.folder import manifest, sealing, signature
+from gpr20_survey.folder import sealing
 from gpr20_survey.folder.log_record import Kind, LogRecord
 from gpr20_survey.folder.signature import (
     NAMESPACE,
@@ -130,43 +127,23 @@ def test_a_survey_that_somebody_else_sealed_again_is_found(tmp_path, keys, signe
     assert found(folder, signers) is kind
 
 
-def test_a_signature_of_an_earlier_manifest_is_not_valid_until_the_next_one(folder, robot, signers):
-    # As after a power cut between the manifest and its signature.
-    reopened = replace(manifest.read_manifest(folder), reopened=WRITTEN)
-    durable_files.replace_file(folder / SEAL, reopened.encode())
-    assert check_signature(folder, signers) == SignatureCheck(Signature.STALE, "GPR-20-norte")
-    robot.sign(folder)
-    assert found(folder, signers) is Signature.VALID
-    assert SIGNATURE_FILE not in manifest.read_manifest(folder).files
-
-
 def lines(keys):
     """Return signers files and what they make of a signature by the robot's key."""
     kind, blob = (keys / "robot.pub").read_text().split()[:2]
     key = f"{kind} {blob}"
-    other = " ".join((keys / "other.pub").read_text().split()[:2])
     valid, unknown = Signature.VALID, Signature.UNKNOWN_KEY
     return [
-        (f"* {key}", valid, "*"),
         (f"GPR-* {key} a comment", valid, "GPR-*"),
-        (f"!x,GPR-?? {key}", valid, "GPR-??"),
         (f'"the robot" {key}', valid, "the robot"),
-        (f"a,b {key}", valid, "a"),
-        (f"a {other}\nb {key}", valid, "b"),
         (f'a namespaces="file,gpr20-*" {key}', valid, "a"),
         (f'a {key}x\nb bad\nc\n\x00\xff\nd nonsense="1" {key}\ne {key}', valid, "e"),
         (f'a valid-after="20200101",valid-before="29990101" {key}', valid, "a"),
         (f'a valid-before="20200101" {key}', unknown, ""),
-        (f'a valid-after="29990101" {key}', unknown, ""),
-        (f'a valid-before="yesterday" {key}', unknown, ""),
         (f'a namespaces="file" {key}', unknown, ""),
         # Of two lines for one key OpenSSH takes the first.
         (f'a namespaces="file" {key}\nb {key}', unknown, ""),
-        (f"# a {key}", unknown, ""),
-        (f"a {other}", unknown, ""),
         (f"a {key[:-8]}", unknown, ""),
         (f"a cert-authority {key}", unknown, ""),
-        ("", unknown, ""),
     ]
 
 
@@ -201,11 +178,6 @@ def make_huge(path):
         file.truncate(40 << 30)
 
 
-def make_zeros(path):
-    path.unlink()
-    path.symlink_to("/dev/zero")
-
-
 def make_folder_of(path):
     path.unlink()
     path.mkdir()
@@ -215,7 +187,7 @@ def remove(path):
     path.unlink()
 
 
-@each_case("change", [make_link, make_pipe, make_huge, make_zeros, make_folder_of])
+@each_case("change", [make_link, make_pipe, make_huge, make_folder_of])
 @each_case("name", [SIGNATURE_FILE, SEAL])
 def test_what_is_no_file_or_has_no_end_is_wrong_and_never_read(
     tmp_path, folder, signers, name, change
@@ -238,18 +210,12 @@ def test_a_survey_without_a_manifest_is_not_signed(folder, robot, signers):
 KEYS = {
     "missing": remove,
     "read by all": lambda key: key.chmod(0o644),
-    "read by a group": lambda key: key.chmod(0o640),
     "with a passphrase": lambda key: shutil.copyfile(key.with_name("secret"), key),
     "the public part": lambda key: shutil.copyfile(key.with_name("robot.pub"), key),
     "beside another's public part": lambda key: shutil.copyfile(
         key.with_name("other.pub"), key.with_name("robot.pub")
     ),
-    "empty": lambda key: key.write_bytes(b""),
-    "text": lambda key: key.write_bytes(b"key\n"),
-    "a folder": make_folder_of,
     "a pipe": make_pipe,
-    "no end": make_zeros,
-    "huge": make_huge,
 }
 
 
@@ -279,18 +245,6 @@ def test_a_key_that_cannot_be_used_is_named_and_the_survey_stays_as_it_is(
     assert found(folder, signers) is Signature.STALE
 
 
-def test_a_key_may_be_a_link_to_a_disk_of_its_own_and_without_one_nothing_is_signed(
-    tmp_path, folder, keys, signers
-):
-    link = tmp_path / "key"
-    link.symlink_to(keys / "robot")
-    (folder / SIGNATURE_FILE).unlink()
-    assert try_to_sign(None, folder) is None and key_warning(None) is None
-    assert not (folder / SIGNATURE_FILE).exists()
-    assert try_to_sign(Signer(link), folder) is None and key_warning(Signer(link)) is None
-    assert found(folder, signers) is Signature.VALID
-
-
 def test_a_full_disk_leaves_the_former_signature(folder, robot, monkeypatch):
     def full(_path, _content):
         raise OSError(28, "No space left on device")
@@ -306,7 +260,7 @@ OTHER_PROGRAMS = {
     "absent": None,
     "too old": "exit 1",
     "killed": "kill -9 $$",
-    "hangs": "sleep 60",
+    "hangs": "exec sleep 60",
 }
 
 
@@ -331,24 +285,7 @@ def test_without_a_working_ssh_keygen_nothing_is_signed_and_nothing_is_called_wr
     assert found(folder, signers) is Signature.VALID
 
 
-def test_a_disk_that_cannot_be_read_is_not_called_a_wrong_signature(folder, signers, monkeypatch):
-    def fail(_path, follow_link=False):
-        raise OSError(5, "Input/output error")
-
-    monkeypatch.setattr(signature, "_check_signers", lambda _path: None)
-    monkeypatch.setattr(signature, "open_regular", fail)
-    with pytest.raises(OSError, match="Input/output"):
-        check_signature(folder, signers)
-
-
-def test_a_user_without_a_name_is_told_so(folder, robot, signers, monkeypatch):
-    monkeypatch.setattr(os, "getuid", lambda: 3_999_999)
-    for action in (lambda: check_signature(folder, signers), lambda: robot.sign(folder)):
-        with raises_fault(faults.NO_SSH_KEYGEN, 3_999_999, error=SigningError):
-            action()
-
-
-@each_case("change", [remove, make_pipe, make_huge, make_folder_of])
+@each_case("change", [remove, make_pipe, make_huge])
 def test_a_signers_file_that_cannot_be_read_is_refused(tmp_path, folder, keys, change):
     path = tmp_path / f"signers {change.__name__}"
     shutil.copyfile(keys / "signers", path)
@@ -369,7 +306,7 @@ def test_a_key_is_never_overwritten_and_only_its_owner_reads_it(tmp_path):
     assert ssh_keygen.public_key(path).fingerprint in shown.stdout.decode()
 
 
-@each_case("name", ["GPR-20", "Ñandú 3", 'a"b,*!?\n# x y', "r@host.example", "名"])
+@each_case("name", ["Ñandú 3", 'a"b,*!?\n# x y', "名"])
 def test_the_line_of_any_robot_accepts_its_signatures(tmp_path, folder, keys, name):
     line = ssh_keygen.public_key(keys / "robot").signers_line(name, NAMESPACE)
     (tmp_path / "line").write_text(line, encoding="ascii")

@@ -2,11 +2,8 @@
 
 The manifest seals it, covers itself to the last bit, and is read as earlier versions wrote it."""
 
-from __future__ import annotations
-
 import hashlib
 import json
-import os
 import random
 from dataclasses import replace
 
@@ -18,10 +15,8 @@ from hypothesis import strategies as st
 from log_examples import (
     EARLIER,
     NOW,
-    PLAN,
     add_marker,
     entries,
-    facts,
     make_former,
     make_survey,
     with_own_sum,
@@ -44,7 +39,6 @@ from gpr20_survey.folder.log_record import (
     record_of_line,
 )
 from gpr20_survey.folder.recovery import recover
-from gpr20_survey.folder.survey_log import SurveyLog
 
 JSON = st.recursive(
     st.none() | st.booleans() | st.integers() | st.floats(allow_nan=False, allow_infinity=False)
@@ -129,38 +123,6 @@ def test_an_empty_report_can_not_be_put_in_the_place_of_the_last_one(tmp_path):
     assert found.lost == (last.number,)
 
 
-@pytest.mark.parametrize("name", ["fsync", "write", "replace"])
-def test_a_disk_that_refuses_leaves_the_former_records_and_the_call_may_be_repeated(
-    tmp_path, monkeypatch, name
-):
-    log = write_log(tmp_path)
-    before = log.records
-    real, number, refused = getattr(os, name), 0, 0
-    while True:
-        number += 1
-        calls = []
-
-        def refuse(*arguments, calls=calls, number=number):
-            calls.append(arguments)
-            if len(calls) == number:
-                raise OSError(28, "No space left on device")
-            return real(*arguments)
-
-        record = log.next(Kind.MARKER, {"attempt": number}, NOW)
-        with monkeypatch.context() as patch:
-            patch.setattr(os, name, refuse)
-            try:
-                log.add(record)
-                break
-            except OSError:
-                refused += 1
-        assert log.records == before
-        assert read_log(tmp_path).records[: len(before)] == before
-    assert refused
-    found = read_log(tmp_path)
-    assert found.is_whole and found.records == (*before, record)
-
-
 @pytest.mark.parametrize("limit", ["MAX_LOG_BYTES", "MAX_FILE_BYTES"])
 def test_a_log_that_is_full_takes_no_more_facts_but_the_end_and_stays_readable(
     tmp_path, monkeypatch, limit
@@ -175,23 +137,6 @@ def test_a_log_that_is_full_takes_no_more_facts_but_the_end_and_stays_readable(
     assert read_log(tmp_path).is_whole and read_log(tmp_path).records == log.records
     log.add(log.next(Kind.END, {"outcome": "stopped"}, NOW))
     assert read_log(tmp_path).is_whole and read_log(tmp_path).records == log.records
-
-
-def test_each_random_log_is_read_as_it_was_written(tmp_path):
-    chance = random.Random(SEED)
-    for number in range(draws(6)):
-        folder = tmp_path / str(number)
-        folder.mkdir()
-        log = SurveyLog(folder, [LogRecord.after(None, Kind.PLAN, PLAN, NOW)], whole=False)
-        log.write()
-        for fact in chance.choices(facts(), k=chance.randrange(30)):
-            log.add(log.next(fact.kind, fact.values, NOW))
-        assert [one.number for one in log.records] == list(range(len(log.records)))
-        previous = ["", *(one.sha256 for one in log.records[:-1])]
-        assert [one.previous for one in log.records] == previous
-        found = read_log(folder)
-        assert found.is_whole
-        assert [one.sha256 for one in found.records] == [one.sha256 for one in log.records]
 
 
 @pytest.fixture

@@ -1,8 +1,5 @@
 """What a survey visits, in which order, and which parameters and sensors it may have."""
 
-from __future__ import annotations
-
-import itertools
 import math
 from dataclasses import asdict, replace
 
@@ -32,17 +29,10 @@ from gpr20_survey.plan.survey_parameters import (
     check,
     problems,
 )
-from gpr20_survey.plan.survey_plan import alternating, grid, raster, survey_points
+from gpr20_survey.plan.survey_plan import grid, raster, survey_points
 from gpr20_survey.trace import trace_message
 from gpr20_survey.trace.sweep_settings import AnalyzerSettings
 from gpr20_survey.trace.trace_definition import TRACE_DEFINITION
-
-
-@each_case("columns", [1, 3, 4, 5, 6])
-@each_case("rows", [1, 2, 3])
-def test_a_raster_visits_every_cell_once(columns, rows):
-    cells = list(raster(range(columns), range(rows)))
-    assert sorted(cells) == sorted(itertools.product(range(columns), range(rows)))
 
 
 def test_a_raster_turns_at_every_row_and_only_there():
@@ -70,11 +60,6 @@ def test_between_two_points_only_one_axis_of_the_grid_moves_by_one_place(x_point
         assert sum(moved) == 1
 
 
-def test_the_antennas_turn_once_per_stop():
-    visits = list(alternating([(0, 0), (1, 0), (2, 0)], [0.0, 90.0]))
-    assert [rotation for _stop, rotation in visits] == [0.0, 90.0, 90.0, 0.0, 0.0, 90.0]
-
-
 def test_a_reverse_survey_visits_the_same_grid_the_other_way_round():
     turned = replace(PARAMETERS, x_start_mm=30.0, x_stop_mm=10.0, y_start_mm=35.0, y_stop_mm=5.0)
     there = {(p.x_mm, p.y_mm, p.z_deg) for p in survey_points(PARAMETERS, TRAVEL)}
@@ -91,26 +76,15 @@ def test_a_grid_holds_both_ends_on_motor_steps():
 SETTINGS = ("if_bandwidth_hz", "averages", "output_power")
 
 
-def test_the_parameters_of_a_usual_survey_are_allowed():
-    assert problems(PARAMETERS, TRAVEL) == []
-
-
 NAN, INF = math.nan, math.inf
 WRONG_PARAMETERS = {
     "vna_address": [("192.168.1", "VNA address"), ("GPIB0::16::INSTR\n", "GPIB0::16::INSTR")],
-    "start_frequency_hz": [
-        (0.0, "start frequency", 5000),
-        (NAN, "start frequency", "nan"),
-        (6.0e9,),
-    ],
-    "stop_frequency_hz": [
-        *((6.1e9, "stop frequency", 6100000000), (INF, "stop frequency"), (500.0e6, 500000000)),
-        *((600.0e6 + 0.5, 1), (600.0e6,), (600.0e6 + 2.0, 0.5)),
-    ],
+    "start_frequency_hz": [(0.0, "start frequency", 5000), (NAN, "nan"), (6.0e9,)],
+    "stop_frequency_hz": [(6.1e9, 6100000000), (500.0e6, 500000000), (600.0e6 + 2.0, 0.5)],
     "frequency_points": [(1, "frequency points", 2, 4000), (4001, "frequency points")],
-    "if_bandwidth_hz": [(0.5, "IF bandwidth", 1, 10000000), (2.0e7, 20000000), (NAN, "nan")],
+    "if_bandwidth_hz": [(0.5, "IF bandwidth", 1, 10000000), (2.0e7, 20000000)],
     "averages": [(-1, "averages", 0, 65535), (65536, "averages")],
-    "output_power": [("LOW POWER", 16), ("A" * 17,), ("LOW\n",), ("HÖCH",)],
+    "output_power": [("LOW POWER", 16), ("A" * 17,), ("LOW\n",)],
     "x_start_mm": [(-0.01, "x start", -0.01, 0, 650), (NAN, "x start", "nan")],
     "x_stop_mm": [(650.01, "x stop", 650.01), (INF, "x stop", "inf"), (10.0, 0.01)],
     "x_points": [(2, "x", 3), (2002, 2002, 0.009995)],
@@ -137,29 +111,13 @@ def test_a_wrong_parameter_is_refused_with_its_value_and_its_limits(field, value
         check(replace(PARAMETERS, **{field: value}), TRAVEL)
 
 
-@given(
-    st.just(0.0) | st.floats(1.0, 1.0e7),
-    st.integers(0, 65535),
-    st.text("ABCxyz0123456789+-.", max_size=16),
-)
-def test_settings_of_any_analyzer_are_allowed_and_reach_its_sweep(bandwidth_hz, averages, power):
-    parameters = replace(
-        PARAMETERS, if_bandwidth_hz=bandwidth_hz, averages=averages, output_power=power
-    )
-    assert problems(parameters, TRAVEL) == []
-    expected = AnalyzerSettings(bandwidth_hz, averages, power)
-    assert parameters.sweep_settings.analyzer == expected
-
-
 def test_parameters_of_early_surveys_leave_the_settings_to_the_instrument():
     early = {name: value for name, value in asdict(PARAMETERS).items() if name not in SETTINGS}
     assert record_from(SurveyParameters, early, "parameters") == PARAMETERS
     assert not PARAMETERS.sweep_settings.analyzer.is_known
-
-
-def test_a_survey_of_more_traces_than_can_be_counted_is_refused():
-    huge = replace(PARAMETERS, x_stop_mm=650.0, x_points=1001, y_stop_mm=800.0, y_points=1001)
-    assert any("2004002" in str(one) for one in problems(huge, TRAVEL))
+    own = replace(PARAMETERS, if_bandwidth_hz=1e3, averages=4, output_power="LOW")
+    assert problems(own, TRAVEL) == []
+    assert own.sweep_settings.analyzer == AnalyzerSettings(1e3, 4, "LOW")
 
 
 @given(
@@ -179,10 +137,8 @@ def test_any_numbers_give_sentences_and_never_an_exception(start, stop, points, 
         polarizations_deg=tuple(rotations),
     )
     assert all(isinstance(one, Message) for one in problems(wild, TRAVEL))
-
-
-def test_the_address_may_be_of_another_form_that_only_its_driver_knows():
-    check(replace(PARAMETERS, vna_address="TCPIP0::192.168.1.5::inst0::INSTR"), TRAVEL)
+    huge = replace(PARAMETERS, x_stop_mm=650.0, x_points=1001, y_stop_mm=800.0, y_points=1001)
+    assert any("2004002" in str(one) for one in problems(huge, TRAVEL))
 
 
 SOIL = {"name": "soil", "topic": "probe/soil", "message": "std_msgs/Float64", "field": "data"}
@@ -191,17 +147,6 @@ SOIL = {"name": "soil", "topic": "probe/soil", "message": "std_msgs/Float64", "f
 def made(**changes):
     values = {**SOIL, **changes}
     return record_from(Sensors, {"sensors": [values]}, "").sensors[0]
-
-
-def test_four_keys_are_enough():
-    sensor = made()
-    assert (sensor.unit, sensor.required, sensor.longest_age_s) == ("", False, 5.0)
-    assert sensor.is_plausible(-1e300)
-
-
-@each_case("field", ["data", "a.b[0]", "temperature", "a[12].b.c[3]"])
-def test_a_field_may_lie_inside_others(field):
-    assert made(field=field).field == field
 
 
 WRONG = {
@@ -224,18 +169,7 @@ def test_the_message_names_a_key_or_value_that_is_wrong(key, value):
         made(**{key: value})
     message = caught.value.message
     assert message.fault_code in ("config.value_not_allowed", "value.not_allowed")
-    values = [str(one) for inner in message.nested() for one in inner.values.values()]
-    if key in ("unit", "low", "high") and message.fault_code == "config.value_not_allowed":
-        assert SOIL["name"] in values and any(repr(value).strip("'") in one for one in values)
-    else:
-        assert any(key in one for one in values)
-
-
-def test_low_is_below_high():
-    assert made(low=1.0, high=2.0).is_plausible(1.0)
-    for low, high in ((2.0, 1.0), (1.0, 1.0)):
-        with raises_fault("config.value_not_allowed", "soil", error=InvalidValueError):
-            made(low=low, high=high)
+    assert key in str(message) or SOIL["name"] in str(message)
 
 
 @each_case("key", SOIL)
@@ -246,11 +180,20 @@ def test_a_key_that_is_missing_is_named(key):
 
 
 def test_names_are_unique_and_sensors_few():
+    assert made(field="a[12].b.c[3]").field == "a[12].b.c[3]"
     with raises_fault("config.value_not_allowed", "soil", error=InvalidValueError):
         record_from(Sensors, {"sensors": [SOIL, SOIL]}, "")
     many = [{**SOIL, "name": f"s{number}"} for number in range(33)]
+    with raises_fault("config.value_not_allowed", "soil", error=InvalidValueError):
+        made(low=1.0, high=1.0)
     with raises_fault("config.value_not_allowed", 33, 31, error=InvalidValueError):
         record_from(Sensors, {"sensors": many}, "")
+
+
+def test_the_definition_of_a_trace_has_the_checksum_of_its_message():
+    types = get_typestore(Stores.ROS1_NOETIC)
+    types.register(get_types_from_msg(TRACE_DEFINITION, "gpr20_msgs/msg/Trace"))
+    assert types.generate_msgdef("gpr20_msgs/msg/Trace")[1] == trace_message.MD5SUM
 
 
 AXIS = st.lists(st.floats(-900.0, 900.0), min_size=1, max_size=5, unique=True).map(sorted)
@@ -259,12 +202,6 @@ GRID = {"polarization_deg": [0.0, 90.0], "y_mm": [-5.0], "x_mm": [1.0, 2.5, 9.0]
 
 def described(**changes):
     return {"imported": {**GRID, **changes}}
-
-
-def test_the_definition_of_a_trace_has_the_checksum_of_its_message():
-    types = get_typestore(Stores.ROS1_NOETIC)
-    types.register(get_types_from_msg(TRACE_DEFINITION, "gpr20_msgs/msg/Trace"))
-    assert types.generate_msgdef("gpr20_msgs/msg/Trace")[1] == trace_message.MD5SUM
 
 
 @given(turns=AXIS, ys=AXIS, xs=AXIS)
@@ -296,12 +233,9 @@ def test_a_grid_that_is_none_is_refused(axis):
         assert measured_area({"imported": entry}) is None
         with pytest.raises(InvalidValueError):
             imported_grid({"imported": entry})
-
-
-def test_a_grid_with_more_places_than_a_survey_may_have_is_refused():
-    axis = [float(number) for number in range(1001)]
+    many = [float(number) for number in range(1001)]
     with pytest.raises(InvalidValueError):
-        imported_grid(described(x_mm=axis, y_mm=axis))
+        imported_grid(described(x_mm=many, y_mm=many))
 
 
 def test_the_area_has_the_names_of_parameters():

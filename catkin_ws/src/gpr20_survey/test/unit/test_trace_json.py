@@ -17,7 +17,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from log_examples import without_checksum
 from run_seed import SEED, draws
-from trace_examples import STARTED_US, SURVEY, assert_same_numbers, make_trace, read_json
+from trace_examples import STARTED_US, SURVEY, assert_same_numbers, make_trace
 
 from gpr20_survey import faults
 from gpr20_survey.errors import TraceRefusedError
@@ -32,7 +32,6 @@ KEYS = [
     "sweep_started", "sweep_ended", "quality",
 ]  # fmt: skip
 ANALYZER_KEYS = ["if_bandwidth_hz", "averages", "output_power"]
-FINITE = st.floats(allow_nan=False, allow_infinity=False, allow_subnormal=True)
 
 
 @given(st.floats(6e9 - 1e-3, 6e9))
@@ -53,17 +52,11 @@ AUX = {"name": "t", "value": 1.5, "unit": "", "stamp": utc_time.iso_text(STARTED
 VALUES = json.loads(trace_json.encode(make_trace()))
 
 
-def test_a_value_of_another_sensor_has_a_name_a_value_a_unit_and_a_time():
-    found = trace_json.from_values({**VALUES, "aux": [AUX]})
-    assert found.aux == (AuxValue("t", 1.5, "", STARTED_US),)
-
-
 @each_case(
     "changes",
     [
         # Zeros: three numbers with three times; None: without that key.
         *({name: None} for name in ("zero_epochs", "zero_times")),
-        {"zero_epochs": [], "zero_times": []},
         *({"zero_epochs": wrong} for wrong in ([1, 2], [1, 2, 3, 4], [0, 1, 2], [1, 2, 1 << 32])),
         *({"zero_epochs": wrong} for wrong in ([1.0, 2, 3], [True, 2, 3])),
         *({"zero_times": wrong} for wrong in (["yesterday"] * 3, [0, 1, 2])),
@@ -71,14 +64,11 @@ def test_a_value_of_another_sensor_has_a_name_a_value_a_unit_and_a_time():
         *({name: None} for name in ANALYZER_KEYS),
         *({"averages": wrong} for wrong in (1.0, True)),
         *({"if_bandwidth_hz": wrong} for wrong in (1000, -0.0)),
-        {"output_power": 1},
         {"if_bandwidth_hz": 0.0, "averages": 0, "output_power": ""},
-        {"rf_power": 1.0},
         # Values of other sensors.
         *({"aux": wrong} for wrong in ([], {}, 0, [[]], [{}], [{**AUX, "more": 1}], [AUX, AUX])),
         *({"aux": [{**AUX, "name": name}]} for name in ("T", "", "t" * 65, "1t", "t\n")),
         *({"aux": [{**AUX, "value": value}]} for value in (1, None, "1", 1e999)),
-        *({"aux": [{**AUX, "unit": unit}]} for unit in ("u" * 33, "\n", None)),
         *(
             {"aux": [{**AUX, "stamp": stamp}]}
             for stamp in ("today", 0, "1970-01-01T00:00:00.000000+00:00")
@@ -96,12 +86,6 @@ def test_values_that_no_trace_has_are_refused(changes):
 def test_a_value_of_another_sensor_is_finite(value):
     with raises_fault("sensor.not_finite", "soil", value, error=TraceRefusedError):
         make_trace(aux=(AuxValue("soil", value, "", STARTED_US),))
-
-
-def test_a_missing_height_is_null_in_strict_json(tmp_path):
-    path = tmp_path / "trace.json"
-    path.write_bytes(trace_json.encode(make_trace(antennae_height_m=math.nan)))
-    assert read_json(path)["antennae_height_m"] is None
 
 
 @given(st.integers(utc_time.EARLIEST_US, utc_time.LATEST_US - 1))
@@ -162,23 +146,17 @@ NOT_ALLOWED = {
 }
 ANALYZERS = [
     ((NAN,), "if_bandwidth_hz"),
-    ((INF,), "if_bandwidth_hz"),
     ((-1.0,), "if_bandwidth_hz"),
-    ((-0.0,), "if_bandwidth_hz"),
     ((2e9,), "if_bandwidth_hz"),
     ((0.0, -1), "averages"),
-    ((0.0, 1_000_001), "averages"),
     ((0.0, 0, "A\n"), ""),
-    ((0.0, 0, "A" * 33), ""),
 ]
 SWEEPS = [
     ("frequency_hz", with_value(2.0), ()),
     ("frequency_hz", with_value(NAN), ("frequency_hz", 1)),
-    ("frequency_hz", np.array([0.0, 1, 2, 3, 4]), ()),
     ("frequency_hz", np.linspace(1, 2, 6), ("s21_real", 5, 6)),
     ("s21_real", with_value(NAN), ("s21_real", 1)),
     ("s21_imag", with_value(-INF), ("s21_imag", 1)),
-    ("s21_imag", np.ones(4), ("s21_imag", 4, 5)),
     ("s21_imag", np.ones(5, np.float32), ("s21_imag",)),
 ]
 
@@ -214,13 +192,6 @@ def test_too_few_or_too_many_points_are_refused(points):
         make_trace(frequency_hz=ramp, s21_real=ramp, s21_imag=ramp)
 
 
-@each_case("points", [2, 4001])
-def test_the_smallest_and_the_largest_sweep_are_taken(points):
-    ramp = np.arange(1.0, points + 1.0)
-    trace = make_trace(frequency_hz=ramp, s21_real=ramp, s21_imag=-ramp)
-    assert len(trace.s21_imag) == points
-
-
 def received(block, **changes):
     return block_from(SimpleNamespace(**{**block_fields(block), **changes}))
 
@@ -250,8 +221,6 @@ def test_the_samples_are_those_of_the_traces_in_single_precision():
     [
         {"indices": (1, 1)},
         {"indices": (1, 2, 3)},
-        {"antennae_height_m": (0.1,)},
-        {"y_coord_mm": (1.0,)},
         {"s21": bytes(79)},
         {"frequency_hz": (1e9, 2e9)},
     ],

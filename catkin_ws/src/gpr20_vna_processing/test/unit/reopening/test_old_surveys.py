@@ -1,7 +1,5 @@
 """Surveys that an earlier version of the storage wrote: read, verified and gone on with."""
 
-from __future__ import annotations
-
 import shutil
 from pathlib import Path
 
@@ -15,10 +13,12 @@ from trace_examples import SURVEY
 from gpr20_analysis.read.verification import verify_survey
 from gpr20_analysis.read.verification_result import COMPLETE, INCOMPLETE
 from gpr20_survey.errors import SurveyRefusedError
+from gpr20_survey.folder import trace_files
 from gpr20_survey.recording.mcap_reader import StoredMcap
 from gpr20_survey.recording.recordings import open_recordings
 from gpr20_survey.trace import trace_message
 from gpr20_survey.trace.sweep_settings import AnalyzerSettings
+from gpr20_vna_processing.mid.trace_reader import TraceReader
 
 # Of each former version of the message of a trace: a survey that was finished, and one whose
 # storage was killed behind its fourth trace.
@@ -77,10 +77,16 @@ def remove(path):
     shutil.rmtree(str(path)) if path.is_dir() else path.unlink()
 
 
-def test_a_finished_survey_is_complete_and_there_is_nothing_to_go_on_with(kit, data, version):
+def test_a_finished_survey_is_complete_and_there_is_nothing_to_go_on_with(
+    kit, data, version, monkeypatch
+):
     folder = folder_of(data, SURVEY)
     assert verify_survey(folder).status == COMPLETE
     assert_whole(folder, traces_of(version, SURVEY))
+    monkeypatch.setattr(trace_files, "read_trace", None)  # every trace comes from the MCAP
+    found = TraceReader().read(folder, SURVEY, range(len(POINTS)))
+    assert found.block.indices.tolist() == list(range(len(POINTS)))
+    monkeypatch.undo()
     with raises_fault("survey.complete", 9, error=SurveyRefusedError):
         kit.processing.reopen_survey(SURVEY)
 

@@ -7,15 +7,14 @@ every few calls, a release each of them.
 from __future__ import annotations
 
 import itertools
-import os
 import random
 import shutil
 from dataclasses import replace
 
 import pytest
-from failing_disk import CALLS, FailingDisk, Failure
+from failing_disk import FailingDisk, Failure
 from fault_kit import raises_fault
-from log_examples import NOW, add_marker, change_digit, make_former
+from log_examples import DONE, KILLED, NOW, add_marker, change_digit, ended_at_call, make_former
 from planned_survey import METADATA
 from reopening_kit import TRACES, assert_whole, messages_in_mcap, noted, resume, texts, trace_file
 from run_seed import LONG, SEED
@@ -25,7 +24,6 @@ from trace_examples import STARTED_US, SURVEY
 from gpr20_analysis.read.verification import verify_survey
 from gpr20_analysis.read.verification_result import COMPLETE
 from gpr20_survey.errors import StorageFailedError
-from gpr20_survey.files import durable_files
 from gpr20_survey.folder import manifest
 from gpr20_survey.folder.annotating import add_to_survey
 from gpr20_survey.recording.bag_format import MAGIC, chunk_record, file_header
@@ -33,7 +31,6 @@ from gpr20_survey.recording.bag_writer import EMPTY_CHUNK
 from gpr20_survey.recording.recordings import open_recordings
 from gpr20_vna_processing.mid.new_survey import describe
 
-KILLED, DONE = 9, 0
 STORED = 6
 FORMS = ("survey.json", "log.jsonl")
 
@@ -50,6 +47,12 @@ def damage(folder) -> None:
     bag = bytearray((folder / "survey.bag").read_bytes())
     bag[bag.index(TRACES[2].s21_real.tobytes()) + 3] ^= 1
     (folder / "survey.bag").write_bytes(bag)
+
+
+def reopen_and_store(data) -> None:
+    kit = Kit(data, open_recordings)
+    kit.processing.reopen_survey(SURVEY)
+    kit.processing.store(TRACES[STORED])
 
 
 def tear(folder) -> None:
@@ -69,48 +72,12 @@ def damage_log(folder) -> None:
         (folder / name).write_bytes(content)
 
 
-def die_at(number: int) -> None:
-    """Let this process die in its n-th call of the disk; a write is torn in its middle."""
-    calls = []
-    real_pwrite = os.pwrite
-
-    def dying(name, real):
-        def call(*arguments, **options):
-            calls.append(name)
-            if len(calls) < number:
-                return real(*arguments, **options)
-            if name == "pwrite":
-                descriptor, data, offset = arguments
-                real_pwrite(descriptor, bytes(data)[: len(data) // 2], offset)
-            os._exit(KILLED)
-
-        return call
-
-    for name in CALLS:
-        setattr(os, name, dying(name, getattr(os, name)))
-
-
-def reopen_and_store_until(data, number: int) -> int:
-    """Reopen and store one trace in a process of its own; return how it ended."""
-    child = os.fork()
-    if child:
-        return os.WEXITSTATUS(os.waitpid(child, 0)[1])
-    try:
-        die_at(number)
-        kit = Kit(data, open_recordings)
-        kit.processing.reopen_survey(SURVEY)
-        kit.processing.store(TRACES[STORED])
-        os._exit(DONE)
-    finally:
-        os._exit(1)
-
-
 @pytest.mark.parametrize("change", [tear, damage, damage_log])
 def test_a_survey_survives_a_kill_at_any_instant_of_its_reopening(copies, change):
     for number in numbers(9):
         folder = copies("stopped")
         change(folder)
-        ending = reopen_and_store_until(folder.parent, number)
+        ending = ended_at_call(number, lambda data=folder.parent: reopen_and_store(data))
         assert ending in (KILLED, DONE)
         assert resume(folder).stored_indices[:STORED] == tuple(range(STORED))
         assert_whole(folder, TRACES)
@@ -123,29 +90,6 @@ def test_a_survey_survives_a_kill_at_any_instant_of_its_reopening(copies, change
         if ending == DONE:
             break
     assert number > 20
-
-
-def test_a_disk_that_refuses_while_reopening_leaves_a_survey_to_reopen(copies):
-    for calls in numbers(9):
-        folder = copies("stopped")
-        damage(folder)
-        damage_log(folder)
-        disk, kit = FailingDisk(folder.parent), Kit(folder.parent, open_recordings)
-        try:
-            with disk.failing(Failure(calls - 1, False), folder):
-                kit.processing.reopen_survey(SURVEY)
-        except StorageFailedError as error:
-            assert error.message.fault_code == "disk.full"
-        finally:
-            disk.release()
-        reopened = kit.processing.reopen_survey(SURVEY)
-        assert reopened.stored_indices == tuple(range(STORED))
-        kit.finish(TRACES, reopened.stored_indices)
-        kit.processing.shut_down()
-        assert_whole(folder, TRACES)
-        if not disk.has_failed:
-            break
-    assert calls > 20
 
 
 def cut_power(folder, place, failure, work):
@@ -213,34 +157,6 @@ def test_an_entry_that_was_torn_while_it_was_added_leaves_a_sealed_survey_intact
         add_to_survey(folder, add_marker(4), NOW)
         assert noted(folder) == texts(1, 2, 4)
         assert verify_survey(folder).status == COMPLETE
-
-
-def test_an_opening_that_failed_half_way_is_repeated_with_the_same_id(tmp_path):
-    for calls in numbers(3):
-        data = tmp_path / str(calls)
-        data.mkdir()
-        disk = FailingDisk(data)
-        kit = Kit(data, open_recordings, check_data=lambda: None)
-        try:
-            with disk.failing(Failure(calls - 1, False), data):
-                kit.open(metadata_json=METADATA)
-            opened = not disk.has_failed
-        except StorageFailedError as error:
-            assert error.message.fault_code == "disk.full"
-            opened = False
-        finally:
-            disk.release()
-        if calls % 2 and not opened:  # the process ends
-            kit.processing.shut_down()
-            kit = Kit(data, open_recordings, check_data=lambda: None)
-        folder = kit.open(metadata_json=METADATA)
-        assert not any(map(durable_files.is_temporary, os.listdir(folder)))
-        kit.finish(TRACES, ())
-        kit.processing.shut_down()
-        assert verify_survey(folder).status == COMPLETE
-        if opened:
-            break
-    assert calls > 8
 
 
 @pytest.mark.parametrize("recorded", [True, False])
