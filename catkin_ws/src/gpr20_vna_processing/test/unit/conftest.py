@@ -1,7 +1,5 @@
 """Makes the example traces of gpr20_survey's tests available to these, and storages."""
 
-from __future__ import annotations
-
 import contextlib
 import itertools
 import shutil

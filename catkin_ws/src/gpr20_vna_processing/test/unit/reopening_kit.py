@@ -91,7 +91,6 @@ def noted(folder: Path) -> List[str]:
 
 
 def texts(*numbers: int) -> List[str]:
-    """Return the texts of markers."""
     return [marker(number).text for number in numbers]
 
 
@@ -105,7 +104,6 @@ def tree(folder: Path) -> Dict[str, bytes]:
 
 
 def trace_file(folder: Path, index: int) -> Path:
-    """Return the JSON file of a trace."""
     return next((folder / "traces").glob(f"{index:06d}_*.json"))
 
 

@@ -1,5 +1,3 @@
-from __future__ import annotations
-
 import errno
 import json
 import os
@@ -10,12 +8,9 @@ import numpy as np
 import pytest
 from fault_kit import raises_fault
 from storage_kit import (
-    NOW_NS,
     OTHER_SURVEY,
-    TYPES,
     Kit,
     MemoryRecording,
-    recorded,
     text_message,
     wait_until,
 )
@@ -24,6 +19,7 @@ from trace_examples import SURVEY, assert_same_numbers, make_trace, read_json
 from gpr20_common.message import Fault, Message, in_a_row, verbatim
 from gpr20_common.sent_message import received_message
 from gpr20_survey.errors import StorageFailedError, SurveyRefusedError, TraceRefusedError
+from gpr20_survey.faults import OTHER_DATA_FOLDER
 from gpr20_survey.folder.recovery import read_description
 from gpr20_vna_processing.mid.latched_topics import LARGEST_BYTES
 from gpr20_vna_processing.mid.processing_records import Limits
@@ -139,32 +135,13 @@ def test_other_topics_are_dropped_not_kept_while_the_disk_is_full(kit, memory):
 def test_latched_topics_published_before_the_survey_are_recorded(kit, memory):
     kit.processing.record(text_message("/status", "old", latching=True))
     kit.processing.record(text_message("/status", "idle", latching=True))
+    kit.processing.record(text_message("/status", "x" * LARGEST_BYTES, latching=True))
     kit.processing.record(text_message("/plain", "before"))
     kit.open()
     assert memory.texts("/status") == ["idle"]
     assert memory.texts("/plain") == []
     assert memory.texts("/survey_metadata") == kit.opened
     assert all(message.time_ns == kit.now_ns for message in memory.durable)
-
-
-def test_a_huge_latched_message_is_not_kept_for_the_recordings_to_come(kit, memory):
-    kit.processing.record(text_message("/status", "idle", latching=True))
-    kit.processing.record(text_message("/status", "x" * LARGEST_BYTES, latching=True))
-    kit.open()
-    assert memory.texts("/status") == ["idle"]
-
-
-def test_a_topic_that_changes_its_type_is_not_recorded_under_the_former(kit, memory):
-    kit.open()
-    number = TYPES.types["std_msgs/msg/UInt8"](data=1)
-    kit.processing.record(text_message("/t", "a"))
-    kit.processing.record(recorded("/t", "std_msgs/UInt8", number, NOW_NS))
-    kit.processing.record(text_message("/t", "b"))
-    kit.processing.close_survey(SURVEY, "finished")
-    assert memory.texts("/t") == ["a", "b"]
-    (other,) = [one for one in memory.durable if one.datatype == "std_msgs/UInt8"]
-    assert other.topic == f"/t_{other.md5sum[:8]}"
-    assert kit.processing.state().unrecorded == 0
 
 
 def test_closing_writes_how_the_survey_ended_with_its_fault(kit, memory):
@@ -194,17 +171,8 @@ def test_a_wrong_close_is_refused(kit):
     assert kit.processing.state().survey_id == SURVEY
 
 
-def nested(levels):
-    reason = Message("lost").with_fault(LOST_ZERO)
-    for _ in range(levels):
-        reason = in_a_row([Message("because {reason}", reason=reason)])
-    return reason
-
-
-@pytest.mark.parametrize(
-    "reason", [nested(30), Message("at {x} mm", x=float("nan")).with_fault(LOST_ZERO)]
-)
-def test_a_reason_that_strict_json_cannot_hold_is_text_with_its_fault(kit, reason):
+def test_a_reason_that_strict_json_cannot_hold_is_text_with_its_fault(kit):
+    reason = Message("at {x} mm", x=float("nan")).with_fault(LOST_ZERO)
     folder = kit.open()
     kit.processing.close_survey(SURVEY, "failed", reason)
     survey = read_description(folder)
@@ -242,11 +210,17 @@ def test_a_survey_that_is_larger_than_the_disk_is_refused(tmp_path):
     kit.processing.shut_down()
 
 
-def test_a_computer_without_a_clock_opens_no_survey(tmp_path):
-    kit = Kit(tmp_path, lambda *_: [MemoryRecording()], now_ns=1_000)
-    with raises_fault("clock.wrong", 1970, error=SurveyRefusedError):
-        kit.open()
-    kit.processing.shut_down()
+def test_traces_are_stored_after_a_commit_that_failed_as_nobody_expected(kit, memory, fault_log):
+    kit.open()
+    memory.error = ZeroDivisionError("a fault of our own")
+    deadline_s = time.monotonic() + 10.0
+    while not kit.processing.state().failing:
+        assert time.monotonic() < deadline_s
+        time.sleep(0.01)
+    memory.error = None
+    assert len(fault_log) == 1
+    kit.processing.store(make_trace(0))
+    assert len(kit.stored) == 1
 
 
 def test_a_full_disk_is_told_and_the_trace_is_stored_once_after_space_was_made(kit, memory):
@@ -263,20 +237,33 @@ def test_a_full_disk_is_told_and_the_trace_is_stored_once_after_space_was_made(k
     assert not kit.processing.state().failing
 
 
-def test_traces_are_stored_after_a_commit_that_failed_as_nobody_expected(kit, memory, fault_log):
-    kit.open()
-    memory.error = ZeroDivisionError("a fault of our own")
-    deadline_s = time.monotonic() + 10.0
-    while not kit.processing.state().failing:
-        assert time.monotonic() < deadline_s
-        time.sleep(0.01)
-    memory.error = None
-    assert len(fault_log) == 1
+def test_two_surveys_never_share_a_folder(kit):
+    folder = kit.open()
     kit.processing.store(make_trace(0))
-    assert len(kit.stored) == 1
+    kit.processing.close_survey(SURVEY, "finished")
+    with raises_fault("survey.folder_exists", error=SurveyRefusedError):
+        kit.open(SURVEY)
+    assert len(trace_files(folder)) == 1
+    assert kit.open(OTHER_SURVEY) != folder
 
 
-def test_messages_of_other_topics_reach_the_disk_without_a_trace(kit, memory):
-    kit.open()
-    kit.processing.record(text_message("/t", "a"))
-    wait_until(lambda: memory.texts("/t") == ["a"])
+def test_a_computer_without_a_clock_opens_no_survey(tmp_path):
+    kit = Kit(tmp_path, lambda *_: [MemoryRecording()], now_ns=1_000)
+    with raises_fault("clock.wrong", 1970, error=SurveyRefusedError):
+        kit.open()
+    kit.processing.shut_down()
+
+
+def test_neither_a_new_nor_an_old_survey_is_opened_in_another_data_folder(tmp_path):
+    def refuse():
+        raise SurveyRefusedError(Message("gone").with_fault(OTHER_DATA_FOLDER))
+
+    for check_data in (None, refuse):
+        kit = Kit(tmp_path, lambda *_: [MemoryRecording()], check_data=check_data)
+        if check_data is None:
+            kit.open()
+        else:
+            for action in (kit.processing.reopen_survey, kit.open):
+                with raises_fault(OTHER_DATA_FOLDER):
+                    action(SURVEY)
+        kit.processing.shut_down()

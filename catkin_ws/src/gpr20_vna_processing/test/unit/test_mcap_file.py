@@ -3,8 +3,6 @@
 So does the bag.
 """
 
-from __future__ import annotations
-
 import io
 import json
 import random
@@ -42,12 +40,6 @@ def snapshots(tmp_path_factory):
     shutil.copytree(str(folder), str(place / "end"))
     kit.processing.shut_down()
     return place
-
-
-@pytest.fixture
-def folder(snapshots):
-    """The survey that has ended."""
-    return snapshots / "end"
 
 
 def read_forward(content, factory):
@@ -90,24 +82,10 @@ def drawn(first, last, count=12):
     return [first, *random.Random(SEED).sample(range(first, last), draws(count))]
 
 
-def test_the_stock_reader_finds_every_trace_with_the_same_numbers(folder):
-    with open(folder / "survey.mcap", "rb") as stream:
-        reader = make_reader(stream, validate_crcs=True, decoder_factories=[DecoderFactory()])
-        assert reader.get_header().profile == "ros1"
-        found = list(reader.iter_decoded_messages(topics=["/trace"]))
-        statistics = reader.get_summary().statistics
-    assert len(found) == len(TRACES)
-    for trace, (schema, _, record, message) in zip(TRACES, found):
-        assert (schema.name, schema.encoding) == ("gpr20_msgs/Trace", "ros1msg")
-        assert_same_numbers(trace, message)
-        assert record.log_time > 0
-    assert statistics.message_start_time > 0
-    assert statistics.metadata_count == statistics.attachment_count == 1
-
-
-def test_the_survey_is_described_inside_the_file(folder):
-    with open(folder / "survey.mcap", "rb") as stream:
+def test_the_survey_is_described_inside_the_file(snapshots):
+    with open(snapshots / "end" / "survey.mcap", "rb") as stream:
         reader = make_reader(stream)
+        assert reader.get_header().profile == "ros1"
         metadata = next(iter(reader.iter_metadata()))
         attachment = next(iter(reader.iter_attachments()))
     assert metadata.metadata["survey_id"] == SURVEY
@@ -116,8 +94,8 @@ def test_the_survey_is_described_inside_the_file(folder):
     assert attachment.log_time == STARTED_US * 1000
 
 
-def test_each_trace_has_a_chunk_of_its_own(folder):
-    with open(folder / "survey.mcap", "rb") as stream:
+def test_each_trace_has_a_chunk_of_its_own(snapshots):
+    with open(snapshots / "end" / "survey.mcap", "rb") as stream:
         summary = make_reader(stream).get_summary()
     names = {number: channel.topic for number, channel in summary.channels.items()}
     topics = [
@@ -163,21 +141,6 @@ def test_a_recording_cut_while_it_was_finished_is_whole_but_for_its_index(
     for cut in [*drawn(len(stored), len(ended)), len(ended)]:
         (tmp_path / "cut").write_bytes(stored[:100] + ended[100:cut])
         assert read(kind, tmp_path / "cut") == (PRINTS, [])
-
-
-@pytest.mark.parametrize("kind", ["bag", "mcap"])
-def test_a_recording_cut_or_an_mcap_changed_anywhere_holds_no_wrong_trace(
-    kind, snapshots, tmp_path
-):
-    for when in ("3", "end"):
-        content = (snapshots / when / f"survey.{kind}").read_bytes()
-        for place in drawn(0, len(content), 25):
-            changed = bytearray(content)
-            changed[place] ^= 1 << (place % 8)
-            for damaged in [content[:place], *([bytes(changed)] if kind == "mcap" else [])]:
-                (tmp_path / "damaged").write_bytes(damaged)
-                prints, _ = read(kind, tmp_path / "damaged")
-                assert prints.items() <= PRINTS.items()
 
 
 def test_two_damaged_traces_are_passed_over_and_the_next_is_read(snapshots, tmp_path):

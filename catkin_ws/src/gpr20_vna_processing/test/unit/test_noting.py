@@ -14,7 +14,7 @@ from annotation_examples import EXAMPLE
 from case_kit import each_case
 from fault_kit import raises_fault
 from log_examples import NOW, add_marker, make_former, marker
-from planned_survey import METADATA, planned_trace
+from planned_survey import METADATA
 from reopening_kit import TRACES, noted, texts
 from storage_kit import OTHER_SURVEY, Kit
 from trace_examples import SURVEY, read_json
@@ -132,33 +132,6 @@ def test_a_repeated_request_adds_nothing_and_another_one_of_its_id_is_refused(ki
         with raises_fault("marker.refused", error=SurveyRefusedError):
             action()
     assert len(markers(folder)) == 1
-
-
-def test_a_survey_with_damaged_markers_can_be_resumed(kits):
-    first = kits()
-    folder = first.open(metadata_json=METADATA)
-    first.processing.store(planned_trace(0))
-    first.processing.shut_down()
-    values = {**make_former(folder), "markers": [5]}
-    (folder / "survey.json").write_text(json.dumps(values))
-    (folder / "manifest.json").unlink()
-    second = kits()
-    with raises_fault("marker.damaged", error=SurveyRefusedError):
-        second.processing.add_marker(SURVEY, ONE)
-    second.processing.reopen_survey(SURVEY)
-    second.processing.add_marker(SURVEY, ONE)
-    second.processing.shut_down()
-    assert len(markers(folder)) == 1
-    assert "5" in str(read_json(folder / "survey.json")["unconfirmed"]["markers"])
-
-
-@each_case("name", ["", OTHER_SURVEY, "../x", "/etc", "20260921T141320_ffffffff"])
-def test_what_is_no_survey_cannot_be_annotated_or_marked(kit, closed, name):
-    with pytest.raises(SurveyRefusedError):
-        kit.processing.annotate(name, EXAMPLE)
-    with pytest.raises(SurveyRefusedError):
-        kit.processing.add_marker(name, ONE)
-    assert annotation(closed) == AT_START
 
 
 @each_case(

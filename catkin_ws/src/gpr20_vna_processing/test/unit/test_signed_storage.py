@@ -1,19 +1,22 @@
 """The storage signs what it closes and changes, and nothing that somebody else has changed."""
 
-from __future__ import annotations
-
-import subprocess
-
 import pytest
 from planned_survey import METADATA, planned_trace
 from storage_kit import Kit
 from trace_examples import SURVEY
 
+from gpr20_survey.files import ssh_keygen
 from gpr20_survey.folder.annotating import add_to_survey, annotate
 from gpr20_survey.folder.log_record import Kind
 from gpr20_survey.folder.manifest import MANIFEST_FILE as SEAL
 from gpr20_survey.folder.recovery import read_description, recover
-from gpr20_survey.folder.signature import SIGNATURE_FILE, Signature, Signer, check_signature
+from gpr20_survey.folder.signature import (
+    NAMESPACE,
+    SIGNATURE_FILE,
+    Signature,
+    Signer,
+    check_signature,
+)
 from gpr20_survey.folder.survey_log import SurveyLog
 from gpr20_survey.plan.annotation import Annotation
 from gpr20_survey.recording.recordings import open_recordings
@@ -25,10 +28,9 @@ TRACES = 9
 @pytest.fixture
 def signers(tmp_path):
     """The signers file that accepts the key `key` beside it."""
-    command = ["ssh-keygen", "-q", "-t", "ed25519", "-N", "", "-f", str(tmp_path / "key")]
-    subprocess.run(command, check=True)
+    ssh_keygen.make_key(tmp_path / "key", "robot")
     path = tmp_path / "signers"
-    path.write_text(f'robot namespaces="gpr20-survey" {(tmp_path / "key.pub").read_text()}')
+    path.write_text(ssh_keygen.public_key(tmp_path / "key").signers_line("robot", NAMESPACE))
     return path
 
 

@@ -9,8 +9,7 @@ from fault_kit import raises_fault
 from storage_kit import text_message, wait_until
 
 from gpr20_common.low.clock import Clock
-from gpr20_common.message import Message
-from gpr20_survey.errors import StorageFailedError, TraceRefusedError
+from gpr20_survey.errors import StorageFailedError
 from gpr20_vna_processing.mid.storage_thread import QueueLimits, StorageThread
 
 TIME_LIMIT_S = 30.0
@@ -66,16 +65,6 @@ def disks():
     for disk in made:
         disk.release()
         disk.thread.stop(TIME_LIMIT_S)
-
-
-def test_a_job_returns_its_result_and_raises_its_error(disks):
-    def refuse():
-        raise TraceRefusedError(Message("no"))
-
-    disk = disks()
-    assert disk.thread.do(lambda: 7, TIME_LIMIT_S) == 7
-    with pytest.raises(TraceRefusedError, match="no"):
-        disk.thread.do(refuse, TIME_LIMIT_S)
 
 
 def test_messages_beyond_the_queue_are_dropped_and_counted(disks):

@@ -28,12 +28,8 @@ from gpr20_vna_processing.mid.recent_summaries import SETTLED_NS, RecentSummarie
 from gpr20_vna_processing.mid.survey_archive import SurveyArchive
 from gpr20_vna_processing.mid.survey_thumbnail import MOST_CELLS, thumbnail_of
 
-METADATA = json.dumps(
-    {
-        "simulated": True,
-        "parameters": {"x_points": 3, "y_points": 3, "polarizations_deg": [0.0, 90.0]},
-    }
-)
+PLAN = {"x_points": 3, "y_points": 3, "polarizations_deg": [0.0, 90.0]}
+METADATA = json.dumps({"simulated": True, "parameters": PLAN})
 NAME = "20260921T141320_0f8fad5b"
 
 

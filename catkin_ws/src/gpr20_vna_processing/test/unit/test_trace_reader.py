@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import random
 import shutil
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -14,13 +13,11 @@ from run_seed import SEED, draws
 from storage_kit import OTHER_SURVEY, Kit, text_message
 from trace_examples import SURVEY, make_trace
 
-from gpr20_survey.folder import trace_files
 from gpr20_survey.recording import mcap_traces
 from gpr20_survey.trace.trace_block import SAMPLE, TraceBlock
 from gpr20_vna_processing.mid import trace_reader
 from gpr20_vna_processing.mid.trace_reader import TraceReader
 
-OLD = Path(__file__).resolve().parent / "old_surveys"
 PLANNED = range(40)
 
 
@@ -52,12 +49,6 @@ def assert_as_stored(block: TraceBlock):
     assert block.s21.dtype == SAMPLE
 
 
-@pytest.fixture
-def no_json(monkeypatch):
-    """Every trace comes from the MCAP."""
-    monkeypatch.setattr(trace_files, "read_trace", None)
-
-
 def json_file(folder, index):
     return next((folder / "traces").glob(f"{index:06d}_*"))
 
@@ -80,29 +71,6 @@ def test_what_is_stored_is_read_and_what_is_not_is_named(
     assert set(found.block.indices.tolist()) == stored & wanted
     assert set(found.unreadable) == wanted - stored
     assert_as_stored(found.block)
-
-
-@pytest.mark.parametrize("end", [True, False])
-def test_traces_that_are_in_the_order_of_the_plan_come_from_the_mcap_alone(tmp_path, end, no_json):
-    stored = [index for index in PLANNED if index % 7]
-    folder = stored_survey(tmp_path, stored, end)
-    assert_as_stored(TraceReader().read(folder, SURVEY, stored).block)
-    found = TraceReader().read(folder, SURVEY, stored[::5])
-    assert found.block.indices.tolist() == stored[::5]
-
-
-def test_a_gap_that_was_filled_later_costs_only_its_own_traces(tmp_path, monkeypatch):
-    gap = [3, 11, 12]
-    folder = stored_survey(tmp_path, [*(one for one in PLANNED if one not in gap), *gap])
-    files = []
-    read_trace = trace_files.read_trace
-    monkeypatch.setattr(
-        trace_files, "read_trace", lambda path, *more: files.append(path) or read_trace(path, *more)
-    )
-    found = TraceReader().read(folder, SURVEY, PLANNED)
-    assert found.block.indices.tolist() == list(PLANNED)
-    assert_as_stored(found.block)
-    assert len(files) <= 2 * len(gap)
 
 
 @pytest.mark.parametrize("end", [True, False])
@@ -158,19 +126,6 @@ def test_a_survey_is_read_while_it_is_measured(tmp_path):
     kit.processing.close_survey(SURVEY, "finished")
     assert_as_stored(reader.read(folder, SURVEY, range(30)).block)
     kit.processing.shut_down()
-
-
-@pytest.mark.parametrize("version", ["without_header", "without_settings"])
-def test_surveys_of_earlier_versions_are_read(version, no_json):
-    for folder in (OLD / version).iterdir():
-        names = sorted((folder / "traces").iterdir())
-        (survey_id,) = {trace_id(path) for path in names}
-        found = TraceReader().read(folder, survey_id, range(len(names)))
-        assert found.block.indices.tolist() == list(range(len(names)))
-
-
-def trace_id(path):
-    return path.read_text("ascii").split('"survey_id": "')[1][:36]
 
 
 def test_an_answer_is_bounded_by_its_points_and_by_its_time(tmp_path, monkeypatch):

@@ -1,7 +1,5 @@
 """The short form of the fault suite; docs/evidence/reliability.md has figures of the long one."""
 
-from __future__ import annotations
-
 import json
 import os
 import random
@@ -9,9 +7,8 @@ import subprocess
 import sys
 
 import pytest
-from case_kit import each_case
 from fault_suite.facts import Facts, Fault, Found
-from fault_suite.script import TRACES, Call, Step, new_annotation, new_marker
+from fault_suite.script import TRACES, Call, Step, new_marker
 from run_seed import SEED
 
 from gpr20_survey.trace import trace_json
@@ -71,55 +68,24 @@ def test_the_suite_finds_what_a_broken_storage_loses(broken, option, count, tmp_
     assert result["found"]["lost"] > 0
 
 
-def acknowledged(*steps):
-    facts = Facts()
-    for step in steps:
+def test_the_evidence_finds_each_kind_of_difference():
+    facts, marker = Facts(), new_marker(random.Random(1))
+    for step in (Step(Call.STORE, 0), Step(Call.MARK, marker)):
         facts.ask(step)
         facts.acknowledge(step)
-    return facts
-
-
-def asked(facts, step):
-    facts.ask(step)
-    return facts
-
-
-CHANCE = random.Random(1)
-MARKER, OTHER = new_marker(CHANCE), new_marker(CHANCE)
-NOTE, LATER_NOTE = new_annotation(CHANCE), {**new_annotation(CHANCE), "site": "later"}
-MADE = {**MARKER, "time": "2026-11-21T05:10:00.000000Z"}
-REMOVED = {**MADE, "removed": "2026-11-21T05:11:00.000000Z"}
-STORE, MARK, UNMARK = (
-    Step(Call.STORE, 0),
-    Step(Call.MARK, MARKER),
-    Step(Call.UNMARK, MADE["marker_id"]),
-)
-TRACE = json.loads(trace_json.encode(TRACES[0]))
-STORED, MARKED, UNMARKED = acknowledged(STORE), acknowledged(MARK), acknowledged(MARK, UNMARK)
-NOTED, AGAIN = Step(Call.ANNOTATE, NOTE), Step(Call.ANNOTATE, LATER_NOTE)
-
-
-@each_case(
-    "facts, found, fault",
-    [
-        (STORED, Found({"JSON": [TRACE]}), None),
-        (STORED, Found({"JSON": []}), Fault.LOST),
-        (STORED, Found({"JSON": [TRACE], "MCAP": []}), Fault.LOST),
-        (STORED, Found({"JSON": [TRACE, TRACE]}), Fault.DOUBLED),
-        (STORED, Found({"JSON": [{**TRACE, "x_coord_mm": 11.0}]}), Fault.WRONG),
-        (Facts(), Found({"JSON": [TRACE]}), Fault.WRONG),
-        (MARKED, Found(markers=[MADE]), None),
-        (MARKED, Found(), Fault.LOST),
-        (MARKED, Found(markers=[REMOVED]), Fault.LOST),
-        (UNMARKED, Found(markers=[MADE]), Fault.LOST),
-        (asked(acknowledged(MARK), UNMARK), Found(markers=[MADE]), None),
-        (asked(Facts(), MARK), Found(markers=[{**MADE, "text": "?"}]), Fault.WRONG),
-        (Facts(), Found(markers=[OTHER]), Fault.WRONG),
-        (acknowledged(NOTED), Found(annotation=LATER_NOTE), Fault.WRONG),
-        (asked(acknowledged(NOTED), AGAIN), Found(annotation=LATER_NOTE), None),
-        (acknowledged(Step(Call.REPORT, {"fault_suite": 1})), Found(), Fault.LOST),
-    ],
-)
-def test_the_evidence_finds_each_kind_of_difference(facts, found, fault):
-    differences = {one.fault for one in facts.differences(found, every_trace=False)}
-    assert differences == ({fault} if fault else set())
+    trace = json.loads(trace_json.encode(TRACES[0]))
+    made = {**marker, "time": "2026-11-21T05:10:00.000000Z"}
+    removed = {**made, "removed": "2026-11-21T05:11:00.000000Z"}
+    for traces, markers, fault in (
+        ([trace], [made], None),
+        ([], [made], Fault.LOST),
+        ([trace, trace], [made], Fault.DOUBLED),
+        ([{**trace, "x_coord_mm": 11.0}], [made], Fault.WRONG),
+        ([trace], [], Fault.LOST),
+        ([trace], [removed], Fault.LOST),
+        ([trace], [made, made], Fault.DOUBLED),
+        ([trace], [made, new_marker(random.Random(2))], Fault.WRONG),
+    ):
+        found = Found({"JSON": traces}, markers=markers)
+        differences = {one.fault for one in facts.differences(found, every_trace=False)}
+        assert differences == ({fault} if fault else set())
