@@ -10,7 +10,9 @@ import threading
 import time
 from typing import List
 
-SWEEP_S = 0.02
+from gpr20_common.low.tcp_keepalive import acknowledge_at_once
+
+SWEEP_S = 0.01
 
 
 class LineVna:
@@ -65,6 +67,8 @@ class LineVna:
                 continue
             with client, client.makefile("r", encoding="ascii") as lines:
                 for line in lines:
+                    # Else a client that sends two small messages waits 40 ms in between.
+                    acknowledge_at_once(client)
                     answer = self._answer(line.strip())
                     if answer is None:
                         break

@@ -54,11 +54,6 @@ def test_keeps_every_number_of_ascii_with_and_without_trailing_comma():
     assert [one for one in answers if parse_numbers(one, ASCII, 3).tolist() != numbers] == []
 
 
-def test_real_and_imaginary_values_stay_apart():
-    numbers = parse_numbers(block(b"1,2,3,4,5,6,"), ASCII, 6)
-    assert numbers[0::2].tolist() == [1, 3, 5] and numbers[1::2].tolist() == [2, 4, 6]
-
-
 NO_PLAIN_FINITE_NUMBERS = [
     b"1,nan", b"1,inf", b"1,-Infinity", b"1,1e999", b"1,1_0", b"1,0x10", b"1,", b",1", b"1,,",
     b"1,2,,", b"1;2", b"1,2\n3", b"1,\xd9\xa1", b"1, ", b"1,2 3", b"1,+-2", b"1,.", b"1", b"1,2,3",

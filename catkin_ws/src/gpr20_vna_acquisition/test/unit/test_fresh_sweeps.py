@@ -130,19 +130,6 @@ def test_data_of_which_a_part_is_old_are_an_error_even_if_the_bit_was_seen_clear
         bench.driver.get_trace()
 
 
-@each_case("sweep_s, exchange_s", [(0.175, 0.001), (0.175, 0.02), (2.0, 0.02)])
-def test_a_sweep_takes_four_exchanges_and_little_more_than_its_own_time(sweep_s, exchange_s):
-    bench = Bench()
-    bench.vna.exchange_s, bench.vna.sweep_s = exchange_s, sweep_s
-    bench.configured()
-    for _ in range(5):
-        del bench.vna.sent[:]
-        begun_s = bench.clock.time_s
-        bench.driver.take_sweep()
-        assert len(bench.vna.sent) == 4
-        assert bench.clock.time_s - begun_s <= sweep_s + 4 * exchange_s + 0.01 * sweep_s
-
-
 def test_a_sweep_that_was_begun_again_is_remarked():
     bench = Bench(max_level_db=60.0)
     bench.vna.sweep_s = 0.175

@@ -15,7 +15,7 @@ from gpr20_common.low.clock import Clock
 from gpr20_survey.trace.sweep_settings import SweepSettings
 from gpr20_vna_acquisition import faults
 from gpr20_vna_acquisition.errors import VnaError, VnaTimeoutError
-from gpr20_vna_acquisition.mid import foreign_analyzer
+from gpr20_vna_acquisition.mid import analyzer_instance, foreign_analyzer
 from gpr20_vna_acquisition.mid.foreign_analyzer import make_foreign_analyzer
 from gpr20_vna_acquisition.mid.request_deadline import RequestDeadline
 from gpr20_vna_acquisition.mid.vna_driver import VNADriver
@@ -75,8 +75,9 @@ class Bench:
 @pytest.fixture
 def make(monkeypatch):
     """Make benches whose classes may go on in the end."""
-    monkeypatch.setattr(foreign_analyzer, "STEP_MARGIN_S", 0.2)
-    monkeypatch.setattr(foreign_analyzer, "LAST_CALL_S", 0.5)
+    monkeypatch.setattr(foreign_analyzer, "STEP_MARGIN_S", 0.1)
+    monkeypatch.setattr(foreign_analyzer, "LAST_CALL_S", 0.1)
+    monkeypatch.setattr(analyzer_instance, "OWN_END_S", 0.1)
     made = []
 
     def make_bench(*arguments, **parameters):
@@ -216,5 +217,5 @@ class NeverMade:
     check_sweep = None
 
 
-def test_a_class_whose_constructor_blocks_is_refused_in_time():
-    assert failure_of(lambda: Bench(analyzer="test_hung_analyzer:NeverMade"))
+def test_a_class_whose_constructor_blocks_is_refused_in_time(make):
+    assert failure_of(lambda: make(analyzer="test_hung_analyzer:NeverMade"))

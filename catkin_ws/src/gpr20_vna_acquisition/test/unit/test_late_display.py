@@ -103,26 +103,6 @@ def test_only_the_first_confirmation_waits_until_the_display_must_have_followed(
     assert max(durations_s[1:]) < 0.01
 
 
-def test_a_sweep_between_two_links_does_not_come_as_that_of_the_next_trace():
-    bench = Bench().configured()
-    confirmed(bench)
-    bench.vna.set_late(0.4)
-    answers = [lambda answer: answer[:-9]]
-    bench.vna.spoil = lambda answer: answers.pop()(answer) if answers else answer
-    for _ in range(3):
-        before = bench.vna.sweep_number
-        assert {one > before for one in confirmed(bench).s21_real} == {True}
-
-
-def test_an_averaging_instrument_with_a_late_display_gives_whole_averages():
-    bench = Bench()
-    bench.vna.settings[":SENS:AVER:COUN"] = "3"
-    bench.vna.sweep_s, bench.vna.late_memory_s = 0.1, 0.15
-    bench.configured()
-    for _ in range(4):
-        assert set(confirmed(bench).s21_real) == {float(bench.vna.sweep_number)}
-
-
 class Copying:
     """An analyzer of which every sweep has the same bits."""
 
@@ -156,6 +136,7 @@ def test_a_sweep_with_every_bit_of_the_one_before_is_refused_unless_there_is_no_
         driver.get_trace()
 
 
+@pytest.mark.release
 def test_no_confirmed_trace_is_stale_mixed_or_doubled():
     # scripts/bench.sh freshness draws 2,000 from every kind.
     traces = int(os.environ.get("GPR20_FRESHNESS_TRACES", "2"))

@@ -90,22 +90,8 @@ def test_an_address_where_connecting_failed_is_tried_again_until_it_answers(benc
         bench.driver.get_trace()
 
 
-def test_what_was_wrong_is_reported_until_connecting_again_has_ended(bench):
-    bench.vna.before = cable_is_pulled
-    check_after(bench)
-    reported = []
-    bench.vna.before = lambda message: reported.append(bench.driver.state.trouble)
-    bench.driver.connect_to_vna(ADDRESS)
-    assert set(reported) == {NO_ANSWER} and bench.driver.state.trouble is None
-
-
-@each_case("fault", ["garbled", "silent"])
-def test_the_fault_of_a_request_ends_when_the_instrument_answers_again(fault):
-    bench = idle_bench()
-    if fault == "garbled":
-        bench.vna.spoil = lambda answer: b"#9"
-    else:
-        bench.vna.before = cable_is_pulled
+def test_the_fault_of_a_request_ends_when_the_instrument_answers_again(bench):
+    bench.vna.spoil = lambda answer: b"#9"
     with pytest.raises(VnaError):
         bench.driver.get_trace()
     reported = bench.driver.state.last_error
@@ -121,16 +107,6 @@ def test_the_fault_of_a_request_ends_when_the_instrument_answers_again(fault):
     bench.vna.spoil, bench.vna.before = lambda answer: answer, nothing
     bench.driver.get_trace()
     assert bench.driver.trouble is bench.driver.state.former_trouble is None
-
-
-def test_a_fault_after_the_instrument_has_answered_is_a_fault_of_now(bench):
-    bench.vna.spoil = lambda answer: b"#9"
-    for _ in range(2):
-        with pytest.raises(VnaError):
-            bench.driver.get_trace()
-        assert bench.driver.trouble is not None
-        check_after(bench)
-        assert bench.driver.trouble is None
 
 
 @each_case("end", ["disconnect_from_vna", "shut_down"])
@@ -181,11 +157,9 @@ def endless_sweep(bench: Bench) -> None:
 @each_case(
     "fail, parameters, fault, limit_s",
     [
-        (endless_sweep, {"sweep_timeout_s": 2.0, "attempts": 1}, faults.SWEEP_NOT_ENDED, 3.0),
+        (endless_sweep, {}, faults.SWEEP_NOT_ENDED, None),
         # The last attempt's fault says what to do, not that the time was over.
         (slow_steps, {"request_timeout_s": 20.0, "attempts": 50}, faults.BAD_DATA, 21.0),
-        (endless_sweep, {}, faults.SWEEP_NOT_ENDED, None),
-        (slow_steps, {}, faults.BAD_DATA, None),
     ],
 )
 def test_an_instrument_that_takes_too_long_is_given_up_in_time(fail, parameters, fault, limit_s):
@@ -264,7 +238,7 @@ def test_the_wait_for_another_request_counts():
     assert waited and waited[0] <= limit_s
 
 
-@each_case("outage_s, survives", [(2.0, True), (20.0, True), (30.0, True), (60.0, False)])
+@each_case("outage_s, survives", [(30.0, True), (60.0, False)])
 def test_a_link_may_be_lost_for_half_a_minute(outage_s, survives):
     bench = Bench().configured()
     back_s = bench.clock.time_s + outage_s

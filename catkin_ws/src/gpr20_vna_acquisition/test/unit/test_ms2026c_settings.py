@@ -10,14 +10,12 @@ import pytest
 from case_kit import each_case
 from driver_bench import ADDRESS, OTHER_IDENTITY, SWEEP, Bench
 from fault_kit import raises_fault
-from hypothesis import given
-from hypothesis import strategies as st
 
 from gpr20_common import faults as common_faults
 from gpr20_common.mid.records import record_from
 from gpr20_survey.trace.sweep_settings import AnalyzerSettings, SweepSettings
 from gpr20_vna_acquisition import faults
-from gpr20_vna_acquisition.errors import VnaNotReadyError, VnaSweepError, VnaTimeoutError
+from gpr20_vna_acquisition.errors import VnaNotReadyError, VnaTimeoutError
 from gpr20_vna_acquisition.mid.settings import HOLD, check_frequencies
 from gpr20_vna_acquisition.mid.vna_parameters import VnaParameters
 
@@ -60,21 +58,16 @@ def test_a_setting_of_the_survey_is_made_and_the_others_are_left(settings, heade
     "settings, shown",
     [
         (with_settings(30_000.0, 0, ""), ("0, 10, 20, 50",)),
-        (with_settings(math.nan, 0, ""), ("0, 10",)),
         (with_settings(0.0, 65_536, ""), ("65535",)),
-        (with_settings(0.0, -1, ""), ("65535",)),
         (with_settings(0.0, 0, "high"), ("LOW, HIGH",)),
-        (SweepSettings(0.0, 6e9, 501), ("0 Hz", 5000)),
         (SweepSettings(4999.0, 6e9, 501), (5000, "6000000000 Hz")),
         (SweepSettings(math.nan, 6e9, 501), ("nan",)),
-        (SweepSettings(1e9, math.inf, 501), ("inf",)),
         (SweepSettings(1e9, 6.1e9, 501), ("6100000000 Hz", "6000000000 Hz")),
         (SweepSettings(2e9, 1e9, 501), ("2000000000 Hz", "1000000000 Hz")),
         # Closer than the synthesizer's step.
         (SweepSettings(1e9, 1e9 + 9.9, 501), ("1000000000",)),
         (SweepSettings(1e9, 2e9, 1), (1, 2, 4000)),
         (SweepSettings(1e9, 2e9, 4001), (4001, 4000)),
-        (SweepSettings(1e9, 2e9, -5), (-5, 2)),
     ],
 )
 def test_what_the_instrument_does_not_have_is_refused_before_anything_is_sent(settings, shown):
@@ -83,22 +76,6 @@ def test_what_the_instrument_does_not_have_is_refused_before_anything_is_sent(se
     with raises_fault(common_faults.NOT_ALLOWED, *shown):
         bench.driver.set_frequency_sweep(settings)
     assert bench.vna.sent == []
-
-
-def test_accepts_the_whole_range():
-    for points in (2, 4000):
-        VnaParameters().check_sweep(SweepSettings(5e3, 6e9, points))
-
-
-@given(st.integers(2, 4000), st.integers(5000, 5_999_000_000))
-def test_grid_is_exact_where_single_precision_is_not(points, start_hz):
-    grid_hz = SweepSettings(float(start_hz), 6e9, points).frequencies_hz()
-    assert grid_hz.dtype == np.float64 and len(grid_hz) == points
-    assert grid_hz[0] == start_hz and grid_hz[-1] == 6e9
-    assert (np.diff(grid_hz) > 0).all()
-    middle = points // 2
-    exact = start_hz + middle * (6_000_000_000 - start_hz) / (points - 1)
-    assert abs(grid_hz[middle] - exact) < 1e-5
 
 
 def test_another_grid_is_refused_and_its_own_in_single_precision_accepted():
@@ -117,22 +94,14 @@ def test_another_grid_is_refused_and_its_own_in_single_precision_accepted():
 @each_case(
     "name, value",
     [
-        ("answer_timeout_s", 0.0),
         ("settle_s", math.nan),
         ("attempts", 0),
         ("vxi11_port", 70000),
         ("transfer_format", "REAL,64"),
-        ("seconds_per_point", -1.0),
         ("max_frequency_hz", 1.0),
-        ("min_level_db", math.nan),
         ("min_level_db", 0.0),
-        ("max_level_db", math.inf),
-        ("same_points", 1),
-        ("duration_tolerance_s", -0.1),
-        ("connect_timeout_s", 1e300),
         ("poll_interval_s", 1e-300),
         ("link_check_s", 3601.0),
-        ("maker", ""),
         ("model", " "),
         ("accepted_calibrations", (1, 6)),
     ],
@@ -177,12 +146,6 @@ def test_an_instrument_that_loses_its_calibration_when_it_is_held_says_so():
         bench.configured()
 
 
-def test_an_instrument_without_calibration_can_be_set_up():
-    bench = Bench()
-    bench.vna.calibration = "0"
-    bench.configured()
-
-
 # What is not answered.
 
 
@@ -219,13 +182,6 @@ def test_another_instrument_is_asked_again():
     bench.vna.identity = OTHER_IDENTITY
     bench.vna.preamble["SN"] = "7654321"
     assert bench.configured().driver.state.sweep.analyzer.output_power == "HIGH"
-
-
-def test_a_number_of_averages_below_one_is_an_error():
-    bench = Bench()
-    bench.vna.settings[":SENS:AVER:COUN"] = "-113"
-    with raises_fault(faults.BAD_DATA, error=VnaSweepError):
-        bench.configured()
 
 
 def test_all_optional_queries_may_be_without_an_answer():

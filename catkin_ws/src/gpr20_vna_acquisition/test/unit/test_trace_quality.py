@@ -77,12 +77,6 @@ def test_a_level_beyond_its_limits_is_told_with_both_numbers(level_db, fault, li
     assert f"{level_db:g}" in str(remark) and f"{limit_db:g} dB" in str(remark)
 
 
-def test_a_single_strong_point_is_told():
-    sweep = trace()
-    sweep.s21_real[50] = 2.0
-    assert judged(sweep)[0].fault == faults.STRONG
-
-
 @each_case("first, count", [(0, 8), (40, 20), (POINTS - 8, 8), (0, POINTS)])
 def test_points_that_do_not_change_are_told_wherever_they_are(first, count):
     (remark,) = judged(trace(flat=slice(first, first + count)))
@@ -195,12 +189,6 @@ def test_which_calibrations_are_accepted_is_a_parameter():
     bench.vna.calibration = "1"
     with raises_fault(NOT_CALIBRATED):
         bench.driver.get_trace()
-
-
-def test_a_calibration_that_cannot_be_read_repeats_the_sweep():
-    bench = Bench().configured()
-    bench.lose_link_once(":SENS:CORR:COLL:STAT:ACC?")
-    assert (bench.driver.get_trace().s21_real == bench.vna.sweep_number).all()
 
 
 def test_a_sweep_that_takes_longer_than_its_like_says_so():

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import gc
 import random
 import socket
 import struct
@@ -57,19 +56,6 @@ def socket_of(link):
     return link._instrument.client.sock._socket
 
 
-def test_the_library_is_the_one_whose_faults_are_known():
-    assert vxi11.__version__ == "0.9"
-
-
-def test_a_message_goes_as_it_is_over_one_connection_and_at_once(server, link):
-    # The library would look for the abort channel at the portmapper: its port is 0 here.
-    assert socket_of(link).getsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY)
-    assert link.ask_raw("X?") == b"<X?>"
-    link.clear()
-    link.close()
-    assert server.connections == 1
-
-
 def test_a_command_that_was_taken_in_part_is_our_error(server, link):
     server.spoil = on(WRITE, body(struct.pack(">iI", 0, 1)))
     with raises_fault(faults.NO_LINK):
@@ -83,14 +69,6 @@ def test_a_link_that_died_unnoticed_can_be_closed_and_made_again(server, link):
     assert dead.fileno() == -1
     server.spoil = proper
     assert connect(HOST, PATIENT, server.port).ask_raw("X?") == b"<X?>"
-
-
-def test_a_link_that_is_forgotten_does_not_talk_to_the_instrument(server):
-    link = connect(HOST, PATIENT, server.port)
-    calls = len(server.calls)
-    del link
-    gc.collect()
-    assert len(server.calls) == calls
 
 
 @each_case("ending", [hang_up, body(struct.pack(">iiII", 9, 0, 0, 0))])

@@ -188,13 +188,6 @@ def test_an_endless_answer_is_stopped(server, spoil, answer):
     assert server.calls.count(READ) < 50
 
 
-def test_an_endless_empty_answer_is_stopped_in_time(server):
-    link = connect(HOST, IMPATIENT, server.port)
-    server.answer = lambda question: read_reply(b"", reason=0)
-    with pytest.raises(VnaConnectionError):
-        link.ask_raw("X?")
-
-
 def test_an_instrument_that_takes_nothing_at_once_is_refused(server):
     server.receive_size = 0
     with raises_fault(faults.WRONG_INSTRUMENT, 1024):
