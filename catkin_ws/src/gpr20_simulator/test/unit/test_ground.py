@@ -132,21 +132,6 @@ def test_surface_and_coupling_come_at_their_delays_and_levels():
     assert surface == pytest.approx(expected, abs=1e-9)
 
 
-def test_cables_and_antennas_delay_everything_by_the_same_time():
-    plain, late = Antennas(height_m=0.2), Antennas(height_m=0.2, delay_s=0.3e-9)
-    first, second = (
-        ground(point(), antennas=one).s21(FREQUENCY_HZ, OVER, 1) for one in (plain, late)
-    )
-    expected = first * np.exp(-2j * np.pi * FREQUENCY_HZ * 0.3e-9)
-    assert second == pytest.approx(expected, abs=1e-9)
-
-
-def test_depth_is_counted_from_the_plane_not_from_the_slope():
-    sloped = ground(point(), surface=Surface(slope_x=0.05))
-    # At x = 100 mm the surface is 5 mm higher: less air, more soil.
-    assert sloped.echoes(OVER).delay_s[2:] == pytest.approx(2.0 * (0.195 + 2.0 * 0.105) / C)
-
-
 def quickest_delay_s(uneven, here, target, permittivity):
     """Return the shortest time from antenna to point over all points of an uneven surface."""
     top_m = uneven.antenna_height_m(here.x_mm, here.y_mm)

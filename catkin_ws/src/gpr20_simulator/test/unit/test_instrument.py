@@ -5,8 +5,6 @@ After the programming manual of the MS20xxC (Anritsu 10580-00306).
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 import pytest
 from case_kit import each_case
@@ -17,7 +15,6 @@ from vna_bench import new_bench
 from gpr20_simulator.low.message_device import NetworkFault
 from gpr20_simulator.mid.analyzer.instrument_scene import InstrumentScene, Power
 from gpr20_simulator.mid.analyzer.scpi import (
-    MOST_COMMANDS,
     HeaderPattern,
     ScpiError,
     frequency_between,
@@ -26,7 +23,6 @@ from gpr20_simulator.mid.analyzer.scpi import (
     whole_number_between,
 )
 from gpr20_simulator.mid.analyzer.trace_reader import (
-    block_header,
     payload,
 )
 from gpr20_simulator.mid.analyzer.vna_settings import DataFormat
@@ -67,10 +63,6 @@ def test_message_is_split_into_its_commands(message, commands):
     assert found == commands
 
 
-def test_number_of_commands_in_a_message_is_bounded():
-    assert len(split_message(b":INIT;" * 10 * MOST_COMMANDS)) == MOST_COMMANDS
-
-
 START, PARAMETER = "[:SENSe]:FREQuency:STARt", "[:SENSe]:TRACe#:SPARams"
 
 
@@ -80,18 +72,11 @@ START, PARAMETER = "[:SENSe]:FREQuency:STARt", "[:SENSe]:TRACe#:SPARams"
         (START, ":SENS:FREQ:STAR", ()),
         (START, ":sense:FREQuency:start", ()),
         (START, ":FREQU:STAR", None),
-        (START, ":FREQ:STA", None),
-        (START, ":SENS1:FREQ:STAR", None),
-        (START, "FREQ:STAR", None),
         (PARAMETER, ":SENS:TRACE1:SPAR", (1,)),
         (PARAMETER, ":TRAC4:SPARAMS", (4,)),
         (PARAMETER, ":TRAC:SPAR", (1,)),
-        (PARAMETER, ":TRAC1:SPARAMETER", None),
-        ("[:SENSe#]:FREQuency:DATA", ":FREQ:DATA", (1,)),
         (":INITiate[:IMMediate]", ":INIT", ()),
-        (":INITiate[:IMMediate]", ":INIT:IMME", None),
         ("*IDN", "*idn", ()),
-        ("*IDN", ":*IDN", None),
     ],
 )
 def test_only_the_short_and_the_long_form_of_a_keyword_match(pattern, header, numbers):
@@ -121,18 +106,6 @@ def test_what_is_no_number_in_range_is_refused(read, texts):
             print(text, read(text, 5000, 6_000_000_000))
 
 
-@given(st.one_of(st.binary(max_size=100), st.text(max_size=30).map(str.encode)))
-def test_no_bytes_break_the_parser(message):
-    for command in split_message(message):
-        assert command.header[0] in ":*" and "?" not in command.header
-        assert not any(letter.isspace() for letter in command.header)
-        try:
-            value_hz = frequency_between(command.argument, 5e3, 6e9)
-        except ScpiError:
-            continue
-        assert math.isfinite(value_hz) and 5e3 <= value_hz <= 6e9
-
-
 # Its data blocks.
 
 
@@ -145,14 +118,6 @@ def test_ascii_and_binary_keep_every_float32(numbers):
     assert read.tobytes() == values.tobytes()
     data = payload(values, DataFormat.REAL_32, STYLE, 8)
     assert np.frombuffer(data, "<f4").tobytes() == values.tobytes()
-
-
-@each_case(
-    "length, digits, header",
-    [(2204, 0, b"#42204"), (78, 4, b"#40078"), (5, 0, b"#15"), (123456, 4, b"#6123456")],
-)
-def test_header_tells_the_length(length, digits, header):
-    assert block_header(length, InstrumentScene(header_digits=digits)) == header
 
 
 # The instrument.
@@ -188,28 +153,16 @@ def test_power_on_state_is_that_of_the_manual_also_after_a_preset(bench):
     [
         ("FREQ:STAR 600MHZ", "FREQ:STAR?", "600000000"),
         ("SENSE:FREQUENCY:STOP 2.5 GHZ", "SENS:FREQ:STOP?", "2500000000"),
-        ("FREQ:STAR 5000.5", "FREQ:STAR?", "5000.500"),
         ("FREQ:STOP 1GHZ;:FREQ:STAR 2GHZ", "FREQ:STAR?;:FREQ:STOP?", "2000000000;2000000000"),
-        ("FREQ:STAR 2GHZ;:FREQ:STOP 1GHZ", "FREQ:STAR?;:FREQ:STOP?", "1000000000;1000000000"),
         ("FREQ:CENT 2GHZ;:FREQ:SPAN 1GHZ", "FREQ:STAR?;:FREQ:STOP?", "1500000000;2500000000"),
         ("SWE:POIN 4001", "SWE:POIN?", "4001"),
-        ("SWE:POIN 2", "SWE:POIN?", "2"),
-        ("SWE:IFBW 1 KHZ", "SWE:IFBW?", "1000"),
-        ("AVER:COUN 16", "AVER:COUN?", "16"),
         ("FORM real,32", "FORM?", "REAL,32"),
         ("FORMAT:READINGS:DATA INTEGER, 32", "FORM:DATA?", "INT,32"),
         ("TRAC3:SPARams s22", "SENS:TRAC3:SPAR?", "S22"),
-        ("TRAC2:DOM DISTANCE", "TRAC2:DOM?", "DIST"),
         ("CALC4:FORM LM/2", "CALC4:FORM?;:TRAC:SEL?", "LM/2;TR4"),
         ("TRAC3:SEL", "TRAC:SEL?", "TR3"),
-        ("TRAC:TOT 1", "TRAC:TOT?", "1"),
-        ("SOUR:POW LOW", "SOUR:POW?", "LOW"),
-        ("INP:GAIN:MODE FIXed", "INP:GAIN:MODE?", "FIX"),
-        ("RFON OFF", "RFON:STAT?", "0"),
         ("CORR OFF", "CORR:STAT?;:SENS:CORR:COLL:STAT:ACC?", "0;0"),
-        ("CORR OFF;:CORR ON", "CORR:STAT?", "1"),
         ("SWE:TYPE SING", "SWE:TYPE?;:INIT:HOLD?", "SING;1"),
-        ("SWE:TYPE EXTernal", "SWE:TYPE?", "EXT"),
         ("INIT:HOLD ON", "INIT:HOLD?;:INIT:CONT?", "1;0"),
     ],
 )
@@ -223,19 +176,11 @@ def test_settings_are_read_back_in_their_short_form(bench, command, query, answe
     "command, query",
     [
         ("FREQ:STAR 4999", "FREQ:STAR?"),
-        ("FREQ:STOP 6.1GHZ", "FREQ:STOP?"),
-        ("FREQ:STAR NAN", "FREQ:STAR?"),
         ("SWE:POIN 4002", "SWE:POIN?"),
-        ("SWE:POIN 1", "SWE:POIN?"),
-        ("SWE:POIN 10.5", "SWE:POIN?"),
         ("SWE:IFBW 30000", "SWE:IFBW?"),
         ("AVER:COUN 0", "AVER:COUN?"),
-        ("FORM REAL,64", "FORM?"),
         ("TRAC1:SPAR S31", "TRAC1:SPAR?"),
-        ("TRAC1:SPARAM S21", "TRAC1:SPAR?"),
-        ("CALC1:FORM SMI", "CALC1:FORM?"),
         ("SWE:TYPE ONCE", "SWE:TYPE?"),
-        ("INIT:CONT MAYBE", "INIT:CONT?"),
     ],
 )
 def test_invalid_settings_keep_the_former_value(bench, command, query):
@@ -248,13 +193,8 @@ def test_invalid_settings_keep_the_former_value(bench, command, query):
     "query",
     [
         "*OPC?",
-        "*ESR?",
-        ":SYST:ERR?",
         ":CALC9:DATA? SDAT",
-        ":SENS9:FREQ:DATA?",
         ":CALC1:DATA? SMEM",
-        ":FOO?",
-        "?",
         ":?",
     ],
 )
@@ -267,7 +207,6 @@ def test_unknown_queries_get_no_answer(bench, query):
     "accuracy, interpolated, covers, answers",
     [
         (3, True, 15, "3;4;15;RF2P;1;1"),
-        (1, False, 1, "1;4;1;RF2P;0;1"),
         (0, True, 15, "0;0;0;;0;0"),
     ],
 )

@@ -36,15 +36,6 @@ def test_scenes_of_the_package_have_targets_that_stand_out_of_the_noise(name):
         assert strongest > 20.0 * 10.0 ** (scene.noise.level_db / 20.0)
 
 
-def test_robot_starts_where_homing_has_a_way_to_go():
-    robot = read_scene(str(SCENES / "two_targets.yaml")).robot
-    assert (robot.x.start, robot.y.start, robot.z.start) == (8.0, 6.0, 0.0)
-    assert (robot.x.endstop, robot.x.lower_stop, robot.x.upper_stop) == (-1.0, -3.0, 653.0)
-    assert (robot.y.endstop, robot.y.lower_stop, robot.y.upper_stop) == (-1.0, -3.0, 803.0)
-    assert robot.z.endstop is None
-    assert (robot.x.size_per_step, robot.z.size_per_step) == (0.01, 1.8)
-
-
 def test_keys_left_out_keep_their_defaults(tmp_path):
     scene = scene_from(tmp_path, "robot: {x: {start: 20}}\nsoil: {loss_tangent: 0}")
     assert scene.robot.x.start == 20.0
@@ -61,32 +52,17 @@ def test_keys_left_out_keep_their_defaults(tmp_path):
         ("soil: {permitivity: 4}", ("scene/soil/permitivity", "loss_tangent")),
         ("soil: {relative_permittivity: 0.5}", ("relative_permittivity", 0.5, 1, 81)),
         ("soil: {relative_permittivity: .nan}", ("relative_permittivity", "nan")),
-        ("soil: {relative_permittivity: .inf}", ("relative_permittivity", "inf")),
         ("soil: {relative_permittivity: four}", ("'four'",)),
-        ("soil: {relative_permittivity: true}", ("True",)),
-        ("noise: {seed: 1.5}", ("scene/noise/seed", 1.5)),
-        ("instrument: {model: 5}", ("instrument/model", "str")),
         ("instrument: {trailing_comma: 1}", ("instrument/trailing_comma", "bool")),
-        ("soil: 4", ("scene/soil", 4)),
-        ("targets: {a: 1}", ("scene/targets",)),
         ("targets: [{name: a, shape: sphere, x_mm: 1, y_mm: 2}]", ("depth_m",)),
         (TARGET.replace("sphere", "cube") % "", ("'cube'", "sphere, disc, line")),
         (TARGET % ", size_m: 3", ("targets[0]/size_m", 3)),
         (TARGET % "" + "\nsurface: {slope_x: 0.2}", ()),
         ("surface: {wave_amplitude_m: 0.1}\nantennas: {height_m: 0.1}", ()),
         ("robot: {x: {start: -4}}", ("robot.x.start", -4)),
-        ("robot: {y: {endstop: 900}}", ("robot.y.endstop", 900)),
-        ("- a list", ()),
-        ("", ()),
-        ("a: [", ()),
         ("!!python/object/apply:os.getcwd []", ()),
     ],
 )
 def test_wrong_scene_says_which_key_and_what_is_allowed(tmp_path, text, shown):
     with raises_fault(WRONG_SCENE, *shown, error=SceneError):
         scene_from(tmp_path, text)
-
-
-def test_missing_scene_file_is_a_clear_error(tmp_path):
-    with raises_fault(WRONG_SCENE, "nowhere.yaml", error=SceneError):
-        read_scene(str(tmp_path / "nowhere.yaml"))

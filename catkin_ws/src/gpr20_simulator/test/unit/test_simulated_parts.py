@@ -18,7 +18,7 @@ from gpr20_height_sensor.errors import SensorRangeError, SensorStuckError
 from gpr20_height_sensor.low.adc_interface import AdcInterface
 from gpr20_height_sensor.mid.height_driver import HeightDriver
 from gpr20_height_sensor.mid.height_parameters import HeightParameters
-from gpr20_simulator.low.shared_state import AdcFault, open_shared_state
+from gpr20_simulator.low.shared_state import AdcFault
 from gpr20_simulator.low.spi import SimulatedSpi
 from gpr20_simulator.low.stale_states import GRACE_S, remove_stale_states
 from gpr20_simulator.mid.world.range_sensor import RangeSensor, sensor_voltage_v
@@ -76,12 +76,6 @@ def test_faults_of_the_sensor_are_noticed(fault, error):
         measured_m(sensor_at(0.2, fault))
 
 
-@each_case("height_m", [0.0, -0.1, 0.07, 100.0])
-def test_any_height_gives_a_code_of_the_converter(height_m):
-    assert 0 <= sensor_at(height_m).code(0) <= 1023
-    assert sensor_at(height_m).code(1) == 0, "other channels are grounded"
-
-
 @given(st.integers(0, 1023), st.integers(0, 7))
 def test_the_driver_reads_the_code_of_the_channel_it_asks_for(code, channel):
     spi = SimulatedSpi(lambda asked: code if asked == channel else 1023 - code)
@@ -99,7 +93,6 @@ def refuse(_channel):
         (lambda one: 683 if one == 5 else 0, [0x01, 0xD0, 0x00], [0xFF, 0b11111010, 0b10101011]),
         # The start bit one place earlier shifts everything by one place.
         (lambda one: 1023, [0x03, 0x00, 0x00], [0xFF, 0b11110111, 0b11111110]),
-        (lambda one: 5, [0, 0, 0], [255, 255, 255]),
         (refuse, [0x01], [255]),
     ],
 )
@@ -152,9 +145,3 @@ def test_a_state_that_a_process_has_open_is_kept_until_that_process_is_killed(fo
 def test_a_state_that_was_just_made_is_kept(folder):
     assert remove_stale_states(folder) == 0
     assert remove_stale_states(folder / "missing") == 0
-
-
-def test_a_state_that_was_cleared_away_is_made_anew(tmp_path):
-    for _ in range(2):
-        open_shared_state(tmp_path / STATE, {axis: 0 for axis in AxisId})
-        (tmp_path / STATE).unlink()

@@ -155,23 +155,6 @@ def test_continuous_sweeps_follow_each_other_until_held(rig):
     assert not rig.sweeper.is_running
 
 
-def test_held_series_goes_on_where_it_paused(rig):
-    rig.sweeper.set_continuous(True)
-    rig.clock.advance(SWEEP_S / 2 + 1e-6)
-    rig.wait_for_points(1, 50)
-    rig.sweeper.hold(True)
-    rig.clock.advance(10 * SWEEP_S)
-    rig.sweeper.hold(False)
-    assert rig.sweeps().count(1) == 50
-    rig.clock.advance(SWEEP_S / 2)
-    rig.wait_for_completed(1)
-    assert rig.sweeps() == [1] * POINTS
-    # A trigger in a running series leaves it running.
-    rig.sweeper.trigger()
-    rig.finish()
-    assert rig.sweeper.is_running
-
-
 def test_new_plan_begins_the_sweep_anew_and_clears_the_bit(rig):
     rig.sweeper.set_continuous(True)
     rig.finish()
@@ -199,34 +182,6 @@ def test_averaging_takes_the_mean_of_the_sweeps(rig):
     rig.sweeper.configure(SweepPlan(1e9, 3e9, POINTS, POINT_S, averages=2))
     sweep(30.0)
     assert rig.xs_mm() == [30] * POINTS
-
-
-def test_series_that_nobody_reads_is_not_computed_and_hardly_watched(make):
-    # 70 ms a sweep, as at power-on; one look is enough for it.
-    medium, pace = CountingProbe(), SweepPace(attention_s=0.2)
-    rig = make(SweepPlan(1e9, 2e9, 201, 350e-6), pace, medium)
-    rig.sweeper.set_continuous(True)
-
-    def sweep():
-        before = rig.sweeper.sweeps_completed
-        rig.clock.advance(pace.rest_s)
-        wait_until(lambda: rig.sweeper.sweeps_completed > before, "next sweep")
-
-    # The first look counts as a move.
-    for _ in range(5):
-        sweep()
-    looks, completed = rig.carriage.looks, rig.sweeper.sweeps_completed
-    for _ in range(20):
-        sweep()
-    assert 20 <= rig.sweeper.sweeps_completed - completed <= 22
-    assert rig.carriage.looks - looks <= 22
-    assert medium.calls == 0
-    newest = rig.sweeper.sweep_number
-    assert set(rig.sweeps()) <= {newest - 1, newest, newest + 1}
-
-
-def test_a_faster_clock_is_as_fine_in_real_seconds():
-    assert PACE.faster(10.0) == SweepPace(1.001, 5.0, 10 * PACE.rest_s, 10 * PACE.attention_s)
 
 
 # The memory: data that are computed only when somebody looks at them are those computed at once.

@@ -2,26 +2,21 @@
 
 from __future__ import annotations
 
-import random
 import threading
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
 import pyvisa
 import vxi11
 from case_kit import each_case
-from run_seed import draws
 from vna_bench import Rig, connected
-from vxi11_wire import CORE, CoreLink, EchoDevice, RawClient, wait_until, words
+from vxi11_wire import CoreLink, EchoDevice, RawClient, wait_until
 
 from gpr20_common.errors import InvalidValueError
 from gpr20_simulator.errors import MediumError
-from gpr20_simulator.low import scaled_clock
 from gpr20_simulator.low.vxi11_core import Limits
 from gpr20_simulator.low.vxi11_server import Vxi11Server
 from gpr20_simulator.mid.analyzer.simulated_analyzer import AnalyzerOptions, medium_by_name
-from gpr20_simulator.mid.analyzer.vna_commands import SETTINGS
 from gpr20_simulator.mid.world.ground import Ground
 from gpr20_simulator.mid.world.medium import PositionProbe
 from gpr20_simulator.mid.world.scene import Scene
@@ -41,9 +36,9 @@ def device():
     return EchoDevice()
 
 
-@pytest.fixture(params=[1024, 65536])
-def server(device, request):
-    one = Vxi11Server(device, limits=Limits(receive_size=request.param))
+@pytest.fixture
+def server(device):
+    one = Vxi11Server(device, limits=Limits(receive_size=1024))
     one.start()
     yield one
     one.stop()
@@ -100,17 +95,7 @@ def test_options_and_media_out_of_range_are_refused():
         medium_by_name("air", Scene())
 
 
-def test_scaled_clock_goes_as_much_faster(monkeypatch):
-    slept_s = []
-    real = SimpleNamespace(monotonic=lambda: 100.0, sleep=slept_s.append)
-    monkeypatch.setattr(scaled_clock, "time", real)
-    clock = scaled_clock.ScaledClock(20.0)
-    assert clock.now_s() == 2000.0
-    clock.sleep_until_s(2040.0)
-    assert slept_s == pytest.approx([2.0])
-
-
-@each_case("length", [1, 1023, 1024, 1025, 65537, 200_001])
+@each_case("length", [1, 1024, 1025, 200_001])
 def test_clients_move_any_length_both_ways(server, device, visa, length):
     message = b"?" * length
     instrument = connected(server.port)
@@ -141,46 +126,3 @@ def test_python_vxi11_clears_locks_aborts_and_closes(device):
     instrument.close()
     assert server.link_count == 0
     server.stop()
-
-
-# Random bytes.
-
-PIECES = [one.header.pattern.translate(str.maketrans("#", "1", "[]")).encode() for one in SETTINGS]
-PIECES += [b":CALC1:DATA? SDAT", b":INIT:IMM", b":INIT:CONT ", b"?", b";", b" ", b"\n", b'"']
-PIECES += [b"1E999", b"600MHZ", b"9" * 500, b"\x00\xff\xb5"]
-
-
-def random_message(draw):
-    """Return bytes that are partly commands."""
-    pieces = [
-        draw.choice(PIECES) if draw.random() < 0.7 else random_bytes(draw, 20)
-        for _ in range(draw.randrange(1, 12))
-    ]
-    # A reset takes the instrument off the network, which is what it must do.
-    return b"".join(pieces).replace(b"*", b"")
-
-
-def random_bytes(draw, most):
-    return bytes(draw.randrange(256) for _ in range(draw.randrange(most)))
-
-
-def test_random_writes_and_calls_leave_the_socket_working(rig):
-    port = rig.vna.server.port
-    for seed in range(draws(8)):
-        draw = random.Random(seed)
-        with CoreLink(port) as link:
-            for _ in range(10):
-                error, _size = link.write(random_message(draw), flags=draw.choice((0, 8, 8, 255)))
-                assert error in (0, 5, 9), seed
-                if draw.random() < 0.5:
-                    link.read(size=draw.randrange(4000), io_timeout_ms=0)
-        with RawClient(port) as client:
-            junk = random_bytes(draw, 200)
-            head = words(7, 0, 2, CORE, 1, draw.randrange(30), 0, 0, 0, 0)
-            length = len(head) + draw.choice((len(junk), 0, 1 << 30))
-            last = 0x80000000 if draw.random() < 0.9 else 0
-            client.send(junk if draw.random() < 0.3 else words(length | last) + head + junk)
-        with CoreLink(port) as link:
-            assert link.write(b"*IDN?\n")[0] == 0
-            assert link.read()[2].startswith(b'"Anritsu'), seed
-    wait_until(lambda: rig.vna.server.link_count == 1, "freeing of the links")

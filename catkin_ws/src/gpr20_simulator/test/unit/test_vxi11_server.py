@@ -15,7 +15,6 @@ from vxi11_wire import (
     EchoDevice,
     RawClient,
     call,
-    opaque,
     record,
     unpack_words,
     wait_until,
@@ -70,14 +69,6 @@ def test_message_is_executed_at_its_end_only(device, link):
     assert device.messages == [b"*IDN?\n"]
 
 
-def test_data_above_the_receive_size_are_refused_and_not_consumed(device, link):
-    assert link.write(b"A", flags=0) == (0, 1)
-    for size in (1025, 70_000):
-        assert link.write(b"x" * size) == (5, 0)
-    assert link.write(b"B") == (0, 1)
-    assert device.messages == [b"AB"]
-
-
 def test_message_without_end_cannot_fill_the_memory(device, link):
     for _ in range(4):
         assert link.write(b"x" * 1024, flags=0)[0] == 0
@@ -97,15 +88,6 @@ def test_read_in_pieces_says_why_each_piece_ended(link):
     # Above the size of a reply: no reason in between.
     assert link.read(size=10000) == (0, 0, b"?" * 2000)
     assert link.read(size=10000) == (0, END_REASON, b"?")
-
-
-def test_late_answer_comes_in_front_of_the_next_one(device, link):
-    device.fault = NetworkFault.ANSWER_LATE
-    assert link.write(b"first?")[0] == 0
-    assert link.read(io_timeout_ms=20) == (15, 0, b"")
-    device.fault = NetworkFault.NONE
-    link.write(b"second?")
-    assert [link.read()[2] for _ in range(2)] == [b"first?", b"second?"]
 
 
 def test_clear_forgets_answers_half_messages_and_late_answers(device, link):
@@ -156,30 +138,6 @@ def test_lock_keeps_others_out_until_it_is_given_back(server, link):
         assert link.write(b"?")[0] == 0
         assert (link.unlock(), link.unlock()) == (0, 12)
         assert other.lock() == 0
-
-
-def test_device_that_does_not_reply_leaves_the_client_waiting(server, device, link):
-    device.fault = device.open_conduct = NetworkFault.NO_REPLY
-    link.sock.settimeout(0.1)
-    with pytest.raises(OSError):
-        link.write(b"x")
-    with RawClient(server.port, timeout_s=0.1) as client, pytest.raises(OSError):
-        client.result(CORE, 1, 10, words(1, 0, 0) + opaque(b"inst0"))
-    device.fault = device.open_conduct = NetworkFault.NONE
-    with CoreLink(server.port) as other:
-        assert other.write(b"x")[0] == 0
-
-
-def test_device_that_drops_closes_every_connection_but_takes_new_ones(server, device, link):
-    device.fault = NetworkFault.DROP_CONNECTIONS
-    with CoreLink(server.port) as other:
-        with pytest.raises((EOFError, ConnectionError)):
-            link.write(b"x")
-        assert other.is_closed()
-    wait_until(lambda: server.link_count == 0, "end of the links")
-    device.fault = NetworkFault.NONE
-    with CoreLink(server.port) as other:
-        assert other.write(b"x")[0] == 0
 
 
 def test_device_that_goes_silent_is_found_nowhere(device):

@@ -46,17 +46,15 @@ class CountingProbe(PositionProbe):
 
 
 class Carriage:
-    """Antennas that are where the test put them; counts who looks where they are."""
+    """Antennas that are where the test put them."""
 
     def __init__(self):
         self.here = AntennaPosition(0.0, 0.0, 0.0)
-        self.looks = 0
 
     def move(self, x_mm, y_mm=0.0, rotation_deg=0.0):
         self.here = AntennaPosition(x_mm, y_mm, rotation_deg)
 
     def position(self):
-        self.looks += 1
         return self.here
 
 
