@@ -10,7 +10,6 @@ import socket
 import struct
 import threading
 import time
-from dataclasses import dataclass, field
 from typing import Callable, ClassVar, Dict, List, Optional, Set, Tuple
 
 import numpy as np
@@ -19,31 +18,6 @@ from gpr20_common.low.clock import Clock
 from gpr20_common.low.tcp_keepalive import acknowledge_at_once
 
 SERIAL = "SIMULATED-1"
-
-
-@dataclass
-class Faults:
-    """What the instrument does wrong.
-
-    Attributes:
-        silent: Queries that it does not answer; "" means all.
-        drop_at: A query at which it closes the connection, once.
-        ignored: Commands that it does not carry out.
-        early_end: Whether it answers `*OPC?` before the sweep has ended.
-        old_data: Whether it always shows the same sweep.
-        answers: Other answers than the right ones, by query.
-        endless: A query that it answers without end.
-        endless_sweep: Whether a sweep ends only when the instrument is stopped.
-    """
-
-    silent: Set[str] = field(default_factory=set)
-    drop_at: str = ""
-    ignored: Set[str] = field(default_factory=set)
-    early_end: bool = False
-    old_data: bool = False
-    answers: Dict[str, bytes] = field(default_factory=dict)
-    endless: str = ""
-    endless_sweep: bool = False
 
 
 class Dropped(Exception):
@@ -83,20 +57,22 @@ class ScpiAnalyzer:
         self.sweep_s = 0.02
         self.clock = SweepClock()
         self.serial = SERIAL
-        self.faults = Faults()
+        # What it does wrong: queries that it does not answer ("" means all), one at which it closes
+        # the connection, once, and one that it answers without end.
+        self.silent: Set[str] = set()
+        self.drop_at = self.endless = ""
+        # Commands that it does not carry out, and other answers than the right ones, by query.
+        self.ignored: Set[str] = set()
+        self.answers: Dict[str, bytes] = {}
+        # Whether it answers `*OPC?` before the sweep has ended, and always shows the same sweep.
+        self.early_end = self.old_data = False
         self.values = dict(self.settings)
         self.values[self.continuous[0]] = self.continuous[1]
         self.written: List[str] = []
         self.sweeps = 0
         self.average_cleared_at = 0
         self._begun_s = 0.0
-        self._shown_by_itself = 0
         self._selected = ""
-        self._stopped = threading.Event()
-
-    def stop(self) -> None:
-        """End a sweep that is waited for."""
-        self._stopped.set()
 
     @property
     def identity(self) -> str:
@@ -110,10 +86,6 @@ class ScpiAnalyzer:
     def is_continuous(self) -> bool:
         return self.values[self.continuous[0]] == self.continuous[1]
 
-    def settings_written(self) -> List[str]:
-        """Return the commands that changed a setting of the sweep."""
-        return [one for one in self.written if one.split(" ")[0] in self.settings]
-
     def execute(self, message: bytes) -> Optional[bytes]:
         """Carry out one message; return the answer, if there is one."""
         answer = None
@@ -122,18 +94,18 @@ class ScpiAnalyzer:
         return answer
 
     def _execute(self, text: str) -> Optional[bytes]:
-        if text == self.faults.drop_at:
-            self.faults.drop_at = ""
+        if text == self.drop_at:
+            self.drop_at = ""
             raise Dropped
         if "?" not in text:
             self.written.append(text)
-            if text.split(" ")[0] not in self.faults.ignored:
+            if text.split(" ")[0] not in self.ignored:
                 self.command(*text.split(" ", 1))
             return None
-        if {"", text} & self.faults.silent:
+        if {"", text} & self.silent:
             return None
-        if text in self.faults.answers:
-            return self.faults.answers[text]
+        if text in self.answers:
+            return self.answers[text]
         return self.query(text)
 
     def command(self, header: str, value: str = "") -> None:
@@ -144,9 +116,7 @@ class ScpiAnalyzer:
         if text == "*IDN?":
             return self.identity.encode() + b"\n"
         if text == "*OPC?":
-            if self.faults.endless_sweep:
-                self._stopped.wait()
-            elif not self.faults.early_end:
+            if not self.early_end:
                 self.clock.pass_until(self._begun_s + self.sweep_s)
             return b"+1\n"
         return self.values[text.rstrip("?")].encode() + b"\n"
@@ -157,11 +127,8 @@ class ScpiAnalyzer:
 
     def data(self) -> np.ndarray:
         """Return real and imaginary part of each point in turn."""
-        points, number = self.points, 1 if self.faults.old_data else self.sweeps
+        points, number = self.points, 1 if self.old_data else self.sweeps
         share = (self.clock.now_s() - self._begun_s) / self.sweep_s
-        if self.is_continuous:
-            self._shown_by_itself += 1
-            number, share = -self._shown_by_itself, 1.0
         new = np.arange(points) < share * points
         numbers = np.empty(2 * points)
         numbers[0::2] = np.where(new, number, number - 1)
@@ -306,8 +273,6 @@ class ScpiServer:
             _shut(connection)
 
     def stop(self) -> None:
-        """Drop everybody and wait for the threads."""
-        self.analyzer.stop()
         _shut(self._listener)
         self.drop_all()
         for thread in self._threads:
@@ -332,7 +297,7 @@ class ScpiServer:
                     # Else a client that sends two small messages waits 40 ms in between.
                     acknowledge_at_once(connection)
                     answer = self.analyzer.execute(line)
-                    while line.decode().strip() == self.analyzer.faults.endless:
+                    while line.decode().strip() == self.analyzer.endless:
                         connection.sendall(b"1," * 4096)
                     if answer is not None:
                         connection.sendall(answer)
