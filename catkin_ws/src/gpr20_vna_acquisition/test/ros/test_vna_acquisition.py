@@ -28,9 +28,8 @@ from gpr20_msgs.srv import (
     GetData,
     GetFreq,
 )
-from gpr20_simulator.faults import UNKNOWN_FAULT
 from gpr20_simulator.high.simulated_robot import shared_state_path
-from gpr20_simulator.low.shared_state import AdcFault, EndstopFault, open_shared_state
+from gpr20_simulator.low.shared_state import open_shared_state
 from gpr20_simulator.mid.world.medium import probed_position_mm, probed_rotation_deg, probed_sweep
 from gpr20_simulator.srv import SetFault
 from gpr20_survey.axes.axis_id import AxisId
@@ -95,8 +94,7 @@ class VnaAcquisitionTest(unittest.TestCase):
         cls.reports = Reports()
 
     def tearDown(self):
-        for device in ("vna", "endstop_y", "adc"):
-            self.fault("none", device=device)
+        self.fault("none")
 
     def call(self, name, *arguments):
         return self.services[name](*arguments)
@@ -106,8 +104,8 @@ class VnaAcquisitionTest(unittest.TestCase):
         self.assertTrue(answer.success, getattr(answer, "message", ""))
         return answer
 
-    def fault(self, name, count=0, device="vna"):
-        return self.succeed("simulator/set_fault", device, name, count)
+    def fault(self, name, count=0):
+        return self.succeed("simulator/set_fault", "vna", name, count)
 
     def set_up_sweep(self):
         self.succeed("connection", True, ADDRESS)
@@ -115,12 +113,9 @@ class VnaAcquisitionTest(unittest.TestCase):
         self.assertTrue(answer.success, answer.message)
         return answer
 
-    def sweep_setup(self, start_hz=START_HZ, stop_hz=STOP_HZ, points=POINTS, **settings):
-        return self.services["freq_sweep_setup"](
-            FreqSweepSetupRequest(
-                start_frequency_hz=start_hz, stop_frequency_hz=stop_hz, points=points, **settings
-            )
-        )
+    def sweep_setup(self, **settings):
+        sweep = dict(start_frequency_hz=START_HZ, stop_frequency_hz=STOP_HZ, points=POINTS)
+        return self.services["freq_sweep_setup"](FreqSweepSetupRequest(**sweep, **settings))
 
     def assert_refused(self, answer, fault, *shown):
         self.assertFalse(answer.success)
@@ -138,9 +133,8 @@ class VnaAcquisitionTest(unittest.TestCase):
             ("get_data", False), ("get_freq",), ("confirm_data", 1), ("get_calibration_status",),
         ):  # fmt: skip
             self.assert_refused(self.call(name, *arguments), faults.NOT_CONNECTED)
-        for address in ("", "1.2.3.256"):
-            answer = self.call("connection", True, address)
-            self.assert_refused(answer, NOT_ALLOWED, f"'{address}'")
+        answer = self.call("connection", True, "1.2.3.256")
+        self.assert_refused(answer, NOT_ALLOWED, "'1.2.3.256'")
         identity = self.succeed("connection", True, ADDRESS).identity
         self.assertTrue(identity.startswith("Anritsu,MS2026C/2,SIMULATED"), identity)
         self.assert_refused(self.call("get_data", False), faults.NOT_CONFIGURED)
@@ -159,30 +153,14 @@ class VnaAcquisitionTest(unittest.TestCase):
             (calibration.status, calibration.message, calibration.fault_code),
             (GetCalibrationStatusResponse.HIGH, "HIGH", ""),
         )
-        answer = self.sweep_setup(if_bandwidth_hz=1000.0, averages=3, output_power="LOW")
-        # 1 kHz needs 0.9 ms more per point than the 10 kHz of power-on.
-        self.assertGreaterEqual(answer.sweep_duration_s, 3 * POINTS * 1.25e-3)
-        data = self.succeed("get_data", False)
-        made = (data.if_bandwidth_hz, data.averages, data.output_power)
-        self.assertEqual(made, (1000.0, 3, "LOW"))
-
-    def test_frequencies_are_exact(self):
-        self.set_up_sweep()
         found_hz = list(self.succeed("get_freq").frequency_hz)
         self.assertEqual(found_hz, np.linspace(START_HZ, STOP_HZ, POINTS).tolist())
-        for settings, shown in (
-            ({"if_bandwidth_hz": 30_000.0}, "50000, 100000"),
-            ({"output_power": "LOUD"}, "LOW, HIGH"),
-            ({"start_hz": float("nan")}, "nan"),
-            ({"points": 4001}, "4000"),
-        ):
-            self.assert_refused(self.sweep_setup(**settings), NOT_ALLOWED, shown)
+        self.assert_refused(self.sweep_setup(if_bandwidth_hz=3e4), NOT_ALLOWED, "50000, 100000")
         # What was refused changed nothing.
-        self.assertEqual(len(self.succeed("get_data", False).s21_real), POINTS)
-        self.fault("refuse_settings")
-        answer = self.sweep_setup(points=POINTS + 1)
-        self.assert_refused(answer, faults.SETTING_REFUSED, POINTS + 1)
-        self.assert_refused(self.call("get_data", False), faults.NOT_CONFIGURED)
+        data = self.succeed("get_data", False)
+        self.assertEqual(len(data.s21_real), POINTS)
+        made = (data.if_bandwidth_hz, data.averages, data.output_power)
+        self.assertEqual(made, (10_000.0, 1, "HIGH"))
 
     def test_each_request_gets_one_new_sweep_of_the_place_where_the_carriage_is(self):
         self.set_up_sweep()
@@ -216,25 +194,12 @@ class VnaAcquisitionTest(unittest.TestCase):
         self.assertIn("MS2026C", values["identity"])
         self.assertGreaterEqual(float(values["last sweep [s]"]), POINTS * 350e-6)
 
-    def test_a_silent_address_is_answered_in_time(self):
-        # The port lookup serves 127.x.x.x, so the silence comes from a network without hosts:
-        # 192.0.2.0/24 is reserved for documentation.
-        answer = self.call("connection", True, "192.0.2.1")
-        self.assert_refused(answer, faults.NO_LINK, "192.0.2.1")
-        self.assertEqual(message_from(answer).values["address"], "192.0.2.1")
-        self.fault("wrong_identity", 1)
-        answer = self.call("connection", True, ADDRESS)
-        self.assert_refused(answer, faults.WRONG_INSTRUMENT, "Anritsu")
-
     def test_a_failure_never_becomes_data_and_the_next_sweep_is_good(self):
         self.set_up_sweep()
-        for fault in ("drop", "truncate", "stale"):
-            # The data of a stale sweep can only be known as those of the sweep before.
-            self.succeed("get_data", False)
-            self.fault(fault, 1)
-            answer = self.succeed("get_data", False)
-            self.assertEqual(len(set(answer.s21_real)), 1, fault)
-            self.assertGreaterEqual(len(answer.quality), 3, fault)
+        self.fault("truncate", 1)
+        answer = self.succeed("get_data", False)
+        self.assertEqual(len(set(answer.s21_real)), 1)
+        self.assertGreaterEqual(len(answer.quality), 3)
         self.fault("nan")
         self.assert_refused(self.call("get_data", False), faults.BAD_DATA)
         self.reports.wait("vna_acquisition", lambda status, _: status.level == ERROR)
@@ -245,9 +210,6 @@ class VnaAcquisitionTest(unittest.TestCase):
 
     def test_an_analyzer_that_goes_away_is_told_until_it_is_back(self):
         self.set_up_sweep()
-        self.assertIn("2 s", self.fault("link_gone", 2).message)
-        # It is back before the request must be answered.
-        self.assertEqual(len(self.succeed("get_data", False).s21_real), POINTS)
         self.fault("link_gone")
         self.reports.wait("simulator", lambda one, _: one.level == WARN and "GONE" in one.message)
         values = self.reports.wait("vna_acquisition", lambda status, _: status.level == ERROR)
@@ -260,15 +222,6 @@ class VnaAcquisitionTest(unittest.TestCase):
         self.succeed("get_data", False)
         values = self.reports.wait("simulator", lambda one, _: True)
         self.assertEqual((values["vna_is_remote"], values["vna_is_continuous"]), ("True", "False"))
-
-    def test_faults_of_other_devices_reach_the_state_and_unknown_ones_are_refused(self):
-        self.fault("stuck_closed", device="endstop_y")
-        self.fault("stuck", device="adc")
-        self.assertEqual(self.state.endstop_fault(AxisId.Y), EndstopFault.STUCK_CLOSED)
-        self.assertEqual(self.state.endstop_fault(AxisId.X), EndstopFault.NONE)
-        self.assertEqual(self.state.adc_fault, AdcFault.STUCK)
-        answer = self.call("simulator/set_fault", "vna", "BROKEN", 0)
-        self.assert_refused(answer, UNKNOWN_FAULT, "HANG, DROP")
 
 
 if __name__ == "__main__":

@@ -86,9 +86,6 @@ class FakeVna:
             ":FORM": "ASC",
         }
         self.refused: List[str] = []
-        # Whether a start above the present stop is refused.
-        self.keeps_order = False
-        self.settling_s = 0.0
         self.sweep_s = 0.05
         self.stale_bit_s = 0.0
         # Whether one trigger makes all sweeps of an average.
@@ -127,7 +124,10 @@ class FakeVna:
         self.sent: List[str] = []
         self.links = 0
         self.open_links = 0
-        self._pending: Dict[str, tuple[float, str]] = {}
+
+    @property
+    def points(self) -> int:
+        return int(self.settings[":SENS:SWE:POIN"])
 
     def connect(self, address: str) -> FakeLink:
         self.local = False
@@ -152,23 +152,12 @@ class FakeVna:
             self.sweep_begun_s = self.clock.time_s
             self._running_s = self.sweep_s
             if self.late_memory_s:
-                ended_s = self.clock.time_s + self.sweep_s
-                self._coming.append((ended_s + self.late_memory_s, self._finished()))
+                self.show_later(self.sweep_number, self.sweep_s + self.late_memory_s)
         elif header in self.settings and header not in self.refused:
-            value = {"OFF": "0", "ON": "1"}.get(value, value)
-            if header.endswith("STAR") and self._refuses_start(float(value)):
-                return
-            self._pending[header] = (self.clock.time_s + self.settling_s, value)
-
-    def _refuses_start(self, start_hz: float) -> bool:
-        return self.keeps_order and start_hz >= float(self.settings[":SENS:FREQ:STOP"])
+            self.settings[header] = {"OFF": "0", "ON": "1"}.get(value, value)
 
     def answer(self, query: str) -> bytes:
         header, _, _ = query.partition("?")
-        for name, (when_s, value) in list(self._pending.items()):
-            if self.clock.time_s >= when_s:
-                self.settings[name] = value
-                del self._pending[name]
         if header in self.settings:
             return self.settings[header].encode()
         return self._answers()[header]()
@@ -193,14 +182,11 @@ class FakeVna:
     def _frequencies(self) -> List[float]:
         start = float(self.settings[":SENS:FREQ:STAR"])
         stop = float(self.settings[":SENS:FREQ:STOP"])
-        points = int(self.settings[":SENS:SWE:POIN"])
-        return [start + i * (stop - start) / (points - 1) for i in range(points)]
+        return [start + i * (stop - start) / (self.points - 1) for i in range(self.points)]
 
     def show_later(self, real: float, late_s: float) -> None:
         """Let a sweep with this real part be shown after some time, as if it had just ended."""
-        numbers = self._finished()
-        numbers[0::2] = [real] * (len(numbers) // 2)
-        self._coming.append((self.clock.time_s + late_s, numbers))
+        self._coming.append((self.clock.time_s + late_s, _interleaved([real] * self.points)))
 
     def set_late(self, late_s: float) -> None:
         """Show what is shown now until the next sweep has ended, and for some time after."""
@@ -209,13 +195,8 @@ class FakeVna:
     def _preamble(self) -> bytes:
         values = {"AVERAGING_COUNT": str(self.averaged)}
         if self.preamble is not None:
-            values.update(
-                {
-                    name: self.settings[one]
-                    for name, one in PREAMBLE_SETTINGS.items()
-                    if one in self.settings
-                }
-            )
+            for name, header in PREAMBLE_SETTINGS.items():
+                values[name] = self.settings.get(header, "")
             values.update(self.preamble)
         values.pop(self.left_out, None)
         text = ",".join(f"{name}={value}" for name, value in values.items()).encode()
@@ -226,18 +207,13 @@ class FakeVna:
             _due_s, self._late_shown = self._coming.pop(0)
         return self._late_shown if self.late_memory_s else self._measured()
 
-    def _finished(self) -> List[float]:
-        points = int(self.settings[":SENS:SWE:POIN"])
-        return [one for point in range(points) for one in (float(self.sweep_number), float(point))]
-
     def _measured(self) -> List[float]:
-        points = int(self.settings[":SENS:SWE:POIN"])
-        if len(self._shown) != points:
-            self._shown = [0.0] * points
-        elapsed_s = self.clock.time_s - self.sweep_begun_s
-        done = points if elapsed_s >= self._running_s else int(points * elapsed_s / self._running_s)
-        real = [float(self.sweep_number)] * done + self._shown[done:]
-        return [value for point, one in enumerate(real) for value in (one, float(point))]
+        if len(self._shown) != self.points:
+            self._shown = [0.0] * self.points
+        elapsed_s, done = self.clock.time_s - self.sweep_begun_s, self.points
+        if elapsed_s < self._running_s:
+            done = int(self.points * elapsed_s / self._running_s)
+        return _interleaved([float(self.sweep_number)] * done + self._shown[done:])
 
     def block(self, numbers: List[float]) -> bytes:
         if self.settings[":FORM"] == "REAL,32":
@@ -245,6 +221,10 @@ class FakeVna:
         else:
             payload = "".join(f"{number:.9E}," for number in numbers).encode()
         return f"#{len(str(len(payload)))}{len(payload)}".encode() + payload + b"\n"
+
+
+def _interleaved(real: List[float]) -> List[float]:
+    return [value for point, one in enumerate(real) for value in (one, float(point))]
 
 
 class FakeLink:

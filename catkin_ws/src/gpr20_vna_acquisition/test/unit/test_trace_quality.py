@@ -182,15 +182,6 @@ def test_a_sweep_without_an_accepted_calibration_is_refused_and_not_repeated(sta
     assert (bench.driver.get_trace().s21_real == bench.vna.sweep_number).all()
 
 
-def test_which_calibrations_are_accepted_is_a_parameter():
-    bench = Bench(accepted_calibrations=(0,), max_level_db=60.0).configured()
-    bench.vna.calibration = "0"
-    assert bench.driver.get_trace().quality == remarks_of(CalibrationStatus.NONE)
-    bench.vna.calibration = "1"
-    with raises_fault(NOT_CALIBRATED):
-        bench.driver.get_trace()
-
-
 def test_a_sweep_that_takes_longer_than_its_like_says_so():
     bench = Bench(max_level_db=60.0).configured()
     for _ in range(5):

@@ -229,10 +229,3 @@ def test_a_shutdown_ends_a_waiting_sweep_and_later_calls(bench):
     assert bench.vna.open_links == 0
     with pytest.raises(VnaClosedError):
         bench.driver.connect_to_vna(ADDRESS)
-
-
-def test_a_start_above_the_former_stop_is_set_once_the_new_stop_is_there(bench):
-    bench.vna.keeps_order = True
-    bench.driver.set_frequency_sweep(SweepSettings(600e6, 1e9, 11))
-    higher = SweepSettings(3e9, 6e9, 11)
-    assert bench.driver.set_frequency_sweep(higher).fulfils(higher)

@@ -133,25 +133,6 @@ def test_no_point_of_a_sweep_was_measured_before_the_antennas_stopped(robot, vna
         assert len(set(resting.s21_real)) == 1 and resting.s21_real[0] > moving.s21_real[0]
 
 
-@pytest.mark.parametrize(
-    "fault",
-    ["DROP", "TRUNCATE", "NAN", "GARBAGE", "STALE", "WRONG_IDENTITY", "HANG", "SILENT", "LATE"],
-)
-def test_after_any_fault_the_next_sweep_is_new_and_no_link_is_left_over(robot, vna, fault):
-    robot.stop()
-    # What does not come is waited for.
-    driver = driver_of(vna, IMPATIENT if fault in ("HANG", "SILENT", "LATE") else PATIENT)
-    first = driver.get_trace()
-    vna.faults.set(fault, 1)
-    if fault == "WRONG_IDENTITY":
-        # Only a new link asks for the identity.
-        vna.faults.set("DROP", 1)
-    second = driver.get_trace()
-    assert second.s21_real[0] > first.s21_real[0] and len(set(second.s21_real)) == 1
-    driver.disconnect_from_vna()
-    wait_until(lambda: not vna.server.link_count)
-
-
 def test_an_instrument_that_was_switched_off_and_on_is_set_up_again(robot, make):
     robot.stop()
     vnas = [make()]
