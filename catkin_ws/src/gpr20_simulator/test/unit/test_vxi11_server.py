@@ -1,8 +1,15 @@
-"""The core and abort channels, call by call."""
+"""The server call by call, and the whole analyzer with the clients that people use."""
 
 from __future__ import annotations
 
+import threading
+
+import numpy as np
 import pytest
+import pyvisa
+import vxi11
+from case_kit import each_case
+from vna_bench import Carriage
 from vxi11_wire import (
     ABORT,
     CHARACTER,
@@ -22,9 +29,20 @@ from vxi11_wire import (
 )
 
 from gpr20_common.errors import InvalidValueError
+from gpr20_common.low.clock import Clock
+from gpr20_simulator.errors import MediumError
 from gpr20_simulator.low.message_device import ClearSupport, NetworkFault
 from gpr20_simulator.low.vxi11_core import Limits
 from gpr20_simulator.low.vxi11_server import Vxi11Server
+from gpr20_simulator.mid.analyzer.instrument_scene import InstrumentScene
+from gpr20_simulator.mid.analyzer.simulated_analyzer import (
+    AnalyzerOptions,
+    SimulatedAnalyzer,
+    medium_by_name,
+)
+from gpr20_simulator.mid.world.ground import Ground
+from gpr20_simulator.mid.world.medium import PositionProbe
+from gpr20_simulator.mid.world.scene import Scene
 
 LIMITS = Limits(receive_size=1024, reply_size=2000, message_size=5000, links=3, connections=8)
 # Of a wait that nobody ends [ms].
@@ -151,3 +169,73 @@ def test_device_that_goes_silent_is_found_nowhere(device):
             with pytest.raises(ConnectionRefusedError):
                 RawClient(port)
     server.stop()
+
+
+# The clients that people use.
+
+
+@pytest.fixture
+def visa():
+    """Opens resources of PyVISA that are closed in the end."""
+    manager = pyvisa.ResourceManager("@py")
+
+    def resource(port):
+        one = manager.open_resource(f"TCPIP::127.0.0.1,{port}::inst0::INSTR")
+        one.timeout = 30_000
+        return one
+
+    yield resource
+    manager.close()
+
+
+@each_case("length", [1, 1024, 1025, 200_001])
+def test_clients_move_any_length_both_ways(device, visa, length):
+    server = Vxi11Server(device, limits=Limits(receive_size=1024), portmapper_port=0)
+    server.start()
+    message = b"?" * length
+    instrument = vxi11.Instrument("127.0.0.1")
+    instrument.client = vxi11.vxi11.CoreClient("127.0.0.1", server.port)
+    assert instrument.ask_raw(message) == message
+    instrument.close()
+    resource = visa(server.port)
+    resource.write_raw(message)
+    assert resource.read_raw() == message
+    assert device.messages[-2:] == [message] * 2
+    resource.close()
+    server.stop()
+
+
+def test_the_whole_analyzer_is_reached_until_its_link_is_gone_and_leaves_no_thread(visa):
+    before = set(threading.enumerate())
+    vna = SimulatedAnalyzer(
+        PositionProbe(), Carriage().position, Clock(), InstrumentScene(), AnalyzerOptions()
+    )
+    vna.start()
+    port = vna.server.port
+    resource = visa(port)
+    assert resource.query("*IDN?").startswith('"Anritsu,MS2026C/2,SIMULATED')
+    resource.write(":SWE:POIN 101;:FORM REAL,32")
+    values = resource.query_binary_values(":CALC1:DATA? SDAT", container=np.array)
+    assert len(values) == 2 * 101
+    resource.close()
+    with CoreLink(port) as link:
+        vna.faults.set("LINK_GONE")
+        # Also for those who say nothing.
+        assert link.is_closed()
+    with pytest.raises((EOFError, OSError)):
+        CoreLink(port)
+    vna.faults.clear()
+    with CoreLink(port) as link:
+        assert link.write(b"*IDN?")[0] == 0 and link.read()[2].startswith(b'"Anritsu')
+    vna.stop()
+    wait_until(lambda: set(threading.enumerate()) <= before, "end of all threads")
+
+
+def test_options_and_media_out_of_range_are_refused():
+    for options in ({"seconds_per_point": -1.0}, {"seconds_per_point": np.nan}, {"port": 70000}):
+        with pytest.raises(InvalidValueError, match=next(iter(options))):
+            AnalyzerOptions(**options)
+    assert isinstance(medium_by_name("scene", Scene()), Ground)
+    assert isinstance(medium_by_name("position_probe", Scene()), PositionProbe)
+    with pytest.raises(MediumError, match="position_probe"):
+        medium_by_name("air", Scene())

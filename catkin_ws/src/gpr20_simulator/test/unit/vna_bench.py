@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
-import vxi11
-from vxi11_wire import LIMIT_S, wait_until
+from vxi11_wire import wait_until
 
 from gpr20_common.low.clock import Clock
 from gpr20_simulator.mid.analyzer.instrument import SimulatedVna
 from gpr20_simulator.mid.analyzer.instrument_scene import InstrumentScene
-from gpr20_simulator.mid.analyzer.simulated_analyzer import AnalyzerOptions, SimulatedAnalyzer
 from gpr20_simulator.mid.analyzer.sweep_plan import SweepPace
 from gpr20_simulator.mid.analyzer.sweeper import Sweeper
 from gpr20_simulator.mid.analyzer.vna_faults import FaultBoard
@@ -156,36 +154,3 @@ def swept(bench, points=11):
     bench.send(f":INIT:CONT OFF;:SWE:POIN {points};:SENS:TRACE1:SPAR S21;:FORM REAL,32;:INIT:IMM")
     bench.wait_for_bit()
     return bench.data()
-
-
-class Rig:
-    """The whole analyzer behind a real VXI-11 socket, with a client."""
-
-    def __init__(self):
-        self.vna = SimulatedAnalyzer(
-            PositionProbe(),
-            Carriage().position,
-            Clock(),
-            InstrumentScene(),
-            AnalyzerOptions(seconds_per_point=1e-4),
-        )
-        self.vna.start()
-        self.client = self.connected()
-        self.client.write(":SWE:POIN 101;:SENS:TRACE1:SPAR S21;:FORM REAL,32")
-
-    def connected(self):
-        return connected(self.vna.server.port)
-
-    def stop(self):
-        self.client.client.sock.close()
-        self.client.link = None
-        self.vna.stop()
-
-
-def connected(port):
-    """Return a link of python-vxi11 to a port."""
-    client = vxi11.Instrument("127.0.0.1")
-    client.client = vxi11.vxi11.CoreClient("127.0.0.1", port)
-    client.timeout = LIMIT_S
-    client.open()
-    return client
