@@ -6,6 +6,7 @@ import contextlib
 import importlib.util
 import sys
 import threading
+from types import SimpleNamespace
 from typing import Callable, Iterator
 
 import numpy as np
@@ -371,39 +372,22 @@ def test_without_leave_of_the_configuration_no_trace_is_taken(make):
 # Another kind of session.
 
 
-class Vxi11Device:
-    """The analyzer behind the simulator's VXI-11 server."""
-
-    def __init__(self, vna: ScpiAnalyzer) -> None:
-        self._vna = vna
-        self.cleared = 0
-
-    def is_reachable(self) -> bool:
-        return True
-
-    def opened(self) -> NetworkFault:
-        return NetworkFault.NONE
-
-    def execute(self, message: bytes) -> Outcome:
-        return Outcome(self._vna.execute(message) or b"")
-
-    def clear(self) -> ClearSupport:
-        self.cleared += 1
-        return ClearSupport.ERROR_8
-
-    def set_remote(self, remote: bool) -> None:
-        pass
-
-
 def test_a_session_over_vxi11_begins_with_empty_buffers(make):
     bench = make("keysight.PNA", clear_on_connect=True)
-    device = Vxi11Device(bench.vna)
+    clears = []
+    device = SimpleNamespace(
+        is_reachable=lambda: True,
+        opened=lambda: NetworkFault.NONE,
+        execute=lambda message: Outcome(bench.vna.execute(message) or b""),
+        clear=lambda: clears.append(1) or ClearSupport.ERROR_8,
+        set_remote=lambda _remote: None,
+    )
     server = Vxi11Server(device)
     server.start()
     bench.address = f"TCPIP0::127.0.0.1,{server.port}::inst0::INSTR"
     try:
         bench.configured()
-        assert device.cleared == 1
+        assert clears == [1]
         assert bench.analyzer.sweep().s21_real[0] == bench.vna.sweeps
         bench.analyzer.confirm()
         bench.analyzer.release()

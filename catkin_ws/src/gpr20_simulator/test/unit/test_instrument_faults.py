@@ -16,7 +16,7 @@ from vxi11_wire import wait_until
 from gpr20_simulator.errors import FaultError, SceneError
 from gpr20_simulator.faults import UNKNOWN_FAULT
 from gpr20_simulator.low.capture import CaptureFolder
-from gpr20_simulator.low.message_device import ClearSupport, NetworkFault
+from gpr20_simulator.low.message_device import NetworkFault
 from gpr20_simulator.low.shared_state import AdcFault, EndstopFault, open_shared_state
 from gpr20_simulator.mid.analyzer import instrument
 from gpr20_simulator.mid.analyzer.instrument_scene import InstrumentScene
@@ -277,13 +277,6 @@ def test_calibration_is_lost_by_a_write_until_the_fault_is_cleared(bench, comman
     assert bench.faults.names() == "LOSES_CALIBRATION"
     bench.faults.clear()
     assert bench.ask(state) == "1;1;15;4"
-
-
-def test_clear_can_be_missing_or_unsupported(bench):
-    bench.faults.set("NO_CLEAR", 1)
-    bench.faults.set("CLEAR_UNSUPPORTED", 1)
-    conducts = [bench.instrument.clear() for _ in range(3)]
-    assert conducts == [ClearSupport.NO_PROCEDURE, ClearSupport.ERROR_8, ClearSupport.FULL]
 
 
 @each_case(

@@ -122,14 +122,6 @@ def test_noise_follows_bandwidth_and_power(request, commands, gain):
     assert list(gains) == pytest.approx([gain])
 
 
-def test_average_rolls_over_triggers_by_default(timed):
-    timed.send(":AVER:COUN 3")
-    for expected in ("1", "2", "3", "3"):
-        timed.sweep()
-        found = timed.preamble()
-        assert (found["AVERAGING_COUNT"], found["AVERAGING_FACTOR"]) == (expected, "3")
-
-
 def test_bit_can_wait_for_the_whole_average(request):
     bench = timed_bench(request, averaging=Averaging.ALL_SWEEPS)
     bench.send(":AVER:COUN 3")

@@ -57,7 +57,6 @@ UNIX = words(1) + opaque(b"machine and user ids")
     "message, reply",
     [
         (call(PROGRAM, VERSION, ADD, words(40, 2)), [7, 1, 0, 0, 0, 0, 42]),
-        (call(PROGRAM, VERSION, 0), [7, 1, 0, 0, 0, 0]),
         # Credentials of any kind.
         (
             words(7, 0, 2, PROGRAM, VERSION, ADD) + UNIX + words(0, 0, 1, 2),

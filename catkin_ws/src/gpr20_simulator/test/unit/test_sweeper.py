@@ -155,16 +155,6 @@ def test_continuous_sweeps_follow_each_other_until_held(rig):
     assert not rig.sweeper.is_running
 
 
-def test_new_plan_begins_the_sweep_anew_and_clears_the_bit(rig):
-    rig.sweeper.set_continuous(True)
-    rig.finish()
-    rig.sweeper.configure(SweepPlan(1e9, 3e9, 7, POINT_S))
-    assert not rig.sweeper.is_complete
-    frequency_hz, values = rig.sweeper.snapshot()
-    assert list(frequency_hz) == list(np.linspace(1e9, 3e9, 7))
-    assert list(values) == [0] * 7
-
-
 def test_averaging_takes_the_mean_of_the_sweeps(rig):
     def sweep(x_mm):
         rig.carriage.move(x_mm)

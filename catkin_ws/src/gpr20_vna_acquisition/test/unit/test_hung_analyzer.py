@@ -178,14 +178,6 @@ def test_shutdown_and_disconnection_are_not_held_up(make, call, end):
     in_time(getattr(bench.driver, end))
 
 
-def test_a_later_connection_ends_a_call_that_blocks(make):
-    bench = make(**PATIENT).set_up()
-    bench.block("sweep")
-    bench.begin_trace()
-    in_time(lambda: bench.driver.connect_to_vna(ADDRESS))
-    assert bench.driver.vna_connected and len(bench.instrument.made) == 2
-
-
 def test_calls_that_never_end_are_bounded(make, monkeypatch):
     monkeypatch.setattr(foreign_analyzer, "MOST_ABANDONED", 2)
     bench = make("connect", request_timeout_s=0.1)

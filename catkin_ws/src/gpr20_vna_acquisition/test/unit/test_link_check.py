@@ -23,15 +23,11 @@ CHECK_S = 5.0
 NO_ANSWER = Message("no answer")
 
 
-def idle_bench() -> Bench:
+@pytest.fixture
+def bench() -> Bench:
     bench = Bench(link_check_s=CHECK_S).configured()
     bench.vna.sent.clear()
     return bench
-
-
-@pytest.fixture
-def bench() -> Bench:
-    return idle_bench()
 
 
 def cable_is_pulled(message: str) -> None:
@@ -110,36 +106,17 @@ def test_the_fault_of_a_request_ends_when_the_instrument_answers_again(bench):
 
 
 @each_case("end", ["disconnect_from_vna", "shut_down"])
-@each_case("is_pulled", [False, True])
-def test_nothing_is_connected_again_after_the_end(end, is_pulled):
-    bench = idle_bench()
-    if is_pulled:
-        bench.vna.before = cable_is_pulled
-        with pytest.raises(VnaConnectionError):
-            bench.driver.connect_to_vna(ADDRESS)
+def test_nothing_is_connected_again_after_the_end(end):
+    bench = Bench(link_check_s=CHECK_S).configured()
+    bench.vna.before = cable_is_pulled
+    with pytest.raises(VnaConnectionError):
+        bench.driver.connect_to_vna(ADDRESS)
     getattr(bench.driver, end)()
     bench.vna.before = nothing
     bench.vna.sent.clear()
     check_after(bench, 60.0)
     assert bench.vna.sent == [] and bench.vna.open_links == 0
     assert bench.driver.state.trouble is None and not bench.driver.state.linked
-
-
-def test_the_check_does_not_wait_for_a_request_that_runs(bench):
-    checked = threading.Event()
-
-    def check_meanwhile(message: str) -> None:
-        if message == "*IDN?":
-            bench.clock.pass_s(CHECK_S)
-            thread = threading.Thread(target=bench.driver.check_idle_link)
-            thread.start()
-            thread.join(30.0)
-            if not thread.is_alive():
-                checked.set()
-
-    bench.vna.before = check_meanwhile
-    bench.driver.connect_to_vna(ADDRESS)
-    assert checked.is_set()
 
 
 # The time limit of a request.

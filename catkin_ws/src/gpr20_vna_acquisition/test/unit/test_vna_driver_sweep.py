@@ -286,3 +286,10 @@ def test_the_check_of_an_idle_link_neither_hides_a_change_nor_hinders_the_confir
         return
     with raises_fault(faults.SETTINGS_CHANGED):
         bench.driver.confirm(number)
+
+
+def test_reset_is_never_sent(bench):
+    bench.driver.get_trace()
+    bench.driver.check_calibration_status()
+    bench.driver.disconnect_from_vna()
+    assert not [message for message in bench.vna.sent if "RST" in message.upper()]

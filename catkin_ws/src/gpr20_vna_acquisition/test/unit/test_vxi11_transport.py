@@ -15,6 +15,7 @@ from fault_kit import raises_fault
 from hostile_server import (
     CLEAR,
     CREATE_LINK,
+    DESTROY_LINK,
     GETPORT,
     HOST,
     IMPATIENT,
@@ -374,3 +375,12 @@ def test_a_reply_is_unpacked_or_refused_as_by_the_library():
     failure = struct.pack(">6I", 7, rpc.REPLY, rpc.MSG_ACCEPTED, 0, 0, rpc.PROC_UNAVAIL)
     with pytest.raises(rpc.RPCUnpackError, match="PROC_UNAVAIL"):
         Unpacker(failure).unpack_replyheader()
+
+
+def test_a_link_that_died_unnoticed_can_be_closed_and_made_again(server, link):
+    dead = socket_of(link)
+    server.spoil = on(DESTROY_LINK, hang_up)
+    link.close()
+    assert dead.fileno() == -1
+    server.spoil = proper
+    assert connect(HOST, PATIENT, server.port).ask_raw("X?") == b"<X?>"
