@@ -17,7 +17,7 @@ from gpr20_simulator.errors import FaultError, SceneError
 from gpr20_simulator.faults import UNKNOWN_FAULT
 from gpr20_simulator.low.capture import CaptureFolder
 from gpr20_simulator.low.message_device import NetworkFault
-from gpr20_simulator.low.shared_state import AdcFault, EndstopFault, open_shared_state
+from gpr20_simulator.low.shared_state import open_shared_state
 from gpr20_simulator.mid.analyzer import instrument
 from gpr20_simulator.mid.analyzer.instrument_scene import InstrumentScene
 from gpr20_simulator.mid.analyzer.vna_commands import SETTINGS
@@ -77,24 +77,6 @@ def test_timed_fault_lasts_as_many_seconds_as_counted(switch, board, now_s):
     board.set("LINK_GONE", 0)
     now_s[0] += 1e6
     assert board.is_on(VnaFault.LINK_GONE)
-
-
-@each_case(
-    "device, fault, kept, none",
-    [
-        ("endstop_x", "stuck_closed", EndstopFault.STUCK_CLOSED, EndstopFault.NONE),
-        ("adc", "OUT_OF_RANGE", AdcFault.OUT_OF_RANGE, AdcFault.NONE),
-    ],
-)
-def test_faults_of_other_devices_reach_the_state(switch, state, device, fault, kept, none):
-    def found():
-        axis = {"endstop_x": AxisId.X, "endstop_y": AxisId.Y}.get(device)
-        return state.adc_fault if axis is None else state.endstop_fault(axis)
-
-    switch.set(device, fault, 0)
-    assert found() is kept and switch.names() == f"{device} {fault.upper()}"
-    switch.set(device, "none", 0)
-    assert found() is none and switch.names() == ""
 
 
 @each_case(

@@ -8,6 +8,7 @@ from case_kit import each_case
 from vna_bench import (
     POINTS,
     SWEEP_S,
+    CountingProbe,
     ascii_numbers,
     block_content,
     new_bench,
@@ -18,7 +19,6 @@ from vna_bench import (
 from vxi11_wire import wait_until
 
 from gpr20_simulator.mid.analyzer.instrument_scene import Averaging
-from gpr20_simulator.mid.world.medium import PositionProbe
 
 
 @pytest.fixture
@@ -107,19 +107,13 @@ def test_data_replies_are_captured_byte_by_byte(bench):
     ],
 )
 def test_noise_follows_bandwidth_and_power(request, commands, gain):
-    gains = set()
-
-    class GainProbe(PositionProbe):
-        def s21(self, frequency_hz, position, sweep_number, noise_gain=1.0):
-            gains.add(noise_gain)
-            return super().s21(frequency_hz, position, sweep_number, noise_gain)
-
-    bench = new_bench(request, medium=GainProbe())
+    probe = CountingProbe()
+    bench = new_bench(request, medium=probe)
     bench.send(":INIT:CONT OFF")
     bench.send(commands)
-    gains.clear()
+    probe.gains.clear()
     swept(bench)
-    assert list(gains) == pytest.approx([gain])
+    assert list(probe.gains) == pytest.approx([gain])
 
 
 def test_bit_can_wait_for_the_whole_average(request):

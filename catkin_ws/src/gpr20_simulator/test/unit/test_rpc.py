@@ -8,12 +8,10 @@ import socket
 
 import pytest
 from case_kit import each_case
-from fault_kit import raises_fault
 from hypothesis import given
 from hypothesis import strategies as st
 from vxi11_wire import LAST, RawClient, call, opaque, record, unpack_words, words
 
-from gpr20_simulator.faults import PORT_TAKEN
 from gpr20_simulator.low.portmapper import Portmapper, tcp_mapping
 from gpr20_simulator.low.rpc import (
     RpcProgram,
@@ -22,7 +20,7 @@ from gpr20_simulator.low.rpc import (
     pack_opaque,
     pack_uint,
 )
-from gpr20_simulator.low.rpc_server import ListenError, RpcTcpServer
+from gpr20_simulator.low.rpc_server import RpcTcpServer
 
 PROGRAM, VERSION, ADD, SILENT, ECHO = 400000, 3, 1, 2, 3
 LONGEST_RECORD = 1000
@@ -137,11 +135,6 @@ def test_connections_beyond_the_limit_are_turned_away(server):
         assert refused.is_closed()
     for client in clients:
         client.sock.close()
-
-
-def test_taken_port_is_a_clear_error(server):
-    with raises_fault(PORT_TAKEN, server.port, error=ListenError):
-        RpcTcpServer("127.0.0.1", server.port, OFFERED, LONGEST_RECORD, 1)
 
 
 def test_silent_clients_keep_their_connections_in_a_process_of_rospy():

@@ -59,14 +59,6 @@ def test_the_driver_finds_the_true_height_within_5_mm(height_m):
     assert measured_m(sensor_at(height_m)) == pytest.approx(height_m, abs=0.005)
 
 
-def test_the_noise_has_the_level_of_the_scene_and_can_be_repeated():
-    adc = Adc(noise_v=0.05, seed=7)
-    sensor, again = sensor_at(0.2, adc=adc), sensor_at(0.2, adc=adc)
-    codes = np.array([sensor.code(0) for _ in range(2000)])
-    assert codes.std() * 3.3 / 1024 == pytest.approx(0.05, rel=0.1)
-    assert codes.tolist() == [again.code(0) for _ in range(2000)]
-
-
 @each_case(
     "fault, error",
     [(AdcFault.STUCK, SensorStuckError), (AdcFault.OUT_OF_RANGE, SensorRangeError)],
@@ -80,24 +72,6 @@ def test_faults_of_the_sensor_are_noticed(fault, error):
 def test_the_driver_reads_the_code_of_the_channel_it_asks_for(code, channel):
     spi = SimulatedSpi(lambda asked: code if asked == channel else 1023 - code)
     assert AdcInterface(spi, channel).read_code() == code
-
-
-def refuse(_channel):
-    raise AssertionError("the channel was not sent completely")
-
-
-@each_case(
-    "code_of, sent, received",
-    [
-        # Start bit, single-ended, channel 5; then five floating ones, the null bit, ten bits.
-        (lambda one: 683 if one == 5 else 0, [0x01, 0xD0, 0x00], [0xFF, 0b11111010, 0b10101011]),
-        # The start bit one place earlier shifts everything by one place.
-        (lambda one: 1023, [0x03, 0x00, 0x00], [0xFF, 0b11110111, 0b11111110]),
-        (refuse, [0x01], [255]),
-    ],
-)
-def test_the_exchange_is_that_of_the_data_sheet(code_of, sent, received):
-    assert SimulatedSpi(code_of).xfer2(sent) == received
 
 
 # The states of launches that have ended are cleared away; those that are in use never.

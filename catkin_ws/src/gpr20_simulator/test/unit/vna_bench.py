@@ -36,10 +36,11 @@ class CountingProbe(PositionProbe):
     """Counts how often it is measured."""
 
     def __init__(self):
-        self.calls = 0
+        self.calls, self.gains = 0, set()
 
     def s21(self, frequency_hz, position, sweep_number, noise_gain=1.0):
         self.calls += 1
+        self.gains.add(noise_gain)
         return super().s21(frequency_hz, position, sweep_number, noise_gain)
 
 

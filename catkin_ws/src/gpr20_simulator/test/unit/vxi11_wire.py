@@ -145,7 +145,3 @@ class CoreLink(RawClient):
 
     def unlock(self):
         return struct.unpack(">i", self.result(CORE, 1, 19, words(self.link)))[0]
-
-    def destroy(self, link=None):
-        link = self.link if link is None else link
-        return struct.unpack(">i", self.result(CORE, 1, 23, words(link)))[0]

@@ -3,18 +3,21 @@
 from __future__ import annotations
 
 import contextlib
+import os
 from dataclasses import replace
 
 import pytest
 from case_kit import each_case
-from driver_bench import SWEEP, Bench
+from driver_bench import ADDRESS, SWEEP, Bench
 from fault_kit import raises_fault
+from freshness_kit import Cell, cells, drawn
 from hypothesis import given
 from hypothesis import strategies as st
 
+from gpr20_survey.trace.sweep import Sweep
 from gpr20_survey.trace.sweep_settings import AnalyzerSettings
 from gpr20_vna_acquisition import faults
-from gpr20_vna_acquisition.errors import VnaSweepError
+from gpr20_vna_acquisition.errors import VnaOldDataError, VnaSweepError
 from gpr20_vna_acquisition.mid.sweep_timing import REMEMBERED, SweepEnd, SweepTiming
 
 SECONDS = st.floats(0.0, 3.0)
@@ -147,3 +150,92 @@ def test_sweeps_that_became_slower_are_expected_to_be_slow(usual, late, expected
     for asked_s in [USUAL_S] * usual + [LATE_S] * late:
         timing.note(end(asked_s), late=asked_s > USUAL_S)
     assert timing.expected_s == expected_s
+
+
+# A display that follows the bit of the end of a sweep gives no data of an older sweep.
+
+DATA = ":CALC1:DATA? SDAT"
+
+
+def confirmed(bench: Bench) -> Sweep:
+    """Return the next sweep that is confirmed, as the survey takes it."""
+    for _ in range(4):
+        number, sweep = bench.driver.take_sweep()
+        try:
+            bench.driver.confirm(number)
+            return sweep
+        except VnaOldDataError:
+            continue
+    raise AssertionError("no sweep was confirmed")
+
+
+@given(
+    late_s=st.floats(0.0, 1.15),
+    sweep_s=st.floats(0.001, 1.0),
+    stale_bit_s=st.floats(0.0, 1.0),
+    exchange_s=st.floats(0.0001, 0.05),
+    pauses_s=st.lists(st.floats(0.0, 3.0), min_size=4, max_size=8),
+    continuous=st.booleans(),
+)
+def test_every_confirmed_sweep_is_new_however_late_the_display_is(
+    late_s, sweep_s, stale_bit_s, exchange_s, pauses_s, continuous
+):
+    bench = Bench()
+    bench.vna.late_memory_s, bench.vna.sweep_s = late_s, sweep_s
+    bench.vna.stale_bit_s, bench.vna.exchange_s = stale_bit_s, exchange_s
+    bench.driver.connect_to_vna(ADDRESS)
+    if continuous:
+        # A sweep that ended just before the hold is still to come.
+        bench.vna.settings[":SENS:SWE:POIN"] = str(SWEEP.points)
+        bench.vna.show_later(-7.0, late_s)
+    bench.driver.set_frequency_sweep(SWEEP)
+    for pause_s in pauses_s:
+        bench.clock.pass_s(pause_s)
+        before = bench.vna.sweep_number
+        assert {one > before for one in confirmed(bench).s21_real} == {True}
+
+
+def test_a_display_that_becomes_late_between_two_sweeps_gives_no_old_one():
+    bench = Bench().configured()
+    confirmed(bench)
+    for late_s in (0.0, 0.003, 1.0, 0.05):
+        bench.vna.set_late(late_s)
+        before = bench.vna.sweep_number
+        assert set(confirmed(bench).s21_real) == {before + 1.0}
+
+
+def test_data_that_change_after_they_were_read_are_not_confirmed_and_measured_again():
+    bench = Bench().configured()
+    confirmed(bench)
+    number, _sweep = bench.driver.take_sweep()
+    bench.vna.spoil = lambda answer: bench.vna.block([1.0] * 22)
+    with raises_fault(faults.OLD_DATA, error=VnaOldDataError):
+        bench.driver.confirm(number)
+    bench.vna.spoil = lambda answer: answer
+    confirmed(bench)
+
+
+def test_data_that_cannot_be_read_again_are_read_once_more():
+    bench = Bench().configured()
+    number, _sweep = bench.driver.take_sweep()
+    spoilt = [lambda answer: answer[:-9]]
+    bench.vna.spoil = lambda answer: spoilt.pop()(answer) if spoilt else answer
+    del bench.vna.sent[:]
+    bench.driver.confirm(number)
+    assert bench.vna.sent.count(DATA) == 2
+
+
+@pytest.mark.release
+def test_no_confirmed_trace_is_stale_mixed_or_doubled():
+    # scripts/bench.sh freshness draws 2,000 from every kind.
+    traces = int(os.environ.get("GPR20_FRESHNESS_TRACES", "2"))
+    chosen = [cell for place, cell in enumerate(cells((51, 501))) if place % 4 == _turn(cell)]
+    counts = drawn(chosen, traces, workers=14)
+    assert len(chosen) == 14 and {one.traces for one in counts} == {traces}
+    bad = [cell for cell, one in zip(chosen, counts) if one.stale or one.mixed or one.doubled]
+    assert bad == []
+
+
+def _turn(cell: Cell) -> int:
+    """Return which format and number of points a delay is drawn with."""
+    return round(1000 * cell.delay_s) % 4

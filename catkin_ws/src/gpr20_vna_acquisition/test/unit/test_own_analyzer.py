@@ -73,26 +73,11 @@ class BrokenAnalyzer:
 
     trace_duration_s, remarks = None, ()
 
-    def __init__(self, parameters=None, deadline=None, port=0):
-        if port:
-            self.fail()
-
     def fail(self, *_arguments):
         raise ZeroDivisionError
 
     connect = identify = configure = sweep = confirm = calibration = release = disconnect = fail
     check_sweep = fail
-
-
-def test_an_exception_of_any_kind_while_it_is_made_names_the_options(monkeypatch):
-    monkeypatch.setitem(sys.modules, "broken_vna", sys.modules[__name__])
-    parameters = VnaParameters(
-        analyzer="broken_vna:BrokenAnalyzer", analyzer_options={"port": 1}, address="GPIB0::16"
-    )
-    with raises_fault(
-        common_faults.EXTENSION_UNUSABLE, "analyzer_options", "BrokenAnalyzer", "ZeroDivisionError"
-    ):
-        make_foreign_analyzer(parameters, RequestDeadline(Clock()))
 
 
 def test_an_exception_of_any_kind_counts_as_a_broken_link():

@@ -7,13 +7,11 @@ from typing import List
 
 import pytest
 from case_kit import each_case
-from driver_bench import ADDRESS, OTHER_IDENTITY, STARTED_US, SWEEP, Bench, FakeVna
+from driver_bench import ADDRESS, OTHER_IDENTITY, STARTED_US, SWEEP, Bench
 from fault_kit import raises_fault
 
-from gpr20_common.message import Message
 from gpr20_vna_acquisition import faults
 from gpr20_vna_acquisition.errors import (
-    VnaConnectionError,
     VnaNotReadyError,
     VnaReplacedError,
     VnaSettingError,
@@ -50,16 +48,6 @@ def test_four_messages_take_a_sweep_and_three_confirm_it(bench):
         del bench.vna.sent[:]
         bench.driver.confirm(number)
         assert bench.vna.sent == [":TRAC:PRE? 1", ":CALC1:DATA? SDAT", ":SENS:CORR:COLL:STAT:ACC?"]
-
-
-@pytest.mark.parametrize("sweep_s", [0.004, 0.05, 1.4])
-def test_data_are_not_read_before_the_sweep_has_ended(sweep_s):
-    bench = Bench().configured()
-    bench.vna.sweep_s = sweep_s
-    bench.driver.set_frequency_sweep(SWEEP)
-    sweep = bench.driver.get_trace()
-    assert (sweep.s21_real == bench.vna.sweep_number).all()
-    assert sweep_s <= sweep.duration_s <= 1.3 * sweep_s + 0.02
 
 
 def test_time_stamps_survive_a_correction_of_the_clock():
@@ -106,17 +94,6 @@ def test_a_broken_link_is_replaced_and_the_settings_compared(when):
     # An instrument that kept its settings is not set up again: that may end its calibration.
     assert {one for one in bench.vna.sent if "?" not in one} == {"<lock>", "<clear>", ":INIT:IMM"}
     assert bench.driver.state.repeats == 1 and not bench.driver.state.last_error
-
-
-def test_an_instrument_that_forgot_its_settings_is_set_up_again(bench):
-    def power_cycle(message: str) -> None:
-        if message == ":STAT:OPER?" and bench.vna.links == 1:
-            bench.vna.settings = FakeVna(bench.clock).settings
-            raise VnaConnectionError(Message("power lost"))
-
-    bench.vna.before = power_cycle
-    assert len(bench.driver.get_trace().s21_real) == 11
-    assert bench.vna.settings[":SENS:TRACE1:SPAR"] == "S21"
 
 
 def test_another_serial_number_fails_the_request_at_once_until_it_is_connected(bench):

@@ -41,8 +41,7 @@ from vxi11 import rpc
 
 from gpr20_vna_acquisition import faults
 from gpr20_vna_acquisition.errors import VnaConnectionError
-from gpr20_vna_acquisition.low import vxi11_packing
-from gpr20_vna_acquisition.low.vxi11_packing import NO_AUTHENTICATION, SUCCESS, Packer, Unpacker
+from gpr20_vna_acquisition.low.vxi11_packing import NO_AUTHENTICATION, Packer
 from gpr20_vna_acquisition.low.vxi11_transport import connect
 
 READ_PIECE_BYTES = 1024
@@ -59,14 +58,6 @@ def server():
 @pytest.fixture
 def link(server):
     return connect(HOST, PATIENT, server.port)
-
-
-def test_binary_answers_come_byte_for_byte(server, link):
-    payload = bytes(range(256)) + b"\r\n\n"
-    server.answer = lambda question: read_reply(payload)
-    for _time in range(2):
-        assert link.ask_raw("DATA?") == payload
-    assert GETPORT not in server.calls
 
 
 def test_an_answer_in_many_pieces_is_put_together(server, link):
@@ -362,19 +353,6 @@ def test_a_call_has_the_bytes_of_the_library():
         ):
             call = (procedure, authentication, pack, parameters)
             assert packed(Packer(), *call) == packed(LIBRARY.Packer(), *call), f"seed {seed}"
-
-
-def test_a_reply_is_unpacked_or_refused_as_by_the_library():
-    reply = struct.pack(">I", 7) + SUCCESS + b"rest"
-    for unpacker in (Unpacker(reply), LIBRARY.Unpacker(reply)):
-        assert unpacker.unpack_replyheader() == (7, (rpc.AUTH_NULL, b""))
-        assert unpacker.get_position() == vxi11_packing.SUCCESS_HEAD_BYTES
-    for size in range(vxi11_packing.SUCCESS_HEAD_BYTES):
-        with pytest.raises(EOFError):
-            print(size, Unpacker(reply[:size]).unpack_replyheader())
-    failure = struct.pack(">6I", 7, rpc.REPLY, rpc.MSG_ACCEPTED, 0, 0, rpc.PROC_UNAVAIL)
-    with pytest.raises(rpc.RPCUnpackError, match="PROC_UNAVAIL"):
-        Unpacker(failure).unpack_replyheader()
 
 
 def test_a_link_that_died_unnoticed_can_be_closed_and_made_again(server, link):

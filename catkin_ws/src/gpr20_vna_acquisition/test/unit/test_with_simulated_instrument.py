@@ -10,10 +10,11 @@ import doctest
 import threading
 import time
 from pathlib import Path
-from typing import Callable, Iterator, List
+from typing import Callable, Sequence
 
 import pytest
 from fault_kit import raises_fault
+from hostile_server import wait_until
 
 from gpr20_common.low.clock import Clock
 from gpr20_simulator.mid.analyzer.simulated_analyzer import (
@@ -35,7 +36,7 @@ from gpr20_vna_acquisition.mid.vna_parameters import VnaParameters
 
 README = Path(__file__).resolve().parents[2] / "README.md"
 HOST = "127.0.0.1"
-PATIENT, IMPATIENT = LinkLimits(30.0, 30.0), LinkLimits(30.0, 0.5)
+PATIENT = LinkLimits(30.0, 30.0)
 SECONDS_PER_POINT = 100e-6
 SWEEP = SweepSettings(600e6, 6e9, 301)
 LIMIT_S = 30.0
@@ -58,30 +59,25 @@ class Robot:
         self.stopped_at_mm = self.position().x_mm
 
 
-Make = Callable[..., SimulatedAnalyzer]
-
-
 @pytest.fixture
 def robot() -> Robot:
     return Robot()
 
 
 @pytest.fixture
-def make(robot) -> Iterator[Make]:
+def make(request, robot) -> Callable[[], SimulatedAnalyzer]:
     """Make instruments that are stopped in the end."""
-    made: List[SimulatedAnalyzer] = []
 
-    def instrument(**scene) -> SimulatedAnalyzer:
+    def instrument() -> SimulatedAnalyzer:
         options = AnalyzerOptions(seconds_per_point=SECONDS_PER_POINT)
-        description = InstrumentScene(**scene)
-        one = SimulatedAnalyzer(PositionProbe(), robot.position, Clock(), description, options)
+        one = SimulatedAnalyzer(
+            PositionProbe(), robot.position, Clock(), InstrumentScene(), options
+        )
         one.start()
-        made.append(one)
+        request.addfinalizer(one.stop)
         return one
 
-    yield instrument
-    for one in made:
-        one.stop()
+    return instrument
 
 
 @pytest.fixture
@@ -89,11 +85,8 @@ def vna(make) -> SimulatedAnalyzer:
     return make()
 
 
-def driver_of(vna: SimulatedAnalyzer, limits=PATIENT, **parameters) -> VNADriver:
-    return driver_at(lambda: vna, limits, **parameters)
-
-
-def driver_at(vna_now: Callable[[], SimulatedAnalyzer], limits=PATIENT, **parameters) -> VNADriver:
+def driver_of(*vnas: SimulatedAnalyzer, made: Sequence[SimulatedAnalyzer] = (), **parameters):
+    """Return a driver that finds the last of the instruments."""
     values = VnaParameters(
         retry_pause_s=0.01,
         seconds_per_point=SECONDS_PER_POINT,
@@ -105,19 +98,12 @@ def driver_at(vna_now: Callable[[], SimulatedAnalyzer], limits=PATIENT, **parame
     )
     deadline = RequestDeadline(Clock())
     analyzer = Ms2026c(
-        lambda address: connect(address, limits, vna_now().server.port), values, deadline
+        lambda address: connect(address, PATIENT, (*vnas, *made)[-1].server.port), values, deadline
     )
     driver = VNADriver(analyzer, values, deadline, lambda text: None)
     driver.connect_to_vna(HOST)
     driver.set_frequency_sweep(SWEEP)
     return driver
-
-
-def wait_until(condition) -> None:
-    deadline_s = time.monotonic() + LIMIT_S
-    while not condition():
-        assert time.monotonic() < deadline_s
-        time.sleep(0.001)
 
 
 @pytest.mark.parametrize("transfer", list(TransferFormat))
@@ -136,7 +122,7 @@ def test_no_point_of_a_sweep_was_measured_before_the_antennas_stopped(robot, vna
 def test_an_instrument_that_was_switched_off_and_on_is_set_up_again(robot, make):
     robot.stop()
     vnas = [make()]
-    driver = driver_at(lambda: vnas[-1])
+    driver = driver_of(made=vnas)
     driver.get_trace()
     vnas[0].stop()
     timer = threading.Timer(0.1, lambda: vnas.append(make()))
