@@ -10,7 +10,7 @@ import doctest
 import threading
 import time
 from pathlib import Path
-from typing import Callable, Sequence
+from typing import Callable, List
 
 import pytest
 from fault_kit import raises_fault
@@ -85,7 +85,7 @@ def vna(make) -> SimulatedAnalyzer:
     return make()
 
 
-def driver_of(*vnas: SimulatedAnalyzer, made: Sequence[SimulatedAnalyzer] = (), **parameters):
+def driver_of(vnas: List[SimulatedAnalyzer], **parameters) -> VNADriver:
     """Return a driver that finds the last of the instruments."""
     values = VnaParameters(
         retry_pause_s=0.01,
@@ -98,7 +98,7 @@ def driver_of(*vnas: SimulatedAnalyzer, made: Sequence[SimulatedAnalyzer] = (), 
     )
     deadline = RequestDeadline(Clock())
     analyzer = Ms2026c(
-        lambda address: connect(address, PATIENT, (*vnas, *made)[-1].server.port), values, deadline
+        lambda address: connect(address, PATIENT, vnas[-1].server.port), values, deadline
     )
     driver = VNADriver(analyzer, values, deadline, lambda text: None)
     driver.connect_to_vna(HOST)
@@ -108,7 +108,7 @@ def driver_of(*vnas: SimulatedAnalyzer, made: Sequence[SimulatedAnalyzer] = (), 
 
 @pytest.mark.parametrize("transfer", list(TransferFormat))
 def test_no_point_of_a_sweep_was_measured_before_the_antennas_stopped(robot, vna, transfer):
-    driver = driver_of(vna, transfer_format=transfer)
+    driver = driver_of([vna], transfer_format=transfer)
     for _ in range(3):
         robot.stopped_at_mm = None
         moving = driver.get_trace()
@@ -122,7 +122,7 @@ def test_no_point_of_a_sweep_was_measured_before_the_antennas_stopped(robot, vna
 def test_an_instrument_that_was_switched_off_and_on_is_set_up_again(robot, make):
     robot.stop()
     vnas = [make()]
-    driver = driver_of(made=vnas)
+    driver = driver_of(vnas)
     driver.get_trace()
     vnas[0].stop()
     timer = threading.Timer(0.1, lambda: vnas.append(make()))
@@ -136,18 +136,18 @@ def test_an_instrument_that_was_switched_off_and_on_is_set_up_again(robot, make)
 
 
 def test_no_other_program_can_use_the_instrument_until_it_is_released(vna):
-    driver = driver_of(vna)
+    driver = driver_of([vna])
     other = connect(HOST, PATIENT, vna.server.port)
     with raises_fault(faults.LOCKED, error=VnaConnectionError):
         other.write(":INIT:CONT ON")
     with raises_fault(faults.LOCKED, error=VnaConnectionError):
-        driver_of(vna, request_timeout_s=0.5)
+        driver_of([vna], request_timeout_s=0.5)
     # A lost link leaves no lock.
     vna.faults.set("DROP", 1)
     driver.confirm(driver.take_sweep()[0])
     driver.disconnect_from_vna()
     wait_until(lambda: not vna.server.link_count)
-    driver_of(vna).disconnect_from_vna()
+    driver_of([vna]).disconnect_from_vna()
 
 
 def test_the_example_of_the_readme_gives_what_it_shows():
