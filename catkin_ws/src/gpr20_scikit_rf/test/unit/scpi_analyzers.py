@@ -17,8 +17,6 @@ import numpy as np
 from gpr20_common.low.clock import Clock
 from gpr20_common.low.tcp_keepalive import acknowledge_at_once
 
-SERIAL = "SIMULATED-1"
-
 
 class Dropped(Exception):
     """The instrument closes the connection."""
@@ -56,7 +54,6 @@ class ScpiAnalyzer:
     def __init__(self) -> None:
         self.sweep_s = 0.02
         self.clock = SweepClock()
-        self.serial = SERIAL
         # What it does wrong: queries that it does not answer ("" means all), one at which it closes
         # the connection, once, and one that it answers without end.
         self.silent: Set[str] = set()
@@ -76,7 +73,7 @@ class ScpiAnalyzer:
 
     @property
     def identity(self) -> str:
-        return f"{self.maker},{self.model},{self.serial},A.01.00"
+        return f"{self.maker},{self.model},SIMULATED-1,A.01.00"
 
     @property
     def points(self) -> int:
