@@ -12,11 +12,9 @@ from case_kit import each_case
 from vna_bench import Carriage
 from vxi11_wire import (
     ABORT,
-    CHARACTER,
     CORE,
     END_REASON,
     REQUEST_COUNT,
-    TERMINATION,
     WAIT_LOCK,
     CoreLink,
     EchoDevice,
@@ -87,19 +85,10 @@ def test_message_is_executed_at_its_end_only(device, link):
     assert device.messages == [b"*IDN?\n"]
 
 
-def test_message_without_end_cannot_fill_the_memory(device, link):
-    for _ in range(4):
-        assert link.write(b"x" * 1024, flags=0)[0] == 0
-    assert link.write(b"x" * 1024, flags=0)[0] == 9
-    assert link.write(b"B")[0] == 0
-    assert device.messages == [b"B"]
-
-
 def test_read_in_pieces_says_why_each_piece_ended(link):
     link.write(b"abc\ndef?")
     assert link.read(size=0) == (0, REQUEST_COUNT, b"")
-    assert link.read(flags=TERMINATION, termination=b"\n") == (0, CHARACTER, b"abc\n")
-    assert link.read(size=2, termination=b"d") == (0, REQUEST_COUNT, b"de")
+    assert link.read(size=6) == (0, REQUEST_COUNT, b"abc\nde")
     assert link.read(size=2) == (0, REQUEST_COUNT | END_REASON, b"f?")
     link.write(b"?" * 1000, flags=0)
     link.write(b"?" * 1001)

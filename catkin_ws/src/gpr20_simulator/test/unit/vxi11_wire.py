@@ -9,8 +9,8 @@ import time
 from gpr20_simulator.low.message_device import ClearSupport, NetworkFault, Outcome
 
 CORE, ABORT = 0x0607AF, 0x0607B0
-END, WAIT_LOCK, TERMINATION = 8, 1, 128
-REQUEST_COUNT, CHARACTER, END_REASON = 1, 2, 4
+END, WAIT_LOCK = 8, 1
+REQUEST_COUNT, END_REASON = 1, 4
 LAST = 0x80000000
 LIMIT_S = 30.0
 
@@ -127,8 +127,8 @@ class CoreLink(RawClient):
         arguments = words(self.link, io_timeout_ms, lock_timeout_ms, flags) + opaque(data)
         return struct.unpack(">iI", self.result(CORE, 1, 11, arguments))
 
-    def read(self, size=1000, flags=0, io_timeout_ms=1000, lock_timeout_ms=0, termination=b"\0"):
-        arguments = words(self.link, size, io_timeout_ms, lock_timeout_ms, flags, termination[0])
+    def read(self, size=1000, flags=0, io_timeout_ms=1000, lock_timeout_ms=0):
+        arguments = words(self.link, size, io_timeout_ms, lock_timeout_ms, flags, 0)
         reply = self.result(CORE, 1, 12, arguments)
         error, reason, length = struct.unpack(">iiI", reply[:12])
         return error, reason, reply[12 : 12 + length]

@@ -122,13 +122,6 @@ def test_a_failed_setup_forgets_the_former_one(bench):
         bench.driver.get_trace()
 
 
-def test_an_instrument_that_measures_other_frequencies_is_refused():
-    bench = Bench()
-    bench.vna._frequencies = lambda: list(np.geomspace(600e6, 6e9, 11))
-    with raises_fault(faults.NOT_LINEAR):
-        bench.configured()
-
-
 def test_calibration_is_read_by_its_meaning(bench):
     for status in list(CalibrationStatus)[: CalibrationStatus.NOT_REPORTED]:
         bench.vna.calibration = str(int(status))

@@ -142,15 +142,12 @@ def test_exchanges_of_two_callers_do_not_mix(bench):
 # Confirmation.
 
 HAND = {
-    ":SENS:FREQ:STAR": "700000000",
     ":SENS:FREQ:STOP": "5000000000",
     ":SENS:SWE:POIN": "12",
-    ":SENS:TRAC:TOT": "4",
     ":SENS:TRACE1:SPAR": "S11",
     ":SENS:TRACE1:DOM": "TIME",
     ":SENS:AVER:COUN": "4",
     ":SENS:SWE:IFBW": "20",
-    ":SOUR:POW": "LOW",
     ":FORM": "ASC",
     ":INIT:CONT": "1",
 }
