@@ -10,7 +10,7 @@ import pytest
 from case_kit import each_case
 from hypothesis import given
 from hypothesis import strategies as st
-from vxi11_wire import LAST, RawClient, call, opaque, record, unpack_words, words
+from vxi11_wire import LAST, RawClient, call, record, unpack_words, words
 
 from gpr20_simulator.low.portmapper import Portmapper, tcp_mapping
 from gpr20_simulator.low.rpc import (
@@ -48,18 +48,10 @@ def answered(message):
     return answer_call(OFFERED, message, Nobody())
 
 
-UNIX = words(1) + opaque(b"machine and user ids")
-
-
 @each_case(
     "message, reply",
     [
         (call(PROGRAM, VERSION, ADD, words(40, 2)), [7, 1, 0, 0, 0, 0, 42]),
-        # Credentials of any kind.
-        (
-            words(7, 0, 2, PROGRAM, VERSION, ADD) + UNIX + words(0, 0, 1, 2),
-            [7, 1, 0, 0, 0, 0, 3],
-        ),
         # What is wrong: program, version, procedure, arguments, version of RPC.
         (call(PROGRAM + 1, VERSION, ADD), [7, 1, 0, 0, 0, 1]),
         (call(PROGRAM, VERSION + 1, ADD), [7, 1, 0, 0, 0, 2, VERSION, VERSION]),

@@ -12,7 +12,7 @@ from typing import List
 
 from gpr20_common.low.tcp_keepalive import acknowledge_at_once
 
-SWEEP_S = 0.01
+SWEEP_S = 0.005
 
 
 class LineVna:

@@ -225,15 +225,15 @@ def test_a_person_who_changes_what_is_measured_shows_whether_the_next_sweep_is_o
 
 def test_the_simulated_ms2026c_passes(monkeypatch):
     for name, value in (
-        ("UNKNOWN_LIMIT_S", 0.05),
-        ("SHORTEST_MOVE_S", 0.05),
-        ("LATE_MEMORIES_S", (0.05,)),
+        ("UNKNOWN_LIMIT_S", 0.02),
+        ("SHORTEST_MOVE_S", 0.03),
+        ("LATE_MEMORIES_S", (0.03,)),
     ):
         monkeypatch.setattr(wire_checks, name, value)
     with CheckedSimulation(
         read_scene(str(SCENE)), AnalyzerOptions(seconds_per_point=1e-4)
     ) as simulation:
-        bench = simulation.bench(replace(QUICK, bandwidths_hz=(1e5,), traces=1))
+        bench = simulation.bench(replace(QUICK, bandwidths_hz=(1e5,), sweeps=2, traces=1))
         bench.parameters = replace(bench.parameters, display_settle_s=0.02)
         found = {one.check: one for one in results(bench, simulation.move)}
     failed = {one.check for one in found.values() if one.status is Status.FAILED}

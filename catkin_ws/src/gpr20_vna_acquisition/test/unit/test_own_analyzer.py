@@ -101,7 +101,7 @@ def test_the_class_of_the_page_passes_its_check_also_when_answers_are_lost(vna):
         answer_timeout_s=0.5,
         sweep_timeout_s=0.5,
     )
-    extent = Extent(21, (1e4,), sweeps=4, traces=2, limit_s=60.0)
+    extent = Extent(21, (1e4,), sweeps=2, traces=1, limit_s=60.0)
     found = list(results(Bench(parameters, lambda _address: None, extent)))
     assert passed(found), [str(one.text) for one in found]
     bench = Bench(replace(parameters, address=ADDRESS), lambda _address: None, extent)
