@@ -3,15 +3,10 @@
 from __future__ import annotations
 
 import json
-import random
 from dataclasses import replace
 
 import pytest
 from annotation_examples import EXAMPLE
-from PyQt5.QtCore import Qt
-from PyQt5.QtTest import QTest
-from PyQt5.QtWidgets import QPushButton
-from run_seed import draws
 from view_kit import FOLDER, SURVEY, snapshot, state_of
 from window_helpers import click, hold, show, start
 
@@ -87,41 +82,30 @@ def test_what_is_written_with_fingers_goes_into_the_next_survey_and_who_and_wher
 
 
 def test_the_defaults_of_the_robot_fill_what_is_empty_once(window, following):
-    following.value = Annotation(site="here")
     defaults = RobotDefaults("127.0.0.1", Site(site="elsewhere", operator="Ana"))
-    show(window, snapshot(SurveyState.IDLE, defaults=defaults))
-    assert following.value == Annotation("Ana", "here")
     # An operator may empty a field.
-    following.value = EMPTY
-    show(window, snapshot(SurveyState.IDLE, defaults=defaults))
-    assert following.value == EMPTY
+    for before, after in ((Annotation(site="here"), Annotation("Ana", "here")), (EMPTY, EMPTY)):
+        following.value = before
+        show(window, snapshot(SurveyState.IDLE, defaults=defaults))
+        assert following.value == after
 
 
 def test_what_is_wrong_cannot_be_accepted_and_says_why(window, sheet, following):
     click(window.control.tiles[Tile.NAME])
-    pad = sheet.pad
     for name, text, reason in (
         ("position", "91,0", "latitude is 91 deg; it must lie between -90 and 90 deg"),
-        ("position", "4,1-", "longitude is '1-'; it must be a decimal number of degrees"),
-        ("position", "4.6", "position is '4.6'; it must be latitude and longitude"),
         ("operator", "a" * 201, "operator has 201 characters; at most 200 are allowed"),
     ):
         click(sheet.tiles[name])
-        pad.edit.setPlainText(text)
-        assert not pad.accept_button.isEnabled()
-        assert pad.hint.text().startswith(reason)
-        click(pad.cancel)
-    click(sheet.tiles["operator"])
-    click(pad.erase)
-    assert pad.accept_button.isEnabled()
-    click(pad.cancel)
+        sheet.pad.edit.setPlainText(text)
+        assert not sheet.pad.accept_button.isEnabled()
+        assert sheet.pad.hint.text().startswith(reason)
+        click(sheet.pad.cancel)
     click(sheet.close_button)
     assert following.value == EMPTY
 
 
-def test_empty_notes_of_the_running_survey_are_filled_without_a_hold(
-    window, node, sheet, following
-):
+def test_empty_notes_of_the_running_survey_are_filled_without_a_hold(window, node, sheet):
     read(window, node, SURVEY, replace(EXAMPLE, notes=""))
     assert not sheet.save.isEnabled()
     write(sheet, "notes", "wet")
@@ -130,43 +114,25 @@ def test_empty_notes_of_the_running_survey_are_filled_without_a_hold(
     assert sheet.isVisible()
     node.ticket("annotate").done(verbatim("stored"))
     assert not sheet.isVisible()
-    assert following.value == EMPTY
 
 
-def test_records_that_exist_are_changed_only_by_a_hold_that_says_old_and_new(window, node, sheet):
+@pytest.mark.parametrize("survey", [SURVEY, FOLDER])
+def test_records_that_exist_are_changed_only_by_a_hold_that_says_old_and_new(
+    window, node, sheet, survey
+):
     confirm = sheet.confirm
-    for survey in (SURVEY, FOLDER):
-        read(window, node, survey, Annotation("Ana", name="field 3"))
-        before = asked(node)
-        write(sheet, "operator", "b")
-        click(sheet.save)
-        shown = {str(name): str(value) for name, value in confirm.question.rows}
-        assert shown == {"Survey": "field 3", "Operator": "Ana → Anab"}
-        for touch in (lambda: click(confirm.hold), lambda: hold(confirm.hold, 0.9)):
-            touch()
-            assert asked(node) == before
-        click(confirm.cancel)
-        assert sheet.isVisible() and sheet.texts["operator"] == "Anab"
-        click(sheet.save)
-        hold(confirm.hold)
-        assert asked(node) == [*before, (survey, Annotation("Anab", name="field 3"))]
-        node.ticket("annotate").done(verbatim("stored"))
-    assert sheet.title.whole == FOLDER or FOLDER in sheet.title.whole
-
-
-def test_random_touches_never_change_the_records_of_a_stored_survey(window, node, sheet):
-    draw = random.Random(4)
-    parts = (sheet, sheet.pad, sheet.confirm)
-    saves = 0
-    for _ in range(draws(150)):
-        if not any(part.isVisible() for part in parts):
-            read(window, node, FOLDER, EXAMPLE)
-        top = next(part for part in reversed(parts) if part.isVisible())
-        button = draw.choice([one for one in top.findChildren(QPushButton) if one.isVisible()])
-        saves += button is sheet.save and button.isEnabled()
-        QTest.mouseClick(button, Qt.LeftButton)
-    assert saves > 0
-    assert asked(node) == []
+    read(window, node, survey, Annotation("Ana", name="field 3"))
+    write(sheet, "operator", "b")
+    click(sheet.save)
+    shown = {str(name): str(value) for name, value in confirm.question.rows}
+    assert shown == {"Survey": "field 3", "Operator": "Ana → Anab"}
+    click(confirm.hold)
+    hold(confirm.hold, 0.9)
+    click(confirm.cancel)
+    assert asked(node) == [] and sheet.texts["operator"] == "Anab"
+    click(sheet.save)
+    hold(confirm.hold)
+    assert asked(node) == [(survey, Annotation("Anab", name="field 3"))]
 
 
 def test_a_failure_is_said_and_loses_nothing_that_was_written(window, node, sheet):
