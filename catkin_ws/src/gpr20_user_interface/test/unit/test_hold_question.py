@@ -82,41 +82,26 @@ def test_a_coarse_plan_is_said_in_words_and_what_a_plan_can_show_in_its_summary(
     assert start().doubt is None
     summary = plan_question(PARAMETERS, 4.0, FIGURES, EMPTY, start=False)
     assert summary.hold is None
-    assert rows(summary) == {
-        **rows(start()),
-        "Resolution": rows(summary)["Resolution"],
-        "Soil needs": "11.4 mm between stops, or less",
-        "Echoes repeat": "below 6.94 m; this is not the reach",
-    }
+    assert set(rows(summary)) - set(rows(start())) == {"Resolution", "Soil needs", "Echoes repeat"}
 
 
 def test_resume_says_what_is_stored_and_how_long_it_takes():
-    for seconds, words in (
-        (0.0, "less than 1 min"),
-        (60.1, "about 2 min"),
-        (float("nan"), "not known yet"),
-    ):
+    for seconds, words in ((60.1, "about 2 min"), (float("nan"), "not known yet")):
         question = resume_question(Progress("id", 50.0, 242, 121, seconds))
         assert rows(question) == {"Stored": "121 of 242 traces", "Time left": words}
-    assert resume_question(None).rows == ()
 
 
 def test_a_past_survey_is_named_before_it_is_resumed():
-    survey = past_survey()
-    expected = {
-        "Survey": FOLDER,
+    survey = past_survey(name="field 3", thumbnail=Thumbnail(300.0, 250.0))
+    assert rows(resume_past_question(FOLDER, survey)) == {
+        "Survey": "field 3",
         "Started": survey.local_time(),
         "Stored": "7 of 40 traces",
+        "Area": "300 x 250 mm",
         "Plan": "that of the survey, not the one on this page",
     }
-    for changes, shown in (
-        ({}, {}),
-        ({"thumbnail": Thumbnail(300.0, 250.0)}, {"Area": "300 x 250 mm"}),
-        ({"name": "field 3"}, {"Survey": "field 3"}),
-    ):
-        question = resume_past_question(FOLDER, past_survey(**changes))
-        assert rows(question) == {**expected, **shown}
-    assert rows(resume_past_question(FOLDER, None))["Survey"] == FOLDER
+    for unnamed in (past_survey(), None):
+        assert rows(resume_past_question(FOLDER, unnamed))["Survey"] == FOLDER
 
 
 MOVING = (start(), resume_question(None), resume_past_question(FOLDER, None))
@@ -129,9 +114,7 @@ def test_whatever_moves_the_robot_says_what_moves(question):
 
 
 def test_what_is_deleted_or_changed_is_named_as_it_was_and_will_be():
-    question = delete_profile_question("field-1")
-    assert rows(question) == {"Plan": "field-1"}
-    assert "Hands" not in str(question.warning)
+    assert rows(delete_profile_question("field-1")) == {"Plan": "field-1"}
     before = Annotation("Ana", "El Carmen", "wet", name="field 3")
     question = change_records_question("field 3", before, replace(before, operator="", notes="dry"))
     assert rows(question) == {"Survey": "field 3", "Operator": "Ana → —", "Notes": "wet → dry"}

