@@ -1,14 +1,11 @@
 """What the window shows in turn, so that each of its pages and sheets is seen with all it has."""
 
-import itertools
-
 import numpy as np
 from layout_kit import LARGEST, LONG, busiest
 from map_kit import FINER, MARKER
 from result_kit import BLUE, LOCKED, RED, plug_in, search
 from view_kit import (
     PAST,
-    RESTING,
     SURVEY,
     depth_echo,
     description,
@@ -26,7 +23,6 @@ from gpr20_common.message import Message, verbatim
 from gpr20_operator.ground.additions import AdditionsRead, RelatedSurvey
 from gpr20_operator.ground.coverage import CoverageRuns
 from gpr20_operator.ground.geometry import Area
-from gpr20_operator.ground.past_surveys import Listed
 from gpr20_operator.ground.trace_events import SurveyDescribed, SurveysListed
 from gpr20_operator.plan.fields import PLAN, default_parameters
 from gpr20_operator.robot.notices import Refused, analyzer_notice, refusal_notice
@@ -55,32 +51,32 @@ OWNER = "/a_program_with_a_long_name_1795493315529903"
 CONDITIONS = (
     {"master_alive": False},
     {"control_alive": False, "control_silent_s": None},
-    {"control_alive": False, "control_silent_s": 86399.0},
+    {"control_alive": False, "control_silent_s": 86399.0, "axes": moving(*AxisId, owner=OWNER)},
     {"interrupted": True},
-    {"service": verbatim("moving the X axis")},
+    {"service": verbatim("moving the X axis"), "axes": moving(*AxisId, owner=OWNER)},
     {"still_s": 86399.0},
-    {"ignored_sender": OWNER},
+    {"ignored_sender": OWNER, "axes": moving(*AxisId, owner=OWNER)},
 )
 WEB = WebStatusReported("gpr20-pc.campo.local", 8443, " ".join(["4F4F"] * 16), 20, NAME)
 ROBOTS = [f"/{'w' * 20}{number}" for number in range(20)]
 ENDED = snapshot(SurveyState.FINISHED, state=state_of(SurveyState.FINISHED, survey_id=SURVEY))
 
 
-def plan(window, *acts):
+def plan(*acts):
     """Show CONTROL with the longest values, and then what some acts open."""
-    window.touch_binding.set_locked(False)
-    window.show_tab(TabName.SURVEY)
-    window.survey.preview = LARGEST
-    window.on_event(SurveysListed("", (), False))
-    window.control.form.set_texts(LONGEST)
-    window.control.show_plan()
-    show(window, busiest(SurveyState.IDLE))
-    for act in acts:
-        act(window)
 
+    def stop(window):
+        window.touch_binding.set_locked(False)
+        window.show_tab(TabName.SURVEY)
+        window.survey.preview = LARGEST
+        window.on_event(SurveysListed("", (), False))
+        window.control.form.set_texts(LONGEST)
+        window.control.show_plan()
+        show(window, busiest(SurveyState.IDLE))
+        for act in acts:
+            act(window)
 
-def after_plan(*acts):
-    return lambda window: plan(window, *acts)
+    return stop
 
 
 def running(code=SurveyState.SURVEYING, **changes):
@@ -107,7 +103,7 @@ def wrong(spec):
         for tile in (window.control.tiles[spec.tile], window.control.start):
             assert tile.sentence.isVisible() and not tile.sentence.is_cut, tile.sentence.whole
 
-    return after_plan(act)
+    return plan(act)
 
 
 def written(spec):
@@ -119,23 +115,21 @@ def written(spec):
         assert not any(line.is_cut for field in fields for line in field.lines)
         window.values.write("7 x")
 
-    return after_plan(act)
+    return plan(act)
 
 
-def keys(name, text="", shift=False):
+def keys(name, text=None):
     """The pad of a field of the records."""
 
     def act(window):
         window.annotation.show_annotation(FOLDER, PEOPLE)
         window.annotation.tiles[name].click()
-        pad = window.annotation.pad
         if text:
-            pad.edit.setPlainText(text)
-            assert not pad.accept_button.isEnabled()
-        if shift:
-            pad.letters.shift.click()
+            window.annotation.pad.edit.setPlainText(text)
+        else:
+            window.annotation.pad.letters.shift.click()
 
-    return after_plan(act)
+    return plan(act)
 
 
 def profiles(window):
@@ -220,27 +214,11 @@ def surveys(window):
     show(window, busiest(SurveyState.IDLE))
 
 
-def no_survey_found(window):
-    surveys(window)
-    window.past.search_for("no such survey, wherever it may be")
-
-
-def no_survey_stored(window):
-    window.past.search_for("")
-    window.past.show_listed(Listed.ALL)
+def list_fails(window):
     window.show_tab(TabName.SURVEYS)
     window.on_event(SurveysListed("", (), False))
-
-
-def list_fails(window):
-    no_survey_stored(window)
     window.traces.past.set_problem(verbatim("the storage does not answer; check the server"))
     show(window, snapshot())
-
-
-def search_keys(window):
-    surveys(window)
-    window.past.search.click()
 
 
 def robots(window):
@@ -249,31 +227,16 @@ def robots(window):
     for name in ROBOTS:
         window.on_event(RobotReported(name, now.state))
     window.settings.open()
+    window.settings.robot_button.click()
     show(window, now)
 
 
-def other_robot(window):
-    robots(window)
-    window.settings.robot_button.click()
-    show(window, busiest(SurveyState.IDLE))
-
-
-def remote(window):
+def armed(window):
     window.on_event(WEB)
     show(window, busiest(SurveyState.PAUSED))
     window.settings.remote_button.click()
-
-
-def armed(window):
-    remote(window)
     hold(window.remote.hold)
     show(window, busiest(SurveyState.PAUSED))
-
-
-def not_armed(window):
-    window.remote.end()
-    window.settings.remote_button.click()
-    show(window, busiest(service=verbatim("moving the X axis by 100 mm")))
 
 
 def service(window):
@@ -291,7 +254,7 @@ def instruments(window):
 
 
 def start_sheet(name, *arguments):
-    return after_plan(lambda window: getattr(window.start_sheet, name)(*arguments))
+    return plan(lambda window: getattr(window.start_sheet, name)(*arguments))
 
 
 def refused(one):
@@ -299,28 +262,21 @@ def refused(one):
 
 
 STOPS = {
-    "plan": plan,
-    "to resume": after_plan(to_resume),
+    "plan": plan(),
+    "to resume": plan(to_resume),
     **{f"wrong {spec.name}": wrong(spec) for spec in PLAN},
     **{f"written {spec.name}": written(spec) for spec in PLAN},
-    "check plan": after_plan(lambda window: window.control.check_plan.click()),
-    "profiles": after_plan(profiles),
-    "delete profile": after_plan(profiles, lambda window: window.profiles.delete.click()),
-    "name of profile": after_plan(profiles, name_of_profile),
-    "notes": after_plan(lambda window: window.annotation.show_annotation("", PEOPLE)),
+    "check plan": plan(lambda window: window.control.check_plan.click()),
+    "profiles": plan(profiles),
+    "name of profile": plan(profiles, name_of_profile),
+    "notes": plan(lambda window: window.annotation.show_annotation("", PEOPLE)),
     **{f"keys {name}": keys(name) for name in ("name", "operator", "site", "notes")},
-    "capitals": keys("notes", shift=True),
-    **{f"position {text}": keys("position", text) for text in ("1", "91,0", "4.6,1-")},
+    "position": keys("position", "91,0"),
     "start": start_sheet("ask_start", default_parameters(), 4.0, PEOPLE),
     "resume": start_sheet("ask_resume_past", FOLDER),
     "other analyzer": start_sheet("ask_resume_with", IDENTITY),
     **{code.name.lower(): running(code) for code in SurveyState},
-    **{
-        f"band {number}": running(axes=axes, **changes)
-        for number, (changes, axes) in enumerate(
-            itertools.product(CONDITIONS, (RESTING, moving(*AxisId, owner=OWNER)))
-        )
-    },
+    **{f"band {number}": running(**changes) for number, changes in enumerate(CONDITIONS)},
     **{f"refused {one.name}": refused(one) for one in Refused},
     "details": details,
     "question": lambda window: window.question.ask(analyzer_notice(WITH_DETAILS, IDENTITY), list),
@@ -331,17 +287,11 @@ STOPS = {
     "ground": ground,
     **{name: on_ground(name) for name in ("layers", "finer", "set_marker")},
     "surveys": surveys,
-    "no survey found": no_survey_found,
-    "no survey stored": no_survey_stored,
     "the list fails": list_fails,
-    "search": search_keys,
-    "settings": robots,
-    "robots": other_robot,
-    "remote": remote,
+    "robots": robots,
     "armed": armed,
-    "not armed": not_armed,
     "service": service,
     "instruments": instruments,
-    "locked": after_plan(lambda window: window.touch_binding.set_locked(True)),
-    "unlocked": plan,
+    "locked": plan(lambda window: window.touch_binding.set_locked(True)),
+    "unlocked": plan(),
 }

@@ -7,7 +7,6 @@ The window itself says which pages and sheets there are, so that no new one is f
 import importlib
 import os
 import pkgutil
-import random
 from pathlib import Path
 
 import pytest
@@ -18,7 +17,6 @@ from layout_kit import (
     front,
     problems,
     screen,
-    screens,
     settle,
     spoken,
     window_on,
@@ -120,7 +118,7 @@ def own_widgets():
     }
 
 
-@pytest.mark.parametrize("screen_shown", screens(SCREENS))
+@pytest.mark.parametrize("screen_shown", SCREENS)
 def test_every_page_and_sheet_fits(application, tmp_path, screen_shown):
     with window_on(application, tmp_path, *screen_shown) as window:
         wrong, seen = every_problem(window)
@@ -181,23 +179,17 @@ def test_the_button_to_hold_is_not_where_it_was_asked_for(spoken):
         assert not place_of(window, hold).intersects(place_of(window, asked))
 
 
-# Characters of a number that are always seen.
-LONGEST_SEEN = 14
-
-
-def test_random_numbers_are_whole_or_show_their_beginning(spoken):
+def test_a_number_is_whole_or_shows_its_beginning(spoken):
     """600.1234 must not read as 500.1234 or 00.1234."""
-    draw = random.Random(5)
     show(spoken, busiest(SurveyState.IDLE))
     for spec in PLAN:
-        field = open_field(spoken, spec.name)
-        settle()
-        for digits in (0, draw.randint(1, 9), draw.randint(10, 30)):
-            text = f"{draw.uniform(-1e4, 1e4):.{digits}f}"
-            spoken.values.choose(spec.name)
+        for text in ("-9876.123456789", "1" * 40):
+            field = open_field(spoken, spec.name)
             spoken.values.write(text)
+            settle()
             (line,) = field.lines
             shown = line.text()
             assert shown == f"{text}|" or (shown.endswith("…") and text.startswith(shown[:-1]))
-            assert not line.is_cut or len(text) > LONGEST_SEEN
-        click(spoken.values.done)
+            # Fourteen characters are always seen.
+            assert not line.is_cut or len(shown) > 14
+            click(spoken.values.done)

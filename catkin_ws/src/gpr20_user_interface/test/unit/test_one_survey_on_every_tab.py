@@ -20,7 +20,6 @@ from window_helpers import click
 
 from gpr20_common.message import verbatim
 from gpr20_operator.ground.coverage import CoverageRuns, StopState
-from gpr20_operator.ground.grid import Stop
 from gpr20_operator.ground.trace_events import (
     SurveyDescribed,
     SurveyRead,
@@ -65,28 +64,25 @@ def done(traces):
     return None if counts is None else counts[StopState.DONE]
 
 
-def test_a_survey_that_begins_anywhere_takes_the_place_of_a_past_one(traces):
-    for number, code in enumerate(sorted(RUNNING - {SurveyState.PAUSED})):
-        begun = f"{NEXT[:-1]}{number}"
-        note(traces, SurveyState.FINISHED)
-        open_past(traces)
-        assert (done(traces), traces.shown.survey_id) == (20, PAST)
-        note(traces, code, begun)
-        assert traces.opened_folder == "" and traces.band is None
-        assert done(traces) is None, code
-        traces.on_event(SurveyDescribed(description(survey_id=begun)))
-        traces.on_event(CoverageRuns(begun, 40, (0, 2), (1, 0), {}, verbatim("")))
-        traces.refresh()
-        assert (done(traces), traces.shown.survey_id) == (1, begun)
+@pytest.mark.parametrize("code", sorted(RUNNING - {SurveyState.PAUSED}))
+def test_a_survey_that_begins_anywhere_takes_the_place_of_a_past_one(traces, code):
+    note(traces, SurveyState.FINISHED)
+    open_past(traces)
+    assert (done(traces), traces.shown.survey_id) == (20, PAST)
+    note(traces, code, NEXT)
+    assert traces.opened_folder == "" and traces.band is None and done(traces) is None
+    traces.on_event(SurveyDescribed(description(survey_id=NEXT)))
+    traces.on_event(CoverageRuns(NEXT, 40, (0, 2), (1, 0), {}, verbatim("")))
+    traces.refresh()
+    assert (done(traces), traces.shown.survey_id) == (1, NEXT)
 
 
 def test_a_survey_that_is_resumed_takes_the_place_of_a_past_one(traces):
-    note(traces, SurveyState.PAUSED)
-    open_past(traces)
-    note(traces, SurveyState.PAUSED)
-    assert traces.shown.survey_id == PAST
-    note(traces, SurveyState.HOMING)
-    assert traces.opened_folder == ""
+    for code, opened in ((SurveyState.PAUSED, FOLDER), (SurveyState.HOMING, "")):
+        note(traces, SurveyState.PAUSED)
+        open_past(traces)
+        note(traces, code)
+        assert traces.opened_folder == opened
 
 
 def test_a_finished_survey_is_not_shown_as_the_one_that_has_just_begun(traces):
@@ -106,10 +102,8 @@ def test_a_description_that_comes_before_the_status_is_kept(traces):
     traces.on_event(SurveyDescribed(description(survey_id=NEXT)))
     traces.on_event(trace_at(make_grid(survey_id=NEXT), 0))
     traces.refresh()
-    note(traces, SurveyState.SURVEYING, SURVEY)
     note(traces, SurveyState.CHECKING, NEXT)
-    assert traces.shown.survey_id == NEXT
-    assert traces.shown.radar.count == 1
+    assert (traces.shown.survey_id, traces.shown.radar.count) == (NEXT, 1)
 
 
 def test_a_past_survey_that_was_asked_for_before_a_survey_began_does_not_come_up(traces, problems):
@@ -123,11 +117,9 @@ def test_a_past_survey_that_was_asked_for_before_a_survey_began_does_not_come_up
 
 def test_a_past_survey_says_so_and_which_one_it_is(traces):
     note(traces, SurveyState.IDLE)
-    assert traces.band is None
     open_past(traces)
-    started = traces.past.find(FOLDER).local_time()
-    assert str(traces.band) == f"PAST SURVEY: {started}, 7c9e6679"
     (listed,) = traces.past.surveys
+    assert str(traces.band) == f"PAST SURVEY: {listed.local_time()}, 7c9e6679"
     named = dataclasses.replace(listed, name="field 3, east")
     traces.on_event(SurveysListed("", (named,), False))
     assert str(traces.band).endswith(", field 3, east")
@@ -138,52 +130,39 @@ def test_a_past_survey_says_so_and_which_one_it_is(traces):
     assert traces.shown.survey_id == PAST
     traces.show_live()
     assert traces.band is None
-    # Without its entry in the list it is named by its folder.
-    unlisted = TracePresenter(Storage(), [].append)
-    open_past(unlisted)
-    assert str(unlisted.band) == f"PAST SURVEY: {FOLDER}"
 
 
 def test_a_replay_is_shown_without_a_band_and_without_a_list_of_surveys(traces):
     replay = ReplayView(ReplayMark(PAST, folder=FOLDER, rate=1.0), state=SurveyState.SURVEYING)
     note(traces, SurveyState.SURVEYING, PAST, replay)
     traces.on_event(SurveyDescribed(description(survey_id=PAST)))
-    traces.refresh()
-    assert traces.shown.survey_id == PAST
-    assert traces.band is None
-    assert traces.past.replay
+    assert (traces.shown.survey_id, traces.band, traces.past.replay) == (PAST, None, True)
     # The traces come with the replay: no storage has them.
     assert traces.source.asked == []
 
 
-def imported(folder, traces):
-    """Return what the list says of an imported survey."""
-    values = {"outcome": "imported", "verdict": None, "simulated": False}
-    counts = {"stored_traces": traces, "planned_traces": 0}
-    return past_survey(folder=folder.name, **values, **counts)
-
-
-def test_an_imported_survey_opens_without_a_fault_and_is_not_resumed(window, tmp_path):
-    for size in ((5, 1), (1, 5), (6, 4), (1, 1)):
-        folder, count = imported_folder(tmp_path / str(size), *size), size[0] * size[1]
-        window.show_tab(TabName.SURVEYS)
-        window.on_event(SurveysListed("", (imported(folder, count),), False))
-        window.past.choose(imported(folder, count))
-        assert not window.past.resume.isEnabled()
-        click(window.past.open)
-        text = (folder / "survey.json").read_text("ascii")
-        window.on_event(SurveyRead(folder.name, text, tuple(range(count))))
-        shown = window.traces.shown
-        traces = tuple(map(read_trace, sorted((folder / "traces").iterdir())))
-        block = TraceBlock.of(shown.map.grid.survey_id, traces)
-        window.on_event(TracesRead(0, block, {}))
-        window.refresh()
-        assert shown.map.counts()[StopState.DONE] == shown.radar.count == count
-        assert shown.map.grid.simulated is False and shown.map.grid.plan is None
-        window.show_tab(TabName.GROUND)
-        window.grab()
-        window.ground.show_place(0.0, 0.0)
-        assert window.ground.model.stop == Stop(0, 0)
-        assert not window.ground.view.finer.isEnabled()
-        assert window.traces.past.problem is None
-        assert str(window.traces.band).startswith("IMPORTED SURVEY: ")
+@pytest.mark.parametrize("columns,rows", [(1, 5), (6, 4), (1, 1)])
+def test_an_imported_survey_opens_without_a_fault_and_is_not_resumed(
+    window, tmp_path, columns, rows
+):
+    folder, count = imported_folder(tmp_path / "imported", columns, rows), columns * rows
+    counts = {"stored_traces": count, "planned_traces": 0, "verdict": None, "simulated": False}
+    imported = past_survey(folder=folder.name, outcome="imported", **counts)
+    window.show_tab(TabName.SURVEYS)
+    window.on_event(SurveysListed("", (imported,), False))
+    window.past.choose(imported)
+    assert not window.past.resume.isEnabled()
+    click(window.past.open)
+    text = (folder / "survey.json").read_text("ascii")
+    window.on_event(SurveyRead(folder.name, text, tuple(range(count))))
+    shown = window.traces.shown
+    traces = tuple(map(read_trace, sorted((folder / "traces").iterdir())))
+    window.on_event(TracesRead(0, TraceBlock.of(shown.map.grid.survey_id, traces), {}))
+    window.refresh()
+    assert shown.map.counts()[StopState.DONE] == shown.radar.count == count
+    assert shown.map.grid.simulated is False and shown.map.grid.plan is None
+    window.show_tab(TabName.GROUND)
+    window.grab()
+    assert not window.ground.view.finer.isEnabled()
+    assert window.traces.past.problem is None
+    assert str(window.traces.band).startswith("IMPORTED SURVEY: ")
