@@ -57,19 +57,14 @@ def test_why_something_of_a_survey_failed_has_its_fault_and_remedy_or_its_text()
     )
     runs = conversions.coverage_runs(coverage)
     assert runs.failures == {4: FULL, 7: verbatim("no template: as it is")}
-    assert conversions.coverage_runs(SurveyCoverage()).verdict is None
     response = ReadTracesResponse(
         survey_id="id", unreadable=[f"3: {TEXT}", "5: torn"], unreadable_json=[SENT]
     )
     read = conversions.traces_read(3, response)
     assert (read.first_index, read.block.survey_id, read.block.indices.size) == (3, "id", 0)
     assert read.unreadable == {3: FULL, 5: verbatim("torn")}
-    summaries = [
-        SurveySummary(folder="a", verdict="as it was"),
-        SurveySummary(folder="b", problem=TEXT, problem_json=SENT, fault_code="axis.lost_zero"),
-    ]
-    plain, failed = conversions.surveys_listed("", ListSurveysResponse(surveys=summaries)).surveys
-    assert (plain.verdict, plain.problem) == (verbatim("as it was"), None)
+    summary = SurveySummary(problem=TEXT, problem_json=SENT, fault_code="axis.lost_zero")
+    (failed,) = conversions.surveys_listed("", ListSurveysResponse(surveys=[summary])).surveys
     assert (failed.verdict, failed.fault_code) == (None, "axis.lost_zero")
     for one in (runs.failures[4], runs.verdict, read.unreadable[3], failed.problem):
         assert (one.fault_code, one.remedy) == ("disk.full", REMEDY)

@@ -255,21 +255,18 @@ def test_the_focused_image_of_the_survey_has_the_crosshair_and_the_rule_of_the_n
 
 
 def test_the_soil_is_that_of_the_survey_or_of_its_image_until_another_one_is_chosen(model):
-    for survey, stored, chosen, shown in (
-        *((SURVEY, 8.0, 5.0, (8.0, None)), (SURVEY, 8.0, None, (5.0, 8.0))),
-        *((SURVEY, 9.0, 5.0, (9.0, None)), (PAST, 9.0, None, (9.0, None))),
-        (SURVEY, None, None, (ANY_SOIL.permittivity, None)),
+    for survey, stored, shown in (
+        *((SURVEY, 8.0, (8.0, None)), (SURVEY, 8.0, (5.0, 8.0)), (SURVEY, 9.0, (9.0, None))),
+        *((PAST, 9.0, (9.0, None)), (SURVEY, None, (ANY_SOIL.permittivity, None))),
     ):
         model.take_soil(survey, stored)
         assert (model.settings.permittivity, model.other_permittivity) == shown
-        if chosen is not None:
-            model.change(permittivity=chosen)
-    image = image_of(model.survey.map.grid)
-    model.additions.pictures.add_image(image)
+        model.change(permittivity=5.0)
+    model.additions.pictures.add_image(image_of(model.survey.map.grid))
+    model.take_soil(PAST, None)
     model.take_soil(SURVEY, None)
-    assert model.settings.permittivity == image.found.permittivity == 4.0
+    assert model.settings.permittivity == model.image.found.permittivity == 4.0
     assert model.wanted_permittivity is None
-    assert model.image is not None and model.additions.candidates
     # Image and candidates of another permittivity are not shown.
     model.change(permittivity=9.0)
     assert model.image is None and not model.additions.candidates

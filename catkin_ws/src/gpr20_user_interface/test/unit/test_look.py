@@ -14,7 +14,6 @@ from gpr20_user_interface.look.look import (
     TextColours,
     Theme,
 )
-from gpr20_user_interface.touch.dimming import Dimming
 
 AFTER_S = 120.0
 # WCAG 2.1: 1.4.6 for text (level AAA), 1.4.11 for what distinguishes a mark from its surroundings.
@@ -40,18 +39,6 @@ def test_every_text_and_every_mark_is_seen():
             assert contrast(*colours.of(theme)) >= TEXT_CONTRAST, colours
         for mark in set(Mark) - {Mark.PAPER}:
             assert contrast(mark.of(theme), Mark.PAPER.of(theme)) >= MARK_CONTRAST, mark
-
-
-def test_what_must_be_seen_and_never_keep_it_awake(clock):
-    dimming = Dimming(clock, None)
-    clock.advance(1e6)
-    dimming.refresh(awake=False)
-    assert not dimming.dimmed
-    dimming.set_after(AFTER_S)
-    for awake, seconds, dimmed in ((False, AFTER_S, True), (True, 0.0, False), (False, 9.0, False)):
-        clock.advance(seconds)
-        dimming.refresh(awake=awake)
-        assert dimming.dimmed is dimmed
 
 
 @pytest.fixture

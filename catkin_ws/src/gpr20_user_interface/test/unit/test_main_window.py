@@ -61,8 +61,7 @@ def band(window):
 
 def test_state_and_progress_are_seen_from_every_tab(window, band):
     show(window, snapshot(SurveyState.SURVEYING, progress=Progress("id", 99.99, 90, 89, 61.0)))
-    assert band.title.whole == "SURVEYING 99 %"
-    assert band.message.whole == "2 min left"
+    assert (band.title.whole, band.message.whole) == ("SURVEYING 99 %", "2 min left")
     assert band.simulated.isVisible()
     signs = []
     for level in JobLevel:
@@ -91,20 +90,17 @@ def test_a_refusal_is_a_card_with_reason_next_step_and_details_that_leaves_stop_
 
 
 def test_the_job_is_shown_in_large_type_from_the_begin_of_a_survey_to_its_end(window):
-    for code, is_shown in ((SurveyState.IDLE, False), (SurveyState.SURVEYING, True)):
-        show(window, job(code))
-        assert (window.survey_tab.currentWidget() is window.job) is is_shown
+    page = window.job
     called = {"name": "Field 4", "site": "x"}
     window.on_event(SurveyDescribed(description(survey_id="id", annotation=called)))
     progress, target = Progress("id", 42.7, 242, 103, 1080.0), TargetPosition(150.0, 50.0, 0.0)
-    show(window, job(SurveyState.SURVEYING, progress=progress, target=target))
-    page = window.job
+    for code in (SurveyState.IDLE, SurveyState.FINISHED, SurveyState.SURVEYING):
+        show(window, job(code, progress=progress, target=target))
+        running = code is SurveyState.SURVEYING
+        assert (window.survey_tab.currentWidget() is page) is running
     assert (page.left.text(), page.percent.text()) == ("18 min left", "42 %")
-    assert page.line.text() == "Line 1 of 4"
-    assert page.area.whole == "Field 4, 100 x 60 mm"
+    assert (page.line.text(), page.area.whole) == ("Line 1 of 4", "Field 4, 100 x 60 mm")
     assert page.percent.fontMetrics().height() >= 2.5 * page.area.fontMetrics().height()
-    show(window, job(SurveyState.FINISHED))
-    assert window.survey_tab.currentWidget() is not page
 
 
 def test_the_small_map_is_that_of_the_survey_and_drawn_only_when_it_changes(window, monkeypatch):
@@ -166,9 +162,6 @@ def test_a_stop_of_axes_that_are_silent_says_at_once_to_switch_off_the_motors(wi
     QTest.mouseRelease(window.top_bar.stop, Qt.LeftButton)
     assert warning.title.text() == "SWITCH OFF THE MOTORS' POWER"
     assert warning.title.fontMetrics().height() >= 2.5 * window.fontMetrics().height()
-    bar = window.top_bar.geometry()
-    assert warning.geometry().top() == bar.bottom() + 1
-    assert warning.geometry().bottom() == window.rect().bottom()
     # Nothing may cover it.
     window.notice.show_notice(fault_notice(paused(FULL)))
     show(window, gone)

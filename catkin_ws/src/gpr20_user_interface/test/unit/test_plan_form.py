@@ -5,6 +5,8 @@ import threading
 from dataclasses import replace
 
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 from run_seed import draws
 from view_kit import TRAVEL as ROBOT
 from view_kit import past_survey, snapshot
@@ -84,25 +86,20 @@ def test_of_the_cost_only_the_newest_question_is_answered_and_nothing_after_the_
 
 def test_points_follow_the_spacing_and_the_area_until_they_are_set(form):
     form.set_texts({"x_spacing_mm": "10", "x_start_mm": "0", "x_stop_mm": "300"})
-    assert form.texts["x_points"] == "31"
-    for name, text, points in (("x_stop_mm", "305", "32"), ("x_spacing_mm", "12,5", "26")):
+    for name, text, points, spacing in (
+        *(("x_stop_mm", "305", "32", "10"), ("x_spacing_mm", "12,5", "26", "12,5")),
+        *(("x_points", "6", "6", "61"), ("x_stop_mm", "350", "6", "70")),
+        ("x_spacing_mm", "20", "19", "20"),
+    ):
         form.set_text(name, text)
-        assert form.texts["x_points"] == points
-    form.set_text("x_points", "6")
-    assert (form.texts["x_spacing_mm"], form.following) == ("61", {"y"})
-    form.set_text("x_stop_mm", "350")
-    assert (form.texts["x_points"], form.texts["x_spacing_mm"]) == ("6", "70")
-    form.set_text("x_spacing_mm", "20")
-    assert form.texts["x_points"] == "19"
+        assert (form.texts["x_points"], form.texts["x_spacing_mm"]) == (points, spacing)
 
 
-def test_no_two_points_are_farther_apart_than_the_spacing():
-    draw = random.Random(1)
-    for _ in range(draws(200)):
-        spacing_mm, length_mm = draw.uniform(0.5, 60.0), draw.uniform(1.0, 800.0)
-        count = points_for(length_mm, spacing_mm)
-        assert length_mm / (count - 1) <= spacing_mm * 1.00002
-        assert count == 3 or length_mm / (count - 2) > spacing_mm
+@given(st.floats(0.5, 60.0), st.floats(1.0, 800.0))
+def test_no_two_points_are_farther_apart_than_the_spacing(spacing_mm, length_mm):
+    count = points_for(length_mm, spacing_mm)
+    assert length_mm / (count - 1) <= spacing_mm * 1.00002
+    assert count == 3 or length_mm / (count - 2) > spacing_mm
 
 
 def test_a_profile_is_measured_as_it_is_whatever_its_spacing():
@@ -122,19 +119,12 @@ def test_a_profile_is_measured_as_it_is_whatever_its_spacing():
 
 def test_only_the_last_survey_is_offered_and_only_if_it_ended_early_and_can_be_resumed():
     idle, early, older = snapshot(SurveyState.IDLE), past_survey(), past_survey(folder="2025")
-    complete = past_survey(complete=True)
-    imported = past_survey(outcome=IMPORTED, folder="2027")
-    for listed, expected in (
-        ((), None),
-        ((early,), early),
-        ((imported, early, older), early),
-        ((complete, older), None),
-    ):
+    complete, imported = past_survey(complete=True), past_survey(outcome=IMPORTED, folder="2027")
+    for listed, expected in (((), None), ((imported, early), early), ((complete, older), None)):
         past = PastSurveys()
         past.take("", listed, False)
         assert resumable(past, idle) == expected
-        for no_robot in (None, snapshot(SurveyState.IDLE, alive=False)):
-            assert resumable(past, no_robot) is None
-        assert resumable(past, snapshot(SurveyState.SURVEYING)) is None
+        for other in (None, snapshot(SurveyState.IDLE, alive=False), snapshot(SurveyState.HOMING)):
+            assert resumable(past, other) is None
         past.set_running("another")
         assert resumable(past, idle) is None

@@ -1,6 +1,7 @@
 """A window without ROS, and what its tests do with it."""
 
 import time
+from types import SimpleNamespace
 
 from asked_storage import Storage
 from fake_clock import FakeClock
@@ -33,31 +34,25 @@ class Survey:
 
     def __init__(self):
         self.snapshot = snapshot()
-        self.preview = None
-        self.asked = []
-        self.annotations = []
-        self.finer = None
+        self.preview = self.finer = None
+        self.asked, self.annotations = [], []
+
+    def nothing(self, *_values):
+        """What these are asked is no wish of the operator."""
+
+    on_event = check_master = end = nothing
 
     def refresh(self):
         return self.snapshot
 
-    def on_event(self, event):
-        return None
-
     def is_shown(self, event):
         return True
-
-    def pause_replay(self):
-        self.asked.append("pause replay")
 
     def set_plan(self, parameters, permittivity):
         self.plan = (parameters, permittivity)
 
     def preview_of(self, parameters):
         return self.preview or preview(parameters, 4.0)
-
-    def check_master(self):
-        pass
 
     def refines(self, parameters):
         return "" if self.finer is None else self.finer.refined_by(parameters)
@@ -72,14 +67,14 @@ class Survey:
     def pause(self):
         self.asked.append("pause")
 
+    def pause_replay(self):
+        self.asked.append("pause replay")
+
     def resume(self, folder="", accept_zeros=False):
         self.asked.append(f"resume {folder}".strip() + " without proof" * accept_zeros)
 
     def resume_with(self, analyzer):
         self.asked.append(f"resume with {analyzer}")
-
-    def end(self):
-        pass
 
 
 class ServiceTools:
@@ -116,21 +111,6 @@ class ServiceTools:
         self._tickets[service].fail(problem)
 
 
-class NoSettings:
-    """Settings that are not kept."""
-
-    def read(self):
-        return {}
-
-    def write(self, values):
-        pass
-
-
-def settings_in(folder):
-    """Return the settings below a folder; without one they are not kept."""
-    return NoSettings() if folder is None else SettingsFile(folder / "window" / "plan.yaml")
-
-
 def opened_window(application, language=Language.ENGLISH, **parts):
     """Return a window that is shown in a language, without contact to a robot."""
     window = new_window(Languages(application, language), **parts)
@@ -149,27 +129,31 @@ def new_window(
     robots=None,
     arming=None,
 ):
-    """Return a window; what its traces are reported for is in `window.problems`."""
-    problems = []
-    tools, node = ServiceTools(), imaging or Requests()
-    kept = Profiles(profiles)
+    """Return a window; without a folder for its profiles it keeps no plan."""
+    problems, tools, clock = [], ServiceTools(), clock or Clock()
+    node, kept = imaging or Requests(), Profiles(profiles)
+    not_kept = SimpleNamespace(read=dict, write=lambda _values: None)
     window = MainWindow(
         Presenters(
             survey or Survey(),
             TracePresenter(storage or Storage(), problems.append),
             Imaging(node, time.monotonic),
-            ServiceModel(tools, tools.set_watched, tools.examine, clock or Clock()),
+            ServiceModel(tools, tools.set_watched, tools.examine, clock),
             kept,
-            PlanMemory(settings_in(profiles), problems.append),
+            PlanMemory(
+                SettingsFile(profiles / "window" / "plan.yaml") if profiles else not_kept,
+                problems.append,
+            ),
             robots or Robots("/"),
-            arming or Arming(clock or Clock()),
+            arming or Arming(clock),
         ),
         languages,
         memory,
-        clock=clock or Clock(),
+        clock=clock,
     )
-    window.problems, window.languages, window.clock = problems, languages, clock
-    window.tools, window.node, window.kept_profiles = tools, node, kept
+    window.problems, window.languages = problems, languages
+    window.clock, window.tools = clock, tools
+    window.node, window.kept_profiles = node, kept
     return window
 
 
@@ -191,16 +175,12 @@ def wishes(window):
     return window.survey.asked
 
 
-def tile_of(name):
-    """Return the tile on whose sheet a field is."""
-    return next(tile for tile in VALUE_TILES if name in TILE_FIELDS[tile])
-
-
 def open_field(window, name):
     """Touch the tile of a field, and the field; return the field, which shows its text."""
-    click(window.control.tiles[tile_of(name)])
+    tile = next(tile for tile in VALUE_TILES if name in TILE_FIELDS[tile])
+    click(window.control.tiles[tile])
     window.values.choose(name)
-    return window.values.fields[TILE_FIELDS[tile_of(name)].index(name)]
+    return window.values.fields[TILE_FIELDS[tile].index(name)]
 
 
 def enter(window, name, text):
