@@ -1,17 +1,14 @@
 """What the window shows in turn, so that each of its pages and sheets is seen with all it has."""
 
-import numpy as np
 from layout_kit import LARGEST, LONG, busiest
 from map_kit import FINER, MARKER
-from result_kit import BLUE, LOCKED, RED, plug_in, search
+from result_kit import search
 from view_kit import (
     PAST,
     SURVEY,
-    depth_echo,
     description,
     make_grid,
     moving,
-    noise,
     past_survey,
     snapshot,
     state_of,
@@ -59,7 +56,6 @@ CONDITIONS = (
 )
 WEB = WebStatusReported("gpr20-pc.campo.local", 8443, " ".join(["4F4F"] * 16), 20, NAME)
 ROBOTS = [f"/{'w' * 20}{number}" for number in range(20)]
-ENDED = snapshot(SurveyState.FINISHED, state=state_of(SurveyState.FINISHED, survey_id=SURVEY))
 
 
 def plan(*acts):
@@ -154,27 +150,12 @@ def details(window):
     window.notice.details_button.click()
 
 
-def result(window):
-    window.show_tab(TabName.SURVEY)
-    show(window, busiest(SurveyState.SURVEYING))
-    show(window, ENDED)
-    search(window.result.result, window.node)
-    show(window, ENDED)
-
-
 def past_result(window):
     other = busiest(state=state_of(SurveyState.FINISHED, LONG, PAST))
     show(window, other)
     window.past.result_requested.emit(SURVEY)
     search(window.result.result, window.node)
     show(window, other)
-
-
-def stick(window):
-    result(window)
-    window.result.stick.click()
-    plug_in(window.node, BLUE, RED, LOCKED)
-    show(window, ENDED)
 
 
 def ground(window):
@@ -188,9 +169,7 @@ def ground(window):
     verdict = verbatim("INCOMPLETE: 11 of 40 planned traces are stored, 1 failed, 28 missing")
     runs = CoverageRuns(SURVEY, 40, (0, 10, 11, 12), (1, 3, 1, 0), failures, verdict)
     live.map.set_coverage(runs)
-    draw = np.random.default_rng(1)
-    for index in range(10):
-        live.take_traces([trace_at(grid, index, depth_echo(0.1, level=0.05) + noise(draw))])
+    live.take_traces([trace_at(grid, index) for index in range(10)])
     related = RelatedSurvey(FINER, "20261121T061000_7c9e6679", True, Area(120, 150, 60, 80))
     window.on_event(AdditionsRead(SURVEY, (MARKER,), (related,)))
     window.draw()
@@ -281,9 +260,7 @@ STOPS = {
     "details": details,
     "question": lambda window: window.question.ask(analyzer_notice(WITH_DETAILS, IDENTITY), list),
     "stop": stop_that_nobody_confirms,
-    "result": result,
     "past result": past_result,
-    "stick": stick,
     "ground": ground,
     **{name: on_ground(name) for name in ("layers", "finer", "set_marker")},
     "surveys": surveys,

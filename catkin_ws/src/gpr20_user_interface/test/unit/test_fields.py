@@ -156,7 +156,6 @@ WRONG = (
     ("vna_address", "10.0.0.256", "four whole numbers"),
     ("start_frequency_hz", "0", "from 0.005 to 6000"),
     ("start_frequency_hz", "6000", "below the stop frequency"),
-    ("stop_frequency_hz", "6000.1", "from 0.005 to 6000"),
     ("stop_frequency_hz", "6GHz", "a number such as 12.5, from 0.005 to 6000"),
     ("frequency_points", "1.5", "a whole number from 2 to 4000"),
     *(("x_start_mm", text, "from 0 to 650") for text in ("-1", "nan", "-inf", "1e400")),
@@ -194,15 +193,12 @@ def test_what_several_fields_make_wrong_together_is_named_on_them():
 
 def test_a_decimal_comma_is_read_as_a_point():
     for name, text, value in (
-        *(("x_stop_mm", "149,5", 149.5), ("y_start_mm", ",5", 0.5)),
-        *(("start_frequency_hz", "700,123456", 700123456.0), ("if_bandwidth_hz", "12,5", 12.5)),
-        ("polarizations_deg", "1,8; 90", (1.8, 90.0)),
+        *(("x_stop_mm", " 149,50 ", 149.5), ("y_start_mm", ",5", 0.5)),
+        *(("start_frequency_hz", "700,123456", 700123456.0), ("if_bandwidth_hz", "+1,2E+1", 12.0)),
+        *(("polarizations_deg", text, (1.8, -90.0)) for text in ("1,8; -90", "1.8,-90")),
         ("position", "4,60283; -74,06514", Wgs84Position(4.60283, -74.06514)),
     ):
         assert SPECS[name].kind.read(text) == value
-    for text in ("12.5", " 12,50 ", "+12.5", "1,25E+1"):
-        assert number_from_text(text) == 12.5
-    assert rotations_from_text("0, 90,-45.5") == (0.0, 90.0, -45.5)
 
 
 @each_case(

@@ -73,13 +73,18 @@ def progress(visited):
     return Progress("id", visited / 2.0, 200, visited, 200.0 - visited)
 
 
-def test_plain_lines_come_every_ten_percent_and_at_the_end():
+def test_plain_lines_come_every_ten_percent_and_at_the_end_in_the_language_of_the_terminal():
     stream = io.StringIO()
-    display = PlainDisplay(stream, Catalogue())
+    display = PlainDisplay(stream, read_catalogue(Language.SPANISH))
+    display.note(Message("permission denied", details="[Errno 13] '/data'"))
     for visited in (*range(196), 199, 200, 200):
         display.show(progress(visited), SURVEYING)
-    shown = [one.split("%")[0].strip() for one in stream.getvalue().splitlines()]
-    assert shown == [f"{10.0 * one:.1f}" for one in range(11)]
+    noted, *shown = stream.getvalue().splitlines()
+    assert noted == "permiso denegado ([Errno 13] '/data')"
+    assert shown[3] == " 30.0 %  60/200 trazas  quedan 3 min (según lo medido)"
+    assert [one.split("%")[0].strip() for one in shown] == [
+        f"{10.0 * one:.1f}" for one in range(11)
+    ]
 
 
 @each_case("columns", [80, 200])
@@ -96,14 +101,3 @@ def test_the_bar_carries_everything_within_the_width_of_the_terminal(monkeypatch
     assert len(last) <= columns
     for part in ("SIMULATED SURVEYING", "25%", "50/200", "3 min left (measured)"):
         assert part in last
-
-
-def test_lines_are_in_the_language_of_the_terminal_with_the_details_behind_them():
-    stream = io.StringIO()
-    display = PlainDisplay(stream, read_catalogue(Language.SPANISH))
-    display.note(Message("permission denied", details="[Errno 13] Permission denied: '/data'"))
-    display.show(progress(50), SURVEYING)
-    assert stream.getvalue().splitlines() == [
-        "permiso denegado ([Errno 13] Permission denied: '/data')",
-        " 25.0 %  50/200 trazas  quedan 3 min (según lo medido)",
-    ]

@@ -29,38 +29,29 @@ def test_only_the_last_request_answers_and_cancelling_always_ends_it(steps):
     cancelled, results, tickets = [], [], []
     job = Job(tickets.append, cancelled.append, lambda: 0.0, results.append)
     waiting = None
-    for number, (step, which) in enumerate(steps):
+    for step, which in steps:
         before = job.revision, job.state, job.result, job.problem, job.stage
         ticket = tickets[which % len(tickets)] if tickets else None
-        if step == "ask":
-            ended = waiting
-            job.ask()
-            waiting = tickets[-1]
-            assert ended is None or cancelled[-1] == ended.request_id
-            assert job.running and job.result is None and job.problem is None
-        elif step == "end":
-            job.end(REASON)
+        if step in ("ask", "end"):
+            job.ask() if step == "ask" else job.end(REASON)
             assert waiting is None or cancelled[-1] == waiting.request_id
-            assert (job.state, job.problem, job.result) == (JobState.READY, REASON, None)
-            waiting = None
+            assert (job.result, job.problem) == (None, None if step == "ask" else REASON)
+            waiting = tickets[-1] if step == "ask" else None
         elif ticket is None:
             continue
-        elif ticket is not waiting:
-            {"progress": ticket.progress, "done": ticket.done, "fail": ticket.fail}[step](REASON)
-            assert (job.revision, job.state, job.result, job.problem, job.stage) == before
-        elif step == "progress":
-            ticket.progress(REASON)
-            assert job.running and job.stage == REASON
-        elif step == "done":
-            ticket.done(number)
-            assert (job.state, job.result, results[-1]) == (JobState.DONE, number, number)
-            waiting = None
         else:
-            ticket.fail(REASON)
-            assert (job.state, job.problem) == (JobState.FAILED, REASON)
-            waiting = None
-        assert job.running == (waiting is not None)
-        assert job.revision >= before[0]
+            {"progress": ticket.progress, "done": ticket.done, "fail": ticket.fail}[step](REASON)
+            if ticket is not waiting:
+                assert (job.revision, job.state, job.result, job.problem, job.stage) == before
+            elif step == "progress":
+                assert job.running and job.stage == REASON
+            else:
+                ended = {"done": (JobState.DONE, REASON, None)}
+                ended["fail"] = (JobState.FAILED, None, REASON)
+                assert (job.state, job.result, job.problem) == ended[step]
+                assert step == "fail" or results[-1] == REASON
+                waiting = None
+        assert job.running == (waiting is not None) and job.revision >= before[0]
     assert len(set(cancelled)) == len(cancelled)
     assert len({one.request_id for one in tickets}) == len(tickets)
 

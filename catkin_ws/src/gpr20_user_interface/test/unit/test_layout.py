@@ -109,12 +109,11 @@ def own_widgets():
         for one in pkgutil.walk_packages(package.__path__, f"{package.__name__}.")
         if any(part in one.name for part in (".pages.", ".widgets.", ".window."))
     ]
-    values = [(module, one) for module in modules for one in vars(module).values()]
-    classes = [(module, one) for module, one in values if isinstance(one, type)]
+    classes = [(one, module) for module in modules for one in vars(module).values()]
     return {
         one
-        for module, one in classes
-        if issubclass(one, QWidget) and one.__module__ == module.__name__
+        for one, module in classes
+        if isinstance(one, type) and issubclass(one, QWidget) and one.__module__ == module.__name__
     }
 
 
@@ -169,11 +168,12 @@ def test_the_button_to_hold_is_not_where_it_was_asked_for(spoken):
     window = spoken
     show(window, snapshot(SurveyState.IDLE))
     window.start_sheet.ask_resume_with(IDENTITY)
-    for sheet in (window.profiles.confirm, window.profiles, window.question):
+    profiles = window.profiles
+    for sheet in (profiles.confirm, profiles, window.question):
         sheet.open()
     settle()
     for hold, asked in (
-        (window.profiles.confirm.hold, window.profiles.delete),
+        (profiles.confirm.hold, profiles.delete),
         (window.start_sheet.hold, window.question.accept_button),
     ):
         assert not place_of(window, hold).intersects(place_of(window, asked))

@@ -99,17 +99,15 @@ def test_the_image_has_the_target_where_it_is(image):
 
 
 def test_the_caption_says_where_the_permittivity_is_from_and_its_range():
-    for options, permittivity, source, words in (
-        (ImageOptions(), 5.0, "assumed", "(2 to 16), ASSUMED"),
-        (ImageOptions(soil=Soils.CLAY), Soils.CLAY.value.permittivity, None, "(5 to 40), TYPICAL"),
+    for options, permittivity, words in (
+        (ImageOptions(), 5.0, "(2 to 16), ASSUMED"),
+        (ImageOptions(soil=Soils.CLAY), Soils.CLAY.value.permittivity, "(5 to 40), TYPICAL"),
     ):
         session = ViewSession(small(), options)
         first = session.compute(session.first_request, at_once)
-        assert first.permittivity == permittivity and source in (None, first.source)
-        assert words in str(first.caption)
-        chosen = session.compute(ImageRequest(8.0, False, 0.3), at_once)
-        assert (chosen.source, chosen.permittivity) == ("slider", 8.0)
-        assert "(7.2 to 8.8), set with the slider" in str(chosen.caption)
+        assert first.permittivity == permittivity and words in str(first.caption)
+    chosen = session.compute(ImageRequest(8.0, False, 0.3), at_once)
+    assert "(7.2 to 8.8), set with the slider" in str(chosen.caption)
 
 
 def test_a_line_with_uneven_spacing_is_imaged_by_back_projection():
@@ -117,7 +115,6 @@ def test_a_line_with_uneven_spacing_is_imaged_by_back_projection():
     uneven_mm = PLACES_MM + 6.0 * np.sin(PLACES_MM)
     session = ViewSession(small(x_mm=uneven_mm, y_mm=np.array([240.0])), FIXED)
     assert session.options.method is Method.BACK_PROJECTION
-    assert "back-projection" in " ".join(map(str, session.notes))
 
 
 def test_the_separation_that_a_survey_records_is_used_unless_another_is_given():
@@ -145,14 +142,12 @@ def test_missing_samples_are_refused_unless_left_out_and_marked():
     survey.quality[0, 4, 4] = int(Quality.MISSING)
     with raises_fault(faults.SAMPLES_MISSING):
         ViewSession(survey, FIXED)
-    session = ViewSession(survey, ImageOptions(permittivity=4.0, leave_out_missing=True))
+    session = ViewSession(survey, replace(FIXED, leave_out_missing=True))
     assert session.without_data(0).tolist() == [[PLACES_MM[4] / 1e3, PLACES_MM[4] / 1e3]]
     image = session.compute(session.first_request, at_once)
     assert "left out" in " ".join(map(str, image.remarks))
-    line = session.line(0, "x", PLACES_MM[4] / 1e3)
-    picture = traces_picture(session, line, 0, True, 5e-9, 0.0)
-    assert np.isnan(picture.levels_db[:, 4]).all()
-    assert np.isfinite(np.delete(picture.levels_db, 4, axis=1)).all()
+    picture = traces_picture(session, session.line(0, "x", PLACES_MM[4] / 1e3), 0, True, 5e-9, 0.0)
+    assert np.flatnonzero(np.isnan(picture.levels_db).any(axis=0)).tolist() == [4]
 
 
 def test_a_picture_of_uneven_places_shows_the_nearest_one():

