@@ -187,8 +187,11 @@ def test_what_several_fields_make_wrong_together_is_named_on_them():
     assert all("at most 1000000 traces" in str(one) for one in found.values())
     result = check(start_frequency_hz="600", stop_frequency_hz="600.0004")
     assert list(result.problems) == ["frequency_points"]
-    # The limits are those of the axes that are given.
+
+
+def test_limits_are_those_of_the_axes_that_are_given():
     assert check(DOCUMENTED_TRAVEL, x_stop_mm="700").parameters is not None
+    assert check(ROBOT, x_stop_mm="700").parameters is None
 
 
 def test_a_decimal_comma_is_read_as_a_point():
