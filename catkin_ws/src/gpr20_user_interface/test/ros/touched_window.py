@@ -14,14 +14,22 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, Callable, Dict, Iterator, Tuple
 
-from waiting import LIMIT_S, wait_until
-
 SIZE = "800x480"
 # As long as the window takes no touch after something has opened or closed, and a little more.
 QUIET_S = 0.5
 # How long a finger touches.
 TAP_S = 0.06
 HOLD_S = 1.3
+LIMIT_S = 60.0
+
+
+def wait_until(condition: Callable[[], bool], what: str) -> None:
+    """Return when the condition holds; fail with `what` if it does not within the limit."""
+    deadline_s = time.monotonic() + LIMIT_S
+    while not condition():
+        if time.monotonic() > deadline_s:
+            raise AssertionError(f"not within {LIMIT_S:g} s: {what}")
+        time.sleep(0.02)
 
 
 def program_path(name: str) -> str:
@@ -83,14 +91,9 @@ class TouchedWindow:
         screen: Where it is shown.
         arguments: Options of the window's program.
         environment: Variables of the window alone.
-
-    Attributes:
-        touches: How many times the finger touched.
-        process: Of the window.
     """
 
     def __init__(self, screen: Screen, *arguments: str, **environment: str) -> None:
-        self.touches = 0
         self._screen = screen
         program = Path(__file__).with_name("window_process.py")
         self.process = subprocess.Popen(
@@ -134,9 +137,6 @@ class TouchedWindow:
     def tap(self, name: str, for_s: float = TAP_S) -> None:
         """Touch a part of the window when it takes touches."""
         wait_until(lambda: self.takes_touches(name), f"{name} takes touches")
-        self._touch(name, for_s)
-
-    def _touch(self, name: str, for_s: float = TAP_S) -> None:
         time.sleep(QUIET_S)
         found = self.find(name)
         middle = found["x"] + found["width"] // 2, found["y"] + found["height"] // 2
@@ -149,7 +149,7 @@ class TouchedWindow:
             if self.find(wanted)["visible"]:
                 return True
             if self.takes_touches(name):
-                self._touch(name)
+                self.tap(name)
             return False
 
         wait_until(is_open, f"{name} opens {wanted}")
@@ -160,7 +160,6 @@ class TouchedWindow:
 
     def tap_at(self, x: int, y: int, for_s: float = TAP_S) -> None:
         """Touch a place on the screen, whatever is there."""
-        self.touches += 1
         self._screen.finger(
             *("mousemove", str(x), str(y), "mousedown", "1"),
             *("sleep", f"{for_s:g}", "mouseup", "1"),
@@ -168,7 +167,6 @@ class TouchedWindow:
 
     def drag(self, start: Tuple[int, int], end: Tuple[int, int]) -> None:
         """Wipe over the screen."""
-        self.touches += 1
         places = [[str(side) for side in place] for place in (start, end)]
         self._screen.finger(
             *("mousemove", *places[0], "mousedown", "1"),
