@@ -84,17 +84,8 @@ def web(clock):
     return allowance
 
 
-def test_nothing_is_allowed_before_a_hold_and_the_plan_is_known(window):
-    assert not window.arming.armed
-    assert window.sent == [RemoteArmed(False, 0.0, PLAN)]
-    allowance = RemoteAllowance(window.clock)
-    allowance.note(WELL)
-    assert not allowance.armed and allowance.obstacle is not None
-    allowance.on_event(window.sent[0])
-    assert not allowance.armed and allowance.plan == PLAN
-
-
 def test_a_hold_allows_it_for_ten_minutes_and_says_so_every_second(window):
+    assert not window.arming.armed and window.sent == [RemoteArmed(False, 0.0, PLAN)]
     window.arming.arm(WELL)
     assert window.sent[-1] == RemoteArmed(True, REMOTE_LIMIT_S, PLAN)
     window.sent.clear()
@@ -154,7 +145,16 @@ def test_the_page_believes_only_what_is_fresh(web, clock):
     web.on_event(RemoteArmed(True, 500.0, PLAN))
     assert web.armed
     web.on_event(RemoteArmed(False, 0.0, PLAN))
+    assert not web.armed and web.plan == PLAN
+    # A fault ends it until the next hold.
+    web.on_event(RemoteArmed(True, REMOTE_LIMIT_S, PLAN))
+    web.note(FAULT)
+    web.on_event(RemoteArmed(True, 500.0, PLAN))
+    web.note(WELL)
     assert not web.armed
+    web.on_event(RemoteArmed(False))
+    web.on_event(RemoteArmed(True, REMOTE_LIMIT_S, PLAN))
+    assert web.armed
 
 
 MESSAGES = st.builds(RemoteArmed, st.just(True), st.floats(), st.none() | st.just(PLAN))
@@ -231,15 +231,6 @@ def test_the_sheet_asks_only_where_there_is_a_page():
     assert busy.hold is None and busy.doubt == Message("In progress")
 
 
-def test_the_window_knows_the_page_until_its_node_is_gone(window):
-    window.arming.take(WEB)
-    assert window.arming.web == WEB
-    window.arming.take(object())
-    assert window.arming.web == WEB
-    window.arming.take(WebPageGone())
-    assert window.arming.web is None
-
-
 @pytest.fixture
 def topics(monkeypatch):
     """The module of the topics, with the time of ROS."""
@@ -251,12 +242,11 @@ def topics(monkeypatch):
     return remote_control
 
 
-@pytest.mark.parametrize("armed", [False, True])
-def test_the_message_of_the_window_arrives_as_it_was_sent(topics, armed):
+def test_the_message_of_the_window_arrives_as_it_was_sent(topics):
     from gpr20_common.high.raw_message import deserialized, serialized
 
-    @given(annotations)
-    def check(annotation):
+    @given(annotations, st.booleans())
+    def check(annotation, armed):
         annotation = replace(annotation, heading_deg=None)
         plan = RemotePlan(default_parameters(), annotation, "an id", 4.5)
         for event in (RemoteArmed(armed, 12.25, plan), RemoteArmed(armed, 0.0, None)):
@@ -285,16 +275,6 @@ def test_the_page_takes_no_message_of_another_node(topics, monkeypatch):
     assert events[-1] == RemoteArmed(True, 600.0, None)
 
 
-def test_the_window_offers_nothing_while_it_shows_a_replay(topics, monkeypatch):
-    made = []
-    monkeypatch.setattr(topics.rospy, "Publisher", lambda *_, **__: made.append("publisher"))
-    client = topics.WebPageClient(made.append, Senders("/replay/", replay=True))
-    client.listen()
-    client.send(RemoteArmed(True, 600.0, PLAN))
-    client.close()
-    assert made == []
-
-
 def test_the_window_notices_that_the_node_of_the_page_is_gone(topics, monkeypatch):
     events, links = [], []
     topic = SimpleNamespace(count=0, unregister=list)
@@ -304,20 +284,11 @@ def test_the_window_notices_that_the_node_of_the_page_is_gone(topics, monkeypatc
     monkeypatch.setattr(
         topics, "Periodic", lambda _s, look: links.append(look) or SimpleNamespace(stop=list)
     )
+    topics.WebPageClient(events.append, Senders("/replay/", replay=True)).listen()
+    assert links == [], "it offers nothing while it shows a replay"
     client = topics.WebPageClient(events.append, Senders("/"))
     client.listen()
     for topic.count in (0, 1, 1, 0, 0, 1):
         links[0]()
     assert events == [WebPageGone()]
     client.close()
-
-
-@pytest.mark.parametrize("fault", [FAULT, OTHER_FAULT])
-def test_a_fault_ends_it_for_the_page_until_the_next_hold(web, fault):
-    web.note(fault)
-    web.on_event(RemoteArmed(True, 500.0, PLAN))
-    web.note(WELL)
-    assert not web.armed
-    web.on_event(RemoteArmed(False))
-    web.on_event(RemoteArmed(True, REMOTE_LIMIT_S, PLAN))
-    assert web.armed

@@ -129,17 +129,11 @@ def test_any_touch_ends_it_also_one_that_does_nothing_else(field):
         field.finger.wait(AFTER_S)
         window.alerts._on_stop_warning_closed()
     assert wishes(window) == ["stop"]
-
-
-def test_a_key_ends_it(field):
     field.allow()
-    QTest.keyClick(field.window, Qt.Key_Space)
+    QTest.keyClick(window, Qt.Key_Space)
     assert not field.arming.armed
-
-
-def test_the_end_of_the_window_ends_it(field):
     field.allow()
-    field.window.end()
+    window.end()
     assert not field.sent[-1].armed
 
 

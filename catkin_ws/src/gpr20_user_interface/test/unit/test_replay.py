@@ -1,6 +1,7 @@
 """A replay never looks like a robot, and never hides one."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import pytest
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
@@ -36,11 +37,11 @@ class Graph:
     """In place of the ROS graph: delivers the messages that the test sends."""
 
     def __init__(self):
-        self.subscribers = []
-        self.periodic = []
+        self.subscribers, self.connected = [], 0
 
     def subscriber(self, name, _message_class, received, queue_size=None):
-        self.subscribers.append(Subscriber(name, received))
+        connections = {"get_num_connections": lambda: self.connected, "unregister": list}
+        self.subscribers.append(SimpleNamespace(name=name, received=received, **connections))
         return self.subscribers[-1]
 
     def send(self, sender, topic, message):
@@ -50,35 +51,15 @@ class Graph:
                 one.received(message)
 
 
-class Subscriber:
-    """In place of a subscription."""
-
-    def __init__(self, name, received):
-        self.name, self.received, self.connected = name, received, 0
-
-    def get_num_connections(self):
-        return self.connected
-
-    def unregister(self):
-        pass
-
-
-class Repeated:
-    """In place of a thread that does something again and again: when the test says so."""
-
-    def __init__(self, _period_s, act):
-        self.act = act
-
-    def stop(self):
-        pass
-
-
 @pytest.fixture
 def patched(monkeypatch):
     """Replace what needs a graph; return the clock of the clients."""
     clock = FakeClock()
     monkeypatch.setattr(control_client, "Clock", lambda: clock)
-    monkeypatch.setattr(control_client, "Periodic", Repeated)
+    # A thread that does something again and again: when the test says so.
+    monkeypatch.setattr(
+        control_client, "Periodic", lambda _s, act: SimpleNamespace(act=act, stop=list)
+    )
     return monkeypatch, clock
 
 
@@ -208,10 +189,7 @@ def test_health_of_a_recording_is_that_of_its_robot_with_any_player(patched):
         _, graph, events = listening(patched, replay=True, namespace=namespace)
         graph.send("/play_1", "/replay/diagnostics", report(recorded))
         graph.send("/play_1", "/replay/diagnostics", report("robot2/x_axis/axis_driver"))
-        model = ReplayModel()
-        for event in events:
-            model.handle(event)
-        found = [one.name for one in model.snapshot().health.nodes]
+        found = [one.name for one in played(*events).snapshot().health.nodes]
         assert found == ["main_control"], (namespace, recorded)
 
 
@@ -219,11 +197,9 @@ def test_a_replay_has_ended_when_its_player_is_no_longer_connected(patched):
     client, graph, events = listening(patched, replay=True)
     client._player.act()
     assert events == []
-    status = next(one for one in graph.subscribers if one.name == "control_status")
-    for connected in (1, 1, 0, 1):
-        status.connected = connected
+    for graph.connected in (1, 1, 0, 1):
         client._player.act()
-        assert events[-1] == PlayerLink(bool(connected))
+        assert events[-1] == PlayerLink(bool(graph.connected))
 
 
 def state(code, survey_id="id"):
@@ -243,8 +219,7 @@ def assert_harmless(snapshot):
 
 
 def test_a_window_of_a_replay_is_one_before_anything_is_played():
-    model = ReplayModel()
-    model.handle(NodeHealth("main_control", HealthLevel.ERROR, verbatim("it burns"), {}))
+    model = played(NodeHealth("main_control", HealthLevel.ERROR, verbatim("it burns"), {}))
     model.request_sent(Request.STOP)
     snapshot = model.snapshot()
     assert_harmless(snapshot)
@@ -254,13 +229,18 @@ def test_a_window_of_a_replay_is_one_before_anything_is_played():
     assert model.snapshot().simulated
 
 
+def played(*events):
+    model = ReplayModel()
+    for event in events:
+        model.handle(event)
+    return model
+
+
 def test_every_state_of_a_recording_is_harmless_and_named_a_replay():
     for code in SurveyState:
-        model = ReplayModel()
-        for event in (MARK, state(code), progress()):
-            model.handle(event)
-            assert_harmless(model.snapshot())
+        model = played(MARK, state(code), progress())
         assert str(model.snapshot().state.title) == f"REPLAY: {code.label}"
+        assert_harmless(model.snapshot())
         # The player of `rosbag play` takes no requests.
         assert not model.snapshot().replay.can_pause
         model.handle(replace(MARK, phase=ReplayPhase.PAUSED, rate=2.0))
@@ -277,9 +257,7 @@ def test_the_end_of_a_replay_names_the_end_of_the_survey():
         *((SurveyState.FINISHED, end, "FINISHED") for end in ends),
         *((SurveyState.SURVEYING, end, cut_off) for end in ends),
     ):
-        model = ReplayModel()
-        for event in (MARK, state(code), *([end] if end else [])):
-            model.handle(event)
+        model = played(MARK, state(code), *([end] if end else []))
         view = model.snapshot().replay
         assert_harmless(model.snapshot())
         assert str(view.title) == ("REPLAY ENDED" if end else "REPLAY")
@@ -287,27 +265,19 @@ def test_the_end_of_a_replay_names_the_end_of_the_survey():
         assert not (end and view.can_pause)
 
 
-def test_another_survey_shows_nothing_of_the_one_before():
-    model = ReplayModel()
-    for event in (MARK, state(SurveyState.FINISHED), PlayerLink(False), progress("other")):
-        model.handle(event)
-    snapshot = model.snapshot()
-    assert (snapshot.state, snapshot.replay.mark) == (None, ReplayMark())
-    assert not snapshot.replay.ended
-
-
 def test_a_message_in_flight_when_its_player_ended_does_not_begin_the_replay_again():
-    model = ReplayModel()
-    for event in (MARK, state(SurveyState.FINISHED), PlayerLink(False), MARK, progress()):
-        model.handle(event)
+    model = played(MARK, state(SurveyState.FINISHED), PlayerLink(False), MARK, progress())
     view = model.snapshot().replay
     assert (view.ended, view.state, view.mark) == (True, SurveyState.FINISHED, MARK)
     model.handle(PlayerLink(True))
     assert not model.snapshot().replay.ended
+    # Another survey shows nothing of the one before.
+    model.handle(progress("other"))
+    assert (model.snapshot().state, model.snapshot().replay.mark) == (None, ReplayMark())
 
 
 def followed(*events):
-    """Return the follower of a replay after some events; it never asks for anything."""
+    """Return the follower of a replay, which never asks for anything."""
     follower = ReplayFollower()
     for event in events:
         assert follower.handle(event) == follower.tick() == []
