@@ -21,6 +21,7 @@ from gpr20_operator.ground.trace_events import SurveyRead, SurveysListed
 from gpr20_operator.plan.fields import default_parameters
 from gpr20_operator.robot.events import Answer, Progress, Request
 from gpr20_operator.robot.notices import Refused, refusal_notice
+from gpr20_operator.robot.remote_control import Arming, WebStatusReported
 from gpr20_operator.robot.survey_model import Refusal
 from gpr20_survey.plan.annotation import Annotation
 from gpr20_survey.plan.survey_state import SurveyState
@@ -28,7 +29,7 @@ from gpr20_user_interface.look.translation import Languages, shown_text
 from gpr20_user_interface.widgets.overlay import Overlay
 from gpr20_user_interface.window.rail import TabName
 
-TOUCHES = int(os.environ.get("GPR20_TOUCHES", draws(1000)))
+TOUCHES = int(os.environ.get("GPR20_TOUCHES", draws(300)))
 SEED = int(os.environ.get("GPR20_TOUCH_SEED", "0"))
 PERIOD_S = 0.05
 KEPT = {f"field {number}.yaml" for number in range(3)}
@@ -51,8 +52,13 @@ class Field:
 
     def __init__(self, application, folder, seed):
         self.random = random.Random(seed)
+        clock = FakeClock()
+        self.arming = Arming(clock)
         self.window = new_window(
-            Languages(application, Language.ENGLISH), profiles=folder, clock=FakeClock()
+            Languages(application, Language.ENGLISH),
+            profiles=folder,
+            clock=clock,
+            arming=self.arming,
         )
         self.opened, self.held, self.answered, self.acts = set(), set(), 0, []
         for name in sorted(KEPT):
@@ -61,6 +67,7 @@ class Field:
         self.window.profiles.hide()
         self.window.show()
         self.window.on_event(SurveysListed("", (past_survey(),), False))
+        self.window.on_event(WebStatusReported("192.168.1.10", 8443, "AB12 CD34", 3, "Ana"))
         self.overlays = self.window.findChildren(Overlay)
         self.buttons = self.window.findChildren(QAbstractButton)
         self.finger = Finger(self.window, self.window.clock)
@@ -86,17 +93,12 @@ class Field:
     def unlock(self):
         self.window.touch_binding.set_locked(False)
 
-    def mean_to_start(self):
-        if self.window.survey.snapshot.can_start:
-            self.open_start()
-
     def show_profiles(self):
-        if not self.window.survey.snapshot.fields_locked:
-            self.clear()
-            self.window.profiles.show_profiles(default_parameters())
-            self.window.profiles.names.setCurrentRow(self.random.randrange(3))
-            self.finger.wait(AFTER_S)
-            self.finger.tap(self.window.profiles.delete)
+        self.clear()
+        self.say(SurveyState.IDLE)
+        self.window.profiles.show_profiles(default_parameters())
+        self.window.profiles.names.setCurrentRow(self.random.randrange(3))
+        self.tap(self.window.profiles.delete)
 
     def deeds(self):
         """Return what may happen beside a new state."""
@@ -108,10 +110,12 @@ class Field:
             lambda: window.show_tab(self.random.choice(list(TabName))),
             lambda: window.past.choose(window.traces.past.surveys[0]),
             self.mean_to_start,
+            self.mean_to_resume,
             self.show_profiles,
             lambda: window.notice.show_notice(notice),
             lambda: window.alerts.take_refusal(refusal),
             lambda: window.on_event(read),
+            lambda: (self.clear(), window.remote.open()),
             lambda: window.annotation.show_annotation(FOLDER, Annotation("Ana", name="field 3")),
             window.draw,
         )
@@ -122,16 +126,25 @@ class Field:
             overlay.hide()
         self.unlock()
 
-    def open_start(self):
-        """Let somebody mean it: random touches seldom find a plan that can be started."""
+    def mean_to_start(self):
+        """Random touches seldom find a plan that can be started."""
         window = self.window
         self.clear()
+        self.say(SurveyState.IDLE)
         window.control.show_parameters(default_parameters())
         window.show_tab(TabName.SURVEY)
         window.survey_tab.show_plan(window.survey.snapshot)
+        self.tap(window.control.start)
+
+    def mean_to_resume(self):
+        self.clear()
+        self.say(SurveyState.PAUSED)
+        self.tap(self.window.top_bar.pause)
+
+    def tap(self, button):
         QApplication.processEvents()
         self.finger.wait(AFTER_S)
-        self.finger.tap(window.control.start)
+        self.finger.tap(button)
 
     def touch(self):
         """Touch somewhere for a moment, or wipe over the screen."""
@@ -169,7 +182,6 @@ class Field:
         self.finger.press(stop)
         assert wishes(self.window).count("stop") == before + 1
         self.finger.release(stop)
-        assert wishes(self.window).count("stop") == before + 1
         self.answer_stop()
 
     def answer_stop(self):
@@ -199,7 +211,7 @@ class Field:
         self.answered = 0
 
     def check_wishes(self):
-        assert set(wishes(self.window)) <= HARMLESS
+        assert set(wishes(self.window)) <= HARMLESS and not self.arming.armed
         changed = {one[0] for one in self.window.traces.source.asked}
         changed |= {one[0] for one in self.window.node.asked}
         assert not changed & {"remove marker", "annotate"}
@@ -240,18 +252,19 @@ def test_random_touches_neither_start_nor_resume_nor_home_nor_delete(
             if number % 5 == 0:
                 field.happen()
                 field.check_shown()
+                field.opened |= {one for one in field.overlays if one.isVisible()}
             field.touch()
             field.check_wishes()
             if number % 20 == 0:
                 field.press_stop()
-            if window.start_sheet.isVisible() and field.random.random() < 0.5:
+            if window.start_sheet.isVisible() and field.random.random() < 0.8:
                 field.hold_to_start()
         except AssertionError as error:
             raise AssertionError(f"touch {number} of seed {SEED}") from error
-        field.opened |= {overlay for overlay in field.overlays if overlay.isVisible()}
         assert not raised, f"touch {number} of seed {SEED}"
     assert {one.name for one in tmp_path.iterdir()} >= KEPT
     # The touches were at the buttons that matter.
-    assert {window.start_sheet, window.profiles.confirm, window.question} <= field.opened
+    asking = {window.start_sheet, window.profiles.confirm, window.question, window.remote}
+    assert asking <= field.opened
     assert {one.split()[0] for one in field.held} == {"start", "resume"}
     close(window)

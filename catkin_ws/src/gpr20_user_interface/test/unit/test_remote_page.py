@@ -1,13 +1,10 @@
 """Remote control on the touchscreen: a hold allows it, every page shows it, any touch ends it."""
 
-import random
-
 import pytest
 from fake_clock import FakeClock
 from finger import AFTER_S, Finger, place_of
 from PyQt5.QtCore import QPoint, Qt
 from PyQt5.QtTest import QTest
-from run_seed import draws
 from view_kit import snapshot
 from window_helpers import close, new_window, show, start, wishes
 
@@ -27,7 +24,6 @@ from gpr20_user_interface.window.rail import TabName
 
 WEB = WebStatusReported("192.168.1.10", 8443, "AB12 CD34", 3, "Ana")
 ANNOTATION = Annotation("Ana", "El Carmen", "wet", name="El Carmen 2")
-TOUCHES = draws(75)
 
 
 class Field:
@@ -166,31 +162,3 @@ def test_a_survey_that_the_page_has_started_uses_up_its_name_and_notes(field):
     assert field.arming.armed
     annotation = field.sent[-1].plan.annotation
     assert (annotation.name, annotation.notes) == ("El Carmen 3", "")
-
-
-def test_random_touches_end_it_and_never_allow_it(field):
-    draw, window, allowed = random.Random(32), field.window, 0
-    stop = place_of(window, window.top_bar.stop)
-    buttons = [window.settings.remote_button, window.rail.settings, window.rail.lock]
-    for number in range(TOUCHES):
-        if number % 5 == 0:
-            window.touch_binding.set_locked(False)
-            field.finger.wait(AFTER_S)
-            field.allow()
-            allowed += 1
-        window.refresh()
-        place = QPoint(draw.randrange(window.width()), draw.randrange(window.height()))
-        seen = [one for one in (*buttons, field.sheet.hold) if one.isVisible()]
-        if seen and draw.random() < 0.5:
-            place = place_of(window, draw.choice(seen)).center()
-        if stop.contains(place):
-            continue
-        field.finger.press(place)
-        assert not field.arming.armed and not field.sent[-1].armed, number
-        if draw.random() < 0.3:
-            field.finger.move(QPoint(draw.randrange(800), draw.randrange(480)))
-        field.finger.wait(draw.choice((0.05, 0.5, 0.9)))
-        field.finger.release(place)
-        window.refresh()
-        assert not field.arming.armed and not field.mark.isVisible(), number
-    assert allowed == TOUCHES // 5

@@ -1,13 +1,10 @@
 """The result in the window: it is there when a survey has ended; what each touch does."""
 
 import dataclasses
-import random
 
 import pytest
 from hiding_kit import a_map
-from PyQt5.QtWidgets import QAbstractButton
 from result_kit import BLUE, RED, noted, plug_in, search, stored
-from run_seed import draws
 from view_kit import PAST, SURVEY, make_grid, past_survey, snapshot, state_of
 from window_helpers import click, hold, show
 
@@ -261,30 +258,6 @@ def test_closing_the_window_ends_what_it_waits_for(window, ended, node):
     show(window, ENDED)
     window.end()
     assert node.cancelled == [node.ticket("focus").request_id]
-
-
-def test_random_touches_store_nothing(window, done, node):
-    draw, touches = random.Random(30), 0
-    plan = done.result.permittivity
-    for _ in range(draws(375)):
-        show(window, ENDED)
-        if node.asked and node.asked[-1][0] in ("hide", "sticks", "export"):
-            done.result.hiding.end()
-            done.result.export.cancel()
-        sheets = [
-            one
-            for one in (done.place_sheet.pad, done.soil_sheet.pad, *done.sheets)
-            if one.isVisible()
-        ]
-        seen = [
-            one for one in (sheets or [done])[0].findChildren(QAbstractButton) if one.isVisible()
-        ]
-        button = draw.choice([one for one in seen if one is not done.plan])
-        touches += button.isEnabled()
-        click(button)
-    assert touches > draws(375) // 2
-    assert node.of("note") == [] and done.result.permittivity == plan
-    assert len(node.of("focus")) == 1
 
 
 def test_a_place_says_why_and_opens_its_finer_plan_and_ground(window, done):

@@ -77,8 +77,8 @@ def test_motion_is_seen_on_every_tab_and_over_every_dialog_even_on_a_dimmed_scre
     for tab, overlay in places_in(field):
         show(field, snapshot(SurveyState.FINISHED, axes=X_MOVES))
         band = field.top_bar.band
-        assert field.top_bar.band.title.whole == "ROBOT MOVES", (tab, overlay)
-        assert field.top_bar.band.level is JobLevel.ATTENTION
+        assert band.title.whole == "ROBOT MOVES", (tab, overlay)
+        assert band.level is JobLevel.ATTENTION
         assert not field.settings.cover.isVisible()
         assert is_free(field, band), (tab, overlay)
 
@@ -101,8 +101,11 @@ def test_stop_acts_on_every_tab_over_every_dialog_and_in_every_state(field):
             field.touch_binding.set_locked(locked)
             case = tab, overlay, code, known, locked
             assert stop.isEnabled() and is_free(field, stop), case
-            finger.tap(stop)
+            # On the press, whatever has just opened.
+            finger.press(stop)
             pressed += 1
+            assert wishes(field).count("stop") == pressed, case
+            finger.release(stop)
             assert wishes(field).count("stop") == pressed, case
         field.touch_binding.set_locked(False)
 

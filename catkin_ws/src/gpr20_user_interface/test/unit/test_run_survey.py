@@ -19,7 +19,7 @@ from gpr20_operator import faults
 from gpr20_operator.errors import MasterUnavailableError
 from gpr20_operator.high import conversions, ros_events
 from gpr20_survey.plan.annotation import Annotation, Wgs84Position, from_fields
-from gpr20_survey.plan.survey_state import RUNNING, SurveyState
+from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_user_interface.high import run_survey
 from gpr20_user_interface.terminal.follower import ExitStatus
 
@@ -280,35 +280,24 @@ def test_another_vna_is_asked_for_on_a_terminal(paused, run, control, monkeypatc
     assert len(control.asked("resume_survey")) == 1 + accepts
 
 
-def when_it_is_followed(control, act):
-    """Act, from another thread, when the client knows whether it follows a robot."""
-
-    def wait():
-        for _client in range(2):
-            assert control.followed.acquire(timeout=30.0)
-        act()
-
-    threading.Thread(target=wait).start()
-
-
-def test_a_survey_is_attached_to_only_while_one_runs_and_nothing_is_asked(run, control):
-    for code in (SurveyState.IDLE, SurveyState.SURVEYING, SurveyState.PAUSED, SurveyState.STOPPED):
-        control.code, control.survey_id, control.visited = code, "an id", 0
-        control.followed = threading.Semaphore(0)
-        if code in RUNNING:
-            when_it_is_followed(control, lambda: control.say(SurveyState.FINISHED))
-        status, written = run("--attach", "--on-pause", "wait")
-        assert status == (0 if code in RUNNING else 1), (code, written)
-        assert code in RUNNING or code.name in written
-    assert not control.requests
-
-
-def test_a_replay_is_followed_only_where_no_robot_speaks(run, control, monkeypatch):
+def test_a_replay_is_attached_to_only_where_no_robot_speaks(run, control, monkeypatch):
     monkeypatch.setattr(run_survey, "ROBOT_LIMIT_S", 0.2)
     control._sender, control.survey_id, control.code = "/play_1", "an id", SurveyState.SURVEYING
-    when_it_is_followed(control, lambda: os.kill(os.getpid(), signal.SIGTERM))
+
+    def stop():
+        # When the client knows whether it follows a robot.
+        for _client in range(2):
+            assert control.followed.acquire(timeout=30.0)
+        os.kill(os.getpid(), signal.SIGTERM)
+
+    threading.Thread(target=stop).start()
     assert run("--attach")[0] == ExitStatus.STOPPED
     assert not control.requests
+
+
+def test_attaching_asks_for_nothing_where_no_survey_runs(run, control):
+    status, written = run("--attach")
+    assert status == 1 and "IDLE" in written and not control.requests
 
 
 def test_no_master_is_told_with_what_to_start(run, monkeypatch):
