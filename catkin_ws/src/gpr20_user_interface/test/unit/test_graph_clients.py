@@ -6,7 +6,6 @@ from types import SimpleNamespace
 
 import pytest
 import rosgraph
-from case_kit import each_case
 from fake_clock import FakeClock
 
 from gpr20_common.high.service_client import ServiceClient, ServiceUnavailableError
@@ -193,25 +192,6 @@ def test_everything_is_registered_again_with_another_master_and_only_then(monkey
         counts.append(len(registered))
     assert counts == [0, 0, 3, 3, 6]
     assert set(registered) == {"/heard", "/said", "/asked"}
-
-
-@each_case("answer, states", [(None, [False]), ("gone", [False]), ("silent", [True])])
-def test_a_link_is_down_only_while_the_main_control_is_silent(answer, states):
-    from gpr20_common.errors import NodeGoneError, NodeSilentError
-
-    errors = {"gone": NodeGoneError, "silent": NodeSilentError}
-    heard = []
-    watch = master.LinkWatch.__new__(master.LinkWatch)
-    watch._listener, watch._down, watch._gone = heard.append, not states[0], False
-
-    def process():
-        if answer is not None:
-            raise errors[answer](Message("no answer"))
-
-    watch._probe = SimpleNamespace(process=process)
-    for _ in range(2):
-        watch._check()
-    assert [one.down for one in heard] == states
 
 
 def test_other_robots_are_listened_to_only_while_their_list_is_looked_at(monkeypatch):

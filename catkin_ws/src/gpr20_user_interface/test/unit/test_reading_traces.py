@@ -4,23 +4,17 @@ import dataclasses
 
 import numpy as np
 import pytest
-from asked_storage import Storage
-from hypothesis import given, settings
-from hypothesis import strategies as st
-from run_seed import draws
 from view_kit import (
     FOLDER,
     PAST,
     SURVEY,
-    depth_echo,
     description,
     make_grid,
-    past_survey,
     snapshot,
     state_of,
     trace_at,
 )
-from window_helpers import click, hold_to_start, show, wishes
+from window_helpers import show
 
 from gpr20_common.message import verbatim
 from gpr20_operator.ground.coverage import CoverageRuns, StopState
@@ -29,14 +23,12 @@ from gpr20_operator.ground.trace_events import (
     ReadingFailed,
     SurveyDescribed,
     SurveyRead,
-    SurveysListed,
     TracesRead,
 )
 from gpr20_operator.ground.traces import RETRY_REFRESHES, TracePresenter
 from gpr20_operator.robot.events import CurrentPosition, TargetPosition
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_survey.trace.trace_block import TraceBlock
-from gpr20_user_interface.window.rail import TabName
 
 OTHER = PAST
 GRID = make_grid()
@@ -119,26 +111,6 @@ def test_traces_on_their_way_on_the_topic_are_not_read(traces, storage):
     assert traces.shown.radar.count == 5
 
 
-@settings(max_examples=draws(10), deadline=None)
-@given(st.lists(st.tuples(st.integers(0, 4), st.booleans()), max_size=6))
-def test_traces_that_come_at_once_are_shown_as_if_they_came_one_by_one(drawn):
-    found = []
-    for at_once in (True, False):
-        traces = TracePresenter(Storage(), lambda _problem: None)
-        traces.on_event(SurveyDescribed(description()))
-        for number, (index, own) in enumerate(drawn):
-            s21 = depth_echo(0.1, level=1.0 + number)
-            grid = GRID if own else make_grid(survey_id=OTHER)
-            traces.on_event(trace_at(grid, index, s21))
-            if not at_once:
-                traces.refresh()
-        traces.refresh()
-        found.append(traces.live.radar)
-    assert np.array_equal(found[0].present, found[1].present)
-    assert np.allclose(found[0].echoes, found[1].echoes, rtol=0.0, atol=1e-4)
-    assert found[0].count == found[1].count
-
-
 def test_a_trace_that_the_topic_lost_is_read(traces, storage):
     traces.on_event(SurveyDescribed(description()))
     traces.on_event(trace_at(GRID, 0))
@@ -219,70 +191,18 @@ def test_what_cannot_be_shown_is_told_and_the_window_goes_on(storage):
         assert traces.shown.radar.count == 1
 
 
-def test_only_an_unfinished_survey_can_be_resumed_and_none_while_one_runs(window):
-    page = window.past
-    window.show_tab(TabName.SURVEYS)
-    surveys = (
-        past_survey(),
-        past_survey(outcome="finished", complete=True),
-        past_survey(started="", problem=verbatim("torn")),
-    )
-    window.on_event(SurveysListed("", surveys, False))
-    allowed = []
-    for one in surveys:
-        page.choose(one)
-        allowed.append((page.resume.isEnabled(), page.open.isEnabled()))
-    assert allowed == [(True, True), (False, True), (False, False)]
-    page.choose(surveys[0])
-    click(page.resume)
-    assert wishes(window) == []
-    hold_to_start(window)
-    assert wishes(window) == [f"resume {FOLDER}"]
-    show(window, snapshot(state=state_of(SurveyState.SURVEYING, survey_id=OTHER)))
-    assert not page.resume.isEnabled()
-
-
-def test_a_past_survey_is_opened_and_the_live_one_goes_on_behind_it(window, storage):
-    window.on_event(SurveyDescribed(description()))
-    window.show_tab(TabName.SURVEYS)
-    window.on_event(SurveysListed("", (past_survey(),), False))
-    window.past.choose(past_survey())
-    click(window.past.open)
+def test_a_past_survey_is_opened_and_the_live_one_goes_on_behind_it(traces, storage):
+    traces.on_event(SurveyDescribed(description()))
+    traces.open_survey(FOLDER)
     assert storage.asked[-1] == ("survey", FOLDER)
-    window.on_event(SurveyRead(FOLDER, description(survey_id=OTHER), (0, 1, 5)))
-    view = window.ground.view
-    assert view.isVisible()
-    window.draw()
-    window.draw()
+    traces.on_event(SurveyRead(FOLDER, description(survey_id=OTHER), (0, 1, 5)))
+    refresh(traces, 2)
     assert storage.asked[-1] == ("traces", OTHER, (0, 1, 5))
-    window.on_event(read(0, 0, 1, 5, grid=make_grid(survey_id=OTHER)))
-    window.on_event(trace_at(GRID, 0))
-    window.draw()
-    assert (window.traces.shown.radar.count, window.traces.live.radar.count) == (3, 1)
-    assert view.band.isVisible()
-    assert f"{past_survey().local_time()}, 7c9e6679" in view.band.whole
-    click(view.back)
-    assert window.traces.shown is window.traces.live
-    assert not view.band.isVisible()
-
-
-def test_the_counts_of_a_past_survey_are_never_those_of_the_one_that_runs(window):
-    def done():
-        counts = window.ground.model.survey.map.counts()
-        return None if counts is None else counts[StopState.DONE]
-
-    view = window.ground.view
-    window.traces.open_survey(FOLDER)
-    window.on_event(SurveyRead(FOLDER, description(survey_id=OTHER), tuple(range(40))))
-    window.show_tab(TabName.GROUND)
-    assert done() == 20 and view.band.isVisible()
-    show(window, snapshot(state=state_of(SurveyState.CHECKING, survey_id=SURVEY)))
-    assert done() is None and not view.band.isVisible()
-    window.on_event(SurveyDescribed(description()))
-    window.on_event(stored(2))
-    window.draw()
-    assert done() == 1
-    assert view.isVisible()
+    traces.on_event(read(0, 0, 1, 5, grid=make_grid(survey_id=OTHER)))
+    traces.on_event(trace_at(GRID, 0))
+    refresh(traces)
+    assert (traces.shown.radar.count, traces.live.radar.count) == (3, 1)
+    assert traces.shown is not traces.live
 
 
 def test_the_target_is_the_current_stop(window):

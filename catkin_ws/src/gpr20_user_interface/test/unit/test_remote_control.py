@@ -12,7 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from view_kit import snapshot, state_of
 
-from gpr20_common.message import Message, verbatim
+from gpr20_common.message import verbatim
 from gpr20_doctor.mid.robot_facts import AxisPosition
 from gpr20_operator.plan.fields import default_parameters
 from gpr20_operator.plan.hold_question import remote_question
@@ -216,19 +216,6 @@ def test_the_page_never_allows_what_the_window_does_not(actions):
         if page.armed:
             assert lost or window.arming.armed
             assert window.clock.now_s() - held_s <= REMOTE_LIMIT_S + SILENCE_S
-
-
-def test_the_sheet_asks_only_where_there_is_a_page():
-    question = remote_question(WEB, None)
-    assert question.hold is not None and question.doubt is None
-    values = [str(value) for _name, value in question.rows]
-    assert values == ["https://192.168.1.10:8443", "AB12 CD34", "3 browsers", "Ana"]
-    nobody = remote_question(replace(WEB, address="fe80::1", controller=""), None)
-    assert [str(value) for _name, value in nobody.rows][::3] == ["https://[fe80::1]:8443", "—"]
-    without = remote_question(None, None)
-    assert without.hold is None and without.doubt is not None and without.rows == ()
-    busy = remote_question(WEB, Message("In progress"))
-    assert busy.hold is None and busy.doubt == Message("In progress")
 
 
 @pytest.fixture

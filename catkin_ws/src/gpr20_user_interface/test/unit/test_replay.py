@@ -294,11 +294,3 @@ def test_the_terminal_client_follows_a_replay_to_its_end():
         cut_off = followed(MARK, state(SurveyState.SURVEYING), end).outcome
         assert cut_off.status is ExitStatus.REPLAY
         assert "does not contain the survey's end" in str(cut_off.message)
-
-
-def test_a_fault_of_the_robot_comes_before_the_word_about_a_player(clock):
-    model = SurveyModel(clock)
-    model.handle(ControlState(SurveyState.FAILED, verbatim("the belt is torn"), "id", False))
-    model.handle(SenderIgnored("/play_1"))
-    condition = condition_of(model.snapshot())
-    assert (condition.level, str(condition.message)) == (JobLevel.FAULT, "the belt is torn")

@@ -151,13 +151,6 @@ def test_the_sentence_is_visible_in_every_state_and_over_every_sheet(window, end
         click(sheet.close_button)
 
 
-def test_a_survey_that_begins_closes_the_sheets_and_ends_the_search(window, done, node):
-    click(done.soil)
-    show(window, RUNS)
-    assert not done.soil_sheet.isVisible() and done.result.image is None
-    assert window.survey_tab.currentWidget() is window.job
-
-
 def test_what_was_found_is_stored_only_by_a_hold(done, node):
     click(done.rows[0])
     assert not done.place_sheet.store.isEnabled()

@@ -56,15 +56,11 @@ def begin(window):
     window.robot.overview.entered.emit()
 
 
-def test_a_tap_does_not_begin_the_service_but_a_hold_does(service):
+def test_only_a_hold_begins_the_service_and_moves_an_axis(service):
     click(service.robot.overview.enter_button)
     assert not service.robot.in_service
     hold(service.robot.overview.enter_button)
     assert service.robot.in_service
-
-
-def test_only_a_hold_moves_an_axis(service):
-    begin(service)
     row = service.robot.service.axes.row(AxisId.Y)
     for button in row.buttons:
         click(button)
@@ -152,12 +148,7 @@ def test_the_daily_check_leads_through_its_parts_to_the_verdict(service):
     assert tools.daily.text().split() == ["DAILY", "CHECK"]
     parts = [Part.EMPTY, Part.PLATE, Part.PLATE, Part.REFLECTOR]
     assert service.tools.asked == [("daily check", one) for one in parts]
-
-
-def test_a_daily_check_that_the_robot_has_given_up_begins_again(service):
-    begin(service)
-    click(service.robot.service.switch_button)
-    tools = service.robot.service.instruments
+    # One that the robot has given up begins again.
     click(tools.daily)
     click(tools.daily)
     forgotten = Message("a step before this one is missing").with_fault(CHECK_ORDER)

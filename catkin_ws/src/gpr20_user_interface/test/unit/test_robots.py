@@ -57,16 +57,12 @@ def test_only_a_main_control_that_starts_surveys_is_a_robot():
         assert robots_on_master(services) == {"/", "/robot1", "/field/a"}
 
 
-def test_a_robot_alone_is_neither_named_nor_offered(opened):
+def test_other_robots_are_listed_in_the_settings_and_listened_to_meanwhile(opened, choice):
     found(opened, "/robot1")
-    assert not opened.top_bar.band.message.whole.startswith("robot1")
     opened.rail.settings.click()
     assert not opened.settings.robot_button.isVisible()
-
-
-def test_the_operator_chooses_the_robot_in_the_settings(opened, choice):
+    assert not opened.top_bar.band.message.whole.startswith("robot1")
     found(opened, "/robot1", "/robot2", "/robot3")
-    opened.rail.settings.click()
     opened.settings.robot_button.click()
     sheet = opened.robots
     assert sheet.isVisible() and choice.watched == [True]
@@ -75,15 +71,8 @@ def test_the_operator_chooses_the_robot_in_the_settings(opened, choice):
     texts = [button.text() for button in sheet.buttons if button.isVisible()]
     assert texts == ["robot1\nno report yet", "robot2\nSURVEYING", "robot3\nno report yet"]
     assert [button.isEnabled() for button in sheet.buttons[:3]] == [False, True, True]
-    sheet.buttons[2].click()
-    assert choice.shown == ["/robot3"]
-
-
-def test_closing_the_list_ends_to_listen_to_the_other_robots(opened, choice):
-    found(opened, "/robot1", "/robot2")
-    opened.settings.robot_button.click()
-    opened.robots.close_button.click()
-    assert choice.watched == [True, False] and not opened.robots.isVisible()
+    sheet.close_button.click()
+    assert choice.watched == [True, False] and not sheet.isVisible()
 
 
 def test_a_window_does_not_leave_a_robot_whose_stop_is_not_answered(opened):

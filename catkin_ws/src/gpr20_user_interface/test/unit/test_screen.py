@@ -50,14 +50,6 @@ def test_a_window_is_brought_back_onto_the_screen(window):
         window.close()
 
 
-def test_a_window_that_is_too_large_becomes_smaller(window):
-    window.resize(5000, 5000)
-    ScreenPlacement(window, full_screen=False).show()
-    QTest.qWait(1)
-    free = QGuiApplication.primaryScreen().availableGeometry()
-    assert free.contains(window.frameGeometry())
-
-
 def test_no_part_of_any_window_is_outside():
     draw = random.Random(20261122)
     for _ in range(draws(500)):

@@ -12,7 +12,6 @@ from gpr20_common.message import Message
 from gpr20_doctor.mid.robot_facts import AxisPosition
 from gpr20_operator.jobs.job import Service
 from gpr20_operator.robot.events import (
-    AxisLimits,
     AxisReport,
     ClockOffset,
     CurrentPosition,
@@ -52,18 +51,6 @@ def model(clock, requests):
 
 def jog(model, distance=10.0):
     model.move(AxisId.X, AxisAction.JOG, distance)
-
-
-def test_nothing_is_asked_before_the_confirmation(clock, requests):
-    model = ServiceModel(requests, requests.set_watched, requests.examine, clock)
-    model.refresh(at_rest())
-    jog(model)
-    model.measure_height()
-    model.test_analyzer()
-    model.check_daily()
-    model.check_daily()
-    assert requests.asked == []
-    assert not model.entered
 
 
 def test_service_ends_and_does_not_begin_while_it_is_not_possible(model, requests):
@@ -191,11 +178,13 @@ def test_no_sequence_asks_for_a_motion_beside_a_survey(clock):
         model.enter,
         model.leave,
         lambda: jog(model),
+        model.measure_height,
         model.test_analyzer,
+        model.check_daily,
         lambda: tools.done(Service.MOVE, Message("done")),
         lambda: clock.advance(draw.uniform(0.0, 2.0 * IDLE_LIMIT_S)),
     ]
-    for _ in range(draws(5000)):
+    for _ in range(draws(2000)):
         before = len(tools.asked)
         if draw.random() < 0.2:
             shown = at_rest(draw.choice(list(SurveyState)), alive=draw.random() < 0.9)
@@ -204,8 +193,3 @@ def test_no_sequence_asks_for_a_motion_beside_a_survey(clock):
         draw.choice(acts)()
         if len(tools.asked) > before:
             assert entered and shown.control_alive and not shown.running
-
-
-def test_why_the_configuration_is_not_known_is_found(model):
-    model.on_event(AxisLimits(None, Message("the parts are mixed")))
-    assert "the parts are mixed" in str(model.findings()[0].text)

@@ -16,14 +16,6 @@ from gpr20_survey.plan.survey_cost import SurveyCost
 from gpr20_survey.plan.survey_state import SurveyState
 
 
-def test_cancel_asks_for_nothing(window):
-    show(window, snapshot(SurveyState.IDLE))
-    click(window.control.start)
-    click(window.start_sheet.cancel)
-    assert not window.start_sheet.isVisible()
-    assert wishes(window) == []
-
-
 def test_the_sheet_closes_when_it_is_too_late(window):
     sheet = window.start_sheet
     idle, paused = snapshot(SurveyState.IDLE), snapshot(SurveyState.PAUSED)
@@ -87,4 +79,5 @@ def test_what_is_learned_while_the_sheet_is_open_is_shown_and_does_not_end_the_h
     window.survey.preview = figures
     show(window, snapshot(SurveyState.IDLE))
     assert "about 18 min, 1 MB on the disk" in texts(window.start_sheet)
-    assert window.start_sheet.isVisible()
+    click(window.start_sheet.cancel)
+    assert not window.start_sheet.isVisible() and wishes(window) == []

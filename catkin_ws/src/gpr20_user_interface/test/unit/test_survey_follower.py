@@ -98,16 +98,14 @@ def test_the_end_of_the_survey_is_the_outcome_with_its_words(clock):
         assert robot.requests == [Request.START]
 
 
-def test_end_of_a_former_survey_is_not_taken_for_ours(robot):
+def test_end_of_a_former_survey_is_not_taken_for_ours_and_ours_is_not_missed(robot, clock):
     # The latched status says how the survey before this one ended.
     robot.say(state("FINISHED", "former"), STARTED, state("FINISHED", "former"))
     assert robot.status is None
     robot.say(state("CHECKING"), state("FAILED", message="VNA absent"))
     assert robot.status is ExitStatus.FAILED
-
-
-def test_survey_that_ended_before_the_answer_came_is_not_missed(robot):
-    robot.say(state("IDLE", ""), state("SURVEYING"), state("FINISHED"), STARTED)
+    # It ended before the answer came.
+    robot = Robot(clock).say(state("IDLE", ""), state("SURVEYING"), state("FINISHED"), STARTED)
     assert robot.status is ExitStatus.FINISHED
 
 
@@ -241,10 +239,8 @@ def test_stop_before_anything_runs_needs_no_confirmation(clock):
     refused = Answer(Request.START, False, verbatim("stopped"))
     robot = Robot(clock).say(state("IDLE", ""), StopRequested("Ctrl-C"), refused)
     assert robot.status is ExitStatus.STOPPED
-
-
-def test_start_that_never_answers_can_be_left_by_stop(robot):
-    robot.say(state("IDLE", ""), StopRequested("Ctrl-C")).wait(61, progress(""))
+    # A START that never answers.
+    robot = Robot(clock).say(state("IDLE", ""), StopRequested("Ctrl-C")).wait(61, progress(""))
     assert robot.status is ExitStatus.FAILED
     assert robot.follower.outcome.message.fault == faults.STOP_UNCONFIRMED
 

@@ -112,11 +112,9 @@ def test_start_stays_locked_between_its_answer_and_the_first_status(model, clock
     assert allowed(model.snapshot()) == []
     model.handle(state(SurveyState.FAILED, "new"))
     assert allowed(model.snapshot()) == ["start"]
-
-
-def test_start_is_not_locked_for_ever_by_a_survey_that_never_showed(model, clock):
+    # One that never shows locks it for a while only.
     model.request_sent(Request.START)
-    model.handle(Answer(Request.START, True, verbatim("started"), "new"))
+    model.handle(Answer(Request.START, True, verbatim("started"), "another"))
     clock.advance(CONTROL_SILENCE_S + 0.1)
     model.handle(state(SurveyState.IDLE, ""))
     assert allowed(model.snapshot()) == ["start"]
@@ -208,15 +206,9 @@ def test_survey_that_vanishes_with_its_main_control_is_told_until_the_next_one_r
         for begun in (SurveyState.IDLE, SurveyState.CONFIGURED):
             model.handle(state(begun, ""))
             assert model.snapshot().interrupted, code
-        model.handle(state(SurveyState.CHECKING, "next"))
-        assert not model.snapshot().interrupted
-
-
-def test_survey_that_ended_is_not_called_interrupted(model):
-    for end in ENDED:
-        for code in (SurveyState.SURVEYING, end, SurveyState.CONFIGURED):
-            model.handle(state(code))
-            assert not model.snapshot().interrupted, (end, code)
+        for code in (SurveyState.CHECKING, *ENDED, SurveyState.CONFIGURED):
+            model.handle(state(code, "next"))
+            assert not model.snapshot().interrupted
 
 
 @pytest.fixture
@@ -240,21 +232,16 @@ def test_checks_that_fail_after_the_acceptance_are_told_once(outcome):
                 assert printed(outcome, *codes) == [None, None, None, request, None], codes
 
 
-def test_survey_that_came_to_measure_may_fail_later_for_other_reasons(outcome):
+def test_what_was_refused_or_asked_by_others_is_not_told_again(outcome):
+    assert printed(outcome, SurveyState.CHECKING, SurveyState.FAILED) == [None, None]
+    # It came to measure, or was stopped.
     outcome.asked(Request.START)
     codes = (SurveyState.CHECKING, SurveyState.SURVEYING, SurveyState.PAUSED, SurveyState.FAILED)
     assert printed(outcome, *codes) == [None] * 4
-
-
-def test_checks_that_are_stopped_have_not_failed(outcome):
     outcome.asked(Request.START)
-    outcome.failed_request(ControlState(SurveyState.CHECKING, verbatim(""), "id", False))
+    assert printed(outcome, SurveyState.CHECKING) == [None]
     outcome.asked(Request.STOP)
     assert printed(outcome, SurveyState.STOPPING, SurveyState.FAILED) == [None, None]
-
-
-def test_what_was_refused_or_asked_by_others_is_not_told_again(outcome):
-    assert printed(outcome, SurveyState.CHECKING, SurveyState.FAILED) == [None, None]
     outcome.asked(Request.START)
     outcome.answered(Answer(Request.START, False, verbatim("no")))
     assert printed(outcome, SurveyState.CHECKING, SurveyState.FAILED) == [None, None]

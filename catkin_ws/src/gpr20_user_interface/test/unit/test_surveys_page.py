@@ -6,7 +6,7 @@ import pytest
 from finger import Finger
 from hypothesis import given
 from hypothesis import strategies as st
-from PyQt5.QtCore import QPoint, QPointF
+from PyQt5.QtCore import QPoint
 from PyQt5.QtTest import QTest
 from PyQt5.QtWidgets import QScroller
 from view_kit import FOLDER, SURVEY, description, past_survey, snapshot, state_of
@@ -57,6 +57,16 @@ def test_a_survey_that_begins_is_shown_and_cannot_be_resumed_any_more(window, li
         words = "Running" if shown is RUNS else "33 of 40 traces missing"
         assert words in listed.details.text()
         assert listed.resume.isEnabled() == resumable
+
+
+def test_only_a_survey_that_can_be_read_and_is_not_finished_is_resumed(window, listed):
+    found = []
+    for changes in ({}, {"outcome": "finished", "complete": True}, {"problem": verbatim("torn")}):
+        survey = past_survey(**changes)
+        window.on_event(SurveysListed("", (survey,), False))
+        listed.choose(survey)
+        found.append((listed.resume.isEnabled(), listed.open.isEnabled()))
+    assert found == [(True, True), (False, True), (False, False)]
 
 
 def test_the_list_is_read_again_when_a_survey_begins_is_described_and_ends(window, listed, storage):
@@ -252,18 +262,6 @@ def test_a_tap_of_a_shaking_finger_chooses_the_survey_below_it(touched, x, y, dx
     row = page.list.indexAt(page.list.viewport().mapFrom(window, place + QPoint(dx, dy))).row()
     pull(touched, place, [(dx, dy)])
     assert page.chosen == page.model.surveys[row]
-
-
-def test_a_tap_of_a_list_that_still_moves_only_stops_it(touched):
-    window, finger = touched
-    window.past.choose(None)
-    scroller = QScroller.scroller(window.past.list.viewport())
-    scroller.scrollTo(QPointF(0.0, 5000.0), 60_000)
-    while scroller.velocity().isNull():
-        QTest.qWait(1)
-    finger.tap(row_place(window, 50, 50))
-    assert scroller.state() == QScroller.Inactive
-    assert window.past.chosen is None
 
 
 def test_each_action_names_the_chosen_survey(window, listed):

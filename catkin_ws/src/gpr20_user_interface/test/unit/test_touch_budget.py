@@ -10,7 +10,6 @@ from window_helpers import close, hold_to_start, new_window, show
 
 from gpr20_common.catalogue import Language
 from gpr20_common.message import verbatim
-from gpr20_operator import faults
 from gpr20_operator.plan.spec import Tile
 from gpr20_operator.robot.events import Answer, Request, RobotDefaults, Site
 from gpr20_survey.plan.survey_state import SurveyState
@@ -109,12 +108,3 @@ def test_what_was_measured_last_takes_fewer_touches_as_it_was_or_with_changes(op
     finger.start(window)
     assert window.survey.asked[1].x_points == 31
     assert finger.touches <= 2 * FROM_MEMORY
-
-
-def test_a_damaged_memory_is_said_and_the_factory_values_are_used(opened, tmp_path):
-    (tmp_path / "window").mkdir()
-    (tmp_path / "window" / "plan.yaml").write_text("fields: [")
-    window = opened()
-    assert window.notice.isVisible()
-    assert faults.SETTINGS_DAMAGED.code in window.notice.details.toPlainText()
-    assert window.control.start.isEnabled()

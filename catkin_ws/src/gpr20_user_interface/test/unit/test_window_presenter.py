@@ -1,10 +1,6 @@
-import threading
-import time
 from dataclasses import replace
 
 import pytest
-from PyQt5.QtCore import QObject, Qt, pyqtSignal
-from PyQt5.QtTest import QTest
 from view_kit import state_of
 from window_helpers import click, close, enter, hold_to_start, new_window, start
 
@@ -14,7 +10,6 @@ from gpr20_operator.plan.preview import CostEstimated
 from gpr20_operator.robot.events import (
     Answer,
     AxisLimits,
-    Progress,
     Request,
     RobotFigures,
 )
@@ -58,20 +53,6 @@ class EstimatorThatRecords:
         pass
 
 
-class Link(QObject):
-    event_came = pyqtSignal(object)
-
-
-class WatchedModel(SurveyModel):
-    def __init__(self, clock):
-        super().__init__(clock)
-        self.threads = []
-
-    def handle(self, event):
-        self.threads.append(threading.current_thread())
-        return super().handle(event)
-
-
 @pytest.fixture
 def estimator():
     return EstimatorThatRecords()
@@ -79,13 +60,13 @@ def estimator():
 
 @pytest.fixture
 def parts(application, clock, estimator):
-    control, model = ControlThatRecords(), WatchedModel(clock)
-    survey = WindowPresenter(model, control, estimator)
+    control = ControlThatRecords()
+    survey = WindowPresenter(SurveyModel(clock), control, estimator)
     languages = Languages(application, Language.ENGLISH)
     window = new_window(languages, survey)
     window.show()
     window.begin()
-    yield window, control, model
+    yield window, control
     window.end()
     close(window)
 
@@ -100,7 +81,7 @@ def said(window, code):
 
 
 def test_one_press_of_start_is_one_request(parts):
-    window, control, _ = parts
+    window, control = parts
     assert control.asked == ["limits"]
     said(window, SurveyState.IDLE)
     start(window)
@@ -114,7 +95,7 @@ def test_one_press_of_start_is_one_request(parts):
 
 
 def test_pause_resume_and_every_press_of_stop_are_asked_for(parts):
-    window, control, _ = parts
+    window, control = parts
     said(window, SurveyState.SURVEYING)
     click(window.top_bar.pause)
     window.on_event(Answer(Request.PAUSE, True, verbatim("")))
@@ -137,7 +118,7 @@ REFUSED = Answer(
 
 @pytest.mark.parametrize("folder", ["", "20260921T141320_0f8fad5b"])
 def test_another_vna_is_a_question_that_resumes_the_same_survey_with_it(parts, folder):
-    window, control, _ = parts
+    window, control = parts
     window.on_event(state(SurveyState.PAUSED))
     window.survey.resume(folder)
     # The status of the failed check may come first.
@@ -167,26 +148,8 @@ def test_another_vna_is_a_question_that_resumes_the_same_survey_with_it(parts, f
     assert window.notice.isVisible() and not window.question.isVisible()
 
 
-def test_events_of_other_threads_reach_the_window_in_its_own(parts):
-    window, _, model = parts
-    link = Link()
-    link.event_came.connect(window.on_event, Qt.ConnectionType.QueuedConnection)
-    events = [state(SurveyState.SURVEYING), Progress("id", 50.0, 18, 9, 30.0)]
-    for event in events:
-        thread = threading.Thread(target=link.event_came.emit, args=(event,))
-        thread.start()
-        thread.join()
-    assert model.threads == []
-    deadline_s = time.monotonic() + 30.0
-    while window.job.percent.text() != "50 %":
-        assert time.monotonic() < deadline_s
-        QTest.qWait(20)
-    assert set(model.threads) == {threading.current_thread()}
-    assert window.top_bar.band.title.whole == "SURVEYING 50 %"
-
-
 def test_start_that_is_accepted_and_fails_in_its_checks_opens_a_dialog(parts):
-    window, _control, _ = parts
+    window, _control = parts
     failed = state_of(SurveyState.FAILED, "the disk is full; make space")
     said(window, SurveyState.CONFIGURED)
     start(window)
@@ -203,7 +166,7 @@ def test_start_that_is_accepted_and_fails_in_its_checks_opens_a_dialog(parts):
 
 
 def test_figures_of_the_robot_complete_the_preview(parts, estimator):
-    window, _, _ = parts
+    window, _ = parts
     figures = RobotFigures("the robot", "its settings")
     assert estimator.asked == []
     window.on_event(AxisLimits(None, figures=figures))

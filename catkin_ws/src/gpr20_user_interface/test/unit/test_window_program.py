@@ -94,39 +94,6 @@ def test_the_language_of_a_parameter_comes_before_the_one_that_was_used_last(mon
     assert "'fr'" in str(caught.value)
 
 
-class Left(BaseException):
-    """In place of the end of the process."""
-
-
-@pytest.mark.parametrize("asked_to_end, status", [(True, 0), (False, 4)])
-def test_a_window_whose_display_is_lost_leaves_the_graph_and_says_it(
-    monkeypatch, capsys, asked_to_end, status
-):
-    left = []
-    monkeypatch.setattr(
-        user_interface.rospy, "signal_shutdown", lambda _reason: left.append("graph")
-    )
-
-    def leave_now(status):
-        left.append(status)
-        raise Left
-
-    class Limit:
-        def __init__(self, _limit_s, act, given):
-            # However long the master lets it wait.
-            assert act is leave_now and given == (status,)
-
-        def start(self):
-            left.append("limited")
-
-    monkeypatch.setattr(user_interface, "leave_now", leave_now)
-    monkeypatch.setattr(user_interface, "threading", SimpleNamespace(Timer=Limit))
-    with pytest.raises(Left):
-        user_interface._leave_without_display(asked_to_end)
-    assert left == ["limited", "graph", status]
-    assert ("continues" in capsys.readouterr().err) is not asked_to_end
-
-
 def test_only_what_ends_the_display_ends_the_window(monkeypatch, capsys):
     installed, left = [], []
     monkeypatch.setattr(display, "qInstallMessageHandler", installed.append)
