@@ -42,18 +42,11 @@ def service(window):
 
 
 def listed(window):
-    """Return the lines of the findings that are shown."""
+    """Return the findings that are shown."""
     shown = QTextDocumentFragment.fromHtml(window.robot.overview.findings.text()).toPlainText()
-    texts = [
-        f"{one.level.title}: " + "\n".join(map(str, filter(None, (one.text, one.remedy))))
-        for one in window.robot.overview.listed
-    ]
-    assert all(text.split(": ", 1)[1].split("\n")[0] in shown for text in texts)
-    return texts
-
-
-def begin(window):
-    window.robot.overview.entered.emit()
+    found = window.robot.overview.listed
+    assert all(str(one.text) in shown for one in found)
+    return [f"{one.level.title}: {one.text}" for one in found]
 
 
 def test_only_a_hold_begins_the_service_and_moves_an_axis(service):
@@ -86,7 +79,7 @@ def test_only_a_hold_begins_the_service_and_moves_an_axis(service):
 
 
 def test_endstops_and_positions_are_shown(service):
-    begin(service)
+    service.robot.overview.entered.emit()
     service.on_event(EndstopState(AxisId.X, True))
     service.on_event(EndstopState(AxisId.Y, False))
     lost = AxisReport(AxisId.Y, AxisPosition(0.0, False, False), "", math.inf)
@@ -97,7 +90,7 @@ def test_endstops_and_positions_are_shown(service):
 
 
 def test_instruments_are_tested_and_faults_have_their_reason(service):
-    begin(service)
+    service.robot.overview.entered.emit()
     click(service.robot.service.switch_button)
     tools = service.robot.service.instruments
     click(tools.measure)
@@ -120,7 +113,7 @@ def test_instruments_are_tested_and_faults_have_their_reason(service):
 
 
 def test_the_daily_check_leads_through_its_parts_to_the_verdict(service):
-    begin(service)
+    service.robot.overview.entered.emit()
     click(service.robot.service.switch_button)
     tools = service.robot.service.instruments
 
@@ -162,7 +155,7 @@ def test_the_findings_are_listed_without_service_and_during_a_survey(service):
     report = NodeHealth("height_sensor", HealthLevel.ERROR, verbatim("stuck"), {})
     show(service, snapshot(SurveyState.SURVEYING, health=HealthReport((report,))))
     service.draw()
-    assert listed(service)[0].startswith("FAULT: Height sensor: stuck\n")
+    assert listed(service)[0].startswith("FAULT: Height sensor: stuck")
     show(service, snapshot(SurveyState.SURVEYING))
     service.draw()
     assert not any("Height" in text for text in listed(service))
@@ -195,10 +188,8 @@ def test_what_is_good_is_listed_only_after_a_touch_and_what_is_not_known_always(
     unknown = listed(service)
     assert unknown and all(text.startswith("UNKNOWN") for text in unknown)
     assert overview.headline.text() == f"No fault found, but not known: {len(unknown)}"
-    assert FINDING_COLOURS[Level.UNKNOWN] not in (
-        FINDING_COLOURS[Level.OK],
-        FINDING_COLOURS[Level.NOTE],
-    )
+    others = [FINDING_COLOURS[one] for one in (Level.OK, Level.NOTE)]
+    assert FINDING_COLOURS[Level.UNKNOWN] not in others
     count = int(overview.fold_button.text().split()[0])
     assert count >= len(EXPECTED_NODES)
     click(overview.fold_button)
@@ -209,10 +200,8 @@ def test_what_is_good_is_listed_only_after_a_touch_and_what_is_not_known_always(
 
 def test_a_part_is_known_by_its_sign_and_colour_and_opens_its_report(service):
     levels = (HealthLevel.ERROR, HealthLevel.OK, HealthLevel.WARN, HealthLevel.STALE)
-    nodes = tuple(
-        NodeHealth(name, level, verbatim("no answer"), {})
-        for name, level in zip(EXPECTED_NODES, levels)
-    )
+    found = zip(EXPECTED_NODES, levels)
+    nodes = tuple(NodeHealth(*one, verbatim("no answer"), {}) for one in found)
     for _ in range(2):  # its colour has its size with the next refresh
         show(service, snapshot(SurveyState.IDLE, health=HealthReport(nodes)))
     tiles = [service.robot.overview.parts.tile(node.name) for node in nodes]

@@ -152,17 +152,16 @@ def test_a_permittivity_that_could_not_be_stored_is_stored_with_the_next_reading
     assert [one[2]["permittivity"] for one in requests.of("note")] == [8.0, 8.0]
 
 
-@pytest.mark.parametrize("entered", [9.0, None])
-def test_what_another_screen_has_entered_since_counts_and_not_the_plan(result, requests, entered):
+def test_what_another_screen_has_entered_since_counts_and_not_the_plan(result, requests):
     search(result, requests, record=stored(permittivity=2.0))
     assert result.permittivity == 2.0
     result.set_permittivity(4.0)
     requests.ticket("note").done(None)
     result.try_again()
-    log = [noted("decision", soil_values(entered, TIME_US))]
+    log = [noted("decision", soil_values(None, TIME_US))]
     search(result, requests, record=stored(log=log, permittivity=2.0))
-    assert result.permittivity == entered
-    assert requests.of("focus")[-1] == (SURVEY, entered or 0.0)
+    assert result.permittivity is None
+    assert requests.of("focus")[-1] == (SURVEY, 0.0)
     assert [one[2]["permittivity"] for one in requests.of("note")] == [4.0]
 
 
@@ -192,29 +191,21 @@ def test_a_note_that_is_no_permittivity_counts_for_nothing(value):
     assert soil_of_survey({soil_note.PLANNED: value}) is None
 
 
-def test_nothing_is_searched_while_a_survey_runs_and_the_search_begins_when_it_has_ended(
-    result, requests
-):
+def test_nothing_is_searched_while_a_survey_runs_and_late_answers_change_nothing(result, requests):
     result.note_running(True)
     result.open(SURVEY)
     result.keep()
     assert requests.asked == [] and result.waits
     result.note_running(False)
-    search(result, requests)
-    result.note_running(True)
-    assert result.image is None
-    result.choose_target(Targets.PMN)
-    result.begin_export("en")
-    assert not requests.of("hide") and not requests.of("sticks")
-
-
-def test_a_survey_that_begins_ends_the_search_and_late_answers_change_nothing(result, requests):
     opened(result, requests)
     late = requests.ticket("focus")
     result.note_running(True)
     assert requests.cancelled == [late.request_id]
     late.done(image_of(candidate_list(ELEVEN, survey_id=SURVEY)))
     assert result.image is None and result.places == ()
+    result.choose_target(Targets.PMN)
+    result.begin_export("en")
+    assert not requests.of("hide") and not requests.of("sticks")
 
 
 def test_a_failure_or_a_cancelled_search_rests_until_it_is_tried_again(result, requests):
@@ -317,15 +308,27 @@ def test_a_record_that_is_not_allowed_is_refused(result, requests, depth_mm, who
     assert requests.of("note") == []
 
 
-def test_a_stick_that_is_plugged_in_later_is_written_too(result, requests, now):
+def look_again(result, requests, now, *volumes):
+    now.s += LIST_PERIOD_S
+    result.export.look_for_sticks()
+    plug_in(requests, *volumes)
+
+
+def test_a_stick_that_is_plugged_in_later_is_written_once_unless_it_is_cancelled(
+    result, requests, now
+):
     search(result, requests)
     result.begin_export("en")
     plug_in(requests)
     result.export.look_for_sticks()
     assert len(requests.of("sticks")) == 1
-    now.s += LIST_PERIOD_S
-    result.export.look_for_sticks()
-    plug_in(requests, BLUE)
+    look_again(result, requests, now, BLUE)
+    result.export.cancel()
+    assert requests.cancelled == [requests.ticket("export").request_id]
+    # Files may be written until the node answers.
+    assert result.export.job.running
+    requests.ticket("export").fail(Message("cancelled"))
+    look_again(result, requests, now, BLUE)
     assert len(requests.of("export")) == 1
 
 
@@ -336,9 +339,7 @@ def test_other_files_are_written_only_after_a_choice(result, requests, now):
     requests.ticket("export").done(Exported(("GPR20/a.pdf",)))
     result.export.choose_parts()
     result.export.toggle(ExportPart.SURVEY_ZIP)
-    now.s += LIST_PERIOD_S
-    result.export.look_for_sticks()
-    plug_in(requests, BLUE)
+    look_again(result, requests, now, BLUE)
     assert len(requests.of("export")) == 1
     result.export.write(BLUE.path)
     assert requests.of("export")[-1].kinds == ["report-pdf", "survey-zip"]
@@ -347,21 +348,6 @@ def test_other_files_are_written_only_after_a_choice(result, requests, now):
     result.export.toggle(ExportPart.REPORT_PDF)
     result.export.write(BLUE.path)
     assert len(requests.of("export")) == 2
-
-
-def test_an_export_that_is_cancelled_does_not_begin_again_by_itself(result, requests, now):
-    search(result, requests)
-    result.begin_export("en")
-    plug_in(requests, BLUE)
-    result.export.cancel()
-    assert requests.cancelled == [requests.ticket("export").request_id]
-    # Files may be written until the node answers.
-    assert result.export.job.running
-    requests.ticket("export").fail(Message("cancelled"))
-    now.s += LIST_PERIOD_S
-    result.export.look_for_sticks()
-    plug_in(requests, BLUE)
-    assert len(requests.of("export")) == 1
 
 
 def test_what_was_found_is_seen_beside_a_place_of_another_list_too(result, requests):

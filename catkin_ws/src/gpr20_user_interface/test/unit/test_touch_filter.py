@@ -78,7 +78,6 @@ def test_a_screen_that_is_too_small_can_be_looked_at_and_stops(application, tmp_
             if button.isVisible():
                 finger.hold(button)
                 finger.wait(AFTER_S)
-    finger.tap(window.rail.settings)
     assert not any(sheet.isVisible() for sheet in window.findChildren(Overlay))
     # What the robot opens is closed by any touch: its buttons do not act.
     show(window, snapshot(SurveyState.PAUSED))
