@@ -75,10 +75,8 @@ class Field:
 
     def say(self, code, alive=True):
         """Let the robot say in which state it is, or be silent from then on."""
-        show(
-            self.window,
-            snapshot(code, alive, progress=Progress("id", 33.0, 242, 80, 1500.0)),
-        )
+        progress = Progress("id", 33.0, 242, 80, 1500.0)
+        show(self.window, snapshot(code, alive, progress=progress))
 
     def happen(self):
         """Let the robot or another client do something; each in its turn, and which is drawn."""

@@ -125,17 +125,6 @@ def test_a_hold_allows_nothing_where_something_forbids_it(reason):
     assert not page.armed and page.obstacle == remote_obstacle(shown)
 
 
-def test_a_fault_that_the_person_has_seen_may_be_resumed_but_not_twice(window):
-    window.note(FAULT)
-    window.arming.arm(FAULT)
-    window.note(FAULT)
-    assert window.arming.armed
-    window.note(snapshot(SurveyState.SURVEYING))
-    assert window.arming.armed
-    window.note(FAULT)
-    assert not window.arming.armed
-
-
 def test_the_page_believes_only_what_is_fresh(web, clock):
     assert web.armed and web.obstacle is None and web.plan == PLAN
     clock.advance(SILENCE_S)

@@ -21,25 +21,26 @@ MEASURING = ControlState(SurveyState.SURVEYING, verbatim("Measuring"), "id", Tru
 
 
 class Choice:
-    """Robots on a master whose window remembers what it was asked."""
+    """Robots on a master, a window of one of them, and what it asks for."""
 
-    def __init__(self, own="/robot1", may_choose=True):
-        self.watched, self.shown = [], []
-        self.robots = Robots(own, may_choose, self.watched.append, self.shown.append)
-
-
-@pytest.fixture
-def choice():
-    return Choice()
+    def __init__(self, languages, folder, own, may_choose):
+        self.watched, self.shown, self.clock = [], [], FakeClock()
+        robots = Robots(own, may_choose, self.watched.append, self.shown.append)
+        self.window = new_window(languages, profiles=folder, clock=self.clock, robots=robots)
+        self.window.show()
 
 
 @pytest.fixture
-def opened(application, tmp_path, choice):
-    languages, clock = Languages(application, Language.ENGLISH), FakeClock()
-    window = new_window(languages, profiles=tmp_path, clock=clock, robots=choice.robots)
-    window.show()
-    yield window
-    close(window)
+def choice(application, tmp_path, request):
+    given = getattr(request, "param", ("/robot1", True))
+    choice = Choice(Languages(application, Language.ENGLISH), tmp_path, *given)
+    yield choice
+    close(choice.window)
+
+
+@pytest.fixture
+def opened(choice):
+    return choice.window
 
 
 def found(window, *namespaces):
@@ -96,21 +97,15 @@ def test_a_window_without_a_robot_proposes_those_that_there_are_once(opened, cho
     assert not opened.robots.isVisible()
 
 
-def test_the_window_of_a_real_robot_stays_with_it(application, tmp_path):
-    choice = Choice("/", may_choose=False)
-    languages, clock = Languages(application, Language.ENGLISH), FakeClock()
-    window = new_window(languages, profiles=tmp_path, clock=clock, robots=choice.robots)
-    try:
-        window.show()
-        clock.advance(6.0)
-        found(window, "/robot2")
-        show(window, snapshot(alive=False))
-        assert not window.robots.isVisible()
-        window.rail.settings.click()
-        assert not window.settings.robot_button.isVisible()
-        assert window.top_bar.band.message.whole.startswith("/: ")
-    finally:
-        close(window)
+@pytest.mark.parametrize("choice", [("/", False)], indirect=True)
+def test_the_window_of_a_real_robot_stays_with_it(opened):
+    opened.clock.advance(6.0)
+    found(opened, "/robot2")
+    show(opened, snapshot(alive=False))
+    assert not opened.robots.isVisible()
+    opened.rail.settings.click()
+    assert not opened.settings.robot_button.isVisible()
+    assert opened.top_bar.band.message.whole.startswith("/: ")
 
 
 def test_the_next_window_has_the_options_of_this_one_and_a_name_of_its_own():

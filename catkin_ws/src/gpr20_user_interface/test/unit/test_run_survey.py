@@ -33,9 +33,7 @@ class MainControl:
 
     Attributes:
         end: How a survey ends that was started or resumed; None: it goes on until it is stopped.
-        refusal: Of the parameters.
         connected: The VNA, if it is not that of the survey.
-        requests: By the name of their service, in their order.
     """
 
     def __init__(self, sender="/main_control"):
@@ -254,30 +252,26 @@ def test_a_second_signal_leaves_at_once_and_warns(run, control, monkeypatch):
     assert control.code is SurveyState.SURVEYING
 
 
-@pytest.fixture
-def paused(run, control):
-    """A survey that was left paused, and another VNA."""
+def test_another_vna_is_used_only_if_it_is_accepted(run, control, monkeypatch):
     control.end = SurveyState.PAUSED
     run(*SMALL)
     control.end, control.connected = SurveyState.FINISHED, OTHER_VNA
-
-
-def test_another_vna_is_used_only_if_it_is_accepted(paused, run, control):
     status, written = run("--resume")
     assert status == 1 and f"--accept-analyzer {OTHER_VNA}" in written
-    assert control.code is SurveyState.PAUSED
+    # On a terminal it is asked for.
+    answers = [False, True]
+    monkeypatch.setattr(run_survey, "is_confirmed", lambda *_given: answers.pop(0))
+    with monkeypatch.context() as terminal:
+        for stream in ("stdin", "stdout"):
+            terminal.setattr(getattr(run_survey.sys, stream), "isatty", lambda: True)
+        assert run("--resume", "--bar", "never")[0] == 1
+        assert control.code is SurveyState.PAUSED
+        assert run("--resume", "--bar", "never")[0] == 0
+    control.code = SurveyState.PAUSED
     status, written = run("--resume", "--accept-analyzer", OTHER_VNA)
     assert status == 0 and control.survey_id in written
-    assert [one.accept_analyzer for one in control.asked("resume_survey")] == ["", OTHER_VNA]
-
-
-@pytest.mark.parametrize("accepts, status", [(False, 1), (True, 0)])
-def test_another_vna_is_asked_for_on_a_terminal(paused, run, control, monkeypatch, accepts, status):
-    monkeypatch.setattr(run_survey, "is_confirmed", lambda question, _stopped: accepts)
-    for stream in ("stdin", "stdout"):
-        monkeypatch.setattr(getattr(run_survey.sys, stream), "isatty", lambda: True, raising=False)
-    assert run("--resume", "--bar", "never")[0] == status
-    assert len(control.asked("resume_survey")) == 1 + accepts
+    asked = [one.accept_analyzer for one in control.asked("resume_survey")]
+    assert asked == ["", "", "", OTHER_VNA, OTHER_VNA]
 
 
 def test_a_replay_is_attached_to_only_where_no_robot_speaks(run, control, monkeypatch):

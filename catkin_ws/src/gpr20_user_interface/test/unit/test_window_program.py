@@ -9,13 +9,12 @@ from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
-from PyQt5.QtCore import QtMsgType
 
 from gpr20_common.catalogue import Language
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message
 from gpr20_operator.errors import MasterUnavailableError
-from gpr20_user_interface.high import display, user_interface
+from gpr20_user_interface.high import user_interface
 
 PROGRAM = Path(__file__).resolve().parents[2] / "nodes" / "user_interface"
 LIMIT_S = 60.0
@@ -92,16 +91,3 @@ def test_the_language_of_a_parameter_comes_before_the_one_that_was_used_last(mon
     with pytest.raises(InvalidValueError) as caught:
         user_interface._language(Language.SPANISH)
     assert "'fr'" in str(caught.value)
-
-
-def test_only_what_ends_the_display_ends_the_window(monkeypatch, capsys):
-    installed, left = [], []
-    monkeypatch.setattr(display, "qInstallMessageHandler", installed.append)
-    display.on_display_lost(lambda: left.append(True))
-    (handle,) = installed
-    handle(QtMsgType.QtWarningMsg, None, "a font is missing")
-    handle(QtMsgType.QtWarningMsg, None, None)
-    assert not left and "a font is missing" in capsys.readouterr().err
-    handle(QtMsgType.QtWarningMsg, None, "The X11 connection broke (error 1)")
-    handle(QtMsgType.QtFatalMsg, None, "cannot go on")
-    assert left == [True, True]
