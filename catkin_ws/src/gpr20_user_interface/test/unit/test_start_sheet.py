@@ -16,6 +16,10 @@ from gpr20_survey.plan.survey_cost import SurveyCost
 from gpr20_survey.plan.survey_state import SurveyState
 
 
+def texts(sheet):
+    return [label.text() for label in sheet.findChildren(QLabel) if label.isVisible()]
+
+
 def test_the_sheet_closes_when_it_is_too_late(window):
     sheet = window.start_sheet
     idle, paused = snapshot(SurveyState.IDLE), snapshot(SurveyState.PAUSED)
@@ -47,28 +51,16 @@ def test_zeros_that_nothing_proves_are_accepted_only_by_holding_for_that(window)
     asked = Message("Paused: {reason}", reason=Message("turned").with_fault(OTHER_ZEROS))
     show(window, replace(paused, state=replace(paused.state, message=asked)))
     window.start_sheet.ask_resume()
-    shown = " ".join(label.text() for label in window.start_sheet.findChildren(QLabel))
-    assert "NOT PROVEN" in shown
+    assert "NOT PROVEN" in " ".join(texts(window.start_sheet))
     hold(window.start_sheet.hold)
     assert wishes(window) == ["resume without proof"]
     show(window, paused)
     window.start_sheet.ask_resume()
     hold(window.start_sheet.hold)
+    # Each question is answered once.
+    hold(window.start_sheet.hold)
     assert wishes(window)[1:] == ["resume"]
-
-
-def test_each_question_is_answered_once(window):
-    show(window, snapshot(SurveyState.PAUSED))
-    window.start_sheet.ask_resume()
-    hold(window.start_sheet.hold)
-    hold(window.start_sheet.hold)
-    assert wishes(window) == ["resume"]
-    buttons = window.start_sheet.findChildren(QPushButton)
-    assert not any(one.isVisible() for one in buttons)
-
-
-def texts(sheet):
-    return [label.text() for label in sheet.findChildren(QLabel) if label.isVisible()]
+    assert not any(one.isVisible() for one in window.start_sheet.findChildren(QPushButton))
 
 
 def test_what_is_learned_while_the_sheet_is_open_is_shown_and_does_not_end_the_hold(window):

@@ -61,10 +61,9 @@ def test_what_is_not_followed_is_not_called_silent(model, clock):
     shown = model.snapshot()
     assert shown.health.trouble is None and shown.health.reported == ()
     model.set_followed(True)
-    for _again in range(2):
-        model.set_followed(True)
-        shown = model.snapshot()
-        assert (shown.axes, shown.health.trouble, shown.health.reported) == ((), None, ())
+    model.set_followed(True)
+    shown = model.snapshot()
+    assert (shown.axes, shown.health.trouble, shown.health.reported) == ((), None, ())
     clock.advance(60.0)
     assert "No report" in str(model.snapshot().health.trouble)
 
