@@ -179,13 +179,13 @@ def test_everything_is_registered_again_with_another_master_and_only_then(monkey
         "get_registration_listeners",
         lambda: SimpleNamespace(notify_added=lambda *given: registered.append(given[0])),
     )
-    topics = {
-        "get_subscriptions": lambda: [("/heard", "a/Type")],
-        "get_publications": lambda: [("/said", "a/Type")],
-    }
-    monkeypatch.setattr(master, "get_topic_manager", lambda: SimpleNamespace(**topics))
-    services = SimpleNamespace(get_services=lambda: [("/asked", "rosrpc://here")])
-    monkeypatch.setattr(master, "get_service_manager", lambda: services)
+    manager = SimpleNamespace(
+        get_subscriptions=lambda: [("/heard", "a/Type")],
+        get_publications=lambda: [("/said", "a/Type")],
+        get_services=lambda: [("/asked", "rosrpc://here")],
+    )
+    for name in ("get_topic_manager", "get_service_manager"):
+        monkeypatch.setattr(master, name, lambda: manager)
     watch, counts = master.MasterWatch(), []
     for _ in range(5):
         watch.check()

@@ -71,18 +71,6 @@ def test_who_moves_the_robot_is_said_where_it_is_known(code, axes, other, text):
     )
 
 
-def test_motion_is_seen_on_every_tab_and_over_every_dialog_even_on_a_dimmed_screen(field):
-    show(field, snapshot(SurveyState.IDLE))
-    field.settings._dimming.dimmed = True
-    for tab, overlay in places_in(field):
-        show(field, snapshot(SurveyState.FINISHED, axes=X_MOVES))
-        band = field.top_bar.band
-        assert band.title.whole == "ROBOT MOVES", (tab, overlay)
-        assert band.level is JobLevel.ATTENTION
-        assert not field.settings.cover.isVisible()
-        assert is_free(field, band), (tab, overlay)
-
-
 def test_a_touch_on_the_band_says_what_moves_and_what_to_do(field):
     show(field, snapshot(SurveyState.FINISHED, axes=X_MOVES))
     field.findChild(StateBand).touched.emit()
@@ -91,10 +79,15 @@ def test_a_touch_on_the_band_says_what_moves_and_what_to_do(field):
     assert "STOP stops every axis" in field.notice.first.text()
 
 
-def test_stop_acts_on_every_tab_over_every_dialog_and_in_every_state(field):
+def test_motion_is_seen_and_stop_acts_on_every_tab_over_every_dialog_and_in_every_state(field):
     finger, stop, pressed = Finger(field, field.clock), field.top_bar.stop, 0
     states = itertools.cycle(itertools.product((None, *SurveyState), KNOWN))
+    band = field.top_bar.band
     for tab, overlay in places_in(field):
+        field.settings._dimming.dimmed = True
+        show(field, snapshot(SurveyState.FINISHED, axes=X_MOVES))
+        assert (band.title.whole, band.level) == ("ROBOT MOVES", JobLevel.ATTENTION), (tab, overlay)
+        assert not field.settings.cover.isVisible() and is_free(field, band), (tab, overlay)
         code, known = next(states)
         show(field, snapshot(code, **known))
         for locked in (False, True):
