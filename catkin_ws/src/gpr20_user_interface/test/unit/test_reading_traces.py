@@ -4,10 +4,15 @@ import dataclasses
 
 import numpy as np
 import pytest
+from asked_storage import Storage
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from run_seed import draws
 from view_kit import (
     FOLDER,
     PAST,
     SURVEY,
+    depth_echo,
     description,
     make_grid,
     snapshot,
@@ -109,6 +114,26 @@ def test_traces_on_their_way_on_the_topic_are_not_read(traces, storage):
         traces.refresh()
     assert storage.asked == []
     assert traces.shown.radar.count == 5
+
+
+@settings(max_examples=draws(10), deadline=None)
+@given(st.lists(st.tuples(st.integers(0, 4), st.booleans()), max_size=6))
+def test_traces_that_come_at_once_are_shown_as_if_they_came_one_by_one(drawn):
+    found = []
+    for at_once in (True, False):
+        traces = TracePresenter(Storage(), lambda _problem: None)
+        traces.on_event(SurveyDescribed(description()))
+        for number, (index, own) in enumerate(drawn):
+            s21 = depth_echo(0.1, level=1.0 + number)
+            grid = GRID if own else make_grid(survey_id=OTHER)
+            traces.on_event(trace_at(grid, index, s21))
+            if not at_once:
+                traces.refresh()
+        traces.refresh()
+        found.append(traces.live.radar)
+    assert np.array_equal(found[0].present, found[1].present)
+    assert np.allclose(found[0].echoes, found[1].echoes, rtol=0.0, atol=1e-4)
+    assert found[0].count == found[1].count
 
 
 def test_a_trace_that_the_topic_lost_is_read(traces, storage):

@@ -1,8 +1,10 @@
+import threading
 from dataclasses import replace
 
 import pytest
+from PyQt5.QtCore import QObject, Qt, pyqtSignal
 from view_kit import state_of
-from window_helpers import click, close, enter, hold_to_start, new_window, start
+from window_helpers import click, close, enter, hold_to_start, new_window, start, until
 
 from gpr20_common.catalogue import Language
 from gpr20_common.message import verbatim
@@ -10,6 +12,7 @@ from gpr20_operator.plan.preview import CostEstimated
 from gpr20_operator.robot.events import (
     Answer,
     AxisLimits,
+    Progress,
     Request,
     RobotFigures,
 )
@@ -146,6 +149,23 @@ def test_another_vna_is_a_question_that_resumes_the_same_survey_with_it(parts, f
     assert window.top_bar.pause.isEnabled()
     assert window.notice.reason.toPlainText() == "The VNA does not answer"
     assert window.notice.isVisible() and not window.question.isVisible()
+
+
+class Link(QObject):
+    event_came = pyqtSignal(object)
+
+
+def test_events_of_other_threads_reach_the_window_in_its_own(parts):
+    window, _ = parts
+    link = Link()
+    link.event_came.connect(window.on_event, Qt.QueuedConnection)
+    for event in (state(SurveyState.SURVEYING), Progress("id", 50.0, 18, 9, 30.0)):
+        thread = threading.Thread(target=link.event_came.emit, args=(event,))
+        thread.start()
+        thread.join()
+    window.refresh()
+    assert window.job.percent.text() != "50 %"
+    assert until(lambda: window.job.percent.text() == "50 %")
 
 
 def test_start_that_is_accepted_and_fails_in_its_checks_opens_a_dialog(parts):
