@@ -1,7 +1,5 @@
 """A fake analysis, and sticks that are folders."""
 
-from __future__ import annotations
-
 import json
 import sys
 import uuid

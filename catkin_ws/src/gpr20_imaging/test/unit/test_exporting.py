@@ -1,17 +1,13 @@
 """What is exported to a USB stick is there as a whole, or not at all; which sticks there are."""
 
-from __future__ import annotations
-
 import errno
 import hashlib
 import json
 import os
 import subprocess
-import threading
 import zipfile
 
 import pytest
-from case_kit import each_case
 from fault_kit import raises_fault
 from imaging_kit import store_survey
 
@@ -131,8 +127,6 @@ def test_without_a_stick_one_file_of_the_analysis_is_in_the_answer(exporter, fol
     [
         (errno.ENOSPC, faults.STICK_FULL),
         (errno.EIO, faults.STICK_FAILED),
-        (errno.ENODEV, faults.STICK_FAILED),
-        (errno.EDQUOT, faults.STICK_FAILED),
         (errno.EFBIG, faults.STICK_FORMAT),
     ],
 )
@@ -179,18 +173,16 @@ def test_a_file_system_that_becomes_full_or_goes_away_keeps_only_whole_files(
     subprocess.run(["mount", "-t", "tmpfs", "tmpfs", str(small_stick)], check=True)
 
 
-def test_a_full_stick_is_refused_before_anything_is_written(export, stick, monkeypatch):
-    real = os.statvfs(str(stick))
-    full = os.statvfs_result((*real[:4], 1, *real[5:]))
-    monkeypatch.setattr(os, "statvfs", lambda _path: full)
-    with raises_fault(faults.STICK_FULL, stick.name, error=ExportFailedError):
-        export(REPORT)
-    assert files_of(stick) == []
-
-
-def test_a_stick_that_is_removed_leaves_no_file_on_the_disk_below(
+def test_a_full_stick_is_refused_first_and_a_removed_one_leaves_no_file_on_the_disk_below(
     export, stick, sticks, monkeypatch
 ):
+    real = os.statvfs(str(stick))
+    full = os.statvfs_result((*real[:4], 1, *real[5:]))
+    with monkeypatch.context() as patched:
+        patched.setattr(os, "statvfs", lambda _path: full)
+        with raises_fault(faults.STICK_FULL, stick.name, error=ExportFailedError):
+            export(REPORT)
+    assert files_of(stick) == []
     after_copy(monkeypatch, sticks.pull_out)
     with raises_fault(faults.STICK_GONE, stick):
         export(REPORT)
@@ -204,8 +196,7 @@ def test_what_an_interrupted_export_left_is_removed_but_nothing_of_others(export
         for name in (one + ending for one in names for ending in ("", ".sha256")):
             (stick / FOLDER / f".{name}.0011aabb.tmp").write_text("half")
     own = ".20260921T141320_0f8fad5b_report.html"
-    foreign = [".letter.odt.tmp", ".old_survey.zip.0011aabb.tmp", f"{own}.tmp"]
-    foreign += [f"{own}.0011AABB.tmp", f"{own[1:]}.0011aabb.tmp", ".x_report.html.0011aabb.tmp"]
+    foreign = [".letter.odt.tmp", f"{own}.tmp", f"{own}.0011AABB.tmp", f"{own[1:]}.0011aabb.tmp"]
     for name in foreign:
         (stick / FOLDER / name).write_text("of others")
     export(REPORT)
@@ -219,9 +210,6 @@ def contents(folder):
 
 PUT = {
     "a link": lambda path, computer: path.symlink_to(computer),
-    "a relative link": lambda path, computer: path.symlink_to(
-        os.path.relpath(str(computer), str(path.parent))
-    ),
     "a link to nothing": lambda path, computer: path.symlink_to(computer / "nothing"),
     "a file": lambda path, _computer: path.write_text("a file"),
     "a pipe": lambda path, _computer: os.mkfifo(str(path)),
@@ -299,25 +287,22 @@ def test_what_is_not_on_the_stick_after_all_is_no_success(
         export(ZIP)
 
 
-@pytest.mark.parametrize("put", ["a link", "a pipe"])
-def test_a_survey_that_cannot_be_read_is_no_fault_of_the_stick(
-    export, folder, stick, tmp_path, put
+def test_a_survey_that_cannot_be_read_or_changes_is_no_fault_of_the_stick(
+    export, folder, stick, tmp_path, monkeypatch
 ):
     (tmp_path / "file").write_text("elsewhere")
-    PUT[put](folder / "survey.bag", tmp_path / "file")
-    with raises_fault(NOT_A_FILE, "survey.bag", error=ImagingError):
-        export(ZIP)
-    assert files_of(stick) == []
-
-
-def test_a_survey_that_changes_meanwhile_is_refused(export, folder, stick, monkeypatch):
+    for put in ("a link", "a pipe"):
+        PUT[put](folder / "survey.bag", tmp_path / "file")
+        with raises_fault(NOT_A_FILE, "survey.bag", error=ImagingError):
+            export(ZIP)
+        (folder / "survey.bag").unlink()
     at_write(monkeypatch, lambda: (folder / "survey.json").write_text("{}"))
     with raises_fault(faults.SURVEY_CHANGES, error=ExportFailedError):
         export(ZIP)
     assert files_of(stick) == []
 
 
-def test_a_refused_or_cancelled_export_leaves_nothing_and_ends_the_analysis(
+def test_a_refused_or_cancelled_export_leaves_nothing(
     exporter, folder, stick, analysis, monkeypatch
 ):
     analysis.mode = "refuse"
@@ -329,54 +314,28 @@ def test_a_refused_or_cancelled_export_leaves_nothing_and_ends_the_analysis(
         with pytest.raises(CancelledError):
             exporter.export(request_for(folder, stick, ZIP), cancellation)
     assert files_of(stick) == []
-    analysis.mode = "hang"
-    cancellation, ended = Cancellation(), threading.Event()
-
-    def cancel_when_started():
-        while not ended.wait(0.02):
-            if analysis.started.exists() and analysis.started.read_text():
-                cancellation.cancel()
-                return
-
-    watcher = threading.Thread(target=cancel_when_started)
-    watcher.start()
-    with pytest.raises(CancelledError):
-        exporter.export(request_for(folder, stick, REPORT), cancellation)
-    ended.set()
-    watcher.join()
-    assert files_of(stick) == []
 
 
 def listed(*devices):
     return json.dumps({"blockdevices": devices})
 
 
-def test_lists_mounted_sticks_by_each_mark_of_lsblk_and_with_free_space(sticks, tmp_path):
-    for mark in ({"rm": "1"}, {"rm": True}, {"hotplug": "1"}, {"tran": "usb"}):
-        device = {"name": "sda1", "label": None, "mountpoint": str(tmp_path), **mark}
+def test_mounted_sticks_are_listed_and_disks_of_the_system_are_not(sticks, tmp_path):
+    here = str(tmp_path)
+    for mark, count in (
+        *((one, 1) for one in ({"rm": "1"}, {"rm": True}, {"hotplug": "1"}, {"tran": "usb"})),
+        ({"rm": "0", "tran": "sata"}, 0),
+        *(({"rm": True, "mountpoint": one}, 0) for one in (None, "/", "/boot/firmware")),
+    ):
+        device = {"name": "sda1", "label": None, "mountpoint": here, **mark}
         volumes = UsbVolumes(lambda device=device: listed(device), (tmp_path.parent,))
-        assert [one.name for one in volumes.mounted()] == ["sda1"], mark
+        assert [one.name for one in volumes.mounted()] == ["sda1"] * count, mark
     path = sticks.plug_in("BLUE")
     (found,) = sticks.volumes.mounted()
     assert (found.path, found.name, found.writable) == (str(path), "BLUE", True)
     assert found.free_bytes > 0
     path.rmdir()  # it is pulled out while it is listed
     assert sticks.volumes.mounted() == []
-
-
-@each_case(
-    "device",
-    [
-        {"rm": "0", "tran": "sata"},
-        {"rm": True, "mountpoint": None},
-        {"rm": True, "mountpoint": "/"},
-        {"rm": True, "mountpoint": "/boot/firmware"},
-    ],
-)
-def test_leaves_disks_of_the_system_alone(tmp_path, device):
-    device = {"name": "sda", "label": None, "mountpoint": str(tmp_path / "x"), **device}
-    (tmp_path / "x").mkdir(exist_ok=True)
-    assert UsbVolumes(lambda: listed(device), (tmp_path,)).mounted() == []
 
 
 def test_a_stick_that_was_removed_or_replaced_is_noticed(sticks, stick):
