@@ -1,12 +1,14 @@
 """What the tests of several files share."""
 
 import base64
+import shutil
 import sys
 from pathlib import Path
 
 import pytest
 from command_kit import refusals  # noqa: F401
 from matplotlib.figure import Figure
+from survey_kit import POINTS, make_survey
 
 # The example candidates of gpr20_survey's tests.
 sys.path.append(str(Path(__file__).resolve().parents[3] / "gpr20_survey/test/unit"))
@@ -14,6 +16,18 @@ sys.path.append(str(Path(__file__).resolve().parents[3] / "gpr20_survey/test/uni
 ONE_PIXEL_PNG = base64.b64decode(
     "iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAAAAAA6fptVAAAACklEQVR42mP4DwABAQEAHLCMmQAAAABJRU5ErkJggg=="
 )
+
+
+@pytest.fixture(scope="session")
+def finished(tmp_path_factory):
+    """The folder of a survey that is complete; it is not to be changed."""
+    return make_survey(tmp_path_factory.mktemp("finished"), len(POINTS), "finished")
+
+
+@pytest.fixture
+def copied(finished, tmp_path):
+    """A copy of that folder of a survey."""
+    return Path(shutil.copytree(str(finished), str(tmp_path / finished.name)))
 
 
 @pytest.fixture

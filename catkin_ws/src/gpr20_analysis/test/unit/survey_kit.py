@@ -34,7 +34,7 @@ from gpr20_survey.trace.sweep_settings import AnalyzerSettings
 from gpr20_survey.trace.trace import Trace
 from gpr20_survey.trace.trace_json import CHECKSUM
 from gpr20_vna_processing.mid.data_processing import DataProcessing
-from gpr20_vna_processing.mid.processing_records import Limits, Storage, SurveyEnd
+from gpr20_vna_processing.mid.processing_records import Limits, Storage
 
 SURVEY = "0f8fad5b-d9cb-469f-a165-70867728950e"
 STARTED_US = 1_790_000_000_123_456
@@ -52,20 +52,11 @@ AXES = {
 }
 
 MESSAGES = Path(__file__).resolve().parents[3] / "gpr20_msgs" / "msg"
-HEADER_DEFINITION = "uint32 seq\ntime stamp\nstring frame_id\n"
 TRACE_DEFINITION = "\n".join(
     (
         *((MESSAGES / "Trace.msg").read_text(), "=" * 80, "MSG: std_msgs/Header"),
-        *(HEADER_DEFINITION, "=" * 80, "MSG: gpr20_msgs/AuxValue"),
+        *("uint32 seq\ntime stamp\nstring frame_id\n", "=" * 80, "MSG: gpr20_msgs/AuxValue"),
         (MESSAGES / "AuxValue.msg").read_text(),
-    )
-)
-STATUS_MD5SUM = "a03e61f3a68474fd87c9325d30026060"
-# As it was before the code of the fault.
-STATUS_DEFINITION = "\n".join(
-    (
-        (MESSAGES / "ControlStatus.msg").read_text().partition("string fault_code")[0],
-        *("=" * 80, "MSG: std_msgs/Header", HEADER_DEFINITION),
     )
 )
 
@@ -95,33 +86,11 @@ def planned_trace(index: int, **changes: Any) -> Trace:
     return Trace(**{**fields, **changes})
 
 
-def _text_message(text: str, number: int) -> RecordedMessage:
+def _status(text: str, time_ns: int) -> RecordedMessage:
     content = text.encode()
+    data = struct.pack("<I", len(content)) + content
     return RecordedMessage(
-        "/control_status",
-        TEXT_TYPE,
-        TEXT_MD5SUM,
-        TEXT_DEFINITION,
-        struct.pack("<I", len(content)) + content,
-        NOW_NS + number,
-    )
-
-
-def end_status(end: SurveyEnd) -> RecordedMessage:
-    """Return the last status of a survey: gpr20_msgs/ControlStatus, serialized."""
-    texts = (one.encode() for one in (str(end.message), end.survey_id, end.message.to_json()))
-    message, survey_id, message_json = (struct.pack("<I", len(one)) + one for one in texts)
-    header = struct.pack("<IIII", 0, *divmod(end.time_ns, 10**9), 0)
-    code = struct.pack("<i", end.state)
-    simulated = bytes([end.simulated])
-    return RecordedMessage(
-        "/control_status",
-        "gpr20_msgs/ControlStatus",
-        STATUS_MD5SUM,
-        STATUS_DEFINITION,
-        header + code + message + survey_id + simulated + message_json,
-        end.time_ns,
-        True,
+        "/control_status", TEXT_TYPE, TEXT_MD5SUM, TEXT_DEFINITION, data, time_ns, True
     )
 
 
@@ -155,7 +124,7 @@ def make_survey(
             now_ns=lambda: NOW_NS,
             clock=Clock(),
             revision="1.2.3",
-            end_status=end_status,
+            end_status=lambda end: _status(str(end.message), end.time_ns),
         ),
         Limits(timeout_s=10.0, period_s=0.05),
         on_opened=lambda _: None,
@@ -167,7 +136,7 @@ def make_survey(
     folder = processing.open_survey(SURVEY, STARTED_US, json.dumps(metadata), 1000)
     for index in range(stored):
         if recorded:
-            processing.record(_text_message(f"measuring trace {index}", index))
+            processing.record(_status(f"measuring trace {index}", NOW_NS + index))
         processing.store(planned_trace(index, **misplaced.get(index, {})))
     at_end(processing)
     if outcome is None:

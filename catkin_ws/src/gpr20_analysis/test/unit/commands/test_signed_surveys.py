@@ -1,13 +1,9 @@
 """gpr20 verify --signers says who vouches for a survey; what changes one can sign it again."""
 
-from __future__ import annotations
-
 import json
-import shutil
-from pathlib import Path
 
 import pytest
-from survey_kit import POINTS, make_survey
+from survey_kit import make_survey
 
 from gpr20_analysis import faults
 from gpr20_analysis.commands.main import main
@@ -26,16 +22,10 @@ def keys(tmp_path_factory):
     return folder
 
 
-@pytest.fixture(scope="module")
-def finished(tmp_path_factory):
-    return make_survey(tmp_path_factory.mktemp("finished"), len(POINTS), "finished")
-
-
 @pytest.fixture
-def folder(finished, tmp_path, keys):
-    copy = Path(shutil.copytree(str(finished), str(tmp_path / finished.name)))
-    Signer(keys / "robot").sign(copy)
-    return copy
+def folder(copied, keys):
+    Signer(keys / "robot").sign(copied)
+    return copied
 
 
 @pytest.fixture

@@ -1,7 +1,6 @@
 """Damaged input is refused by name, or left out and marked: never part of a picture unnoticed."""
 
-from __future__ import annotations
-
+import bz2
 import json
 import re
 import shutil
@@ -12,7 +11,8 @@ import numpy as np
 import pytest
 import xarray as xr
 from fault_kit import raises_fault
-from survey_kit import POINTS, make_survey, write_trace_file
+from run_seed import draws
+from survey_kit import POINTS, SURVEY, make_survey, write_trace_file
 
 from gpr20_analysis import faults
 from gpr20_analysis.commands.main import main
@@ -20,8 +20,11 @@ from gpr20_analysis.dataset import Quality
 from gpr20_analysis.errors import AnalysisError
 from gpr20_analysis.formats.dataset_files import write_dataset
 from gpr20_analysis.read.load import load_survey
+from gpr20_analysis.read.recordings import open_recording
 from gpr20_analysis.read.sources import read_trace
+from gpr20_analysis.read.unindexed_bag import complete_messages
 from gpr20_survey.faults import TRACE_DAMAGED
+from gpr20_survey.recording import bag_format
 
 pytestmark = pytest.mark.usefixtures("blank_figures")
 
@@ -38,16 +41,6 @@ COMMANDS = {
     "export": ("export", "SURVEY", "OUT.csv", "--format", "csv"),
     "report": ("report", "SURVEY", *IMAGE, "-o", "OUT.html"),
 }
-
-
-@pytest.fixture(scope="module")
-def whole(tmp_path_factory):
-    return make_survey(tmp_path_factory.mktemp("whole"), ALL, "finished")
-
-
-@pytest.fixture
-def folder(whole, tmp_path):
-    return Path(shutil.copytree(str(whole), str(tmp_path / "survey")))
 
 
 def trace_file(folder, index=VICTIM):
@@ -78,11 +71,7 @@ def exchanged(folder):
 
 DAMAGES = {
     "truncated": truncate,
-    "empty": lambda folder: trace_file(folder).write_bytes(b""),
     "not a number": lambda folder: change(folder, s21_real=[0.0, 1.0, float("nan"), 2.0, 3.0]),
-    "other frequencies": lambda folder: change(
-        folder, frequency_hz=np.linspace(1e9, 6e9, 5).tolist()
-    ),
     "fewer points": lambda folder: change(
         folder, frequency_hz=[6e8, 6e9], s21_real=[0.0, 1.0], s21_imag=[0.0, 1.0]
     ),
@@ -95,14 +84,14 @@ DAMAGES = {
 
 
 @pytest.mark.parametrize("damage", DAMAGES)
-def test_a_damaged_file_is_refused_by_name_and_marked_once_accepted(folder, whole, damage):
-    DAMAGES[damage](folder)
+def test_a_damaged_file_is_refused_by_name_and_marked_once_accepted(copied, finished, damage):
+    DAMAGES[damage](copied)
     # Files alone do not tell which places were planned.
-    for part in (folder,) if damage == "elsewhere" else (folder, folder / "traces"):
+    for part in (copied,) if damage == "elsewhere" else (copied, copied / "traces"):
         with raises_fault(faults.SURVEY_DAMAGED) as caught:
             load_survey(part)
         assert re.search(rf"\b{VICTIM}\b|{VICTIM:06d}_", str(caught.value))
-    survey, good = load_survey(folder, accept_damaged=True), load_survey(whole)
+    survey, good = load_survey(copied, accept_damaged=True), load_survey(finished)
     victims = [VICTIM, VICTIM + 1] if damage == "exchanged" else [VICTIM]
     spoilt = np.isin(good["index"].values, victims)
     unusable = int(Quality.DAMAGED | Quality.MISSING)
@@ -112,9 +101,9 @@ def test_a_damaged_file_is_refused_by_name_and_marked_once_accepted(folder, whol
     assert survey.attrs["faults"] and len(survey.attrs["missing"]) == spoilt.sum()
 
 
-def test_one_trace_or_place_twice_and_frequencies_that_no_half_shares_are_refused(folder, tmp_path):
+def test_one_trace_or_place_twice_and_frequencies_that_no_half_shares_are_refused(copied, tmp_path):
     twice, place, halves = (
-        Path(shutil.copytree(str(folder), str(tmp_path / name))) for name in "abc"
+        Path(shutil.copytree(str(copied), str(tmp_path / name))) for name in "abc"
     )
     copy = json.loads(trace_file(twice).read_text())
     copy["z_coord_deg"] += 1.8
@@ -136,58 +125,34 @@ def test_one_trace_or_place_twice_and_frequencies_that_no_half_shares_are_refuse
         load_survey(halves, accept_damaged=True)
 
 
-def test_positions_on_no_grid_are_refused_and_equal_samples_noted(folder, tmp_path):
+def test_positions_on_no_grid_are_refused_and_equal_samples_noted(copied, tmp_path):
     for index in range(ALL):
-        path = trace_file(folder, index)
+        path = trace_file(copied, index)
         values = json.loads(path.read_text())
         path.unlink()
         x_mm, y_mm = round(10.0 + index**1.5, 2), round(10.0 + 3 * index**1.2, 2)
         values.update(x_coord_mm=x_mm, y_coord_mm=y_mm)
         name = f"{index:06d}_X{x_mm:07.2f}_Y{y_mm:07.2f}_Z{values['z_coord_deg']:+07.2f}.json"
-        write_trace_file(folder / "traces" / name, values)
+        write_trace_file(copied / "traces" / name, values)
     with raises_fault(faults.NO_GRID):
-        load_survey(folder / "traces")
+        load_survey(copied / "traces")
     same = {"s21_real": np.arange(5.0), "s21_imag": np.ones(5)}
     alike = make_survey(tmp_path / "alike", ALL, "finished", {3: same, 8: same})
     assert any("exactly the values of another" in one for one in load_survey(alike).attrs["notes"])
 
 
-def test_a_truncated_or_changed_recording_never_gives_samples_that_were_not_stored(whole, tmp_path):
-    good = load_survey(whole)
-    bag, mcap = ((whole / name).read_bytes() for name in ("survey.bag", "survey.mcap"))
-
-    def changed(place):
-        content = bytearray(mcap)
-        content[int(len(content) * place)] ^= 0x55
-        return bytes(content)
-
-    shares = (0.3, 0.6, 0.9)
-    cases = [("survey.bag", bag[: int(len(bag) * share)], True) for share in shares]
-    cases += [("survey.mcap", mcap[: int(len(mcap) * share)], True) for share in shares]
-    cases += [("survey.mcap", changed(place), False) for place in np.linspace(0.2, 0.8, 7)]
-    for name, content, cut_off in cases:
-        (tmp_path / name).write_bytes(content)
-        try:
-            survey = load_survey(tmp_path / name, accept_damaged=True)
-        except AnalysisError:
-            continue
-        present = survey["index"].values >= 0
-        assert not cut_off or present.sum() + len(survey.attrs["missing"]) == ALL
-        np.testing.assert_array_equal(survey.s21.values[present], good.s21.values[present])
-
-
-def test_a_description_is_read_from_each_form_that_is_left_and_refused_without(folder, whole):
-    good = load_survey(whole)
+def test_a_description_is_read_from_each_form_that_is_left_and_refused_without(copied, finished):
+    good = load_survey(finished)
     forms = ("log.jsonl", "survey.json", "survey.mcap")
     for name in forms:
-        content = (folder / name).read_bytes()
-        (folder / name).write_bytes(b"{")
-        xr.testing.assert_identical(load_survey(folder), good.assign_attrs(source=folder.name))
-        (folder / name).write_bytes(content)
+        content = (copied / name).read_bytes()
+        (copied / name).write_bytes(b"{")
+        xr.testing.assert_identical(load_survey(copied), good.assign_attrs(source=copied.name))
+        (copied / name).write_bytes(content)
     for name in forms:
-        (folder / name).write_text("{")
+        (copied / name).write_text("{")
     with raises_fault(faults.SURVEY_DAMAGED):
-        load_survey(folder)
+        load_survey(copied)
 
 
 def run(command, source, tmp_path, *more):
@@ -199,15 +164,15 @@ def run(command, source, tmp_path, *more):
     return status, [path for path in there.iterdir() if path.suffix != ".sha256"]
 
 
-def test_every_command_refuses_damaged_files_until_they_are_accepted(folder, tmp_path, capsys):
-    truncate(folder)
+def test_every_command_refuses_damaged_files_until_they_are_accepted(copied, tmp_path, capsys):
+    truncate(copied)
     with raises_fault(TRACE_DAMAGED):
-        read_trace(trace_file(folder))
+        read_trace(trace_file(copied))
     for command in COMMANDS:
-        assert run(command, folder, tmp_path) == (REFUSED, []), command
+        assert run(command, copied, tmp_path) == (REFUSED, []), command
         error = capsys.readouterr().err
         assert f"{VICTIM:06d}_" in error or f"trace {VICTIM}" in error, command
-        status, written = run(command, folder, tmp_path, "--accept-damaged")
+        status, written = run(command, copied, tmp_path, "--accept-damaged")
         assert status == DAMAGED, command
         assert len(written) == (command != "info"), command
         assert "DAMAGED: " in capsys.readouterr().err, command
@@ -230,24 +195,17 @@ def test_missing_samples_are_told_by_every_command_and_for_every_kind(tmp_path, 
         assert "NO DATA: missing: " in capsys.readouterr().err, (command, source)
 
 
-@pytest.mark.parametrize("kind", ["survey.bag", "survey.mcap", "s.nc", "s.zarr"])
-def test_a_file_cut_short_is_refused_or_told(whole, tmp_path, capsys, kind):
-    victim = tmp_path / kind
-    if kind.startswith("s."):
-        write_dataset(load_survey(whole), victim)
-    else:
-        shutil.copy(str(whole / kind), str(victim))
-    part = victim if victim.is_file() else next((victim / "s21_real").glob("0*"))
-    part.write_bytes(part.read_bytes()[: part.stat().st_size // 2])
-    status, written = run("process", victim, tmp_path)
-    assert status == NOT_COMPLETE or (status, written) == (REFUSED, [])
-    error = capsys.readouterr().err
-    assert (kind in error or "NO DATA" in error) and "Traceback" not in error
-
-
-def test_a_dataset_that_was_changed_is_refused(whole, tmp_path, refusals, capsys):
+def test_a_dataset_that_was_changed_or_cut_short_is_refused(finished, tmp_path, refusals, capsys):
+    for kind in ("c.nc", "c.zarr"):
+        write_dataset(load_survey(finished), tmp_path / kind)
+        part = tmp_path / kind
+        part = part if part.is_file() else next((part / "s21_real").glob("0*"))
+        part.write_bytes(part.read_bytes()[: part.stat().st_size // 2])
+        assert run("process", tmp_path / kind, tmp_path) == (REFUSED, [])
+        assert kind in capsys.readouterr().err
+    refusals.clear()
     path = tmp_path / "e.nc"
-    assert main(["export", str(whole), str(path), "--format", "netcdf"]) == DONE
+    assert main(["export", str(finished), str(path), "--format", "netcdf"]) == DONE
     content = path.read_bytes()
     for place in np.linspace(0.05, 0.95, 5):
         changed = bytearray(content)
@@ -255,7 +213,7 @@ def test_a_dataset_that_was_changed_is_refused(whole, tmp_path, refusals, capsys
         path.write_bytes(changed)
         assert main(["info", str(path)]) == REFUSED
     assert refusals == [faults.FILE_CHANGED.code] * 5
-    survey = load_survey(whole)
+    survey = load_survey(finished)
     for order in (slice(None, None, -1), np.random.default_rng(1).permutation(5)):
         write_dataset(survey.isel(frequency=order), tmp_path / "s.nc")
         assert run("process", tmp_path / "s.nc", tmp_path) == (REFUSED, [])
@@ -270,11 +228,104 @@ def test_a_dataset_that_was_changed_is_refused(whole, tmp_path, refusals, capsys
     assert len(marked.attrs["missing"]) == len(marked.attrs["faults"]) == 1
 
 
-def test_a_dataset_of_somebody_else_is_read_with_a_word_on_its_missing_checksum(whole, tmp_path):
-    write_dataset(load_survey(whole), tmp_path / "s.nc")
+def test_a_dataset_of_somebody_else_is_read_with_a_word_on_its_missing_checksum(finished, tmp_path):
+    write_dataset(load_survey(finished), tmp_path / "s.nc")
     with xr.open_dataset(str(tmp_path / "s.nc"), engine="h5netcdf") as stored:
         stored.load().to_netcdf(str(tmp_path / "o.nc"), engine="h5netcdf")
     notes = load_survey(tmp_path / "o.nc").attrs["notes"]
     assert any("no gpr20 checksum" in note for note in notes)
     xr.Dataset({"rain": ("day", [1.0, 2.0])}).to_netcdf(str(tmp_path / "w.nc"), engine="h5netcdf")
     assert main(["info", str(tmp_path / "w.nc")]) == REFUSED
+
+
+CUTS = draws(10)
+
+
+@pytest.fixture(scope="module")
+def recorded_folder(tmp_path_factory):
+    return make_survey(tmp_path_factory.mktemp("whole"), ALL, "finished", recorded=True)
+
+
+@pytest.fixture(scope="module")
+def content(recorded_folder):
+    return (recorded_folder / "survey.bag").read_bytes()
+
+
+@pytest.fixture(scope="module")
+def messages(recorded_folder):
+    with (recorded_folder / "survey.bag").open("rb") as stream:
+        return list(complete_messages(stream))
+
+
+def indices(path):
+    """Return the index of each trace that is read, in order of the file."""
+    survey = load_survey(path, accept_damaged=True)
+    return sorted(survey["index"].values[survey["index"].values >= 0].tolist())
+
+
+@pytest.mark.parametrize("name", ["survey.bag", "survey.bag.active"])
+def test_whole_messages_of_a_bag_cut_anywhere_are_read(
+    recorded_folder, content, messages, tmp_path, name
+):
+    traces = [one for one in messages if one.datatype == "gpr20_msgs/Trace"]
+    good = load_survey(recorded_folder)
+    path = tmp_path / name
+    for seed in range(CUTS):
+        rng = np.random.default_rng(seed)
+        size = int(rng.integers(bag_format.DATA_START, len(content)))
+        path.write_bytes(content[:size])
+        whole = sum(content.find(one.data) + len(one.data) <= size for one in traces)
+        opened = open_recording(path)
+        found = list(opened.traces)
+        assert [one.data for one in found] == [one.data for one in traces[:whole]], size
+        assert "cut off" in str(opened.notes[0]), size
+        if whole:
+            survey = load_survey(path, accept_damaged=True)
+            present = survey["index"].values >= 0
+            assert present.sum() == whole, size
+            np.testing.assert_array_equal(survey.s21.values[present], good.s21.values[present])
+
+
+def foreign(messages, compression, torn):
+    """Return a bag as `rosbag record` writes it: many messages in a chunk, no index."""
+    connections, records = {}, b""
+    for one in messages:
+        number = connections.setdefault(one.topic, len(connections))
+        if number == len(connections) - 1:
+            records += bag_format.connection_record(
+                bag_format.Connection(
+                    number, one.topic, one.datatype, one.md5sum, one.definition, False
+                )
+            )
+        records += bag_format.message_record(number, one)
+    packed = bz2.compress(records) if compression == b"bz2" else records
+    # Fields in another order than the storage's.
+    fields = {"size": len(records).to_bytes(4, "little"), "compression": compression}
+    chunk = bag_format.record(bag_format.CHUNK, fields, packed)
+    if torn:  # a killed recorder has not yet written the length of its chunk
+        empty = {"size": bytes(4), "compression": compression}
+        chunk = bag_format.record(bag_format.CHUNK, empty, b"") + records[: len(records) * 2 // 3]
+    return bag_format.MAGIC + bag_format.file_header(0, 0, 0) + chunk
+
+
+@pytest.mark.parametrize("compression", [b"none", b"bz2"])
+def test_bags_of_another_recorder_are_read_without_an_index(messages, tmp_path, compression):
+    path = tmp_path / "record.bag.active"
+    path.write_bytes(foreign(messages, compression, torn=False))
+    assert indices(path) == list(range(ALL))
+    survey = load_survey(path)
+    assert survey.attrs["survey_id"] == SURVEY
+
+
+def test_what_a_killed_recorder_wrote_of_a_chunk_is_read_and_nothing_of_a_damaged_one(
+    messages, tmp_path
+):
+    path = tmp_path / "record.bag.active"
+    path.write_bytes(foreign(messages, b"none", torn=True))
+    found = indices(path)
+    assert found == list(range(len(found))) and ALL // 2 < len(found) < ALL
+    damaged = bytearray(foreign(messages, b"bz2", torn=False))
+    damaged[len(damaged) // 2] ^= 255
+    path.write_bytes(damaged)
+    with pytest.raises(AnalysisError):
+        load_survey(path)

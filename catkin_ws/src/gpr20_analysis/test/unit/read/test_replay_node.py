@@ -1,7 +1,5 @@
 """What the replay publishes, of today's and of older recordings, without a ROS master."""
 
-from __future__ import annotations
-
 import struct
 from types import SimpleNamespace
 
@@ -17,7 +15,7 @@ from imported_kit import imported_folder
 from mcap.writer import Writer
 from rosgraph_msgs.msg import Log
 from std_msgs.msg import Header, String
-from survey_kit import POINTS, SURVEY, make_survey, planned_trace
+from survey_kit import POINTS, SURVEY, planned_trace
 
 from gpr20_analysis import faults
 from gpr20_analysis.commands.main import main
@@ -39,7 +37,6 @@ from gpr20_msgs.msg import (
     SurveyCoverage,
     Trace,
 )
-from gpr20_msgs.srv import CommandRequest, SetReplayRateRequest
 from gpr20_survey.recording.recording import RecordedMessage
 from gpr20_survey.trace import trace_message
 
@@ -96,13 +93,8 @@ def graph(monkeypatch):
     return made
 
 
-@pytest.fixture(scope="module")
-def folder(tmp_path_factory):
-    return make_survey(tmp_path_factory.mktemp("survey"), len(POINTS), "finished")
-
-
-def test_every_trace_comes_back_from_mcap_and_from_json_files(graph, folder):
-    for number, part in enumerate((folder, folder / "traces")):
+def test_every_trace_comes_back_from_mcap_and_from_json_files(graph, finished):
+    for number, part in enumerate((finished, finished / "traces")):
         assert main(["replay", str(part), "--rate", "1e4", "--ns", f"r{number}"]) == 0
         found = graph.received(f"/r{number}/trace", Trace)
         assert len(found) == len(POINTS)
@@ -125,21 +117,18 @@ def test_an_imported_survey_comes_back_without_a_plan(graph, tmp_path):
     assert '"imported"' in metadata.data and "planned_traces" not in metadata.data
 
 
-def test_it_is_refused_on_topics_of_others_but_not_of_the_dead(graph, folder, refusals):
+def test_it_is_refused_on_topics_of_others_but_not_of_the_dead(graph, finished, refusals):
     graph.others["/trace"] = ["/robot"]
-    for part in (folder, folder / "traces"):
+    for part in (finished, finished / "traces"):
         assert main(["replay", str(part), "--ns", "/", "--rate", "1e4"]) == 3
     assert refusals == [faults.ROBOT_RUNS.code] * 2 and graph.sent == {}
-    assert main(["replay", str(folder), "--rate", "1e4"]) == 0
+    for name in ("a b", "1st", "../x", "a//b"):
+        assert main(["replay", str(finished), "--ns", name]) == 3 and graph.sent == {}, name
+    assert main(["replay", str(finished), "--rate", "1e4"]) == 0
     assert "/trace" not in graph.sent
     graph.gone.add("/robot")
-    assert main(["replay", str(folder), "--ns", "/", "--rate", "1e4"]) == 0
+    assert main(["replay", str(finished), "--ns", "/", "--rate", "1e4"]) == 0
     assert len(graph.sent["/trace"]) == len(POINTS)
-
-
-def test_what_is_no_namespace_is_refused(graph, folder):
-    for name in ("a b", "1st", "../x", "a//b"):
-        assert main(["replay", str(folder), "--ns", name]) == 3 and graph.sent == {}, name
 
 
 def test_a_survey_of_a_robot_with_a_namespace_comes_in_that_of_the_replay(graph, tmp_path):
@@ -156,26 +145,6 @@ def test_a_survey_of_a_robot_with_a_namespace_comes_in_that_of_the_replay(graph,
     assert len(graph.received("/again/of_robot1/survey_metadata", String)) == 1
     (found,) = graph.received("/again/diagnostics", DiagnosticArray)
     assert [one.name for one in found.status] == ["/again/of_robot1/main_control: state"]
-
-
-def test_the_services_of_a_replay_pause_it_and_set_its_rate(graph):
-    playback = SimpleNamespace(paused=False, rate=1.0, position_s=0.0)
-    playback.set_paused = lambda value: setattr(playback, "paused", value)
-    playback.set_rate = lambda value: setattr(playback, "rate", value)
-    survey = SimpleNamespace(survey_id=SURVEY, started="", folder="f")
-    replayed = SimpleNamespace(survey=survey, length_s=2.0)
-    marker = replay_marker.ReplayMarker("/replay/", replayed, playback)
-    marker._periodic.stop()
-    for name, request in (
-        ("pause", CommandRequest()),
-        ("set_rate", SetReplayRateRequest(rate=8.0)),
-        ("continue", CommandRequest()),
-    ):
-        assert graph.services[f"/replay/{name}"](request).success
-    *_, paused, faster, playing = graph.received("/replay/replay", Replay)
-    assert (paused.state, paused.rate) == (Replay.PAUSED, 1.0)
-    assert (faster.state, faster.rate) == (Replay.PAUSED, 8.0)
-    assert (playing.state, playing.length_s) == (Replay.PLAYING, 2.0)
 
 
 def write_latched(path, *messages):
@@ -215,7 +184,6 @@ def today(topic, message, kind):
     ("kind", "added", "values"),
     [
         (ControlStatus, ("string message_json", *CODE), {"code": 4, "simulated": True}),
-        (ControlStatus, CODE, {"code": 4, "message": "measuring", "message_json": "{}"}),
         (ControlStatus, PLAN, {"code": 5, "fault_code": "a.b"}),
         (ControlStatus, (), {"code": 5, "plan_id": "p"}),
         (ServiceStatus, CODE, {"message": "the axis is not homed"}),

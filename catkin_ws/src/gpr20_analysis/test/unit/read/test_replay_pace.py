@@ -1,23 +1,12 @@
 """A replay keeps the recording's times, scaled."""
 
-from __future__ import annotations
-
-import os
-from pathlib import Path
-
 import pytest
 from fault_kit import raises_fault
-from survey_kit import POINTS, STARTED_US, SURVEY, make_survey
 
 from gpr20_analysis import faults
-from gpr20_analysis.read.launched_path import with_survey
 from gpr20_analysis.read.playback import Pace, Playback
-from gpr20_analysis.read.replay import Due, describe, from_start, recorded
+from gpr20_analysis.read.replay import Due, from_start
 from gpr20_survey.recording.recording import RecordedMessage
-from gpr20_survey.recording.replay_message import RecordedSurvey
-from gpr20_survey.trace import utc_time
-
-STARTED = utc_time.iso_text(STARTED_US)
 
 
 class JumpingClock:
@@ -117,28 +106,3 @@ def test_a_later_start_brings_every_trace_and_the_last_state_before_it_at_once()
     late = list(from_start(items, 1000.0))
     assert [due.content.data for due in late][-1] == b"finished"
     assert len({due.time_ns for due in late}) == 1
-
-
-def test_a_survey_is_described_from_each_of_its_forms(tmp_path):
-    folder = make_survey(tmp_path, len(POINTS), "finished")
-    for form in (folder, folder / "survey.mcap"):
-        described = describe(form)
-        assert described.survey == RecordedSurvey(SURVEY, STARTED, folder.name)
-        assert described.namespace == "/"
-    assert describe(folder / "traces").survey.survey_id == SURVEY
-    (folder / "survey.mcap").unlink()
-    assert describe(folder).survey == RecordedSurvey(SURVEY, STARTED, folder.name)
-    first = next(iter(recorded(folder)))
-    assert first.content.topic == "survey_metadata"
-
-
-def test_a_path_of_the_launch_file_begins_where_roslaunch_was_called():
-    own = Path(os.readlink(f"/proc/{os.getppid()}/cwd"))
-    for name, path in {
-        "a b": own / "a b",
-        "/a": Path("/a"),
-        "~/x": Path("~/x").expanduser(),
-    }.items():
-        arguments = with_survey(["--rate", "2"], {"GPR20_REPLAY_SURVEY": name})
-        assert arguments == ["--rate", "2", "--", str(path)]
-    assert with_survey(["x"], {}) == ["x"]

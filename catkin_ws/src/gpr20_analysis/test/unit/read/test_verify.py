@@ -1,5 +1,3 @@
-from __future__ import annotations
-
 import json
 import os
 import random
@@ -33,18 +31,8 @@ FOLDER_MODULES = ("rospy", "rosbag", "genpy", "roslib", "rospkg")
 
 
 @pytest.fixture(scope="module")
-def finished(tmp_path_factory):
-    return make_survey(tmp_path_factory.mktemp("finished"), len(POINTS), "finished")
-
-
-@pytest.fixture(scope="module")
 def stopped(tmp_path_factory):
     return make_survey(tmp_path_factory.mktemp("stopped"), 7, "stopped")
-
-
-@pytest.fixture
-def copy(finished, tmp_path):
-    return Path(shutil.copytree(str(finished), str(tmp_path / finished.name)))
 
 
 def cut_to(mcap, content, count):
@@ -93,58 +81,60 @@ def test_a_survey_that_was_cut_off_is_judged_by_what_is_whole(tmp_path, capsys):
     assert main([str(folder)]) == 2
 
 
-def test_damage_is_found_without_the_manifest_too(copy):
+def test_damage_is_found_without_the_manifest_too(copied):
     """A manifest that was made again hides nothing that contradicts itself."""
-    (copy / "manifest.json").unlink()
-    trace = sorted((copy / "traces").iterdir())[4]
-    original = {one: one.read_bytes() for one in (trace, copy / "survey.bag", copy / "survey.mcap")}
+    (copied / "manifest.json").unlink()
+    trace = sorted((copied / "traces").iterdir())[4]
+    original = {
+        one: one.read_bytes() for one in (trace, copied / "survey.bag", copied / "survey.mcap")
+    }
     values = json.loads(original[trace])
     values["s21_imag"][2] = values["s21_imag"][2] + 1e-12
     write_trace_file(trace, values)
-    faults = without_manifest_faults(verify_survey(copy))
+    faults = without_manifest_faults(verify_survey(copied))
     assert faults == [
         "trace 4 has other values in survey.bag than in its JSON file",
         "trace 4 has other values in survey.mcap than in its JSON file",
     ]
     trace.write_bytes(original[trace])
-    assert without_manifest_faults(verify_survey(copy)) == []
+    assert without_manifest_faults(verify_survey(copied)) == []
 
     numbers = planned_trace(4).s21_real.tobytes()
-    bag = bytearray(original[copy / "survey.bag"])
+    bag = bytearray(original[copied / "survey.bag"])
     bag[bag.index(numbers) + 3] ^= 1
-    (copy / "survey.bag").write_bytes(bag)
-    faults = without_manifest_faults(verify_survey(copy))
+    (copied / "survey.bag").write_bytes(bag)
+    faults = without_manifest_faults(verify_survey(copied))
     assert faults == ["trace 4 has other values in survey.bag than in its JSON file"]
 
 
 @pytest.mark.parametrize("name", ["survey.bag", "survey.mcap"])
-def test_a_recording_damaged_or_cut_anywhere_is_named_and_never_fails_the_check(copy, name):
-    content = (copy / name).read_bytes()
+def test_a_recording_damaged_or_cut_anywhere_is_named_and_never_fails_the_check(copied, name):
+    content = (copied / name).read_bytes()
     chance = random.Random(name)
     for _ in range(draws(15)):
         changed = bytearray(content)
         place = chance.randrange(len(content))
         for offset in range(chance.choice([1, 4, 64])):
             changed[min(place + offset, len(content) - 1)] ^= chance.randrange(1, 256)
-        (copy / name).write_bytes(changed if chance.random() < 0.7 else content[:place])
-        found = verify_survey(copy)
+        (copied / name).write_bytes(changed if chance.random() < 0.7 else content[:place])
+        found = verify_survey(copied)
         assert found.status == 2
         assert any(name in fault for fault in texts(found.faults))
 
 
-def test_what_is_gone_or_was_added_is_named(copy):
+def test_what_is_gone_or_was_added_is_named(copied):
     for name in ("survey.bag", "survey.mcap", "manifest.json", "survey.json"):
-        content = (copy / name).read_bytes()
-        (copy / name).unlink()
-        found = verify_survey(copy)
+        content = (copied / name).read_bytes()
+        (copied / name).unlink()
+        found = verify_survey(copied)
         assert found.status == 2 and any(name in one for one in texts(found.faults)), name
-        (copy / name).write_bytes(content)
-    added, lost = copy / "traces" / "note.txt", sorted((copy / "traces").iterdir())[3]
+        (copied / name).write_bytes(content)
+    added, lost = copied / "traces" / "note.txt", sorted((copied / "traces").iterdir())[3]
     added.write_text("hello")
-    assert texts(verify_survey(copy).faults) == ["traces/note.txt is not in the manifest"]
+    assert texts(verify_survey(copied).faults) == ["traces/note.txt is not in the manifest"]
     added.unlink()
     lost.unlink()
-    named = " ".join(texts(verify_survey(copy).faults))
+    named = " ".join(texts(verify_survey(copied).faults))
     for said in (
         *(f"traces/{lost.name}", "trace 3 is in survey.bag", "trace 3 is in survey.mcap"),
         *("records 18 stored traces, but 17", "records the outcome finished"),
@@ -172,13 +162,7 @@ RECORDED = {"if_bandwidth_hz": 1000.0, "averages": 4, "output_power": "HIGH"}
 
 @each_case(
     "number, recorded, wanted",
-    [
-        (0, {}, {"if_bandwidth_hz": 1000.0}),
-        (1, {}, {"averages": 4}),
-        (2, {}, {"output_power": "HIGH"}),
-        (3, RECORDED, {}),
-        (4, {"averages": 4}, {}),
-    ],
+    [(0, {}, {"if_bandwidth_hz": 1000.0}), (1, {}, {"output_power": "HIGH"}), (2, RECORDED, {})],
 )
 def test_a_trace_with_other_settings_of_the_vna_is_named(tmp_path, number, recorded, wanted):
     more = {
@@ -192,15 +176,8 @@ def test_a_trace_with_other_settings_of_the_vna_is_named(tmp_path, number, recor
 
 
 def test_settings_of_the_vna_that_are_not_recorded_are_not_compared(tmp_path):
-    for number, instrument in enumerate(
-        (
-            {},
-            None,
-            {"sweep": None},
-            {"sweep": {"if_bandwidth_hz": 0.0, "averages": 0, "output_power": ""}},
-            {"sweep": {"if_bandwidth_hz": "x", "averages": 4.5, "output_power": None}},
-        )
-    ):
+    odd = {"sweep": {"if_bandwidth_hz": "x", "averages": 4.5, "output_power": None}}
+    for number, instrument in enumerate((None, odd)):
         place, more = tmp_path / str(number), {"instrument": instrument}
         folder = make_survey(place, 18, "finished", misplaced=OTHERS, more=more)
         assert texts(verify_survey(folder).faults) == [], instrument
@@ -210,10 +187,8 @@ CONTRADICTIONS = (
     ({"planned_traces": 7}, "records 7 planned traces, but its parameters give 18"),
     ({"stored_traces": 18}, "records 18 stored traces, but 7 are readable"),
     ({"outcome": "finished"}, "the outcome finished, but"),
-    ({"report": {"complete": True}}, "the report in survey.json is complete, but"),
     ({"report": {"coverage": "mmmrrrmmm" * 2}}, "the report in survey.json is complete, but"),
     ({"axes": {}}, "the plan is unknown"),
-    ({"parameters": {**PARAMETERS, "x_points": 10**9}}, "number of traces"),
     ({"parameters": {**PARAMETERS, "x_points": "3"}}, "x_points"),
 )
 
@@ -235,9 +210,7 @@ def test_a_report_that_does_not_claim_more_than_the_files_is_true(stopped, tmp_p
     before = texts(verify_survey(folder, use_manifest=False).faults)
     for report in (
         {"complete": False, "coverage": "m" * 18},
-        {"coverage": "m" * 7 + "-" * 11},
         {"coverage": "m" * 17 + "f"},
-        {"coverage": ""},
         {"verdict": "INCOMPLETE: 7 of 18"},
         None,
         "complete",
@@ -247,43 +220,31 @@ def test_a_report_that_does_not_claim_more_than_the_files_is_true(stopped, tmp_p
         assert texts(found.faults) == before, report
 
 
-def test_programs_get_the_result_as_json_with_codes(finished, stopped, copy, capsys):
-    (next((copy / "traces").iterdir())).write_text("{")
+def test_programs_get_the_result_as_json_with_codes(finished, stopped, copied, capsys):
+    (next((copied / "traces").iterdir())).write_text("{")
     for folder, status, code in (
         (finished, 0, ""),
         (stopped, 1, faults.NOT_COMPLETE.code),
-        (copy, 2, faults.NOT_INTACT.code),
+        (copied, 2, faults.NOT_INTACT.code),
     ):
         assert main([str(folder), "--json"]) == status
         answer = json.loads(capsys.readouterr().out)
         assert (answer["status"], answer["verdict"]["fault_code"]) == (status, code)
         assert all(one["fault_code"] and one["message"] for one in answer["faults"])
         assert bool(answer["faults"]) == (status == 2)
+    for none in (copied.parent, copied / "missing"):
+        assert main([str(none), "--json"]) == 3
+        answer = json.loads(capsys.readouterr().out)
+        assert answer["error"]["fault_code"] == faults.NO_INPUT.code
 
 
-def test_a_folder_that_is_no_survey_is_told_apart(tmp_path, capsys):
-    assert main([str(tmp_path), "--json"]) == 3
-    printed = capsys.readouterr()
-    assert json.loads(printed.out)["error"]["fault_code"] == faults.NO_INPUT.code
-    assert str(tmp_path) in printed.err and str(faults.NO_INPUT.remedy) in printed.err
-    assert main([str(tmp_path / "missing")]) == 3
-
-
-def test_many_faults_are_counted_and_told_on_request(copy, capsys):
-    for path in (copy / "traces").iterdir():
+def test_many_faults_are_counted_and_told_on_request(copied, capsys):
+    for path in (copied / "traces").iterdir():
         path.write_text("{")
-    assert main([str(copy)]) == 2
+    assert main([str(copied)]) == 2
     assert "more; --all prints all of them" in capsys.readouterr().out
-    assert main(["--all", str(copy)]) == 2
+    assert main(["--all", str(copied)]) == 2
     assert "--all" not in capsys.readouterr().out
-
-
-def test_checking_changes_nothing(copy):
-    before = {one: (one.read_bytes(), one.stat().st_mtime_ns) for one in copy.rglob("*.*")
-              if one.is_file()}  # fmt: skip
-    verify_survey(copy)
-    assert before == {one: (one.read_bytes(), one.stat().st_mtime_ns) for one in copy.rglob("*.*")
-                      if one.is_file()}  # fmt: skip
 
 
 def test_the_command_runs_where_ros_is_not_installed(finished, tmp_path):

@@ -1,7 +1,5 @@
 """What verify says of contradictions, and of a survey that is being written."""
 
-from __future__ import annotations
-
 import os
 import subprocess
 import sys
@@ -55,15 +53,12 @@ def nodes(*simulated):
     "number, simulated, measured_by, named",
     [
         (0, True, analyzer("SIMULATED"), ""),
-        (1, False, analyzer("7654321"), ""),
-        (2, False, {"instrument": {}}, ""),
-        (3, False, nodes(False), ""),
-        (4, False, analyzer("SIMULATED"), "SIMULATED"),
-        (5, True, analyzer("7654321"), "7654321"),
-        (6, False, nodes(False, True), "/x it says true"),
-        (7, True, nodes(False), "/x it says false"),
-        (8, True, {"nodes": [{"name": "/x"}]}, "/x it says None"),
-        (9, True, {"nodes": 7}, "7 it says None"),
+        (1, False, {"instrument": {}}, ""),
+        (2, False, nodes(False), ""),
+        (3, False, analyzer("SIMULATED"), "SIMULATED"),
+        (4, True, analyzer("7654321"), "7654321"),
+        (5, False, nodes(False, True), "/x it says true"),
+        (6, True, {"nodes": 7}, "7 it says None"),
     ],
 )
 def test_simulated_agrees_with_what_measured_the_survey(
@@ -96,10 +91,6 @@ def test_an_end_before_the_start_is_told(tmp_path):
     [
         ({}, []),
         (
-            {2: at(STARTED_US + 2 * S), 3: at(STARTED_US + 5 * S)},
-            [("trace 2 of 2026-09-21T14:13:22.123456", "trace 1 of 2026-09-21T14:13:23.123456")],
-        ),
-        (
             {0: at(STARTED_US - S), 3: at(NOW_NS // 1000 + S)},
             [("1 traces are older", ": 0"), ("1 traces are newer", ": 3")],
         ),
@@ -109,7 +100,7 @@ def test_an_end_before_the_start_is_told(tmp_path):
         ),
         (
             {index: at(STARTED_US + (50 - index) * S) for index in range(9)},
-            [*[("out of order",)] * 5, ("3 more are out of order",)],
+            [("trace 1 of", "trace 0 of"), *[("out of order",)] * 4, ("3 more are out of order",)],
         ),
     ],
 )
@@ -120,13 +111,11 @@ def test_times_that_contradict_each_other_are_told(tmp_path, times, said):
         assert all(one in note for one in words), note
 
 
-@pytest.mark.parametrize(
-    ("name", "noted"), [("20260921T141320_7c9e6679", 1), ("copy of the survey", 0)]
-)
-def test_a_folder_with_the_name_of_another_survey_is_noted(tmp_path, name, noted):
+def test_a_folder_with_the_name_of_another_survey_is_noted(tmp_path):
     folder = make_survey(tmp_path, 4, "stopped")
-    found = notes(folder.rename(folder.parent / name))
-    assert len([one for one in found if f"the name {name} of another survey" in one]) == noted
+    for name, noted in (("20260921T141320_7c9e6679", 1), ("copy of the survey", 0)):
+        folder = folder.rename(folder.parent / name)
+        assert sum("of another survey" in one for one in notes(folder)) == noted
 
 
 STORED = 5
