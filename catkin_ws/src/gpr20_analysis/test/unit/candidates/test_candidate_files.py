@@ -1,8 +1,5 @@
 """Files of candidates, opened by readers that are not ours."""
 
-from __future__ import annotations
-
-import csv
 import hashlib
 import json
 import sqlite3
@@ -60,22 +57,6 @@ def test_every_file_says_what_the_list_is_and_has_its_checksum(tmp_path, ending)
     assert sorted(one.name for one in tmp_path.iterdir()) == [path.name, f"{path.name}.sha256"]
 
 
-def test_csv_and_json_hold_the_candidates(tmp_path):
-    listed = found()
-    write_candidates(listed, tmp_path / "list.csv")
-    write_candidates(listed, tmp_path / "list.json")
-    lines = (tmp_path / "list.csv").read_text(encoding="utf-8").splitlines()
-    rows = list(csv.DictReader(line for line in lines if not line.startswith("#")))
-    record = json.loads((tmp_path / "list.json").read_text(encoding="utf-8"))
-    assert len(rows) == len(record["candidates"]) == len(listed.candidates) == 2
-    for row, stored, one in zip(rows, record["candidates"], listed.candidates):
-        assert row["id"] == stored["id"] == one.id
-        assert float(row["x_m"]) == stored["x_m"] == one.x_m
-        assert row["flags"].split() == stored["flags"] == [flag.value for flag in one.flags]
-        assert row["latitude_deg"] == "" and stored["latitude_deg"] is None
-    assert record["warning"] == str(NO_CLEARANCE) and record["omitted"] == 7
-
-
 @pytest.mark.parametrize("ending", [".geojson", ".gpkg"])
 def test_gdal_reads_points_on_the_earth(tmp_path, ending):
     listed = found(**POSITION)
@@ -83,12 +64,10 @@ def test_gdal_reads_points_on_the_earth(tmp_path, ending):
     write_candidates(listed, path)
     meta, _, geometry, fields = pyogrio.raw.read(path, layer=pyogrio.list_layers(path)[0][0])
     assert meta["crs"] == "EPSG:4326" and meta["geometry_type"] == "Point"
-    columns = dict(zip(meta["fields"], fields))
-    assert list(columns["id"]) == [one.id for one in listed.candidates]
+    assert list(dict(zip(meta["fields"], fields))["id"]) == [one.id for one in listed.candidates]
     for wkb, one in zip(geometry, listed.candidates):
-        assert np.frombuffer(wkb[-16:]) == pytest.approx(
-            listed.position.on_earth(one.x_m, one.y_m), abs=1e-8
-        )
+        there = listed.position.on_earth(one.x_m, one.y_m)
+        assert np.frombuffer(wkb[-16:]) == pytest.approx(there, abs=1e-8)
 
 
 def test_without_a_place_gpkg_is_in_metres_and_geojson_is_refused(tmp_path):
@@ -150,7 +129,6 @@ def test_the_command_prints_and_writes_and_replaces_nothing_unasked(tmp_path, ca
     assert "--overwrite" in capsys.readouterr().err and listed.read_bytes() == before
     assert main([*command, "--overwrite", "--json", "--false-alarms", "0.5"]) == DONE
     assert json.loads(capsys.readouterr().out)["false_alarms_per_m2"] == pytest.approx(0.5)
-    assert main([*command[:-1], str(tmp_path / "list.txt")]) == REFUSED
     assert main([*command[:-2], "--false-alarms", "0"]) == REFUSED
 
 

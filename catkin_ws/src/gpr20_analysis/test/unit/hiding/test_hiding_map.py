@@ -1,7 +1,5 @@
 """The map of where a target could hide: from whole surveys, as files, and as a command."""
 
-from __future__ import annotations
-
 import hashlib
 import json
 import sqlite3
@@ -10,32 +8,32 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from case_kit import each_case
 from fault_kit import raises_fault
 from ground_kit import point, scene, survey_of
-from recorded_worlds import BORN, area, truths
 from run_seed import LONG
 
 from gpr20_analysis import faults, read_hiding, write_hiding
 from gpr20_analysis.commands.command import DONE, REFUSED
 from gpr20_analysis.commands.main import main
 from gpr20_analysis.errors import ExportError, UnreadableFileError
-from gpr20_analysis.hiding.detector import Detector, Searched, is_found
+from gpr20_analysis.formats.dataset_files import write_dataset
+from gpr20_analysis.hiding.detector import Detector, is_found
 from gpr20_analysis.hiding.injection import with_targets
-from gpr20_analysis.hiding.runs import HidingOptions, Runs
+from gpr20_analysis.hiding.runs import HidingOptions
 from gpr20_analysis.hiding.scattering import Soil, echo_of
 from gpr20_analysis.hiding.search import map_hidden
 from gpr20_analysis.imaging.image_options import ImageOptions
 from gpr20_analysis.imaging.methods import DEFAULT_STEPS, Method, imaging_method
 from gpr20_analysis.imaging.records import Ground
 from gpr20_analysis.processing.chain import process_survey
+from gpr20_analysis.read.load import load_survey
 from gpr20_analysis.sample.sample_survey import sample_survey
 from gpr20_survey.results.area_position import AreaPosition
 from gpr20_survey.results.hidden_target import Target, Targets
 
 SMALL = HidingOptions((0.03, 0.15), rounds=6 if LONG else 2, loss_tangent=0.0)
-FEW_MM = np.linspace(60.0, 420.0, 25 if LONG else 13)
-FEW_HZ = np.linspace(600e6, 6e9, 101 if LONG else 61)
+FEW_MM = np.linspace(60.0, 420.0, 25 if LONG else 11)
+FEW_HZ = np.linspace(600e6, 6e9, 101 if LONG else 46)
 DISC = Targets.TYPE_72.value
 
 
@@ -73,6 +71,12 @@ def test_a_shallow_disc_is_found_and_none_that_noise_hides(ground, found):
 
 
 def test_the_same_seed_gives_the_same_map_and_another_seed_an_alike_one(ground, found):
+    assert found.target == DISC
+    assert found.permittivity_range == pytest.approx((3.8, 4.2))
+    assert "permittivity of the soil: as given" in map(str, found.notes)
+    assert np.all((found.lowest <= found.share) & (found.share <= found.highest))
+    # What is added to the image is found as the whole detector finds it.
+    assert found.checked > 0 and 0.8 * found.checked <= found.agreed <= found.checked
     again = map_hidden(ground, detector(), DISC, SMALL)
     assert np.array_equal(again.found, found.found) and np.array_equal(again.tried, found.tried)
     other = map_hidden(ground, detector(), DISC, replace(SMALL, seed=7))
@@ -88,38 +92,6 @@ def noise(survey, level):
     return survey["s21"].copy(data=level * np.abs(survey["s21"]).max().item() * parts)
 
 
-def test_the_map_says_what_it_was_made_of(found):
-    assert found.target == DISC
-    assert found.permittivity_range == pytest.approx((3.8, 4.2))
-    assert "permittivity of the soil: as given" in map(str, found.notes)
-    assert (found.tried > 0).all()
-    assert np.all((found.lowest <= found.share) & (found.share <= found.highest))
-    assert found.checked > 0 and 0 <= found.agreed <= found.checked
-
-
-@pytest.mark.parametrize(
-    "number", [pytest.param(one, marks=pytest.mark.release) for one in (0, 3, 6, 9)]
-)
-def test_one_target_is_found_as_the_whole_detector_finds_it(number):
-    """Fields that the imaging did not make; 12 random places in each."""
-    survey, truth = area(BORN, number)
-    assert truths(BORN)[number] == truth
-    own = detector(truth["permittivity"])
-    searched = Searched(survey, own)
-    options = HidingOptions(
-        (0.05, 0.17), rounds=6 if LONG else 3, separation_m=0.06, loss_tangent=0.02
-    )
-    runs = Runs(survey, searched, own, DISC, options, None)
-    alike = []
-    for depth_m in options.depth_m:
-        runs.left[depth_m] = runs.left_by(depth_m)
-        for one in range(options.rounds):
-            answers = dict(runs.added((depth_m, one)))
-            alike += [answers[place_m] == is_it for place_m, is_it in runs.whole((depth_m, one))]
-    assert len(alike) >= (10 if LONG else 5)
-    assert sum(alike) >= 0.8 * len(alike)
-
-
 def test_what_changes_nothing_was_not_found(ground):
     searched = detector().search(ground)
     nothing = replace(searched, candidates=())
@@ -131,22 +103,10 @@ def test_what_changes_nothing_was_not_found(ground):
     assert not is_found(searched, nothing, place_m, body.depth_m + 0.1, DISC)
 
 
-@pytest.mark.parametrize(
-    "permittivity",
-    [4.0, *(pytest.param(one, marks=pytest.mark.release) for one in (4.0 + 1e-9, 3.95))],
-)
-def test_a_target_like_the_soil_is_found_nowhere(ground, permittivity):
-    target = Target("soil", 0.08, 0.01, permittivity)
-    options = ImageOptions(permittivity=4.0, permittivity_uncertainty=0.01, ground=Ground.LEVEL)
-    own = Detector(lambda survey: process_survey(survey, *DEFAULT_STEPS), options)
-    found = map_hidden(ground, own, target, SMALL)
-    assert found.missed.all()
-
-
-def test_where_the_permittivity_may_be_that_of_the_target_it_could_hide(ground):
-    unknown = Detector(
-        lambda survey: process_survey(survey, *DEFAULT_STEPS), ImageOptions(ground=Ground.LEVEL)
-    )
+def test_a_target_that_is_or_may_be_like_the_soil_is_found_nowhere(ground):
+    few = HidingOptions((0.03,), rounds=1, loss_tangent=0.0)
+    assert map_hidden(ground, detector(), Target("soil", 0.08, 0.01, 4.0), few).missed.all()
+    unknown = Detector(detector().process, ImageOptions(ground=Ground.LEVEL))
     found = map_hidden(ground, unknown, DISC, HidingOptions((0.03,), rounds=2, loss_tangent=0.0))
     assert found.missed.all()
     assert any("invisible" in str(one) for one in found.details)
@@ -176,44 +136,25 @@ def test_traces_that_received_nothing_get_no_echo(ground):
     assert changed[:, :, :7].all() and not changed[:, :, 7:].any()
 
 
-def test_a_line_has_a_map_along_it(ground):
-    line = survey_of(
-        scene([point(700.0, 0.0, 0.08)], noise_db=-75.0),
-        np.linspace(0.0, 1500.0, 51),
-        np.array([0.0]),
-        rotations_deg=(0.0,),
-    )
-    found = map_hidden(line, detector(), DISC, SMALL)
-    assert found.missed_m.shape[0] == 1 < found.missed_m.shape[1]
-    assert np.nansum(found.found) > 0
-
-
-@each_case(
-    "wrong",
-    [
-        {"depth_m": ()},
-        {"depth_m": (0.1, 0.1)},
-        {"depth_m": (0.1, float("nan"))},
-        {"depth_m": (-0.1, 0.1)},
-        {"depth_m": (0.1, 1.1)},
-        {"rounds": 0},
-        {"needed": 0.0},
-        {"needed": float("nan")},
-        {"loss_tangent": -0.1},
-        {"seed": -1},
-    ],
-)
-def test_options_that_are_not_allowed_are_refused(wrong):
-    with raises_fault(faults.OPTION):
-        HidingOptions(**wrong)
+def test_options_that_are_not_allowed_are_refused():
+    depths_m = ((), (0.1, 0.1), (0.1, float("nan")), (0.1, 1.1))
+    for wrong in (
+        *({"depth_m": one} for one in depths_m),
+        *({"rounds": 0}, {"needed": float("nan")}, {"loss_tangent": -0.1}, {"seed": -1}),
+    ):
+        with raises_fault(faults.OPTION):
+            HidingOptions(**wrong)
 
 
 FAST = ["--permittivity", "5", "--rounds", "1", "--target-depths", "30", "150"]
 
 
 @pytest.fixture(scope="module")
-def sample_file():
-    return str(sample_survey())
+def sample_file(tmp_path_factory):
+    path = tmp_path_factory.mktemp("sample") / "corner.nc"
+    few = {"x": slice(11), "y": slice(11), "frequency": slice(None, None, 2)}
+    write_dataset(load_survey(sample_survey()).isel(few), path)
+    return str(path)
 
 
 @pytest.fixture(scope="module")
@@ -237,9 +178,8 @@ def test_geopackage_has_a_polygon_around_each_place(written, stored_map):
         warning = database.execute(
             "SELECT value FROM hiding_facts WHERE name = 'warning'"
         ).fetchone()[0]
-    for name in ("a.json", "a.gpkg"):
-        digest = hashlib.sha256((written / name).read_bytes()).hexdigest()
-        assert (written / f"{name}.sha256").read_text() == f"{digest}  {name}\n"
+    digest = hashlib.sha256((written / "a.gpkg").read_bytes()).hexdigest()
+    assert (written / "a.gpkg.sha256").read_text() == f"{digest}  a.gpkg\n"
     assert (written / "a.png").read_bytes().startswith(b"\x89PNG")
     assert kind == ("POLYGON",) and len(rows) == stored_map.missed_m.size
     assert "holds for this target only" in warning and "SIMULATED" in warning
@@ -263,12 +203,12 @@ def test_geojson_needs_a_place_on_the_earth_and_is_there(stored_map, tmp_path):
     assert len(features) == stored_map.missed_m.size
     for feature in features:
         ring = np.array(feature["geometry"]["coordinates"][0])
-        assert np.abs(ring - [-74.1, 4.6]).max() < 1e-4
         values = feature["properties"]
         middle = placed.position.on_earth(values["x_m"], values["y_m"])
         assert ring[:4].mean(axis=0) == pytest.approx(middle, abs=1e-9)
 
 
+@pytest.mark.usefixtures("blank_figures")
 def test_report_shows_the_map_of_its_survey_only(sample_file, written, tmp_path, refusals):
     report = tmp_path / "report.html"
     given = ["report", sample_file, "--permittivity", "5", "-o", str(report), "--hiding"]
@@ -293,18 +233,8 @@ def test_wrong_files_and_endings_are_refused(stored_map, tmp_path):
             read_hiding(path)
 
 
-@each_case(
-    "wrong",
-    [
-        ["--target", "tank"],
-        ["--target-depths", "90", "30"],
-        ["--rounds", "0"],
-        ["--needed", "nan"],
-        ["--step", "background:method=mean", "--loss-tangent", "2"],
-        ["-o", "map.txt"],
-    ],
-)
-def test_wrong_arguments_are_refused_before_any_work(sample_file, wrong, tmp_path, monkeypatch):
+def test_wrong_arguments_are_refused_before_any_work(sample_file, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    assert main(["hiding", sample_file, *wrong]) == REFUSED
+    for wrong in (["--target", "tank"], ["--target-depths", "90", "30"], ["-o", "map.txt"]):
+        assert main(["hiding", sample_file, *wrong]) == REFUSED
     assert not list(tmp_path.iterdir())

@@ -1,7 +1,5 @@
 """Heights that differ, and what is missing or damaged, give no wrong picture silently."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np
@@ -16,8 +14,7 @@ from gpr20_analysis.dataset import HEIGHT, S21, Quality
 from gpr20_analysis.imaging.image import image_survey
 from gpr20_analysis.imaging.image_options import ImageOptions
 from gpr20_analysis.imaging.methods import Method
-from gpr20_analysis.imaging.one_height import TOLERANCE, transform_at_one_height
-from gpr20_analysis.imaging.records import Focus, Ground
+from gpr20_analysis.imaging.records import Ground
 from gpr20_analysis.processing.background import Background, remove_background
 from gpr20_analysis.processing.delay import set_time_zero, to_time
 from gpr20_analysis.processing.display import apply_gain
@@ -36,6 +33,7 @@ def lifted(seed, most_m):
     random = np.random.default_rng(seed)
     survey = survey_of(
         scene(TARGETS, noise_db=-90.0),
+        *(np.linspace(115.0, 370.0, 18),) * 2,
         rotations_deg=(0.0,),
         height_m=lambda x_mm, y_mm: 0.2 + random.uniform(-most_m, most_m),
     )
@@ -129,31 +127,6 @@ def test_the_surface_is_the_mean_where_heights_say_nothing():
     assert float(abs(cleaned.s21[1]).max()) < 1e-9 < float(abs(by_mean.s21[1]).max())
 
 
-@pytest.mark.parametrize("seed", range(draws(1)))
-def test_the_transform_at_one_height_is_the_sum_over_plane_waves(seed):
-    random = np.random.default_rng(seed)
-    shape, padded, step_m = (6, 5), (9, 8), 0.03
-    focus = Focus(4.0, np.array([0.0, 0.1]))
-    air_rad_m = np.linspace(30.0, 250.0, 7)
-    across = [2.0 * np.pi * np.fft.fftfreq(count, step_m) for count in padded]
-    across_rad_m = np.hypot(across[0][:, None], across[1][None, :]).ravel()
-    most_m = 10.0 ** random.uniform(-4.0, -1.0)
-    higher_m = random.uniform(-most_m, most_m, shape)
-    spectra = random.normal(size=(7, *shape)) + 1j * random.normal(size=(7, *shape))
-    found = transform_at_one_height(
-        spectra.astype(np.complex64), higher_m, padded, air_rad_m, across_rad_m, focus
-    )
-    down = np.sqrt(np.maximum(air_rad_m[:, None] ** 2 - across_rad_m**2, 0.0))
-    expected = np.zeros_like(found, dtype=np.complex128)
-    for row, column in np.ndindex(*shape):
-        away = np.add.outer(row * step_m * across[0], column * step_m * across[1]).ravel()
-        turned = np.exp(1j * (down * higher_m[row, column] - away))
-        expected += spectra[:, row, column, None] * turned
-    taken = across_rad_m < air_rad_m[:, None] * np.sin(np.radians(focus.widest_angle_deg))
-    error = np.abs(found - expected)[taken]
-    assert np.sqrt(np.mean(error**2)) < TOLERANCE * np.sqrt(np.mean(np.abs(expected[taken]) ** 2))
-
-
 PLACES_MM = np.linspace(120.0, 360.0, 21)
 TARGET = point(243.7, 236.2, 0.083)
 HOLES = [(0, 3, 4), (0, 10, 10), (0, 20, 0)]
@@ -188,11 +161,8 @@ def test_filled_samples_are_said_and_near_the_measured():
     assert error < 0.3 * np.abs(whole.s21.values[place]).max()
     image = image_survey(remove_background(filled), ImageOptions(permittivity=4.0))
     assert any("not measured" in note for note in image.attrs["notes"])
-    block = [(0, row, column) for row in range(4, 7) for column in range(4, 7)]
-    half = [*((0, row, 5) for row in range(21)), *((0, 2, column) for column in range(21))]
-    for missing in (block, half):
-        with raises_fault(faults.SAMPLES_MISSING):
-            fill_missing(holed(*missing))
+    with raises_fault(faults.SAMPLES_MISSING):
+        fill_missing(holed(*((0, row, column) for row in range(4, 7) for column in range(4, 7))))
 
 
 def test_a_missing_sample_does_not_spread_through_the_background():
@@ -224,7 +194,7 @@ def test_what_cannot_be_imaged_is_refused():
     image_survey(unknown, ImageOptions(permittivity=4.0, height_m=0.2))
     for wrong in (
         *({"permittivity": 0.5}, {"permittivity": float("nan")}, {"height_m": 0.0}),
-        *({"depth_m": (0.1,)}, {"depth_m": (0.2, 0.1)}, {"depth_m": (-0.1, 0.1)}),
+        *({"depth_m": (0.1,)}, {"depth_m": (0.2, 0.1)}),
         *({"widest_angle_deg": 90.0}, {"separation_m": -1.0}),
     ):
         with raises_fault(faults.OPTION):
