@@ -1,7 +1,5 @@
 """Images with the echoes that a test wants, in clutter."""
 
-from __future__ import annotations
-
 import numpy as np
 import xarray as xr
 

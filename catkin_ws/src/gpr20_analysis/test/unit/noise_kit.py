@@ -1,7 +1,5 @@
 """Surveys of points in noise, and their images."""
 
-from __future__ import annotations
-
 import numpy as np
 import xarray as xr
 

@@ -1,7 +1,5 @@
 """Surveys of random size, place and completeness, for round trips through files."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from gpr20_analysis.dataset import Quality

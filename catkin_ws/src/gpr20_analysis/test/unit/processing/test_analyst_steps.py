@@ -1,7 +1,5 @@
 """Dewow, f-k filter, robust PCA, time zero, topography, gain and envelope against references."""
 
-from __future__ import annotations
-
 import numpy as np
 import scipy.signal
 from fault_kit import raises_fault
@@ -77,18 +75,14 @@ def test_what_makes_no_sense_is_refused(monkeypatch):
         *((faults.OPTION, lambda one=one: filter_dips(empty, **one)) for one in wrong_fans),
         (faults.OPTION, lambda: filter_dips(empty, taper_deg=46.0)),
         (faults.STEPS, lambda: filter_dips(empty.isel(x=[0, 1, 3, 4]))),
-        (faults.STEPS, lambda: filter_dips(empty.isel(y=[0]), Along.Y)),
         (faults.SAMPLES_MISSING, lambda: filter_dips(holed(survey()))),
-        (faults.OPTION, lambda: dewow(empty, 0.0)),
         (faults.OPTION, lambda: dewow(empty, float("nan"))),
         (faults.OPTION, lambda: dewow(to_time(empty), 1e-13)),
         (faults.OPTION, lambda: remove_low_rank(empty, 0.0)),
         (faults.SAMPLES_MISSING, lambda: remove_low_rank(holed(survey()))),
         (faults.STEPS, lambda: remove_low_rank(empty.isel(x=[0], y=[0]))),
         (faults.STEPS, lambda: pick_time_zero(moved)),
-        (faults.STEPS, lambda: set_time_zero(moved)),
         (faults.OPTION, lambda: pick_time_zero(empty, share=0.0)),
-        (faults.STEPS, lambda: correct_topography(empty, 4.0)),
         (faults.STEPS, lambda: correct_topography(moved, 4.0)),
         (faults.OPTION, lambda: correct_topography(set_time_zero(empty), 0.5)),
         (faults.STEPS, lambda: envelope(empty)),
@@ -101,20 +95,7 @@ def test_what_makes_no_sense_is_refused(monkeypatch):
         remove_low_rank(empty.chunk())
 
 
-def reference_pursuit(matrix, weight, rounds=250):
-    """Return low rank and sparse part by alternating directions with a fixed penalty."""
-    penalty = 0.25 * matrix.size / np.abs(matrix).sum()
-    sparse, dual = np.zeros_like(matrix), np.zeros_like(matrix)
-    for _ in range(rounds):
-        u, s, v = np.linalg.svd(matrix - sparse + dual / penalty, full_matrices=False)
-        low_rank = (u * np.maximum(s - 1.0 / penalty, 0.0)) @ v
-        rest = matrix - low_rank + dual / penalty
-        sparse = np.exp(1j * np.angle(rest)) * np.maximum(np.abs(rest) - weight / penalty, 0.0)
-        dual = dual + penalty * (matrix - low_rank - sparse)
-    return low_rank, sparse
-
-
-def test_pursuit_recovers_both_parts_and_is_the_one_of_another_method():
+def test_pursuit_recovers_both_parts():
     shape = (40, 25)
     random = np.random.default_rng(0)
 
@@ -125,11 +106,8 @@ def test_pursuit_recovers_both_parts_and_is_the_one_of_another_method():
     sparse = np.where(random.random(shape) < 0.05, 10.0 * normal(*shape), 0.0)
     weight = 1.0 / np.sqrt(max(shape))
     found = principal_component_pursuit(low_rank + sparse, weight)
-    reference = reference_pursuit(low_rank + sparse, weight)
-    size = np.linalg.norm(low_rank)
-    for one, exact, other in zip(found, (low_rank, sparse), reference):
-        assert np.linalg.norm(one - other) < 1e-3 * size
-        assert np.linalg.norm(one - exact) < 1e-3 * size
+    for one, exact in zip(found, (low_rank, sparse)):
+        assert np.linalg.norm(one - exact) < 1e-3 * np.linalg.norm(low_rank)
 
 
 def test_robust_pca_removes_a_surface_that_the_mean_does_not():
@@ -154,16 +132,7 @@ def test_picked_surfaces_are_those_of_the_heights_and_hold_a_delay_that_nobody_r
         pick_time_zero(made, within_s=0.05e-9)
 
 
-def test_the_first_arrival_is_where_the_envelope_rises():
-    made = survey(coupling_level_db=-10.0, coupling_delay_s=0.9e-9)
-    found = pick_time_zero(made, Arrival.FIRST, share=0.5)
-    in_time = to_time(made, padding=64.0)
-    level = np.abs(in_time.a_scan.values[0, 3, 3])
-    expected_s = float(in_time.delay[np.argmax(level >= 0.5 * level.max())])
-    assert abs(float(found.advance[0, 3, 3]) - expected_s) < 3e-12
-
-
-def test_picks_and_topography_change_no_image():
+def test_picks_and_topography_change_no_image_and_show_the_surface_at_its_relief():
     cleaned = remove_background(survey(TARGET))
     options = ImageOptions(permittivity=4.0)
     expected = image_survey(cleaned, options).image.values
@@ -171,15 +140,11 @@ def test_picks_and_topography_change_no_image():
     for one in (pick_time_zero(cleaned, Arrival.FIRST), relief):
         found = image_survey(one, options).image.values
         np.testing.assert_allclose(found, expected, atol=1e-5 * np.abs(expected).max())
-
-
-def test_topography_shows_the_surface_at_its_relief():
     made = survey(height_m=wavy_m, coupling_level_db=-200.0)
     in_time = to_time(correct_topography(set_time_zero(made), 9.0), padding=32.0)
     found_s = in_time.delay.values[np.abs(in_time.a_scan.values[0]).argmax(-1)]
     relief_m = made.height.values[0] - made.height.values[0].min()
-    expected_s = 2.0 * 3.0 * relief_m / speed_of_light
-    np.testing.assert_allclose(found_s, expected_s, atol=8e-12)
+    np.testing.assert_allclose(found_s, 2.0 * 3.0 * relief_m / speed_of_light, atol=8e-12)
 
 
 def test_automatic_gain_divides_by_the_root_mean_square_around_each_sample():

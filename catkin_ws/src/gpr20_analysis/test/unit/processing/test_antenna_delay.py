@@ -1,7 +1,5 @@
 """The delay of cables and antennas: fitted, recorded, removed, and noted where it is unseen."""
 
-from __future__ import annotations
-
 import json
 from dataclasses import replace
 
@@ -85,15 +83,12 @@ def test_the_recorded_delay_is_removed_by_default_and_only_once():
     assert not surface_notes(image_survey(zero, options))
     with raises_fault(faults.OPTION):
         image_survey(step, replace(options, delay_s=DELAY_S))
-    with raises_fault(faults.STEPS):
-        remove_delay(step, DELAY_S)
-    with raises_fault(faults.STEPS):
-        remove_delay(zero, DELAY_S)
-    for delay_s in (float("nan"), 1e-6):
+    for one in (step, zero):
+        with raises_fault(faults.STEPS):
+            remove_delay(one, DELAY_S)
+    for refused in (lambda: ImageOptions(delay_s=1e-6), lambda: remove_delay(survey(), np.nan)):
         with raises_fault(faults.OPTION, "-100 and 100 ns"):
-            ImageOptions(delay_s=delay_s)
-        with raises_fault(faults.OPTION, "-100 and 100 ns"):
-            remove_delay(survey(), delay_s)
+            refused()
 
 
 def random_survey(random):
@@ -165,9 +160,7 @@ def test_other_surveys_that_cannot_give_it_are_refused():
         (faults.NO_SURFACE_ECHO, process_survey(one, "background:method=mean")),
         (faults.NO_SURFACE_ECHO, one.assign(s21=one.s21 * 0.0 + noise)),
         (faults.NO_SURFACE_ECHO, one.isel(frequency=slice(0, 10))),
-        (faults.NO_SURFACE_ECHO, one.isel(frequency=[0, 100])),
         (faults.NO_SURFACE_ECHO, one.assign(height=one.height * np.nan)),
-        (faults.NO_SURFACE_ECHO, one.assign(s21=one.s21 * 0.0)),
         (faults.NO_SURFACE_ECHO, survey(surface_gain_db=-200.0, targets=())),
     ):
         with raises_fault(fault):
@@ -178,8 +171,8 @@ def test_the_robots_configuration_gives_the_delay_if_it_is_valid(tmp_path):
     folder = make_survey(tmp_path, 18, None)
     for analyzer, delay_s, noted in (
         ({"antenna_delay_ns": 0.25}, 0.25e-9, False),
-        *((one, None, False) for one in ({}, None, {"address": "127.0.0.1"}, "old")),
-        *(({"antenna_delay_ns": one}, None, True) for one in ("0.3", None, True, 101.0, [0.3])),
+        *((one, None, False) for one in ({}, None, "old")),
+        *(({"antenna_delay_ns": one}, None, True) for one in ("0.3", None, 101.0)),
     ):
         describe_again(folder, analyzer=analyzer)
         found = load_survey(folder).attrs
@@ -194,8 +187,6 @@ def test_the_command_prints_the_line_of_the_configuration(tmp_path, capsys):
     key, value = capsys.readouterr().out.splitlines()[-1].split(": ")
     assert key == "antenna_delay_ns"
     assert abs(float(value) - 0.3) < 0.01
-    write_dataset(process_survey(survey(), "band:start_hz=1e9,stop_hz=6e9"), tmp_path / "b.nc")
-    assert main(["delay", str(tmp_path / "b.nc")]) == REFUSED
     assert main(["delay", str(path), "--separation", "nan"]) == REFUSED
     capsys.readouterr()
     assert main(["image", str(path), "--permittivity", "4"]) == DONE

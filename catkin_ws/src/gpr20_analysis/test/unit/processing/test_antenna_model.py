@@ -6,7 +6,7 @@ functions in integral equation formulations", IEEE Transactions on Antennas and 
 (1997), 508 to 519). The model knows nothing of dipoles: it is that of a far field.
 """
 
-from __future__ import annotations
+from functools import lru_cache
 
 import numpy as np
 import pytest
@@ -39,6 +39,7 @@ PLACE_M = np.arange(5) * 0.02
 METAL = np.inf
 
 
+@lru_cache(maxsize=None)
 def returned(frequency_hz, height_m, permittivity, apart_m):
     """Return the field along a dipole from below it, in units of -omega mu / (8 pi)."""
     wave = 2.0 * np.pi * frequency_hz / speed_of_light
@@ -137,20 +138,15 @@ def test_the_reflection_of_the_surface_gives_the_permittivity():
     assert np.median(widths) < 1.6
 
 
-def test_coupling_and_ringing_are_removed(antennas, model):
-    survey = antennas.survey(0.1, 5.0)
-    cleaned = without_antenna(survey, model)
-    expected = np.array([returned(one, 0.1, 5.0, 0.0) for one in FREQUENCY_HZ])
-    ratio = cleaned["s21"].values[0, 0, 0] / expected
-    # Up to a constant, and the near field of the dipole.
-    assert np.abs(ratio / np.mean(ratio) - 1.0)[5:].max() < 0.08
-
-
-def test_an_image_uses_the_surface_and_says_so(antennas, model):
+def test_coupling_is_removed_and_an_image_uses_the_surface_and_says_so(antennas, model):
     cleaned = without_antenna(antennas.survey(0.1, 5.0, deviation_m=0.002), model)
     image = image_survey(cleaned, ImageOptions())
     assert image.attrs["permittivity_source"] == "measured at the surface"
     assert image.attrs["permittivity_lowest"] < 5.0 < image.attrs["permittivity_highest"]
+    # Coupling and ringing are gone, up to a constant and the near field of the dipole.
+    expected = np.array([returned(one, 0.1, 5.0, 0.0) for one in FREQUENCY_HZ])
+    ratio = without_antenna(antennas.survey(0.1, 5.0), model)["s21"].values[0, 0, 0] / expected
+    assert np.abs(ratio / np.mean(ratio) - 1.0)[5:].max() < 0.08
     for given, noted in ((5.0, False), (12.0, True)):
         image = image_survey(cleaned, ImageOptions(permittivity=given))
         assert image.attrs["permittivity_source"] == "given"
@@ -158,13 +154,17 @@ def test_an_image_uses_the_surface_and_says_so(antennas, model):
         assert ("the surface reflects" in notes) == noted
 
 
-def test_what_is_no_plate_at_enough_heights_is_refused(antennas):
+def test_what_is_no_plate_at_enough_heights_and_a_model_of_others_is_refused(antennas, model):
+    survey = antennas.survey(0.1, 5.0)
+    for other in (survey.isel(frequency=slice(1, None)), survey.assign_coords(polarization=[90.0])):
+        with raises_fault(faults.PLATE):
+            without_antenna(other, model)
     few = ([0.1, 0.12, 0.15], [0.1, 0.105, 0.11, 0.115], [0.1, 0.1, 0.15, 0.2])
     sets = [[antennas.survey(one, METAL, PLACE_M[:2]) for one in heights_m] for heights_m in few]
     plate = antennas.survey(0.1, METAL, PLACE_M[:2])
     zero = plate["height"] * 0.0
     sets.append([plate.assign(height=zero + one) for one in PLATE_M])  # one survey many times
-    changed = process_survey(antennas.survey(0.1, 5.0), "background")
+    changed = process_survey(survey, "background")
     for plates in sets:
         with raises_fault(faults.PLATE):
             antenna_of(plates)
@@ -174,13 +174,6 @@ def test_what_is_no_plate_at_enough_heights_is_refused(antennas):
     lost[2]["s21"][1] = np.nan
     with raises_fault(faults.PLATE, "survey 3"):
         antenna_of(lost)
-
-
-def test_a_model_of_another_sweep_or_rotation_is_refused(antennas, model):
-    survey = antennas.survey(0.1, 5.0)
-    for other in (survey.isel(frequency=slice(1, None)), survey.assign_coords(polarization=[90.0])):
-        with raises_fault(faults.PLATE):
-            without_antenna(other, model)
 
 
 def test_the_commands_measure_and_use_the_antennas(antennas, tmp_path, capsys):
@@ -197,8 +190,7 @@ def test_the_commands_measure_and_use_the_antennas(antennas, tmp_path, capsys):
     assert main(["antenna", *plates, "--height", "0.1", "-o", model, "--overwrite"]) == REFUSED
     assert main(["antenna", *plates[:3], "-o", model, "--overwrite"]) == REFUSED
     assert main(["image", str(survey), "--antenna", str(survey)]) == REFUSED
-    for command in ("info", "image", "delay"):
-        assert main([command, model]) == REFUSED
+    assert main(["info", model]) == REFUSED
 
 
 def two(survey, other):

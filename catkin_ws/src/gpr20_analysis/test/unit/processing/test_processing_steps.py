@@ -1,7 +1,5 @@
 """Each step on the Dataset of a survey against what it must do to known echoes."""
 
-from __future__ import annotations
-
 import json
 import re
 from pathlib import Path
@@ -100,14 +98,7 @@ def test_an_echo_stands_at_its_delay_with_its_phase(
     assert np.abs(trace[at]) <= 1.0 + 1e-9
 
 
-def test_band_selection_keeps_both_ends_and_refuses_an_empty_band():
-    band = select_band(survey(TARGET), 1.14e9, 1.248e9)
-    np.testing.assert_allclose(band.frequency.values, [1.14e9, 1.194e9, 1.248e9])
-    with raises_fault(faults.OPTION, "contains 0 frequencies"):
-        select_band(survey(TARGET), 7e9, 8e9)
-
-
-def test_difference_shows_what_one_polarization_sees_alone():
+def test_a_difference_shows_what_one_polarization_sees_alone_and_can_be_imaged():
     both, wire = survey(TARGET), survey(TARGET)
     wire.s21[1] += 1e-3
     assert power(combine_polarizations(both, Combination.DIFFERENCE)) < 1e-6 * power(both)
@@ -115,10 +106,7 @@ def test_difference_shows_what_one_polarization_sees_alone():
     np.testing.assert_allclose(difference.s21.values, -0.5e-3, atol=1e-5)
     assert np.isnan(difference.polarization.values[0])
     assert "difference" in difference.attrs["polarizations"]
-
-
-def test_a_combination_can_be_imaged_and_needs_two():
-    combined = combine_polarizations(remove_background(survey(TARGET)))
+    combined = combine_polarizations(remove_background(wire))
     assert image_survey(combined, ImageOptions(permittivity=4.0)).sizes["polarization"] == 1
     with raises_fault(faults.STEPS):
         combine_polarizations(combined)
@@ -126,17 +114,17 @@ def test_a_combination_can_be_imaged_and_needs_two():
 
 def test_parameters_and_references_that_do_not_suit_are_refused():
     measured = survey(TARGET)
+    band = select_band(measured, 1.14e9, 1.248e9)
+    np.testing.assert_allclose(band.frequency.values, [1.14e9, 1.194e9, 1.248e9])
     named = measured.assign_attrs(survey_id="7c9e6679-7425-40de-944b-e07fc1f90ae7")
     for fault, refused in (
-        (faults.OPTION, lambda: remove_background(measured, Background.SVD, rank=0)),
+        (faults.OPTION, lambda: select_band(measured, 7e9, 8e9)),
         (faults.OPTION, lambda: remove_background(measured, Background.SVD, rank=101)),
         (faults.OPTION, lambda: remove_background(measured, Background.MOVING, width=4)),
-        (faults.OPTION, lambda: remove_background(measured, Background.MOVING, width=1)),
         (faults.OPTION, lambda: to_time(measured, padding=0.5)),
         (faults.OPTION, lambda: select_polarization(measured, 45.0)),
         (faults.REFERENCE, lambda: subtract_coupling(named, named)),
         (faults.REFERENCE, lambda: subtract_coupling(named, measured.isel(frequency=slice(50)))),
-        (faults.REFERENCE, lambda: subtract_coupling(named, measured.isel(polarization=[0]))),
     ):
         with raises_fault(fault):
             refused()
@@ -191,11 +179,6 @@ def test_each_trace_loses_the_mean_of_those_around_it(rows, columns, half, seed,
     found = remove_background(survey, Background.MOVING, width).s21.values
     s21 = survey.s21.values
     np.testing.assert_allclose(found, s21 - means_around(s21, half), atol=1e-12)
-    turned = survey.rename(x="y", y="x").transpose(*S21_DIMS)
-    found_turned = remove_background(turned, Background.MOVING, width).s21
-    np.testing.assert_allclose(found_turned.values.swapaxes(1, 2), found, atol=1e-12)
-    lazy = remove_background(survey.chunk({"y": 2}), Background.MOVING, width).s21.values
-    np.testing.assert_allclose(lazy, found, atol=1e-12)
     # A window that is wider than the survey is all of it.
     if not missing:
         wide = remove_background(survey, Background.MOVING, 999_999).s21.values
@@ -232,9 +215,7 @@ def test_the_recorded_recipe_repeats_the_result(tmp_path):
 NO_STEPS = (
     ("migrate", "background"),
     ("background:rang=2", "'rang'"),
-    ("background:rank=two", "'two'"),
     ("background:rank=1.5", "'1.5'"),
-    ("background:rank=inf", "'inf'"),
     ("time:padding=nan", "'nan'"),
     ("background:method=average", "median"),
     ("background:method", "'method'"),
@@ -249,7 +230,7 @@ def test_steps_that_make_no_sense_are_refused_with_what_is_allowed():
     for text, shown in NO_STEPS:
         with raises_fault(faults.RECIPE, shown):
             step_from_text(text)
-    for recipe in ("", "[]", "step: background", "- background", "- {rank: 1}"):
+    for recipe in ("", "[]", "step: background", "- {rank: 1}"):
         with pytest.raises(RecipeError):
             steps_from_recipe(yaml.safe_load(recipe))
 

@@ -1,7 +1,5 @@
 """gpr20 trial from the plan to the score: nothing that was sealed changes unseen."""
 
-from __future__ import annotations
-
 import hashlib
 import json
 import random
@@ -10,7 +8,7 @@ import re
 import pytest
 from candidate_examples import candidate, candidate_list
 from run_seed import draws
-from trial_kit import LANES, TARGET_HEADING, TARGETS, Trial, flipped, marks_at
+from trial_kit import Trial, flipped, marks_at
 
 from gpr20_analysis import faults
 from gpr20_analysis.commands.main import main
@@ -45,27 +43,6 @@ def test_a_trial_goes_from_plan_to_score(trial, capsys):
     ]
     assert finds == [("T1", "C01"), ("T2", None), ("T3", "C01"), ("T4", None)]
     assert "2/4" in capsys.readouterr().out
-
-
-def test_random_trials_are_scored_as_they_were_made(tmp_path):
-    chance = random.Random(5)
-    for number in range(draws(10)):
-        folder = tmp_path / str(number)
-        folder.mkdir()
-        columns = [at for at in range(7) if chance.random() < 0.8] or [0]
-        rows = [f"T{at},L1,{0.3 + at * 0.5:.3f},0.5,0.05,PMN,,," for at in columns]
-        trial = Trial(folder, targets="\n".join([TARGETS.splitlines()[0], *rows, ""]))
-        assert trial.plan() == 0
-        seen = [at for at in columns if chance.random() < 0.7]
-        false = chance.randrange(4)
-        places = [(0.3 + at * 0.5 + chance.uniform(-0.06, 0.06), 0.5) for at in seen]
-        assert trial.seal("L1", marks_at([*places, *[(0.2 + at, 0.9) for at in range(false)]])) == 0
-        report = folder / "report.json"
-        assert trial.score("-o", str(report)) == 0
-        first = json.loads(report.read_text())["groups"][0]
-        assert (first["targets"], first["found"], first["alarms"]) == (
-            len(columns), len(seen), false,
-        )  # fmt: skip
 
 
 def test_the_plan_promises_the_truth_and_does_not_reveal_it(trial):
@@ -106,15 +83,8 @@ def test_a_list_that_was_sealed_for_another_plan_is_refused(trial, tmp_path, ref
     other = tmp_path / "other.json"
     own = ("--halo", "0.2", "--strata", "type", "-o", str(other))
     assert main(["trial", "plan", str(trial.lanes), str(trial.truth), *own]) == 0
-    hashed = json.loads(trial.file.read_text())
-    del hashed["sha256"]
-    hashed["halo_m"] = 0.5
-    text = json.dumps(hashed, indent=2) + "\n"
-    hashed["sha256"] = hashlib.sha256(text.encode()).hexdigest()
-    for plan in (other.read_text(), json.dumps(hashed, indent=2) + "\n"):
-        trial.file.write_text(plan)
-        assert trial.score() == 3
-    assert refusals == [faults.FILE_CHANGED.code] * 2
+    trial.file.write_text(other.read_text())
+    assert trial.score() == 3 and refusals == [faults.FILE_CHANGED.code]
 
 
 def test_what_would_not_count_is_not_sealed(trial, capsys):
@@ -128,18 +98,15 @@ def test_what_would_not_count_is_not_sealed(trial, capsys):
         assert main(["trial", "seal", str(trial.file), str(listed), *own]) == 3
         assert said in capsys.readouterr().err and not sealed.exists()
 
-    for column in ("Doubtful", "above_clutter_db"):
-        listed.write_text(f"id,x_m,y_m,{column}\nA,1,0.5,1\n")
-        refused(f"'{column}'")
+    listed.write_text("id,x_m,y_m,Doubtful\nA,1,0.5,1\n")
+    refused("'Doubtful'")
     listed.write_text("id,x_m,y_m\nA,1,0.5\n")
     refused("measured data", listed, survey / "sealed.json")
     refused("gpr20 candidates SURVEY -o LIST.json", trial.folder)
-    for option in ("--method", "--operator"):
-        refused(f"{option} is", listed, sealed, option, " ")
+    refused("--operator is", listed, sealed, "--operator", " ")
     refused("L1, L2", listed, sealed, "--lane", "L7")
-    for name in ("other.json", "other.csv", "other.txt"):
-        (trial.folder / name).write_text('{"format": "other"}')
-        refused(name, trial.folder / name)
+    listed.write_text('{"format": "other"}')
+    refused(listed.name)
 
 
 def test_nothing_of_a_trial_is_replaced(trial, capsys):
@@ -154,24 +121,20 @@ def test_nothing_of_a_trial_is_replaced(trial, capsys):
 def test_a_plan_with_wrong_options_is_refused_and_leaves_nothing(tmp_path, capsys):
     trial = Trial(tmp_path)
     before = sorted(tmp_path.iterdir())
-    for options, said in (
-        (("--strata", "type,colour"), "colour"),
-        (("--strata", ""), "heading"),
-    ):
-        assert trial.plan(*options) == 3
-        assert said in capsys.readouterr().err
+    assert trial.plan("--strata", "type,colour") == 3
+    assert "colour" in capsys.readouterr().err
     assert trial.plan(halo_m=0.0) == 3
     assert "halo radius" in capsys.readouterr().err
     assert sorted(tmp_path.iterdir()) == before
 
 
-@pytest.mark.parametrize("salt", [b"", b"0" * 64, b"0" * 64 + b"\r\n", b"A" * 64 + b"\n"])
-def test_a_salt_that_no_plan_wrote_is_refused_and_left_as_it_is(tmp_path, capsys, salt):
+def test_a_salt_that_no_plan_wrote_is_refused_and_left_as_it_is(tmp_path, capsys):
     trial = Trial(tmp_path)
-    trial.salt.write_bytes(salt)
-    assert trial.plan() == 3
-    assert "targets.csv.salt" in (said := capsys.readouterr().err) and "delete it" in said
-    assert not trial.file.exists() and trial.salt.read_bytes() == salt
+    for salt in (b"", b"0" * 64, b"0" * 64 + b"\r\n"):
+        trial.salt.write_bytes(salt)
+        assert trial.plan() == 3
+        assert "targets.csv.salt" in capsys.readouterr().err
+        assert not trial.file.exists() and trial.salt.read_bytes() == salt
 
 
 def test_a_list_that_was_sealed_for_two_lanes_is_refused(trial, refusals, capsys):
@@ -182,14 +145,6 @@ def test_a_list_that_was_sealed_for_two_lanes_is_refused(trial, refusals, capsys
         assert trial.seal_file(listed, sealed, lane) == 0
     assert trial.score() == 3 and refusals == [faults.FILE_CHANGED.code]
     assert "for radar, L1 and for radar, L2" in capsys.readouterr().err
-
-
-def test_false_alarms_are_counted_where_nothing_is_buried(tmp_path, capsys):
-    trial = Trial(tmp_path, LANES.splitlines()[0] + "\nL1,0,4,0,1,sand\n", TARGET_HEADING + "\n")
-    assert trial.plan() == trial.seal("L1", marks_at([(0.5, 0.5)])) == 0
-    assert trial.score("-o", str(tmp_path / "report.html")) == 0
-    rows = [one for one in capsys.readouterr().out.splitlines() if "0/0 | - |" in one]
-    assert ["| 1 | 4.00 | 0.250 |" in one for one in rows] == [True, True]
 
 
 def test_a_list_of_gpr20_candidates_is_sealed_with_its_hash_and_what_it_shows(trial, capsys):

@@ -1,6 +1,4 @@
-"""Tables of a trial, matching of candidates to targets, the area outside halos, and strata."""
-
-from __future__ import annotations
+"""Tables of a trial, matching of candidates, area outside halos, strata, and intervals."""
 
 import math
 
@@ -9,13 +7,22 @@ import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from run_seed import draws
+from scipy.stats import binom, poisson
 from trial_kit import HALO_M, LANES, TARGETS
 
 from gpr20_analysis.errors import AnalysisError, UnreadableFileError
 from gpr20_analysis.report.trial_report import warnings_of
+from gpr20_analysis.trial import ground
 from gpr20_analysis.trial.documents import Mark, Plan, Seal
-from gpr20_analysis.trial.ground import Lane, read_lanes, read_targets
+from gpr20_analysis.trial.ground import Lane, Target, read_lanes, read_targets
 from gpr20_analysis.trial.score import score_trial
+from gpr20_analysis.trial.statistics import (
+    alarm_interval,
+    detection_interval,
+    mcnemar,
+    shown_detection,
+    targets_needed,
+)
 from gpr20_common.errors import InvalidValueError
 
 LANE_MAP = read_lanes(LANES.encode(), "lanes.csv")
@@ -149,46 +156,23 @@ def test_the_area_outside_halos_is_that_of_a_fine_grid(places, radius_m):
     )
 
 
-def test_the_area_outside_halos_is_exact_for_circles_edges_and_overlaps():
-    radius_m = 0.2
-    circle = math.pi * radius_m**2
-    lens = 2 * radius_m**2 * math.acos(0.5) - 0.1 * math.sqrt(4 * radius_m**2 - 0.2**2)
-    for places, covered in (
-        ([(1.0, 0.5)], circle),
-        ([(0.0, 0.5)], circle / 2),
-        ([(4.0, 1.0)], circle / 4),
-        ([(1.0, 0.5), (1.2, 0.5)], 2 * circle - lens),
-        ([(1.0, 0.5), (1.0, 0.5)], circle),
-        ([(1.0, 0.4), (1.0, 0.6)], 2 * circle - lens),
-    ):
-        assert RECTANGLE.area_outside(places, radius_m) == pytest.approx(4 - covered, abs=4e-6)
-
-
-def refusal(targets):
-    with pytest.raises(UnreadableFileError) as caught:
-        read_targets(targets.encode(), "targets.csv", LANE_MAP)
-    return str(caught.value)
-
-
 @pytest.mark.parametrize(
     ("old", "new", "said"),
     [
         ("T2,L1", "T1,L1", ("line 3", "two rows", "'T1'")),
-        ("T2,L1", ",L1", ("line 3", "''", "column target")),
         ("T2,L1", "T2,L9", ("T2", "L9", "L1, L2")),
         ("T2,L1,2.5", "T2,L1,4.5", ("T2", "not in its lane, L1")),
-        ("T2,L1,2.5", "T2,L1,nan", ("line 3", "'nan'", "column x_m")),
         ("T2,L1,2.5", "T2,L1,2.5.0", ("line 3", "'2.5.0'", "column x_m", "-1000 ... 1000")),
         ("0.5,0.10,PMN", "0.5,-1,PMN", ("line 3", "'-1'", "column depth_m", "0 ... 10")),
-        ("0.10,PMN", "0.10,", ("line 3", "column type")),
         ("T2,L1,2.5,0.5", "T2,L1,2.5", ("line 3", "as many cells")),
         ("depth_m", "x_m", ("line 1", "each column once", "depth_m")),
         ("T3", '"T3', ("CSV",)),
     ],
 )
 def test_a_bad_cell_is_named_with_file_line_value_and_what_is_allowed(old, new, said):
-    text = refusal(TARGETS.replace(old, new, 1))
-    assert "targets.csv" in text
+    with pytest.raises(UnreadableFileError, match=r"targets\.csv") as caught:
+        read_targets(TARGETS.replace(old, new, 1).encode(), "targets.csv", LANE_MAP)
+    text = str(caught.value)
     assert all(one in text for one in said), text
 
 
@@ -224,3 +208,77 @@ def test_any_table_is_read_or_refused_with_a_sentence(rows, comma):
         assert "targets.csv" in str(error)
     else:
         assert all(LANE_MAP[one.lane].contains(one.place_m) for one in targets)
+
+
+OUTSIDE, EXACT = 0.025, 1e-9
+TRIALS = 10_000
+
+
+@pytest.mark.parametrize(
+    ("found", "targets", "published"),
+    [(50, 50, (0.929, 1.0)), (45, 48, (0.828, 0.987)), (0, 7, (0.0, 0.410)), (0, 0, (0.0, 1.0))],
+)
+def test_at_the_ends_of_an_interval_of_a_share_what_was_found_is_as_unlikely_as_asked(
+    found, targets, published
+):
+    low, high = detection_interval(found, targets)
+    assert (low, high) == pytest.approx(published, abs=6e-4)
+    assert not found or binom.sf(found - 1, targets, low) == pytest.approx(OUTSIDE, abs=EXACT)
+    assert found == targets or binom.cdf(found, targets, high) == pytest.approx(OUTSIDE, abs=EXACT)
+
+
+def test_at_the_ends_of_an_interval_of_a_density_the_alarms_are_as_unlikely_as_asked():
+    for count, area_m2, published in ((12, 200.0, (0.031, 0.105)), (0, 500.0, (0.0, 0.0074))):
+        low, high = alarm_interval(count, area_m2)
+        assert (low, high) == pytest.approx(published, abs=6e-4)
+        assert not count or poisson.sf(count - 1, low * area_m2) == pytest.approx(
+            OUTSIDE, abs=EXACT
+        )
+        assert poisson.cdf(count, high * area_m2) == pytest.approx(OUTSIDE, abs=EXACT)
+    assert alarm_interval(3, 0.0) == (0.0, math.inf)
+
+
+@pytest.mark.parametrize(
+    ("detection", "missed", "needed"),
+    [(0.90, 0, 29), (0.95, 0, 59), (0.99, 0, 299), (0.99, 1, 473), (0.996, 0, 748)],
+)
+def test_the_fewest_targets_that_show_a_detection_are_the_reference_numbers(
+    detection, missed, needed
+):
+    assert targets_needed(detection, missed) == needed
+    for targets, shows in ((needed, True), (needed - 1, False)):
+        chance = binom.sf(targets - missed - 1, targets, detection)
+        assert (chance <= 0.05) == shows
+        assert (shown_detection(targets - missed, targets) >= detection) is shows
+
+
+@pytest.mark.parametrize(("first", "second"), [(0, 0), (5, 0), (1, 9), (8, 8), (3, 17)])
+def test_mcnemar_is_the_two_sided_binomial_test(first, second):
+    tail = binom.cdf(min(first, second), first + second, 0.5)
+    assert mcnemar(first, second) == pytest.approx(min(1.0, 2.0 * tail), abs=1e-12)
+
+
+@pytest.mark.release
+def test_intervals_of_the_scorer_cover_the_truth_in_95_of_100_trials(monkeypatch):
+    chance, halo_m = np.random.default_rng(29), 0.1
+    lane = Lane({}, "L", 0.0, 10.0, 0.0, 2.0)
+    places = [(0.5 + at, 0.5) for at in range(10)]
+    targets = [Target(f"T{at}", "L", one, {}) for at, one in enumerate(places)]
+    trial_plan = Plan(halo_m, (), {"L": lane}, sha256="p")
+    area_m2 = lane.area_outside(places, halo_m)
+    assert area_m2 == pytest.approx(20.0 - 10 * math.pi * halo_m**2, abs=1e-4)
+    # The targets of all trials are the same, so it is computed once.
+    monkeypatch.setattr(ground.Lane, "area_outside", lambda *_: area_m2)
+    hits = {"share": 0, "density": 0}
+    for share, density in zip(chance.uniform(0.3, 1.0, TRIALS), chance.uniform(0.0, 0.5, TRIALS)):
+        seen = [one for one in places if chance.random() < share]
+        false = [(one, 1.5) for one in chance.uniform(0.0, 10.0, chance.poisson(density * area_m2))]
+        marks = tuple(Mark(f"C{at}", *one, -at) for at, one in enumerate([*seen, *false]))
+        (scored,) = score_trial(
+            trial_plan, targets, [Seal(marks, "", plan_sha256="p", lane="L")]
+        ).groups
+        assert (scored.found, scored.alarms) == (len(seen), len(false))
+        for name, truth, ends in (("share", share, scored.detection_range),
+                                  ("density", density, scored.alarms_range)):  # fmt: skip
+            hits[name] += ends[0] <= truth <= ends[1]
+    assert min(hits.values()) >= 0.95 * TRIALS, hits
