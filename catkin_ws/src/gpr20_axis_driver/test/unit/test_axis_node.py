@@ -271,6 +271,16 @@ def test_the_coordinate_is_published_faster_while_moving_and_soon_after(homed, m
     assert len(homed.coordinates) > 3 + axis_node.RESTING_TICKS
 
 
+def test_late_pulses_and_refused_scheduling_are_warnings(homed):
+    homed.in_motion(lambda: 0.01)
+    homed.move(FAR_MM)
+    level, message, values = homed.health()
+    assert (level, message.fault_code) == (WARN, faults.PULSES_SLOWED.code)
+    assert values["edges that slowed it down"] == 1
+    homed.axis.pulses.unpunctual = True
+    assert (homed.health()[0], homed.health()[1].fault_code) == (WARN, "")
+
+
 def test_when_the_node_ends_the_pins_are_low_and_nothing_moves_any_more(homed):
     for hook in homed.hooks:
         hook()
