@@ -8,13 +8,15 @@ import unittest
 
 import rospy
 import rostest
-from actionlib_msgs.msg import GoalStatus
+from actionlib_msgs.msg import GoalID, GoalStatus
+from actionlib_msgs.msg import GoalStatusArray as Status
 from axis_under_test import LIMIT_S, Axis, end_client, start_client, vanish, wait_until
 from sensor_msgs.msg import Range
 
 from gpr20_axis_driver import faults
 from gpr20_common.sent_message import message_from
 from gpr20_height_sensor.faults import SENSOR_OFF
+from gpr20_msgs.msg import AxisActionGoal, AxisActionResult
 from gpr20_msgs.srv import GetHeight
 from gpr20_simulator.low.shared_state import AdcFault
 from gpr20_survey.axes.axis_id import AxisId
@@ -76,6 +78,18 @@ class AxisTest(unittest.TestCase):
         self.assertEqual((state, self.x.steps), (GoalStatus.SUCCEEDED, 100))
         state, result = first.finish()
         self.assertEqual((state, result.fault_code), (GoalStatus.PREEMPTED, faults.STOPPED.code))
+
+    def test_6a_a_goal_that_was_cancelled_before_it_came_is_answered_with_a_code(self):
+        results = []
+        goals = rospy.Publisher("x_axis/axis/goal", AxisActionGoal, queue_size=1)
+        cancels = rospy.Publisher("x_axis/axis/cancel", GoalID, queue_size=1)
+        rospy.Subscriber("x_axis/axis/result", AxisActionResult, results.append)
+        wait_until(lambda: goals.get_num_connections() and cancels.get_num_connections())
+        cancels.publish(GoalID(id="cancelled"))
+        wait_until(lambda: "cancelled" in str(rospy.wait_for_message("x_axis/axis/status", Status)))
+        goals.publish(AxisActionGoal(goal_id=GoalID(id="cancelled")))
+        wait_until(lambda: any(one.status.goal_id.id == "cancelled" for one in results))
+        self.assertEqual(results[-1].result.fault_code, faults.NOT_BEGUN.code)
 
     def test_7_the_stop_service_ends_a_move_and_a_homing(self):
         self.x.begin_move(FAR_MM)
