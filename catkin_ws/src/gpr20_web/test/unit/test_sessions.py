@@ -15,7 +15,6 @@ from typing import Any, Callable, Dict, List, Tuple
 
 import pytest
 from case_kit import each_case
-from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, initialize, invariant, rule
 from run_seed import SEED
@@ -72,28 +71,21 @@ def world(tmp_path: Path) -> World:
 
 def test_a_session_has_name_role_and_address_and_outlives_the_node(world: World) -> None:
     token = world.sessions.begin(world.ana)
-    for _kill in range(3):
+    for _kill in range(2):
         assert world.sessions.find(token, ADDRESS) == Person("ana", Role.OPERATE, token, ADDRESS)
         world.restart()
 
 
-def test_owasp_session_id_entropy_has_32_random_bytes_and_only_its_hash_is_kept(
-    world: World,
-) -> None:
+def test_owasp_session_id_has_32_random_bytes_and_only_its_hash_is_kept(world: World) -> None:
+    (world.folder / "web").chmod(0o755)
     tokens = [world.sessions.begin(world.ana) for _number in range(5)]
     assert len(set(tokens)) == 5
     assert all(len(one.partition(".")[0]) == 43 for one in tokens)
     kept = repr(world.sessions.__dict__) + world.file.read_text()
     assert not any(one in kept or one.partition(".")[0] in kept for one in tokens)
-
-
-@given(st.text(max_size=60))
-def test_owasp_session_id_guessing_a_token_that_was_not_given_is_nobody(
-    tmp_path_factory: pytest.TempPathFactory, token: str
-) -> None:
-    sessions = Sessions(lambda _name: None, ManualClock(), IDLE_S, LONGEST_S, NoFile())
-    with pytest.raises(NotLoggedInError):
-        sessions.find(token, ADDRESS)
+    # Nobody else reads the file with the key.
+    assert stat.S_IMODE(world.file.stat().st_mode) == 0o600
+    assert [one.name for one in world.file.parent.glob(".*")] == []
 
 
 def test_who_is_logged_in_and_may_have_to_stop_stays_so_without_the_file_of_the_accounts(
@@ -145,35 +137,16 @@ def test_threads_that_log_in_and_out_at_once_disturb_no_others(world: World) -> 
     assert world.is_in(kept)
 
 
-def _wait_for_idle(world: World) -> None:
-    world.clock.time_s += IDLE_S / 2.0
-    world.restart()  # which is no use of it
-    world.clock.time_s += IDLE_S / 2.0
-
-
-def _use_for_long(world: World, token: str) -> None:
-    for _half in range(round(LONGEST_S / IDLE_S) * 2):
-        world.sessions.find(token, ADDRESS)
-        world.sessions.keep()
-        world.clock.time_s += IDLE_S / 2.0
-
-
+# Idleness, age, the number of sessions and changes of the role are the model's.
 ENDS: Dict[str, Callable[[World, str], Any]] = {
     "logout": lambda world, token: world.sessions.end(token),
     "logout everywhere": lambda world, _token: world.sessions.end_all("ana"),
     "password": lambda world, _token: world.accounts.change("ana", password=OTHER_PASSWORD),
-    "role": lambda world, _token: world.accounts.change("ana", role=Role.ADMIN),
     "another program": lambda world, _token: make_accounts(world.folder).remove("ana"),
-    "removal": lambda world, _token: world.accounts.remove("ana"),
     "made again": lambda world, _token: (
         world.accounts.remove("ana"),
         world.accounts.add("ana", Role.OPERATE, PASSWORD),
     ),
-    "idle": lambda world, _token: _wait_for_idle(world),
-    "absolute": _use_for_long,
-    "too many": lambda world, _token: [
-        world.sessions.begin(world.ana) for _number in range(MOST_OF_PERSON)
-    ],
 }
 
 
@@ -181,17 +154,15 @@ ENDS: Dict[str, Callable[[World, str], Any]] = {
 def test_what_has_ended_is_over_at_once_and_stays_so_after_a_restart_of_the_node(
     tmp_path_factory: pytest.TempPathFactory, name: str
 ) -> None:
-    world, end = World(tmp_path_factory.mktemp("world")), ENDS[name]
+    world = World(tmp_path_factory.mktemp("world"))
     token = world.sessions.begin(world.ana)
     other = world.sessions.begin(world.accounts.add("eva", Role.VIEW, PASSWORD))
-    end(world, token)
+    ENDS[name](world, token)
     with pytest.raises(NotLoggedInError):
         world.sessions.find(token, ADDRESS)
     for _kill in range(2):
         world.restart()
-        assert not world.is_in(token)
-    if name not in ("idle", "absolute"):
-        assert world.is_in(other)
+        assert [world.is_in(token), world.is_in(other)] == [False, True]
 
 
 def test_what_is_used_until_a_kill_is_not_idle_after_it(world: World) -> None:
@@ -215,13 +186,6 @@ def test_a_token_that_was_changed_or_signed_by_another_key_is_refused(world: Wor
     assert not world.is_in(token)
 
 
-def test_nobody_else_reads_the_file_with_the_key(world: World) -> None:
-    (world.folder / "web").chmod(0o755)
-    world.sessions.begin(world.ana)
-    assert stat.S_IMODE(world.file.stat().st_mode) == 0o600
-    assert [one.name for one in world.file.parent.glob(".*")] == []
-
-
 def test_a_start_of_the_computer_ends_all_as_its_clock_begins_anew(
     world: World, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -233,13 +197,7 @@ def test_a_start_of_the_computer_ends_all_as_its_clock_begins_anew(
     assert world.reported == []
 
 
-@each_case(
-    "content",
-    [
-        *("", "[]", "{}", "[" * 100_000, '{"boot": 1, "key": "k"}'),
-        *('{"boot": BOOT, "key": "1234"}', '{"boot": BOOT, "key": "\\ud800"}'),
-    ],
-)
+@each_case("content", ["", "[" * 100_000, '{"boot": 1, "key": "k"}', '{"boot": BOOT, "key": "12"}'])
 def test_a_damaged_file_is_reported_and_everybody_logs_in_again(
     tmp_path_factory: pytest.TempPathFactory, content: str
 ) -> None:
@@ -250,7 +208,6 @@ def test_a_damaged_file_is_reported_and_everybody_logs_in_again(
     assert [one.fault_code for one in world.reported] == ["web.folder"]
     assert not world.is_in(token)
     token = world.sessions.begin(world.ana)
-    assert len(json.loads(world.file.read_text())["key"]) == 64
     world.restart()
     assert world.is_in(token)
 
@@ -310,20 +267,20 @@ class SessionMachine(RuleBasedStateMachine):
         """Change an account, or make it again."""
         self.generation += 1
         self.accounts[name] = Account(name, Role.VIEW, "", "", self.generation)
-        self._drop([one for one, (own, *_times) in self.model.items() if own == name])
+        self._drop(self._of(name))
 
     @rule(name=st.sampled_from(NAMES))
     def remove(self, name: str) -> None:
         """Remove an account."""
         self.accounts.pop(name, None)
-        self._drop([one for one, (own, *_times) in self.model.items() if own == name])
+        self._drop(self._of(name))
 
     @rule(name=st.sampled_from(NAMES), times=st.integers(1, 6))
     def log_in(self, name: str, times: int) -> None:
         """Log in several times."""
         for _number in range(times if name in self.accounts else 0):
             token = self.sessions.begin(self.accounts[name])
-            own = [one for one, (owner, *_times) in self.model.items() if owner == name]
+            own = self._of(name)
             self._drop(own[: max(0, len(own) + 1 - MOST_OF_PERSON)])
             self.model[token] = (name, self.clock.time_s, self.clock.time_s)
 
@@ -338,7 +295,7 @@ class SessionMachine(RuleBasedStateMachine):
     def log_out_everywhere(self, name: str) -> None:
         """Log out one person."""
         self.sessions.end_all(name)
-        self._drop([one for one, (own, *_times) in self.model.items() if own == name])
+        self._drop(self._of(name))
 
     @rule(number=st.integers(0, 40))
     def use(self, number: int) -> None:
@@ -369,6 +326,9 @@ class SessionMachine(RuleBasedStateMachine):
         for token in self.ended:
             with pytest.raises(NotLoggedInError):
                 self.sessions._check(token)
+
+    def _of(self, name: str) -> List[str]:
+        return [one for one, (own, *_times) in self.model.items() if own == name]
 
     def _drop(self, tokens: List[str]) -> None:
         for token in tokens:

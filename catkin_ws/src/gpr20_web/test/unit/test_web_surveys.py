@@ -44,42 +44,24 @@ def surveys(tmp_path):
     surveys.kit.processing.shut_down()
 
 
-def folders(answer):
-    return [one["folder"] for one in answer["surveys"]]
-
-
-def listed(surveys, **values):
-    return folders(surveys.ask("GET", "/api/surveys", **values))
-
-
-def test_the_newest_survey_comes_first_with_how_it_ended(surveys):
-    part, whole = surveys.ask("GET", "/api/surveys")["surveys"]
-    assert (part["folder"], part["ending"], part["state"]) == (
-        surveys.part,
-        "5 of 9 traces missing",
-        "incomplete",
-    )
+def test_the_list_says_how_each_ended_and_is_searched_and_paged(surveys, monkeypatch):
+    answer = surveys.ask("GET", "/api/surveys")
+    part, whole = answer["surveys"]
+    assert (part["folder"], part["ending"]) == (surveys.part, "5 of 9 traces missing")
     assert (whole["folder"], whole["ending"], whole["title"]) == (
-        surveys.whole,
-        "Complete",
-        "Lane-9",
+        *(surveys.whole, "Complete", "Lane-9"),
     )
     assert whole["people"] == "El Carmen · Ana Pérez" and whole["simulated"]
-
-
-def test_the_list_is_searched_filtered_and_paged_as_in_the_window(surveys):
-    assert listed(surveys, text="carmen lane-4") == [surveys.part]
-    assert listed(surveys, text="PEREZ") == [surveys.part, surveys.whole]
-    assert listed(surveys, listed="not complete") == [surveys.part]
-    assert listed(surveys, listed="imported") == []
-    assert listed(surveys, before=surveys.part) == [surveys.whole]
-    assert surveys.ask("GET", "/api/surveys")["next"] == ""
-
-
-def test_a_longer_list_says_where_its_next_page_begins(surveys, monkeypatch):
+    assert (part["state"], answer["next"]) == ("incomplete", "")
+    for values, found in (
+        ({"text": "carmen lane-4"}, [part]),
+        ({"listed": "not complete"}, [part]),
+        ({"before": surveys.part}, [whole]),
+    ):
+        assert surveys.ask("GET", "/api/surveys", **values)["surveys"] == found
     monkeypatch.setattr("gpr20_web.mid.surveys_page.SURVEYS_PER_PAGE", 1)
-    answer = surveys.ask("GET", "/api/surveys", text="lane-9")
     # Nothing on this page fits, but there is another one.
+    answer = surveys.ask("GET", "/api/surveys", text="lane-9")
     assert answer == {"surveys": [], "next": surveys.part}
 
 
@@ -122,71 +104,57 @@ def test_no_note_looks_like_that_of_somebody_else(surveys, end):
     assert not [one for one in lines if one.startswith("2026") and "ana" in one]
 
 
-def test_a_note_that_is_none_is_refused(surveys):
-    for text in (
-        "",
-        " \n ",
-        "x" * 2001,
-        7,
-        None,
-        "bell\x07",
-        "\u202ereversed",
-    ):
+PLACE = {"x_mm": 1, "y_mm": 2}
+FOUND = {"candidate": "C01", "list": SUM, "what": "scrap"}
+WRONG = {
+    "notes": [{"text": one} for one in ("", " \n ", "x" * 2001, 7, "bell\x07", "\u202ereversed")],
+    "markers": [
+        *({}, {"x_mm": "1", "y_mm": 2}, {"x_mm": True, "y_mm": 2}, {"x_mm": 1, "y_mm": 1e9}),
+        *({**PLACE, "depth_mm": -1}, {**PLACE, "y_mm": float("nan")}, {**PLACE, "x_mm": 10**400}),
+        *({**PLACE, "text": "two\nlines"}, {**PLACE, "text": ["x"]}),
+        *({"remove": one} for one in ("../etc", "\ud800", "0" * 36, 3)),
+    ],
+    "found": [
+        *({**FOUND, "what": "mine"}, {**FOUND, "candidate": "C09"}, {**FOUND, "candidate": []}),
+        *({**FOUND, "list": "0" * 64}, {**FOUND, "list": False}),
+        *({**FOUND, "depth_mm": one} for one in ("5", True, -1.0, float("inf"), 10**400)),
+    ],
+}
+
+
+def test_what_is_no_note_no_marker_and_no_find_is_refused_and_not_audited(surveys):
+    surveys.search(surveys.whole)
+    before = surveys.get(surveys.whole)
+    for rest, values in [(rest, one) for rest, wrong in WRONG.items() for one in wrong]:
         with pytest.raises(Gpr20Error):
-            surveys.post(surveys.whole, "notes", text=text)
-    assert surveys.audited == []
-    assert dict(surveys.get(surveys.whole)["notes"])["Notes"] == "wet ground"
+            surveys.post(surveys.whole, rest, **values)
+    surveys.services.failure = NotNowError(verbatim("the storage does not answer"))
+    for rest, values in {"notes": {"text": "x"}, "markers": PLACE, "found": FOUND}.items():
+        with pytest.raises(NotNowError, match="does not answer"):
+            surveys.post(surveys.whole, rest, **values)
+    surveys.services.failure = None
+    assert surveys.audited == [] and surveys.get(surveys.whole) == before
 
 
-def test_who_may_only_watch_removes_no_marker_of_others(surveys):
-    surveys.post(surveys.whole, "markers", x_mm=12, y_mm=14.5, text="mine seen")
+def test_a_marker_is_removed_by_its_author_or_an_operator(surveys):
+    surveys.post(surveys.whole, "markers", x_mm=12, y_mm=14.5, depth_mm=None, text="mine seen")
     surveys.post(surveys.whole, "markers", name="carl", x_mm=1, y_mm=1, text="root")
     mine, root = surveys.get(surveys.whole)["markers"]
+    assert (mine["x_mm"], mine["depth_mm"], mine["author"]) == (12.0, None, "berta")
     with pytest.raises(NotAllowedError):
         surveys.post(surveys.whole, "markers", name="carl", remove=mine["marker_id"])
     surveys.post(surveys.whole, "markers", name="carl", remove=root["marker_id"])
     assert surveys.get(surveys.whole)["markers"] == [mine]
-
-
-@pytest.mark.parametrize("unknown", ["\ud800", "../etc", "0" * 36])
-def test_a_marker_that_is_not_there_is_not_removed(surveys, unknown):
-    with pytest.raises(NotFoundError):
-        surveys.post(surveys.whole, "markers", remove=unknown)
-
-
-def test_a_marker_is_added_by_its_author_and_removed_by_an_operator(surveys):
-    surveys.post(surveys.whole, "markers", x_mm=12, y_mm=14.5, depth_mm=None, text="root")
-    (marker,) = surveys.get(surveys.whole)["markers"]
-    assert (marker["x_mm"], marker["depth_mm"], marker["author"]) == (12.0, None, "berta")
-    surveys.post(
-        surveys.whole, "markers", name="carl", role=Role.OPERATE, remove=marker["marker_id"]
-    )
+    operator = {"name": "dora", "role": Role.OPERATE}
+    surveys.post(surveys.whole, "markers", **operator, remove=mine["marker_id"])
     assert surveys.get(surveys.whole)["markers"] == []
     stored = json.loads((surveys.data / surveys.whole / "survey.json").read_text())
-    assert stored["markers"][0]["removed_by"] == "carl"
-    assert [one[:2] for one in surveys.audited] == [("berta", "marker"), ("carl", "marker")]
+    assert [one["removed_by"] for one in stored["markers"]] == ["dora", "carl"]
+    added, removed = surveys.audited[0], surveys.audited[-1]
+    assert (added[:2], removed[:2]) == (("berta", "marker"), ("dora", "marker"))
 
 
-def test_a_marker_that_is_none_is_refused(surveys):
-    for values in (
-        {},
-        {"x_mm": "1", "y_mm": 2},
-        {"x_mm": True, "y_mm": 2},
-        {"x_mm": 1, "y_mm": 1e9},
-        {"x_mm": 1, "y_mm": 2, "depth_mm": -1},
-        {"x_mm": 1, "y_mm": float("nan")},
-        {"x_mm": 1, "y_mm": 2, "text": "two\nlines"},
-        {"x_mm": 1, "y_mm": 2, "text": ["x"]},
-        {"x_mm": 10**400, "y_mm": 2},
-        {"remove": "../etc"},
-        {"remove": 3},
-    ):
-        with pytest.raises(Gpr20Error):
-            surveys.post(surveys.whole, "markers", **values)
-    assert surveys.audited == [] and surveys.get(surveys.whole)["markers"] == []
-
-
-def test_a_search_gives_the_places_of_the_window_in_its_sentences(surveys):
+def test_a_search_gives_the_places_of_the_window_until_the_survey_has_changed(surveys):
     surveys.post(surveys.whole, "candidates")
     assert surveys.get(surveys.whole, "/candidates")["state"] == "running"
     surveys.waiting.pop()()
@@ -197,6 +165,9 @@ def test_a_search_gives_the_places_of_the_window_in_its_sentences(surveys):
     first, second = shown["places"]
     assert (first["id"], first["place"]) == ("C01", "X 15 ±4  Y 14 ±4 mm, 60 ±6 mm deep")
     assert second["doubtful"] and not first["doubtful"] and first["why"]
+    assert [one for one, *_ in surveys.services.asked].count(Service.FOCUS) == 1
+    next((surveys.data / surveys.whole / "traces").iterdir()).unlink()
+    assert "candidates" not in surveys.get(surveys.whole)
 
 
 def test_a_list_without_places_says_that_this_does_not_mean_safety(surveys):
@@ -206,34 +177,24 @@ def test_a_list_without_places_says_that_this_does_not_mean_safety(surveys):
     assert {str(NO_CLEARANCE), str(texts.NOT_SAFE)} <= set(shown["warnings"])
 
 
-def test_places_are_shown_until_the_survey_has_changed(surveys):
-    assert "candidates" in surveys.search(surveys.whole)
-    asked = [one for one in surveys.services.asked if one[0] is Service.FOCUS]
-    assert len(asked) == 1 and "candidates" in surveys.get(surveys.whole)
-    next((surveys.data / surveys.whole / "traces").iterdir()).unlink()
-    assert "candidates" not in surveys.get(surveys.whole)
-
-
-def test_one_survey_is_searched_at_a_time(surveys):
-    surveys.post(surveys.whole, "candidates")
-    surveys.post(surveys.whole, "candidates")
-    assert len(surveys.waiting) == 1
-    with pytest.raises(BusyError):
-        surveys.post(surveys.part, "candidates")
-    surveys.waiting.pop()()
-    surveys.post(surveys.part, "candidates")
-    with pytest.raises(NotFoundError):
-        surveys.get(surveys.whole, "/candidates")
-
-
-def test_nothing_is_searched_while_a_survey_runs(surveys):
+def test_one_survey_is_searched_at_a_time_and_none_while_one_runs(surveys):
     surveys.page.refresh(RUNS)
     assert not surveys.get(surveys.whole)["can_search"]
     with pytest.raises(NotNowError):
         surveys.post(surveys.whole, "candidates")
     surveys.page.refresh(ENDED)
-    surveys.post(surveys.whole, "candidates")
-    assert len(surveys.waiting) == 1
+    surveys.services.focus = lambda _survey: 1 / 0
+    for _ in range(2):
+        surveys.post(surveys.whole, "candidates")
+    with pytest.raises(BusyError):
+        surveys.post(surveys.part, "candidates")
+    (search,) = surveys.waiting
+    with pytest.raises(ZeroDivisionError):
+        search()
+    assert surveys.get(surveys.whole, "/candidates")["state"] == "failed"
+    surveys.post(surveys.part, "candidates")
+    with pytest.raises(NotFoundError):
+        surveys.get(surveys.whole, "/candidates")
 
 
 def test_a_search_ends_when_a_survey_begins(surveys):
@@ -256,16 +217,6 @@ def test_a_search_ends_when_a_survey_begins(surveys):
     assert (state["state"], state["problem"]) == ("failed", "Cancelled")
 
 
-def test_a_search_that_fails_in_an_unknown_way_does_not_prevent_the_next(surveys):
-    surveys.services.focus = lambda _survey: 1 / 0
-    surveys.post(surveys.whole, "candidates")
-    with pytest.raises(ZeroDivisionError):
-        surveys.waiting.pop()()
-    assert surveys.get(surveys.whole, "/candidates")["state"] == "failed"
-    surveys.post(surveys.part, "candidates")
-    assert len(surveys.waiting) == 1
-
-
 def test_what_was_found_is_stored_as_the_window_does_it(surveys):
     surveys.search(surveys.whole)
     wanted = {"candidate": "C01", "list": SUM, "what": "scrap", "depth_mm": 45}
@@ -279,51 +230,12 @@ def test_what_was_found_is_stored_as_the_window_does_it(surveys):
     assert surveys.audited[-1][1] == "found"
 
 
-def test_what_was_not_found_at_a_place_of_the_list_is_refused(surveys):
-    surveys.search(surveys.whole)
-    for changes in (
-        {"what": "mine"},
-        {"what": None},
-        {"candidate": "C09"},
-        {"candidate": []},
-        {"list": "0" * 64},
-        {"list": False},
-        {"depth_mm": "5"},
-        {"depth_mm": True},
-        {"depth_mm": -1.0},
-        {"depth_mm": float("inf")},
-        {"depth_mm": 10**400},
-    ):
-        wanted = {"candidate": "C01", "list": SUM, "what": "scrap", "depth_mm": None, **changes}
-        with pytest.raises(Gpr20Error):
-            surveys.post(surveys.whole, "found", **wanted)
-    assert surveys.audited == [] and surveys.get(surveys.whole)["found"] == []
-
-
-def test_what_the_storage_refuses_is_said_and_not_audited(surveys):
-    surveys.search(surveys.whole)
-    surveys.services.failure = NotNowError(verbatim("the storage does not answer"))
-    wanted = {"candidate": "C01", "list": SUM, "what": "scrap"}
-    for rest, values in (
-        ("notes", {"text": "x"}),
-        ("markers", {"x_mm": 1, "y_mm": 1}),
-        ("found", wanted),
-        ("candidates", {}),
-    ):
-        with pytest.raises(NotNowError, match="does not answer"):
-            surveys.post(surveys.whole, rest, **values)
-    assert surveys.audited == []
-
-
-def test_a_replay_has_no_list(surveys):
-    surveys.page.refresh(dataclasses.replace(ENDED, replay=ReplayView("", True)))
-    for path in ("/api/surveys", f"/api/surveys/{surveys.whole}"):
-        with pytest.raises(NotNowError):
-            surveys.ask("GET", path)
-
-
-def test_an_unknown_survey_is_not_found(surveys):
+def test_an_unknown_survey_is_not_found_and_a_replay_has_none(surveys):
     with pytest.raises(NotFoundError):
         surveys.get("20200101T000000_00000000")
     os.mkdir(surveys.data / "20200101T000000_00000000")
     assert surveys.get("20200101T000000_00000000")["problems"]
+    surveys.page.refresh(dataclasses.replace(ENDED, replay=ReplayView("", True)))
+    for path in ("/api/surveys", f"/api/surveys/{surveys.whole}"):
+        with pytest.raises(NotNowError):
+            surveys.ask("GET", path)
