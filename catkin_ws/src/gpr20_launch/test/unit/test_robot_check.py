@@ -39,9 +39,7 @@ MISTAKES = [
     ("height", "spi_device: 2", "spi_device", "wrong_value", "chip select|0 - 1"),
     ("axes", "x: {dir_pin: 28}", "x/dir_pin", "pin_unusable", "EEPROM|29, 31"),
     ("axes", "x: {dir_pin: 17}", "x/dir_pin", "wrong_value", "pin 17 is 3.3 V|BOARD"),
-    ("axes", "x: {step_pin: 4}", "x/step_pin", "wrong_value", "5 V"),
     ("axes", "y: {sensor_pin: 39}", "y/sensor_pin", "wrong_value", "ground"),
-    ("axes", "x: {dir_pin: 41}", "x/dir_pin", "wrong_value", "41"),
     ("axes", "x: {dir_pin: GPIO27}", "x/dir_pin", "wrong_value", "GPIO27 is pin 13"),
     ("axes", "x: {backend: pigpio}\ny: {backend: pigpio}", "y/backend", "motion", "rpi_gpio|x"),
     ("axes", "x: {sensor_pin: 5, endstop_pull: none}", "x/endstop_pull", "endstop", "1.8 kOhm|up"),
@@ -52,7 +50,6 @@ MISTAKES = [
     ("axes", "x: {max_coord: '1,000'}", "x/max_coord", "wrong_value", "without it"),
     ("axes", "z: {min_coord: 0, max_coord: 270}", "z/max_coord", "travel", "270 deg|cables"),
     ("axes", "x: {step_size: 0.001}", "x/step_size", "motion", "1.8 hours"),
-    ("axes", "x: {step_size: 10}", "x/step_size", "motion", "10 mm|0.0005 - 1 mm"),
     ("axes", "x: {homing_margin: 640}", "x/homing_margin", "wrong_value", "640 mm|0 - 50 mm"),
     (
         *("axes", "x: {step_size: 0.1, min_step: 0.00005, late_limit_s: 0.00003}"),
@@ -61,7 +58,6 @@ MISTAKES = [
     ("axes", "x: {min_step: 1.5}", "x/min_step", "wrong_value", "1.5 s"),
     ("axes", "x: {min_step: 0.0002}", "x/min_step", "wrong_value", "late_limit_s has its default"),
     ("axes", "x: {type: ROT}", "x/type", "wrong_value", "LIN"),
-    ("axes", "z: {type: LIN}", "z/type", "wrong_value", "ROT"),
     # Typing errors.
     ("axes", "x: {step_size: 0,01}", "x/step_size", "wrong_value", "point, not a comma: 0.01"),
     ("axes", "x:\n  step_size: 0,01", "x/step_size", "wrong_value", "0.01"),
@@ -73,7 +69,6 @@ MISTAKES = [
     ("axes", "x: {max_coord: 650 mm}", "x/max_coord", "wrong_value", "without its unit: 650"),
     ("axes", "x: {max_cord: 900}", "x/max_cord", "wrong_value", "max_coord is meant"),
     ("axes", "x: {type: lin}", "x/type", "wrong_value", "perhaps LIN is meant"),
-    ("height", "Spi_Bus: 0", "Spi_Bus", "wrong_value", "perhaps spi_bus"),
     ("axes", "x: {dir_pin: 013}", "x/dir_pin", "wrong_value", "013|13"),
     ("axes", "x: {max_coord: 10:50}", "x/max_coord", "wrong_value", "10:50"),
     ("axes", "dir_pin: 13", "dir_pin", "wrong_value", "x, y, z"),
@@ -103,7 +98,6 @@ DOUBTS = [
     ("axes", "x: {step_pin: 8}", "x/step_pin", "pin_unusable", "console"),
     ("axes", "x: {dir_pin: 3}", "x/dir_pin", "pin_unusable", "1.8 kOhm"),
     ("axes", "y: {max_coord: 880}", "y/max_coord", "travel", "880 mm|URDF|0 - 800 mm"),
-    ("axes", "x: {max_coord: 1200}", "x/max_coord", "travel", "1200 mm|URDF"),
     ("axes", "x: {max_coord: 65}", "x/max_coord", "travel", "much longer|in cm"),
     ("axes", "z: {max_coord: 45}", "z/max_coord", "travel", "0 and 90"),
     ("axes", "z: {min_coord: -1.57, max_coord: 1.57}", "z/max_coord", "travel", "in radians"),
@@ -200,29 +194,16 @@ def test_command_launch_and_programs_get_the_same(tmp_path, run, case):
     assert bool(configuration) == (not refused)
 
 
-def test_every_fault_of_the_check_has_an_example():
-    known = {one.code for one in vars(faults).values() if hasattr(one, "code")}
-    shown = {f"config.{case[3]}" for case in (*MISTAKES, *DOUBTS)}
-    assert {one for one in known if one.startswith("config.")} - shown == {
-        *("config.unreadable", "config.no_folder", "config.old_launch", "config.files_exist"),
-        *("config.old_unread", "config.unchecked_analyzer"),
-    }
-
-
 @each_case(
     "file, text, wrong",
     [
-        ("axes", "x: {sensor_pn: 7}\ny: {dir_pin: 16}", {"x/sensor_pn"}),
-        ("axes", "x: {contoller: 'a.b:C', dir_pin: 19}", {"x/contoller"}),
         ("axes", "x: {min_stp: 0.01, step_size: 0.5}", {"x/min_stp"}),
         ("axes", "x: {max_coord: abc, min_coord: 700, dir_pin: 41}", {"x/max_coord", "x/dir_pin"}),
         ("axes", LEVELS.replace("high", "hi"), {"y/enable_active"}),
-        ("axes", "z: {sensr_pin: 18, endstop_active: high}", {"z/sensr_pin"}),
         ("height", "spi_bu: 1\nspi_device: 2", {"spi_bu"}),
         ("height", "spi_bus: 1\nspi_bus: 0", {""}),
         ("storage", "daat: /media/x\ndisk_reserve_mb: -1", {"daat", "disk_reserve_mb"}),
         ("analyzer", "min_frequency: 7.0e+9\nmax_frequency_hz: 8.0e+3", {"min_frequency"}),
-        ("site", "latitude_dg: 4.6\nlongitude_deg: -74.1", {"latitude_dg"}),
     ],
 )
 def test_no_mistake_follows_from_the_default_of_a_value_that_is_not_known(
@@ -284,14 +265,14 @@ def test_all_mistakes_are_found_at_once_the_gravest_first(tmp_path):
         {},
         {"axes": "\n".join(f"{axis}: {{enable_pin: 18, enable_active: high}}" for axis in "xyz")},
         {"axes": "y: {sensor_pin: 7}\nz: {dir_pin: 40}\nx: {backend: pigpio}"},
-        {"axes": "x: {dir_pin: 15, step_pin: 13}"},
-        {"axes": "x: {dir_pin: 37}\ny: {dir_pin: 13}"},
+        {"axes": "x: {max_coord: 600, dir_pin: 15, step_pin: 13}\nz: {step_size: 0.9}"},
         {"axes": "x: {endstop_active: high, endstop_pull: down}\ny: {endstop_active: high}"},
-        {"axes": "x: {max_coord: 600}\nz: {step_size: 0.9}", "site": "site: Bogotá"},
         {"height": "spi_device: 1\nreference_voltage_v: 3.31", "axes": "x: {sensor_pin: 7}"},
         {"storage": "data: ~/surveys", "sensors": f"sensors: [{{name: a, {SENSOR}}}]"},
-        {"site": "robot: GPR-20 Ñandú\nlatitude_deg: 4.6\nlongitude_deg: -74.1"},
-        {"analyzer": f"{VNA}settle_s: 1.0e-1", "README.md": "of robot 2", ".hidden": ""},
+        {
+            "site": "robot: GPR-20 Ñandú\nlatitude_deg: 4.6\nlongitude_deg: -74.1",
+            **{"analyzer": f"{VNA}settle_s: 1.0e-1", "README.md": "of robot 2", ".hidden": ""},
+        },
     ],
 )
 def test_a_correct_configuration_has_no_problem(tmp_path, run, files):
