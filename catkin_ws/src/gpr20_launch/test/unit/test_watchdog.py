@@ -4,6 +4,7 @@ import contextlib
 import os
 import socket
 import threading
+from unittest import mock
 from xmlrpc.server import SimpleXMLRPCServer
 
 import pytest
@@ -97,49 +98,35 @@ def test_one_answer_or_one_doubt_begins_the_time_again(answer):
     assert robot.killed == []
 
 
-def test_what_cannot_be_asked_is_never_ended(robot):
-    robot.answers = {STORAGE: UNKNOWN, CONTROL: UNKNOWN}
-    robot.run(600.0)
-    assert robot.killed == []
-
-
-def test_a_node_that_has_never_answered_is_ended_after_a_minute():
+def test_a_node_that_has_never_answered_is_ended_after_a_minute_unless_it_computes_or_is_traced():
     robot = Robot()
     robot.answers[STORAGE] = MUTE
+    for busy in (robot.working, robot.traced):
+        busy.add(STORAGE)
+        robot.run(20.0 * MUTE_LIMIT_S)
+        busy.clear()
+    assert robot.killed == []
+    robot = Robot()
+    robot.answers = {STORAGE: MUTE, CONTROL: UNKNOWN}
     robot.run(MUTE_LIMIT_S - PERIOD_S)
     assert robot.killed == []
-    robot.run(3 * PERIOD_S)
+    robot.run(600.0)
+    # What cannot be asked is never ended.
     assert [name for _at_s, name in robot.killed] == ["/vna_processing"]
 
 
-@each_case("is_left", [set.add, set.discard])
-def test_a_node_that_computes_or_is_traced_before_its_first_answer_is_left_alone(is_left):
-    robot = Robot()
-    robot.answers[STORAGE] = MUTE
-    is_left(robot.working, STORAGE)
-    if STORAGE not in robot.working:
-        robot.traced.add(STORAGE)
-    robot.run(20.0 * MUTE_LIMIT_S)
-    assert robot.killed == []
-
-
-def test_a_node_at_work_gets_longer_and_is_ended_in_the_end(robot):
+def test_a_node_that_worked_in_its_silence_gets_longer_and_is_ended_in_the_end(robot):
     begun_s = robot.now
-    robot.answers[STORAGE] = SILENT
-    robot.working.add(STORAGE)
-    robot.run(5.0 * LIMIT_S)
-    assert robot.killed == []
-    robot.run(2.0 * LIMIT_S)
-    assert robot.killed[0][0] - begun_s == pytest.approx(6.0 * LIMIT_S, abs=2 * PERIOD_S)
-
-
-def test_a_node_that_worked_for_a_moment_of_its_silence_counts_as_busy(robot):
     robot.answers[STORAGE] = SILENT
     robot.working.add(STORAGE)
     robot.run(3.0)
     robot.working.clear()
     robot.run(2.0 * LIMIT_S)
+    robot.working.add(STORAGE)
+    robot.run(2.5 * LIMIT_S)
     assert robot.killed == []
+    robot.run(2.0 * LIMIT_S)
+    assert robot.killed[0][0] - begun_s == pytest.approx(6.0 * LIMIT_S, abs=2 * PERIOD_S)
 
 
 def test_a_node_under_a_debugger_is_left_alone_until_the_debugger_is_gone(robot):
@@ -171,8 +158,13 @@ def test_a_node_that_took_the_place_of_another_begins_with_no_silence(robot):
     assert robot.killed == []
 
 
-def test_a_node_that_is_not_restarted_makes_the_launch_incomplete(robot):
-    name = robot.found.pop(STORAGE)
+def test_a_node_that_is_not_restarted_makes_the_launch_incomplete_unless_it_is_spared():
+    robot = Robot("/vna_processing")
+    robot.run(4.0)
+    robot.answers[STORAGE] = SILENT
+    robot.run(2.0 * RESPAWN_LIMIT_S)
+    assert [name for _at_s, name in robot.killed] == ["/vna_processing"]
+    name = robot.found.pop(CONTROL)
     robot.run(RESPAWN_LIMIT_S - PERIOD_S)
     assert robot.watchdog.complete
     robot.run(2 * PERIOD_S)
@@ -180,18 +172,6 @@ def test_a_node_that_is_not_restarted_makes_the_launch_incomplete(robot):
     robot.found[13], robot.answers[13] = name, ALIVE
     robot.run(PERIOD_S)
     assert robot.watchdog.complete
-
-
-def test_a_spared_node_is_ended_if_it_hangs_but_its_absence_interrupts_nothing():
-    robot = Robot("/vna_processing")
-    robot.run(4.0)
-    robot.answers[STORAGE] = SILENT
-    robot.run(2.0 * RESPAWN_LIMIT_S)
-    assert [name for _at_s, name in robot.killed] == ["/vna_processing"]
-    assert robot.watchdog.complete
-    robot.found.pop(CONTROL)
-    robot.run(2.0 * RESPAWN_LIMIT_S)
-    assert not robot.watchdog.complete
 
 
 ANSWER_LIMIT_S = 0.3
@@ -241,39 +221,31 @@ def asked(master, number=None):
     return NodeAnswer(master.uri, NAME, os.getpid() if number is None else number, ANSWER_LIMIT_S)
 
 
-def test_a_node_that_hangs_after_an_answer_is_silent_and_alive_again_when_it_wakes(master, node):
-    answer = asked(master)
-    assert answer.ask() is Answer.ALIVE
-    node.running.clear()
-    assert [answer.ask() for _ in range(3)] == [Answer.SILENT] * 3
-    node.running.set()
-    assert answer.ask() is Answer.ALIVE
-
-
-def test_a_node_that_hung_before_it_was_asked_is_mute_until_it_answers(master, node):
+def test_a_node_that_hangs_is_mute_before_its_first_answer_and_silent_after_it(master, node):
     node.running.clear()
     answer = asked(master)
     assert [answer.ask() for _ in range(2)] == [Answer.MUTE] * 2
     node.running.set()
     assert answer.ask() is Answer.ALIVE
+    node.running.clear()
+    assert [answer.ask() for _ in range(2)] == [Answer.SILENT] * 2
+    node.running.set()
+    assert answer.ask() is Answer.ALIVE
 
 
-def test_a_node_that_hangs_before_it_has_registered_is_mute(master, node, monkeypatch):
-    # The master has the address of the process before it, where nobody listens any more.
-    with socket.socket() as free:
-        free.bind(("127.0.0.1", 0))
-        node.uri = f"http://127.0.0.1:{free.getsockname()[1]}/"
-    assert asked(master).ask() is Answer.MUTE
-    monkeypatch.setattr(node_answer, "_is_own", lambda _host: False)
-    assert asked(master).ask() is Answer.UNKNOWN
-
-
-def test_a_node_that_never_answered_at_an_address_that_this_computer_lost_is_unknown(
+def test_a_node_that_never_answered_is_mute_at_an_address_of_this_computer_alone(
     master, node, monkeypatch
 ):
     node.running.clear()
-    monkeypatch.setattr(node_answer, "_is_own", lambda host: host != "127.0.0.1")
-    assert asked(master).ask() is Answer.UNKNOWN
+    with socket.socket() as free:
+        free.bind(("127.0.0.1", 0))
+        # That of the process before it, where nobody listens any more.
+        for uri in (node.uri, f"http://127.0.0.1:{free.getsockname()[1]}/"):
+            node.uri = uri
+            assert asked(master).ask() is Answer.MUTE
+            with monkeypatch.context() as lost:
+                lost.setattr(node_answer, "_is_own", lambda _host: False)
+                assert asked(master).ask() is Answer.UNKNOWN
 
 
 def test_a_master_that_hangs_says_nothing_about_a_node(master, node):
@@ -286,14 +258,18 @@ def test_a_master_that_hangs_says_nothing_about_a_node(master, node):
     assert answer.ask() is Answer.SILENT
 
 
-def test_another_process_under_the_same_name_is_not_the_node(master, node):
+def test_a_refusal_a_lost_address_and_another_process_of_the_name_say_nothing(master, node):
     assert asked(master, number=1).ask() is Answer.UNKNOWN
-
-
-def test_a_node_that_refuses_connections_is_ending(master, node):
     answer = asked(master)
     assert answer.ask() is Answer.ALIVE
-    # As a new process has it: nothing is left of the connection.
+    node.running.clear()
+    for host in ("192.0.2.1", "no-such-host.invalid"):
+        answer._host = host
+        assert answer.ask() is Answer.UNKNOWN
+    node.running.set()
+    # It is ending. As a new process has it: nothing is left of the connection.
+    answer = asked(master)
+    assert answer.ask() is Answer.ALIVE
     answer._confirmed.close()
     with socket.socket() as free:
         free.bind(("127.0.0.1", 0))
@@ -301,56 +277,21 @@ def test_a_node_that_refuses_connections_is_ending(master, node):
     assert answer.ask() is Answer.UNKNOWN
 
 
-@each_case("host", ["192.0.2.1", "no-such-host.invalid"])
-def test_an_address_that_this_computer_lost_says_nothing_about_a_node(master, node, host):
-    answer = asked(master)
-    assert answer.ask() is Answer.ALIVE
-    node.running.clear()
-    answer._host = host
-    assert answer.ask() is Answer.UNKNOWN
-    node.running.set()
-
-
-class Program:
-    """The program under a roslaunch, with a watchdog of the test."""
-
-    def __init__(self, monkeypatch, looks):
-        watchdog = pytest.importorskip("gpr20_launch.high.watchdog")
-        self.main, self.said, self._looks = watchdog.main, [], list(looks)
-        self.complete = True
-        monkeypatch.setattr(watchdog.rosgraph, "myargv", lambda: ["", "--launch=/l", "--limit=9"])
-        monkeypatch.setattr(watchdog, "process_info", lambda _number: self)
-        monkeypatch.setattr(watchdog.signal, "signal", lambda *_all: None)
-        monkeypatch.setattr(watchdog, "enable_line_buffering", lambda: None)
-        monkeypatch.setattr(watchdog, "Watchdog", lambda *_all: self)
-        monkeypatch.setattr(watchdog, "service_manager", lambda: self)
-        monkeypatch.setattr(watchdog, "PERIOD_S", 0.0)
-        self._monkeypatch = monkeypatch
-
-    is_roslaunch = True
-
-    def look(self):
-        look = self._looks.pop(0)
-        if not self._looks:
-            self._monkeypatch.setattr(os, "getppid", lambda: 1)
-        if look is not None:
-            raise look
-
-    def keep_alive(self, _limit_s):
-        self.said.append("alive")
-
-    def release(self):
-        self.said.append("released")
-
-
-def test_systemd_guards_no_longer_when_the_launch_has_ended(monkeypatch):
-    program = Program(monkeypatch, [None, None])
-    assert program.main() == 0
-    assert program.said == ["alive", "alive", "released"]
-
-
-def test_systemd_guards_on_after_an_error(monkeypatch):
-    program = Program(monkeypatch, [None, ZeroDivisionError()])
+def test_systemd_guards_until_the_launch_has_ended_and_on_after_an_error(monkeypatch):
+    watchdog = pytest.importorskip("gpr20_launch.high.watchdog")
+    fake = mock.Mock(is_roslaunch=True, complete=True)
+    for name in ("process_info", "Watchdog", "service_manager"):
+        monkeypatch.setattr(watchdog, name, lambda *_all: fake)
+    monkeypatch.setattr(watchdog.rosgraph, "myargv", lambda: ["", "--launch=/l", "--limit=9"])
+    monkeypatch.setattr(watchdog.signal, "signal", lambda *_all: None)
+    monkeypatch.setattr(watchdog, "enable_line_buffering", lambda: None)
+    monkeypatch.setattr(watchdog, "PERIOD_S", 0.0)
+    fake.look.side_effect = [None, ZeroDivisionError()]
     with pytest.raises(ZeroDivisionError):
-        program.main()
-    assert program.said == ["alive"]
+        watchdog.main()
+    fake.keep_alive.assert_called_once()
+    fake.release.assert_not_called()
+    fake.look.side_effect = lambda: monkeypatch.setattr(os, "getppid", lambda: 1)
+    assert watchdog.main() == 0
+    assert fake.keep_alive.call_count == 2
+    fake.release.assert_called_once()
