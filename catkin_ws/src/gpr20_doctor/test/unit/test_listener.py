@@ -1,7 +1,6 @@
 """What the nodes report becomes facts; waiting ends when enough is known."""
 
 import json
-import math
 
 import pytest
 
@@ -12,7 +11,6 @@ from gpr20_doctor.mid.finding import Finding, Level
 from gpr20_doctor.mid.findings import as_json, lines
 from gpr20_doctor.mid.listener import WATCH_S, Listener
 from gpr20_doctor.mid.node_health import EXPECTED_NODES, HealthLevel, NodeHealth
-from gpr20_doctor.mid.robot_facts import AxisPosition
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.plan.robot_description import NodeDescription
 
@@ -65,17 +63,33 @@ def test_waiting_ends_at_its_limit_and_silent_nodes_are_named(listener, clock):
     assert silent == listener.silent() == [EXPECTED_NODES[0]]
 
 
-def test_parts_that_not_every_robot_has_are_judged_only_if_they_report(listener):
-    report_all(listener)
-    assert len(listener.facts().nodes) == len(EXPECTED_NODES)
-    report_all(listener, ("web", "simulator"))
-    assert [one.name for one in listener.facts().nodes][-2:] == ["simulator", "web"]
-    assert listener.silent() == []
-
-
-def test_a_status_without_a_node_is_no_contact(listener):
+def test_parts_that_not_every_robot_has_are_judged_only_if_they_report_or_were_launched(clock):
+    listener = Listener(clock, "http://localhost:11311", ["visualization", "rviz"])
     facts = listener.facts()
     assert not facts.control_alive and not facts.configured and facts.software == {}
+    report_all(listener)
+    assert listener.silent() == ["visualization"]
+    found = {one.name: one.level for one in listener.facts().nodes}
+    assert set(found) == {*EXPECTED_NODES, "visualization"}
+    assert found["visualization"] is HealthLevel.STALE
+    report_all(listener, ("web", "simulator"))
+    assert {"web", "simulator"} <= {one.name for one in listener.facts().nodes}
+
+
+def test_findings_are_printed_with_their_remedies():
+    printed = list(lines(FOUND, Catalogue({"no bus": "sin bus"})))
+    assert printed == [
+        "FAULT       sin bus (ENOENT)",
+        "            -> switch it on",
+        "GOOD        pins",
+        "1 faults, 0 warnings, 0 unknown, 0 notes, 1 good",
+    ]
+    record = json.loads(as_json(FOUND, Catalogue()))
+    assert record["status"] == 2
+    assert record["findings"][0] == {
+        **{"check": "spi", "fault_code": "", "level": "FAULT", "text": "no bus"},
+        **{"details": "ENOENT", "remedy": "switch it on"},
+    }
 
 
 def test_changes_of_an_endstop_are_counted_and_the_smallest_offset_kept(listener):
@@ -92,15 +106,6 @@ def test_changes_of_an_endstop_are_counted_and_the_smallest_offset_kept(listener
     assert facts.clock_offsets_s == {"height_sensor": -0.2, "sensors/gnss": 0.1}
 
 
-def test_the_last_state_of_axes_and_height_counts(listener):
-    assert listener.facts().axes == {} and math.isnan(listener.facts().height_m)
-    for homed in (False, True):
-        listener.note_axis(AxisId.X, AxisPosition(1.0, homed, False))
-        listener.note_height(0.2)
-    assert listener.facts().axes == {AxisId.X: AxisPosition(1.0, True, False)}
-    assert listener.facts().height_m == 0.2
-
-
 def test_the_next_reports_are_waited_for_within_a_limit(listener, clock):
     report_all(listener)
     listener.wait_for_next(["height_sensor"], 2.0)
@@ -115,29 +120,6 @@ FOUND = (
 )
 
 
-def test_findings_are_printed_with_their_remedies():
-    printed = list(lines(FOUND, Catalogue({"no bus": "sin bus"})))
-    assert printed == [
-        "FAULT       sin bus (ENOENT)",
-        "            -> switch it on",
-        "GOOD        pins",
-        "1 faults, 0 warnings, 0 unknown, 0 notes, 1 good",
-    ]
-
-
-def test_findings_are_printed_as_json():
-    record = json.loads(as_json(FOUND, Catalogue()))
-    assert record["status"] == 2
-    assert record["findings"][0] == {
-        "check": "spi",
-        "fault_code": "",
-        "level": "FAULT",
-        "text": "no bus",
-        "details": "ENOENT",
-        "remedy": "switch it on",
-    }
-
-
 def test_a_level_that_nobody_knows_is_an_error_of_that_part_alone():
     # Anybody can publish there.
     messages = pytest.importorskip("diagnostic_msgs.msg")
@@ -147,12 +129,3 @@ def test_a_level_that_nobody_knows_is_an_error_of_that_part_alone():
     found = node_reports.node_healths(messages.DiagnosticArray(status=status), "/")
     ok, warn, error, stale = HealthLevel
     assert [one.level for one in found] == [ok, error, stale, warn, error]
-
-
-def test_an_optional_node_that_was_launched_is_missed_before_it_has_reported(clock):
-    listener = Listener(clock, "http://localhost:11311", ["visualization", "rviz"])
-    report_all(listener)
-    assert listener.silent() == ["visualization"]
-    found = {one.name: one.level for one in listener.facts().nodes}
-    assert found["visualization"] is HealthLevel.STALE
-    assert "rviz" not in found

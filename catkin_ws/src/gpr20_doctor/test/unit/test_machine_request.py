@@ -61,12 +61,6 @@ def test_only_axes_without_another_controller_need_pins(tmp_path):
     assert request.pins and request.pin_library == "pigpio"
 
 
-def test_a_simulated_robot_needs_no_hardware(tmp_path):
-    request = machine(tmp_path).request(nodes(simulated=True))
-    assert (request.hardware, request.vna) == (HardwareUse.SIMULATED, None)
-    assert machine(tmp_path).request({}, robot=SIMULATED).hardware is HardwareUse.SIMULATED
-
-
 @pytest.mark.parametrize(
     "running, robot, asked, expected",
     [
@@ -94,14 +88,14 @@ def test_only_a_folder_that_the_launch_was_given_is_named_as_given(tmp_path):
     assert machine(tmp_path).request({}).data_given == ""
 
 
-def test_nothing_of_another_computer_is_looked_at(tmp_path):
+def test_nothing_of_a_simulated_robot_or_another_computer_is_looked_at(tmp_path):
+    assert machine(tmp_path).request(nodes(), surveying=True).vna is None
     request = machine(tmp_path).request(nodes(host="other"))
     assert request.hardware is HardwareUse.ELSEWHERE
     assert (request.data, request.vna) == (None, None)
-
-
-def test_the_vna_is_left_alone_beside_a_survey(tmp_path):
-    assert machine(tmp_path).request(nodes(), surveying=True).vna is None
+    request = machine(tmp_path).request(nodes(simulated=True))
+    assert (request.hardware, request.vna) == (HardwareUse.SIMULATED, None)
+    assert machine(tmp_path).request({}, robot=SIMULATED).hardware is HardwareUse.SIMULATED
 
 
 def test_each_of_two_computers_has_its_part(tmp_path):

@@ -43,15 +43,11 @@ def stand_in(tmp_path, monkeypatch):
     return make
 
 
-def test_groups_are_read_as_the_system_writes_them(tmp_path):
-    user = pi.groups(Path("/")).user
-    own = os.getegid()
+def test_groups_devices_and_temperature_are_read_as_the_system_writes_them(tmp_path):
+    user, own = pi.groups(Path("/")).user, os.getegid()
     tree(tmp_path, etc__group=f"gpio:x:997:pi,{user}\nspi:x:{own}:\nbroken\nodd:x:a:\n")
     found = pi.groups(tmp_path)
     assert (found.existing, found.listed, found.member) == ({"gpio", "spi"}, {"gpio"}, {"spi"})
-
-
-def test_devices_are_found_and_tried(tmp_path):
     assert pi.pins(tmp_path, "").devices == ()
     tree(tmp_path, dev__gpiomem="", dev__gpiochip0="")
     devices = pi.pins(tmp_path, "").devices
@@ -59,9 +55,6 @@ def test_devices_are_found_and_tried(tmp_path):
     assert all(one.exists and one.usable for one in devices)
     missing = pi.spi_device(tmp_path, 0, 1)
     assert not missing.exists and not missing.usable
-
-
-def test_the_hottest_zone_counts(tmp_path):
     assert pi.hottest_c(tmp_path) is None
     zone = "sys__class__thermal__thermal_zone"
     tree(tmp_path, **{f"{zone}0__temp": "45000\n", f"{zone}1__temp": "81500\n"})
@@ -107,17 +100,12 @@ def check():
         (power, "vcgencmd", "echo throttled=0x50000", pi.Power(False, True)),
         (power, "vcgencmd", "echo throttled=0x1", pi.Power(True, False)),
         (power, "vcgencmd", "echo nothing", ValueError),
-        (power, "vcgencmd", "exit 255", OSError),
-        (programs.tracking, "other", "", FileNotFoundError),
         (programs.tracking, "chronyc", f"echo '{NORMAL}'", (True, -0.000012)),
         (programs.tracking, "chronyc", f"echo '{ALONE}'", (False, 0.0)),
-        (programs.tracking, "chronyc", "exit 1", OSError),
         (programs.tracking, "chronyc", "echo 506 Cannot talk to daemon", ValueError),
-        (check, "rosrun", "echo '[]'", ()),
         (check, "rosrun", f'test "$GPR20_DATA $*" = "{ASKED}" && echo "[]"', ()),
         (check, "rosrun", f"cat <<'END'\n[{ADVISED.to_json()}]\nEND\nexit 1", (ADVISED,)),
         (check, "rosrun", "echo '{\"a\": 1}'", ValueError),
-        (check, "rosrun", "echo no", ValueError),
         (check, "rosrun", "echo 'unrecognized arguments' >&2; exit 2", OSError),
     ],
 )
@@ -162,18 +150,9 @@ def test_ports_and_addresses():
 
 def test_limits_and_libraries_of_this_computer():
     before = os.sched_getscheduler(0)
-    found = pi.realtime(1)
-    assert found.priority >= -1 and (found.locked_bytes is None or found.locked_bytes >= 0)
+    assert pi.realtime(1).priority >= -1
     assert os.sched_getscheduler(0) == before
     assert pi.is_installed("json") and not pi.is_installed("no_such.module")
-
-
-def test_a_value_of_the_configuration_is_read_or_missing(tmp_path):
-    tree(tmp_path, **{"analyzer.yaml": "address: 10.0.0.1\n", "site.yaml": "- ["})
-    assert programs.configured(tmp_path, "analyzer.yaml", "address") == "10.0.0.1"
-    assert programs.configured(tmp_path, "analyzer.yaml", "other") is None
-    assert programs.configured(tmp_path, "site.yaml", "site") is None
-    assert programs.configured(tmp_path, "no.yaml", "site") is None
 
 
 def test_memory_and_what_runs_and_listens_are_read_as_linux_writes_them(tmp_path):
@@ -209,33 +188,26 @@ PC = "ROS_MASTER_URI=http://pc:11311"
 
 
 def test_masters_nodes_and_launches_are_found(tmp_path):
+    launch = "python3 /opt/ros/bin/roslaunch gpr20"
+    (tmp_path / "proc" / "16").mkdir(parents=True)
+    (tmp_path / "proc" / "16" / "cwd").symlink_to("/etc")
     found = processes(
         tmp_path,
         (11, 1, "python3 /opt/ros/bin/rosmaster --core -p 11712", ""),
         (12, 1, "node __name:=main_control", f"A=1 {PC}/ ROS_IP=10.20.0.1"),
         (13, 1, "node __name:=imaging", "ROS_MASTER_URI=http://192.0.2.50:11312"),
-        (14, 1, "python3 /opt/ros/bin/roslaunch gpr20 config:=/etc/mole", f"{PC} GPR20_CONFIG=/o"),
-        (15, 1, "python3 roslaunch gpr20", "ROS_MASTER_URI=http://pi:11311 GPR20_CONFIG=/o"),
+        (14, 1, f"{launch} config:=/etc/mole", f"{PC} GPR20_CONFIG=/o"),
+        (15, 1, launch, "ROS_MASTER_URI=http://pi:11311 GPR20_CONFIG=/o"),
+        (16, 1, f"{launch} config:=mole", "ROS_MASTER_URI=http://own:11311"),
+        (17, 1, f"{launch} config:=mole", "ROS_MASTER_URI=http://other:11311"),
     )
     assert found.ports == [11712]
     (node,) = found.nodes_of("http://pc:11311")
     assert node == (12, "http://pc:11311", "10.20.0.1", False, "", "")
     assert [one.number for one in found.nodes_of("http://127.0.0.1:11312/")] == [13]
-    assert found.configuration("http://pc:11311/") == Path("/etc/mole")
-    assert found.configuration("http://pi:11311") == Path("/o")
-    assert found.configuration("http://nobody:11311") is None
-
-
-def test_a_folder_is_known_from_where_its_launch_was_started_if_that_can_be_seen(tmp_path):
-    rows = [
-        (number, 1, "python3 roslaunch gpr20 config:=mole", f"ROS_MASTER_URI=http://{name}:11311")
-        for number, name in ((14, "own"), (15, "other"))
-    ]
-    (tmp_path / "proc" / "14").mkdir(parents=True)
-    (tmp_path / "proc" / "14" / "cwd").symlink_to("/etc")
-    found = processes(tmp_path, *rows)
-    assert found.configuration("http://own:11311") == Path("/etc/mole")
-    assert found.configuration("http://other:11311") is None
+    # A folder is known from where its launch was started, if that can be seen.
+    folders = [found.configuration(f"http://{one}:11311/") for one in ("pc", "pi", "own", "other")]
+    assert folders == [Path("/etc/mole"), Path("/o"), Path("/etc/mole"), None]
 
 
 def test_a_node_is_left_over_when_no_launch_is_above_it(tmp_path):
@@ -267,13 +239,18 @@ def test_the_watchdog_of_each_launch_and_what_it_does_is_found(tmp_path):
 
 
 def test_a_computer_without_anything_is_known_to_have_nothing(tmp_path):
-    request = MachineRequest(HardwareUse.NEEDED, {}, data=tmp_path, root=tmp_path / "empty")
+    # A folder that does not exist yet has the disk of its parent.
+    request = MachineRequest(
+        HardwareUse.NEEDED, {}, data=tmp_path / "a/b", vna="127.0.0.1", root=tmp_path / "empty"
+    )
     facts = probe_machine(request)
     assert isinstance(facts.groups, Unknown)
     assert (facts.spi.exists, facts.spi.usable) == (False, False)
     assert facts.gpio.devices == ()
-    assert facts.power is None and facts.temperature_c is None and facts.vna is None
-    assert facts.disk.free_bytes > 0 and facts.disk.trace_s > 0.0
+    assert facts.power is None and facts.temperature_c is None
+    assert facts.disk.free_bytes > 0
+    assert isinstance(facts.vna, PortFacts)
+    assert not (tmp_path / "a").exists()
 
 
 def test_a_raspberry_pi_that_shows_nothing_is_not_called_good(tmp_path):
@@ -318,11 +295,3 @@ def test_a_disk_that_hangs_is_not_waited_for(monkeypatch, tmp_path):
     request = MachineRequest(HardwareUse.ELSEWHERE, {}, data=tmp_path, thorough=False)
     assert isinstance(probe_machine(request).disk, Unknown)
     ended.set()
-
-
-def test_a_folder_that_does_not_exist_yet_has_the_disk_of_its_parent(tmp_path):
-    request = MachineRequest(HardwareUse.ELSEWHERE, {}, data=tmp_path / "a/b", vna="127.0.0.1")
-    facts = probe_machine(request)
-    assert facts.disk.free_bytes > 0
-    assert isinstance(facts.vna, PortFacts)
-    assert not (tmp_path / "a").exists()
