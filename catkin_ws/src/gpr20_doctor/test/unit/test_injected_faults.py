@@ -189,7 +189,6 @@ def listens_on(address):
     return lambda one: one.environment.update(ROS_IP=address)
 
 
-TEMPERATURE = "sys/class/thermal/thermal_zone0/temp"
 ALONE = FOLLOWS.format(offset="0", leap="Not synchronised")
 LATE = FOLLOWS.format(offset="2.0", leap="Normal")
 MISTAKE = Message("axes.yaml, x/dir_pin and y/dir_pin use the same pin").with_fault(
@@ -206,14 +205,6 @@ STATES = {
     "chrony follows nobody": State("clock.not_followed", "cable", *swap("chrony", ALONE, NORMAL)),
     "the clock is 2 s off": State("clock.off", "makestep", swap("chrony", LATE, "")[0]),
     "the clock starts in 1970": State("clock.behind", "sudo date -s", date(86400.0), date(4e9)),
-    "the processor is hot": State("computer.hot", "fan", *swap(TEMPERATURE, "85000", "60000")),
-    "the supply is weak": State(
-        "computer.voltage_low", "battery", *swap("throttled", "throttled=0x50005", "throttled=0x0")
-    ),
-    "the memory is used up": State(
-        *("computer.memory_low", "ps aux"),
-        *swap("proc/meminfo", "MemAvailable: 50000 kB\n", "MemAvailable: 900000 kB\n"),
-    ),
     "a program was ended for lack of memory": State(
         *("computer.memory_ran_out", "restart the computer"),
         *swap("proc/vmstat", "oom_kill 2\n", "oom_kill 0\n"),
@@ -293,7 +284,6 @@ def test_each_broken_state_is_found_and_its_advice_ends_it(healthy):
 HIDDEN = (
     {"the disk of the logs is full", "the disk of the logs is read-only"},
     {"the disk of the logs takes no more files", "the disk of the logs is read-only"},
-    {"the memory is used up", "a program was ended for lack of memory"},
     {"chrony follows nobody", "the clock is 2 s off"},
     {"the two addresses are those of other computers", "ROS_IP is that of another computer"},
 )

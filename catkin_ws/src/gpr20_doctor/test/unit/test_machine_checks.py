@@ -167,20 +167,14 @@ def test_a_robot_that_was_not_restarted_after_an_update_is_found(host, words):
     assert words in str(found.remedy)
 
 
-def test_space_and_speed_of_another_disk_are_not_called_good():
-    for one in findings(None, replace(HEALTHY, disk=replace(DISK, known=OTHER))):
-        assert one.check not in ("data_disk", "disk_speed")
-
-
-def test_a_data_folder_that_two_checks_refuse_is_listed_once():
-    facts = replace(HEALTHY, disk=replace(DISK, known=OTHER), configuration=(OTHER,))
-    found = [one.check for one in findings(None, facts) if one.level is Level.FAULT]
-    assert found == ["data_folder"]
-
-
-def test_the_free_space_is_listed_once():
-    found = findings(facts(), HEALTHY)
-    assert sum("GB free" in str(one.text) for one in found) == 1
+def test_another_data_folder_is_listed_once_and_its_space_is_not_called_good():
+    facts_of_both = replace(HEALTHY, disk=replace(DISK, known=OTHER), configuration=(OTHER,))
+    found = findings(None, facts_of_both)
+    assert [one.check for one in found if one.level is Level.FAULT] == ["data_folder"]
+    assert not {"data_disk", "disk_speed"} & {one.check for one in found}
+    # Free space is listed once.
+    texts = [str(one.text) for one in findings(facts(), HEALTHY)]
+    assert sum("GB free" in one for one in texts) == 1
 
 
 CHANGES = [one[0] for one in CASES]
