@@ -50,13 +50,10 @@ def test_it_is_of_p_256_for_a_server_no_authority_and_every_name_of_this_compute
     der = ssl.PEM_cert_to_DER_cert(made.certificate.read_text())
     assert made.fingerprint.replace(" ", "").lower() == hashlib.sha256(der).hexdigest()
     assert [len(one) for one in made.fingerprint.split()] == [4] * 16
-
-
-def test_no_browser_refuses_it_as_valid_for_too_long(made: Certificate) -> None:
-    command = ["openssl", "x509", "-noout", "-in", str(made.certificate), "-checkend"]
-    day_s = 24 * 3600
-    assert subprocess.run([*command, str(824 * day_s)], check=False).returncode == 0
-    assert subprocess.run([*command, str(826 * day_s)], check=False).returncode == 1
+    # Browsers refuse what is valid for longer than 825 days.
+    for days, ends in ((824, 0), (826, 1)):
+        check = [*command, "-checkend", str(days * 24 * 3600)]
+        assert subprocess.run(check, check=False, stdout=subprocess.PIPE).returncode == ends
 
 
 def test_a_client_that_trusts_it_talks_tls_1_2_or_later_and_nothing_older(
