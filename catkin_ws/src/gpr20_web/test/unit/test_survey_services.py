@@ -48,10 +48,24 @@ def services(answers):
     return RosSurveyServices(request_client.RequestClient(lambda _event: None, Senders("/")))
 
 
-def test_a_page_of_the_list_is_returned(services, answers):
+def test_a_page_of_the_list_is_returned_and_an_annotation_sent_as_a_message(services, answers):
     answers.of["list_surveys"] = {"surveys": [], "more": True}
     page = services.ask(Service.LIST, before="", max_surveys=50)
     assert (page.surveys, page.more) == ((), True)
+    answers.of["annotate_survey"] = message_fields(verbatim("stored"))
+    services.ask(Service.ANNOTATE, survey=SURVEY, annotation=Annotation(notes="roots"))
+    assert answers.asked[1][1]["annotation"].notes == "roots"
+
+
+def test_a_refusal_keeps_its_sentence_its_fault_and_its_remedy(services, answers):
+    answers.of["read_survey"] = {"success": False, **message_fields(REFUSED)}
+    with pytest.raises(NotNowError) as refused:
+        services.ask(Service.READ, survey=SURVEY)
+    assert refused.value.message == REFUSED
+    assert refused.value.message.fault_code == "storage.test"
+    answers.of["note_survey"] = ServiceUnavailableError(verbatim("no answer"))
+    with pytest.raises(NotNowError, match="the storage does not answer"):
+        services.ask(Service.NOTE, survey=SURVEY)
 
 
 def test_a_marker_is_sent_by_its_fields_and_removed_by_its_id(services, answers):
@@ -62,23 +76,3 @@ def test_a_marker_is_sent_by_its_fields_and_removed_by_its_id(services, answers)
     (_, added), (_, removed) = answers.asked
     assert added["depth_mm"] == MARKER.depth_mm and added["has_depth"]
     assert removed["remove"] and "x_mm" not in removed
-
-
-def test_an_annotation_is_sent_as_a_message(services, answers):
-    answers.of["annotate_survey"] = message_fields(verbatim("stored"))
-    services.ask(Service.ANNOTATE, survey=SURVEY, annotation=Annotation(notes="roots"))
-    assert answers.asked[0][1]["annotation"].notes == "roots"
-
-
-def test_a_refusal_keeps_its_sentence_its_fault_and_its_remedy(services, answers):
-    answers.of["read_survey"] = {"success": False, **message_fields(REFUSED)}
-    with pytest.raises(NotNowError) as refused:
-        services.ask(Service.READ, survey=SURVEY)
-    assert refused.value.message == REFUSED
-    assert refused.value.message.fault_code == "storage.test"
-
-
-def test_a_node_that_is_silent_is_named(services, answers):
-    answers.of["note_survey"] = ServiceUnavailableError(verbatim("no answer"))
-    with pytest.raises(NotNowError, match="the storage does not answer"):
-        services.ask(Service.NOTE, survey=SURVEY)
