@@ -69,16 +69,6 @@ def test_the_default_configuration_is_read_from_the_home_folder(home):
     assert request().sections(AXES)["survey"] == {"settle_s": 2.5}
 
 
-def test_the_simulated_robot_never_gets_the_address_of_the_real_instrument(home):
-    config = home / "robot"
-    config.mkdir()
-    (config / "analyzer.yaml").write_text("address: 192.168.1.10\nsettle_s: 1.5")
-    simulated = request(config=str(config)).sections(AXES)["vna_acquisition"]
-    assert simulated == {"address": "127.0.0.1", "settle_s": 1.5}
-    real = request(robot="gpr20", config=str(config)).sections(AXES)["vna_acquisition"]
-    assert real["address"] == "192.168.1.10"
-
-
 def test_the_simulated_robot_has_its_own_devices_whatever_the_real_ones_are(home):
     config = home / "robot"
     config.mkdir()
@@ -106,22 +96,19 @@ def test_the_rotation_of_the_real_robot_outlives_the_power(home):
     assert "memory_file" not in request().sections(AXES)["z_axis"]
 
 
-def test_relative_paths_are_those_of_the_terminal(home, monkeypatch):
-    monkeypatch.chdir(home)
-    (home / "a scene.yaml").write_text("name: mine")
-    sections = request(data="my surveys", scene="a scene.yaml").sections(AXES)
-    assert sections["storage"]["data"] == str(home / "my surveys")
-    assert sections["simulator"]["scene"] == str(home / "a scene.yaml")
-
-
 def test_the_argument_comes_before_the_file_and_the_file_before_the_environment(home, monkeypatch):
     monkeypatch.setenv("GPR20_DATA", str(home / "environment"))
     assert request().sections(AXES)["storage"]["data"] == str(home / "environment")
     (home / "storage.yaml").write_text(f"data: {home}/file")
     config = str(home)
     assert request(config=config).sections(AXES)["storage"]["data"] == str(home / "file")
-    given = request(config=config, data=f"{home}/argument").sections(AXES)
-    assert given["storage"]["data"] == str(home / "argument")
+    # Relative paths are those of the terminal.
+    monkeypatch.chdir(home)
+    (home / "my").mkdir()
+    (home / "my/scene.yaml").write_text("name: mine")
+    given = request(config=config, data="my surveys", scene="my/scene.yaml").sections(AXES)
+    assert given["storage"]["data"] == str(home / "my surveys")
+    assert given["simulator"]["scene"] == str(home / "my/scene.yaml")
 
 
 @each_case(
@@ -141,18 +128,15 @@ def test_what_cannot_be_launched_is_refused(arguments, fault, shown):
         request(**arguments).sections(AXES)
 
 
-@each_case("kind", ["a file", "read only"])
-def test_a_data_folder_that_cannot_be_written_is_refused(home, kind):
-    folder = home / kind
-    if kind == "a file":
-        folder.write_text("")
-    elif os.geteuid() == 0:
-        folder = Path("/proc/surveys")
-    else:
-        folder.mkdir(mode=0o500)
-    refusals = (NOT_A_FILE, NOT_PERMITTED, FOLDER_MOVED)
-    with raises_fault(refusals, folder, error=LaunchRefusedError):
-        request(data=str(folder)).sections(AXES)
+def test_a_data_folder_that_cannot_be_written_is_refused_where_it_is_needed(home):
+    (home / "a file").write_text("")
+    read_only = home / "read only"
+    read_only.mkdir(mode=0o500)
+    for folder in (home / "a file", Path("/proc/surveys") if os.geteuid() == 0 else read_only):
+        refusals = (NOT_A_FILE, NOT_PERMITTED, FOLDER_MOVED)
+        with raises_fault(refusals, folder, error=LaunchRefusedError):
+            request(data=str(folder)).sections(AXES)
+        assert "data" not in request("robot", data=str(folder)).sections(AXES)["storage"]
 
 
 def test_a_launch_marks_the_data_folder_and_never_makes_one_in_its_place(home):
@@ -177,11 +161,6 @@ def test_a_data_disk_that_is_not_there_refuses_the_launch(home):
     assert not (home / "surveys").exists()
 
 
-def test_the_robot_part_does_not_need_the_data_folder(home):
-    (home / "surveys").write_text("")
-    assert "data" not in request("robot", data=str(home / "surveys")).sections(AXES)["storage"]
-
-
 SECTIONS = {"x_axis": {}, "height_sensor": {"spi_device": 1}, "storage": {}}
 ENVIRONMENT = {"ROS_IP": "127.0.0.1"}
 
@@ -191,14 +170,13 @@ def warnings(part, robot, root, sections=SECTIONS, config=""):
     return machine_warnings(request, sections, ENVIRONMENT, root)
 
 
-def test_a_simulated_robot_needs_no_hardware(tmp_path):
-    assert warnings(SURVEY, SIMULATED, tmp_path) == ()
-
-
 @each_case("part, needed", [(ROBOT, True), (SURVEY, True), (SERVER, False)])
-def test_a_real_robot_without_its_bus_is_warned(tmp_path, part, needed):
+def test_a_real_robot_without_its_bus_is_warned_and_a_simulated_one_needs_none(
+    tmp_path, part, needed
+):
     texts = [str(one.text) for one in warnings(part, REAL, tmp_path)]
     assert any("/dev/spidev0.1" in text for text in texts) is needed
+    assert warnings(part, SIMULATED, tmp_path) == ()
 
 
 def test_axes_of_other_controllers_need_no_pins(tmp_path):

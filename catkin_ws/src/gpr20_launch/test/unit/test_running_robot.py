@@ -33,30 +33,19 @@ def node(number, parent):
     return RunningNode(f"/node{number}", number, process, parent)
 
 
-def test_a_launch_that_lives_is_ended_by_one_command():
-    said = str(refusal([node(12, LAUNCH), node(11, LAUNCH)], "http://localhost:11311"))
+def test_nodes_that_run_are_ended_by_one_command():
+    here = "http://localhost:11311"
+    said = str(refusal([node(12, LAUNCH), node(11, LAUNCH)], here))
     assert "since 2026-11-22 07:00:11" in said
     assert "/node12 (process 12), /node11 (process 11)" in said
     assert "kill -INT 70." in said
     assert "ns:=robot2" in said
-
-
-def test_nodes_whose_launch_was_killed_are_ended_by_one_command():
-    said = str(refusal([node(11, SHELL), node(12, None)], "http://localhost:11311"))
-    assert said.endswith("kill 11 12")
-
-
-def test_nodes_of_both_kinds_are_ended_by_one_command():
-    said = str(refusal([node(11, SHELL), node(12, LAUNCH)], "http://localhost:11311"))
-    assert said.endswith("kill 70 11")
-
-
-def test_nodes_of_another_computer_are_ended_there():
-    elsewhere = replace(node(11, None), process=None)
-    said = str(refusal([elsewhere], "http://10.20.0.2:11311"))
+    # The launch of some was killed.
+    assert str(refusal([node(11, SHELL), node(12, None)], here)).endswith("kill 11 12")
+    assert str(refusal([node(11, SHELL), node(12, LAUNCH)], here)).endswith("kill 70 11")
+    said = str(refusal([replace(node(11, None), process=None)], "http://10.20.0.2:11311"))
     assert "on http://10.20.0.2:11311: /node11" in said
-    assert "end it there" in said
-    assert "kill" not in said
+    assert "end it there" in said and "kill" not in said
 
 
 def test_a_node_is_recognized_by_its_command_line():
@@ -91,11 +80,8 @@ CHECK = Path(__file__).resolve().parents[2] / "nodes" / "check_launch"
 SOURCES = Path(__file__).resolve().parents[2] / "src"
 
 
-def test_nothing_is_said_where_nothing_is_missing():
-    assert what_to_install(lambda module: True) is None
-
-
 def test_what_is_missing_is_named_with_the_commands_that_install_it(monkeypatch):
+    assert what_to_install(lambda module: True) is None
     monkeypatch.delenv("CMAKE_PREFIX_PATH", raising=False)
     missing = {"actionlib_msgs", "yaml", "vxi11", "mcap"}
     said = what_to_install(lambda module: module not in missing)
@@ -103,9 +89,7 @@ def test_what_is_missing_is_named_with_the_commands_that_install_it(monkeypatch)
     assert "lacks the modules actionlib_msgs, yaml, mcap, vxi11." in said
     assert "sudo apt-get install python3-actionlib-msgs python3-yaml\n" in said
     assert "python3 -m pip install mcap python-vxi11\n" in said
-
-
-def test_packages_of_ros_have_the_names_of_the_ros_that_was_sourced(monkeypatch):
+    # Packages of ROS have the names of the ROS that was sourced.
     monkeypatch.setenv("CMAKE_PREFIX_PATH", f"/home/user/install:{needed_modules.NOETIC}")
     said = what_to_install(lambda module: module != "diagnostic_updater")
     assert "sudo apt-get install ros-noetic-diagnostic-updater\n" in said
