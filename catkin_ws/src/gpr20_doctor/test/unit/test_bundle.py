@@ -106,18 +106,24 @@ def test_the_parts_are_there_and_no_secret_is(tmp_path, machine, at_full_speed):
         assert name in parts or any(one.startswith(name) for one in parts), name
 
 
-def test_each_part_that_cannot_be_collected_has_its_reason(tmp_path, machine):
-    def refuse(*_arguments):
-        raise OSError("it is broken")
-
-    silent = unheard("http://x", Evidence())
-    with mock.patch.object(bundle, "answer_of", refuse), mock.patch.object(
-        bundle, "end_of", refuse
-    ):
-        parts, missing = written(tmp_path, machine, silent)
+def test_what_cannot_be_collected_has_its_reason_and_a_file_that_exists_is_kept(
+    tmp_path, machine, monkeypatch
+):
+    refuse = mock.Mock(side_effect=OSError("it is broken"))
+    with monkeypatch.context() as full, pytest.raises(OSError):
+        full.setattr(bundle, "_collect", refuse)
+        written(tmp_path, machine)
+    assert not (tmp_path / "help.zip").exists()
+    for name in ("answer_of", "end_of"):
+        monkeypatch.setattr(bundle, name, refuse)
+    parts, missing = written(tmp_path, machine, unheard("http://x", Evidence()))
     assert missing["system/disks.txt"] == missing["configuration/site.yaml"] == "it is broken"
     assert missing["diagnostics.json"] == "no part of the robot reports"
     assert {"README.txt", "findings.txt", "findings.json", "index.json"} <= {*parts}
+    before = (tmp_path / "help.zip").read_bytes()
+    with pytest.raises(FileExistsError):
+        written(tmp_path, machine)
+    assert (tmp_path / "help.zip").read_bytes() == before
 
 
 def test_logs_have_a_limit_and_the_newest_are_taken(tmp_path, machine):
@@ -133,16 +139,6 @@ def test_logs_have_a_limit_and_the_newest_are_taken(tmp_path, machine):
     (tmp_path / "help.zip").unlink()
     parts, _missing = written(tmp_path, machine)
     assert 0 < len(parts["logs/run/node-0.log"]) <= bundle.PART_BYTES
-
-
-def test_a_file_that_exists_is_kept_and_nothing_is_left_of_one_that_fails(tmp_path, machine):
-    with mock.patch.object(bundle, "_collect", side_effect=OSError("full")), pytest.raises(OSError):
-        written(tmp_path, machine)
-    assert not (tmp_path / "help.zip").exists()
-    (tmp_path / "help.zip").write_text("mine")
-    with pytest.raises(FileExistsError):
-        written(tmp_path, machine)
-    assert (tmp_path / "help.zip").read_text() == "mine"
 
 
 NAMES = st.sampled_from(["password", "wifi_psk", "API-KEY", "accessToken", "my_secret", "Passwd"])

@@ -66,7 +66,6 @@ def test_only_axes_without_another_controller_need_pins(tmp_path):
     [
         ({}, AUTOMATIC, AUTOMATIC, REAL),
         ({}, SIMULATED, AUTOMATIC, SIMULATED),
-        (nodes(), AUTOMATIC, AUTOMATIC, REAL),
         (nodes(simulated=True), AUTOMATIC, AUTOMATIC, SIMULATED),
         (nodes(simulated=True), AUTOMATIC, REAL, REAL),
         (nodes(), AUTOMATIC, "", ""),
@@ -85,7 +84,6 @@ def test_only_a_folder_that_the_launch_was_given_is_named_as_given(tmp_path):
         (tmp_path / "config/storage.yaml").write_text(text)
         request = machine(tmp_path).request(nodes())
         assert (request.data, request.data_given) == (Path("/s"), given)
-    assert machine(tmp_path).request({}).data_given == ""
 
 
 def test_nothing_of_a_simulated_robot_or_another_computer_is_looked_at(tmp_path):
