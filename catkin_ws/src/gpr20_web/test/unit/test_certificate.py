@@ -130,23 +130,18 @@ def test_one_without_the_other_another_key_and_random_bytes_are_refused_and_stay
         assert {one: one.read_bytes() for one in folder.iterdir()} == before
 
 
-def test_a_certificate_that_is_over_is_refused_and_not_renewed(folder: Path) -> None:
-    command = ["openssl", "x509", "-in", str(folder / "certificate.pem"), "-days", "0"]
-    signed = subprocess.run(
-        [*command, "-signkey", str(folder / "key.pem")], capture_output=True, check=True
-    ).stdout
-    (folder / "certificate.pem").write_bytes(signed)
-    before = (folder / "certificate.pem").read_bytes()
+def test_a_certificate_that_is_over_is_not_renewed_and_a_passphrase_not_asked_for(
+    folder: Path,
+) -> None:
+    certificate, key = folder / "certificate.pem", folder / "key.pem"
+    command = ["openssl", "x509", "-in", str(certificate), "-days", "0", "-signkey", str(key)]
+    signed = subprocess.run(command, capture_output=True, check=True).stdout
+    certificate.write_bytes(signed)
     with pytest.raises(CertificateError, match="no longer valid; move both away"):
         ensure_certificate(folder, [])
-    assert (folder / "certificate.pem").read_bytes() == before
-
-
-def test_a_key_with_a_passphrase_asks_nobody(folder: Path) -> None:
-    key = folder / "key.pem"
+    assert certificate.read_bytes() == signed
     command = ["openssl", "ec", "-aes256", "-passout", "pass:secret", "-in", str(key)]
-    locked = subprocess.run(command, capture_output=True, check=True).stdout
-    key.write_bytes(locked)
+    key.write_bytes(subprocess.run(command, capture_output=True, check=True).stdout)
     with pytest.raises(CertificateError):
         ensure_certificate(folder, [])
 

@@ -134,15 +134,6 @@ def armed() -> Desk:
     return desk
 
 
-def test_start_measures_the_plan_that_the_person_at_the_robot_shows() -> None:
-    desk = armed()
-    desk.start()
-    assert desk.control.asked == [("start", PARAMETERS, EMPTY, "", 4.0)]
-    assert desk.shown["command"]["outcome"] == "sent"
-    desk.commands.on_event(Answer(Request.START, True, Message("started"), survey_id=SURVEY))
-    assert desk.shown["command"]["outcome"] == "done"
-
-
 def test_start_and_resume_wait_for_somebody_at_the_robot_and_need_control() -> None:
     desk = Desk()
     desk.ask("control/take")
@@ -296,6 +287,26 @@ def test_what_each_axis_answers_is_noted_also_after_the_main_control() -> None:
     assert len(desk.audited) == len(said)
 
 
+@each_case("described_first", [False, True])
+def test_start_measures_the_plan_that_is_shown_and_is_noted_in_the_log_of_its_survey(
+    described_first: bool,
+) -> None:
+    desk = armed()
+    desk.start()
+    assert desk.control.asked == [("start", PARAMETERS, EMPTY, "", 4.0)]
+    assert desk.shown["command"]["outcome"] == "sent"
+    started = Answer(Request.START, True, Message("started"), survey_id=SURVEY)
+    described = SurveyDescribed(json.dumps({"survey_id": SURVEY}))
+    note = {"who": "ana", "what": "start", "outcome": "begun", "survey": SURVEY}
+    first, second = (described, started) if described_first else (started, described)
+    desk.commands.on_event(first)
+    assert note not in desk.audited
+    for event in (second, described):
+        desk.commands.on_event(event)
+    assert desk.shown["command"]["outcome"] == "done"
+    assert desk.audited.count(note) == 1
+
+
 def test_a_start_is_asked_for_no_further_when_the_permission_has_ended() -> None:
     desk = armed()
     desk.start()
@@ -305,20 +316,6 @@ def test_a_start_is_asked_for_no_further_when_the_permission_has_ended() -> None
     desk.commands.on_event(RemoteArmed(False))
     desk.be(SurveyState.CONFIGURED)
     assert desk.control.withdrawals == before + 1
-
-
-@each_case("described_first", [False, True])
-def test_start_is_noted_in_the_log_of_the_survey_once_there_is_one(described_first: bool) -> None:
-    desk = armed()
-    desk.start()
-    events = [
-        Answer(Request.START, True, Message("started"), survey_id=SURVEY),
-        SurveyDescribed(json.dumps({"survey_id": SURVEY})),
-    ]
-    note = {"who": "ana", "what": "start", "outcome": "begun", "survey": SURVEY}
-    for event in (events[1], events[0], events[1]) if described_first else (*events, events[1]):
-        desk.commands.on_event(event)
-    assert desk.audited.count(note) == 1
 
 
 def test_lost_answer_is_unknown() -> None:

@@ -83,24 +83,19 @@ def test_what_loads_is_not_shown_as_missing(server):
     assert not loading[:8, :8, 3].any()
 
 
-def test_a_place_is_said_in_words(server):
-    server.run(stored=4)
-    ground = server.ask(x="100", y="50", depth="100", layer="echoes")["ground"]
-    assert ground["lines"][0] == "X 100, Y 50, depth 100 mm"
-    assert "above the noise" in ground["lines"][1]
-    far = server.ask(x="200", y="110", layer="echoes")["ground"]
-    assert far["lines"][1:] == ["Missing", "No trace to show"]
-    assert ground["counts"][0] == ["done", "Done", 2]
-
-
 def test_no_choice_of_a_browser_changes_what_others_see(server):
-    server.run()
+    server.run(stored=4)
     before = server.ask(section="1")
     pictures = server.pixels(layer="echoes"), server.pixels("section", section="1")
-    server.ask(
-        *("/api/ground",), x="200", y="50", depth="20", permittivity="9", polarization="1",
+    ground = server.ask(
+        *("/api/ground",), x="100", y="50", depth="20", permittivity="9", polarization="1",
         layer="echoes", gain="5", background="0", along="y",
-    )  # fmt: skip
+    )["ground"]  # fmt: skip
+    # A place is said in words.
+    assert ground["lines"][0] == "X 100, Y 50, depth 20 mm"
+    assert ground["counts"][0] == ["done", "Done", 2]
+    far = server.ask(x="200", y="110", layer="echoes")["ground"]
+    assert far["lines"][1:] == ["Missing", "No trace to show"]
     assert server.ask(section="1") == before
     assert (server.pixels(layer="echoes") == pictures[0]).all()
     assert (server.pixels("section", section="1") == pictures[1]).all()
