@@ -21,7 +21,8 @@ from gpr20_simulator.low.shared_state import open_shared_state
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.plan.survey_state import ENDED, SurveyState
 
-pytestmark = pytest.mark.release
+# A kill takes about 13 s.
+pytestmark = [pytest.mark.release, pytest.mark.timeout(2600)]
 
 KILLS, LATEST_S = 20, 6.0
 LIMIT_S, LOOK_S, REST_S = 60.0, 0.01, 1.0
