@@ -72,18 +72,6 @@ class CountedAudit(Audit):
         super().add(call, what, outcome, survey, **values)
 
 
-class _Errors(logging.Handler):
-    """Collects what a library calls an error: an exception that nobody has taken."""
-
-    def __init__(self, found: List[Any]) -> None:
-        super().__init__(logging.ERROR)
-        self._found = found
-
-    def emit(self, record: logging.LogRecord) -> None:
-        """Keep it."""
-        self._found.append(record.getMessage())
-
-
 class WholePage:
     """The node without ROS, at a port of its own.
 
@@ -112,7 +100,9 @@ class WholePage:
         self.routes = tuple(self.shell.all_routes())
         self.site = Site(self.routes, find=self.sessions.find)
         self.foreign: List[Any] = self.site.reported
-        self._errors = _Errors(self.foreign)
+        # What a library calls an error: an exception that nobody has taken.
+        self._errors = logging.Handler(logging.ERROR)
+        self._errors.emit = self.foreign.append  # type: ignore[method-assign]
         logging.getLogger().addHandler(self._errors)
         self.renew()
         self.be(SurveyState.CONFIGURED)
