@@ -164,6 +164,9 @@ def test_stop_that_the_node_has_just_taken_is_not_lost_with_it(
     time.sleep(after_ms / 1e3)
     process.kill()
     survey.wait_for_end()
+    # The next test kills the next node, and must not take the state of this survey for its own.
+    _wait(lambda: _answers(site), "the node is back")
+    _wait(lambda: "SURVEYING" not in site.browser.text("#state"), "the page is back")
     _expect_none(site)
 
 
