@@ -129,13 +129,13 @@ class AxisTest(unittest.TestCase):
 
     def test_9_a_move_and_a_homing_end_when_their_client_is_killed_though_another_one_lives(self):
         client = start_client(self.x, str(FAR_MM))
-        wait_until(lambda: self.x.steps > 500)
+        wait_until(lambda: self.x.steps > 500 and self.x.last.moving)
         end_client(client)
         self.assert_at_rest_before(FAR_MM)
         self.assertTrue(self.x.last.homed)
         self.x.move(60.0)
         client = start_client(self.x, "home")
-        wait_until(lambda: self.x.steps < 5990)
+        wait_until(lambda: self.x.steps < 5990 and self.x.last.moving)
         end_client(client)
         self.assert_at_rest_before(60.0)
         self.assertFalse(self.x.last.homed)
@@ -148,7 +148,7 @@ class AxisTest(unittest.TestCase):
             except OSError as error:
                 self.skipTest(f"no filter can be put on a socket: {error}")
         client = start_client(self.x, str(FAR_MM), "unplugged")
-        wait_until(lambda: self.x.steps > 500)
+        wait_until(lambda: self.x.steps > 500 and self.x.last.moving)
         client.stdin.write(b"\n")
         client.stdin.flush()
         self.assert_at_rest_before(FAR_MM)

@@ -90,7 +90,7 @@ class Axis:
         """
         before = self.steps
         self.client.send_goal(AxisGoal(target_coordinate=target))
-        wait_until(lambda: abs(self.steps - before) > 10)
+        wait_until(lambda: abs(self.steps - before) > 10 and self.last.moving)
         wait_until(lambda: self.client.gh.get_comm_state() == actionlib.CommState.ACTIVE)
 
     def vanish_and_come_back(self):
