@@ -32,6 +32,7 @@ REFUSED = (
     ({"notes": "half \ud83d"}, ("notes", "U+D83D")),
     ({"operator": "reversed \u202egpj.exe"}, ("operator", "U+202E")),
     ({"site": 5}, ("site", "int")),
+    *(({"heading_deg": wrong}, ()) for wrong in (-0.1, 360.1, float("nan"), "12")),
 )
 REFUSED_POSITIONS = (
     ((90.001, 0.0), ("latitude", 90.001, -90, 90, "deg")),

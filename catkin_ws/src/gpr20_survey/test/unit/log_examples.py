@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 import json
 import os
+import random
 from pathlib import Path
 from typing import Any, Callable, Dict, List, Optional
 
@@ -51,8 +52,6 @@ def marker(number: int) -> Marker:
 
 
 def add_marker(number: int) -> Change:
-    """Return the change that adds a marker."""
-
     def change(description: Dict[str, Any]) -> Optional[Fact]:
         values = new_marker(description, marker(number), NOW)
         return None if values is None else Fact(Kind.MARKER, values)
@@ -114,6 +113,25 @@ def assert_everything_acknowledged(found: RecoveredSurvey) -> None:
     assert {key: description[key] for key in END} == END
     assert description["parameters"] == PLAN["parameters"]
     assert not found.all_unconfirmed
+
+
+def flipped(chance: random.Random, content: bytes) -> bytes:
+    """Return a content of which one bit is another."""
+    changed = bytearray(content)
+    changed[chance.randrange(len(content))] ^= 1 << chance.randrange(8)
+    return bytes(changed)
+
+
+def damaged(chance: random.Random, content: bytes) -> bytes:
+    """Flip a bit or 30, cut, overwrite, delete, insert or empty."""
+    start = chance.randrange(len(content))
+    end = min(len(content), start + chance.choice([1, 30, 500, 5000]))
+    more = bytes(chance.randrange(256) for _ in range(end - start))
+    kept = chance.choice([b"", more, bytes(end - start), more + content[start:end]])
+    changed = content
+    for _ in range(chance.choice([1, 1, 30])):
+        changed = flipped(chance, changed)
+    return chance.choice([changed, content[:start], content[:start] + kept + content[end:], b""])
 
 
 def both_files(folder: Path) -> Dict[str, bytes]:

@@ -87,10 +87,6 @@ def test_the_first_use_makes_and_marks_the_folder_and_every_later_one_knows_it(u
     assert read_marker(other.path).identity not in ("", known.identity)
 
 
-def remove(path):
-    shutil.rmtree(path)
-
-
 def empty(path):
     shutil.rmtree(path)
     path.mkdir()
@@ -111,7 +107,7 @@ def damage(path):
     (path / MARKER_FILE).write_bytes((path / MARKER_FILE).read_bytes()[:40])
 
 
-@pytest.mark.parametrize("change", [None, remove, empty, other, copy, damage])
+@pytest.mark.parametrize("change", [None, shutil.rmtree, empty, other, copy, damage])
 def test_another_folder_in_its_place_is_refused_until_somebody_accepts_it(use, folder, change):
     folder.check()
     former = folder.identify().identity
@@ -131,7 +127,7 @@ def test_another_folder_in_its_place_is_refused_until_somebody_accepts_it(use, f
 def test_a_damaged_memory_does_not_count_as_a_first_use(use, folder):
     folder.check()
     FolderMemory(use.state).file_of(use.path).write_text("{")
-    remove(use.path)
+    shutil.rmtree(use.path)
     is_refused(use, folder, OTHER_DATA_FOLDER)
 
 

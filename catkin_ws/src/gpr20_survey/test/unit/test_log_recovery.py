@@ -16,8 +16,10 @@ from log_examples import (
     assert_everything_acknowledged,
     both_files,
     change_digit,
+    damaged,
     ended_at_call,
     entries,
+    flipped,
     make_survey,
     marker,
 )
@@ -37,12 +39,6 @@ def folder(tmp_path, request):
     return tmp_path / "survey"
 
 
-@pytest.fixture
-def sealed(tmp_path):
-    make_survey(tmp_path / "survey")
-    return tmp_path / "survey"
-
-
 def reopened(folder):
     """Do with the log what resuming a survey does; return what is there afterwards."""
     log = open_log(folder, recover(folder), NOW)
@@ -54,22 +50,6 @@ def reopened(folder):
 
 def names_of_lost(found):
     return {one for one in found.all_unconfirmed if one.startswith("record ")}
-
-
-def flipped(chance, content):
-    changed = bytearray(content)
-    changed[chance.randrange(len(content))] ^= 1 << chance.randrange(8)
-    return bytes(changed)
-
-
-def damaged(chance, content):
-    """Flip a bit, cut, overwrite, delete, insert or empty."""
-    start = chance.randrange(len(content))
-    end = min(len(content), start + chance.choice([1, 30, 500, 5000]))
-    more = bytes(chance.randrange(256) for _ in range(end - start))
-    kept = chance.choice([b"", more, bytes(end - start), more + content[start:end]])
-    changed = content[:start] + kept + content[end:]
-    return chance.choice([flipped(chance, content), content[:start], changed, b""])
 
 
 @pytest.mark.parametrize("name", FILES)
@@ -153,19 +133,19 @@ def test_no_damage_of_both_forms_hides_or_invents_a_record(folder):
             assert present | set(found.found.lost) == everything
 
 
-def test_a_wrong_number_of_an_entry_without_values_hides_and_invents_no_record(sealed):
+def test_a_wrong_number_of_an_entry_without_values_hides_and_invents_no_record(folder):
     """The checksum of such an entry cannot be calculated: its number may be any."""
-    before = both_files(sealed)
-    everything = recover(sealed).found.records
+    before = both_files(folder)
+    everything = recover(folder).found.records
     shown = [one for one in json.loads(before["survey.json"])["log"] if one["values"] is None]
     assert shown
     for one, number, place in itertools.product(shown, (0, 7, 999_999), (1, 4, 7, 9)):
         old, new = (b'"number": %d,' % value for value in (one["number"], number))
-        (sealed / "survey.json").write_bytes(before["survey.json"].replace(old, new))
+        (folder / "survey.json").write_bytes(before["survey.json"].replace(old, new))
         lines = before["log.jsonl"].splitlines(keepends=True)
         lines[place] = lines[place].replace(b"2026", b"2027")
-        (sealed / "log.jsonl").write_bytes(b"".join(lines))
-        found = recover(sealed).found
+        (folder / "log.jsonl").write_bytes(b"".join(lines))
+        found = recover(folder).found
         # Of those that have their values in survey.json, none is lost.
         assert set(found.lost) <= {place} & {entry["number"] for entry in shown}
         assert {one.sha256 for one in found.records} <= {one.sha256 for one in everything}

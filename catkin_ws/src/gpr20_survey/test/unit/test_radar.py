@@ -38,6 +38,11 @@ def echo(delay_s, level, frequency_hz):
     return level * np.exp(-2j * np.pi * frequency_hz * delay_s)
 
 
+def hiss(random, level, count):
+    parts = random.standard_normal((2, count)) * level / math.sqrt(2.0)
+    return parts[0] + 1j * parts[1]
+
+
 @settings(max_examples=draws(15))
 @given(st.floats(0.5e-9, 14e-9), st.floats(0.01, 2.0), st.integers(11, 4000))
 def test_an_echo_stands_at_its_delay_with_its_level(delay_s, level, points):
@@ -80,7 +85,7 @@ def test_late_delays_hold_noise_and_not_the_echoes_of_the_ground():
 
 def test_the_noise_of_a_trace_is_its_root_mean_square_also_beside_late_echoes():
     rng = np.random.default_rng(6)
-    late = 3.0 * (rng.standard_normal(4000) + 1j * rng.standard_normal(4000)) / np.sqrt(2.0)
+    late = hiss(rng, 3.0, 4000)
     assert noise_of_traces(late) == pytest.approx(3.0, rel=0.05)
     late[:400] += 1000.0
     assert noise_of_traces(late) == pytest.approx(3.0, rel=0.1)
@@ -127,9 +132,7 @@ def echoes(seed):
     """Return a sweep with a coupling and an echo, which has deep nulls."""
     random = np.random.default_rng(seed)
     levels, delays_s = random.uniform(0.01, 1.0, 2), random.uniform(0.5e-9, 8e-9, 2)
-    return sum(
-        level * np.exp(-2j * np.pi * HZ * delay_s) for level, delay_s in zip(levels, delays_s)
-    )
+    return sum(echo(delay_s, level, HZ) for level, delay_s in zip(levels, delays_s))
 
 
 @settings(max_examples=draws(50))
@@ -141,10 +144,9 @@ def echoes(seed):
 )
 def test_a_known_gain_and_delay_are_recovered_below_noise(seed, gain_db, delay_s, noise):
     before = echoes(seed)
-    level = math.sqrt(np.mean(np.abs(before) ** 2)) * 10.0 ** (noise / 20.0)
-    random = np.random.default_rng(seed + 1)
-    hiss = level * (random.standard_normal(101) + 1j * random.standard_normal(101))
-    changed = 10.0 ** (gain_db / 20.0) * (before + hiss) * np.exp(-2j * np.pi * HZ * delay_s)
+    level = math.sqrt(2.0 * np.mean(np.abs(before) ** 2)) * 10.0 ** (noise / 20.0)
+    noisy = before + hiss(np.random.default_rng(seed + 1), level, 101)
+    changed = noisy * echo(delay_s, 10.0 ** (gain_db / 20.0), HZ)
     found = drift_between(HZ, before, changed)
     assert found.gain_db == pytest.approx(gain_db, abs=0.02)
     assert found.delay_s == pytest.approx(delay_s, abs=1e-12)
@@ -166,15 +168,10 @@ def test_a_signal_that_is_gone_is_an_infinite_drift():
     assert drift_between(HZ, nothing, signal).phase_rms_deg == math.inf
 
 
-@settings(max_examples=50)
 @given(st.integers(0, 2**31), st.floats(-100.0, -20.0))
 def test_the_noise_floor_is_that_of_one_sweep(seed, level_db):
     random = np.random.default_rng(seed)
-    level = 10.0 ** (level_db / 20.0) / math.sqrt(2.0)
-    first, second = (
-        1.0 + level * (random.standard_normal(4000) + 1j * random.standard_normal(4000))
-        for _ in range(2)
-    )
+    first, second = (1.0 + hiss(random, 10.0 ** (level_db / 20.0), 4000) for _ in range(2))
     assert noise_db(first, second) == pytest.approx(level_db, abs=0.5)
     assert noise_db(first, first) == -math.inf
 

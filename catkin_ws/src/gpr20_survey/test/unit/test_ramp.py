@@ -19,24 +19,14 @@ def ramps(draw):
     return Ramp(min_pause_s, max_pause_s, draw(st.floats(1e-5, 0.1)))
 
 
-@given(ramps(), st.integers(0, 2000))
-def test_a_move_of_n_steps_has_exactly_n_pulses_within_the_bounds(ramp, steps):
+@given(ramps(), st.integers(1, 2000))
+def test_a_move_of_n_steps_has_n_pulses_that_begin_and_end_slowly_within_the_bounds(ramp, steps):
     pauses_s = list(ramp.pauses_s(steps))
     assert len(pauses_s) == steps
+    assert pauses_s[0] == pauses_s[-1] == ramp.max_pause_s
     assert all(ramp.min_pause_s <= pause_s <= ramp.max_pause_s for pause_s in pauses_s)
-
-
-@given(ramps(), st.integers(0, 2000))
-def test_the_pause_never_changes_by_more_than_the_ramp_allows(ramp, steps):
-    pauses_s = list(ramp.pauses_s(steps))
     for earlier, later in zip(pauses_s, pauses_s[1:]):
         assert abs(later - earlier) <= ramp.delta_s + TOLERANCE_S
-
-
-@given(ramps(), st.integers(1, 2000))
-def test_a_move_starts_and_ends_at_the_lowest_speed(ramp, steps):
-    pauses_s = list(ramp.pauses_s(steps))
-    assert pauses_s[0] == pauses_s[-1] == ramp.max_pause_s
 
 
 def fastest_duration_s(ramp, steps, levels):
@@ -86,9 +76,3 @@ def test_after_a_gap_the_next_pause_is_the_shortest_that_the_ramp_allows(ramp, p
     slow_s = min(max(pause_s, ramp.min_pause_s), ramp.max_pause_s)
     assert ramp.pause_s(height) >= slow_s - ramp.delta_s - 1e-9 * ramp.delta_s - TOLERANCE_S
     assert height == 0 or ramp.max_pause_s - ramp.delta_s * height < pause_s + TOLERANCE_S
-
-
-def test_the_robots_x_axis_reaches_its_top_speed_after_35_steps():
-    pauses_s = list(Ramp(0.0015, 0.0050, 0.0001).pauses_s(1000))
-    assert pauses_s[34] > 0.0015
-    assert pauses_s[35] == pytest.approx(0.0015)

@@ -25,7 +25,7 @@ from trace_examples import (
 
 from gpr20_survey.axes.zero_epoch import AXES, MAX_NUMBER, MAX_TIME_US, ZeroEpoch
 from gpr20_survey.errors import TraceRefusedError
-from gpr20_survey.trace import trace_json, trace_message, utc_time
+from gpr20_survey.trace import trace_definition, trace_json, trace_message, utc_time
 from gpr20_survey.trace.aux_value import AuxValue
 from gpr20_survey.trace.sweep_settings import AnalyzerSettings
 
@@ -167,8 +167,10 @@ def test_a_header_of_another_time_or_frame_is_refused(place, accepted):
 
 
 def test_the_checksum_of_the_type_is_that_of_its_definition():
-    assert TYPES.generate_msgdef("gpr20_msgs/msg/Trace")[1] == trace_message.MD5SUM
-    for md5sum, types in FORMER_TYPES.items():
+    own = get_typestore(Stores.ROS1_NOETIC)
+    own.register(get_types_from_msg(trace_definition.TRACE_DEFINITION, "gpr20_msgs/msg/Trace"))
+    present = [(trace_message.MD5SUM, one) for one in (TYPES, own)]
+    for md5sum, types in [*FORMER_TYPES.items(), *present]:
         assert types.generate_msgdef("gpr20_msgs/msg/Trace")[1] == md5sum
 
 
