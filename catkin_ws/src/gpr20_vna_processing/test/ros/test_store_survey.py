@@ -262,21 +262,13 @@ class StoreSurveyTest(unittest.TestCase):
 
     def test_2_what_is_wrong_is_answered_with_its_fault_and_leaves_no_trace(self) -> None:
         before = os.listdir(rospy.get_param("~data"))
-        for changes, code in (
-            ({"survey_id": "../../evil"}, "storage.request_refused"),
-            ({"started": rospy.Time(1)}, "clock.wrong"),
-        ):
-            answer = self.open(**changes)
-            self.assertEqual((answer.success, answer.fault_code), (False, code), answer.message)
+        answer = self.open(survey_id="../../evil")
+        self.assertEqual((answer.success, answer.fault_code), (False, "storage.request_refused"))
         self.assertEqual(os.listdir(rospy.get_param("~data")), before)
         self.assertEqual(self.store(0).fault_code, "survey.none_open")
         opened = self.done(self.open())
-        for changes, code in (
-            ({"s21_real": [math.nan] * 5}, "vna.wrong_sweep"),
-            ({"sweep_ended": rospy.Time(0)}, "clock.wrong"),
-        ):
-            answer = self.store(0, **changes)
-            self.assertEqual((answer.success, answer.fault_code), (False, code), answer.message)
+        answer = self.store(0, sweep_ended=rospy.Time(0))
+        self.assertEqual((answer.success, answer.fault_code), (False, "clock.wrong"))
         self.assertEqual(os.listdir(opened.path + "/traces"), [])
         self.assertFalse(self.open(survey_id=str(uuid.uuid4())).success)
         reason = Message("the zero is lost").with_fault(Fault("axis.lost_zero"))

@@ -18,9 +18,15 @@ from gpr20_survey.recording.recordings import open_recordings
 
 
 @pytest.fixture
-def kit(tmp_path):
-    """Yield a storage over an empty folder, with a bag and an MCAP."""
-    kit = Kit(tmp_path / "data", open_recordings)
+def data(tmp_path):
+    """The data folder of `kit`; a file with surveys that exist has its own."""
+    return tmp_path / "data"
+
+
+@pytest.fixture
+def kit(data):
+    """Yield a storage with a bag and an MCAP."""
+    kit = Kit(data, open_recordings)
     yield kit
     kit.processing.shut_down()
 

@@ -66,16 +66,11 @@ def test_a_survey_is_signed_at_its_end_and_at_each_later_change(kit, signers):
     assert "unconfirmed" not in read_description(folder)
 
 
-def test_what_somebody_else_has_sealed_is_not_signed_with_the_next_change(kit, signers):
+def test_what_somebody_else_has_sealed_is_not_signed_before_it_is_named_for_ever(kit, signers):
     folder = stopped(kit)
     add_to_survey(folder, annotate(Annotation(name="not by the robot")), NOW)
     kit.processing.annotate(SURVEY, Annotation(name="field 7"))
     assert check_signature(folder, signers).signature is Signature.STALE
-
-
-def test_a_resumed_survey_names_for_ever_that_somebody_else_had_changed_it(kit, signers):
-    folder = stopped(kit)
-    add_to_survey(folder, annotate(Annotation(name="not by the robot")), NOW)
     finish(kit)
     assert check_signature(folder, signers).signature is Signature.VALID
     assert "signature" in read_description(folder)["unconfirmed"]

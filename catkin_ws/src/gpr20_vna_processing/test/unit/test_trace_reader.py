@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from log_examples import flipped
 from run_seed import SEED, draws
 from storage_kit import OTHER_SURVEY, Kit, text_message
 from trace_examples import SURVEY, make_trace
@@ -79,11 +80,7 @@ def test_an_mcap_that_is_gone_cut_or_changed_hides_and_invents_nothing(tmp_path,
     path, chance = folder / "survey.mcap", random.Random(SEED)
     content = path.read_bytes()
     damaged = [None, b"", *(content[: chance.randrange(len(content))] for _ in range(draws(4)))]
-    for _ in range(draws(15)):
-        changed = bytearray(content)
-        changed[chance.randrange(len(content))] ^= 1 << chance.randrange(8)
-        damaged.append(bytes(changed))
-    for one in damaged:
+    for one in [*damaged, *(flipped(chance, content) for _ in range(draws(15)))]:
         path.unlink() if one is None else path.write_bytes(one)
         found = TraceReader().read(folder, SURVEY, PLANNED)
         assert found.block.indices.tolist() == list(PLANNED)

@@ -198,7 +198,6 @@ NOT_PLANNED, LOST = "survey.traces_not_planned", "survey.description_lost"
 DAMAGES = {
     # The description: each form of the log replaces the other.
     "nothing": Damage(STOPPED, both()),
-    "view empty": Damage(STOPPED, emptied(VIEW), [VIEW], [VIEW]),
     "view flipped": Damage(INTERRUPTED, flipped(VIEW, place=0), [VIEW], [VIEW]),
     "view gone": Damage(FINISHED, gone(VIEW), [VIEW]),
     "view of another id": Damage(STOPPED, OTHER_ID, [VIEW], [VIEW]),
@@ -206,7 +205,6 @@ DAMAGES = {
         CUT_OFF, Y_STOP, [VIEW, "parameters/y_stop_mm"], [VIEW], [VIEW]
     ),
     "marker in the view": Damage(FINISHED, digit(VIEW), [VIEW], [VIEW]),
-    "log flipped": Damage(FINISHED, flipped(LOG, place=0), [LOG], [LOG]),
     "log gone": Damage(CUT_OFF, gone(LOG), [LOG]),
     "marker in the log": Damage(STOPPED, digit(LOG), [LOG], [LOG]),
     "marker in both forms": Damage(STOPPED, digit(VIEW, LOG), [VIEW, LOG], [VIEW, LOG]),
@@ -259,7 +257,6 @@ DAMAGES = {
     "mcap flipped": Damage(STOPPED, flipped(MCAP, place=0.6), [MCAP], [BAG, MCAP]),
     # A bag has no checksums: it is never believed, and written again.
     "bag gone": Damage(STOPPED, gone(BAG), [BAG]),
-    "bag flipped": Damage(STOPPED, flipped(BAG, b"before 3"), [BAG]),
     "number in the bag": Damage(CUT_OFF, flipped(BAG, TRACES[2].s21_real.tobytes())),
     "type in the bag": Damage(CUT_OFF, flipped(BAG, b"type=gpr20_msgs/Trace")),
     # Surveys of an earlier version, which have no log.

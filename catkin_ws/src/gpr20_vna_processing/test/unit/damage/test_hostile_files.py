@@ -53,10 +53,8 @@ def folder(copies):
 
 
 @pytest.fixture
-def kit(folder):
-    kit = Kit(folder.parent, open_recordings)
-    yield kit
-    kit.processing.shut_down()
+def data(folder):
+    return folder.parent
 
 
 def path_of(folder, part):

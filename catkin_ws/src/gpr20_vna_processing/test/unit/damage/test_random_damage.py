@@ -8,7 +8,7 @@ from __future__ import annotations
 import random
 
 from annotation_examples import EXAMPLE
-from log_examples import marker
+from log_examples import damaged, marker
 from reopening_kit import REPORT, STORED, TRACES, assert_whole, tree
 from run_seed import SEED, draws
 from storage_kit import Kit
@@ -25,25 +25,6 @@ from gpr20_survey.recording.recordings import open_recordings
 FORMS = ("traces", "survey.bag", "survey.mcap", "survey.json", "log.jsonl", "manifest.json")
 
 
-def damage_file(rng, path) -> None:
-    """Flip bits, cut, overwrite, delete, insert or remove."""
-    content = bytearray(path.read_bytes())
-    start = rng.randrange(len(content))
-    end = min(len(content), start + rng.choice([1, 4, 50, 1000, 10_000]))
-    more = bytes(rng.randrange(256) for _ in range(end - start))
-    action = rng.choice(["flips", "flips", "cut", "overwrite", "zero", "delete", "insert"])
-    if action == "flips":
-        for _ in range(rng.choice([1, 1, 1, 30])):
-            content[rng.randrange(len(content))] ^= 1 << rng.randrange(8)
-    elif action == "cut":
-        del content[start:]
-    elif action == "insert":
-        content[start:start] = more
-    else:
-        content[start:end] = {"overwrite": more, "zero": bytes(end - start)}.get(action, b"")
-    path.write_bytes(content)
-
-
 def damage(rng, folder) -> None:
     for form in rng.sample(FORMS, rng.choice([1, 1, 1, 1, 2, 2, 3])):
         paths = [folder / form]
@@ -54,7 +35,7 @@ def damage(rng, folder) -> None:
             if rng.random() < 0.15:
                 path.unlink(missing_ok=True)
             elif path.exists():
-                damage_file(rng, path)
+                path.write_bytes(damaged(rng, path.read_bytes()))
 
 
 def data_of(files):

@@ -7,7 +7,7 @@ import pytest
 from fault_kit import raises_fault
 from planned_survey import POINTS, planned_trace
 from reopening_kit import assert_whole
-from storage_kit import OTHER_SURVEY, Kit, bag_messages
+from storage_kit import OTHER_SURVEY, bag_messages
 from trace_examples import SURVEY
 
 from gpr20_analysis.read.verification import verify_survey
@@ -15,7 +15,6 @@ from gpr20_analysis.read.verification_result import COMPLETE, INCOMPLETE
 from gpr20_survey.errors import SurveyRefusedError
 from gpr20_survey.folder import trace_files
 from gpr20_survey.recording.mcap_reader import StoredMcap
-from gpr20_survey.recording.recordings import open_recordings
 from gpr20_survey.trace import trace_message
 from gpr20_survey.trace.sweep_settings import AnalyzerSettings
 from gpr20_vna_processing.mid.trace_reader import TraceReader
@@ -28,7 +27,6 @@ VERSIONS = {
     "without_header": (trace_message.WITHOUT_HEADER_MD5SUM, AnalyzerSettings(1000.0, 4, "HIGH")),
 }
 CUT_OFF_AFTER = 4
-FORMS = ("survey.bag", "survey.mcap", "traces")
 
 
 @pytest.fixture(params=VERSIONS)
@@ -40,13 +38,6 @@ def version(request):
 def data(tmp_path, version):
     shutil.copytree(str(OLD / version), str(tmp_path / "data"))
     return tmp_path / "data"
-
-
-@pytest.fixture
-def kit(data):
-    kit = Kit(data, open_recordings)
-    yield kit
-    kit.processing.shut_down()
 
 
 def traces_of(version, survey_id):
@@ -71,10 +62,6 @@ def finish(kit, data, version, survey_id):
     kit.processing.close_survey(survey_id, "finished")
     assert_whole(folder, traces)
     return verify_survey(folder)
-
-
-def remove(path):
-    shutil.rmtree(str(path)) if path.is_dir() else path.unlink()
 
 
 def test_a_finished_survey_is_complete_and_there_is_nothing_to_go_on_with(
@@ -115,7 +102,7 @@ def test_a_survey_that_was_cut_off_goes_on_to_its_end(kit, data, version):
     assert fault.fault_code == "analysis.manifest"
 
 
-@pytest.mark.parametrize("name", FORMS)
+@pytest.mark.parametrize("name", ["survey.bag", "survey.mcap", "traces"])
 def test_a_resumed_survey_that_lost_a_form_is_made_whole_and_resumed_again(
     kit, data, version, name
 ):
@@ -123,6 +110,7 @@ def test_a_resumed_survey_that_lost_a_form_is_made_whole_and_resumed_again(
     for trace in traces_of(version, OTHER_SURVEY)[CUT_OFF_AFTER:-1]:
         kit.processing.store(trace)
     kit.processing.close_survey(OTHER_SURVEY, "stopped")
-    remove(folder_of(data, OTHER_SURVEY) / name)
+    path = folder_of(data, OTHER_SURVEY) / name
+    shutil.rmtree(str(path)) if path.is_dir() else path.unlink()
     kit.processing.reopen_survey(OTHER_SURVEY)
     assert finish(kit, data, version, OTHER_SURVEY).status == COMPLETE
