@@ -4,8 +4,9 @@ import struct
 
 import h5py
 import numpy as np
+from obspy.io.segy.pack import pack_4byte_ibm
 
-from gpr20_analysis.formats.format import IMPORTS, ImportOptions
+from gpr20_analysis.formats.format import IMPORTS, Band, ImportOptions
 from gpr20_analysis.progress import no_progress
 
 TRACES, SAMPLES, SPACING_M, WINDOW_NS = 6, 40, 0.02, 8.0
@@ -91,23 +92,10 @@ def write_rd3(path, values=None, **entries):
     path.write_bytes(values.astype(f"<i{bits // 8}").tobytes())
 
 
-def ibm(values):
-    """Return values as IBM floats: sign, exponent of 16 with 64 added, 24 bits of fraction."""
-    values = np.asarray(values, np.float64)
-    power = np.ceil(
-        np.log2(np.abs(values), where=values != 0.0, out=np.full(values.shape, -1e3)) / 4
-    )
-    power = np.clip(power, -64, 63).astype(int)
-    fraction = np.round(np.abs(values) / 16.0**power * 2**24).astype(np.int64)
-    power, fraction = power + (fraction >> 24), np.where(fraction >> 24, fraction >> 4, fraction)
-    return ((values < 0.0).astype(np.int64) << 31 | (power + 64) << 24 | fraction).astype("u4")
-
-
 def write_segy(path, code=5, order=">", values=None, text="C 1 OTHER PROGRAM", ebcdic=True, **more):
     """Write traces; `more` are fields of the headers of traces by place, such as b73."""
     values = counts(8) if values is None else values
-    kind = order + {1: "u4", 2: "i4", 3: "i2", 5: "f4", 8: "i1"}[code].replace("i1", "i1")
-    stored = ibm(values) if code == 1 else values
+    kind = order + {1: "f8", 2: "i4", 3: "i2", 5: "f4", 8: "i1"}[code]
     start = text.ljust(3200).encode("cp500" if ebcdic else "ascii")
     binary = bytearray(400)
     known = {3217: 200, 3221: values.shape[1], 3225: code, 3255: 1, 3501: 0, 3505: 0}
@@ -115,7 +103,7 @@ def write_segy(path, code=5, order=">", values=None, text="C 1 OTHER PROGRAM", e
         struct.pack_into(f"{order}H", binary, place - 3201, more.pop(f"b{place}", value))
     with path.open("wb") as stream:
         stream.write(start + bytes(binary))
-        for number, trace in enumerate(stored):
+        for number, trace in enumerate(values):
             header = bytearray(240)
             fields = {29: 1, 71: -1000, 73: 20 * number, 81: 20 * number, 115: len(trace), 117: 200}
             fields.update({int(key[1:]): value for key, value in more.items()})
@@ -123,7 +111,11 @@ def write_segy(path, code=5, order=">", values=None, text="C 1 OTHER PROGRAM", e
                 value = value[number] if isinstance(value, (list, np.ndarray)) else value
                 long = place in (41, 73, 77, 81, 85, 181, 185)
                 struct.pack_into(order + ("i" if long else "h"), header, place - 1, int(value))
-            stream.write(bytes(header) + trace.astype(kind).tobytes())
+            stream.write(header)
+            if code == 1:
+                pack_4byte_ibm(stream, trace.astype(np.float64), order)
+            else:
+                stream.write(trace.astype(kind).tobytes())
 
 
 def write_touchstone(folder, names=None, form="RI", unit="MHz", hz=None):
@@ -155,6 +147,18 @@ def write_merged(path, values=None, steps=(10, 0, 0), along="Ey"):
         receiver = file.create_group("rxs/rx1")
         for name in ("Ex", "Ey", "Ez"):
             receiver[name] = (1.0 if name == along else 0.01) * values.T
+
+
+SPECTRA = {"source": RICKER[1], "band": Band(1e9, 2e9, 11)}
+# Format, name, writer, options, and the files that can be damaged.
+KINDS = {
+    "dzt": ("l.dzt", write_dzt, {}, ("l.dzt",)),
+    "dt1": ("l.dt1", write_dt1, {}, ("l.dt1", "l.HD")),
+    "rd3": ("l.rd3", write_rd3, {}, ("l.rd3", "l.rad")),
+    "segy": ("l.sgy", write_segy, {}, ("l.sgy",)),
+    "touchstone": ("t", write_touchstone, {}, ("t/X0_Y0.s2p", "t/X40_Y0.s2p")),
+    "gprmax": ("m.h5", write_merged, SPECTRA, ("m.h5",)),
+}
 
 
 def read(path, form, **options):

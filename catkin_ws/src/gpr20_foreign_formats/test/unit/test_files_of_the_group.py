@@ -106,13 +106,6 @@ def test_a_merged_file_that_contradicts_itself_is_refused(survey, tmp_path, dama
         merged_hdf5.read_merged(path)
 
 
-def test_traces_of_a_survey_are_no_output_that_may_be_replaced(folder, refusals):
-    arguments = ["export", str(folder), str(folder / "traces"), "--format", "original-json"]
-    assert main([*arguments, "--overwrite"]) == 3
-    assert refusals == [faults.OUTPUT.code]
-    assert len(list((folder / "traces").iterdir())) == ALL
-
-
 IMAGE = ("--permittivity", "4", "--depth", "0", "0.02", "0.005", "--height", "0.03")
 
 

@@ -3,6 +3,7 @@
 import os
 import tempfile
 import tracemalloc
+from functools import partial
 from pathlib import Path
 
 import h5py
@@ -12,7 +13,7 @@ from fault_kit import raises_fault
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from instruments_kit import (
-    RICKER,
+    KINDS,
     SAMPLES,
     TRACES,
     counts,
@@ -30,20 +31,9 @@ from run_seed import draws
 from gpr20_analysis import faults
 from gpr20_analysis.commands.main import main
 from gpr20_analysis.errors import AnalysisError
-from gpr20_analysis.formats.format import Band
 from gpr20_analysis.processing.to_frequency import to_frequency
 
 MOST_BYTES = 64 << 20
-SPECTRA = {"source": RICKER[1], "band": Band(1e9, 2e9, 11)}
-# Format, name, writer, options, and the files that can be damaged.
-KINDS = {
-    "dzt": ("l.dzt", write_dzt, {}, ("l.dzt",)),
-    "dt1": ("l.dt1", write_dt1, {}, ("l.dt1", "l.HD")),
-    "rd3": ("l.rd3", write_rd3, {}, ("l.rd3", "l.rad")),
-    "segy": ("l.sgy", write_segy, {}, ("l.sgy",)),
-    "touchstone": ("t", write_touchstone, {}, ("t/X0_Y0.s2p", "t/X40_Y0.s2p")),
-    "gprmax": ("m.h5", write_merged, SPECTRA, ("m.h5",)),
-}
 HEADERS = {"dzt": (0, 128), "segy": (3200, 3840), "dt1": (0, 128)}
 FORMS = st.sampled_from(sorted(KINDS))
 SHARE = st.floats(0.0, 1.0, exclude_max=True)
@@ -139,10 +129,6 @@ def sweep(*hz):
     return lambda path: write_touchstone(path, ["X0.s1p", "X1.s1p"], hz=np.array(hz))
 
 
-def of(write, **more):
-    return lambda path: write(path, **more)
-
-
 def merged(damage):
     def write(path):
         write_merged(path)
@@ -160,27 +146,31 @@ def dzt_counts(**header):
 LINE = "# MHz S RI R 50\n1000 0 0 1 0 0 0 0 0\n"
 ROW = [SAMPLES] * 6
 WRONG = [
-    ("l.dzt", of(write_dzt, tag=0x1234), ["rh_tag"]),
-    ("l.dzt", of(write_dzt, epsr=0.5), ["rhf_epsr", "0.5", "between 1"]),
-    ("l.dzt", of(write_dzt, position=-9.0), ["time zero", "--time-zero"]),
+    ("l.dzt", partial(write_dzt, tag=0x1234), ["rh_tag"]),
+    ("l.dzt", partial(write_dzt, epsr=0.5), ["rhf_epsr", "0.5", "between 1"]),
+    ("l.dzt", partial(write_dzt, position=-9.0), ["time zero", "--time-zero"]),
     ("l.dzt", dzt_counts(channels=60000), ["rh_nchan"]),
     ("l.dzt", dzt_counts(data=1000), ["cut off"]),
-    ("l.dt1", of(write_dt1, x=[0, 1, 0.5, 2, 3, 4]), ["trace", "--spacing"]),
-    ("l.dt1", of(write_dt1, **{"NUMBER OF TRACES": 5}), ["NUMBER OF TRACES", "6, as in l.dt1"]),
-    ("l.dt1", of(write_dt1, **{"POSITION UNITS": "furlong"}), ["POSITION UNITS", "m or ft"]),
-    ("l.rd3", of(write_rd3, **{"LAST TRACE": 7}), ["LAST TRACE", "6, as in l.rd3"]),
-    ("l.rd3", of(write_rd3, **{"TIMEWINDOW": 16.0}), ["TIMEWINDOW"]),
-    ("l.sgy", of(write_segy, b3501=0x0100, b3505=0xFFFF), ["extended headers", "-1"]),
-    ("l.sgy", of(write_segy, b115=[*ROW[:2], 7, *ROW[3:]]), ["number of samples", "7"]),
-    ("l.sgy", of(write_segy, b89=2), ["angles", "--spacing"]),
-    ("l.sgy", of(write_segy, b117=[200, 200, 0, 300, 200, 200]), ["300", "200", "--interval"]),
-    ("l.sgy", of(write_segy, b73=[0, 0, 20, 20, 40, 40], b81=[0, 0, 20, 20, 40, 40]), []),
+    ("l.dt1", partial(write_dt1, x=[0, 1, 0.5, 2, 3, 4]), ["trace", "--spacing"]),
+    (
+        "l.dt1",
+        partial(write_dt1, **{"NUMBER OF TRACES": 5}),
+        ["NUMBER OF TRACES", "6, as in"],
+    ),
+    ("l.dt1", partial(write_dt1, **{"POSITION UNITS": "furlong"}), ["POSITION UNITS", "m or ft"]),
+    ("l.rd3", partial(write_rd3, **{"LAST TRACE": 7}), ["LAST TRACE", "6, as in l.rd3"]),
+    ("l.rd3", partial(write_rd3, **{"TIMEWINDOW": 16.0}), ["TIMEWINDOW"]),
+    ("l.sgy", partial(write_segy, b3501=0x0100, b3505=0xFFFF), ["extended headers", "-1"]),
+    ("l.sgy", partial(write_segy, b115=[*ROW[:2], 7, *ROW[3:]]), ["number of samples", "7"]),
+    ("l.sgy", partial(write_segy, b89=2), ["angles", "--spacing"]),
+    ("l.sgy", partial(write_segy, b117=[200, 200, 0, 300, 200, 200]), ["300", "200", "--interval"]),
+    ("l.sgy", partial(write_segy, b73=[0, 0, 20, 20, 40, 40], b81=[0, 0, 20, 20, 40, 40]), []),
     ("t", touchstone("# Hz S RI R 50\n1 0 0 1 0 0 0 0 0\n2 0 0 1 0 0 0 0 0\n"), ["first freq"]),
     ("t", touchstone(LINE + "1200 0 0 1 0 0 0 0 0\n"), ["X20_Y0.s2p", "other frequencies"]),
     ("t", touchstone("no Touchstone file"), ["X20_Y0.s2p", "damaged"]),
     ("t", sweep(3e9, 2e9, 1e9), ["sort the lines"]),
     ("t", sweep(1e9, 2e9, 4e9), ["not evenly spaced"]),
-    ("t", of(write_touchstone, names=["X0.s1p", "X10.S2P"]), ["S11", "S21", "another folder"]),
+    ("t", partial(write_touchstone, names=["X0.s1p", "X10.S2P"]), ["S11", "S21", "another folder"]),
     ("m.h5", merged(lambda file: file.attrs.update(rxsteps=(np.nan, 0.0, 0.0))), ["m.h5"]),
     ("m.h5", merged(lambda f: f["rxs/rx1/Ey"].write_direct(np.full((400, 6), np.nan))), ["m.h5"]),
     ("m.h5", merged(lambda f: [f["rxs/rx1"].pop(one) for one in ("Ex", "Ey")]), ["m.h5"]),

@@ -6,13 +6,14 @@ import numpy as np
 import pytest
 from fault_kit import raises_fault
 from instruments_kit import (
+    KINDS,
     RICKER,
     SAMPLES,
     SPACING_M,
+    SPECTRA,
     TRACES,
     WINDOW_NS,
     counts,
-    ibm,
     read,
     write_dt1,
     write_dzt,
@@ -25,7 +26,6 @@ from obspy.io.segy.segy import _read_segy
 
 from gpr20_analysis import faults, import_survey
 from gpr20_analysis.commands.main import main
-from gpr20_analysis.formats.format import Band
 from gpr20_analysis.read.load import load_survey
 from gpr20_analysis.sample.real_line import REAL_LINE_FILE
 
@@ -134,7 +134,6 @@ def test_ibm_floats_with_a_leading_zero_digit_are_right(tmp_path):
     (tmp_path / "l.sgy").write_bytes(content)
     found = read(tmp_path / "l.sgy", "segy").a_scan.values.ravel().real
     np.testing.assert_allclose(found, [-4.095557226690971e-12, 8.857636846215655e-12], rtol=1e-15)
-    assert ibm(np.array([1.0, -118.625])).tolist() == [0x41100000, 0xC276A000]
 
 
 def test_segy_says_where_source_and_receiver_are_and_what_is_dead(tmp_path):
@@ -174,19 +173,11 @@ def test_a_folder_of_touchstone_files_has_its_places_in_their_names(tmp_path, fo
     np.testing.assert_allclose(found.s21.values[0, 0], [0.1 * echo, 0.2 * echo], atol=1e-9)
 
 
-@pytest.mark.parametrize(
-    ("names", "x_mm"),
-    [
-        (["x0_y0", "x10_y0", "x20,5_y0"], [0, 10, 20.5]),
-        (["X-20", "X-40", "X20", "X0"], [-20, -40, 20, 0]),
-    ],
-)
-def test_places_in_names_of_touchstone_files_are_ordered_as_numbers(tmp_path, names, x_mm):
-    write_touchstone(tmp_path / "t", [f"{one}.s2p" for one in names])
+def test_places_in_names_of_touchstone_files_are_ordered_as_numbers(tmp_path):
+    write_touchstone(tmp_path / "t", ["X-20.s2p", "x-40_y0.s2p", "x20,5_y0.s2p", "X0.s2p"])
     found = read(tmp_path / "t", "touchstone")
-    order = np.argsort(x_mm)
-    np.testing.assert_allclose(found.x, np.array(x_mm)[order] / 1e3)
-    np.testing.assert_allclose(np.abs(found.s21.values[0, 0, :, 0]), 0.1 * (order + 1))
+    np.testing.assert_allclose(found.x, [-0.04, -0.02, 0.0, 0.0205])
+    np.testing.assert_allclose(np.abs(found.s21.values[0, 0, :, 0]), [0.2, 0.1, 0.4, 0.3])
 
 
 def test_touchstone_files_without_places_are_a_line_in_the_order_of_their_numbers(tmp_path):
@@ -208,12 +199,11 @@ def test_a_merged_file_of_gprmax_has_the_steps_of_its_receiver(tmp_path, steps, 
     axis = found.x if steps[0] else found.y
     np.testing.assert_allclose(axis, np.arange(TRACES) * (y_m or SPACING_M))
     assert found.attrs["antenna_separation_m"] == 0.04
-    known = {"source": RICKER[1], "band": Band(1e9, 2e9, 11)}
-    given = read(tmp_path / "m.h5", "gprmax", **known, spacing_m=0.1)
+    given = read(tmp_path / "m.h5", "gprmax", **SPECTRA, spacing_m=0.1)
     np.testing.assert_allclose(given.x, np.arange(TRACES) * 0.1)
     write_merged(tmp_path / "3.out", steps=None)
     with raises_fault(faults.OPTION, "3.out", "--spacing"):
-        read(tmp_path / "3.out", "gprmax", **known)
+        read(tmp_path / "3.out", "gprmax", **SPECTRA)
 
 
 def test_the_bars_of_a_real_line_are_found_in_its_dzt_file(tmp_path, capsys):
@@ -239,21 +229,14 @@ def test_the_bars_of_a_real_line_are_found_in_its_dzt_file(tmp_path, capsys):
     assert np.count_nonzero(away_m[:14].min(axis=1) < BAR_M) >= 12
 
 
-@pytest.mark.parametrize(
-    ("form", "name", "write"),
-    [
-        ("dzt", "l.DZT", write_dzt),
-        ("dt1", "l.DT1", write_dt1),
-        ("rd3", "l.rd7", write_rd3),
-        ("segy", "l.SGY", write_segy),
-        ("touchstone", "folder", write_touchstone),
-        ("gprmax", "m.h5", write_merged),
-    ],
-)
-def test_the_files_are_recognized(tmp_path, form, name, write):
-    write(tmp_path / name)
+@pytest.mark.parametrize("form", KINDS)
+def test_the_files_are_recognized(tmp_path, form):
+    name, write, *_ = KINDS[form]
+    # Instruments write capital letters, gprMax small ones.
+    path = tmp_path / (name if form == "gprmax" else name.upper())
+    write(path)
     with raises_fault(faults.IMPORT_FIRST, f"--format {form}"):
-        load_survey(tmp_path / name)
+        load_survey(path)
 
 
 @pytest.mark.parametrize(
