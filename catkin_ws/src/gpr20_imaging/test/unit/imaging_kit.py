@@ -1,8 +1,11 @@
 """A fake analysis, and sticks that are folders."""
 
 import json
+import pickle
 import sys
 import uuid
+
+from candidate_examples import candidate, candidate_list
 
 from gpr20_common.message import Fault, Message
 from gpr20_imaging.low.analysis_process import AnalysisProcess
@@ -11,20 +14,20 @@ from gpr20_imaging.low.usb_volumes import UsbVolumes
 REFUSAL = Message("no {what}", what="permittivity").with_fault(
     Fault("test.refused", Message("Give the permittivity."))
 )
-# It does what the file `mode` says; what it writes and lists says what it was asked for.
+# It does what the file `mode` says; what it writes and lists says what it was asked for. It imports
+# no tests, because that takes long.
 WORKER = """
-import os, sys, time
+import os, pickle, sys, time
 from multiprocessing.connection import Connection
 from pathlib import Path
 import numpy as np
 sys.path[:0] = {path!r}
-from candidate_examples import candidate, candidate_list
-from imaging_kit import REFUSAL
 from gpr20_imaging.errors import ImagingError
 from gpr20_imaging.low.analysis_worker import serve
 from gpr20_survey.results.focused_image import FocusedImage
 
 folder = Path({folder!r})
+REFUSAL, FOUND = pickle.loads((folder / "answers").read_bytes())
 
 def obey():
     mode = (folder / "mode").read_text()
@@ -45,12 +48,11 @@ class Fake:
             print(survey, permittivity, file=stream)
         place, depth = np.array([1.0, 2.0]), np.array([0.0, 3.0])
         levels = np.arange(8, dtype=np.float32).reshape(2, 2, 2)
-        found = candidate_list([candidate()])
-        return FocusedImage(os.getpid(), place, place, depth, levels, found)
+        return FocusedImage(os.getpid(), place, place, depth, levels, FOUND)
 
     def find_candidates(self, survey, permittivity, language):
         obey()
-        return candidate_list([candidate()]), f"{{survey}} {{permittivity}} {{language}}"
+        return FOUND, f"{{survey}} {{permittivity}} {{language}}"
 
     def write_report(self, survey, output, permittivity, language):
         obey()
@@ -70,6 +72,7 @@ class FakeAnalysis:
         self._mode = folder / "mode"
         self.asked = folder / "asked"
         self.started = folder / "started"
+        (folder / "answers").write_bytes(pickle.dumps((REFUSAL, candidate_list([candidate()]))))
         program = folder / "worker.py"
         program.write_text(WORKER.format(path=sys.path, folder=str(folder)))
         self.command = [sys.executable, str(program)]

@@ -58,13 +58,14 @@ def files_of(stick):
     return sorted(one.name for one in (stick / FOLDER).glob("*")) if stick.is_dir() else []
 
 
-def after_copy(monkeypatch, then):
-    """Let something happen whenever a file has been copied to the stick."""
+def at_copy(monkeypatch, before=lambda: None, after=lambda: None):
+    """Let something happen whenever a file is copied to the stick."""
     real = stick_files.copy_file
 
     def copy(source, target):
+        before()
         real(source, target)
-        then()
+        after()
 
     monkeypatch.setattr(stick_files, "copy_file", copy)
 
@@ -165,7 +166,7 @@ def test_a_file_system_that_becomes_full_or_goes_away_keeps_only_whole_files(
     left = files_of(small_stick)
     assert [one.split("SIMULATED_")[1] for one in left] == ["report.html", "report.html.sha256"]
     unmount = ["umount", "--lazy", str(small_stick)]
-    after_copy(monkeypatch, lambda: subprocess.run(unmount, check=True))
+    at_copy(monkeypatch, after=lambda: subprocess.run(unmount, check=True))
     # It is still listed, as another device: that of the folder below.
     with raises_fault(faults.STICK_GONE, small_stick):
         exporter.export(request_for(folder, small_stick, REPORT), Cancellation())
@@ -183,7 +184,7 @@ def test_a_full_stick_is_refused_first_and_a_removed_one_leaves_no_file_on_the_d
         with raises_fault(faults.STICK_FULL, stick.name, error=ExportFailedError):
             export(REPORT)
     assert files_of(stick) == []
-    after_copy(monkeypatch, sticks.pull_out)
+    at_copy(monkeypatch, after=sticks.pull_out)
     with raises_fault(faults.STICK_GONE, stick):
         export(REPORT)
     assert files_of(stick) == []
@@ -252,28 +253,24 @@ def test_a_link_that_is_put_there_meanwhile_leads_nowhere(
 ):
     computer = tmp_path / "computer"
     (computer / FOLDER).mkdir(parents=True)
-    real = stick_files.copy_file
+    moved = stick if level == "the mount point" else stick / FOLDER
 
-    def copy(source, target):
-        moved = stick if level == "the mount point" else stick / FOLDER
+    def put_link():
         if not moved.is_symlink():
             moved.rename(moved.with_name("moved"))
             moved.symlink_to(computer if moved is stick else computer / FOLDER)
-        real(source, target)
 
-    monkeypatch.setattr(stick_files, "copy_file", copy)
+    at_copy(monkeypatch, before=put_link)
     with pytest.raises(ImagingError):
         export(REPORT)
     assert contents(computer) == {}
 
 
-def change_a_byte(path):
-    content = bytearray(path.read_bytes())
-    content[len(content) // 2] ^= 1
-    path.write_bytes(content)
-
-
-SPOIL = {"cut": lambda path: os.truncate(str(path), 3), "change": change_a_byte, "lose": os.unlink}
+SPOIL = {
+    "cut": lambda path: os.truncate(str(path), 3),
+    "change": lambda path: path.write_bytes(path.read_bytes()[::-1]),
+    "lose": os.unlink,
+}
 
 
 @pytest.mark.parametrize("spoil", SPOIL)

@@ -237,12 +237,18 @@ def process():
     made.close()
 
 
+def corner_of(count, path):
+    """Write a corner of the sample survey, and return it."""
+    few = {"x": slice(count), "y": slice(count), "frequency": slice(None, None, 2)}
+    corner = gpr20_analysis.load_survey(sample_survey()).isel(few)
+    gpr20_analysis.write_dataset(corner, path)
+    return corner
+
+
 @pytest.mark.timeout(300)
 def test_candidates_are_those_of_the_analysis(process, tmp_path):
-    few = {"x": slice(7), "y": slice(7), "frequency": slice(None, None, 2)}
-    corner = gpr20_analysis.load_survey(sample_survey()).isel(few)
     survey = tmp_path / "corner.nc"
-    gpr20_analysis.write_dataset(corner, survey)
+    corner = corner_of(7, survey)
     found, remarks = process.find_candidates(survey, PERMITTIVITY, "en", Cancellation())
     cleaned = gpr20_analysis.process_survey(corner, "background:method=surface")
     image = gpr20_analysis.image_survey(
@@ -260,10 +266,8 @@ def test_candidates_are_those_of_the_analysis(process, tmp_path):
 
 @pytest.mark.timeout(300)
 def test_where_a_mine_could_hide_is_that_of_the_analysis(process, tmp_path):
-    few = {"x": slice(4), "y": slice(4), "frequency": slice(None, None, 2)}
-    corner = gpr20_analysis.load_survey(sample_survey()).isel(few)
     file = tmp_path / "corner.nc"
-    gpr20_analysis.write_dataset(corner, file)
+    corner = corner_of(4, file)
     found = process.map_hidden(file, PERMITTIVITY, "pmn", Cancellation())
     here = gpr20_analysis.map_hidden_in_field(corner, PERMITTIVITY, Targets.PMN.value)
     assert found.target == Targets.PMN.value and found.tried.sum() > 0
