@@ -24,6 +24,12 @@ def finished(tmp_path_factory):
     return make_survey(tmp_path_factory.mktemp("finished"), len(POINTS), "finished")
 
 
+@pytest.fixture(scope="session")
+def stopped(tmp_path_factory):
+    """The folder of a survey that was stopped after 7 traces; it is not to be changed."""
+    return make_survey(tmp_path_factory.mktemp("stopped"), 7, "stopped")
+
+
 @pytest.fixture
 def copied(finished, tmp_path):
     """A copy of that folder of a survey."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import random
 import shutil
 import struct
 from dataclasses import asdict
@@ -149,20 +150,19 @@ def make_survey(
 
 def add_marker(folder: Path, marker: Marker, now: str) -> None:
     """Add a marker to a survey that nobody writes."""
-
-    def change(description: Dict[str, Any]) -> Optional[Fact]:
-        values = new_marker(description, marker, now)
-        return None if values is None else Fact(Kind.MARKER, values)
-
-    add_to_survey(folder, change, now)
+    _add(folder, Kind.MARKER, lambda before: new_marker(before, marker, now), now)
 
 
 def remove_marker(folder: Path, marker: Marker, author: str, now: str) -> None:
     """Remove a marker of a survey that nobody writes."""
+    identity = marker.marker_id
+    _add(folder, Kind.MARKER_REMOVED, lambda one: removed_marker(one, identity, author, now), now)
 
+
+def _add(folder: Path, kind: Kind, values_of: Callable[[Dict[str, Any]], Any], now: str) -> None:
     def change(description: Dict[str, Any]) -> Optional[Fact]:
-        values = removed_marker(description, marker.marker_id, author, now)
-        return None if values is None else Fact(Kind.MARKER_REMOVED, values)
+        values = values_of(description)
+        return None if values is None else Fact(kind, values)
 
     add_to_survey(folder, change, now)
 
@@ -175,6 +175,19 @@ def describe_again(folder: Path, **changes: Any) -> None:
     for one in found.found.records[1:]:  # the manifest may name the number of the last one
         records.append(LogRecord.after(records[-1], Kind.AUDIT, {}, one.time))
     SurveyLog(folder, records, whole=False).write()
+
+
+def contents(folder: Path) -> Dict[str, bytes]:
+    """Return all files of a folder, by their name in it."""
+    files = (one for one in folder.rglob("*") if one.is_file())
+    return {one.relative_to(folder).as_posix(): one.read_bytes() for one in files}
+
+
+def flipped(content: bytes, chance: random.Random) -> bytes:
+    """Return a content with one byte changed, in any way."""
+    at = chance.randrange(len(content))
+    other = content[at] ^ chance.randrange(1, 256)
+    return content[:at] + bytes([other]) + content[at + 1 :]
 
 
 def write_trace_file(path: Path, values: Mapping[str, Any]) -> None:

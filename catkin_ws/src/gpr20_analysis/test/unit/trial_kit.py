@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import random
 from pathlib import Path
 from typing import Any, Iterable, List, Sequence, Tuple
 
@@ -63,10 +62,3 @@ class Trial:
 def marks_at(places: Iterable[Tuple[float, float]]) -> List[Tuple[Any, ...]]:
     """Return candidates at places, the first one the most certain."""
     return [(f"C{at:02d}", x, y) for at, (x, y) in enumerate(places, 1)]
-
-
-def flipped(content: bytes, chance: random.Random) -> bytes:
-    """Return a content with one byte changed, in any way."""
-    at = chance.randrange(len(content))
-    other = content[at] ^ chance.randrange(1, 256)
-    return content[:at] + bytes([other]) + content[at + 1 :]

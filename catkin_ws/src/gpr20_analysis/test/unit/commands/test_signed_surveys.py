@@ -3,7 +3,7 @@
 import json
 
 import pytest
-from survey_kit import make_survey
+from survey_kit import contents, make_survey
 
 from gpr20_analysis import faults
 from gpr20_analysis.commands.main import main
@@ -99,7 +99,7 @@ def test_a_change_with_the_key_is_signed_again(folder, keys, verify, capsys):
 
 
 def test_a_key_that_cannot_be_used_changes_nothing(folder, tmp_path, refusals):
-    before = {path: path.read_bytes() for path in folder.rglob("*") if path.is_file()}
+    before = contents(folder)
     none = str(tmp_path / "none")
     assert main(["annotate", str(folder), "--site", "here", "--sign", none]) == 3
     (folder / "manifest.json").rename(tmp_path / "manifest.json")
@@ -108,4 +108,4 @@ def test_a_key_that_cannot_be_used_changes_nothing(folder, tmp_path, refusals):
     assert main(["verify", str(folder), "--signers", none]) == 3
     codes = [survey_faults.SIGNING_KEY.code] * 2 + [survey_faults.SIGNERS_FILE.code]
     assert refusals == codes
-    assert {path: path.read_bytes() for path in folder.rglob("*") if path.is_file()} == before
+    assert contents(folder) == before

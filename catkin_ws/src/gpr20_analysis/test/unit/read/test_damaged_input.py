@@ -247,28 +247,15 @@ def recorded_folder(tmp_path_factory):
 
 
 @pytest.fixture(scope="module")
-def content(recorded_folder):
-    return (recorded_folder / "survey.bag").read_bytes()
-
-
-@pytest.fixture(scope="module")
 def messages(recorded_folder):
     with (recorded_folder / "survey.bag").open("rb") as stream:
         return list(complete_messages(stream))
 
 
-def indices(path):
-    """Return the index of each trace that is read, in order of the file."""
-    survey = load_survey(path, accept_damaged=True)
-    return sorted(survey["index"].values[survey["index"].values >= 0].tolist())
-
-
 @pytest.mark.parametrize("name", ["survey.bag", "survey.bag.active"])
-def test_whole_messages_of_a_bag_cut_anywhere_are_read(
-    recorded_folder, content, messages, tmp_path, name
-):
+def test_whole_messages_of_a_bag_cut_anywhere_are_read(recorded_folder, messages, tmp_path, name):
     traces = [one for one in messages if one.datatype == "gpr20_msgs/Trace"]
-    good = load_survey(recorded_folder)
+    good, content = load_survey(recorded_folder), (recorded_folder / "survey.bag").read_bytes()
     path = tmp_path / name
     for seed in range(CUTS):
         rng = np.random.default_rng(seed)
@@ -308,21 +295,19 @@ def foreign(messages, compression, torn):
     return bag_format.MAGIC + bag_format.file_header(0, 0, 0) + chunk
 
 
-@pytest.mark.parametrize("compression", [b"none", b"bz2"])
-def test_bags_of_another_recorder_are_read_without_an_index(messages, tmp_path, compression):
-    path = tmp_path / "record.bag.active"
-    path.write_bytes(foreign(messages, compression, torn=False))
-    assert indices(path) == list(range(ALL))
-    survey = load_survey(path)
-    assert survey.attrs["survey_id"] == SURVEY
-
-
-def test_what_a_killed_recorder_wrote_of_a_chunk_is_read_and_nothing_of_a_damaged_one(
+def test_bags_of_another_recorder_are_read_without_an_index_and_up_to_a_cut_or_damage(
     messages, tmp_path
 ):
     path = tmp_path / "record.bag.active"
+    for compression in (b"none", b"bz2"):
+        path.write_bytes(foreign(messages, compression, torn=False))
+        survey = load_survey(path)
+        assert sorted(survey["index"].values.ravel().tolist()) == list(range(ALL))
+        assert survey.attrs["survey_id"] == SURVEY
+    # A recorder was killed within a chunk.
     path.write_bytes(foreign(messages, b"none", torn=True))
-    found = indices(path)
+    index = load_survey(path, accept_damaged=True)["index"].values
+    found = sorted(index[index >= 0].tolist())
     assert found == list(range(len(found))) and ALL // 2 < len(found) < ALL
     damaged = bytearray(foreign(messages, b"bz2", torn=False))
     damaged[len(damaged) // 2] ^= 255

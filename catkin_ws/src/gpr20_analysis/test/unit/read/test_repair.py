@@ -6,7 +6,6 @@ GPR20_SEED repeats what is damaged in a run.
 import csv
 import json
 import random
-import re
 import shutil
 import string
 from dataclasses import replace
@@ -18,7 +17,9 @@ from survey_kit import (
     POINTS,
     SURVEY,
     add_marker,
+    contents,
     describe_again,
+    flipped,
     make_survey,
     planned_trace,
     remove_marker,
@@ -73,12 +74,6 @@ def copy(noted, tmp_path):
     return Path(shutil.copytree(str(noted), str(tmp_path / noted.name)))
 
 
-def flip(content, chance):
-    changed = bytearray(content)
-    changed[chance.randrange(len(changed))] ^= chance.randrange(1, 256)
-    return bytes(changed)
-
-
 def retype(content, chance):
     """Change a character of a text to another letter or digit, so that it may stay readable."""
     changed = bytearray(content)
@@ -88,7 +83,7 @@ def retype(content, chance):
 
 
 SPOILT = {
-    "flip": flip,
+    "flip": flipped,
     "retyped": retype,
     "cut": lambda content, chance: content[: chance.randrange(len(content))],
     "empty": lambda _content, _chance: b"",
@@ -139,11 +134,10 @@ def test_damage_of_both_forms_of_the_log_never_changes_what_is_left(noted, tmp_p
     wanted = {one.marker_id: one for one in markers_of(read_description(noted))}
     for number in range(DAMAGES):
         folder, where = damaged(noted, tmp_path, number, BOTH_FORMS)
-        before = {one: one.read_bytes() for one in folder.rglob("*") if one.is_file()}
+        before = contents(folder)
         status = main(["repair", str(folder)])
         if status in (DAMAGED, REFUSED):
-            after = {one: one.read_bytes() for one in folder.rglob("*") if one.is_file()}
-            assert after == before, where
+            assert contents(folder) == before, where
             assert verify_survey(folder).status == DAMAGED, where
         else:
             description = read_description(folder)
@@ -163,25 +157,24 @@ def number_of(folder, kind, place):
     return [one.number for one in records if one.kind == kind.value][place]
 
 
-def change_in_both(folder, number, former, changed):
-    """Change the same digits of a record in log.jsonl and in survey.json."""
+def move_in_both(folder, number):
+    """Change a digit of the place of a marker in log.jsonl and in survey.json."""
     path = folder / "log.jsonl"
-    lines = path.read_bytes().split(b"\n")
-    assert former in lines[number]
-    lines[number] = lines[number].replace(former, changed, 1)
-    path.write_bytes(b"\n".join(lines))
+    lines = path.read_text("ascii").split("\n")
+    assert '"y_mm":20' in lines[number]
+    lines[number] = lines[number].replace('"y_mm":20', '"y_mm":90', 1)
+    path.write_text("\n".join(lines), "ascii")
     path = folder / "survey.json"
     values = json.loads(path.read_text("ascii"))
-    record = json.dumps(values["log"][number])
-    values["log"][number] = json.loads(re.sub(rb" (?=[0-9])", b"", record.encode()).replace(
-        former, changed, 1))  # fmt: skip
+    record = json.dumps(values["log"][number]).replace('"y_mm": 20', '"y_mm": 90', 1)
+    values["log"][number] = json.loads(record)
     path.write_text(json.dumps(values, indent=2) + "\n", "ascii")
 
 
 @pytest.mark.parametrize("place", [2, -1])
 def test_a_record_that_is_damaged_in_both_forms_is_unconfirmed_for_ever(copy, place):
     number = number_of(copy, Kind.MARKER, place)
-    change_in_both(copy, number, b'"y_mm":20', b'"y_mm":90')
+    move_in_both(copy, number)
     found = verify_survey(copy)
     assert found.status == DAMAGED
     assert main(["repair", str(copy)]) == NOT_COMPLETE
@@ -203,7 +196,7 @@ def test_a_record_that_is_damaged_in_both_forms_is_unconfirmed_for_ever(copy, pl
 def test_a_record_of_the_time_of_measurement_is_found_in_the_mcap(copy):
     wanted = read_description(copy)
     number = number_of(copy, Kind.MARKER, 1)
-    change_in_both(copy, number, b'"y_mm":20', b'"y_mm":90')
+    move_in_both(copy, number)
     assert verify_survey(copy).status == DAMAGED
     assert main(["repair", str(copy)]) == DONE
     assert read_description(copy) == wanted
@@ -231,11 +224,14 @@ def test_markers_that_nothing_vouches_for_are_marked_as_such(copy, tmp_path, cap
 
 
 def files(folder):
-    return {
-        path.relative_to(folder).as_posix(): path.read_bytes()
-        for path in folder.rglob("*")
-        if path.is_file() and path != folder / "manifest.json"
-    }
+    return {name: one for name, one in contents(folder).items() if name != "manifest.json"}
+
+
+@pytest.fixture
+def replaced(tmp_path):
+    """The same survey with the values of another trace."""
+    other = {4: {"s21_real": planned_trace(5).s21_real}}
+    return make_survey(tmp_path / "other", len(POINTS), "finished", misplaced=other)
 
 
 def test_a_manifest_is_left_alone_or_written_again_and_the_damaged_one_kept(copied, capsys):
@@ -275,9 +271,7 @@ def test_nothing_is_sealed_that_disagrees(copied, capsys, name, keep):
     assert (copied / "manifest.json").exists() == keep
 
 
-def test_data_that_were_replaced_as_a_whole_are_named_for_ever(copied, tmp_path, capsys):
-    other = {4: {"s21_real": planned_trace(5).s21_real}}
-    replaced = make_survey(tmp_path / "other", len(POINTS), "finished", misplaced=other)
+def test_data_that_were_replaced_as_a_whole_are_named_for_ever(copied, replaced, capsys):
     for name in ("survey.bag", "survey.mcap", "traces"):
         for path in [copied / name] if name != "traces" else (copied / name).iterdir():
             shutil.copy(str(replaced / path.relative_to(copied)), str(path))
@@ -292,9 +286,7 @@ def test_data_that_were_replaced_as_a_whole_are_named_for_ever(copied, tmp_path,
     assert manifest.read_manifest(copied).unconfirmed == (sealing.DATA,)
 
 
-def test_data_that_were_replaced_with_the_manifest_are_found(copied, tmp_path):
-    other = {4: {"s21_real": planned_trace(5).s21_real}}
-    replaced = make_survey(tmp_path / "other", len(POINTS), "finished", misplaced=other)
+def test_data_that_were_replaced_with_the_manifest_are_found(copied, replaced):
     for name in ("survey.json", "log.jsonl"):
         shutil.copy(str(copied / name), str(replaced / name))
     forged = manifest.read_manifest(replaced)
