@@ -1,5 +1,9 @@
 """What tests of commands share, also those of other packages that add commands."""
 
+import subprocess
+import sys
+import time
+
 import pytest
 
 from gpr20_analysis.commands import main
@@ -18,6 +22,26 @@ def refusals(monkeypatch):
 
     monkeypatch.setattr(main, "message_of", noted)
     return codes
+
+
+GPR20 = "import sys; from gpr20_analysis.commands.main import main; sys.exit(main())"
+TIME_LIMIT_S = 60.0
+
+
+def begun(arguments, is_at_work):
+    """Return a command in a process group of its own, once it is at work."""
+    process = subprocess.Popen(
+        [sys.executable, "-c", GPR20, *map(str, arguments)],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        start_new_session=True,
+    )
+    end_s = time.monotonic() + TIME_LIMIT_S
+    while not is_at_work():
+        assert process.poll() is None and time.monotonic() < end_s
+        time.sleep(0.01)
+    return process
 
 
 def install(folder, entries, name, version="1.0", summary=""):

@@ -7,6 +7,18 @@ from gpr20_analysis.formats.common import Imported, as_dataset
 from gpr20_analysis.formats.provenance import restored
 
 
+def noise_survey(seed, rows=9, columns=7):
+    """Return a survey of noise alone, of two polarizations."""
+    values = np.random.default_rng(seed).standard_normal((2, 2, rows, columns, 41))
+    return as_dataset(
+        Imported(
+            values[0] + 1j * values[1], [0.0, 90.0], np.arange(rows) * 0.02,
+            np.arange(columns) * 0.02, np.full((2, rows, columns), 0.2), "noise",
+            frequency_hz=np.linspace(1e9, 5e9, 41),
+        )
+    )  # fmt: skip
+
+
 def random_survey(seed, one_polarization=False):
     """Return a survey on an even grid with holes; whole rows at the edges may be missing."""
     rng = np.random.default_rng(seed)

@@ -4,27 +4,22 @@ import argparse
 import json
 import os
 import signal
-import subprocess
-import sys
-import time
 
 import dask
-import numpy as np
 import psutil
 import pytest
+from command_kit import TIME_LIMIT_S, begun
 from distributed import Client, LocalCluster
+from random_surveys import noise_survey
 from run_seed import LONG
 from survey_kit import POINTS, make_survey
 
 from gpr20_analysis import faults
 from gpr20_analysis.commands import batch_work
 from gpr20_analysis.commands.main import main
-from gpr20_analysis.formats.common import Imported, as_dataset
 from gpr20_analysis.formats.dataset_files import write_dataset
 
-TIME_LIMIT_S = 60.0
 COLUMNS = (6, 7, 8, 9) if LONG else (6, 9)
-GPR20 = "import sys; from gpr20_analysis.commands.main import main; sys.exit(main())"
 IMAGE = "image --permittivity 4 --depth 0 0.05 0.01 --method back-projection"
 DEADLY = '''
 import os, signal
@@ -38,13 +33,7 @@ def deadly(survey):
 
 
 def write_noise(path, columns):
-    frequency_hz = np.linspace(1e9, 5e9, 41)
-    noise = np.random.default_rng(columns).standard_normal((2, 2, 6, columns, 41))
-    found = Imported(
-        noise[0] + 1j * noise[1], [0.0, 90.0], np.arange(6) * 0.02, np.arange(columns) * 0.02,
-        np.full((2, 6, columns), 0.2), "noise", frequency_hz=frequency_hz,
-    )  # fmt: skip
-    write_dataset(as_dataset(found), path)
+    write_dataset(noise_survey(columns, 6, columns), path)
 
 
 @pytest.fixture(scope="module")
@@ -75,27 +64,9 @@ def scheduler():
         yield ("--scheduler", cluster.scheduler_address)
 
 
-def begun(arguments):
-    return subprocess.Popen(
-        [sys.executable, "-c", GPR20, "batch", *map(str, arguments)],
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-        text=True,
-        start_new_session=True,
-    )
-
-
 def workers_of(process):
     children = psutil.Process(process.pid).children(recursive=True)
     return [child for child in children if "spawn_main" in " ".join(child.cmdline())]
-
-
-def wait_for_jobs(process, into, count):
-    """Wait until workers have begun some jobs."""
-    end_s = time.monotonic() + TIME_LIMIT_S
-    while len(list(into.glob(".gpr20-*/*"))) < count:
-        assert process.poll() is None and time.monotonic() < end_s
-        time.sleep(0.01)
 
 
 def test_one_failure_stops_no_other_and_a_second_run_makes_what_is_missing(
@@ -212,9 +183,9 @@ def test_a_worker_that_was_given_up_is_replaced(tmp_path, monkeypatch):
 
 def test_an_interrupted_batch_leaves_results_but_no_parts_and_no_processes(surveys, tmp_path):
     into = tmp_path / "into"
-    process = begun([*surveys, "--into", into, "--workers", 2, "--command", IMAGE])
+    arguments = ["batch", *surveys, "--into", into, "--workers", 1, "--command", IMAGE]
+    process = begun(arguments, lambda: list(into.glob(".gpr20-*/*")))
     try:
-        wait_for_jobs(process, into, 1)
         workers = workers_of(process)
         os.killpg(process.pid, signal.SIGINT)  # as Ctrl-C does
         _, error = process.communicate(timeout=TIME_LIMIT_S)

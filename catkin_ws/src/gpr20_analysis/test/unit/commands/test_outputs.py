@@ -2,14 +2,12 @@
 
 import json
 import signal
-import subprocess
-import sys
-import time
 from pathlib import Path
 
 import numpy as np
 import pytest
 import yaml
+from command_kit import TIME_LIMIT_S, begun
 from fault_kit import raises_fault
 from ground_kit import point, scene, survey_of
 from survey_kit import POINTS
@@ -25,64 +23,45 @@ from gpr20_analysis.read.load import load_survey
 
 ALL = len(POINTS)
 IMAGE = ("--permittivity", "4", "--depth", "0", "0.02", "0.005", "--height", "0.03")
-# What is written, and its kind: the command's arguments stand around the path.
-WRITERS = {
-    "netcdf": ("export", "SURVEY", "o.nc", "--format", "netcdf"),
-    "zarr": ("export", "SURVEY", "o.zarr", "--format", "zarr"),
-    "touchstone": ("export", "SURVEY", "ts", "--format", "touchstone"),
-    "segy": ("export", "SURVEY", "o_090.sgy", "--format", "segy"),
-    "recipe": ("process", "SURVEY", "--step", "time", "-o", "q.nc", "--save-recipe", "r.yaml"),
-    "vtk": ("image", "SURVEY", *IMAGE, "-o", "i.vtr"),
-    "figures": ("image", "SURVEY", *IMAGE, "--figures", "figures"),
-    "plot": ("plot", "coverage", "SURVEY", "-o", "c.png"),
-    "report": ("report", "SURVEY", *IMAGE, "-o", "r.html"),
-}  # fmt: skip
-OUTPUT = {"recipe": "r.yaml", "figures": "figures"}
-
-
-@pytest.fixture(params=WRITERS)
-def call(request, finished, tmp_path, monkeypatch):
-    """Return the arguments of a command that writes, and the path of its output."""
-    monkeypatch.chdir(tmp_path)
-    arguments = [str(finished) if one == "SURVEY" else one for one in WRITERS[request.param]]
-    named = [one for one in arguments if "/" not in one and (tmp_path / one).suffix]
-    output = OUTPUT.get(request.param) or (named or [arguments[2]])[-1]
-    return [one.replace("_090.sgy", ".sgy") for one in arguments], tmp_path / output
-
-
-def occupy(output):
-    """Put something there that an output of this name may replace."""
-    if output.suffix == ".zarr":
-        output.mkdir()
-        (output / ".zgroup").write_text("precious")
-        return output / ".zgroup"
-    names = {"ts": "000001_X1_Y1_Z0.s2p", "figures": "slice_0001mm.png"}
-    if output.suffix:
-        output.write_text("precious")
-        return output
-    output.mkdir()
-    (output / names[output.name]).write_text("precious")
-    return output / names[output.name]
+# The arguments of a command that writes, and what it may replace.
+WRITERS = [
+    (("export", "SURVEY", "PLACE/o.nc", "--format", "netcdf"), "o.nc"),
+    (("export", "SURVEY", "PLACE/o.zarr", "--format", "zarr"), "o.zarr/.zgroup"),
+    (("export", "SURVEY", "PLACE/ts", "--format", "touchstone"), "ts/000001_X1_Y1_Z0.s2p"),
+    (("export", "SURVEY", "PLACE/o.sgy", "--format", "segy"), "o_090.sgy"),
+    (("process", "SURVEY", "--step", "time", "-o", "q.nc", "--save-recipe", "PLACE/r.yaml"),
+     "r.yaml"),
+    (("image", "SURVEY", *IMAGE, "-o", "PLACE/i.vtr"), "i.vtr"),
+    (("image", "SURVEY", *IMAGE, "--figures", "PLACE/figures"), "figures/slice_0001mm.png"),
+    (("plot", "coverage", "SURVEY", "-o", "PLACE/c.png"), "c.png"),
+    (("report", "SURVEY", *IMAGE, "-o", "PLACE/r.html"), "r.html"),
+]  # fmt: skip
 
 
 @pytest.mark.usefixtures("blank_figures")
+@pytest.mark.parametrize(("arguments", "there"), WRITERS, ids=[there for _, there in WRITERS])
 def test_what_exists_is_replaced_only_when_asked_for_and_never_in_a_survey(
-    call, finished, capsys, refusals
+    arguments, there, finished, tmp_path, capsys, refusals, monkeypatch
 ):
-    arguments, output = call
-    precious = occupy(output)
-    assert main(arguments) == 3
+    monkeypatch.chdir(tmp_path)
+
+    def call(place, *more):
+        known = {"SURVEY": str(finished)}
+        given = [known.get(one, one.replace("PLACE", str(place))) for one in arguments]
+        return main([*given, *more])
+
+    precious = tmp_path / there
+    precious.parent.mkdir(exist_ok=True)
+    precious.write_text("precious")
+    assert call(tmp_path) == 3
     error = capsys.readouterr().err
-    assert output.name in error and refusals == [faults.OUTPUT.code]
+    assert Path(there).parts[0] in error and refusals == [faults.OUTPUT.code]
     assert precious.read_text() == "precious"
-    assert main([*arguments, "--overwrite"]) == 0
-    assert output.exists()
+    assert call(tmp_path, "--overwrite") == 0
+    assert (tmp_path / Path(there).parts[0]).exists()
     assert not precious.exists() or precious.read_bytes() != b"precious"
     before = sorted(finished.rglob("*"))
-    name = output.name.replace("_090", "")
-    inside = [str(finished / name) if one == name else one for one in arguments]
-    assert inside != arguments
-    assert main([*inside, "--overwrite"]) == 3
+    assert call(finished, "--overwrite") == 3
     assert refusals == 2 * [faults.OUTPUT.code]
     assert sorted(finished.rglob("*")) == before
 
@@ -141,10 +120,6 @@ def test_work_that_is_cut_off_leaves_nothing_half_written(
     assert "Traceback" not in error and error.startswith("gpr20 process: ")
 
 
-TIME_LIMIT_S = 60.0
-COMMAND = "import sys; from gpr20_analysis.commands.main import main; sys.exit(main())"
-
-
 @pytest.fixture(scope="module")
 def survey_file(tmp_path_factory):
     """A survey that takes long to write file by file."""
@@ -158,14 +133,8 @@ def survey_file(tmp_path_factory):
 
 def test_what_is_ended_leaves_nothing_behind(survey_file, tmp_path):
     call = ["export", str(survey_file), str(tmp_path / "out"), "--format", "touchstone"]
-    process = subprocess.Popen(
-        [sys.executable, "-c", COMMAND, *call], stderr=subprocess.PIPE, text=True
-    )
+    process = begun(call, lambda: list(tmp_path.glob(f"{BESIDE}*/out/*.s2p")))
     try:
-        end_s = time.monotonic() + TIME_LIMIT_S
-        while not list(tmp_path.glob(f"{BESIDE}*/out/*.s2p")):
-            assert process.poll() is None and time.monotonic() < end_s
-            time.sleep(0.01)
         process.send_signal(signal.SIGTERM)
         _, error = process.communicate(timeout=TIME_LIMIT_S)
     finally:

@@ -85,12 +85,14 @@ class Antennas:
         """Return a survey of a level surface; the heights differ, as if it was rough."""
         heights_m = height_m + deviation_m * self.random.normal(size=(len(places), len(places)))
         # Smooth over the height, so that few integrals are needed.
-        nodes_m = np.linspace(heights_m.min() - 1e-4, heights_m.max() + 1e-4, 5)
+        nodes_m = np.unique(np.linspace(heights_m.min(), heights_m.max(), 5))
         turned = [
             [returned(one, at, permittivity, self.apart_m) * np.exp(4j * np.pi * one * at
              / speed_of_light) for one in FREQUENCY_HZ] for at in nodes_m
         ]  # fmt: skip
-        fit = np.polynomial.polynomial.polyfit(nodes_m - height_m, np.array(turned), 3)
+        fit = np.polynomial.polynomial.polyfit(
+            nodes_m - height_m, np.array(turned), min(3, len(turned) - 1)
+        )
         ground = np.moveaxis(
             np.polynomial.polynomial.polyval(heights_m - height_m, fit), 0, -1
         ) * np.exp(-4j * np.pi * heights_m[..., None] * FREQUENCY_HZ / speed_of_light)
