@@ -41,30 +41,7 @@ from gpr20_survey.plan.markers import Marker
 from gpr20_survey.results.candidates import Candidate
 
 CHECKER = Path(sys.executable).parent / "compliance-checker"
-needs_checker = pytest.mark.skipif(
-    sys.version_info < (3, 9), reason="its versions for Python 3.8 do not know CF 1.9"
-)
 IMAGE = ("--permittivity", "4", "--depth", "0", "0.02", "0.005", "--height", "0.03")
-
-
-def checked(paths, folder):
-    """Return the findings of the checker, by file.
-
-    It is a process of its own: its NetCDF library and h5py bring different HDF5 libraries.
-    """
-    command = [str(CHECKER), "--test=cf:1.9"]
-    command += ["--criteria=strict", "--format=json_new", f"--output={folder / 'found.json'}"]
-    environment = {key: value for key, value in os.environ.items() if key != "PYTHONPATH"}
-    done = subprocess.run(
-        [*command, *map(str, paths)], check=False, capture_output=True, env=environment
-    )
-    assert (folder / "found.json").exists(), done.stderr.decode()
-    found = json.loads((folder / "found.json").read_text())
-    return {
-        path: [one["msgs"] for key in ("high_priorities", "medium_priorities", "low_priorities")
-               for one in report["cf:1.9"][key] if one["msgs"]]
-        for path, report in found.items()
-    }  # fmt: skip
 
 
 @pytest.fixture(scope="module")
@@ -81,11 +58,15 @@ def files(tmp_path_factory):
     return paths
 
 
-@needs_checker
-def test_the_cf_checker_finds_nothing(files, tmp_path):
-    found = checked(files, tmp_path)
-    assert len(found) == len(files)
-    assert not any(found.values()), found
+@pytest.mark.skipif(
+    sys.version_info < (3, 9), reason="its versions for Python 3.8 do not know CF 1.9"
+)
+def test_the_cf_checker_finds_nothing(files):
+    # A process of its own: its NetCDF library and h5py bring different HDF5 libraries.
+    command = [str(CHECKER), "--test=cf:1.9", "--criteria=strict", *map(str, files)]
+    environment = {key: value for key, value in os.environ.items() if key != "PYTHONPATH"}
+    done = subprocess.run(command, check=False, stdout=subprocess.PIPE, env=environment)
+    assert done.returncode == 0, done.stdout.decode()
 
 
 def test_xarray_reads_numbers_flags_and_times(tmp_path):
