@@ -5,6 +5,11 @@ import xarray as xr
 
 from gpr20_analysis.candidates.search import CandidateOptions
 from gpr20_analysis.dataset import CLUTTER, DEPTH, ECHOES, IMAGE, POLARIZATION, X, Y
+from gpr20_analysis.imaging.image import image_survey
+from gpr20_analysis.imaging.image_options import ImageOptions
+from gpr20_analysis.imaging.methods import DEFAULT_STEPS
+from gpr20_analysis.imaging.records import Ground
+from gpr20_analysis.processing.chain import process_survey
 
 STEP_M = 0.01
 SHAPE = (31, 61, 61)
@@ -47,6 +52,12 @@ def image_of(peaks, seed=0, rotations=(0.0, 90.0), weak=400, **attributes):
 
 
 STRICT = CandidateOptions(0.01)
+
+
+def by_default(survey, permittivity=5.0, **more):
+    """Return the image that the command makes of level ground without options."""
+    options = ImageOptions(permittivity=permittivity, ground=Ground.LEVEL)
+    return image_survey(process_survey(survey, *DEFAULT_STEPS), options, **more)
 
 
 def primary(found):

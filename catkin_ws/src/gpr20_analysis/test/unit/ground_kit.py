@@ -23,6 +23,24 @@ GRID_MM = np.linspace(60.0, 420.0, 25)
 FREQUENCY_HZ = np.linspace(600e6, 6e9, 101)
 
 
+def dataset_of(
+    s21: np.ndarray, height_m: np.ndarray, rotations_deg: Sequence[float], *axes: np.ndarray
+) -> xr.Dataset:
+    """Return spectra as a survey; the other axes are y and x [m] and the frequency [Hz]."""
+    return xr.Dataset(
+        {
+            "s21": (S21_DIMS, s21),
+            "height": (SAMPLE_DIMS, height_m),
+            "quality": (SAMPLE_DIMS, np.zeros(height_m.shape, dtype=np.uint8)),
+        },
+        {
+            name: (name, np.asarray(values, dtype=float), ATTRIBUTES[name])
+            for name, values in zip(S21_DIMS, (rotations_deg, *axes))
+        },
+        {"missing": [], "faults": [], "notes": []},
+    )
+
+
 def point(x_mm: float, y_mm: float, depth_m: float, strength: float = 0.05) -> Target:
     """Return a target that is as small as one can be."""
     return Target("point", Shape.SPHERE, x_mm, y_mm, depth_m, 0.001, 0.0, strength, strength)
@@ -74,17 +92,6 @@ def survey_of(
             medium = Ground(replace(ground, antennas=lifted, noise=noise))
         s21[index] = medium.s21(frequency_hz, place, 0)
         heights_m[index] = medium.antenna_height_m(place.x_mm, place.y_mm)
-    return xr.Dataset(
-        {
-            "s21": (S21_DIMS, s21),
-            "height": (SAMPLE_DIMS, heights_m),
-            "quality": (SAMPLE_DIMS, np.zeros(shape, dtype=np.uint8)),
-        },
-        {
-            "polarization": ("polarization", list(rotations_deg), ATTRIBUTES["polarization"]),
-            "y": ("y", np.asarray(y_mm) / 1000.0, ATTRIBUTES["y"]),
-            "x": ("x", np.asarray(x_mm) / 1000.0, ATTRIBUTES["x"]),
-            "frequency": ("frequency", frequency_hz, ATTRIBUTES["frequency"]),
-        },
-        {"simulated": True, "missing": [], "faults": [], "notes": []},
-    )
+    y_m, x_m = (np.asarray(one) / 1000.0 for one in (y_mm, x_mm))
+    found = dataset_of(s21, heights_m, rotations_deg, y_m, x_m, frequency_hz)
+    return found.assign_attrs(simulated=True)

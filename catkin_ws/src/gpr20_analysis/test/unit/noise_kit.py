@@ -1,10 +1,9 @@
 """Surveys of points in noise, and their images."""
 
 import numpy as np
-import xarray as xr
+from ground_kit import dataset_of
 
 from gpr20_analysis.candidates.search import find_candidates
-from gpr20_analysis.dataset import S21_DIMS, SAMPLE_DIMS
 from gpr20_analysis.imaging.image import image_survey
 from gpr20_analysis.imaging.image_options import ImageOptions
 from gpr20_analysis.imaging.methods import Method
@@ -35,15 +34,7 @@ def survey(
         spread = (cosine * delay_s.min() / delay_s) ** 2
         echo = spread[..., None] * np.exp(-2j * np.pi * frequency_hz * delay_s[..., None])
         s21 += echo * (strength[0] if strength else 1.0)
-    return xr.Dataset(
-        {
-            "s21": (S21_DIMS, s21),
-            "height": (SAMPLE_DIMS, np.full(shape, HEIGHT_M)),
-            "quality": (SAMPLE_DIMS, np.zeros(shape, dtype=np.uint8)),
-        },
-        {"polarization": list(rotations), "y": place_m, "x": place_m, "frequency": frequency_hz},
-        {"missing": [], "faults": [], "notes": []},
-    )
+    return dataset_of(s21, np.full(shape, HEIGHT_M), rotations, place_m, place_m, frequency_hz)
 
 
 def imaged(data, method=Method.PHASE_SHIFT, depth_m=DEPTH_M, **options):

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from echoes_kit import RESOLUTION_M, SHAPE, STEP_M, STRICT, image_of, primary
+from echoes_kit import RESOLUTION_M, SHAPE, STEP_M, STRICT, by_default, image_of, primary
 from fault_kit import raises_fault
 from random_scenes_kit import Clutter, random_noise
 from recorded_worlds import LINES, line, truths
@@ -25,7 +25,6 @@ from gpr20_analysis.formats.dataset_files import write_dataset
 from gpr20_analysis.imaging.image import image_survey
 from gpr20_analysis.imaging.image_options import ImageOptions
 from gpr20_analysis.imaging.methods import DEFAULT_STEPS
-from gpr20_analysis.imaging.records import Ground
 from gpr20_analysis.processing.chain import process_survey
 from gpr20_common.catalogue import Language
 from gpr20_common.low.catalogue_file import read_catalogue
@@ -239,8 +238,7 @@ SHAPES = [(1, 40), (30, 1), (1, 2), *(pytest.param(*one, marks=RELEASE) for one 
 
 
 def found_in(survey, permittivity=5.0):
-    options = ImageOptions(permittivity=permittivity, ground=Ground.LEVEL)
-    return find_candidates(image_survey(process_survey(survey, *DEFAULT_STEPS), options))
+    return find_candidates(by_default(survey, permittivity))
 
 
 def density(lists):
@@ -296,10 +294,7 @@ def test_the_default_command_images_every_shape(tmp_path, capsys, rows, columns)
 )
 def test_clean_ground_of_the_site_gives_no_smaller_density_than_there_is(ground):
     images = [
-        image_survey(
-            process_survey(line(number)[0], *DEFAULT_STEPS),
-            ImageOptions(permittivity=5.0, ground=Ground.LEVEL),
-        )
+        by_default(line(number)[0])
         for number, truth in enumerate(truths(LINES))
         if truth["ground"] == ground and not truth["bodies"]
     ]

@@ -184,7 +184,9 @@ def note(folder, listed, name, what, *options):
     return main(["found", str(folder), name, *given])
 
 
-def test_a_record_has_place_depth_list_who_and_photograph(folder, listed, photo):
+def test_a_record_has_place_depth_list_who_and_photograph_and_is_corrected_by_another(
+    folder, listed, photo, capsys
+):
     (folder / "photos").mkdir()  # a command that was interrupted left a photograph
     (folder / "photos" / f"{'0' * 64}.jpg").write_bytes(PHOTO)
     options = ("--depth-mm", "40", "--photo", str(photo), "--notes", "PMN")
@@ -195,14 +197,11 @@ def test_a_record_has_place_depth_list_who_and_photograph(folder, listed, photo)
     assert len(one.list_sha256) == 64
     assert (folder / "photos" / one.photo).read_bytes() == PHOTO
     assert gpr20_verify([str(folder)]) == 0
-
-
-def test_a_correction_is_a_new_record_and_the_former_one_stays(folder, listed, capsys):
-    assert note(folder, listed, "C01", "device") == note(folder, listed, "C01", "scrap") == 0
-    assert note(folder, listed, "C03", "device") == 0
+    # A correction is a new record, and the former one stays.
+    assert note(folder, listed, "C02", "scrap") == note(folder, listed, "C03", "device") == 0
     records = read_found(folder)
     assert [one.what for one in records] == [What.DEVICE, What.SCRAP, What.DEVICE]
-    assert [one.candidate for one in present(records)] == ["C01", "C03"]
+    assert [one.candidate for one in present(records)] == ["C02", "C03"]
     capsys.readouterr()
     assert main(["found", str(folder)]) == 0
     assert len(capsys.readouterr().out.splitlines()) == 2

@@ -33,7 +33,7 @@ from gpr20_survey.results.hidden_target import Target, Targets
 
 SMALL = HidingOptions((0.03, 0.15), rounds=6 if LONG else 2, loss_tangent=0.0)
 FEW_MM = np.linspace(60.0, 420.0, 25 if LONG else 11)
-FEW_HZ = np.linspace(600e6, 6e9, 101 if LONG else 46)
+FEW_HZ = np.linspace(600e6, 6e9, 101 if LONG else 34)
 DISC = Targets.TYPE_72.value
 
 
@@ -77,8 +77,9 @@ def test_the_same_seed_gives_the_same_map_and_another_seed_an_alike_one(ground, 
     assert np.all((found.lowest <= found.share) & (found.share <= found.highest))
     # What is added to the image is found as the whole detector finds it.
     assert found.checked > 0 and 0.8 * found.checked <= found.agreed <= found.checked
-    again = map_hidden(ground, detector(), DISC, SMALL)
-    assert np.array_equal(again.found, found.found) and np.array_equal(again.tried, found.tried)
+    few = replace(SMALL, depth_m=(0.03,), rounds=1)
+    first, again = (map_hidden(ground, detector(), DISC, few) for _ in range(2))
+    assert np.array_equal(again.found, first.found) and np.array_equal(again.tried, first.tried)
     other = map_hidden(ground, detector(), DISC, replace(SMALL, seed=7))
     assert not np.array_equal(other.found, found.found)
     apart = (other.lowest > found.highest) | (found.lowest > other.highest)

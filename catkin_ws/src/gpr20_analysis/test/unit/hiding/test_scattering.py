@@ -6,16 +6,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from echoes_kit import by_default
 from recorded_worlds import UNIANDES, area, dataset
 
 from gpr20_analysis.hiding.injection import with_targets
 from gpr20_analysis.hiding.scattering import Soil, ball_amplitude_m, echo_of
 from gpr20_analysis.hiding.transmission import SurfaceReference
-from gpr20_analysis.imaging.image import image_survey
-from gpr20_analysis.imaging.image_options import ImageOptions
-from gpr20_analysis.imaging.methods import DEFAULT_STEPS
-from gpr20_analysis.imaging.records import Ground
-from gpr20_analysis.processing.chain import process_survey
 from gpr20_survey.results.hidden_target import Target, Targets
 
 WORLDS = Path(__file__).resolve().parents[6] / "benchmarks/worlds"
@@ -57,8 +53,7 @@ def test_loss_weakens_what_is_deep_by_its_way():
 
 
 def level_db(survey, permittivity):
-    options = ImageOptions(permittivity=permittivity, ground=Ground.LEVEL)
-    image = image_survey(process_survey(survey, *DEFAULT_STEPS), options, with_echoes=False)
+    image = by_default(survey, permittivity, with_echoes=False)
     return 20.0 * np.log10(float(abs(image["image"]).max()))
 
 
@@ -128,9 +123,8 @@ def test_a_metal_ball_is_as_bright_as_by_finite_differences(number, body):
 
 def peak_db(survey, truth, ball):
     """Return the level of the image at a ball."""
-    options = ImageOptions(permittivity=truth["permittivity"], ground=Ground.LEVEL)
-    processed = process_survey(survey, *DEFAULT_STEPS)
-    image = abs(image_survey(processed, options, with_echoes=False)["image"]).isel(polarization=0)
+    image = by_default(survey, truth["permittivity"], with_echoes=False)
+    image = abs(image["image"]).isel(polarization=0)
     near = image.where(
         (abs(image["x"] - ball["x_m"]) < 0.04)
         & (abs(image["y"] - ball["y_m"]) < 0.04)

@@ -6,6 +6,7 @@ import os
 import numpy as np
 import pytest
 import xarray as xr
+from echoes_kit import by_default, primary
 from fault_kit import raises_fault
 from ground_kit import IMAGING_SCENE, survey_of
 from noise_kit import errors_in_uncertainties, imaged, survey
@@ -17,11 +18,7 @@ from gpr20_analysis import faults
 from gpr20_analysis.candidates.focused import FEWEST_LINES, focus
 from gpr20_analysis.candidates.search import find_candidates
 from gpr20_analysis.dataset import Quality
-from gpr20_analysis.imaging.image import image_survey
-from gpr20_analysis.imaging.image_options import ImageOptions
-from gpr20_analysis.imaging.methods import DEFAULT_STEPS, Method
-from gpr20_analysis.imaging.records import Ground
-from gpr20_analysis.processing.chain import process_survey
+from gpr20_analysis.imaging.methods import Method
 from gpr20_analysis.read.growing_survey import GrowingSurvey
 from gpr20_analysis.read.load import load_survey
 from gpr20_survey.folder.survey_folder import trace_file_name
@@ -34,16 +31,6 @@ FREQUENCY_HZ = {stop: np.linspace(0.6e9, stop, 81) for stop in (2e9, 3e9, 6e9)}
 
 def _release(*cases):
     return [pytest.param(*one, marks=pytest.mark.release) for one in cases]
-
-
-def primary(image):
-    return [one for one in find_candidates(image).candidates if not one.is_doubtful]
-
-
-def by_default(data, permittivity):
-    """Return the image that the command makes without options."""
-    options = ImageOptions(permittivity=permittivity, ground=Ground.LEVEL)
-    return image_survey(process_survey(data, *DEFAULT_STEPS), options)
 
 
 def rank_of(found, x_m, y_m, within_m=0.05):
@@ -77,7 +64,7 @@ def test_bodies_at_one_depth_are_all_candidates(count, stop_hz):
         np.random.default_rng(1), 0.02, bodies, rotations=(0.0,), place_m=PLACE_M,
         frequency_hz=FREQUENCY_HZ[stop_hz],
     )  # fmt: skip
-    found = primary(imaged(data))
+    found = primary(find_candidates(imaged(data)))
     assert max(rank_of(found, *one[:2], within_m=0.03) for one in bodies) < len(bodies) + 2
 
 
@@ -128,7 +115,7 @@ def test_bodies_of_lines_by_maxwells_equations_lead_the_list():
 
 def test_the_bars_of_a_real_line_are_the_first_of_its_list():
     data, bars_m = real_line()
-    found = primary(by_default(data, 6.0))
+    found = primary(find_candidates(by_default(data, 6.0)))
     nearest_m = [float(np.abs(bars_m - one.x_m).min()) for one in found[: len(bars_m)]]
     assert sum(one < 0.015 for one in nearest_m) >= 12
     for bar_m in bars_m:

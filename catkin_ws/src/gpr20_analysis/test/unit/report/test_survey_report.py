@@ -30,30 +30,25 @@ def report(tmp_path, stored, outcome, changes=None, more=LOW, annotation=()):
 
 
 @pytest.mark.timeout(300)
-def test_the_page_loads_nothing_and_holds_its_figures(tmp_path):
+def test_the_page_loads_nothing_and_holds_its_figures_and_a_pdf_the_same(tmp_path, request):
     status, text = report(tmp_path, ALL, "finished")
     assert status == 0
     assert not re.search(r"(src|href)=\"(?!data:)", text)
     figures = re.findall(r"data:image/png;base64,([^\"]+)", text)
     assert len(figures) >= 6
     assert all(base64.b64decode(one).startswith(b"\x89PNG") for one in figures)
+    (folder,) = (tmp_path / "data").iterdir()
+    request.getfixturevalue("blank_figures")
+    assert main(["report", str(folder), "-o", str(tmp_path / "r.pdf"), *OPTIONS, *LOW]) == 0
+    pages = list(pypdfium2.PdfDocument(tmp_path / "r.pdf"))
+    assert sum(len(images_of(one)) for one in pages) >= 6
+    whole = "\n".join(map(text_of, pages))
     for words in ("complete and intact", "Coverage", "B-scan along x", "Maximum projections"):
-        assert words in text
+        assert words in text and words in whole
+    assert main(["report", str(folder), "-o", str(tmp_path / "r.txt")]) == 3
     # The verdict comes first, and how it was measured is told.
     assert text.index('<section class="good"><h2>Verdict</h2>') < text.index("<h2>Survey</h2>")
     assert "3 stops from 10.0 to 20.0 mm" in text and "Data after the steps" in text
-
-
-@pytest.mark.usefixtures("blank_figures")
-def test_a_pdf_holds_the_same(tmp_path):
-    folder, output = make_survey(tmp_path, ALL, "finished"), tmp_path / "r.pdf"
-    assert main(["report", str(folder), "-o", str(output), *OPTIONS, *LOW]) == 0
-    found = list(pypdfium2.PdfDocument(output))
-    assert sum(len(images_of(one)) for one in found) >= 6
-    whole = "\n".join(map(text_of, found))
-    for words in ("complete and intact", "Coverage", "B-scan along x", "Maximum projections"):
-        assert words in whole
-    assert main(["report", str(folder), "-o", str(tmp_path / "r.txt")]) == 3
 
 
 @pytest.mark.usefixtures("blank_figures")
