@@ -29,7 +29,6 @@ def node():
 
 @pytest.fixture
 def window(application, tmp_path, storage, node):
-    """A window in English, without ROS."""
     from window_helpers import close, opened_window
 
     window = opened_window(application, storage=storage, profiles=tmp_path, imaging=node)

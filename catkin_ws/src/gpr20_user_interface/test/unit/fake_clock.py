@@ -4,8 +4,6 @@ import threading
 
 
 class FakeClock:
-    """A clock that only the test moves."""
-
     def __init__(self) -> None:
         self._now_s = 1000.0
 

@@ -64,7 +64,6 @@ class Finger:
 
 
 def place_of(window, widget):
-    """Return where a widget is in its window."""
     return QRect(widget.mapTo(window, QPoint()), widget.size())
 
 
@@ -74,12 +73,10 @@ def pixel_of(plot, across, second):
 
 
 def touch(plot, across, second):
-    """Tap a place of a picture of the ground."""
     QTest.mouseClick(plot.viewport(), Qt.LeftButton, pos=pixel_of(plot, across, second))
 
 
 def drag(plot, start, end, steps=3):
-    """Drag a finger from one place of a picture to another one."""
     first, last = (QPointF(pixel_of(plot, *one)) for one in (start, end))
     QTest.mousePress(plot.viewport(), Qt.LeftButton, pos=first.toPoint())
     for number in range(1, steps + 1):
@@ -91,7 +88,6 @@ def drag(plot, start, end, steps=3):
 
 
 def colours(plot, across, second, reach=0):
-    """Return the colours around a place as they are painted."""
     image, at = plot.grab().toImage(), pixel_of(plot, across, second)
     around = range(-reach, reach + 1)
     return {QColor(image.pixel(at.x() + dx, at.y() + dy)).name() for dx in around for dy in around}

@@ -28,9 +28,8 @@ from PyQt5.QtWidgets import (
     QToolButton,
     QWidget,
 )
-from result_kit import Requests
 from view_kit import snapshot
-from window_helpers import close, new_window, show
+from window_helpers import close, opened_window, show
 
 from gpr20_common.catalogue import Language
 from gpr20_common.low.catalogue_file import languages
@@ -43,7 +42,6 @@ from gpr20_operator.robot.health import HealthReport
 from gpr20_survey.plan.survey_cost import SurveyCost
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_user_interface.look.look import BORDER_PX, Theme
-from gpr20_user_interface.look.translation import Languages
 from gpr20_user_interface.widgets.labels import ElidedLabel, LinesLabel
 from gpr20_user_interface.widgets.overlay import Overlay
 from gpr20_user_interface.window.rail import TabName
@@ -76,18 +74,15 @@ FIRST = (
     ((800, 480), Language.ENGLISH, Theme.SUN),
     ((1280, 800), Language.SPANISH, Theme.NIGHT),
 )
-SIZES = [one[0] for one in FIRST]
 SCREENS = [
     pytest.param(one, marks=() if one in FIRST else pytest.mark.release)
-    for one in itertools.product(SIZES, languages(), Theme)
+    for one in itertools.product([one[0] for one in FIRST], languages(), Theme)
 ]
 
 
 @contextlib.contextmanager
 def window_on(application, folder, size, language, theme):
-    """A window on a screen."""
-    window = new_window(Languages(application, language), profiles=folder, imaging=Requests())
-    window.show()
+    window = opened_window(application, language, profiles=folder)
     window.resize(*size)
     QTest.qWait(1)
     window.use_look(replace(window.look, theme=theme))
@@ -118,7 +113,6 @@ def spoken(screen):
 
 
 def busiest(code=SurveyState.SURVEYING, **other):
-    """Return what is known of a robot that has much to say."""
     values = {"calibration": "MODERATE_POWER"}
     levels = itertools.cycle([HealthLevel.STALE, *HealthLevel])
     nodes = tuple(
@@ -189,7 +183,6 @@ def is_empty(widget):
 
 
 def name_of(widget):
-    """Return what a failure calls a widget."""
     text = widget.text()[:40] if hasattr(widget, "text") else ""
     owner = widget
     while owner.parentWidget() is not None and not type(owner).__module__.startswith("gpr20"):
@@ -198,7 +191,6 @@ def name_of(widget):
 
 
 def misfits(window, widget):
-    """Yield what is wrong with the place of a widget."""
     place = place_of(window, widget)
     if not window.rect().contains(place):
         yield "reaches over the edge"

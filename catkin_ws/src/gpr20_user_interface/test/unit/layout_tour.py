@@ -21,7 +21,7 @@ from gpr20_operator.ground.additions import AdditionsRead, RelatedSurvey
 from gpr20_operator.ground.coverage import CoverageRuns
 from gpr20_operator.ground.geometry import Area
 from gpr20_operator.ground.trace_events import SurveyDescribed, SurveysListed
-from gpr20_operator.plan.fields import PLAN, default_parameters
+from gpr20_operator.plan.fields import SPECS, TILE_FIELDS, VALUE_TILES, default_parameters
 from gpr20_operator.robot.notices import Refused, analyzer_notice, refusal_notice
 from gpr20_operator.robot.remote_control import WebStatusReported
 from gpr20_operator.robot.robots import RobotReported, RobotsFound
@@ -54,6 +54,7 @@ CONDITIONS = (
     {"still_s": 86399.0},
     {"ignored_sender": OWNER, "axes": moving(*AxisId, owner=OWNER)},
 )
+FIRST_FIELDS = [SPECS[TILE_FIELDS[tile][0]] for tile in VALUE_TILES]
 WEB = WebStatusReported("gpr20-pc.campo.local", 8443, " ".join(["4F4F"] * 16), 20, NAME)
 ROBOTS = [f"/{'w' * 20}{number}" for number in range(20)]
 
@@ -243,8 +244,9 @@ def refused(one):
 STOPS = {
     "plan": plan(),
     "to resume": plan(to_resume),
-    **{f"wrong {spec.name}": wrong(spec) for spec in PLAN},
-    **{f"written {spec.name}": written(spec) for spec in PLAN},
+    # A field of each tile.
+    **{f"wrong {spec.name}": wrong(spec) for spec in FIRST_FIELDS},
+    **{f"written {spec.name}": written(spec) for spec in FIRST_FIELDS},
     "check plan": plan(lambda window: window.control.check_plan.click()),
     "profiles": plan(profiles),
     "name of profile": plan(profiles, name_of_profile),

@@ -18,7 +18,6 @@ DOUBTED = candidate(2, 125.0, 90.0, 140.0, 12.0, (Flag.CLUTTER, Flag.EDGE))
 
 
 def focused(candidates=(SURE, DOUBTED), survey_id=SURVEY):
-    """Return a focused image with candidates."""
     x_mm, y_mm, depth_mm = np.arange(3.0), np.arange(2.0), np.arange(4.0)
     levels_db = np.zeros((4, 2, 3), np.float32)
     found = candidate_list(candidates, survey_id=survey_id)

@@ -38,7 +38,6 @@ class Requests:
         self.cancelled.append(request_id)
 
     def of(self, name):
-        """Return the fields of the requests of a kind."""
         found = [fields for kind, _ticket, fields in self.asked if kind == name]
         if name == "export":
             return [SimpleNamespace(**one) for one in found]
@@ -47,7 +46,6 @@ class Requests:
         return [tuple(one.values()) for one in found]
 
     def ticket(self, name):
-        """Return the ticket of the last request of a kind."""
         return [one[1] for one in self.asked if one[0] == name][-1]
 
 
@@ -63,19 +61,16 @@ def new_result(requests, now=None):
 
 
 def image_of(found, traces=PLANNED):
-    """Return an image with a list of candidates."""
     x_mm, y_mm, depth_mm = np.linspace(100, 200, 5), np.linspace(50, 110, 4), np.arange(4.0)
     return FocusedImage(traces, x_mm, y_mm, depth_mm, np.zeros((4, 4, 5), np.float32), found)
 
 
 def stored(count=PLANNED, log=(), **changes):
-    """Return what the storage says of a survey."""
     values = {"outcome": "finished", "log": list(log), **changes}
     return StoredSurvey(description(**values), count)
 
 
 def noted(kind, values):
-    """Return a record of the log."""
     return {"kind": kind, "values": json.loads(json.dumps(values))}
 
 
@@ -91,5 +86,4 @@ def search(result, requests, candidates=ELEVEN, record=None, **changes):
 
 
 def plug_in(requests, *volumes):
-    """Answer the question for sticks."""
     requests.ticket("sticks").done(Sticks("gpr20-server", volumes))

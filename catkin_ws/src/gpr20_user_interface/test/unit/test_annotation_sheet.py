@@ -31,7 +31,6 @@ def sheet(window):
 
 @pytest.fixture
 def following(window):
-    """What the next survey gets."""
     return window.control.next_annotation
 
 
@@ -47,12 +46,10 @@ def read(window, node, survey, annotation):
 
 
 def asked(node):
-    """Return what is to replace the records of which survey."""
     return [tuple(fields.values()) for kind, _, fields in node.asked if kind == "annotate"]
 
 
 def write(sheet, name, text):
-    """Touch a field and press the keys of a text."""
     click(sheet.tiles[name])
     assert sheet.pad.isVisible()
     sheet.pad.press(text)

@@ -114,7 +114,6 @@ def test_the_outermost_sentence_with_a_fault_is_shown_with_the_innermost_remedy(
 
 
 def walk(steps, watch=None):
-    """Check, state after state, whether a watch opens a card."""
     watch = watch or CardWatch()
     for number, (now, is_new) in enumerate(steps):
         card = watch.note(now if isinstance(now, Snapshot) else snapshot(state=now))
@@ -154,7 +153,6 @@ LATER = {
 
 
 def received(code, fault=None, **fields):
-    """Return a status whose reason was sent by another version."""
     reason = {**LATER, "fault": {**LATER["fault"], **(fault or {})}}
     sent = {
         "message": "Paused: the mast is warped.",

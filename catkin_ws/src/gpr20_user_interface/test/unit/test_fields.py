@@ -45,8 +45,6 @@ def check(travel=ROBOT, following="xy", **texts):
 
 @st.composite
 def parameters(draw):
-    """Any parameters that the robot can measure."""
-
     def rounded(lower, upper):
         return st.floats(lower, upper).map(lambda value: float(f"{value:.12g}"))
 

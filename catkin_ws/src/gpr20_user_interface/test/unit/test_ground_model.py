@@ -64,10 +64,10 @@ def add(model, *indices, **changes):
         add_trace(model.survey.radar, trace_at(model.survey.map.grid, index, **changes))
 
 
-def cover(model, stored, planned=40):
-    """Say that the first traces of the plan are stored."""
-    runs = ((0, stored), (1, 0)) if stored < planned else ((0,), (1,))
-    model.survey.map.set_coverage(CoverageRuns(SURVEY, planned, *runs))
+def cover(model, stored):
+    """Say that the first of 40 traces are stored."""
+    runs = {0: 1, **({stored: 0} if stored < 40 else {})}
+    model.survey.map.set_coverage(CoverageRuns(SURVEY, 40, tuple(runs), tuple(runs.values())))
 
 
 def test_another_survey_takes_crosshair_mark_and_hyperbola_away(model):

@@ -9,7 +9,7 @@ from candidate_examples import candidate, candidate_list
 from finger import colours, drag, touch
 from map_kit import DOUBTED, MARKER, SURE, focused
 from PyQt5.QtTest import QTest
-from test_ground_model import image_of
+from test_ground_model import cover, image_of
 from view_kit import PAST, SURVEY, make_grid, noise, trace_at
 from window_helpers import click, hold
 
@@ -19,7 +19,6 @@ from gpr20_operator.ground.additions import (
     MarkersStored,
     MarkingFailed,
 )
-from gpr20_operator.ground.coverage import CoverageRuns
 from gpr20_operator.ground.model import Layer
 from gpr20_operator.ground.records import Axis, Colours
 from gpr20_operator.robot.events import Answer, Request
@@ -29,26 +28,15 @@ from gpr20_user_interface.window.rail import TabName
 NO_MINE = "No echo does not mean no mine."
 
 
-def fill(window, stored=40, grid=None, **changes):
+def fill(window, stored=40, **changes):
     """Let a window show a survey of which the first traces are stored and here."""
-    grid = grid or make_grid()
-    live = window.traces.live
+    grid, live = make_grid(), window.traces.live
     live.begin(grid)
-    cover(window, stored)
-    for index in range(stored):
-        live.take_traces([trace_at(grid, index, **changes)])
+    cover(window.ground.model, stored)
+    live.take_traces([trace_at(grid, index, **changes) for index in range(stored)])
     window.show_tab(TabName.GROUND)
     window.refresh()
     window.draw()
-
-
-def cover(window, stored):
-    """Say that the first traces of the plan are stored."""
-    shown = window.traces.live.map
-    planned = shown.grid.planned
-    runs = [(0, 1, stored), (stored, 0, planned)]
-    runs = [(start, state) for start, state, end in runs if start < end]
-    shown.set_coverage(CoverageRuns(shown.grid.survey_id, planned, *zip(*runs)))
 
 
 @pytest.fixture
@@ -66,13 +54,11 @@ def filled(window):
 
 
 def refreshed(view):
-    """Let the picture that a finger has changed be drawn."""
     view.refresh()
     return view
 
 
 def said(view):
-    """Return the lines about the place that is chosen."""
     return refreshed(view).text.text().splitlines()
 
 
@@ -105,15 +91,9 @@ def test_the_settings_change_what_is_drawn_and_never_the_data(filled, view):
     echoes = filled.traces.live.radar.echoes[0].copy()
     before = model.settings
     sheet.open()
-    keys = (
-        sheet.axis,
-        sheet.scale,
-        sheet.along,
-        sheet.polarization,
-        sheet.background,
-        sheet.follow,
-    )
-    for key in (sheet.soils[Soils.WET_SAND], sheet.gain.more, sheet.colours[Colours.GREY], *keys):
+    for name in ("axis", "scale", "along", "polarization", "background", "follow"):
+        click(getattr(sheet, name))
+    for key in (sheet.soils[Soils.WET_SAND], sheet.gain.more, sheet.colours[Colours.GREY]):
         click(key)
     now = dataclasses.asdict(model.settings).items()
     assert {name for name, value in now if getattr(before, name) == value} == {"depth_m"}
@@ -144,26 +124,26 @@ def test_another_permittivity_is_fitted_by_a_hyperbola(filled, view):
 
 
 def test_nothing_above_the_noise_is_never_said_while_a_part_is_not_here(window, view):
-    grid, draw = make_grid(), np.random.default_rng(1)
-    traces = [trace_at(grid, index, noise(draw)) for index in range(40)]
-    fill(window, 0, grid=grid)
+    fill(window, 0)
+    draw, model = np.random.default_rng(1), window.ground.model
+    traces = [trace_at(make_grid(), index, noise(draw)) for index in range(40)]
     window.traces.live.take_traces(traces[:25])
-    cover(window, 40)
-    window.ground.model.set_depth(0.3)
-    window.ground.model.choose_place(150.0, 110.0)
+    cover(model, 40)
+    model.set_depth(0.3)
+    model.choose_place(150.0, 110.0)
     section = refreshed(view).pictures.sections[0]
     assert "loading 25/40" in view.note.text()
     assert all(one.notice == "" for one in (view.pictures.above, *view.pictures.sections))
     # Of the uppermost line nothing has come: its section is patterned as loading.
     loading = colours(section, 150.0, 200.0, reach=8)
-    cover(window, 25)
+    cover(model, 25)
     assert colours(refreshed(view).pictures.sections[0], 150.0, 200.0, reach=8) != loading
-    cover(window, 40)
+    cover(model, 40)
     window.traces.live.take_traces(traces[25:])
     refreshed(view)
     assert view.pictures.above.notice == f"Nothing above the noise at this depth. {NO_MINE}"
     assert section.notice == f"Nothing above the noise in this section. {NO_MINE}"
-    cover(window, 30)
+    cover(model, 30)
     assert "A part is not measured." in refreshed(view).pictures.above.notice
 
 

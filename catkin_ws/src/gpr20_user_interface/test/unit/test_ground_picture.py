@@ -19,7 +19,6 @@ from gpr20_operator.ground.geometry import Area
 from gpr20_operator.ground.marks import GroundMark
 from gpr20_user_interface.look.look import Look, Mark
 from gpr20_user_interface.widgets.ground_picture import Frame, GroundPicture
-from gpr20_user_interface.widgets.ink import round_ticks
 
 
 def colour(mark):
@@ -180,10 +179,3 @@ def test_a_notice_is_never_cut_off(application, size):
     image = picture.grab().toImage()
     edge = {image.pixel(x, y) for x in range(size[0]) for y in (0, size[1] - 1)}
     assert len(edge) == 1, "the notice reaches the edge"
-
-
-@given(st.floats(-1000.0, 1000.0), st.floats(0.1, 5000.0), st.integers(2, 12))
-def test_ticks_are_few_and_within_the_axis(low, span, most):
-    ticks = round_ticks(low, low + span, most)
-    assert len(ticks) <= most
-    assert ((ticks >= low - 1e-6 * span) & (ticks <= low + span * (1 + 1e-6))).all()

@@ -2,15 +2,15 @@
 
 import pytest
 from fake_clock import FakeClock
+from finger import Finger
 from hypothesis import given
 from hypothesis import strategies as st
-from PyQt5.QtCore import QEvent, QPoint, Qt
-from PyQt5.QtGui import QMouseEvent
+from PyQt5.QtCore import QPoint, Qt
 from PyQt5.QtTest import QSignalSpy, QTest
-from PyQt5.QtWidgets import QApplication, QFrame, QWidget
+from PyQt5.QtWidgets import QFrame, QWidget
 
 from gpr20_user_interface.touch.guard import HOLD_S, MAX_STEP_S, Hold
-from gpr20_user_interface.touch.hold_button import TICK_MS, HoldButton
+from gpr20_user_interface.touch.hold_button import HoldButton
 
 # Mostly ticks: a hold needs ten of them without a break.
 ACTS = ["begin", "cancel", *["tick"] * 18]
@@ -41,54 +41,39 @@ def test_nothing_but_a_second_without_a_break_completes_a_hold(steps):
         looked_s = now_s
 
 
-class Held:
-    """A button in a window, with a clock that only the test moves."""
-
-    def __init__(self):
-        self.window = QWidget()
-        self.window.resize(400, 300)
-        self.clock = FakeClock()
-        self.button = HoldButton("START", self.clock)
-        self.button.setParent(self.window)
-        self.button.setGeometry(100, 100, 200, 72)
-        self.held = QSignalSpy(self.button.held)
-        self.window.show()
-
-    def wait(self, seconds):
-        for _ in range(round(seconds * 1000.0 / TICK_MS)):
-            self.clock.advance(TICK_MS / 1000.0)
-            self.button.tick()
-
-    def press(self, button=Qt.LeftButton):
-        QTest.mousePress(self.button, button)
-
-    def move(self, place):
-        moved = QMouseEvent(QEvent.MouseMove, place, Qt.NoButton, Qt.LeftButton, Qt.NoModifier)
-        QApplication.sendEvent(self.button, moved)
+@pytest.fixture
+def button(application):
+    window = QWidget()
+    window.resize(400, 300)
+    button = HoldButton("START")
+    button.setParent(window)
+    button.setGeometry(100, 100, 200, 72)
+    window.show()
+    yield button
+    window.close()
 
 
 @pytest.fixture
-def held(application):
-    held = Held()
-    yield held
-    held.window.close()
+def held(button):
+    return QSignalSpy(button.held)
 
 
-def test_a_finger_that_rests_acts_once_and_not_before_its_time(held):
+@pytest.fixture
+def finger(button, clock):
+    return Finger(button.window(), clock)
+
+
+def test_a_finger_that_rests_acts_once_and_not_before_its_time(button, held, finger):
     for _bounce in range(3):
-        held.press()
-        held.wait(0.9 * HOLD_S)
-        QTest.mouseRelease(held.button, Qt.LeftButton)
-    assert len(held.held) == 0
-    held.press()
-    held.wait(2.0 * HOLD_S)
-    QTest.mouseRelease(held.button, Qt.LeftButton)
-    held.wait(2.0 * HOLD_S)
-    assert len(held.held) == 1
+        finger.tap(button, 0.9 * HOLD_S)
+    assert len(held) == 0
+    finger.tap(button, 2.0 * HOLD_S)
+    finger.wait(2.0 * HOLD_S)
+    assert len(held) == 1
 
 
-def open_over_it(held):
-    cover = QFrame(held.window)
+def open_over_it(button, _finger):
+    cover = QFrame(button.window())
     cover.setGeometry(0, 0, 400, 300)
     cover.show()
 
@@ -97,18 +82,18 @@ def open_over_it(held):
     "end",
     [
         open_over_it,
-        lambda held: (held.move(QPoint(100, 300)), held.move(QPoint(100, 30))),
-        lambda held: held.press(Qt.RightButton),  # a second finger
-        lambda held: (held.button.hide(), held.button.show()),
-        lambda held: (held.button.setEnabled(False), held.button.setEnabled(True)),
+        lambda button, finger: (finger.move(QPoint(200, 290)), finger.move(button)),
+        lambda button, _: QTest.mousePress(button, Qt.RightButton),  # a second finger
+        lambda button, _: (button.hide(), button.show()),
+        lambda button, _: (button.setEnabled(False), button.setEnabled(True)),
     ],
 )
-def test_a_touch_that_is_broken_does_nothing(held, end):
-    held.press()
-    held.wait(0.5 * HOLD_S)
-    end(held)
-    held.wait(2.0 * HOLD_S)
-    assert len(held.held) == 0
+def test_a_touch_that_is_broken_does_nothing(button, held, finger, end):
+    finger.press(button)
+    finger.wait(0.5 * HOLD_S)
+    end(button, finger)
+    finger.wait(2.0 * HOLD_S)
+    assert len(held) == 0
 
 
 def test_time_as_it_passes_completes_a_hold(application):

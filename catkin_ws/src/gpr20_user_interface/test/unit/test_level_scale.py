@@ -33,7 +33,6 @@ def noisy(seed, size=(5, 4), ground=None, traces=None):
 
 
 def pictures(model, settings):
-    """Yield slices, and lines along both axes."""
     for depth_m in depths_m(model, settings.permittivity)[::8]:
         yield c_scan(model, dataclasses.replace(settings, depth_m=float(depth_m)))
     along_y = dataclasses.replace(settings, along=Axis.Y_MM)

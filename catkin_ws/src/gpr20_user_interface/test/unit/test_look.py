@@ -1,19 +1,15 @@
 """What is seen: contrast, size, themes and signs, and a screen that is dimmed after a while."""
 
 import pytest
-from PyQt5.QtCore import QPoint, Qt
-from PyQt5.QtTest import QTest
+from finger import Finger
+from PyQt5.QtCore import QPoint
 from view_kit import snapshot
 from window_helpers import close, opened_window, show, wishes
 
 from gpr20_common.message import verbatim
 from gpr20_operator.robot.notices import Refused, refusal_notice
 from gpr20_survey.plan.survey_state import SurveyState
-from gpr20_user_interface.look.look import (
-    Mark,
-    TextColours,
-    Theme,
-)
+from gpr20_user_interface.look.look import Mark, TextColours, Theme
 
 AFTER_S = 120.0
 # WCAG 2.1: 1.4.6 for text (level AAA), 1.4.11 for what distinguishes a mark from its surroundings.
@@ -22,7 +18,6 @@ MARK_CONTRAST = 3.0
 
 
 def luminance(colour):
-    """Relative luminance by WCAG 2.1."""
     channels = [int(colour[start : start + 2], 16) / 255.0 for start in (1, 3, 5)]
     linear = [one / 12.92 if one <= 0.03928 else ((one + 0.055) / 1.055) ** 2.4 for one in channels]
     return 0.2126 * linear[0] + 0.7152 * linear[1] + 0.0722 * linear[2]
@@ -50,12 +45,6 @@ def dimmable(application, clock):
     close(window)
 
 
-def touch(window, widget):
-    """Touch the screen where a widget is, as a finger does."""
-    place = widget.mapTo(window, widget.rect().center())
-    QTest.mouseClick(window.windowHandle(), Qt.LeftButton, pos=place)
-
-
 def dim(window, clock, shown=None):
     clock.advance(AFTER_S)
     show(window, shown or snapshot(SurveyState.SURVEYING))
@@ -63,17 +52,17 @@ def dim(window, clock, shown=None):
 
 
 def test_the_first_touch_only_wakes_and_the_next_one_acts(dimmable, clock):
-    window = dimmable
+    window, finger = dimmable, Finger(dimmable, clock)
     assert dim(window, clock)
-    touch(window, window.rail.settings)
+    finger.tap(window.rail.settings)
     assert not window.settings.cover.isVisible()
     assert not window.settings.isVisible()
-    touch(window, window.rail.settings)
+    finger.tap(window.rail.settings)
     assert window.settings.isVisible()
 
 
 def test_stop_is_seen_and_acts_on_a_dimmed_screen(dimmable, clock):
-    window, stop = dimmable, dimmable.top_bar.stop
+    window, stop, finger = dimmable, dimmable.top_bar.stop, Finger(dimmable, clock)
     bright = window.grab().toImage()
     assert dim(window, clock)
     dimmed = window.grab().toImage()
@@ -81,7 +70,7 @@ def test_stop_is_seen_and_acts_on_a_dimmed_screen(dimmable, clock):
     assert dimmed.pixelColor(inside) == bright.pixelColor(inside)
     outside = QPoint(window.width() // 2, window.height() - 10)
     assert dimmed.pixelColor(outside).lightness() < 0.3 * bright.pixelColor(outside).lightness()
-    touch(window, stop)
+    finger.tap(stop)
     assert wishes(window) == ["stop"]
 
 

@@ -42,7 +42,6 @@ DETAILS = [FULL.fault_code, FULL.details]
 
 
 def job(code, **other):
-    """Return what is known of a robot with a plan."""
     values = {
         "progress": Progress("id", 99.99, 1000000, 999999, 10**7),
         "job_parameters": make_grid().plan[0],

@@ -6,14 +6,13 @@ from pathlib import Path
 import pytest
 from pseudo_language import PSEUDO, write_pseudo_catalogue
 from tutorial_code import code_blocks
-from window_helpers import click, close, new_window, until
+from window_helpers import click, close, opened_window, until
 
 from gpr20_analysis.commands import main as gpr20
 from gpr20_common.catalogue import Language
 from gpr20_common.low.catalogue_file import VARIABLE, languages, read_catalogue
 from gpr20_operator.files.settings_file import SettingsFile
 from gpr20_user_interface.look.settings import WindowMemory
-from gpr20_user_interface.look.translation import Languages
 from gpr20_user_interface.terminal.survey_arguments import terminal_language
 
 ROOT = Path(__file__).parents[5]
@@ -59,9 +58,8 @@ def test_a_translation_with_other_values_than_its_template_is_not_used(folder):
 @pytest.fixture
 def window(application, folder):
     memory = WindowMemory(SettingsFile(folder / "window.yaml"))
-    window = new_window(Languages(application, Language.ENGLISH), profiles=folder, memory=memory)
+    window = opened_window(application, profiles=folder, memory=memory)
     window.memory = memory
-    window.show()
     yield window
     close(window)
 

@@ -8,6 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from run_seed import draws
+from survey_examples import AXES
 from view_kit import TRAVEL as ROBOT
 from view_kit import past_survey, snapshot
 
@@ -21,32 +22,18 @@ from gpr20_operator.plan.preview import (
 )
 from gpr20_operator.plan.tiles import resumable, spacing_warning
 from gpr20_operator.robot.events import RobotFigures
-from gpr20_survey.axes.axis_id import AxisId
-from gpr20_survey.axes.axis_parameters import AxisParameters
 from gpr20_survey.plan.imported import IMPORTED
 from gpr20_survey.plan.robot_config import RobotConfig
 from gpr20_survey.plan.survey_cost import survey_cost
 from gpr20_survey.plan.survey_settings import SurveySettings
 from gpr20_survey.plan.survey_state import SurveyState
 
-LINEAR = dict(
-    dir_pin=13, step_pin=15, sensor_pin=16, step_size=0.01, min_step=0.0015, max_step=0.005,
-    delta_step=0.0001, min_coord=0.0, max_coord=650.0, type="LIN",
-)  # fmt: skip
-ROTARY = {**LINEAR, "step_size": 1.8, "min_step": 0.01, "max_step": 0.025, "delta_step": 0.005}
-ROTARY = {**ROTARY, "min_coord": -90.0, "max_coord": 90.0, "sensor_pin": None, "type": "ROT"}
+FIGURES = RobotFigures(RobotConfig(AXES, False), SurveySettings())
 
 
 @pytest.fixture
 def form():
     return PlanForm(ROBOT)
-
-
-AXES = {AxisId.X: LINEAR, AxisId.Y: LINEAR, AxisId.Z: ROTARY}
-FIGURES = RobotFigures(
-    RobotConfig({axis: AxisParameters(**values) for axis, values in AXES.items()}, False),
-    SurveySettings(),
-)
 
 
 def cost_of(parameters):

@@ -29,7 +29,6 @@ def tile(window, which):
 
 
 def press(window, keys):
-    """Touch keys of the open sheet, one after the other."""
     for key in keys:
         window.values.keys.press(key)
 

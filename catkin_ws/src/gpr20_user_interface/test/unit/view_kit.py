@@ -5,6 +5,7 @@ import json
 import math
 
 import numpy as np
+from survey_examples import TRAVEL
 
 from gpr20_common import remedies
 from gpr20_common.message import Fault, Message, Severity, verbatim
@@ -16,7 +17,7 @@ from gpr20_operator.robot.events import AxisReport, ControlState, RobotDefaults
 from gpr20_operator.robot.snapshot import Snapshot
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.plan.site import Site
-from gpr20_survey.plan.survey_parameters import RobotTravel, SurveyParameters, Travel
+from gpr20_survey.plan.survey_parameters import SurveyParameters
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_survey.radar.depth import delay_of_depth
 from gpr20_survey.results.survey_summary import SurveySummary
@@ -28,7 +29,6 @@ SURVEY = "0f8fad5b-d9cb-469f-a165-70867728950e"
 # Another survey, which is stored.
 PAST = "7c9e6679-7425-40de-944b-e07fc1f90ae7"
 FOLDER = "20261121T051000_7c9e6679"
-TRAVEL = RobotTravel(Travel(0.0, 650.0, 0.01), Travel(0.0, 800.0, 0.01), Travel(-90.0, 90.0, 1.8))
 FREQUENCY_HZ = np.linspace(0.6e9, 6.0e9, 501)
 NOW_US = 1_795_000_000_000_000
 # Why a survey pauses or ends.
@@ -52,7 +52,6 @@ RESTING = tuple(AxisReport(axis, AxisPosition(0.0, True, False), "", math.inf) f
 
 
 def moving(*axes, owner=""):
-    """Return the reports of a robot of which these axes move, held by a node."""
     return tuple(
         AxisReport(axis, AxisPosition(0.0, True, axis in axes), owner, math.inf) for axis in AxisId
     )
@@ -82,7 +81,6 @@ def make_grid(
 
 
 def description(**changes):
-    """Return a survey.json as the storage writes it."""
     axis = {"min_coord": 0.0, "max_coord": 650.0, "step_size": 0.01}
     turning = {"min_coord": -90.0, "max_coord": 90.0, "step_size": 1.8}
     values = {
@@ -99,17 +97,14 @@ def description(**changes):
 
 
 def echo(delay_s, level=1.0, frequency_hz=FREQUENCY_HZ):
-    """Return the S21 of one echo."""
     return level * np.exp(-2j * np.pi * frequency_hz * delay_s)
 
 
 def noise(draw, level=1e-4):
-    """Return the S21 of noise alone."""
     return level * (draw.standard_normal(501) + 1j * draw.standard_normal(501))
 
 
 def depth_echo(depth_m, height_m=0.2, permittivity=4.0, level=1.0):
-    """Return the S21 of a target straight below the antennas."""
     return echo(delay_of_depth(depth_m, height_m, permittivity), level)
 
 
@@ -120,7 +115,6 @@ def add_trace(model, trace):
 
 
 def trace_at(grid, index, s21=None, height_m=0.2, **changes):
-    """Return the trace of a place in the plan."""
     cell = grid.cell(index)
     s21 = depth_echo(0.1) if s21 is None else s21
     values = {
@@ -154,22 +148,18 @@ def a_scan(model, cell, settings):
 
 
 def b_scan(model, stop, settings):
-    """Return the line through a stop."""
     return EchoSource(model).line(model.grid.place_of(stop), settings)
 
 
 def c_scan(model, settings):
-    """Return the slice at the depth of the settings."""
     return EchoSource(model).slice(settings)
 
 
 def state_of(code, message="as it is", survey_id="id", simulated=True):
-    """Return what the main control says."""
     return ControlState(code, verbatim(message), survey_id, simulated)
 
 
 def said(code, message):
-    """Return what the main control says, with a fault."""
     return ControlState(code, message, "id", True)
 
 
@@ -178,7 +168,6 @@ def paused(reason):
 
 
 def snapshot(code=None, alive=True, **other):
-    """Return what a window knows of a robot that reports nothing but its state."""
     values = {
         "control_alive": alive,
         "control_silent_s": 0.1 if alive else 7.9,
@@ -197,7 +186,6 @@ def snapshot(code=None, alive=True, **other):
 
 
 def past_survey(**changes):
-    """Return what the list says of a survey that was stopped early."""
     values = {
         "survey_id": PAST,
         "started": "2026-11-21T05:10:00.000000+00:00",

@@ -102,12 +102,10 @@ class ServiceTools:
             self.asked.append(service.name.lower())
 
     def done(self, service, result):
-        """Answer the last request of a kind; none may be waiting."""
         if service in self._tickets:
             self._tickets[service].done(result)
 
     def fail(self, service, problem):
-        """Answer the last request of a kind with a failure."""
         self._tickets[service].fail(problem)
 
 
@@ -165,13 +163,11 @@ def close(window):
 
 
 def show(window, shown):
-    """Let the window show a snapshot."""
     window.survey.snapshot = shown
     window.refresh()
 
 
 def wishes(window):
-    """Return what the operator asks for, from now on too."""
     return window.survey.asked
 
 
@@ -184,7 +180,6 @@ def open_field(window, name):
 
 
 def enter(window, name, text):
-    """Write a value with a keyboard in the sheet of its tile."""
     open_field(window, name)
     QTest.keyClick(window.values, Qt.Key_Delete)
     QTest.keyClicks(window.values, text)
@@ -207,19 +202,16 @@ def hold(button, seconds=1.1):
 
 
 def start(window):
-    """Press START and hold the button of its sheet, if it opens."""
     click(window.control.start)
     hold_to_start(window)
 
 
 def hold_to_start(window):
-    """Hold the button of the sheet before the robot moves, if it is open."""
     if window.start_sheet.isVisible():
         hold(window.start_sheet.hold)
 
 
 def until(condition, limit_s=30.0):
-    """Let the window live until something is true; return whether it is."""
     for _ in range(round(limit_s * 100)):
         if condition():
             return True

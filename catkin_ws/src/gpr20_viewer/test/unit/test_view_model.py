@@ -171,8 +171,6 @@ def test_a_scene_moves_by_steps_and_stays_inside(session, image):
 
 
 class Gate:
-    """A computation that the test holds up."""
-
     def __init__(self):
         self.begun, self.free, self.failed = (threading.Event() for _ in range(3))
         self.computed, self.delivered = [], []

@@ -35,7 +35,6 @@ def pick(x_m=0.1, **changes):
 
 @pytest.fixture
 def editor():
-    """An editor with one pick."""
     editor = PickEditor()
     editor.add(pick())
     return editor
@@ -43,7 +42,6 @@ def editor():
 
 @pytest.fixture
 def path(tmp_path, editor):
-    """A file in which that pick is stored."""
     path = tmp_path / "survey.picks.json"
     PicksFile(path, IDENTITY).save(editor)
     return path

@@ -52,8 +52,6 @@ def survey():
 
 
 class Windows:
-    """Opens windows, and closes them when the test ends."""
-
     def __init__(self, folder):
         self._folder, self._opened = folder, []
         self.answers, self.export = [], None
@@ -99,7 +97,6 @@ def computed(window):
 
 
 def click_at(plot, across, down):
-    """Click where a place of a plot is drawn."""
     QApplication.processEvents()
     at = plot.mapFromScene(plot.getViewBox().mapViewToScene(QPointF(across, down)))
     QTest.mouseClick(plot.viewport(), Qt.LeftButton, Qt.NoModifier, at)
@@ -246,7 +243,6 @@ def test_picks_that_cannot_be_stored_say_so_and_are_not_lost_silently(windows, s
 
 @pytest.fixture
 def holed(survey):
-    """A survey of which a trace is damaged."""
     holed = survey.copy(deep=True)
     holed.s21[0, 4, 4] = np.nan
     holed.quality[0, 4, 4] = int(Quality.DAMAGED)
