@@ -13,9 +13,6 @@ class FakeClock:
     def advance(self, seconds: float) -> None:
         self._now_s += seconds
 
-    def sleep_until_s(self, deadline_s: float) -> None:
-        self._now_s = max(self._now_s, deadline_s)
-
     def wait_s(self, event: threading.Event, timeout_s: float) -> bool:
         self._now_s += timeout_s
         return event.is_set()

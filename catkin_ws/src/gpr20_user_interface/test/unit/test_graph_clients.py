@@ -113,9 +113,8 @@ def test_stop_needs_no_master_once_it_knows_the_address(monkeypatch):
             raise answer
         return answer
 
-    monkeypatch.setattr(
-        robot_stop.rosgraph, "Master", lambda _name: SimpleNamespace(lookupService=look_up)
-    )
+    known = SimpleNamespace(lookupService=look_up)
+    monkeypatch.setattr(robot_stop.rosgraph, "Master", lambda _name: known)
     monkeypatch.setattr(ServiceClient, "_look_up", lambda *_given: "asked the master")
     client = robot_stop.DirectServiceClient("stop_survey", Command)
     assert client._look_up(0, 1.0) == "asked the master"
@@ -169,16 +168,10 @@ def test_a_graph_is_joined_within_the_limits_or_the_reason_is_said(joining):
 
 def test_everything_is_registered_again_with_another_master_and_only_then(monkeypatch):
     process_ids, registered = [7, 7, 8, 8, 9], []
-    monkeypatch.setattr(
-        master.rosgraph,
-        "Master",
-        lambda _name: SimpleNamespace(getPid=lambda: process_ids.pop(0)),
-    )
-    monkeypatch.setattr(
-        master,
-        "get_registration_listeners",
-        lambda: SimpleNamespace(notify_added=lambda *given: registered.append(given[0])),
-    )
+    known = SimpleNamespace(getPid=lambda: process_ids.pop(0))
+    monkeypatch.setattr(master.rosgraph, "Master", lambda _name: known)
+    listeners = SimpleNamespace(notify_added=lambda *given: registered.append(given[0]))
+    monkeypatch.setattr(master, "get_registration_listeners", lambda: listeners)
     manager = SimpleNamespace(
         get_subscriptions=lambda: [("/heard", "a/Type")],
         get_publications=lambda: [("/said", "a/Type")],

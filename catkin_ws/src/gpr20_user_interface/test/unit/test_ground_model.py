@@ -1,7 +1,5 @@
 """The crosshair, the layers, the marks and the hyperbola of GROUND, without widgets."""
 
-import dataclasses
-
 import numpy as np
 import pytest
 from asked_storage import Storage
@@ -29,18 +27,17 @@ TARGET = Place(150.0, 90.0)
 BOTH = (Axis.X_MM, Axis.Y_MM)
 
 
-def image_of(grid, level_db=40.0, seed=1, **changes):
+def image_of(grid, level_db=40.0, found=None):
     """Return an image of noise with a target at X 150, Y 90, depth 60 mm."""
-    rng = np.random.default_rng(seed)
+    rng = np.random.default_rng(1)
     x_mm, y_mm = np.linspace(100.0, 200.0, 21), np.linspace(50.0, 110.0, 13)
     depth_mm = np.arange(0.0, 301.0, 5.0)
     shape = (len(depth_mm), len(y_mm), len(x_mm))
     noise = rng.standard_normal(shape) + 1j * rng.standard_normal(shape)
     levels_db = 20.0 * np.log10(np.abs(noise) / np.sqrt(2.0)).astype(np.float32)
     levels_db[12, 8, 10] = level_db
-    found = candidate_list([candidate(level_db=level_db)], survey_id=grid.survey_id)
-    image = FocusedImage(40, x_mm, y_mm, depth_mm, levels_db, found)
-    return dataclasses.replace(image, **changes)
+    found = found or candidate_list([candidate(level_db=level_db)], survey_id=grid.survey_id)
+    return FocusedImage(40, x_mm, y_mm, depth_mm, levels_db, found)
 
 
 def new_model(grid=None, additions=None):
@@ -70,6 +67,11 @@ def cover(model, stored):
     model.survey.map.set_coverage(CoverageRuns(SURVEY, 40, tuple(runs), tuple(runs.values())))
 
 
+def find(model, *candidates):
+    found = candidate_list(candidates, survey_id=SURVEY)
+    model.additions.pictures.add_image(image_of(model.survey.map.grid, found=found))
+
+
 def test_another_survey_takes_crosshair_mark_and_hyperbola_away(model):
     add(model, *range(40))
     model.choose_place(150.0, 90.0)
@@ -85,14 +87,12 @@ def test_a_mark_is_chosen_with_its_depth_and_left_when_it_is_gone(model):
     add(model, *range(40))
     first = candidate(1, 150.0, 90.0, 60.0, 40.0)
     second = candidate(2, 101.0, 51.0, 120.0, 12.0, [Flag.CLUTTER])
-    image = image_of(model.survey.map.grid, found=candidate_list([first, second], survey_id=SURVEY))
-    model.additions.pictures.add_image(image)
+    find(model, first, second)
     for mark in (first, second, first):
         model.choose_next()
         assert model.mark == mark
         assert model.point == (mark.x_mm, mark.y_mm, pytest.approx(mark.depth_mm))
-    found = candidate_list([second], survey_id=SURVEY)
-    model.additions.pictures.add_image(dataclasses.replace(image, found=found))
+    find(model, second)
     model.notice_survey()
     assert model.mark is None
 
@@ -104,8 +104,7 @@ def test_what_must_not_be_overlooked_is_painted_last_and_has_its_number_at_every
         candidate(2, 150.0, 90.0, 160.0, 20.0),
         candidate(3, 151.0, 91.0, 160.0, 10.0, [Flag.CLUTTER]),
     ]
-    image = image_of(model.survey.map.grid, found=candidate_list(marks, survey_id=SURVEY))
-    model.additions.pictures.add_image(image)
+    find(model, *marks)
     model.additions.on_event(AdditionsRead(SURVEY, (MARKER,), ()))
     model.set_depth(0.06)
     above = marks_above(model)
@@ -124,9 +123,7 @@ def test_what_must_not_be_overlooked_is_painted_last_and_has_its_number_at_every
 def test_a_ring_on_ground_that_was_not_measured_says_so(model):
     cover(model, 10)  # the first row, up
     places = ((150.0, 50.0), (150.0, 110.0), (400.0, 50.0))
-    rings = [candidate(number, *place, 60.0) for number, place in enumerate(places)]
-    image = image_of(model.survey.map.grid, found=candidate_list(rings, survey_id=SURVEY))
-    model.additions.pictures.add_image(image)
+    find(model, *(candidate(number, *place, 60.0) for number, place in enumerate(places)))
     measured = {one.about.number: one.measured for one in marks_above(model)}
     assert measured == {0: True, 1: False, 2: False}
 

@@ -184,8 +184,7 @@ def test_what_is_missing_is_said(window, view):
 def test_over_a_candidate_nothing_is_said_to_be_nothing(window, view):
     fill(window)
     faint = candidate_list([candidate(level_db=7.0)], survey_id=SURVEY)
-    image = dataclasses.replace(image_of(window.traces.live.map.grid, level_db=7.0), found=faint)
-    window.additions.pictures.add_image(image)
+    window.additions.pictures.add_image(image_of(window.traces.live.map.grid, 7.0, faint))
     model = window.ground.model
     model.switch(Layer.FOCUSED)
     model.choose_mark(faint.candidates[0])

@@ -35,10 +35,10 @@ from gpr20_user_interface.window.rail import TabName
 __all__ = ["screen", "spoken"]
 
 PICTURES = os.environ.get("GPR20_PICTURES")
-# How sheets call the buttons that close them.
+# How sheets call the buttons that close them or open the one with a button to hold.
 CLOSING = (
-    *("accept_button", "cancel", "close_button", "done", "drop", "load", "save", "show_button"),
-    *("undo", "use"),
+    *("accept_button", "cancel", "close_button", "delete", "done", "drop", "load", "save"),
+    *("show_button", "undo", "use"),
 )
 
 
@@ -101,12 +101,14 @@ def test_every_page_and_sheet_fits(application, tmp_path, screen_shown):
     assert not wrong, "\n".join(f"{what}: {one}" for one, what in wrong.items())
 
 
-def places(window, buttons):
-    return {button: place_of(window, button) for button in buttons if button.isVisible()}
+def places(window, part, closing=()):
+    """Return where the buttons to hold of a part are, but for those that close it."""
+    held = [one for one in part.findChildren(HoldButton) if one.isVisible()]
+    return [(one, place_of(window, one)) for one in held if one not in closing]
 
 
 def assert_apart(window, held, closing):
-    for button, place in held.items():
+    for button, place in held:
         assert window.rect().contains(place), button.text()
         for overlay, closer, below in closing:
             words = f"{type(overlay).__name__}: {closer.text()} lies over {button.text()}"
@@ -116,7 +118,7 @@ def assert_apart(window, held, closing):
 def test_a_touch_that_comes_twice_never_reaches_a_button_to_hold(spoken):
     window = spoken
     show(window, snapshot(SurveyState.IDLE))
-    closing, held = [], {}
+    closing, held = [], []
     for overlay in window.findChildren(Overlay):
         named = [getattr(overlay, name, None) for name in CLOSING]
         own = [one for one in named if isinstance(one, QPushButton)]
@@ -126,32 +128,25 @@ def test_a_touch_that_comes_twice_never_reaches_a_button_to_hold(spoken):
         # One that closes by a hold takes no bounce.
         taps = [one for one in own if one.isVisible() and not isinstance(one, HoldButton)]
         closing += [(overlay, button, place_of(window, button)) for button in taps]
-        held.update(places(window, set(overlay.findChildren(HoldButton)) - set(own)))
+        held += places(window, overlay, own)
         overlay.hide()
-    assert {window.start_sheet.hold, window.profiles.confirm.hold} <= set(held)
+    assert {window.start_sheet.hold, window.profiles.confirm.hold} <= {one for one, _ in held}
     assert_apart(window, held, closing)
     # Below a tab's own sheets there is that tab, below the others any tab.
     anywhere = [one for one in closing if isinstance(one[0], (NoticeView, StartSheet))]
     for tab in TabName:
         for _page in every_page(window, tab):
             settle()
-            held = window.tabs.currentWidget().findChildren(HoldButton)
-            assert_apart(window, places(window, held), anywhere)
+            assert_apart(window, places(window, window.tabs.currentWidget()), anywhere)
 
 
-def test_the_button_to_hold_is_not_where_it_was_asked_for(spoken):
-    window = spoken
-    show(window, snapshot(SurveyState.IDLE))
-    window.start_sheet.ask_resume_with(IDENTITY)
-    profiles = window.profiles
-    for sheet in (profiles.confirm, profiles, window.question):
-        sheet.open()
+def test_the_button_to_hold_is_not_where_another_analyzer_was_accepted(spoken):
+    show(spoken, snapshot(SurveyState.IDLE))
+    spoken.start_sheet.ask_resume_with(IDENTITY)
+    spoken.question.open()
     settle()
-    for hold, asked in (
-        (profiles.confirm.hold, profiles.delete),
-        (window.start_sheet.hold, window.question.accept_button),
-    ):
-        assert not place_of(window, hold).intersects(place_of(window, asked))
+    accepted = place_of(spoken, spoken.question.accept_button)
+    assert not place_of(spoken, spoken.start_sheet.hold).intersects(accepted)
 
 
 def test_a_number_is_whole_or_shows_its_beginning(spoken):

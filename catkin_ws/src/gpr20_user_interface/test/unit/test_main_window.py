@@ -89,8 +89,7 @@ def test_a_refusal_is_a_card_with_reason_next_step_and_details_that_leaves_stop_
 
 
 def test_the_job_is_shown_in_large_type_from_the_begin_of_a_survey_to_its_end(window):
-    page = window.job
-    called = {"name": "Field 4", "site": "x"}
+    page, called = window.job, {"name": "Field 4", "site": "x"}
     window.on_event(SurveyDescribed(description(survey_id="id", annotation=called)))
     progress, target = Progress("id", 42.7, 242, 103, 1080.0), TargetPosition(150.0, 50.0, 0.0)
     for code in (SurveyState.IDLE, SurveyState.FINISHED, SurveyState.SURVEYING):
@@ -136,17 +135,13 @@ def test_a_fault_opens_a_card_once_and_its_resume_asks_like_the_one_of_the_bar(w
     assert not notice.isVisible()
     hold_to_start(window)
     assert received == ["resume"]
-
-
-def test_a_card_goes_with_its_fault_and_no_other_card_does(window):
-    show(window, FAULTY)
-    assert window.notice.isVisible()
+    # A card goes with its fault, and no other card does.
+    for shown in (SURVEYING, FAULTY, SURVEYING, FAULTY):
+        show(window, shown)
+        assert notice.isVisible() is (shown is FAULTY)
+    notice.show_notice(fault_notice(paused(MOVING)))
     show(window, SURVEYING)
-    assert not window.notice.isVisible()
-    show(window, FAULTY)
-    window.notice.show_notice(fault_notice(paused(MOVING)))
-    show(window, SURVEYING)
-    assert window.notice.isVisible()
+    assert notice.isVisible()
 
 
 def test_a_stop_of_axes_that_are_silent_says_at_once_to_switch_off_the_motors(window):

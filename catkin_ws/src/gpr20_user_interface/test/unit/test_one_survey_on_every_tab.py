@@ -38,13 +38,10 @@ ALL_STORED = tuple(range(40))
 
 
 @pytest.fixture
-def problems():
-    return []
-
-
-@pytest.fixture
-def traces(problems):
+def traces():
+    problems = []
     traces = TracePresenter(Storage(), problems.append)
+    traces.problems = problems
     traces.on_event(SurveysListed("", (past_survey(outcome="finished", complete=True),), False))
     return traces
 
@@ -85,7 +82,7 @@ def test_a_survey_that_is_resumed_takes_the_place_of_a_past_one(traces):
         assert traces.opened_folder == opened
 
 
-def test_a_finished_survey_is_not_shown_as_the_one_that_has_just_begun(traces):
+def test_a_survey_is_never_shown_as_the_next_one_whichever_comes_first(traces):
     traces.on_event(SurveyDescribed(description()))
     traces.on_event(CoverageRuns(SURVEY, 40, (0,), (1,), {}, verbatim("")))
     traces.refresh()
@@ -93,26 +90,21 @@ def test_a_finished_survey_is_not_shown_as_the_one_that_has_just_begun(traces):
     assert done(traces) == 20
     # The storage describes the next survey only after the checks and the homing.
     note(traces, SurveyState.CHECKING, NEXT)
-    assert done(traces) is None
-    assert traces.shown.radar.grid is None
-
-
-def test_a_description_that_comes_before_the_status_is_kept(traces):
-    note(traces, SurveyState.SURVEYING, SURVEY)
-    traces.on_event(SurveyDescribed(description(survey_id=NEXT)))
-    traces.on_event(trace_at(make_grid(survey_id=NEXT), 0))
+    assert done(traces) is traces.shown.radar.grid is None
+    # Its description and its first trace may come before its status.
+    traces.on_event(SurveyDescribed(description()))
+    traces.on_event(trace_at(make_grid(), 0))
     traces.refresh()
-    note(traces, SurveyState.CHECKING, NEXT)
-    assert (traces.shown.survey_id, traces.shown.radar.count) == (NEXT, 1)
+    note(traces, SurveyState.CHECKING, SURVEY)
+    assert (traces.shown.survey_id, traces.shown.radar.count) == (SURVEY, 1)
 
 
-def test_a_past_survey_that_was_asked_for_before_a_survey_began_does_not_come_up(traces, problems):
+def test_a_past_survey_that_was_asked_for_before_a_survey_began_does_not_come_up(traces):
     note(traces, SurveyState.IDLE)
     traces.open_survey(FOLDER)
     note(traces, SurveyState.CHECKING, NEXT)
     traces.on_event(SurveyRead(FOLDER, description(survey_id=PAST), ALL_STORED))
-    assert traces.opened_folder == ""
-    assert problems == []
+    assert (traces.opened_folder, traces.problems) == ("", [])
 
 
 def test_a_past_survey_says_so_and_which_one_it_is(traces):

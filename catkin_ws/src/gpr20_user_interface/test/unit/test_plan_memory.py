@@ -33,18 +33,14 @@ def memory(path, failures=None):
     return PlanMemory(SettingsFile(path), [].append if failures is None else failures.append)
 
 
-def test_a_plan_is_there_after_a_restart(path):
-    first = memory(path)
+def test_a_plan_is_there_after_a_restart_or_its_loss_is_reported(path):
+    failures = []
+    first = memory(path, failures)
     assert first.load() == RememberedPlan()
     first.save(PLAN)
-    assert first.wait(30.0)
+    assert first.wait(30.0) and not failures
     assert memory(path).load() == PLAN
-
-
-def test_a_disk_that_refuses_is_reported(tmp_path):
-    (tmp_path / "file").write_text("")
-    failures = []
-    broken = memory(tmp_path / "file" / "plan.yaml", failures)
+    broken = memory(path / "no folder", failures)
     broken.save(PLAN)
     assert broken.wait(30.0)
     assert failures[0].reason.fault_code == faults.SETTINGS_NOT_STORED.code
@@ -93,19 +89,14 @@ def test_a_survey_is_named_after_its_site_and_numbered():
 
 
 @pytest.fixture
-def folder(tmp_path):
-    return tmp_path / "profiles"
+def profiles(tmp_path):
+    return Profiles(tmp_path)
 
 
-@pytest.fixture
-def profiles(folder):
-    return Profiles(folder)
-
-
-def test_profile_is_loaded_as_it_was_saved_and_gone_when_it_was_removed(profiles, folder):
+def test_profile_is_loaded_as_it_was_saved_and_gone_when_it_was_removed(profiles, tmp_path):
     for _ in range(2):
         profiles.save("field 1", default_parameters())
-    assert os.listdir(str(folder)) == ["field 1.yaml"]
+    assert os.listdir(str(tmp_path)) == ["field 1.yaml"]
     assert profiles.names() == ["field 1"]
     assert profiles.load("field 1") == default_parameters()
     profiles.remove("field 1")
@@ -123,9 +114,9 @@ def test_name_that_could_leave_the_folder_or_confuse_is_refused(profiles):
             profiles.save(name, default_parameters())
 
 
-def test_file_that_is_no_profile_is_refused_with_its_fault(profiles, folder):
+def test_file_that_is_no_profile_is_refused_with_its_fault(profiles, tmp_path):
     profiles.save("a", default_parameters())
-    path = folder / "a.yaml"
+    path = tmp_path / "a.yaml"
     other_type = path.read_text().replace("x_points: 11", "x_points: eleven")
     for text, shown in (
         *((text, "a.yaml") for text in ("", "[1, 2]", "{a: 1}", "a: [", "[" * 60_000, "\x00")),

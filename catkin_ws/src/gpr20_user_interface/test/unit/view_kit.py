@@ -5,7 +5,7 @@ import json
 import math
 
 import numpy as np
-from survey_examples import TRAVEL
+from survey_examples import PARAMETERS, TRAVEL
 
 from gpr20_common import remedies
 from gpr20_common.message import Fault, Message, Severity, verbatim
@@ -17,7 +17,6 @@ from gpr20_operator.robot.events import AxisReport, ControlState, RobotDefaults
 from gpr20_operator.robot.snapshot import Snapshot
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.plan.site import Site
-from gpr20_survey.plan.survey_parameters import SurveyParameters
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_survey.radar.depth import delay_of_depth
 from gpr20_survey.results.survey_summary import SurveySummary
@@ -62,9 +61,6 @@ def make_grid(
 ):
     """Return the grid of a survey with which a permittivity is stored, unless it is None."""
     values = {
-        "vna_address": "127.0.0.1",
-        "start_frequency_hz": 0.6e9,
-        "stop_frequency_hz": 6.0e9,
         "frequency_points": 501,
         "x_start_mm": 100.0,
         "x_stop_mm": 200.0,
@@ -74,7 +70,7 @@ def make_grid(
         "y_points": y_points,
         "polarizations_deg": tuple(rotations_deg),
     }
-    parameters = SurveyParameters(**{**values, **changes})
+    parameters = dataclasses.replace(PARAMETERS, **{**values, **changes})
     grid = planned_grid(survey_id, True, parameters, TRAVEL)
     grid.permittivity = permittivity
     return grid

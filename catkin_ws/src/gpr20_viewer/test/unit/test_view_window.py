@@ -324,26 +324,22 @@ def test_the_command_shows_the_window_until_it_is_closed_or_interrupted(
     assert refusals[-1:] == [faults.INTERRUPTED.code]
 
 
-def test_a_damaged_survey_is_refused_unless_accepted(
-    application, holed, tmp_path, refusals, installed
+def test_a_damaged_survey_a_missing_library_or_no_screen_is_refused(
+    application, file, holed, refusals, capsys, monkeypatch
 ):
-    path = tmp_path / "damaged.nc"
-    write_dataset(holed, path)
-    arguments = ["view", str(path), "--permittivity", "4", "--flat"]
+    arguments = ["view", str(file), "--permittivity", "4", "--flat"]
+    with monkeypatch.context() as context:
+        context.setattr(view_command, "LIBRARIES", {"no_such_library": "pyqtgraph"})
+        assert main(arguments) == REFUSED
+    assert "pip install 'gpr20_viewer[qt]'" in capsys.readouterr().err
+    with monkeypatch.context() as context:
+        for name in view_command.SCREENS:
+            context.delenv(name, raising=False)
+        assert main(arguments) == REFUSED
+    assert refusals[-2:] == [faults.LIBRARY.code, NO_SCREEN.code]
+    write_dataset(holed, file)
     assert main(arguments) == REFUSED
     assert main([*arguments, "--accept-damaged"]) == REFUSED
     assert refusals[-1:] == [faults.SAMPLES_MISSING.code]
     when_computed(lambda window: window.close())
     assert main([*arguments, "--accept-damaged", "--leave-out-missing"]) == DAMAGED
-
-
-def test_without_a_library_or_a_screen_it_is_refused(file, refusals, capsys, monkeypatch):
-    with monkeypatch.context() as context:
-        context.setattr(view_command, "LIBRARIES", {"no_such_library": "pyqtgraph"})
-        assert main(["view", str(file)]) == REFUSED
-    assert "pip install 'gpr20_viewer[qt]'" in capsys.readouterr().err
-    for name in view_command.SCREENS:
-        monkeypatch.delenv(name, raising=False)
-    assert main(["view", str(file)]) == REFUSED
-    assert refusals[-2:] == [faults.LIBRARY.code, NO_SCREEN.code]
-    assert str(NO_SCREEN.remedy) in capsys.readouterr().err
