@@ -7,6 +7,7 @@ from types import SimpleNamespace
 import pytest
 import rosgraph
 from fake_clock import FakeClock
+from fault_kit import raises_fault
 
 from gpr20_common.high.service_client import ServiceClient, ServiceUnavailableError
 from gpr20_common.message import Message, verbatim
@@ -132,21 +133,6 @@ def test_stop_needs_no_master_once_it_knows_the_address(monkeypatch):
     assert set(asked) == {"/stop_survey"}
 
 
-@pytest.fixture
-def joining(monkeypatch):
-    """Join a graph as a test says: whether its master answers, and what comes of it."""
-    monkeypatch.setattr(master, "enable_line_buffering", lambda: None)
-    hung = threading.Event()
-
-    def join(online=True, joins=True, cancelled=lambda: False):
-        monkeypatch.setattr(master.rosgraph, "is_master_online", lambda: online)
-        monkeypatch.setattr(master.rospy, "init_node", lambda *_, **__: joins or hung.wait(LIMIT_S))
-        master.join_graph("a_node", 5.0, cancelled, WaitingClock())
-
-    yield join
-    hung.set()
-
-
 class WaitingClock(FakeClock):
     """Lets other threads work while its time passes."""
 
@@ -155,15 +141,20 @@ class WaitingClock(FakeClock):
         return event.wait(0.01)
 
 
-def test_a_graph_is_joined_within_the_limits_or_the_reason_is_said(joining):
-    joining()
-    for given in ({"online": False}, {"joins": False}):
-        with pytest.raises(MasterUnavailableError) as caught:
-            joining(**given)
-        assert caught.value.message.fault == faults.NO_MASTER
-    with pytest.raises(MasterUnavailableError) as caught:
-        joining(online=False, cancelled=lambda: True)
-    assert caught.value.message.fault == faults.NOT_STARTED
+def test_a_graph_is_joined_within_the_limits_or_the_reason_is_said(monkeypatch):
+    hung = threading.Event()
+    monkeypatch.setattr(master, "enable_line_buffering", lambda: None)
+    monkeypatch.setattr(master.rosgraph, "is_master_online", lambda: True)
+    monkeypatch.setattr(master.rospy, "init_node", lambda *_, **__: None)
+    master.join_graph("a_node", 5.0, lambda: False, WaitingClock())
+    monkeypatch.setattr(master.rospy, "init_node", lambda *_, **__: hung.wait(LIMIT_S))
+    with raises_fault(faults.NO_MASTER, error=MasterUnavailableError):
+        master.join_graph("a_node", 5.0, lambda: False, WaitingClock())
+    hung.set()
+    monkeypatch.setattr(master.rosgraph, "is_master_online", lambda: False)
+    for cancelled, fault in ((bool, faults.NO_MASTER), (lambda: True, faults.NOT_STARTED)):
+        with raises_fault(fault, error=MasterUnavailableError):
+            master.join_graph("a_node", 5.0, cancelled, WaitingClock())
 
 
 def test_everything_is_registered_again_with_another_master_and_only_then(monkeypatch):

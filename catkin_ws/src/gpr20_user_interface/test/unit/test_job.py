@@ -43,13 +43,10 @@ def test_the_line_is_that_of_the_target(low, high):
 def test_the_job_stays_until_the_next_survey_is_planned():
     screen = JobScreen()
     ended, running = snapshot(SurveyState.FINISHED), snapshot(SurveyState.SURVEYING)
+    stopped = snapshot(SurveyState.STOPPED)
     for now, left, visible in (
         *((snapshot(SurveyState.IDLE), False, False), (running, True, True)),
-        *(
-            (snapshot(SurveyState.STOPPED), False, True),
-            (ended, True, False),
-            (ended, False, False),
-        ),
+        *((stopped, False, True), (ended, True, False), (ended, False, False)),
         # The same survey, resumed.
         *((running, False, True), (ended, False, True)),
     ):
@@ -66,11 +63,9 @@ def test_a_name_is_read_from_a_description_whatever_it_holds():
         assert survey_name(text) == ("", "")
 
 
-SURVEYING = view_kit.state_of(SurveyState.SURVEYING)
-
-
-def progress(visited):
-    return Progress("id", visited / 2.0, 200, visited, 200.0 - visited)
+def show(display, visited):
+    progress = Progress("id", visited / 2.0, 200, visited, 200.0 - visited)
+    display.show(progress, view_kit.state_of(SurveyState.SURVEYING))
 
 
 def test_plain_lines_come_every_ten_percent_and_at_the_end_in_the_language_of_the_terminal():
@@ -78,7 +73,7 @@ def test_plain_lines_come_every_ten_percent_and_at_the_end_in_the_language_of_th
     display = PlainDisplay(stream, read_catalogue(Language.SPANISH))
     display.note(Message("permission denied", details="[Errno 13] '/data'"))
     for visited in (*range(196), 199, 200, 200):
-        display.show(progress(visited), SURVEYING)
+        show(display, visited)
     noted, *shown = stream.getvalue().splitlines()
     assert noted == "permiso denegado ([Errno 13] '/data')"
     assert shown[3] == " 30.0 %  60/200 trazas  quedan 3 min (según lo medido)"
@@ -93,7 +88,7 @@ def test_the_bar_carries_everything_within_the_width_of_the_terminal(monkeypatch
     stream = io.StringIO()
     display = BarDisplay(stream, Catalogue())
     display.note(verbatim("SURVEYING: visiting"))
-    display.show(progress(50), SURVEYING)
+    show(display, 50)
     display.close()
     text = stream.getvalue()
     assert "SURVEYING: visiting\n" in text and text.endswith("\n")

@@ -37,12 +37,17 @@ def test_every_text_and_every_mark_is_seen():
 
 
 @pytest.fixture
-def dimmable(application, clock):
+def window(application, clock):
     window = opened_window(application, clock=clock)
     window.settings.dim_choices[2].click()
     show(window, snapshot(SurveyState.SURVEYING))
     yield window
     close(window)
+
+
+@pytest.fixture
+def finger(window, clock):
+    return Finger(window, clock)
 
 
 def dim(window, clock, shown=None):
@@ -51,8 +56,7 @@ def dim(window, clock, shown=None):
     return window.settings.cover.isVisible()
 
 
-def test_the_first_touch_only_wakes_and_the_next_one_acts(dimmable, clock):
-    window, finger = dimmable, Finger(dimmable, clock)
+def test_the_first_touch_only_wakes_and_the_next_one_acts(window, finger, clock):
     assert dim(window, clock)
     finger.tap(window.rail.settings)
     assert not window.settings.cover.isVisible()
@@ -61,9 +65,8 @@ def test_the_first_touch_only_wakes_and_the_next_one_acts(dimmable, clock):
     assert window.settings.isVisible()
 
 
-def test_stop_is_seen_and_acts_on_a_dimmed_screen(dimmable, clock):
-    window, stop, finger = dimmable, dimmable.top_bar.stop, Finger(dimmable, clock)
-    bright = window.grab().toImage()
+def test_stop_is_seen_and_acts_on_a_dimmed_screen(window, finger, clock):
+    stop, bright = window.top_bar.stop, window.grab().toImage()
     assert dim(window, clock)
     dimmed = window.grab().toImage()
     inside = stop.mapTo(window, QPoint(10, stop.height() // 2))
@@ -74,8 +77,7 @@ def test_stop_is_seen_and_acts_on_a_dimmed_screen(dimmable, clock):
     assert wishes(window) == ["stop"]
 
 
-def test_an_alarm_a_fault_or_a_notice_is_never_dimmed(dimmable, clock):
-    window = dimmable
+def test_an_alarm_a_fault_or_a_notice_is_never_dimmed(window, clock):
     for shown in (snapshot(SurveyState.SURVEYING, alive=False), snapshot(SurveyState.PAUSED)):
         assert not dim(window, clock, shown)
         window.notice.hide()
