@@ -111,16 +111,11 @@ CODES = st.none() | st.sampled_from(SurveyState)
 MESSAGES = st.sampled_from(
     [verbatim("x"), FULL, MOVING, CLOCK.as_warning(), WAITING, ASKED_STOP, ASKED_PAUSE]
 )
+POSITIONS = st.builds(AxisPosition, st.just(0.0), st.booleans(), st.booleans())
+OWNERS = st.sampled_from(["", "/main_control", "/rqt"])
 AXES = st.tuples(
     *(
-        st.builds(
-            AxisReport,
-            st.just(axis),
-            st.builds(AxisPosition, st.just(0.0), st.booleans(), st.booleans()),
-            st.sampled_from(["", "/main_control", "/rqt"]),
-            st.just(0.0),
-            st.booleans(),
-        )
+        st.builds(AxisReport, st.just(axis), POSITIONS, OWNERS, st.just(0.0), st.booleans())
         for axis in AxisId
     )
 )

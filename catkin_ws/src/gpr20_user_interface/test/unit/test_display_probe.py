@@ -54,10 +54,8 @@ hang_here()
 
 
 def run(hang, end=""):
-    program = PROGRAM.format(hang=hang, end=end)
-    return subprocess.run(
-        [sys.executable, "-c", program], capture_output=True, text=True, timeout=100, check=False
-    )
+    command = [sys.executable, "-c", PROGRAM.format(hang=hang, end=end)]
+    return subprocess.run(command, capture_output=True, text=True, timeout=100, check=False)
 
 
 @each_case("hang", ["threading.Event().wait(60)", "while True: pass"])

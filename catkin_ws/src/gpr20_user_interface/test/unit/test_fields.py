@@ -1,5 +1,6 @@
 """Every field of a plan: text and value, limits, arrows, presets, command line."""
 
+from annotation_examples import annotations
 from case_kit import each_case
 from fault_kit import raises_fault
 from hypothesis import given
@@ -31,7 +32,7 @@ from gpr20_operator.words import (
     rotations_from_text,
     stepped,
 )
-from gpr20_survey.plan.annotation import Annotation, Wgs84Position
+from gpr20_survey.plan.annotation import Wgs84Position
 from gpr20_survey.plan.survey_parameters import SurveyParameters, problems
 from gpr20_survey.trace.sweep_settings import AnalyzerSettings
 from gpr20_user_interface.terminal.survey_arguments import option_of, parse_arguments
@@ -67,14 +68,6 @@ def parameters(draw):
     )
 
 
-@st.composite
-def annotations(draw):
-    text = st.text(st.sampled_from("abcñÁ 1,;"), max_size=30)
-    degrees = st.floats(-90.0, 90.0)
-    position = draw(st.none() | st.builds(Wgs84Position, degrees, degrees))
-    return Annotation(draw(text), draw(text), draw(text), position, name=draw(text))
-
-
 def test_the_plan_has_every_parameter_of_a_survey_and_every_field_is_on_one_tile():
     assert {spec.name for spec in PARAMETERS} == set(SurveyParameters.__dataclass_fields__)
     shown = [name for tile in Tile for name in TILE_FIELDS[tile]]
@@ -98,7 +91,7 @@ def test_the_plan_of_a_new_robot_and_every_preset_can_be_started():
             assert form.check().problems == {}, preset
 
 
-@given(parameters(), annotations())
+@given(parameters(), annotations)
 def test_texts_are_read_back_as_the_same_by_the_window_and_by_the_command_line(wanted, annotation):
     assert problems(wanted, ROBOT) == []
     assert check(following="", **texts_of(wanted)).parameters == wanted

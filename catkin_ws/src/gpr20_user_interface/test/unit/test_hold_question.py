@@ -3,10 +3,11 @@
 from dataclasses import replace
 from decimal import Decimal
 
+from annotation_examples import annotations
 from case_kit import each_case
 from hypothesis import given
 from hypothesis import strategies as st
-from test_fields import annotations, parameters
+from test_fields import parameters
 from view_kit import FOLDER, past_survey
 
 from gpr20_operator.plan.annotation import LONGEST_SHOWN, overwritten
@@ -36,7 +37,7 @@ def start(measured=PARAMETERS, permittivity=4.0, annotation=EMPTY):
     return plan_question(measured, permittivity, preview(measured, permittivity), annotation)
 
 
-@given(parameters(), st.floats(1.0, 81.0), annotations())
+@given(parameters(), st.floats(1.0, 81.0), annotations)
 def test_start_shows_every_parameter_of_any_plan(measured, permittivity, annotation):
     said = rows(start(measured, permittivity, annotation))
     titles = ["Where", "How close", "Soil", "Radar", "Antennas", "VNA", "Name", "Traces", "Time"]
