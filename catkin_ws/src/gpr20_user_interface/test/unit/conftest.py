@@ -28,6 +28,22 @@ def node():
 
 
 @pytest.fixture
+def opened(application, tmp_path, clock):
+    """Open windows in English, whose time only the test moves."""
+    from window_helpers import close, opened_window
+
+    windows = []
+
+    def open_one(**parts):
+        windows.append(opened_window(application, profiles=tmp_path, clock=clock, **parts))
+        return windows[-1]
+
+    yield open_one
+    for window in windows:
+        close(window)
+
+
+@pytest.fixture
 def window(application, tmp_path, storage, node):
     from window_helpers import close, opened_window
 

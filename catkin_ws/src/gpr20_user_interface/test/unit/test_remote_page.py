@@ -1,14 +1,12 @@
 """Remote control on the touchscreen: a hold allows it, every page shows it, any touch ends it."""
 
 import pytest
-from fake_clock import FakeClock
 from finger import AFTER_S, Finger, place_of
 from PyQt5.QtCore import QPoint, Qt
 from PyQt5.QtTest import QTest
 from view_kit import snapshot
-from window_helpers import close, new_window, show, start, wishes
+from window_helpers import show, start, wishes
 
-from gpr20_common.catalogue import Language
 from gpr20_operator.plan.fields import default_parameters
 from gpr20_operator.robot.remote_control import (
     REMOTE_LIMIT_S,
@@ -19,7 +17,6 @@ from gpr20_operator.robot.remote_control import (
 )
 from gpr20_survey.plan.annotation import Annotation
 from gpr20_survey.plan.survey_state import SurveyState
-from gpr20_user_interface.look.translation import Languages
 from gpr20_user_interface.window.rail import TabName
 
 WEB = WebStatusReported("192.168.1.10", 8443, "AB12 CD34", 3, "Ana")
@@ -29,12 +26,10 @@ ANNOTATION = Annotation("Ana", "El Carmen", "wet", name="El Carmen 2")
 class Field:
     """A window with a web page, and what it sends to it."""
 
-    def __init__(self, application, folder):
-        self.clock, self.sent = FakeClock(), []
-        self.arming = Arming(self.clock, self.sent.append)
-        languages = Languages(application, Language.ENGLISH)
-        self.window = new_window(languages, profiles=folder, clock=self.clock, arming=self.arming)
-        self.window.show()
+    def __init__(self, opened, clock):
+        self.clock, self.sent = clock, []
+        self.arming = Arming(clock, self.sent.append)
+        self.window = opened(arming=self.arming)
         self.window.on_event(WEB)
         self.say(SurveyState.CONFIGURED)
         self.finger = Finger(self.window, self.clock)
@@ -54,10 +49,8 @@ class Field:
 
 
 @pytest.fixture
-def field(application, tmp_path):
-    field = Field(application, tmp_path)
-    yield field
-    close(field.window)
+def field(opened, clock):
+    return Field(opened, clock)
 
 
 def test_the_sheet_says_where_the_page_is_and_who_is_there(field):

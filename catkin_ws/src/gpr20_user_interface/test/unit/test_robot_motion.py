@@ -2,20 +2,16 @@
 
 import itertools
 
-import pytest
 from case_kit import each_case
-from fake_clock import FakeClock
 from finger import Finger, place_of
 from view_kit import moving, snapshot
-from window_helpers import close, new_window, show, wishes
+from window_helpers import show, wishes
 
-from gpr20_common.catalogue import Language
 from gpr20_common.message import verbatim
 from gpr20_operator.robot.condition import JobLevel, condition_of
 from gpr20_operator.robot.events import Request
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.plan.survey_state import SurveyState
-from gpr20_user_interface.look.translation import Languages
 from gpr20_user_interface.widgets.overlay import Overlay
 from gpr20_user_interface.widgets.top_bar import StateBand
 from gpr20_user_interface.window.rail import TabName
@@ -30,15 +26,6 @@ KNOWN = (
     *({}, {"alive": False}, {"master_alive": False}, {"axes": ()}, {"axes": X_MOVES}),
     *({"service": verbatim("homing")}, {"pending": frozenset(Request)}),
 )
-
-
-@pytest.fixture
-def field(application):
-    """A window whose time passes only by its finger."""
-    window = new_window(Languages(application, Language.ENGLISH), clock=FakeClock())
-    window.show()
-    yield window
-    close(window)
 
 
 @each_case("code", [None, *SurveyState])
@@ -71,15 +58,15 @@ def test_who_moves_the_robot_is_said_where_it_is_known(code, axes, other, text):
     )
 
 
-def test_a_touch_on_the_band_says_what_moves_and_what_to_do(field):
+def test_motion_is_seen_and_stop_acts_on_every_tab_over_every_dialog_and_in_every_state(opened):
+    field = opened()
     show(field, snapshot(SurveyState.FINISHED, axes=X_MOVES))
     field.findChild(StateBand).touched.emit()
     assert field.notice.title.text() == "ROBOT MOVES"
     assert field.notice.reason.toPlainText() == "X axis"
     assert "STOP stops every axis" in field.notice.first.text()
+    field.notice.hide()
 
-
-def test_motion_is_seen_and_stop_acts_on_every_tab_over_every_dialog_and_in_every_state(field):
     finger, stop, pressed = Finger(field, field.clock), field.top_bar.stop, 0
     states = itertools.cycle(itertools.product((None, *SurveyState), KNOWN))
     band = field.top_bar.band

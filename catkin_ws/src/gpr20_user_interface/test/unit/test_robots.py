@@ -4,43 +4,27 @@ import random
 import sys
 
 import pytest
-from fake_clock import FakeClock
 from view_kit import snapshot
-from window_helpers import close, new_window, show
+from window_helpers import show
 
-from gpr20_common.catalogue import Language
 from gpr20_common.message import verbatim
 from gpr20_doctor.low.masters import robots_on_master
 from gpr20_operator.robot.events import ControlState, Request
 from gpr20_operator.robot.robots import RobotReported, Robots, RobotsFound
 from gpr20_survey.plan.survey_state import SurveyState
-from gpr20_user_interface.look.translation import Languages
 from gpr20_user_interface.low.process import NAMESPACE, command, with_namespace
 
 MEASURING = ControlState(SurveyState.SURVEYING, verbatim("Measuring"), "id", True)
 
 
-class Choice:
-    """Robots on a master, a window of one of them, and what it asks for."""
-
-    def __init__(self, languages, folder, own, may_choose):
-        self.watched, self.shown, self.clock = [], [], FakeClock()
-        robots = Robots(own, may_choose, self.watched.append, self.shown.append)
-        self.window = new_window(languages, profiles=folder, clock=self.clock, robots=robots)
-        self.window.show()
-
-
 @pytest.fixture
-def choice(application, tmp_path, request):
+def window(opened, request):
+    """A window of one of the robots on a master, and what it asks for."""
+    watched, chosen = [], []
     given = getattr(request, "param", ("/robot1", True))
-    choice = Choice(Languages(application, Language.ENGLISH), tmp_path, *given)
-    yield choice
-    close(choice.window)
-
-
-@pytest.fixture
-def opened(choice):
-    return choice.window
+    window = opened(robots=Robots(*given, watched.append, chosen.append))
+    window.watched, window.chosen = watched, chosen
+    return window
 
 
 def found(window, *namespaces):
@@ -58,54 +42,54 @@ def test_only_a_main_control_that_starts_surveys_is_a_robot():
         assert robots_on_master(services) == {"/", "/robot1", "/field/a"}
 
 
-def test_other_robots_are_listed_in_the_settings_and_listened_to_meanwhile(opened, choice):
-    found(opened, "/robot1")
-    opened.rail.settings.click()
-    assert not opened.settings.robot_button.isVisible()
-    assert not opened.top_bar.band.message.whole.startswith("robot1")
-    found(opened, "/robot1", "/robot2", "/robot3")
-    opened.settings.robot_button.click()
-    sheet = opened.robots
-    assert sheet.isVisible() and choice.watched == [True]
-    opened.on_event(RobotReported("/robot2", MEASURING))
-    show(opened, opened.survey.snapshot)
+def test_other_robots_are_listed_in_the_settings_and_listened_to_meanwhile(window):
+    found(window, "/robot1")
+    window.rail.settings.click()
+    assert not window.settings.robot_button.isVisible()
+    assert not window.top_bar.band.message.whole.startswith("robot1")
+    found(window, "/robot1", "/robot2", "/robot3")
+    window.settings.robot_button.click()
+    sheet = window.robots
+    assert sheet.isVisible() and window.watched == [True]
+    window.on_event(RobotReported("/robot2", MEASURING))
+    show(window, window.survey.snapshot)
     texts = [button.text() for button in sheet.buttons if button.isVisible()]
     assert texts == ["robot1\nno report yet", "robot2\nSURVEYING", "robot3\nno report yet"]
     assert [button.isEnabled() for button in sheet.buttons[:3]] == [False, True, True]
     sheet.close_button.click()
-    assert choice.watched == [True, False] and not sheet.isVisible()
+    assert window.watched == [True, False] and not sheet.isVisible()
 
 
-def test_a_window_does_not_leave_a_robot_whose_stop_is_not_answered(opened):
-    found(opened, "/robot1", "/robot2")
-    opened.settings.robot_button.click()
-    show(opened, snapshot(SurveyState.SURVEYING, pending=frozenset({Request.STOP})))
-    assert not any(button.isEnabled() for button in opened.robots.buttons[:2])
-    show(opened, snapshot(SurveyState.STOPPED))
-    assert opened.robots.buttons[1].isEnabled()
+def test_a_window_does_not_leave_a_robot_whose_stop_is_not_answered(window):
+    found(window, "/robot1", "/robot2")
+    window.settings.robot_button.click()
+    show(window, snapshot(SurveyState.SURVEYING, pending=frozenset({Request.STOP})))
+    assert not any(button.isEnabled() for button in window.robots.buttons[:2])
+    show(window, snapshot(SurveyState.STOPPED))
+    assert window.robots.buttons[1].isEnabled()
 
 
-def test_a_window_without_a_robot_proposes_those_that_there_are_once(opened, choice):
-    show(opened, snapshot(alive=False))
-    found(opened, "/robot2", "/robot3")
-    assert not opened.robots.isVisible()  # its own may be starting
-    opened.clock.advance(6.0)
-    show(opened, snapshot(alive=False))
-    assert opened.robots.isVisible()
-    opened.robots.close_button.click()
-    show(opened, snapshot(alive=False))
-    assert not opened.robots.isVisible()
+def test_a_window_without_a_robot_proposes_those_that_there_are_once(window):
+    show(window, snapshot(alive=False))
+    found(window, "/robot2", "/robot3")
+    assert not window.robots.isVisible()  # its own may be starting
+    window.clock.advance(6.0)
+    show(window, snapshot(alive=False))
+    assert window.robots.isVisible()
+    window.robots.close_button.click()
+    show(window, snapshot(alive=False))
+    assert not window.robots.isVisible()
 
 
-@pytest.mark.parametrize("choice", [("/", False)], indirect=True)
-def test_the_window_of_a_real_robot_stays_with_it(opened):
-    opened.clock.advance(6.0)
-    found(opened, "/robot2")
-    show(opened, snapshot(alive=False))
-    assert not opened.robots.isVisible()
-    opened.rail.settings.click()
-    assert not opened.settings.robot_button.isVisible()
-    assert opened.top_bar.band.message.whole.startswith("/: ")
+@pytest.mark.parametrize("window", [("/", False)], indirect=True)
+def test_the_window_of_a_real_robot_stays_with_it(window):
+    window.clock.advance(6.0)
+    found(window, "/robot2")
+    show(window, snapshot(alive=False))
+    assert not window.robots.isVisible()
+    window.rail.settings.click()
+    assert not window.settings.robot_button.isVisible()
+    assert window.top_bar.band.message.whole.startswith("/: ")
 
 
 def test_the_next_window_has_the_options_of_this_one_and_a_name_of_its_own():
@@ -117,11 +101,11 @@ def test_the_next_window_has_the_options_of_this_one_and_a_name_of_its_own():
     assert with_namespace("/robot2", environment) == {"DISPLAY": ":0", NAMESPACE: "/robot2"}
 
 
-def test_every_robot_can_be_reached_however_many_there_are(opened, choice):
+def test_every_robot_can_be_reached_however_many_there_are(window):
     names = [f"/robot{number:02d}" for number in range(1, 30)]
-    found(opened, "/robot1", *names)
-    opened.settings.robot_button.click()
-    for button in opened.robots.buttons:
+    found(window, "/robot1", *names)
+    window.settings.robot_button.click()
+    for button in window.robots.buttons:
         if button.isEnabled():
             button.click()
-    assert choice.shown == names
+    assert window.chosen == names

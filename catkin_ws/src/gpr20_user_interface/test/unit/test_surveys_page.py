@@ -3,6 +3,7 @@
 import dataclasses
 
 import pytest
+from fake_clock import FakeClock
 from finger import Finger
 from hypothesis import given
 from hypothesis import strategies as st
@@ -10,16 +11,15 @@ from PyQt5.QtCore import QPoint
 from PyQt5.QtTest import QTest
 from PyQt5.QtWidgets import QScroller
 from view_kit import FOLDER, SURVEY, description, past_survey, snapshot, state_of
-from window_helpers import click, close, new_window, show
+from window_helpers import click, close, opened_window, show
 
-from gpr20_common.catalogue import Language
 from gpr20_common.message import verbatim
 from gpr20_operator.ground.past_surveys import Listed, PastSurveys, searchable, title_of
 from gpr20_operator.ground.trace_events import SurveyDescribed, SurveysListed
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_survey.results.survey_summary import Thumbnail
 from gpr20_user_interface.look.look import Look, Theme
-from gpr20_user_interface.look.translation import Languages, shown_text
+from gpr20_user_interface.look.translation import shown_text
 from gpr20_user_interface.pages.surveys.survey_list import thumbnail_picture
 from gpr20_user_interface.window.rail import TabName
 
@@ -201,17 +201,8 @@ def test_a_search_is_a_plain_filter_of_all_pages(surveys, text, listed, split):
 @pytest.fixture(scope="module")
 def touched(application, tmp_path_factory):
     """A window with 300 surveys, touched through its screen by a finger of its own clock."""
-    from asked_storage import Storage
-    from fake_clock import FakeClock
-
     clock = FakeClock()
-    window = new_window(
-        Languages(application, Language.ENGLISH),
-        storage=Storage(),
-        profiles=tmp_path_factory.mktemp("profiles"),
-        clock=clock,
-    )
-    window.show()
+    window = opened_window(application, profiles=tmp_path_factory.mktemp("profiles"), clock=clock)
     window.show_tab(TabName.SURVEYS)
     window.on_event(SurveysListed("", many(300), False))
     QTest.qWait(1)

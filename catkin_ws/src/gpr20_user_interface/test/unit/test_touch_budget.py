@@ -2,18 +2,15 @@
 
 import random
 
-import pytest
 from PyQt5.QtCore import Qt
 from PyQt5.QtTest import QTest
 from view_kit import snapshot
-from window_helpers import close, hold_to_start, new_window, show
+from window_helpers import hold_to_start, show
 
-from gpr20_common.catalogue import Language
 from gpr20_common.message import verbatim
 from gpr20_operator.plan.spec import Tile
 from gpr20_operator.robot.events import Answer, Request, RobotDefaults, Site
 from gpr20_survey.plan.survey_state import SurveyState
-from gpr20_user_interface.look.translation import Languages
 
 FROM_MEMORY, FROM_FACTORY = 10, 20
 NOTHING_CONFIGURED = RobotDefaults("", Site())
@@ -38,23 +35,10 @@ class Finger:
         hold_to_start(window)
 
 
-@pytest.fixture
-def opened(application, tmp_path):
-    """Open windows that remember in the same folder, one after the other."""
-    windows = []
-
-    def again():
-        if windows:
-            close(windows.pop())
-        window = new_window(Languages(application, Language.ENGLISH), profiles=tmp_path)
-        windows.append(window)
-        window.show()
-        window.control.begin()
-        show(window, snapshot(SurveyState.IDLE, defaults=NOTHING_CONFIGURED))
-        return window
-
-    yield again
-    close(windows.pop())
+def begun(window):
+    window.control.begin()
+    show(window, snapshot(SurveyState.IDLE, defaults=NOTHING_CONFIGURED))
+    return window
 
 
 def plan(window, finger, address):
@@ -77,7 +61,7 @@ def test_an_address_and_an_area_from_factory_values(opened):
     for network in networks:
         last = [str(draw.randint(0, 255)) for _ in range(4 - len(network))]
         address = ".".join(network + last)
-        window, finger = opened(), Finger()
+        window, finger = begun(opened()), Finger()
         plan(window, finger, address)
         (started,) = window.survey.asked
         assert started.vna_address == address
@@ -87,7 +71,7 @@ def test_an_address_and_an_area_from_factory_values(opened):
 
 
 def test_what_was_measured_last_takes_fewer_touches_as_it_was_or_with_changes(opened):
-    window, finger = opened(), Finger()
+    window, finger = begun(opened()), Finger()
     plan(window, finger, "192.168.1.10")
     before = window.survey.asked[0]
     window.on_event(Answer(Request.START, True, verbatim("Survey started"), "id"))
@@ -95,7 +79,7 @@ def test_what_was_measured_last_takes_fewer_touches_as_it_was_or_with_changes(op
     window.refresh()
     assert window.plans.wait(30.0)
     # The plan that is not finished, and the last area.
-    window, finger = opened(), Finger()
+    window, finger = begun(opened()), Finger()
     finger.touch(window.control.tiles[Tile.AREA])
     finger.touch(window.values.presets[3])
     finger.touch(window.values.done)

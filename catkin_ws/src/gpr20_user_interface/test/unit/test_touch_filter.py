@@ -9,7 +9,7 @@ from PyQt5.QtCore import QPoint, Qt
 from PyQt5.QtTest import QTest
 from PyQt5.QtWidgets import QApplication, QPushButton
 from view_kit import snapshot
-from window_helpers import close, opened_window, show, wishes
+from window_helpers import show, wishes
 
 from gpr20_common.message import verbatim
 from gpr20_operator.plan.fields import default_parameters
@@ -23,24 +23,15 @@ NOTICE = refusal_notice(Refused.PAUSE, verbatim("the reason"))
 
 
 @pytest.fixture
-def window(application, tmp_path):
-    window = opened_window(application, profiles=tmp_path, clock=FakeClock())
+def window(opened):
+    window = opened()
     show(window, snapshot(SurveyState.IDLE))
-    yield window
-    close(window)
+    return window
 
 
 @pytest.fixture
 def finger(window):
     return Finger(window, window.clock)
-
-
-def start_sheet(window, finger):
-    """Open the sheet of START and wait until touches count again."""
-    finger.tap(window.control.start)
-    assert window.start_sheet.isVisible()
-    finger.wait(AFTER_S)
-    return window.start_sheet
 
 
 def test_a_bounce_of_the_touch_that_closes_a_sheet_does_nothing(window, finger):
@@ -64,11 +55,11 @@ def test_a_bounce_of_the_touch_that_closes_a_sheet_does_nothing(window, finger):
         pressed.clear()
 
 
-def test_a_screen_that_is_too_small_can_be_looked_at_and_stops(application, tmp_path):
-    window = opened_window(application, profiles=tmp_path, clock=FakeClock())
+def test_a_screen_that_is_too_small_can_be_looked_at_and_stops(window, finger):
     show(window, snapshot(SurveyState.SURVEYING))
     window.resize(480, 320)
-    finger = Finger(window, window.clock)
+    QApplication.processEvents()
+    finger.wait(AFTER_S)
     band = window.touch_binding.band
     assert band.isVisible() and "800x480" in band.text.text()
     for tab in TabName:
@@ -93,7 +84,6 @@ def test_a_screen_that_is_too_small_can_be_looked_at_and_stops(application, tmp_
     window.resize(800, 480)
     QApplication.processEvents()
     assert not band.isVisible()
-    close(window)
 
 
 def test_a_double_tap_deletes_no_profile(window, finger, tmp_path):
@@ -133,7 +123,9 @@ def second_finger(window, place):
 
 
 def test_a_second_finger_ends_a_hold_wherever_it_comes(window, finger):
-    sheet = start_sheet(window, finger)
+    finger.tap(window.control.start)
+    finger.wait(AFTER_S)
+    sheet = window.start_sheet
     place = place_of(window, sheet.hold).center()
     finger.press(place)
     finger.wait(0.5)

@@ -4,9 +4,8 @@ from dataclasses import replace
 import pytest
 from PyQt5.QtCore import QObject, Qt, pyqtSignal
 from view_kit import state_of
-from window_helpers import click, close, enter, hold_to_start, new_window, start, until
+from window_helpers import click, enter, hold_to_start, start, until
 
-from gpr20_common.catalogue import Language
 from gpr20_common.message import verbatim
 from gpr20_operator.plan.preview import CostEstimated
 from gpr20_operator.robot.events import (
@@ -20,7 +19,6 @@ from gpr20_operator.robot.survey_control import WindowPresenter
 from gpr20_operator.robot.survey_model import SurveyModel
 from gpr20_survey.plan.survey_cost import SurveyCost
 from gpr20_survey.plan.survey_state import SurveyState
-from gpr20_user_interface.look.translation import Languages
 
 
 class ControlThatRecords:
@@ -62,16 +60,12 @@ def estimator():
 
 
 @pytest.fixture
-def parts(application, clock, estimator):
+def parts(opened, clock, estimator):
     control = ControlThatRecords()
-    survey = WindowPresenter(SurveyModel(clock), control, estimator)
-    languages = Languages(application, Language.ENGLISH)
-    window = new_window(languages, survey)
-    window.show()
+    window = opened(survey=WindowPresenter(SurveyModel(clock), control, estimator))
     window.begin()
     yield window, control
     window.end()
-    close(window)
 
 
 def state(code):
