@@ -27,16 +27,11 @@ REFUSED = Message("the echoes agree with every permittivity").with_fault(Fault("
 
 
 @pytest.fixture
-def page(window):
-    return window.result
-
-
-@pytest.fixture
-def ended(window, page):
+def ended(window):
     """The page at the end of a survey."""
     show(window, RUNS)
     show(window, ENDED)
-    return page
+    return window.result
 
 
 @pytest.fixture
@@ -51,7 +46,8 @@ def refreshed(page):
     return page
 
 
-def test_the_page_is_there_when_a_survey_has_ended_until_the_next_one_is_planned(window, page):
+def test_the_page_is_there_when_a_survey_has_ended_until_the_next_one_is_planned(window):
+    page = window.result
     show(window, snapshot())
     assert window.survey_tab.currentWidget() is window.control
     show(window, RUNS)
@@ -63,7 +59,7 @@ def test_the_page_is_there_when_a_survey_has_ended_until_the_next_one_is_planned
     assert window.survey_tab.currentWidget() is window.control
 
 
-def test_the_search_begins_by_itself_when_the_page_is_seen(window, ended, node):
+def test_the_search_begins_when_the_page_is_seen_and_ends_with_the_window(window, ended, node):
     assert node.of("read") == [(SURVEY,)]
     node.ticket("read").done(stored())
     window.show_tab(TabName.SURVEYS)
@@ -73,9 +69,13 @@ def test_the_search_begins_by_itself_when_the_page_is_seen(window, ended, node):
     show(window, ENDED)
     assert len(node.of("focus")) == 1
     assert ended.progress.isVisible() and ended.card.button.isVisible()
+    window.end()
+    assert node.cancelled == [node.ticket("focus").request_id]
 
 
-def test_a_stored_survey_is_named_on_its_result_and_over_its_sheets(window, done):
+def test_a_stored_survey_opens_its_result_and_is_named_there_and_over_its_sheets(
+    window, done, node
+):
     page = window.result
     assert not page.band.isVisible()
     window.past.result_requested.emit(SURVEY)
@@ -86,6 +86,16 @@ def test_a_stored_survey_is_named_on_its_result_and_over_its_sheets(window, done
     page.stick_sheet.open_now()
     for sheet in (page.place_sheet, page.stick_sheet):
         assert sheet.band.isVisible() and sheet.band.whole == page.band.whole
+        sheet.hide()
+    listed = past_survey(stored_traces=40, complete=True, outcome="finished")
+    window.show_tab(TabName.SURVEYS)
+    window.on_event(SurveysListed("", (listed,), False))
+    window.past.choose(listed)
+    click(window.past.result)
+    show(window, ENDED)
+    assert node.of("read")[-1] == (listed.folder,)
+    assert window.tabs.currentWidget() is window.survey_tab
+    assert window.survey_tab.currentWidget() is page
 
 
 def test_five_places_are_listed_and_the_others_are_counted_and_reached(done):
@@ -210,7 +220,7 @@ def test_where_a_mine_could_hide_is_hatched(done, node):
     assert node.cancelled and not done.hiding_sheet.progress.isVisible()
 
 
-def test_the_report_takes_one_touch_with_one_stick_and_two_with_several(done, node):
+def test_the_report_takes_one_touch_with_one_stick_and_says_why_it_fails(done, node):
     click(done.stick)
     plug_in(node, BLUE)
     refreshed(done)
@@ -228,26 +238,16 @@ def test_the_report_takes_one_touch_with_one_stick_and_two_with_several(done, no
     assert len(node.of("export")) == 1
     click(done.stick_sheet.sticks[1])
     assert node.of("export")[-1].volume == RED.path
-
-
-def test_a_stored_survey_opens_its_result(window, page, node):
-    listed = past_survey(stored_traces=40, complete=True, outcome="finished")
-    show(window, snapshot())
-    window.show_tab(TabName.SURVEYS)
-    window.on_event(SurveysListed("", (listed,), False))
-    window.past.choose(listed)
-    click(window.past.result)
-    show(window, snapshot())
-    assert window.tabs.currentWidget() is window.survey_tab
-    assert window.survey_tab.currentWidget() is page
-    assert node.of("read")[-1] == (listed.folder,)
-
-
-def test_closing_the_window_ends_what_it_waits_for(window, ended, node):
-    node.ticket("read").done(stored())
-    show(window, ENDED)
-    window.end()
-    assert node.cancelled == [node.ticket("focus").request_id]
+    node.ticket("export").fail(verbatim("the USB stick RED is full"))
+    assert "RED is full" in refreshed(done).stick_sheet.text.text()
+    click(done.stick_sheet.again)
+    plug_in(node, BLUE)
+    assert node.of("export")[-1].volume == BLUE.path
+    node.ticket("export").fail(verbatim("the USB stick BLUE is full"))
+    refreshed(done)
+    click(done.stick_sheet.other)
+    refreshed(done)
+    assert all(key.isVisible() for key in done.stick_sheet.parts.values())
 
 
 def test_a_place_says_why_and_opens_its_finer_plan_and_ground(window, done):
@@ -262,20 +262,3 @@ def test_a_place_says_why_and_opens_its_finer_plan_and_ground(window, done):
     click(done.place_sheet.view)
     show(window, ENDED)
     assert window.tabs.currentWidget() is window.ground.view
-
-
-def test_an_export_that_fails_says_why_and_other_files_can_be_chosen(done, node):
-    click(done.stick)
-    plug_in(node, BLUE)
-    node.ticket("export").fail(verbatim("the USB stick BLUE is full"))
-    assert "BLUE is full" in refreshed(done).stick_sheet.text.text()
-    click(done.stick_sheet.again)
-    plug_in(node, RED)
-    assert node.of("export")[-1].volume == RED.path
-    node.ticket("export").fail(verbatim("the USB stick RED is full"))
-    refreshed(done)
-    click(done.stick_sheet.other)
-    refreshed(done)
-    assert all(key.isVisible() for key in done.stick_sheet.parts.values())
-    click(done.stick_sheet.sticks[0])
-    assert len(node.of("export")) == 3

@@ -45,8 +45,8 @@ from gpr20_survey.results.hidden_target import Targets
 
 
 @pytest.fixture
-def requests():
-    return Requests()
+def requests(node):
+    return node
 
 
 @pytest.fixture
@@ -107,7 +107,7 @@ def test_the_brightest_and_those_without_doubt_come_first_and_all_are_counted(fo
 
 
 @given(st.one_of(st.none(), st.floats(1.0, 81.0)), st.one_of(st.none(), st.floats(1.0, 81.0)))
-def test_one_permittivity_is_in_all_requests(planned, entered):
+def test_one_permittivity_is_in_all_requests_and_in_the_log(planned, entered):
     requests = Requests()
     result = new_result(requests)
     log = [noted("decision", soil_values(planned, TIME_US))] if planned is not None else []
@@ -116,6 +116,15 @@ def test_one_permittivity_is_in_all_requests(planned, entered):
     result.set_permittivity(entered)
     if entered != planned:
         values.append(entered)
+        if entered is None:
+            # The imaging node would use the plan as long as the log does not say so.
+            result.keep()
+            assert len(requests.of("focus")) == 1
+        ((survey, kind, noted_values),) = requests.of("note")
+        assert (survey, kind) == (SURVEY, Kind.DECISION)
+        another = new_result(others := Requests())
+        search(another, others, record=stored(log=[noted(kind, noted_values)]))
+        assert another.permittivity == entered
         requests.ticket("note").done(None)
         result.keep()
         requests.ticket("focus").done(image_of(candidate_list(ELEVEN, survey_id=SURVEY)))
@@ -129,21 +138,10 @@ def test_one_permittivity_is_in_all_requests(planned, entered):
     assert (order.permittivity, order.language) == (entered or 0.0, "es")
 
 
-def test_a_permittivity_that_is_changed_is_noted_and_a_stored_survey_opens_with_it(requests):
-    first = new_result(requests)
-    search(first, requests)
-    first.set_permittivity(8.0)
-    ((survey, kind, values),) = requests.of("note")
-    assert (survey, kind) == (SURVEY, Kind.DECISION)
-    another = new_result(Requests())
-    search(another, another._imaging._requests, record=stored(log=[noted(kind, values)]))
-    assert another.permittivity == 8.0
-    assert [str(one) for one in soil_lines(another)] == ["Permittivity 8", "Moist sand"]
-
-
 def test_a_permittivity_that_could_not_be_stored_is_stored_with_the_next_reading(result, requests):
     search(result, requests, record=stored(permittivity=4.0))
     result.set_permittivity(8.0)
+    assert [str(one) for one in soil_lines(result)] == ["Permittivity 8", "Moist sand"]
     requests.ticket("note").fail(verbatim("the storage does not answer"))
     assert "the storage does not answer" in str(notices(result)[0])
     result.try_again()
@@ -163,17 +161,6 @@ def test_what_another_screen_has_entered_since_counts_and_not_the_plan(result, r
     assert result.permittivity is None
     assert requests.of("focus")[-1] == (SURVEY, 0.0)
     assert [one[2]["permittivity"] for one in requests.of("note")] == [4.0]
-
-
-def test_that_the_soil_is_not_known_after_all_is_in_the_log_before_the_search(result, requests):
-    search(result, requests, record=stored(permittivity=4.0))
-    result.set_permittivity(None)
-    result.keep()
-    # The imaging node would use the plan.
-    assert [one[1] for one in requests.of("focus")] == [4.0]
-    requests.ticket("note").done(None)
-    result.keep()
-    assert [one[1] for one in requests.of("focus")] == [4.0, 0.0]
 
 
 @pytest.mark.parametrize("value", [None, True, "4", 0.5, 101.0, float("nan"), [4.0]])
@@ -259,13 +246,11 @@ def test_how_much_was_measured_is_said_unless_it_is_all(result, requests, count,
     search(result, requests, record=stored(count, outcome=outcome))
     said = measured(result)
     assert said is text is None or text in str(said)
-
-
-def test_traces_that_cannot_be_read_are_counted(result, requests):
-    opened(result, requests)
+    # And what of it cannot be read.
+    opened(another := new_result(requests), requests)
     found = candidate_list(ELEVEN, survey_id=SURVEY)
     requests.ticket("focus").done(image_of(found, traces=PLANNED - 3))
-    assert "3 of 40" in str(measured(result))
+    assert "3 of 40" in str(measured(another))
 
 
 def test_what_was_found_is_stored_with_the_sum_of_its_list_and_read_again(result, requests):
@@ -278,17 +263,6 @@ def test_what_was_found_is_stored_with_the_sum_of_its_list_and_read_again(result
     assert result.find_at(place) == record
     assert result.find_at(result.places[1]) is None
     assert len(requests.of("focus")) == 1
-
-
-def test_what_was_found_at_a_place_is_not_said_of_its_neighbours_in_the_list(result, requests):
-    places = [
-        candidate(1, 140.0, 90.0),
-        candidate(2, 150.0, 90.0),
-        candidate(3, 140.0, 90.0, 110.0),
-    ]
-    search(result, requests, places)
-    note(result, requests, What.NOTHING)
-    assert [result.find_at(one) is not None for one in places] == [True, False, False]
 
 
 @pytest.mark.parametrize(
@@ -350,13 +324,18 @@ def test_other_files_are_written_only_after_a_choice(result, requests, now):
     assert len(requests.of("export")) == 2
 
 
-def test_what_was_found_is_seen_beside_a_place_of_another_list_too(result, requests):
-    search(result, requests)
-    note(result, requests, What.DEVICE)
+def test_what_was_found_is_not_said_of_neighbours_but_seen_beside_it_in_another_list(
+    result, requests
+):
+    places = [(140.0, 90.0), (150.0, 90.0), (140.0, 90.0, 110.0)]
+    places = [candidate(number, *place) for number, place in enumerate(places, 1)]
+    search(result, requests, places)
+    note(result, requests, What.NOTHING)
+    assert [result.find_at(one) is not None for one in places] == [True, False, False]
     result.set_permittivity(8.0)
     result.keep()
-    moved = [candidate(1, 300.0, 300.0), candidate(2, 125.0, 90.0 + BESIDE_MM)]
+    moved = [candidate(1, 300.0, 300.0), candidate(2, 140.0, 90.0 + BESIDE_MM)]
     found = candidate_list(moved, survey_id=SURVEY, permittivity=8.0)
     requests.ticket("focus").done(image_of(found))
     assert result.find_at(moved[0]) is None
-    assert result.find_at(moved[1]).what is What.DEVICE
+    assert result.find_at(moved[1]).what is What.NOTHING
