@@ -8,6 +8,7 @@ import pytest
 import rosgraph
 from fake_clock import FakeClock
 from fault_kit import raises_fault
+from graph_kit import Graph
 
 from gpr20_common.high.service_client import ServiceClient, ServiceUnavailableError
 from gpr20_common.message import Message, verbatim
@@ -186,24 +187,17 @@ def test_other_robots_are_listened_to_only_while_their_list_is_looked_at(monkeyp
     monkeypatch.setattr(robots_client.rosgraph, "Master", lambda _name: state)
     monkeypatch.setattr(robots_client, "in_background", lambda work: work())
     monkeypatch.setattr(robots_client, "Periodic", lambda _period_s, act: act())
-    subscribed = {}
-
-    def subscriber(name, _kind, received, callback_args, queue_size):
-        subscribed[name] = lambda message: received(message, callback_args)
-        return SimpleNamespace(unregister=lambda: subscribed.pop(name))
-
-    monkeypatch.setattr(robots_client.rospy, "Subscriber", subscriber)
-    events = []
+    graph, events = Graph(), []
+    monkeypatch.setattr(robots_client.rospy, "Subscriber", graph.subscriber)
     client = robots_client.RobotsClient(events.append, Senders("/"))
     client.listen()
-    assert events == [RobotsFound(frozenset({"/", "/beside"}))] and not subscribed
+    assert events == [RobotsFound(frozenset({"/", "/beside"}))] and not graph.subscribers
     client.set_watched(True)
-    assert set(subscribed) == {"/control_status", "/beside/control_status"}
-    message = ControlStatus(code=ControlStatus.PAUSED)
+    topics = {one.name for one in graph.subscribers}
+    assert topics == {"/control_status", "/beside/control_status"}
     for sender in ("/play_1", "/main_control", "/beside/main_control"):
-        message._connection_header = {"callerid": sender}
-        subscribed["/beside/control_status"](message)
+        graph.send(sender, "/beside/control_status", ControlStatus(code=ControlStatus.PAUSED))
     (report,) = [one for one in events if isinstance(one, RobotReported)]
     assert (report.namespace, report.state.code.name) == ("/beside", "PAUSED")
     client.close()
-    assert not subscribed
+    assert not graph.subscribers

@@ -145,25 +145,17 @@ def test_a_trace_that_the_topic_lost_is_read(traces, storage):
     assert storage.asked == [("traces", SURVEY, (1,))]
 
 
-def test_a_file_that_cannot_be_read_is_told_once(traces, storage):
+def test_a_file_that_cannot_be_read_or_is_not_there_is_told_once(traces, storage):
     traces.on_event(SurveyDescribed(description()))
     traces.on_event(stored(3))
     refresh(traces, 2)
-    traces.on_event(read(0, 0, 2, unreadable={1: verbatim("no strict JSON")}))
+    traces.on_event(read(0, 2, unreadable={1: verbatim("no strict JSON")}))
     refresh(traces, 4)
     assert storage.asked == [("traces", SURVEY, (0, 1, 2))]
-    assert list(map(str, traces.problems)) == ["trace 1: no strict JSON"]
-    assert traces.shown.radar.given_up == {1: verbatim("no strict JSON")}
-
-
-def test_an_answer_without_the_trace_does_not_ask_for_ever(traces, storage):
-    traces.on_event(SurveyDescribed(description()))
-    traces.on_event(stored(2))
-    refresh(traces, 2)
-    traces.on_event(read(0, 1))
-    refresh(traces, 4)
-    assert storage.asked == [("traces", SURVEY, (0, 1))]
-    assert "no file" in str(traces.shown.radar.given_up[0])
+    assert "trace 1: no strict JSON" in map(str, traces.problems)
+    lost = traces.shown.radar.given_up
+    assert set(lost) == {0, 1} and lost[1] == verbatim("no strict JSON")
+    assert "no file" in str(lost[0])
 
 
 def test_a_storage_that_does_not_answer_is_asked_again(traces, storage):
@@ -181,16 +173,12 @@ def test_a_new_survey_begins_an_empty_picture_and_a_resumed_one_does_not(traces)
     traces.refresh()
     traces.on_event(SurveyDescribed(description(resumed=["2026-11-21T05:10:00+00:00"])))
     assert traces.shown.radar.count == 1
-    traces.on_event(SurveyDescribed(description(survey_id=OTHER)))
-    assert traces.shown.radar.count == 0
-
-
-def test_coverage_of_another_survey_waits_for_its_plan(traces):
-    traces.on_event(SurveyDescribed(description()))
+    # Its coverage waits for its plan.
     traces.on_event(stored(4, OTHER))
     traces.refresh()
     assert traces.shown.map.counts() is None
     traces.on_event(SurveyDescribed(description(survey_id=OTHER)))
+    assert traces.shown.radar.count == 0
     traces.refresh()
     assert traces.shown.map.counts()[StopState.DONE] == 2
 

@@ -8,6 +8,7 @@ import pytest
 from annotation_examples import annotations
 from case_kit import each_case
 from fake_clock import FakeClock
+from graph_kit import Graph
 from hypothesis import given
 from hypothesis import strategies as st
 from view_kit import snapshot, state_of
@@ -109,14 +110,13 @@ def test_another_plan_is_sent_at_once(window):
 
 
 @each_case("reason", FORBIDDING)
-def test_a_hold_allows_nothing_where_something_forbids_it(reason):
-    window, shown = Window(), FORBIDDING[reason]
-    window.note(shown)
-    window.arming.arm(shown)
-    assert not window.arming.armed
+def test_a_hold_allows_nothing_where_something_forbids_it(clock, reason):
+    shown, page, arming = FORBIDDING[reason], RemoteAllowance(clock), Arming(clock)
+    arming.note(shown, PLAN)
+    arming.arm(shown)
+    assert not arming.armed
     assert remote_question(WEB, remote_obstacle(shown)).hold is None
     # The page says what forbids it, whatever the window has said before.
-    page = RemoteAllowance(window.clock)
     page.on_event(RemoteArmed(True, REMOTE_LIMIT_S, PLAN))
     assert not page.armed, "of a robot that it knows nothing of"
     page.note(WELL)
@@ -234,29 +234,22 @@ def test_the_message_of_the_window_arrives_as_it_was_sent(topics):
 
 
 def test_the_page_takes_no_message_of_another_node(topics, monkeypatch):
-    subscribed, events = {}, []
-    monkeypatch.setattr(
-        *(topics.rospy, "Subscriber"),
-        lambda name, _kind, received, queue_size: subscribed.setdefault(name, received),
-    )
+    graph, events = Graph(), []
+    monkeypatch.setattr(topics.rospy, "Subscriber", graph.subscriber)
     client = topics.RemoteControlClient(events.append, "/")
     client.listen()
     message = topics.RemoteControl(armed=True, remaining=topics.rospy.Duration(600))
     for sender in ("/main_control", "/web", "/someone", "/robot1/user_interface"):
-        message._connection_header = {"callerid": sender}
-        subscribed["remote_control"](message)
+        graph.send(sender, "remote_control", message)
     assert not any(isinstance(one, RemoteArmed) for one in events)
-    message._connection_header = {"callerid": "/user_interface"}
-    subscribed["remote_control"](message)
+    graph.send("/user_interface", "remote_control", message)
     assert events[-1] == RemoteArmed(True, 600.0, None)
 
 
 def test_the_window_notices_that_the_node_of_the_page_is_gone(topics, monkeypatch):
-    events, links = [], []
-    topic = SimpleNamespace(count=0, unregister=list)
-    topic.get_num_connections = lambda: topic.count
+    graph, events, links = Graph(), [], []
     monkeypatch.setattr(topics.rospy, "Publisher", lambda *_, **__: None)
-    monkeypatch.setattr(topics.rospy, "Subscriber", lambda *_, **__: topic)
+    monkeypatch.setattr(topics.rospy, "Subscriber", graph.subscriber)
     monkeypatch.setattr(
         topics, "Periodic", lambda _s, look: links.append(look) or SimpleNamespace(stop=list)
     )
@@ -264,7 +257,7 @@ def test_the_window_notices_that_the_node_of_the_page_is_gone(topics, monkeypatc
     assert links == [], "it offers nothing while it shows a replay"
     client = topics.WebPageClient(events.append, Senders("/"))
     client.listen()
-    for topic.count in (0, 1, 1, 0, 0, 1):
+    for graph.connected in (0, 1, 1, 0, 0, 1):
         links[0]()
     assert events == [WebPageGone()]
     client.close()

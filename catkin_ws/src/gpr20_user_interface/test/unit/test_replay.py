@@ -6,6 +6,7 @@ from types import SimpleNamespace
 import pytest
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from fake_clock import FakeClock
+from graph_kit import Graph
 from hypothesis import given
 from hypothesis import strategies as some
 
@@ -31,24 +32,6 @@ OTHERS = (
 )
 MARK = ReplayMark("id", "2026-11-22T07:53:11.859801+00:00", "20261122T075311_58860593")
 SURVEY = f"Survey of 2026-11-22 07:53 UTC, {MARK.folder}"
-
-
-class Graph:
-    """In place of the ROS graph: delivers the messages that the test sends."""
-
-    def __init__(self):
-        self.subscribers, self.connected = [], 0
-
-    def subscriber(self, name, _message_class, received, queue_size=None):
-        connections = {"get_num_connections": lambda: self.connected, "unregister": list}
-        self.subscribers.append(SimpleNamespace(name=name, received=received, **connections))
-        return self.subscribers[-1]
-
-    def send(self, sender, topic, message):
-        message._connection_header = {"callerid": sender}
-        for one in self.subscribers:
-            if one.name == topic:
-                one.received(message)
 
 
 @pytest.fixture
@@ -218,7 +201,14 @@ def assert_harmless(snapshot):
     assert snapshot.fields_locked
 
 
-def test_a_window_of_a_replay_is_one_before_anything_is_played():
+def played(*events):
+    model = ReplayModel()
+    for event in events:
+        model.handle(event)
+    return model
+
+
+def test_a_window_of_a_replay_is_one_before_anything_is_played_and_in_every_state():
     model = played(NodeHealth("main_control", HealthLevel.ERROR, verbatim("it burns"), {}))
     model.request_sent(Request.STOP)
     snapshot = model.snapshot()
@@ -227,16 +217,6 @@ def test_a_window_of_a_replay_is_one_before_anything_is_played():
     # Recordings of earlier versions may lack its status.
     model.handle(NodeHealth("simulator", HealthLevel.OK, verbatim("works"), {}))
     assert model.snapshot().simulated
-
-
-def played(*events):
-    model = ReplayModel()
-    for event in events:
-        model.handle(event)
-    return model
-
-
-def test_every_state_of_a_recording_is_harmless_and_named_a_replay():
     for code in SurveyState:
         model = played(MARK, state(code), progress())
         assert str(model.snapshot().state.title) == f"REPLAY: {code.label}"
@@ -276,15 +256,13 @@ def test_a_message_in_flight_when_its_player_ended_does_not_begin_the_replay_aga
     assert (model.snapshot().state, model.snapshot().replay.mark) == (None, ReplayMark())
 
 
-def followed(*events):
-    """Return the follower of a replay, which never asks for anything."""
-    follower = ReplayFollower()
-    for event in events:
-        assert follower.handle(event) == follower.tick() == []
-    return follower
+def test_the_terminal_client_follows_a_replay_to_its_end_and_asks_for_nothing():
+    def followed(*events):
+        follower = ReplayFollower()
+        for event in events:
+            assert follower.handle(event) == follower.tick() == []
+        return follower
 
-
-def test_the_terminal_client_follows_a_replay_to_its_end():
     assert followed(MARK, state(SurveyState.PAUSED), PlayerLink(True)).outcome is None
     for end in (PlayerLink(False), replace(MARK, phase=ReplayPhase.ENDED)):
         follower = followed(MARK, progress(), state(SurveyState.FINISHED), end)

@@ -72,18 +72,13 @@ def test_service_ends_and_does_not_begin_while_it_is_not_possible(model, request
         assert not model.entered
 
 
-def test_service_ends_two_minutes_after_the_last_touch(model, clock):
+def test_service_ends_two_minutes_after_the_last_touch_or_motion(model, clock, requests):
     clock.advance(IDLE_LIMIT_S - 1.0)
     model.touch()
     clock.advance(IDLE_LIMIT_S - 1.0)
     model.refresh(at_rest())
     assert model.entered
-    clock.advance(2.0)
-    model.refresh(at_rest())
-    assert not model.entered
-
-
-def test_service_does_not_end_during_a_long_motion(model, clock, requests):
+    # Not during a long motion.
     model.move(AxisId.X, AxisAction.HOME)
     for _minute in range(10):
         clock.advance(60.0)
@@ -93,6 +88,9 @@ def test_service_does_not_end_during_a_long_motion(model, clock, requests):
     clock.advance(IDLE_LIMIT_S - 1.0)
     model.refresh(at_rest())
     assert model.entered
+    clock.advance(2.0)
+    model.refresh(at_rest())
+    assert not model.entered
 
 
 def test_service_ends_with_its_tab(model, requests):
@@ -148,6 +146,9 @@ def test_the_smallest_offset_of_a_clock_counts(model):
     assert not any("differs" in str(one.text) for one in model.findings())
     model.on_event(ClockOffset("vna_acquisition", 8.0))
     assert any("differs" in str(one.text) for one in model.findings())
+    # Nothing is found wrong with the robot of a replay.
+    model.refresh(replace(at_rest(), replay=ReplayView(ReplayMark())))
+    assert model.findings() == () and model.obstacle is not None
 
 
 def test_no_survey_can_be_started_while_something_is_in_service(clock):
@@ -158,14 +159,6 @@ def test_no_survey_can_be_started_while_something_is_in_service(clock):
     assert not survey.snapshot().can_start
     survey.handle(ServiceActivity(None))
     assert survey.snapshot().can_start
-
-
-def test_nothing_is_found_wrong_with_the_robot_of_a_replay(model):
-    model.on_event(ClockOffset("vna_acquisition", 8.0))
-    model.refresh(at_rest())
-    assert model.findings()
-    model.refresh(replace(at_rest(), replay=ReplayView(ReplayMark())))
-    assert model.findings() == () and model.obstacle is not None
 
 
 def test_no_sequence_asks_for_a_motion_beside_a_survey(clock):

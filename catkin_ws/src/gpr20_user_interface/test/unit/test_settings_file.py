@@ -7,13 +7,16 @@ import pytest
 from fault_kit import raises_fault
 from PyQt5.QtTest import QTest
 from run_seed import draws
-from window_helpers import click, close, new_window
+from view_kit import make_grid, past_survey, snapshot
+from window_helpers import click, close, new_window, show
 
 from gpr20_common.catalogue import Language
 from gpr20_operator import faults
 from gpr20_operator.errors import SettingsError
 from gpr20_operator.files.settings_file import MAX_BYTES, SettingsFile
+from gpr20_operator.ground.trace_events import SurveysListed
 from gpr20_operator.palette import Theme
+from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_user_interface.look.settings import (
     DIM_CHOICES_MIN,
     WindowMemory,
@@ -22,6 +25,7 @@ from gpr20_user_interface.look.settings import (
     values_of,
 )
 from gpr20_user_interface.look.translation import Languages
+from gpr20_user_interface.window.rail import TabName
 
 
 @pytest.fixture
@@ -106,6 +110,11 @@ def test_each_choice_takes_effect_at_once_and_at_the_next_start(application, tmp
     languages = Languages(application, memory.settings.language)
     window = new_window(languages, profiles=tmp_path, memory=memory)
     window.show()
+    window.on_event(SurveysListed("", (past_survey(),), True))
+    window.traces.live.begin(make_grid())
+    window.show_tab(TabName.ROBOT)
+    show(window, snapshot(SurveyState.IDLE))
+    hint, title = window.robot.overview.hint.text(), window.top_bar.band.title.whole
     sheet = window.settings
     click(window.rail.settings)
     assert sheet.isVisible()
@@ -115,6 +124,13 @@ def test_each_choice_takes_effect_at_once_and_at_the_next_start(application, tmp
     click(sheet.dim_choices[10])
     QTest.qWait(1)  # the change of language is an event
     assert sheet.title.text() == "Ajustes"
+    assert window.robot.overview.hint.text() not in ("", hint)
+    assert window.top_bar.band.title.whole not in ("", title)
+    window.show_tab(TabName.GROUND)
+    assert "Sin eco no significa sin mina." in window.ground.view.note.text()
+    assert window.ground.view.set_marker.text() == "Poner\nmarca"
+    window.ground.layers.background.click()
+    assert window.ground.layers.background.text() == "Fondo\nincluido"
     assert window.look.theme is Theme.NIGHT
     click(sheet.close_button)
     assert not sheet.isVisible()
