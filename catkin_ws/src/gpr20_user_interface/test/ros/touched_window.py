@@ -12,7 +12,7 @@ import tempfile
 import time
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any, Callable, Dict, Iterator, Tuple
+from typing import Any, Callable, Dict, Iterator
 
 SIZE = "800x480"
 # As long as the window takes no touch after something has opened or closed, and a little more.
@@ -163,14 +163,6 @@ class TouchedWindow:
         self._screen.finger(
             *("mousemove", str(x), str(y), "mousedown", "1"),
             *("sleep", f"{for_s:g}", "mouseup", "1"),
-        )
-
-    def drag(self, start: Tuple[int, int], end: Tuple[int, int]) -> None:
-        """Wipe over the screen."""
-        places = [[str(side) for side in place] for place in (start, end)]
-        self._screen.finger(
-            *("mousemove", *places[0], "mousedown", "1"),
-            *("mousemove", *places[1], "mouseup", "1"),
         )
 
     @contextmanager

@@ -43,7 +43,6 @@ def shown(window: Any) -> Dict[str, Any]:
         "pending": len(snapshot.pending),
         "visited": 0 if progress is None else progress.visited_points,
         "area_traces": 0 if progress is None else progress.total_points,
-        "nodes": len(snapshot.health.nodes),
         "trouble": snapshot.health.trouble is not None,
         "on_radar": live.radar.count,
         "on_map": 0 if counts is None else 2 * counts[StopState.DONE] + counts[StopState.PARTLY],

@@ -64,7 +64,7 @@ def test_each_trace_counts_from_its_own_height():
     assert peaks == pytest.approx(100.0, abs=8)
 
 
-def test_the_slice_shows_the_target_where_it_is():
+def test_the_slice_shows_what_was_measured_where_it_is():
     def ground(place):
         near = place.stop.row == 2 and place.stop.column == 3
         return depth_echo(0.1, level=1.0 if near else 0.01)
@@ -76,9 +76,7 @@ def test_the_slice_shows_the_target_where_it_is():
     assert picture.range == pytest.approx((40.0, 120.0))
     elsewhere = c_scan(filled(s21_of=ground), dataclasses.replace(LINEAR, depth_m=0.02))
     assert elsewhere.shades.max() < 0.05
-
-
-def test_a_reverse_survey_lies_where_it_was_measured():
+    # A reverse survey lies where it was measured.
     grid = make_grid(x_start_mm=200.0, x_stop_mm=100.0)
     model = RadarModel()
     model.begin(grid)
@@ -114,14 +112,10 @@ def test_background_removal_takes_the_surface_and_leaves_the_target():
     assert np.nanmax(raw.shades) > 0.5
     surface = int(np.argmax(raw.shades[:, 0]))
     assert clean.shades[surface].max() < 0.1
-
-
-def test_few_traces_have_no_background():
     # The mean of one trace is the trace: the picture would be empty, and look like clear ground.
     indices = range(0, 2 * (MIN_BACKGROUND_TRACES - 1), 2)
     model = filled(indices)
     assert model.background(0) is None
-    removed = RadarSettings(in_db=False, remove_background=True)
     assert a_scan(model, model.latest, removed).shades.max() > 0.5
 
 

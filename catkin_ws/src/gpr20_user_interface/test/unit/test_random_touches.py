@@ -7,15 +7,13 @@ import os
 import random
 import sys
 
-from fake_clock import FakeClock
 from finger import AFTER_S, Finger, place_of
 from PyQt5.QtCore import QPoint
 from PyQt5.QtWidgets import QAbstractButton, QApplication
 from run_seed import draws
 from view_kit import FOLDER, PAST, description, past_survey, snapshot
-from window_helpers import close, new_window, show, wishes
+from window_helpers import show, wishes
 
-from gpr20_common.catalogue import Language
 from gpr20_common.message import verbatim
 from gpr20_operator.ground.trace_events import SurveyRead, SurveysListed
 from gpr20_operator.plan.fields import default_parameters
@@ -25,7 +23,7 @@ from gpr20_operator.robot.remote_control import Arming, WebStatusReported
 from gpr20_operator.robot.survey_model import Refusal
 from gpr20_survey.plan.annotation import Annotation
 from gpr20_survey.plan.survey_state import SurveyState
-from gpr20_user_interface.look.translation import Languages, shown_text
+from gpr20_user_interface.look.translation import shown_text
 from gpr20_user_interface.widgets.overlay import Overlay
 from gpr20_user_interface.window.rail import TabName
 
@@ -50,27 +48,19 @@ class Field:
     hold does it once; STOP always works; what is shown is what was last said.
     """
 
-    def __init__(self, application, folder, seed):
-        self.random = random.Random(seed)
-        clock = FakeClock()
-        self.arming = Arming(clock)
-        self.window = new_window(
-            Languages(application, Language.ENGLISH),
-            profiles=folder,
-            clock=clock,
-            arming=self.arming,
-        )
+    def __init__(self, opened, clock):
+        self.random, self.arming = random.Random(SEED), Arming(clock)
+        self.window = opened(arming=self.arming)
         self.opened, self.held, self.answered, self.acts = set(), set(), 0, []
         for name in sorted(KEPT):
             self.window.profiles.show_profiles(default_parameters())
             self.window.profiles._save(name[: -len(".yaml")])
         self.window.profiles.hide()
-        self.window.show()
         self.window.on_event(SurveysListed("", (past_survey(),), False))
         self.window.on_event(WebStatusReported("192.168.1.10", 8443, "AB12 CD34", 3, "Ana"))
         self.overlays = self.window.findChildren(Overlay)
         self.buttons = self.window.findChildren(QAbstractButton)
-        self.finger = Finger(self.window, self.window.clock)
+        self.finger = Finger(self.window, clock)
         self.say(SurveyState.IDLE)
 
     def say(self, code, alive=True):
@@ -238,12 +228,12 @@ class Field:
 
 
 def test_random_touches_neither_start_nor_resume_nor_home_nor_delete(
-    application, tmp_path, monkeypatch
+    opened, clock, tmp_path, monkeypatch
 ):
     raised = []
     # What a slot of Qt raises ends the real window.
     monkeypatch.setattr(sys, "excepthook", lambda *error: raised.append(error))
-    field = Field(application, tmp_path, SEED)
+    field = Field(opened, clock)
     window = field.window
     for number in range(TOUCHES):
         try:
@@ -265,4 +255,3 @@ def test_random_touches_neither_start_nor_resume_nor_home_nor_delete(
     asking = {window.start_sheet, window.profiles.confirm, window.question, window.remote}
     assert asking <= field.opened
     assert {one.split()[0] for one in field.held} == {"start", "resume"}
-    close(window)

@@ -61,10 +61,7 @@ def test_the_sheet_says_where_the_page_is_and_who_is_there(field):
     assert field.sheet.isVisible() and not field.window.settings.isVisible()
     texts = [value.text() for _name, value in field.sheet._rows if value.isVisible()]
     assert texts == ["https://192.168.1.10:8443", "AB12 CD34", "3 browsers", "Ana"]
-
-
-def test_there_is_nothing_to_hold_without_a_page(field):
-    field.open()
+    # Without a page there is nothing to hold.
     assert field.sheet.hold.isVisible()
     field.window.on_event(WebPageGone())
     field.say(SurveyState.CONFIGURED)
@@ -141,10 +138,7 @@ def test_the_plan_is_what_start_on_the_window_would_send(field):
     window.control.show_plan()
     field.say(SurveyState.CONFIGURED)
     assert field.sent[-1].plan is None
-
-
-def test_a_survey_that_the_page_has_started_uses_up_its_name_and_notes(field):
-    window = field.window
+    # A survey that the page has started uses up its name and notes.
     window.control.show_parameters(default_parameters())
     window.control.next_annotation.take(ANNOTATION)
     field.say(SurveyState.CONFIGURED)

@@ -10,6 +10,7 @@ from types import SimpleNamespace
 import pytest
 import rospy
 from case_kit import each_case
+from graph_kit import Graph
 
 from gpr20_common.high.service_client import ServiceClient
 from gpr20_common.message import Message, verbatim
@@ -28,7 +29,7 @@ OTHER_VNA = "Anritsu,MS2026C/2,62011033,1.23"
 CODES = {one: getattr(ControlStatus, one.name) for one in SurveyState}
 
 
-class MainControl:
+class MainControl(Graph):
     """Answers the services and publishes what happens, under the name of the main control.
 
     Attributes:
@@ -36,13 +37,13 @@ class MainControl:
         connected: The VNA, if it is not that of the survey.
     """
 
-    def __init__(self, sender="/main_control"):
+    def __init__(self):
+        super().__init__()
         self.end, self.refusal, self.connected = SurveyState.FINISHED, None, ""
         self.reason = verbatim("as it is")
         self.code, self.survey_id, self.total, self.visited = SurveyState.IDLE, "", 0, 0
         self.said = None
-        self.requests, self._sender = [], sender
-        self._listeners, self._lock = {}, threading.RLock()
+        self.requests, self.sender, self._lock = [], "/main_control", threading.RLock()
         self.surveys, self._closed = threading.Event(), threading.Event()
         self.followed = threading.Semaphore(0)
         threading.Thread(target=self._repeat, daemon=True).start()
@@ -54,21 +55,16 @@ class MainControl:
         """Say state and progress again and again, as the real one does."""
         while not self._closed.wait(0.05):
             with self._lock:
-                self.publish("control_status", self.status(self.said))
+                self.send(self.sender, "control_status", self.status(self.said))
                 self.progress()
 
-    def subscriber(self, name, _kind, received, queue_size=None):
+    def subscriber(self, name, *given, **more):
         with self._lock:
-            self._listeners.setdefault(name, []).append(received)
+            one = super().subscriber(name, *given, **more)
             if name == "control_status":
-                self.publish(name, self.status())
+                self.send(self.sender, name, self.status())
                 self.followed.release()
-        return SimpleNamespace(unregister=lambda: self._listeners[name].remove(received))
-
-    def publish(self, topic, message):
-        message._connection_header = {"callerid": self._sender}
-        for received in list(self._listeners.get(topic, ())):
-            received(message)
+        return one
 
     def status(self, message=None):
         fields = message_fields(message or verbatim("as it is"))
@@ -79,7 +75,7 @@ class MainControl:
     def say(self, code, message=None):
         with self._lock:
             self.code, self.said = code, message
-            self.publish("control_status", self.status(message))
+            self.send(self.sender, "control_status", self.status(message))
 
     def call(self, client, _timeout_s, **fields):
         kind = client._service_class
@@ -121,7 +117,8 @@ class MainControl:
         self.surveys.set()
 
     def progress(self):
-        self.publish(
+        self.send(
+            self.sender,
             "control_survey_data",
             SurveyData(
                 survey_id=self.survey_id,
@@ -148,9 +145,7 @@ def control(monkeypatch):
     monkeypatch.setattr(
         ServiceClient, "call", lambda *given, **fields: control.call(*given, **fields)
     )
-    monkeypatch.setattr(
-        ros_events.rospy, "Subscriber", lambda *given, **more: control.subscriber(*given, **more)
-    )
+    monkeypatch.setattr(ros_events.rospy, "Subscriber", control.subscriber)
     monkeypatch.setattr(run_survey, "join_graph", lambda *_given: None)
     nothing = SimpleNamespace(close=lambda: None)
     for name in ("ConnectionKeeper", "LinkWatch"):
@@ -212,9 +207,11 @@ def test_a_refusal_is_told_and_nothing_is_started(run, control):
     control.refusal = verbatim("x stop is 700 mm; it must lie between 0 and 650 mm")
     status, written = run(*SMALL)
     assert status == 1 and "between 0 and 650 mm" in written
-    # Out of every robot's reach: refused before anything is asked.
+    # Out of every robot's reach, or no survey to attach to: nothing is asked.
     control.requests.clear()
     assert run("--x-stop-mm", "5000")[0] == 1
+    status, written = run("--attach")
+    assert status == 1 and "IDLE" in written
     assert not control.requests
 
 
@@ -276,7 +273,7 @@ def test_another_vna_is_used_only_if_it_is_accepted(run, control, monkeypatch):
 
 def test_a_replay_is_attached_to_only_where_no_robot_speaks(run, control, monkeypatch):
     monkeypatch.setattr(run_survey, "ROBOT_LIMIT_S", 0.2)
-    control._sender, control.survey_id, control.code = "/play_1", "an id", SurveyState.SURVEYING
+    control.sender, control.survey_id, control.code = "/play_1", "an id", SurveyState.SURVEYING
 
     def stop():
         # When the client knows whether it follows a robot.
@@ -287,11 +284,6 @@ def test_a_replay_is_attached_to_only_where_no_robot_speaks(run, control, monkey
     threading.Thread(target=stop).start()
     assert run("--attach")[0] == ExitStatus.STOPPED
     assert not control.requests
-
-
-def test_attaching_asks_for_nothing_where_no_survey_runs(run, control):
-    status, written = run("--attach")
-    assert status == 1 and "IDLE" in written and not control.requests
 
 
 def test_no_master_is_told_with_what_to_start(run, monkeypatch):

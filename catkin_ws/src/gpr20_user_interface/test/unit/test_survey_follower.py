@@ -132,14 +132,12 @@ def test_a_survey_that_is_accepted_with_another_vna_is_followed(clock):
         assert robot.status is ExitStatus.FINISHED
 
 
-def test_absent_main_control_is_waited_for_within_the_limit(robot):
+def test_absent_main_control_is_waited_for_within_the_limit(robot, clock):
     assert robot.wait(10).status is None
     assert robot.wait(0.5).status is ExitStatus.REFUSED
     assert robot.follower.outcome.message.fault == faults.NO_CONTROL
-
-
-def test_survey_nothing_is_said_about_is_not_followed_for_ever(robot):
-    robot.say(state("IDLE", ""), STARTED).wait(11, progress(""))
+    # Nor a survey of which nothing is said.
+    robot = Robot(clock).say(state("IDLE", ""), STARTED).wait(11, progress(""))
     assert robot.status is ExitStatus.FAILED
     assert robot.follower.outcome.message.fault == faults.CONTROL_LOST
 
@@ -152,7 +150,7 @@ def test_lost_main_control_is_noticed_even_while_stopping(clock):
         assert robot.follower.outcome.message.may_move
 
 
-def test_a_link_that_is_down_is_waited_for(surveying):
+def test_a_link_that_is_down_is_waited_for_within_the_limits(surveying, clock):
     surveying.wait(4).say(LinkState(down=True)).wait(500)
     assert surveying.status is None
     # Topics take a while to be connected again.
@@ -160,9 +158,7 @@ def test_a_link_that_is_down_is_waited_for(surveying):
     assert surveying.status is None
     surveying.wait(20, progress()).say(state("FINISHED"))
     assert surveying.status is ExitStatus.FINISHED
-
-
-def test_a_link_or_a_main_control_that_does_not_come_back_ends_the_watch(clock):
+    # Neither it nor the main control for ever.
     robot = Robot(clock).say(*BEGIN, LinkState(down=True)).wait(600)
     assert robot.status is None
     assert robot.wait(0.5).status is ExitStatus.FAILED

@@ -104,9 +104,7 @@ def test_what_is_wrong_with_an_incomplete_survey_is_said():
         dataclasses.replace(whole, problem=verbatim("damaged")): "cannot be read",
     }
     assert {one: shown_text(surveys.ending(one)) for one in endings} == endings
-
-
-def test_a_name_of_several_lines_is_one_line_in_the_list():
+    # In one line.
     assert title_of(past_survey(name=" a\nb\tc\n")) == "a b c"
 
 
