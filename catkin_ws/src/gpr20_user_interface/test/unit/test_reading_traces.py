@@ -105,7 +105,7 @@ def test_what_is_stored_and_not_here_yet_is_loading(traces, storage):
     assert (shown.loading.loaded, shown.loading.stored) == (999, 999)
 
 
-def test_traces_on_their_way_on_the_topic_are_not_read(traces, storage):
+def test_only_what_does_not_come_on_the_topic_is_read(traces, storage):
     traces.on_event(SurveyDescribed(description()))
     for index in range(5):
         traces.on_event(stored(index + 1))
@@ -114,6 +114,11 @@ def test_traces_on_their_way_on_the_topic_are_not_read(traces, storage):
         traces.refresh()
     assert storage.asked == []
     assert traces.shown.radar.count == 5
+    # One that the topic has lost is.
+    traces.on_event(trace_at(GRID, 6))
+    traces.on_event(stored(7))
+    refresh(traces, 2)
+    assert storage.asked == [("traces", SURVEY, (5,))]
 
 
 @settings(max_examples=draws(10), deadline=None)
@@ -134,15 +139,6 @@ def test_traces_that_come_at_once_are_shown_as_if_they_came_one_by_one(drawn):
     assert np.array_equal(found[0].present, found[1].present)
     assert np.allclose(found[0].echoes, found[1].echoes, rtol=0.0, atol=1e-4)
     assert found[0].count == found[1].count
-
-
-def test_a_trace_that_the_topic_lost_is_read(traces, storage):
-    traces.on_event(SurveyDescribed(description()))
-    traces.on_event(trace_at(GRID, 0))
-    traces.on_event(trace_at(GRID, 2))
-    traces.on_event(stored(3))
-    refresh(traces, 2)
-    assert storage.asked == [("traces", SURVEY, (1,))]
 
 
 def test_a_file_that_cannot_be_read_or_is_not_there_is_told_once(traces, storage):

@@ -137,19 +137,9 @@ def test_the_last_words_have_remedy_and_code_of_a_fault():
 DAY_S = 86400
 
 
-def test_a_time_is_written_as_people_say_it():
-    for time_s, text in (
-        (-3, "less than 1 min"),
-        (59.9, "less than 1 min"),
-        (1128, "19 min"),
-        (3599.5, "1 h 0 min"),
-        (2 * DAY_S + 3 * 3600 + 1, "2 d 4 h"),
-    ):
-        assert str(duration(time_s)) == text
-
-
 @given(st.integers(min_value=60, max_value=400 * DAY_S))
 def test_a_time_is_rounded_up_by_less_than_its_last_unit(time_s):
+    assert str(duration(-3)) == str(duration(59.9)) == "less than 1 min"
     words = str(duration(time_s))
     units = {"d": DAY_S, "h": 3600, "min": 60}
     parts = re.findall(r"(\d+) (d|h|min)", words)

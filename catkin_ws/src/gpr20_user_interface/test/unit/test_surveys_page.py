@@ -80,13 +80,23 @@ def test_the_list_is_read_again_when_a_survey_begins_is_described_and_ends(windo
         assert sum(one[0] == "list" for one in storage.asked) == count
 
 
-def test_the_choice_stays_with_its_survey_when_a_newer_one_is_listed(window, listed):
+def test_the_choice_stays_with_its_survey_while_it_is_listed(window, listed):
     chosen = listed.chosen
     newer = dataclasses.replace(chosen, folder="20261122T051000_0f8fad5b")
     window.on_event(SurveysListed("", (newer, chosen), False))
     assert listed.chosen == chosen
     window.on_event(SurveysListed("", (newer,), False))
     assert listed.chosen is None and not listed.open.isEnabled()
+    first, other = many(1)[0], past_survey(name="Salado")
+    window.on_event(SurveysListed("", (first, other), False))
+    for search, kind in (("salado", Listed.ALL), ("", Listed.IMPORTED)):
+        listed.show_listed(Listed.ALL)
+        listed.search_for("")
+        listed.choose(first)
+        assert listed.resume.isVisible()
+        listed.search_for(search)
+        listed.show_listed(kind)
+        assert listed.chosen is None and not listed.resume.isVisible()
 
 
 def test_what_is_wrong_with_an_incomplete_survey_is_said():
@@ -144,19 +154,6 @@ def test_a_search_reads_on_until_the_list_is_full_or_ends(window, listed, storag
     assert listed.empty.isVisible() and listed.empty.sentence.text()
     click(listed.empty.button)
     assert listed.list.isVisible() and listed.model.rowCount() == 150
-
-
-def test_a_survey_that_is_not_in_the_list_is_not_chosen_any_more(window, listed):
-    first, other = many(1)[0], past_survey(name="Salado")
-    window.on_event(SurveysListed("", (first, other), False))
-    for search, kind in (("salado", Listed.ALL), ("", Listed.IMPORTED)):
-        listed.show_listed(Listed.ALL)
-        listed.search_for("")
-        listed.choose(first)
-        assert listed.resume.isVisible()
-        listed.search_for(search)
-        listed.show_listed(kind)
-        assert listed.chosen is None and not listed.resume.isVisible()
 
 
 SURVEYS = st.builds(

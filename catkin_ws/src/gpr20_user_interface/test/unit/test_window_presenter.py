@@ -21,47 +21,24 @@ from gpr20_survey.plan.survey_cost import SurveyCost
 from gpr20_survey.plan.survey_state import SurveyState
 
 
-class ControlThatRecords:
+class Asked:
+    """In place of a client: remembers what it is asked for."""
+
     def __init__(self):
         self.asked = []
 
-    def start_survey(self, parameters, annotation, refines, permittivity):
-        self.asked.append(parameters)
-        self.permittivity = permittivity
-
-    def stop(self):
-        self.asked.append("stop")
-
-    def pause_survey(self):
-        self.asked.append("pause")
-
-    def resume_survey(self, survey_id="", accept_analyzer="", accept_zeros=False):
-        asked = f"resume {survey_id} {accept_analyzer}".strip()
-        self.asked.append(asked + " without proof" * accept_zeros)
-
-    def check_master(self):
-        self.asked.append("limits")
-
-
-class EstimatorThatRecords:
-    def __init__(self):
-        self.asked = []
-
-    def ask(self, parameters, figures):
-        self.asked.append((parameters, figures))
-
-    def close(self):
-        pass
+    def __getattr__(self, name):
+        return lambda *given, **more: self.asked.append((name, *given, *filter(more.get, more)))
 
 
 @pytest.fixture
 def estimator():
-    return EstimatorThatRecords()
+    return Asked()
 
 
 @pytest.fixture
 def parts(opened, clock, estimator):
-    control = ControlThatRecords()
+    control = Asked()
     window = opened(survey=WindowPresenter(SurveyModel(clock), control, estimator))
     window.begin()
     yield window, control
@@ -79,13 +56,13 @@ def said(window, code):
 
 def test_one_press_of_start_is_one_request(parts):
     window, control = parts
-    assert control.asked == ["limits"]
+    assert control.asked == [("check_master",)]
     said(window, SurveyState.IDLE)
     start(window)
     start(window)
     assert len(control.asked) == 2
-    assert control.asked[1].x_points == 11
-    assert control.permittivity == window.control.permittivity == 4.0
+    _name, parameters, _annotation, _refines, permittivity = control.asked[1]
+    assert parameters.x_points == 11 and permittivity == window.control.permittivity == 4.0
     assert window.top_bar.stop.isEnabled()
     window.on_event(Answer(Request.START, True, verbatim(""), "id"))
     assert not window.notice.isVisible()
@@ -101,7 +78,8 @@ def test_pause_resume_and_every_press_of_stop_are_asked_for(parts):
     hold_to_start(window)
     click(window.top_bar.stop)
     click(window.top_bar.stop)
-    assert control.asked[1:] == ["pause", "resume", "stop", "stop"]
+    resumed = ("resume_survey", "")
+    assert control.asked[1:] == [("pause_survey",), resumed, ("stop",), ("stop",)]
 
 
 OTHER = "Anritsu,MS2026C/2,62011033,1.23"
@@ -133,8 +111,8 @@ def test_another_vna_is_a_question_that_resumes_the_same_survey_with_it(parts, f
     assert not window.question.isVisible()
     assert len(control.asked) == 3
     hold_to_start(window)
-    asked = f"resume {folder}".strip()
-    assert control.asked[1:] == [asked, asked, f"resume {folder} {OTHER}"]
+    asked = ("resume_survey", folder)
+    assert control.asked[1:] == [asked, asked, (*asked, OTHER)]
     window.on_event(Answer(Request.RESUME, True, verbatim("")))
     assert not window.notice.isVisible() and not window.question.isVisible()
     # Another refusal after the question is a notice.
@@ -186,7 +164,7 @@ def test_figures_of_the_robot_complete_the_preview(parts, estimator):
     window.on_event(AxisLimits(None, figures=figures))
     window.refresh()
     asked = window.control.parameters
-    assert estimator.asked == [(asked, figures)]
+    assert estimator.asked == [("ask", asked, figures)]
     # What was overtaken by another question is not shown.
     window.on_event(CostEstimated(replace(asked, x_points=99), SurveyCost(60.0, 10**9)))
     window.refresh()
@@ -195,5 +173,5 @@ def test_figures_of_the_robot_complete_the_preview(parts, estimator):
     window.refresh()
     assert window.control.check_plan.lines[1].whole == "1 GB"
     enter(window, "x_points", "7")
-    assert estimator.asked[-1] == (replace(asked, x_points=7), figures)
+    assert estimator.asked[-1] == ("ask", replace(asked, x_points=7), figures)
     assert window.control.check_plan.lines[1].whole == ""
