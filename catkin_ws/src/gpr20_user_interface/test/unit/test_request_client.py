@@ -15,7 +15,7 @@ from map_kit import focused
 from result_kit import BLUE
 from view_kit import SURVEY
 
-from gpr20_common.high.service_client import ServiceUnavailableError
+from gpr20_common.high.service_client import ServiceClient, ServiceUnavailableError
 from gpr20_common.message import Message, verbatim
 from gpr20_common.sent_message import message_fields
 from gpr20_operator import faults
@@ -37,6 +37,7 @@ from gpr20_survey.results.focused_image import focus_fields
 from gpr20_survey.results.hiding_map import hiding_json
 from gpr20_survey.results.volume import volume_fields
 
+LIMIT_S = 30.0
 TESTED = AnalyzerTest("10.0.0.1", "Anritsu,MS2026C", "HIGH", 51, 0.02, -40.0)
 ANSWERS = {
     Service.FOCUS: focus_fields(focused()),
@@ -64,39 +65,27 @@ class Services:
     """In place of the services: what each is asked, and what it answers."""
 
     def __init__(self):
-        self.asked = []
-        self._asking = threading.Condition()
+        self.asked, self.heard = [], threading.Semaphore(0)
         self.answers = {one.value: dict(found, success=True) for one, found in ANSWERS.items()}
-        self.answers["cancel_imaging"] = {"success": True}
         # In place of every answer.
         self.failure = None
         self.waits = threading.Event()
         self.waits.set()
 
-    def client(self, name, _kind):
-        def call(_timeout_s, **fields):
-            with self._asking:
-                self.asked.append((name, fields))
-                self._asking.notify_all()
-            self.waits.wait(10.0)
-            answer = self.failure or self.answers.get(name, STORED)
-            if isinstance(answer, Exception):
-                raise answer
-            return SimpleNamespace(**answer)
-
-        return SimpleNamespace(call=call)
-
-    def wait_for(self, count):
-        """Return when so many requests have come."""
-        with self._asking:
-            assert self._asking.wait_for(lambda: len(self.asked) >= count, 10.0)
+    def call(self, client, _timeout_s, **fields):
+        self.asked.append((client.name, fields))
+        self.heard.release()
+        self.waits.wait(LIMIT_S)
+        answer = self.failure or self.answers.get(client.name, STORED)
+        if isinstance(answer, Exception):
+            raise answer
+        return SimpleNamespace(**answer)
 
 
 @pytest.fixture
 def services(monkeypatch):
     services = Services()
-    for module in (request_client, storage_client):
-        monkeypatch.setattr(module, "ServiceClient", services.client)
+    monkeypatch.setattr(ServiceClient, "call", lambda *one, **more: services.call(*one, **more))
     return services
 
 
@@ -114,7 +103,7 @@ def imaging(services, events):
 
 def deliver(events):
     """Hand the next answer over, as the window does in its thread."""
-    event = events.get(timeout=10.0)
+    event = events.get(timeout=LIMIT_S)
     assert isinstance(event, Delivery)
     event.deliver()
 
@@ -188,7 +177,7 @@ def test_a_request_that_is_cancelled_is_ended_at_the_node_and_its_answer_counts_
     job = imaging.job(Service.FOCUS)
     job.ask(survey=SURVEY)
     job.end()
-    services.wait_for(2)
+    assert all(services.heard.acquire(timeout=LIMIT_S) for _ in range(2))
     services.waits.set()
     deliver(events)
     assert (job.state, job.result) == (JobState.READY, None)
@@ -204,7 +193,7 @@ def test_only_the_progress_of_the_export_that_runs_is_shown(imaging, services, e
     client = imaging._requests
     stage = message_fields(verbatim("copying"))
     assert client._on_progress(SimpleNamespace(request_id="another", **stage)) is None
-    services.wait_for(1)
+    assert services.heard.acquire(timeout=LIMIT_S)
     own = services.asked[0][1]["request_id"]
     client._on_progress(SimpleNamespace(request_id=own, **stage)).deliver()
     assert str(job.stage) == "copying" and events.empty()
@@ -235,7 +224,7 @@ def answer(services, events):
 
     def ask(what):
         ASKED[what](client)
-        return events.get(timeout=10.0)
+        return events.get(timeout=LIMIT_S)
 
     yield ask
     client.close()

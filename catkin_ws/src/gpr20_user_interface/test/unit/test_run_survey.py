@@ -203,16 +203,23 @@ def test_how_a_survey_ends_is_the_exit_status_and_told(run, control, state, stat
     assert state is not SurveyState.PAUSED or "--resume" in written
 
 
-def test_a_refusal_is_told_and_nothing_is_started(run, control):
+def test_a_refusal_is_told_and_nothing_is_started(run, control, monkeypatch):
     control.refusal = verbatim("x stop is 700 mm; it must lie between 0 and 650 mm")
     status, written = run(*SMALL)
     assert status == 1 and "between 0 and 650 mm" in written
-    # Out of every robot's reach, or no survey to attach to: nothing is asked.
+    # Out of every robot's reach, no survey to attach to, no master: nothing is asked.
     control.requests.clear()
     assert run("--x-stop-mm", "5000")[0] == 1
     status, written = run("--attach")
     assert status == 1 and "IDLE" in written
-    assert not control.requests
+
+    def join(*_given):
+        raise MasterUnavailableError(Message("no ROS master answers at http://127.0.0.1:9"))
+
+    monkeypatch.setattr(run_survey, "join_graph", join)
+    status, written = run(*SMALL)
+    assert status == 1 and not control.requests
+    assert "http://127.0.0.1:9" in written and faults.NO_MASTER.code in written
 
 
 def send_when_it_surveys(control, *numbers):
@@ -284,13 +291,3 @@ def test_a_replay_is_attached_to_only_where_no_robot_speaks(run, control, monkey
     threading.Thread(target=stop).start()
     assert run("--attach")[0] == ExitStatus.STOPPED
     assert not control.requests
-
-
-def test_no_master_is_told_with_what_to_start(run, monkeypatch):
-    def join(*_given):
-        raise MasterUnavailableError(Message("no ROS master answers at http://127.0.0.1:9"))
-
-    monkeypatch.setattr(run_survey, "join_graph", join)
-    status, written = run(*SMALL)
-    assert status == 1
-    assert "http://127.0.0.1:9" in written and faults.NO_MASTER.code in written

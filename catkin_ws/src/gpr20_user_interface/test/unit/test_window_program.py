@@ -63,7 +63,7 @@ def run(monkeypatch, capsys):
     return run
 
 
-def test_a_replay_in_the_namespace_of_a_robot_is_refused(run, monkeypatch):
+def test_it_ends_without_a_master_or_as_a_replay_in_the_namespace_of_a_robot(run, monkeypatch):
     # Two windows of one name: the master would end that of the robot.
     asked = []
     there = SimpleNamespace(lookupNode=asked.append)
@@ -72,8 +72,6 @@ def test_a_replay_in_the_namespace_of_a_robot_is_refused(run, monkeypatch):
     assert status == 2 and "a robot has the namespace" in said
     assert asked == ["/main_control"]
 
-
-def test_without_a_master_it_ends(run, monkeypatch):
     def join(*_given):
         raise MasterUnavailableError(Message("no ROS master answers"))
 
