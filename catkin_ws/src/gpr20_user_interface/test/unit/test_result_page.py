@@ -117,15 +117,13 @@ def test_nothing_found_says_what_that_does_not_mean(ended, node):
     assert not view.more.isVisible()
 
 
-def test_simulated_is_said_once(window, ended, node):
-    search(ended.result, node)
-    refreshed(ended)
+def test_simulated_is_said_once(window, done):
     band = window.top_bar.band.simulated
-    assert band.isVisible() and not ended.simulated.isVisible()
+    assert band.isVisible() and not done.simulated.isVisible()
     # A simulated survey in the archive of a real robot.
     real = dataclasses.replace(ENDED.state, simulated=False)
     show(window, dataclasses.replace(ENDED, state=real))
-    assert ended.simulated.isVisible() and not band.isVisible()
+    assert done.simulated.isVisible() and not band.isVisible()
 
 
 def test_the_sentence_is_visible_in_every_state_and_over_every_sheet(window, ended, node):

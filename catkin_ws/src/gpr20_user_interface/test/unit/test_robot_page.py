@@ -151,16 +151,6 @@ def test_the_daily_check_leads_through_its_parts_to_the_verdict(service):
     assert str(CHECK_ORDER.remedy) in tools.answers[tools.daily].toPlainText()
 
 
-def test_the_findings_are_listed_without_service_and_during_a_survey(service):
-    report = NodeHealth("height_sensor", HealthLevel.ERROR, verbatim("stuck"), {})
-    show(service, snapshot(SurveyState.SURVEYING, health=HealthReport((report,))))
-    service.draw()
-    assert listed(service)[0].startswith("FAULT: Height sensor: stuck")
-    show(service, snapshot(SurveyState.SURVEYING))
-    service.draw()
-    assert not any("Height" in text for text in listed(service))
-
-
 def test_a_touch_checks_everything_and_the_findings_are_listed(service):
     click(service.robot.overview.check_button)
     assert service.tools.asked == [("examine", True), "height", "analyzer"]
@@ -196,9 +186,16 @@ def test_what_is_good_is_listed_only_after_a_touch_and_what_is_not_known_always(
     assert sum(text.startswith("GOOD") for text in listed(service)) == count
     click(overview.fold_button)
     assert listed(service) == unknown
+    # During a survey too.
+    stuck = NodeHealth("height_sensor", HealthLevel.ERROR, verbatim("stuck"), {})
+    for reports in ((stuck,), ()):
+        show(service, snapshot(SurveyState.SURVEYING, health=HealthReport(reports)))
+        service.draw()
+        said = listed(service)[0].startswith("FAULT: Height sensor: stuck")
+        assert said is bool(reports)
 
 
-def test_a_part_is_known_by_its_sign_and_colour_and_opens_its_report(service):
+def test_a_part_is_known_by_its_sign_and_colour_and_opens_its_report(service, clock):
     levels = (HealthLevel.ERROR, HealthLevel.OK, HealthLevel.WARN, HealthLevel.STALE)
     found = zip(EXPECTED_NODES, levels)
     nodes = tuple(NodeHealth(*one, verbatim("no answer"), {}) for one in found)
@@ -210,9 +207,7 @@ def test_a_part_is_known_by_its_sign_and_colour_and_opens_its_report(service):
         assert tile.isVisible() and tile.height() >= TOUCH_PX
     click(tiles[0])
     assert service.notice.title.text() == "Main control: FAULT"
-
-
-def test_other_sensors_have_tiles_below_the_nodes(service, clock):
+    # Other sensors have tiles below the nodes.
     tracker = HealthTracker(clock)
     for name in ("sensors/soil", "somebody_else", *(f"sensors/s{n:02}" for n in range(40))):
         tracker.note(NodeHealth(name, HealthLevel.OK, verbatim("0.25 m3/m3"), {}))

@@ -8,7 +8,7 @@ from fault_kit import raises_fault
 from PyQt5.QtTest import QTest
 from run_seed import draws
 from view_kit import make_grid, past_survey, snapshot
-from window_helpers import click, close, new_window, show
+from window_helpers import click, show
 
 from gpr20_common.catalogue import Language
 from gpr20_operator import faults
@@ -24,7 +24,6 @@ from gpr20_user_interface.look.settings import (
     settings_from,
     values_of,
 )
-from gpr20_user_interface.look.translation import Languages
 from gpr20_user_interface.window.rail import TabName
 
 
@@ -103,12 +102,10 @@ def test_the_last_of_many_changes_is_what_is_remembered(tmp_path):
     assert WindowMemory(file).settings == memory.settings
 
 
-def test_each_choice_takes_effect_at_once_and_at_the_next_start(application, tmp_path):
+def test_each_choice_takes_effect_at_once_and_at_the_next_start(opened, tmp_path):
     file = SettingsFile(tmp_path / "window.yaml")
     memory = WindowMemory(file)
-    languages = Languages(application, memory.settings.language)
-    window = new_window(languages, profiles=tmp_path, memory=memory)
-    window.show()
+    window = opened(memory=memory)
     window.on_event(SurveysListed("", (past_survey(),), True))
     window.traces.live.begin(make_grid())
     window.show_tab(TabName.ROBOT)
@@ -134,14 +131,10 @@ def test_each_choice_takes_effect_at_once_and_at_the_next_start(application, tmp
     click(sheet.close_button)
     assert not sheet.isVisible()
     assert memory.close(10.0)
-    close(window)
 
     remembered = WindowMemory(file)
     assert remembered.settings == WindowSettings(Language.SPANISH, Theme.NIGHT, 10)
-    languages = Languages(application, remembered.settings.language)
-    window = new_window(languages, profiles=tmp_path, memory=remembered)
+    window = opened(memory=remembered, language=remembered.settings.language)
     assert window.look.theme is Theme.NIGHT
-    window.show()
     click(window.rail.settings)
     assert window.settings.languages[Language.SPANISH].isChecked()
-    close(window)

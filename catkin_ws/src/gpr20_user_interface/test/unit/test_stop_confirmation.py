@@ -79,7 +79,7 @@ def test_an_axis_that_does_not_rest_in_time_is_said_whatever_has_answered(robot)
     assert not robot.text()
 
 
-def test_an_axis_that_does_not_answer_is_said_before_any_time_limit_runs_out(robot):
+def test_an_axis_that_does_not_answer_or_report_is_said_before_any_limit_runs_out(robot):
     robot.press(X, Z)
     robot.clock.advance(ANSWER_S)
     robot.report(X, Z)
@@ -89,9 +89,8 @@ def test_an_axis_that_does_not_answer_is_said_before_any_time_limit_runs_out(rob
     # Its service hangs, but it says itself that it rests.
     robot.report(Y)
     assert not robot.text()
-
-
-def test_an_axis_that_was_silent_before_the_press_is_said_at_the_press(robot):
+    # One that was silent before the press is said at the press.
+    robot.stop.close()
     robot.clock.advance(STALE_S + 0.1)
     robot.report(X, Y)
     robot.press()

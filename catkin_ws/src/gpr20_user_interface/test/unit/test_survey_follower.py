@@ -96,6 +96,11 @@ def test_the_end_of_the_survey_is_the_outcome_with_its_words(clock):
         robot.say(state("FAILED"), StopRequested("Ctrl-C"), STARTED).wait(100)
         assert (robot.status, robot.words) == (status, "why")
         assert robot.requests == [Request.START]
+    # A pause is waited for if that is wanted.
+    waiting = Robot(clock, on_pause=OnPause.WAIT).say(*BEGIN, state("PAUSED"))
+    assert waiting.wait(3600, state("PAUSED")).status is None
+    waiting.say(state("SURVEYING"), state("FINISHED"))
+    assert waiting.status is ExitStatus.FINISHED
 
 
 def test_end_of_a_former_survey_is_not_taken_for_ours_and_ours_is_not_missed(robot, clock):
@@ -190,13 +195,6 @@ def test_main_control_that_forgot_the_survey_ends_the_watch(clock):
         assert robot.status is ExitStatus.FAILED
         assert "ours" in robot.words
         assert robot.follower.outcome.message.fault_code == faults.CONTROL_RESTARTED.code
-
-
-def test_a_pause_is_waited_for_if_that_is_wanted(clock):
-    waiting = Robot(clock, on_pause=OnPause.WAIT).say(*BEGIN, state("PAUSED"))
-    assert waiting.wait(3600, state("PAUSED")).status is None
-    waiting.say(state("SURVEYING"), state("FINISHED"))
-    assert waiting.status is ExitStatus.FINISHED
 
 
 def test_stop_is_asked_for_and_believed_only_when_main_control_says_it(clock):

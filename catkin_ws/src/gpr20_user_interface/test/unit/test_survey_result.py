@@ -209,11 +209,10 @@ def test_a_failure_or_a_cancelled_search_rests_until_it_is_tried_again(result, r
     result.try_again()
     search(result, requests)
     assert len(result.places) == 11
-
-
-def test_a_survey_whose_description_is_damaged_is_not_searched(result, requests):
-    opened(result, requests, stored()._replace(text="{"))
-    assert result.reading.problem is not None and requests.of("focus") == []
+    # A damaged description is not searched.
+    requests.asked.clear()
+    opened(another := new_result(requests), requests, stored()._replace(text="{"))
+    assert another.reading.problem is not None and requests.of("focus") == []
 
 
 def test_the_answer_for_another_survey_is_refused(result, requests):
@@ -251,18 +250,6 @@ def test_how_much_was_measured_is_said_unless_it_is_all(result, requests, count,
     found = candidate_list(ELEVEN, survey_id=SURVEY)
     requests.ticket("focus").done(image_of(found, traces=PLANNED - 3))
     assert "3 of 40" in str(measured(another))
-
-
-def test_what_was_found_is_stored_with_the_sum_of_its_list_and_read_again(result, requests):
-    found = search(result, requests)
-    place = result.places[0]
-    assert result.find_at(place) is None
-    record = found_of(note(result, requests, What.SCRAP, 35.0))
-    assert (record.what, record.candidate, record.depth_mm) == (What.SCRAP, "C01", 35.0)
-    assert record.list_sha256 == list_sum(found) == list_sum(list_from(json_text(found)))
-    assert result.find_at(place) == record
-    assert result.find_at(result.places[1]) is None
-    assert len(requests.of("focus")) == 1
 
 
 @pytest.mark.parametrize(
@@ -324,18 +311,23 @@ def test_other_files_are_written_only_after_a_choice(result, requests, now):
     assert len(requests.of("export")) == 2
 
 
-def test_what_was_found_is_not_said_of_neighbours_but_seen_beside_it_in_another_list(
+def test_what_was_found_is_stored_with_the_sum_of_its_list_and_said_of_no_neighbour(
     result, requests
 ):
     places = [(140.0, 90.0), (150.0, 90.0), (140.0, 90.0, 110.0)]
     places = [candidate(number, *place) for number, place in enumerate(places, 1)]
-    search(result, requests, places)
-    note(result, requests, What.NOTHING)
-    assert [result.find_at(one) is not None for one in places] == [True, False, False]
+    found = search(result, requests, places)
+    assert result.find_at(places[0]) is None
+    record = found_of(note(result, requests, What.SCRAP, 35.0))
+    assert (record.what, record.candidate, record.depth_mm) == (What.SCRAP, "C01", 35.0)
+    assert record.list_sha256 == list_sum(found) == list_sum(list_from(json_text(found)))
+    assert [result.find_at(one) for one in places] == [record, None, None]
+    assert len(requests.of("focus")) == 1
+    # In another list it is seen beside its place.
     result.set_permittivity(8.0)
     result.keep()
     moved = [candidate(1, 300.0, 300.0), candidate(2, 140.0, 90.0 + BESIDE_MM)]
     found = candidate_list(moved, survey_id=SURVEY, permittivity=8.0)
     requests.ticket("focus").done(image_of(found))
     assert result.find_at(moved[0]) is None
-    assert result.find_at(moved[1]).what is What.NOTHING
+    assert result.find_at(moved[1]) == record

@@ -51,14 +51,6 @@ def listed(window, storage):
     return window.past
 
 
-def test_a_survey_that_begins_is_shown_and_cannot_be_resumed_any_more(window, listed):
-    for shown, resumable in ((ENDED, True), (RUNS, False), (ENDED, True)):
-        show(window, shown)
-        words = "Running" if shown is RUNS else "33 of 40 traces missing"
-        assert words in listed.details.text()
-        assert listed.resume.isEnabled() == resumable
-
-
 def test_only_a_survey_that_can_be_read_and_is_not_finished_is_resumed(window, listed):
     found = []
     for changes in ({}, {"outcome": "finished", "complete": True}, {"problem": verbatim("torn")}):
@@ -69,7 +61,8 @@ def test_only_a_survey_that_can_be_read_and_is_not_finished_is_resumed(window, l
     assert found == [(True, True), (False, True), (False, False)]
 
 
-def test_the_list_is_read_again_when_a_survey_begins_is_described_and_ends(window, listed, storage):
+def test_a_survey_that_begins_is_not_resumed_and_the_list_is_read_again(window, listed, storage):
+    assert listed.resume.isEnabled()
     for act, count in (
         (lambda: show(window, RUNS), 1),
         (lambda: window.on_event(SurveyDescribed(description())), 2),
@@ -78,6 +71,9 @@ def test_the_list_is_read_again_when_a_survey_begins_is_described_and_ends(windo
     ):
         act()
         assert sum(one[0] == "list" for one in storage.asked) == count
+        assert listed.resume.isEnabled() is (count == 3)
+        words = "33 of 40 traces missing" if count == 3 else "Running"
+        assert words in listed.details.text()
 
 
 def test_the_choice_stays_with_its_survey_while_it_is_listed(window, listed):

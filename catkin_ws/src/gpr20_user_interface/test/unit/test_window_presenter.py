@@ -54,7 +54,7 @@ def said(window, code):
     window.refresh()
 
 
-def test_one_press_of_start_is_one_request(parts):
+def test_one_press_of_start_is_one_request_and_what_fails_is_said_once(parts):
     window, control = parts
     assert control.asked == [("check_master",)]
     said(window, SurveyState.IDLE)
@@ -65,6 +65,16 @@ def test_one_press_of_start_is_one_request(parts):
     assert parameters.x_points == 11 and permittivity == window.control.permittivity == 4.0
     assert window.top_bar.stop.isEnabled()
     window.on_event(Answer(Request.START, True, verbatim(""), "id"))
+    # It is accepted, and fails in its checks.
+    failed = state_of(SurveyState.FAILED, "the disk is full; make space")
+    window.on_event(state(SurveyState.CHECKING))
+    assert not window.notice.isVisible()
+    window.on_event(failed)
+    assert window.notice.isVisible()
+    assert window.notice.title.text() == "The survey was not started."
+    assert "The disk is full" in window.notice.reason.toPlainText()
+    click(window.notice.close_button)
+    window.on_event(failed)
     assert not window.notice.isVisible()
 
 
@@ -138,23 +148,6 @@ def test_events_of_other_threads_reach_the_window_in_its_own(parts):
     window.refresh()
     assert window.job.percent.text() != "50 %"
     assert until(lambda: window.job.percent.text() == "50 %")
-
-
-def test_start_that_is_accepted_and_fails_in_its_checks_opens_a_dialog(parts):
-    window, _control = parts
-    failed = state_of(SurveyState.FAILED, "the disk is full; make space")
-    said(window, SurveyState.CONFIGURED)
-    start(window)
-    window.on_event(Answer(Request.START, True, verbatim("started"), "id"))
-    window.on_event(state(SurveyState.CHECKING))
-    assert not window.notice.isVisible()
-    window.on_event(failed)
-    assert window.notice.isVisible()
-    assert window.notice.title.text() == "The survey was not started."
-    assert "The disk is full" in window.notice.reason.toPlainText()
-    click(window.notice.close_button)
-    window.on_event(failed)
-    assert not window.notice.isVisible()
 
 
 def test_figures_of_the_robot_complete_the_preview(parts, estimator):
