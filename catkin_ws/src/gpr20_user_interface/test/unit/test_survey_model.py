@@ -92,7 +92,9 @@ def test_what_is_being_asked_for_is_asked_once(model):
         assert allowed(model.snapshot()) == []
         model.handle(Answer(request, False, verbatim("no")))
         assert allowed(model.snapshot()) == before == [request.name.lower()]
-    # A STOP that was asked for is not taken for done.
+
+
+def test_stop_that_was_asked_for_is_not_taken_for_done(model):
     model.handle(state(SurveyState.SURVEYING))
     model.request_sent(Request.STOP)
     assert allowed(model.snapshot()) == []
