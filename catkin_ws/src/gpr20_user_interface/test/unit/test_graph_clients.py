@@ -8,7 +8,7 @@ import pytest
 import rosgraph
 from fake_clock import FakeClock
 from fault_kit import raises_fault
-from graph_kit import Graph
+from topics_kit import Graph
 
 from gpr20_common.high.service_client import ServiceClient, ServiceUnavailableError
 from gpr20_common.message import Message, verbatim

@@ -8,9 +8,9 @@ import pytest
 from annotation_examples import annotations
 from case_kit import each_case
 from fake_clock import FakeClock
-from graph_kit import Graph
 from hypothesis import given
 from hypothesis import strategies as st
+from topics_kit import Graph
 from view_kit import snapshot, state_of
 
 from gpr20_common.message import verbatim

@@ -6,9 +6,9 @@ from types import SimpleNamespace
 import pytest
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from fake_clock import FakeClock
-from graph_kit import Graph
 from hypothesis import given
 from hypothesis import strategies as some
+from topics_kit import Graph
 
 from gpr20_common.message import verbatim
 from gpr20_doctor.mid.node_health import EXPECTED_NODES, HealthLevel, NodeHealth

@@ -10,7 +10,7 @@ from types import SimpleNamespace
 import pytest
 import rospy
 from case_kit import each_case
-from graph_kit import Graph
+from topics_kit import Graph
 
 from gpr20_common.high.service_client import ServiceClient
 from gpr20_common.message import Message, verbatim
