@@ -10,7 +10,7 @@ import json
 import threading
 import time
 from dataclasses import asdict, replace
-from typing import Any, Callable, Dict, List
+from typing import Any, Callable, Dict, List, Optional
 
 from robot_parts import (
     AXES,
@@ -86,18 +86,21 @@ class RobotInProcess:
 
     Args:
         world: What it moves and measures.
+        parameters: Those of the VNA driver; None for the usual ones.
         settings: Settings of the surveys that differ from the usual ones.
     """
 
-    def __init__(self, world: World, **settings: Any) -> None:
-        self.world, self._settings = world, settings
+    def __init__(
+        self, world: World, parameters: Optional[VnaParameters] = None, **settings: Any
+    ) -> None:
+        self.world, self._parameters, self._settings = world, parameters, settings
+        parameters = parameters or VnaParameters()
         self.calls = Calls()
         self.data = world.data
         self.clock = ControlTime()
         self.history: List[Status] = []
         self._changed = threading.Condition()
         self.status = SurveyStatus(self._note, lambda _given: None, lambda _coverage, _id: None)
-        parameters = VnaParameters()
         self.processing = self._build_storage()
         self.axes = {axis_id: ProcessAxis(world, self.calls, axis_id) for axis_id in AxisId}
         self.driver = self._build_driver(parameters)
@@ -166,7 +169,7 @@ class RobotInProcess:
         with self.calls.disk:
             self.world.keep_disk()
         self.close()
-        return RobotInProcess(self.world, **self._settings)
+        return RobotInProcess(self.world, self._parameters, **self._settings)
 
     def close(self) -> None:
         """End everything in order; a survey that runs is interrupted."""

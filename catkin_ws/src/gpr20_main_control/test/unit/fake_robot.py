@@ -72,12 +72,17 @@ class FastClock(Clock):
     def __init__(self):
         # What a test has set the time of day forward by, against the passing seconds.
         self.set_s = 1.8e9
+        self._read = threading.local()
 
     def time_of_day_us(self):
-        return round(1e6 * (self.now_s() + self.set_s))
+        self._read.now_s = self.now_s()
+        return round(1e6 * (self._read.now_s + self.set_s))
 
     def now_s(self):
-        return time.monotonic() * self.FACTOR
+        # The same moment as the time of day that the thread read just before: two milliseconds
+        # between the readings, on a busy computer, would be a clock that was set by two seconds.
+        read = vars(self._read).pop("now_s", None)
+        return time.monotonic() * self.FACTOR if read is None else read
 
     def wait_s(self, event, timeout_s):
         return event.wait(timeout_s / self.FACTOR)

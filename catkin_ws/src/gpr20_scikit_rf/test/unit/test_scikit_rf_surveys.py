@@ -45,8 +45,7 @@ def robot(tmp_path, vna, server):
     """The robot in one process with an analyzer that numbers its sweeps."""
     world = World(tmp_path)
     world.time = vna.clock
-    robot = RobotInProcess(
-        world,
+    parameters = VnaParameters(
         analyzer="gpr20_scikit_rf:ScikitRfAnalyzer",
         analyzer_options={"scikit_rf_class": "keysight.PNA"},
         address=server.address,
@@ -59,6 +58,7 @@ def robot(tmp_path, vna, server):
         max_level_db=100.0,
         antenna_delay_ns=0.3,
     )
+    robot = RobotInProcess(world, parameters)
     yield robot
     robot.close()
     world.close()
