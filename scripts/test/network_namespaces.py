@@ -12,6 +12,7 @@ from pathlib import Path
 import install_page
 from bad_link import BadLink
 from user_shell import ROOT
+from user_shell import printed_by as run
 
 ROBOT, SERVER = install_page.addresses()
 # Further addresses of both, which the other one does not know.
@@ -37,11 +38,6 @@ asyncio.run(main())
 """
 
 
-def run(*command):
-    """Run a command and return what it printed."""
-    return subprocess.run(command, capture_output=True, text=True, check=True).stdout
-
-
 @dataclass(frozen=True)
 class Machine:
     """One network namespace."""
@@ -56,10 +52,6 @@ class Machine:
     def shut_out_others(self, commands):
         """Run the commands of a firewall, as root runs them from one script."""
         run(*self.prefix, "bash", "-ec", "\n".join(commands))
-
-    def load_rules(self, file):
-        """Load a file of rules, as the system does when it starts."""
-        run(*self.prefix, "nft", "-f", str(file))
 
     def listening(self):
         """Return (address, port) of everything that listens by TCP, whatever its process."""

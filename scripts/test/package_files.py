@@ -5,10 +5,8 @@ from __future__ import annotations
 import re
 import shutil
 import subprocess
-from dataclasses import dataclass
-from pathlib import Path
 
-from user_shell import ROOT
+from user_shell import ROOT, printed_by
 
 VERSION = "1.2.3"
 CHANGELOG = f"""gpr20 ({VERSION}) stable; urgency=medium
@@ -25,15 +23,11 @@ dpkg-parsechangelog -S Version >"$GPR20_PACKAGE/release"
 """
 
 
-@dataclass(frozen=True)
 class Packages:
-    """What was built.
+    """What was built, as .deb files in a folder."""
 
-    Attributes:
-        folder: Of the .deb files.
-    """
-
-    folder: Path
+    def __init__(self, folder):
+        self.folder = folder
 
     def file(self, name):
         """Return the file of a package."""
@@ -57,13 +51,11 @@ class Packages:
 
     def field(self, name, field):
         """Return a field of a package."""
-        command = ["dpkg-deb", "--field", str(self.file(name)), field]
-        return subprocess.run(command, check=True, capture_output=True, text=True).stdout.strip()
+        return printed_by("dpkg-deb", "--field", self.file(name), field).strip()
 
     def control(self, name, part):
         """Return a control file of a package, such as conffiles."""
-        command = ["dpkg-deb", "--info", str(self.file(name)), part]
-        return subprocess.run(command, check=True, capture_output=True, text=True).stdout
+        return printed_by("dpkg-deb", "--info", self.file(name), part)
 
 
 def build(folder):
@@ -75,15 +67,8 @@ def build(folder):
     shutil.copy(ROOT / "docs/install.md", sources / "docs")
     (sources / "debian/changelog").write_text(CHANGELOG)
     (sources / "debian/install").write_text(INSTALL)
-    done = subprocess.run(
-        ["dpkg-buildpackage", "--build=binary", "--no-sign", "--no-check-builddeps"],
-        cwd=sources,
-        stdout=subprocess.PIPE,
-        stderr=subprocess.STDOUT,
-        text=True,
-        check=False,
-    )
-    assert done.returncode == 0, done.stdout[-3000:]
+    options = ["--build=binary", "--no-sign", "--no-check-builddeps"]
+    printed_by("dpkg-buildpackage", *options, folder=sources)
     return Packages(folder)
 
 

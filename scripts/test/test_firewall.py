@@ -10,20 +10,11 @@ from concurrent.futures import ThreadPoolExecutor
 
 import install_page
 import pytest
-from network_namespaces import (
-    ROBOT,
-    ROBOT_STRANGER,
-    SERVER,
-    SERVER_STRANGER,
-    two_machines,
-)
+from network_namespaces import ROBOT, ROBOT_STRANGER, SERVER, SERVER_STRANGER, two_machines
 from two_machine_survey import CLIENT, is_loopback, launched, outcome, stored_traces
 from user_shell import wait_until
 
-pytestmark = [
-    pytest.mark.release,
-    pytest.mark.needs("network namespaces", "firewall"),
-]
+pytestmark = [pytest.mark.release, pytest.mark.needs("network namespaces", "firewall")]
 
 PORT = 11311
 SURVEY = f"{CLIENT} --x-points 5 --y-points 5"
@@ -47,13 +38,6 @@ def listening(machine, address):
         listener.wait()
 
 
-@contextlib.contextmanager
-def two_listening_machines():
-    """Yield two machines without a firewall; a program listens on both."""
-    with two_machines() as (server, robot), listening(server, SERVER), listening(robot, ROBOT):
-        yield server, robot
-
-
 def what_works(server, robot):
     """Return what the server's firewall lets through, with a program listening on both."""
     attempts = {
@@ -75,44 +59,22 @@ WANTED = {
 }
 
 
-def test_the_commands_of_the_page_shut_out_everybody_but_the_other_machine():
-    with two_listening_machines() as (server, robot):
+def test_the_commands_of_the_page_shut_out_everybody_but_the_other_machine(tmp_path):
+    with two_machines() as (server, robot), listening(server, SERVER), listening(robot, ROBOT):
         assert what_works(server, robot)["from a third machine"]
         server.shut_out_others(install_page.firewall())
         assert what_works(server, robot) == WANTED
-
-
-@pytest.mark.parametrize("line", range(len(install_page.firewall())))
-def test_every_command_of_the_page_is_needed(line):
-    commands = install_page.firewall()
-    del commands[line]
-    with two_listening_machines() as (server, robot):
-        try:
-            server.shut_out_others(commands)
-        except subprocess.CalledProcessError:
-            return
-        assert what_works(server, robot) != WANTED
-
-
-def test_the_line_for_a_remote_shell_admits_that_alone():
-    with two_listening_machines() as (server, robot):
+        # The line for a remote shell admits that alone.
         rule = install_page.remote_shell_rule(ROBOT_STRANGER)
-        server.shut_out_others([*install_page.firewall(), rule])
+        server.shut_out_others([rule])
         assert what_works(server, robot) == WANTED
         server.shut_out_others([rule.replace("dport 22", f"dport {PORT}")])
         assert robot.reached(ROBOT_STRANGER, SERVER, [PORT])
-
-
-def test_the_commands_work_as_the_lines_of_a_file_as_the_page_says(tmp_path):
-    rules = [line.replace("nft ", "", 1).replace("'", "") for line in install_page.firewall()]
-    (tmp_path / "nftables.conf").write_text("\n".join(rules) + "\n")
-    with two_listening_machines() as (server, robot):
-        server.load_rules(tmp_path / "nftables.conf")
+        # They work as the lines of a file, as the page says.
+        rules = [line.replace("nft ", "", 1).replace("'", "") for line in install_page.firewall()]
+        (tmp_path / "nftables.conf").write_text("\n".join(["flush ruleset", *rules]) + "\n")
+        server.shut_out_others([f"nft -f {tmp_path}/nftables.conf"])
         assert what_works(server, robot) == WANTED
-
-
-def open_ports(machine):
-    return {port for address, port in machine.listening() if not is_loopback(address)}
 
 
 def test_a_survey_runs_on_two_machines_and_a_third_one_reaches_none_of_their_ports(tmp_path):
@@ -121,19 +83,19 @@ def test_a_survey_runs_on_two_machines_and_a_third_one_reaches_none_of_their_por
             machine.shut_out_others(install_page.firewall())
         with launched(server, robot, tmp_path) as (_on_server, on_robot):
             assert on_robot.run(SURVEY) == 0
-            assert_closed_to_strangers(server, robot)
+            # The master, and two servers of every node.
+            least = 1 + 2 * NODES["server"]
+            assert PORT in closed_to_strangers(server, SERVER, robot, ROBOT, ROBOT_STRANGER, least)
+            least = 2 * NODES["robot"]
+            closed_to_strangers(robot, ROBOT, server, SERVER, SERVER_STRANGER, least)
     assert outcome(tmp_path) == "finished"
     assert stored_traces(tmp_path) == Counter(range(5 * 5 * 2))
 
 
-def assert_closed_to_strangers(server, robot):
-    ports = open_ports(server)
-    # The master, and two servers of every node.
-    assert len(ports) >= 1 + 2 * NODES["server"]
-    assert PORT in ports
-    assert robot.reached(ROBOT, SERVER, ports) == ports
-    assert robot.reached(ROBOT_STRANGER, SERVER, ports) == set()
-    ports = open_ports(robot)
-    assert len(ports) >= 2 * NODES["robot"]
-    assert server.reached(SERVER, ROBOT, ports) == ports
-    assert server.reached(SERVER_STRANGER, ROBOT, ports) == set()
+def closed_to_strangers(machine, address, other, friend, stranger, at_least):
+    """Return the ports of a machine; of the addresses of the other one only a friend's reaches."""
+    ports = {port for local, port in machine.listening() if not is_loopback(local)}
+    assert len(ports) >= at_least
+    assert other.reached(friend, address, ports) == ports
+    assert other.reached(stranger, address, ports) == set()
+    return ports

@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 import re
 import shutil
-import subprocess
 from pathlib import Path
 
 import install_page
@@ -13,7 +12,7 @@ import package_files
 import pytest
 from network_namespaces import ROBOT, SERVER
 from package_files import unit_values
-from user_shell import ROOT
+from user_shell import ROOT, printed_by
 
 from gpr20_survey.axes.realtime_priority import PULSE_PRIORITY
 
@@ -47,20 +46,6 @@ def program(name):
     if found is None:
         pytest.skip(f"{name} is not installed")
     return found
-
-
-def printed_by(*command, status=0, **variables):
-    """Return what a command printed; it must end with a status."""
-    done = subprocess.run(
-        list(map(str, command)),
-        env={**os.environ, **variables},
-        stdout=subprocess.PIPE,
-        stderr=subprocess.STDOUT,
-        text=True,
-        check=False,
-    )
-    assert done.returncode == status, done.stdout
-    return done.stdout
 
 
 def test_the_packages_need_what_a_developer_installs_to_run_the_robot(packages):
@@ -194,20 +179,14 @@ def test_the_firewall_has_the_rules_of_the_page(environment):
     assert rules_after(load, f"{FIREWALL} unload", **settings) == ""
     others = rules_after("nft add table inet other")
     assert others in rules_after("nft add table inet other", load, **settings)
-
-
-@needs_network
-@pytest.mark.parametrize(
-    "changed", [{"GPR20_FIREWALL": "off"}, {"GPR20_ROBOT": "", "GPR20_SERVER": ""}]
-)
-def test_without_a_link_or_switched_off_there_are_no_rules(environment, changed):
-    program("nft")
-    settings = environment()
-    file = settings["GPR20_ENVIRONMENT"]
-    loaded = rules_after(f"{FIREWALL} load", **settings)
-    assert loaded
-    other = environment(**changed)
-    assert rules_after(f"{FIREWALL} load", **other) == "", file
+    # What nftables does leaves them: its start, reload and stop empty the ruleset first.
+    unit = (ROOT / "deploy/common/lib/systemd/system/nftables.service.d/gpr20.conf").read_text()
+    for key in ("ExecStartPost", "ExecReload", "ExecStopPost"):
+        assert f"{key}=/usr/lib/gpr20/firewall load\n" in unit
+    assert rules_after(load, "nft flush ruleset", load, **settings) == own
+    # There are none without a link, or switched off.
+    for changed in ({"GPR20_FIREWALL": "off"}, {"GPR20_ROBOT": "", "GPR20_SERVER": ""}):
+        assert rules_after(load, **environment(**changed)) == ""
 
 
 NETWORKS = f"{ADMIN} 10.9.8.7"
@@ -254,15 +233,3 @@ WRONG = {
 def test_wrong_addresses_are_refused_by_name_and_value(environment, changed, reason):
     settings = environment(**changed)
     assert reason in printed_by(FIREWALL, "load", status=1, **settings)
-
-
-@needs_network
-def test_what_nftables_does_leaves_the_rules(environment):
-    program("nft")
-    settings = environment()
-    unit = (ROOT / "deploy/common/lib/systemd/system/nftables.service.d/gpr20.conf").read_text()
-    # Debian's own commands of start, reload and stop empty the ruleset first.
-    for key in ("ExecStartPost", "ExecReload", "ExecStopPost"):
-        assert f"{key}=/usr/lib/gpr20/firewall load\n" in unit
-    load = f"{FIREWALL} load"
-    assert rules_after(load, "nft flush ruleset", load, **settings) == rules_after(load, **settings)

@@ -5,24 +5,11 @@ from __future__ import annotations
 import subprocess
 
 import pytest
-import update_kit
-import update_world
 
 pytestmark = [pytest.mark.release, pytest.mark.needs("packages")]
 
 # Whatever the scripts of the package call.
 CALLED = ("cp", "mv", "ln", "sync", "rm", "mkdir", "readlink")
-
-
-@pytest.fixture(scope="module")
-def first(tmp_path_factory):
-    place = tmp_path_factory.mktemp("slots")
-    return update_world.make_world(update_world.make_sticks(place / "made"), place / "first")
-
-
-@pytest.fixture
-def world(first, tmp_path):
-    return first.copy(tmp_path / "world")
 
 
 def deb(world, version):
@@ -32,11 +19,6 @@ def deb(world, version):
 def install(world, version, **how):
     """Install the software alone, whatever others need."""
     return world.dpkg("--force-depends", "--install", deb(world, version), **how)
-
-
-def release(world):
-    assert update_kit.slot_problems(world.root) == ""
-    return (world.root / "opt/gpr20/current/release").read_text("utf-8").strip()
 
 
 def slots(world):
@@ -50,25 +32,25 @@ def slots(world):
 def test_upgrade_and_downgrade_keep_the_version_before_in_the_other_slot(world):
     assert slots(world) == {"a": "1.0"}
     install(world, "2.0")
-    assert (release(world), slots(world)) == ("2.0", {"a": "1.0", "b": "2.0"})
+    assert (world.release(), slots(world)) == ("2.0", {"a": "1.0", "b": "2.0"})
     install(world, "1.0")
-    assert (release(world), slots(world)) == ("1.0", {"a": "1.0", "b": "2.0"})
+    assert (world.release(), slots(world)) == ("1.0", {"a": "1.0", "b": "2.0"})
 
 
 def test_the_same_version_again_repairs_the_release_in_use(world):
     (world.root / "opt/gpr20/current/lib/folder0/file0").unlink()
     install(world, "1.0")
-    assert release(world) == "1.0"
+    assert world.release() == "1.0"
 
 
 def test_a_failed_unpacking_leaves_the_release_in_use(world, tmp_path):
     whole, torn = deb(world, "2.0").read_bytes(), tmp_path / "torn.deb"
     torn.write_bytes(whole[: len(whole) // 2])
     world.dpkg("--force-depends", "--install", torn, status=1)
-    assert release(world) == "1.0"
+    assert world.release() == "1.0"
     assert world.versions()["gpr20-software"] == "installed 1.0"
     install(world, "2.0")
-    assert release(world) == "2.0"
+    assert world.release() == "2.0"
 
 
 def test_a_slot_from_which_something_runs_is_not_replaced(world):
@@ -76,10 +58,10 @@ def test_a_slot_from_which_something_runs_is_not_replaced(world):
     used = {"PYTHONPATH": f"{world.root}/opt/gpr20/slots/a/lib"}
     with subprocess.Popen(["/bin/cat"], stdin=subprocess.PIPE, env=used) as service:
         assert f"process {service.pid}" in install(world, "1.0", status=1)
-        assert (release(world), slots(world)) == ("2.0", {"a": "1.0", "b": "2.0"})
+        assert (world.release(), slots(world)) == ("2.0", {"a": "1.0", "b": "2.0"})
         service.stdin.close()
     install(world, "1.0")
-    assert release(world) == "1.0"
+    assert world.release() == "1.0"
 
 
 def test_a_kill_before_any_command_of_the_scripts_leaves_a_whole_release(first, tmp_path):
@@ -100,7 +82,7 @@ def test_a_kill_before_any_command_of_the_scripts_leaves_a_whole_release(first, 
             capture_output=True,
             check=False,
         )
-        assert release(world) in ("1.0", "2.0")
+        assert world.release() in ("1.0", "2.0")
         if int(count.read_text()) < number:
             break
         for name in CALLED:
@@ -108,5 +90,5 @@ def test_a_kill_before_any_command_of_the_scripts_leaves_a_whole_release(first, 
         world.dpkg("--force-depends", "--configure", "--pending")
         if killed.returncode != 0:
             install(world, "2.0")
-        assert release(world) == "2.0"
+        assert world.release() == "2.0"
     assert number > 8

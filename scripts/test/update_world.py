@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import hashlib
 import json
-import os
-import shutil
 import subprocess
 from dataclasses import dataclass
 from pathlib import Path
 
 import update_kit
+from user_shell import printed_by
 
 # The real dpkg, for this folder; the maintainer scripts see it in DPKG_ROOT.
 DPKG = """exec /usr/bin/dpkg --root=$ROOT --force-script-chrootless --force-not-root \\
@@ -112,15 +111,7 @@ class World:
 
     def dpkg(self, *arguments, status=0):
         """Run dpkg; return what it printed."""
-        done = subprocess.run(
-            ["dpkg", *map(str, arguments)],
-            env=self.environment,
-            capture_output=True,
-            text=True,
-            check=False,
-        )
-        assert (done.returncode == 0) == (status == 0), done.stdout + done.stderr
-        return done.stdout + done.stderr
+        return printed_by("dpkg", *arguments, status=status, env=self.environment)
 
     def bundle(self, version):
         return self.sticks / f"gpr20-{version}"
@@ -135,22 +126,20 @@ class World:
 
     def versions(self):
         """Return state and version of each package."""
-        lines = subprocess.run(
-            ["dpkg-query", "-W", "-f", "${Package} ${db:Status-Status} ${Version}\n"],
-            env=self.environment,
-            capture_output=True,
-            text=True,
-            check=True,
-        ).stdout.splitlines()
-        return {one.split()[0]: " ".join(one.split()[1:]) for one in lines}
+        shown = "${Package}=${db:Status-Status} ${Version}\n"
+        lines = printed_by("dpkg-query", "-W", "-f", shown, env=self.environment).splitlines()
+        return dict(one.split("=") for one in lines)
+
+    def release(self):
+        """Return the version of the release in use, which is whole."""
+        assert update_kit.slot_problems(self.root) == ""
+        return (self.root / "opt/gpr20/current/release").read_text("utf-8").strip()
 
     def version(self):
         """Return the one version that everything has; fail if something is between two."""
-        assert update_kit.slot_problems(self.root) == ""
         (version,) = {one for name, one in self.versions().items() if name.startswith("gpr20-")}
-        release = (self.root / "opt/gpr20/current/release").read_text("utf-8").strip()
-        assert version == f"installed {release}"
-        return release
+        assert version == f"installed {self.release()}"
+        return self.release()
 
     def data(self):
         """Return the checksum of every file of the configuration and of the surveys."""
@@ -172,25 +161,11 @@ class World:
 
     def copy(self, place):
         """Return another computer in the same state."""
-        shutil.copytree(self.root, place, symlinks=True, copy_function=copy_or_link(self.root))
+        # With the hard links between slots and what dpkg unpacked.
+        printed_by("cp", "--archive", self.root, place)
         made = World(place, self.sticks, self.program)
         write_programs(place)
         return made
-
-
-def copy_or_link(root):
-    """Return a copy function that keeps hard links between slots and what dpkg unpacked."""
-    copies = {}
-
-    def copy(source, target, **_options):
-        inode = os.stat(source).st_ino
-        if inode in copies:
-            os.link(copies[inode], target)
-        else:
-            shutil.copy2(source, target)
-            copies[inode] = target
-
-    return copy
 
 
 def write_programs(root):

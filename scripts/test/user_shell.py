@@ -35,6 +35,29 @@ def user_environment(data, **more):
     return {**kept, "PATH": ":".join(folders), **own, **more}
 
 
+def printed_by(*command, status=0, folder=None, **more):
+    """Run a program to its end, with more in the environment; return what it printed.
+
+    Args:
+        command: The program and its arguments.
+        status: How it must end; None: anyhow.
+        folder: Where it runs.
+        more: Of the environment, or all of it as `env`.
+    """
+    ended = subprocess.run(
+        list(map(str, command)),
+        cwd=folder,
+        env=more.pop("env", {**os.environ, **more}),
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        text=True,
+        timeout=LIMIT_S,
+        check=False,
+    )
+    assert status in (None, ended.returncode), ended.stdout
+    return ended.stdout
+
+
 def wait_until(condition, *processes, limit_s=LIMIT_S):
     """Wait for a condition while these processes go on running."""
     deadline_s = time.monotonic() + limit_s
