@@ -20,8 +20,8 @@ import subprocess
 import sys
 import time
 from collections import deque
-from dataclasses import dataclass
 from pathlib import Path
+from typing import NamedTuple
 
 DEVICE = "link"
 TUN = Path("/dev/net/tun")
@@ -33,19 +33,13 @@ MOST_BYTES = 65536
 CAPACITY = 1000
 
 
-@dataclass(frozen=True)
-class LinkQuality:
-    """How bad a link is.
+class LinkQuality(NamedTuple):
+    """How bad a link is, in each direction; packets do not overtake each other."""
 
-    Attributes:
-        delay_s: Delay of each packet, in each direction [s]: half of the round trip.
-        jitter_s: Up to this much more, at random [s]; packets do not overtake each other.
-        loss: Part of the packets that are lost, at random, in each direction.
-        seed: Of the random numbers.
-    """
-
+    # Half of the round trip, and up to this much more, at random.
     delay_s: float
     jitter_s: float
+    # Part of the packets.
     loss: float
     seed: int
 
@@ -59,10 +53,9 @@ class BadLink:
     """
 
     def __init__(self, ends, quality):
-        numbers = (quality.delay_s, quality.jitter_s, quality.loss, quality.seed)
         names = [word for end in ends for word in end]
         self._process = subprocess.Popen(
-            [sys.executable, __file__, *names, *map(str, numbers)],
+            [sys.executable, __file__, *names, *map(str, quality)],
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             text=True,
@@ -125,12 +118,17 @@ class Direction:
         self._packets.clear()
 
 
-def open_end(namespace, address):
-    """Make the device of one end and return its file descriptor."""
+def enter(namespace):
+    """Let this process be in a namespace from now on."""
     with open(f"/run/netns/{namespace}") as file:
         libc = ctypes.CDLL(None, use_errno=True)
         if libc.setns(file.fileno(), CLONE_NEWNET) != 0:
             raise OSError(ctypes.get_errno(), f"setns {namespace}")
+
+
+def open_end(namespace, address):
+    """Make the device of one end and return its file descriptor."""
+    enter(namespace)
     end = os.open(TUN, os.O_RDWR)
     fcntl.ioctl(end, TUNSETIFF, struct.pack("16sH22x", DEVICE.encode(), IFF_TUN | IFF_NO_PI))
     for arguments in (["addr", "add", f"{address}/24", "dev"], ["link", "set", "up", "dev"]):

@@ -7,7 +7,6 @@ import os
 import subprocess
 import sys
 from dataclasses import dataclass
-from pathlib import Path
 
 import install_page
 from bad_link import BadLink
@@ -112,20 +111,13 @@ def badly_linked_machines(quality):
 
 
 @contextlib.contextmanager
-def relayed(ports, inside, outside, folder: Path):
+def relayed(ports, inside, outside):
     """Let ports of the loopback of one machine be reached on the loopback of another."""
-    relays = []
+    script = [sys.executable, str(ROOT / "scripts/test/relay.py"), inside.name, outside.name]
+    relays = [subprocess.Popen([*script, str(port)]) for port in ports]
     try:
-        for port in ports:
-            path = folder / f"{port}.sock"
-            for direction, machine in (("out", outside), ("in", inside)):
-                script = [sys.executable, str(ROOT / "scripts/test/relay.py")]
-                relays.append(
-                    subprocess.Popen([*machine.prefix, *script, direction, str(port), str(path)])
-                )
         yield
     finally:
         for relay in relays:
             relay.terminate()
-        for relay in relays:
             relay.wait()

@@ -1,15 +1,15 @@
-"""Carries TCP connections of one network namespace into another, through a socket in a folder.
+"""Carries TCP connections from a port of loopback of one network namespace to that of another.
 
-usage: relay.py in|out PORT PATH
-
-`in` listens on a port of loopback and passes each connection on to the socket at PATH; `out`
-listens at PATH and passes each on to the port of its own loopback.
+usage: relay.py FROM TO PORT
 """
 
 from __future__ import annotations
 
 import asyncio
+import socket
 import sys
+
+from bad_link import enter
 
 PIECE_BYTES = 1 << 16
 
@@ -29,23 +29,20 @@ async def carry(reader, writer):
         writer.close()
 
 
-async def main(direction, port, path):
+async def main(source, target, port):
     """Listen until the process is ended."""
 
     async def connect(reader, writer):
-        if direction == "in":
-            far_reader, far_writer = await asyncio.open_unix_connection(path)
-        else:
-            far_reader, far_writer = await asyncio.open_connection("127.0.0.1", port)
+        far_reader, far_writer = await asyncio.open_connection("127.0.0.1", port)
         await asyncio.gather(carry(reader, far_writer), carry(far_reader, writer))
 
-    if direction == "in":
-        server = await asyncio.start_server(connect, "127.0.0.1", port)
-    else:
-        server = await asyncio.start_unix_server(connect, path)
-    async with server:
+    enter(source)
+    listening = socket.create_server(("127.0.0.1", port))
+    # A socket stays in the namespace in which it was made.
+    enter(target)
+    async with await asyncio.start_server(connect, sock=listening) as server:
         await server.serve_forever()
 
 
 if __name__ == "__main__":
-    asyncio.run(main(sys.argv[1], int(sys.argv[2]), sys.argv[3]))
+    asyncio.run(main(sys.argv[1], sys.argv[2], int(sys.argv[3])))

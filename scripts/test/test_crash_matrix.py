@@ -24,15 +24,8 @@ NOT_POSSIBLE = 77
     ],
 )
 def test_kills_and_cuts_lose_double_and_falsify_nothing(name, kills, cuts):
-    ended = subprocess.run(
-        [
-            *(sys.executable, str(MATRIX), "--seed", SEED),
-            *("--kills", str(kills), "--power-cuts", str(cuts)),
-        ],
-        capture_output=True,
-        text=True,
-        check=False,
-    )
+    command = [sys.executable, MATRIX, "--seed", SEED, "--kills", kills, "--power-cuts", cuts]
+    ended = subprocess.run(list(map(str, command)), capture_output=True, text=True, check=False)
     if ended.returncode == NOT_POSSIBLE:
         pytest.skip(ended.stdout.strip())
     assert ended.returncode == 0, f"seed {SEED}: {ended.stdout}{ended.stderr}"

@@ -10,7 +10,7 @@ import sysconfig
 
 import pytest
 from robot_kit import end, free_port
-from user_shell import LIMIT_S, ROOT, user_environment, wait_until
+from user_shell import ROOT, printed_by, user_environment, wait_until
 
 pytestmark = pytest.mark.release
 
@@ -19,20 +19,9 @@ AREA = "--x-start-mm 100 --x-stop-mm 120 --x-points 3 --y-start-mm 100 --y-stop-
 INSTALL = "scripts/install_space.sh"
 
 
-def run(command, environment, folder=None, status=0):
+def run(command, environment, folder=None):
     """Run a command line in a shell; return what it printed."""
-    ended = subprocess.run(
-        ["bash", "-c", command],
-        cwd=folder,
-        env=environment,
-        stdout=subprocess.PIPE,
-        stderr=subprocess.STDOUT,
-        text=True,
-        timeout=LIMIT_S,
-        check=False,
-    )
-    assert ended.returncode == status, ended.stdout
-    return ended.stdout
+    return printed_by("bash", "-c", command, folder=folder, env=environment)
 
 
 @pytest.fixture(scope="module")
@@ -98,25 +87,16 @@ def survey(installed, tmp_path_factory):
 
 
 def test_a_copy_runs_a_whole_survey_that_the_installed_command_verifies(installed, survey):
-    folder, _revision = installed
-    stored, _log = survey
+    folder, revision = installed
+    stored, log = survey
     environment = user_environment(stored)
     said = run(sourced(folder, f"gpr20 verify {stored}"), environment)
     assert "complete and intact: all 18 planned traces" in said
     assert stored.name in run(sourced(folder, f"gpr20 info {stored}"), environment)
     run(sourced(folder, f"gpr20-verify {stored}"), environment)
-
-
-def test_its_window_and_its_nodes_start_once_and_report_no_error(survey):
-    _stored, log = survey
     assert "process[user_interface-" in log
     for word in ("Traceback", "has died", "[ERROR]", "No module named"):
         assert word not in log, log
-
-
-def test_a_survey_names_the_revision_that_was_installed(installed, survey):
-    _folder, revision = installed
-    stored, _log = survey
     software = json.loads((stored / "survey.json").read_text())["software_revision"]
     assert software.endswith(f" (git {revision})")
 

@@ -6,12 +6,11 @@ import os
 import re
 import signal
 import subprocess
-import time
 
 import psutil
 import pytest
 from robot_kit import WATCHDOG, LaunchedRobot, free_port
-from user_shell import ROOT
+from user_shell import ROOT, printed_by
 
 from gpr20_survey.files.data_marker import FolderMemory, read_marker
 
@@ -30,31 +29,9 @@ def robot(tmp_path, monkeypatch):
         process.kill()
 
 
-def wait_for(condition, what):
-    deadline_s = time.monotonic() + LIMIT_S
-    while not condition():
-        assert time.monotonic() < deadline_s, f"no {what} within {LIMIT_S} s"
-        time.sleep(0.05)
-
-
-def launch(*arguments):
-    """Run a launch that ends by itself; return all that it said."""
-    ended = subprocess.run(
-        ["roslaunch", *arguments],
-        stdout=subprocess.PIPE,
-        stderr=subprocess.STDOUT,
-        text=True,
-        timeout=LIMIT_S,
-        check=False,
-    )
-    return ended.stdout
-
-
 def test_a_launch_ends_when_a_node_cannot_start(tmp_path):
-    said = launch(
-        "-p", str(free_port()), "gpr20", "survey.launch", "robot:=gpr20", "ui:=false",
-        f"data:={tmp_path}",
-    )  # fmt: skip
+    command = ["roslaunch", "-p", free_port(), "gpr20", "survey.launch", "robot:=gpr20"]
+    said = printed_by(*command, "ui:=false", f"data:={tmp_path}", status=None)
     refusals = re.findall(r"(\S+) cannot start: this computer has no", said)
     assert refusals
     assert len(refusals) == len(set(refusals)), "each node says it once"
@@ -71,8 +48,7 @@ def test_the_user_of_the_services_can_accept_another_data_folder(tmp_path):
         "GPR20_STATE": f"{tmp_path}/state",
         "GPR20_PREFIX": str(ROOT / "catkin_ws/devel"),
     }
-    command = [str(ROOT / "deploy/gpr20-run"), "config", "accept_data"]
-    subprocess.run(command, env={**os.environ, **own}, check=True, timeout=LIMIT_S)
+    printed_by(ROOT / "deploy/gpr20-run", "config", "accept_data", **own)
     identity = read_marker(tmp_path / "data").identity
     assert FolderMemory(tmp_path / "state").identity_at(tmp_path / "data") == identity
 
@@ -86,7 +62,7 @@ def test_nodes_that_outlive_their_roslaunch_are_named_with_the_command_that_ends
     roslaunch.kill()
     roslaunch.wait(LIMIT_S)
     master = os.environ["ROS_MASTER_URI"]
-    said = launch("gpr20", "survey.launch", "ui:=false")
+    said = printed_by("roslaunch", "gpr20", "survey.launch", "ui:=false", status=None)
     assert f"a robot is running on {master} since 20" in said
     (command,) = re.findall(r"can be resumed: (kill [\d ]+)", said)
     assert {int(word) for word in command.split()[1:]} == {one.pid for one in nodes}

@@ -8,13 +8,12 @@ from __future__ import annotations
 import os
 import shutil
 import subprocess
-from dataclasses import dataclass
 from pathlib import Path
-from typing import List, Optional, Sequence
+from typing import List, NamedTuple, Optional, Sequence
 
 import pytest
 from pytest_gpr20.workspace import without_ros
-from user_shell import ROOT
+from user_shell import ROOT, printed_by
 
 EVERYTHING = sorted(path.parts[-3] for path in ROOT.glob("catkin_ws/src/*/test/unit"))
 ANALYSIS = ["gpr20_analysis", "gpr20_foreign_formats", "gpr20_imaging", "gpr20_viewer"]
@@ -36,15 +35,8 @@ for package in sys.argv[2:]:
 """
 
 
-@dataclass(frozen=True)
-class OtherPython:
-    """A Python without ROS.
-
-    Attributes:
-        version: Its version.
-        venv: Its virtual environment, a folder of the checkout.
-        packages: The packages whose code is written for it.
-    """
+class OtherPython(NamedTuple):
+    """A Python without ROS: its version, its venv in the checkout, and what is written for it."""
 
     version: str
     venv: str
@@ -70,15 +62,7 @@ if "GPR20_UBUNTU_VENV" in os.environ:
 def run(python: str, *arguments: str, **variables: str) -> None:
     """Run a program of Python in the checkout; it must succeed."""
     own = {name: value for name, value in os.environ.items() if "PYTEST" not in name}
-    ended = subprocess.run(
-        [python, *arguments],
-        cwd=ROOT,
-        env={**own, **variables},
-        stdout=subprocess.PIPE,
-        stderr=subprocess.STDOUT,
-        text=True,
-    )
-    assert ended.returncode == 0, ended.stdout
+    printed_by(python, *arguments, folder=ROOT, env={**own, **variables})
 
 
 def oldest_python() -> Optional[str]:

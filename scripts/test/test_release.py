@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-import os
-import subprocess
 import sys
 
 import pytest
-from user_shell import ROOT
+from user_shell import ROOT, printed_by
 
 pytestmark = pytest.mark.release
 CHANGELOG = "catkin_ws/src/gpr20/CHANGELOG.rst"
@@ -37,17 +35,7 @@ def clone(tmp_path):
 
 def run(folder, *command):
     """Run a command in a folder; return what it printed."""
-    ended = subprocess.run(
-        command,
-        cwd=str(folder),
-        env={**os.environ, **PERSON},
-        stdout=subprocess.PIPE,
-        stderr=subprocess.STDOUT,
-        text=True,
-        timeout=300,
-    )
-    assert ended.returncode == 0, ended.stdout
-    return ended.stdout
+    return printed_by(*command, folder=folder, **PERSON)
 
 
 def refusal(folder, *arguments):

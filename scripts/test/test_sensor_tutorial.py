@@ -4,17 +4,16 @@ from __future__ import annotations
 
 import csv
 import json
-import subprocess
 import sys
 import time
-from pathlib import Path
 
 import pytest
 from robot_kit import LaunchedRobot, end
 from tutorial_code import code_blocks
+from user_shell import ROOT
+from user_shell import printed_by as run
 
 pytestmark = pytest.mark.release
-ROOT = Path(__file__).resolve().parents[2]
 PAGE = ROOT / "docs/extend/sensor.md"
 LIMIT_S = 120.0
 NAMES = ("soil_moisture", "soil_temperature")
@@ -28,20 +27,6 @@ def config(tmp_path):
     for name, text in code_blocks(PAGE, "yaml").items():
         (folder / name).write_text(text)
     return folder
-
-
-def run(*command, status=0):
-    """Run a command; return what it printed."""
-    ended = subprocess.run(
-        command,
-        stdout=subprocess.PIPE,
-        stderr=subprocess.STDOUT,
-        text=True,
-        timeout=LIMIT_S,
-        check=False,
-    )
-    assert ended.returncode == status, ended.stdout
-    return ended.stdout
 
 
 def test_the_sensors_of_the_page_are_in_traces_recordings_status_and_exports(

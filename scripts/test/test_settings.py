@@ -7,8 +7,9 @@ import re
 import subprocess
 
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
+from run_seed import draws
 from user_shell import ROOT
 
 SHIPPED = (ROOT / "deploy/common/etc/gpr20/environment").read_text("utf-8")
@@ -63,14 +64,11 @@ def test_the_web_page_runs_beside_the_surveys_if_a_network_may_reach_it(machine)
 WRONG = {
     "space before": (f" {SIMULATED}", "is not NAME=value"),
     "export": (f"export {SIMULATED}", "is not NAME=value"),
-    "spaces around": (SIMULATED.replace("=", " = ", 1), "is not NAME=value"),
     "comment behind": (f"{SIMULATED} # real later", "has a comment behind it"),
     "quotes, then a comment": ('GPR20_LAUNCH_ARGUMENTS="robot:=simulated" # x', "has a quote"),
     "space behind": (f"{SIMULATED} ", "begins or ends with a space"),
-    "single quotes": ("GPR20_LAUNCH_ARGUMENTS='robot:=simulated'", "has a quote"),
     "carriage return": (f"{SIMULATED}\r", "carriage return"),
     "twice": (f"{SIMULATED}\n{SIMULATED}", "is set in line"),
-    "lower case": (SIMULATED.lower(), "is unknown"),
     "name with a mistake": (SIMULATED.replace("ARGUMENTS", "ARGUMENT"), "is unknown"),
     "argument in capitals": (SIMULATED.replace("robot", "Robot"), "'Robot:=simulated'"),
     "another robot": (SIMULATED.replace("simulated", "simulation"), "must name the robot"),
@@ -86,18 +84,16 @@ def test_a_line_that_is_not_understood_starts_nothing(machine, line, reason):
     assert reason in done.stderr
 
 
-def test_a_file_that_is_not_there_starts_nothing(machine, tmp_path):
-    done = machine(SHIPPED, GPR20_ENVIRONMENT=str(tmp_path / "none"))
-    assert done.returncode == 2 and done.stdout == ""
-    assert "none cannot be read" in done.stderr
-
-
 def test_what_is_no_file_starts_nothing_and_is_not_waited_for(machine, tmp_path):
     os.mkfifo(str(tmp_path / "pipe"))
-    for path in (tmp_path, tmp_path / "pipe"):
-        done = machine(SHIPPED, GPR20_ENVIRONMENT=str(path))
+    for name, reason in (
+        ("none", "none cannot be read"),
+        ("", "it must be a file"),
+        ("pipe", "it must be a file"),
+    ):
+        done = machine(SHIPPED, GPR20_ENVIRONMENT=str(tmp_path / name))
         assert done.returncode == 2 and done.stdout == ""
-        assert "it must be a file" in done.stderr
+        assert reason in done.stderr
 
 
 LINES = st.sampled_from(
@@ -105,6 +101,7 @@ LINES = st.sampled_from(
 )
 
 
+@settings(max_examples=draws(6))
 @given(st.lists(LINES, max_size=4))
 def test_no_lines_that_never_name_the_real_robot_start_it(machine, lines):
     done = machine("\n".join(lines))

@@ -4,9 +4,7 @@ from __future__ import annotations
 
 import shutil
 import subprocess
-from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Dict
 
 import pytest
 from user_shell import ROOT
@@ -21,33 +19,19 @@ NO_NETWORK = "E: Failed to fetch http://deb.debian.org/x.deb  Could not connect 
 PACKAGE = "<package><name>{}</name></package>"
 
 
-@dataclass
 class Computer:
-    """A checkout and the programs of a computer.
+    """A checkout and the programs of a computer, all below a folder."""
 
-    Attributes:
-        place: Where everything is.
-        environment: Further variables.
-    """
-
-    place: Path
-    environment: Dict[str, str] = field(default_factory=dict)
+    def __init__(self, place):
+        self.place = place
+        self.checkout = place / "gpr20"
+        self.environment = {}
 
     @property
-    def checkout(self) -> Path:
-        """The folder with the scripts."""
-        return self.place / "gpr20"
-
-    @property
-    def calls(self) -> str:
+    def calls(self):
         """What the stubs were called with, a line each."""
         file = self.place / "calls"
         return file.read_text() if file.exists() else ""
-
-    @property
-    def log(self) -> str:
-        """The log of the last run."""
-        return (self.checkout / "setup.log").read_text()
 
     def stub(self, name, body, folder="bin"):
         """Make a program of shell lines that also notes how it was called."""
@@ -58,15 +42,16 @@ class Computer:
 
     def run(self, *options):
         """Run the setup without a terminal."""
+        environment = {
+            "PATH": str(self.place / "bin"),
+            "HOME": str(self.place),
+            "GPR20_APT_RETRY_S": "0.1",
+            "GPR20_ROS_PREFIX": str(self.place / "noetic"),
+            **self.environment,
+        }
         return subprocess.run(
             [str(self.checkout / "scripts/setup.sh"), *options],
-            env={
-                "PATH": str(self.place / "bin"),
-                "HOME": str(self.place),
-                "GPR20_APT_RETRY_S": "0.1",
-                "GPR20_ROS_PREFIX": str(self.place / "noetic"),
-                **self.environment,
-            },
+            env=environment,
             stdin=subprocess.DEVNULL,
             capture_output=True,
             text=True,
@@ -116,11 +101,6 @@ def computer(tmp_path):
     return made
 
 
-def ordinary_user(computer):
-    """Let the setup be run by somebody who is not root."""
-    computer.stub("id", 'if [ "$1" = -u ]; then echo 1000; else echo maria; fi')
-
-
 def fails_first(computer, printed, command="update"):
     """Let apt-get fail once."""
     computer.stub(
@@ -160,7 +140,7 @@ def test_it_waits_for_who_is_installing_packages_and_names_it(computer, command)
     ],
 )
 def test_without_the_rights_it_says_at_once_what_root_has_to_run(computer, sudo, reason):
-    ordinary_user(computer)
+    computer.stub("id", 'if [ "$1" = -u ]; then echo 1000; else echo maria; fi')
     if sudo:
         computer.stub("sudo", sudo)
     ended = computer.run()
@@ -187,14 +167,7 @@ def test_a_failure_of_apt_says_what_to_do_and_where_the_log_is(computer, printed
     assert ended.returncode == 1
     for text in (printed, said, f"the end of {computer.checkout}/setup.log"):
         assert text in ended.stderr
-    assert printed in computer.log
-
-
-def test_a_full_disk_is_refused_before_anything_is_installed(computer):
-    computer.stub("df", "echo head; echo disk 999999 1 10 1% /")
-    ended = computer.run()
-    assert "has 10 MB free; the packages of the system need about" in ended.stderr
-    assert "apt-get" not in computer.calls
+    assert printed in (computer.checkout / "setup.log").read_text()
 
 
 def test_the_ros_of_the_system_is_used_and_nothing_of_ros_comes_from_debian(computer):
@@ -215,8 +188,13 @@ def test_the_ros_of_the_system_is_used_and_nothing_of_ros_comes_from_debian(comp
 def test_ubuntu_without_its_ros_is_told_how_to_install_it(computer):
     (computer.place / "os-release").write_text('ID=ubuntu\nVERSION_ID="20.04"\n')
     computer.environment["GPR20_OS_RELEASE"] = str(computer.place / "os-release")
-    ended = computer.run()
-    assert "install ros-noetic-ros-base" in ended.stderr
+    assert "install ros-noetic-ros-base" in computer.run().stderr
+    assert "apt-get" not in computer.calls
+
+
+def test_a_full_disk_is_refused_before_anything_is_installed(computer):
+    computer.stub("df", "echo head; echo disk 999999 1 10 1% /")
+    assert "has 10 MB free; the packages of the system need about" in computer.run().stderr
     assert "apt-get" not in computer.calls
 
 

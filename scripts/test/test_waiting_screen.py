@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-import os
-import subprocess
 import sys
 
 import pytest
-from user_shell import ROOT, imported
+from user_shell import ROOT, imported, printed_by
 
 from gpr20_common.catalogue import Language
 
@@ -76,13 +74,6 @@ print(screen.label.text())
 
 
 def test_it_shows_the_sentence_and_ends_when_nothing_is_missing():
-    done = subprocess.run(
-        [sys.executable, "-c", SHOW],
-        cwd=ROOT / "deploy",
-        env={**os.environ, "QT_QPA_PLATFORM": "offscreen"},
-        capture_output=True,
-        text=True,
-        timeout=60,
-        check=True,
-    )
-    assert done.stdout == "Esperando al PC 10.20.0.2. Enciéndalo y revise el cable.\n"
+    show = (sys.executable, "-c", SHOW)
+    said = printed_by(*show, folder=ROOT / "deploy", QT_QPA_PLATFORM="offscreen")
+    assert said.splitlines()[-1] == "Esperando al PC 10.20.0.2. Enciéndalo y revise el cable."

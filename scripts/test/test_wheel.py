@@ -3,32 +3,28 @@
 That of a wing holds the wing alone, and adds what it offers.
 """
 
-import os
 import re
 import shlex
-import subprocess
 import sys
 import zipfile
-from pathlib import Path
 
 import pytest
+from user_shell import ROOT, printed_by
 from wings_kit import needs
 
 pytestmark = pytest.mark.release
-ROOT = Path(__file__).resolve().parents[2]
 SOURCES = ROOT / "catkin_ws/src"
 SURVEYS = ROOT / "catkin_ws/src/gpr20_vna_processing/test/unit/old_surveys/without_header"
 # They have what the requirements name and neither ROS nor this project.
 VENVS = [".venv313", ".venv38"]
 PACKAGES = {"gpr20_analysis", "gpr20_common", "gpr20_survey"}
 FORMATS, VIEWER = "gpr20_foreign_formats", "gpr20_viewer"
-LIMIT_S = 300
 
 
 def wheel_of(package, folder):
     """Make the wheel of a package; return its path."""
-    pip = [sys.executable, "-m", "pip", "wheel", "--quiet", "--no-deps", "--wheel-dir", str(folder)]
-    subprocess.run([*pip, str(SOURCES / package)], check=True, timeout=LIMIT_S)
+    pip = [sys.executable, "-m", "pip", "wheel", "--quiet", "--no-deps", "--wheel-dir", folder]
+    printed_by(*pip, SOURCES / package)
     (path,) = folder.glob(f"{package}-*.whl")
     return path
 
@@ -74,16 +70,8 @@ def gpr20(request, wheel, wings, tmp_path):
             archive.extractall(tmp_path / "installed")
 
     def run(*arguments):
-        ended = subprocess.run(
-            [python, "-m", "gpr20_analysis.commands.main", *arguments],
-            cwd=tmp_path,
-            env={**os.environ, "PYTHONPATH": str(tmp_path / "installed")},
-            capture_output=True,
-            text=True,
-            timeout=LIMIT_S,
-        )
-        assert ended.returncode == 0, ended.stdout + ended.stderr
-        return ended.stdout
+        command = [python, "-m", "gpr20_analysis.commands.main", *arguments]
+        return printed_by(*command, folder=tmp_path, PYTHONPATH=str(tmp_path / "installed"))
 
     return run
 

@@ -37,7 +37,7 @@ def launched(server, robot, folder):
             wait_until(lambda: is_ready(folder / "printed.log"), control, axes)
             # The simulated VNA is behind the loopback of the robot, which a real one is not.
             wait_until(lambda: simulated_vna(robot), control, axes)
-            with relayed(simulated_vna(robot), server, robot, folder):
+            with relayed(simulated_vna(robot), server, robot):
                 yield on_server, on_robot
         finally:
             on_robot.close()
