@@ -4,7 +4,6 @@
 import os
 import shutil
 import signal
-import time
 import unittest
 from urllib.parse import urlsplit
 
@@ -12,22 +11,12 @@ import psutil
 import rosgraph
 import rospy
 import rostest
-from survey_client import LIMIT_S, SurveyClient, json_traces, node_pid
+from survey_client import SurveyClient, node_pid, wait_until
 
-from gpr20_analysis.read.verification import verify_survey
-from gpr20_analysis.read.verification_result import COMPLETE
 from gpr20_common.sent_message import message_from
 from gpr20_msgs.msg import ControlStatus
 
 TRACES = 18
-
-
-def wait_until(condition, failure):
-    """Wait until a condition holds."""
-    deadline_s = time.monotonic() + LIMIT_S
-    while not condition():
-        assert time.monotonic() < deadline_s, failure
-        time.sleep(0.05)
 
 
 def port_of(node):
@@ -72,16 +61,7 @@ class HungNodesTest(unittest.TestCase):
 
     def wait_for_end_of(self, pid):
         """Wait until a process has been ended."""
-        begun_s = time.monotonic()
         wait_until(lambda: not psutil.pid_exists(pid), f"process {pid} was not ended")
-        print(f"ended after {time.monotonic() - begun_s:.1f} s")
-
-    def check_whole(self, survey_id):
-        folder = self.client.folder(survey_id)
-        stored = json_traces(folder)
-        self.assertEqual([one["index"] for one in stored], list(range(TRACES)))
-        found = verify_survey(folder)
-        self.assertEqual((found.status, found.faults), (COMPLETE, []))
 
     def test_1_a_frozen_storage_and_window_are_restarted_and_the_survey_continues(self):
         survey_id = self.client.begin()
@@ -93,16 +73,10 @@ class HungNodesTest(unittest.TestCase):
         self.wait_for_end_of(pid)
         traces = self.client.folder(survey_id) / "traces"
         self.assertGreaterEqual(len(list(traces.glob("*.json"))), acknowledged)
-        status = self.client.wait_for_status(
-            ControlStatus.FINISHED, ControlStatus.PAUSED, ControlStatus.FAILED
-        )
-        self.assertEqual(status.code, ControlStatus.FINISHED, status.message)
-        codes = [one.code for one in self.client.statuses]
-        self.assertNotIn(ControlStatus.PAUSED, codes)
+        self.client.check_complete(survey_id, TRACES)
         waiting = [one for one in self.client.statuses if one.code == ControlStatus.CHECKING]
         self.assertTrue(any("vna_processing" in message_from(one).all_details for one in waiting))
         self.assertTrue(any("continues by itself" in one.message for one in waiting))
-        self.check_whole(survey_id)
         self.wait_for_end_of(window)
         wait_until(lambda: port_of("/user_interface") not in (None, port), "no other window")
 
@@ -114,9 +88,7 @@ class HungNodesTest(unittest.TestCase):
         self.wait_for_end_of(pid)
         self.client.wait_for_status(ControlStatus.IDLE)
         self.client.go_on(self.client.folder(survey_id).name)
-        status = self.client.wait_for_status(ControlStatus.FINISHED, ControlStatus.PAUSED)
-        self.assertEqual(status.code, ControlStatus.FINISHED, status.message)
-        self.check_whole(survey_id)
+        self.client.check_complete(survey_id, TRACES)
 
 
 if __name__ == "__main__":

@@ -8,7 +8,6 @@ import shutil
 import signal
 import subprocess
 import sys
-import time
 import unittest
 from pathlib import Path
 
@@ -18,7 +17,7 @@ import rosnode
 import rospkg
 import rospy
 import rostest
-from survey_client import LIMIT_S, SurveyClient, bits, json_traces
+from survey_client import LIMIT_S, SurveyClient, bits, json_traces, run, wait_until
 
 from gpr20_analysis.read.verification import verify_survey
 from gpr20_analysis.read.verification_result import INCOMPLETE
@@ -41,13 +40,6 @@ AREAS = {
 TRACES = 50
 
 
-def wait_until(condition, what):
-    deadline_s = time.monotonic() + LIMIT_S
-    while not condition():
-        assert time.monotonic() < deadline_s, what
-        time.sleep(0.05)
-
-
 @contextlib.contextmanager
 def process(*command, **options):
     """Run a command; it is interrupted, as by Ctrl-C, in the end."""
@@ -61,13 +53,6 @@ def process(*command, **options):
                 started.wait(ENDING_LIMIT_S)
             except subprocess.TimeoutExpired:
                 started.kill()
-
-
-def call(*command):
-    """Run a command to its end; return its status and output."""
-    pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.STDOUT}
-    ended = subprocess.run(command, env=ENVIRONMENT, text=True, timeout=LIMIT_S, **pipes)
-    return ended.returncode, ended.stdout
 
 
 class Window:
@@ -108,18 +93,11 @@ class NamespaceTest(unittest.TestCase):
         for client in cls.clients.values():
             shutil.rmtree(client.data)
 
-    def check_finishes(self, robot):
-        client = self.clients[robot]
-        status = client.wait_for_status(ControlStatus.FINISHED, ControlStatus.FAILED)
-        self.assertEqual(status.code, ControlStatus.FINISHED, status.message)
-        self.assertNotIn(ControlStatus.PAUSED, [one.code for one in client.statuses])
-        return status
-
-    def check_own_survey(self, robot, status):
+    def check_own_survey(self, robot):
         """Check what the survey and its bag hold, to the end; return the bits of the traces."""
-        folder = self.folders[robot]
-        found = verify_survey(folder)
-        self.assertEqual((found.status, found.faults, found.stored), (0, [], TRACES))
+        folder, client = self.folders[robot], self.clients[robot]
+        client.check_complete(client.survey_id, TRACES)
+        status = client.statuses[-1]
         with rosbag.Bag(str(folder / "survey.bag")) as bag:
             topics = bag.get_type_and_topic_info().topics
             statuses = [one.message for one in bag.read_messages([f"{robot}/control_status"])]
@@ -147,10 +125,10 @@ class NamespaceTest(unittest.TestCase):
         first.wait_for_status(ControlStatus.PAUSED)
         self.assertTrue(first.stop().success)
         first.wait_for_status(ControlStatus.STOPPED)
-        measured = [self.check_own_survey("/robot2", self.check_finishes("/robot2"))]
+        measured = [self.check_own_survey("/robot2")]
         self.assertTrue(first.set_fault(device="adc", fault="NONE", count=0).success)
         first.go_on(self.folders["/robot1"].name)
-        measured.append(self.check_own_survey("/robot1", self.check_finishes("/robot1")))
+        measured.append(self.check_own_survey("/robot1"))
         self.assertEqual(set.intersection(*measured), set())
 
     def test_2_a_recording_on_the_topics_of_a_robot_neither_moves_it_nor_is_shown(self):
@@ -206,7 +184,7 @@ class NamespaceTest(unittest.TestCase):
             *[*client, "--attach", "__ns:=replay"], stdout=subprocess.PIPE
         ) as attached:
             wait_until(lambda: self.window_of(nodes), "there is no window")
-            status, said = call(*client, "--wait", "10", "__ns:=replay")
+            status, said = run(*client, "--wait", "10", "__ns:=replay", env=ENVIRONMENT)
             self.assertEqual(status, 1, said)
             self.assertIn("A replay of a recorded survey is running", said)
             self.assertTrue(rospy.ServiceProxy("/replay/set_rate", SetReplayRate)(20.0).success)

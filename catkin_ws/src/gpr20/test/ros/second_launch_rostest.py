@@ -5,9 +5,7 @@ import json
 import os
 import shutil
 import signal
-import subprocess
 import sys
-import time
 import unittest
 from concurrent.futures import ThreadPoolExecutor
 
@@ -16,15 +14,17 @@ import rospy
 import rostest
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
-from survey_client import SurveyClient, node_pid, wait_until_connected
-
-from gpr20_msgs.msg import (
-    ControlStatus,
-    NodeDescription,
-    RobotConfiguration,
+from survey_client import (
+    LIMIT_S,
+    SurveyClient,
+    node_pid,
+    run,
+    wait_until,
+    wait_until_connected,
 )
 
-LIMIT_S = 60.0
+from gpr20_msgs.msg import NodeDescription, RobotConfiguration
+
 # Of these three a second one is started.
 AGAIN = ("/x_axis/axis_driver", "/vna_processing", "/main_control")
 NODES = (
@@ -75,19 +75,6 @@ run_node("ended_while_it_starts", build)
 """
 
 
-def run(command):
-    """Run a command; return its exit status and all that it said."""
-    ended = subprocess.run(
-        command,
-        stdout=subprocess.PIPE,
-        stderr=subprocess.STDOUT,
-        text=True,
-        timeout=LIMIT_S,
-        check=False,
-    )
-    return ended.returncode, ended.stdout
-
-
 def description(node):
     if node == "/main_control":  # it describes the whole robot
         robot = rospy.wait_for_message("robot_configuration", RobotConfiguration, LIMIT_S)
@@ -97,17 +84,12 @@ def description(node):
     return message.simulated, message.time_scale, message.hardware, message.configuration_json
 
 
-def restarted(node, before):
-    """Wait for the successor of a process that was killed; return its description."""
-    deadline_s = time.monotonic() + LIMIT_S
-    while time.monotonic() < deadline_s:
-        try:
-            if node_pid(node) != before:
-                return description(node)
-        except (OSError, rosnode.ROSNodeException):
-            pass  # not back yet
-        time.sleep(0.1)
-    raise AssertionError(f"{node} did not come back")
+def is_back(node, before):
+    """Return whether a process that was killed has a successor."""
+    try:
+        return node_pid(node) != before
+    except (OSError, rosnode.ROSNodeException):
+        return False
 
 
 class SecondLaunchTest(unittest.TestCase):
@@ -138,15 +120,14 @@ class SecondLaunchTest(unittest.TestCase):
             if full in AGAIN
         ]
         with ThreadPoolExecutor() as second:
-            ended = dict(zip(AGAIN, second.map(run, commands)))
+            ended = dict(zip(AGAIN, second.map(lambda one: run(*one), commands)))
         for name, (status, said) in ended.items():
             with self.subTest(name):
                 self.assertEqual(status, 1, said)
                 self.assertIn(f"{name} cannot start: it is already running", said)
                 self.assertIn("give this one its own namespace", said)
                 self.assertEqual(node_pid(name), before[name])
-        status = self.client.wait_for_status(ControlStatus.FINISHED, ControlStatus.PAUSED)
-        self.assertEqual(status.code, ControlStatus.FINISHED, status.message)
+        self.client.finished()
         self.assertNotIn("survey.part_lost", [one.fault_code for one in self.client.statuses])
         publisher.unregister()
 
@@ -154,7 +135,7 @@ class SecondLaunchTest(unittest.TestCase):
         launches = ("survey.launch", "robot.launch", "server.launch")
         commands = [["roslaunch", "--nodes", "gpr20", name, "robot:=foo"] for name in launches]
         with ThreadPoolExecutor() as together:
-            for status, said in together.map(run, commands):
+            for status, said in together.map(lambda one: run(*one), commands):
                 self.assertNotEqual(status, 0)
                 self.assertIn("unknown robot:=foo; it must be one of simulated, gpr20", said)
 
@@ -162,7 +143,7 @@ class SecondLaunchTest(unittest.TestCase):
         before = rospy.get_param("/")
         launch = ["roslaunch", "gpr20", "survey.launch", "ui:=false"]
         with ThreadPoolExecutor() as launches:
-            ended = launches.map(lambda given: run([*launch, *given]), SECOND_ARGUMENTS)
+            ended = launches.map(lambda given: run(*launch, *given), SECOND_ARGUMENTS)
         for given, (status, said) in zip(SECOND_ARGUMENTS, ended):
             with self.subTest(given):
                 self.assertNotEqual(status, 0)
@@ -180,12 +161,12 @@ class SecondLaunchTest(unittest.TestCase):
             os.kill(pid, signal.SIGKILL)
         for node, (pid, described) in before.items():
             with self.subTest(node):
-                self.assertEqual(restarted(node, pid), described)
+                wait_until(lambda node=node, pid=pid: is_back(node, pid), f"{node} is gone")
+                self.assertEqual(description(node), described)
         self.client = type(self).client = SurveyClient()
         self.assertEqual(self.client.data, data)
-        survey_id, status = self.client.run_to_end()
-        self.assertEqual(status.code, ControlStatus.FINISHED, status.message)
-        self.assertTrue(status.simulated)
+        survey_id = self.client.begin()
+        self.assertTrue(self.client.finished().simulated)
         folder = self.client.folder(survey_id)
         recorded = json.loads((folder / "survey.json").read_text())
         self.assertIs(recorded["simulated"], True)
@@ -198,7 +179,7 @@ class SecondLaunchTest(unittest.TestCase):
         self.assertIsNone(recorded["site"]["latitude_deg"])
 
     def test_5_ctrl_c_ends_a_node_that_is_starting(self):
-        status, said = run([sys.executable, "-c", ENDED_WHILE_IT_STARTS])
+        status, said = run(sys.executable, "-c", ENDED_WHILE_IT_STARTS)
         self.assertEqual((status, said), (-signal.SIGINT, ""))
 
 

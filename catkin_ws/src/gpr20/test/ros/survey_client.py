@@ -2,6 +2,7 @@
 
 import json
 import struct
+import subprocess
 import threading
 import time
 from pathlib import Path
@@ -11,6 +12,8 @@ import rosgraph
 import rosnode
 import rospy
 
+from gpr20_analysis.read.verification import verify_survey
+from gpr20_analysis.read.verification_result import COMPLETE
 from gpr20_msgs.msg import (
     Annotation,
     ControlStatus,
@@ -51,11 +54,30 @@ PARAMETERS = {
 
 def wait_until_connected(subscribers):
     """Wait until each subscriber has a publisher: earlier messages are lost."""
-    deadline_s = time.monotonic() + LIMIT_S
     for subscriber in subscribers:
-        while subscriber.get_num_connections() == 0:
-            assert time.monotonic() < deadline_s, f"nobody publishes {subscriber.name}"
-            time.sleep(0.01)
+        wait_until(subscriber.get_num_connections, f"nobody publishes {subscriber.name}")
+
+
+def wait_until(condition, failure):
+    """Wait until a condition holds."""
+    deadline_s = time.monotonic() + LIMIT_S
+    while not condition():
+        assert time.monotonic() < deadline_s, failure
+        time.sleep(0.05)
+
+
+def run(*command, **options):
+    """Run a command; return its exit status and all that it said."""
+    ended = subprocess.run(
+        command,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        text=True,
+        timeout=LIMIT_S,
+        check=False,
+        **options,
+    )
+    return ended.returncode, ended.stdout
 
 
 def described(node):
@@ -152,6 +174,25 @@ class SurveyClient:
         self.wait(lambda: self.statuses and self.statuses[-1].code in codes)
         return self.statuses[-1]
 
+    def finished(self):
+        """Wait until the survey has finished, and has not paused before; return the status."""
+        ended = (ControlStatus.FINISHED, ControlStatus.PAUSED, ControlStatus.FAILED)
+        status = self.wait_for_status(*ended, ControlStatus.STOPPED)
+        assert status.code == ControlStatus.FINISHED, status.message
+        assert ControlStatus.PAUSED not in [one.code for one in self.statuses]
+        return status
+
+    def check_complete(self, survey_id, traces):
+        """Check that it has finished, and that its folder holds every trace once."""
+        self.finished()
+        folder = self.folder(survey_id)
+        stored = json_traces(folder)
+        assert [one["index"] for one in stored] == list(range(traces))
+        places = {(one["x_coord_mm"], one["y_coord_mm"], one["z_coord_deg"]) for one in stored}
+        assert len(places) == traces
+        found = verify_survey(folder)
+        assert (found.status, found.faults) == (COMPLETE, [])
+
     def wait_for_visited(self, points):
         """Wait until so many points of the survey that was begun last are stored."""
         self.wait(
@@ -159,16 +200,6 @@ class SurveyClient:
                 one.survey_id == self.survey_id and one.visited_points >= points
                 for one in self.progress
             )
-        )
-
-    def run_to_end(self, **changes):
-        """Run a survey; return (its id, the last status)."""
-        survey_id = self.begin(**changes)
-        return survey_id, self.wait_for_status(
-            ControlStatus.FINISHED,
-            ControlStatus.STOPPED,
-            ControlStatus.FAILED,
-            ControlStatus.PAUSED,
         )
 
     def folder(self, survey_id):

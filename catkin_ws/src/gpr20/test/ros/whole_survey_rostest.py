@@ -206,9 +206,7 @@ class WholeSurveyTest(unittest.TestCase):
         answer = self.find("list", survey_id, 5.0, "es")
         self.assertTrue(answer.success, answer.message)
         self.assertTrue(json.loads(answer.candidates_json)["simulated"])
-        status = self.client.wait_for_status(ControlStatus.FINISHED, ControlStatus.PAUSED)
-        self.assertEqual((status.code, status.simulated), (ControlStatus.FINISHED, True))
-        self.assertNotIn(ControlStatus.PAUSED, [one.code for one in self.client.statuses])
+        self.assertTrue(self.client.finished().simulated)
         self.assertTrue(self.mark(survey=self.folder.name, marker_id=first, remove=True).success)
         description = self.description()
         self.assertEqual((description["refines"], description["permittivity"]), (coarse, 4.0))
@@ -351,8 +349,8 @@ class WholeSurveyTest(unittest.TestCase):
 
     def test_7_an_instrument_that_is_not_there_fails_the_survey_before_anything_moves(self):
         before = self.true_steps()
-        _survey_id, status = self.client.run_to_end(vna_address="127.0.0.77")
-        self.assertEqual(status.code, ControlStatus.FAILED)
+        self.client.begin(vna_address="127.0.0.77")
+        status = self.client.wait_for_status(ControlStatus.FAILED)
         self.assertIn("127.0.0.77", status.message)
         self.assertEqual(self.true_steps(), before)
 

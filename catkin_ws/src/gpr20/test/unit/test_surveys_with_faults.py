@@ -72,17 +72,6 @@ def test_a_fault_pauses_the_survey_and_once_it_is_gone_the_survey_ends_complete(
     check_resumed(robot)
 
 
-def test_another_kind_of_instrument_at_the_same_address(world, robot):
-    # Only a new link asks who is there.
-    robot.calls.at(
-        "sweep", 4, lambda: [world.fault("WRONG_IDENTITY"), world.fault("DROP", count=1)]
-    )
-    robot.begin()
-    check_pause(robot, "vna.wrong_instrument", "Rohde&Schwarz,ZNL6")
-    world.fault("NONE")
-    check_resumed(robot)
-
-
 def test_settings_that_are_refused(world, robot):
     # The instrument keeps what it has, so it must have something else to be noticed.
     robot.calls.at("sweep", 4, lambda: world.fault("STUCK", device="adc"))
