@@ -43,7 +43,6 @@ class Computer:
     def run(self, *options):
         """Run the setup without a terminal."""
         environment = {
-            "PATH": str(self.place / "bin"),
             "HOME": str(self.place),
             "GPR20_APT_RETRY_S": "0.1",
             "GPR20_ROS_PREFIX": str(self.place / "noetic"),
@@ -69,14 +68,21 @@ class Computer:
             file.write_text(PACKAGE.format(name))
 
 
-@pytest.fixture
-def computer(tmp_path):
-    """Root's computer without any of the packages; installing them works."""
-    made = Computer(tmp_path)
-    (tmp_path / "bin").mkdir()
+@pytest.fixture(scope="module")
+def programs(tmp_path_factory):
+    """A folder with the programs of this computer that are no stubs."""
+    folder = tmp_path_factory.mktemp("programs")
     for program in Path("/usr/bin").iterdir():
         if program.name not in STUBBED:
-            (tmp_path / "bin" / program.name).symlink_to(program)
+            (folder / program.name).symlink_to(program)
+    return folder
+
+
+@pytest.fixture
+def computer(tmp_path, programs):
+    """Root's computer without any of the packages; installing them works."""
+    made = Computer(tmp_path)
+    made.environment["PATH"] = f"{tmp_path}/bin:{programs}"
     scripts = made.checkout / "scripts"
     shutil.copytree(ROOT / "scripts", scripts, ignore=shutil.ignore_patterns("test"))
     shutil.copytree(ROOT / "requirements", made.checkout / "requirements")
