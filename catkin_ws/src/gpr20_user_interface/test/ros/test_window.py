@@ -280,10 +280,10 @@ class Window(unittest.TestCase):
         # It keeps nothing, and has a frame.
         type(self).window = window = self.opened("_full_screen:=false")
         wait_until(self.fits, "it is on the screen with its frame")
+        self.wait_for(lambda one: "x_points: 6\n" in one["parameters"], "it has the plan")
         paused = self.wait_for(is_all_seen, "what it has missed is on MAP and RADAR")
         self.assertEqual((paused["title"], paused["area_traces"]), ("PAUSED", 72))
         self.assertTrue(8 <= paused["visited"] < 72 and paused["locked"] and paused["simulated"])
-        self.assertIn("x_points: 6\n", paused["parameters"])
         self.hold_for("top_bar.pause")
         self.wait_for_title("FINISHED")
         done = self.wait_for(is_all_seen, "every trace is on MAP and RADAR")
