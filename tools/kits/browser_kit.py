@@ -37,6 +37,8 @@ class Browser:
             options.set_capability("goog:loggingPrefs", {"browser": "ALL", "performance": "ALL"})
         self.driver = webdriver.Chrome(options=options, service=Service(DRIVER))
         self.driver.set_script_timeout(LIMIT_S)
+        # What else goes on while somebody waits for the page.
+        self.meanwhile: Callable[[], None] = lambda: None
 
     def close(self) -> None:
         """End Chromium."""
@@ -90,10 +92,12 @@ class Browser:
             AssertionError: It does not in time.
         """
         deadline_s = time.monotonic() + limit_s
+        self.meanwhile()
         while not self._holds(condition):
             if time.monotonic() > deadline_s:
                 raise AssertionError(f"not within {limit_s:g} s: {what}\n{self.text()}")
             time.sleep(PAUSE_S)
+            self.meanwhile()
 
     @staticmethod
     def _holds(condition: Callable[[], Any]) -> bool:

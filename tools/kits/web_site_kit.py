@@ -51,6 +51,8 @@ class Site:
         self.robot, self.address, self.folder = robot, address, folder
         self.browser = Browser()
         self.screen = Touchscreen()
+        # As the window does it, or the page takes it for one that hangs.
+        self.browser.meanwhile = self.screen.note
 
     def opens(self) -> bool:
         """Open the page, and return that it could be opened."""
@@ -89,7 +91,6 @@ class Site:
         """Return when the band shows a state of the robot."""
 
         def is_so() -> bool:
-            self.screen.note()
             return self.browser.text("#state").startswith(state)
 
         self.browser.wait(is_so, f"the state is {state}", 60.0)
