@@ -138,6 +138,7 @@ class NamespaceTest(unittest.TestCase):
         client.wait_for_visited(1)
         with Window.open("/robot2") as window:
             wait_until(lambda: window.shown()["title"] == "SURVEYING", "the window does not follow")
+            wait_until(lambda: window.shown()["area_traces"] == 1600, "the window has no plan")
             # Everything that it says: results, statuses, goals and coordinates of the axes.
             with process("rosbag", "play", "-q", "-r", "4", bag, stdout=subprocess.DEVNULL):
                 visited, said = [], ""

@@ -7,9 +7,17 @@ import pytest
 
 pytest.importorskip("rospy")
 
+import rospy
+
 from gpr20_common.high.periodic import Periodic
 
 LIMIT_S = 30.0
+
+
+@pytest.fixture(autouse=True)
+def running_node(monkeypatch):
+    """A node that is not shut down: an earlier test of the same process may have ended its own."""
+    monkeypatch.setattr(rospy, "on_shutdown", lambda _hook: None)
 
 
 class Counter:
