@@ -94,7 +94,7 @@ def documented(page):
     found, node = defaultdict(set), ""
     for owner, interface, kind in rows(page, ("node", "interface", "kind")):
         names = re.findall(r"`([^`]+)`", owner)
-        # A row without a node goes on with the one before.
+        # A row without a node belongs to the node of the row before.
         node = names[0] if names else (owner if owner.startswith("all") else node)
         for name in re.findall(r"`([^`]+)`", interface):
             for axis in "xyz" if "<axis>" in name or re.match("[xyz]_axis/", name) else "-":

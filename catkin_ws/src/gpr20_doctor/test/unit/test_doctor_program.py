@@ -218,7 +218,7 @@ class Services:
 
 @pytest.fixture
 def join(monkeypatch, master):
-    """Return a function that joins a graph of which the test tells what is published."""
+    """Return a function that joins a graph whose published messages the test gives."""
 
     def join(services=None):
         heard = {}

@@ -1,4 +1,4 @@
-"""Which nodes the watchdog ends: what counts as silence, and what it tells systemd."""
+"""Which nodes the watchdog ends: what counts as silence, and what it reports to systemd."""
 
 import contextlib
 import os

@@ -258,7 +258,7 @@ def test_calibration_is_lost_by_a_write_until_the_fault_is_cleared(bench, comman
     "fault, query, before, after",
     [
         ("HAND_BANDWIDTH", ":SWE:IFBW?", "10000", "1000"),
-        # Of this, only a sweep that began again tells.
+        # Only a sweep that began again shows this.
         ("HAND_PUT_BACK", ":SWE:IFBW?", "10000", "10000"),
     ],
 )

@@ -51,7 +51,7 @@ from test_my_steps import *  # noqa: E402, F403
 
 
 def entries_of(code):
-    """Return the entry points that a page tells to write, as in a file entry_points.txt."""
+    """Return the entry points of a page, in the form of a file entry_points.txt."""
     found = re.findall(r'^\[project\.entry-points\."(.+)"\]\n(.+)\n', code, re.MULTILINE)
     return "".join(f"[{group}]\n{line}\n".replace('"', "") for group, line in found)
 

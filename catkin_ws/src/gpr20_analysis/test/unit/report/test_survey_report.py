@@ -46,7 +46,7 @@ def test_the_page_loads_nothing_and_holds_its_figures_and_a_pdf_the_same(tmp_pat
     for words in ("complete and intact", "Coverage", "B-scan along x", "Maximum projections"):
         assert words in text and words in whole
     assert main(["report", str(folder), "-o", str(tmp_path / "r.txt")]) == 3
-    # The verdict comes first, and how it was measured is told.
+    # The verdict comes first, then how it was measured.
     assert text.index('<section class="good"><h2>Verdict</h2>') < text.index("<h2>Survey</h2>")
     assert "3 stops from 10.0 to 20.0 mm" in text and "Data after the steps" in text
 
@@ -167,7 +167,7 @@ def test_every_page_says_what_the_list_is_not_and_its_number_and_has_each_row_on
         assert text.count("SIMULATED") == text.count("No clearance") == text.count("flags") == 1
         assert f"page {number} of {len(texts)}, Survey" in text
     assert [sum(text.count(name) for text in texts) for name, _ in rows] == 100 * [1]
-    # A row that is higher than a page goes on on the next.
+    # A row that is higher than a page continues on the next page.
     notes = [f"line {number};" for number in range(200)]
     whole = "\n".join(
         map(text_of, pages(Report("t", [Section("t", rows=[("n", "\n".join(notes))])])))

@@ -23,7 +23,7 @@ def log_fault(part: str) -> None:
 
 @contextlib.contextmanager
 def faults_logged(part: str) -> Iterator[None]:
-    """Log an exception and go on, for work whose result nobody needs."""
+    """Log an exception and continue, for work whose result nobody needs."""
     try:
         yield
     except Exception:  # whatever it is, nobody expected it
