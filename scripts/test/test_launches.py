@@ -29,7 +29,6 @@ def robot(tmp_path, monkeypatch):
         process.kill()
 
 
-@pytest.mark.release
 def test_a_launch_ends_when_a_node_cannot_start(tmp_path):
     command = ["roslaunch", "-p", free_port(), "gpr20", "survey.launch", "robot:=gpr20"]
     said = printed_by(*command, "ui:=false", f"data:={tmp_path}", status=None)

@@ -7,6 +7,7 @@ import os
 import signal
 import subprocess
 import sys
+import tempfile
 import time
 from pathlib import Path
 
@@ -38,24 +39,29 @@ def user_environment(data, **more):
 def printed_by(*command, status=0, folder=None, **more):
     """Run a program to its end, with more in the environment; return what it printed.
 
+    What it leaves running is not waited for: a roslaunch that is ended while it starts nodes may
+    leave its master behind.
+
     Args:
         command: The program and its arguments.
         status: How it must end; None: anyhow.
         folder: Where it runs.
         more: Of the environment, or all of it as `env`.
     """
-    ended = subprocess.run(
-        list(map(str, command)),
-        cwd=folder,
-        env=more.pop("env", {**os.environ, **more}),
-        stdout=subprocess.PIPE,
-        stderr=subprocess.STDOUT,
-        text=True,
-        timeout=LIMIT_S,
-        check=False,
-    )
-    assert status in (None, ended.returncode), ended.stdout
-    return ended.stdout
+    with tempfile.TemporaryFile("w+", errors="replace") as output:
+        ended = subprocess.run(
+            list(map(str, command)),
+            cwd=folder,
+            env=more.pop("env", {**os.environ, **more}),
+            stdout=output,
+            stderr=subprocess.STDOUT,
+            timeout=LIMIT_S,
+            check=False,
+        )
+        output.seek(0)
+        printed = output.read()
+    assert status in (None, ended.returncode), printed
+    return printed
 
 
 def wait_until(condition, *processes, limit_s=LIMIT_S):

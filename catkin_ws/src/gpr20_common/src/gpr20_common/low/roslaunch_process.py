@@ -8,8 +8,7 @@ import threading
 from pathlib import Path
 from typing import Optional
 
-# Longer than roslaunch takes to end its nodes, on a busy computer too [s].
-END_LIMIT_S = 60.0
+POLL_S = 0.1
 
 
 def roslaunch_number() -> Optional[int]:
@@ -30,10 +29,13 @@ def roslaunch_number() -> Optional[int]:
 def end_with_roslaunch(number: int) -> None:
     """Ask a roslaunch to end, as Ctrl-C does, and wait until it ends this process.
 
-    A process that ended by itself could be started again before roslaunch has reacted.
+    A process that ended by itself could be started again before roslaunch has reacted. A roslaunch
+    that still starts nodes may leave the last of them behind: such a node ends after it.
 
     Args:
         number: Process id of the roslaunch that started this process.
     """
     os.kill(number, signal.SIGINT)
-    threading.Event().wait(END_LIMIT_S)
+    never = threading.Event()
+    while os.getppid() == number:
+        never.wait(POLL_S)
