@@ -95,18 +95,3 @@ def test_nothing_keeps_running_when_pytest_is_ended(own, number):
 )
 def test_a_rostest_passes_only_if_it_ran_tests_and_all_passed(status, printed, found):
     assert problem(status, printed) == found
-
-
-def test_no_two_modules_of_the_tests_have_the_same_name():
-    # All of them are imported into one process.
-    names = [path.name for path in ROOT.glob("catkin_ws/src/*/test/unit/**/*.py")]
-    for folder in ("scripts/test", "tools/checks", "tools/kits", "tools/pages"):
-        names += [path.name for path in (ROOT / folder).glob("*.py")]
-    assert {name for name in names if names.count(name) > 1} - {"conftest.py"} == set()
-
-
-def test_an_unknown_part_is_refused_before_anything_is_installed():
-    command = [str(ROOT / "scripts/test.sh"), "units"]
-    ended = subprocess.run(command, stderr=subprocess.PIPE, text=True)
-    assert ended.returncode == 2
-    assert "'units' is neither a path nor one of lint, unit, ros, commands" in ended.stderr
