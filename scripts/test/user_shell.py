@@ -55,7 +55,6 @@ def printed_by(*command, status=0, folder=None, **more):
             env=more.pop("env", {**os.environ, **more}),
             stdout=output,
             stderr=subprocess.STDOUT,
-            timeout=LIMIT_S,
             check=False,
         )
         output.seek(0)
