@@ -13,6 +13,8 @@ ROTATION_START_DEG = -90.0
 ROTATION_SCALE_DEG = 200.0
 # Leaves 8 of the 24 bits of a float32 for the rotation.
 PROBED_SWEEPS = 1 << 16
+# A known point that is measured again agrees at its place, whatever the number of the sweep.
+SWEEP_SCALE = 4096.0
 
 
 @dataclass(frozen=True)
@@ -53,9 +55,9 @@ class SweptMedium(Protocol):
 class PositionProbe:
     """Answers with the number of the sweep, the position and the rotation, instead of physics.
 
-    The integer part of the real part is the number of the sweep, counted from 0 again after
-    65,536 sweeps; its fraction is the rotation, (rotation_deg + 90) / 200, exact to 0.4 degrees
-    from -90 to 109 degrees. The imaginary part is x_mm + y_mm / 1000: whole millimetres can be
+    The integer part of 4096 times the real part is the number of the sweep, counted from 0 again
+    after 65,536 sweeps; its fraction is the rotation, (rotation_deg + 90) / 200, exact to 0.4
+    degrees from -90 to 109 degrees. The imaginary part is x_mm + y_mm / 1000: whole millimetres can be
     distinguished exactly (x below 1000, y from 0 to 999), and any movement of 0.01 mm along X or
     0.1 mm along Y changes it. All this is still so in a float32.
     """
@@ -70,14 +72,15 @@ class PositionProbe:
         """Return the same number for every frequency, without noise."""
         turned = (position.rotation_deg - ROTATION_START_DEG) / ROTATION_SCALE_DEG
         value = complex(
-            sweep_number % PROBED_SWEEPS + turned, position.x_mm + position.y_mm / Y_SCALE
+            (sweep_number % PROBED_SWEEPS + turned) / SWEEP_SCALE,
+            position.x_mm + position.y_mm / Y_SCALE,
         )
         return np.full(len(frequency_hz), value, dtype=np.complex128)
 
 
 def probed_sweep(value: complex) -> int:
     """Return the number of the sweep that a value is from, modulo 65,536."""
-    return math.floor(value.real)
+    return math.floor(value.real * SWEEP_SCALE)
 
 
 def probed_position_mm(value: complex) -> Tuple[int, int]:
@@ -89,4 +92,5 @@ def probed_position_mm(value: complex) -> Tuple[int, int]:
 
 def probed_rotation_deg(value: complex) -> float:
     """Return the rotation, to 0.4 degrees, that a value was measured at [deg]."""
-    return (value.real - probed_sweep(value)) * ROTATION_SCALE_DEG + ROTATION_START_DEG
+    turned = value.real * SWEEP_SCALE - probed_sweep(value)
+    return turned * ROTATION_SCALE_DEG + ROTATION_START_DEG
