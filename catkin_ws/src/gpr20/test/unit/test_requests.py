@@ -5,7 +5,6 @@ from __future__ import annotations
 import copy
 import math
 import sys
-import threading
 import uuid
 
 import psutil
@@ -18,7 +17,6 @@ from genpy.base import is_simple
 from graph_in_process import Graph
 from robot_in_process import PARAMETERS
 from robot_parts import AXES
-from simulated_world import LIMIT_S
 from std_msgs.msg import Header
 from stored_surveys import check_complete, check_pause, check_state
 
@@ -119,74 +117,23 @@ def test_a_survey_is_planned_started_and_continued_by_messages(world, robot, gra
 # Maintenance.
 
 
-@pytest.fixture
-def move(world, graph):
-    """A service move that must succeed, or be refused with a fault and move nothing."""
-
-    def move(axis, action, distance=0.0, fault=None):
+def test_axes_are_homed_and_jogged_within_their_range(world, graph):
+    for axis, action, distance, fault in (
+        ("x", JOG, 10.0, faults.SERVICE_HOME_FIRST),
+        ("x", SET_ZERO, 0.0, faults.SERVICE_HOME_FIRST),
+        ("z", SET_ZERO, 0.0, None),
+        ("z", JOG, 10.0, None),
+        ("x", HOME, 0.0, None),
+        ("x", JOG, 10.0, None),
+        ("x", JOG, -100.0, None),
+        ("x", JOG, -1.0, faults.SERVICE_END_OF_RANGE),
+        *(("x", JOG, odd, faults.SERVICE_VALUE) for odd in (0.0, math.nan, math.inf)),
+    ):
         steps = world.state.steps(AxisId(axis))
         answer = graph.ask("service_move", axis=axis, action=action, distance=distance)
-        if fault is None:
-            assert answer.success, answer.message
-            return answer.message
-        assert (answer.success, answer.fault_code) == (False, fault.code), answer.message
-        assert world.state.steps(AxisId(axis)) == steps
-        return answer.message
-
-    return move
-
-
-def test_axes_are_homed_and_jogged_within_their_range(world, graph, move):
-    move("x", JOG, 10.0, faults.SERVICE_HOME_FIRST)
-    move("x", SET_ZERO, fault=faults.SERVICE_HOME_FIRST)
-    move("z", SET_ZERO)
-    assert "10.8 deg" in move("z", JOG, 10.0) and world.state.steps(AxisId.Z) == 6
-    move("x", HOME)
-    move("x", JOG, 10.0)
-    assert world.state.steps(AxisId.X) == 100
-    assert "0 mm, the end of its range" in move("x", JOG, -100.0)
-    move("x", JOG, -1.0, faults.SERVICE_END_OF_RANGE)
-    for distance in (0.0, math.nan, math.inf):
-        move("x", JOG, distance, faults.SERVICE_VALUE)
-
-
-@pytest.mark.parametrize(
-    "action, stop, code",
-    [
-        (JOG, "stop_survey", faults.SERVICE_STOPPED.code),
-        (JOG, "axis", "survey.move_failed"),
-        (HOME, "stop_survey", faults.SERVICE_STOPPED_UNHOMED.code),
-    ],
-)
-def test_a_stop_ends_a_service_move_beside_which_no_survey_starts(
-    world, robot, graph, move, action, stop, code
-):
-    move("x", HOME)
-    move("x", JOG, 100.0)
-    graph.ask("set_survey_parameters", parameters=as_message())
-    moving, answers = threading.Event(), []
-    free = threading.Event()
-    stopped = robot.axes[AxisId.X].stopped
-    robot.calls.at("step x", 300, lambda: [stopped.clear(), moving.set(), free.wait(LIMIT_S)])
-    thread = threading.Thread(
-        target=lambda: answers.append(
-            graph.ask("service_move", axis="x", action=action, distance=500.0)
-        )
-    )
-    thread.start()
-    assert moving.wait(LIMIT_S)
-    assert graph.ask("start_survey").fault_code == faults.SERVICE_IN_PROGRESS.code
-    if stop == "axis":
-        robot.axes[AxisId.X].stop()
-    else:
-        assert graph.ask(stop).success
-    assert stopped.wait(LIMIT_S)
-    free.set()
-    thread.join(LIMIT_S)
-    assert (answers[0].success, answers[0].fault_code) == (False, code), answers[0].message
-    # It ramps down.
-    steps = 1000 + (300 if action == JOG else -300)
-    assert abs(world.state.steps(AxisId.X) - steps) < 200
+        assert answer.fault_code == (fault.code if fault else ""), answer.message
+        assert (world.state.steps(AxisId(axis)) == steps) is bool(fault or action == SET_ZERO)
+    assert (world.state.steps(AxisId.X), world.state.steps(AxisId.Z)) == (0, 6)
 
 
 def test_analyzer_and_height_sensor_are_tested(world, graph):

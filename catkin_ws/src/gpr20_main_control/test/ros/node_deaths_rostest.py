@@ -1,13 +1,17 @@
 #!/usr/bin/env python3
 """Nodes that die or hang: control_status names them, and the survey loses nothing."""
 
+import contextlib
 import os
 import shutil
 import signal
 import sys
 import time
 import unittest
+from urllib.parse import urlsplit
 
+import psutil
+import rosgraph
 import rospkg
 import rospy
 import rostest
@@ -17,7 +21,7 @@ from gpr20_msgs.msg import ControlStatus
 
 # The client of the whole graph's tests is the client of these, too.
 sys.path.insert(0, os.path.join(rospkg.RosPack().get_path("gpr20"), "test", "ros"))
-from survey_client import SurveyClient, json_traces, node_pid
+from survey_client import SurveyClient, json_traces, node_pid, wait_until
 
 TRACES = 18
 # Each dies while the survey measures; the survey waits for it and continues by itself.
@@ -44,6 +48,39 @@ def cpu_s(pid):
     """
     scheduler_clock = 2
     return time.clock_gettime((~pid << 3) | scheduler_clock)
+
+
+def port_of(node):
+    """Return the port on which a node answers; None while the master does not know it."""
+    try:
+        uri = rosgraph.Master(rospy.get_name()).lookupNode(node)
+    except rosgraph.MasterException:
+        return None
+    return urlsplit(uri).port
+
+
+def is_watched(node):
+    """Return whether a watchdog has asked the node: it keeps the connection."""
+    ports = [
+        connection.raddr.port
+        for process in psutil.Process().parent().children()
+        if any(word.endswith("gpr20_launch/watchdog") for word in process.cmdline())
+        for connection in process.connections()
+        if connection.status == psutil.CONN_ESTABLISHED
+    ]
+    return port_of(node) in ports
+
+
+def freeze(node):
+    """Halt a node that is watched; return its process id."""
+    wait_until(lambda: is_watched(node), f"nobody watches {node}")
+    pid = node_pid(node)
+    os.kill(pid, signal.SIGSTOP)
+    return pid
+
+
+def wait_for_end_of(pid):
+    wait_until(lambda: not psutil.pid_exists(pid), f"process {pid} was not ended")
 
 
 class NodeDeathsTest(unittest.TestCase):
@@ -113,7 +150,8 @@ class NodeDeathsTest(unittest.TestCase):
         survey_id = self.client.begin()
         self.client.wait_for_visited(3)
         (pid,) = self.signal(signal.SIGSTOP, "vna_acquisition")
-        os.kill(pid, signal.SIGCONT)
+        with contextlib.suppress(ProcessLookupError):  # ended, if this computer is slow
+            os.kill(pid, signal.SIGCONT)
         self.client.wait_for_visited(6)
         self.signal(signal.SIGKILL, "z_axis/axis_driver")
         # A survey that holds can be stopped.
@@ -124,8 +162,10 @@ class NodeDeathsTest(unittest.TestCase):
         self.wait_until_all_answer()
         self.client.go_on(survey_id)
         self.client.wait_for_visited(9)
-        os.kill(node_pid("/main_control"), signal.SIGKILL)
+        # The watchdog ends it.
+        pid = freeze("/main_control")
         self.client.forget()
+        wait_for_end_of(pid)
         self.client.wait_for_status(ControlStatus.IDLE)
         # Another one is begun first, and the one that was cut off stays resumable.
         self.client.check_complete(self.client.begin(), TRACES)
@@ -133,6 +173,21 @@ class NodeDeathsTest(unittest.TestCase):
         self.assertTrue(any(folder.name in message for message in messages), messages)
         self.client.go_on(folder.name)
         self.client.check_complete(survey_id, TRACES)
+
+    def test_4_a_frozen_storage_and_window_are_restarted_and_the_survey_continues(self):
+        survey_id = self.client.begin()
+        self.client.wait_for_visited(4)
+        window, port = freeze("/user_interface"), port_of("/user_interface")
+        pid = freeze("/vna_processing")
+        acknowledged = max(one.visited_points for one in self.client.progress)
+        self.client.forget()
+        wait_for_end_of(pid)
+        self.assertGreaterEqual(len(json_traces(self.client.folder(survey_id))), acknowledged)
+        self.client.check_complete(survey_id, TRACES)
+        waiting = [one for one in self.client.statuses if one.code == ControlStatus.CHECKING]
+        self.assertTrue(any("vna_processing" in message_from(one).all_details for one in waiting))
+        wait_for_end_of(window)
+        wait_until(lambda: port_of("/user_interface") not in (None, port), "no other window")
 
 
 if __name__ == "__main__":

@@ -14,6 +14,7 @@ from survey_examples import AXES
 from gpr20_common.message import Message
 from gpr20_main_control import faults
 from gpr20_main_control.errors import DeviceError, RequestRefusedError
+from gpr20_main_control.mid.devices.robot import MoveOutcome
 from gpr20_main_control.mid.service import AxisAction, AxisMove, jog_target
 from gpr20_main_control.mid.waits import Workers
 from gpr20_survey.axes.axis_id import AxisId
@@ -116,6 +117,25 @@ def test_a_stop_ends_a_homing(bench):
     assert begun.wait(LIMIT_S)
     bench.control.stop()
     assert reports(homing.exception(LIMIT_S).message, faults.SERVICE_STOPPED_UNHOMED, "y")
+
+
+@pytest.mark.parametrize("stopped, fault", [("control", faults.SERVICE_STOPPED), ("x", None)])
+def test_a_stop_ends_a_jog_beside_which_no_survey_starts(bench, stopped, fault):
+    home(bench, X)
+    begin_move = bench.x.begin_move
+
+    def come_to_rest():
+        bench.x.outcome = MoveOutcome(False, Message("stopped"))
+        bench.x.blocked.set()
+
+    bench.x.begin_move = lambda target: (bench.x.blocked.clear(), begin_move(target))
+    bench.x.stop = come_to_rest
+    jogging = in_background(lambda: jog(bench, X, 1.0))
+    assert bench.x.begun.wait(LIMIT_S)
+    with raises_fault(faults.SERVICE_IN_PROGRESS, error=RequestRefusedError):
+        bench.start()
+    getattr(bench, stopped).stop()
+    assert reports(jogging.exception(LIMIT_S).message, fault or faults.MOVE_FAILED)
 
 
 def refuse(_limit_s):
