@@ -9,7 +9,6 @@ import time
 import pytest
 from failing_disk import FailingDisk, Failure
 from robot_in_process import RobotInProcess
-from simulated_world import LIMIT_S
 from stored_surveys import (
     TRACES,
     check_acknowledged,
@@ -169,23 +168,6 @@ def test_a_plug_that_comes_loose_pauses_the_survey_at_its_first_stop(world):
 
 
 # What people and other programs do.
-
-
-def test_a_stop_during_the_homing_ends_it(world, robot):
-    stopped = robot.axes[AxisId.X].stopped
-    robot.calls.at(
-        "step x", 50, lambda: [stopped.clear(), robot.control.stop(), stopped.wait(LIMIT_S)]
-    )
-    robot.begin()
-    status = check_state(robot, SurveyState.STOPPED)
-    _stopped, stored = status.message.values["sentences"]
-    assert (stored.values["stored"], stored.values["total"]) == (0, TRACES)
-    description = survey_json(robot)
-    assert description["outcome"] == "stopped"
-    verdict = description["report"]["verdict_message"]["values"]
-    assert (verdict["stored"], verdict["planned"]) == (0, TRACES)
-    reading = robot.axes[AxisId.X].reading()
-    assert world.state.steps(AxisId.X) != 0 and not reading.homed and not reading.moving
 
 
 def test_no_other_node_moves_an_axis_of_a_survey_or_sets_its_zero(robot):

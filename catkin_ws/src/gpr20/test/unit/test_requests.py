@@ -20,7 +20,6 @@ from robot_parts import AXES
 from std_msgs.msg import Header
 from stored_surveys import check_complete, check_pause, check_state
 
-from gpr20_axis_driver.high import axis_node
 from gpr20_axis_driver.mid.robot_hardware import RobotHardware
 from gpr20_common.errors import Gpr20Error
 from gpr20_common.faults import INTERNAL, NOT_ALLOWED
@@ -145,41 +144,6 @@ def test_analyzer_and_height_sensor_are_tested(world, graph):
     world.fault("OUT_OF_RANGE", device="adc")
     answer = graph.ask("get_height")
     assert not answer.success and math.isnan(answer.height_m) and math.isfinite(answer.voltage_v)
-
-
-class NoGoals:
-    """Stands for the action of an axis, which needs connections."""
-
-    def __init__(self, *_arguments):
-        self.start = lambda: None
-        self.watch_node = lambda _name: lambda: False
-
-
-def test_an_axis_shows_its_endstop_and_every_touch_of_it_and_belongs_to_one_owner(
-    world, robot, graph, monkeypatch
-):
-    monkeypatch.setattr(axis_node, "GoalServer", NoGoals)
-    axis = robot.axes[AxisId.X]
-    node = axis_node.AxisNode(AxisId.X, AXES[AxisId.X], axis.driver, None, HARDWARE)
-
-    def lamps(ticks):
-        graph.published["endstop"].clear()
-        for _tick in range(ticks):
-            node._tick()
-        return list(graph.published["endstop"])
-
-    lease = graph.ask("lease").lease
-    assert graph.ask("homing", client="/other").fault_code == "axis.owned"
-    assert graph.ask("homing").success and world.state.steps(AxisId.X) == 0
-    # The switch was closed for a few milliseconds only.
-    assert lamps(3) == [True, False, False]
-    reading = graph.published["current_coord"][-1]
-    assert (reading.homed, reading.moving, reading.owner) == (True, False, "/client")
-    assert graph.ask("lease", lease=lease, release=True).success
-    world.fault("STUCK_CLOSED", device="endstop_x")
-    stuck = graph.ask("homing", client="/other")
-    assert (stuck.success, stuck.fault_code) == (False, "axis.endstop_stuck")
-    assert lamps(2) == [True, True]
 
 
 def test_a_robot_without_its_hardware_is_an_error_and_never_simulated(monkeypatch):

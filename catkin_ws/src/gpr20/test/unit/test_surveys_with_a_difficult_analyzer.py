@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from dataclasses import replace
 
 import numpy as np
@@ -11,15 +10,11 @@ from simulated_world import CONNECT, World
 from stored_surveys import (
     check_acknowledged,
     check_complete,
-    check_pause,
-    check_resumed,
     check_state,
     json_traces,
     survey_json,
 )
 
-from gpr20_main_control.errors import OtherAnalyzerError
-from gpr20_main_control.mid.survey.engine import Accepted
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_survey.trace.sweep_settings import AnalyzerSettings
 
@@ -166,24 +161,3 @@ def test_a_link_that_is_lost_for_half_the_limit_is_waited_for(world, robot, outa
 def codes(robot):
     """Return the faults that the control has said since the survey began."""
     return [one.full_message.fault_code for one in robot.history]
-
-
-def test_another_serial_number_needs_the_consent_of_the_operator(world, robot):
-    # On the same link.
-    robot.calls.at("sweep", 4, lambda: world.fault("SWAPPED"))
-    survey_id = robot.begin()
-    check_pause(robot, "vna.replaced", "SIMULATED-2")
-    # Each resumption without consent to this one is refused with its name.
-    for identity in ("", "Anritsu,MS2026C/2,7,1.23"):
-        with pytest.raises(OtherAnalyzerError, match="SIMULATED-2") as refused:
-            robot.control.resume(survey_id, Accepted(analyzer=identity))
-        check_pause(robot, refused.value.message.fault_code, "SIMULATED-2")
-    other = refused.value.identity
-    for one in check_resumed(robot, Accepted(analyzer=other)):
-        (value,) = one["aux"]
-        assert (value["name"], value["value"]) == ("vna_temperature", 40.0)
-    description = survey_json(robot, survey_id)
-    details = description["instrument"]["calibration_details"]
-    assert details["parameters"] == ["S11", "S12", "S21", "S22"]
-    text = json.dumps(description)
-    assert "Anritsu,MS2026C/2,SIMULATED,1.23" in text and other in text

@@ -1,4 +1,4 @@
-"""Every fault of the simulated robot: what the operator reads, and that the survey continues.
+"""Faults of the simulated robot: what the operator reads, and that the survey continues.
 
 A survey that meets a fault pauses; nothing wrong is stored; once the fault is gone it ends
 with every point exactly once.
@@ -8,21 +8,12 @@ from __future__ import annotations
 
 import pytest
 from simulated_world import STEP_MM
-from stored_surveys import check_complete, check_pause, check_resumed, check_state, json_traces
+from stored_surveys import check_pause, check_resumed, check_state
 
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.plan.survey_state import SurveyState
 
 FAR_MM = 600.0
-
-
-def test_an_endstop_stuck_open_at_homing(world, robot):
-    world.fault("STUCK_OPEN", device="endstop_x")
-    robot.begin()
-    check_pause(robot, "axis.endstop_not_reached")
-    assert json_traces(robot) == []
-    world.fault("NONE", device="endstop_x")
-    check_resumed(robot)
 
 
 def test_an_endstop_that_closes_in_a_move_and_stays_closed_at_homing(world, robot):
@@ -36,13 +27,6 @@ def test_an_endstop_that_closes_in_a_move_and_stays_closed_at_homing(world, robo
     check_resumed(robot)
     # The axis has its zero back: it is where it reports to be.
     assert world.state.steps(AxisId.X) == round(FAR_MM / STEP_MM)
-
-
-def test_an_endstop_stuck_open_does_no_harm_before_the_next_homing(world, robot):
-    robot.calls.at("sweep", 4, lambda: world.fault("STUCK_OPEN", device="endstop_y"))
-    robot.begin()
-    check_state(robot, SurveyState.FINISHED)
-    check_complete(robot)
 
 
 @pytest.mark.parametrize(
@@ -69,20 +53,6 @@ def test_a_fault_pauses_the_survey_and_once_it_is_gone_the_survey_ends_complete(
     robot.begin()
     check_pause(robot, code, *values)
     world.fault("NONE", device=device)
-    check_resumed(robot)
-
-
-def test_settings_that_are_refused(world, robot):
-    # The instrument keeps what it has, so it must have something else to be noticed.
-    robot.calls.at("sweep", 4, lambda: world.fault("STUCK", device="adc"))
-    robot.begin()
-    check_pause(robot, "height.sensor_off")
-    world.instrument.execute(b":SENS:FREQ:STAR 700E6")
-    world.fault("REFUSE_SETTINGS")
-    world.fault("NONE", device="adc")
-    robot.go_on()
-    check_pause(robot, "vna.setting_refused", "600000000")
-    world.fault("NONE")
     check_resumed(robot)
 
 

@@ -1,15 +1,14 @@
 """What the node of an axis answers and publishes: its handlers, called without a graph."""
 
 from types import SimpleNamespace
-from typing import ClassVar
 
 import pytest
 
 pytest.importorskip("rospy")
 pytest.importorskip("gpr20_msgs.msg")
 
-import rospy
 from axis_machine import SHORT, Z_PARAMETERS, Axis
+from graph_in_process import Graph
 
 from gpr20_axis_driver import faults
 from gpr20_axis_driver.high import axis_node, axis_programs
@@ -19,25 +18,11 @@ from gpr20_common.message import Severity
 from gpr20_common.mid.hardware import Hardware
 from gpr20_common.sent_message import message_from
 from gpr20_msgs.msg import AxisGoal
-from gpr20_msgs.srv import AxisLeaseRequest, CommandRequest
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.faults import CONTROL_SILENT, LEASE_LAPSED, NOT_HOMED
 
 CONTROL, OTHER = "/main_control", "/rostopic_7"
 FAR_MM = 20.0
-
-
-class Publisher:
-    """Notes what is published, by topic."""
-
-    published: ClassVar[dict] = {}
-
-    def __init__(self, topic, _type, **_options):
-        self.messages = Publisher.published[topic] = []
-        self.publish = self.messages.append
-
-    def get_num_connections(self):
-        return 1
 
 
 class Goals:
@@ -74,38 +59,16 @@ class Node:
 
     def __init__(self, monkeypatch, axis_id=AxisId.X):
         parameters = SHORT if axis_id is AxisId.X else Z_PARAMETERS
-        self.services, self.periods_s, self.hooks = {}, [], []
-        patch = monkeypatch.setattr
-        patch(rospy, "Publisher", Publisher)
-        patch(rospy, "Service", self._advertise)
-        patch(rospy, "on_shutdown", self.hooks.append)
-        patch(rospy.Time, "now", rospy.Time)
-        patch(axis_node, "GoalServer", Goals)
-        patch(axis_node, "Periodic", lambda _period_s, tick: self._note_tick(tick))
-        patch(axis_node, "publish_description", lambda *_arguments: None)
-        patch(axis_node.diagnostics, "Diagnostics", self._note_health)
+        self.graph = Graph(monkeypatch)
+        monkeypatch.setattr(axis_node, "GoalServer", Goals)
         self.axis = Axis(parameters, start_steps=500 if parameters.finds_zero else 0)
         motions, hardware = self.axis.pulses, Hardware("pins")
         self.node = axis_node.AxisNode(axis_id, parameters, self.axis.driver, motions, hardware)
         self.goals = self.node._server
-
-    def _advertise(self, name, _type, handler):
-        self.services[name] = handler
-
-    def _note_tick(self, tick):
-        self.tick = tick
-        return self
-
-    def set_period(self, period_s):
-        self.periods_s.append(period_s)
-
-    def _note_health(self, _name, health):
-        self.health = health
+        self.tick, self.health = self.graph.ticks[-1], self.graph.health
 
     def call(self, service, caller=CONTROL, **fields):
-        request = AxisLeaseRequest(**fields) if service == "lease" else CommandRequest()
-        request._connection_header = {"callerid": caller}
-        return self.services[service](request)
+        return self.graph.ask(service, client=caller, **fields)
 
     def move(self, target):
         self.goals.execute(AxisGoal(target_coordinate=target))
@@ -126,7 +89,7 @@ class Node:
 
     @property
     def coordinates(self):
-        return Publisher.published["current_coord"]
+        return self.graph.published["current_coord"]
 
     @property
     def rests_exactly(self):
@@ -231,7 +194,7 @@ def test_what_ends_a_homing_leaves_the_axis_not_homed_and_nothing_is_wrong_with_
 
 def test_while_a_node_has_the_axis_nobody_else_moves_it_or_sets_its_zero(monkeypatch):
     # Only an axis without endstop can be given a zero.
-    assert set(Node(monkeypatch).services) == {"homing", "stop", "lease"}
+    assert set(Node(monkeypatch).graph.services) == {"homing", "stop", "lease"}
     node = Node(monkeypatch, AxisId.Z)
     zero = node.axis.driver.position.zero
     lease = node.call("lease")
@@ -267,8 +230,21 @@ def test_the_coordinate_is_published_faster_while_moving_and_soon_after(homed, m
     monkeypatch.setattr(axis_node, "SOON_S", -1.0)
     for _tick in range(2 * axis_node.RESTING_TICKS):
         homed.tick()
-    assert homed.periods_s == [axis_node.MOVING_PERIOD_S, axis_node.RESTING_PERIOD_S]
+    assert homed.graph.periods_s == [axis_node.MOVING_PERIOD_S, axis_node.RESTING_PERIOD_S]
     assert len(homed.coordinates) > 3 + axis_node.RESTING_TICKS
+
+
+def test_the_endstop_is_shown_with_every_touch_of_it(homed):
+    lamps = homed.graph.published["endstop"]
+    lamps.clear()
+    for _tick in range(3):
+        homed.tick()
+    # The switch was closed for a few milliseconds only.
+    assert lamps == [True, False, False]
+    homed.axis.machine.stuck = True
+    assert fault_of(homed.call("homing")) == faults.ENDSTOP_STUCK.code
+    homed.tick()
+    assert lamps[-1] is True
 
 
 def test_late_pulses_and_refused_scheduling_are_warnings(homed):
@@ -282,7 +258,7 @@ def test_late_pulses_and_refused_scheduling_are_warnings(homed):
 
 
 def test_when_the_node_ends_the_pins_are_low_and_nothing_moves_any_more(homed):
-    for hook in homed.hooks:
+    for hook in homed.graph.hooks:
         hook()
     assert homed.axis.machine.directions == {}
     assert fault_of(homed.move(1.0)[1]) == faults.BUSY.code

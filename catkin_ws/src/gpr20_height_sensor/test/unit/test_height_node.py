@@ -1,16 +1,14 @@
 """What the node of the height sensor answers and publishes, without a graph."""
 
 import math
-from collections import defaultdict
-from types import SimpleNamespace
 
 import pytest
+from graph_in_process import Graph
 from test_height_driver import NOW_US, PARAMETERS, code_at, driver_with
 
 pytest.importorskip("rospy")
 pytest.importorskip("gpr20_msgs.srv")
 
-import rospy
 from sensor_msgs.msg import Range
 
 from gpr20_common.high.diagnostics import ERROR, OK, WARN
@@ -18,7 +16,6 @@ from gpr20_common.mid.hardware import Hardware
 from gpr20_common.sent_message import message_from
 from gpr20_height_sensor import faults
 from gpr20_height_sensor.high import height_node
-from gpr20_msgs.srv import GetHeightRequest
 from gpr20_survey.faults import HEIGHT_NOT_MEASURED
 
 
@@ -27,29 +24,9 @@ def node(monkeypatch):
     """Return what builds a node over a converter that gives these codes, and is a part of it."""
 
     def build(*codes):
-        built = SimpleNamespace(published=defaultdict(list), hooks=[])
-        driver, _adc = driver_with(codes)
-        patch = monkeypatch.setattr
-
-        def publisher(topic, _type, **_options):
-            return SimpleNamespace(publish=built.published[topic].append)
-
-        def service(_name, _type, handler):
-            built.measure = lambda: handler(GetHeightRequest())
-
-        patch(rospy, "Publisher", publisher)
-        patch(rospy, "Service", service)
-        patch(rospy, "on_shutdown", built.hooks.append)
-        patch(rospy.Time, "now", rospy.Time)
-        patch(height_node, "publish_description", lambda *_arguments: None)
-        patch(height_node, "Periodic", lambda period_s, tick: setattr(built, "tick", tick))
-        patch(
-            height_node.diagnostics,
-            "Diagnostics",
-            lambda _name, health: setattr(built, "health", health),
-        )
-        built.node = height_node.HeightNode(driver, Hardware("sensor"))
-        return built
+        graph = Graph(monkeypatch)
+        height_node.HeightNode(driver_with(codes)[0], Hardware("sensor"))
+        return graph
 
     return build
 
@@ -59,12 +36,12 @@ GOOD = [code_at(0.2)] * 5
 
 def test_a_height_is_answered_with_its_time_spread_and_voltage_and_published_in_metres(node):
     built = node(*GOOD, *GOOD)
-    answer = built.measure()
+    answer = built.ask("get_height")
     assert answer.success and answer.height_m == pytest.approx(0.2, abs=0.001)
     assert (answer.samples, answer.spread_m) == (PARAMETERS.samples, 0.0)
     assert answer.measured.to_nsec() == 1000 * NOW_US
     assert answer.voltage_v == pytest.approx(3.3 * GOOD[0] / 1024)
-    built.tick()
+    built.ticks[0]()
     (message,) = built.published["measured_height"]
     assert message.range == pytest.approx(0.2, abs=0.001)
     assert message.radiation_type == Range.INFRARED
@@ -82,14 +59,14 @@ def test_no_height_is_no_number_and_says_why_also_in_the_topic_and_the_diagnosti
     built = node(*[code] * 10, *GOOD)
     assert built.health()[1].fault_code == HEIGHT_NOT_MEASURED.code
     assert built.health()[0] == WARN
-    answer = built.measure()
+    answer = built.ask("get_height")
     assert not answer.success and math.isnan(answer.height_m) and math.isnan(answer.spread_m)
     assert answer.fault_code == message_from(answer).fault_code == fault.code
     assert answer.voltage_v == pytest.approx(3.3 * code / 1024)
-    built.tick()
+    built.ticks[0]()
     assert math.isnan(built.published["measured_height"][-1].range)
     level, message, _values = built.health()
     assert (level, message.fault_code) == (ERROR, fault.code)
-    built.tick()
+    built.ticks[0]()
     assert math.isfinite(built.published["measured_height"][-1].range)
     assert built.health()[0] == OK

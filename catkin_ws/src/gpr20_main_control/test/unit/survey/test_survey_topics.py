@@ -4,7 +4,7 @@ import pytest
 
 pytest.importorskip("gpr20_msgs.msg")
 
-import rospy
+from graph_in_process import Graph
 
 from gpr20_common.message import Message
 from gpr20_common.sent_message import message_from, received_message
@@ -16,19 +16,13 @@ from gpr20_survey.plan.survey_plan import SurveyPoint
 from gpr20_survey.plan.survey_state import SurveyState as State
 
 
-class FakePublisher:
-    def __init__(self, name, _message_class, **_options):
-        self.name = name
-        self.published = []
-
-    def publish(self, message):
-        self.published.append(message)
+@pytest.fixture
+def graph(monkeypatch):
+    return Graph(monkeypatch)
 
 
 @pytest.fixture
-def topics(monkeypatch):
-    monkeypatch.setattr(rospy, "Publisher", FakePublisher)
-    monkeypatch.setattr(rospy.Time, "now", rospy.Time)
+def topics(graph):
     topics = SurveyTopics()
     topics.simulated = True
     return topics
@@ -36,12 +30,14 @@ def topics(monkeypatch):
 
 @pytest.mark.parametrize("missing", [None, faults.NODE_LOST])
 @pytest.mark.parametrize("fault", [None, faults.HEIGHT_NOT_MEASURED])
-def test_a_status_has_its_message_with_the_warning_and_the_code_of_its_json(topics, fault, missing):
+def test_a_status_has_its_message_with_the_warning_and_the_code_of_its_json(
+    graph, topics, fault, missing
+):
     reason = Message("no answer", details="get_height").with_fault(fault)
     warning = None if missing is None else Message("the node is silent").with_fault(missing)
     status = Status(State.PAUSED, Message("Paused: {reason}", reason=reason), missing=warning)
     topics.publish_status(status)
-    (published,) = topics._status.published
+    (published,) = graph.published["control_status"]
     assert published.message == str(status.full_message)
     assert message_from(published) == status.full_message
     assert received_message("", published.message_json).fault_code == published.fault_code
@@ -49,32 +45,30 @@ def test_a_status_has_its_message_with_the_warning_and_the_code_of_its_json(topi
     assert published.simulated is True
 
 
-def test_a_change_of_the_progress_alone_publishes_no_status(topics):
-    topics.publish_change(Status(), Status(visited_points=1))
-    assert topics._status.published == []
-    topics.publish_change(Status(), Status(message=Message("Measuring")))
-    assert len(topics._status.published) == 1
-
-
-def test_the_coverage_has_its_verdict_and_its_failures_as_templates_with_values(topics):
+def test_the_coverage_has_its_verdict_and_its_failures_as_templates_with_values(graph, topics):
     coverage = Coverage(2, [0])
     reason = Message("the VNA did not answer within {limit_s:g} s", limit_s=2, details="get_data")
     coverage.note_failed(1, reason)
     topics.publish_coverage(coverage, "id")
-    (published,) = topics._coverage.published
+    (published,) = graph.published["survey_coverage"]
     assert [received_message("", one) for one in published.failures_json] == [reason]
     verdict = coverage.verdict().message
     assert published.verdict == str(verdict)
     assert received_message("", published.verdict_json) == verdict
 
 
-def test_a_change_publishes_only_what_has_changed(topics):
+def test_a_change_publishes_only_what_has_changed(graph, topics):
+    names = ("control_target_coordinate", "control_survey_data", "control_status")
+    targets, progress, statuses = (graph.published[name] for name in names)
     point = SurveyPoint(3, 100.0, 50.0, 90.0)
     topics.publish_change(Status(), Status(target=point))
-    assert len(topics._target.published) == 1
-    assert topics._progress.published == []
+    assert len(targets) == 1
+    assert progress == []
     topics.publish_change(Status(target=point), Status(target=point, visited_points=1))
-    assert len(topics._target.published) == len(topics._progress.published) == 1
-    assert topics._target.published[0].x_mm == 100.0
+    assert len(targets) == len(progress) == 1
+    assert targets[0].x_mm == 100.0
     topics.publish_change(Status(target=point), Status())
-    assert topics._target.published[1].x_mm == -1.0
+    assert targets[1].x_mm == -1.0
+    assert statuses == []
+    topics.publish_change(Status(), Status(message=Message("Measuring")))
+    assert len(statuses) == 1

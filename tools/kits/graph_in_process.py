@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 from collections import defaultdict
+from typing import Any, Callable, DefaultDict, Dict, List, Tuple
 
 import pytest
 
@@ -22,38 +23,47 @@ class Graph:
     Attributes:
         services: The classes and handlers, by name.
         published: The messages of each topic.
+        hooks: What is called when the nodes shut down.
+        ticks: What the nodes do periodically; `periods_s` are the periods that they set later [s].
+        health: What the node that was made last says in its diagnostics.
     """
 
-    def __init__(self, monkeypatch):
-        self.services, self.published = {}, defaultdict(list)
+    health: Callable[[], Any]
+
+    def __init__(self, monkeypatch: pytest.MonkeyPatch) -> None:
+        self.services: Dict[str, Tuple[Any, Callable[[Any], Any]]] = {}
+        self.published: DefaultDict[str, List[Any]] = defaultdict(list)
+        self.hooks: List[Callable[[], None]] = []
+        self.ticks: List[Callable[[], None]] = []
+        self.periods_s: List[float] = []
         graph = self
 
         class Publisher:
-            def __init__(self, name, _kind, **_options):
+            def __init__(self, name: str, _kind: Any, **_options: Any) -> None:
                 self.name = self.resolved_name = name
 
-            def get_num_connections(self):
+            def get_num_connections(self) -> int:
                 return 1
 
-            def publish(self, message):
+            def publish(self, message: Any) -> None:
                 graph.published[self.name].append(message)
 
-        def advertise(name, kind, handler):
+        def advertise(name: str, kind: Any, handler: Callable[[Any], Any]) -> None:
             self.services[name] = kind, handler
 
         for module, name, stand_in in (
             (rospy, "Service", advertise),
             (rospy, "Publisher", Publisher),
-            (rospy, "on_shutdown", lambda _action: None),
+            (rospy, "on_shutdown", self.hooks.append),
             (rospy.Time, "now", rospy.Time),
-            (Diagnostics, "__init__", lambda *_arguments: None),
-            (Periodic, "__init__", lambda *_arguments: None),
-            (Periodic, "set_period", lambda *_arguments: None),
+            (Diagnostics, "__init__", lambda _own, _name, health: setattr(self, "health", health)),
+            (Periodic, "__init__", lambda _own, _period_s, tick: self.ticks.append(tick)),
+            (Periodic, "set_period", lambda _own, period_s: self.periods_s.append(period_s)),
             (description, "show_parameters", lambda _values: None),
         ):
             monkeypatch.setattr(module, name, stand_in)
 
-    def ask(self, name, request=None, client="/client", **fields):
+    def ask(self, name: str, request: Any = None, client: str = "/client", **fields: object) -> Any:
         """Return the answer of a service to what a client sends."""
         kind, handler = self.services[name]
         request = kind._request_class(**fields) if request is None else request
@@ -65,7 +75,7 @@ class Graph:
         return answer
 
 
-def sent(message):
+def sent(message: Any) -> bytes:
     """Return the bytes of a message."""
     buffer = io.BytesIO()
     message.serialize(buffer)
