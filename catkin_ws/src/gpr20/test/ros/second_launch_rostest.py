@@ -26,21 +26,15 @@ from survey_client import (
 from gpr20_msgs.msg import NodeDescription, RobotConfiguration
 
 # Of these three a second one is started.
-AGAIN = ("/x_axis/axis_driver", "/vna_processing", "/main_control")
-NODES = (
-    *(
-        ("gpr20_simulator", "simulated_axis_driver", "axis_driver", f"/{axis}_axis")
-        for axis in "xyz"
-    ),
-    ("gpr20_simulator", "simulator", "simulator", "/"),
-    ("gpr20_simulator", "simulated_height_sensor", "height_sensor", "/"),
-    ("gpr20_simulator", "simulated_vna_acquisition", "vna_acquisition", "/"),
-    ("gpr20_vna_processing", "vna_processing", "vna_processing", "/"),
-    ("gpr20_imaging", "imaging", "imaging", "/"),
-    ("gpr20_main_control", "main_control", "main_control", "/"),
+AGAIN = {
+    "/x_axis/axis_driver": ("gpr20_simulator", "simulated_axis_driver"),
+    "/vna_processing": ("gpr20_vna_processing", "vna_processing"),
+    "/main_control": ("gpr20_main_control", "main_control"),
+}
+NODE_NAMES = (
+    *(*AGAIN, "/y_axis/axis_driver", "/z_axis/axis_driver", "/simulator", "/height_sensor"),
+    *("/vna_acquisition", "/imaging"),
 )
-
-NODE_NAMES = [f"{namespace.rstrip('/')}/{name}" for _, _, name, namespace in NODES]
 
 # What a second launch may say differently, in as few launches.
 SECOND_ARGUMENTS = (
@@ -114,11 +108,10 @@ class SecondLaunchTest(unittest.TestCase):
         self.client.begin(x_points=7, y_points=7)
         self.client.wait_for_visited(2)
         before = {name: node_pid(name) for name in AGAIN}
-        commands = [
-            ["rosrun", package, program, f"__name:={name}", f"__ns:={namespace}"]
-            for (package, program, name, namespace), full in zip(NODES, NODE_NAMES)
-            if full in AGAIN
-        ]
+        commands = []
+        for full, program in AGAIN.items():
+            namespace, _slash, name = full.rpartition("/")
+            commands.append(["rosrun", *program, f"__name:={name}", f"__ns:={namespace or '/'}"])
         with ThreadPoolExecutor() as second:
             ended = dict(zip(AGAIN, second.map(lambda one: run(*one), commands)))
         for name, (status, said) in ended.items():

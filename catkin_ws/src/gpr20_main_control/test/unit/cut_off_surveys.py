@@ -7,35 +7,22 @@ from dataclasses import asdict
 
 import numpy as np
 from survey_examples import AXES, PARAMETERS
+from trace_examples import make_trace
 
 from gpr20_survey.results.reopened_survey import ReopenedSurvey
 from gpr20_survey.trace.sweep_settings import AnalyzerSettings
-from gpr20_survey.trace.trace import Trace
 
 SURVEY_ID = "5ec1a5d2-0000-4000-8000-000000000000"
-SWEPT_US = 1_800_000_000_000_000
 
 
 def stored_trace(index, **changes):
     """Return a trace like the first sweep of the fake analyzer."""
     fields = dict(
-        frequency_hz=np.linspace(600.0e6, 6.0e9, 5),
-        s21_real=np.ones(5),
-        s21_imag=np.full(5, 1.0e4),
-        sweep_started_us=SWEPT_US,
-        sweep_ended_us=SWEPT_US,
-        quality=(),
-        analyzer=AnalyzerSettings(),
+        s21_real=np.ones(5), s21_imag=np.full(5, 1.0e4), quality=(), analyzer=AnalyzerSettings(),
+        x_coord_mm=0.0, y_coord_mm=0.0, z_coord_deg=0.0, antennae_height_m=0.2, aux=(), zeros=(),
         survey_id=SURVEY_ID,
-        sample_id="1",
-        index=index,
-        timestamp_us=SWEPT_US,
-        x_coord_mm=0.0,
-        y_coord_mm=0.0,
-        z_coord_deg=0.0,
-        antennae_height_m=0.2,
-    )
-    return Trace(**{**fields, **changes})
+    )  # fmt: skip
+    return make_trace(index, **{**fields, **changes})
 
 
 def recorded_axes(without=(), **changes):

@@ -5,7 +5,7 @@ from cut_off_surveys import recorded_axes, reopened_survey
 from fault_kit import raises_fault
 
 from gpr20_main_control import faults
-from gpr20_main_control.errors import RequestRefusedError, SurveyError
+from gpr20_main_control.errors import SurveyError
 from gpr20_survey.plan.survey_state import SurveyState as State
 
 
@@ -21,30 +21,25 @@ def test_a_survey_of_a_version_that_knew_fewer_parameters_of_an_axis_is_resumed(
 
 
 @pytest.mark.parametrize(
-    "changes, fault",
+    "fault, stored, report, changes",
     [
-        ({"simulated": False}, faults.OTHER_ROBOT),
-        ({"parameters": {}}, faults.RECORD_DAMAGED),
-        ({"axes": {}}, faults.OTHER_AXES),
-        ({"axes": recorded_axes(invert_direction=True)}, faults.OTHER_AXES),
+        (faults.OTHER_ROBOT, [0, 1], "", {"simulated": False}),
+        (faults.RECORD_DAMAGED, [0, 1], "", {"parameters": {}}),
+        (faults.OTHER_AXES, [0, 1], "", {"axes": {}}),
+        (faults.OTHER_AXES, [0, 1], "", {"axes": recorded_axes(invert_direction=True)}),
+        # It holds more than its plan.
+        (faults.RECORD_DAMAGED, [0, 30], "", {}),
+        (faults.RECORD_DAMAGED, [0], '{"controls": [{"index": 30}]}', {}),
+        (faults.RECORD_DAMAGED, [0], '{"controls": [{"index": -1}]}', {}),
     ],
 )
-def test_a_survey_that_this_robot_cannot_go_on_with_is_refused_and_closed(bench, changes, fault):
-    bench.storage.reopened = reopened_survey([0, 1], **changes)
-    with raises_fault(fault, "/data/survey", error=RequestRefusedError):
+def test_a_survey_that_this_robot_cannot_go_on_with_is_refused_and_closed(
+    bench, fault, stored, report, changes
+):
+    bench.storage.reopened = reopened_survey(stored, report, **changes)
+    with raises_fault(fault, error=SurveyError) as refused:
         bench.control.resume("survey")
+    assert not changes or "/data/survey" in str(refused.value)
     assert bench.board.status.state is State.IDLE
     assert bench.storage.ends[-1].outcome == "failed"
     assert bench.storage.ends[-1].status.state is State.FAILED
-
-
-@pytest.mark.parametrize(
-    "stored, report",
-    [([0, 30], ""), ([0], '{"controls": [{"index": 30}]}'), ([0], '{"controls": [{"index": -1}]}')],
-)
-def test_a_survey_that_holds_more_than_its_plan_is_refused_and_closed(bench, stored, report):
-    bench.storage.reopened = reopened_survey(stored, report)
-    with raises_fault(faults.RECORD_DAMAGED, error=SurveyError):
-        bench.control.resume("survey")
-    assert bench.board.status.state is State.IDLE
-    assert bench.storage.ends[-1].outcome == "failed"

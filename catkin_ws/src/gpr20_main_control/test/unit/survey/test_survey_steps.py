@@ -31,17 +31,15 @@ def resumed_plan(stored):
     return plan_resumption(reopened_survey(stored), CONFIG, SurveySettings())
 
 
-def run(plan, progress=None, confirms=lambda point: True):
-    """Yield the steps, executing them in name: each sweep is confirmed, or not."""
+def run(plan, progress=None):
+    """Yield the steps, executing them in name: each sweep is confirmed."""
     progress = progress or SurveyProgress(plan)
     for step in survey_steps(plan, progress):
         yield step
         if isinstance(step, Sweep):
             progress.note_swept()
-        elif isinstance(step, Confirm) and confirms(step.point):
-            progress.note_confirmed(stored_trace(step.point.index))
         elif isinstance(step, Confirm):
-            progress.note_rejected()
+            progress.note_confirmed(stored_trace(step.point.index))
 
 
 def steps_of(plan, progress=None):
@@ -73,23 +71,6 @@ def test_a_sweep_is_confirmed_after_the_next_move_and_before_the_next_sweep():
             assert isinstance(before, Settle) and before.point.index == step.point.index + 1
             assert after == Sweep(before.point)
     assert steps[-1] == Confirm(PLAN.points[-1])
-
-
-def test_a_point_whose_sweep_is_not_confirmed_is_the_next_to_be_measured():
-    refused = [0, 7, 7, TOTAL - 1]
-
-    def confirms(point):
-        if point.index in refused:
-            refused.remove(point.index)
-            return False
-        return True
-
-    steps = list(run(PLAN, confirms=confirms))
-    swept = [step for step in steps if isinstance(step, (Sweep, Confirm))]
-    # Every sweep is confirmed, or refused, before the next.
-    assert indices(swept, Sweep) == indices(swept, Confirm)
-    assert indices(steps, Sweep) == [0, *range(8), 7, 7, *range(8, TOTAL), TOTAL - 1]
-    assert steps[-1] == Finish()
 
 
 @pytest.mark.parametrize("stored", [[], [0, 2, 5, 23], list(range(TOTAL))])
