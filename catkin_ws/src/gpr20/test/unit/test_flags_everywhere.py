@@ -145,10 +145,6 @@ def test_every_flag_means_the_same_everywhere(flag, tmp_path):
     check(candidate_list([candidate(), *many], position=HERE, omitted=3), tmp_path)
 
 
-def test_only_clutter_and_sidelobes_are_doubtful():
-    assert {flag.value for flag in Flag if candidate(flags=[flag]).is_doubtful} == DOUBTFUL
-
-
 @given(candidate_lists(POSITIONS))
 @settings(suppress_health_check=[HealthCheck.function_scoped_fixture])
 def test_any_list_is_the_same_everywhere(tmp_path, found):

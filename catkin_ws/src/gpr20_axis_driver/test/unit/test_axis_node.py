@@ -1,11 +1,14 @@
 """What the node of an axis answers and publishes: its handlers, called without a graph."""
 
+import sys
+from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
 
 pytest.importorskip("rospy")
 pytest.importorskip("gpr20_msgs.msg")
+sys.path.append(str(Path(__file__).resolve().parents[3] / "gpr20/test/unit"))
 
 from axis_machine import SHORT, Z_PARAMETERS, Axis
 from graph_in_process import Graph

@@ -1,14 +1,17 @@
 """What the node of the height sensor answers and publishes, without a graph."""
 
 import math
+import sys
+from pathlib import Path
 
 import pytest
-from graph_in_process import Graph
 from test_height_driver import NOW_US, PARAMETERS, code_at, driver_with
 
 pytest.importorskip("rospy")
 pytest.importorskip("gpr20_msgs.srv")
+sys.path.append(str(Path(__file__).resolve().parents[3] / "gpr20/test/unit"))
 
+from graph_in_process import Graph
 from sensor_msgs.msg import Range
 
 from gpr20_common.high.diagnostics import ERROR, OK, WARN

@@ -5,8 +5,9 @@ from pathlib import Path
 
 import pytest
 
-# The examples of surveys are in the package that defines surveys.
+# The examples of surveys, and a graph without a master.
 sys.path.append(str(Path(__file__).resolve().parents[3] / "gpr20_survey/test/unit"))
+sys.path.append(str(Path(__file__).resolve().parents[3] / "gpr20/test/unit"))
 
 from fake_robot import LIMIT_S, Bench
 

@@ -18,10 +18,16 @@ SURVEY_ID = "5ec1a5d2-0000-4000-8000-000000000000"
 def stored_trace(index, **changes):
     """Return a trace like the first sweep of the fake analyzer."""
     fields = dict(
-        s21_real=np.ones(5), s21_imag=np.full(5, 1.0e4), quality=(), analyzer=AnalyzerSettings(),
-        x_coord_mm=0.0, y_coord_mm=0.0, z_coord_deg=0.0, antennae_height_m=0.2, aux=(), zeros=(),
+        s21_real=np.ones(5),
+        s21_imag=np.full(5, 1.0e4),
+        analyzer=AnalyzerSettings(),
         survey_id=SURVEY_ID,
-    )  # fmt: skip
+        x_coord_mm=0.0,
+        y_coord_mm=0.0,
+        z_coord_deg=0.0,
+        antennae_height_m=0.2,
+        zeros=(),
+    )
     return make_trace(index, **{**fields, **changes})
 
 

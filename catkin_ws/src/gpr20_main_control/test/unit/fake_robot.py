@@ -6,6 +6,7 @@ import json
 import threading
 import time
 from dataclasses import asdict, replace
+from types import SimpleNamespace
 
 import numpy as np
 from survey_examples import AXES, PARAMETERS
@@ -243,13 +244,6 @@ class FakeAnalyzer:
         return SweepConfirmation(self.on_confirm(number), self.temperature_c)
 
 
-class FakeHeightSensor:
-    """A height sensor over level ground."""
-
-    def height_m(self):
-        return 0.2
-
-
 class FakeStorage:
     """Stores surveys in memory; refuses what the real one refuses, and what a test wants."""
 
@@ -372,7 +366,9 @@ class Bench:
         **settings,
     ):
         self.x, self.y, self.z = FakeAxis(), FakeAxis(), FakeAxis(finds_zero=False)
-        self.analyzer, self.height = analyzer or FakeAnalyzer(), FakeHeightSensor()
+        self.analyzer = analyzer or FakeAnalyzer()
+        # Over level ground.
+        self.height = SimpleNamespace(height_m=lambda: 0.2)
         self.storage = storage or FakeStorage()
         self.history = []
         self.verdicts = []

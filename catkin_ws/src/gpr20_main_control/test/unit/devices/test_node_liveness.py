@@ -19,17 +19,13 @@ from gpr20_main_control.mid.devices.node_liveness import (
 )
 
 
-def watched(probe=None, name="x"):
-    return WatchedNode(Message("the {axis} axis driver", axis=name), [probe])
-
-
 class Watched:
     """Two nodes, and the messages about those that were missing."""
 
     def __init__(self):
         self.clock = ManualClock()
         self.reported = []
-        nodes = {name: watched(name=name) for name in ("x", "y")}
+        nodes = {name: WatchedNode(verbatim(name), []) for name in ("x", "y")}
         self.nodes = NodeLiveness(nodes, self.clock, self._note)
 
     def _note(self, message):

@@ -10,12 +10,8 @@ from gpr20_main_control import faults
 from gpr20_main_control.errors import DeviceError
 from gpr20_main_control.mid.survey.engine import Accepted
 from gpr20_main_control.mid.survey.survey_notes import SurveyNotes
-from gpr20_main_control.mid.survey.survey_status import SurveyStatus
 from gpr20_survey.folder.log_record import Kind
 from gpr20_survey.plan.survey_state import SurveyState as State
-from gpr20_survey.plan.survey_state import (
-    TransitionError,
-)
 from gpr20_survey.trace.trace import Trace
 
 
@@ -124,14 +120,3 @@ def test_a_note_that_could_not_be_stored_waits_and_keeps_its_place():
     notes.send(stored.append)
     notes.send(stored.append)
     assert [one.kind for one in stored] == [Kind.EPOCH, Kind.PAUSE]
-
-
-# The table of states.
-
-
-def test_an_illegal_transition_changes_nothing_and_tells_nobody():
-    changes = []
-    board = SurveyStatus(lambda _before, after: changes.append(after), print, print)
-    with pytest.raises(TransitionError):
-        board.enter(State.SURVEYING, Message("Measuring"))
-    assert board.status.state is State.IDLE and changes == []

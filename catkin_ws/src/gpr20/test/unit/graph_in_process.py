@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import io
 from collections import defaultdict
-from typing import Any, Callable, DefaultDict, Dict, List, Tuple
 
 import pytest
 
@@ -28,27 +27,22 @@ class Graph:
         health: What the node that was made last says in its diagnostics.
     """
 
-    health: Callable[[], Any]
-
-    def __init__(self, monkeypatch: pytest.MonkeyPatch) -> None:
-        self.services: Dict[str, Tuple[Any, Callable[[Any], Any]]] = {}
-        self.published: DefaultDict[str, List[Any]] = defaultdict(list)
-        self.hooks: List[Callable[[], None]] = []
-        self.ticks: List[Callable[[], None]] = []
-        self.periods_s: List[float] = []
+    def __init__(self, monkeypatch):
+        self.services, self.published = {}, defaultdict(list)
+        self.hooks, self.ticks, self.periods_s, self.health = [], [], [], None
         graph = self
 
         class Publisher:
-            def __init__(self, name: str, _kind: Any, **_options: Any) -> None:
+            def __init__(self, name, _kind, **_options):
                 self.name = self.resolved_name = name
 
-            def get_num_connections(self) -> int:
+            def get_num_connections(self):
                 return 1
 
-            def publish(self, message: Any) -> None:
+            def publish(self, message):
                 graph.published[self.name].append(message)
 
-        def advertise(name: str, kind: Any, handler: Callable[[Any], Any]) -> None:
+        def advertise(name, kind, handler):
             self.services[name] = kind, handler
 
         for module, name, stand_in in (
@@ -63,7 +57,7 @@ class Graph:
         ):
             monkeypatch.setattr(module, name, stand_in)
 
-    def ask(self, name: str, request: Any = None, client: str = "/client", **fields: object) -> Any:
+    def ask(self, name, request=None, client="/client", **fields):
         """Return the answer of a service to what a client sends."""
         kind, handler = self.services[name]
         request = kind._request_class(**fields) if request is None else request
@@ -75,7 +69,7 @@ class Graph:
         return answer
 
 
-def sent(message: Any) -> bytes:
+def sent(message):
     """Return the bytes of a message."""
     buffer = io.BytesIO()
     message.serialize(buffer)
