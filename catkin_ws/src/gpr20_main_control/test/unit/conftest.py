@@ -1,5 +1,6 @@
 """A main control over a fake robot, which ends what the test left running."""
 
+import contextlib
 import sys
 from pathlib import Path
 
@@ -13,8 +14,19 @@ from fake_robot import LIMIT_S, Bench
 
 
 @pytest.fixture
-def bench():
-    bench = Bench()
-    yield bench
-    bench.release()
-    bench.control.shut_down(LIMIT_S)
+def make_bench():
+    """Return what makes benches, which end with the test."""
+    with contextlib.ExitStack() as ending:
+
+        def make(**given):
+            bench = Bench(**given)
+            ending.callback(bench.control.shut_down, LIMIT_S)
+            ending.callback(bench.release)
+            return bench
+
+        yield make
+
+
+@pytest.fixture
+def bench(make_bench):
+    return make_bench()

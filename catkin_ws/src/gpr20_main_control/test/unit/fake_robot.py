@@ -370,6 +370,8 @@ class Bench:
         # Over level ground.
         self.height = SimpleNamespace(height_m=lambda: 0.2)
         self.storage = storage or FakeStorage()
+        # For what waits in a test.
+        self.go_on = threading.Event()
         self.history = []
         self.verdicts = []
         self.activities = []
@@ -391,7 +393,7 @@ class Bench:
         )
         self.control = MainControl(
             self.robot,
-            SurveySettings(**{"settle_s": 0.0, **settings}),
+            SurveySettings(**{"settle_s": 0.0, "return_limit_s": 3600.0, **settings}),
             self.board,
             clock,
             defaults,
@@ -406,6 +408,7 @@ class Bench:
     def release(self):
         """Release everything that a test has blocked."""
         self.storage.free.set()
+        self.go_on.set()
         for axis in self.axes:
             axis.blocked.set()
             axis.hanging.set()

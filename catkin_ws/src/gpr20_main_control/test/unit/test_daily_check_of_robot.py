@@ -6,7 +6,7 @@ import json
 
 import numpy as np
 import pytest
-from fake_robot import Bench, FakeAnalyzer
+from fake_robot import FakeAnalyzer
 from fault_kit import raises_fault
 
 from gpr20_common.message import Message
@@ -89,12 +89,10 @@ def test_an_analyzer_that_is_replaced_during_the_check_is_refused(tmp_path):
 
 
 @pytest.fixture
-def stepped(monkeypatch, tmp_path):
+def stepped(make_bench, monkeypatch, tmp_path):
     """A main control whose analyzer sees what a step asks for."""
     monkeypatch.setenv("GPR20_DATA", str(tmp_path))
-    bench = Bench(analyzer=SeeingAnalyzer())
-    yield bench
-    bench.release()
+    return make_bench(analyzer=SeeingAnalyzer())
 
 
 def step(bench, number):

@@ -5,7 +5,6 @@ import json
 import pytest
 from case_kit import each_case
 from cut_off_surveys import reopened_survey
-from fake_robot import LIMIT_S, Bench
 from fault_kit import raises_fault
 
 from gpr20_common.low.clock import Clock
@@ -23,11 +22,9 @@ NOW_US = 1_800_000_000_000_000
 
 
 @pytest.fixture
-def bench():
+def bench(make_bench):
     # A request waits for the check of the analyzer, in real time.
-    bench = Bench(clock=Clock())
-    yield bench
-    bench.control.shut_down(LIMIT_S)
+    return make_bench(clock=Clock())
 
 
 def pause_with(bench, identity, sweeps=5):

@@ -3,7 +3,7 @@
 import threading
 
 import pytest
-from fake_robot import Bench, ManualClock, reports
+from fake_robot import ManualClock, reports
 
 from gpr20_common.message import Fault, Message, Severity
 from gpr20_main_control import faults
@@ -122,10 +122,8 @@ def test_an_axis_that_never_speaks_fails_the_survey_before_anything_moves(bench)
 
 
 @pytest.fixture
-def settling():
-    bench = Bench(clock=ManualClock(), settle_s=0.7)
-    yield bench
-    bench.control.shut_down(20.0)
+def settling(make_bench):
+    return make_bench(clock=ManualClock(), settle_s=0.7)
 
 
 def test_every_sweep_is_prepared_while_the_antennas_settle_and_comes_after_it(settling):

@@ -3,7 +3,7 @@
 import threading
 
 import pytest
-from fake_robot import LIMIT_S, NODES, Bench, reports, warning_of
+from fake_robot import LIMIT_S, NODES, reports, warning_of
 
 from gpr20_common.message import Message
 from gpr20_main_control import faults
@@ -150,9 +150,7 @@ def test_what_ends_a_survey_stores_its_last_sweep_exactly_if_it_is_confirmed(
         assert 3 not in numbers(bench) and len(bench.storage.samples) == 2 + 24
 
 
-def test_an_analyzer_that_is_lost_while_it_confirms_costs_one_more_sweep():
-    bench = Bench(return_limit_s=3600.0)
-    confirmations = Confirmations(bench.analyzer)
+def test_an_analyzer_that_is_lost_while_it_confirms_costs_one_more_sweep(bench, confirmations):
     confirmations.hold(3)
     bench.start()
     assert confirmations.begun[3].wait(LIMIT_S)
@@ -163,4 +161,3 @@ def test_an_analyzer_that_is_lost_while_it_confirms_costs_one_more_sweep():
     bench.complete()
     assert numbers(bench) == [1, 2, *range(4, 26)]
     assert State.PAUSED.name not in bench.states
-    bench.control.shut_down(LIMIT_S)

@@ -10,7 +10,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from cut_off_surveys import reopened_survey, stored_trace
-from fake_robot import LIMIT_S, Bench
 from survey_examples import AXES, PARAMETERS
 
 from gpr20_main_control import faults
@@ -34,11 +33,8 @@ SWEEPS = 4
 
 
 @pytest.fixture
-def visiting():
-    bench = Bench(reference_interval_s=INTERVAL_S)
-    yield bench
-    bench.release()
-    bench.control.shut_down(LIMIT_S)
+def visiting(make_bench):
+    return make_bench(reference_interval_s=INTERVAL_S)
 
 
 def louder(bench, factor=1.5):
@@ -78,11 +74,10 @@ def test_a_survey_visits_its_first_stop_at_the_interval_and_at_its_end(visiting)
 
 
 @pytest.mark.parametrize("interval_s", [3600.0, 0.0])
-def test_a_survey_shorter_than_the_interval_visits_nothing(interval_s):
-    bench = Bench(reference_interval_s=interval_s)
+def test_a_survey_shorter_than_the_interval_visits_nothing(make_bench, interval_s):
+    bench = make_bench(reference_interval_s=interval_s)
     bench.start()
     bench.complete()
-    bench.control.shut_down(LIMIT_S)
     assert bench.analyzer.sweeps == 24
     assert "drift" not in bench.storage.reports[-1]
 

@@ -3,7 +3,7 @@
 import threading
 
 import pytest
-from fake_robot import LIMIT_S, NODES, Bench, reports
+from fake_robot import LIMIT_S, NODES, reports
 from fault_kit import raises_fault
 
 from gpr20_common.message import Message
@@ -13,14 +13,6 @@ from gpr20_main_control.mid.waits import Workers
 from gpr20_survey.plan.survey_state import SurveyState as State
 
 VNA, STORAGE, X_AXIS = "vna_acquisition", "vna_processing", "x_axis/axis_driver"
-
-
-@pytest.fixture
-def bench():
-    bench = Bench(return_limit_s=3600.0)
-    yield bench
-    bench.release()
-    bench.control.shut_down(LIMIT_S)
 
 
 def lose(bench, node, after):
@@ -52,8 +44,10 @@ def test_a_survey_holds_while_a_node_is_gone_and_goes_on_by_itself(bench, node):
 
 
 @pytest.mark.parametrize("after, end", [(0, State.FAILED), (5, State.PAUSED)])
-def test_a_node_that_stays_away_fails_the_survey_before_anything_moves_or_pauses_it(after, end):
-    bench = Bench()
+def test_a_node_that_stays_away_fails_the_survey_before_anything_moves_or_pauses_it(
+    make_bench, after, end
+):
+    bench = make_bench(return_limit_s=300.0)
     if after:
         lose(bench, VNA, after)
     else:
@@ -65,7 +59,6 @@ def test_a_node_that_stays_away_fails_the_survey_before_anything_moves_or_pauses
         bench.resume_to_the_end()
     else:
         assert all(axis.moves == [] and axis.homings == 0 for axis in bench.axes)
-    bench.control.shut_down(LIMIT_S)
 
 
 def test_a_node_that_dies_again_and_again_pauses_the_survey(bench):

@@ -1,10 +1,9 @@
 """What may be requested in which state; the rest is refused, says what to do, and has no effect."""
 
-import threading
 from dataclasses import replace
 
 import pytest
-from fake_robot import LIMIT_S, Bench
+from fake_robot import LIMIT_S
 from fault_kit import raises_fault
 from survey_examples import PARAMETERS
 
@@ -15,16 +14,6 @@ from gpr20_survey.plan.survey_state import RUNNING, TRANSITIONS
 from gpr20_survey.plan.survey_state import SurveyState as State
 
 VNA = "vna_acquisition"
-
-
-@pytest.fixture
-def bench():
-    bench = Bench(return_limit_s=3600.0)
-    bench.go_on = threading.Event()
-    yield bench
-    bench.go_on.set()
-    bench.release()
-    bench.control.shut_down(LIMIT_S)
 
 
 def hold(bench):
@@ -93,7 +82,6 @@ def test_what_does_not_fit_the_state_is_refused_with_what_to_do_and_has_no_effec
                 request()
             assert refusal.value.message.cause.remedy is not None
             assert replace(bench.board.status, waiting=None) == before
-    bench.go_on.set()
     bench.release()
     bench.nodes.note_alive(VNA, 2)
     bench.y.fail_move = ""
