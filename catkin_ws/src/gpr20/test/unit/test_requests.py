@@ -4,8 +4,11 @@ from __future__ import annotations
 
 import copy
 import math
+import os
 import sys
+import threading
 import uuid
+from concurrent.futures import ThreadPoolExecutor
 
 import psutil
 import pytest
@@ -17,8 +20,9 @@ from genpy.base import is_simple
 from graph_in_process import Graph
 from robot_in_process import PARAMETERS
 from robot_parts import AXES
+from simulated_world import LIMIT_S
 from std_msgs.msg import Header
-from stored_surveys import check_complete, check_pause, check_state
+from stored_surveys import check_complete, check_pause, check_state, json_traces, survey_json
 
 from gpr20_axis_driver.mid.robot_hardware import RobotHardware
 from gpr20_common.errors import Gpr20Error
@@ -46,6 +50,8 @@ from gpr20_vna_processing.mid.processing_parameters import ProcessingParameters
 
 HOME, JOG, SET_ZERO = ServiceMoveRequest.HOME, ServiceMoveRequest.JOG, ServiceMoveRequest.SET_ZERO
 HARDWARE = Hardware("simulated", simulated=True)
+# Of two clients; the evidence has more: docs/evidence/reliability.md.
+ROUNDS = int(os.environ.get("GPR20_ROUNDS", "3"))
 
 
 @pytest.fixture
@@ -111,6 +117,29 @@ def test_a_survey_is_planned_started_and_continued_by_messages(world, robot, gra
     check_complete(robot)
     assert graph.ask("stop_survey").fault_code == faults.NONE_RUNNING.code
     assert graph.ask("pause_survey").fault_code == faults.NONE_MEASURING.code
+
+
+@pytest.mark.parametrize("_round", range(ROUNDS))
+def test_of_two_clients_none_measures_the_plan_of_the_other(robot, graph, _round):
+    together, started = threading.Barrier(2), {}
+
+    def ask(client, x_start_mm):
+        together.wait(LIMIT_S)
+        parameters = as_message(x_start_mm=x_start_mm)
+        plan = graph.ask("set_survey_parameters", client=client, parameters=parameters)
+        answer = graph.ask("start_survey", plan_id=plan.plan_id) if plan.success else plan
+        if answer.success:
+            started[plan.plan_id, client] = x_start_mm
+
+    robot.calls.at("stored", 2, robot.control.stop)
+    with ThreadPoolExecutor(2) as clients:
+        list(clients.map(ask, ("/one", "/other"), (0.0, 5.0)))
+    ((own, x_start_mm),) = started.items()
+    status = check_state(robot, SurveyState.STOPPED)
+    assert (status.plan_id, status.plan_set_by) == own
+    description = survey_json(robot)
+    assert (description["plan_id"], description["plan_set_by"]) == own
+    assert json_traces(robot)[0]["x_coord_mm"] == pytest.approx(x_start_mm)
 
 
 # Maintenance.
