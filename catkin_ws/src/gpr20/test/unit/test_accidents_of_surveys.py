@@ -30,8 +30,6 @@ from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.plan.survey_state import SurveyState
 
 HOUR_S, DAY_S = 3600, 86_400
-# The next stop is far enough that the carriage is on its way for long.
-FAR = {"x_start_mm": 10.0, "x_stop_mm": 230.0}
 
 
 def check_verified(robot):
@@ -179,7 +177,8 @@ def test_a_frozen_control_costs_a_move_but_no_coordinate(robot):
         robot.calls.frozen_s += 3.0
 
     robot.calls.at("sweep", 2, lambda: robot.calls.at("step x", 300, freeze))
-    robot.begin(**FAR)
+    # The carriage is on its way for long.
+    robot.begin(x_stop_mm=230.0)
     check_state(robot, SurveyState.FINISHED)
     assert SurveyState.PAUSED not in [one.state for one in robot.history]
     assert len({tuple(one["zero_epochs"]) for one in check_complete(robot)}) == 1

@@ -12,6 +12,7 @@ from axis_machine import SHORT, X_PARAMETERS
 from case_kit import each_case
 from fault_kit import raises_fault
 from grbl_board import GrblBoard
+from simulated_axis import wait_until
 from tutorial_code import code_blocks
 
 from gpr20_axis_driver import faults
@@ -67,9 +68,9 @@ def test_a_move_ends_by_itself_when_nobody_asks_for_the_state_any_more():
     parameters = parameters_of(board)
     controller = check_controller(parameters)(parameters, **parameters.controller_options)
     controller.begin_homing()
-    _until(lambda: not controller.read().moving)
+    wait_until(lambda: not controller.read().moving)
     controller.begin_move(60000)
-    _until(lambda: controller.read().steps > 50)
+    wait_until(lambda: controller.read().steps > 50)
 
     def rests():
         before = board.true_steps
@@ -77,7 +78,7 @@ def test_a_move_ends_by_itself_when_nobody_asks_for_the_state_any_more():
         return board.true_steps == before
 
     # What was sent in advance takes half a second; the rest of the move would take minutes.
-    _until(rests)
+    wait_until(rests)
     assert board.true_steps < 1000
     controller.close()
     board.close()
@@ -154,7 +155,7 @@ def test_a_controller_that_rests_elsewhere_than_it_should_must_be_homed(scripted
 def test_a_controller_that_was_restarted_or_fails_at_rest_is_reported(scripted, state, fault):
     driver, made = scripted
     made[0].state = state
-    _until(lambda: driver.failure is not None and not driver.homing_done)
+    wait_until(lambda: driver.failure is not None and not driver.homing_done)
     assert driver.failure.fault_code == fault.code
     assert driver.failure.may_move is isinstance(state, Exception)
 
@@ -167,7 +168,7 @@ def test_a_controller_that_hangs_in_any_method_is_an_error_in_time(scripted, mon
     made[0].moves = [ControllerState(100, True, True)] * 1000
     setattr(made[0], method, lambda *_: (go_on.wait(60.0), returned.set()))
     if method == "read":
-        _until(lambda: driver.failure is not None)  # at rest, too
+        wait_until(lambda: driver.failure is not None)  # at rest, too
     try:
         with pytest.raises(AxisException) as refused:
             driver.move_to_coordinate(5.0, lambda: True)
@@ -181,10 +182,3 @@ def test_a_controller_that_hangs_in_any_method_is_an_error_in_time(scripted, mon
     # A command that had to wait is not carried out late.
     assert returned.wait(30.0)
     assert bool(made[0].states) is (method == "stop")
-
-
-def _until(condition):
-    deadline_s = time.monotonic() + 30.0
-    while not condition():
-        assert time.monotonic() < deadline_s
-        time.sleep(0.01)

@@ -15,26 +15,17 @@ VNA = "vna_acquisition"
 
 
 class Confirmations:
-    """Confirms every sweep, except as a test sets it."""
+    """Confirms every sweep, but refuses some, and holds one until `release`."""
 
-    def __init__(self, analyzer):
-        self.refused = {}
-        self.held = {}
-        self.begun = {}
-        analyzer.on_confirm = self
-
-    def hold(self, number):
-        """Let a confirmation hang until `release`."""
-        self.held[number], self.begun[number] = threading.Event(), threading.Event()
-
-    def release(self):
-        for event in self.held.values():
-            event.set()
+    def __init__(self):
+        self.refused, self.held = {}, 0
+        self.begun, self.released = threading.Event(), threading.Event()
+        self.release = self.released.set
 
     def __call__(self, number):
-        if number in self.held:
-            self.begun[number].set()
-            self.held[number].wait(LIMIT_S)
+        if number == self.held:
+            self.begun.set()
+            self.released.wait(LIMIT_S)
         if number in self.refused:
             raise self.refused[number]
         return ()
@@ -42,7 +33,7 @@ class Confirmations:
 
 @pytest.fixture
 def confirmations(bench):
-    confirmations = Confirmations(bench.analyzer)
+    confirmations = bench.analyzer.on_confirm = Confirmations()
     yield confirmations
     confirmations.release()
 
@@ -57,12 +48,12 @@ def numbers(bench):
 
 
 def test_the_next_move_does_not_wait_for_the_confirmation(bench, confirmations):
-    confirmations.hold(1)
+    confirmations.held = 1
     moved = threading.Event()
     begin_move = bench.z.begin_move
     bench.z.begin_move = lambda target: (begin_move(target), moved.set())
     bench.start()
-    assert confirmations.begun[1].wait(LIMIT_S)
+    assert confirmations.begun.wait(LIMIT_S)
     # The second point is the other rotation at the first stop.
     assert moved.wait(LIMIT_S)
     assert bench.storage.samples == [] and bench.analyzer.sweeps == 1
@@ -126,9 +117,9 @@ def test_a_point_that_is_not_confirmed_after_its_repetitions_pauses_the_survey(
 def test_what_ends_a_survey_stores_its_last_sweep_exactly_if_it_is_confirmed(
     bench, confirmations, ctrl_c, confirmed
 ):
-    confirmations.hold(3)
+    confirmations.held = 3
     bench.start()
-    assert confirmations.begun[3].wait(LIMIT_S)
+    assert confirmations.begun.wait(LIMIT_S)
     bench.wait_for_visited(2)
     if confirmed:
         confirmations.release()
@@ -151,9 +142,9 @@ def test_what_ends_a_survey_stores_its_last_sweep_exactly_if_it_is_confirmed(
 
 
 def test_an_analyzer_that_is_lost_while_it_confirms_costs_one_more_sweep(bench, confirmations):
-    confirmations.hold(3)
+    confirmations.held = 3
     bench.start()
-    assert confirmations.begun[3].wait(LIMIT_S)
+    assert confirmations.begun.wait(LIMIT_S)
     bench.nodes.note_silent(VNA)
     bench.wait_for_fault(faults.WAITING_FOR_PART, NODES[VNA])
     confirmations.release()

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 from cut_off_surveys import stored_trace
-from fake_robot import Bench
 
 from gpr20_main_control import faults
 from gpr20_main_control.mid.survey.engine import Accepted
 from gpr20_main_control.mid.survey.known_point import compare_known_point, known_traces
+from gpr20_survey.axes.zero_epoch import ZeroEpoch
 from gpr20_survey.faults import OTHER_ZEROS
 from gpr20_survey.plan.survey_state import SurveyState as State
-from gpr20_survey.plan.zero_history import Proof, UsedZeros, unproven_zeros
+from gpr20_survey.plan.zero_history import unproven_zeros
 
 ACCEPT = Accepted(zeros=True)
 
@@ -128,15 +128,7 @@ def test_the_known_point_is_the_last_stop_that_was_measured_at_every_rotation():
 
 
 def test_zeros_are_unproven_by_the_traces_alone_if_the_report_is_lost():
-    one, other = (UsedZeros(stored_zeros(n), 0, "", Proof.MEASURED).zeros for n in (1, 2))
+    one, other = ((ZeroEpoch(number, number),) * 3 for number in (1, 2))
     assert unproven_zeros(None, [(), one, one]) == set()
     for lost in (None, {}, {"zeros": "?"}, {"zeros": [{"epochs": 7}]}):
         assert unproven_zeros(lost, [one, other, one]) == {other}
-
-
-def stored_zeros(number):
-    bench = Bench()
-    for axis in bench.axes:
-        for _zero in range(number):
-            axis.begin_zero()
-    return tuple(axis.zero for axis in bench.axes)
