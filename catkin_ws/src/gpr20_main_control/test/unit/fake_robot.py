@@ -250,11 +250,9 @@ class FakeStorage:
     def __init__(self):
         self.records, self.samples = [], []
         self.ends, self.reports, self.notes = [], [], []
-        self.opened, self.outcomes, self.last_report = "", {}, {}
+        self.opened, self.outcomes = "", {}
         self.reopened, self.reopenings = None, []
-        self.broken = False
-        self.fail_close = ""
-        self.lose = 0
+        self.broken, self.fail_close, self.lose = False, "", 0
         self.free = threading.Event()
         self.free.set()
 
@@ -283,14 +281,13 @@ class FakeStorage:
             survey,
             f"/data/{survey}",
             known[survey].metadata_json,
-            self.last_report.get(survey, ""),
+            "".join(map(json.dumps, self.reports[-1:])),
             tuple(sorted(stored)),
             (*in_order[:-8][:4], *in_order[-8:]),
         )
 
     def report(self, survey_id, report_json):
         self._check_open(survey_id)
-        self.last_report[survey_id] = report_json
         self.reports.append(json.loads(report_json))
         before = 0 if self.reopened is None else len(self.reopened.stored_indices)
         return before + len(self.stored(survey_id)) - self.lose
