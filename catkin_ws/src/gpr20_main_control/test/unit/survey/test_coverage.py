@@ -20,9 +20,6 @@ from gpr20_main_control.mid.survey.zero_record import ZeroRecord
 from gpr20_survey.plan.coverage import Coverage, SampleState
 
 NO_ANSWER = Message("no answer")
-MEASURED, REMEASURED, FAILED, NOT_VISITED = (
-    getattr(SampleState, name) for name in ("MEASURED", "REMEASURED", "FAILED", "NOT_VISITED")
-)
 
 
 def trace(real, imag):
@@ -56,7 +53,7 @@ def test_a_failed_sample_keeps_its_reason_until_it_is_stored_and_never_fails_aft
     assert coverage.reasons == {1: NO_ANSWER}
     coverage.note_stored(1)
     coverage.note_failed(1, NO_ANSWER)
-    assert coverage.reasons == {} and coverage.states[1] is MEASURED
+    assert coverage.reasons == {} and coverage.states[1] is SampleState.MEASURED
 
 
 @given(st.lists(st.sampled_from(SampleState), max_size=40))
@@ -83,7 +80,7 @@ def test_a_report_goes_on_where_the_former_one_ended():
     first = report_of(Coverage(9, [7]))
     first.note_repeat(compare(STORED, AGAIN, 0.21), 1_700_000_000 * 10**6)
     second = report_of(Coverage(9, [7]), first.to_json())
-    assert second.coverage.states[7] is REMEASURED
+    assert second.coverage.states[7] is SampleState.REMEASURED
     assert second.to_json() == first.to_json()
 
 

@@ -20,20 +20,6 @@ from gpr20_survey.plan.annotation import EMPTY, Annotation, Wgs84Position, annot
 from gpr20_survey.plan.refines import refines_of
 from gpr20_survey.plan.survey_state import SurveyState as State
 
-
-def test_the_metadata_say_what_was_measured_with_what(bench):
-    survey_id = bench.start()
-    bench.wait_for(State.FINISHED)
-    record = bench.storage.records[0]
-    metadata = json.loads(record.metadata_json)
-    assert record.survey_id == survey_id
-    assert metadata["simulated"] is True
-    assert metadata["parameters"]["x_points"] == 3
-    assert metadata["instrument"]["identity"] == "Anritsu,MS2026C/2,SIMULATED,1.0"
-    assert metadata["axes"]["x"]["max_coord"] == 650.0
-    assert record.needed_bytes > 24 * 5 * 100
-
-
 OWN = Annotation("Ana", "here", "wet", Wgs84Position(4.6, -74.1))
 ROBOTS = Annotation("Eva", "there", position=Wgs84Position(4.6, -74.1))
 COARSE = "7c9e6679-7425-40de-944b-e07fc1f90ae7"
@@ -48,8 +34,12 @@ def metadata_of_two(bench, *arguments):
     return [json.loads(one.metadata_json) for one in bench.storage.records]
 
 
-def test_what_a_survey_is_started_with_is_its_own_and_the_next_one_has_none_of_it(bench):
+def test_the_metadata_say_what_was_measured_with_what_and_what_is_of_this_survey_alone(bench):
     first, second = metadata_of_two(bench, OWN, COARSE, 4.5)
+    assert bench.storage.records[0].needed_bytes > 24 * 5 * 100
+    assert first["simulated"] is True and first["parameters"]["x_points"] == 3
+    assert first["instrument"]["identity"] == bench.analyzer.identity
+    assert first["axes"]["x"]["max_coord"] == 650.0
     assert (annotation_of(first), refines_of(first), first[PLANNED]) == (OWN, COARSE, 4.5)
     assert (annotation_of(second), refines_of(second)) == (EMPTY, "")
     assert PLANNED not in second and "refines" not in second
