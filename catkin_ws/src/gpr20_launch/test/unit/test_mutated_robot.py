@@ -155,39 +155,15 @@ def written(name):
 
 
 FULL = {name: written(name) for name in (*FILES, AXES_FILE)}
-KINDS = {
-    one.name: str(one.type)
-    for kind in (
-        AxisParameters,
-        *(kind for file in FILES.values() for _name, kind in file.sections),
-    )
-    for one in dataclasses.fields(kind)
-}
-
-
-@st.composite
-def keys(draw):
-    """Draw a file and the number of a line that has a key with a value on it."""
-    name = draw(st.sampled_from(sorted(FULL)))
-    numbers = [n for n, line in enumerate(FULL[name]) if not line.rstrip().endswith(":")]
-    return name, draw(st.sampled_from(numbers))
-
-
-def changed(name, number, line):
-    return {name: "\n".join([*FULL[name][:number], line, *FULL[name][number + 1 :]])}
-
-
-def place(name, number):
-    """Return the key of a line as the check names it."""
-    key = FULL[name][number].split(":")[0].strip()
-    above = [line for line in FULL[name][:number] if not line.startswith(" ")]
-    return f"{above[-1].rstrip(':')}/{key}" if FULL[name][number].startswith(" ") else key
-
-
-def mistakes_in(files, name):
-    found = [one for one in check(files) if one.refuses]
-    assert {Path(one.file).name for one in found} <= {name}
-    return found
+KEYS = [
+    *((AXES_FILE, one.name) for one in dataclasses.fields(AxisParameters)),
+    *(
+        (name, one.name)
+        for name, file in FILES.items()
+        for _section, kind in file.sections
+        for one in dataclasses.fields(kind)
+    ),
+]
 
 
 def test_the_templates_with_every_key_in_use_are_correct():
@@ -196,15 +172,15 @@ def test_the_templates_with_every_key_in_use_are_correct():
 
 
 @settings(max_examples=draws(10))
-@given(keys(), st.data())
+@given(st.sampled_from(KEYS), st.data())
 def test_a_key_that_is_mistyped_is_found(where, data):
-    name, number = where
-    line, key = FULL[name][number], place(*where)
-    bare = key.split("/")[-1]
-    at = data.draw(st.integers(0, len(bare) - 1))
-    typed = bare[:at] + data.draw(st.sampled_from(["", bare[at] * 2, "_", "-"])) + bare[at + 1 :]
-    assume(typed and typed != bare and typed not in KINDS and typed[0] not in "-_")
-    files = changed(name, number, line.replace(bare, typed, 1))
-    wrong = key.replace(bare, typed) if "/" in key else typed
-    (found,) = mistakes_in(files, name)
-    assert found.key == wrong and name in str(found.message) and typed in str(found.message)
+    name, key = where
+    at = data.draw(st.integers(0, len(key) - 1))
+    typed = key[:at] + data.draw(st.sampled_from(["", key[at] * 2, "_", "-"])) + key[at + 1 :]
+    assume(typed and typed[0] not in "-_" and typed not in {one for _name, one in KEYS})
+    text, wrong = f"{typed}: 1", typed
+    if name == AXES_FILE:
+        text, wrong = f"x: {{{text}}}", f"x/{typed}"
+    (found,) = [one for one in check({name: text}) if one.refuses]
+    assert (Path(found.file).name, found.key) == (name, wrong)
+    assert name in str(found.message) and typed in str(found.message)

@@ -52,26 +52,19 @@ def imported(path):
 
 
 WHOLE = "".join(node(params(AXES[axis]), axis) for axis in "xyz")
-# What groups, arguments, private and whole names and conditions mean, roslaunch says below.
+# What groups, arguments, expressions, names and conditions mean, roslaunch says below.
 FORMS = {
     "nodes with a namespace": WHOLE,
     "names of nodes": "".join(node(params(AXES[axis]), name=f"axis_{axis}") for axis in "xyz"),
     "rosparam of all": "<rosparam>"
     + yaml.safe_dump({f"{axis}_axis": AXES[axis] for axis in "xyz"})
     + "</rosparam>",
-    "expressions": '<arg name="half" value="0.5"/><arg name="pin" value="6"/>'
-    + node(params({**X, "dir_pin": "$(eval 2 * (arg('pin') + 1) - 1)"}), "x")
-    + node(params({**Y, "step_pin": "$(eval pin * 3)"}), "y")
-    + node(params({**Z, "min_coord": "$(eval -180 * half)"}), "z"),
     "arguments of nodes": "".join(
         node("", axis).replace(
             "name=", f'args="{" ".join(f"_{key}:={AXES[axis][key]}" for key in NAMES)}" name='
         )
         for axis in "xyz"
     ),
-    "conditions": '<arg name="real" default="true"/>'
-    + WHOLE
-    + f'<group unless="$(arg real)">{node(params({"dir_pin": 3}), "x")}</group>',
 }
 
 
@@ -120,8 +113,6 @@ def test_minus_one_or_nothing_means_no_endstop(tmp_path):
         axes, robot = imported(launch(tmp_path, f"<rosparam>{text}</rosparam>"))
         assert axes["x"]["sensor_pin"] is None and "sensor_pin" not in axes["z"]
         assert not any("x/endstop_pull" in one for one in robot.changed)
-    axes, _robot = imported(launch(tmp_path, node(params({**Y, "sensor_pin": -1}), "y")))
-    assert axes["y"]["sensor_pin"] is None
 
 
 X_NODE = node(params({key: X[key] for key in NAMES if key != "dir_pin"}) + "{}", "x")
@@ -272,12 +263,13 @@ def test_the_command_writes_once_and_what_it_wrote_passes_but_for_the_person(
 VALUES = st.integers(0, 9)
 # Each of them is something else as a number, as a text and as YAML.
 TEXTS = ["1", "013", "1e3", "0x1f", "1_0", ".5", "nan", "TRUE", "no", "1:30"]
+ARGUMENTS = ["$(arg a)", "$(eval 2 * (arg('a') + 1) - 1)", "$(eval a * 3)", "$(eval -180 * 0.5)"]
 PARAMS = st.builds(
     '<param name="{}{}" {} value="{}"/>'.format,
     st.sampled_from(["", "~", "~", "/"]),
     st.sampled_from(["pin", "step"]),
     st.sampled_from(["", "", 'type="str"', 'type="yaml"']),
-    st.one_of(VALUES, st.just("$(arg a)"), st.sampled_from(TEXTS)),
+    st.one_of(VALUES, st.sampled_from([*ARGUMENTS, *TEXTS])),
 ) | st.builds(
     '<param name="{}group" type="yaml" value="{{pin: {}, other: {}}}"/>'.format,
     st.sampled_from(["", "~", "/"]),
