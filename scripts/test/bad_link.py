@@ -67,7 +67,6 @@ class BadLink:
         self._command("down")
 
     def restore(self):
-        """Carry packets again."""
         self._command("up")
 
     def wait(self, duration_s):
@@ -77,7 +76,6 @@ class BadLink:
             raise AssertionError("the link has ended")
 
     def close(self):
-        """End the link."""
         self._process.stdin.close()
         self._process.stdout.close()
         self._process.wait(10.0)
@@ -114,7 +112,6 @@ class Direction:
         return self._packets[0][0] if self._packets else None
 
     def drop(self):
-        """Lose every packet on its way."""
         self._packets.clear()
 
 

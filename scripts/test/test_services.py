@@ -5,18 +5,18 @@ systemd itself is not needed: the test reads the unit, and does what systemd doe
 
 from __future__ import annotations
 
-import json
 import signal
 import subprocess
+from collections import Counter
 
 import psutil
 import pytest
 from package_files import unit_values
 from robot_kit import free_port
+from two_machine_survey import CLIENT, outcome, stored_traces, survey_folder
 from user_shell import ROOT, Terminal, is_ready, user_environment, wait_until
 
 pytestmark = pytest.mark.release
-CLIENT = "rosrun gpr20_user_interface run_survey --wait 60"
 UNIT = "gpr20-robot"
 SIDE = 8
 TRACES = 2 * SIDE * SIDE
@@ -31,12 +31,12 @@ def test_a_survey_whose_service_is_stopped_is_resumed_under_the_next_one(tmp_pat
         try:
             wait_until(lambda: is_ready(tmp_path / "printed.log"), service)
             survey = client.start(f"{CLIENT} --x-points {SIDE} --y-points {SIDE}")
-            wait_until(lambda: len(traces(tmp_path)) >= 5, service, survey)
+            wait_until(lambda: sum(stored_traces(tmp_path).values()) >= 5, service, survey)
             stop(service)
             survey.wait(LIMIT_S)
-            (folder,) = (tmp_path / "surveys").glob("[!.]*")
-            assert outcome(folder) == "interrupted"
-            before = {path: path.read_bytes() for path in traces(tmp_path)}
+            folder = survey_folder(tmp_path)
+            assert outcome(tmp_path) == "interrupted"
+            before = {path: path.read_bytes() for path in folder.glob("traces/*.json")}
             assert 5 <= len(before) < TRACES
             service = start(environment, log)
             assert client.run(f"{CLIENT} --resume {folder.name}") == 0
@@ -45,9 +45,8 @@ def test_a_survey_whose_service_is_stopped_is_resumed_under_the_next_one(tmp_pat
             client.close()
             service.kill()
             service.wait()
-    assert outcome(folder) == "finished"
-    stored = [json.loads(path.read_text("utf-8")) for path in traces(tmp_path)]
-    assert len(stored) == TRACES
+    assert outcome(tmp_path) == "finished"
+    assert stored_traces(tmp_path) == Counter(range(TRACES))
     assert before == {path: path.read_bytes() for path in before}
 
 
@@ -58,10 +57,6 @@ def stop(service):
     service.send_signal(getattr(signal, *unit_values(UNIT, "KillSignal")))
     assert service.wait(float(*unit_values(UNIT, "TimeoutStopSec"))) == 0
     assert psutil.wait_procs(below, timeout=0)[1] == []
-
-
-def outcome(folder):
-    return json.loads((folder / "survey.json").read_text("utf-8"))["outcome"]
 
 
 def service_environment(folder):
@@ -91,7 +86,3 @@ def start(environment, log):
         stderr=subprocess.STDOUT,
         start_new_session=True,
     )
-
-
-def traces(folder):
-    return list(folder.glob("surveys/*/traces/*.json"))

@@ -51,7 +51,6 @@ def simulated(command):
 
 
 def is_loopback(address):
-    """Return whether an address is one of the machine itself."""
     return address.startswith("127.")
 
 
@@ -82,5 +81,4 @@ def statuses(folder):
 
 
 def outcome(folder):
-    """Return how the one survey ended."""
     return json.loads((survey_folder(folder) / "survey.json").read_text())["outcome"]

@@ -1,6 +1,17 @@
 import sys
 from pathlib import Path
 
+import pytest
+
 # The examples of the window and of the surveys.
 for package in ("gpr20_user_interface", "gpr20_survey"):
     sys.path.append(str(Path(__file__).resolve().parents[3] / package / "test" / "unit"))
+
+
+@pytest.fixture
+def surveys(tmp_path):
+    from surveys_kit import Surveys
+
+    surveys = Surveys(tmp_path / "data")
+    yield surveys
+    surveys.kit.processing.shut_down()

@@ -41,7 +41,8 @@ class Services:
         if self.failure is not None:
             raise self.failure
         if service is Service.LIST:
-            return SurveysListed("", *map_first(self._archive.list(**fields)))
+            found, more = self._archive.list(**fields)
+            return SurveysListed("", tuple(found), more)
         if service is Service.READ:
             found = self._archive.survey(survey)
             return StoredSurvey(json.dumps(found.description), len(found.stored_indices))
@@ -60,10 +61,6 @@ class Services:
 
     def cancel(self, request_id):
         self.cancelled.append(request_id)
-
-
-def map_first(pair):
-    return tuple(pair[0]), pair[1]
 
 
 class Surveys:

@@ -38,7 +38,6 @@ class Log:
         self.noted: List[Tuple[str, Mapping[str, Any]]] = []
 
     def __call__(self, survey: str, values: Mapping[str, Any]) -> None:
-        """Note values."""
         if self.failures:
             raise self.failures.pop(0)
         self.noted.append((survey, values))
@@ -52,7 +51,6 @@ class Heard:
         self._come = threading.Condition()
 
     def __call__(self, message: Message) -> None:
-        """Take one."""
         with self._come:
             self.messages.append(message)
             self._come.notify_all()
@@ -133,7 +131,6 @@ class Sender:
         self.go, self.begun, self.last = threading.Event(), threading.Event(), threading.Event()
 
     def __call__(self, thing: str) -> None:
-        """Send one."""
         self.begun.set()
         assert self.go.wait(LIMIT_S)
         if self.failures:

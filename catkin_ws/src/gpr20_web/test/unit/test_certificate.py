@@ -11,7 +11,7 @@ import stat
 import subprocess
 import threading
 from pathlib import Path
-from typing import Callable, List
+from typing import List
 
 import pytest
 from run_seed import SEED
@@ -90,26 +90,16 @@ def test_what_is_there_stays_and_only_its_owner_reads_it(folder: Path, made: Cer
     assert stat.S_IMODE(folder.stat().st_mode) == 0o700
 
 
-def _file_in_the_way(place: Path) -> Path:
-    place.write_text("")
-    return place
-
-
-@pytest.mark.parametrize(
-    ("folder_in", "reason"),
-    [
-        (lambda tmp: _file_in_the_way(tmp / "web"), "this is a file, not a folder"),
-        (lambda tmp: _file_in_the_way(tmp / "web") / "inner", "this is a file, not a folder"),
-        (lambda tmp: Path("/proc/gpr20"), "there is no such file or folder"),
-    ],
-)
-def test_a_folder_that_cannot_be_used_is_named_with_what_to_set(
-    tmp_path: Path, folder_in: Callable[[Path], Path], reason: str
-) -> None:
-    folder = folder_in(tmp_path)
-    with pytest.raises(FolderError, match=f"cannot be used: {reason}; set folder") as refused:
-        ensure_certificate(folder, [])
-    assert str(folder) in str(refused.value)
+def test_a_folder_that_cannot_be_used_is_named_with_what_to_set(tmp_path: Path) -> None:
+    (tmp_path / "web").write_text("")
+    for folder, reason in (
+        (tmp_path / "web", "this is a file, not a folder"),
+        (tmp_path / "web" / "inner", "this is a file, not a folder"),
+        (Path("/proc/gpr20"), "there is no such file or folder"),
+    ):
+        with pytest.raises(FolderError, match=f"cannot be used: {reason}; set folder") as refused:
+            ensure_certificate(folder, [])
+        assert str(folder) in str(refused.value)
 
 
 def test_one_without_the_other_another_key_and_random_bytes_are_refused_and_stay(

@@ -55,7 +55,7 @@ async def until(condition: Callable[[], bool]) -> None:
 
 
 def test_slow_browser_gets_the_newest_state_and_none_of_those_between() -> None:
-    document: Dict[str, Any] = {"number": 0}
+    document: Dict[str, Any] = {"number": 0, "same": 1}
 
     async def work() -> None:
         streams, slow, quick = EventStreams(lambda _one: None, print), Browser(True), Browser()
@@ -66,6 +66,8 @@ def test_slow_browser_gets_the_newest_state_and_none_of_those_between() -> None:
             document["number"] = number
             await until(lambda: quick.known.get("number") == number)  # noqa: B023
         assert len(slow.sent) == 1
+        # What has not changed is sent once.
+        assert [one for one in quick.sent if "same" in one] == quick.sent[:1]
         slow.let()
         await until(lambda: slow.known.get("number") == 5)
         assert len(slow.sent) == 2

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import contextlib
 from pathlib import Path
-from typing import Any, Dict, List, Mapping, Optional, Tuple
+from typing import Any, Dict, Iterator, List, Mapping, Optional, Tuple
 
 import pytest
 import web_kit
@@ -67,7 +67,6 @@ class Pages:
         return route.answer(Call(person, ADDRESS, values or {}, parts))
 
     def is_in(self, token: str) -> bool:
-        """Return whether a token is that of a session."""
         try:
             return bool(self.sessions.find(token, ADDRESS))
         except NotLoggedInError:
@@ -167,19 +166,12 @@ def test_an_administrator_makes_changes_and_removes_users_and_the_audit_says_so(
     left = pages.ask("DELETE", "/api/users/tom", token=token)
     assert left == pages.ask("GET", "/api/users", token=token)
     assert not pages.is_in(tom)
+    done = {"outcome": "done", "name": "tom"}
+    operate = {**done, "role": "operate"}
     assert [one for one in pages.audit.entries if one[1] != "login"] == [
-        ("ana", "add_user", {"outcome": "done", "name": "tom", "role": "view"}),
-        (
-            "ana",
-            "change_user",
-            {"outcome": "done", "name": "tom", "role": "operate", "password": False},
-        ),
-        (
-            "ana",
-            "change_user",
-            {"outcome": "done", "name": "tom", "role": "operate", "password": True},
-        ),
-        ("ana", "remove_user", {"outcome": "done", "name": "tom"}),
+        ("ana", "add_user", {**done, "role": "view"}),
+        *(("ana", "change_user", {**operate, "password": one}) for one in (False, True)),
+        ("ana", "remove_user", done),
     ]
 
 
@@ -188,22 +180,23 @@ def _cookie(reply: web_kit.Reply) -> Dict[str, str]:
     return {name.lower(): value for name, _equal, value in parts}
 
 
-def test_owasp_the_token_is_in_a_cookie_alone_chosen_here_and_out_of_reach_of_scripts(
-    pages: Pages,
-) -> None:
-    with contextlib.closing(web_kit.Site(pages.routes, find=pages.sessions.find)) as site:
-        _check_cookie(site)
+@pytest.fixture
+def site(pages: Pages) -> Iterator[web_kit.Site]:
+    site = web_kit.Site(pages.routes, find=pages.sessions.find)
+    yield site
+    site.close()
     assert site.reported == []
 
 
-def _check_cookie(site: web_kit.Site) -> None:
-    login = {"name": "leo", "password": PASSWORD}
-    reply = site.ask("POST", "/api/login", login, session="chosen-by-somebody-else")
+def test_owasp_the_token_is_in_a_cookie_alone_chosen_here_and_out_of_reach_of_scripts(
+    site: web_kit.Site,
+) -> None:
+    login, chosen = {"name": "leo", "password": PASSWORD}, "chosen-by-somebody-else"
+    reply = site.ask("POST", "/api/login", login, session=chosen)
     cookie = _cookie(reply)
     token = cookie[COOKIE.lower()]
-    assert token != "chosen-by-somebody-else"
-    assert site.ask("GET", "/api/me", session="chosen-by-somebody-else").status == 401
-    assert reply.status == 200
+    assert reply.status == 200 and token != chosen
+    assert site.ask("GET", "/api/me", session=chosen).status == 401
     assert {"secure", "httponly"} <= set(cookie)
     assert (cookie["samesite"], cookie["path"]) == ("Strict", "/")
     assert "domain" not in cookie and "expires" not in cookie
@@ -219,9 +212,6 @@ def _check_cookie(site: web_kit.Site) -> None:
     assert site.ask("GET", "/api/me", session=token).status == 401
 
 
-NAME, ADDRESS = "ana", "10.0.0.7"
-
-
 class Tries:
     """Logs in and sees what becomes of it."""
 
@@ -230,7 +220,7 @@ class Tries:
         self.limits = LoginLimits(self.clock)
         self.checked = 0
 
-    def try_it(self, right: bool, name: str = NAME, address: str = ADDRESS) -> Optional[bool]:
+    def try_it(self, right: bool, name: str = "ana", address: str = ADDRESS) -> Optional[bool]:
         """Return whether the login succeeded; None: it was refused without a check."""
         try:
             with self.limits.attempt(name, address):
@@ -272,9 +262,9 @@ def test_guesses_at_the_same_time_are_no_more_than_one_after_the_other() -> None
     tries = Tries()
     for _number in range(2):
         tries.try_it(False)
-    with tries.limits.attempt(NAME, "another address"), pytest.raises(
+    with tries.limits.attempt("ana", "another address"), pytest.raises(
         TooManyLoginsError
-    ), tries.limits.attempt(NAME, "a third address"):
+    ), tries.limits.attempt("ana", "a third address"):
         pytest.fail("it was checked")
 
 

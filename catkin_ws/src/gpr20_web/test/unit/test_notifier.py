@@ -19,7 +19,8 @@ from case_kit import each_case
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from run_seed import draws
-from web_kit import ASKED, SILENT, ManualClock, state_of, view
+from view_kit import snapshot
+from web_kit import ASKED, SILENT, ManualClock, state_of
 
 from gpr20_common.message import Fault, Message
 from gpr20_operator.robot.events import ControlState, Progress
@@ -66,13 +67,11 @@ class Receiver:
         threading.Thread(target=self.server.serve_forever, args=(0.01,), daemon=True).start()
 
     def close(self) -> None:
-        """End it."""
         self.hang.set()
         self.server.shutdown()
         self.server.server_close()
 
     def take(self, path: str, values: Any) -> int:
-        """Take a request; return the status."""
         with self._come:
             self.paths.append(path)
             self._come.notify_all()
@@ -83,7 +82,6 @@ class Receiver:
             return 200
 
     def wait_for(self, requests: int) -> None:
-        """Return when so many have come."""
         with self._come:
             assert self._come.wait_for(lambda: len(self.paths) >= requests, LIMIT_S)
 
@@ -219,7 +217,8 @@ REPLAY = ReplayView(ReplayMark())
 def _snapshot(name: str, survey: str, number: int) -> Snapshot:
     code, fault, alive, _expected = TABLE[name]
     silent_s = 0.1 if alive else 6.0 + number
-    return view(state_of(code, fault, survey, number), alive, control_silent_s=silent_s)
+    state = state_of(code, fault, survey, number)
+    return snapshot(alive=alive, state=state, control_silent_s=silent_s)
 
 
 class Out:
@@ -270,7 +269,7 @@ def test_a_replay_and_a_robot_that_said_nothing_yet_are_no_occasion() -> None:
     out = Out()
     failed = _snapshot("it has failed", "a", 0)
     measuring = _snapshot("it measures", "a", 0)
-    assert out.show(view(None), view(None, alive=False), replace(failed, replay=REPLAY)) == []
+    assert out.show(snapshot(), snapshot(alive=False), replace(failed, replay=REPLAY)) == []
     assert out.show(measuring, failed) == [FAULT]
     assert out.show(replace(measuring, replay=REPLAY), failed) == []
 
@@ -278,10 +277,11 @@ def test_a_replay_and_a_robot_that_said_nothing_yet_are_no_occasion() -> None:
 def test_a_main_control_that_lost_a_survey_or_says_no_code_is_an_occasion() -> None:
     out = Out()
     out.show(_snapshot("it measures", "a", 0))
-    assert out.show(view(state_of(S.IDLE), interrupted=True)) == [NO_CONTACT]
+    assert out.show(snapshot(state=state_of(S.IDLE), interrupted=True)) == [NO_CONTACT]
     assert "restarted" in str(out.sent[0].text)
-    plain = ControlState(S.PAUSED, Message("paused, says an older version"), "a", True)
-    assert out.show(_snapshot("it measures", "a", 0), view(plain), view(plain)) == [FAULT]
+    older = ControlState(S.PAUSED, Message("paused, says an older version"), "a", True)
+    plain = snapshot(state=older)
+    assert out.show(_snapshot("it measures", "a", 0), plain, plain) == [FAULT]
 
 
 def test_a_notice_is_whole_and_browsers_are_sent_the_last_one_while_it_is_true() -> None:

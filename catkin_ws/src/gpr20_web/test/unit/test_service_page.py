@@ -6,13 +6,13 @@ Nothing here moves or tests anything.
 from __future__ import annotations
 
 import os
-from dataclasses import replace
 from typing import Any, Callable, Dict, List
 from unittest import mock
 
 import pytest
 from case_kit import each_case
-from web_kit import SILENT, ManualClock, state_of, view
+from view_kit import snapshot
+from web_kit import SILENT, ManualClock, state_of
 
 from gpr20_common.message import verbatim
 from gpr20_common.mid.node_software import NodeSoftware
@@ -44,7 +44,7 @@ class Robot:
         self.tickets: List[Any] = []
         self.noted: List[str] = []
         self.page = ServicePage(self.watched.append, self._examine, make, self._note, self.clock)
-        self.page.refresh(view(state_of(SurveyState.IDLE), health=HEALTH))
+        self.page.refresh(snapshot(state=state_of(SurveyState.IDLE), health=HEALTH))
         self.listed, self.made, self.given = (one.answer for one in self.page.routes)
 
     def _examine(self, ticket: Ticket[Any], **wanted: Any) -> None:
@@ -75,7 +75,7 @@ def test_this_computer_is_looked_at_once_while_somebody_looks() -> None:
     after: Any = robot.listed(CALL)
     assert len(after["findings"]) > len(before["findings"])
     robot.clock.time_s += INTEREST_S + 1.0
-    robot.page.refresh(view(state_of(SurveyState.IDLE)))
+    robot.page.refresh(snapshot(SurveyState.IDLE))
     assert robot.watched == [True, False]
 
 
@@ -154,7 +154,7 @@ class Field:
         self.refresh()
 
     def refresh(self) -> None:
-        self.page.refresh(view(MEASURING, state_s=20.0))
+        self.page.refresh(snapshot(state=MEASURING, state_s=20.0))
 
     def rows(self) -> Dict[str, Any]:
         (route,) = self.page.routes
@@ -186,7 +186,7 @@ def test_each_robot_is_listed_with_what_it_does_and_since_when_if_that_is_known(
     assert field.rows()["b"]["since"] == row["since"]
     # The robot of the page is listed also if it is away.
     field.page.on_event(RobotsFound(frozenset(["/b"])))
-    field.page.refresh(replace(view(None), control_alive=False, control_silent_s=None))
+    field.page.refresh(snapshot(alive=False, control_silent_s=None))
     row = field.rows()["a"]
     assert (row["title"], row["level"], row["since"]) == ("NO CONTACT", "fault", "")
 

@@ -10,7 +10,6 @@ import pytest
 from fault_kit import raises_fault
 from run_seed import SEED, draws
 from storage_kit import OTHER_SURVEY
-from surveys_kit import Surveys
 from view_kit import snapshot, state_of
 from web_kit import Site
 
@@ -26,13 +25,6 @@ from gpr20_web import faults
 from gpr20_web.errors import BusyError, NotFoundError, NotNowError
 from gpr20_web.low.table_handler import COOKIE
 from gpr20_web.mid.survey_files import FILES, folder_of
-
-
-@pytest.fixture
-def surveys(tmp_path):
-    surveys = Surveys(tmp_path / "data")
-    yield surveys
-    surveys.kit.processing.shut_down()
 
 
 def content_of(body):

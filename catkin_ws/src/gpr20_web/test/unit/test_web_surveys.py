@@ -9,7 +9,7 @@ import pytest
 from candidate_examples import candidate_list
 from map_kit import focused
 from storage_kit import OTHER_SURVEY
-from surveys_kit import PLACES, Surveys
+from surveys_kit import PLACES
 from trace_examples import SURVEY
 from view_kit import snapshot, state_of
 
@@ -35,13 +35,6 @@ from gpr20_web.roles import Role
 RUNS = snapshot(state=state_of(SurveyState.SURVEYING, survey_id=OTHER_SURVEY))
 ENDED = snapshot(state=state_of(SurveyState.FINISHED, survey_id=OTHER_SURVEY))
 SUM = list_sum(candidate_list(PLACES, survey_id=SURVEY))
-
-
-@pytest.fixture
-def surveys(tmp_path):
-    surveys = Surveys(tmp_path / "data")
-    yield surveys
-    surveys.kit.processing.shut_down()
 
 
 def test_the_list_says_how_each_ended_and_is_searched_and_paged(surveys, monkeypatch):

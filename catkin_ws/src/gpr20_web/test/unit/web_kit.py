@@ -13,7 +13,6 @@ import gpr20_web
 from gpr20_common.low.clock import Clock
 from gpr20_common.message import Fault, Message, Severity
 from gpr20_operator.robot.events import ControlState
-from gpr20_operator.robot.snapshot import Snapshot
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_web.calls import Call, Person, Route
 from gpr20_web.errors import NotLoggedInError
@@ -132,11 +131,9 @@ class ManualClock(Clock):
         self.time_s = 1000.0
 
     def now_s(self) -> float:
-        """Return the time [s]."""
         return self.time_s
 
     def time_of_day_us(self) -> int:
-        """Return the time of day [us]."""
         return int((1.8e9 + self.time_s) * 1e6)
 
 
@@ -149,7 +146,6 @@ class Noted:
     def __call__(
         self, call: Call, what: str, outcome: str = "", survey: str = "", **values: Any
     ) -> None:
-        """Note an entry."""
         who = "" if call.person is None else call.person.name
         self.entries.append((who, what, {"outcome": outcome, **values}))
 
@@ -161,11 +157,9 @@ class NoFile(SessionFile):
         self.logins = Logins("boot", "key")
 
     def read(self) -> Logins:
-        """Return what was written."""
         return self.logins
 
     def write(self, logins: Logins) -> bool:
-        """Write it."""
         self.logins = logins
         return True
 
@@ -185,20 +179,3 @@ def state_of(
     """Return what the main control says; the number is in the sentence alone."""
     words = Message("it is as it is, {number} times", number=number).with_fault(fault)
     return ControlState(code, words, survey, True)
-
-
-def view(state: Optional[ControlState], alive: bool = True, **other: Any) -> Snapshot:
-    """Return what is known of a robot that reports nothing but its state."""
-    values = {
-        "control_alive": alive,
-        "control_silent_s": 0.1 if alive else 7.9,
-        "state": state,
-        "progress": None,
-        "current": None,
-        "target": None,
-        "height_m": None,
-        "pending": frozenset(),
-        "travel": None,
-        **other,
-    }
-    return Snapshot(**values)

@@ -9,7 +9,6 @@ import logging
 import re
 import socket
 from pathlib import Path
-from types import SimpleNamespace
 from typing import Any, Dict, List, Mapping, NamedTuple, Optional, Tuple
 from urllib.parse import unquote
 
@@ -41,7 +40,6 @@ from gpr20_operator.robot.robots import Robots
 from gpr20_operator.robot.survey_model import SurveyModel
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_web.calls import Call, Person
-from gpr20_web.low.passwords import PasswordHash
 from gpr20_web.mid.all_pages import Surroundings, all_pages
 from gpr20_web.mid.audit import Audit
 from gpr20_web.mid.commands import Commands, Robot
@@ -59,17 +57,12 @@ CLOSE_LIMIT_S = 5.0
 class CountedAudit(Audit):
     """Keeps what those did who were logged in."""
 
-    def __init__(self, *arguments: Any) -> None:
-        super().__init__(*arguments)
-        self.added: List[Tuple[str, str]] = []
+    added: Tuple[Tuple[str, str], ...] = ()
 
-    def add(
-        self, call: Call, what: str, outcome: str = "", survey: str = "", **values: object
-    ) -> None:
-        """Note an entry."""
+    def add(self, call: Call, what: str, *more: Any, **values: Any) -> None:
         if call.person is not None:
-            self.added.append((call.person.name, what))
-        super().add(call, what, outcome, survey, **values)
+            self.added += ((call.person.name, what),)
+        super().add(call, what, *more, **values)
 
 
 class WholePage:
@@ -87,9 +80,8 @@ class WholePage:
         self.accounts = make_accounts(folder)
         self.sessions = Sessions(self.accounts.find, self.clock, 1800.0, 43200.0, NoFile())
         self._tokens: Dict[Role, str] = {}
-        notes: List[Any] = []
         self.audit = CountedAudit(
-            folder / "audit.jsonl", lambda *one: notes.append(one), self.acts.append, self.clock
+            folder / "audit.jsonl", lambda *_note: None, self.acts.append, self.clock
         )
         self.model = SurveyModel(self.clock)
         self.controller = Controller(self.clock, lambda _session: True)
@@ -135,7 +127,6 @@ class WholePage:
         return b"zip"
 
     def close(self) -> None:
-        """End all of it."""
         self.site.close()
         logging.getLogger().removeHandler(self._errors)
         self.audit.close(CLOSE_LIMIT_S)
@@ -144,12 +135,10 @@ class WholePage:
     def _measure(self) -> None:
         """Let the ground of the running survey be known."""
         grid = grid_from_description(description())
-        events = [SurveyDescribed(description()), CoverageRuns(SURVEY, PLANNED, (0,), (1,))]
-        for event in [
-            *events,
-            *(trace_at(grid, one, s21=depth_echo(0.1)) for one in range(PLANNED)),
-        ]:
-            self.shell.on_event(event)
+        self.shell.on_event(SurveyDescribed(description()))
+        self.shell.on_event(CoverageRuns(SURVEY, PLANNED, (0,), (1,)))
+        for index in range(PLANNED):
+            self.shell.on_event(trace_at(grid, index, s21=depth_echo(0.1)))
 
     def be(self, code: SurveyState, armed: bool = True) -> None:
         """Let the robot be in a state, and somebody beside it allow START and RESUME."""
@@ -169,7 +158,6 @@ class WholePage:
         self.site.call(take())
 
     def wait(self, seconds: float) -> None:
-        """Let time pass."""
         self.clock.time_s += seconds
 
         async def refresh() -> None:
@@ -180,15 +168,11 @@ class WholePage:
     def renew(self) -> None:
         """Let everybody have an account with the known password, and be logged in."""
         for role, name in PEOPLE.items():
-            account = self.accounts.find(name)
-            if account is None:
-                account = self.accounts.add(name, role, PASSWORD)
-            known = PasswordHash.parse(account.hash).fits(PASSWORD)
-            if account.role is not role or not known:
-                password = None if known else PASSWORD
-                account = self.accounts.change(name, role, password, keep_admin=False)
+            # Whoever has another password or role is logged out.
             if not self.is_logged_in(role):
-                self._tokens[role] = self.sessions.begin(account)
+                if self.accounts.find(name) is not None:
+                    self.accounts.remove(name, keep_admin=False)
+                self._tokens[role] = self.sessions.begin(self.accounts.add(name, role, PASSWORD))
 
     def session(self, role: Role) -> str:
         """Return the session of the person of a role; it may be over."""
@@ -202,7 +186,6 @@ class WholePage:
             return False
 
     def person(self, role: Role) -> Person:
-        """Return who has a role."""
         return self.sessions.find(self.session(role), ADDRESS)
 
     def ask(self, method: str, path: str, role: Role, values: Any = None, **more: Any) -> Reply:
@@ -227,22 +210,20 @@ class WholePage:
                 return b""
 
     def forget(self) -> None:
-        """Forget what was done until now."""
         kept = (self.control.asked, self.surveys.services.asked, self.storage.asked)
-        for one in (*kept, self.requests.asked, self.requests.cancelled, self.audit.added):
+        for one in (*kept, self.requests.asked, self.requests.cancelled, self.acts):
             one.clear()
-        self.acts.clear()
+        self.audit.added = ()
 
     def done(self) -> Tuple[Any, ...]:
         """Return everything that a request can change."""
-        held = SimpleNamespace(**vars(self.controller))
         files = (self.folder / "web" / "accounts.json", *self.surveys.data.rglob("*"))
         return (
             tuple(map(repr, self.control.asked)),
             tuple(map(repr, self.surveys.services.asked)),
             (len(self.storage.asked), len(self.requests.asked), len(self.requests.cancelled)),
-            (held.holder, held.asked),
-            (tuple(self.audit.added), tuple(map(str, self.acts))),
+            (self.controller.holder, self.controller.asked),
+            (self.audit.added, tuple(map(str, self.acts))),
             tuple((str(one), one.stat().st_size, one.stat().st_mtime_ns) for one in files),
             tuple(self.is_logged_in(role) for role in PEOPLE),
         )
