@@ -9,6 +9,7 @@ import pytest
 from case_kit import each_case
 from hypothesis import given
 from hypothesis import strategies as st
+from test_probes import tree
 from test_robot_checks import facts
 
 from gpr20_doctor.low.bundle_sources import (
@@ -39,31 +40,25 @@ def at_full_speed():
 def machine(tmp_path):
     """A robot's computer with services, one survey, logs, and secrets wherever they could lie."""
 
-    def write(name, text):
-        path = tmp_path / name
-        path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_text(text)
-
-    write("etc/gpr20/environment", f"GPR20_CONFIG={tmp_path}/robot\nGPR20_TOKEN={SECRET}\n")
-    write("etc/os-release", "ID=debian\n")
-    write("robot/site.yaml", f"robot: Mole\nwifi_password: {SECRET}, and more {SECRET}\n")
-    write("robot/storage.yaml", f"signing_key: signing_key\ntokens:\n  - {SECRET}\n- {SECRET}\n")
-    write("robot/analyzer.yaml", f"# secret: {SECRET}\npassphrase: |\n  {SECRET}\n\n  {SECRET}\n")
-    write("robot/height.yaml", KEY)
-    write("robot/signing_key", KEY)
-    write("robot/accounts.yaml", f"kim: {SECRET}\n")
-    write(
-        "logs/run/master.log",
-        f"http://kim:{SECRET}@10.0.0.1/ Authorization: Basic {SECRET}\ntoken={SECRET}\n{KEY}fine\n",
-    )
+    files = {
+        "etc/gpr20/environment": f"GPR20_CONFIG={tmp_path}/robot\nGPR20_TOKEN={SECRET}\n",
+        "etc/os-release": "ID=debian\n",
+        "robot/site.yaml": f"robot: Mole\nwifi_password: {SECRET}, and more {SECRET}\n",
+        "robot/storage.yaml": f"signing_key: signing_key\ntokens:\n  - {SECRET}\n- {SECRET}\n",
+        "robot/analyzer.yaml": f"# secret: {SECRET}\npassphrase: |\n  {SECRET}\n\n  {SECRET}\n",
+        "robot/height.yaml": KEY,
+        "robot/signing_key": KEY,
+        "robot/accounts.yaml": f"kim: {SECRET}\n",
+        "logs/run/master.log": f"http://kim:{SECRET}@10.0.0.1/ Authorization: Basic {SECRET}\n"
+        f"token={SECRET}\n{KEY}fine\n",
+        f"data/{SURVEY}/survey.json": json.dumps({"id": "x", "api_key": [SECRET]}),
+        f"data/{SURVEY}/log.jsonl": f'{{"plan": 1}}\n{{"password": "{SECRET}"}}\n',
+        f"data/{SURVEY}/traces/000001.json": "a trace",
+    }
+    tree(tmp_path, **files)
     (tmp_path / "logs/latest").symlink_to("run")
-    write("logs/stolen.log", "")
-    (tmp_path / "logs/stolen.log").unlink()
     (tmp_path / "logs/stolen.log").symlink_to(tmp_path / "robot/signing_key")
     os.mkfifo(str(tmp_path / "logs/pipe.log"))
-    write(f"data/{SURVEY}/survey.json", json.dumps({"id": "x", "api_key": [SECRET]}))
-    write(f"data/{SURVEY}/log.jsonl", f'{{"plan": 1}}\n{{"password": "{SECRET}"}}\n')
-    write(f"data/{SURVEY}/traces/000001.json", "a trace")
     environment = {
         "GPR20_DATA": str(tmp_path / "data"),
         "ROS_LOG_DIR": str(tmp_path / "logs"),

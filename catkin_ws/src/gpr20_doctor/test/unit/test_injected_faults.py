@@ -16,6 +16,7 @@ from typing import Callable, NamedTuple, Optional
 from unittest import mock
 
 import pytest
+from test_probes import tree
 
 from gpr20_common.low.clock import Clock
 from gpr20_common.message import Fault, Message
@@ -53,7 +54,7 @@ class Computer:
         }
         self.now_s = 0.0
         self.vna = socket.create_server(("127.0.0.1", 0))
-        for name, text in {
+        files = {
             "proc/device-tree/model": "Raspberry Pi 4",
             "proc/meminfo": "MemAvailable: 2000000 kB\n",
             "proc/vmstat": "oom_kill 0\n",
@@ -66,8 +67,8 @@ class Computer:
             "chrony": NORMAL,
             "throttled": "throttled=0x0",
             "problems": "[]",
-        }.items():
-            self.write(name, text)
+        }
+        tree(self.root, **files)
         self.set_addresses("127.0.0.1", "127.0.0.2")
         for name, script in PROGRAMS.items():
             path = folder / "bin" / name
@@ -82,9 +83,7 @@ class Computer:
         DataFolder(DataFolderUse(self.data, state), Clock()).check()
 
     def write(self, name, text):
-        path = self.root / name
-        path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_text(text)
+        tree(self.root, **{name: text})
 
     def set_addresses(self, robot, server):
         lines = [f"GPR20_ROBOT={robot}", f"GPR20_SERVER={server}", f"GPR20_DATA={self.data}"]
@@ -94,9 +93,6 @@ class Computer:
     def mount(self, place):
         subprocess.run(["mount", "-t", "tmpfs", "-o", SIZE, "tmpfs", str(place)], check=True)
 
-    def unmount(self, place):
-        subprocess.run(["umount", str(place)], check=True)
-
     def look(self):
         """Return what is wrong, by the code of its fault."""
         request = ThisMachine("pi", self.environment, self.root).request({}, robot=REAL)
@@ -105,9 +101,6 @@ class Computer:
         with late, mock.patch.object(machine_probe, "PORTMAPPER", port):
             found = findings(None, machine_probe.probe_machine(request))
         return {one.text.fault_code: one for one in found if one.level >= Level.WARNING}
-
-    def close(self):
-        self.vna.close()
 
 
 @contextmanager
@@ -119,7 +112,7 @@ def computer():
         for place in (made.logs, made.data):
             unmount = ["umount", "--lazy", str(place)]
             stack.callback(subprocess.run, unmount, check=False, stderr=subprocess.DEVNULL)
-        stack.callback(made.close)
+        stack.callback(lambda: made.vna.close())
         yield made
 
 
@@ -152,6 +145,10 @@ def clear(one):
 
 def remount_read_only(one):
     subprocess.run(["mount", "-o", "remount,ro", str(one.logs)], check=True)
+
+
+def unmount(one):
+    subprocess.run(["umount", str(one.data)], check=True)
 
 
 def listen(one):
@@ -215,7 +212,7 @@ STATES = {
     ),
     "another disk is mounted in place of the surveys": State(
         *("storage.other_data_folder", "mount the disk"),
-        *(lambda one: one.mount(one.data), lambda one: one.unmount(one.data)),
+        *(lambda one: one.mount(one.data), unmount),
     ),
     "the VNA is off": State("vna.unreachable", "switched on", lambda one: one.vna.close(), listen),
     "the two addresses are those of other computers": State(

@@ -13,18 +13,14 @@ from typing import Dict, FrozenSet, NamedTuple, Set
 import yaml
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
+from robot_check_examples import BUILT, checked, write
 from run_seed import draws
 
-from gpr20_launch.mid.place_checks import Use
-from gpr20_launch.mid.robot_check import BuiltRobot, check_robot
 from gpr20_launch.mid.robot_files import AXES_FILE, FILES, read_configuration
 from gpr20_launch.mid.templates import templates
 from gpr20_survey.axes.axis_parameters import AxisParameters
 
-PACKAGES = Path(__file__).resolve().parents[3]
-AXES = PACKAGES / "gpr20_launch" / "config" / "axes.yaml"
-BUILT = BuiltRobot(AXES)
-
+AXES = BUILT.axes
 # The header as the board shows it: odd pins left, even pins right, a row a line.
 HEADER = """
     3V3 5V
@@ -90,9 +86,8 @@ def oracle(pins: Dict[str, int], levels: Dict[str, str], bus: int, device: int) 
 def check(files):
     """Return what is found in a folder with these files; whether it stores surveys apart."""
     with tempfile.TemporaryDirectory() as folder:
-        for name, text in files.items():
-            (Path(folder) / name).write_text(text, encoding="utf-8")
-        found = check_robot(Use(Path(folder), {}, part="robot"), BUILT)
+        write(Path(folder), files)
+        found = checked(Path(folder), part="robot")
         if not any(one.refuses for one in found):
             read_configuration(Path(folder), AXES)  # as a launch, which refuses nothing
         return found

@@ -1,7 +1,5 @@
 """A launch file of the original software becomes a configuration, and says what became of what."""
 
-import sys
-
 import pytest
 import yaml
 from case_kit import each_case
@@ -229,18 +227,15 @@ def test_files_that_include_each_other_end(tmp_path):
 
 
 def test_the_command_writes_once_and_what_it_wrote_passes_but_for_the_person(
-    tmp_path, monkeypatch, capsys
+    tmp_path, monkeypatch, run
 ):
-    main = pytest.importorskip("gpr20_launch.high.robot_config").main
     monkeypatch.setenv("GPR20_STATE", str(tmp_path / "state"))
 
-    def run(inner, folder):
-        path = launch(tmp_path, inner)
-        monkeypatch.setattr(sys, "argv", ["robot_config", "import", str(path), str(folder)])
-        return (main(), *capsys.readouterr())
+    def run_import(inner, folder):
+        return run("robot_config", "import", launch(tmp_path, inner), folder)
 
     folder = tmp_path / "robot"
-    status, said, _ = run(WHOLE, folder)
+    status, said, _ = run_import(WHOLE, folder)
     assert status == 0
     assert all(f"{one}:" in said for one in ("taken", "changed", "without a counterpart"))
     found = checked(folder, part="robot")
@@ -248,7 +243,7 @@ def test_the_command_writes_once_and_what_it_wrote_passes_but_for_the_person(
     assert any(one.refuses for one in found)
     before = {one.name: one.read_bytes() for one in folder.iterdir()}
     assert "axes.yaml" in before and "survey.yaml" in before
-    status, _, said = run(WHOLE, folder)
+    status, _, said = run_import(WHOLE, folder)
     assert status == 1 and "stay as they are" in said
     assert {one.name: one.read_bytes() for one in folder.iterdir()} == before
     # The direction of z on the pin of y's endstop, as in the group's packages, is found; so is
@@ -256,7 +251,7 @@ def test_the_command_writes_once_and_what_it_wrote_passes_but_for_the_person(
     pin = WHOLE.replace('value="38"', 'value="11"')
     more = WHOLE + '<include file="$(find other)/more.launch"/>'
     for inner, shown in ((pin, "y/sensor_pin"), (more, "more.launch")):
-        status, said, _ = run(inner, tmp_path / shown)
+        status, said, _ = run_import(inner, tmp_path / shown)
         assert status == 1 and "FAULT: " in said and shown in said
 
 

@@ -2,7 +2,6 @@
 
 import importlib.util
 import json
-import sys
 from pathlib import Path
 
 import pytest
@@ -127,18 +126,6 @@ def home(tmp_path, monkeypatch):
     monkeypatch.setattr(place_checks, "free_bytes", lambda _folder: 5e10)
     (tmp_path / "home/surveys").mkdir(parents=True)
     (tmp_path / "home/src/gpr20/.git").mkdir(parents=True)
-
-
-@pytest.fixture
-def run(monkeypatch, capfd):
-    """Return a function that runs a program and returns its status and what it printed."""
-
-    def run(module, *arguments):
-        main = pytest.importorskip(f"gpr20_launch.high.{module}").main
-        monkeypatch.setattr(sys, "argv", [module, *map(str, arguments)])
-        return (main(), *capfd.readouterr())
-
-    return run
 
 
 # What sensors publish, the messages of ROS say.

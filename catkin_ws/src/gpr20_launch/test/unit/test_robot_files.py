@@ -3,7 +3,6 @@
 import dataclasses
 import json
 import re
-import sys
 from pathlib import Path
 
 import pytest
@@ -12,14 +11,13 @@ from case_kit import each_case
 from fault_kit import raises_fault
 from hypothesis import given
 from hypothesis import strategies as st
+from robot_check_examples import BUILT, checked
 
 from gpr20_common.low.clock import Clock
 from gpr20_common.mid.records import record_from
 from gpr20_doctor.mid.bundle import CONFIGURATION
 from gpr20_launch import faults
 from gpr20_launch.errors import ConfigurationError
-from gpr20_launch.mid.place_checks import Use
-from gpr20_launch.mid.robot_check import BuiltRobot, check_robot
 from gpr20_launch.mid.robot_files import AXES_FILE, FILES, read_configuration
 from gpr20_launch.mid.templates import templates
 from gpr20_survey.errors import SurveyRefusedError
@@ -28,7 +26,7 @@ from gpr20_survey.folder.data_folder import DataFolder, DataFolderUse
 from gpr20_survey.trace.calibration import CalibrationStatus
 from gpr20_vna_acquisition.mid.vna_parameters import VnaParameters
 
-AXES = Path(__file__).resolve().parents[2] / "config" / "axes.yaml"
+AXES = BUILT.axes
 
 # Another analyzer than the usual one.
 OTHER_VNA = """\
@@ -143,7 +141,7 @@ def test_a_file_of_another_name_is_refused_and_what_editors_leave_is_not_read(tm
 def test_any_content_is_read_or_refused_with_its_file(tmp_path_factory, name, values):
     folder = tmp_path_factory.mktemp("robot")
     (folder / name).write_text(yaml.safe_dump(values))
-    found = check_robot(Use(folder, {}, part="robot"), BuiltRobot(AXES))
+    found = checked(folder, part="robot")
     assert all(one.message.remedy is not None for one in found)
     try:
         read_configuration(folder, AXES)
@@ -153,22 +151,17 @@ def test_any_content_is_read_or_refused_with_its_file(tmp_path_factory, name, va
 
 
 @pytest.fixture
-def robot_config(tmp_path, monkeypatch, capsys):
+def robot_config(tmp_path, run):
     """Return a function that runs the command in a folder and returns status and output.
 
     Without a folder, it is the one of the environment.
     """
-    main = pytest.importorskip("gpr20_launch.high.robot_config").main
 
-    def run(action, folder=tmp_path):
-        monkeypatch.setattr(
-            sys, "argv", ["robot_config", action, *([str(folder)] if folder else [])]
-        )
-        status = main()
-        printed = capsys.readouterr()
-        return status, printed.out + printed.err
+    def run_it(action, folder=tmp_path):
+        status, *printed = run("robot_config", action, *([folder] if folder else []))
+        return status, "".join(printed)
 
-    return run
+    return run_it
 
 
 def test_the_folder_is_the_one_that_a_launch_reads(tmp_path, monkeypatch, robot_config):

@@ -33,6 +33,13 @@ def node(number, parent):
     return RunningNode(f"/node{number}", number, process, parent)
 
 
+def until(condition):
+    deadline_s = time.monotonic() + 30.0
+    while not condition():
+        assert time.monotonic() < deadline_s
+        time.sleep(0.01)
+
+
 def test_nodes_that_run_are_ended_by_one_command():
     here = "http://localhost:11311"
     said = str(refusal([node(12, LAUNCH), node(11, LAUNCH)], here))
@@ -70,10 +77,7 @@ def test_a_process_is_described_as_the_system_knows_it():
         # The start is counted in ticks since a boot that is known to a second.
         assert abs((found.started - before).total_seconds()) < 3.0
         assert not found.is_roslaunch
-    deadline_s = time.monotonic() + 10.0
-    while process_info(child.pid) is not None and time.monotonic() < deadline_s:
-        time.sleep(0.01)
-    assert process_info(child.pid) is None
+    until(lambda: process_info(child.pid) is None)
 
 
 CHECK = Path(__file__).resolve().parents[2] / "nodes" / "check_launch"
@@ -172,10 +176,7 @@ def test_a_process_that_waits_or_is_halted_does_not_work(start, program, number,
     process = start(program=program)
     if number is not None:
         process.send_signal(number)
-    deadline_s = time.monotonic() + 10.0
-    while is_working(process.pid) is not working:
-        assert time.monotonic() < deadline_s
-        time.sleep(0.01)
+    until(lambda: is_working(process.pid) is working)
 
 
 def test_a_process_that_has_ended_does_nothing_and_can_be_killed(start, monkeypatch):
@@ -195,9 +196,7 @@ def test_a_thread_that_ends_while_it_is_looked_at_hides_no_other(start, monkeypa
     listed = glob.glob
     ended = f"/proc/{process.pid}/task/0/stat"
     monkeypatch.setattr(glob, "glob", lambda pattern: [ended, *listed(pattern)])
-    deadline_s = time.monotonic() + 10.0
-    while not is_working(process.pid):
-        assert time.monotonic() < deadline_s
+    until(lambda: is_working(process.pid))
 
 
 def test_only_a_process_under_a_debugger_is_traced(start):

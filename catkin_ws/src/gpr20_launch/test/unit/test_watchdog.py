@@ -25,16 +25,17 @@ STORAGE, CONTROL = 11, 12
 ALIVE, SILENT, MUTE, UNKNOWN = Answer.ALIVE, Answer.SILENT, Answer.MUTE, Answer.UNKNOWN
 
 
-class Nodes:
-    """Two nodes; a request to a silent one takes as long as it may."""
+class Robot:
+    """Two nodes and a watchdog; a request to a silent node takes as long as it may."""
 
-    def __init__(self):
+    def __init__(self, *spared):
         self.now = 0.0
         self.found = {STORAGE: "/vna_processing", CONTROL: "/main_control"}
         self.answers = {STORAGE: ALIVE, CONTROL: ALIVE}
         self.working = set()
         self.traced = set()
         self.killed = []
+        self.watchdog = Watchdog(self, LIMIT_S, self, lambda line: None, spared)
 
     def now_s(self):
         return self.now
@@ -57,12 +58,6 @@ class Nodes:
     def kill(self, number, name):
         self.killed.append((self.now, name))
         del self.found[number]
-
-
-class Robot(Nodes):
-    def __init__(self, *spared):
-        super().__init__()
-        self.watchdog = Watchdog(self, LIMIT_S, self, lambda line: None, spared)
 
     def run(self, duration_s):
         end_s = self.now + duration_s

@@ -7,7 +7,8 @@ import stat
 import tempfile
 import threading
 from pathlib import Path
-from typing import Any, Callable, List, Mapping, Tuple
+from typing import Any, Callable, List, Mapping
+from unittest import mock
 
 import pytest
 from hypothesis import given, settings
@@ -28,19 +29,6 @@ from gpr20_web.roles import Role
 LIMIT_S = 30.0
 ANA = calls.Person("ana", Role.OPERATE, "secret-of-the-session", "10.0.0.7")
 CALL = calls.Call(ANA, "10.0.0.7")
-
-
-class Log:
-    """The logs of the surveys, which may be out of reach."""
-
-    def __init__(self, failures: List[Exception]) -> None:
-        self.failures = failures
-        self.noted: List[Tuple[str, Mapping[str, Any]]] = []
-
-    def __call__(self, survey: str, values: Mapping[str, Any]) -> None:
-        if self.failures:
-            raise self.failures.pop(0)
-        self.noted.append((survey, values))
 
 
 class Heard:
@@ -64,7 +52,7 @@ class Heard:
 def _audit(path: Path, log: Any = None, heard: Any = None, **options: Any) -> Audit:
     return Audit(
         path / "web" / "audit.jsonl",
-        log or Log([]),
+        log or mock.Mock(),
         heard or Heard(),
         Clock(),
         **{"retry_s": 0.001, **options},
@@ -103,12 +91,13 @@ def test_an_entry_says_when_who_from_where_what_and_how_it_ended(tmp_path: Path)
 def test_a_command_for_a_survey_is_in_its_log_and_a_note_that_is_refused_holds_up_no_other(
     tmp_path: Path,
 ) -> None:
-    log, heard = Log([SurveyRefusedError(Message("there is no such survey"))]), Heard()
+    refused, heard = SurveyRefusedError(Message("there is no such survey")), Heard()
+    log = mock.Mock(side_effect=[refused, None])
     audit = _audit(tmp_path, log, heard)
     audit.add(CALL, "pause", survey="of long ago")
     audit.add(CALL, "stop", "done", survey="5f")
     audit.close(LIMIT_S)
-    ((survey, values),) = log.noted
+    survey, values = log.call_args[0]
     assert (survey, values["user"], values["command"]) == ("5f", "ana", "stop")
     assert {"role", "address", "outcome", "time"} <= set(values)
     # In a form that the storage takes.
