@@ -9,6 +9,7 @@ from map_kit import focused
 from planned_survey import METADATA, POINTS, planned_trace
 from storage_kit import OTHER_SURVEY, Kit
 from trace_examples import STARTED_US, SURVEY
+from web_kit import route_of
 
 from gpr20_operator.ground.additions import MarkersStored
 from gpr20_operator.ground.trace_events import SurveysListed
@@ -96,12 +97,9 @@ class Surveys:
 
     def ask(self, method, path, name="berta", role=Role.VIEW, **values):
         """Return what the page answers a person."""
-        for route in self.page.routes:
-            parts = route.match(path) if route.method == method else None
-            if parts is not None:
-                assert route.blocking and route.right is Role.VIEW
-                return route.answer(Call(Person(name, role, "s", "::1"), "::1", values, parts))
-        raise LookupError(path)
+        route, parts = route_of(self.page.routes, method, path)
+        assert route.blocking and route.right is Role.VIEW
+        return route.answer(Call(Person(name, role, "s", "::1"), "::1", values, parts))
 
     def get(self, folder, rest="", **values):
         return self.ask("GET", f"/api/surveys/{folder}{rest}", **values)

@@ -54,12 +54,7 @@ class Pages:
         self, method: str, path: str, values: Optional[Mapping[str, Any]] = None, token: str = ""
     ) -> Any:
         """Ask as the server does."""
-        for route in self.routes:
-            parts = route.match(path) if route.method == method else None
-            if parts is not None:
-                break
-        else:
-            raise LookupError(path)
+        route, parts = web_kit.route_of(self.routes, method, path)
         person = None
         if route.right is not Role.NOBODY:
             person = self.sessions.find(token, ADDRESS)

@@ -4,10 +4,12 @@ import io
 import json
 
 import numpy as np
+import view_kit
 from asked_storage import Storage
 from PIL import Image
 from result_kit import Requests
 from view_kit import FOLDER, PAST, SURVEY, depth_echo, description, past_survey, snapshot, trace_at
+from web_kit import route_of
 
 from gpr20_operator.ground.coverage import CoverageRuns
 from gpr20_operator.ground.grid import grid_from_description
@@ -48,15 +50,8 @@ class Server:
         self.now_s += seconds
         self.page.refresh(self.snapshot)
 
-    def route(self, path, method="GET"):
-        for route in self.page.routes:
-            parts = route.match(path)
-            if route.method == method and parts is not None:
-                return route, parts
-        raise AssertionError(path)
-
     def ask(self, path="/api/ground", method="GET", person=ANA, **values):
-        route, parts = self.route(path, method)
+        route, parts = route_of(self.page.routes, method, path)
         answer = route.answer(Call(person, person.address, values, parts))
         if not isinstance(answer, Body):
             # As it is sent: nothing in it is infinite or unknown to JSON.
@@ -78,9 +73,8 @@ class Server:
         self.page.on_event(CoverageRuns(SURVEY, PLANNED, *runs))
         for index in range(stored):
             self.page.on_event(trace_at(grid, index, s21=depth_echo(0.1) if s21 is None else s21))
-        self.snapshot = snapshot(code)
-        if self.snapshot.state is not None:
-            object.__setattr__(self.snapshot.state, "survey_id", SURVEY)
+        state = None if code is None else view_kit.state_of(code, survey_id=SURVEY)
+        self.snapshot = snapshot(state=state)
         self.tick()
         return grid
 

@@ -36,6 +36,15 @@ def find_person(session: str, address: str) -> Person:
     return Person(session, SESSIONS[session], session, address)
 
 
+def route_of(routes: Sequence[Route], method: str, path: str) -> Tuple[Route, Mapping[str, str]]:
+    """Return the route of a request, and the parts of its path."""
+    for route in routes:
+        parts = route.match(path) if route.method == method else None
+        if parts is not None:
+            return route, parts
+    raise LookupError(path)
+
+
 class Reply:
     """What a browser got."""
 
