@@ -6,8 +6,8 @@ import dataclasses
 import json
 import os
 import stat
-import threading
 import unicodedata
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any, Dict, Optional, Tuple
 
@@ -97,17 +97,9 @@ def test_another_program_s_change_is_noticed_at_once_and_a_file_that_is_gone_is_
 
 def test_changes_at_the_same_time_are_all_kept(tmp_path: Path) -> None:
     names = [f"user{number}" for number in range(12)]
-    threads = [
-        threading.Thread(
-            target=lambda own, name: own.add(name, Role.VIEW, PASSWORD),
-            args=(make_accounts(tmp_path), name),
-        )
-        for name in names
-    ]
-    for one in threads:
-        one.start()
-    for one in threads:
-        one.join()
+    with ThreadPoolExecutor(len(names)) as pool:
+        adds = [make_accounts(tmp_path).add for _name in names]
+        list(pool.map(lambda add, name: add(name, Role.VIEW, PASSWORD), adds, names))
     assert [one.name for one in make_accounts(tmp_path).all()] == sorted(names)
 
 

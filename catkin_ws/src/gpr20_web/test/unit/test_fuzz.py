@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import http.client
 import json
 import random
@@ -215,14 +216,11 @@ class Fuzz:
 
 
 def test_random_requests_do_nothing_without_right_and_the_page_answers(tmp_path: Path) -> None:
-    page = WholePage(tmp_path)
-    try:
+    with contextlib.closing(WholePage(tmp_path)) as page:
         fuzz = Fuzz(page)
         fuzz.run(REQUESTS)
         page.renew()
         assert page.ask("GET", "/api/me", Role.VIEW).values["name"] == "vera"
-    finally:
-        page.close()
     assert page.foreign == []
     # Without these, the requests would only show that rubbish is refused.
     assert fuzz.answers[200] > REQUESTS / 10

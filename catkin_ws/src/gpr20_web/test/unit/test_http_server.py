@@ -8,6 +8,7 @@ import json
 import re
 import socket
 import threading
+from concurrent.futures import ThreadPoolExecutor
 from typing import Any, Dict, Iterator, List
 
 import pytest
@@ -71,8 +72,7 @@ def test_no_form_is_read(site: Site, monkeypatch: pytest.MonkeyPatch) -> None:
 
 def test_too_many_connections_are_closed_at_once(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(http_server, "MAX_CONNECTIONS", 2)
-    site = Site(ROUTES)
-    try:
+    with contextlib.closing(Site(ROUTES)) as site:
         kept = [site.connect() for _number in range(2)]
         for one in kept:
             one.request("GET", "/api/nobody")
@@ -83,8 +83,6 @@ def test_too_many_connections_are_closed_at_once(monkeypatch: pytest.MonkeyPatch
             one.request("GET", "/api/nobody")
             assert one.getresponse().read()
             one.close()
-    finally:
-        site.close()
 
 
 def test_what_a_route_answers_comes_whole_and_a_file_that_the_browser_has_not_again(
@@ -181,22 +179,16 @@ def test_login_does_not_wait_for_what_others_wait_for() -> None:
         return {}
 
     login = Route("POST", "/api/login", Role.NOBODY, lambda _call: {"in": True}, blocking=True)
-    site = Site((Route("GET", "/api/slow", Role.VIEW, hang, blocking=True), login))
-    waiting = [
-        threading.Thread(target=site.ask, args=("GET", "/api/slow", None, "view"), daemon=True)
-        for _number in range(THREADS + 1)
-    ]
-    try:
-        for one in waiting:
-            one.start()
-        for _number in range(THREADS):
-            assert begun.acquire(timeout=LIMIT_S)
-        assert site.ask("POST", "/api/login").values == {"in": True}
-    finally:
-        go.set()
-        for one in waiting:
-            one.join(LIMIT_S)
-        site.close()
+    routes = (Route("GET", "/api/slow", Role.VIEW, hang, blocking=True), login)
+    with contextlib.closing(Site(routes)) as site, ThreadPoolExecutor(THREADS + 1) as pool:
+        try:
+            for _number in range(THREADS + 1):
+                pool.submit(site.ask, "GET", "/api/slow", session="view")
+            for _number in range(THREADS):
+                assert begun.acquire(timeout=LIMIT_S)
+            assert site.ask("POST", "/api/login").values == {"in": True}
+        finally:
+            go.set()
 
 
 def test_setup_installs_every_file_of_the_pages() -> None:

@@ -6,6 +6,7 @@ test_accounts; a real page of another origin is in scripts/test/test_web_page.py
 
 from __future__ import annotations
 
+import contextlib
 import random
 import re
 from pathlib import Path
@@ -36,9 +37,8 @@ BAD = b"HTTP/1.1 400"
 
 @pytest.fixture(scope="module")
 def shared(tmp_path_factory: pytest.TempPathFactory) -> Iterator[WholePage]:
-    made = WholePage(tmp_path_factory.mktemp("page"))
-    yield made
-    made.close()
+    with contextlib.closing(WholePage(tmp_path_factory.mktemp("page"))) as made:
+        yield made
     assert made.foreign == []
 
 
@@ -79,11 +79,8 @@ def test_each_route_is_for_the_roles_of_the_table(page: WholePage, row: Row) -> 
 
 
 def test_a_site_can_keep_stop_from_those_who_only_watch(tmp_path: Path) -> None:
-    page = WholePage(tmp_path, view_may_stop=False)
-    try:
+    with contextlib.closing(WholePage(tmp_path, view_may_stop=False)) as page:
         _check_rights(page, STOP, OPERATE)
-    finally:
-        page.close()
 
 
 @each_case("row", TABLE)

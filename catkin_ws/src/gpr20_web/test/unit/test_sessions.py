@@ -9,7 +9,7 @@ from __future__ import annotations
 import json
 import random
 import stat
-import threading
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any, Callable, Dict, List, Tuple
 
@@ -116,24 +116,16 @@ def test_too_many_sessions_of_all_end_the_oldest(tmp_path: Path) -> None:
 
 
 def test_threads_that_log_in_and_out_at_once_disturb_no_others(world: World) -> None:
-    failed: List[BaseException] = []
     kept = world.sessions.begin(world.accounts.add("eva", Role.VIEW, PASSWORD))
 
-    def use() -> None:
-        try:
-            for _number in range(10):
-                token = world.sessions.begin(world.ana)
-                world.sessions.find(kept, ADDRESS)
-                world.sessions.end(token)
-        except BaseException as error:
-            failed.append(error)
+    def use(_thread: int) -> None:
+        for _number in range(10):
+            token = world.sessions.begin(world.ana)
+            world.sessions.find(kept, ADDRESS)
+            world.sessions.end(token)
 
-    threads = [threading.Thread(target=use) for _number in range(4)]
-    for one in threads:
-        one.start()
-    for one in threads:
-        one.join()
-    assert failed == []
+    with ThreadPoolExecutor(4) as pool:
+        list(pool.map(use, range(4)))
     assert world.is_in(kept)
 
 
