@@ -29,8 +29,6 @@ TUN = Path("/dev/net/tun")
 TUNSETIFF, IFF_TUN, IFF_NO_PI = 0x400454CA, 0x0001, 0x1000
 CLONE_NEWNET = 0x40000000
 MOST_BYTES = 65536
-# Packets that wait for their time; a router has a limit, too.
-CAPACITY = 1000
 
 
 class LinkQuality(NamedTuple):
@@ -100,7 +98,7 @@ class Direction:
         packet = os.read(self.source, MOST_BYTES)
         lost = self._random.random() < self._quality.loss
         due_s = now_s + self._quality.delay_s + self._random.uniform(0.0, self._quality.jitter_s)
-        if is_up and not lost and len(self._packets) < CAPACITY:
+        if is_up and not lost:
             if self._packets:
                 due_s = max(due_s, self._packets[-1][0])
             self._packets.append((due_s, packet))
@@ -110,9 +108,6 @@ class Direction:
         while self._packets and self._packets[0][0] <= now_s:
             os.write(self._target, self._packets.popleft()[1])
         return self._packets[0][0] if self._packets else None
-
-    def drop(self):
-        self._packets.clear()
 
 
 def enter(namespace):
@@ -155,9 +150,6 @@ def carry(ends, quality):
             if not words:
                 return
             is_up = words[-1] == "up"
-            if not is_up:
-                for direction in directions:
-                    direction.drop()
 
 
 def main(arguments):

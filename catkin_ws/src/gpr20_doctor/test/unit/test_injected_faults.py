@@ -255,9 +255,3 @@ def test_each_broken_state_is_found_and_its_advice_ends_it():
             assert set(found) - healthy == {state.code}, name
             follow(state, one, str(found[state.code].remedy))
             assert set(one.look()) == healthy, name
-        one.set_addresses("", "")
-        alone = set(one.look())
-        listens_on("192.0.2.9")(one)
-        found = one.look()
-        assert set(found) - alone == {"network.address_wrong"}
-        assert "gpr20-run doctor" in str(found["network.address_wrong"].remedy)

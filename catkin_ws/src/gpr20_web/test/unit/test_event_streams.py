@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import functools
 import json
 from typing import Any, Callable, Dict, List
 
@@ -45,8 +46,14 @@ def person(name: str = "ana", session: str = "one") -> Person:
     return Person(name, Role.VIEW, session, "")
 
 
-def run(work: Callable[[], Any]) -> None:
-    asyncio.run(asyncio.wait_for(work(), LIMIT_S))
+def in_loop(test: Callable[..., Any]) -> Callable[..., None]:
+    """Run a test in a loop of its own."""
+
+    @functools.wraps(test)
+    def run(**fixtures: Any) -> None:
+        asyncio.run(asyncio.wait_for(test(**fixtures), LIMIT_S))
+
+    return run
 
 
 async def until(condition: Callable[[], bool]) -> None:
@@ -54,117 +61,105 @@ async def until(condition: Callable[[], bool]) -> None:
         await asyncio.sleep(0.01)
 
 
-def test_slow_browser_gets_the_newest_state_and_none_of_those_between() -> None:
+@in_loop
+async def test_slow_browser_gets_the_newest_state_and_none_of_those_between() -> None:
     document: Dict[str, Any] = {"number": 0, "same": 1}
-
-    async def work() -> None:
-        streams, slow, quick = EventStreams(lambda _one: None, print), Browser(True), Browser()
-        for one in (slow, quick):
-            streams.add(one, Stream(lambda: dict(document)), person())
-        running = asyncio.ensure_future(streams.run())
-        for number in range(1, 6):
-            document["number"] = number
-            await until(lambda: quick.known.get("number") == number)  # noqa: B023
-        assert len(slow.sent) == 1
-        # What has not changed is sent once.
-        assert [one for one in quick.sent if "same" in one] == quick.sent[:1]
-        slow.let()
-        await until(lambda: slow.known.get("number") == 5)
-        assert len(slow.sent) == 2
-        running.cancel()
-
-    run(work)
+    streams, slow, quick = EventStreams(lambda _one: None, print), Browser(True), Browser()
+    for one in (slow, quick):
+        streams.add(one, Stream(lambda: dict(document)), person())
+    running = asyncio.ensure_future(streams.run())
+    for number in range(1, 6):
+        document["number"] = number
+        await until(lambda: quick.known.get("number") == number)  # noqa: B023
+    assert len(slow.sent) == 1
+    # What has not changed is sent once.
+    assert [one for one in quick.sent if "same" in one] == quick.sent[:1]
+    slow.let()
+    await until(lambda: slow.known.get("number") == 5)
+    assert len(slow.sent) == 2
+    running.cancel()
 
 
-def test_state_that_is_no_longer_made_is_not_sent_as_new() -> None:
-    async def work() -> None:
-        streams, browser = EventStreams(lambda _one: None, print), Browser()
-        streams.add(browser, Stream(lambda: {"a": 1}), person())
-        streams.fresh_s = 7.0
-        running = asyncio.ensure_future(streams.run())
-        await until(lambda: len(browser.sent) == 2)
-        running.cancel()
-        assert [one["sent_ms"] for one in browser.sent] == [7000, 7000]
-
-    run(work)
+@in_loop
+async def test_state_that_is_no_longer_made_is_not_sent_as_new() -> None:
+    streams, browser = EventStreams(lambda _one: None, print), Browser()
+    streams.add(browser, Stream(lambda: {"a": 1}), person())
+    streams.fresh_s = 7.0
+    running = asyncio.ensure_future(streams.run())
+    await until(lambda: len(browser.sent) == 2)
+    running.cancel()
+    assert [one["sent_ms"] for one in browser.sent] == [7000, 7000]
 
 
-def test_what_changes_all_the_time_waits_for_the_sign_of_life_or_for_what_matters(
+@in_loop
+async def test_what_changes_all_the_time_waits_for_the_sign_of_life_or_for_what_matters(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     document = {"state": "works", "stored": 0}
-
-    async def work() -> None:
-        streams, browser = EventStreams(lambda _one: None, print), Browser()
-        streams.add(browser, Stream(lambda: dict(document), frozenset({"stored"})), person())
-        running = asyncio.ensure_future(streams.run())
-        await until(lambda: len(browser.sent) == 1)
-        document["stored"] = 1
-        await until(lambda: browser.known.get("stored") == 1)
-        monkeypatch.setattr(event_streams, "SIGN_OF_LIFE_S", 1e6)
-        document["stored"] = 2
-        await asyncio.sleep(0.3)
-        assert len(browser.sent) == 2
-        document["state"] = "stopped"
-        await until(lambda: browser.known.get("state") == "stopped")
-        running.cancel()
-        assert browser.known["stored"] == 2
-
-    run(work)
+    streams, browser = EventStreams(lambda _one: None, print), Browser()
+    streams.add(browser, Stream(lambda: dict(document), frozenset({"stored"})), person())
+    running = asyncio.ensure_future(streams.run())
+    await until(lambda: len(browser.sent) == 1)
+    document["stored"] = 1
+    await until(lambda: browser.known.get("stored") == 1)
+    monkeypatch.setattr(event_streams, "SIGN_OF_LIFE_S", 1e6)
+    document["stored"] = 2
+    await asyncio.sleep(0.3)
+    assert len(browser.sent) == 2
+    document["state"] = "stopped"
+    await until(lambda: browser.known.get("state") == "stopped")
+    running.cancel()
+    assert browser.known["stored"] == 2
 
 
-def test_stream_ends_with_its_session(monkeypatch: pytest.MonkeyPatch) -> None:
+@in_loop
+async def test_stream_ends_with_its_session(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(event_streams, "SESSION_CHECK_S", 0.0)
 
     def check(one: Person) -> None:
         if one.session == "over":
             raise NotLoggedInError(Message("over"))
 
-    async def work() -> None:
-        streams = EventStreams(check, print)
-        over = streams.add(Browser(), Stream(dict), person(session="over"))
-        valid = streams.add(Browser(), Stream(dict), person())
-        running = asyncio.ensure_future(streams.run())
-        await over.gone.wait()
-        assert not valid.gone.is_set()
-        running.cancel()
-
-    run(work)
+    streams = EventStreams(check, print)
+    over = streams.add(Browser(), Stream(dict), person(session="over"))
+    valid = streams.add(Browser(), Stream(dict), person())
+    running = asyncio.ensure_future(streams.run())
+    await over.gone.wait()
+    assert not valid.gone.is_set()
+    running.cancel()
 
 
-def test_document_that_cannot_be_made_ends_its_stream_and_no_other() -> None:
+@in_loop
+async def test_document_that_cannot_be_made_ends_its_stream_and_no_other() -> None:
     reported: List[BaseException] = []
 
     def broken() -> Dict[str, Any]:
         raise ZeroDivisionError
 
-    async def work() -> None:
-        streams, other = EventStreams(lambda _one: None, reported.append), Browser()
-        watcher = streams.add(Browser(), Stream(broken), person())
-        streams.add(other, Stream(lambda: {"a": 1}), person())
-        running = asyncio.ensure_future(streams.run())
-        await watcher.gone.wait()
-        await until(lambda: other.known.get("a") == 1)
-        assert isinstance(reported[0], ZeroDivisionError)
-        running.cancel()
-
-    run(work)
+    streams, other = EventStreams(lambda _one: None, reported.append), Browser()
+    watcher = streams.add(Browser(), Stream(broken), person())
+    streams.add(other, Stream(lambda: {"a": 1}), person())
+    running = asyncio.ensure_future(streams.run())
+    await watcher.gone.wait()
+    await until(lambda: other.known.get("a") == 1)
+    assert isinstance(reported[0], ZeroDivisionError)
+    running.cancel()
 
 
-def test_one_person_cannot_take_all_streams_and_a_browser_keeps_connections_for_stop() -> None:
-    async def work() -> None:
-        streams = EventStreams(lambda _one: None, print)
-        first = streams.add(Browser(), Stream(dict), person())
-        for _ in range(2):
-            streams.add(Browser(), Stream(dict), person())
-        with pytest.raises(BusyError, match="at most 3 in one browser"):
-            streams.add(Browser(), Stream(dict), person())
-        streams.remove(first)
-        for number in range(MAX_STREAMS_OF_PERSON - 2):
-            streams.add(Browser(), Stream(dict), person(session=str(number)))
-        with pytest.raises(BusyError, match="30 of one account, 64 in all") as refused:
-            streams.add(Browser(), Stream(dict), person())
-        assert refused.value.message.fault_code == "web.too_many_pages"
-        streams.add(Browser(), Stream(dict), person("ben"))
-
-    run(work)
+@in_loop
+async def test_one_person_cannot_take_all_streams_and_a_browser_keeps_connections_for_stop() -> (
+    None
+):
+    streams = EventStreams(lambda _one: None, print)
+    first = streams.add(Browser(), Stream(dict), person())
+    for _ in range(2):
+        streams.add(Browser(), Stream(dict), person())
+    with pytest.raises(BusyError, match="at most 3 in one browser"):
+        streams.add(Browser(), Stream(dict), person())
+    streams.remove(first)
+    for number in range(MAX_STREAMS_OF_PERSON - 2):
+        streams.add(Browser(), Stream(dict), person(session=str(number)))
+    with pytest.raises(BusyError, match="30 of one account, 64 in all") as refused:
+        streams.add(Browser(), Stream(dict), person())
+    assert refused.value.message.fault_code == "web.too_many_pages"
+    streams.add(Browser(), Stream(dict), person("ben"))
