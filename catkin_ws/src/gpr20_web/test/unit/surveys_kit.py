@@ -9,7 +9,7 @@ from map_kit import focused
 from planned_survey import METADATA, POINTS, planned_trace
 from storage_kit import OTHER_SURVEY, Kit
 from trace_examples import STARTED_US, SURVEY
-from web_kit import route_of
+from web_kit import Noted, route_of
 
 from gpr20_operator.ground.additions import MarkersStored
 from gpr20_operator.ground.trace_events import SurveysListed
@@ -76,10 +76,9 @@ class Surveys:
         self.data = data
         self.kit = Kit(data, now_ns=NOW_US * 1000)
         self.services = Services(self.kit, data)
-        self.waiting, self.audited = [], []
-        self.page = SurveysPage(
-            *(self.services, data, self._audit, self.waiting.append, lambda: NOW_US)
-        )
+        self.waiting, audit = [], Noted()
+        self.audited = audit.entries
+        self.page = SurveysPage(*(self.services, data, audit, self.waiting.append, lambda: NOW_US))
         self.whole = self._add(SURVEY, STARTED_US, len(POINTS), "finished")
         self.part = self._add(OTHER_SURVEY, STARTED_US + DAY_US, 4, "stopped")
 
@@ -91,9 +90,6 @@ class Surveys:
         named = Annotation("Ana Pérez", "El Carmen", "wet ground", name=f"Lane-{count}")
         self.kit.processing.annotate(survey_id, named)
         return folder.name
-
-    def _audit(self, call, what, outcome="", survey="", **values):
-        self.audited.append((call.who.name, what, values))
 
     def ask(self, method, path, name="berta", role=Role.VIEW, **values):
         """Return what the page answers a person."""

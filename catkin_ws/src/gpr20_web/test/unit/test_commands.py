@@ -12,7 +12,7 @@ import pytest
 from case_kit import each_case
 from hypothesis import given
 from hypothesis import strategies as st
-from web_kit import ManualClock
+from web_kit import ManualClock, Noted
 
 from gpr20_common.errors import Gpr20Error
 from gpr20_common.message import Fault, Message, Severity
@@ -85,21 +85,16 @@ class Desk:
         self.time = ManualClock()
         self.model, self.control = SurveyModel(self.time), Control()
         self.allowance = RemoteAllowance(self.time)
-        self.audited: List[Dict[str, Any]] = []
+        self.audit = Noted()
         self.controller = Controller(self.time, lambda _session: True)
         self.commands = Commands(
             Robot(self.model, self.control, self.allowance, self.time),
             self.controller,
-            self._note,
+            self.audit,
             view_may_stop,
         )
-        self.control_page = ControlPage(self.controller, self.time, self._note)
+        self.control_page = ControlPage(self.controller, self.time, self.audit)
         self.be(SurveyState.CONFIGURED)
-
-    def _note(self, call: Call, what: str, outcome: str = "", survey: str = "", **_: Any) -> None:
-        self.audited.append(
-            {"who": call.who.name, "what": what, "outcome": outcome, "survey": survey}
-        )
 
     @property
     def routes(self) -> Any:
@@ -225,7 +220,7 @@ def test_press_without_a_proper_mark_or_time_is_refused_but_for_stop(
     assert desk.control.asked == []
     assert desk.ask("stop", **values) == {"confirmed": False}
     assert desk.control.asked == ["stop"]
-    assert (desk.audited[-1]["who"], desk.audited[-1]["what"]) == ("ana", "stop")
+    assert desk.audit.entries[-1][:2] == ("ana", "stop")
 
 
 def test_start_and_resume_wait_until_each_stop_is_answered_and_confirmed() -> None:
@@ -270,7 +265,7 @@ def test_stop_that_is_sent_again_says_whether_it_is_confirmed_and_is_noted_once(
     assert desk.ask("stop", press=press) == {"confirmed": True}
     # Should somebody use one mark for two presses: no STOP is ignored.
     assert desk.control.asked == ["stop"] * 2
-    said = [one["outcome"] for one in desk.audited if one["what"] == "stop"]
+    said = [more["outcome"] for _who, what, more in desk.audit.entries if what == "stop"]
     assert said[:3] == ["sent", "unknown: silent", "done: stopping"] and said.count("sent") == 1
 
 
@@ -280,11 +275,11 @@ def test_what_each_axis_answers_is_noted_also_after_the_main_control() -> None:
     desk.commands.on_event(AxisStopAnswer(AxisId.X, True))
     desk.commands.on_event(Answer(Request.STOP, True, Message("stopping")))
     desk.commands.on_event(AxisStopAnswer(AxisId.Y, False))
-    said = [one["outcome"] for one in desk.audited]
+    said = [more["outcome"] for *_who, more in desk.audit.entries]
     assert said[-3:] == ["x axis answered", "done: stopping", "y axis did not answer"]
     desk.time.time_s += STOP_ANSWERS_S + 1.0
     desk.commands.on_event(AxisStopAnswer(AxisId.Z, True))
-    assert len(desk.audited) == len(said)
+    assert len(desk.audit.entries) == len(said)
 
 
 @each_case("described_first", [False, True])
@@ -297,14 +292,14 @@ def test_start_measures_the_plan_that_is_shown_and_is_noted_in_the_log_of_its_su
     assert desk.shown["command"]["outcome"] == "sent"
     started = Answer(Request.START, True, Message("started"), survey_id=SURVEY)
     described = SurveyDescribed(json.dumps({"survey_id": SURVEY}))
-    note = {"who": "ana", "what": "start", "outcome": "begun", "survey": SURVEY}
+    note = ("ana", "start", {"outcome": "begun", "survey": SURVEY})
     first, second = (described, started) if described_first else (started, described)
     desk.commands.on_event(first)
-    assert note not in desk.audited
+    assert note not in desk.audit.entries
     for event in (second, described):
         desk.commands.on_event(event)
     assert desk.shown["command"]["outcome"] == "done"
-    assert desk.audited.count(note) == 1
+    assert desk.audit.entries.count(note) == 1
 
 
 def test_a_start_is_asked_for_no_further_when_the_permission_has_ended() -> None:

@@ -12,7 +12,7 @@ from unittest import mock
 import pytest
 from case_kit import each_case
 from view_kit import snapshot
-from web_kit import SILENT, ManualClock, state_of
+from web_kit import SILENT, ManualClock, Noted, state_of
 
 from gpr20_common.message import verbatim
 from gpr20_common.mid.node_software import NodeSoftware
@@ -42,17 +42,14 @@ class Robot:
         self.clock = ManualClock()
         self.watched: List[bool] = []
         self.tickets: List[Any] = []
-        self.noted: List[str] = []
-        self.page = ServicePage(self.watched.append, self._examine, make, self._note, self.clock)
+        self.audit = Noted()
+        self.page = ServicePage(self.watched.append, self._examine, make, self.audit, self.clock)
         self.page.refresh(snapshot(state=state_of(SurveyState.IDLE), health=HEALTH))
         self.listed, self.made, self.given = (one.answer for one in self.page.routes)
 
     def _examine(self, ticket: Ticket[Any], **wanted: Any) -> None:
         assert wanted["thorough"] is False
         self.tickets.append(ticket)
-
-    def _note(self, call: Call, what: str, **_values: Any) -> None:
-        self.noted.append(f"{call.who.name} {what}")
 
 
 def test_the_worst_is_the_first_and_each_part_has_its_health() -> None:
@@ -102,7 +99,7 @@ def test_a_bundle_is_made_alone_then_given_once_and_noted() -> None:
     assert body == Body(b"zip", "application/zip", "gpr20_bundle.zip")
     with pytest.raises(NotFoundError):
         robot.given(CALL)
-    assert robot.noted == ["ana bundle"]
+    assert robot.audit.entries == [("ana", "bundle", {})]
     # After one that failed, another one can be made.
     with pytest.raises(IndexError):
         robot.made(CALL)

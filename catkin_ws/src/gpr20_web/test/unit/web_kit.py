@@ -147,7 +147,7 @@ class ManualClock(Clock):
 
 
 class Noted:
-    """Keeps what was reported to the audit."""
+    """Keeps what was reported to the audit: who, what, and whatever else is known."""
 
     def __init__(self) -> None:
         self.entries: List[Tuple[str, str, Mapping[str, Any]]] = []
@@ -156,7 +156,8 @@ class Noted:
         self, call: Call, what: str, outcome: str = "", survey: str = "", **values: Any
     ) -> None:
         who = "" if call.person is None else call.person.name
-        self.entries.append((who, what, {"outcome": outcome, **values}))
+        more = {"outcome": outcome, "survey": survey, **values}
+        self.entries.append((who, what, {name: one for name, one in more.items() if one != ""}))
 
 
 class NoFile(SessionFile):
