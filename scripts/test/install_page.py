@@ -24,7 +24,6 @@ def two_machine_commands():
 
 
 def addresses():
-    """Return the addresses of the robot and the server."""
     exported = dict(re.findall(r"(GPR20_\w+)=(\S+)", two_machine_commands()[0]))
     return exported["GPR20_ROBOT"], exported["GPR20_SERVER"]
 

@@ -30,7 +30,6 @@ class Packages:
         self.folder = folder
 
     def file(self, name):
-        """Return the file of a package."""
         (found,) = self.folder.glob(f"{name}_{VERSION}_*.deb")
         return found
 
@@ -50,7 +49,6 @@ class Packages:
             assert files.wait() == 0
 
     def field(self, name, field):
-        """Return a field of a package."""
         return printed_by("dpkg-deb", "--field", self.file(name), field).strip()
 
     def control(self, name, part):

@@ -34,7 +34,6 @@ def clone(tmp_path):
 
 
 def run(folder, *command):
-    """Run a command in a folder; return what it printed."""
     return printed_by(*command, folder=folder, **PERSON)
 
 

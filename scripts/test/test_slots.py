@@ -22,7 +22,6 @@ def install(world, version, **how):
 
 
 def slots(world):
-    """Return the versions of the two slots."""
     return {
         one.name: (one / "release").read_text("utf-8").strip()
         for one in (world.root / "opt/gpr20/slots").iterdir()

@@ -22,7 +22,6 @@ FORMATS, VIEWER = "gpr20_foreign_formats", "gpr20_viewer"
 
 
 def wheel_of(package, folder):
-    """Make the wheel of a package; return its path."""
     pip = [sys.executable, "-m", "pip", "wheel", "--quiet", "--no-deps", "--wheel-dir", folder]
     printed_by(*pip, SOURCES / package)
     (path,) = folder.glob(f"{package}-*.whl")

@@ -110,7 +110,6 @@ class World:
         return said + ("Killed" if process.returncode < 0 else "")
 
     def dpkg(self, *arguments, status=0):
-        """Run dpkg; return what it printed."""
         return printed_by("dpkg", *arguments, status=status, env=self.environment)
 
     def bundle(self, version):

@@ -3,6 +3,7 @@
 import json
 
 import pytest
+from simulated_world import StepTime
 
 from gpr20_common.catalogue import Catalogue
 from gpr20_common.message import Message, verbatim
@@ -15,21 +16,9 @@ from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.plan.robot_description import NodeDescription
 
 
-class FakeClock:
-    def __init__(self):
-        self.time_s = 0.0
-
-    def now_s(self):
-        return self.time_s
-
-    def wait_s(self, event, timeout_s):
-        self.time_s += timeout_s
-        return False
-
-
 @pytest.fixture
 def clock():
-    return FakeClock()
+    return StepTime()
 
 
 @pytest.fixture
@@ -48,7 +37,7 @@ def report_all(listener, names=EXPECTED_NODES):
 def test_waiting_ends_when_everything_has_reported(listener, clock):
     report_all(listener)
     listener.wait(60.0)
-    assert WATCH_S <= clock.time_s < WATCH_S + 0.2
+    assert WATCH_S <= clock.now_s() < WATCH_S + 0.2
     facts = listener.facts()
     assert facts.master_alive and facts.control_alive and facts.simulated
     assert len(facts.nodes) == len(EXPECTED_NODES)
@@ -58,7 +47,7 @@ def test_waiting_ends_when_everything_has_reported(listener, clock):
 def test_waiting_ends_at_its_limit_and_silent_nodes_are_named(listener, clock):
     report_all(listener, EXPECTED_NODES[1:])
     listener.wait(4.0)
-    assert clock.time_s == pytest.approx(4.0, abs=0.1)
+    assert clock.now_s() == pytest.approx(4.0, abs=0.1)
     silent = [one.name for one in listener.facts().nodes if one.level is HealthLevel.STALE]
     assert silent == listener.silent() == [EXPECTED_NODES[0]]
 
@@ -109,9 +98,9 @@ def test_changes_of_an_endstop_are_counted_and_the_smallest_offset_kept(listener
 def test_the_next_reports_are_waited_for_within_a_limit(listener, clock):
     report_all(listener)
     listener.wait_for_next(["height_sensor"], 2.0)
-    assert clock.time_s == pytest.approx(2.0, abs=0.1)
+    assert clock.now_s() == pytest.approx(2.0, abs=0.1)
     listener.wait_for_next(["never heard"], 2.0)
-    assert clock.time_s == pytest.approx(2.0, abs=0.1)
+    assert clock.now_s() == pytest.approx(2.0, abs=0.1)
 
 
 FOUND = (

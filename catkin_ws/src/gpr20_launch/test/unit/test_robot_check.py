@@ -29,6 +29,7 @@ MISTAKES = [
     # Pins, with everything that uses them.
     ("axes", "y: {sensor_pin: 11}", "z/dir_pin", "pin_conflict", "GPIO17|axes.yaml y/sensor_pin"),
     ("axes", LEVELS, "y/enable_pin", "pin_conflict", "x/enable_pin|enable_active"),
+    ("axes", "y: {sensor_pin: 24}", "height.yaml spi_device", "pin_conflict", "pin 24|SPI0 CE0"),
     ("height", "spi_bus: 5\nspi_device: 1", "spi_device", "pin_conflict", "y/dir_pin|SPI5 CE1"),
     ("height", "spi_bus: 2", "spi_bus", "wrong_value", "0, 1, 3, 4, 5, 6"),
     ("height", "spi_device: 2", "spi_device", "wrong_value", "chip select|0 - 1"),

@@ -68,7 +68,6 @@ class Pages:
             return False
 
     def log_in(self, name: str = "leo", password: str = PASSWORD) -> str:
-        """Return the token of a new session."""
         answer = self.ask("POST", "/api/login", {"name": name, "password": password})
         assert isinstance(answer, Cookie)
         return answer.session

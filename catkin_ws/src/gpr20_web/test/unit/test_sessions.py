@@ -264,7 +264,6 @@ class SessionMachine(RuleBasedStateMachine):
 
     @rule(number=st.integers(0, 40))
     def log_out(self, number: int) -> None:
-        """Log out one of those who are in."""
         for token in list(self.model)[number : number + 1]:
             self.sessions.end(token)
             self._drop([token])
@@ -276,7 +275,6 @@ class SessionMachine(RuleBasedStateMachine):
 
     @rule(number=st.integers(0, 40))
     def use(self, number: int) -> None:
-        """Ask for something."""
         for token in list(self.model)[number : number + 1]:
             name, begun_s, _used_s = self.model[token]
             assert self.sessions.find(token, ADDRESS).name == name
@@ -284,7 +282,6 @@ class SessionMachine(RuleBasedStateMachine):
 
     @rule(time_s=st.sampled_from([1.0, IDLE_S / 2.0, IDLE_S - 1.0, IDLE_S, LONGEST_S / 3.0]))
     def wait(self, time_s: float) -> None:
-        """Do nothing for a while."""
         self.clock.time_s += time_s
         now_s = self.clock.time_s
         for token, (_name, begun_s, used_s) in list(self.model.items()):
