@@ -38,12 +38,9 @@ def machine(tmp_path_factory):
     return run
 
 
-def test_what_is_shipped_runs_the_simulated_robot_on_one_machine(machine):
+def test_what_is_shipped_runs_the_simulated_robot_and_the_real_one_must_be_named(machine):
     done = machine(SHIPPED)
     assert done.stdout == "<gpr20><survey.launch><robot:=simulated><ui:=false>", done.stderr
-
-
-def test_the_real_robot_runs_only_if_it_is_named(machine):
     assert "<robot:=gpr20>" in machine(SHIPPED.replace("=robot:=simulated", "=robot:=gpr20")).stdout
     done = machine(SHIPPED.replace("=robot:=simulated", "="))
     assert done.returncode == 2 and done.stdout == ""

@@ -25,16 +25,11 @@ def missing(environment, own=True, run=None):
     return str(found), looked
 
 
-def test_nothing_is_missing_when_the_master_answers():
+def test_what_is_missing_is_named_the_link_first_then_the_pc():
     assert missing(TWO, run="a") == ("None", ["10.20.0.1", "http://127.0.0.1:9"])
-
-
-def test_the_link_is_named_first_then_the_pc():
     assert "does not have the address 10.20.0.1" in missing(TWO, own=False, run="a")[0]
     assert "Waiting for the PC 10.20.0.2" in missing(TWO)[0]
-
-
-def test_an_address_that_was_exported_counts_and_one_that_was_set_by_itself_does_not():
+    # An address that was exported counts, and one that was set by itself does not.
     assert "PC" in missing({**TWO, "ROS_IP": "127.0.0.3"}, own=False)[0]
     own = {"ROS_IP": "127.0.0.1", "GPR20_SET_ROS_IP": "127.0.0.1"}
     assert "the address 10.20.0.1" in missing({**TWO, **own}, own=False)[0]

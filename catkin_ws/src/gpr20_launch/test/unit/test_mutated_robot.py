@@ -17,7 +17,6 @@ from robot_check_examples import BUILT, checked, write
 from run_seed import draws
 
 from gpr20_launch.mid.robot_files import AXES_FILE, FILES, read_configuration
-from gpr20_launch.mid.templates import templates
 from gpr20_survey.axes.axis_parameters import AxisParameters
 
 AXES = BUILT.axes
@@ -137,19 +136,6 @@ def test_every_pin_with_two_purposes_is_found_and_none_is_invented(wiring):
     assert all(PIN_KEY.fullmatch(one.key) and one.value and one.uses is not None for one in rest)
 
 
-def written(name):
-    """Return the template of a file with every key in use, as its values by line."""
-    lines = []
-    for line in templates(AXES)[name].splitlines():
-        bare = line.strip()
-        if bare.startswith("#") and not bare.startswith("# ") and bare != "#":
-            lines.append(line.replace("#", "", 1))
-        elif not bare.startswith("#") and bare:
-            lines.append(line)
-    return lines
-
-
-FULL = {name: written(name) for name in (*FILES, AXES_FILE)}
 KEYS = [
     *((AXES_FILE, one.name) for one in dataclasses.fields(AxisParameters)),
     *(
@@ -159,11 +145,6 @@ KEYS = [
         for one in dataclasses.fields(kind)
     ),
 ]
-
-
-def test_the_templates_with_every_key_in_use_are_correct():
-    files = {name: "\n".join(lines) for name, lines in FULL.items()}
-    assert not [one for one in check(files) if one.refuses]
 
 
 @settings(max_examples=draws(10))

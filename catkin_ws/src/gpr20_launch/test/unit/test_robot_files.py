@@ -62,7 +62,8 @@ def test_a_template_is_correct_and_shows_every_key_with_its_default(tmp_path):
     assert read_configuration(tmp_path, AXES) == read_configuration(tmp_path / "none", AXES)
     for name, file in FILES.items():
         lines = [one for one in texts[name].splitlines() if re.match("#[^ ]", one)]
-        shown = yaml.safe_load("\n".join(one[1:] for one in lines))
+        (tmp_path / name).write_text("\n".join(one[1:] for one in lines))
+        shown = yaml.safe_load((tmp_path / name).read_text())
         for _section, kind in file.sections:
             own = {field.name: shown[field.name] for field in dataclasses.fields(kind)}
             assert record_from(kind, own, name) == kind()
@@ -70,6 +71,7 @@ def test_a_template_is_correct_and_shows_every_key_with_its_default(tmp_path):
     sections = read(tmp_path, axes="\n".join(used))
     for axis, values in yaml.safe_load(AXES.read_text()).items():
         assert {key: sections[f"{axis}_axis"][key] for key in values} == values
+    assert not [one for one in checked(tmp_path, part="robot") if one.refuses]
 
 
 @each_case(
