@@ -191,16 +191,12 @@ def test_the_ros_of_the_system_is_used_and_nothing_of_ros_comes_from_debian(comp
     assert "SOURCED_ROS=the_systems" in computer.calls
 
 
-def test_ubuntu_without_its_ros_is_told_how_to_install_it(computer):
+def test_a_full_disk_and_ubuntu_without_its_ros_are_refused_before_anything_is_installed(computer):
+    computer.stub("df", "echo head; echo disk 999999 1 10 1% /")
+    assert "has 10 MB free; the packages of the system need about" in computer.run().stderr
     (computer.place / "os-release").write_text('ID=ubuntu\nVERSION_ID="20.04"\n')
     computer.environment["GPR20_OS_RELEASE"] = str(computer.place / "os-release")
     assert "install ros-noetic-ros-base" in computer.run().stderr
-    assert "apt-get" not in computer.calls
-
-
-def test_a_full_disk_is_refused_before_anything_is_installed(computer):
-    computer.stub("df", "echo head; echo disk 999999 1 10 1% /")
-    assert "has 10 MB free; the packages of the system need about" in computer.run().stderr
     assert "apt-get" not in computer.calls
 
 

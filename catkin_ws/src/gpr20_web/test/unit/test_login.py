@@ -5,7 +5,7 @@ from __future__ import annotations
 import contextlib
 from http.cookies import SimpleCookie
 from pathlib import Path
-from typing import Any, Dict, Iterator, List, Mapping, Optional, Tuple
+from typing import Any, Dict, List, Mapping, Optional, Tuple
 
 import pytest
 import web_kit
@@ -170,37 +170,31 @@ def test_an_administrator_makes_changes_and_removes_users_and_the_audit_says_so(
     ]
 
 
-@pytest.fixture
-def site(pages: Pages) -> Iterator[web_kit.Site]:
-    site = web_kit.Site(pages.routes, find=pages.sessions.find)
-    yield site
-    site.close()
-    assert site.reported == []
-
-
 def test_owasp_the_token_is_in_a_cookie_alone_chosen_here_and_out_of_reach_of_scripts(
-    site: web_kit.Site,
+    pages: Pages,
 ) -> None:
     login, chosen = {"name": "leo", "password": PASSWORD}, "chosen-by-somebody-else"
-    reply = site.ask("POST", "/api/login", login, session=chosen)
-    cookie = SimpleCookie(reply.headers["Set-Cookie"])[COOKIE]
-    token = cookie.value
-    assert reply.status == 200 and token != chosen
-    assert site.ask("GET", "/api/me", session=chosen).status == 401
-    assert cookie["secure"] and cookie["httponly"]
-    assert (cookie["samesite"], cookie["path"]) == ("Strict", "/")
-    assert cookie["domain"] == cookie["expires"] == ""
-    assert token.encode() not in reply.body
-    assert reply.headers["Cache-Control"] == "no-store"
-    # A token in the address or the body is none.
-    for path in (f"/api/me?session={token}", f"/api/me?{COOKIE}={token}"):
-        assert site.ask("GET", path).status == 401
-    assert site.ask("POST", "/api/logout", {"session": token}).status == 401
-    assert site.ask("GET", "/api/me", session=token).values["name"] == "leo"
-    reply = site.ask("POST", "/api/logout", session=token)
-    cookie = SimpleCookie(reply.headers["Set-Cookie"])[COOKIE]
-    assert cookie.value == "" and "1970" in cookie["expires"]
-    assert site.ask("GET", "/api/me", session=token).status == 401
+    with contextlib.closing(web_kit.Site(pages.routes, find=pages.sessions.find)) as site:
+        reply = site.ask("POST", "/api/login", login, session=chosen)
+        cookie = SimpleCookie(reply.headers["Set-Cookie"])[COOKIE]
+        token = cookie.value
+        assert reply.status == 200 and token != chosen
+        assert site.ask("GET", "/api/me", session=chosen).status == 401
+        assert cookie["secure"] and cookie["httponly"]
+        assert (cookie["samesite"], cookie["path"]) == ("Strict", "/")
+        assert cookie["domain"] == cookie["expires"] == ""
+        assert token.encode() not in reply.body
+        assert reply.headers["Cache-Control"] == "no-store"
+        # A token in the address or the body is none.
+        for path in (f"/api/me?session={token}", f"/api/me?{COOKIE}={token}"):
+            assert site.ask("GET", path).status == 401
+        assert site.ask("POST", "/api/logout", {"session": token}).status == 401
+        assert site.ask("GET", "/api/me", session=token).values["name"] == "leo"
+        reply = site.ask("POST", "/api/logout", session=token)
+        cookie = SimpleCookie(reply.headers["Set-Cookie"])[COOKIE]
+        assert cookie.value == "" and "1970" in cookie["expires"]
+        assert site.ask("GET", "/api/me", session=token).status == 401
+    assert site.reported == []
 
 
 class Tries:

@@ -160,14 +160,8 @@ class Field:
         return {one["name"]: one for one in answer["robots"]}
 
 
-@pytest.fixture
-def field() -> Field:
-    return Field()
-
-
-def test_each_robot_is_listed_with_what_it_does_and_since_when_if_that_is_known(
-    field: Field,
-) -> None:
+def test_each_robot_is_listed_with_what_it_does_and_since_when_if_that_is_known() -> None:
+    field = Field()
     field.rows()
     field.page.on_event(RobotReported("/b", MEASURING))
     rows = field.rows()
@@ -188,7 +182,8 @@ def test_each_robot_is_listed_with_what_it_does_and_since_when_if_that_is_known(
     assert (row["title"], row["level"], row["since"]) == ("NO CONTACT", "fault", "")
 
 
-def test_what_was_heard_before_is_not_what_a_robot_does_now(field: Field) -> None:
+def test_what_was_heard_before_is_not_what_a_robot_does_now() -> None:
+    field = Field()
     field.rows()
     for pause_s in (6.0, INTEREST_S + 0.1):
         field.page.on_event(RobotReported("/b", MEASURING))
@@ -198,7 +193,8 @@ def test_what_was_heard_before_is_not_what_a_robot_does_now(field: Field) -> Non
         assert field.rows()["b"]["title"] == "no report yet"
 
 
-def test_the_others_are_listened_to_only_while_somebody_asks(field: Field) -> None:
+def test_the_others_are_listened_to_only_while_somebody_asks() -> None:
+    field = Field()
     assert field.watched == []
     for _ in range(5):
         field.rows()

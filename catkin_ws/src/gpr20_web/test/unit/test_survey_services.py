@@ -48,15 +48,6 @@ def services(answers):
     return RosSurveyServices(request_client.RequestClient(lambda _event: None, Senders("/")))
 
 
-def test_a_page_of_the_list_is_returned_and_an_annotation_sent_as_a_message(services, answers):
-    answers.of["list_surveys"] = {"surveys": [], "more": True}
-    page = services.ask(Service.LIST, before="", max_surveys=50)
-    assert (page.surveys, page.more) == ((), True)
-    answers.of["annotate_survey"] = message_fields(verbatim("stored"))
-    services.ask(Service.ANNOTATE, survey=SURVEY, annotation=Annotation(notes="roots"))
-    assert answers.asked[1][1]["annotation"].notes == "roots"
-
-
 def test_a_refusal_keeps_its_sentence_its_fault_and_its_remedy(services, answers):
     answers.of["read_survey"] = {"success": False, **message_fields(REFUSED)}
     with pytest.raises(NotNowError) as refused:
@@ -68,11 +59,17 @@ def test_a_refusal_keeps_its_sentence_its_fault_and_its_remedy(services, answers
         services.ask(Service.NOTE, survey=SURVEY)
 
 
-def test_a_marker_is_sent_by_its_fields_and_removed_by_its_id(services, answers):
+def test_what_is_asked_is_sent_by_its_fields_and_what_is_answered_returned(services, answers):
+    answers.of["list_surveys"] = {"surveys": [], "more": True}
+    page = services.ask(Service.LIST, before="", max_surveys=50)
+    assert (page.surveys, page.more) == ((), True)
     stored = json.dumps([asdict(MARKER)])
     answers.of["mark_survey"] = {"survey_id": SURVEY, "markers_json": stored}
+    answers.of["annotate_survey"] = message_fields(verbatim("stored"))
     assert services.ask(Service.MARK, survey=SURVEY, marker=MARKER).markers == (MARKER,)
     services.ask(Service.MARK, survey=SURVEY, marker_id=MARKER.marker_id, remove=True, author="Ana")
-    (_, added), (_, removed) = answers.asked
+    services.ask(Service.ANNOTATE, survey=SURVEY, annotation=Annotation(notes="roots"))
+    _list, (_, added), (_, removed), (_, annotated) = answers.asked
     assert added["depth_mm"] == MARKER.depth_mm and added["has_depth"]
     assert removed["remove"] and "x_mm" not in removed
+    assert annotated["annotation"].notes == "roots"

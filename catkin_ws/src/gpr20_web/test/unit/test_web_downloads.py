@@ -1,5 +1,6 @@
 """SURVEYS: forms and whole surveys are downloaded as they are, and nothing else can be named."""
 
+import contextlib
 import http.client
 import io
 import os
@@ -105,29 +106,23 @@ def test_a_survey_that_cannot_be_read_says_why_and_can_be_downloaded(surveys):
     assert zip_of(surveys, surveys.part).namelist()
 
 
-@pytest.fixture
-def site(surveys):
-    site = Site(surveys.page.routes)
-    yield site
-    site.close()
-
-
-def test_a_large_survey_comes_as_it_is_and_what_fails_is_never_taken_for_a_whole_one(surveys, site):
+def test_a_large_survey_comes_as_it_is_and_what_fails_is_never_taken_for_a_whole_one(surveys):
     path = surveys.data / surveys.whole / "survey.mcap"
     path.write_bytes(os.urandom(30_000_000))
-    reply = site.ask("GET", f"/api/surveys/{surveys.whole}/zip", session="view")
-    assert f'filename="{surveys.whole}_survey.zip"' in reply.headers["Content-Disposition"]
-    with zipfile.ZipFile(io.BytesIO(reply.body)) as archive:
-        assert archive.testzip() is None
-    connection = site.connect()
-    cookie = {"Cookie": f"{COOKIE}=view"}
-    connection.request("GET", f"/api/surveys/{surveys.whole}/zip", headers=cookie)
-    response = connection.getresponse()
-    response.read(100_000)
-    path.write_bytes(b"another")
-    with pytest.raises((http.client.IncompleteRead, ConnectionError)):
-        response.read()
-    connection.close()
+    with contextlib.closing(Site(surveys.page.routes)) as site:
+        reply = site.ask("GET", f"/api/surveys/{surveys.whole}/zip", session="view")
+        assert f'filename="{surveys.whole}_survey.zip"' in reply.headers["Content-Disposition"]
+        with zipfile.ZipFile(io.BytesIO(reply.body)) as archive:
+            assert archive.testzip() is None
+        connection = site.connect()
+        cookie = {"Cookie": f"{COOKIE}=view"}
+        connection.request("GET", f"/api/surveys/{surveys.whole}/zip", headers=cookie)
+        response = connection.getresponse()
+        response.read(100_000)
+        path.write_bytes(b"another")
+        with pytest.raises((http.client.IncompleteRead, ConnectionError)):
+            response.read()
+        connection.close()
     assert site.reported == []
 
 

@@ -70,23 +70,18 @@ class Site:
     def __init__(
         self,
         routes: Sequence[Route],
-        static: Path = STATIC,
         find: Callable[[str, str], Person] = find_person,
     ) -> None:
         self.reported: List[BaseException] = []
         self.loop = asyncio.new_event_loop()
-        self._thread = threading.Thread(target=self._run, daemon=True)
+        self._thread = threading.Thread(target=self.loop.run_forever, daemon=True)
         self._thread.start()
 
         async def begin() -> None:
-            self.server = HttpServer(tuple(routes), static, find, self.reported.append)
+            self.server = HttpServer(tuple(routes), STATIC, find, self.reported.append)
             self.port = self.server.listen("127.0.0.1", 0, None)
 
         self.call(begin())
-
-    def _run(self) -> None:
-        asyncio.set_event_loop(self.loop)
-        self.loop.run_forever()
 
     def call(self, work: Any) -> Any:
         return asyncio.run_coroutine_threadsafe(work, self.loop).result(LIMIT_S)
