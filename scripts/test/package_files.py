@@ -70,16 +70,10 @@ def build(folder):
     return Packages(folder)
 
 
-def unit_lines(name):
-    """Return (key, value) of every line of a unit of debian/, with what services share."""
+def unit_values(name, key):
+    """Return the values of a key of a unit of debian/, with what services share, in their order."""
     (file,) = (ROOT / "debian").glob(f"*{name}.service")
     text = file.read_text("utf-8")
     if name in ("gpr20-robot", "gpr20-server"):
         text += (ROOT / "deploy/service.conf").read_text("utf-8")
-    lines = text.replace("\\\n", " ").splitlines()
-    return [tuple(line.split("=", 1)) for line in lines if re.match(r"\w+=", line)]
-
-
-def unit_values(name, key):
-    """Return the values of a key of a unit, in their order."""
-    return [value for found, value in unit_lines(name) if found == key]
+    return re.findall(rf"^{key}=(.*)$", text.replace("\\\n", " "), re.MULTILINE)

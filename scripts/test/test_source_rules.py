@@ -46,16 +46,6 @@ def test_what_is_too_large_unknown_or_gone_is_named():
     assert "101" in found[0] and "100" in found[0]
 
 
-@pytest.fixture
-def copy(tmp_path):
-    """Return the folder of a copy of all packages."""
-    shutil.copy(ROOT / "pyproject.toml", tmp_path)
-    for source in SOURCES:
-        skipped = shutil.ignore_patterns("__pycache__")
-        shutil.copytree(source.parent, tmp_path / source.parent.name, ignore=skipped)
-    return tmp_path
-
-
 @NEEDS_ALL
 def test_every_package_is_covered_by_the_contracts_on_imports():
     contracts = (ROOT / "pyproject.toml").read_text()
@@ -65,7 +55,11 @@ def test_every_package_is_covered_by_the_contracts_on_imports():
 
 # The lint says that the packages keep the contracts; this, that each kind of them is one.
 @NEEDS_ALL
-def test_imports_that_are_not_allowed_are_refused_with_what_to_do(copy):
+def test_imports_that_are_not_allowed_are_refused_with_what_to_do(tmp_path):
+    shutil.copy(ROOT / "pyproject.toml", tmp_path)
+    skipped = shutil.ignore_patterns("__pycache__")
+    for source in SOURCES:
+        shutil.copytree(source.parent, tmp_path / source.parent.name, ignore=skipped)
     wrong = {
         "gpr20_common/mid/checks.py": ("import gpr20_common.high.node", "from the higher level in"),
         "gpr20_survey/errors.py": ("import rospy", "pass plain values or a function to the lower"),
@@ -88,10 +82,10 @@ def test_imports_that_are_not_allowed_are_refused_with_what_to_do(copy):
         "gpr20_web/mid/web_page.py": ("import tornado.web", "let these offer what is needed"),
     }
     for file, (line, _remedy) in wrong.items():
-        with (copy / file).open("a") as source:
+        with (tmp_path / file).open("a") as source:
             source.write(f"{line}\n")
-    own = {"PYTHONPATH": str(copy), "COLUMNS": "1000"}
-    said = printed_by("lint-imports", "--no-cache", "--no-logo", status=1, folder=copy, **own)
+    own = {"PYTHONPATH": str(tmp_path), "COLUMNS": "1000"}
+    said = printed_by("lint-imports", "--no-cache", "--no-logo", status=1, folder=tmp_path, **own)
     _kept, broken = said.split("Broken contracts")
     assert [remedy for _line, remedy in wrong.values() if remedy not in broken] == []
 

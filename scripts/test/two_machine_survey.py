@@ -50,13 +50,9 @@ def simulated(command):
     return command.replace("robot:=gpr20", f"time_scale:={TIME_SCALE}")
 
 
-def is_loopback(address):
-    return address.startswith("127.")
-
-
 def simulated_vna(robot):
     """Return the ports of the simulated VNA, as soon as it listens: core and abort channel."""
-    ports = [port for address, port in robot.listening() if is_loopback(address)]
+    ports = [port for address, port in robot.listening() if address.startswith("127.")]
     return ports if len(ports) == 2 else []
 
 

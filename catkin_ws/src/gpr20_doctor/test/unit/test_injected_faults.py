@@ -233,17 +233,6 @@ STATES = {
 }
 
 
-def follow(state, one, advice):
-    """Do what an advice says."""
-    assert state.words in advice
-    if state.act is not None:
-        state.act(one)
-        return
-    commands = COMMAND.findall(advice)
-    assert commands, advice
-    subprocess.run(["sh", "-ec", commands[0]], check=True, stdout=subprocess.DEVNULL)
-
-
 def test_each_broken_state_is_found_and_its_advice_ends_it():
     with computer() as one:
         # What is found on this machine whatever is done to it.
@@ -253,5 +242,11 @@ def test_each_broken_state_is_found_and_its_advice_ends_it():
             state.inject(one)
             found = one.look()
             assert set(found) - healthy == {state.code}, name
-            follow(state, one, str(found[state.code].remedy))
+            advice = str(found[state.code].remedy)
+            assert state.words in advice
+            if state.act is not None:
+                state.act(one)
+            else:
+                command = ["sh", "-ec", COMMAND.findall(advice)[0]]
+                subprocess.run(command, check=True, stdout=subprocess.DEVNULL)
             assert set(one.look()) == healthy, name
