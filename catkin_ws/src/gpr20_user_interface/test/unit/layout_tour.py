@@ -1,8 +1,11 @@
 """What the window shows in turn, so that each of its pages and sheets is seen with all it has."""
 
-from layout_kit import LARGEST, LONG, busiest
+import itertools
+
+from candidate_examples import candidate
+from hiding_kit import a_map
 from map_kit import FINER, MARKER
-from result_kit import search
+from result_kit import BLUE, LOCKED, RED, plug_in, search, stored
 from view_kit import (
     PAST,
     SURVEY,
@@ -16,20 +19,39 @@ from view_kit import (
 )
 from window_helpers import click, hold, open_field, show
 
-from gpr20_common.message import Message, verbatim
+from gpr20_common.message import Fault, Message, verbatim
+from gpr20_doctor.mid.node_health import EXPECTED_NODES, HealthLevel, NodeHealth
 from gpr20_operator.ground.additions import AdditionsRead, RelatedSurvey
 from gpr20_operator.ground.coverage import CoverageRuns
 from gpr20_operator.ground.geometry import Area
 from gpr20_operator.ground.trace_events import SurveyDescribed, SurveysListed
+from gpr20_operator.jobs.pictures import Exported
 from gpr20_operator.plan.fields import SPECS, TILE_FIELDS, VALUE_TILES, default_parameters
+from gpr20_operator.plan.preview import SurveyPreview
+from gpr20_operator.robot.events import ControlState, CurrentPosition, Progress, TargetPosition
+from gpr20_operator.robot.health import HealthReport
 from gpr20_operator.robot.notices import Refused, analyzer_notice, refusal_notice
 from gpr20_operator.robot.remote_control import WebStatusReported
 from gpr20_operator.robot.robots import RobotReported, RobotsFound
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.plan.annotation import Annotation, Wgs84Position
+from gpr20_survey.plan.survey_cost import SurveyCost
 from gpr20_survey.plan.survey_state import SurveyState
+from gpr20_survey.results.candidates import Flag
+from gpr20_survey.results.found import What
 from gpr20_user_interface.window.rail import TabName
 
+LONG = "the VNA at 192.168.100.100 does not answer; check its cable and its address. " * 8
+LARGEST = SurveyPreview(
+    stops=500000,
+    traces=1000000,
+    x_spacing_mm=12.34,
+    y_spacing_mm=23.45,
+    depth_m=110.98,
+    resolution_m=0.02776,
+    quarter_wavelength_mm=1.234,
+    cost=SurveyCost(99 * 86400.0 + 86399.0, 123456 * 10**6),
+)
 WITH_DETAILS = Message("{reason}", reason=verbatim(LONG), details=LONG)
 IDENTITY = "Rohde&Schwarz,ZNB20-4Port,1311601062100123,3.40.0.1 with options K2, K4 and B16"
 NAME = "Ana María Rodríguez Vargas de la Cruz y Peña"
@@ -57,6 +79,35 @@ CONDITIONS = (
 FIRST_FIELDS = [SPECS[TILE_FIELDS[tile][0]] for tile in VALUE_TILES]
 WEB = WebStatusReported("gpr20-pc.campo.local", 8443, " ".join(["4F4F"] * 16), 20, NAME)
 ROBOTS = [f"/{'w' * 20}{number}" for number in range(20)]
+
+
+MANY = [
+    candidate(number, 1234.0, 1234.0, 1234.0, 31.0, list(Flag)[: (number - 1) // 8])
+    for number in range(1, 51)
+]
+REFUSED = Message("the echoes agree with every permittivity").with_fault(
+    Fault("a.b", Message("Enter the permittivity of the soil, then try again. Or use another one."))
+)
+ENDED = snapshot(SurveyState.FINISHED, state=state_of(SurveyState.FINISHED, survey_id=SURVEY))
+
+
+def busiest(code=SurveyState.SURVEYING, **other):
+    values = {"calibration": "MODERATE_POWER"}
+    levels = itertools.cycle([HealthLevel.STALE, *HealthLevel])
+    nodes = tuple(
+        NodeHealth(name, level, verbatim(LONG), values)
+        for name, level in zip((*EXPECTED_NODES, "simulator"), levels)
+    )
+    values = {
+        "state": ControlState(code, verbatim(LONG), "id", True),
+        "progress": Progress("id", 99.99, 1000000, 999999, 10**7),
+        "current": CurrentPosition(650.0, 800.0, -90.0),
+        "target": TargetPosition(650.0, 800.0, -90.0),
+        "height_m": 0.123,
+        "health": HealthReport(nodes),
+        **other,
+    }
+    return snapshot(code, **values)
 
 
 def plan(*acts):
@@ -274,3 +325,71 @@ STOPS = {
     "locked": plan(lambda window: window.touch_binding.set_locked(True)),
     "unlocked": plan(),
 }
+
+
+def results(window):
+    """Show each state of a result, its places and their sheets, and the stick; name each."""
+    page, node = window.result, window.node
+
+    def shown(name):
+        for _ in range(2):
+            show(window, ENDED)
+        return f"result {name}"
+
+    def find(candidates=MANY, record=None, **changes):
+        page.result.open("")
+        search(page.result, node, candidates, record, **changes)
+        show(window, ENDED)
+
+    interrupted = stored(7, outcome="interrupted")
+    window.show_tab(TabName.SURVEY)
+    page.result.open("")
+    page.end()
+    show(window, ENDED)
+    node.ticket("read").done(interrupted)
+    show(window, ENDED)
+    node.ticket("focus").fail(REFUSED)
+    yield shown("refused")
+    find((), interrupted)
+    yield shown("without places")
+    find(record=interrupted, omitted=12345, omitted_primary=9)
+    for _ in range(9):
+        page.more.click()
+    yield shown("last places")
+    find(MANY[24:27])
+    yield shown("doubtful places")
+    assert not [row.why.shown_lines() for row in page.rows[:3] if row.why.is_cut]
+
+    find()
+    page.rows[4].click()
+    sheet = page.place_sheet
+    sheet._who, sheet._depth, sheet._what = "W" * 60, "1234.5", What.DEVICE
+    sheet.show_now()
+    yield shown("place")
+    sheet.deep.click()
+    yield "result depth of a find"
+    sheet.pad.hide()
+    sheet.hide()
+    page.soil.click()
+    page.soil_sheet._choose(12.345)
+    yield shown("soil")
+    page.soil_sheet.hide()
+    page.hiding.click()
+    list(page.hiding_sheet.targets.values())[1].click()
+    node.ticket("hide").done(a_map([[[6, 0]]], [[[6, 6]]], survey_id=SURVEY))
+    yield shown("hiding")
+    page.hiding_sheet.hide()
+
+    page.stick.click()
+    plug_in(node, BLUE, RED, LOCKED)
+    yield shown("sticks")
+    page.stick_sheet.sticks[1].click()
+    node.ticket("export").progress(verbatim("copying to the USB stick"))
+    yield shown("export")
+    node.ticket("export").done(Exported(("GPR20/a.pdf", "GPR20/b.zip")))
+    yield shown("exported")
+    page.stick_sheet.other.click()
+    yield shown("other files")
+    page.stick_sheet.sticks[1].click()
+    node.ticket("export").fail(verbatim("the USB stick is full; nothing was left. " * 7))
+    yield shown("full stick")

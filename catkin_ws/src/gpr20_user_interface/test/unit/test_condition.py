@@ -52,6 +52,7 @@ NO_VNA = health("vna_acquisition", HealthLevel.ERROR)
 
 
 X_MOVES, BY_CONTROL = moving(AxisId.X), moving(AxisId.X, owner="/main_control")
+BY_OTHER = moving(AxisId.Y, owner="/robot1/rqt_17")
 SILENT = AxisReport(AxisId.X, AxisPosition(0.0, True, True), "", 0.0, silent=True)
 TABLE = (
     # Each state by itself.
@@ -70,7 +71,7 @@ TABLE = (
     (S.FINISHED, {"axes": BY_CONTROL, "state_s": 0.4}, L.DONE, "FINISHED", ""),
     (S.FINISHED, {"axes": BY_CONTROL, "state_s": 0.6}, L.ATTENTION, "ROBOT MOVES", "main_control"),
     (S.FINISHED, {"service": HOMING}, L.ATTENTION, "SERVICE", "homing"),
-    (S.SURVEYING, {"axes": moving(AxisId.Y, owner="/rqt")}, L.ATTENTION, "ROBOT MOVES", "by rqt"),
+    (S.SURVEYING, {"axes": BY_OTHER}, L.ATTENTION, "ROBOT MOVES", "y axis, by rqt_17"),
     (S.SURVEYING, {"axes": (SILENT,)}, L.ATTENTION, "ROBOT MOVES", "no report since it moved"),
     # The control is frozen, has died, or was never there.
     (S.SURVEYING, {"control_silent_s": 3.0}, L.ATTENTION, "SURVEYING", "for 3 s"),

@@ -4,35 +4,45 @@ The window itself says which pages and sheets there are, so that no new one is f
 `GPR20_PICTURES=FOLDER` a picture of each is stored there, to be looked at.
 """
 
+import itertools
 import os
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 from finger import place_of
-from layout_kit import (
-    SCREENS,
-    busiest,
-    front,
-    problems,
-    screen,
-    settle,
-    spoken,
-    window_on,
+from layout_tour import IDENTITY, LARGEST, STOPS, busiest, results
+from PyQt5.QtTest import QTest
+from PyQt5.QtWidgets import (
+    QAbstractButton,
+    QAbstractItemView,
+    QAbstractScrollArea,
+    QGraphicsView,
+    QLabel,
+    QLineEdit,
+    QPlainTextEdit,
+    QProgressBar,
+    QPushButton,
+    QScrollArea,
+    QStackedWidget,
+    QTextEdit,
+    QToolButton,
+    QWidget,
 )
-from layout_tour import IDENTITY, STOPS
-from PyQt5.QtWidgets import QPushButton, QStackedWidget
 from view_kit import snapshot
-from window_helpers import click, open_field, show
+from window_helpers import click, close, open_field, opened_window, show
 
-from gpr20_operator.plan.fields import PLAN
+from gpr20_common.catalogue import Language
+from gpr20_common.low.catalogue_file import languages
+from gpr20_operator.plan.fields import PLAN, default_parameters, texts_of
 from gpr20_survey.plan.survey_state import SurveyState
+from gpr20_user_interface.look.look import BORDER_PX, Theme
 from gpr20_user_interface.touch.hold_button import HoldButton
 from gpr20_user_interface.widgets.cards import NoticeView
 from gpr20_user_interface.widgets.hold_sheet import StartSheet
+from gpr20_user_interface.widgets.labels import ElidedLabel, LinesLabel
 from gpr20_user_interface.widgets.overlay import Overlay
 from gpr20_user_interface.window.rail import TabName
-
-__all__ = ["screen", "spoken"]
 
 PICTURES = os.environ.get("GPR20_PICTURES")
 # How sheets call the buttons that close them or open the one with a button to hold.
@@ -40,6 +50,141 @@ CLOSING = (
     *("accept_button", "cancel", "close_button", "delete", "done", "drop", "load", "save"),
     *("show_button", "undo", "use"),
 )
+# These leave out what has no room, and say so.
+CUT = (ElidedLabel, LinesLabel)
+# A finger in a glove, on a screen of 800x480.
+SMALLEST_TOUCH_PX = 48
+SMALLEST_TEXT_PX = 16
+# What a rounding at each end of a column adds up to.
+ROUNDING_PX = 2
+CONTENT = (
+    *(QLabel, QAbstractButton, QLineEdit, QPlainTextEdit, QTextEdit, QProgressBar, QGraphicsView),
+    *(QAbstractItemView, QScrollArea),
+)
+# For a change each size once, mostly with the longer language; the others for a release.
+FIRST = (
+    ((480, 320), Language.SPANISH, Theme.NIGHT),
+    ((800, 480), Language.ENGLISH, Theme.SUN),
+    ((1280, 800), Language.SPANISH, Theme.NIGHT),
+)
+SCREENS = [
+    pytest.param(one, marks=() if one in FIRST else pytest.mark.release)
+    for one in itertools.product([one[0] for one in FIRST], languages(), Theme)
+]
+
+
+@pytest.fixture(params=SCREENS)
+def window(request, application, tmp_path):
+    """A window of each size, with as much to say as possible."""
+    size, language, theme = request.param
+    window = opened_window(application, language, profiles=tmp_path)
+    window.resize(*size)
+    QTest.qWait(1)
+    window.use_look(replace(window.look, theme=theme))
+    window.survey.preview = LARGEST
+    window.control.form.set_texts(texts_of(default_parameters()))
+    show(window, busiest())
+    # The changes of language, size and theme are events.
+    QTest.qWait(1)
+    yield window
+    close(window)
+
+
+def settle():
+    """Let everything be laid out: for a text, and again for its height."""
+    for _ in range(3):
+        QTest.qWait(1)
+
+
+def front(window):
+    """Return what is not covered: the band, and below it the sheet that is open or the page."""
+    sheets = [one for one in window.children() if isinstance(one, Overlay) and one.isVisible()]
+    # The last one lies over the others.
+    below = [sheets[-1]] if sheets else [window.rail, window.tabs.currentWidget()]
+    return [window.top_bar, *below]
+
+
+def problems(window, parts):
+    """Return what is wrong with what is seen on parts of a window."""
+    content = [one for part in parts for one in content_of(part)]
+    wrong = [f"{name_of(one)} {reason}" for one in content for reason in misfits(window, one)]
+    for one, other in itertools.combinations(content, 2):
+        if not (one.isAncestorOf(other) or other.isAncestorOf(one)):
+            both = place_of(window, one).intersected(place_of(window, other))
+            if min(both.width(), both.height()) > ROUNDING_PX:
+                wrong.append(f"{name_of(one)} lies over {name_of(other)}")
+    return wrong
+
+
+def content_of(part):
+    """Return what is seen in a part, but for what is inside of a text or list that scrolls."""
+    found = [part] if isinstance(part, CONTENT) else []
+    for one in part.findChildren(QWidget):
+        if one.isVisible() and isinstance(one, CONTENT) and not is_empty(one):
+            found.append(one)
+    areas = [one for one in found if isinstance(one, QAbstractScrollArea)]
+    return [one for one in found if not any(area.isAncestorOf(one) for area in areas)]
+
+
+def is_empty(widget):
+    return isinstance(widget, QLabel) and not widget.text() and widget.pixmap() is None
+
+
+def name_of(widget):
+    text = widget.text()[:40] if hasattr(widget, "text") else ""
+    owner = widget
+    while owner.parentWidget() is not None and not type(owner).__module__.startswith("gpr20"):
+        owner = owner.parentWidget()
+    return f"{type(owner).__name__}: {type(widget).__name__} {widget.objectName()} {text!r}"
+
+
+def misfits(window, widget):
+    place = place_of(window, widget)
+    if not window.rect().contains(place):
+        yield "reaches over the edge"
+    if isinstance(widget, QLabel):
+        yield from label_misfits(window, widget)
+    elif isinstance(widget, QAbstractButton):
+        yield from button_misfits(window, widget)
+    elif isinstance(widget, QLineEdit):
+        yield from line_misfits(widget, widget.text() or widget.placeholderText(), 0)
+
+
+def label_misfits(window, label):
+    if label.text() and label.fontInfo().pixelSize() < window.look.px(SMALLEST_TEXT_PX) - 1:
+        yield "is written too small"
+    if isinstance(label, CUT) or not label.text():
+        return
+    if not label.wordWrap():
+        yield from line_misfits(label, label.text(), 0)
+    elif label.heightForWidth(label.width()) > label.height() + ROUNDING_PX:
+        yield "has too few lines"
+    else:
+        longest = max(label.text().split(), key=len)
+        if label.fontMetrics().horizontalAdvance(longest) > label.contentsRect().width():
+            yield f"cuts the word {longest}"
+
+
+def button_misfits(window, button):
+    frame_px = 2 * window.look.px(BORDER_PX)
+    if isinstance(button, QToolButton):
+        # Its sign is above the text.
+        frame_px = 0
+    elif not button.icon().isNull():
+        frame_px += button.iconSize().width()
+    if button.text():
+        yield from line_misfits(button, button.text().replace("&", ""), frame_px)
+    least_px = window.look.px(SMALLEST_TOUCH_PX) - ROUNDING_PX
+    if window.look.touchable and min(button.width(), button.height()) < least_px:
+        yield f"is hard to touch: {button.width()}x{button.height()}"
+
+
+def line_misfits(widget, text, frame_px):
+    metrics, lines = widget.fontMetrics(), text.split("\n")
+    if max(map(metrics.horizontalAdvance, lines)) + frame_px > widget.contentsRect().width():
+        yield "is cut off at its end"
+    if len(lines) * metrics.height() > widget.height() + ROUNDING_PX:
+        yield "is cut off at its top"
 
 
 def every_problem(window):
@@ -60,6 +205,9 @@ def every_problem(window):
     for name, stop in STOPS.items():
         close_sheets(window)
         stop(window)
+        look(name)
+    close_sheets(window)
+    for name in results(window):
         look(name)
     close_sheets(window)
     for tab in TabName:
@@ -94,10 +242,8 @@ def close_sheets(window):
         sheet.hide()
 
 
-@pytest.mark.parametrize("screen_shown", SCREENS)
-def test_every_page_and_sheet_fits(application, tmp_path, screen_shown):
-    with window_on(application, tmp_path, *screen_shown) as window:
-        wrong = every_problem(window)
+def test_every_page_and_sheet_fits(window):
+    wrong = every_problem(window)
     assert not wrong, "\n".join(f"{what}: {one}" for one, what in wrong.items())
 
 
@@ -115,8 +261,7 @@ def assert_apart(window, held, closing):
             assert not place.intersects(below), words
 
 
-def test_a_touch_that_comes_twice_never_reaches_a_button_to_hold(spoken):
-    window = spoken
+def test_a_touch_that_comes_twice_never_reaches_a_button_to_hold(window):
     show(window, snapshot(SurveyState.IDLE))
     closing, held = [], []
     for overlay in window.findChildren(Overlay):
@@ -140,26 +285,26 @@ def test_a_touch_that_comes_twice_never_reaches_a_button_to_hold(spoken):
             assert_apart(window, places(window, window.tabs.currentWidget()), anywhere)
 
 
-def test_the_button_to_hold_is_not_where_another_analyzer_was_accepted(spoken):
-    show(spoken, snapshot(SurveyState.IDLE))
-    spoken.start_sheet.ask_resume_with(IDENTITY)
-    spoken.question.open()
+def test_the_button_to_hold_is_not_where_another_analyzer_was_accepted(window):
+    show(window, snapshot(SurveyState.IDLE))
+    window.start_sheet.ask_resume_with(IDENTITY)
+    window.question.open()
     settle()
-    accepted = place_of(spoken, spoken.question.accept_button)
-    assert not place_of(spoken, spoken.start_sheet.hold).intersects(accepted)
+    accepted = place_of(window, window.question.accept_button)
+    assert not place_of(window, window.start_sheet.hold).intersects(accepted)
 
 
-def test_a_number_is_whole_or_shows_its_beginning(spoken):
+def test_a_number_is_whole_or_shows_its_beginning(window):
     """600.1234 must not read as 500.1234 or 00.1234."""
-    show(spoken, busiest(SurveyState.IDLE))
+    show(window, busiest(SurveyState.IDLE))
     for spec in PLAN:
         for text in ("-9876.123456789", "1" * 40):
-            field = open_field(spoken, spec.name)
-            spoken.values.write(text)
+            field = open_field(window, spec.name)
+            window.values.write(text)
             settle()
             (line,) = field.lines
             shown = line.text()
             assert shown == f"{text}|" or (shown.endswith("…") and text.startswith(shown[:-1]))
             # Fourteen characters are always seen.
             assert not line.is_cut or len(shown) > 14
-            click(spoken.values.done)
+            click(window.values.done)

@@ -3,8 +3,8 @@ import pytest
 from gpr20_common.catalogue import Catalogue, Language
 from gpr20_common.low.catalogue_file import read_catalogue
 from gpr20_operator.robot.events import DOCUMENTED_TRAVEL
-from gpr20_survey.plan.annotation import EMPTY, Annotation, Wgs84Position
-from gpr20_survey.plan.survey_parameters import SurveyParameters, problems
+from gpr20_survey.plan.annotation import EMPTY
+from gpr20_survey.plan.survey_parameters import problems
 from gpr20_user_interface.terminal.follower import ExitStatus, Mode, OnPause
 from gpr20_user_interface.terminal.survey_arguments import Bar, terminal_language
 from gpr20_user_interface.terminal.survey_arguments import parse_arguments as parse
@@ -21,36 +21,6 @@ def test_defaults_are_a_survey_that_can_be_run():
     assert not options.parameters.sweep_settings.analyzer.is_known
     assert options.permittivity == 0.0 and options.annotation == EMPTY
     assert (options.mode, options.on_pause, options.bar) == (Mode.START, OnPause.EXIT, Bar.AUTO)
-
-
-def test_every_parameter_can_be_given():
-    line = (
-        "--vna-address 10.0.0.7 --start-frequency-mhz 700.5 --stop-frequency-mhz 5000 "
-        "--frequency-points 101 --x-start-mm 10 --x-stop-mm 20.5 --x-points 4 --y-start-mm 600 "
-        "--y-stop-mm 30 --y-points 6 --polarizations-deg=-45,45 --if-bandwidth-hz 1000 "
-        "--averages 4 --output-power LOW --permittivity 4 --position=-4.6,-74.1 --site Carmen"
-    )
-    options = parse_arguments([*line.split(), "--name", "El Carmen 3", "--notes", "wet\nsoil"])
-    assert options.permittivity == 4.0
-    position = Wgs84Position(-4.6, -74.1)
-    expected = Annotation("", "Carmen", "wet\nsoil", position, name="El Carmen 3")
-    assert options.annotation == expected
-    assert options.parameters == SurveyParameters(
-        vna_address="10.0.0.7",
-        start_frequency_hz=700.5e6,
-        stop_frequency_hz=5e9,
-        frequency_points=101,
-        x_start_mm=10.0,
-        x_stop_mm=20.5,
-        x_points=4,
-        y_start_mm=600.0,
-        y_stop_mm=30.0,
-        y_points=6,
-        polarizations_deg=(-45.0, 45.0),
-        if_bandwidth_hz=1000.0,
-        averages=4,
-        output_power="LOW",
-    )
 
 
 def test_a_survey_that_exists_can_be_followed():
@@ -88,13 +58,24 @@ def test_wrong_command_line_has_status_2_and_names_the_fault(capsys):
         assert words in capsys.readouterr().err, arguments
 
 
-def test_help_lists_every_exit_status_in_the_language_of_the_catalogue_as_faults_are(capsys):
+FIELDS = (
+    *("vna-address", "start-frequency-mhz", "stop-frequency-mhz", "frequency-points"),
+    *("x-start-mm", "x-stop-mm", "x-points", "y-start-mm", "y-stop-mm", "y-points"),
+    *("polarizations-deg", "if-bandwidth-hz", "averages", "output-power", "permittivity"),
+    *("name", "operator", "site", "notes", "position"),
+)
+
+
+def test_help_lists_fields_and_exit_statuses_in_the_language_of_the_catalogue_as_faults_are(
+    capsys,
+):
     spanish = read_catalogue(Language.SPANISH)
     with pytest.raises(SystemExit) as caught:
         parse(["--help"], spanish)
     assert caught.value.code == 0
     text = capsys.readouterr().out
     assert all(f"\n  {status:>3}  " in text for status in (2, *map(int, ExitStatus)))
+    assert all(f"\n  --{name} " in text for name in FIELDS)
     assert "(por defecto 15)" in " ".join(text.split())
     with pytest.raises(SystemExit):
         parse(["--wait", "0"], spanish)
