@@ -28,6 +28,18 @@ def node():
 
 
 @pytest.fixture
+def services(monkeypatch):
+    from topics_kit import Services
+
+    from gpr20_common.high.service_client import ServiceClient
+
+    services = Services()
+    monkeypatch.setattr(ServiceClient, "call", lambda *one, **more: services.call(*one, **more))
+    yield services
+    services.hung.set()
+
+
+@pytest.fixture
 def opened(application, tmp_path, clock):
     """Open windows in English, whose time only the test moves."""
     from window_helpers import close, opened_window

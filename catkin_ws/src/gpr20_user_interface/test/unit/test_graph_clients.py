@@ -8,13 +8,12 @@ import pytest
 import rosgraph
 from fake_clock import FakeClock
 from fault_kit import raises_fault
-from topics_kit import Graph
+from topics_kit import LIMIT_S, Graph, taken
 
 from gpr20_common.high.service_client import ServiceClient, ServiceUnavailableError
-from gpr20_common.message import Message, verbatim
-from gpr20_common.sent_message import message_fields
+from gpr20_common.message import Message
 from gpr20_msgs.msg import ControlStatus
-from gpr20_msgs.srv import Command, CommandResponse
+from gpr20_msgs.srv import Command
 from gpr20_operator import faults
 from gpr20_operator.errors import MasterUnavailableError
 from gpr20_operator.high import master, robot_stop, robots_client
@@ -23,83 +22,61 @@ from gpr20_operator.robot.robots import RobotReported, RobotsFound
 from gpr20_operator.robot.senders import Senders
 from gpr20_survey.axes.axis_id import AxisId
 
-LIMIT_S = 30.0
+REFUSED = {"success": False}
 SILENT = ServiceUnavailableError(Message("no answer"))
 
 
-class Services:
-    """In place of the services that stop the robot: what each answers, in its order."""
-
-    def __init__(self):
-        self.asked, self.answers, self.hung = queue.Queue(), {}, threading.Event()
-
-    def call(self, client, _timeout_s):
-        self.asked.put(client.name)
-        answers = self.answers.get(client.name, [])
-        answer = answers.pop(0) if len(answers) > 1 else (answers or [True])[0]
-        if answer == "hangs":
-            assert self.hung.wait(LIMIT_S)
-        if isinstance(answer, Exception):
-            raise answer
-        return CommandResponse(success=answer is True, **message_fields(verbatim("stopping")))
+@pytest.fixture
+def events():
+    return queue.Queue()
 
 
 @pytest.fixture
-def services(monkeypatch):
-    services = Services()
-    monkeypatch.setattr(ServiceClient, "call", lambda *given: services.call(*given))
-    yield services
-    services.hung.set()
-
-
-@pytest.fixture
-def stop(services, monkeypatch):
-    """STOP, with a clock of its own; what it emits is in `stop.events`."""
+def stop(services, events, monkeypatch):
+    """STOP, with a clock of its own."""
     monkeypatch.setattr(robot_stop, "Clock", FakeClock)
     monkeypatch.setattr(robot_stop.rospy, "logwarn_throttle", lambda *_given: None)
-    events = queue.Queue()
     stop = robot_stop.RobotStop(events.put)
-    stop.events = events
     yield stop
     stop.forget()
 
 
-def taken(events, count):
-    return [events.get(timeout=LIMIT_S) for _ in range(count)]
-
-
-def test_every_press_asks_every_axis_and_the_main_control_whatever_they_answer(stop, services):
-    services.answers = {"x_axis/stop": [SILENT], "y_axis/stop": [False], "stop_survey": [False]}
+def test_every_press_asks_every_axis_and_the_main_control_whatever_they_answer(
+    stop, services, events
+):
+    services.answers = {"x_axis/stop": [SILENT], "y_axis/stop": [REFUSED], "stop_survey": [REFUSED]}
     for _press in range(2):
         stop.press()
-        answers = taken(stop.events, 4)
+        answers = taken(events, 4)
         axes = {one.axis: one.answered for one in answers if isinstance(one, AxisStopAnswer)}
         assert axes == {AxisId.X: False, AxisId.Y: False, AxisId.Z: True}
         (control,) = [one for one in answers if isinstance(one, Answer)]
         assert (control.request, control.success, control.contact) == (Request.STOP, False, True)
 
 
-def test_no_axis_waits_for_a_main_control_or_an_axis_that_hangs(stop, services):
-    services.answers = {"stop_survey": ["hangs"], "x_axis/stop": ["hangs"]}
+def test_no_axis_waits_for_a_main_control_or_an_axis_that_hangs(stop, services, events):
+    services.answers = {name: [services.hung, {}] for name in ("stop_survey", "x_axis/stop")}
     stop.press()
-    assert {one.axis for one in taken(stop.events, 2)} == {AxisId.Y, AxisId.Z}
+    assert {one.axis for one in taken(events, 2)} == {AxisId.Y, AxisId.Z}
 
 
-def test_a_stop_that_the_main_control_did_not_hear_is_repeated_until_it_does(stop, services):
-    services.answers = {"stop_survey": [SILENT] * 5 + [True]}
+def test_a_stop_that_the_main_control_did_not_hear_is_repeated_until_it_does(
+    stop, services, events
+):
+    services.answers = {"stop_survey": [SILENT] * 5 + [{}]}
     stop.press()
-    answers = [one for one in taken(stop.events, 5) if isinstance(one, Answer)]
+    answers = [one for one in taken(events, 5) if isinstance(one, Answer)]
     assert [(one.success, one.contact) for one in answers] == [(False, False), (True, True)]
     assert answers[0].message.cause == faults.PART_SILENT
-    asked = taken(services.asked, 9)
+    asked = [name for name, _fields in taken(services.asked, 9)]
     assert asked.count("stop_survey") == 6 and services.asked.empty()
 
 
-def test_a_stop_is_repeated_no_more_when_something_was_started_since(stop, services):
-    services.answers = {"stop_survey": [SILENT, "hangs", SILENT]}
+def test_a_stop_is_repeated_no_more_when_something_was_started_since(stop, services, events):
+    services.answers = {"stop_survey": [SILENT, services.hung, SILENT]}
     stop.press()
-    taken(stop.events, 4)
-    asked = taken(services.asked, 5)
+    taken(events, 4)
+    asked = [name for name, _fields in taken(services.asked, 5)]
     stop.forget()
     services.hung.set()
     stop._repeating.acquire(timeout=LIMIT_S)

@@ -3,6 +3,7 @@
 Without a ROS master: no topic and no real service.
 """
 
+import queue
 import threading
 from types import SimpleNamespace
 
@@ -13,6 +14,7 @@ pytest.importorskip("diagnostic_updater")
 
 from annotation_examples import annotations
 from hypothesis import given
+from topics_kit import LIMIT_S, taken
 
 from gpr20_common.high.raw_message import deserialized, serialized
 from gpr20_common.message import Fault, Message, verbatim
@@ -29,7 +31,6 @@ from gpr20_operator.robot.senders import Senders
 from gpr20_survey.errors import TraceRefusedError
 from gpr20_survey.plan.annotation import from_fields
 
-LIMIT_S = 30.0
 REMEDY = Message("Free some space on the disk.")
 FULL = Message("the disk is full", details="errno 28").with_fault(Fault("disk.full", REMEDY))
 TEXT, SENT = str(FULL), FULL.to_json()
@@ -83,59 +84,43 @@ def test_an_annotation_comes_out_of_a_ros_message_as_it_went_in(annotation):
     assert repr(from_fields(deserialized(AnnotationMessage, data))) == repr(annotation)
 
 
-class SlowService:
-    """Answers when it may, and notes that it was called."""
-
-    def __init__(self, **answer):
-        self.called, self.may_answer = threading.Event(), threading.Event()
-        self._answer = SimpleNamespace(message="", message_json="", fault_code="", **answer)
-
-    def call(self, _timeout_s, **fields):
-        self.fields = fields
-        self.called.set()
-        assert self.may_answer.wait(LIMIT_S)
-        return self._answer
+@pytest.fixture
+def answers(services):
+    """What the client emits, a queue; `set_survey_parameters` hangs."""
+    estimated = SimpleNamespace(to_sec=lambda: 1.0)
+    plan = {"plan_id": "0123", "total_points": 4, "estimated_time": estimated}
+    services.answers["set_survey_parameters"] = [services.hung, plan]
+    services.answers["start_survey"] = [{"survey_id": "s"}]
+    return queue.Queue()
 
 
 @pytest.fixture
-def client():
-    events, answered = [], threading.Event()
-
-    def take(event):
-        events.append(event)
-        if isinstance(event, Answer) and event.request is Request.START:
-            answered.set()
-
-    made = ControlClient(take, Senders("/"))
-    estimated = SimpleNamespace(to_sec=lambda: 1.0)
-    plan = {"plan_id": "0123", "total_points": 4, "estimated_time": estimated}
-    made._set_parameters = SlowService(success=True, **plan)
-    made._start = SlowService(success=True, survey_id="s")
-    made._start.may_answer.set()
-    made._stop = SimpleNamespace(press=lambda: None, forget=lambda: None)
-    made.taken, made.answered = events, answered
-    return made
+def client(answers):
+    client = ControlClient(answers.put, Senders("/"))
+    client._stop = SimpleNamespace(press=lambda: None, forget=lambda: None)
+    return client
 
 
 @pytest.mark.parametrize("withdraw", [ControlClient.stop, ControlClient.withdraw_start])
-def test_a_survey_whose_parameters_are_not_accepted_yet_is_not_started_after_stop(client, withdraw):
+def test_a_survey_whose_parameters_are_not_accepted_yet_is_not_started_after_stop(
+    client, services, answers, withdraw
+):
     client.start_survey(default_parameters())
-    assert client._set_parameters.called.wait(LIMIT_S)
+    assert services.asked.get(timeout=LIMIT_S)[0] == "set_survey_parameters"
     withdraw(client)
-    client._set_parameters.may_answer.set()
-    assert client.answered.wait(LIMIT_S)
-    assert client.taken == [Answer(Request.START, False, WITHDRAWN)]
-    assert not client._start.called.is_set()
+    services.hung.set()
+    assert answers.get(timeout=LIMIT_S) == Answer(Request.START, False, WITHDRAWN)
+    assert services.asked.empty()
 
 
-def test_a_survey_is_started_after_an_earlier_stop(client):
+def test_a_survey_is_started_after_an_earlier_stop(client, services, answers):
     client.stop()
-    client._set_parameters.may_answer.set()
+    services.hung.set()
     client.start_survey(default_parameters())
-    assert client.answered.wait(LIMIT_S)
+    (answer,) = [one for one in taken(answers, 2) if isinstance(one, Answer)]
+    assert answer.success
     # The plan that it has set, whatever another client has set meanwhile.
-    assert client._start.fields["plan_id"] == "0123"
-    assert client.taken[-1].success
+    assert dict(taken(services.asked, 2))["start_survey"]["plan_id"] == "0123"
 
 
 def test_the_newest_value_is_taken_next_even_after_one_that_failed(fault_log):

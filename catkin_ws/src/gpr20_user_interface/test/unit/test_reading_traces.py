@@ -1,4 +1,4 @@
-"""Which survey is shown; its stored traces are read once, the whole area first, none is lost."""
+"""Every tab shows the survey that runs, or says that it is another; its traces are read once."""
 
 import dataclasses
 
@@ -7,6 +7,7 @@ import pytest
 from asked_storage import Storage
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from imported_kit import imported_folder
 from run_seed import draws
 from view_kit import (
     FOLDER,
@@ -15,11 +16,12 @@ from view_kit import (
     depth_echo,
     description,
     make_grid,
+    past_survey,
     snapshot,
     state_of,
     trace_at,
 )
-from window_helpers import show
+from window_helpers import click, show
 
 from gpr20_common.message import verbatim
 from gpr20_operator.ground.coverage import CoverageRuns, StopState
@@ -28,14 +30,136 @@ from gpr20_operator.ground.trace_events import (
     ReadingFailed,
     SurveyDescribed,
     SurveyRead,
+    SurveysListed,
     TracesRead,
 )
 from gpr20_operator.ground.traces import RETRY_REFRESHES, TracePresenter
 from gpr20_operator.robot.events import CurrentPosition, TargetPosition
-from gpr20_survey.plan.survey_state import SurveyState
+from gpr20_operator.robot.replay import ReplayMark, ReplayView
+from gpr20_survey.folder.trace_files import read_trace
+from gpr20_survey.plan.survey_state import RUNNING, SurveyState
 from gpr20_survey.trace.trace_block import TraceBlock
+from gpr20_user_interface.window.rail import TabName
 
-OTHER = PAST
+NEXT = "1b4e28ba-2fa1-41d2-883f-0016d3cca427"
+ALL_STORED = tuple(range(40))
+
+
+def note(traces, code, survey=SURVEY, replay=None):
+    traces.note_state(snapshot(code, state=state_of(code, survey_id=survey), replay=replay))
+
+
+def open_past(traces):
+    traces.open_survey(FOLDER)
+    traces.on_event(SurveyRead(FOLDER, description(survey_id=PAST), ALL_STORED))
+
+
+def done(traces):
+    """Return how many stops the tabs show as done; None: they show no survey."""
+    counts = traces.shown.map.counts()
+    return None if counts is None else counts[StopState.DONE]
+
+
+@pytest.mark.parametrize("code", sorted(RUNNING - {SurveyState.PAUSED}))
+def test_a_survey_that_begins_anywhere_takes_the_place_of_a_past_one(traces, code):
+    note(traces, SurveyState.FINISHED)
+    open_past(traces)
+    assert (done(traces), traces.shown.survey_id) == (20, PAST)
+    note(traces, code, NEXT)
+    assert traces.opened_folder == "" and traces.band is None and done(traces) is None
+    traces.on_event(SurveyDescribed(description(survey_id=NEXT)))
+    traces.on_event(CoverageRuns(NEXT, 40, (0, 2), (1, 0), {}, verbatim("")))
+    traces.refresh()
+    assert (done(traces), traces.shown.survey_id) == (1, NEXT)
+
+
+def test_a_survey_that_is_resumed_takes_the_place_of_a_past_one(traces):
+    for code, opened in ((SurveyState.PAUSED, FOLDER), (SurveyState.HOMING, "")):
+        note(traces, SurveyState.PAUSED)
+        open_past(traces)
+        note(traces, code)
+        assert traces.opened_folder == opened
+
+
+def test_a_survey_is_never_shown_as_the_next_one_whichever_comes_first(traces):
+    traces.on_event(SurveyDescribed(description()))
+    traces.on_event(CoverageRuns(SURVEY, 40, (0,), (1,), {}, verbatim("")))
+    traces.refresh()
+    note(traces, SurveyState.FINISHED)
+    assert done(traces) == 20
+    # The storage describes the next survey only after the checks and the homing.
+    note(traces, SurveyState.CHECKING, NEXT)
+    assert done(traces) is traces.shown.radar.grid is None
+    # Its description and its first trace may come before its status.
+    traces.on_event(SurveyDescribed(description()))
+    traces.on_event(trace_at(make_grid(), 0))
+    traces.refresh()
+    note(traces, SurveyState.CHECKING, SURVEY)
+    assert (traces.shown.survey_id, traces.shown.radar.count) == (SURVEY, 1)
+
+
+def test_a_past_survey_that_was_asked_for_before_a_survey_began_does_not_come_up(traces):
+    note(traces, SurveyState.IDLE)
+    traces.open_survey(FOLDER)
+    note(traces, SurveyState.CHECKING, NEXT)
+    traces.on_event(SurveyRead(FOLDER, description(survey_id=PAST), ALL_STORED))
+    assert (traces.opened_folder, traces.problems) == ("", [])
+
+
+def test_a_past_survey_says_so_and_which_one_it_is(traces):
+    note(traces, SurveyState.IDLE)
+    open_past(traces)
+    listed = past_survey(outcome="finished", complete=True)
+    traces.on_event(SurveysListed("", (listed,), False))
+    assert str(traces.band) == f"PAST SURVEY: {listed.local_time()}, 7c9e6679"
+    named = dataclasses.replace(listed, name="field 3, east")
+    traces.on_event(SurveysListed("", (named,), False))
+    assert str(traces.band).endswith(", field 3, east")
+    note(traces, SurveyState.SURVEYING)
+    open_past(traces)
+    note(traces, SurveyState.SURVEYING)
+    assert "NOT THE RUNNING SURVEY" in str(traces.band)
+    assert traces.shown.survey_id == PAST
+    traces.show_live()
+    assert traces.band is None
+
+
+def test_a_replay_is_shown_without_a_band_and_without_a_list_of_surveys(traces):
+    replay = ReplayView(ReplayMark(PAST, folder=FOLDER, rate=1.0), state=SurveyState.SURVEYING)
+    note(traces, SurveyState.SURVEYING, PAST, replay)
+    traces.on_event(SurveyDescribed(description(survey_id=PAST)))
+    assert (traces.shown.survey_id, traces.band, traces.past.replay) == (PAST, None, True)
+    # The traces come with the replay: no storage has them.
+    assert traces.source.asked == []
+
+
+@pytest.mark.parametrize("columns,rows", [(1, 5), (6, 4), (1, 1)])
+def test_an_imported_survey_opens_without_a_fault_and_is_not_resumed(
+    window, tmp_path, columns, rows
+):
+    folder, count = imported_folder(tmp_path / "imported", columns, rows), columns * rows
+    counts = {"stored_traces": count, "planned_traces": 0, "verdict": None, "simulated": False}
+    imported = past_survey(folder=folder.name, outcome="imported", **counts)
+    window.show_tab(TabName.SURVEYS)
+    window.on_event(SurveysListed("", (imported,), False))
+    window.past.choose(imported)
+    assert not window.past.resume.isEnabled()
+    click(window.past.open)
+    text = (folder / "survey.json").read_text("ascii")
+    window.on_event(SurveyRead(folder.name, text, tuple(range(count))))
+    shown = window.traces.shown
+    traces = tuple(map(read_trace, sorted((folder / "traces").iterdir())))
+    window.on_event(TracesRead(0, TraceBlock.of(shown.map.grid.survey_id, traces), {}))
+    window.refresh()
+    assert shown.map.counts()[StopState.DONE] == shown.radar.count == count
+    assert shown.map.grid.simulated is False and shown.map.grid.plan is None
+    window.show_tab(TabName.GROUND)
+    window.grab()
+    assert not window.ground.view.finer.isEnabled()
+    assert window.traces.past.problem is None
+    assert str(window.traces.band).startswith("IMPORTED SURVEY: ")
+
+
 GRID = make_grid()
 
 
@@ -80,7 +204,7 @@ def test_what_is_stored_and_not_here_yet_is_loading(traces, storage):
     grid = make_grid(50, 25, rotations_deg=(0.0,))
     traces.open_survey(FOLDER)
     parameters = {**grid.plan[0].__dict__, "polarizations_deg": [0.0]}
-    text = description(survey_id=OTHER, parameters=parameters)
+    text = description(survey_id=PAST, parameters=parameters)
     traces.on_event(SurveyRead(FOLDER, text, tuple(range(1000))))
     loading = traces.shown.loading
     assert (loading.loaded, loading.stored, loading.step) == (0, 1000, 2)
@@ -130,7 +254,7 @@ def test_traces_that_come_at_once_are_shown_as_if_they_came_one_by_one(drawn):
         traces.on_event(SurveyDescribed(description()))
         for number, (index, own) in enumerate(drawn):
             s21 = depth_echo(0.1, level=1.0 + number)
-            grid = GRID if own else make_grid(survey_id=OTHER)
+            grid = GRID if own else make_grid(survey_id=PAST)
             traces.on_event(trace_at(grid, index, s21))
             if not at_once:
                 traces.refresh()
@@ -170,10 +294,10 @@ def test_a_new_survey_begins_an_empty_picture_and_a_resumed_one_does_not(traces)
     traces.on_event(SurveyDescribed(description(resumed=["2026-11-21T05:10:00+00:00"])))
     assert traces.shown.radar.count == 1
     # Its coverage waits for its plan.
-    traces.on_event(stored(4, OTHER))
+    traces.on_event(stored(4, PAST))
     traces.refresh()
     assert traces.shown.map.counts() is None
-    traces.on_event(SurveyDescribed(description(survey_id=OTHER)))
+    traces.on_event(SurveyDescribed(description(survey_id=PAST)))
     assert traces.shown.radar.count == 0
     traces.refresh()
     assert traces.shown.map.counts()[StopState.DONE] == 2
@@ -204,10 +328,10 @@ def test_a_past_survey_is_opened_and_the_live_one_goes_on_behind_it(traces, stor
     traces.on_event(SurveyDescribed(description()))
     traces.open_survey(FOLDER)
     assert storage.asked[-1] == ("survey", FOLDER)
-    traces.on_event(SurveyRead(FOLDER, description(survey_id=OTHER), (0, 1, 5)))
+    traces.on_event(SurveyRead(FOLDER, description(survey_id=PAST), (0, 1, 5)))
     refresh(traces, 2)
-    assert storage.asked[-1] == ("traces", OTHER, (0, 1, 5))
-    traces.on_event(read(0, 0, 1, 5, grid=make_grid(survey_id=OTHER)))
+    assert storage.asked[-1] == ("traces", PAST, (0, 1, 5))
+    traces.on_event(read(0, 0, 1, 5, grid=make_grid(survey_id=PAST)))
     traces.on_event(trace_at(GRID, 0))
     refresh(traces)
     assert (traces.shown.radar.count, traces.live.radar.count) == (3, 1)

@@ -13,9 +13,10 @@ from candidate_examples import candidate_list
 from hiding_kit import a_map
 from map_kit import focused
 from result_kit import BLUE
+from topics_kit import LIMIT_S, taken
 from view_kit import SURVEY
 
-from gpr20_common.high.service_client import ServiceClient, ServiceUnavailableError
+from gpr20_common.high.service_client import ServiceUnavailableError
 from gpr20_common.message import Message, verbatim
 from gpr20_common.sent_message import message_fields
 from gpr20_operator import faults
@@ -27,7 +28,7 @@ from gpr20_operator.ground.additions import (
 )
 from gpr20_operator.ground.trace_events import ReadingFailed, SurveyRead, SurveysListed
 from gpr20_operator.high import request_client, storage_client
-from gpr20_operator.jobs.job import Delivery, JobState, Service
+from gpr20_operator.jobs.job import JobState, Service
 from gpr20_operator.jobs.pictures import Imaging, StoredSurvey
 from gpr20_operator.robot.senders import Senders
 from gpr20_operator.robot.service_model import HeightTested
@@ -37,7 +38,6 @@ from gpr20_survey.results.focused_image import focus_fields
 from gpr20_survey.results.hiding_map import hiding_json
 from gpr20_survey.results.volume import volume_fields
 
-LIMIT_S = 30.0
 TESTED = AnalyzerTest("10.0.0.1", "Anritsu,MS2026C", "HIGH", 51, 0.02, -40.0)
 ANSWERS = {
     Service.FOCUS: focus_fields(focused()),
@@ -54,39 +54,17 @@ ANSWERS = {
     Service.HEIGHT: {"height_m": 0.2, "spread_m": 0.001, "voltage_v": 1.3},
     Service.ANALYZER: analyzer_test_fields(TESTED),
 }
-
-
+REFUSED = {"success": False, **message_fields(verbatim("refused"))}
 # Of the other services of the storage.
-STORED = {"success": True, "survey_id": "id", "markers_json": "[]", "stored_indices": [0, 3]}
+STORED = {"survey_id": "id", "markers_json": "[]", "stored_indices": [0, 3]}
 STORED.update(metadata_json="{}")
 
 
-class Services:
-    """In place of the services: what each is asked, and what it answers."""
-
-    def __init__(self):
-        self.asked, self.heard = [], threading.Semaphore(0)
-        self.answers = {one.value: dict(found, success=True) for one, found in ANSWERS.items()}
-        # In place of every answer.
-        self.failure = None
-        self.waits = threading.Event()
-        self.waits.set()
-
-    def call(self, client, _timeout_s, **fields):
-        self.asked.append((client.name, fields))
-        self.heard.release()
-        self.waits.wait(LIMIT_S)
-        answer = self.failure or self.answers.get(client.name, STORED)
-        if isinstance(answer, Exception):
-            raise answer
-        return SimpleNamespace(**answer)
-
-
-@pytest.fixture
-def services(monkeypatch):
-    services = Services()
-    monkeypatch.setattr(ServiceClient, "call", lambda *one, **more: services.call(*one, **more))
-    return services
+@pytest.fixture(autouse=True)
+def answers(services):
+    services.usual = STORED
+    services.answers.update({one.value: [found] for one, found in ANSWERS.items()})
+    return services.answers
 
 
 @pytest.fixture
@@ -103,9 +81,7 @@ def imaging(services, events):
 
 def deliver(events):
     """Hand the next answer over, as the window does in its thread."""
-    event = events.get(timeout=LIMIT_S)
-    assert isinstance(event, Delivery)
-    event.deliver()
+    events.get(timeout=LIMIT_S).deliver()
 
 
 def test_the_answers_are_what_pages_work_with_and_delivered_in_their_thread(
@@ -119,7 +95,7 @@ def test_the_answers_are_what_pages_work_with_and_delivered_in_their_thread(
         deliver(events)
         assert job.state is JobState.DONE
         found[service] = job.result
-        name, fields = services.asked[-1]
+        name, fields = services.asked.get()
         assert name == service.value and fields["survey"] == SURVEY
         assert ("request_id" in fields) == service.can_be_cancelled
     assert threads == [threading.current_thread()] * len(Service)
@@ -135,10 +111,10 @@ def test_the_answers_are_what_pages_work_with_and_delivered_in_their_thread(
     assert found[Service.ANALYZER] == TESTED
 
 
-def test_a_test_that_failed_says_what_it_has_found_before(imaging, services, events):
+def test_a_test_that_failed_says_what_it_has_found_before(imaging, answers, events):
     reason = {"success": False, **message_fields(verbatim("stuck"))}
     for service in (Service.HEIGHT, Service.ANALYZER):
-        services.answers[service.value].update(reason)
+        answers[service.value] = [{**ANSWERS[service], **reason}]
         job = imaging.job(service)
         job.ask()
         deliver(events)
@@ -149,22 +125,21 @@ def test_a_test_that_failed_says_what_it_has_found_before(imaging, services, eve
 
 @each_case("service", list(Service))
 def test_a_service_that_is_silent_or_refuses_is_a_failure_with_a_reason(
-    imaging, services, events, service
+    imaging, answers, events, service
 ):
     job = imaging.job(service)
-    services.answers[service.value] = ServiceUnavailableError(Message("no answer"))
+    answers[service.value] = [ServiceUnavailableError(Message("no answer"))]
     job.ask()
     deliver(events)
     assert job.problem.cause == faults.PART_SILENT and job.problem.remedy is not None
     if service in (Service.HEIGHT, Service.ANALYZER):
         return
-    refusal = {"success": False, **message_fields(verbatim("refused"))}
-    services.answers[service.value] = refusal
+    answers[service.value] = [REFUSED]
     job.ask()
     deliver(events)
     assert str(job.problem) == "refused"
     if service is Service.HIDE:
-        services.answers["map_hidden"] = {"success": True, "hiding_json": "{}"}
+        answers[service.value] = [{"hiding_json": "{}"}]
         job.ask()
         deliver(events)
         assert job.state is JobState.FAILED, "its answer is not valid"
@@ -173,31 +148,28 @@ def test_a_service_that_is_silent_or_refuses_is_a_failure_with_a_reason(
 def test_a_request_that_is_cancelled_is_ended_at_the_node_and_its_answer_counts_for_nothing(
     imaging, services, events
 ):
-    services.waits.clear()
+    services.answers["focus_survey"].insert(0, services.hung)
     job = imaging.job(Service.FOCUS)
     job.ask(survey=SURVEY)
     job.end()
-    assert all(services.heard.acquire(timeout=LIMIT_S) for _ in range(2))
-    services.waits.set()
+    asked = dict(taken(services.asked, 2))
+    services.hung.set()
     deliver(events)
     assert (job.state, job.result) == (JobState.READY, None)
-    (asked,) = [fields for name, fields in services.asked if name == "focus_survey"]
-    (ended,) = [fields for name, fields in services.asked if name == "cancel_imaging"]
-    assert ended["request_id"] == asked["request_id"]
+    assert asked["cancel_imaging"]["request_id"] == asked["focus_survey"]["request_id"]
 
 
 def test_only_the_progress_of_the_export_that_runs_is_shown(imaging, services, events):
-    services.waits.clear()
+    services.answers["export_survey"].insert(0, services.hung)
     job = imaging.job(Service.EXPORT)
     job.ask(survey=SURVEY)
     client = imaging._requests
     stage = message_fields(verbatim("copying"))
     assert client._on_progress(SimpleNamespace(request_id="another", **stage)) is None
-    assert services.heard.acquire(timeout=LIMIT_S)
-    own = services.asked[0][1]["request_id"]
+    own = services.asked.get(timeout=LIMIT_S)[1]["request_id"]
     client._on_progress(SimpleNamespace(request_id=own, **stage)).deliver()
     assert str(job.stage) == "copying" and events.empty()
-    services.waits.set()
+    services.hung.set()
     deliver(events)
     assert job.state is JobState.DONE
 
@@ -239,11 +211,12 @@ def test_answers_become_events(answer):
 
 @each_case("what", list(ASKED))
 def test_silence_and_refusals_are_failures_with_a_reason(answer, services, what):
-    services.failure = ServiceUnavailableError(Message("no answer"))
+    services.answers.clear()
+    services.usual = ServiceUnavailableError(Message("no answer"))
     silent = answer(what)
     assert isinstance(silent, FAILED[what])
     assert silent.reason.cause == faults.PART_SILENT and silent.reason.remedy is not None
-    services.failure = {"success": False, **message_fields(verbatim("refused"))}
+    services.usual = REFUSED
     refused = answer(what)
     assert isinstance(refused, FAILED[what])
     assert str(refused.reason) == "refused" and refused.reason.cause is None

@@ -1,20 +1,149 @@
-"""The program of the window without a graph: how it ends where it cannot be shown."""
+"""The processes of window and client: how they end, by signals, a hang or without a display."""
 
 import argparse
 import os
 import signal
 import subprocess
 import sys
+import time
 from pathlib import Path
+from queue import SimpleQueue
 from types import SimpleNamespace
 
+import psutil
 import pytest
+from case_kit import each_case
 
 from gpr20_common.catalogue import Language
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message
 from gpr20_operator.errors import MasterUnavailableError
+from gpr20_operator.robot.events import StopRequested
 from gpr20_user_interface.high import user_interface
+from gpr20_user_interface.low.display_probe import display_problem
+from gpr20_user_interface.low.process import SecondStopSignal, StopSignals, leave_now
+
+
+@pytest.mark.parametrize(
+    ("number", "name"), [(signal.SIGINT, "Ctrl-C"), (signal.SIGTERM, "SIGTERM")]
+)
+def test_first_signal_is_a_wish_and_the_second_leaves(number, name):
+    events, before = SimpleQueue(), signal.getsignal(number)
+    with StopSignals(lambda reason: events.put(StopRequested(reason))) as signals:
+        assert not signals.received
+        os.kill(os.getpid(), number)
+        assert events.get(timeout=5.0) == StopRequested(name)
+        assert signals.received
+        with pytest.raises(SecondStopSignal):
+            os.kill(os.getpid(), signal.SIGINT)
+            events.get(timeout=5.0)
+    assert signal.getsignal(number) is before
+
+
+def test_further_signals_can_be_told_to_somebody_else():
+    printed = []
+    with StopSignals(printed.append, on_next=lambda: printed.append("again")):
+        os.kill(os.getpid(), signal.SIGINT)
+        os.kill(os.getpid(), signal.SIGTERM)
+    assert printed == ["Ctrl-C", "again"]
+
+
+def test_leaving_at_once_waits_for_nobody_but_loses_no_words():
+    program = (
+        "import atexit, time\n"
+        f"from {leave_now.__module__} import leave_now\n"
+        "atexit.register(time.sleep, 60)\n"
+        "print('last words')\n"
+        "leave_now(130)\n"
+    )
+    ended = subprocess.run(
+        [sys.executable, "-c", program],
+        stdout=subprocess.PIPE,
+        timeout=20,
+        env={**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)},
+    )
+    assert (ended.returncode, ended.stdout) == (130, b"last words\n")
+
+
+def test_ctrl_c_while_the_client_is_loaded_ends_it_quietly(tmp_path):
+    # In place of the first library that it loads; a shell may have begun this deaf to Ctrl-C.
+    (tmp_path / "rospy.py").write_text(
+        "import signal\nprint('loading', flush=True)\nwhile True: signal.pause()\n"
+    )
+    program = Path(__file__).resolve().parents[2] / "nodes" / "run_survey"
+    process = subprocess.Popen(
+        [sys.executable, str(program)],
+        env={**os.environ, "PYTHONPATH": f"{tmp_path}:{os.environ.get('PYTHONPATH', '')}"},
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
+    )
+    try:
+        assert process.stdout.readline() == "loading\n"
+        process.send_signal(signal.SIGINT)
+        _, error = process.communicate(timeout=60.0)
+    finally:
+        process.kill()
+    assert (process.returncode, error) == (-signal.SIGINT, "")
+
+
+def raise_error():
+    raise OSError("no such plugin")
+
+
+def end_the_process():
+    os.write(2, b"some library: loading\nsome library: could not connect to display :7\nmore\n")
+    os.kill(os.getpid(), signal.SIGKILL)
+
+
+@each_case(
+    "open_display, limit_s, problem",
+    [
+        (lambda: print("a warning"), 30.0, None),
+        (raise_error, 30.0, "OSError('no such plugin')"),
+        # The line that names the display.
+        (end_the_process, 30.0, "some library: could not connect to display :7"),
+        (lambda: time.sleep(60), 0.2, "no answer within 0.2 s"),
+    ],
+)
+def test_a_display_that_does_not_open_is_a_problem_with_its_reason(open_display, limit_s, problem):
+    before = psutil.Process().children()
+    assert display_problem(open_display, limit_s=limit_s) == problem
+    assert psutil.Process().children() == before
+
+
+GUARDED = """
+import threading, time
+from gpr20_user_interface.low.process import HangGuard
+
+def hang_here():
+    {hang}
+
+guard = HangGuard(1.0)
+for _ in range(60):
+    guard.beat()
+    time.sleep(0.02)
+{end}
+hang_here()
+"""
+
+
+def run_guarded(hang, end=""):
+    command = [sys.executable, "-c", GUARDED.format(hang=hang, end=end)]
+    return subprocess.run(command, capture_output=True, text=True, timeout=100, check=False)
+
+
+@each_case("hang", ["threading.Event().wait(60)", "while True: pass"])
+def test_a_window_that_hangs_ends_and_says_where(hang):
+    ended = run_guarded(hang)
+    assert ended.returncode == 1
+    assert "hang_here" in ended.stderr
+
+
+def test_a_window_that_is_closed_takes_its_time():
+    assert run_guarded("threading.Event().wait(1.5)", end="guard.end()").returncode == 0
+
 
 PROGRAM = Path(__file__).resolve().parents[2] / "nodes" / "user_interface"
 LIMIT_S = 60.0
