@@ -4,17 +4,19 @@ from __future__ import annotations
 
 import json
 import os
-import shutil
 import signal
 import subprocess
 import sys
 import tempfile
 import time
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import Any, Callable, Dict, Iterator
 
-SIZE = "800x480"
+sys.path.append(str(Path(__file__).resolve().parents[5] / "tools/kits"))
+from robot_kit import running
+from window_kit import virtual_screen
+
 # As long as the window takes no touch after something has opened or closed, and a little more.
 QUIET_S = 0.5
 # How long a finger touches.
@@ -32,56 +34,25 @@ def wait_until(condition: Callable[[], bool], what: str) -> None:
         time.sleep(0.02)
 
 
-def program_path(name: str) -> str:
-    """Return the path of a program that the tests need."""
-    path = shutil.which(name)
-    if path is None:
-        raise AssertionError(f"{name} is missing; run scripts/setup.sh --dev")
-    return path
-
-
 class Screen:
-    """An X server on a display number that it chooses itself, with a window manager."""
+    """A virtual screen, with a window manager that gives every window a frame, as on a desktop."""
 
     def __init__(self) -> None:
-        reading, writing = os.pipe()
-        self._server = _silent(
-            *(program_path("Xvfb"), "-displayfd", str(writing), "-nolisten", "tcp"),
-            *("-screen", "0", f"{SIZE}x24"),
-            pass_fds=[writing],
-        )
-        os.close(writing)
-        with os.fdopen(reading) as answer:
-            # Ends with the server if it does not start.
-            number = answer.readline().strip()
-        if not number:
-            raise AssertionError("Xvfb did not start")
-        self.environment = {**os.environ, "DISPLAY": f":{number}", "QT_QPA_PLATFORM": "xcb"}
+        self._processes = ExitStack()
+        self._processes.enter_context(virtual_screen())
         with tempfile.TemporaryDirectory() as folder:
             started = Path(folder) / "started"
-            # It gives every window a frame, as on a desktop.
-            self._manager = _silent(
-                *(program_path("openbox"), "--sm-disable", "--startup", f"touch {started}"),
-                env=self.environment,
-            )
+            command = ["openbox", "--sm-disable", "--startup", f"touch {started}"]
+            self._processes.enter_context(running(*command, end_by=signal.SIGKILL))
             wait_until(started.exists, "the window manager runs")
 
     def finger(self, *words: str) -> None:
         """Do what xdotool is told to."""
-        command = [program_path("xdotool"), *words]
-        subprocess.run(command, env=self.environment, check=True, timeout=LIMIT_S)
+        subprocess.run(["xdotool", *words], check=True, timeout=LIMIT_S)
 
     def kill(self) -> None:
         """End it without a warning to its windows; more than once does nothing."""
-        for process in (self._server, self._manager):
-            process.kill()
-            process.wait(LIMIT_S)
-
-
-def _silent(*command: str, **options: Any) -> subprocess.Popen:
-    return subprocess.Popen(
-        command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, **options
-    )
+        self._processes.close()
 
 
 class TouchedWindow:
@@ -98,7 +69,7 @@ class TouchedWindow:
         program = Path(__file__).with_name("window_process.py")
         self.process = subprocess.Popen(
             [sys.executable, str(program), *arguments],
-            env={**screen.environment, **environment},
+            env={**os.environ, **environment},
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             universal_newlines=True,

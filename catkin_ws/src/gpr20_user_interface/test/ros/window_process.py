@@ -27,7 +27,6 @@ from gpr20_user_interface.window.rail import TabName
 
 TAB = "tab:"
 WINDOW = "window"
-KEYS = "keys"
 
 
 def shown(window: Any) -> Dict[str, Any]:
@@ -62,12 +61,10 @@ def part(window: Any, name: str) -> Dict[str, Any]:
     Args:
         window: The window.
         name: Attributes of the window separated by dots, such as `top_bar.stop`; `tab:MAP` a tab;
-            `window` all of it; `keys` the places of all keys that are seen.
+            `window` all of it.
     """
     if name == WINDOW:
         return whole(window)
-    if name == KEYS:
-        return {"keys": keys(window)}
     if name.startswith(TAB):
         return described(window.rail.tabs[TabName[name[len(TAB) :]]])
     found: Optional[QWidget] = window
@@ -88,17 +85,6 @@ def whole(window: Any) -> Dict[str, Any]:
             outside.append(one.objectName() or one.text())
     geometries = {"screen": screen, "window": window.geometry(), "frame": window.frameGeometry()}
     return {**{name: sides(one) for name, one in geometries.items()}, "outside": outside}
-
-
-def keys(window: Any) -> List[List[int]]:
-    """Return the middle of each key that can be touched."""
-    found = []
-    for key in window.findChildren(QAbstractButton):
-        seen = key.visibleRegion().boundingRect()
-        if key.isVisible() and key.isEnabled() and not seen.isEmpty():
-            centre = key.mapToGlobal(seen.center())
-            found.append([centre.x(), centre.y()])
-    return found
 
 
 def described(widget: QWidget) -> Dict[str, Any]:

@@ -1,3 +1,4 @@
+import queue
 import sys
 from pathlib import Path
 
@@ -25,6 +26,19 @@ def node():
     from result_kit import Requests
 
     return Requests()
+
+
+@pytest.fixture
+def now():
+    from result_kit import Now
+
+    return Now()
+
+
+@pytest.fixture
+def events():
+    """What clients emit."""
+    return queue.Queue()
 
 
 @pytest.fixture

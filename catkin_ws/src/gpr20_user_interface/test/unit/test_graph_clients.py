@@ -1,6 +1,5 @@
 """Clients of the graph without one: STOP, and joining a master that comes, dies or is another."""
 
-import queue
 import threading
 from types import SimpleNamespace
 
@@ -24,11 +23,6 @@ from gpr20_survey.axes.axis_id import AxisId
 
 REFUSED = {"success": False}
 SILENT = ServiceUnavailableError(Message("no answer"))
-
-
-@pytest.fixture
-def events():
-    return queue.Queue()
 
 
 @pytest.fixture

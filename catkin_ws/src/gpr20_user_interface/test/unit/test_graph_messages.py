@@ -3,7 +3,6 @@
 Without a ROS master: no topic and no real service.
 """
 
-import queue
 import threading
 from types import SimpleNamespace
 
@@ -85,39 +84,34 @@ def test_an_annotation_comes_out_of_a_ros_message_as_it_went_in(annotation):
 
 
 @pytest.fixture
-def answers(services):
-    """What the client emits, a queue; `set_survey_parameters` hangs."""
+def client(services, events):
+    """A client whose request to set the parameters hangs."""
     estimated = SimpleNamespace(to_sec=lambda: 1.0)
     plan = {"plan_id": "0123", "total_points": 4, "estimated_time": estimated}
     services.answers["set_survey_parameters"] = [services.hung, plan]
     services.answers["start_survey"] = [{"survey_id": "s"}]
-    return queue.Queue()
-
-
-@pytest.fixture
-def client(answers):
-    client = ControlClient(answers.put, Senders("/"))
+    client = ControlClient(events.put, Senders("/"))
     client._stop = SimpleNamespace(press=lambda: None, forget=lambda: None)
     return client
 
 
 @pytest.mark.parametrize("withdraw", [ControlClient.stop, ControlClient.withdraw_start])
 def test_a_survey_whose_parameters_are_not_accepted_yet_is_not_started_after_stop(
-    client, services, answers, withdraw
+    client, services, events, withdraw
 ):
     client.start_survey(default_parameters())
     assert services.asked.get(timeout=LIMIT_S)[0] == "set_survey_parameters"
     withdraw(client)
     services.hung.set()
-    assert answers.get(timeout=LIMIT_S) == Answer(Request.START, False, WITHDRAWN)
+    assert events.get(timeout=LIMIT_S) == Answer(Request.START, False, WITHDRAWN)
     assert services.asked.empty()
 
 
-def test_a_survey_is_started_after_an_earlier_stop(client, services, answers):
+def test_a_survey_is_started_after_an_earlier_stop(client, services, events):
     client.stop()
     services.hung.set()
     client.start_survey(default_parameters())
-    (answer,) = [one for one in taken(answers, 2) if isinstance(one, Answer)]
+    (answer,) = [one for one in taken(events, 2) if isinstance(one, Answer)]
     assert answer.success
     # The plan that it has set, whatever another client has set meanwhile.
     assert dict(taken(services.asked, 2))["start_survey"]["plan_id"] == "0123"

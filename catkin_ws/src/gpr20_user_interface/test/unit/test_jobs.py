@@ -4,7 +4,6 @@ import map_kit
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from result_kit import Now
 from view_kit import SURVEY
 
 from gpr20_common.message import verbatim
@@ -62,11 +61,6 @@ def test_a_result_that_is_refused_is_a_failure_with_its_reason():
     )
     job.ask(survey="a")
     assert (job.state, job.result, job.problem) == (JobState.FAILED, None, REASON)
-
-
-@pytest.fixture
-def now():
-    return Now()
 
 
 @pytest.fixture

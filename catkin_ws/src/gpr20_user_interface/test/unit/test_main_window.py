@@ -23,10 +23,8 @@ from view_kit import (
 )
 from window_helpers import (
     click,
-    close,
     hold,
     hold_to_start,
-    opened_window,
     show,
     until,
     wishes,
@@ -175,21 +173,18 @@ def test_a_stop_of_axes_that_are_silent_says_at_once_to_switch_off_the_motors(wi
     assert not warning.isVisible()
 
 
-def test_a_stop_that_is_not_answered_is_said_between_two_refreshes(application, clock):
-    window = opened_window(application, clock=clock)
-    try:
-        axes = tuple(replace(one, received_s=clock.now_s()) for one in RESTING)
-        show(window, job(SurveyState.SURVEYING, axes=axes))
-        QTest.mousePress(window.top_bar.stop, Qt.LeftButton)
-        assert not window.stop_warning.isVisible()
-        clock.advance(ANSWER_S + 0.001)
-        assert until(window.stop_warning.isVisible)
-        window.on_event(Answer(Request.STOP, True, verbatim("stopping")))
-        assert window.stop_warning.isVisible()
-        show(window, SURVEYING)
-        assert not window.stop_warning.isVisible()
-    finally:
-        close(window)
+def test_a_stop_that_is_not_answered_is_said_between_two_refreshes(opened, clock):
+    window = opened()
+    axes = tuple(replace(one, received_s=clock.now_s()) for one in RESTING)
+    show(window, job(SurveyState.SURVEYING, axes=axes))
+    QTest.mousePress(window.top_bar.stop, Qt.LeftButton)
+    assert not window.stop_warning.isVisible()
+    clock.advance(ANSWER_S + 0.001)
+    assert until(window.stop_warning.isVisible)
+    window.on_event(Answer(Request.STOP, True, verbatim("stopping")))
+    assert window.stop_warning.isVisible()
+    show(window, SURVEYING)
+    assert not window.stop_warning.isVisible()
 
 
 X_MOVES = moving(AxisId.X)

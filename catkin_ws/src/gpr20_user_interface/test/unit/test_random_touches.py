@@ -30,7 +30,7 @@ from gpr20_user_interface.window.rail import TabName
 TOUCHES = int(os.environ.get("GPR20_TOUCHES", draws(300)))
 SEED = int(os.environ.get("GPR20_TOUCH_SEED", "0"))
 PERIOD_S = 0.05
-KEPT = {f"field {number}.yaml" for number in range(3)}
+KEPT = {f"field {number}" for number in range(3)}
 # What may be asked for: all of it stops the robot or moves nothing.
 HARMLESS = {"stop", "pause", "pause replay"}
 # Of SERVICE: whether its tab is looked at, and what CHECK ALL asks for.
@@ -52,10 +52,8 @@ class Field:
         self.random, self.arming = random.Random(SEED), Arming(clock)
         self.window = opened(arming=self.arming)
         self.opened, self.held, self.answered, self.acts = set(), set(), 0, []
-        for name in sorted(KEPT):
-            self.window.profiles.show_profiles(default_parameters())
-            self.window.profiles._save(name[: -len(".yaml")])
-        self.window.profiles.hide()
+        for name in KEPT:
+            self.window.kept_profiles.save(name, default_parameters())
         self.window.on_event(SurveysListed("", (past_survey(),), False))
         self.window.on_event(WebStatusReported("192.168.1.10", 8443, "AB12 CD34", 3, "Ana"))
         self.overlays = self.window.findChildren(Overlay)
@@ -81,13 +79,6 @@ class Field:
     def unlock(self):
         self.window.touch_binding.set_locked(False)
 
-    def show_profiles(self):
-        self.clear()
-        self.say(SurveyState.IDLE)
-        self.window.profiles.show_profiles(default_parameters())
-        self.window.profiles.names.setCurrentRow(self.random.randrange(3))
-        self.tap(self.window.profiles.delete)
-
     def deeds(self):
         """Return what may happen beside a new state."""
         window = self.window
@@ -97,9 +88,9 @@ class Field:
         return (
             lambda: window.show_tab(self.random.choice(list(TabName))),
             lambda: window.past.choose(window.traces.past.surveys[0]),
-            self.mean_to_start,
-            self.mean_to_resume,
-            self.show_profiles,
+            lambda: self.mean(SurveyState.IDLE, window.control.start, self.show_plan),
+            lambda: self.mean(SurveyState.PAUSED, window.top_bar.pause),
+            lambda: self.mean(SurveyState.IDLE, window.profiles.delete, self.show_profiles),
             lambda: window.notice.show_notice(notice),
             lambda: window.alerts.take_refusal(refusal),
             lambda: window.on_event(read),
@@ -114,25 +105,23 @@ class Field:
             overlay.hide()
         self.unlock()
 
-    def mean_to_start(self):
-        """Random touches seldom find a plan that can be started."""
-        window = self.window
+    def mean(self, code, button, prepare=lambda: None):
+        """Touch a button that random touches seldom find where it acts."""
         self.clear()
-        self.say(SurveyState.IDLE)
-        window.control.show_parameters(default_parameters())
-        window.show_tab(TabName.SURVEY)
-        window.survey_tab.show_plan(window.survey.snapshot)
-        self.tap(window.control.start)
-
-    def mean_to_resume(self):
-        self.clear()
-        self.say(SurveyState.PAUSED)
-        self.tap(self.window.top_bar.pause)
-
-    def tap(self, button):
+        self.say(code)
+        prepare()
         QApplication.processEvents()
         self.finger.wait(AFTER_S)
         self.finger.tap(button)
+
+    def show_plan(self):
+        self.window.control.show_parameters(default_parameters())
+        self.window.show_tab(TabName.SURVEY)
+        self.window.survey_tab.show_plan(self.window.survey.snapshot)
+
+    def show_profiles(self):
+        self.window.profiles.show_profiles(default_parameters())
+        self.window.profiles.names.setCurrentRow(self.random.randrange(3))
 
     def touch(self):
         """Touch somewhere for a moment, or wipe over the screen."""
@@ -227,9 +216,7 @@ class Field:
             assert not overlay.isVisible() or not place_of(window, overlay).intersects(free)
 
 
-def test_random_touches_neither_start_nor_resume_nor_home_nor_delete(
-    opened, clock, tmp_path, monkeypatch
-):
+def test_random_touches_neither_start_nor_resume_nor_home_nor_delete(opened, clock, monkeypatch):
     raised = []
     # What a slot of Qt raises ends the real window.
     monkeypatch.setattr(sys, "excepthook", lambda *error: raised.append(error))
@@ -250,7 +237,7 @@ def test_random_touches_neither_start_nor_resume_nor_home_nor_delete(
         except AssertionError as error:
             raise AssertionError(f"touch {number} of seed {SEED}") from error
         assert not raised, f"touch {number} of seed {SEED}"
-    assert {one.name for one in tmp_path.iterdir()} >= KEPT
+    assert set(window.kept_profiles.names()) >= KEPT
     # The touches were at the buttons that matter.
     asking = {window.start_sheet, window.profiles.confirm, window.question, window.remote}
     assert asking <= field.opened

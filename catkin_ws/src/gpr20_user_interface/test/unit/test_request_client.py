@@ -1,6 +1,5 @@
 """The clients of the services: answers become events or reach their job, never late ones."""
 
-import queue
 import threading
 from types import SimpleNamespace
 
@@ -65,11 +64,6 @@ def answers(services):
     services.usual = STORED
     services.answers.update({one.value: [found] for one, found in ANSWERS.items()})
     return services.answers
-
-
-@pytest.fixture
-def events():
-    return queue.Queue()
 
 
 @pytest.fixture

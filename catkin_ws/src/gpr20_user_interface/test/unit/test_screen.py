@@ -1,53 +1,60 @@
-"""The window covers the screen, also one that is replaced, or fits on it, and keeps it awake."""
+"""What is seen: the window covers the screen or fits on it, contrast, signs, dimming."""
 
 import random
 import subprocess
 
 import pytest
-from PyQt5.QtCore import QRect, Qt
+from finger import Finger
+from PyQt5.QtCore import QPoint, QRect, Qt
 from PyQt5.QtGui import QGuiApplication
 from PyQt5.QtTest import QTest
 from PyQt5.QtWidgets import QWidget
 from run_seed import draws
+from view_kit import snapshot
+from window_helpers import show, wishes
 
+from gpr20_common.message import verbatim
+from gpr20_operator.robot.notices import Refused, refusal_notice
+from gpr20_survey.plan.survey_state import SurveyState
+from gpr20_user_interface.look.look import Mark, TextColours, Theme
 from gpr20_user_interface.low.screen_saver import ScreenSaver
 from gpr20_user_interface.window.placement import Area, ScreenPlacement, fitted
 
 
 @pytest.fixture
-def window(application):
-    window = QWidget()
-    window.setMinimumSize(100, 100)
-    window.resize(300, 200)
-    yield window
-    window.close()
+def widget(application):
+    widget = QWidget()
+    widget.setMinimumSize(100, 100)
+    widget.resize(300, 200)
+    yield widget
+    widget.close()
 
 
-def test_a_full_screen_has_no_frame_and_follows_the_screen(window):
-    ScreenPlacement(window, full_screen=True).show()
+def test_a_full_screen_has_no_frame_and_follows_the_screen(widget):
+    ScreenPlacement(widget, full_screen=True).show()
     screen = QGuiApplication.primaryScreen()
-    assert window.isFullScreen()
-    assert window.windowFlags() & Qt.FramelessWindowHint
-    assert window.geometry() == screen.geometry()
+    assert widget.isFullScreen()
+    assert widget.windowFlags() & Qt.FramelessWindowHint
+    assert widget.geometry() == screen.geometry()
     changes = (
         lambda: screen.geometryChanged.emit(screen.geometry()),
         lambda: QGuiApplication.instance().primaryScreenChanged.emit(screen),
     )
     for change in changes:
-        window.setGeometry(QRect(5, 5, 200, 200))
+        widget.setGeometry(QRect(5, 5, 200, 200))
         change()
-        assert window.geometry() == screen.geometry()
+        assert widget.geometry() == screen.geometry()
 
 
-def test_a_window_is_brought_back_onto_the_screen(window):
+def test_a_window_is_brought_back_onto_the_screen(widget):
     free = QGuiApplication.primaryScreen().availableGeometry()
     for place in ((-50, -60), (10_000, 10_000), (3, 4)):
-        ScreenPlacement(window, full_screen=False).show()
-        window.move(*place)
+        ScreenPlacement(widget, full_screen=False).show()
+        widget.move(*place)
         QTest.qWait(1)
-        assert free.contains(window.frameGeometry()), place
-        assert (window.width(), window.height()) == (300, 200)
-        window.close()
+        assert free.contains(widget.frameGeometry()), place
+        assert (widget.width(), widget.height()) == (300, 200)
+        widget.close()
 
 
 def test_no_part_of_any_window_is_outside():
@@ -118,3 +125,81 @@ def test_a_screen_that_cannot_be_set_is_a_note_and_nothing_is_restored(error, re
     saver = ScreenSaver(run)
     assert reason in saver.switch_off()
     assert saver.restore() is None and len(commands) == 1
+
+
+AFTER_S = 120.0
+# WCAG 2.1: 1.4.6 for text (level AAA), 1.4.11 for what distinguishes a mark from its surroundings.
+TEXT_CONTRAST = 7.0
+MARK_CONTRAST = 3.0
+
+
+def luminance(colour):
+    channels = [int(colour[start : start + 2], 16) / 255.0 for start in (1, 3, 5)]
+    linear = [one / 12.92 if one <= 0.03928 else ((one + 0.055) / 1.055) ** 2.4 for one in channels]
+    return 0.2126 * linear[0] + 0.7152 * linear[1] + 0.0722 * linear[2]
+
+
+def contrast(one, other):
+    lighter, darker = sorted((luminance(one), luminance(other)), reverse=True)
+    return (lighter + 0.05) / (darker + 0.05)
+
+
+def test_every_text_and_every_mark_is_seen():
+    for theme in Theme:
+        for colours in TextColours:
+            assert contrast(*colours.of(theme)) >= TEXT_CONTRAST, colours
+        for mark in set(Mark) - {Mark.PAPER}:
+            assert contrast(mark.of(theme), Mark.PAPER.of(theme)) >= MARK_CONTRAST, mark
+
+
+@pytest.fixture
+def window(opened):
+    window = opened()
+    window.settings.dim_choices[2].click()
+    show(window, snapshot(SurveyState.SURVEYING))
+    return window
+
+
+@pytest.fixture
+def finger(window, clock):
+    return Finger(window, clock)
+
+
+def dim(window, clock, shown=None):
+    clock.advance(AFTER_S)
+    show(window, shown or snapshot(SurveyState.SURVEYING))
+    return window.settings.cover.isVisible()
+
+
+def test_the_first_touch_only_wakes_and_the_next_one_acts(window, finger, clock):
+    assert dim(window, clock)
+    finger.tap(window.rail.settings)
+    assert not window.settings.cover.isVisible()
+    assert not window.settings.isVisible()
+    finger.tap(window.rail.settings)
+    assert window.settings.isVisible()
+
+
+def test_stop_is_seen_and_acts_on_a_dimmed_screen(window, finger, clock):
+    stop, bright = window.top_bar.stop, window.grab().toImage()
+    assert dim(window, clock)
+    dimmed = window.grab().toImage()
+    inside = stop.mapTo(window, QPoint(10, stop.height() // 2))
+    assert dimmed.pixelColor(inside) == bright.pixelColor(inside)
+    outside = QPoint(window.width() // 2, window.height() - 10)
+    assert dimmed.pixelColor(outside).lightness() < 0.3 * bright.pixelColor(outside).lightness()
+    finger.tap(stop)
+    assert wishes(window) == ["stop"]
+
+
+def test_an_alarm_a_fault_or_a_notice_is_never_dimmed(window, clock):
+    for shown in (snapshot(SurveyState.SURVEYING, alive=False), snapshot(SurveyState.PAUSED)):
+        assert not dim(window, clock, shown)
+        window.notice.hide()
+        assert not dim(window, clock, shown)
+        assert dim(window, clock)
+        show(window, shown)
+        assert not window.settings.cover.isVisible()
+        window.notice.hide()
+    window.notice.show_notice(refusal_notice(Refused.START, verbatim("no")))
+    assert not dim(window, clock)

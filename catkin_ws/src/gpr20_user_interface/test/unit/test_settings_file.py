@@ -24,7 +24,6 @@ from gpr20_operator.ground.trace_events import SurveysListed
 from gpr20_operator.palette import Theme
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_user_interface.look.settings import (
-    DIM_CHOICES_MIN,
     WindowMemory,
     WindowSettings,
     settings_from,
@@ -97,16 +96,6 @@ def test_what_cannot_be_written_is_reported_and_holds_until_the_end(tmp_path):
     assert memory.close(10.0)
     assert memory.settings.theme is Theme.NIGHT
     assert len(problems) == 2
-
-
-def test_the_last_of_many_changes_is_what_is_remembered(tmp_path):
-    file = SettingsFile(tmp_path / "window.yaml")
-    memory = WindowMemory(file)
-    draw = random.Random(3)
-    for _ in range(20):
-        memory.change(dim_after_min=draw.choice(DIM_CHOICES_MIN), theme=draw.choice(list(Theme)))
-    assert memory.close(10.0)
-    assert WindowMemory(file).settings == memory.settings
 
 
 def test_each_choice_takes_effect_at_once_and_at_the_next_start(opened, tmp_path):

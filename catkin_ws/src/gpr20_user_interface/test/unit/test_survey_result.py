@@ -12,7 +12,6 @@ from result_kit import (
     ELEVEN,
     PLANNED,
     TIME_US,
-    Now,
     Requests,
     image_of,
     new_result,
@@ -47,11 +46,6 @@ from gpr20_survey.results.hidden_target import Targets
 @pytest.fixture
 def requests(node):
     return node
-
-
-@pytest.fixture
-def now():
-    return Now()
 
 
 @pytest.fixture

@@ -12,7 +12,6 @@ from view_kit import snapshot
 from window_helpers import show, wishes
 
 from gpr20_common.message import verbatim
-from gpr20_operator.plan.fields import default_parameters
 from gpr20_operator.robot.notices import Refused, refusal_notice
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_user_interface.touch.guard import (
@@ -185,20 +184,6 @@ def test_a_screen_that_is_too_small_can_be_looked_at_and_stops(window, finger):
     window.resize(800, 480)
     QApplication.processEvents()
     assert not band.isVisible()
-
-
-def test_a_double_tap_deletes_no_profile(window, finger, tmp_path):
-    window.profiles.show_profiles(default_parameters())
-    window.profiles._save("a")
-    window.profiles.names.setCurrentRow(0)
-    finger.wait(AFTER_S)
-    for _ in range(20):
-        finger.tap(window.profiles.delete)
-        finger.wait(0.06)
-    finger.wait(2.0)
-    assert [one.name for one in tmp_path.glob("*.yaml")] == ["a.yaml"]
-    finger.hold(window.profiles.confirm.hold)
-    assert not list(tmp_path.glob("*.yaml"))
 
 
 def test_another_tab_drops_the_touch_and_takes_none_for_a_moment(window, finger):

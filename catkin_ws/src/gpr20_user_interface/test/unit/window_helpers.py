@@ -109,15 +109,9 @@ class ServiceTools:
         self._tickets[service].fail(problem)
 
 
-def opened_window(application, language=Language.ENGLISH, **parts):
-    """Return a window that is shown in a language, without contact to a robot."""
-    window = new_window(Languages(application, language), **parts)
-    window.show()
-    return window
-
-
-def new_window(
-    languages,
+def opened_window(
+    application,
+    language=Language.ENGLISH,
     survey=None,
     storage=None,
     profiles=None,
@@ -127,8 +121,9 @@ def new_window(
     robots=None,
     arming=None,
 ):
-    """Return a window; without a folder for its profiles it keeps no plan."""
+    """Return a window without contact to a robot, which without a folder keeps no plan."""
     problems, tools, clock = [], ServiceTools(), clock or Clock()
+    languages = Languages(application, language)
     node, kept = imaging or Requests(), Profiles(profiles)
     not_kept = SimpleNamespace(read=dict, write=lambda _values: None)
     window = MainWindow(
@@ -152,6 +147,7 @@ def new_window(
     window.problems, window.languages = problems, languages
     window.clock, window.tools = clock, tools
     window.node, window.kept_profiles = node, kept
+    window.show()
     return window
 
 
