@@ -17,9 +17,8 @@ from topics_kit import LIMIT_S, taken
 
 from gpr20_common.high.raw_message import deserialized, serialized
 from gpr20_common.message import Fault, Message, verbatim
-from gpr20_common.sent_message import message_fields
 from gpr20_msgs.msg import Annotation as AnnotationMessage
-from gpr20_msgs.msg import ControlStatus, SurveyCoverage, SurveySummary
+from gpr20_msgs.msg import SurveyCoverage, SurveySummary
 from gpr20_msgs.srv import ListSurveysResponse, ReadTracesResponse
 from gpr20_operator.files.newest import Newest
 from gpr20_operator.high import conversions, ros_events
@@ -33,16 +32,6 @@ from gpr20_survey.plan.annotation import from_fields
 REMEDY = Message("Free some space on the disk.")
 FULL = Message("the disk is full", details="errno 28").with_fault(Fault("disk.full", REMEDY))
 TEXT, SENT = str(FULL), FULL.to_json()
-
-
-def test_status_of_the_survey_has_its_template_values_and_details_or_its_text():
-    paused = Message("Paused: {reason}", reason=FULL)
-    for fields, message in (
-        (message_fields(paused), paused),
-        ({"message": "Paused: why"}, verbatim("Paused: why")),
-    ):
-        status = ControlStatus(code=ControlStatus.PAUSED, survey_id="id", **fields)
-        assert conversions.control_state(status).message == message
 
 
 def test_why_something_of_a_survey_failed_has_its_fault_and_remedy_or_its_text():

@@ -1,17 +1,14 @@
-import threading
 from dataclasses import replace
 
 import pytest
-from PyQt5.QtCore import QObject, Qt, pyqtSignal
 from view_kit import state_of
-from window_helpers import click, enter, hold_to_start, start, until
+from window_helpers import click, enter, hold_to_start, start
 
 from gpr20_common.message import verbatim
 from gpr20_operator.plan.preview import CostEstimated
 from gpr20_operator.robot.events import (
     Answer,
     AxisLimits,
-    Progress,
     Request,
     RobotFigures,
 )
@@ -131,23 +128,6 @@ def test_another_vna_is_a_question_that_resumes_the_same_survey_with_it(parts, f
     assert window.top_bar.pause.isEnabled()
     assert window.notice.reason.toPlainText() == "The VNA does not answer"
     assert window.notice.isVisible() and not window.question.isVisible()
-
-
-class Link(QObject):
-    event_came = pyqtSignal(object)
-
-
-def test_events_of_other_threads_reach_the_window_in_its_own(parts):
-    window, _ = parts
-    link = Link()
-    link.event_came.connect(window.on_event, Qt.QueuedConnection)
-    for event in (state(SurveyState.SURVEYING), Progress("id", 50.0, 18, 9, 30.0)):
-        thread = threading.Thread(target=link.event_came.emit, args=(event,))
-        thread.start()
-        thread.join()
-    window.refresh()
-    assert window.job.percent.text() != "50 %"
-    assert until(lambda: window.job.percent.text() == "50 %")
 
 
 def test_figures_of_the_robot_complete_the_preview(parts, estimator):
