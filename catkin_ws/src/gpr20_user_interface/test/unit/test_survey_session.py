@@ -9,7 +9,7 @@ from types import SimpleNamespace
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from test_fault_messages import ASKED_PAUSE, FULL, LOST
+from view_kit import ASKED_PAUSE, FULL, LOST
 
 from gpr20_common import remedies
 from gpr20_common.catalogue import Catalogue, Language
