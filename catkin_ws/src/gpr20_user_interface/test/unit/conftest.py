@@ -70,9 +70,12 @@ def opened(application, tmp_path, clock):
 
 
 @pytest.fixture
-def window(application, tmp_path, storage, node):
-    from window_helpers import close, opened_window
+def window(opened, storage, node):
+    return opened(storage=storage, imaging=node)
 
-    window = opened_window(application, storage=storage, profiles=tmp_path, imaging=node)
-    yield window
-    close(window)
+
+@pytest.fixture
+def finger(window, clock):
+    from finger import Finger
+
+    return Finger(window, clock)

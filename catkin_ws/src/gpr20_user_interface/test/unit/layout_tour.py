@@ -7,6 +7,7 @@ from hiding_kit import a_map
 from map_kit import FINER, MARKER
 from result_kit import BLUE, LOCKED, RED, plug_in, search, stored
 from view_kit import (
+    FOLDER,
     PAST,
     SURVEY,
     description,
@@ -56,7 +57,6 @@ WITH_DETAILS = Message("{reason}", reason=verbatim(LONG), details=LONG)
 IDENTITY = "Rohde&Schwarz,ZNB20-4Port,1311601062100123,3.40.0.1 with options K2, K4 and B16"
 NAME = "Ana María Rodríguez Vargas de la Cruz y Peña"
 SITE = "Vereda El Salado, franja 12, junto al camino viejo"
-FOLDER = "20261121T051000_7c9e6679"
 LONGEST = {
     "vna_address": "192.168.100.100",
     **{"start_frequency_hz": "999.999", "stop_frequency_hz": "6000", "frequency_points": "4000"},

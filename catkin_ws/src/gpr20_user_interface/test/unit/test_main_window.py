@@ -4,6 +4,7 @@ import itertools
 from dataclasses import replace
 
 import pytest
+from case_kit import each_case
 from finger import Finger, place_of
 from PyQt5.QtCore import Qt
 from PyQt5.QtTest import QTest
@@ -32,8 +33,10 @@ from window_helpers import (
 
 from gpr20_common.message import verbatim
 from gpr20_operator.ground.trace_events import SurveyDescribed
+from gpr20_operator.plan.fields import default_parameters
 from gpr20_operator.robot.condition import Condition, JobLevel
 from gpr20_operator.robot.events import Answer, Progress, Request, TargetPosition
+from gpr20_operator.robot.job import JobScreen, area_of, line_of, percent_of, survey_name
 from gpr20_operator.robot.notices import Refused, fault_notice, refusal_notice
 from gpr20_operator.robot.stop_confirmation import ANSWER_S
 from gpr20_survey.axes.axis_id import AxisId
@@ -245,3 +248,51 @@ def is_free(window, widget):
     """Return whether a finger on a part of the window meets nothing else."""
     found = window.childAt(place_of(window, widget).center())
     return found is widget or widget.isAncestorOf(found)
+
+
+HALF = Progress("id", 59.99, 18, 9, 1080.0)
+
+
+def shown(code=None, **other):
+    return snapshot(code, **{"progress": HALF, **other})
+
+
+def test_a_percentage_is_rounded_down_and_only_of_this_survey():
+    assert percent_of(shown(SurveyState.SURVEYING)) == 59
+    other = state_of(SurveyState.SURVEYING, survey_id="other")
+    for without in (shown(state=other), shown(SurveyState.CONFIGURED)):
+        assert percent_of(without) is None
+
+
+@each_case("low,high", [(50.0, 130.0), (130.0, 50.0)])
+def test_the_line_is_that_of_the_target(low, high):
+    plan = replace(default_parameters(), y_start_mm=low, y_stop_mm=high, y_points=5)
+    for number in range(5):
+        target = TargetPosition(1.0, low + (high - low) * number / 4, 0.0)
+        now = shown(SurveyState.SURVEYING, target=target, job_parameters=plan)
+        assert str(line_of(now)) == f"line {number + 1} of 5"
+    assert "80 mm" in str(area_of(plan))
+    assert line_of(shown(SurveyState.PAUSED, job_parameters=plan)) is None
+
+
+def test_the_job_stays_until_the_next_survey_is_planned():
+    screen = JobScreen()
+    ended, running = shown(SurveyState.FINISHED), shown(SurveyState.SURVEYING)
+    stopped = shown(SurveyState.STOPPED)
+    for now, left, visible in (
+        *((shown(SurveyState.IDLE), False, False), (running, True, True)),
+        *((stopped, False, True), (ended, True, False), (ended, False, False)),
+        # The same survey, resumed.
+        *((running, False, True), (ended, False, True)),
+    ):
+        screen.note(now)
+        if left:
+            screen.leave(now)
+        assert screen.visible is visible
+
+
+def test_a_name_is_read_from_a_description_whatever_it_holds():
+    named = '{"survey_id": "7", "annotation": {"name": "A", "site": "B"}}'
+    assert survey_name(named) == ("7", "A")
+    for text in ("", "[]", '{"annotation": null}', '{"annotation": {}}'):
+        assert survey_name(text) == ("", "")

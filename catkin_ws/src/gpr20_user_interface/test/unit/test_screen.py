@@ -4,7 +4,6 @@ import random
 import subprocess
 
 import pytest
-from finger import Finger
 from PyQt5.QtCore import QPoint, QRect, Qt
 from PyQt5.QtGui import QGuiApplication
 from PyQt5.QtTest import QTest
@@ -158,11 +157,6 @@ def window(opened):
     window.settings.dim_choices[2].click()
     show(window, snapshot(SurveyState.SURVEYING))
     return window
-
-
-@pytest.fixture
-def finger(window, clock):
-    return Finger(window, clock)
 
 
 def dim(window, clock, shown=None):

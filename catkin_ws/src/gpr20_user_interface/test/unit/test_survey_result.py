@@ -44,39 +44,34 @@ from gpr20_survey.results.hidden_target import Targets
 
 
 @pytest.fixture
-def requests(node):
-    return node
+def result(node, now):
+    return new_result(node, now)
 
 
-@pytest.fixture
-def result(requests, now):
-    return new_result(requests, now)
-
-
-def opened(result, requests, record=None):
+def opened(result, node, record=None):
     """Open the survey up to the search."""
     result.open(SURVEY)
     result.keep()
-    requests.ticket("read").done(record or stored())
+    node.ticket("read").done(record or stored())
     result.keep()
 
 
-def note(result, requests, what, depth_mm=None):
+def note(result, node, what, depth_mm=None):
     """Store what was found at the first place, and read it again; return the record's values."""
     result.note_found(result.places[0], what, depth_mm, "Ana")
-    ((survey, kind, values),) = requests.of("note")
+    ((survey, kind, values),) = node.of("note")
     assert (survey, kind) == (SURVEY, Kind.FOUND)
-    requests.ticket("note").done(None)
-    requests.ticket("read").done(stored(log=[noted("found", values)]))
+    node.ticket("note").done(None)
+    node.ticket("read").done(stored(log=[noted("found", values)]))
     return values
 
 
 @given(candidate_lists())
 def test_the_brightest_and_those_without_doubt_come_first_and_all_are_counted(found):
-    requests = Requests()
-    result = new_result(requests)
+    node = Requests()
+    result = new_result(node)
     found = dataclasses.replace(found, survey_id=SURVEY)
-    search(result, requests, found.candidates, omitted=found.omitted,
+    search(result, node, found.candidates, omitted=found.omitted,
            omitted_primary=found.omitted_primary)  # fmt: skip
     pages = []
     for _ in range(0, max(len(found.candidates), 1), PLACES_SHOWN):
@@ -102,10 +97,10 @@ def test_the_brightest_and_those_without_doubt_come_first_and_all_are_counted(fo
 
 @given(st.one_of(st.none(), st.floats(1.0, 81.0)), st.one_of(st.none(), st.floats(1.0, 81.0)))
 def test_one_permittivity_is_in_all_requests_and_in_the_log(planned, entered):
-    requests = Requests()
-    result = new_result(requests)
+    node = Requests()
+    result = new_result(node)
     log = [noted("decision", soil_values(planned, TIME_US))] if planned is not None else []
-    search(result, requests, record=stored(log=log))
+    search(result, node, record=stored(log=log))
     values = [planned]
     result.set_permittivity(entered)
     if entered != planned:
@@ -113,48 +108,48 @@ def test_one_permittivity_is_in_all_requests_and_in_the_log(planned, entered):
         if entered is None:
             # The imaging node would use the plan as long as the log does not say so.
             result.keep()
-            assert len(requests.of("focus")) == 1
-        ((survey, kind, noted_values),) = requests.of("note")
+            assert len(node.of("focus")) == 1
+        ((survey, kind, noted_values),) = node.of("note")
         assert (survey, kind) == (SURVEY, Kind.DECISION)
         another = new_result(others := Requests())
         search(another, others, record=stored(log=[noted(kind, noted_values)]))
         assert another.permittivity == entered
-        requests.ticket("note").done(None)
+        node.ticket("note").done(None)
         result.keep()
-        requests.ticket("focus").done(image_of(candidate_list(ELEVEN, survey_id=SURVEY)))
+        node.ticket("focus").done(image_of(candidate_list(ELEVEN, survey_id=SURVEY)))
     assert result.permittivity == entered
-    assert [one[1] for one in requests.of("focus")] == [one or 0.0 for one in values]
+    assert [one[1] for one in node.of("focus")] == [one or 0.0 for one in values]
     result.choose_target(Targets.PMN)
-    assert requests.of("hide") == [(SURVEY, entered or 0.0, "pmn")]
+    assert node.of("hide") == [(SURVEY, entered or 0.0, "pmn")]
     result.begin_export("es")
-    plug_in(requests, BLUE)
-    (order,) = requests.of("export")
+    plug_in(node, BLUE)
+    (order,) = node.of("export")
     assert (order.permittivity, order.language) == (entered or 0.0, "es")
 
 
-def test_a_permittivity_that_could_not_be_stored_is_stored_with_the_next_reading(result, requests):
-    search(result, requests, record=stored(permittivity=4.0))
+def test_a_permittivity_that_could_not_be_stored_is_stored_with_the_next_reading(result, node):
+    search(result, node, record=stored(permittivity=4.0))
     result.set_permittivity(8.0)
     assert [str(one) for one in soil_lines(result)] == ["Permittivity 8", "Moist sand"]
-    requests.ticket("note").fail(verbatim("the storage does not answer"))
+    node.ticket("note").fail(verbatim("the storage does not answer"))
     assert "the storage does not answer" in str(notices(result)[0])
     result.try_again()
-    search(result, requests, record=stored(permittivity=4.0))
-    assert [one[1] for one in requests.of("focus")] == [4.0, 8.0]
-    assert [one[2]["permittivity"] for one in requests.of("note")] == [8.0, 8.0]
+    search(result, node, record=stored(permittivity=4.0))
+    assert [one[1] for one in node.of("focus")] == [4.0, 8.0]
+    assert [one[2]["permittivity"] for one in node.of("note")] == [8.0, 8.0]
 
 
-def test_what_another_screen_has_entered_since_counts_and_not_the_plan(result, requests):
-    search(result, requests, record=stored(permittivity=2.0))
+def test_what_another_screen_has_entered_since_counts_and_not_the_plan(result, node):
+    search(result, node, record=stored(permittivity=2.0))
     assert result.permittivity == 2.0
     result.set_permittivity(4.0)
-    requests.ticket("note").done(None)
+    node.ticket("note").done(None)
     result.try_again()
     log = [noted("decision", soil_values(None, TIME_US))]
-    search(result, requests, record=stored(log=log, permittivity=2.0))
+    search(result, node, record=stored(log=log, permittivity=2.0))
     assert result.permittivity is None
-    assert requests.of("focus")[-1] == (SURVEY, 0.0)
-    assert [one[2]["permittivity"] for one in requests.of("note")] == [4.0]
+    assert node.of("focus")[-1] == (SURVEY, 0.0)
+    assert [one[2]["permittivity"] for one in node.of("note")] == [4.0]
 
 
 @pytest.mark.parametrize("value", [None, True, "4", 0.5, 101.0, float("nan"), [4.0]])
@@ -172,60 +167,58 @@ def test_a_note_that_is_no_permittivity_counts_for_nothing(value):
     assert soil_of_survey({soil_note.PLANNED: value}) is None
 
 
-def test_nothing_is_searched_while_a_survey_runs_and_late_answers_change_nothing(result, requests):
+def test_nothing_is_searched_while_a_survey_runs_and_late_answers_change_nothing(result, node):
     result.note_running(True)
     result.open(SURVEY)
     result.keep()
-    assert requests.asked == [] and result.waits
+    assert node.asked == [] and result.waits
     result.note_running(False)
-    opened(result, requests)
-    late = requests.ticket("focus")
+    opened(result, node)
+    late = node.ticket("focus")
     result.note_running(True)
-    assert requests.cancelled == [late.request_id]
+    assert node.cancelled == [late.request_id]
     late.done(image_of(candidate_list(ELEVEN, survey_id=SURVEY)))
     assert result.image is None and result.places == ()
     result.choose_target(Targets.PMN)
     result.begin_export("en")
-    assert not requests.of("hide") and not requests.of("sticks")
+    assert not node.of("hide") and not node.of("sticks")
 
 
-def test_a_failure_or_a_cancelled_search_rests_until_it_is_tried_again(result, requests):
+def test_a_failure_or_a_cancelled_search_rests_until_it_is_tried_again(result, node):
     result.open(SURVEY)
     result.keep()
-    requests.ticket("read").fail(verbatim("the storage does not answer"))
+    node.ticket("read").fail(verbatim("the storage does not answer"))
     result.keep()
-    assert result.reading.state is JobState.FAILED and len(requests.of("read")) == 1
+    assert result.reading.state is JobState.FAILED and len(node.of("read")) == 1
     result.try_again()
-    opened(result, requests)
+    opened(result, node)
     result.cancel()
     result.keep()
-    assert result.search.problem == CANCELLED and len(requests.of("focus")) == 1
+    assert result.search.problem == CANCELLED and len(node.of("focus")) == 1
     result.try_again()
-    search(result, requests)
+    search(result, node)
     assert len(result.places) == 11
     # A damaged description is not searched.
-    requests.asked.clear()
-    opened(another := new_result(requests), requests, stored()._replace(text="{"))
-    assert another.reading.problem is not None and requests.of("focus") == []
+    node.asked.clear()
+    opened(another := new_result(node), node, stored()._replace(text="{"))
+    assert another.reading.problem is not None and node.of("focus") == []
 
 
-def test_the_answer_for_another_survey_is_refused(result, requests):
-    opened(result, requests)
-    requests.ticket("focus").done(image_of(candidate_list(ELEVEN, survey_id=PAST)))
+def test_the_answer_for_another_survey_is_refused(result, node):
+    opened(result, node)
+    node.ticket("focus").done(image_of(candidate_list(ELEVEN, survey_id=PAST)))
     assert result.search.problem == OTHER_SURVEY and result.places == ()
-    search(new := new_result(requests), requests)
+    search(new := new_result(node), node)
     new.choose_target(Targets.PMN)
-    requests.ticket("hide").done(a_map([[[6]]], [[[6]]], survey_id=PAST))
+    node.ticket("hide").done(a_map([[[6]]], [[[6]]], survey_id=PAST))
     assert new.hiding.problem == OTHER_SURVEY
 
 
-def test_where_a_mine_could_hide_is_kept_for_all_pages_until_the_permittivity_changes(
-    result, requests
-):
-    search(result, requests)
+def test_where_a_mine_could_hide_is_kept_for_all_pages_until_the_permittivity_changes(result, node):
+    search(result, node)
     result.choose_target(Targets.FRAGMENT)
     found = a_map([[[6, 0]]], [[[6, 6]]], survey_id=SURVEY)
-    requests.ticket("hide").done(found)
+    node.ticket("hide").done(found)
     assert result._imaging.pictures.hiding(SURVEY) is found is result.hiding.result
     result.set_permittivity(8.0)
     assert result.hiding.result is None and result._imaging.pictures.hiding(SURVEY) is None
@@ -235,93 +228,89 @@ def test_where_a_mine_could_hide_is_kept_for_all_pages_until_the_permittivity_ch
     "count, outcome, text",
     [(7, "stopped", "STOPPED: 7 of 40 traces"), (39, "finished", "INCOMPLETE: 39"), (40, "", None)],
 )
-def test_how_much_was_measured_is_said_unless_it_is_all(result, requests, count, outcome, text):
-    search(result, requests, record=stored(count, outcome=outcome))
+def test_how_much_was_measured_is_said_unless_it_is_all(result, node, count, outcome, text):
+    search(result, node, record=stored(count, outcome=outcome))
     said = measured(result)
     assert said is text is None or text in str(said)
     # And what of it cannot be read.
-    opened(another := new_result(requests), requests)
+    opened(another := new_result(node), node)
     found = candidate_list(ELEVEN, survey_id=SURVEY)
-    requests.ticket("focus").done(image_of(found, traces=PLANNED - 3))
+    node.ticket("focus").done(image_of(found, traces=PLANNED - 3))
     assert "3 of 40" in str(measured(another))
 
 
 @pytest.mark.parametrize(
     "entry", ["x", None, 7, [], {"kind": "found", "values": [1]}, noted("found", {"format": FOUND})]
 )
-def test_an_entry_that_cannot_be_read_is_counted_and_hides_no_place(result, requests, entry):
-    search(result, requests, record=stored(log=[entry]))
+def test_an_entry_that_cannot_be_read_is_counted_and_hides_no_place(result, node, entry):
+    search(result, node, record=stored(log=[entry]))
     assert result.record.unreadable == 1 and len(result.places) == len(ELEVEN)
     assert "1 entries" in str(notices(result)[0])
 
 
 @pytest.mark.parametrize(("depth_mm", "who"), [(-1.0, "Ana"), (1e6, "Ana"), (None, "")])
-def test_a_record_that_is_not_allowed_is_refused(result, requests, depth_mm, who):
-    search(result, requests)
+def test_a_record_that_is_not_allowed_is_refused(result, node, depth_mm, who):
+    search(result, node)
     with pytest.raises(InvalidValueError):
         result.note_found(result.places[0], What.DEVICE, depth_mm, who)
-    assert requests.of("note") == []
+    assert node.of("note") == []
 
 
-def look_again(result, requests, now, *volumes):
+def look_again(result, node, now, *volumes):
     now.s += LIST_PERIOD_S
     result.export.look_for_sticks()
-    plug_in(requests, *volumes)
+    plug_in(node, *volumes)
 
 
-def test_a_stick_that_is_plugged_in_later_is_written_once_unless_it_is_cancelled(
-    result, requests, now
-):
-    search(result, requests)
+def test_a_stick_that_is_plugged_in_later_is_written_once_unless_it_is_cancelled(result, node, now):
+    search(result, node)
     result.begin_export("en")
-    plug_in(requests)
+    plug_in(node)
     result.export.look_for_sticks()
-    assert len(requests.of("sticks")) == 1
-    look_again(result, requests, now, BLUE)
+    assert len(node.of("sticks")) == 1
+    look_again(result, node, now, BLUE)
     result.export.cancel()
-    assert requests.cancelled == [requests.ticket("export").request_id]
+    assert node.cancelled == [node.ticket("export").request_id]
     # Files may be written until the node answers.
     assert result.export.job.running
-    requests.ticket("export").fail(Message("cancelled"))
-    look_again(result, requests, now, BLUE)
-    assert len(requests.of("export")) == 1
+    node.ticket("export").fail(Message("cancelled"))
+    look_again(result, node, now, BLUE)
+    assert len(node.of("export")) == 1
 
 
-def test_other_files_are_written_only_after_a_choice(result, requests, now):
-    search(result, requests)
+def test_other_files_are_written_only_after_a_choice(result, node, now):
+    search(result, node)
     result.begin_export("en")
-    plug_in(requests, BLUE)
-    requests.ticket("export").done(Exported(("GPR20/a.pdf",)))
+    plug_in(node, BLUE)
+    node.ticket("export").done(Exported(("GPR20/a.pdf",)))
     result.export.choose_parts()
     result.export.toggle(ExportPart.SURVEY_ZIP)
-    look_again(result, requests, now, BLUE)
-    assert len(requests.of("export")) == 1
+    look_again(result, node, now, BLUE)
+    assert len(node.of("export")) == 1
     result.export.write(BLUE.path)
-    assert requests.of("export")[-1].kinds == ["report-pdf", "survey-zip"]
-    requests.ticket("export").fail(Message("failed"))
+    assert node.of("export")[-1].kinds == ["report-pdf", "survey-zip"]
+    node.ticket("export").fail(Message("failed"))
     result.export.toggle(ExportPart.SURVEY_ZIP)
     result.export.toggle(ExportPart.REPORT_PDF)
     result.export.write(BLUE.path)
-    assert len(requests.of("export")) == 2
+    assert len(node.of("export")) == 2
 
 
-def test_what_was_found_is_stored_with_the_sum_of_its_list_and_said_of_no_neighbour(
-    result, requests
-):
+def test_what_was_found_is_stored_with_the_sum_of_its_list_and_said_of_no_neighbour(result, node):
     places = [(140.0, 90.0), (150.0, 90.0), (140.0, 90.0, 110.0)]
     places = [candidate(number, *place) for number, place in enumerate(places, 1)]
-    found = search(result, requests, places)
+    found = search(result, node, places)
     assert result.find_at(places[0]) is None
-    record = found_of(note(result, requests, What.SCRAP, 35.0))
+    record = found_of(note(result, node, What.SCRAP, 35.0))
     assert (record.what, record.candidate, record.depth_mm) == (What.SCRAP, "C01", 35.0)
     assert record.list_sha256 == list_sum(found) == list_sum(list_from(json_text(found)))
     assert [result.find_at(one) for one in places] == [record, None, None]
-    assert len(requests.of("focus")) == 1
+    assert len(node.of("focus")) == 1
     # In another list it is seen beside its place.
     result.set_permittivity(8.0)
     result.keep()
     moved = [candidate(1, 300.0, 300.0), candidate(2, 140.0, 90.0 + BESIDE_MM)]
     found = candidate_list(moved, survey_id=SURVEY, permittivity=8.0)
-    requests.ticket("focus").done(image_of(found))
+    node.ticket("focus").done(image_of(found))
     assert result.find_at(moved[0]) is None
     assert result.find_at(moved[1]) == record

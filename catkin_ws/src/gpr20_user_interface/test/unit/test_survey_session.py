@@ -1,5 +1,6 @@
 """The terminal client: its command line, its lines and last words, times, and a question."""
 
+import io
 import os
 import pty
 import queue
@@ -7,9 +8,10 @@ import re
 from types import SimpleNamespace
 
 import pytest
+from case_kit import each_case
 from hypothesis import given
 from hypothesis import strategies as st
-from view_kit import ASKED_PAUSE, FULL, LOST
+from view_kit import ASKED_PAUSE, FULL, LOST, state_of
 
 from gpr20_common import remedies
 from gpr20_common.catalogue import Catalogue, Language
@@ -26,7 +28,7 @@ from gpr20_operator.words import duration
 from gpr20_survey.plan.annotation import EMPTY
 from gpr20_survey.plan.survey_parameters import problems
 from gpr20_survey.plan.survey_state import SurveyState
-from gpr20_user_interface.terminal.displays import is_confirmed, remaining
+from gpr20_user_interface.terminal.displays import BarDisplay, PlainDisplay, is_confirmed, remaining
 from gpr20_user_interface.terminal.follower import (
     ExitStatus,
     Limits,
@@ -270,3 +272,38 @@ def test_an_input_that_ends_is_no(monkeypatch):
     with open(os.devnull) as stream:
         monkeypatch.setattr("sys.stdin", stream)
         assert not is_confirmed("Continue?", lambda: False)
+
+
+def show_progress(display, visited):
+    progress = Progress("id", visited / 2.0, 200, visited, 200.0 - visited)
+    display.show(progress, state_of(SurveyState.SURVEYING))
+
+
+def test_plain_lines_come_every_ten_percent_and_at_the_end_in_the_language_of_the_terminal():
+    stream = io.StringIO()
+    display = PlainDisplay(stream, read_catalogue(Language.SPANISH))
+    display.note(Message("permission denied", details="[Errno 13] '/data'"))
+    for visited in (*range(196), 199, 200, 200):
+        show_progress(display, visited)
+    noted, *shown = stream.getvalue().splitlines()
+    assert noted == "permiso denegado ([Errno 13] '/data')"
+    assert shown[3] == " 30.0 %  60/200 trazas  quedan 3 min (según lo medido)"
+    assert [one.split("%")[0].strip() for one in shown] == [
+        f"{10.0 * one:.1f}" for one in range(11)
+    ]
+
+
+@each_case("columns", [80, 200])
+def test_the_bar_carries_everything_within_the_width_of_the_terminal(monkeypatch, columns):
+    monkeypatch.setenv("COLUMNS", str(columns))
+    stream = io.StringIO()
+    display = BarDisplay(stream, Catalogue())
+    display.note(verbatim("SURVEYING: visiting"))
+    show_progress(display, 50)
+    display.close()
+    text = stream.getvalue()
+    assert "SURVEYING: visiting\n" in text and text.endswith("\n")
+    last = text.rstrip("\n").split("\r")[-1]
+    assert len(last) <= columns
+    for part in ("SIMULATED SURVEYING", "25%", "50/200", "3 min left (measured)"):
+        assert part in last

@@ -3,15 +3,14 @@
 import dataclasses
 
 import pytest
-from fake_clock import FakeClock
-from finger import Finger
+from finger import AFTER_S
 from hypothesis import given
 from hypothesis import strategies as st
 from PyQt5.QtCore import QPoint
 from PyQt5.QtTest import QTest
 from PyQt5.QtWidgets import QScroller
 from view_kit import FOLDER, SURVEY, description, past_survey, snapshot, state_of
-from window_helpers import click, close, opened_window, show
+from window_helpers import click, show
 
 from gpr20_common.message import verbatim
 from gpr20_operator.ground.past_surveys import Listed, PastSurveys, searchable, title_of
@@ -189,21 +188,8 @@ def test_a_search_is_a_plain_filter_of_all_pages(surveys, text, listed, split):
     assert past.found(listed, text) == tuple(one for one in numbered if wanted(one))
 
 
-@pytest.fixture(scope="module")
-def touched(application, tmp_path_factory):
-    """A window with 300 surveys, touched through its screen by a finger of its own clock."""
-    clock = FakeClock()
-    window = opened_window(application, profiles=tmp_path_factory.mktemp("profiles"), clock=clock)
-    window.show_tab(TabName.SURVEYS)
-    window.on_event(SurveysListed("", many(300), False))
-    QTest.qWait(1)
-    yield window, Finger(window, clock)
-    close(window)
-
-
-def pull(touched, start, moves):
+def pull(window, finger, start, moves):
     """Touch a list at rest: press, move by steps and release."""
-    window, finger = touched
     QScroller.scroller(window.past.list.viewport()).stop()
     place = QPoint(start)
     finger.press(place)
@@ -225,22 +211,29 @@ SHAKES = st.tuples(st.integers(-4, 4), st.integers(-4, 4))
 STEPS = st.lists(st.tuples(st.integers(-40, 40), st.integers(-90, 90)), min_size=1, max_size=12)
 
 
-@given(st.integers(2, 90), st.integers(2, 98), SHAKES, STEPS)
-def test_a_shaking_tap_chooses_the_survey_below_it_and_a_pull_none(touched, x, y, shake, moves):
-    window = touched[0]
+def test_a_shaking_tap_chooses_the_survey_below_it_and_a_pull_none(window, finger):
+    window.show_tab(TabName.SURVEYS)
+    window.on_event(SurveysListed("", many(300), False))
+    QTest.qWait(1)
+    finger.wait(AFTER_S)
     page = window.past
-    page.choose(None)
-    QTest.qWait(1)
-    place = row_place(window, x, y)
-    at = page.list.viewport().mapFrom(window, place + QPoint(*shake))
-    row = page.list.indexAt(at).row()
-    pull(touched, place, [shake])
-    assert page.chosen == page.model.surveys[row]
-    page.choose(None)
-    # Farther than a finger that shakes, even if it comes back.
-    pull(touched, place, [(0, 60), (0, -60), *moves])
-    QTest.qWait(1)
-    assert page.chosen is None
+
+    @given(st.integers(2, 90), st.integers(2, 98), SHAKES, STEPS)
+    def check(x, y, shake, moves):
+        page.choose(None)
+        QTest.qWait(1)
+        place = row_place(window, x, y)
+        at = page.list.viewport().mapFrom(window, place + QPoint(*shake))
+        row = page.list.indexAt(at).row()
+        pull(window, finger, place, [shake])
+        assert page.chosen == page.model.surveys[row]
+        page.choose(None)
+        # Farther than a finger that shakes, even if it comes back.
+        pull(window, finger, place, [(0, 60), (0, -60), *moves])
+        QTest.qWait(1)
+        assert page.chosen is None
+
+    check()
 
 
 def test_each_action_names_the_chosen_survey(window, listed):

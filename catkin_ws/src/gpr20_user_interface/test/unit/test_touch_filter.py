@@ -129,11 +129,6 @@ def window(opened):
     return window
 
 
-@pytest.fixture
-def finger(window):
-    return Finger(window, window.clock)
-
-
 def test_a_bounce_of_the_touch_that_closes_a_sheet_does_nothing(window, finger):
     pressed = []
     for button in window.control.findChildren(QPushButton):

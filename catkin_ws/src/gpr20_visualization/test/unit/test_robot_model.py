@@ -3,6 +3,7 @@
 import json
 import math
 from pathlib import Path
+from xml.etree import ElementTree
 
 import pytest
 import yaml
@@ -15,8 +16,8 @@ from gpr20_visualization.faults import WRONG_DESCRIPTION
 from gpr20_visualization.mid.axis_position import JOINTS, X_JOINT, Y_JOINT, Z_JOINT, joint_positions
 from gpr20_visualization.mid.robot_model import RobotModel, from_angles, rotated
 
-SOURCES = Path(__file__).resolve().parents[3]
-URDF = SOURCES / "gpr20_visualization" / "urdf" / "gpr20.urdf"
+PACKAGE = Path(__file__).resolve().parents[2]
+URDF = PACKAGE / "urdf" / "gpr20.urdf"
 
 
 @pytest.fixture
@@ -26,14 +27,11 @@ def model():
 
 def test_the_frames_are_those_of_the_project(model):
     links = {joint.child for joint in model.joints} | {joint.parent for joint in model.joints}
-    own = {value for name, value in vars(frames).items() if name.isupper()}
-    assert links == own - {frames.MAP}
+    assert links == FRAMES - {frames.MAP}
 
 
 def test_the_travel_is_that_of_the_axes():
-    from xml.etree import ElementTree
-
-    axes = read_yaml(SOURCES / "gpr20_launch" / "config" / "axes.yaml")
+    axes = read_yaml(PACKAGE.parent / "gpr20_launch" / "config" / "axes.yaml")
     limits = {one.get("name"): one.find("limit") for one in ElementTree.parse(URDF).iter("joint")}
     for joint, axis, unit in (
         (X_JOINT, "x", 0.001),
@@ -68,7 +66,6 @@ def test_refuses_what_is_not_a_description_of_the_robot():
             RobotModel.of(text, JOINTS)
 
 
-PACKAGE = Path(__file__).resolve().parents[2]
 NODES = {
     *(f"{axis}_axis/axis_driver: state" for axis in "xyz"),
     *(f"{name}: state" for name in ("height_sensor", "vna_acquisition", "vna_processing")),
@@ -84,11 +81,6 @@ SHOWN = {
 }
 
 
-@pytest.fixture
-def layout():
-    return json.loads((PACKAGE / "foxglove" / "gpr20.json").read_text())
-
-
 def values(node, keys):
     """Yield the texts that stand under some keys, at any depth."""
     items = node.items() if isinstance(node, dict) else enumerate(node)
@@ -99,7 +91,8 @@ def values(node, keys):
             yield from values(value, keys)
 
 
-def test_the_layout_shows_topics_and_frames_that_exist(layout):
+def test_the_layout_shows_topics_and_frames_that_exist():
+    layout = json.loads((PACKAGE / "foxglove" / "gpr20.json").read_text())
     keys = {"topic", "imageTopic", "topicPath", "topicToRender", "value"}
     named = {text.split(".")[0].lstrip("/") for text in values(layout, keys)}
     robot = layout["configById"]["3D!robot"]
