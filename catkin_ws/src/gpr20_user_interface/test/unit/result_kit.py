@@ -74,12 +74,17 @@ def noted(kind, values):
     return {"kind": kind, "values": json.loads(json.dumps(values))}
 
 
-def search(result, requests, candidates=ELEVEN, record=None, **changes):
-    """Open the survey, and answer until its places are known."""
+def begin_search(result, requests, record=None):
+    """Open the survey, and answer up to the search."""
     result.open(SURVEY)
     result.keep()
     requests.ticket("read").done(record or stored())
     result.keep()
+
+
+def search(result, requests, candidates=ELEVEN, record=None, **changes):
+    """Open the survey, and answer until its places are known."""
+    begin_search(result, requests, record)
     found = candidate_list(candidates, survey_id=SURVEY, **changes)
     requests.ticket("focus").done(image_of(found))
     return found

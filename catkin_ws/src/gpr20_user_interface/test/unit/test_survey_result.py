@@ -13,6 +13,7 @@ from result_kit import (
     PLANNED,
     TIME_US,
     Requests,
+    begin_search,
     image_of,
     new_result,
     noted,
@@ -46,14 +47,6 @@ from gpr20_survey.results.hidden_target import Targets
 @pytest.fixture
 def result(node, now):
     return new_result(node, now)
-
-
-def opened(result, node, record=None):
-    """Open the survey up to the search."""
-    result.open(SURVEY)
-    result.keep()
-    node.ticket("read").done(record or stored())
-    result.keep()
 
 
 def note(result, node, what, depth_mm=None):
@@ -173,7 +166,7 @@ def test_nothing_is_searched_while_a_survey_runs_and_late_answers_change_nothing
     result.keep()
     assert node.asked == [] and result.waits
     result.note_running(False)
-    opened(result, node)
+    begin_search(result, node)
     late = node.ticket("focus")
     result.note_running(True)
     assert node.cancelled == [late.request_id]
@@ -191,7 +184,7 @@ def test_a_failure_or_a_cancelled_search_rests_until_it_is_tried_again(result, n
     result.keep()
     assert result.reading.state is JobState.FAILED and len(node.of("read")) == 1
     result.try_again()
-    opened(result, node)
+    begin_search(result, node)
     result.cancel()
     result.keep()
     assert result.search.problem == CANCELLED and len(node.of("focus")) == 1
@@ -200,12 +193,12 @@ def test_a_failure_or_a_cancelled_search_rests_until_it_is_tried_again(result, n
     assert len(result.places) == 11
     # A damaged description is not searched.
     node.asked.clear()
-    opened(another := new_result(node), node, stored()._replace(text="{"))
+    begin_search(another := new_result(node), node, stored()._replace(text="{"))
     assert another.reading.problem is not None and node.of("focus") == []
 
 
 def test_the_answer_for_another_survey_is_refused(result, node):
-    opened(result, node)
+    begin_search(result, node)
     node.ticket("focus").done(image_of(candidate_list(ELEVEN, survey_id=PAST)))
     assert result.search.problem == OTHER_SURVEY and result.places == ()
     search(new := new_result(node), node)
@@ -233,7 +226,7 @@ def test_how_much_was_measured_is_said_unless_it_is_all(result, node, count, out
     said = measured(result)
     assert said is text is None or text in str(said)
     # And what of it cannot be read.
-    opened(another := new_result(node), node)
+    begin_search(another := new_result(node), node)
     found = candidate_list(ELEVEN, survey_id=SURVEY)
     node.ticket("focus").done(image_of(found, traces=PLANNED - 3))
     assert "3 of 40" in str(measured(another))
