@@ -1,25 +1,21 @@
 """Repair writes again what another form proves, names the rest for ever, and changes nothing else.
 
-GPR20_SEED repeats what is damaged in a run.
+What random damage does to it is in `test_random_damage.py` of the storage.
 """
 
 import csv
 import json
-import random
 import shutil
-import string
 from dataclasses import replace
 from pathlib import Path
 
 import pytest
-from run_seed import SEED, draws
 from survey_kit import (
     POINTS,
     SURVEY,
     add_marker,
     contents,
     describe_again,
-    flipped,
     make_survey,
     planned_trace,
     remove_marker,
@@ -38,13 +34,12 @@ from gpr20_survey.folder.recovery import read_description, recover
 from gpr20_survey.plan.annotation import Annotation
 from gpr20_survey.plan.markers import Marker, markers_of
 
-DAMAGES = draws(10)
 NOW = "2026-11-21T05:10:00.000000Z"
 IDS = [f"7c9e6679-7425-40de-944b-e07fc1f90a{number:02d}" for number in range(5)]
 MARKERS = [
     Marker(one, 110.0 + number, 20.0, 80.0, f"marker {number}") for number, one in enumerate(IDS)
 ]
-DONE, NOT_COMPLETE, DAMAGED, REFUSED = 0, 1, 2, 3
+DONE, NOT_COMPLETE, DAMAGED = 0, 1, 2
 
 
 def note_during(processing):
@@ -72,84 +67,6 @@ def noted(tmp_path_factory):
 @pytest.fixture
 def copy(noted, tmp_path):
     return Path(shutil.copytree(str(noted), str(tmp_path / noted.name)))
-
-
-def retype(content, chance):
-    """Change a character of a text to another letter or digit, so that it may stay readable."""
-    changed = bytearray(content)
-    places = [place for place, one in enumerate(content) if bytes([one]).isalnum()]
-    changed[chance.choice(places)] = ord(chance.choice(string.ascii_letters + string.digits))
-    return bytes(changed)
-
-
-SPOILT = {
-    "flip": flipped,
-    "retyped": retype,
-    "cut": lambda content, chance: content[: chance.randrange(len(content))],
-    "empty": lambda _content, _chance: b"",
-    "noise": lambda _content, chance: chance.getrandbits(800).to_bytes(100, "big"),
-}
-
-
-def spoil(path, chance):
-    kind = chance.choice(["lost", *SPOILT])
-    content = path.read_bytes()
-    path.unlink()
-    if kind != "lost":
-        path.write_bytes(SPOILT[kind](content, chance))
-    return f"{path.name} {kind}"
-
-
-def damaged(noted, place, number, names):
-    """Return a copy of the survey in which these files are damaged, and what was done."""
-    chance = random.Random(f"{SEED} {number}")
-    folder = Path(shutil.copytree(str(noted), str(place / str(number) / noted.name)))
-    done = [spoil(folder / name, chance) for name in chance.choice(names)]
-    return folder, f"{number}: {done}, GPR20_SEED={SEED}"
-
-
-ONE_FORM = (
-    *(("survey.json",), ("log.jsonl",), ("manifest.json",)),
-    *(("survey.json", "manifest.json"), ("log.jsonl", "manifest.json")),
-)
-
-
-def test_damage_of_one_form_of_the_log_and_of_the_manifest_loses_nothing(noted, tmp_path):
-    wanted = read_description(noted)
-    for number in range(DAMAGES):
-        folder, where = damaged(noted, tmp_path, number, ONE_FORM)
-        assert read_description(folder) == wanted, where
-        assert main(["repair", str(folder)]) == DONE, where
-        assert verify_survey(folder).status == DONE, where
-        assert read_description(folder) == wanted, where
-        for name in ("survey.json", "log.jsonl"):
-            assert (folder / name).read_bytes() == (noted / name).read_bytes(), where
-        shutil.rmtree(str(folder))
-
-
-BOTH_FORMS = (("survey.json", "log.jsonl"), ("survey.json", "log.jsonl", "manifest.json"))
-
-
-def test_damage_of_both_forms_of_the_log_never_changes_what_is_left(noted, tmp_path):
-    wanted = {one.marker_id: one for one in markers_of(read_description(noted))}
-    for number in range(DAMAGES):
-        folder, where = damaged(noted, tmp_path, number, BOTH_FORMS)
-        before = contents(folder)
-        status = main(["repair", str(folder)])
-        if status in (DAMAGED, REFUSED):
-            assert contents(folder) == before, where
-            assert verify_survey(folder).status == DAMAGED, where
-        else:
-            description = read_description(folder)
-            unconfirmed = verify_survey(folder).unconfirmed
-            assert bool(unconfirmed) == (status == NOT_COMPLETE), where
-            lost = wanted.keys() - {one.marker_id for one in markers_of(description)}
-            assert not lost or unconfirmed, where
-            for one in markers_of(description):
-                former = wanted[one.marker_id]
-                same = one == former or (unconfirmed and one.same_request(former))
-                assert same, where
-        shutil.rmtree(str(folder))
 
 
 def number_of(folder, kind, place):

@@ -1,24 +1,16 @@
-"""What verify says of contradictions, of a survey that is being written, and of any changed byte.
+"""What verify says of contradictions, and of a survey that is being written."""
 
-GPR20_SEED repeats the changes of a run.
-"""
-
-import json
 import multiprocessing
 import os
-import random
 import threading
-from contextlib import contextmanager
 
 import pytest
 from case_kit import each_case
-from run_seed import SEED, draws
 from survey_kit import (
     NOW_NS,
     POINTS,
     STARTED_US,
     SURVEY,
-    add_marker,
     describe_again,
     make_survey,
     planned_trace,
@@ -26,15 +18,14 @@ from survey_kit import (
 
 from gpr20_analysis.commands.main import main
 from gpr20_analysis.read.verification import verify_survey
-from gpr20_analysis.read.verification_result import COMPLETE, DAMAGED, INCOMPLETE
+from gpr20_analysis.read.verification_result import DAMAGED
 from gpr20_analysis.verify import main as gpr20_verify
-from gpr20_survey.errors import TraceRefusedError
 from gpr20_survey.faults import LOCKED
-from gpr20_survey.folder import annotating, trace_files
+from gpr20_survey.folder import annotating
 from gpr20_survey.folder.log_record import Kind
 from gpr20_survey.folder.recovery import read_description, recover
 from gpr20_survey.plan.annotation import annotation_of
-from gpr20_survey.plan.markers import Marker, markers_of
+from gpr20_survey.plan.markers import Marker
 from gpr20_survey.trace import utc_time
 
 S = 10**6  # [us]
@@ -128,7 +119,6 @@ def test_a_folder_with_the_name_of_another_survey_is_noted(tmp_path):
 
 STORED = 5
 MARKER = Marker("7c9e6679-7425-40de-944b-e07fc1f90ae7", 110.0, 20.0, 80.0, "metal", "Ana")
-AFTER = Marker("7c9e6679-7425-40de-944b-e07fc1f90ae8", 15.0, 10.0)
 
 
 def test_a_survey_that_is_being_written_is_said_to_be_so_and_not_annotated(
@@ -195,93 +185,3 @@ def test_two_who_write_at_once_lose_nothing(tmp_path):
     assert kinds.count(Kind.ANNOTATION.value) == len(writers)
     found = verify_survey(folder)
     assert (found.faults, found.status) == ([], 1)
-
-
-FLIPS = draws(20)
-SEALED = {"finished": len(POINTS), "stopped": 7, "interrupted": 7}
-UNSEALED = {"cut off": 7, "not sealed": 7}
-
-
-def mark(processing):
-    processing.add_marker("", MARKER)
-    processing.report(SURVEY, json.dumps({"complete": False}))
-
-
-def stored(place, ending, count):
-    outcome = {"cut off": None, "not sealed": "stopped"}.get(ending, ending)
-    folder = make_survey(place, count, outcome, recorded=True, at_end=mark)
-    if ending not in UNSEALED:
-        add_marker(folder, AFTER, "2026-11-21T05:10:00.000000Z")
-    if ending == "not sealed":
-        (folder / "manifest.json").unlink()  # the power was cut before it was written
-    return folder
-
-
-@pytest.fixture(scope="module")
-def surveys(tmp_path_factory):
-    made = {
-        ending: stored(tmp_path_factory.mktemp("survey"), ending, count)
-        for ending, count in {**SEALED, **UNSEALED}.items()
-    }
-    for ending, folder in made.items():
-        assert len(verify_survey(folder).faults) == (ending == "not sealed")
-    return made
-
-
-@contextmanager
-def changed(surveys, endings, number, longest=1, cut=0.0):
-    """Change or cut one file, every one with the same probability, until the end."""
-    rng = random.Random(f"{SEED} {number}")
-    ending = rng.choice(list(endings))
-    folder = surveys[ending]
-    kinds = [*(one for one in folder.iterdir() if one.is_file()), folder / "traces"]
-    path = rng.choice(sorted(kinds))
-    if path.is_dir():
-        path = rng.choice(sorted(path.iterdir()))
-    whole = path.read_bytes()
-    content = bytearray(whole)
-    place = rng.randrange(len(content))
-    for at in range(place, min(place + rng.choice([1, longest]), len(content))):
-        content[at] ^= rng.choice([1 << rng.randrange(8), rng.randrange(1, 256)])
-    path.write_bytes(content[:place] if rng.random() < cut else content)
-    try:
-        yield ending, path, f"{ending}, {path.name} byte {place}, GPR20_SEED={SEED}"
-    finally:
-        path.write_bytes(whole)
-
-
-def test_no_change_or_cut_of_a_sealed_survey_is_unseen_or_fails_the_check(surveys):
-    for number in range(FLIPS):
-        with changed(surveys, SEALED, number, 64, 0.2) as (ending, path, where):
-            found = verify_survey(surveys[ending])
-            assert found.status == DAMAGED, where
-            assert "intact" not in str(found.verdict), where
-            assert any(path.name in str(one) for one in found.faults), where
-
-
-def test_an_unsealed_survey_is_never_called_intact(surveys):
-    for number in range(FLIPS):
-        with changed(surveys, UNSEALED, number) as (ending, _path, where):
-            folder = surveys[ending]
-            found = verify_survey(folder)
-            unseen = not found.faults or (
-                ending == "not sealed"
-                and all("manifest.json is missing" in str(one) for one in found.faults)
-            )
-            assert found.status != COMPLETE, where
-            assert "intact" not in str(found.verdict), where
-            if found.status == INCOMPLETE:
-                assert "without a manifest, changes to" in str(found.verdict), where
-            if unseen:
-                assert_traces_are_those_stored(folder, where)
-                (marker,) = markers_of(read_description(folder))
-                assert marker.same_request(MARKER), where
-
-
-def assert_traces_are_those_stored(folder, where):
-    for path in (folder / "traces").iterdir():
-        try:
-            trace = trace_files.read_trace(path, SURVEY)
-        except TraceRefusedError:
-            pytest.fail(f"{where}: {path.name} is damaged and passes")
-        assert trace.fingerprint() == planned_trace(trace.index).fingerprint(), where

@@ -7,8 +7,8 @@ import re
 
 import pytest
 from candidate_examples import candidate, candidate_list
+from log_examples import flipped
 from run_seed import draws
-from survey_kit import flipped
 from trial_kit import Trial, marks_at
 
 from gpr20_analysis import faults
@@ -62,7 +62,7 @@ def test_a_changed_byte_is_refused_each_time(trial, refusals, which):
     files = {"truth": trial.truth, "salt": trial.salt, "plan": trial.file}
     path = files.get(which, trial.sealed[1])
     chance, content = random.Random(2), path.read_bytes()
-    changed = [flipped(content, chance) for _ in range(CHANGES)]
+    changed = [flipped(chance, content) for _ in range(CHANGES)]
     if which == "truth":  # it may say the same in other bytes, or stay a table
         rows = content.splitlines(True)
         changed += [content + b"\n", b"\xef\xbb\xbf" + content, content.replace(b"\n", b"\r\n")]

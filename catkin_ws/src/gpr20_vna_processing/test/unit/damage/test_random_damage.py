@@ -1,28 +1,33 @@
 """Random damage to a survey's files: nothing is lost that an intact form holds, nothing is wrong,
-and nothing is called complete that is not.
+and nothing is called intact or complete that is not, be it verified, repaired or reopened.
 
 GPR20_SEED repeats the damages of a run."""
 
 from __future__ import annotations
 
+import contextlib
 import random
+from pathlib import Path
 
 from annotation_examples import EXAMPLE
-from log_examples import damaged, marker
+from log_examples import NOW, damaged, marker
 from reopening_kit import REPORT, STORED, TRACES, assert_whole, tree
 from run_seed import SEED, draws
 from storage_kit import Kit
 from trace_examples import assert_same_numbers, read_json
 
+from gpr20_analysis.errors import AnalysisError
+from gpr20_analysis.read.manifest_repair import repair_manifest
 from gpr20_analysis.read.verification import verify_survey
-from gpr20_analysis.read.verification_result import COMPLETE
-from gpr20_survey.errors import SurveyRefusedError
+from gpr20_analysis.read.verification_result import COMPLETE, DAMAGED, INCOMPLETE
+from gpr20_survey.errors import ProcessingError, SurveyRefusedError
 from gpr20_survey.folder.recovery import read_description
 from gpr20_survey.plan.annotation import annotation_of
 from gpr20_survey.plan.markers import markers_of
 from gpr20_survey.recording.recordings import open_recordings
 
-FORMS = ("traces", "survey.bag", "survey.mcap", "survey.json", "log.jsonl", "manifest.json")
+SEAL = "manifest.json"
+FORMS = ("traces", "survey.bag", "survey.mcap", "survey.json", "log.jsonl", SEAL)
 
 
 def damage(rng, folder) -> None:
@@ -39,8 +44,12 @@ def damage(rng, folder) -> None:
 
 
 def data_of(files):
-    """Return all but the manifest, which also says what changes nothing: when it was written."""
-    return {name: content for name, content in files.items() if name != "manifest.json"}
+    """Return all but the manifest, which also says when it was written, and what was kept."""
+    return {
+        name: content
+        for name, content in files.items()
+        if name != SEAL and not name.startswith("damaged/")
+    }
 
 
 def intact_forms(before, after, index):
@@ -68,14 +77,46 @@ def check_facts(folder, before, after) -> None:
         assert "unconfirmed" not in description
 
 
+def check_verified(folder, before, after) -> None:
+    """What was changed is named if there is a manifest, and is never called intact."""
+    changed = [name for name in before if after.get(name) != before[name]]
+    found = verify_survey(folder)
+    if not changed:
+        return
+    assert found.status != COMPLETE and "intact" not in str(found.verdict)
+    if SEAL in before:
+        assert found.status == DAMAGED
+        named = [one for one in changed if Path(one).name in str([*map(str, found.faults)])]
+        assert named and (len(changed) > 1 or named == changed)
+    elif found.status == INCOMPLETE:
+        assert "without a manifest, changes to" in str(found.verdict)
+
+
+def repair(folder, before, after) -> None:
+    """Call gpr20 repair, which refuses and changes nothing, or seals what is right or named."""
+    with contextlib.suppress(AnalysisError, ProcessingError):
+        repair_manifest(folder, "1.2.3", NOW)
+    if tree(folder) == after:
+        return
+    found = verify_survey(folder)
+    assert not found.faults and bool(found.unconfirmed) <= (found.status == INCOMPLETE)
+    check_facts(folder, before, after)
+    if is_noted(before, after):
+        assert all(tree(folder)[one] == before[one] for one in ("survey.json", "log.jsonl"))
+
+
 def reopen(kit, folder, before, after):
-    """Return the reopened survey; None if nobody can say which survey it is."""
+    """Return the reopened survey; None if it is complete, or nobody can say which one it is."""
+    now = tree(folder)
     try:
         return kit.processing.reopen_survey(folder.name)
     except SurveyRefusedError as error:
-        assert tree(folder) == after, "a survey that is refused was changed"
-        if data_of(before) == data_of(after):
+        assert tree(folder) == now, "a survey that is refused was changed"
+        if data_of(before) == data_of(now):
             assert error.message.fault_code == "survey.complete"
+            return None
+        if error.message.fault_code == "survey.complete" and now != after:
+            assert not verify_survey(folder).faults
             return None
         for name in ("survey.json", "log.jsonl", "survey.mcap"):
             assert after.get(name) != before[name], str(error)
@@ -83,11 +124,14 @@ def reopen(kit, folder, before, after):
 
 
 def check(rng, ending, folder) -> None:
+    if ending == "stopped" and rng.random() < 0.3:
+        (folder / SEAL).unlink()  # the power was cut before it was written
     before = tree(folder)
     damage(rng, folder)
     after = tree(folder)
-    if ending != "finished" or data_of(after) != data_of(before):
-        assert verify_survey(folder).status != COMPLETE
+    check_verified(folder, before, after)
+    if rng.random() < 0.5:
+        repair(folder, before, after)
     kit = Kit(folder.parent, open_recordings)
     try:
         reopened = reopen(kit, folder, before, after)
@@ -109,7 +153,7 @@ def check(rng, ending, folder) -> None:
 
 
 def test_no_damage_loses_a_trace_or_makes_a_wrong_one(copies):
-    for number in range(draws(15)):
+    for number in range(draws(20)):
         print(f"{number}: repeat with GPR20_SEED={SEED}")
         rng = random.Random(f"{SEED} {number}")
         ending = rng.choice(["finished", "stopped", "cut off"])
