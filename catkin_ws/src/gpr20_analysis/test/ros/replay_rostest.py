@@ -16,6 +16,7 @@ import rospy
 from gpr20_msgs.msg import Replay, Trace
 from gpr20_msgs.srv import Command, SetReplayRate
 
+sys.path.append(str(Path(__file__).resolve().parents[5] / "tools/kits"))
 sys.path.append(str(Path(__file__).resolve().parents[1] / "unit"))
 from survey_kit import POINTS, make_survey, planned_trace
 

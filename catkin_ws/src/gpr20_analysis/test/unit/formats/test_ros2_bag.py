@@ -15,7 +15,8 @@ from rosbags.interfaces import Nodetype
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 from rosbags.typesys.stores.ros1_noetic import FIELDDEFS
 from run_seed import SEED, draws
-from survey_kit import MESSAGES, POINTS, SURVEY, make_survey
+from survey_kit import POINTS, make_survey
+from trace_examples import MESSAGES, SURVEY
 
 from gpr20_analysis.commands.main import main
 from gpr20_analysis.sample.sample_survey import sample_survey
