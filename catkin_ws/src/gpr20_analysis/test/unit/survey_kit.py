@@ -14,12 +14,10 @@ from planned_survey import AXES, TRAVEL
 from storage_kit import NOW_NS, Kit, text_message
 from trace_examples import STARTED_US, SURVEY, make_trace
 
-from gpr20_survey.folder.annotating import Fact, add_to_survey
 from gpr20_survey.folder.log_record import Kind, LogRecord
 from gpr20_survey.folder.recovery import recover
 from gpr20_survey.folder.survey_log import SurveyLog
 from gpr20_survey.folder.survey_metadata import INTERRUPTED
-from gpr20_survey.plan.markers import Marker, new_marker, removed_marker
 from gpr20_survey.plan.survey_plan import survey_points
 from gpr20_survey.recording.recordings import open_recordings
 from gpr20_survey.trace.trace import Trace
@@ -75,25 +73,6 @@ def make_survey(
         processing.close_survey(SURVEY, outcome)
     processing.shut_down()
     return folder
-
-
-def add_marker(folder: Path, marker: Marker, now: str) -> None:
-    """Add a marker to a survey that nobody writes."""
-    _add(folder, Kind.MARKER, lambda before: new_marker(before, marker, now), now)
-
-
-def remove_marker(folder: Path, marker: Marker, author: str, now: str) -> None:
-    """Remove a marker of a survey that nobody writes."""
-    identity = marker.marker_id
-    _add(folder, Kind.MARKER_REMOVED, lambda one: removed_marker(one, identity, author, now), now)
-
-
-def _add(folder: Path, kind: Kind, values_of: Callable[[Dict[str, Any]], Any], now: str) -> None:
-    def change(description: Dict[str, Any]) -> Optional[Fact]:
-        values = values_of(description)
-        return None if values is None else Fact(kind, values)
-
-    add_to_survey(folder, change, now)
 
 
 def describe_again(folder: Path, **changes: Any) -> None:

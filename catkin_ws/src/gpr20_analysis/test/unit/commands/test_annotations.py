@@ -8,7 +8,8 @@ from dataclasses import replace
 
 import pytest
 from candidate_examples import candidate, candidate_list
-from survey_kit import POINTS, SURVEY, add_marker, describe_again, make_survey, remove_marker
+from storage_kit import Kit
+from survey_kit import POINTS, SURVEY, describe_again, make_survey
 
 from gpr20_analysis import faults, survey_markers
 from gpr20_analysis.commands.main import main
@@ -22,10 +23,12 @@ from gpr20_survey.folder.log_record import Kind
 from gpr20_survey.no_clearance import NO_CLEARANCE
 from gpr20_survey.plan.annotation import Annotation, Wgs84Position, annotation_of
 from gpr20_survey.plan.markers import Marker
+from gpr20_survey.recording.recordings import open_recordings
 from gpr20_survey.results.candidate_json import json_text
 from gpr20_survey.results.found import What, present
 
-NOW, LATER = "2026-11-21T05:10:00.000000Z", "2026-11-21T06:00:00.000000Z"
+# When the storage of the tests notes something.
+NOW = "2026-09-21T14:15:00.000000+00:00"
 EXAMPLE = Annotation(
     "Lucía Peña", "El Carmen", "wet\nsoil", Wgs84Position(4.60283, -74.06514), name="Carmen 3"
 )
@@ -118,9 +121,11 @@ def test_a_survey_that_has_not_ended_is_refused(tmp_path, listed, refusals):
 
 @pytest.fixture
 def marked(folder):
+    kit = Kit(folder.parent, open_recordings)
     for marker in (MARKER, SECOND):
-        add_marker(folder, marker, NOW)
-    remove_marker(folder, SECOND, "Luis", LATER)
+        kit.processing.add_marker(SURVEY, marker)
+    kit.processing.remove_marker(SURVEY, SECOND.marker_id, "Luis")
+    kit.processing.shut_down()
     return folder
 
 
@@ -130,7 +135,7 @@ def test_markers_are_listed_and_removed_ones_on_request(marked, tmp_path, capsys
     _heading, line = capsys.readouterr().out.splitlines()
     assert line.split()[:3] == ["12", "20", "80"] and line.endswith('raíz, "metal"')
     assert main(["markers", str(marked), "--removed"]) == 0
-    assert f"removed {LATER} Luis" in capsys.readouterr().out
+    assert f"removed {NOW} Luis" in capsys.readouterr().out
     found = survey_markers(load_survey(marked))
     assert [one.same_request(MARKER) for one in found.markers] == [True]
     assert main(["report", str(marked), "-o", str(tmp_path / "r.html")]) == 0

@@ -10,15 +10,14 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
+from storage_kit import Kit
 from survey_kit import (
     POINTS,
     SURVEY,
-    add_marker,
     contents,
     describe_again,
     make_survey,
     planned_trace,
-    remove_marker,
 )
 
 from gpr20_analysis import faults
@@ -28,13 +27,12 @@ from gpr20_analysis.read.manifest_repair import NOT_VOUCHED, OTHERS, VOUCHED
 from gpr20_analysis.read.verification import verify_survey
 from gpr20_survey.faults import UNCONFIRMED
 from gpr20_survey.folder import manifest, sealing
-from gpr20_survey.folder.annotating import add_to_survey, annotate
 from gpr20_survey.folder.log_record import Kind
 from gpr20_survey.folder.recovery import read_description, recover
 from gpr20_survey.plan.annotation import Annotation
 from gpr20_survey.plan.markers import Marker, markers_of
+from gpr20_survey.recording.recordings import open_recordings
 
-NOW = "2026-11-21T05:10:00.000000Z"
 IDS = [f"7c9e6679-7425-40de-944b-e07fc1f90a{number:02d}" for number in range(5)]
 MARKERS = [
     Marker(one, 110.0 + number, 20.0, 80.0, f"marker {number}") for number, one in enumerate(IDS)
@@ -55,11 +53,13 @@ def noted(tmp_path_factory):
     folder = make_survey(
         tmp_path_factory.mktemp("noted"), len(POINTS), "finished", at_end=note_during
     )
+    kit = Kit(folder.parent, open_recordings)
     for marker in MARKERS[2:4]:
-        add_marker(folder, marker, NOW)
-    remove_marker(folder, MARKERS[0], "Luis", NOW)
-    add_to_survey(folder, annotate(Annotation(operator="Ana", site="El Carmen")), NOW)
-    add_marker(folder, MARKERS[4], NOW)
+        kit.processing.add_marker(SURVEY, marker)
+    kit.processing.remove_marker(SURVEY, MARKERS[0].marker_id, "Luis")
+    kit.processing.annotate(SURVEY, Annotation(operator="Ana", site="El Carmen"))
+    kit.processing.add_marker(SURVEY, MARKERS[4])
+    kit.processing.shut_down()
     assert verify_survey(folder).status == DONE
     return folder
 
