@@ -15,7 +15,7 @@ import pytest
 from annotation_examples import EXAMPLE
 from case_kit import each_case
 from fault_kit import raises_fault
-from log_examples import NOW, add_marker, change_digit, make_former, marker
+from log_examples import NOW, add_marker, change_digit, make_former
 from planned_survey import METADATA
 from reopening_kit import (
     REPORT,
@@ -31,7 +31,6 @@ from reopening_kit import (
 from storage_kit import Kit
 from trace_examples import SURVEY, read_json
 
-from gpr20_analysis.read.manifest_repair import repair_manifest
 from gpr20_analysis.read.verification import verify_survey
 from gpr20_analysis.read.verification_result import COMPLETE, DAMAGED, INCOMPLETE
 from gpr20_survey.errors import SurveyRefusedError
@@ -40,7 +39,6 @@ from gpr20_survey.folder.annotating import add_to_survey
 from gpr20_survey.folder.description_copies import sealed_description
 from gpr20_survey.folder.recovery import LATER, read_description
 from gpr20_survey.plan.annotation import annotation_of
-from gpr20_survey.plan.markers import markers_of
 from gpr20_survey.recording.recordings import open_recordings
 from gpr20_survey.trace import trace_json
 from gpr20_vna_processing.mid.survey_archive import SurveyArchive
@@ -364,18 +362,6 @@ def test_damage_is_named_and_costs_nothing_that_another_form_holds(copies, surve
         return
     check_reopened(folder, damage, damaged)
     check_finished(folder, damage)
-
-
-@pytest.mark.parametrize("name", [VIEW, LOG])
-def test_a_form_that_gpr20_repair_finds_damaged_is_kept_and_never_sealed(copies, name):
-    folder = copies(STOPPED)
-    change_digit(folder, name, 1)
-    repair_manifest(folder, "1.2.3", NOW)
-    first, second = markers_of(read_description(folder))
-    assert first.same_request(marker(1)) and second.same_request(marker(2))
-    found = verify_survey(folder)
-    assert (found.status, found.faults, found.unconfirmed) == (INCOMPLETE, [], ())
-    assert (folder / "damaged" / name).is_file()
 
 
 @each_case("change", [both(digit(VIEW, LOG), gone(MCAP)), former(Y_STOP), flipped(SEAL)])
