@@ -10,6 +10,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
+from log_examples import FILES, change_digit, marker
 from storage_kit import Kit
 from survey_kit import (
     POINTS,
@@ -27,23 +28,18 @@ from gpr20_analysis.read.manifest_repair import NOT_VOUCHED, OTHERS, VOUCHED
 from gpr20_analysis.read.verification import verify_survey
 from gpr20_survey.faults import UNCONFIRMED
 from gpr20_survey.folder import manifest, sealing
-from gpr20_survey.folder.log_record import Kind
-from gpr20_survey.folder.recovery import read_description, recover
+from gpr20_survey.folder.recovery import read_description
 from gpr20_survey.plan.annotation import Annotation
-from gpr20_survey.plan.markers import Marker, markers_of
+from gpr20_survey.plan.markers import markers_of
 from gpr20_survey.recording.recordings import open_recordings
 
-IDS = [f"7c9e6679-7425-40de-944b-e07fc1f90a{number:02d}" for number in range(5)]
-MARKERS = [
-    Marker(one, 110.0 + number, 20.0, 80.0, f"marker {number}") for number, one in enumerate(IDS)
-]
 DONE, NOT_COMPLETE, DAMAGED = 0, 1, 2
 
 
 def note_during(processing):
     """Add two markers, an annotation and a report to the open survey."""
-    for marker in MARKERS[:2]:
-        processing.add_marker("", marker)
+    for number in (1, 2):
+        processing.add_marker("", marker(number))
     processing.annotate("", Annotation(operator="Ana"))
     processing.report(SURVEY, json.dumps({"complete": True}))
 
@@ -54,11 +50,11 @@ def noted(tmp_path_factory):
         tmp_path_factory.mktemp("noted"), len(POINTS), "finished", at_end=note_during
     )
     kit = Kit(folder.parent, open_recordings)
-    for marker in MARKERS[2:4]:
-        kit.processing.add_marker(SURVEY, marker)
-    kit.processing.remove_marker(SURVEY, MARKERS[0].marker_id, "Luis")
+    for number in (3, 4):
+        kit.processing.add_marker(SURVEY, marker(number))
+    kit.processing.remove_marker(SURVEY, marker(1).marker_id, "Luis")
     kit.processing.annotate(SURVEY, Annotation(operator="Ana", site="El Carmen"))
-    kit.processing.add_marker(SURVEY, MARKERS[4])
+    kit.processing.add_marker(SURVEY, marker(5))
     kit.processing.shut_down()
     assert verify_survey(folder).status == DONE
     return folder
@@ -69,51 +65,38 @@ def copy(noted, tmp_path):
     return Path(shutil.copytree(str(noted), str(tmp_path / noted.name)))
 
 
-def number_of(folder, kind, place):
-    records = recover(folder).found.records
-    return [one.number for one in records if one.kind == kind.value][place]
+def change_both(folder, number):
+    """Change a digit of a marker in both forms of the log."""
+    for name in FILES:
+        change_digit(folder, name, number)
 
 
-def move_in_both(folder, number):
-    """Change a digit of the place of a marker in log.jsonl and in survey.json."""
-    path = folder / "log.jsonl"
-    lines = path.read_text("ascii").split("\n")
-    assert '"y_mm":20' in lines[number]
-    lines[number] = lines[number].replace('"y_mm":20', '"y_mm":90', 1)
-    path.write_text("\n".join(lines), "ascii")
-    path = folder / "survey.json"
-    values = json.loads(path.read_text("ascii"))
-    record = json.dumps(values["log"][number]).replace('"y_mm": 20', '"y_mm": 90', 1)
-    values["log"][number] = json.loads(record)
-    path.write_text(json.dumps(values, indent=2) + "\n", "ascii")
-
-
-@pytest.mark.parametrize("place", [2, -1])
-def test_a_record_that_is_damaged_in_both_forms_is_unconfirmed_for_ever(copy, place):
-    number = number_of(copy, Kind.MARKER, place)
-    move_in_both(copy, number)
-    found = verify_survey(copy)
-    assert found.status == DAMAGED
+@pytest.mark.parametrize("number", [3, 5])
+def test_a_record_that_is_damaged_in_both_forms_is_unconfirmed_for_ever(copy, number):
+    change_both(copy, number)
+    assert verify_survey(copy).status == DAMAGED
     assert main(["repair", str(copy)]) == NOT_COMPLETE
-    kept = read_description(copy)["unconfirmed"][f"record {number}"]["found"]
-    assert len(kept) == 2 and all('"y_mm": 90' in one for one in kept)
+    ((name, entry),) = read_description(copy)["unconfirmed"].items()
+    changed = f"9{str(marker(number).x_mm)[1:]}"
+    assert len(entry["found"]) == 2 and all(changed in one for one in entry["found"])
     for _ in range(2):
         found = verify_survey(copy)
         assert (found.status, found.faults) == (NOT_COMPLETE, [])
         assert found.verdict.fault_code == UNCONFIRMED.code
-        assert f"record {number}" in str(found.verdict) and "UNCONFIRMED" in str(found.verdict)
-        assert manifest.read_manifest(copy).unconfirmed == (f"record {number}",)
-        assert read_description(copy)["unconfirmed"][f"record {number}"]["found"] == kept
-        assert all(one.y_mm == 20.0 for one in markers_of(read_description(copy)))
+        assert name in str(found.verdict) and "UNCONFIRMED" in str(found.verdict)
+        assert manifest.read_manifest(copy).unconfirmed == (name,)
+        description = read_description(copy)
+        assert description["unconfirmed"] == {name: entry}
+        ids = {one.marker_id for one in markers_of(description)}
+        assert ids == {marker(one).marker_id for one in range(1, 6) if one != number}
         assert main(["repair", str(copy)]) == NOT_COMPLETE
     assert main(["annotate", str(copy), "--site", "here"]) == DONE
-    assert verify_survey(copy).unconfirmed == (f"record {number}",)
+    assert verify_survey(copy).unconfirmed == (name,)
 
 
 def test_a_record_of_the_time_of_measurement_is_found_in_the_mcap(copy):
     wanted = read_description(copy)
-    number = number_of(copy, Kind.MARKER, 1)
-    move_in_both(copy, number)
+    change_both(copy, 2)
     assert verify_survey(copy).status == DAMAGED
     assert main(["repair", str(copy)]) == DONE
     assert read_description(copy) == wanted
