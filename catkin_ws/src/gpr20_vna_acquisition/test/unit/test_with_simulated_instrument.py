@@ -7,10 +7,9 @@ antennas as imaginary part of each point.
 from __future__ import annotations
 
 import doctest
-import threading
 import time
 from pathlib import Path
-from typing import Callable, List
+from typing import Iterator
 
 import pytest
 from fault_kit import raises_fault
@@ -65,28 +64,15 @@ def robot() -> Robot:
 
 
 @pytest.fixture
-def make(request, robot) -> Callable[[], SimulatedAnalyzer]:
-    """Make instruments that are stopped in the end."""
-
-    def instrument() -> SimulatedAnalyzer:
-        options = AnalyzerOptions(seconds_per_point=SECONDS_PER_POINT)
-        one = SimulatedAnalyzer(
-            PositionProbe(), robot.position, Clock(), InstrumentScene(), options
-        )
-        one.start()
-        request.addfinalizer(one.stop)
-        return one
-
-    return instrument
+def vna(robot) -> Iterator[SimulatedAnalyzer]:
+    options = AnalyzerOptions(seconds_per_point=SECONDS_PER_POINT)
+    one = SimulatedAnalyzer(PositionProbe(), robot.position, Clock(), InstrumentScene(), options)
+    one.start()
+    yield one
+    one.stop()
 
 
-@pytest.fixture
-def vna(make) -> SimulatedAnalyzer:
-    return make()
-
-
-def driver_of(vnas: List[SimulatedAnalyzer], **parameters) -> VNADriver:
-    """Return a driver that finds the last of the instruments."""
+def driver_of(vna: SimulatedAnalyzer, **parameters) -> VNADriver:
     values = VnaParameters(
         retry_pause_s=0.01,
         seconds_per_point=SECONDS_PER_POINT,
@@ -97,9 +83,7 @@ def driver_of(vnas: List[SimulatedAnalyzer], **parameters) -> VNADriver:
         **parameters,
     )
     deadline = RequestDeadline(Clock())
-    analyzer = Ms2026c(
-        lambda address: connect(address, PATIENT, vnas[-1].server.port), values, deadline
-    )
+    analyzer = Ms2026c(lambda address: connect(address, PATIENT, vna.server.port), values, deadline)
     driver = VNADriver(analyzer, values, deadline, lambda text: None)
     driver.connect_to_vna(HOST)
     driver.set_frequency_sweep(SWEEP)
@@ -108,7 +92,7 @@ def driver_of(vnas: List[SimulatedAnalyzer], **parameters) -> VNADriver:
 
 @pytest.mark.parametrize("transfer", list(TransferFormat))
 def test_no_point_of_a_sweep_was_measured_before_the_antennas_stopped(robot, vna, transfer):
-    driver = driver_of([vna], transfer_format=transfer)
+    driver = driver_of(vna, transfer_format=transfer)
     for _ in range(3):
         robot.stopped_at_mm = None
         moving = driver.get_trace()
@@ -119,35 +103,19 @@ def test_no_point_of_a_sweep_was_measured_before_the_antennas_stopped(robot, vna
         assert len(set(resting.s21_real)) == 1 and resting.s21_real[0] > moving.s21_real[0]
 
 
-def test_an_instrument_that_was_switched_off_and_on_is_set_up_again(robot, make):
-    robot.stop()
-    vnas = [make()]
-    driver = driver_of(vnas)
-    driver.get_trace()
-    vnas[0].stop()
-    timer = threading.Timer(0.1, lambda: vnas.append(make()))
-    timer.start()
-    # The fresh instrument counts from the start again; the settings are its defaults.
-    sweep = driver.get_trace()
-    assert len(sweep.s21_real) == SWEEP.points
-    assert driver.state.repeats >= 1
-    timer.join()
-    driver.disconnect_from_vna()
-
-
 def test_no_other_program_can_use_the_instrument_until_it_is_released(vna):
-    driver = driver_of([vna])
+    driver = driver_of(vna)
     other = connect(HOST, PATIENT, vna.server.port)
     with raises_fault(faults.LOCKED, error=VnaConnectionError):
         other.write(":INIT:CONT ON")
     with raises_fault(faults.LOCKED, error=VnaConnectionError):
-        driver_of([vna], request_timeout_s=0.5)
+        driver_of(vna, request_timeout_s=0.5)
     # A lost link leaves no lock.
     vna.faults.set("DROP", 1)
     driver.confirm(driver.take_sweep()[0])
     driver.disconnect_from_vna()
     wait_until(lambda: not vna.server.link_count)
-    driver_of([vna]).disconnect_from_vna()
+    driver_of(vna).disconnect_from_vna()
 
 
 def test_the_example_of_the_readme_gives_what_it_shows():
