@@ -6,6 +6,7 @@ import threading
 
 import pytest
 from case_kit import each_case
+from log_examples import marker
 from survey_kit import (
     NOW_NS,
     POINTS,
@@ -25,7 +26,6 @@ from gpr20_survey.folder import annotating
 from gpr20_survey.folder.log_record import Kind
 from gpr20_survey.folder.recovery import read_description, recover
 from gpr20_survey.plan.annotation import annotation_of
-from gpr20_survey.plan.markers import Marker
 from gpr20_survey.trace import utc_time
 
 S = 10**6  # [us]
@@ -118,7 +118,6 @@ def test_a_folder_with_the_name_of_another_survey_is_noted(tmp_path):
 
 
 STORED = 5
-MARKER = Marker("7c9e6679-7425-40de-944b-e07fc1f90ae7", 110.0, 20.0, 80.0, "metal", "Ana")
 
 
 def test_a_survey_that_is_being_written_is_said_to_be_so_and_not_annotated(
@@ -128,7 +127,7 @@ def test_a_survey_that_is_being_written_is_said_to_be_so_and_not_annotated(
 
     def look(processing):
         (folder,) = (tmp_path / "data").iterdir()
-        processing.add_marker("", MARKER)
+        processing.add_marker("", marker(1))
         assert gpr20_verify([str(folder)]) == 1
         printed = capsys.readouterr().out
         assert f"BEING WRITTEN by process {os.getpid()}: {STORED} of {len(POINTS)}" in printed
