@@ -118,8 +118,3 @@ def test_real32_survives_bit_for_bit(numbers):
 def test_reads_frequencies_in_either_format():
     for answer in (block(real32(1e9, 2e9, 3e9)), block(b"1.0E+09,2.0E+09,3.0E+09,\n")):
         assert parse_frequencies(answer, 3).tolist() == [1e9, 2e9, 3e9]
-
-
-def test_real_and_imaginary_values_stay_apart():
-    numbers = parse_numbers(block(b"1,2,3,4,5,6,"), ASCII, 6)
-    assert numbers[0::2].tolist() == [1, 3, 5] and numbers[1::2].tolist() == [2, 4, 6]

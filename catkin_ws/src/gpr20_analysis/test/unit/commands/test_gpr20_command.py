@@ -33,13 +33,12 @@ def test_every_command_explains_itself_and_is_listed_and_a_wrong_call_is_status_
         assert main(arguments) == 3, arguments
 
 
-def test_an_error_says_which_command_and_what_and_a_remedy_once(tmp_path, capsys):
+def test_an_error_says_which_command_and_what_and_a_remedy_once(finished, tmp_path, capsys):
     assert main(["info", str(tmp_path / "nowhere")]) == 3
     error = capsys.readouterr().err
     assert error.startswith("gpr20 info: ") and "nowhere" in error
     assert error.splitlines()[1] == f"First: {faults.NO_INPUT.remedy}"
-    folder = make_survey(tmp_path, ALL, "finished")
-    assert main(["report", str(folder), "-o", str(tmp_path / "x.txt"), "--json"]) == 3
+    assert main(["report", str(finished), "-o", str(tmp_path / "x.txt"), "--json"]) == 3
     printed = capsys.readouterr()
     assert len(printed.err.splitlines()) == 1
     error = json.loads(printed.out)["error"]
@@ -57,24 +56,24 @@ def test_info_tells_how_whole_a_survey_is(tmp_path, capsys, stored, status):
     assert len(printed["missing"]) == ALL - stored
 
 
-def test_a_library_that_is_not_installed_is_named_with_its_extra(tmp_path, capsys, monkeypatch):
-    folder = make_survey(tmp_path, ALL, "finished")
+def test_a_library_that_is_not_installed_is_named_with_its_extra(
+    finished, tmp_path, capsys, monkeypatch
+):
     for name in [one for one in sys.modules if one.startswith("gpr20_analysis.plotting")]:
         monkeypatch.delitem(sys.modules, name)
     monkeypatch.setitem(sys.modules, "matplotlib.figure", None)
-    assert main(["plot", "coverage", str(folder), "-o", str(tmp_path / "c.png")]) == 3
+    assert main(["plot", "coverage", str(finished), "-o", str(tmp_path / "c.png")]) == 3
     assert "pip install 'gpr20_analysis[plots]'" in capsys.readouterr().err
 
 
-def test_a_fault_of_the_program_is_told_in_one_line(tmp_path, capsys, monkeypatch):
+def test_a_fault_of_the_program_is_told_in_one_line(finished, capsys, monkeypatch):
     monkeypatch.setattr(info_command, "summary_of", lambda survey: 1 / 0)
-    folder = make_survey(tmp_path, ALL, "finished")
-    assert main(["info", str(folder)]) == 3
+    assert main(["info", str(finished)]) == 3
     error = capsys.readouterr().err
     assert "ZeroDivisionError" in error
     assert "Traceback" not in error
     monkeypatch.setenv("GPR20_TRACEBACK", "1")
-    assert main(["info", str(folder)]) == 3
+    assert main(["info", str(finished)]) == 3
     assert "Traceback" in capsys.readouterr().err
 
 
