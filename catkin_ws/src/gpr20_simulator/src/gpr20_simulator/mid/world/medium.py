@@ -57,9 +57,9 @@ class PositionProbe:
 
     The integer part of 4096 times the real part is the number of the sweep, counted from 0 again
     after 65,536 sweeps; its fraction is the rotation, (rotation_deg + 90) / 200, exact to 0.4
-    degrees from -90 to 109 degrees. The imaginary part is x_mm + y_mm / 1000: whole millimetres can be
-    distinguished exactly (x below 1000, y from 0 to 999), and any movement of 0.01 mm along X or
-    0.1 mm along Y changes it. All this is still so in a float32.
+    degrees from -90 to 109 degrees. The imaginary part is x_mm + y_mm / 1000: whole millimetres
+    can be distinguished exactly (x below 1000, y from 0 to 999), and any movement of 0.01 mm along
+    X or 0.1 mm along Y changes it. All this is still so in a float32.
     """
 
     def s21(
