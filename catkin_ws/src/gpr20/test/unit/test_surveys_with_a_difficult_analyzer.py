@@ -15,6 +15,7 @@ from stored_surveys import (
     survey_json,
 )
 
+from gpr20_simulator.mid.world.medium import probed_sweep
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_survey.trace.sweep_settings import AnalyzerSettings
 
@@ -56,7 +57,7 @@ def test_every_trace_is_one_sweep_made_at_its_own_place_and_stored_bit_for_bit(w
     assert begun > 10
     robot.begin()
     stored = finish(robot)
-    sweeps = [one["s21_real"][0] for one in stored]
+    sweeps = [probed_sweep(one["s21_real"][0] + 0j) for one in stored]
     assert sweeps == sorted(sweeps) and sweeps[0] > begun
     sent = set(map(sent_values, world.sent["sdat"]))
     assert {(bits(one["s21_real"]), bits(one["s21_imag"])) for one in stored} <= sent

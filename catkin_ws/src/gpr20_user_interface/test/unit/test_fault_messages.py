@@ -4,6 +4,9 @@ import json
 from dataclasses import replace
 
 import pytest
+
+pytest.importorskip("rospy")
+
 from view_kit import (
     ASKED_PAUSE,
     ASKED_STOP,

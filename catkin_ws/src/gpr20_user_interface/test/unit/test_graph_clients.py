@@ -4,6 +4,9 @@ import threading
 from types import SimpleNamespace
 
 import pytest
+
+pytest.importorskip("rospy")
+
 import rosgraph
 from annotation_examples import annotations
 from fake_clock import FakeClock

@@ -4,6 +4,9 @@ from dataclasses import replace
 from types import SimpleNamespace
 
 import pytest
+
+pytest.importorskip("rospy")
+
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from fake_clock import FakeClock
 from hypothesis import given

@@ -8,6 +8,9 @@ import uuid
 from types import SimpleNamespace
 
 import pytest
+
+pytest.importorskip("rospy")
+
 import rospy
 from topics_kit import Graph
 

@@ -14,6 +14,8 @@ import psutil
 import pytest
 from case_kit import each_case
 
+pytest.importorskip("rospy")
+
 from gpr20_common.catalogue import Language
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message

@@ -99,9 +99,10 @@ class Outbox(Generic[Thing]):
 
     def _try(self, thing: Thing) -> bool:
         """Try to send; return whether it must be tried again."""
-        former, self.problem, again = self.problem, None, False
+        former, again = self.problem, False
         try:
             self._send(thing)
+            self.problem = None
         except (OSError, Gpr20Error) as error:
             again = isinstance(error, OSError)
             reason = os_reason(error) if isinstance(error, OSError) else error.message
