@@ -48,6 +48,25 @@ def make(tmp_path):
         yield make_axis
 
 
+WITHOUT_RIGHTS = """
+import os, resource
+from gpr20_axis_driver.low.scheduling import realtime_scheduling
+resource.setrlimit(resource.RLIMIT_RTPRIO, (0, 0))
+resource.setrlimit(resource.RLIMIT_MEMLOCK, (65536, 65536))
+if os.getuid() == 0: os.setuid(65534)
+print(realtime_scheduling())
+"""
+
+
+def test_pulses_are_punctual_or_say_why_not(make):
+    pulses = make(AxisId.Z).pulses
+    assert ("refused: " if pulses.unpunctual else "SCHED_FIFO") in str(pulses.scheduling)
+    faster = make(AxisId.X, time_scale=10.0).pulses
+    assert "ordinary scheduling" in str(faster.scheduling) and not faster.unpunctual
+    said = subprocess.check_output([sys.executable, "-c", WITHOUT_RIGHTS], text=True)
+    assert "realtime=False" in said and "SCHED_FIFO (Operation not permitted)" in said
+
+
 class Move:
     """A move in the background."""
 
