@@ -11,15 +11,22 @@ SAFE = frozenset({"json.dumps", "as_json"})
 OWN = ("gpr20_common/terminal_text.py", "gpr20_user_interface/terminal/displays.py")
 
 
+def name_of(node: ast.AST) -> str:
+    """Return the dotted name of what is called."""
+    if isinstance(node, ast.Attribute):
+        return f"{name_of(node.value)}.{node.attr}"
+    return node.id if isinstance(node, ast.Name) else ""
+
+
 def is_safe(call: ast.Call) -> bool:
     values = call.args
-    return all(isinstance(one, ast.Call) and ast.unparse(one.func) in SAFE for one in values)
+    return all(isinstance(one, ast.Call) and name_of(one.func) in SAFE for one in values)
 
 
 def writes(node: ast.AST) -> bool:
     if not isinstance(node, ast.Call):
         return False
-    name = ast.unparse(node.func)
+    name = name_of(node.func)
     if name in ("sys.stdout.write", "sys.stderr.write", "traceback.print_stack"):
         return True
     return name == "print" and not is_safe(node)
