@@ -6,6 +6,7 @@ every few calls, a release each of them.
 
 from __future__ import annotations
 
+import contextlib
 import itertools
 import random
 import shutil
@@ -104,6 +105,31 @@ def cut_power(folder, place, failure, work):
             return not disk.has_failed
     finally:
         disk.release()
+
+
+def test_an_opening_that_failed_half_way_is_repeated_with_the_same_id(tmp_path):
+    """At every call, in the same process or in the next one."""
+    folder = None
+    for calls in itertools.count():
+        data = tmp_path / str(calls)
+        data.mkdir()
+        kit, disk = Kit(data, open_recordings, check_data=lambda: None), FailingDisk(data)
+        try:
+            with disk.failing(Failure(calls, False), data), contextlib.suppress(StorageFailedError):
+                folder = kit.open(metadata_json=METADATA)
+        finally:
+            disk.release()
+        if folder:
+            break
+        if calls % 2:
+            kit.processing.shut_down()
+            kit = Kit(data, open_recordings, check_data=lambda: None)
+        again = kit.open(metadata_json=METADATA)
+        kit.finish(TRACES, ())
+        kit.processing.shut_down()
+        assert verify_survey(again).status == COMPLETE, calls
+    kit.processing.shut_down()
+    assert calls > 8
 
 
 @pytest.mark.parametrize("damaged", ["", "former", *FORMS])
