@@ -6,6 +6,7 @@ import contextlib
 import ipaddress
 
 import psutil
+import pytest
 from robot_kit import free_port
 from user_shell import Terminal, is_ready, user_environment, wait_until
 
@@ -41,6 +42,7 @@ def reachable_at(processes):
                 yield command_line, one.laddr.ip
 
 
+@pytest.mark.timeout(180)
 def test_a_running_survey_can_be_reached_from_this_machine_alone(tmp_path):
     port = free_port()
     environment = user_environment(

@@ -90,7 +90,10 @@ def pytest_keyboard_interrupt() -> None:
 def pytest_sessionfinish(session: pytest.Session) -> None:
     """End what the tests left running."""
     if not hasattr(session.config, "workerinput"):
-        session.config.stash[NAMES] = end_processes(os.environ[VARIABLE])
+        names = end_processes(os.environ[VARIABLE])
+        # Python's own, which ends after the process whose resources it watches.
+        left = [one for one in names if "resource_tracker" not in one]
+        session.config.stash[NAMES] = left
 
 
 def pytest_terminal_summary(terminalreporter: Any, config: pytest.Config) -> None:

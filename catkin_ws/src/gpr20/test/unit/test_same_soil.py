@@ -1,4 +1,4 @@
-"""Window, imaging node, command, report and API search a survey with the soil that it knows."""
+"""Window, imaging node, commands, report and API know the same soil, and the same doubts."""
 
 from __future__ import annotations
 
@@ -21,6 +21,7 @@ from gpr20_analysis.candidates.table import candidate_row
 from gpr20_analysis.commands.main import main
 from gpr20_imaging.low.analysis_worker import Analysis
 from gpr20_imaging.mid.imaging import Imaging as Node
+from gpr20_operator.jobs import result_texts as texts
 from gpr20_operator.jobs.job import Service
 from gpr20_operator.jobs.pictures import Imaging, StoredSurvey
 from gpr20_operator.jobs.result import SurveyResult
@@ -32,6 +33,7 @@ from gpr20_survey.folder.soil_note import KIND, PLANNED, soil_values
 from gpr20_survey.folder.survey_folder import MCAP_FILE
 from gpr20_survey.plan.survey_parameters import SurveyParameters
 from gpr20_survey.plan.survey_plan import survey_points
+from gpr20_survey.plan.zero_history import UNPROVEN
 from gpr20_survey.results.candidate_json import json_text, list_from
 from gpr20_survey.results.focused_image import focus_fields, image_from
 
@@ -42,6 +44,7 @@ PARAMETERS = SurveyParameters(
 TARGET = Target("can", Shape.SPHERE, 120.0, 110.0, 0.06, 0.02, 0.0, 0.05, 0.05)
 SCENE = Scene(soil=Soil(4.0, 0.0), antennas=Antennas(), targets=(TARGET,), noise=Noise(-90.0))
 NOW = "2026-10-01T10:00:00.000000+00:00"
+TO_NETCDF = ("--format", "netcdf", "--overwrite")
 TIME_US = 1_795_000_000_000_000
 
 
@@ -78,8 +81,8 @@ class Asked:
         pass
 
 
-def stored_survey(data, **more):
-    """Store a survey over a can, and return its folder."""
+def stored_survey(data, remarks=(), **more):
+    """Store a survey over a can, and return its folder; remarks: of each trace but the first."""
     kit, points = Kit(data), survey_points(PARAMETERS, TRAVEL)
     metadata = {
         **{"planned_traces": len(points), "simulated": True, "parameters": asdict(PARAMETERS)},
@@ -95,7 +98,7 @@ def stored_survey(data, **more):
             make_trace(
                 index, x_coord_mm=point.x_mm, y_coord_mm=point.y_mm, z_coord_deg=point.z_deg,
                 antennae_height_m=SCENE.antennas.height_m, frequency_hz=frequency_hz,
-                s21_real=s21.real, s21_imag=s21.imag,
+                s21_real=s21.real, s21_imag=s21.imag, quality=remarks if index else (),
             )
         )  # fmt: skip
     kit.processing.close_survey(SURVEY, "finished")
@@ -110,7 +113,7 @@ def enter(folder, permittivity):
 
 
 def answers(folder, capsys):
-    """Return the lists of window, node, API and command, and the report."""
+    """Return the lists of window, node, API and command, the report, and the window's notices."""
     with closing(Node(folder.parent, Here(), None, lambda *_: None)) as node:
         window = SurveyResult(Imaging(Asked(folder, node), lambda: 100.0))
         window.open(folder.name)
@@ -128,7 +131,7 @@ def answers(folder, capsys):
     }
     page = folder.parent / "report.html"
     assert main(["report", str(folder), "-o", str(page), "--overwrite"]) == 0
-    return lists, page.read_text()
+    return lists, page.read_text(), texts.notices(window)
 
 
 def of_command(folder, capsys, *options):
@@ -164,7 +167,7 @@ def test_all_parts_search_with_what_the_survey_knows(tmp_path, capsys, monkeypat
     ):
         for one in entered:
             enter(folder, one)
-        lists, page = answers(folder, capsys)
+        lists, page, _notices = answers(folder, capsys)
         for name, found in lists.items():
             rows = [candidate_row(one) for one in found.shown(None)]
             assert said_of(found) == pytest.approx(expected), name
@@ -174,3 +177,20 @@ def test_all_parts_search_with_what_the_survey_knows(tmp_path, capsys, monkeypat
     assert len({one[0] for one in shown}) == len(shown)
     given = of_command(folder, capsys, "--permittivity", "8")
     assert said_of(given) == pytest.approx((8.0, 7.2, 8.8, "given"))
+
+
+def test_all_parts_say_that_nothing_proves_the_positions(tmp_path, capsys, monkeypatch):
+    monkeypatch.setattr(Figure, "savefig", lambda _figure, target, **_: target.write(b"-"))
+    folder = stored_survey(tmp_path / "data", (str(UNPROVEN),), **{PLANNED: 4.0})
+    said = "80 traces refer to zeros of the axes that no measurement proved"
+    lists, page, notices = answers(folder, capsys)
+    for name, found in lists.items():
+        assert any(said in str(one) for one in found.notes), name
+    assert said in page and said in str(notices[0])
+    exported = folder.parent / "exported.nc"
+    for source in (folder, folder / MCAP_FILE, exported):
+        capsys.readouterr()
+        assert main(["info", str(source)]) == 0
+        assert said in capsys.readouterr().err, source
+        if source != exported:
+            assert main(["export", str(source), str(exported), *TO_NETCDF]) == 0

@@ -56,7 +56,7 @@ def test_a_list_of_an_earlier_version_does_not_say_where_its_permittivity_is_fro
     refused({LATER: 4}, False)
 
 
-RIGHT = {"simulated": [True], "survey_id": [""], "method": [""], "notes": [["other"]]}
+RIGHT = {"simulated": [True], "survey_id": [""], "method": [""]}
 RIGHT = {**RIGHT, "rotations_deg": [[1]], "flags": [["other"]]}
 
 

@@ -21,6 +21,7 @@ from gpr20_analysis.read.annotation_attributes import (
 )
 from gpr20_analysis.read.antenna_attributes import antenna_attributes
 from gpr20_analysis.read.aux_variables import aux_variables
+from gpr20_analysis.read.doubts import position_doubts
 from gpr20_analysis.read.sources import Damage, Position, SurveySource
 from gpr20_analysis.read.survey_grid import Plan, grid_of, planned_grid
 from gpr20_analysis.read.trace_table import EMPTY, Allocate, Sample, TraceTable, in_memory
@@ -242,6 +243,12 @@ class _Assembly:
             "index": placed([one.index for one in samples], -1, np.int64),
         }
 
+    def _doubts(self, report: Any) -> List[Message]:
+        """Return what comes before all other notes: only a few are shown below a figure."""
+        samples = sorted((sample for _, sample in self._used), key=lambda one: one.index)
+        zeros, remarks = ([one.zeros for one in samples], [one.remarks for one in samples])
+        return position_doubts(report, zeros, remarks)
+
     def _aux(self) -> Dict[str, Tuple[np.ndarray, Dict[str, Any]]]:
         values = [sample.aux for _, sample in self._used]
         return aux_variables(values, self._cells, self._grid.cells, self._notes)
@@ -270,7 +277,7 @@ class _Assembly:
         imported = import_of(description)
         kept = restored(xr.Dataset(), imported).attrs
         notes, decisions = (_texts(imported.get(name)) for name in (NOTES, DECISIONS))
-        self._notes += notes
+        self._notes = self._doubts(description.get("report")) + self._notes + notes
         attributes: Dict[str, Any] = {
             # What people add to a survey may have been changed since.
             **{name: value for name, value in kept.items() if name not in ATTRIBUTES},

@@ -83,9 +83,11 @@ def headline(found: CandidateList, first: int = 0, most: int = PLACES_SHOWN) -> 
 
 
 def notices(result: SurveyResult) -> List[Message]:
-    """Return what a person must know of the whole list: what was not measured, or is not in it."""
+    """Return what a person must know of the whole list: what is doubted, or is not in it."""
     part, image = measured(result), result.image
     lines = [] if part is None else [part]
+    if image is not None:
+        lines = [*(one for one in image.found.notes if one.fault_code), *lines]
     if result.soil_problem is not None:
         reason = result.soil_problem
         lines.append(Message("The permittivity is not stored: {reason}", reason=reason))

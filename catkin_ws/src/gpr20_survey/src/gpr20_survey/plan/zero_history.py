@@ -7,11 +7,14 @@ from dataclasses import dataclass
 from typing import Any, Dict, Iterable, List, Mapping, Set
 
 from gpr20_common.errors import InvalidValueError
+from gpr20_common.message import Message
 from gpr20_survey.axes.zero_epoch import ZeroEpoch, Zeros, are_zeros
 from gpr20_survey.trace import utc_time
 
 # The entry of the report.
 ZEROS = "zeros"
+UNPROVEN = Message("the zeros of the axes are not proven to be those of the traces before")
+"""The remark on the quality of a trace whose zeros nobody has proven."""
 
 
 class Proof(enum.Enum):

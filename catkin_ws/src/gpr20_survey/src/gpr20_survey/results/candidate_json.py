@@ -6,10 +6,11 @@ import json
 import math
 import re
 from dataclasses import asdict
-from typing import Any, Dict, List, Optional
+from typing import Any, Dict, List, Optional, Tuple
 
 from gpr20_common.errors import InvalidValueError
-from gpr20_common.message import Message, verbatim
+from gpr20_common.message import Message
+from gpr20_common.sent_message import received_message
 from gpr20_survey.no_clearance import NO_CLEARANCE, SIMULATED
 from gpr20_survey.results.area_position import AreaPosition
 from gpr20_survey.results.candidates import Candidate, CandidateList, flag_of
@@ -50,6 +51,8 @@ def list_record(found: CandidateList) -> Dict[str, Any]:
         "coordinates": "X, Y and depth in metres, in the survey's area",
         "position": asdict(found.position) if found.position else None,
         "notes": [str(note) for note in found.notes],
+        # With template and fault, for other programs of the robot.
+        "notes_json": [note.to_json() for note in found.notes],
     }
 
 
@@ -110,12 +113,17 @@ def _list_of(values: Any) -> CandidateList:
         ),
         omitted=values["omitted"],
         candidates=candidates,
-        notes=tuple(verbatim(_text(one)) for one in _list(values["notes"])),
+        notes=_notes(_list(values["notes"]), _list(values["notes_json"])),
         position=None if values["position"] is None else _position(values["position"]),
         omitted_primary=values["omitted_primary"],
         # Lists of earlier versions do not say it.
         permittivity_source=_text(values.get("permittivity_source", "")),
     )
+
+
+def _notes(texts: List[Any], records: List[Any]) -> Tuple[Message, ...]:
+    _check(len(texts) == len(records), "notes_json")
+    return tuple(map(received_message, map(_text, texts), map(_text, records)))
 
 
 def _candidate(values: Any) -> Candidate:

@@ -13,11 +13,10 @@ from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.axes.axis_parameters import AxisParameters
 from gpr20_survey.axes.zero_epoch import ZeroEpoch, Zeros
 from gpr20_survey.faults import OTHER_ZEROS
-from gpr20_survey.plan.zero_history import Proof, UsedZeros
+from gpr20_survey.plan.zero_history import UNPROVEN, Proof, UsedZeros
 from gpr20_survey.trace.sweep import storable_remark
 
 ByAxis = Mapping[AxisId, ZeroEpoch]
-UNPROVEN = Message("the zeros of the axes are not proven to be those of the traces before")
 
 
 class ZeroRecord:
