@@ -24,7 +24,7 @@ from gpr20_common.errors import Gpr20Error
 from gpr20_common.faults import DISK_FULL, NOT_ALLOWED
 from gpr20_imaging import faults
 from gpr20_imaging.errors import CancelledError
-from gpr20_imaging.low import analysis_process
+from gpr20_imaging.low import analysis_process, child_process
 from gpr20_imaging.low.analysis_process import AnalysisProcess
 from gpr20_imaging.low.cancellation import Cancellation
 from gpr20_imaging.low.child_process import LOWEST_NICE, OOM_SCORE, memory_limit_bytes
@@ -232,9 +232,12 @@ PERMITTIVITY = 5.0
 
 @pytest.fixture(scope="module")
 def process():
-    made = AnalysisProcess()
-    yield made
-    made.close()
+    # With the lowest priority it would wait for as long as the computer is busy.
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(child_process, "PREFIX", ())
+        made = AnalysisProcess()
+        yield made
+        made.close()
 
 
 def corner_of(count, path):
