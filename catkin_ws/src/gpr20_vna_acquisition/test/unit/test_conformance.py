@@ -231,14 +231,14 @@ def test_the_simulated_ms2026c_passes(monkeypatch):
     ):
         monkeypatch.setattr(wire_checks, name, value)
     with CheckedSimulation(
-        read_scene(str(SCENE)), AnalyzerOptions(seconds_per_point=1e-4)
+        read_scene(str(SCENE)), AnalyzerOptions(seconds_per_point=5e-4)
     ) as simulation:
-        bench = simulation.bench(replace(QUICK, bandwidths_hz=(1e5,), sweeps=2, traces=1))
+        bench = simulation.bench(replace(QUICK, bandwidths_hz=(1e5,), sweeps=3, traces=1))
         bench.parameters = replace(bench.parameters, display_settle_s=0.02)
         found = {one.check: one for one in results(bench, simulation.move)}
     failed = {one.check for one in found.values() if one.status is Status.FAILED}
     assert not failed, [found[one] for one in failed]
-    assert found["completion_bit"].text.values["end_ms"] >= 21 * 0.1
+    assert found["completion_bit"].text.values["end_ms"] >= 21 * 0.5
     assert "lag_ms" in found["display_memory"].text.values
 
 

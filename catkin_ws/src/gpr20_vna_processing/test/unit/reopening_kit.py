@@ -21,6 +21,7 @@ from gpr20_survey.folder.recovery import read_description
 from gpr20_survey.plan.markers import markers_of
 from gpr20_survey.recording.recordings import open_recordings
 from gpr20_survey.trace import trace_message
+from gpr20_vna_processing.mid.processing_records import Limits
 
 TYPES_OF = {trace_message.MD5SUM: TYPES}
 for _md5sum, _definition in FORMER_DEFINITIONS.items():
@@ -43,7 +44,8 @@ def make(place: Path, ending: str) -> Made:
 
     What a kill leaves of one that was cut off is what is on the disk then.
     """
-    kit = Kit(place / "open", open_recordings)
+    # On a busy computer it would record the last marker before it is cut off.
+    kit = Kit(place / "open", open_recordings, Limits(timeout_s=10.0, period_s=3600.0))
     folder = kit.open(metadata_json=METADATA)
     kit.processing.add_marker(SURVEY, marker(1))
     kit.processing.annotate(SURVEY, EXAMPLE)
