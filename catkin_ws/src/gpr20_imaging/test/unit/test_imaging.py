@@ -33,6 +33,17 @@ from gpr20_imaging.mid.imaging_parameters import ImagingParameters
 from gpr20_imaging.mid.job_queue import MOST_WAITING, JobQueue
 from gpr20_survey.results.hidden_target import Targets
 
+LOWERED = child_process.PREFIX
+LIMIT_S = 100.0
+
+
+@pytest.fixture(scope="module", autouse=True)
+def usual_priority():
+    """With the lowest one a child waits for as long as the computer is busy."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(child_process, "PREFIX", LOWERED[2:])
+        yield
+
 
 @pytest.fixture
 def imaging(tmp_path, analysis, sticks):
@@ -47,7 +58,7 @@ def survey(tmp_path):
 
 
 def wait_for(path):
-    deadline = time.monotonic() + 20.0
+    deadline = time.monotonic() + LIMIT_S
     while not (path.exists() and path.read_text()):
         assert time.monotonic() < deadline
         time.sleep(0.01)
@@ -70,7 +81,8 @@ def test_one_child_makes_all_images_of_a_survey(imaging, survey, analysis):
     assert analysis.asked.read_text() == f"{survey} 4.0\n{survey} None\n"
 
 
-def test_the_child_has_the_lowest_priority_and_bounded_memory(imaging, survey):
+def test_the_child_has_the_lowest_priority_and_bounded_memory(imaging, survey, monkeypatch):
+    monkeypatch.setattr(child_process, "PREFIX", LOWERED)
     child = imaging.focus("a", survey.name, 4.0).traces
     assert os.getpriority(os.PRIO_PROCESS, child) == LOWEST_NICE
     assert Path(f"/proc/{child}/oom_score_adj").read_text().strip() == str(OOM_SCORE)
@@ -159,7 +171,7 @@ def test_a_request_that_runs_can_be_cancelled(imaging, survey, analysis):
     asking.start()
     child = wait_for(analysis.started)
     imaging.cancel("slow")
-    asking.join(20.0)
+    asking.join(LIMIT_S)
     assert len(failures) == 1
     assert not is_running(child)
     with raises_fault(faults.NO_REQUEST):
@@ -173,7 +185,7 @@ def test_requests_are_carried_out_one_at_a_time_are_bounded_and_can_be_cancelled
     def work(_cancellation):
         running.append(1)
         most.append(len(running))
-        go.wait(20.0)
+        go.wait(LIMIT_S)
         running.pop()
 
     cancelled = []
@@ -221,7 +233,7 @@ def test_the_child_is_killed_with_the_node(tmp_path, analysis, survey):
     child = wait_for(analysis.started)
     node.send_signal(signal.SIGKILL)
     node.wait()
-    deadline = time.monotonic() + 20.0
+    deadline = time.monotonic() + LIMIT_S
     while is_running(child):
         assert time.monotonic() < deadline
         time.sleep(0.01)
@@ -232,12 +244,9 @@ PERMITTIVITY = 5.0
 
 @pytest.fixture(scope="module")
 def process():
-    # With the lowest priority it would wait for as long as the computer is busy.
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(child_process, "PREFIX", ())
-        made = AnalysisProcess()
-        yield made
-        made.close()
+    made = AnalysisProcess()
+    yield made
+    made.close()
 
 
 def corner_of(count, path):
