@@ -11,8 +11,10 @@ from typing import Any, Dict, List, Tuple
 from gpr20_survey.results.candidate_json import candidate_record, list_record
 from gpr20_survey.results.candidates import CandidateList
 
-OF_LIST = ("format", "simulated_warning", "listed", "coordinates", "permittivity_source")
-OF_LIST += ("notes_json",)
+OF_LIST = (
+    *("format", "simulated_warning", "listed", "coordinates", "permittivity_source"),
+    "notes_json",
+)
 OF_EACH = ("doubtful", "longitude_deg", "latitude_deg")
 """What the JSON says too; all but the source follows from the fields of the messages."""
 UNKNOWN = ("false_alarms_per_m2", "polarization_ratio_db")
