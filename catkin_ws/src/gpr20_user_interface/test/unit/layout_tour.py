@@ -20,7 +20,7 @@ from view_kit import (
 )
 from window_helpers import click, hold, open_field, show
 
-from gpr20_analysis.read.doubts import positions_note
+from gpr20_analysis.read.verification_result import unproven_note
 from gpr20_common.message import Fault, Message, verbatim
 from gpr20_doctor.mid.node_health import EXPECTED_NODES, HealthLevel, NodeHealth
 from gpr20_operator.ground.additions import AdditionsRead, RelatedSurvey
@@ -353,7 +353,7 @@ def results(window):
     yield shown("refused")
     find((), interrupted)
     yield shown("without places")
-    find(record=interrupted, omitted=12345, omitted_primary=9, notes=(positions_note(4321),))
+    find(record=interrupted, omitted=12345, omitted_primary=9, notes=(unproven_note(4321),))
     for _ in range(9):
         page.more.click()
     yield shown("last places")

@@ -21,14 +21,15 @@ from gpr20_analysis.read.annotation_attributes import (
 )
 from gpr20_analysis.read.antenna_attributes import antenna_attributes
 from gpr20_analysis.read.aux_variables import aux_variables
-from gpr20_analysis.read.doubts import position_doubts
 from gpr20_analysis.read.sources import Damage, Position, SurveySource
 from gpr20_analysis.read.survey_grid import Plan, grid_of, planned_grid
 from gpr20_analysis.read.trace_table import EMPTY, Allocate, Sample, TraceTable, in_memory
+from gpr20_analysis.read.verification_result import unproven_note
 from gpr20_analysis.sentences import DECISIONS, NOTES, first_of, with_sentences
 from gpr20_common.message import Message, verbatim
 from gpr20_survey.plan.imported import TIMES_KNOWN, import_of, is_imported
 from gpr20_survey.plan.refines import REFINES
+from gpr20_survey.plan.zero_history import UNPROVEN
 from gpr20_survey.trace.utc_time import NS_PER_US
 
 FAULTS_LISTED = 8
@@ -122,7 +123,10 @@ class _Assembly:
         # Of an import: of a sample one time at most, and none of its sweep.
         self._known = (imported.get(TIMES_KNOWN) is True, False, False) if imported else 3 * (True,)
         self._table = table
-        self._notes = source.notes + table.notes()
+        unproven = sum(str(UNPROVEN) in one.remarks for one in table.samples.values())
+        # First: only a few are shown below a figure.
+        self._notes = [unproven_note(unproven)] if unproven else []
+        self._notes += source.notes + table.notes()
         self.faults = source.faults + table.faults
         samples = list(table.samples.values())
         positions = np.array([one.position for one in samples], np.float64)
@@ -243,12 +247,6 @@ class _Assembly:
             "index": placed([one.index for one in samples], -1, np.int64),
         }
 
-    def _doubts(self, report: Any) -> List[Message]:
-        """Return what comes before all other notes: only a few are shown below a figure."""
-        samples = sorted((sample for _, sample in self._used), key=lambda one: one.index)
-        zeros, remarks = ([one.zeros for one in samples], [one.remarks for one in samples])
-        return position_doubts(report, zeros, remarks)
-
     def _aux(self) -> Dict[str, Tuple[np.ndarray, Dict[str, Any]]]:
         values = [sample.aux for _, sample in self._used]
         return aux_variables(values, self._cells, self._grid.cells, self._notes)
@@ -277,7 +275,7 @@ class _Assembly:
         imported = import_of(description)
         kept = restored(xr.Dataset(), imported).attrs
         notes, decisions = (_texts(imported.get(name)) for name in (NOTES, DECISIONS))
-        self._notes = self._doubts(description.get("report")) + self._notes + notes
+        self._notes += notes
         attributes: Dict[str, Any] = {
             # What people add to a survey may have been changed since.
             **{name: value for name, value in kept.items() if name not in ATTRIBUTES},

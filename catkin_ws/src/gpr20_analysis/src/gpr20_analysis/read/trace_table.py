@@ -11,7 +11,6 @@ import numpy as np
 from gpr20_analysis.read.sources import Damage, Position
 from gpr20_analysis.read.survey_grid import Plan, planned_grid
 from gpr20_common.message import Message
-from gpr20_survey.axes.zero_epoch import Zeros
 from gpr20_survey.trace.aux_value import AuxValue
 from gpr20_survey.trace.sweep_settings import AnalyzerSettings
 from gpr20_survey.trace.trace import Trace
@@ -38,7 +37,6 @@ class Sample:
     times_us: Tuple[int, int, int]
     remarks: Tuple[str, ...]
     analyzer: AnalyzerSettings
-    zeros: Zeros
     aux: Tuple[AuxValue, ...]
 
     @classmethod
@@ -53,7 +51,6 @@ class Sample:
             (trace.timestamp_us, trace.sweep_started_us, trace.sweep_ended_us),
             tuple(trace.quality),
             trace.analyzer,
-            trace.zeros,
             trace.aux,
         )
 

@@ -9,12 +9,11 @@ from gpr20_analysis import faults
 from gpr20_analysis.errors import AnalysisError
 from gpr20_analysis.progress import Progress, no_progress
 from gpr20_analysis.read import description_check, manifest_check
-from gpr20_analysis.read.doubts import positions_note, unproven_positions
 from gpr20_analysis.read.manifest_check import Seal
 from gpr20_analysis.read.recording_check import RecordingCheck
 from gpr20_analysis.read.survey_grid import Plan
 from gpr20_analysis.read.time_check import TimeCheck
-from gpr20_analysis.read.verification_result import Verification
+from gpr20_analysis.read.verification_result import Verification, unproven_note
 from gpr20_common.message import Message
 from gpr20_common.os_reason import os_reason
 from gpr20_survey.axes.zero_epoch import Zeros
@@ -34,6 +33,7 @@ from gpr20_survey.folder.recovery import (
     unconfirmed_message,
 )
 from gpr20_survey.plan.imported import TIMES_KNOWN, import_of, import_sentence, is_imported
+from gpr20_survey.plan.zero_history import unproven_zeros
 
 FILES = (
     survey_folder.SURVEY_FILE,
@@ -293,9 +293,10 @@ class _Verifier:
         self._found.stored += not misfits
 
     def _check_zeros(self) -> None:
-        self._found.unproven = unproven_positions(self._description.get("report"), self._zeros)
+        unproven = unproven_zeros(self._description.get("report"), self._zeros)
+        self._found.unproven = sum(one in unproven for one in self._zeros)
         if self._found.unproven:
-            self._found.note(positions_note(self._found.unproven))
+            self._found.note(unproven_note(self._found.unproven))
 
     def _check_log(self) -> None:
         log = self._recovered.found

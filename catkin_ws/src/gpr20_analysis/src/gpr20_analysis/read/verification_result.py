@@ -18,6 +18,15 @@ UNCOVERED_WITHOUT_LOG = Message(
 )
 
 
+def unproven_note(count: int) -> Message:
+    """Return what every reader says of so many traces with positions that nothing proves."""
+    return Message(
+        "{count} traces refer to zeros of the axes that no measurement proved to be those of "
+        "the others: their positions and rotations may be wrong",
+        count=count,
+    ).with_fault(faults.ZEROS_UNPROVEN)
+
+
 @dataclass
 class Verification:
     """The result of the verification of a survey's folder."""
