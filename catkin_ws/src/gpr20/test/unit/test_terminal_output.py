@@ -12,7 +12,6 @@ OWN = ("gpr20_common/terminal_text.py", "gpr20_user_interface/terminal/displays.
 
 
 def name_of(node: ast.AST) -> str:
-    """Return the dotted name of what is called."""
     if isinstance(node, ast.Attribute):
         return f"{name_of(node.value)}.{node.attr}"
     return node.id if isinstance(node, ast.Name) else ""
