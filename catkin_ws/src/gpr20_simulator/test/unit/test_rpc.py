@@ -23,7 +23,7 @@ from gpr20_simulator.low.rpc import (
 from gpr20_simulator.low.rpc_server import RpcTcpServer
 
 PROGRAM, VERSION, ADD, SILENT, ECHO = 400000, 3, 1, 2, 3
-LONGEST_RECORD = 1000
+LONGEST_RECORD, MOST_CLIENTS = 1000, 16
 PMAP = 100000
 SOCKET_LIMIT_S = 0.1
 
@@ -78,7 +78,7 @@ def test_no_bytes_do_anything_but_get_an_answer_or_an_xdr_error(message):
 
 @pytest.fixture
 def server():
-    one = RpcTcpServer("127.0.0.1", 0, OFFERED, LONGEST_RECORD, 3)
+    one = RpcTcpServer("127.0.0.1", 0, OFFERED, LONGEST_RECORD, MOST_CLIENTS)
     one.start()
     yield one
     one.stop()
@@ -121,7 +121,7 @@ def test_stream_that_cannot_be_followed_is_closed_and_others_served(server, data
 
 
 def test_connections_beyond_the_limit_are_turned_away(server):
-    clients = [RawClient(server.port) for _ in range(3)]
+    clients = [RawClient(server.port) for _ in range(MOST_CLIENTS)]
     assert all(echoed(client) for client in clients)
     with RawClient(server.port) as refused:
         assert refused.is_closed()
@@ -133,7 +133,7 @@ def test_silent_clients_keep_their_connections_in_a_process_of_rospy():
     # Every new socket gets a time limit, as rospy does it to its process.
     socket.setdefaulttimeout(SOCKET_LIMIT_S)
     try:
-        server = RpcTcpServer("127.0.0.1", 0, OFFERED, LONGEST_RECORD, 3)
+        server = RpcTcpServer("127.0.0.1", 0, OFFERED, LONGEST_RECORD, MOST_CLIENTS)
         server.start()
         with RawClient(server.port) as client:
             assert echoed(client)
