@@ -37,7 +37,7 @@ class Browser:
             options.set_capability("goog:loggingPrefs", {"browser": "ALL", "performance": "ALL"})
         self.driver = webdriver.Chrome(options=options, service=Service(DRIVER))
         self.driver.set_script_timeout(LIMIT_S)
-        # What else goes on while somebody waits for the page.
+        # Called again and again while somebody waits for the page.
         self.meanwhile: Callable[[], None] = lambda: None
 
     def close(self) -> None:

@@ -142,7 +142,6 @@ def of_command(folder, capsys, *options):
 
 
 def rows_of(page):
-    """Return the rows of the candidates in a report."""
     rows = [
         re.findall("<td[^>]*>([^<]*)</td>", one) for one in re.findall("<tr>.*?</tr>", page, re.S)
     ]

@@ -4,11 +4,12 @@ import math
 
 from hypothesis import strategies as st
 
-from gpr20_common.message import verbatim
+from gpr20_common.message import Fault, Message
 from gpr20_survey.results.area_position import AreaPosition
 from gpr20_survey.results.candidates import Candidate, CandidateList, Flag
 
 SURVEY = "5ec1a5d2-0000-4000-8000-000000000000"
+NOTE = Message("{count} places are not sure", count=3).with_fault(Fault("zeros.unproven"))
 
 
 def candidate(number=1, x_mm=150.0, y_mm=90.0, depth_mm=60.0, level_db=31.0, flags=(), **changes):
@@ -93,7 +94,7 @@ def candidate_lists(draw, positions=ANYWHERE):
             Candidate(**{**vars(one), "id": f"C{number:02d}"})
             for number, one in enumerate(found, 1)
         ),
-        notes=tuple(verbatim(one) for one in draw(st.lists(WORDS, max_size=3))),
+        notes=(NOTE,) * draw(st.integers(0, 3)),
         position=draw(positions),
         omitted_primary=draw(st.integers(0, omitted)),
         permittivity_source=draw(WORDS),

@@ -32,7 +32,7 @@ SAID_AGAIN = {"simulated_warning", "coordinates"}
 OF_EACH_SAID_AGAIN = {"doubtful", "longitude_deg", "latitude_deg"}
 # Lists of earlier versions are without it.
 LATER = "permittivity_source"
-NEEDED = sorted(LIST.keys() - SAID_AGAIN - {LATER})
+NEEDED = sorted(LIST.keys() - SAID_AGAIN - {LATER, "notes_json"})
 NEEDED_OF_EACH = sorted(LIST["candidates"][0].keys() - OF_EACH_SAID_AGAIN)
 MAY_BE_NONE = (
     "false_alarms_per_m2",
@@ -56,7 +56,7 @@ def test_a_list_of_an_earlier_version_does_not_say_where_its_permittivity_is_fro
     refused({LATER: 4}, False)
 
 
-RIGHT = {"simulated": [True], "survey_id": [""], "method": [""]}
+RIGHT = {"simulated": [True], "survey_id": [""], "method": [""], "notes": [["other"]]}
 RIGHT = {**RIGHT, "rotations_deg": [[1]], "flags": [["other"]]}
 
 

@@ -318,7 +318,6 @@ def _print(
             **list_record(found),
             **{key: image.attrs[key] for key in ESTIMATE if key in image.attrs},
             "processing": json.loads(image.attrs.get(PROCESSING, "[]")),
-            "notes": image.attrs["notes"],
             "candidates": [candidate_record(one, found) for one in found.candidates],
         }
         print(json.dumps(answer, indent=2, allow_nan=False))

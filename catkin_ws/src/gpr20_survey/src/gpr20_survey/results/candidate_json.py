@@ -113,7 +113,7 @@ def _list_of(values: Any) -> CandidateList:
         ),
         omitted=values["omitted"],
         candidates=candidates,
-        notes=_notes(_list(values["notes"]), _list(values["notes_json"])),
+        notes=_notes(_list(values["notes"]), _list(values.get("notes_json", []))),
         position=None if values["position"] is None else _position(values["position"]),
         omitted_primary=values["omitted_primary"],
         # Lists of earlier versions do not say it.
@@ -122,6 +122,8 @@ def _list_of(values: Any) -> CandidateList:
 
 
 def _notes(texts: List[Any], records: List[Any]) -> Tuple[Message, ...]:
+    # Lists of earlier versions, and of other programs, have only the texts.
+    records = records or [""] * len(texts)
     _check(len(texts) == len(records), "notes_json")
     return tuple(map(received_message, map(_text, texts), map(_text, records)))
 
