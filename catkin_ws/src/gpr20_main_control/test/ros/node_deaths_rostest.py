@@ -71,12 +71,10 @@ def is_watched(node):
     return port_of(node) in ports
 
 
-def freeze(node):
-    """Halt a node that is watched; return its process id."""
+def watched(node):
+    """Return the process id of a node, when a watchdog has asked it."""
     wait_until(lambda: is_watched(node), f"nobody watches {node}")
-    pid = node_pid(node)
-    os.kill(pid, signal.SIGSTOP)
-    return pid
+    return node_pid(node)
 
 
 def wait_for_end_of(pid):
@@ -113,8 +111,7 @@ class NodeDeathsTest(unittest.TestCase):
         return pids
 
     def wait_until_all_answer(self):
-        statuses = self.client.statuses
-        self.client.wait(lambda: not missing_nodes(statuses[-1]))
+        self.client.wait(lambda: not missing_nodes(self.client.statuses[-1]))
 
     def test_1_a_survey_waits_for_every_node_that_dies_and_continues_by_itself(self):
         survey_id = self.client.begin()
@@ -160,10 +157,11 @@ class NodeDeathsTest(unittest.TestCase):
         folder = self.client.folder(survey_id)
         self.assertIn(f"{len(json_traces(folder))} of {TRACES} traces", status.message)
         self.wait_until_all_answer()
+        pid = watched("/main_control")
         self.client.go_on(survey_id)
-        self.client.wait_for_visited(9)
+        self.client.wait_for_status(ControlStatus.SURVEYING)
         # The watchdog ends it.
-        pid = freeze("/main_control")
+        os.kill(pid, signal.SIGSTOP)
         self.client.forget()
         wait_for_end_of(pid)
         self.client.wait_for_status(ControlStatus.IDLE)
@@ -175,10 +173,12 @@ class NodeDeathsTest(unittest.TestCase):
         self.client.check_complete(survey_id, TRACES)
 
     def test_4_a_frozen_storage_and_window_are_restarted_and_the_survey_continues(self):
+        window, pid = watched("/user_interface"), watched("/vna_processing")
+        port = port_of("/user_interface")
         survey_id = self.client.begin()
         self.client.wait_for_visited(4)
-        window, port = freeze("/user_interface"), port_of("/user_interface")
-        pid = freeze("/vna_processing")
+        os.kill(window, signal.SIGSTOP)
+        os.kill(pid, signal.SIGSTOP)
         acknowledged = max(one.visited_points for one in self.client.progress)
         self.client.forget()
         wait_for_end_of(pid)
