@@ -100,6 +100,18 @@ def description_of(survey: xr.Dataset) -> Mapping[str, Any]:
     return found if isinstance(found, dict) else {}
 
 
+def mapping_of(described: Mapping[str, Any], key: str) -> Mapping[str, Any]:
+    """Return an entry that is an object; empty if it is none."""
+    found = described.get(key)
+    return found if isinstance(found, dict) else {}
+
+
+def objects_of(described: Mapping[str, Any], key: str) -> List[Mapping[str, Any]]:
+    """Return the objects in an entry that is a list; none if it is no list."""
+    found = described.get(key)
+    return [one for one in found if isinstance(one, dict)] if isinstance(found, list) else []
+
+
 def aux_names(survey: xr.Dataset) -> List[str]:
     """Return the names of the variables with values of other sensors."""
     names = [str(name) for name in survey.data_vars if str(name).startswith(AUX_PREFIX)]
@@ -122,13 +134,6 @@ def missing_samples(survey: xr.Dataset) -> List[Message]:
         else Message("missing: {position}", position=position)
         for is_damaged, position in zip(damaged, positions_of(survey, absent))
     ]
-
-
-def damaged_samples(survey: xr.Dataset) -> List[Message]:
-    """Return a message for each damaged sample."""
-    quality = survey[QUALITY].transpose(*SAMPLE_DIMS).values
-    damaged = (quality & int(Quality.DAMAGED)) != 0
-    return [Message("damaged: {position}", position=one) for one in positions_of(survey, damaged)]
 
 
 def positions_of(survey: xr.Dataset, chosen: np.ndarray) -> List[Message]:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import partial
+
 from gpr20_common.message import Fault, Message, Severity
 
 OPTION = Fault(
@@ -52,14 +54,35 @@ IMPORT_NOT_INTACT = Fault(
     Message("Import the source again, and use that survey in place of this one."),
     replaces=True,
 )
-ZEROS_UNPROVEN = Fault(
+# Why something of a survey may not be believed: the kinds of its doubts.
+_doubt = partial(Fault, severity=Severity.WARNING, replaces=True)
+ZEROS_UNPROVEN = _doubt(
     "analysis.zeros_unproven",
     Message(
         "Do not rely on the positions and rotations of these traces: compare the image with the "
         "ground, or measure the area again."
     ),
-    Severity.WARNING,
-    replaces=True,
+)
+SWEEP_REPEATED = _doubt(
+    "analysis.sweep_repeated",
+    Message("Do not rely on the ground below these traces: one of two equal ones is a copy."),
+)
+CALIBRATION = _doubt(
+    "analysis.calibration",
+    Message("Do not rely on levels and depths: measure a known target before you use them."),
+)
+DRIFTED = _doubt(
+    "analysis.drifted",
+    Message("Look at the visits of the first stop in the report before you compare distant rows."),
+)
+SETTINGS_CHANGED = _doubt(
+    "analysis.settings_changed",
+    Message("Look for an edge in the image where the settings changed before you trust it there."),
+)
+CLOCK = _doubt("analysis.clock", Message("Use the order of the traces in place of their times."))
+IMPORTED = _doubt(
+    "analysis.imported",
+    Message("Compare the area with what was to be searched: nothing else says what is missing."),
 )
 NOT_COMPLETE = Fault(
     "analysis.survey_not_complete",

@@ -1,8 +1,8 @@
 """Sentences about a survey in the attributes of its Dataset, and how they are shown.
 
-Attributes `missing`, `faults`, `decisions` and `notes` are lists of English sentences. Attribute
-`messages` holds the template and values of each, as JSON, so that it can be shown in another
-language.
+Attributes `missing`, `faults`, `doubts`, `decisions` and `notes` are lists of English sentences.
+Attribute `messages` holds the template and values of each, as JSON, so that it can be shown in
+another language.
 """
 
 from __future__ import annotations
@@ -20,8 +20,15 @@ from gpr20_common.terminal_text import printable
 if TYPE_CHECKING:
     import xarray as xr
 
-MISSING, FAULTS, DECISIONS, NOTES = "missing", "faults", "decisions", "notes"
-LIST_ATTRIBUTES = (MISSING, FAULTS, DECISIONS, NOTES)
+MISSING, FAULTS, DOUBTS, DECISIONS, NOTES = "missing", "faults", "doubts", "decisions", "notes"
+LABELS = {
+    MISSING: Message("NO DATA: {sentence}", sentence=""),
+    FAULTS: Message("DAMAGED: {sentence}", sentence=""),
+    DOUBTS: Message("DOUBTED: {sentence}", sentence=""),
+    DECISIONS: Message("decided: {sentence}", sentence=""),
+    NOTES: Message("note: {sentence}", sentence=""),
+}
+LIST_ATTRIBUTES = tuple(LABELS)
 """Attributes that are lists of sentences."""
 MESSAGES = "messages"
 MOST_REMARKS = 8
@@ -52,7 +59,7 @@ def with_sentences(attributes: Mapping[str, Any], **lists: Iterable[Message]) ->
 
 
 def survey_remarks(survey: xr.Dataset, language: str = "en") -> List[str]:
-    """Return what is damaged, missing or noted in a survey, as commands print it.
+    """Return what is damaged, missing, doubted or noted in a survey, as commands print it.
 
     Args:
         survey: The survey.
@@ -65,7 +72,7 @@ def survey_remarks(survey: xr.Dataset, language: str = "en") -> List[str]:
 
 
 def remark_lines(survey: xr.Dataset, catalogue: Catalogue, path: str = "") -> List[str]:
-    """Return what is damaged, missing or noted in a survey, each of a list only up to a number.
+    """Return what `survey_remarks` does: all doubts, and of other lists the first sentences.
 
     Args:
         survey: The survey.
@@ -74,7 +81,8 @@ def remark_lines(survey: xr.Dataset, catalogue: Catalogue, path: str = "") -> Li
     """
     lines = []
     for name in LIST_ATTRIBUTES:
-        for one in limited(sentences_of(survey, name), MOST_REMARKS):
+        found = sentences_of(survey, name)
+        for one in found if name == DOUBTS else limited(found, MOST_REMARKS):
             sentence = Message("{file}: {reason}", file=path, reason=one) if path else one
             lines.append(printable(shown(labelled(name, sentence), catalogue)))
     return lines
@@ -82,13 +90,7 @@ def remark_lines(survey: xr.Dataset, catalogue: Catalogue, path: str = "") -> Li
 
 def labelled(name: str, sentence: Message) -> Message:
     """Return a sentence of one of the lists with the word that says which list it is of."""
-    if name == FAULTS:
-        return Message("DAMAGED: {sentence}", sentence=sentence)
-    if name == MISSING:
-        return Message("NO DATA: {sentence}", sentence=sentence)
-    if name == DECISIONS:
-        return Message("decided: {sentence}", sentence=sentence)
-    return Message("note: {sentence}", sentence=sentence)
+    return LABELS[name].with_values({"sentence": sentence})
 
 
 def sentence_of(data: xr.Dataset, name: str) -> Optional[Message]:
@@ -110,6 +112,25 @@ def with_sentence(attributes: Mapping[str, Any], name: str, message: Message) ->
 def with_notes(data: xr.Dataset, notes: Sequence[Message]) -> Dict[str, Any]:
     """Return the attributes of a Dataset with notes added to those that it has."""
     return with_sentences(data.attrs, notes=[*sentences_of(data, NOTES), *notes])
+
+
+def with_doubts(data: xr.Dataset, *doubts: Message) -> xr.Dataset:
+    """Return a Dataset with doubts added to those that it has."""
+    if not doubts:
+        return data
+    found = {str(one): one for one in (*sentences_of(data, DOUBTS), *doubts)}
+    return data.assign_attrs(with_sentences(data.attrs, doubts=found.values()))
+
+
+def kept_doubts(doubts: Iterable[Message]) -> List[str]:
+    """Return doubts as files of other formats hold them: a line for each, its code first."""
+    return [f"{one.fault_code} {' '.join(str(one).split())}" for one in doubts]
+
+
+def carried_doubts(values: Mapping[str, Any]) -> List[Message]:
+    """Return the doubts that a file of another format holds under `doubts`."""
+    lines = (line.partition(" ") for line in str(values.get(DOUBTS, "")).splitlines())
+    return [received_message(text, "", code) for code, _, text in lines]
 
 
 def with_decisions(data: xr.Dataset, *decisions: Message) -> xr.Dataset:

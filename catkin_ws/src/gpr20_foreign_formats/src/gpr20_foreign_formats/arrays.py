@@ -18,7 +18,7 @@ from gpr20_analysis.processing.antenna_delay import LONGEST_DELAY_S
 from gpr20_analysis.processing.sweep import FrequencyGrid
 from gpr20_analysis.processing.to_frequency import EVEN, SPECTRUM, Spectrum
 from gpr20_analysis.progress import Progress, no_progress
-from gpr20_analysis.read.antenna_attributes import ANTENNA_DELAY
+from gpr20_analysis.read.survey_attributes import ANTENNA_DELAY
 from gpr20_common.low.yaml_file import YamlFileError, read_yaml
 from gpr20_common.message import Message
 from gpr20_foreign_formats import gprmax, merged_hdf5

@@ -16,7 +16,7 @@ from gpr20_analysis.formats.common import on_grid
 from gpr20_analysis.formats.format import Band, ImportFormat, ImportOptions
 from gpr20_analysis.processing.display import DISPLAY_ONLY
 from gpr20_analysis.progress import Progress, no_progress
-from gpr20_analysis.read.antenna_attributes import ANTENNA_SEPARATION
+from gpr20_analysis.read.survey_attributes import ANTENNA_SEPARATION
 from gpr20_analysis.sentences import sentences_of, with_sentence, with_sentences
 from gpr20_common.message import Message
 from gpr20_foreign_formats.gprmax_merged import MERGED, ROTATION_DEG, merged_fields, time_step_s

@@ -23,7 +23,7 @@ from gpr20_analysis.formats.format import ExportFormat, ImportFormat, ImportOpti
 from gpr20_analysis.formats.provenance import SIMULATED_KEY, Facts, is_simulated
 from gpr20_analysis.formats.sums_beside import checked_facts
 from gpr20_analysis.progress import Progress, no_progress
-from gpr20_analysis.sentences import with_decisions
+from gpr20_analysis.sentences import DOUBTS, kept_doubts, sentences_of, with_decisions
 from gpr20_common.message import Message
 from gpr20_foreign_formats.group_files import (
     FARTHEST_MM,
@@ -82,7 +82,7 @@ def write_original(survey: xr.Dataset, folder: Path, progress: Progress = no_pro
         for name in (dataset.HEIGHT, dataset.TIMESTAMP, "sample_id")
     }
     folder.mkdir(parents=True, exist_ok=True)
-    samples = usable_samples(survey)
+    samples, doubts = usable_samples(survey), kept_doubts(sentences_of(survey, DOUBTS))
     for place, x_mm, y_mm, z_deg in progress(samples, len(samples)):
         moment = facts[dataset.TIMESTAMP][place]
         height_m = float(facts[dataset.HEIGHT][place])
@@ -102,6 +102,8 @@ def write_original(survey: xr.Dataset, folder: Path, progress: Progress = no_pro
         }
         if is_simulated(survey):
             sample[SIMULATED_KEY] = True
+        if doubts:
+            sample[DOUBTS] = doubts
         name = f"X{x_mm:06.2f}_Y{y_mm:06.2f}_Z{z_deg:06.2f}.json"
         with (folder / name).open("x", encoding="ascii") as stream:
             json.dump(sample, stream, allow_nan=False)

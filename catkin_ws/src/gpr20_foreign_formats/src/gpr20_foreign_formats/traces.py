@@ -16,7 +16,7 @@ from gpr20_analysis.formats.format import ImportFormat, ImportOptions
 from gpr20_analysis.formats.provenance import Facts
 from gpr20_analysis.processing.antenna_delay import LONGEST_DELAY_S
 from gpr20_analysis.processing.display import DISPLAY_ONLY
-from gpr20_analysis.read import antenna_attributes
+from gpr20_analysis.read import survey_attributes
 from gpr20_analysis.read.survey_grid import MAX_CELLS_PER_TRACE
 from gpr20_analysis.sentences import with_notes, with_sentence
 from gpr20_common.message import Message
@@ -109,10 +109,10 @@ def as_survey(found: Traces, options: ImportOptions) -> xr.Dataset:
     attributes: Dict[str, Any] = {}
     if zero_s is not None:
         checked.number(ZERO, 0.0, latest_s * NS_PER_S)
-        attributes[antenna_attributes.ANTENNA_DELAY] = zero_s
+        attributes[survey_attributes.ANTENNA_DELAY] = zero_s
     if separation_m is not None:
-        checked.number(SEPARATION, 0.0, antenna_attributes.WIDEST_SEPARATION_M)
-        attributes[antenna_attributes.ANTENNA_SEPARATION] = separation_m
+        checked.number(SEPARATION, 0.0, survey_attributes.WIDEST_SEPARATION_M)
+        attributes[survey_attributes.ANTENNA_SEPARATION] = separation_m
     data = on_grid(
         found.path.name,
         _positions(found, options.spacing_m),
@@ -124,7 +124,7 @@ def as_survey(found: Traces, options: ImportOptions) -> xr.Dataset:
         facts=found.facts,
         delay_s=delay_s,
     ).assign_attrs(attributes)
-    if delay_s is not None and antenna_attributes.ANTENNA_DELAY not in data.attrs:
+    if delay_s is not None and survey_attributes.ANTENNA_DELAY not in data.attrs:
         unknown = Message(
             "{file} does not record its time zero; 0 is used, so depths are too large; give "
             "--time-zero, or --delay to gpr20 image",

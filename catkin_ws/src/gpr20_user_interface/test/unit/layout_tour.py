@@ -20,7 +20,7 @@ from view_kit import (
 )
 from window_helpers import click, hold, open_field, show
 
-from gpr20_analysis.read.verification_result import unproven_note
+from gpr20_analysis.read.doubts import survey_doubts
 from gpr20_common.message import Fault, Message, verbatim
 from gpr20_doctor.mid.node_health import EXPECTED_NODES, HealthLevel, NodeHealth
 from gpr20_operator.ground.additions import AdditionsRead, RelatedSurvey
@@ -89,6 +89,15 @@ MANY = [
 REFUSED = Message("the echoes agree with every permittivity").with_fault(
     Fault("a.b", Message("Enter the permittivity of the soil, then try again. Or use another one."))
 )
+UTC = ":00:00.000000+00:00"
+VISIT = {"next_index": 4321, "exceeded": True}
+DRIFT = {"limit_db": 0.5, "limit_deg": 5.0, "visits": 12 * [VISIT]}
+DOUBTED = {
+    "instrument": {"calibration_status": 3},
+    "report": {"drift": DRIFT, "analyzers": [{}, {"from_index": 4321, "identity": IDENTITY}]},
+    **{"started": f"2026-10-01T12{UTC}", "ended": f"2026-10-01T11{UTC}"},
+}
+DOUBTS = tuple(survey_doubts(DOUBTED, ()))
 ENDED = snapshot(SurveyState.FINISHED, state=state_of(SurveyState.FINISHED, survey_id=SURVEY))
 
 
@@ -353,7 +362,7 @@ def results(window):
     yield shown("refused")
     find((), interrupted)
     yield shown("without places")
-    find(record=interrupted, omitted=12345, omitted_primary=9, notes=(unproven_note(4321),))
+    find(record=interrupted, omitted=12345, omitted_primary=9, notes=DOUBTS)
     for _ in range(9):
         page.more.click()
     yield shown("last places")

@@ -28,7 +28,7 @@ from gpr20_analysis.imaging.methods import DEFAULT_STEPS, Method
 from gpr20_analysis.imaging.phase_shift import grid_step_m
 from gpr20_analysis.processing.antenna_delay import delay_to_remove_s, recorded_separation_m
 from gpr20_analysis.processing.chain import process_survey, recipe_of
-from gpr20_analysis.sentences import LIST_ATTRIBUTES, NOTES, sentences_of
+from gpr20_analysis.sentences import DOUBTS, LIST_ATTRIBUTES, NOTES, sentences_of
 from gpr20_common.message import Message
 from gpr20_survey.results.candidates import CandidateList
 from gpr20_survey.results.hiding_map import HidingMap
@@ -99,6 +99,11 @@ class ViewSession:
         """What is missing, damaged or noted, and remarks on the session."""
         found = [one for name in LIST_ATTRIBUTES for one in sentences_of(self.survey, name)]
         return [*found, *self.remarks]
+
+    @property
+    def doubts(self) -> List[Message]:
+        """What of the survey may not be believed."""
+        return sentences_of(self.survey, DOUBTS)
 
     @property
     def first_request(self) -> ImageRequest:

@@ -247,6 +247,7 @@ def holed(survey):
     holed.s21[0, 4, 4] = np.nan
     holed.quality[0, 4, 4] = int(Quality.DAMAGED)
     holed.attrs["faults"] = ["damaged: x 220 mm, y 220 mm, 0 deg"]
+    holed.attrs["doubts"] = ["the clock was set"]
     return holed
 
 
@@ -256,6 +257,7 @@ def test_what_was_not_measured_is_grey_and_marked(windows, holed):
     assert (window.sections.b_scan.colours[:, 4] == LEVELS).all()
     assert window.sections.slice.without_data.count == 1
     assert "damaged: x 220 mm" in window.notes.text.text()
+    assert "the clock was set" in window.status.problem.text()
 
 
 def found_in(image):

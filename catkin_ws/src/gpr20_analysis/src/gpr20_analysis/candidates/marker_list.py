@@ -7,9 +7,9 @@ from typing import FrozenSet, List, Optional, Tuple
 
 import xarray as xr
 
-from gpr20_analysis.candidates.earth import area_position
 from gpr20_analysis.dataset import description_of
 from gpr20_analysis.errors import AnalysisError
+from gpr20_analysis.read.survey_attributes import area_position
 from gpr20_analysis.sentences import ENGLISH
 from gpr20_common.catalogue import Catalogue
 from gpr20_common.errors import InvalidValueError

@@ -10,14 +10,14 @@ import numpy as np
 import xarray as xr
 
 from gpr20_analysis import faults
-from gpr20_analysis.candidates.earth import area_position
 from gpr20_analysis.candidates.false_alarms import STRIP_M, FalseAlarms, surveyed_m2
 from gpr20_analysis.dataset import DEPTH, ECHOES, IMAGE, POLARIZATION, X, Y, is_line, require
 from gpr20_analysis.errors import WrongDatasetError
 from gpr20_analysis.imaging.image import ECHO_VALUES
 from gpr20_analysis.imaging.image_output import permittivity_range
 from gpr20_analysis.imaging.permittivity.known_permittivity import depth_shares
-from gpr20_analysis.sentences import NOTES, sentences_of
+from gpr20_analysis.read.survey_attributes import area_position
+from gpr20_analysis.sentences import DOUBTS, NOTES, sentences_of
 from gpr20_common.message import Message
 from gpr20_survey.results.candidates import DOUBTFUL, OMITTED, Candidate, CandidateList, Flag
 
@@ -142,7 +142,10 @@ def find_candidates(
         false_alarms_range=alarms.range_per_m2(lowest_db),
         omitted=len(order) - len(listed),
         candidates=listed,
-        notes=tuple([*sentences_of(image, NOTES), *_notes(alarms, clean_ground)]),
+        notes=(
+            *(one for name in (DOUBTS, NOTES) for one in sentences_of(image, name)),
+            *_notes(alarms, clean_ground),
+        ),
         position=area_position(image.attrs),
         omitted_primary=int(np.count_nonzero(~doubtful[order[count:]])),
         length_m=area_m2 / STRIP_M if is_line(image) else None,

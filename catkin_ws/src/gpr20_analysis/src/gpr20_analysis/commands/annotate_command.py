@@ -10,8 +10,7 @@ from typing import Any, Dict, List, Tuple
 
 from gpr20_analysis import faults
 from gpr20_analysis.commands import signing
-from gpr20_analysis.commands.command import DONE, Command
-from gpr20_analysis.commands.rows import print_rows
+from gpr20_analysis.commands.command import DONE, Command, print_rows
 from gpr20_analysis.errors import AnalysisError, not_there
 from gpr20_analysis.report.summary import HEADING_OF_Y, POSITION, RECORDED, heading_text
 from gpr20_common.catalogue import Catalogue

@@ -5,14 +5,16 @@ from __future__ import annotations
 import argparse
 import importlib
 from dataclasses import dataclass
-from typing import Callable, Dict
+from typing import Callable, Dict, Iterable, Tuple
 
 from gpr20_analysis import faults
 from gpr20_analysis.entry_points import ExtensionPoint, additions
 from gpr20_common.catalogue import Catalogue
 from gpr20_common.message import Message
+from gpr20_common.terminal_text import say
 
 DONE, NOT_COMPLETE, DAMAGED, REFUSED = 0, 1, 2, 3
+TITLE_WIDTH = 24
 EXIT_STATUS = (
     "exit status: 0 done, 1 survey not complete or not sealed, 2 survey damaged, 3 refused or "
     "failed; the message gives the reason"
@@ -94,3 +96,12 @@ def load(name: str) -> Command:
         return own
     added: Command = COMMANDS.load(COMMANDS.addition(name))
     return added
+
+
+def print_rows(rows: Iterable[Tuple[Message, Message]], catalogue: Catalogue) -> None:
+    """Print title and text of each row; a text of several lines is indented."""
+    for title, text in rows:
+        first, *more = catalogue.text(text).splitlines() or [""]
+        say(f"{catalogue.text(title) + ':':{TITLE_WIDTH}}{first}".rstrip())
+        for line in more:
+            say(f"{'':{TITLE_WIDTH}}{line}".rstrip())

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import sys
 from pathlib import Path
 from typing import Sequence
 
@@ -11,7 +10,7 @@ import xarray as xr
 
 from gpr20_analysis import dataset
 from gpr20_analysis.commands import inputs, outputs
-from gpr20_analysis.commands.command import DAMAGED, DONE, NOT_COMPLETE, Command
+from gpr20_analysis.commands.command import Command
 from gpr20_analysis.commands.outputs import Output
 from gpr20_analysis.formats.conversion import (
     EXPORTS,
@@ -21,12 +20,10 @@ from gpr20_analysis.formats.conversion import (
     output_paths,
 )
 from gpr20_analysis.formats.dataset_files import NETCDF, ZARR
-from gpr20_analysis.formats.format import RecordingExport
 from gpr20_analysis.formats.sums_beside import sums_path
 from gpr20_analysis.processing.delay import to_time
 from gpr20_analysis.processing.sweep import FrequencyGrid
 from gpr20_analysis.processing.to_frequency import to_frequency
-from gpr20_analysis.sentences import FAULTS, MISSING, MOST_REMARKS, labelled, limited, shown
 from gpr20_common.catalogue import Catalogue
 from gpr20_common.terminal_text import say
 from gpr20_survey.radar.frequency_to_delay import Window
@@ -59,7 +56,11 @@ def run(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
     of_recording = export_format(chosen.format).of_recording
     if of_recording is not None:
         progress = inputs.progress_bar(catalogue.tr("writing"))
-        return _say(of_recording(chosen.survey, chosen.output, progress), chosen.output, catalogue)
+        content, said = of_recording(chosen.survey, chosen.output, progress)
+        survey = xr.Dataset(attrs=said)
+        inputs.print_warnings(survey, catalogue)
+        say(f"{chosen.output}: {catalogue.text(content)}")
+        return inputs.status_of(survey)
     survey = inputs.load(chosen, catalogue)
     _check(output_paths(survey, chosen.output, chosen.format), chosen)
     transformed = _transformed(survey, chosen)
@@ -68,17 +69,6 @@ def run(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
     for path, content in written.items():
         say(f"{path}: {catalogue.text(content)}")
     return inputs.status_of(survey)
-
-
-def _say(written: RecordingExport, path: Path, catalogue: Catalogue) -> int:
-    """Print what was written, and on stderr what was left out; return the exit status."""
-    for name, left_out in ((FAULTS, written.faults), (MISSING, written.missing)):
-        for one in limited(left_out, MOST_REMARKS):
-            say(shown(labelled(name, one), catalogue), file=sys.stderr)
-    say(f"{path}: {catalogue.text(written.content)}")
-    if written.faults:
-        return DAMAGED
-    return NOT_COMPLETE if written.missing else DONE
 
 
 def _transformed(survey: xr.Dataset, chosen: argparse.Namespace) -> xr.Dataset:

@@ -36,9 +36,9 @@ from gpr20_analysis.imaging.permittivity.known_permittivity import GIVEN_UNCERTA
 from gpr20_analysis.imaging.records import Ground
 from gpr20_analysis.processing.antenna_step import HARMLESS
 from gpr20_analysis.processing.chain import Step, checked, recipe_of
-from gpr20_analysis.read.antenna_attributes import S_PER_NS
 from gpr20_analysis.read.load import load_survey
-from gpr20_analysis.sentences import shown
+from gpr20_analysis.read.survey_attributes import S_PER_NS
+from gpr20_analysis.sentences import DOUBTS, NOTES, labelled, shown
 from gpr20_common.catalogue import Catalogue
 from gpr20_common.message import Message
 from gpr20_common.terminal_text import say
@@ -329,7 +329,7 @@ def print_candidates(
     image: xr.Dataset, found: CandidateList, chosen: argparse.Namespace, catalogue: Catalogue
 ) -> None:
     """Print the notes on an image, its permittivity and the table of candidates."""
-    notes = [Message("note: {sentence}", sentence=one) for one in found.notes]
+    notes = [labelled(DOUBTS if one.fault_code else NOTES, one) for one in found.notes]
     for line in [*notes, permittivity_line(image)]:
         say(shown(line, catalogue))
     # Who asks for a number gets all of the list.

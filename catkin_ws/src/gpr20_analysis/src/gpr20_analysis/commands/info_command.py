@@ -6,8 +6,7 @@ import argparse
 import json
 
 from gpr20_analysis.commands import inputs
-from gpr20_analysis.commands.command import Command
-from gpr20_analysis.commands.rows import print_rows
+from gpr20_analysis.commands.command import Command, print_rows
 from gpr20_analysis.report.summary import summarize, summary_of, warnings_of
 from gpr20_analysis.sentences import LIST_ATTRIBUTES, shown
 from gpr20_common.catalogue import Catalogue

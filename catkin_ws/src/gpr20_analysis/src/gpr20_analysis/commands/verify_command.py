@@ -11,7 +11,7 @@ from gpr20_analysis.commands.command import Command
 from gpr20_analysis.commands.failure import first_steps
 from gpr20_analysis.read.signature_check import look_at_signature
 from gpr20_analysis.read.verification import verify_survey
-from gpr20_analysis.sentences import shown
+from gpr20_analysis.sentences import DOUBTS, NOTES, labelled, shown
 from gpr20_common.catalogue import Catalogue
 from gpr20_common.message import Message
 from gpr20_common.terminal_text import say
@@ -52,7 +52,8 @@ def run(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
     if others:
         lines.append(Message("... and {count} more; --all prints all of them", count=others))
     notes = found.notes if signed.check else [*found.notes, signed.message]
-    lines += [Message("note: {sentence}", sentence=note) for note in notes]
+    for name, sentences in ((DOUBTS, found.doubts), (NOTES, notes)):
+        lines += [labelled(name, one) for one in sentences]
     lines += [found.verdict, *first_steps(found.verdict)]
     # Last, so that "complete" is never the last word on what nobody vouches for.
     if signed.check:

@@ -107,7 +107,11 @@ def as_dataset(found: Imported) -> xr.Dataset:
     if found.simulated is not None:
         data.attrs["simulated"] = int(found.simulated)
     data = dataset.described(data)
-    lists = {"missing": dataset.missing_samples(data), "faults": dataset.damaged_samples(data)}
+    places = dataset.positions_of(data, damaged & ~missing)
+    lists = {
+        "missing": dataset.missing_samples(data),
+        "faults": [Message("damaged: {position}", position=one) for one in places],
+    }
     data = data.assign_attrs(with_sentences(data.attrs, **lists, notes=found.notes))
     return with_decisions(data, *found.decisions) if found.decisions else data
 

@@ -27,8 +27,11 @@ from gpr20_analysis.formats.recognition import refuse_device
 from gpr20_analysis.formats.sums_beside import remove_sums, sums_path, write_sums
 from gpr20_analysis.processing.delay import ADVANCE
 from gpr20_analysis.progress import Progress, no_progress
+from gpr20_analysis.read.doubts import survey_doubts
+from gpr20_analysis.sentences import FAULTS, with_doubts
 from gpr20_common.message import Message
 from gpr20_common.os_reason import os_reason
+from gpr20_survey.plan.imported import IMPORTED, TIMES_KNOWN
 
 Count = Callable[[xr.Dataset, Path, Progress], int]
 
@@ -210,4 +213,8 @@ def import_survey(
     refuse_device(place)
     importer: ImportFormat = IMPORTS.find(form)
     importer.check(form, options)
-    return importer.read(place, options, progress)
+    found = importer.read(place, options, progress)
+    # A Dataset has no times in place of those that are not known.
+    entry = {"source": place.name, "format": form, TIMES_KNOWN: True}
+    damaged = len(found.attrs.get(FAULTS, ()))
+    return with_doubts(found, *survey_doubts({IMPORTED: entry}, (), damaged))

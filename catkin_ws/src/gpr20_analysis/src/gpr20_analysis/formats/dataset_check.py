@@ -11,7 +11,8 @@ from gpr20_analysis import dataset
 from gpr20_analysis.dataset import Quality
 from gpr20_analysis.errors import DamagedSurveyError, UnreadableFileError
 from gpr20_analysis.faults import FILE_CONTENT, FILE_DAMAGED
-from gpr20_analysis.sentences import first_of, sentences_of, with_sentences
+from gpr20_analysis.read.doubts import survey_doubts
+from gpr20_analysis.sentences import first_of, sentences_of, with_doubts, with_sentences
 from gpr20_common.message import Message
 
 VALUES: Dict[str, Tuple[str, ...]] = {
@@ -147,6 +148,7 @@ def _check_samples(data: xr.Dataset, one: str, name: str, accept_damaged: bool) 
             Message("{file}: {position}: NaN or infinite values", file=name, position=position)
             for position in positions
         ]
+        data = with_doubts(data, *survey_doubts({}, (), len(positions)))
     # Samples that a step filled in are usable, but were not measured: they stay in the list.
     missing = [*sentences_of(data, "missing"), *dataset.missing_samples(data)]
     missing = list({str(one): one for one in missing}.values())

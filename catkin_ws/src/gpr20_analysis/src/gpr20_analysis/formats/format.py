@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, fields
 from pathlib import Path
-from typing import Callable, Optional, Sequence, Tuple
+from typing import Any, Callable, Mapping, Optional, Tuple
 
 import numpy as np
 import xarray as xr
@@ -20,21 +20,6 @@ WING = "gpr20_foreign_formats"
 
 
 @dataclass(frozen=True)
-class RecordingExport:
-    """What was written of a recording.
-
-    Attributes:
-        content: What it is.
-        missing: What the recording does not have because it was cut off.
-        faults: What of the recording is damaged, so that it was left out.
-    """
-
-    content: Message
-    missing: Sequence[Message] = ()
-    faults: Sequence[Message] = ()
-
-
-@dataclass(frozen=True)
 class ExportFormat:
     """A format that a survey can be written in.
 
@@ -44,7 +29,8 @@ class ExportFormat:
         holds: Patterns of the file names in the folder.
         has_own_checksum: Its files contain their checksum, so that none is needed beside them.
         over_time: It can hold A-scans over time.
-        of_recording: Writes the recording of a survey in place of its Dataset.
+        of_recording: Writes the recording of a survey in place of its Dataset; returns what was
+            written and, as attributes of a Dataset, what is missing, damaged or doubted.
     """
 
     write: Writer
@@ -52,7 +38,9 @@ class ExportFormat:
     holds: Tuple[str, ...] = ()
     has_own_checksum: bool = False
     over_time: bool = False
-    of_recording: Optional[Callable[[Path, Path, Progress], RecordingExport]] = None
+    of_recording: Optional[Callable[[Path, Path, Progress], Tuple[Message, Mapping[str, Any]]]] = (
+        None
+    )
 
 
 def files_of(write: Callable[[xr.Dataset, Path, Progress], int]) -> Writer:

@@ -21,7 +21,7 @@ from gpr20_analysis.dataset import HEIGHT, S21, S21_DIMS, SAMPLE_DIMS, TIMESTAMP
 from gpr20_analysis.errors import ExportError
 from gpr20_analysis.formats.provenance import SIMULATED_KEY, Facts
 from gpr20_analysis.progress import Progress, no_progress
-from gpr20_analysis.read import annotation_attributes
+from gpr20_analysis.read import survey_attributes
 from gpr20_analysis.sentences import DECISIONS, sentences_of
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message
@@ -299,7 +299,7 @@ class _Content:
 
 
 def _annotation(attributes: Dict[str, Any]) -> Annotation:
-    names = annotation_attributes
+    names = survey_attributes
     place = [attributes.get(one) for one in (names.LATITUDE, names.LONGITUDE)]
     return Annotation(
         operator=str(attributes.get(names.OPERATOR, "")),

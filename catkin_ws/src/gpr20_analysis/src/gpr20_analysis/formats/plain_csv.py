@@ -12,9 +12,10 @@ from gpr20_analysis.dataset import aux_names
 from gpr20_analysis.formats.csv_cells import csv_cell
 from gpr20_analysis.formats.provenance import SIMULATED_KEY, is_simulated
 from gpr20_analysis.progress import Progress, no_progress
+from gpr20_analysis.sentences import DOUBTS, sentences_of
 from gpr20_common.terminal_text import printable
 
-FACTS = "index,x_m,y_m,polarization_deg,height_m,timestamp,quality,simulated"
+FACTS = "index,x_m,y_m,polarization_deg,height_m,timestamp,quality,simulated,doubts"
 
 
 def write_plain_csv(survey: xr.Dataset, path: Path, progress: Progress = no_progress) -> int:
@@ -38,6 +39,7 @@ def write_plain_csv(survey: xr.Dataset, path: Path, progress: Progress = no_prog
     }
     # Empty if it is not known.
     simulated = str(int(is_simulated(survey))) if SIMULATED_KEY in survey.attrs else ""
+    codes = " ".join(one.fault_code for one in sentences_of(survey, DOUBTS))
     aux = [survey[name] for name in aux_names(survey)]
     aux_values = [one.transpose(*dataset.SAMPLE_DIMS).values for one in aux]
     usable = dataset.usable(survey).transpose(*dataset.SAMPLE_DIMS).values
@@ -55,6 +57,7 @@ def write_plain_csv(survey: xr.Dataset, path: Path, progress: Progress = no_prog
                 str(csv_cell(str(facts[dataset.TIMESTAMP][place]))),
                 str(facts[dataset.QUALITY][place]),
                 simulated,
+                codes,
                 *(repr(float(one[place])) for one in aux_values),
             ]
             numbers = np.ascontiguousarray(s21[place]).view(np.float64).tolist()

@@ -15,31 +15,39 @@ import xarray as xr
 from gpr20_analysis import dataset
 from gpr20_analysis.processing.display import DISPLAY_ONLY
 from gpr20_analysis.processing.to_frequency import SPECTRUM
-from gpr20_analysis.read import analyzer_attributes, annotation_attributes, antenna_attributes
+from gpr20_analysis.read import survey_attributes
 from gpr20_analysis.read.survey_grid import SurveyGrid
-from gpr20_analysis.sentences import NOTES, sentences_of, with_notes
+from gpr20_analysis.sentences import (
+    DOUBTS,
+    NOTES,
+    carried_doubts,
+    kept_doubts,
+    sentences_of,
+    with_doubts,
+    with_notes,
+)
 from gpr20_common.message import verbatim
 
 SIMULATED = "SIMULATED"
 """Word in names, titles and comments of files whose data are simulated."""
 TEXTS = (
     "survey_id",
-    annotation_attributes.NAME,
-    annotation_attributes.OPERATOR,
-    annotation_attributes.SITE,
-    annotation_attributes.NOTES,
-    analyzer_attributes.OUTPUT_POWER,
+    survey_attributes.NAME,
+    survey_attributes.OPERATOR,
+    survey_attributes.SITE,
+    survey_attributes.NOTES,
+    survey_attributes.OUTPUT_POWER,
     SPECTRUM,
     "processing",
     DISPLAY_ONLY,
 )
 NUMBERS = (
-    annotation_attributes.LATITUDE,
-    annotation_attributes.LONGITUDE,
-    analyzer_attributes.IF_BANDWIDTH,
-    analyzer_attributes.AVERAGES,
-    antenna_attributes.ANTENNA_DELAY,
-    antenna_attributes.ANTENNA_SEPARATION,
+    survey_attributes.LATITUDE,
+    survey_attributes.LONGITUDE,
+    survey_attributes.IF_BANDWIDTH,
+    survey_attributes.AVERAGES,
+    survey_attributes.ANTENNA_DELAY,
+    survey_attributes.ANTENNA_SEPARATION,
 )
 SIMULATED_KEY = "simulated"
 ROUNDED_MM = 0.051  # SEG-Y holds tenths of a millimetre
@@ -61,7 +69,8 @@ def kept(data: xr.Dataset) -> Dict[str, Any]:
     found.update({one: float(data.attrs[one]) for one in NUMBERS if one in data.attrs})
     if SIMULATED_KEY in data.attrs:
         found[SIMULATED_KEY] = is_simulated(data)
-    return found
+    doubts = kept_doubts(sentences_of(data, DOUBTS))
+    return {**found, DOUBTS: "\n".join(doubts)} if doubts else found
 
 
 def restored(data: xr.Dataset, values: Mapping[str, Any]) -> xr.Dataset:
@@ -75,7 +84,7 @@ def restored(data: xr.Dataset, values: Mapping[str, Any]) -> xr.Dataset:
     if isinstance(values.get(SIMULATED_KEY), (bool, int, np.integer, np.bool_)):
         # What says that it is simulated wins over what says that it is not.
         attributes[SIMULATED_KEY] = int(bool(values[SIMULATED_KEY]) or is_simulated(data))
-    return data.assign_attrs(attributes)
+    return with_doubts(data.assign_attrs(attributes), *carried_doubts(values))
 
 
 def _is_number(value: object) -> bool:

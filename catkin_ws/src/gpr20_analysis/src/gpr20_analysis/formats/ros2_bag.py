@@ -6,7 +6,7 @@ import contextlib
 import json
 from collections import Counter
 from pathlib import Path
-from typing import Any, Dict, Optional, Tuple
+from typing import Any, Dict, List, Mapping, Optional, Tuple
 
 import xarray as xr
 import yaml
@@ -14,11 +14,15 @@ from mcap.writer import Writer
 
 from gpr20_analysis import faults
 from gpr20_analysis.atomic_output import atomic_output
-from gpr20_analysis.errors import ExportError, UnreadableFileError
-from gpr20_analysis.formats.format import ExportFormat, RecordingExport
+from gpr20_analysis.errors import AnalysisError, ExportError, UnreadableFileError
+from gpr20_analysis.formats.format import ExportFormat
 from gpr20_analysis.progress import Progress
+from gpr20_analysis.read.doubts import survey_doubts
 from gpr20_analysis.read.recording_files import is_bag
+from gpr20_analysis.read.sources import open_source
+from gpr20_analysis.read.trace_table import Sample
 from gpr20_analysis.read.whole_recording import Lost, all_messages, recording_of
+from gpr20_analysis.sentences import DOUBTS, kept_doubts, with_sentences
 from gpr20_common.message import Message
 from gpr20_survey.folder.survey_folder import SURVEY_FILE
 from gpr20_survey.recording.mcap_reader import read_attachment
@@ -43,11 +47,13 @@ LATCHED = """\
 CHANGES = "Header.seq is left out; fields that only ROS 2 has are empty"
 
 
-def export_recording(survey: Path, path: Path, progress: Progress) -> RecordingExport:
+def export_recording(
+    survey: Path, path: Path, progress: Progress
+) -> Tuple[Message, Mapping[str, Any]]:
     """Write the recording of a survey as a bag of ROS 2; it is complete or does not exist.
 
     The messages keep their order and times. What cannot be read is left out and named, also in
-    metadata.yaml.
+    metadata.yaml; so is what is doubted.
 
     Args:
         survey: Folder of a survey, bag or MCAP file, finished or cut off.
@@ -77,7 +83,7 @@ def export_recording(survey: Path, path: Path, progress: Progress) -> RecordingE
         count=sum(bag.counts.values()),
         topics=len(bag.counts),
     )
-    return RecordingExport(content, lost.missing, lost.faults)
+    return content, with_sentences({}, missing=lost.missing, faults=lost.faults, doubts=bag.doubts)
 
 
 def _refuse(_survey: xr.Dataset, _path: Path, _progress: Progress) -> Message:
@@ -105,6 +111,7 @@ class _Ros2Bag:
     Attributes:
         file_name: Name of the MCAP file.
         counts: Number of messages of each channel.
+        doubts: What of the survey may not be believed.
     """
 
     def __init__(self, place: Path, recording: Path, lost: Lost) -> None:
@@ -119,6 +126,7 @@ class _Ros2Bag:
         self._schemas: Dict[Tuple[str, str], int] = {}
         self._failed: Counter[str] = Counter()
         self._simulated: Optional[bool] = None
+        self.doubts = _doubts(recording)
         self._first_ns, self._last_ns = 2**63 - 1, 0
 
     def write(self, stream: Any, messages: Any) -> None:
@@ -214,6 +222,8 @@ class _Ros2Bag:
         custom = {"made_from": self._recording.name, "changes": CHANGES}
         if self._simulated is not None:
             custom["simulated"] = "true" if self._simulated else "false"
+        if self.doubts:
+            custom[DOUBTS] = "; ".join(kept_doubts(self.doubts))
         lost = [*self._lost.missing, *self._lost.faults]
         if lost:
             custom["lost"] = "; ".join(map(str, lost))
@@ -232,6 +242,14 @@ class _Ros2Bag:
             "custom_data": custom,
             "ros_distro": "",
         }
+
+
+def _doubts(recording: Path) -> List[Message]:
+    with contextlib.suppress(AnalysisError):  # what can be read is written all the same
+        source = open_source(recording)
+        samples = [Sample.of(one, row=0) for one in source.traces()]
+        return survey_doubts(source.description or {}, samples, len(source.faults))
+    return []
 
 
 def _description(recording: Path) -> Optional[bytes]:

@@ -9,8 +9,9 @@ millimetre with scalar -10000.
 
 from __future__ import annotations
 
+import textwrap
 from pathlib import Path
-from typing import Any, Dict
+from typing import Any, Dict, List
 
 import numpy as np
 import pandas as pd
@@ -22,6 +23,7 @@ from gpr20_analysis.formats.common import even_step
 from gpr20_analysis.formats.provenance import SIMULATED, is_simulated
 from gpr20_analysis.processing.delay import ADVANCE
 from gpr20_analysis.progress import Progress, no_progress
+from gpr20_analysis.sentences import DOUBTS, kept_doubts, sentences_of
 from gpr20_common.message import Message
 from gpr20_survey.radar.frequency_to_delay import delay_kernel
 
@@ -236,6 +238,13 @@ def _time(field: Any, moment: np.datetime64) -> Dict[Any, int]:
     }
 
 
+def _doubts(survey: xr.Dataset) -> List[str]:
+    """Return the doubts in lines as the textual header holds them, as far as there is room."""
+    said = (f"DOUBTED: {one}" for one in kept_doubts(sentences_of(survey, DOUBTS)))
+    lines = [line for one in said for line in textwrap.wrap(one.upper(), LINE_LENGTH - 4)]
+    return [one.encode("ascii", "replace").decode() for one in lines][: LINES - 14]
+
+
 def _text(survey: xr.Dataset, delay_s: np.ndarray) -> str:
     step_ps, first_ps = (round(one * PS_PER_S) for one in (delay_s[1] - delay_s[0], delay_s[0]))
     known = {True: f"{SIMULATED} DATA: THEY SHOW NO REAL GROUND", False: MEASURED}
@@ -252,6 +261,7 @@ def _text(survey: xr.Dataset, delay_s: np.ndarray) -> str:
         10: "TRACES WITH IDENTIFICATION CODE 2 WERE NOT MEASURED OR ARE DAMAGED",
         11: "TIMES ARE UTC; YEAR 0 IF NOT KNOWN",
         12: MOVED if ADVANCE in survey else "",
+        **dict(enumerate(_doubts(survey), 13)),
         LINES - 1: "SEG Y REV1",
         LINES: "END TEXTUAL HEADER",
     }

@@ -14,7 +14,8 @@ from gpr20_analysis.formats.common import usable_samples
 from gpr20_analysis.formats.provenance import marked
 from gpr20_analysis.processing.delay import ADVANCE
 from gpr20_analysis.progress import Progress, no_progress
-from gpr20_analysis.read.analyzer_attributes import ATTRIBUTES
+from gpr20_analysis.read.survey_attributes import OF_ANALYZER
+from gpr20_analysis.sentences import DOUBTS, kept_doubts, sentences_of
 
 IMPEDANCE_OHM = 50.0
 HEIGHT_WORDS = "antenna height [m]"
@@ -58,10 +59,11 @@ def write_touchstone(survey: xr.Dataset, folder: Path, progress: Progress = no_p
 
 
 def _settings(survey: xr.Dataset) -> str:
-    """Return those of the VNA, and that time zero was moved, as more lines of the comment."""
-    known = [f"{one} {survey.attrs[one]}" for one in ATTRIBUTES if one in survey.attrs]
+    """Return those of the VNA, that time zero was moved, and the doubts, as lines of a comment."""
+    doubts = [f"\nDOUBTED: {one}" for one in kept_doubts(sentences_of(survey, DOUBTS))]
+    known = [f"{one} {survey.attrs[one]}" for one in OF_ANALYZER if one in survey.attrs]
     moved = f"\n{MOVED}" if ADVANCE in survey else ""
-    return ("\n" + ", ".join(known) if known else "") + moved
+    return "".join(["\n" + ", ".join(known) if known else "", moved, *doubts])
 
 
 def _skrf() -> Any:

@@ -9,7 +9,7 @@ import xarray as xr
 
 from gpr20_analysis.dataset import DELAY, HEIGHT
 from gpr20_analysis.processing.delay import ADVANCE
-from gpr20_analysis.read.antenna_attributes import ANTENNA_DELAY
+from gpr20_analysis.read.survey_attributes import ANTENNA_DELAY
 from gpr20_survey.radar.depth import two_way_delay_s
 from gpr20_survey.radar.frequency_to_delay import decibels
 

@@ -13,7 +13,15 @@ from gpr20_analysis.plotting.noted_figure import NotedFigure
 from gpr20_analysis.plotting.ranges import range_db
 from gpr20_analysis.processing.display import DISPLAY_ONLY
 from gpr20_analysis.processing.polarization import COMBINED
-from gpr20_analysis.sentences import ENGLISH, limited, sentence_of, sentences_of, shown
+from gpr20_analysis.sentences import (
+    DOUBTS,
+    ENGLISH,
+    NOTES,
+    limited,
+    sentence_of,
+    sentences_of,
+    shown,
+)
 from gpr20_common.catalogue import Catalogue
 from gpr20_common.message import Message
 from gpr20_survey.radar.frequency_to_delay import decibels
@@ -59,14 +67,12 @@ def new_figure(
 def remarks_of(data: xr.Dataset) -> List[Message]:
     """Return the remarks that every figure of the data shows."""
     remarks = [Message("SIMULATED")] if data.attrs.get("simulated") else []
-    damaged, missing = (len(data.attrs.get(name, [])) for name in ("faults", "missing"))
-    if damaged:
-        remarks.append(Message("{count} samples damaged", count=damaged))
+    missing = len(data.attrs.get("missing", []))
     if missing:
         remarks.append(Message("{count} samples missing", count=missing))
     changed = sentence_of(data, DISPLAY_ONLY)
     remarks += [] if changed is None else [changed]
-    return [*remarks, *limited(sentences_of(data, "notes"), LISTED)]
+    return [*remarks, *sentences_of(data, DOUBTS), *limited(sentences_of(data, NOTES), LISTED)]
 
 
 def relative_db(values: np.ndarray, reference: Optional[float] = None) -> np.ndarray:

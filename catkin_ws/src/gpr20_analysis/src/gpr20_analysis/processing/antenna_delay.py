@@ -9,7 +9,7 @@ import xarray as xr
 
 from gpr20_analysis import faults
 from gpr20_analysis.errors import WrongDatasetError
-from gpr20_analysis.read.antenna_attributes import (
+from gpr20_analysis.read.survey_attributes import (
     ANTENNA_DELAY,
     ANTENNA_SEPARATION,
     WIDEST_SEPARATION_M,

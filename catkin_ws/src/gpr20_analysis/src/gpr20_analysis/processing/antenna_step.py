@@ -33,7 +33,7 @@ from gpr20_analysis.processing.surface_echo import MOST_COLUMNS, MOST_ROWS, SURF
 from gpr20_analysis.processing.surface_reflection import surface_permittivity
 from gpr20_analysis.processing.sweep import FrequencyGrid
 from gpr20_analysis.processing.time_zero import LEAST_SHARE, strongest_s
-from gpr20_analysis.read.antenna_attributes import ANTENNA_DELAY
+from gpr20_analysis.read.survey_attributes import ANTENNA_DELAY
 from gpr20_analysis.sentences import with_notes
 from gpr20_common.message import Message
 from gpr20_survey.radar.depth import SPEED_OF_LIGHT_M_S

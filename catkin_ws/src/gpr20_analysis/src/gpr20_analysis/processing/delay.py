@@ -24,7 +24,7 @@ from gpr20_analysis.errors import DamagedSurveyError, WrongDatasetError
 from gpr20_analysis.processing.antenna_delay import REMOVED, check_delay, recorded_delay_s
 from gpr20_analysis.processing.sweep import FrequencyGrid, a_scans, even_delays_s
 from gpr20_analysis.processing.to_frequency import SPECTRUM, Spectrum
-from gpr20_analysis.read.antenna_attributes import ANTENNA_DELAY
+from gpr20_analysis.read.survey_attributes import ANTENNA_DELAY
 from gpr20_common.message import Message
 from gpr20_survey.radar.depth import two_way_delay_s
 from gpr20_survey.radar.frequency_to_delay import Window, phase_advance

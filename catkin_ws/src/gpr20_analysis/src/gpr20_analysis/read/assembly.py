@@ -13,23 +13,15 @@ from gpr20_analysis.dataset import Quality
 from gpr20_analysis.errors import AnalysisError, DamagedSurveyError
 from gpr20_analysis.formats.provenance import restored
 from gpr20_analysis.progress import Progress, no_progress
-from gpr20_analysis.read.analyzer_attributes import analyzer_attributes
-from gpr20_analysis.read.annotation_attributes import (
-    ATTRIBUTES,
-    annotation_attributes,
-    marker_attributes,
-)
-from gpr20_analysis.read.antenna_attributes import antenna_attributes
-from gpr20_analysis.read.aux_variables import aux_variables
+from gpr20_analysis.read.doubts import survey_doubts
 from gpr20_analysis.read.sources import Damage, Position, SurveySource
+from gpr20_analysis.read.survey_attributes import OF_PEOPLE, aux_variables, survey_attributes
 from gpr20_analysis.read.survey_grid import Plan, grid_of, planned_grid
 from gpr20_analysis.read.trace_table import EMPTY, Allocate, Sample, TraceTable, in_memory
-from gpr20_analysis.read.verification_result import unproven_note
 from gpr20_analysis.sentences import DECISIONS, NOTES, first_of, with_sentences
 from gpr20_common.message import Message, verbatim
 from gpr20_survey.plan.imported import TIMES_KNOWN, import_of, is_imported
 from gpr20_survey.plan.refines import REFINES
-from gpr20_survey.plan.zero_history import UNPROVEN
 from gpr20_survey.trace.utc_time import NS_PER_US
 
 FAULTS_LISTED = 8
@@ -123,10 +115,7 @@ class _Assembly:
         # Of an import: of a sample one time at most, and none of its sweep.
         self._known = (imported.get(TIMES_KNOWN) is True, False, False) if imported else 3 * (True,)
         self._table = table
-        unproven = sum(str(UNPROVEN) in one.remarks for one in table.samples.values())
-        # First: only a few are shown below a figure.
-        self._notes = [unproven_note(unproven)] if unproven else []
-        self._notes += source.notes + table.notes()
+        self._notes = source.notes + table.notes()
         self.faults = source.faults + table.faults
         samples = list(table.samples.values())
         positions = np.array([one.position for one in samples], np.float64)
@@ -278,19 +267,23 @@ class _Assembly:
         self._notes += notes
         attributes: Dict[str, Any] = {
             # What people add to a survey may have been changed since.
-            **{name: value for name, value in kept.items() if name not in ATTRIBUTES},
+            **{name: value for name, value in kept.items() if name not in OF_PEOPLE},
             "format": dataset.FORMAT,
             "source": self._source.name,
             "survey_id": self._table.survey_id,
             **{word: str(description[word]) for word in RECORDED if description.get(word)},
             "stored": len(self._used),
-            **annotation_attributes(description, self._notes),
-            **marker_attributes(description, self._notes),
-            **antenna_attributes(description, self._notes),
-            **analyzer_attributes((one.analyzer for _cell, one in self._used), self._notes),
+            **survey_attributes(description, [one for _cell, one in self._used], self._notes),
         }
         faults = [fault.message for fault in self.faults]
-        attributes = with_sentences(attributes, missing=[], faults=faults, notes=self._notes)
+        samples = list(self._table.samples.values())
+        attributes = with_sentences(
+            attributes,
+            missing=[],
+            faults=faults,
+            doubts=survey_doubts(description, samples, len(faults)),
+            notes=self._notes,
+        )
         if decisions:
             attributes = with_sentences(attributes, decisions=decisions)
         if description:

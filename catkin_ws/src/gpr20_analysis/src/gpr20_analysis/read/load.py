@@ -47,7 +47,7 @@ def load_survey(
             .zarr is read in place.
 
     Returns:
-        The Dataset.
+        The Dataset; attribute `doubts` says what of it may not be believed.
 
     Raises:
         DamagedSurveyError: Something is damaged and that was not accepted.

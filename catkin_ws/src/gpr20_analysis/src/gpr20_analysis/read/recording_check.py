@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Callable, Dict, List
+from typing import Dict, List
 
 from gpr20_analysis.errors import UnreadableFileError
 from gpr20_analysis.progress import Progress
@@ -15,7 +15,6 @@ from gpr20_survey.errors import TraceRefusedError
 from gpr20_survey.folder import survey_folder
 from gpr20_survey.recording.mcap_reader import StoredMcap
 from gpr20_survey.trace import trace_message
-from gpr20_survey.trace.trace import Trace
 
 
 class RecordingCheck:
@@ -44,28 +43,25 @@ class RecordingCheck:
         self._found = found
         self._progress = progress
 
-    def check(self, stored: Dict[int, bytes], on_trace: Callable[[Trace], None]) -> None:
+    def check(self, stored: Dict[int, bytes]) -> None:
         """Compare the traces of the MCAP, and those of the bag if the survey was closed.
 
         The bag of a survey that was not closed is written again when it is resumed.
 
         Args:
             stored: Fingerprint of each trace that has a readable JSON file.
-            on_trace: Called with each trace in the order of measurement.
         """
         # An imported survey has none.
         if self._indexed and self._found.imported is None:
-            self._check_traces(survey_folder.BAG_FILE, stored, _ignore)
+            self._check_traces(survey_folder.BAG_FILE, stored)
         before = len(self._found.faults)
-        self._check_traces(survey_folder.MCAP_FILE, stored, on_trace)
+        self._check_traces(survey_folder.MCAP_FILE, stored)
         if not self._found.sealed and len(self._found.faults) == before:
             self._check_frame()
 
-    def _check_traces(
-        self, name: str, stored: Dict[int, bytes], on_trace: Callable[[Trace], None]
-    ) -> None:
+    def _check_traces(self, name: str, stored: Dict[int, bytes]) -> None:
         before = len(self._found.faults)
-        recorded = self._recorded_prints(name, len(stored), on_trace)
+        recorded = self._recorded_prints(name, len(stored))
         if len(self._found.faults) == before and not self._found.writer:
             self._check_missing(name, sorted(stored.keys() - recorded.keys()))
         for index in sorted(recorded.keys() & stored.keys()):
@@ -88,9 +84,7 @@ class RecordingCheck:
                 )
             )
 
-    def _recorded_prints(
-        self, name: str, expected: int, on_trace: Callable[[Trace], None]
-    ) -> Dict[int, bytes]:
+    def _recorded_prints(self, name: str, expected: int) -> Dict[int, bytes]:
         """Return the fingerprint of each trace of a recording."""
         prints: Dict[int, bytes] = {}
         messages = trace_messages(self._folder / name, self._indexed)
@@ -110,7 +104,6 @@ class RecordingCheck:
                     )
                 else:
                     prints[trace.index] = trace.fingerprint()
-                    on_trace(trace)
         except (UnreadableFileError, TraceRefusedError) as error:
             self._found.fault(
                 Message(
@@ -144,7 +137,3 @@ class RecordingCheck:
                     "trace {index} has a JSON file but is not in {file}", index=index, file=name
                 )
             )
-
-
-def _ignore(_trace: Trace) -> None:
-    """Take a trace that was checked in the other recording."""

@@ -6,10 +6,11 @@ messages are read.
 
 from __future__ import annotations
 
+import contextlib
 import struct
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, BinaryIO, Dict, Iterator, List, Optional
+from typing import BinaryIO, Callable, Dict, Iterable, Iterator, List, Optional, Sequence
 
 from mcap.data_stream import ReadDataStream
 from mcap.reader import make_reader
@@ -29,13 +30,16 @@ from gpr20_analysis.read.recording_files import (
 )
 from gpr20_analysis.read.unindexed_bag import complete_messages
 from gpr20_common.message import Message, in_a_row
+from gpr20_survey.folder.log_record import LogRecord
 from gpr20_survey.folder.survey_folder import SURVEY_FILE
 from gpr20_survey.recording.mcap_reader import StoredMcap, recorded_message
 from gpr20_survey.recording.recording import RecordedMessage
-from gpr20_survey.recording.survey_topics import is_metadata_topic
+from gpr20_survey.recording.survey_topics import LOG_TOPIC, is_metadata_topic, recorded_log
 from gpr20_survey.trace import trace_message, utc_time
 
 RECORD_HEAD_BYTES = 9  # opcode and length
+Wanted = Callable[[str, str], bool]
+"""Returns whether messages of a topic and a type are read."""
 CUT_OFF = Message(
     "the recording was cut off, so it has no complete index; all complete messages before that "
     "place were read"
@@ -52,6 +56,8 @@ class OpenRecording:
     """Number of traces by its index; 0 without an index."""
     metadata: Optional[str] = None
     """Content of survey.json at the start of the survey."""
+    log: Sequence[LogRecord] = ()
+    """What was added to the survey's log while it was recorded."""
     notes: List[Message] = field(default_factory=list)
 
 
@@ -65,8 +71,8 @@ def open_recording(path: Path) -> OpenRecording:
     if not is_finished(path, follow_link=True):
         described = (one for one in _linked_messages(path) if is_metadata_topic(one.topic))
         metadata = next((_text(one.data) for one in described), None)
-        traces = (one for one in _linked_messages(path) if _is_trace_type(one.datatype))
-        return OpenRecording(traces, 0, metadata, [CUT_OFF])
+        traces = (one for one in _linked_messages(path) if _is_trace(one.topic, one.datatype))
+        return OpenRecording(traces, 0, metadata, _log(_linked_messages(path)), [CUT_OFF])
     with failing_as_unreadable(path):
         return _open_bag(path) if is_bag(path) else _open_mcap(path)
 
@@ -83,8 +89,9 @@ def trace_messages(path: Path, finished: bool) -> Iterator[RecordedMessage]:
     """
     if not finished:
         messages = _complete_messages(path, path)
-        return (one for one in messages if one.datatype == trace_message.DATATYPE)
-    return _bag_traces(path, False) if is_bag(path) else _mcap_traces(path, None, False)
+        return (one for one in messages if _is_trace(one.topic, one.datatype))
+    read = _bag_messages if is_bag(path) else _mcap_messages
+    return read(path, _is_trace, False)
 
 
 def mcap_messages(path: Path, follow_link: bool) -> Iterator[RecordedMessage]:
@@ -133,11 +140,11 @@ def mcap_length_s(path: Path, follow_link: bool) -> float:
 
 def _open_bag(path: Path) -> OpenRecording:
     with bag_reader(path, follow_link=True) as reader:
-        count = sum(one.msgcount for one in reader.connections if _is_trace(one))
-        described = [one for one in reader.connections if is_metadata_topic(one.topic)]
-        found = (bytes(data) for _, _, data in reader.messages(described) if described)
-        metadata = next((_text(data) for data in found), None)
-    return OpenRecording(_bag_traces(path, True), count, metadata)
+        count = sum(one.msgcount for one in reader.connections if _is_trace(one.topic, one.msgtype))
+    described = _bag_messages(path, lambda topic, _name: is_metadata_topic(topic), True)
+    metadata = next((_text(one.data) for one in described), None)
+    log = _log(_bag_messages(path, _is_log, True))
+    return OpenRecording(_bag_messages(path, _is_trace, True), count, metadata, log)
 
 
 def _open_mcap(path: Path) -> OpenRecording:
@@ -149,17 +156,26 @@ def _open_mcap(path: Path) -> OpenRecording:
     count = 0
     if summary is not None and summary.statistics is not None:
         counts = summary.statistics.channel_message_counts
-        count = sum(counts.get(number, 0) for number in _trace_channels(summary))
-    return OpenRecording(_mcap_traces(path, summary, True), count, metadata)
+        count = sum(counts.get(number, 0) for number in _channels(summary, _is_trace))
+    log = _log(_mcap_messages(path, _is_log, True))
+    return OpenRecording(_mcap_messages(path, _is_trace, True), count, metadata, log)
 
 
-def _bag_traces(path: Path, follow_link: bool) -> Iterator[RecordedMessage]:
+def _log(messages: Iterable[RecordedMessage]) -> List[LogRecord]:
+    """Return the records of the survey's log among messages, as far as they can be read."""
+    found: List[LogRecord] = []
+    with contextlib.suppress(UnreadableFileError):  # who reads the traces says so
+        found.extend(one for one in map(recorded_log, messages) if one is not None)
+    return found
+
+
+def _bag_messages(path: Path, wanted: Wanted, follow_link: bool) -> Iterator[RecordedMessage]:
     with failing_as_unreadable(path), bag_reader(path, follow_link) as reader:
-        connections = [one for one in reader.connections if _is_trace(one)]
+        connections = [one for one in reader.connections if wanted(one.topic, one.msgtype)]
         for connection, time_ns, data in reader.messages(connections) if connections else ():
             yield RecordedMessage(
                 connection.topic,
-                trace_message.DATATYPE,
+                connection.msgtype.replace("/msg/", "/"),
                 connection.digest,
                 "",
                 bytes(data),
@@ -167,17 +183,15 @@ def _bag_traces(path: Path, follow_link: bool) -> Iterator[RecordedMessage]:
             )
 
 
-def _mcap_traces(
-    path: Path, summary: Optional[Summary], follow_link: bool
-) -> Iterator[RecordedMessage]:
+def _mcap_messages(path: Path, wanted: Wanted, follow_link: bool) -> Iterator[RecordedMessage]:
     with failing_as_unreadable(path), opened(path, follow_link) as stream:
-        summary = summary or make_reader(stream, validate_crcs=True).get_summary()
+        summary = make_reader(stream, validate_crcs=True).get_summary()
         if summary is None:
             raise UnreadableFileError(
                 Message("{file} has no MCAP summary", file=path.name),
                 fault=faults.RECORDING_DAMAGED,
             )
-        channels = _trace_channels(summary)
+        channels = _channels(summary, wanted)
         for message in _chunk_messages(stream, summary, channels):
             channel = channels[message.channel_id]
             yield recorded_message(summary.schemas[channel.schema_id], channel, message)
@@ -199,12 +213,12 @@ def _chunk_messages(
                 yield record
 
 
-def _trace_channels(summary: Summary) -> Dict[int, Channel]:
+def _channels(summary: Summary, wanted: Wanted) -> Dict[int, Channel]:
     return {
         channel.id: channel
         for channel in summary.channels.values()
         if channel.schema_id in summary.schemas
-        and summary.schemas[channel.schema_id].name == trace_message.DATATYPE
+        and wanted(channel.topic, summary.schemas[channel.schema_id].name)
     }
 
 
@@ -236,12 +250,12 @@ def _whole_messages(path: Path, place: Path) -> Iterator[RecordedMessage]:
         raise UnreadableFileError(in_a_row(stored.faults), fault=faults.RECORDING_DAMAGED)
 
 
-def _is_trace(connection: Any) -> bool:
-    return _is_trace_type(connection.msgtype)
+def _is_trace(_topic: str, name: str) -> bool:
+    return name.replace("/msg/", "/") == trace_message.DATATYPE
 
 
-def _is_trace_type(name: str) -> bool:
-    return bool(name.replace("/msg/", "/") == trace_message.DATATYPE)
+def _is_log(topic: str, _name: str) -> bool:
+    return topic.rsplit("/", 1)[-1] == LOG_TOPIC
 
 
 def _text(data: bytes) -> str:

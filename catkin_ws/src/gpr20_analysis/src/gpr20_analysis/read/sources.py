@@ -6,7 +6,7 @@ import os
 import re
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Callable, Dict, Iterator, List, Optional, Tuple, Union
+from typing import Any, Callable, Dict, Iterator, List, Optional, Sequence, Tuple, Union
 
 import orjson
 
@@ -20,12 +20,14 @@ from gpr20_survey.errors import SurveyRefusedError, TraceRefusedError
 from gpr20_survey.faults import TRACE_DAMAGED
 from gpr20_survey.files.regular_file import check_regular
 from gpr20_survey.folder import survey_folder, survey_metadata, trace_files
-from gpr20_survey.folder.log_content import LOG, UNCONFIRMED
-from gpr20_survey.folder.log_record import Kind
-from gpr20_survey.folder.recovery import recover_with_recording, unconfirmed_message
+from gpr20_survey.folder.log_content import LOG, UNCONFIRMED, description_of
+from gpr20_survey.folder.log_record import Kind, LogRecord
+from gpr20_survey.folder.recovery import RecoveredSurvey, recover_with_recording
 from gpr20_survey.trace import trace_json, trace_message
 from gpr20_survey.trace.trace import Trace
 
+FACTS = (Kind.DECISION, Kind.CLOCK)
+"""Kinds of the log's facts that no other entry of survey.json holds, but a reader needs."""
 INDEX_IN_NAME = re.compile(r"(\d{6})_X")
 
 Position = Tuple[float, float, float]
@@ -122,7 +124,8 @@ class RecordingSource:
         if metadata is None:
             return None
         try:
-            return survey_metadata.parse_object(metadata, f"survey.json in {self.name}")
+            start = survey_metadata.parse_object(metadata, f"survey.json in {self.name}")
+            return with_log(start, self._recording.log)
         except SurveyRefusedError as error:
             self.faults.append(Damage(error.message))
             return None
@@ -170,23 +173,29 @@ def open_source(path: Path, read: Callable[[Path], Trace] = read_trace) -> Surve
     )
 
 
+def whole_description(recovered: RecoveredSurvey) -> Dict[str, Any]:
+    """Return the content of survey.json with the facts of the log that a reader needs beside it."""
+    description = with_log(recovered.description, recovered.found.records)
+    unconfirmed = recovered.all_unconfirmed
+    return {**description, UNCONFIRMED: unconfirmed} if unconfirmed else description
+
+
+def with_log(start: Dict[str, Any], records: Sequence[LogRecord]) -> Dict[str, Any]:
+    """Return a description from the start of a survey with what was added to its log."""
+    facts = [one.as_json() for one in records if one.kind in FACTS]
+    return {**start, **description_of(records), LOG: facts}
+
+
 def _folder_source(folder: Path, read: Callable[[Path], Trace]) -> JsonSource:
     traces = folder / survey_folder.TRACES_FOLDER
     described = folder / survey_folder.SURVEY_FILE
     for one in (traces, described):
         check_regular(one)
     files = _trace_files(traces if traces.is_dir() else folder)
-    description, damage, notes = None, [], []
+    description, damage = None, []
     if described.exists() or (folder / survey_folder.LOG_FILE).exists():
         try:
-            recovered = recover_with_recording(folder, for_reading=True)
-            records = (one.as_json() for one in recovered.found.records)
-            decisions = [one for one in records if one["kind"] == Kind.DECISION.value]
-            description = {**recovered.description, LOG: decisions}
-            unconfirmed = recovered.all_unconfirmed
-            if unconfirmed:
-                description = {**description, UNCONFIRMED: unconfirmed}
-                notes.append(unconfirmed_message(unconfirmed))
+            description = whole_description(recover_with_recording(folder, for_reading=True))
         except SurveyRefusedError as error:
             damage.append(Damage(error.message))
     if not files and described.exists():
@@ -206,7 +215,6 @@ def _folder_source(folder: Path, read: Callable[[Path], Trace]) -> JsonSource:
         )
     source = JsonSource(folder.name, files, description, read)
     source.faults += damage
-    source.notes += notes
     return source
 
 

@@ -11,6 +11,7 @@ import numpy as np
 from gpr20_analysis.read.sources import Damage, Position
 from gpr20_analysis.read.survey_grid import Plan, planned_grid
 from gpr20_common.message import Message
+from gpr20_survey.axes.zero_epoch import Zeros
 from gpr20_survey.trace.aux_value import AuxValue
 from gpr20_survey.trace.sweep_settings import AnalyzerSettings
 from gpr20_survey.trace.trace import Trace
@@ -38,6 +39,9 @@ class Sample:
     remarks: Tuple[str, ...]
     analyzer: AnalyzerSettings
     aux: Tuple[AuxValue, ...]
+    zeros: Zeros
+    content: int
+    """The same for samples with the same values."""
 
     @classmethod
     def of(cls, trace: Trace, row: int) -> Sample:
@@ -52,6 +56,8 @@ class Sample:
             tuple(trace.quality),
             trace.analyzer,
             trace.aux,
+            trace.zeros,
+            hash((trace.s21_real.tobytes(), trace.s21_imag.tobytes())),
         )
 
 
@@ -73,9 +79,7 @@ class TraceTable:
         self._cells = planned_grid(plan).places(plan.positions) if plan else None
         self._capacity = max(count, 1) if plan is None else planned_grid(plan).cells
         self._allocate = allocate
-        self._contents: Dict[int, int] = {}
         self._repeated = 0
-        self._alike = 0
 
     def add(self, trace: Trace) -> None:
         """Add a trace, or add a fault that says why it does not fit."""
@@ -102,23 +106,14 @@ class TraceTable:
 
     def notes(self) -> List[Message]:
         """Return notes on the survey as a whole."""
-        found = []
-        if self._repeated:
-            found.append(
-                Message(
-                    "{count} traces are stored more than once, with the same content",
-                    count=self._repeated,
-                )
+        if not self._repeated:
+            return []
+        return [
+            Message(
+                "{count} traces are stored more than once, with the same content",
+                count=self._repeated,
             )
-        if self._alike:
-            found.append(
-                Message(
-                    "{count} samples have exactly the values of another sample, which measured "
-                    "data never have; check whether the VNA returned one sweep twice",
-                    count=self._alike,
-                )
-            )
-        return found
+        ]
 
     def _take(self, trace: Trace) -> None:
         row = len(self.samples) if self._cells is None else int(self._cells[trace.index])
@@ -128,8 +123,6 @@ class TraceTable:
             self.rows = grown
         values = self.rows[row]
         values.real, values.imag = trace.s21_real, trace.s21_imag
-        content = hash(values.tobytes())
-        self._alike += self._contents.setdefault(content, trace.index) != trace.index
         self.samples[trace.index] = Sample.of(trace, row)
 
     def _repeat(self, trace: Trace, taken: Sample) -> None:

@@ -8,15 +8,15 @@ from typing import Any, Dict, List, Optional, Union
 from gpr20_analysis import faults
 from gpr20_analysis.errors import AnalysisError
 from gpr20_analysis.progress import Progress, no_progress
-from gpr20_analysis.read import description_check, manifest_check
+from gpr20_analysis.read import description_check, doubts, manifest_check
 from gpr20_analysis.read.manifest_check import Seal
 from gpr20_analysis.read.recording_check import RecordingCheck
+from gpr20_analysis.read.sources import whole_description
 from gpr20_analysis.read.survey_grid import Plan
-from gpr20_analysis.read.time_check import TimeCheck
-from gpr20_analysis.read.verification_result import Verification, unproven_note
+from gpr20_analysis.read.trace_table import Sample
+from gpr20_analysis.read.verification_result import Verification
 from gpr20_common.message import Message
 from gpr20_common.os_reason import os_reason
-from gpr20_survey.axes.zero_epoch import Zeros
 from gpr20_survey.errors import SurveyRefusedError, TraceRefusedError
 from gpr20_survey.files.folder_lock import writer_of
 from gpr20_survey.folder import (
@@ -30,10 +30,8 @@ from gpr20_survey.folder.manifest import Manifest
 from gpr20_survey.folder.recovery import (
     RecoveredSurvey,
     recover_with_recording,
-    unconfirmed_message,
 )
-from gpr20_survey.plan.imported import TIMES_KNOWN, import_of, import_sentence, is_imported
-from gpr20_survey.plan.zero_history import unproven_zeros
+from gpr20_survey.plan.imported import import_of, import_sentence, is_imported
 
 FILES = (
     survey_folder.SURVEY_FILE,
@@ -123,7 +121,7 @@ class _Verifier:
             has_log=recovered.found.has_log,
             imported=import_sentence(description) if is_imported(description) else None,
         )
-        self._zeros: List[Zeros] = []
+        self._samples: List[Sample] = []
         self._is_adding = False  # the manifest names an entry that is being added to the log
 
     def run(self, with_log: bool) -> Verification:
@@ -141,14 +139,12 @@ class _Verifier:
         plan = self._plan()
         for index, name in self._progress(sorted(files.names.items()), len(files.names)):
             self._check_trace(plan, index, name)
-        self._check_zeros()
-        times = TimeCheck(self._description)
+        self._doubt()
         recordings = RecordingCheck(
             self._folder, self._survey_id, self._indexed, self._found, self._progress
         )
-        recordings.check(files.prints, times.note)
+        recordings.check(files.prints)
         self._check_description(len(files.prints), with_log)
-        self._found.notes += times.notes()
         return self._found
 
     @property
@@ -271,10 +267,6 @@ class _Verifier:
             self._found.note(
                 Message("the source has no data at {count} places of its grid", count=absent)
             )
-        if found.get(TIMES_KNOWN) is not True:
-            self._found.note(
-                Message("the source names no times since 2020: the traces have that of the import")
-            )
 
     def _check_trace(self, plan: Optional[Plan], index: int, name: str) -> None:
         if plan is None:
@@ -287,16 +279,15 @@ class _Verifier:
                 Message("{file} changed while it was read: {reason}", file=name, reason=reason)
             )
             return
-        self._zeros.append(trace.zeros)
+        self._samples.append(Sample.of(trace, row=0))
         misfits = plan.misfits(trace) or plan.changed_settings(trace)
         self._found.faults += misfits
         self._found.stored += not misfits
 
-    def _check_zeros(self) -> None:
-        unproven = unproven_zeros(self._description.get("report"), self._zeros)
-        self._found.unproven = sum(one in unproven for one in self._zeros)
-        if self._found.unproven:
-            self._found.note(unproven_note(self._found.unproven))
+    def _doubt(self) -> None:
+        description = whole_description(self._recovered)
+        self._found.unproven = doubts.unproven_count(description, self._samples)
+        self._found.doubts = doubts.survey_doubts(description, self._samples)
 
     def _check_log(self) -> None:
         log = self._recovered.found
@@ -316,10 +307,7 @@ class _Verifier:
             ]
             if log.behind:
                 self._note_behind()
-        named = self._recovered.all_unconfirmed
-        self._found.unconfirmed = tuple(named)
-        if named:
-            self._found.note(unconfirmed_message(named))
+        self._found.unconfirmed = tuple(self._recovered.all_unconfirmed)
 
     def _note_behind(self) -> None:
         behind = Message(

@@ -18,21 +18,14 @@ UNCOVERED_WITHOUT_LOG = Message(
 )
 
 
-def unproven_note(count: int) -> Message:
-    """Return what every reader says of so many traces with positions that nothing proves."""
-    return Message(
-        "{count} traces refer to zeros of the axes that no measurement proved to be those of "
-        "the others: their positions and rotations may be wrong",
-        count=count,
-    ).with_fault(faults.ZEROS_UNPROVEN)
-
-
 @dataclass
 class Verification:
     """The result of the verification of a survey's folder."""
 
     faults: List[Message] = field(default_factory=list)
     """What is damaged or contradictory."""
+    doubts: List[Message] = field(default_factory=list)
+    """What of the survey may not be believed."""
     notes: List[Message] = field(default_factory=list)
     """What else a user should know."""
     planned: Optional[int] = None
@@ -79,6 +72,7 @@ class Verification:
                 message_fields(one if one.cause else one.with_fault(faults.NOT_INTACT))
                 for one in self.faults
             ],
+            "doubts": [message_fields(one) for one in self.doubts],
             "notes": [message_fields(one) for one in self.notes],
         }
 
@@ -90,11 +84,8 @@ class Verification:
         """
         if self.faults:
             return DAMAGED
-        return COMPLETE if self._is_whole and not self._has_doubts else INCOMPLETE
-
-    @property
-    def _has_doubts(self) -> bool:
-        return bool(self.unproven or self.unconfirmed)
+        doubted = self.unproven or self.unconfirmed
+        return COMPLETE if self._is_whole and not doubted else INCOMPLETE
 
     @property
     def _is_whole(self) -> bool:
@@ -106,58 +97,49 @@ class Verification:
         """The result in one sentence, with the fault that it reports."""
         if self.faults:
             of_manifest = all(one.fault_code == faults.MANIFEST.code for one in self.faults)
-            if of_manifest:
-                return self._sentence.with_fault(faults.MANIFEST)
-            imported = self.imported is not None
-            return self._sentence.with_fault(
-                faults.IMPORT_NOT_INTACT if imported else faults.NOT_INTACT
-            )
-        if self.writer:
-            return self._sentence.with_fault(LOCKED)
-        if self.imported is None and not self._is_whole:
-            return self._sentence.with_fault(faults.NOT_COMPLETE)
-        if self.unproven:
-            return self._sentence.with_fault(faults.ZEROS_UNPROVEN)
-        if self.unconfirmed:
-            return self._sentence.with_fault(UNCONFIRMED)
-        return self._sentence
-
-    @property
-    def _sentence(self) -> Message:
-        if self.faults:
+            of_all = faults.NOT_INTACT if self.imported is None else faults.IMPORT_NOT_INTACT
             return Message(
                 "DAMAGED or contradictory ({count} faults): {counted}",
                 count=len(self.faults),
                 counted=self._counted,
-            )
+            ).with_fault(faults.MANIFEST if of_manifest else of_all)
         if self.writer:
             return Message(
                 "BEING WRITTEN by process {process}: {counted} so far, without a fault",
                 process=self.writer,
                 counted=self._counted,
-            )
-        if self.imported is not None:
-            return self._imported_sentence(self.imported)
-        if self._is_whole and self.unproven:
+            ).with_fault(LOCKED)
+        if self.imported is None and not self._is_whole:
+            return self._incomplete.with_fault(faults.NOT_COMPLETE)
+        if self.unproven:
             return Message(
-                "POSITIONS NOT PROVEN: all {planned} planned traces are stored and intact, but "
-                "{count} of them refer to other zeros of the axes",
-                planned=self.planned,
+                "POSITIONS NOT PROVEN: {counted}, but {count} of them refer to other zeros of the "
+                "axes",
+                counted=self._counted,
                 count=self.unproven,
-            )
-        if self._is_whole and self.unconfirmed:
+            ).with_fault(faults.ZEROS_UNPROVEN)
+        if self.unconfirmed:
             return Message(
-                "intact, except {count} entries UNCONFIRMED: all {planned} planned traces are "
-                "stored and readable, but nothing vouches for {names}",
+                "intact, except {count} entries UNCONFIRMED: {counted}, but nothing vouches for "
+                "{names}",
                 count=len(self.unconfirmed),
-                planned=self.planned,
+                counted=self._counted,
                 names=", ".join(self.unconfirmed[:SHOWN]),
-            )
-        if self.status == COMPLETE:
+            ).with_fault(UNCONFIRMED)
+        if self.imported is not None:
             return Message(
-                "complete and intact: all {planned} planned traces are stored and readable",
-                planned=self.planned,
+                "IMPORTED, files intact: {counted}, {imported}; it has no plan, so nothing says "
+                "what is missing",
+                counted=self._counted,
+                imported=self.imported,
             )
+        return Message(
+            "complete and intact: all {planned} planned traces are stored and readable",
+            planned=self.planned,
+        )
+
+    @property
+    def _incomplete(self) -> Message:
         if not self.sealed:
             return Message(
                 "INCOMPLETE, readable: {counted}, and the survey was not closed; without a "
@@ -170,22 +152,6 @@ class Verification:
         return Message(
             "INCOMPLETE, but intact: {counted}, and the survey was interrupted",
             counted=self._counted,
-        )
-
-    def _imported_sentence(self, imported: Message) -> Message:
-        if self.unconfirmed:
-            return Message(
-                "IMPORTED, except {count} entries UNCONFIRMED: {counted}, but nothing vouches for "
-                "{names}",
-                count=len(self.unconfirmed),
-                counted=self._counted,
-                names=", ".join(self.unconfirmed[:SHOWN]),
-            )
-        return Message(
-            "IMPORTED, files intact: {counted}, {imported}; it has no plan, so nothing says what "
-            "is missing",
-            counted=self._counted,
-            imported=imported,
         )
 
     @property

@@ -8,8 +8,7 @@ from typing import Any, List, Mapping, Sequence, Tuple
 import numpy as np
 import xarray as xr
 
-from gpr20_analysis.dataset import description_of
-from gpr20_analysis.report.summary import mapping_of
+from gpr20_analysis.dataset import description_of, mapping_of, objects_of
 from gpr20_common.message import Message
 
 Entry = Mapping[str, Any]
@@ -69,22 +68,6 @@ def drift_lines(survey: xr.Dataset) -> List[Message]:
     return lines
 
 
-def drift_warnings(survey: xr.Dataset) -> List[Message]:
-    """Return at which visits the drift exceeded its limits."""
-    drift = _drift(survey)
-    return [
-        Message(
-            "at {time}, before trace {index}, the drift exceeded {limit_db} dB or {limit_deg} deg",
-            time=str(one.get("time")),
-            index=str(one.get("next_index")),
-            limit_db=str(drift.get("limit_db")),
-            limit_deg=str(drift.get("limit_deg")),
-        )
-        for one in _visits(survey)
-        if one.get("exceeded") is True
-    ][:LISTED_ROWS]
-
-
 def drift_rows(survey: xr.Dataset) -> List[Tuple[str, ...]]:
     """Return a row for each visit and rotation, the latest ones."""
     rows = [
@@ -99,20 +82,13 @@ def drift_rows(survey: xr.Dataset) -> List[Tuple[str, ...]]:
     return rows[-LISTED_ROWS:]
 
 
-def _drift(survey: xr.Dataset) -> Entry:
-    return mapping_of(mapping_of(description_of(survey), "report"), "drift")
-
-
 def _visits(survey: xr.Dataset) -> List[Entry]:
-    return _objects(_drift(survey).get("visits"))
+    report = mapping_of(description_of(survey), "report")
+    return objects_of(mapping_of(report, "drift"), "visits")
 
 
 def _turns(visits: Sequence[Entry]) -> List[Tuple[Entry, Entry]]:
-    return [(visit, turn) for visit in visits for turn in _objects(visit.get("rotations"))]
-
-
-def _objects(found: object) -> List[Entry]:
-    return [one for one in found if isinstance(one, dict)] if isinstance(found, list) else []
+    return [(visit, turn) for visit in visits for turn in objects_of(visit, "rotations")]
 
 
 def _number(entry: Entry, name: str) -> float:

@@ -22,11 +22,12 @@ from gpr20_analysis.progress import Progress, no_progress
 from gpr20_analysis.read.verification import FILES, verify_survey
 from gpr20_analysis.read.verification_result import Verification
 from gpr20_analysis.report import pictures
-from gpr20_analysis.report.drift import HEADING, drift_lines, drift_rows, drift_warnings
+from gpr20_analysis.report.drift import HEADING, drift_lines, drift_rows
 from gpr20_analysis.report.records import Section
 from gpr20_analysis.report.summary import SIMULATED, Row, settings_of, summary_of, warnings_of
 from gpr20_analysis.sentences import (
     DECISIONS,
+    DOUBTS,
     ENGLISH,
     NOTES,
     labelled,
@@ -129,7 +130,7 @@ def _checked(survey: xr.Dataset, path: Path, catalogue: Catalogue) -> List[Secti
         good.append(
             Message("Only the folder of a survey can be verified against its plan and checksums.")
         )
-    warnings += limited(warnings_of(survey), LISTED)
+    warnings += [*sentences_of(survey, DOUBTS), *limited(warnings_of(survey), LISTED)]
     verdict = _section(Message("Verdict"), warnings, good, catalogue)
     return [verdict, *([_verification(found, catalogue)] if found else [])]
 
@@ -186,7 +187,7 @@ def _sensors(survey: xr.Dataset, catalogue: Catalogue) -> Section:
 def _drift(survey: xr.Dataset, catalogue: Catalogue) -> Section:
     """Return what measuring the first stop again showed."""
     title = Message("Drift and repeatability")
-    section = _section(title, drift_warnings(survey), drift_lines(survey), catalogue)
+    section = _section(title, [], drift_lines(survey), catalogue)
     section.rows = drift_rows(survey)
     section.heading = tuple(catalogue.text(one) for one in HEADING) if section.rows else ()
     return section

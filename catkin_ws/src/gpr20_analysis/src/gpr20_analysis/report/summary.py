@@ -9,19 +9,20 @@ import numpy as np
 import xarray as xr
 
 from gpr20_analysis import dataset
-from gpr20_analysis.read.analyzer_attributes import AVERAGES, IF_BANDWIDTH, OUTPUT_POWER
-from gpr20_analysis.read.annotation_attributes import (
+from gpr20_analysis.dataset import mapping_of, objects_of
+from gpr20_analysis.read.survey_attributes import (
+    AVERAGES,
     HEADING,
+    IF_BANDWIDTH,
     NAME,
     NOTES,
     OPERATOR,
+    OUTPUT_POWER,
     SITE,
     position_text,
 )
 from gpr20_common.message import Message, verbatim
 from gpr20_common.sent_message import received_message
-from gpr20_survey.folder.log_content import UNCONFIRMED
-from gpr20_survey.folder.recovery import unconfirmed_message
 from gpr20_survey.folder.survey_metadata import REASON_MESSAGE
 from gpr20_survey.plan.markers import MARKERS
 from gpr20_survey.plan.refines import REFINES
@@ -103,7 +104,7 @@ def summary_of(survey: xr.Dataset) -> List[Row]:
     rows.append((verbatim("y"), _axis(survey[dataset.Y].values)))
     if dataset.FREQUENCY in survey.coords:
         rows.append((Message("frequency"), _frequency(survey[dataset.FREQUENCY].values)))
-    rows += _analyzers(described)
+    rows += _rows(mapping_of(described, "instrument"), {"identity": Message("VNA")})
     rows += _analyzer_settings(survey.attrs)
     if dataset.HEIGHT in survey:
         rows.append((Message("height"), _height(survey[dataset.HEIGHT].values)))
@@ -126,14 +127,8 @@ def _verdict(described: Mapping[str, Any]) -> Optional[Message]:
 
 
 def warnings_of(survey: xr.Dataset) -> List[Message]:
-    """Return what nothing vouches for, and what the operator was warned of during the survey.
-
-    Without survey.json there is none of both.
-    """
-    described = dataset.description_of(survey)
-    unconfirmed = mapping_of(described, UNCONFIRMED)
-    found = mapping_of(described, "report").get("warnings")
-    return ([unconfirmed_message(unconfirmed)] if unconfirmed else []) + [
+    """Return what the operator was warned of during the survey; none without survey.json."""
+    return [
         Message(
             "warning of the robot at {time}: {warning}",
             time=str(one.get("time")),
@@ -141,8 +136,7 @@ def warnings_of(survey: xr.Dataset) -> List[Message]:
                 str(one.get("warning")), json.dumps(one.get("warning_message"))
             ),
         )
-        for one in (found if isinstance(found, list) else [])
-        if isinstance(one, dict)
+        for one in objects_of(mapping_of(dataset.description_of(survey), "report"), "warnings")
     ]
 
 
@@ -293,25 +287,6 @@ def settings_of(survey: xr.Dataset) -> List[Row]:
     if verdict is not None:
         rows.append((Message("verdict of the robot"), verdict))
     return rows
-
-
-def _analyzers(described: Mapping[str, Any]) -> List[Row]:
-    """Return the analyzer of a survey, and those with which it was continued."""
-    used = mapping_of(described, "report").get("analyzers")
-    return _rows(mapping_of(described, "instrument"), {"identity": Message("VNA")}) + [
-        (
-            Message("VNA from trace {index}", index=str(one.get("from_index"))),
-            verbatim(str(one.get("identity"))),
-        )
-        for one in (used[1:] if isinstance(used, list) else [])
-        if isinstance(one, dict)
-    ]
-
-
-def mapping_of(described: Mapping[str, Any], key: str) -> Mapping[str, Any]:
-    """Return an entry that is an object; empty if it is none."""
-    found = described.get(key)
-    return found if isinstance(found, dict) else {}
 
 
 def _rows(values: Mapping[str, Any], titles: Mapping[str, Message]) -> List[Row]:

@@ -14,8 +14,7 @@ import xarray as xr
 
 from gpr20_analysis.formats.common import Imported, as_dataset
 from gpr20_analysis.processing.to_frequency import to_frequency
-from gpr20_analysis.read import annotation_attributes
-from gpr20_analysis.read.antenna_attributes import ANTENNA_DELAY
+from gpr20_analysis.read import survey_attributes
 from gpr20_common.message import Message
 
 REAL_LINE_FILE = Path(__file__).with_name("real_line_charisma.npz")
@@ -65,8 +64,8 @@ def real_line() -> xr.Dataset:
         )
     )
     facts = {
-        annotation_attributes.NAME: "Real line: CHARISMA laboratory specimen (CC0)",
-        annotation_attributes.NOTES: NOTES,
-        ANTENNA_DELAY: TIME_ZERO_S,
+        survey_attributes.NAME: "Real line: CHARISMA laboratory specimen (CC0)",
+        survey_attributes.NOTES: NOTES,
+        survey_attributes.ANTENNA_DELAY: TIME_ZERO_S,
     }
     return to_frequency(line, *BAND_HZ, POINTS).assign_attrs(facts)

@@ -64,26 +64,6 @@ def test_pandas_reads_the_plain_table(survey, folder, tmp_path):
 IMAGE = ("--permittivity", "4", "--depth", "0", "0.02", "0.005", "--height", "0.03")
 
 
-@pytest.mark.parametrize(
-    ("form", "name", "inside"),
-    [
-        ("netcdf", "o.nc", None),
-        ("touchstone", "o", "*.s2p"),
-        ("csv", "o.csv", None),
-        ("segy", "o.sgy", None),
-    ],
-)
-def test_simulated_survives_every_format(survey, tmp_path, form, name, inside):
-    written = export_survey(survey, tmp_path / name, form)
-    for path in written:
-        for one in sorted(path.glob(inside)) if inside else [path]:
-            content = one.read_bytes() + one.name.encode()
-            text = content[:3200].decode("cp500") if form == "segy" else content.decode("latin-1")
-            assert "SIMULATED" in text or ",simulated," in text
-            if form == "csv":
-                assert text.splitlines()[1].split(",")[7] == "1"
-
-
 def read_vtr(path):
     """Return the arrays of a VTK file by name, from its XML alone."""
     head, _, data = path.read_bytes().partition(b'<AppendedData encoding="raw">')

@@ -125,7 +125,7 @@ def test_one_trace_or_place_twice_and_frequencies_that_no_half_shares_are_refuse
         load_survey(halves, accept_damaged=True)
 
 
-def test_positions_on_no_grid_are_refused_and_equal_samples_noted(copied, tmp_path):
+def test_positions_on_no_grid_are_refused(copied):
     for index in range(ALL):
         path = trace_file(copied, index)
         values = json.loads(path.read_text())
@@ -136,9 +136,6 @@ def test_positions_on_no_grid_are_refused_and_equal_samples_noted(copied, tmp_pa
         write_trace_file(copied / "traces" / name, values)
     with raises_fault(faults.NO_GRID):
         load_survey(copied / "traces")
-    same = {"s21_real": np.arange(5.0), "s21_imag": np.ones(5)}
-    alike = make_survey(tmp_path / "alike", ALL, "finished", {3: same, 8: same})
-    assert any("exactly the values of another" in one for one in load_survey(alike).attrs["notes"])
 
 
 def test_a_description_is_read_from_each_form_that_is_left_and_refused_without(copied, finished):

@@ -195,12 +195,11 @@ def test_the_settings_of_the_analyzer_are_in_summary_and_exports(folder, tmp_pat
     assert "if_bandwidth_hz 1000.0, averages 4, output_power HIGH" in first.read_text()
 
 
-def test_samples_without_settings_do_not_count_and_different_ones_are_a_note(tmp_path):
+def test_samples_without_settings_do_not_count_and_different_ones_are_doubted(tmp_path):
     unknown = {index: {"analyzer": AnalyzerSettings()} for index in range(7)}
     other = {index: {"analyzer": AnalyzerSettings(20.0, 1, "LOW")} for index in (5, 7)}
     for number, (changes, noted) in enumerate(((unknown, 0), (other, 1))):
         attributes = load_survey(make_survey(tmp_path / str(number), 9, "stopped", changes)).attrs
         assert settings_in(attributes) == SETTINGS, number
-        notes = [one for one in attributes["notes"] if "different settings" in one]
-        assert len(notes) == noted, number
-    assert "7 with IF bandwidth 1000 Hz, averages 4, output power HIGH, 2 with others" in notes[0]
+        assert len(attributes["doubts"]) == noted, number
+    assert "7 with IF bandwidth 1000 Hz, averages 4, output power HIGH" in attributes["doubts"][0]

@@ -111,7 +111,7 @@ def test_markers_that_nothing_vouches_for_are_marked_as_such(copy, tmp_path, cap
     del values["log"]
     path.write_text(json.dumps(values))
     survey = load_survey(copy)
-    assert "markers/3" in survey.attrs["notes"][0]
+    assert "markers/3" in survey.attrs["doubts"][0]
     table, collection = tmp_path / "m.csv", tmp_path / "m.geojson"
     assert main(["markers", str(copy), "-o", str(table), "-o", str(collection)]) == DONE
     assert capsys.readouterr().out.count("UNCONFIRMED") == 4

@@ -4,7 +4,6 @@ import multiprocessing
 import os
 import threading
 
-import pytest
 from case_kit import each_case
 from log_examples import marker
 from survey_kit import (
@@ -12,14 +11,15 @@ from survey_kit import (
     POINTS,
     STARTED_US,
     SURVEY,
-    describe_again,
     make_survey,
     planned_trace,
 )
 
+from gpr20_analysis import faults
 from gpr20_analysis.commands.main import main
+from gpr20_analysis.read.doubts import survey_doubts
+from gpr20_analysis.read.trace_table import Sample
 from gpr20_analysis.read.verification import verify_survey
-from gpr20_analysis.read.verification_result import DAMAGED
 from gpr20_analysis.verify import main as gpr20_verify
 from gpr20_survey.faults import LOCKED
 from gpr20_survey.folder import annotating
@@ -28,7 +28,8 @@ from gpr20_survey.folder.recovery import read_description, recover
 from gpr20_survey.plan.annotation import annotation_of
 from gpr20_survey.trace import utc_time
 
-S = 10**6  # [us]
+S, ENDED = 10**6, "2026-09-21T14:00:00.000000+00:00"  # [us]
+TIMES = {"started": utc_time.iso_text(STARTED_US), "ended": utc_time.iso_text(NOW_NS // 1000)}
 
 
 def at(time_us, sweep_us=None):
@@ -75,39 +76,23 @@ def notes(folder):
     return [str(one) for one in found.notes]
 
 
-def test_an_end_before_the_start_is_told(tmp_path):
-    folder = make_survey(tmp_path, 4, None)
-    ended = utc_time.iso_text(STARTED_US - S)
-    describe_again(folder, ended=ended)
-    (folder / "survey.mcap").unlink()  # which holds the log as it was
-    found = verify_survey(folder)
-    assert found.status == DAMAGED
-    assert any(f"the survey ended at {ended}, before it started" in str(one) for one in found.notes)
-
-
-@pytest.mark.parametrize(
-    ("times", "said"),
+@each_case(
+    "times, more, said",
     [
-        ({}, []),
-        (
-            {0: at(STARTED_US - S), 3: at(NOW_NS // 1000 + S)},
-            [("1 traces are older", ": 0"), ("1 traces are newer", ": 3")],
-        ),
-        (
-            {1: at(STARTED_US + 3 * S, STARTED_US + 4 * S)},
-            [("trace 1 of 2026-09-21T14:13:23.123456", "has a sweep that started at")],
-        ),
-        (
-            {index: at(STARTED_US + (50 - index) * S) for index in range(9)},
-            [("trace 1 of", "trace 0 of"), *[("out of order",)] * 4, ("3 more are out of order",)],
-        ),
+        ({}, {}, ()),
+        ({}, {"ended": ENDED}, ("end of the survey is before its start",)),
+        ({0: at(STARTED_US - S)}, {}, ("traces 0 are not between start and end",)),
+        ({3: at(NOW_NS // 1000 + S)}, {}, ("traces 3 are not between",)),
+        ({1: at(STARTED_US + 3 * S, STARTED_US + 4 * S)}, {}, ("traces 1 are older than",)),
+        ({i: at(STARTED_US + (50 - i) * S) for i in range(9)}, {}, ("traces 1, 2, 3, 4, 5, ...",)),
+        ({1: at(STARTED_US + 50 * S)}, {"resumed": [""]}, ()),
     ],
 )
-def test_times_that_contradict_each_other_are_told(tmp_path, times, said):
-    found = notes(make_survey(tmp_path, max(4, len(times)), "stopped", misplaced=times))
-    assert len(found) == len(said)
-    for note, words in zip(found, said):
-        assert all(one in note for one in words), note
+def test_times_that_contradict_each_other_are_doubted(times, more, said):
+    traces = (planned_trace(index, **times.get(index, {})) for index in range(max(4, len(times))))
+    found = survey_doubts({**TIMES, **more}, [Sample.of(one, 0) for one in traces])
+    assert [one.fault_code for one in found] == [faults.CLOCK.code] * bool(said)
+    assert all(one in str(found[0]) for one in said)
 
 
 def test_a_folder_with_the_name_of_another_survey_is_noted(tmp_path):

@@ -236,7 +236,8 @@ class MainWindow(QMainWindow):
         problem = self._problem
         if problem is None and self.sections.problem is not None:
             problem = Message("no traces: {reason}", reason=self.sections.problem)
-        self.status.show_problem([] if problem is None else [problem])
+        doubts = self.session.doubts
+        self.status.show_problem(doubts if problem is None else [*doubts, problem])
         remarks = [] if image is None else list(image.remarks)
         notes = [*remarks, *self.session.notes, *self.desk.notes]
         self.status.show_notes(notes)

@@ -20,7 +20,7 @@ class StatusBar(QWidget):
     Attributes:
         banner: Says that the survey is simulated; not there for others.
         caption: How the image was made.
-        problem: Why there is no image, or what is wrong; hidden if nothing is.
+        problem: Why there is no image, what is wrong or doubted; hidden if nothing is.
         notes: The first notes on survey and image.
     """
 
@@ -47,7 +47,7 @@ class StatusBar(QWidget):
             layout.addWidget(label)
 
     def show_problem(self, problems: Sequence[Message]) -> None:
-        """Show what is wrong; nothing if the list is empty."""
+        """Show what is wrong or doubted; nothing if the list is empty."""
         self.problem.setText("\n".join(shown(one, self._catalogue) for one in problems))
         self.problem.setVisible(bool(problems))
 

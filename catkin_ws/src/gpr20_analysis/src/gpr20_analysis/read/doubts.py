@@ -1,0 +1,194 @@
+"""What may not be believed of a survey: the one list that every reader, export and page shows.
+
+It is attribute `doubts` of a Dataset, and the first notes of a verification and of a list of
+candidates. Each doubt reports a fault, whose code says of which kind it is.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+from typing import Any, Iterator, List, Mapping, Sequence
+
+from gpr20_analysis import faults
+from gpr20_analysis.dataset import mapping_of, objects_of
+from gpr20_analysis.read.survey_attributes import known_settings
+from gpr20_analysis.read.trace_table import Sample
+from gpr20_analysis.sentences import carried_doubts, first_of
+from gpr20_common.errors import InvalidValueError
+from gpr20_common.message import Message
+from gpr20_common.sent_message import received_message
+from gpr20_survey.folder.log_content import UNCONFIRMED, log_entries
+from gpr20_survey.folder.log_record import Kind
+from gpr20_survey.folder.recovery import unconfirmed_message
+from gpr20_survey.plan.imported import TIMES_KNOWN, import_of, import_sentence, is_imported
+from gpr20_survey.plan.zero_history import UNPROVEN, unproven_zeros
+from gpr20_survey.trace import utc_time
+from gpr20_survey.trace.calibration import MEANINGS, CalibrationStatus
+
+Described = Mapping[str, Any]
+REASONS, LISTED = 2, 5
+"""Number of reasons that a doubt names, and of traces in one of them."""
+
+
+def survey_doubts(
+    description: Described, samples: Sequence[Sample], damaged: int = 0
+) -> List[Message]:
+    """Return the doubts, those of the positions first; of each kind one, or two.
+
+    Args:
+        description: The content of survey.json with the facts of its log, as far as known.
+        samples: The samples in the order of their recording, or of their indices.
+        damaged: Number of parts that are damaged and left out.
+    """
+    found = [
+        *_positions(description, samples),
+        *_unconfirmed(description, damaged),
+        *_repeated(samples),
+        *_calibration(description),
+        *_drift(description),
+        *_settings(description, samples),
+        *_clock(description, samples),
+        *_import(description),
+    ]
+    return list({str(one): one for one in found}.values())
+
+
+def unproven_count(description: Described, samples: Sequence[Sample]) -> int:
+    """Return of how many traces nothing proves that their zeros are those of the others."""
+    in_order = sorted(samples, key=lambda one: one.index)
+    unproven = unproven_zeros(description.get("report"), (one.zeros for one in in_order))
+    return sum(one.zeros in unproven or str(UNPROVEN) in one.remarks for one in samples)
+
+
+def _positions(description: Described, samples: Sequence[Sample]) -> Iterator[Message]:
+    count = unproven_count(description, samples)
+    if count:
+        yield Message(
+            "{count} traces refer to zeros of the axes that no measurement proved to be those of "
+            "the others: their positions and rotations may be wrong",
+            count=count,
+        ).with_fault(faults.ZEROS_UNPROVEN)
+
+
+def _unconfirmed(description: Described, damaged: int) -> Iterator[Message]:
+    if damaged:
+        yield Message(
+            "{count} parts of the survey are damaged and left out", count=damaged
+        ).with_fault(faults.SURVEY_DAMAGED)
+    entries = mapping_of(description, UNCONFIRMED)
+    if entries:
+        yield unconfirmed_message(entries)
+
+
+def _repeated(samples: Sequence[Sample]) -> Iterator[Message]:
+    count = len(samples) - len({one.content for one in samples})
+    if count:
+        yield Message(
+            "{count} samples have exactly the values of another sample, which measured data never "
+            "have; check whether the VNA returned one sweep twice",
+            count=count,
+        ).with_fault(faults.SWEEP_REPEATED)
+
+
+def _calibration(description: Described) -> Iterator[Message]:
+    status = mapping_of(description, "instrument").get("calibration_status")
+    for one in set(CalibrationStatus) - {CalibrationStatus.HIGH}:
+        if type(status) is int and one == status:
+            yield Message(
+                "calibration of the VNA at the start of the survey: {meaning}",
+                meaning=MEANINGS[one],
+            ).with_fault(faults.CALIBRATION)
+
+
+def _drift(description: Described) -> Iterator[Message]:
+    drift = mapping_of(mapping_of(description, "report"), "drift")
+    exceeded = [one for one in objects_of(drift, "visits") if one.get("exceeded") is True]
+    if exceeded:
+        yield Message(
+            "the drift exceeded {limit_db} dB or {limit_deg} deg at {count} visits of the first "
+            "stop, for the first time before trace {index}",
+            limit_db=str(drift.get("limit_db")),
+            limit_deg=str(drift.get("limit_deg")),
+            count=len(exceeded),
+            index=str(exceeded[0].get("next_index")),
+        ).with_fault(faults.DRIFTED)
+
+
+def _settings(description: Described, samples: Sequence[Sample]) -> Iterator[Message]:
+    for one in objects_of(mapping_of(description, "report"), "analyzers")[1:]:
+        yield Message(
+            "from trace {index} on another VNA measured: {identity}",
+            index=str(one.get("from_index")),
+            identity=str(one.get("identity")),
+        ).with_fault(faults.SETTINGS_CHANGED)
+    found = known_settings(samples)
+    if len(found) > 1:
+        (most, count), (other, _), *_others = found
+        yield Message(
+            "the samples were measured with different settings of the VNA: {count} with "
+            "{settings}, {other_count} with others, such as {other}",
+            count=count,
+            settings=most.message,
+            other_count=sum(number for _one, number in found[1:]),
+            other=other.message,
+        ).with_fault(faults.SETTINGS_CHANGED)
+
+
+def _clock(description: Described, samples: Sequence[Sample]) -> Iterator[Message]:
+    reasons = [*_noted_of_clock(description), *_contradictions(description, samples)]
+    if reasons:
+        yield Message(
+            "times may be wrong: {reasons}", reasons=first_of(reasons, REASONS)
+        ).with_fault(faults.CLOCK)
+
+
+def _noted_of_clock(description: Described) -> Iterator[Message]:
+    """Yield what the robot noted of its clock, or an import of the times of its source."""
+    for record in log_entries(description)[0]:
+        if record.get("kind") == Kind.CLOCK.value:
+            values = record.get("values") or {}
+            yield received_message(str(values.get("text")), json.dumps(values.get("message")))
+    if is_imported(description) and import_of(description).get(TIMES_KNOWN) is not True:
+        yield Message("the source names no times since 2020: the traces have that of the import")
+
+
+def _contradictions(description: Described, samples: Sequence[Sample]) -> Iterator[Message]:
+    """Yield where the times contradict each other: what is measured later has later times."""
+    started, ended = (_time_us(description.get(name)) for name in ("started", "ended"))
+    if ended < started:
+        yield Message("the end of the survey is before its start")
+    # Where a trace was measured again, or imported, later ones may have lower indices.
+    ordered = not (description.get("resumed") or is_imported(description))
+    times_us = [one.times_us[0] if ordered else 0 for one in samples]
+    pairs = zip(samples, [0, *times_us])
+    early = [one for one, before in pairs if one.times_us[0] < max(before, one.times_us[1])]
+    if early:
+        yield Message(
+            "traces {indices} are older than what was before them", indices=_listed(early)
+        )
+    outside = [one for one in samples if one.times_us[1] < started or one.times_us[0] > ended]
+    if outside:
+        yield Message("traces {indices} are not between start and end", indices=_listed(outside))
+
+
+def _import(description: Described) -> Iterator[Message]:
+    if is_imported(description):
+        yield Message(
+            "{imported}, without a plan: nothing says what is missing",
+            imported=import_sentence(description),
+        ).with_fault(faults.IMPORTED)
+        yield from carried_doubts(import_of(description))
+
+
+def _listed(samples: Sequence[Sample]) -> str:
+    shown = ", ".join(str(one.index) for one in samples[:LISTED])
+    return shown if len(samples) <= LISTED else f"{shown}, ..."
+
+
+def _time_us(text: object) -> float:
+    """Return a moment [us since 1970]; NaN, which contradicts nothing, if there is none."""
+    try:
+        return utc_time.parse_iso(text)  # type: ignore[arg-type]
+    except (TypeError, InvalidValueError):
+        return math.nan

@@ -1,0 +1,167 @@
+"""What a survey's description and its traces say, as attributes and variables of its Dataset."""
+
+from __future__ import annotations
+
+from collections import Counter
+from dataclasses import asdict
+from typing import TYPE_CHECKING, Any, Callable, Dict, List, Mapping, Optional, Sequence, Tuple
+
+import numpy as np
+
+from gpr20_analysis.dataset import AUX_PREFIX
+from gpr20_common.errors import InvalidValueError
+from gpr20_common.message import Message
+from gpr20_survey.plan.annotation import annotation_of
+from gpr20_survey.plan.antenna_delay import recorded_delay_ns
+from gpr20_survey.plan.markers import MARKERS, present_markers
+from gpr20_survey.results.area_position import AreaPosition
+from gpr20_survey.trace.aux_value import AuxValue
+from gpr20_survey.trace.sweep_settings import AnalyzerSettings
+
+if TYPE_CHECKING:
+    from gpr20_analysis.read.trace_table import Sample
+
+NAME, OPERATOR, SITE, NOTES = "survey_name", "operator", "site", "survey_notes"
+LATITUDE, LONGITUDE, HEADING = "latitude_deg", "longitude_deg", "heading_deg"
+OF_PEOPLE = (NAME, OPERATOR, SITE, NOTES, LATITUDE, LONGITUDE, HEADING)
+"""What people add to a survey, also later."""
+IF_BANDWIDTH, AVERAGES, OUTPUT_POWER = "if_bandwidth_hz", "averages", "output_power"
+OF_ANALYZER = (IF_BANDWIDTH, AVERAGES, OUTPUT_POWER)
+ANTENNA_DELAY = "antenna_delay_s"
+"""Delay of cables and antennas that the spectra contain [s]; 0 if there is none."""
+ANTENNA_SEPARATION = "antenna_separation_m"
+"""Distance between the antennas [m]; images use it unless another one is given."""
+WIDEST_SEPARATION_M = 2.0
+S_PER_NS = 1e-9
+# xarray reads numbers of these units as times.
+TIME_UNITS = {
+    **{"days": "d", "hours": "h", "minutes": "min", "seconds": "s"},
+    **{"milliseconds": "ms", "microseconds": "us", "nanoseconds": "ns"},
+}
+
+
+def survey_attributes(
+    description: Mapping[str, Any], samples: Sequence[Sample], notes: List[Message]
+) -> Dict[str, Any]:
+    """Return the attributes; those of what is empty or not known are left out.
+
+    Args:
+        description: Content of survey.json.
+        samples: Those of which the analyzer's settings are; the attributes are those of most.
+        notes: A remark on an entry that is not allowed is added here.
+    """
+    found: Dict[str, Any] = {}
+    for read, refused in _ENTRIES:
+        try:
+            found.update(read(description))
+        except InvalidValueError as error:
+            notes.append(refused.with_values({"reason": error.message}))
+    for settings, _count in known_settings(samples)[:1]:
+        found.update({name: value for name, value in asdict(settings).items() if value})
+    return found
+
+
+def known_settings(samples: Sequence[Sample]) -> List[Tuple[AnalyzerSettings, int]]:
+    """Return the settings that are known, and of how many samples, those of most first."""
+    return Counter(one.analyzer for one in samples if one.analyzer.is_known).most_common()
+
+
+def area_position(attributes: Mapping[str, Any]) -> Optional[AreaPosition]:
+    """Return where the area of a survey is on the earth; None if that is not known."""
+    names = (LATITUDE, LONGITUDE, HEADING)
+    if not all(name in attributes for name in names):
+        return None
+    return AreaPosition(*(float(attributes[name]) for name in names))
+
+
+def position_text(attributes: Mapping[str, Any]) -> str:
+    """Return latitude and longitude [deg] as text; empty if they are not known."""
+    if LATITUDE not in attributes or LONGITUDE not in attributes:
+        return ""
+    return f"{float(attributes[LATITUDE])!r}, {float(attributes[LONGITUDE])!r}"
+
+
+def aux_variables(
+    values: Sequence[Tuple[AuxValue, ...]], cells: np.ndarray, size: int, notes: List[Message]
+) -> Dict[str, Tuple[np.ndarray, Dict[str, Any]]]:
+    """Return the values and the attributes of each variable `aux_<name>`.
+
+    Args:
+        values: Those of each sample.
+        cells: The place of each sample in the grid.
+        size: Places of the grid; those without a value are NaN.
+        notes: A remark on a sensor whose unit changed is added here; the values of its second
+            unit are in the variable `aux_<name>_2`, and so on.
+    """
+    found: Dict[str, Tuple[np.ndarray, Dict[str, Any]]] = {}
+    names: Dict[Tuple[str, str], str] = {}
+    for cell, own in zip(cells, values):
+        for one in own:
+            key = one.name, one.unit
+            if key not in names:
+                names[key] = _free_name(one.name, found)
+                found[names[key]] = np.full(size, np.nan), _attributes(one)
+            found[names[key]][0][cell] = one.value
+    for name in sorted({name for name, _unit in names}):
+        units = [unit for own, unit in names if own == name]
+        if len(units) > 1:
+            notes.append(
+                Message(
+                    "the sensor {sensor} was recorded with different units: {units}",
+                    sensor=name,
+                    units=", ".join(map(repr, units)),
+                )
+            )
+    return found
+
+
+def _free_name(name: str, taken: Dict[str, Any]) -> str:
+    free, number = f"{AUX_PREFIX}{name}", 1
+    while free in taken:
+        number += 1
+        free = f"{AUX_PREFIX}{name}_{number}"
+    return free
+
+
+def _attributes(one: AuxValue) -> Dict[str, Any]:
+    attributes = {"long_name": f"sensor {one.name}"}
+    if " since " in one.unit:
+        attributes["long_name"] += f" [{one.unit}]"
+    elif one.unit:
+        attributes["units"] = TIME_UNITS.get(one.unit.lower(), one.unit)
+    return attributes
+
+
+def _of_people(description: Mapping[str, Any]) -> Dict[str, Any]:
+    one = annotation_of(description)
+    texts = {NAME: one.name, OPERATOR: one.operator, SITE: one.site, NOTES: one.notes}
+    found: Dict[str, Any] = {name: text for name, text in texts.items() if text}
+    if one.position is not None:
+        found[LATITUDE] = one.position.latitude_deg
+        found[LONGITUDE] = one.position.longitude_deg
+    if one.heading_deg is not None:
+        found[HEADING] = one.heading_deg
+    return found
+
+
+def _markers(description: Mapping[str, Any]) -> Dict[str, Any]:
+    count = len(present_markers(description))
+    return {MARKERS: count} if count else {}
+
+
+def _delay(description: Mapping[str, Any]) -> Dict[str, Any]:
+    delay_ns = recorded_delay_ns(description)
+    return {ANTENNA_DELAY: delay_ns * S_PER_NS} if delay_ns else {}
+
+
+_ENTRIES: Tuple[Tuple[Callable[[Mapping[str, Any]], Dict[str, Any]], Message], ...] = (
+    (_of_people, Message("the annotation in survey.json is not valid: {reason}", reason="")),
+    (_markers, Message("the markers in survey.json are not valid: {reason}", reason="")),
+    (
+        _delay,
+        Message(
+            "the delay of cables and antennas in survey.json is not valid ({reason}); 0 is used",
+            reason="",
+        ),
+    ),
+)
