@@ -19,6 +19,8 @@ from trace_examples import SURVEY, make_trace
 import gpr20_analysis
 from gpr20_analysis.candidates.table import candidate_row
 from gpr20_analysis.commands.main import main
+from gpr20_analysis.formats.conversion import export_format
+from gpr20_analysis.plotting.style import remarks_of
 from gpr20_imaging.low.analysis_worker import Analysis
 from gpr20_imaging.mid.imaging import Imaging as Node
 from gpr20_operator.jobs import result_texts as texts
@@ -28,7 +30,9 @@ from gpr20_operator.jobs.result import SurveyResult
 from gpr20_simulator.mid.world.ground import Ground
 from gpr20_simulator.mid.world.medium import AntennaPosition
 from gpr20_simulator.mid.world.scene import Antennas, Noise, Scene, Shape, Soil, Target
+from gpr20_survey.faults import UNCONFIRMED
 from gpr20_survey.folder.annotating import Fact, add_to_survey
+from gpr20_survey.folder.log_record import Kind
 from gpr20_survey.folder.soil_note import KIND, PLANNED, soil_values
 from gpr20_survey.folder.survey_folder import MCAP_FILE
 from gpr20_survey.plan.survey_parameters import SurveyParameters
@@ -36,6 +40,7 @@ from gpr20_survey.plan.survey_plan import survey_points
 from gpr20_survey.plan.zero_history import UNPROVEN
 from gpr20_survey.results.candidate_json import json_text, list_from
 from gpr20_survey.results.focused_image import focus_fields, image_from
+from gpr20_web.mid.survey_values import result_of
 
 PARAMETERS = SurveyParameters(
     "127.0.0.1", 6e8, 6e9, 61, x_start_mm=40.0, x_stop_mm=200.0, x_points=9,
@@ -44,7 +49,6 @@ PARAMETERS = SurveyParameters(
 TARGET = Target("can", Shape.SPHERE, 120.0, 110.0, 0.06, 0.02, 0.0, 0.05, 0.05)
 SCENE = Scene(soil=Soil(4.0, 0.0), antennas=Antennas(), targets=(TARGET,), noise=Noise(-90.0))
 NOW = "2026-10-01T10:00:00.000000+00:00"
-TO_NETCDF = ("--format", "netcdf", "--overwrite")
 TIME_US = 1_795_000_000_000_000
 
 
@@ -81,7 +85,7 @@ class Asked:
         pass
 
 
-def stored_survey(data, remarks=(), **more):
+def stored_survey(data, remarks=(), at_end=lambda _processing: None, **more):
     """Store a survey over a can, and return its folder; remarks: of each trace but the first."""
     kit, points = Kit(data), survey_points(PARAMETERS, TRAVEL)
     metadata = {
@@ -93,7 +97,9 @@ def stored_survey(data, remarks=(), **more):
     ground = Ground(SCENE)
     for index, point in enumerate(points):
         place = AntennaPosition(point.x_mm, point.y_mm, point.z_deg)
-        s21 = ground.s21(frequency_hz, place, 0)
+        # With remarks the second trace is a copy of the first.
+        if not (remarks and index == 1):
+            s21 = ground.s21(frequency_hz, place, 0)
         kit.processing.store(
             make_trace(
                 index, x_coord_mm=point.x_mm, y_coord_mm=point.y_mm, z_coord_deg=point.z_deg,
@@ -101,6 +107,7 @@ def stored_survey(data, remarks=(), **more):
                 s21_real=s21.real, s21_imag=s21.imag, quality=remarks if index else (),
             )
         )  # fmt: skip
+    at_end(kit.processing)
     kit.processing.close_survey(SURVEY, "finished")
     kit.processing.shut_down()
     return folder
@@ -113,7 +120,7 @@ def enter(folder, permittivity):
 
 
 def answers(folder, capsys):
-    """Return the lists of window, node, API and command, the report, and the window's notices."""
+    """Return the lists of window, node, API and command, the report, and the window's result."""
     with closing(Node(folder.parent, Here(), None, lambda *_: None)) as node:
         window = SurveyResult(Imaging(Asked(folder, node), lambda: 100.0))
         window.open(folder.name)
@@ -131,7 +138,7 @@ def answers(folder, capsys):
     }
     page = folder.parent / "report.html"
     assert main(["report", str(folder), "-o", str(page), "--overwrite"]) == 0
-    return lists, page.read_text(), texts.notices(window)
+    return lists, page.read_text(), window
 
 
 def of_command(folder, capsys, *options):
@@ -166,7 +173,7 @@ def test_all_parts_search_with_what_the_survey_knows(tmp_path, capsys, monkeypat
     ):
         for one in entered:
             enter(folder, one)
-        lists, page, _notices = answers(folder, capsys)
+        lists, page, _window = answers(folder, capsys)
         for name, found in lists.items():
             rows = [candidate_row(one) for one in found.shown(None)]
             assert said_of(found) == pytest.approx(expected), name
@@ -178,18 +185,76 @@ def test_all_parts_search_with_what_the_survey_knows(tmp_path, capsys, monkeypat
     assert said_of(given) == pytest.approx((8.0, 7.2, 8.8, "given"))
 
 
-def test_all_parts_say_that_nothing_proves_the_positions(tmp_path, capsys, monkeypatch):
+DOUBTED = {PLANNED: 4.0, "instrument": {"calibration_status": 3}}
+LOST = Fact(Kind.UNCONFIRMED, {"entries": {"outcome": {"reason": "lost"}}, "lost": []})
+REPORT = {
+    "analyzers": [{"identity": "A", "from_index": 0}, {"identity": "B", "from_index": 40}],
+    "drift": {"limit_db": 0.5, "limit_deg": 5, "visits": [{"next_index": 40, "exceeded": True}]},
+}
+SAID = {
+    "analysis.zeros_unproven": "80 traces refer to zeros of the axes that no measurement proved",
+    "survey.unconfirmed": "nothing vouches for 1 entries of survey.json: outcome",
+    "analysis.sweep_repeated": "1 samples have exactly the values of another sample",
+    "analysis.calibration": "start of the survey: moderate, temperature changed by more than 5",
+    "analysis.drifted": "the drift exceeded 0.5 dB or 5 deg at 1 visits of the first stop",
+    "analysis.settings_changed": "from trace 40 on another VNA measured: B",
+    "analysis.clock": "times may be wrong: the clock was set back by 60 s",
+}
+EXPORTS = ("netcdf", "zarr", "csv", "segy", "touchstone", "ros2", "original-json", "merged-hdf5")
+
+
+def doubt(processing):
+    note = {"time": NOW, "text": "the clock was set back by 60 s", "message": None}
+    processing.note("", Kind.CLOCK.value, json.dumps(note))
+    processing.report(SURVEY, json.dumps(REPORT))
+
+
+def content_of(path):
+    """Return all that the files of an export hold, in small letters."""
+    found = [one for one in (path, *path.rglob("*")) if one.is_file()]
+    coding = "cp500" if path.suffix == ".sgy" else "latin-1"
+    return b"".join(one.read_bytes() for one in found).decode(coding).lower()
+
+
+def test_every_doubt_is_said_by_every_reader_export_and_page(tmp_path, capsys, monkeypatch):
     monkeypatch.setattr(Figure, "savefig", lambda _figure, target, **_: target.write(b"-"))
-    folder = stored_survey(tmp_path / "data", (str(UNPROVEN),), **{PLANNED: 4.0})
-    said = "80 traces refer to zeros of the axes that no measurement proved"
-    lists, page, notices = answers(folder, capsys)
-    for name, found in lists.items():
-        assert any(said in str(one) for one in found.notes), name
-    assert said in page and said in str(notices[0])
-    exported = folder.parent / "exported.nc"
-    for source in (folder, folder / MCAP_FILE, exported):
+    folder = stored_survey(tmp_path / "data", (str(UNPROVEN),), doubt, **DOUBTED)
+    add_to_survey(folder, lambda _description: LOST, NOW)
+    # The recordings do not know what the folder has lost since.
+    of_mcap = [code for code in SAID if code != UNCONFIRMED.code]
+    lists, page, window = answers(folder, capsys)
+    survey = gpr20_analysis.load_survey(folder)
+    warnings = result_of(window, str)["candidates"]["warnings"]
+    all_sentences = {
+        **{f"list of {name}": found.notes for name, found in lists.items()},
+        **{"window": texts.doubts(window), "web page": warnings, "figure": remarks_of(survey)},
+        **{"load_survey": survey.attrs["doubts"], "report": [html.unescape(page)]},
+    }
+    said = {name: "\n".join(map(str, sentences)) for name, sentences in all_sentences.items()}
+    capsys.readouterr()
+    main(["verify", str(folder)])
+    said["verify"] = capsys.readouterr().out
+    exported = {form: tmp_path / f"{form}{export_format(form).ending}" for form in EXPORTS}
+    for form, path in exported.items():
+        assert main(["export", str(folder), str(path), "--format", form]) == 0
+        said[f"export to {form}"] = capsys.readouterr().err
+    exported["segy"] = tmp_path / "segy_000.sgy"
+    for form, path in exported.items():
+        words = [*(of_mcap if form == "ros2" else SAID), "simulated"]
+        assert [one for one in words if one not in content_of(path)] == [], form
+    source = [str(exported["original-json"]), "--format", "original-json"]
+    assert main(["import", *source, str(tmp_path / "imported")]) == 0
+    (imported,) = (tmp_path / "imported").iterdir()
+    for path in (folder, folder / MCAP_FILE, exported["netcdf"], exported["zarr"], imported):
         capsys.readouterr()
-        assert main(["info", str(source)]) == 0
-        assert said in capsys.readouterr().err, source
-        if source != exported:
-            assert main(["export", str(source), str(exported), *TO_NETCDF]) == 0
+        assert main(["info", str(path)]) == 0
+        said[f"info {path.name}"] = capsys.readouterr().err
+    for reader, text in said.items():
+        codes = of_mcap if reader in (f"info {MCAP_FILE}", "export to ros2") else SAID
+        assert [code for code in codes if SAID[code] not in text] == [], reader
+    assert "(original-json), without a plan: nothing says" in said[f"info {imported.name}"]
+    assert [one.fault_code for one in texts.doubts(window)] == [*SAID]
+    # What is damaged is left out for the window, and refused elsewhere.
+    next((folder / "traces").iterdir()).write_text("{")
+    found = gpr20_analysis.GrowingSurvey(folder).load().attrs["doubts"]
+    assert "1 parts of the survey are damaged" in found[1]

@@ -117,6 +117,20 @@ def test_nothing_found_says_what_that_does_not_mean(ended, node):
     assert not view.more.isVisible()
 
 
+def test_what_is_doubted_is_named_beside_the_picture_and_said_with_what_to_do(ended, node):
+    search(ended.result, node)
+    assert not refreshed(ended).doubts.isVisible()
+    doubts = [REFUSED, Message("it drifted").with_fault(Fault("analysis.drifted", REMEDY))]
+    ended.result.open("")
+    search(ended.result, node, notes=(*doubts, Message("the heights differ")))
+    assert refreshed(ended).doubts.text() == "DOUBTED:\nsomething else; drift"
+    assert ended.picture.notice == ""
+    click(ended.doubts)
+    said = ended.doubts_sheet.text.text()
+    assert "agree with every" in said and "drifted" in said and said.count(shown_text(REMEDY)) == 2
+    assert "heights" not in said
+
+
 def test_simulated_is_said_once(window, done):
     band = window.top_bar.band.simulated
     assert band.isVisible() and not done.simulated.isVisible()

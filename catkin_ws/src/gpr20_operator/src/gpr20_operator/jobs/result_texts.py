@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import Dict, List, Optional, Tuple, Union
+from typing import Dict, List, Optional, Sequence, Tuple, Union
 
 from gpr20_common.message import Message, in_a_row
 from gpr20_operator.ground.past_surveys import past_band, survey_label
@@ -32,6 +32,19 @@ FINDS: Dict[What, Message] = {
     What.SCRAP: Message("scrap"),
     What.DEVICE: Message("mine or device"),
 }
+# By the codes of their faults.
+DOUBTED: Dict[str, Message] = {
+    "analysis.zeros_unproven": Message("positions"),
+    "analysis.survey_damaged": Message("damage"),
+    "survey.unconfirmed": Message("log"),
+    "analysis.sweep_repeated": Message("copies"),
+    "analysis.calibration": Message("calibration"),
+    "analysis.drifted": Message("drift"),
+    "analysis.settings_changed": Message("settings"),
+    "analysis.clock": Message("clock"),
+    "analysis.imported": Message("no plan"),
+}
+OTHER_DOUBT, DOUBTS_NAMED = Message("something else"), 3
 INCOMPLETE = Message("INCOMPLETE")
 OUTCOMES: Dict[str, Message] = {
     "stopped": Message("STOPPED"),
@@ -82,12 +95,23 @@ def headline(found: CandidateList, first: int = 0, most: int = PLACES_SHOWN) -> 
     return in_a_row(parts)
 
 
+def doubts(result: SurveyResult) -> List[Message]:
+    """Return what of the survey may not be believed."""
+    return [] if result.image is None else [one for one in result.image.found.notes if one.cause]
+
+
+def doubted(found: Sequence[Message]) -> Message:
+    """Return in few words what is doubted: the first doubts, and how many more."""
+    kinds = [DOUBTED.get(one.fault_code, OTHER_DOUBT) for one in found]
+    others = len(kinds) - DOUBTS_NAMED
+    more = [Message("and {count} more", count=others)] if others > 0 else []
+    return Message("DOUBTED:\n{kinds}", kinds=in_a_row([*kinds[:DOUBTS_NAMED], *more]))
+
+
 def notices(result: SurveyResult) -> List[Message]:
-    """Return what a person must know of the whole list: what is doubted, or is not in it."""
+    """Return what else a person must know of the whole list: what is not in it, or was lost."""
     part, image = measured(result), result.image
     lines = [] if part is None else [part]
-    if image is not None:
-        lines = [*(one for one in image.found.notes if one.fault_code), *lines]
     if result.soil_problem is not None:
         reason = result.soil_problem
         lines.append(Message("The permittivity is not stored: {reason}", reason=reason))

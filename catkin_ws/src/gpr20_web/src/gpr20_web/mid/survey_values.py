@@ -73,6 +73,7 @@ def result_of(result: SurveyResult, text: Text) -> Dict[str, Any]:
     warnings = [
         *([SIMULATED] if image.found.simulated else []),
         NO_CLEARANCE,
+        *texts.doubts(result),
         *([] if places else [texts.NOT_SAFE]),
     ]
     notes = [text(one) for one in (*texts.notices(result), texts.FROM_MARK)]

@@ -34,6 +34,7 @@ from gpr20_survey.results.candidates import Candidate
 from gpr20_user_interface.look.look import BORDER_PX, GAP_PX, look_of
 from gpr20_user_interface.look.translation import Languages, TranslatedWidget, shown_text
 from gpr20_user_interface.pages.result.sheets import (
+    DoubtsSheet,
     HidingSheet,
     PlaceSheet,
     SoilSheet,
@@ -128,7 +129,11 @@ class ResultPage(TranslatedWidget, Page):
         self.soil_sheet = SoilSheet(window, result)
         self.hiding_sheet = HidingSheet(window, result)
         self.stick_sheet = StickSheet(window, result, lambda: languages.language.value)
-        self.sheets = (self.place_sheet, self.soil_sheet, self.hiding_sheet, self.stick_sheet)
+        self.doubts_sheet = DoubtsSheet(window, result)
+        self.sheets = (
+            *(self.place_sheet, self.soil_sheet, self.hiding_sheet),
+            *(self.stick_sheet, self.doubts_sheet),
+        )
         self.place_sheet.finer_wanted.connect(self._on_finer)
         self.place_sheet.show_wanted.connect(self._on_show)
         self._simulated_robot = False
@@ -143,6 +148,8 @@ class ResultPage(TranslatedWidget, Page):
         self.no_clearance.setObjectName("small_alarm")
         self.no_clearance.setWordWrap(True)
         self.band = SurveyBand()
+        self.doubts = new_button(self.doubts_sheet.open_now)
+        self.doubts.setObjectName("doubts")
         self.picture = GroundPicture()
         self.rows: List[PlaceRow] = [self._row(number) for number in range(PLACES_SHOWN)]
         self.nothing = QLabel()
@@ -219,6 +226,9 @@ class ResultPage(TranslatedWidget, Page):
         simulated = record is not None and record.grid.simulated
         self.simulated.setVisible(simulated and not self._simulated_robot)
         self._stack.setCurrentIndex(int(done))
+        found = texts.doubts(result)
+        self.doubts.setVisible(bool(found))
+        self.doubts.setText(shown_text(texts.doubted(found)) if found else "")
         self.stick.setEnabled(record is not None)
         self.hiding.setEnabled(done)
         self.soil.setEnabled(record is not None)
@@ -324,7 +334,7 @@ class ResultPage(TranslatedWidget, Page):
         top = QHBoxLayout()
         top.addWidget(self.title, 1)
         top.addWidget(self.more)
-        for key in (*self.keys, self.more):
+        for key in (*self.keys, self.more, self.doubts):
             set_look(key, "compact", True)
         self._keys = QGridLayout()
         for number, key in enumerate(self.keys):
@@ -334,6 +344,7 @@ class ResultPage(TranslatedWidget, Page):
         # Not over the image, where it could cover a ring.
         self._left.addWidget(self.simulated, 0, Qt.Alignment() | Qt.AlignmentFlag.AlignRight)
         self._left.addWidget(self.band)
+        self._left.addWidget(self.doubts)
         self._left.addWidget(self._stack, 1)
         self._left.addWidget(self.no_clearance)
         for part in (top, self._keys):

@@ -315,6 +315,24 @@ class SoilSheet(ResultSheet):
         self.result.set_permittivity(self._value)
 
 
+class DoubtsSheet(ResultSheet):
+    """Says what of the survey may not be believed, and what to do first."""
+
+    def __init__(self, window: QWidget, result: SurveyResult) -> None:
+        super().__init__(window, result)
+        self.add_text()
+        self.progress.hide()
+        self.retranslate()
+
+    def show_now(self) -> None:
+        """Show all of it."""
+        found = texts.doubts(self.result)
+        self.title.setText(self.tr("What is doubted"))
+        self.text.setText("\n\n".join(map(with_remedy, found)))
+        if not found:
+            self.hide()
+
+
 class HidingSheet(ResultSheet):
     """Asks where a mine of a size could hide, and says what the answer means."""
 
