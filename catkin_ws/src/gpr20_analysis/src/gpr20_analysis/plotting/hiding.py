@@ -8,7 +8,7 @@ from matplotlib.colors import BoundaryNorm, ListedColormap
 from matplotlib.figure import Figure
 
 from gpr20_analysis.plotting.style import PANEL_TITLE_PT, draw, in_mm, new_figure
-from gpr20_analysis.sentences import ENGLISH, with_notes
+from gpr20_analysis.sentences import ENGLISH, with_sentences
 from gpr20_common.catalogue import Catalogue
 from gpr20_survey.results.hiding_map import ONLY_THIS, HidingMap
 
@@ -31,8 +31,8 @@ def hiding_figure(found: HidingMap, catalogue: Catalogue = ENGLISH) -> Figure:
     Raises:
         ValueError: The map has no places.
     """
-    described = xr.Dataset(attrs={"simulated": found.simulated, "notes": []})
-    described = described.assign_attrs(with_notes(described, [ONLY_THIS]))
+    noted = [ONLY_THIS, *(one for one in found.notes if one.cause)]
+    described = xr.Dataset(attrs=with_sentences({"simulated": found.simulated}, notes=noted))
     title = catalogue.tr(
         "Where could a mine hide? Target: {target}", target=catalogue.text(found.target.sentence)
     )
