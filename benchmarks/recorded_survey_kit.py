@@ -13,9 +13,9 @@ from typing import Any, Dict
 
 import numpy as np
 
-from gpr20_survey.folder import sealing, survey_folder, survey_metadata
+from gpr20_survey.folder import manifest, survey_folder, survey_metadata
+from gpr20_survey.folder.log_content import START
 from gpr20_survey.folder.log_record import Kind
-from gpr20_survey.folder.recovery import start_of
 from gpr20_survey.folder.survey_log import SurveyLog
 from gpr20_survey.plan.survey_parameters import RobotTravel, SurveyParameters, Travel
 from gpr20_survey.plan.survey_plan import survey_points
@@ -31,6 +31,7 @@ TRAVEL = RobotTravel(Travel(0.0, 650.0, 0.01), Travel(0.0, 800.0, 0.01), Travel(
 MESSAGES = Path(__file__).resolve().parents[1] / "catkin_ws/src/gpr20_msgs/msg"
 TRACE, STRING = "gpr20_msgs/msg/Trace", "std_msgs/msg/String"
 TRACES_PER_COMMIT = 500
+ENDING = ("ended", "outcome", "reason", "stored_traces")
 
 
 def make(folder: Path, x_points: int, y_points: int, frequency_points: int = 501) -> int:
@@ -75,10 +76,13 @@ def make(folder: Path, x_points: int, y_points: int, frequency_points: int = 501
         recording.commit()
         recording.finish()
     log = SurveyLog(folder, [], whole=False)
-    log.add(log.next(Kind.PLAN, start_of(description), description["started"]))
-    end = {key: description[key] for key in survey_metadata.LATER_KEYS if key in description}
+    end = {key: description[key] for key in ENDING}
+    plan = {key: value for key, value in description.items() if key not in ENDING}
+    log.add(log.next(Kind.PLAN, {**START, **plan}, description["started"]))
     log.add(log.next(Kind.END, end, description["ended"]))
-    sealing.write_manifest(folder, log, "benchmark", str(description["ended"]))
+    log.write_description()
+    ended = str(description["ended"])
+    manifest.write_manifest(folder, SURVEY_ID, log.last, "benchmark", ended)
     return len(points)
 
 

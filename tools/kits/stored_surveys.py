@@ -14,6 +14,7 @@ from gpr20_common.low.catalogue_file import FOLDER, read_translations
 from gpr20_main_control.mid.survey.engine import NOTHING, Accepted
 from gpr20_main_control.mid.survey.survey_status import Status
 from gpr20_simulator.mid.world.medium import probed_rotation_deg
+from gpr20_survey.folder.recovery import read_description
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_survey.trace.trace import Trace
 
@@ -27,9 +28,9 @@ def folder_of(robot: RobotInProcess, survey_id: str = "") -> Path:
     return folder
 
 
-def survey_json(robot: RobotInProcess, survey_id: str = "") -> Dict[str, Any]:
-    """Return the survey.json of a survey."""
-    return dict(json.loads((folder_of(robot, survey_id) / "survey.json").read_text()))
+def description_in(robot: RobotInProcess, survey_id: str = "") -> Dict[str, Any]:
+    """Return what the log of a survey says of it."""
+    return read_description(folder_of(robot, survey_id))
 
 
 def json_traces(robot: RobotInProcess, survey_id: str = "") -> List[Dict[str, Any]]:

@@ -35,6 +35,7 @@ from gpr20_analysis.read.verification import verify_survey
 from gpr20_msgs.msg import Annotation, ControlStatus
 from gpr20_msgs.srv import AnnotateSurvey, ExportSurvey, FindCandidates, FocusSurvey, MarkSurvey
 from gpr20_survey import frames
+from gpr20_survey.folder.recovery import read_description
 from gpr20_survey.no_clearance import NO_CLEARANCE
 from gpr20_survey.plan.markers import present_markers
 
@@ -167,7 +168,7 @@ class WholeSurveyTest(unittest.TestCase):
         shutil.rmtree(cls.client.data)
 
     def description(self):
-        return json.loads((self.folder / "survey.json").read_text())
+        return read_description(self.folder)
 
     def test_1_a_survey_is_imaged_annotated_and_marked_while_it_runs(self):
         coarse, first, second = (str(uuid.uuid4()) for _one in range(3))

@@ -22,7 +22,7 @@ from robot_in_process import PARAMETERS
 from robot_parts import AXES
 from simulated_world import LIMIT_S
 from std_msgs.msg import Header
-from stored_surveys import check_complete, check_pause, check_state, json_traces, survey_json
+from stored_surveys import check_complete, check_pause, check_state, description_in, json_traces
 
 from gpr20_axis_driver.mid.robot_hardware import RobotHardware
 from gpr20_common.errors import Gpr20Error
@@ -137,7 +137,7 @@ def test_of_two_clients_none_measures_the_plan_of_the_other(robot, graph, _round
     ((own, x_start_mm),) = started.items()
     status = check_state(robot, SurveyState.STOPPED)
     assert (status.plan_id, status.plan_set_by) == own
-    description = survey_json(robot)
+    description = description_in(robot)
     assert (description["plan_id"], description["plan_set_by"]) == own
     assert json_traces(robot)[0]["x_coord_mm"] == pytest.approx(x_start_mm)
 

@@ -29,6 +29,8 @@ from gpr20_simulator.mid.world.ground import Ground
 from gpr20_simulator.mid.world.medium import AntennaPosition
 from gpr20_simulator.mid.world.scene import Antennas, Noise, Scene, Shape, Soil, Target
 from gpr20_survey.folder.annotating import Fact, add_to_survey
+from gpr20_survey.folder.log_content import LOG
+from gpr20_survey.folder.recovery import recover
 from gpr20_survey.folder.soil_note import KIND, PLANNED, soil_values
 from gpr20_survey.folder.survey_folder import MCAP_FILE
 from gpr20_survey.plan.survey_parameters import SurveyParameters
@@ -71,8 +73,10 @@ class Asked:
 
     def ask(self, service, ticket, **fields):
         if service is Service.READ:
-            text = (self._folder / "survey.json").read_text()
-            ticket.done(StoredSurvey(text, json.loads(text)["stored_traces"]))
+            found = recover(self._folder)
+            log = [one.as_json() for one in found.found.records]
+            text = json.dumps({**found.description, LOG: log})
+            ticket.done(StoredSurvey(text, found.description["stored_traces"]))
             return
         found = self._node.focus("", fields["survey"], fields["permittivity"])
         ticket.done(image_from(SimpleNamespace(**focus_fields(found))))

@@ -11,7 +11,7 @@ from fault_kit import raises_fault
 from robot_in_process import RobotInProcess
 from scpi_analyzers import PnaAnalyzer, ScpiServer, wait_until
 from simulated_world import World
-from stored_surveys import check_state, json_traces, survey_json
+from stored_surveys import check_state, description_in, json_traces
 from tutorial_code import code_blocks
 
 from gpr20_common import faults
@@ -67,7 +67,7 @@ def robot(tmp_path, vna, server):
 def test_a_survey_stores_fresh_sweeps_of_the_configured_address(robot, vna, server):
     robot.begin(polarizations_deg=(0.0,), vna_address="", averages=2)
     check_state(robot, SurveyState.FINISHED)
-    traces, survey = json_traces(robot), survey_json(robot)
+    traces, survey = json_traces(robot), description_in(robot)
     # Each is a whole sweep that was made after the one before.
     sweeps = [trace["s21_real"] for trace in traces]
     assert [set(one) for one in sweeps] == [{one[0]} for one in sweeps]

@@ -15,7 +15,7 @@ from case_kit import each_case
 from fault_kit import raises_fault
 from hypothesis import given
 from hypothesis import strategies as st
-from log_examples import flipped, without_checksum
+from log_examples import flipped
 from run_seed import SEED, draws
 from trace_examples import STARTED_US, SURVEY, assert_same_numbers, make_trace
 
@@ -112,12 +112,6 @@ def test_no_byte_of_a_file_can_change_unseen_and_none_can_be_cut_off():
         for damaged in (flipped(chance, content), content[: chance.randrange(len(content))]):
             with pytest.raises(TraceRefusedError):
                 print(damaged, trace_json.decode(damaged))
-
-
-def test_a_file_of_an_earlier_version_is_read_but_proves_nothing():
-    former = without_checksum(trace_json.encode(make_trace()))
-    assert trace_json.decode(former).fingerprint() == make_trace().fingerprint()
-    assert not trace_json.is_proven(former)
 
 
 NAN, INF = math.nan, math.inf

@@ -89,7 +89,7 @@ def sealed_folder(path: Path) -> Optional[Path]:
 
 
 def _is_survey(folder: Path) -> bool:
-    names = [survey_folder.SURVEY_FILE, MANIFEST_FILE]
+    names = [*survey_folder.LOG_FILES, survey_folder.SURVEY_FILE, MANIFEST_FILE]
     # A recording alone may have been copied anywhere.
     if (folder / survey_folder.TRACES_FOLDER).is_dir():
         names += [survey_folder.BAG_FILE, survey_folder.MCAP_FILE]

@@ -36,6 +36,7 @@ from gpr20_msgs.srv import (
     ReportSurvey,
     StoreData,
 )
+from gpr20_survey.folder.recovery import read_description
 from gpr20_survey.recording.mcap_reader import StoredMcap
 from gpr20_survey.trace import trace_message
 from gpr20_survey.trace.aux_value import AuxValue
@@ -101,8 +102,8 @@ def on_disk(folder: str, topic: str) -> list:
     return [one for one in StoredMcap(Path(folder, "survey.mcap")).messages() if one.topic == topic]
 
 
-def survey_json(folder: str) -> dict:
-    return json.loads(Path(folder, "survey.json").read_text("ascii"))
+def description_in(folder: str) -> dict:
+    return read_description(Path(folder))
 
 
 class StoreSurveyTest(unittest.TestCase):
@@ -220,7 +221,7 @@ class StoreSurveyTest(unittest.TestCase):
             self.assertEqual(coordinates, list(range(TRACES)))
             self.assertIn("/diagnostics", recording)
         self.assertEqual(files[0]["timestamp"][-13:], ".123456+00:00")
-        self.assertEqual(survey_json(opened.path)["parameters"], {"x_points": 3})
+        self.assertEqual(description_in(opened.path)["parameters"], {"x_points": 3})
         self.check_replay(opened.path, live)
 
     def check_read(self, survey: str) -> None:
@@ -261,7 +262,7 @@ class StoreSurveyTest(unittest.TestCase):
         reason = Message("the zero is lost").with_fault(Fault("axis.lost_zero"))
         closed = self.done(self.close("failed", reason_json=reason.to_json()))
         self.assertEqual(closed.stored_traces, 0)
-        survey = survey_json(opened.path)
+        survey = description_in(opened.path)
         self.assertEqual((survey["reason"], survey["fault_code"]), (str(reason), "axis.lost_zero"))
         for found in recordings(opened.path):
             self.assertNotIn("/robot1/trace", found)
@@ -347,7 +348,7 @@ class StoreSurveyTest(unittest.TestCase):
         self.done(self.store(0))
         node.send_signal(signal.SIGINT)
         node.wait(TIME_LIMIT_S)
-        survey = survey_json(opened.path)
+        survey = description_in(opened.path)
         self.assertEqual((survey["outcome"], survey["stored_traces"]), ("interrupted", 1))
         for found in recordings(opened.path):
             self.assertEqual(len(found["/robot3/trace"]), 1)

@@ -19,6 +19,7 @@ from gpr20_common.message import Fault, Message, in_a_row, verbatim
 from gpr20_common.sent_message import received_message
 from gpr20_survey.errors import StorageFailedError, SurveyRefusedError, TraceRefusedError
 from gpr20_survey.faults import OTHER_DATA_FOLDER
+from gpr20_survey.folder.recovery import recover
 from gpr20_vna_processing.mid.latched_topics import LARGEST_BYTES
 from gpr20_vna_processing.mid.processing_records import Limits
 
@@ -51,8 +52,8 @@ def test_a_survey_has_its_folder_and_says_so_once(kit, memory):
     folder = kit.open(metadata_json='{"parameters": {"x_points": 3}}')
     assert folder.name == "20260921T141320_0f8fad5b"
     survey = read_json(folder / "survey.json")
-    (plan,) = survey.pop("log")
-    assert plan["values"] == survey
+    (plan,) = recover(folder).found.records
+    assert plan.values == survey
     assert survey == {
         "format": "gpr20-survey/1",
         "survey_id": SURVEY,

@@ -12,7 +12,7 @@ from fault_kit import raises_fault
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from imported_kit import imported_folder
-from log_examples import make_former
+from log_examples import FILES
 from run_seed import SEED, draws
 from storage_kit import OTHER_SURVEY
 from trace_examples import STARTED_US, SURVEY, make_trace
@@ -20,6 +20,8 @@ from trace_examples import STARTED_US, SURVEY, make_trace
 from gpr20_analysis.read.verification import verify_survey
 from gpr20_common.message import Fault, Message
 from gpr20_survey.errors import ProcessingError, SurveyRefusedError
+from gpr20_survey.folder.log_record import Kind, LogRecord
+from gpr20_survey.folder.recovery import read_description
 from gpr20_survey.folder.soil_note import soil_of_survey, soil_values
 from gpr20_survey.plan.annotation import Annotation
 from gpr20_survey.plan.survey_parameters import RobotTravel, SurveyParameters, Travel
@@ -76,7 +78,7 @@ def test_what_was_planned_stored_found_and_decided_is_told_without_the_report(ki
 
 
 def test_the_list_tells_the_verdict_the_fault_and_what_is_missing(kit, archive):
-    folder = fill(kit)
+    fill(kit)
     running = only(archive)
     assert (running.outcome, running.stored_traces, running.planned_traces) == ("", 5, 18)
     kit.processing.report(SURVEY, json.dumps({"coverage": "mmrmm" + "f" + 12 * "-"}))
@@ -88,10 +90,6 @@ def test_the_list_tells_the_verdict_the_fault_and_what_is_missing(kit, archive):
     assert (ended.outcome, ended.fault_code) == ("failed", "axis.lost_zero")
     assert ended.verdict.values == {"stored": 5, "planned": 18, "failed": 1, "missing": 12}
     assert ended.simulated and not ended.complete
-    values = make_former(folder)
-    del values["fault_code"]
-    (folder / "survey.json").write_text(json.dumps(values))
-    assert only(archive).fault_code == ""
 
 
 def test_a_report_that_is_older_than_the_last_traces_gives_no_verdict(kit, archive):
@@ -99,20 +97,6 @@ def test_a_report_that_is_older_than_the_last_traces_gives_no_verdict(kit, archi
     kit.processing.report(SURVEY, json.dumps({"coverage": "mmm" + 15 * "-"}))
     kit.processing.interrupt_other(OTHER_SURVEY)
     assert (only(archive).outcome, only(archive).verdict) == ("interrupted", None)
-
-
-@pytest.mark.parametrize("former", [False, True])
-def test_a_damaged_plan_is_shown_as_it_was_at_the_start(kit, archive, former):
-    folder = fill(kit, range(6))
-    kit.processing.close_survey(SURVEY, "finished")
-    if former:
-        make_former(folder)
-    path = folder / "survey.json"
-    values = json.loads(path.read_text())
-    values["parameters"]["y_points"] = 1  # as many as are stored
-    path.write_text(json.dumps(values))
-    assert (only(archive).planned_traces, only(archive).complete) == (18, False)
-    assert archive.survey(SURVEY).description["parameters"]["y_points"] == 3
 
 
 def test_a_survey_is_complete_only_if_every_planned_trace_has_its_file(kit, archive):
@@ -250,7 +234,7 @@ def test_parameters_that_are_none_make_no_map():
 def test_a_summary_is_made_again_only_after_a_change(tmp_path):
     folder = tmp_path / "survey"
     (folder / "traces").mkdir(parents=True)
-    (folder / "survey.json").write_text("{}")
+    (folder / "log.jsonl").write_text("")
     numbers, now = itertools.count(1), [os.stat(str(folder)).st_mtime_ns]
     summaries = RecentSummaries(lambda _folder: next(numbers), lambda: now[0])
     # Just changed: another change might not show.
@@ -260,15 +244,16 @@ def test_a_summary_is_made_again_only_after_a_change(tmp_path):
     (folder / "traces" / "000000.json").write_text("{}")
     os.utime(str(folder / "traces"), ns=(0, now[0]))
     assert summaries.of(folder) == 4
-    (folder / "survey.json").unlink()
+    (folder / "log.jsonl").unlink()
     assert [summaries.of(folder), summaries.of(folder)] == [5, 6]
 
 
 def test_half_of_a_character_hides_no_survey(kit, archive):
     folder = fill(kit)
     kit.processing.close_survey(SURVEY, "stopped")
-    values = {**make_former(folder), "started": "\udcff"}
-    (folder / "survey.json").write_text(json.dumps(values))
-    (folder / "survey.mcap").unlink()  # its copy would take the place of the damaged start
+    values = {**read_description(folder), "started": "\udcff"}
+    plan = LogRecord.after(None, Kind.PLAN, values, "2026")
+    for name in FILES:
+        (folder / name).write_bytes(plan.line())
     (survey,), _more = archive.list("", 10)
-    assert survey.started == "\\udcff"
+    assert (survey.problem, survey.started) == (None, "\\udcff")

@@ -29,7 +29,7 @@ from gpr20_common.terminal_text import printable
 from gpr20_survey.errors import SurveyRefusedError, TraceRefusedError
 from gpr20_survey.files import access, durable_files
 from gpr20_survey.files.file_sums import FileSum, regular_files, sum_of, sum_of_file
-from gpr20_survey.folder import manifest, sealing, survey_folder, survey_metadata
+from gpr20_survey.folder import manifest, survey_folder, survey_metadata
 from gpr20_survey.folder.log_content import START
 from gpr20_survey.folder.log_record import Kind
 from gpr20_survey.folder.survey_log import SurveyLog
@@ -77,7 +77,7 @@ class ImportSource:
         if len(self.sums) == 1:
             return next(iter(self.sums.values()))
         size = sum(one.size for one in self.sums.values())
-        return FileSum(sealing.content_sum(self.sums), size)
+        return FileSum(manifest.content_sum(self.sums), size)
 
     def listed(self) -> bytes:
         """Return the content of SOURCES_FILE."""
@@ -184,13 +184,16 @@ class _Content:
             survey_metadata.REASON_MESSAGE: survey_metadata.message_record(reason),
             survey_metadata.FAULT_CODE: "",
             "stored_traces": int(self._usable.sum()),
-            sealing.CONTENT: sealing.content_sum(sums),
+            manifest.CONTENT: manifest.content_sum(sums),
         }
         log.take(log.next(Kind.END, ending, now))
         log.write()
         listed = self._source.listed()
         durable_files.write_in_new_folder(folder / SOURCES_FILE, listed)
-        sealing.write_manifest(folder, log, SOFTWARE, now, {**sums, SOURCES_FILE: sum_of(listed)})
+        log.write_description()
+        manifest.write_manifest(
+            folder, self._survey_id, log.last, SOFTWARE, now, {**sums, SOURCES_FILE: sum_of(listed)}
+        )
 
     def _write_traces(self, folder: Path, log: SurveyLog, progress: Progress) -> Dict[str, FileSum]:
         sums: Dict[str, FileSum] = {}

@@ -22,7 +22,7 @@ from gpr20_survey.files.regular_file import check_regular
 from gpr20_survey.folder import survey_folder, survey_metadata, trace_files
 from gpr20_survey.folder.log_content import LOG, UNCONFIRMED
 from gpr20_survey.folder.log_record import Kind
-from gpr20_survey.folder.recovery import recover_with_recording, unconfirmed_message
+from gpr20_survey.folder.recovery import recover, unconfirmed_message
 from gpr20_survey.trace import trace_json, trace_message
 from gpr20_survey.trace.trace import Trace
 
@@ -172,14 +172,15 @@ def open_source(path: Path, read: Callable[[Path], Trace] = read_trace) -> Surve
 
 def _folder_source(folder: Path, read: Callable[[Path], Trace]) -> JsonSource:
     traces = folder / survey_folder.TRACES_FOLDER
-    described = folder / survey_folder.SURVEY_FILE
-    for one in (traces, described):
+    logs = [folder / name for name in survey_folder.LOG_FILES]
+    for one in (traces, *logs):
         check_regular(one)
     files = _trace_files(traces if traces.is_dir() else folder)
     description, damage, notes = None, [], []
-    if described.exists() or (folder / survey_folder.LOG_FILE).exists():
+    is_described = any(one.exists() for one in logs)
+    if is_described:
         try:
-            recovered = recover_with_recording(folder, for_reading=True)
+            recovered = recover(folder)
             records = (one.as_json() for one in recovered.found.records)
             decisions = [one for one in records if one["kind"] == Kind.DECISION.value]
             description = {**recovered.description, LOG: decisions}
@@ -189,7 +190,7 @@ def _folder_source(folder: Path, read: Callable[[Path], Trace]) -> JsonSource:
                 notes.append(unconfirmed_message(unconfirmed))
         except SurveyRefusedError as error:
             damage.append(Damage(error.message))
-    if not files and described.exists():
+    if not files and is_described:
         raise AnalysisError(
             Message("{folder} holds a survey without traces", folder=folder),
             fault=faults.NO_TRACES,

@@ -24,6 +24,7 @@ from gpr20_analysis.read.recordings import open_recording
 from gpr20_analysis.read.sources import read_trace
 from gpr20_analysis.read.unindexed_bag import complete_messages
 from gpr20_survey.faults import TRACE_DAMAGED
+from gpr20_survey.folder.survey_folder import LOG_FILES
 from gpr20_survey.recording import bag_format
 
 pytestmark = pytest.mark.usefixtures("blank_figures")
@@ -141,15 +142,14 @@ def test_positions_on_no_grid_are_refused_and_equal_samples_noted(copied, tmp_pa
     assert any("exactly the values of another" in one for one in load_survey(alike).attrs["notes"])
 
 
-def test_a_description_is_read_from_each_form_that_is_left_and_refused_without(copied, finished):
+def test_a_description_is_read_from_either_file_of_the_log_and_refused_without(copied, finished):
     good = load_survey(finished)
-    forms = ("log.jsonl", "survey.json", "survey.mcap")
-    for name in forms:
+    for name in LOG_FILES:
         content = (copied / name).read_bytes()
         (copied / name).write_bytes(b"{")
         xr.testing.assert_identical(load_survey(copied), good.assign_attrs(source=copied.name))
         (copied / name).write_bytes(content)
-    for name in forms:
+    for name in LOG_FILES:
         (copied / name).write_text("{")
     with raises_fault(faults.SURVEY_DAMAGED):
         load_survey(copied)

@@ -23,7 +23,7 @@ SPARSE_BYTES = 40 << 30
 UNSEALED = "finished, without a manifest"
 FILES = (
     *("survey.json", "survey.bag", "survey.mcap", "manifest.json", "log.jsonl", "traces"),
-    *("one trace", "damaged/old.json", "notes.txt"),
+    *("log.copy.jsonl", "one trace", "damaged/old.json", "notes.txt"),
 )
 COMMANDS = (
     *(["verify"], ["repair"], ["info"], ["info", "--accept-damaged"]),

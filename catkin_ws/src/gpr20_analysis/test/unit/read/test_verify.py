@@ -18,6 +18,7 @@ from survey_kit import (
 from gpr20_analysis import faults
 from gpr20_analysis.read.verification import verify_survey
 from gpr20_analysis.verify import main
+from gpr20_survey.folder.survey_folder import LOG_FILES
 from gpr20_survey.recording.mcap_reader import StoredMcap
 from gpr20_survey.trace import trace_message
 from gpr20_survey.trace.sweep_settings import AnalyzerSettings
@@ -158,7 +159,7 @@ CONTRADICTIONS = (
     ({"planned_traces": 7}, "records 7 planned traces, but its parameters give 18"),
     ({"stored_traces": 18}, "records 18 stored traces, but 7 are readable"),
     ({"outcome": "finished"}, "the outcome finished, but"),
-    ({"report": {"coverage": "mmmrrrmmm" * 2}}, "the report in survey.json is complete, but"),
+    ({"report": {"complete": True}}, "the report in the log is complete, but"),
     ({"axes": {}}, "the plan is unknown"),
     ({"parameters": {**PARAMETERS, "x_points": "3"}}, "x_points"),
 )
@@ -166,7 +167,7 @@ CONTRADICTIONS = (
 
 def test_words_that_contradict_the_files_are_faults(stopped, tmp_path):
     folder = Path(shutil.copytree(str(stopped), str(tmp_path / "s")))
-    described = {name: (folder / name).read_bytes() for name in ("survey.json", "log.jsonl")}
+    described = {name: (folder / name).read_bytes() for name in LOG_FILES}
     for changes, reason in CONTRADICTIONS:
         for name, content in described.items():
             (folder / name).write_bytes(content)

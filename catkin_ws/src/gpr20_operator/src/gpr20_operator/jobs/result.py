@@ -78,10 +78,10 @@ def record_of(stored: StoredSurvey) -> Record:
     """
     grid = grid_from_description(stored.text)
     values = parse_object(stored.text, "survey.json", MAX_FILE_BYTES)
-    readable, unreadable = log_entries(values)
+    unreadable = 0
     finds = []
-    for one in readable:
-        noted = one.get("values") or {}
+    for one in log_entries(values):
+        noted = one["values"]
         if one.get("kind") == Kind.FOUND.value and noted.get("format") == FOUND_FORMAT:
             try:
                 finds.append(found_of(noted))

@@ -13,10 +13,10 @@ from gpr20_survey.files.folder_lock import locked
 from gpr20_survey.folder import manifest, survey_folder, survey_metadata
 from gpr20_survey.folder.annotating import Change, Fact, add_to_survey, annotate
 from gpr20_survey.folder.log_record import Kind, LogRecord
+from gpr20_survey.folder.recovery import find_survey
 from gpr20_survey.folder.signature import try_to_sign
 from gpr20_survey.folder.survey_log import SurveyLog
 from gpr20_survey.folder.survey_metadata import INTERRUPTED
-from gpr20_survey.folder.survey_search import find_survey
 from gpr20_survey.plan.annotation import Annotation
 from gpr20_survey.plan.markers import markers_of
 from gpr20_survey.recording.recording import RecordedMessage
@@ -68,7 +68,7 @@ class CurrentSurvey:
         self._lock = ExitStack()  # holds the lock of the open survey's folder
         self._closed: Optional[ClosedSurvey] = None
         self.unsigned: Optional[Message] = None
-        """Why the survey that was changed last is not signed, although there is a key."""
+        """Why the survey that was closed last is not signed, although there is a key."""
 
     @property
     def current(self) -> Optional[OpenSurvey]:
@@ -111,7 +111,7 @@ class CurrentSurvey:
 
         Args:
             folder: The survey's folder, made here.
-            description: Content of survey.json.
+            description: What the log says of it at its beginning.
             needed_bytes: Estimate of the whole survey [bytes].
 
         Raises:
@@ -132,7 +132,7 @@ class CurrentSurvey:
                 recordings = self._storage.open_recordings(folder, description)
             log = SurveyLog(folder, [plan], whole=False)
             survey = OpenSurvey(folder, log, recordings, self._storage.topics, self._publication)
-            # Last: a folder with a survey.json is whole.
+            # The log last: a folder with one is whole.
             self._take(survey, log.records, now_ns, log.write)
             self._lock = lock.pop_all()
 
@@ -203,6 +203,7 @@ class CurrentSurvey:
         path = survey.folder / survey_folder.LOG_FILE
         try:
             self._begin_recording(survey, text, added, now_ns)
+            survey.write_description()
             with storing(Message("{path} could not be written", path=printable(path)), path):
                 write_log()
         except Exception:
@@ -347,11 +348,7 @@ class CurrentSurvey:
             return opened.folder, opened.change(change, now_ns)
         folder, _ = find_survey(self._storage.data, survey)
         now = utc_time.iso_text(now_ns // utc_time.NS_PER_US)
-        signer = self._storage.signer
-        return folder, add_to_survey(folder, change, now, signer, self._note_unsigned)
-
-    def _note_unsigned(self, warning: Message) -> None:
-        self.unsigned = warning
+        return folder, add_to_survey(folder, change, now)
 
     def interrupt(self) -> None:
         """Close the open survey, if any, as one that can be resumed.

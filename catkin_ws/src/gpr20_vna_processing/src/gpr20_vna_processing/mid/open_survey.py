@@ -22,8 +22,8 @@ from gpr20_common.message import Message
 from gpr20_common.terminal_text import printable
 from gpr20_survey.errors import SurveyRefusedError, storing
 from gpr20_survey.files import durable_files
-from gpr20_survey.files.file_sums import sum_of, sum_of_file
-from gpr20_survey.folder import manifest, sealing, survey_folder, survey_metadata
+from gpr20_survey.files.file_sums import FileSum, sum_of, sum_of_file
+from gpr20_survey.folder import manifest, survey_folder, survey_metadata
 from gpr20_survey.folder.annotating import Change
 from gpr20_survey.folder.log_record import Kind, LogRecord
 from gpr20_survey.folder.survey_log import SurveyLog
@@ -51,7 +51,7 @@ class _PendingTrace:
 
 
 class OpenSurvey:
-    """The files of one survey: traces, recordings and survey.json."""
+    """The files of one survey: traces, recordings and log."""
 
     def __init__(
         self,
@@ -98,7 +98,7 @@ class OpenSurvey:
 
     @property
     def description(self) -> Dict[str, Any]:
-        """The content of survey.json, without the records of the log."""
+        """What the log says of the survey."""
         return self._log.description
 
     def store(self, trace: Trace, time_ns: int) -> Path:
@@ -238,14 +238,14 @@ class OpenSurvey:
         self._publication.logged(message)
 
     def change(self, change: Change, time_ns: int) -> Dict[str, Any]:
-        """Add what a change says, if anything; return survey.json's content when it is durable.
+        """Add what a change says, if anything; return what the log says when it is durable.
 
         Raises:
             SurveyRefusedError: The survey is being closed, or the change is not possible.
             StorageFailedError: The disk refused; the log has its former records.
         """
         fact = change(self.description)
-        if fact is not None and not fact.is_in(self._log.records):
+        if fact is not None and not self._log.has_note(*fact):
             self.add(fact.kind, fact.values, time_ns)
         return self.description
 
@@ -276,9 +276,20 @@ class OpenSurvey:
             survey_metadata.REASON_MESSAGE: survey_metadata.message_record(reason),
             survey_metadata.FAULT_CODE: reason.fault_code,
             "stored_traces": self.stored_traces,
-            sealing.CONTENT: sealing.content_sum(self._sums),
+            manifest.CONTENT: manifest.content_sum(self._content_sums()),
         }
         self._add(Kind.END, ending, time_ns)
+        self.write_description()
+
+    def write_description(self) -> None:
+        """Write survey.json, for readers at a glance.
+
+        Raises:
+            StorageFailedError: The disk refused.
+        """
+        path = self.folder / survey_folder.SURVEY_FILE
+        with storing(Message("{path} could not be written", path=printable(path)), path):
+            self._log.write_description()
 
     def write_manifest(self, revision: str) -> None:
         """Write the checksums of all files of a survey that was closed; may be repeated.
@@ -294,8 +305,13 @@ class OpenSurvey:
         path = self.folder / manifest.MANIFEST_FILE
         with storing(Message("{path} could not be written", path=printable(path)), path):
             # Last: a survey with a manifest has ended, and nothing changes any more.
-            sealing.write_manifest(
-                self.folder, self._log, revision, self.description["ended"], self._sums
+            manifest.write_manifest(
+                self.folder,
+                self.survey_id,
+                self._log.last,
+                revision,
+                self.description["ended"],
+                self._content_sums(),
             )
 
     def _storing(self, recording: Recording) -> ContextManager[None]:
@@ -325,6 +341,9 @@ class OpenSurvey:
             if path.name not in self._sums and path.exists():
                 with storing(Message("{path} could not be read", path=printable(path)), path):
                     self._sums[path.name] = sum_of_file(path)
+
+    def _content_sums(self) -> Dict[str, FileSum]:
+        return {name: one for name, one in self._sums.items() if manifest.is_content(name)}
 
     def _keep_collected_small(self) -> None:
         # Memory must not grow while the disk is full.

@@ -57,7 +57,7 @@ def _version(folder: Path) -> Optional[Version]:
             for one in (
                 folder,
                 folder / survey_folder.TRACES_FOLDER,
-                folder / survey_folder.SURVEY_FILE,
+                folder / survey_folder.LOG_FILE,
             )
         ]
     except OSError:

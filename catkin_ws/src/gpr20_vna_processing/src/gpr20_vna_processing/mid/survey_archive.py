@@ -15,9 +15,8 @@ from gpr20_survey.folder import survey_folder, survey_metadata
 from gpr20_survey.folder.log_content import LOG, UNCONFIRMED
 from gpr20_survey.folder.log_record import Kind
 from gpr20_survey.folder.manifest import MANIFEST_FILE
-from gpr20_survey.folder.recovery import read_description, unconfirmed_message
+from gpr20_survey.folder.recovery import find_survey, read_description, unconfirmed_message
 from gpr20_survey.folder.survey_metadata import INTERRUPTED
-from gpr20_survey.folder.survey_search import find_survey
 from gpr20_survey.plan.annotation import ANNOTATION
 from gpr20_survey.plan.coverage import reported_verdict
 from gpr20_survey.plan.imported import (

@@ -68,7 +68,7 @@ def modes(top):
 
 def damage_everything(folder):
     """Damage one file of each kind, so that each is kept and written again."""
-    names = ("survey.bag", "survey.mcap", "survey.json", "log.jsonl")
+    names = ("survey.bag", "survey.mcap", "log.jsonl")
     for path in (trace_file(folder, 0), *(folder / name for name in names)):
         content = path.read_bytes()
         # In a recording behind what it begins with.
@@ -92,8 +92,8 @@ def use(kit, then=None):
     (folder / "log.jsonl").unlink()
     add_to_survey(folder, add_marker(1), NOW)
     names = {one.name for one in folder.rglob("*")}
-    files = {"survey.json", "log.jsonl", "survey.bag", "survey.mcap"}
-    assert {"manifest.json", "damaged", *files} <= names
+    files = {"log.jsonl", "survey.bag", "survey.mcap"}
+    assert {"manifest.json", "damaged", "survey.json", "log.copy.jsonl", *files} <= names
     assert files <= {one.name for one in (folder / "damaged").iterdir()}
     return folder
 

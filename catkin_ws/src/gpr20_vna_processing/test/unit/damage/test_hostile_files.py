@@ -4,7 +4,6 @@ What is not a survey's file keeps no survey from going on or ending, and is name
 """
 
 import contextlib
-import json
 import os
 import re
 import resource
@@ -16,7 +15,7 @@ import pytest
 from fault_kit import raises_fault
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
-from log_examples import make_former, marker
+from log_examples import NOW, marker
 from reopening_kit import TRACES, trace_file, tree
 from run_seed import draws
 from storage_kit import Kit
@@ -25,7 +24,9 @@ from trace_examples import SURVEY
 from gpr20_analysis.read.manifest_check import Seal, check_manifest
 from gpr20_survey.errors import ProcessingError, StorageFailedError, SurveyRefusedError
 from gpr20_survey.files import durable_files
+from gpr20_survey.folder.log_record import Kind, LogRecord
 from gpr20_survey.folder.recovery import recover
+from gpr20_survey.folder.survey_folder import LOG_FILES
 from gpr20_survey.recording.bag_writer import EMPTY_CHUNK
 from gpr20_survey.recording.recordings import open_recordings
 from gpr20_vna_processing.mid.survey_archive import SurveyArchive
@@ -99,7 +100,9 @@ def checked(folder):
     return check_manifest(folder, SURVEY, recover(folder).found)
 
 
-@pytest.mark.parametrize("part", ["survey.json", "log.jsonl", "traces", "survey.bag", "damaged"])
+@pytest.mark.parametrize(
+    "part", ["survey.json", "log.jsonl", "log.copy.jsonl", "traces", "survey.bag", "damaged"]
+)
 def test_a_survey_part_of_which_lies_elsewhere_is_not_gone_on_with(kit, folder, tmp_path, part):
     outside = tmp_path / "outside"
     if part == "damaged":
@@ -117,7 +120,9 @@ def test_a_survey_part_of_which_lies_elsewhere_is_not_gone_on_with(kit, folder, 
     assert tree(tmp_path) == before
 
 
-@pytest.mark.parametrize("part", ["survey.json", "log.jsonl", "survey.mcap", "survey.bag", "trace"])
+@pytest.mark.parametrize(
+    "part", ["survey.json", "log.jsonl", "log.copy.jsonl", "survey.mcap", "survey.bag", "trace"]
+)
 def test_a_pipe_in_the_place_of_a_file_is_not_waited_for(kit, folder, part):
     path = path_of(folder, part)
     path.unlink()
@@ -146,7 +151,7 @@ def little_memory():
         resource.setrlimit(resource.RLIMIT_DATA, limits)
 
 
-@pytest.mark.parametrize("part", ["survey.json", "log.jsonl", "trace"])
+@pytest.mark.parametrize("part", ["log.jsonl", "log.copy.jsonl", "trace"])
 def test_a_huge_file_does_not_fill_the_memory(kit, folder, part):
     os.truncate(str(path_of(folder, part)), HUGE_BYTES)  # without taking the space
     with little_memory():
@@ -187,9 +192,10 @@ def test_no_description_writes_outside_its_folder_or_ends_the_storage(copies, de
     folder = copies("stopped")
     data, top = folder.parent, folder.parent.parent
     kit = Kit(data, open_recordings)
-    # Of a survey of this version the log shows that it was changed.
-    values = make_former(folder)
-    (folder / "survey.json").write_text(json.dumps({**values, **description}))
+    values = {**recover(folder).found.records[0].values, **description}
+    plan = LogRecord.after(None, Kind.PLAN, values, NOW)
+    for name in LOG_FILES:
+        (folder / name).write_bytes(plan.line())
     try:
         refusal_of(lambda: kit.processing.reopen_survey(SURVEY))
         refusal_of(lambda: SurveyArchive(data).list("", 10))

@@ -31,7 +31,7 @@ from trace_examples import SURVEY, make_trace, read_json
 
 from gpr20_common.message import verbatim
 from gpr20_survey.errors import StorageFailedError, SurveyRefusedError
-from gpr20_survey.folder.recovery import recover
+from gpr20_survey.folder.recovery import read_description, recover
 from gpr20_survey.recording.mcap_reader import StoredMcap
 from gpr20_survey.recording.mcap_writer import McapFile
 from gpr20_survey.recording.survey_topics import recorded_log
@@ -83,7 +83,8 @@ def test_a_survey_that_was_cut_off_goes_on_where_it_was(kit, folder, by_folder):
     assert metadata == {**json.loads(METADATA), "annotation": EXAMPLE.values()}
     assert json.loads(reopened.report_json) == REPORT
     assert (reopened.stored_indices, reopened.recent[-1].index) == (STORED, 5)
-    assert read_json(folder / "survey.json")["resumed"] == ["2026-09-21T14:15:00.000000+00:00"]
+    resumed = ["2026-09-21T14:15:00.000000+00:00"]
+    assert read_json(folder / "survey.json")["resumed"] == resumed
     finish(kit, folder, reopened)
     # The last trace may not have been published before the cut.
     assert published(kit) == [5, 6, 7, 8]
@@ -115,13 +116,13 @@ def test_reopening_the_open_survey_answers_what_is_stored_by_now(kit, folder):
     for _ in range(3):
         kit.processing.reopen_survey(SURVEY)
         # A repeated request is one resumption.
-        assert len(read_json(folder / "survey.json")["resumed"]) == 1
+        assert len(read_description(folder)["resumed"]) == 1
     fill(kit, TRACES[6:8])
     kit.processing.report(SURVEY, '{"verdict": "INCOMPLETE"}')
     reopened = kit.processing.reopen_survey(SURVEY)
     assert (reopened.stored_indices, reopened.recent[-1].index) == ((*STORED, 6, 7), 7)
     assert json.loads(reopened.report_json) == {"verdict": "INCOMPLETE"}
-    assert len(read_json(folder / "survey.json")["resumed"]) == 2
+    assert len(read_description(folder)["resumed"]) == 2
     finish(kit, folder, reopened)
 
 
