@@ -21,14 +21,13 @@ from gpr20_survey.plan.survey_parameters import RobotTravel, SurveyParameters, T
 from gpr20_survey.plan.survey_plan import survey_points
 from gpr20_survey.recording.recordings import open_recordings
 from gpr20_survey.recording.survey_topics import SurveyTopics
-from gpr20_survey.trace import trace_json
+from gpr20_survey.trace import trace_json, trace_message
 from gpr20_survey.trace.sweep_settings import AnalyzerSettings
 from gpr20_survey.trace.trace import Trace
 
 SURVEY_ID = "0f8fad5b-d9cb-469f-a165-70867728950e"
 STARTED_US = 1_790_000_000_000_000
 TRAVEL = RobotTravel(Travel(0.0, 650.0, 0.01), Travel(0.0, 800.0, 0.01), Travel(-90.0, 90.0, 1.8))
-MESSAGES = Path(__file__).resolve().parents[1] / "catkin_ws/src/gpr20_msgs/msg"
 TRACE, STRING = "gpr20_msgs/msg/Trace", "std_msgs/msg/String"
 TRACES_PER_COMMIT = 500
 ENDING = ("ended", "outcome", "reason", "stored_traces")
@@ -53,7 +52,7 @@ def make(folder: Path, x_points: int, y_points: int, frequency_points: int = 501
     description = _description(parameters, len(points))
     text = json.dumps(description)
     recordings = open_recordings(folder, description)
-    topics = SurveyTopics(_trace_definition())
+    topics = SurveyTopics(trace_message.DEFINITION)
     for recording in recordings:
         recording.write(topics.metadata(text, STARTED_US * 1000))
     noise = np.random.default_rng(20)
@@ -84,18 +83,6 @@ def make(folder: Path, x_points: int, y_points: int, frequency_points: int = 501
     ended = str(description["ended"])
     manifest.write_manifest(folder, SURVEY_ID, log.last, "benchmark", ended)
     return len(points)
-
-
-def _trace_definition() -> str:
-    """Return the text of gpr20_msgs/Trace with the types that it contains."""
-    rule = "=" * 80
-    return "\n".join(
-        (
-            *((MESSAGES / "Trace.msg").read_text(), rule, "MSG: std_msgs/Header"),
-            *("uint32 seq\ntime stamp\nstring frame_id\n", rule, "MSG: gpr20_msgs/AuxValue"),
-            (MESSAGES / "AuxValue.msg").read_text(),
-        )
-    )
 
 
 def _description(parameters: SurveyParameters, planned: int) -> Dict[str, Any]:

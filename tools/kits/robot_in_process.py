@@ -22,7 +22,6 @@ from robot_parts import (
 )
 from simulated_world import LIMIT_S, World
 from storage_kit import end_status
-from trace_examples import TRACE_DEFINITION
 
 from gpr20_common.low.clock import Clock
 from gpr20_common.mid.hardware import NO_HARDWARE, Hardware
@@ -43,6 +42,7 @@ from gpr20_survey.plan.survey_settings import SurveySettings
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_survey.recording.recordings import open_recordings
 from gpr20_survey.recording.survey_topics import SurveyTopics
+from gpr20_survey.trace import trace_message
 from gpr20_vna_acquisition.low.vxi11_transport import LinkLimits
 from gpr20_vna_acquisition.mid.analyzers import make_analyzer
 from gpr20_vna_acquisition.mid.request_deadline import RequestDeadline
@@ -186,7 +186,7 @@ class RobotInProcess:
             data=data,
             check_data=lambda: ensure_folders(data, 0o750),
             open_recordings=open_recordings,
-            topics=SurveyTopics(TRACE_DEFINITION),
+            topics=SurveyTopics(trace_message.DEFINITION),
             free_bytes=lambda _path: self.world.free_bytes,
             now_ns=lambda: time.time_ns(),  # as it is set by then
             clock=Clock(),

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any, Callable, Container, Dict, Iterable, List, Optional
 
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
-from trace_examples import STARTED_US, SURVEY, TRACE_DEFINITION
+from trace_examples import STARTED_US, SURVEY
 
 from gpr20_analysis.read.unindexed_bag import complete_messages
 from gpr20_common.low.clock import Clock
@@ -17,6 +17,7 @@ from gpr20_survey.folder.signature import Signer
 from gpr20_survey.recording.recording import RecordedMessage
 from gpr20_survey.recording.recordings import new_mcap
 from gpr20_survey.recording.survey_topics import SurveyTopics, recorded_trace
+from gpr20_survey.trace import trace_message
 from gpr20_survey.trace.trace import Trace
 from gpr20_vna_processing.mid.data_processing import DataProcessing
 from gpr20_vna_processing.mid.processing_records import Limits, Storage, SurveyEnd
@@ -26,7 +27,7 @@ NOW_NS = 1_790_000_100_000_000_001
 FREE_BYTES = 10**12
 
 TYPES = get_typestore(Stores.ROS1_NOETIC)
-TYPES.register(get_types_from_msg(TRACE_DEFINITION, "gpr20_msgs/msg/Trace"))
+TYPES.register(get_types_from_msg(trace_message.DEFINITION, "gpr20_msgs/msg/Trace"))
 
 
 def recorded(
@@ -141,7 +142,7 @@ class Kit:
                 data=data,
                 check_data=check_data or (lambda: ensure_folders(data, readers.folder_mode)),
                 open_recordings=open_recordings,
-                topics=SurveyTopics(TRACE_DEFINITION),
+                topics=SurveyTopics(trace_message.DEFINITION),
                 free_bytes=lambda _: free_bytes,
                 now_ns=lambda: self.now_ns,
                 clock=Clock(),

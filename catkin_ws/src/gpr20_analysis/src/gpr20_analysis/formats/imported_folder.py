@@ -37,11 +37,10 @@ from gpr20_survey.plan.annotation import ANNOTATION, Annotation, Wgs84Position
 from gpr20_survey.plan.imported import IMPORTED, TIMES_KNOWN, import_sentence, imported_grid
 from gpr20_survey.recording.recordings import new_mcap
 from gpr20_survey.recording.survey_topics import SurveyTopics
-from gpr20_survey.trace import trace_json, utc_time
+from gpr20_survey.trace import trace_json, trace_message, utc_time
 from gpr20_survey.trace.sweep import storable_remark
 from gpr20_survey.trace.sweep_settings import AnalyzerSettings
 from gpr20_survey.trace.trace import Trace
-from gpr20_survey.trace.trace_definition import TRACE_DEFINITION
 
 SOFTWARE = f"gpr20 {__version__}"
 # Between the recorded messages of traces whose times are not known, so that a replay shows them
@@ -197,7 +196,7 @@ class _Content:
 
     def _write_traces(self, folder: Path, log: SurveyLog, progress: Progress) -> Dict[str, FileSum]:
         sums: Dict[str, FileSum] = {}
-        topics = SurveyTopics(TRACE_DEFINITION)
+        topics = SurveyTopics(trace_message.DEFINITION)
         text = survey_metadata.encode(self._description).decode("ascii")
         time_ns = self._started_us * utc_time.NS_PER_US
         traces = folder / survey_folder.TRACES_FOLDER

@@ -20,8 +20,8 @@ def analyzer_attributes(
 
     Args:
         settings: Those of each sample; samples of which they are not known do not count.
-        notes: A remark on samples that were measured with different ones is added here; then
-            the attributes are those of most samples.
+        notes: A remark on samples that were measured with different ones is added here; what
+            differs is no attribute, but a variable of the samples.
     """
     found = Counter(one for one in settings if one.is_known).most_common()
     if not found:
@@ -38,4 +38,8 @@ def analyzer_attributes(
                 other=others[0][0].message,
             )
         )
-    return {name: value for name, value in asdict(most).items() if value}
+    return {
+        name: value
+        for name, value in asdict(most).items()
+        if value and all(value == getattr(one, name) for one, _count in others)
+    }

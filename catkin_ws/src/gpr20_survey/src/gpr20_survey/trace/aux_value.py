@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import math
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Sequence
 
 from gpr20_common.faults import CONFIGURATION
 from gpr20_common.message import Message
 from gpr20_survey import faults
 from gpr20_survey.trace.sweep import check_time, refuse, shortened
+from gpr20_survey.trace.trace_form import FLOAT64, TEXT, TIME, of
 
 MAX_AUX_VALUES = 32
 MAX_UNIT_CHARACTERS = 32
@@ -21,19 +22,12 @@ AUX_NAME = re.compile(r"[a-z][a-z0-9_]{0,63}")
 
 @dataclass(frozen=True)
 class AuxValue:
-    """One value of one sensor.
+    """One value of one sensor."""
 
-    Attributes:
-        name: Name of the value, such as `soil_moisture`.
-        value: A finite number.
-        unit: Its unit; may be empty.
-        stamp_us: When the robot received it [us since 1970, UTC].
-    """
-
-    name: str
-    value: float
-    unit: str
-    stamp_us: int
+    name: str = field(metadata=of(TEXT, "name of the value, such as `soil_moisture`"))
+    value: float = field(metadata=of(FLOAT64, "a finite number"))
+    unit: str = field(metadata=of(TEXT, "its unit; may be empty"))
+    stamp_us: int = field(metadata=of(TIME, "when the robot received it"))
 
 
 def vna_temperature(temperature_c: float, stamp_us: int) -> AuxValue:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import NoReturn, Tuple
 
 import numpy as np
@@ -13,6 +13,7 @@ from gpr20_survey import faults
 from gpr20_survey.errors import TraceRefusedError
 from gpr20_survey.trace import utc_time
 from gpr20_survey.trace.sweep_settings import AnalyzerSettings
+from gpr20_survey.trace.trace_form import FLOATS, TEXT, TIME, list_of, of
 
 MIN_POINTS, MAX_POINTS = 2, 4001
 MAX_REMARKS, MAX_REMARK_CHARACTERS = 32, 200
@@ -26,27 +27,21 @@ MAX_POWER_CHARACTERS = 32
 class Sweep:
     """One S21 sweep; making one checks every value.
 
-    Times are whole microseconds since 1970 in UTC, the resolution of every stored form.
-
-    Attributes:
-        frequency_hz: Frequencies [Hz, float64, shape (points,)], ascending.
-        s21_real: Real part of S21, linear [float64, shape (points,)].
-        s21_imag: Imaginary part of S21, linear [float64, shape (points,)].
-        sweep_started_us: Just before the sweep was triggered [us since 1970, UTC].
-        sweep_ended_us: When its end was seen [us since 1970, UTC].
-        quality: Remarks on the quality; empty if there are none.
-        analyzer: How the analyzer measured, as read back from it; 0 or empty: not known.
+    Times are whole microseconds since 1970 in UTC, the resolution of every stored form; the arrays
+    are float64 of shape (points,).
 
     Raises:
         TraceRefusedError: A value is not allowed; the message names it.
     """
 
-    frequency_hz: np.ndarray
-    s21_real: np.ndarray
-    s21_imag: np.ndarray
-    sweep_started_us: int
-    sweep_ended_us: int
-    quality: Tuple[str, ...]
+    frequency_hz: np.ndarray = field(metadata=of(FLOATS, "frequencies, ascending", "Hz"))
+    s21_real: np.ndarray = field(metadata=of(FLOATS, "real part of S21, linear", "1"))
+    s21_imag: np.ndarray = field(metadata=of(FLOATS, "imaginary part of S21, linear", "1"))
+    sweep_started_us: int = field(metadata=of(TIME, "when the sweep was triggered"))
+    sweep_ended_us: int = field(metadata=of(TIME, "when the end of the sweep was seen"))
+    quality: Tuple[str, ...] = field(
+        metadata=of(list_of(TEXT), "remarks on the quality; empty if there are none")
+    )
     analyzer: AnalyzerSettings
 
     def __post_init__(self) -> None:

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
 from gpr20_common.message import Message
+from gpr20_survey.trace.trace_form import FLOAT64, INT32, TEXT, of
 
 
 @dataclass(frozen=True)
@@ -15,16 +16,19 @@ class AnalyzerSettings:
 
     In a request, 0 or an empty text leaves the instrument's own value; in an answer or a record
     it means that the value is not known.
-
-    Attributes:
-        if_bandwidth_hz: Bandwidth of the receiver's intermediate frequency [Hz].
-        averages: Number of sweeps averaged for one trace.
-        output_power: LOW or HIGH for the MS2026C; as the analyzer names it for others.
     """
 
-    if_bandwidth_hz: float = 0.0
-    averages: int = 0
-    output_power: str = ""
+    if_bandwidth_hz: float = field(
+        default=0.0,
+        metadata=of(FLOAT64, "bandwidth of the receiver, as read back from the VNA", "Hz", 0.0),
+    )
+    averages: int = field(
+        default=0, metadata=of(INT32, "sweeps averaged for the trace, as read back", unknown=0)
+    )
+    output_power: str = field(
+        default="",
+        metadata=of(TEXT, "as read back; `LOW` or `HIGH` for the MS2026C", unknown=""),
+    )
 
     @property
     def is_known(self) -> bool:
