@@ -124,8 +124,8 @@ class _Worker:
     def _new_kit(self) -> Kit:
         kit = Kit(self._data, open_recordings)
         if self._conduct.broken is Broken.NO_MARKERS:
-            kit.processing.add_marker = lambda *_: None  # type: ignore
-            kit.processing.remove_marker = lambda *_: None  # type: ignore
+            kit.add_marker = lambda *_: None  # type: ignore
+            kit.remove_marker = lambda *_: None  # type: ignore
         return kit
 
     def run(self) -> None:
@@ -200,12 +200,12 @@ class _Worker:
         if self._conduct.by_library:
             self._add_by_library(step)
             return
-        processing = self._kit.processing
+        kit, processing = self._kit, self._kit.processing
         calls: Any = {
-            Call.MARK: lambda: processing.add_marker(SURVEY, Marker(**step.value)),
-            Call.UNMARK: lambda: processing.remove_marker(SURVEY, step.value, "Ana"),
-            Call.ANNOTATE: lambda: processing.annotate(SURVEY, from_values(step.value)),
-            Call.REPORT: lambda: processing.report(SURVEY, json.dumps(step.value)),
+            Call.MARK: lambda: kit.add_marker(SURVEY, Marker(**step.value)),
+            Call.UNMARK: lambda: kit.remove_marker(SURVEY, step.value, "Ana"),
+            Call.ANNOTATE: lambda: kit.annotate(SURVEY, from_values(step.value)),
+            Call.REPORT: lambda: kit.report(SURVEY, json.dumps(step.value)),
             Call.FINISH: lambda: processing.close_survey(SURVEY, "finished"),
             Call.STOP: lambda: processing.close_survey(SURVEY, "stopped"),
         }

@@ -193,7 +193,7 @@ class RobotInProcess:
             revision="1.2.3",
             end_status=end_status,
         )
-        processing = DataProcessing(parts, Limits(), *(lambda _message: None,) * 3)
+        processing = DataProcessing(parts, Limits())
         processing.start()
         return processing
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import time
 from pathlib import Path
 from typing import Any, Callable, Container, Dict, Iterable, List, Optional
@@ -13,14 +14,17 @@ from gpr20_analysis.read.unindexed_bag import complete_messages
 from gpr20_common.low.clock import Clock
 from gpr20_survey.files.access import Readers
 from gpr20_survey.files.durable_files import ensure_folders
+from gpr20_survey.folder.log_record import Kind
 from gpr20_survey.folder.signature import Signer
+from gpr20_survey.plan.annotation import Annotation
+from gpr20_survey.plan.markers import Marker
 from gpr20_survey.recording.recording import RecordedMessage
 from gpr20_survey.recording.recordings import new_mcap
 from gpr20_survey.recording.survey_topics import SurveyTopics, recorded_trace
 from gpr20_survey.trace import trace_message
 from gpr20_survey.trace.trace import Trace
 from gpr20_vna_processing.mid.data_processing import DataProcessing
-from gpr20_vna_processing.mid.processing_records import Limits, Storage, SurveyEnd
+from gpr20_vna_processing.mid.processing_records import AddedFact, Limits, Storage, SurveyEnd
 
 OTHER_SURVEY = "7c9e6679-7425-40de-944b-e07fc1f90ae7"
 NOW_NS = 1_790_000_100_000_000_001
@@ -150,11 +154,11 @@ class Kit:
                 readers=readers,
                 signer=signer,
                 end_status=end_status,
+                on_opened=self.opened.append,
+                on_stored=self._note_stored,
+                on_logged=self.logged.append,
             ),
             limits,
-            on_opened=self.opened.append,
-            on_stored=self._note_stored,
-            on_logged=self.logged.append,
         )
         self.processing.start()
 
@@ -169,6 +173,26 @@ class Kit:
         return self.processing.open_survey(
             survey_id, **{**arguments, "needed_bytes": 1000, **changes}
         )
+
+    def annotate(self, survey: str, annotation: Annotation) -> AddedFact:
+        """Replace the annotation of a survey."""
+        return self._add_fact(survey, Kind.ANNOTATION, annotation.values())
+
+    def add_marker(self, survey: str, marker: Marker) -> AddedFact:
+        """Add a marker to a survey."""
+        return self._add_fact(survey, Kind.MARKER, marker.request())
+
+    def remove_marker(self, survey: str, marker_id: str, author: str) -> AddedFact:
+        """Remove a marker of a survey."""
+        values = {"marker_id": marker_id, "author": author}
+        return self._add_fact(survey, Kind.MARKER_REMOVED, values)
+
+    def report(self, survey: str, report_json: str) -> int:
+        """Add a report to the open survey; return how many traces are stored."""
+        return self.processing.add_fact(survey, "report", report_json).stored_traces
+
+    def _add_fact(self, survey: str, kind: Kind, values: Dict[str, Any]) -> AddedFact:
+        return self.processing.add_fact(survey, kind.value, json.dumps(values))
 
     def finish(self, traces: Iterable[Trace], stored: Container[int]) -> None:
         """Store the traces whose indices are not stored, and finish the survey."""

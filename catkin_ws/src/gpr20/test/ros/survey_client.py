@@ -30,9 +30,7 @@ SERVICES = (
     *(f"{axis}_axis/{name}" for axis in "xyz" for name in ("homing", "stop")),
     *("connection", "freq_sweep_setup", "get_freq", "get_data", "confirm_data"),
     "get_calibration_status",
-    *("open_survey", "reopen_survey", "store_data", "report_survey", "close_survey"),
-    "annotate_survey",
-    "mark_survey",
+    *("open_survey", "reopen_survey", "store_data", "add_fact", "close_survey"),
     *("list_surveys", "read_survey", "read_traces", "get_height", "simulator/set_fault"),
     *("set_survey_parameters", "start_survey", "stop_survey", "pause_survey", "resume_survey"),
 )

@@ -68,7 +68,7 @@ def graph(world, robot, monkeypatch):
 @pytest.fixture
 def storage(world, graph, monkeypatch):
     """A storage and the imaging beside them, with a data folder of their own."""
-    for name in ("TopicRecorder", "connect_recorder", "connect_subscribers"):
+    for name in ("TopicRecorder", "wait_for_nodes"):
         monkeypatch.setattr(processing_node, name, lambda *_arguments: None)
     data = world.folder / "deep/down/data"
     node = processing_node.ProcessingNode(ProcessingParameters(data=str(data)), Sensors())
@@ -218,18 +218,14 @@ USUAL = {
     "read_traces": {"survey": SURVEY_ID, "indices": [0, 1]},
     "reopen_survey": {"survey": SURVEY_ID},
     "resume_survey": {"survey": SURVEY_ID},
-    "annotate_survey": {"survey": SURVEY_ID},
-    "mark_survey": {"survey": SURVEY_ID, "marker_id": SURVEY_ID},
-    "report_survey": {"survey_id": SURVEY_ID, "report_json": "{}"},
+    "add_fact": {"survey": SURVEY_ID, "kind": "report", "values_json": "{}"},
     "close_survey": {"survey_id": SURVEY_ID, "outcome": "stopped"},
     "connection": {"connect": True, "address": "127.0.0.1"},
     "service_move": {"axis": "x", "action": 1, "distance": 1.0},
     "freq_sweep_setup": {"start_frequency_hz": 1e9, "stop_frequency_hz": 2e9, "points": 11},
 }
 # The last one closes the survey.
-OF_AN_OPEN_SURVEY = (
-    *("store_data", "report_survey", "annotate_survey", "mark_survey", "close_survey"),
-)
+OF_AN_OPEN_SURVEY = ("store_data", "add_fact", "close_survey")
 
 
 def hostile_values(kind):

@@ -29,11 +29,11 @@ from gpr20_common.high.raw_message import deserialized
 from gpr20_common.message import Fault, Message
 from gpr20_msgs.msg import ControlStatus, CurrentCoordinate, Trace
 from gpr20_msgs.srv import (
+    AddFact,
     CloseSurvey,
     OpenSurvey,
     ReadTraces,
     ReopenSurvey,
-    ReportSurvey,
     StoreData,
 )
 from gpr20_survey.folder.recovery import read_description
@@ -49,7 +49,7 @@ NODE = Path(__file__).resolve().parents[2] / "nodes" / "vna_processing"
 SERVICES = {
     "open_survey": OpenSurvey,
     "reopen_survey": ReopenSurvey,
-    "report_survey": ReportSurvey,
+    "add_fact": AddFact,
     "store_data": StoreData,
     "close_survey": CloseSurvey,
     "read_traces": ReadTraces,
@@ -278,7 +278,11 @@ class StoreSurveyTest(unittest.TestCase):
         opened = self.done(self.open())
         for index in range(3):
             self.done(self.store(index))
-        self.done(self.services["report_survey"](self.survey_id, '{"verdict": "INCOMPLETE"}'))
+        add_fact = self.services["add_fact"]
+        report = self.survey_id, "report", '{"verdict": "INCOMPLETE"}'
+        for _ in range(2):  # the second is the repetition of a call whose answer was lost
+            self.assertEqual(self.done(add_fact(*report)).stored_traces, 3)
+        self.assertEqual(add_fact("", "end", "{}").fault_code, "storage.request_refused")
         self.wait_until(lambda: logged, "the report is not published")
         self.assertEqual(json.loads(logged[0].data)["values"], {"verdict": "INCOMPLETE"})
         self.wait_until(lambda: len(live) == 3, "traces are missing on the topic")

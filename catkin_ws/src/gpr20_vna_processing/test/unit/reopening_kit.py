@@ -41,9 +41,9 @@ def make(place: Path, ending: str) -> Made:
     # On a busy computer it would record the last marker before it is cut off.
     kit = Kit(place / "open", open_recordings, Limits(timeout_s=10.0, period_s=3600.0))
     folder = kit.open(metadata_json=METADATA)
-    kit.processing.add_marker(SURVEY, marker(1))
-    kit.processing.annotate(SURVEY, EXAMPLE)
-    kit.processing.report(SURVEY, json.dumps(REPORT))
+    kit.add_marker(SURVEY, marker(1))
+    kit.annotate(SURVEY, EXAMPLE)
+    kit.report(SURVEY, json.dumps(REPORT))
     fill(kit, TRACES[: STORED[ending] - 1])
     if ending == "interrupted":
         kit.processing.interrupt_other(OTHER_SURVEY)
@@ -54,7 +54,7 @@ def make(place: Path, ending: str) -> Made:
     elif ending != "cut off":
         kit.processing.close_survey(SURVEY, ending)
     shutil.copytree(str(folder), str(place / "older"))
-    kit.processing.add_marker(SURVEY, marker(2))
+    kit.add_marker(SURVEY, marker(2))
     shutil.copytree(str(place / "open"), str(place / "data"))
     kit.processing.shut_down()
     return Made(place / "data" / folder.name, place / "older")

@@ -168,7 +168,7 @@ def test_a_wrong_close_is_refused(kit):
     for arguments, *expected in [
         ((OTHER_SURVEY, "finished"), "survey.other_open", SURVEY, OTHER_SURVEY),
         ((SURVEY, "complete"), "storage.request_refused", "complete", "finished"),
-        ((SURVEY, "stopped", verbatim("x" * 5000)), "storage.request_refused", 5000, 4096),
+        ((SURVEY, "stopped", verbatim("x" * 20_000)), "storage.request_refused", 20_000, 16_384),
         (("..", "stopped"), "storage.request_refused", ".."),
     ]:
         with raises_fault(*expected, error=SurveyRefusedError):

@@ -60,7 +60,7 @@ def test_a_survey_is_signed_at_its_end_and_what_is_added_later_is_not(kit, signe
     for kind in (Kind.EXPORT, Kind.BAG):  # these say of copies alone
         add_to_survey(folder, lambda _description, kind=kind: Fact(kind, {"time": NOW}), NOW)
     assert check_signature(folder, signers).signature is Signature.VALID
-    kit.processing.annotate(SURVEY, Annotation(name="field 7"))
+    kit.annotate(SURVEY, Annotation(name="field 7"))
     assert check_signature(folder, signers).signature is Signature.CHANGED
     finish(kit)
     assert check_signature(folder, signers).signature is Signature.VALID

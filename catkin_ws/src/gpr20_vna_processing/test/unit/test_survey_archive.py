@@ -1,6 +1,5 @@
 """Reading surveys back: lists, thumbnails, surveys that still run or were imported."""
 
-import itertools
 import json
 import os
 import random
@@ -12,7 +11,7 @@ from fault_kit import raises_fault
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from imported_kit import imported_folder
-from log_examples import FILES
+from log_examples import FILES, NOW
 from run_seed import SEED, draws
 from storage_kit import OTHER_SURVEY
 from trace_examples import STARTED_US, SURVEY, make_trace
@@ -28,9 +27,9 @@ from gpr20_survey.plan.survey_parameters import RobotTravel, SurveyParameters, T
 from gpr20_survey.plan.survey_plan import survey_points
 from gpr20_survey.results.survey_summary import NO_THUMBNAIL, summary_fields
 from gpr20_vna_processing import faults
-from gpr20_vna_processing.mid.recent_summaries import SETTLED_NS, RecentSummaries
+from gpr20_vna_processing.mid import survey_archive
 from gpr20_vna_processing.mid.survey_archive import SurveyArchive
-from gpr20_vna_processing.mid.survey_thumbnail import MOST_CELLS, thumbnail_of
+from gpr20_vna_processing.mid.survey_summaries import MOST_CELLS, summary_of, thumbnail_of
 
 PLAN = {"x_points": 3, "y_points": 3, "polarizations_deg": [0.0, 90.0]}
 METADATA = json.dumps({"simulated": True, "parameters": PLAN})
@@ -62,18 +61,18 @@ def only(archive):
 
 def test_what_was_planned_stored_found_and_decided_is_told_without_the_report(kit, archive):
     folder = fill(kit, [0, 3])
-    kit.processing.report(SURVEY, '{"verdict": "so far"}')
-    kit.processing.note("", "decision", json.dumps(soil_values(4.0, STARTED_US)))
-    kit.processing.note(SURVEY, "pause", json.dumps({"text": "", "time": "t"}))
+    kit.report(SURVEY, '{"verdict": "so far"}')
+    kit.processing.add_fact("", "decision", json.dumps(soil_values(4.0, STARTED_US)))
+    kit.processing.add_fact(SURVEY, "pause", json.dumps({"time": NOW}))
     survey = archive.survey(folder.name)
     assert (survey.survey_id, survey.stored_indices) == (SURVEY, (0, 3))
     assert survey.description["parameters"]["x_points"] == 3
     assert "report" not in survey.description
     kit.processing.close_survey(SURVEY, "finished")
-    kit.processing.note(SURVEY, "found", json.dumps({"what": "scrap"}))
+    kit.processing.add_fact(SURVEY, "found", json.dumps({"what": "scrap", "time": NOW}))
     log = archive.survey(folder.name).description["log"]
     assert [one["kind"] for one in log] == ["decision", "found"]
-    assert log[1]["values"] == {"what": "scrap"}
+    assert log[1]["values"] == {"what": "scrap", "time": NOW}
     assert soil_of_survey({"log": log}) == (4.0, "entered later")
 
 
@@ -81,7 +80,7 @@ def test_the_list_tells_the_verdict_the_fault_and_what_is_missing(kit, archive):
     fill(kit)
     running = only(archive)
     assert (running.outcome, running.stored_traces, running.planned_traces) == ("", 5, 18)
-    kit.processing.report(SURVEY, json.dumps({"coverage": "mmrmm" + "f" + 12 * "-"}))
+    kit.report(SURVEY, json.dumps({"coverage": "mmrmm" + "f" + 12 * "-"}))
     # A report may be older than the last traces.
     assert (only(archive).verdict, only(archive).fault_code) == (None, "")
     reason = Message("lost").with_fault(Fault("axis.lost_zero"))
@@ -94,7 +93,7 @@ def test_the_list_tells_the_verdict_the_fault_and_what_is_missing(kit, archive):
 
 def test_a_report_that_is_older_than_the_last_traces_gives_no_verdict(kit, archive):
     fill(kit)
-    kit.processing.report(SURVEY, json.dumps({"coverage": "mmm" + 15 * "-"}))
+    kit.report(SURVEY, json.dumps({"coverage": "mmm" + 15 * "-"}))
     kit.processing.interrupt_other(OTHER_SURVEY)
     assert (only(archive).outcome, only(archive).verdict) == ("interrupted", None)
 
@@ -157,10 +156,10 @@ def test_only_ids_and_folder_names_are_looked_up(tmp_path_factory, text):
 
 @each_case("count", [0, 1001])
 def test_requests_are_bounded(archive, count):
-    with raises_fault("storage.request_refused", count, 1, 1000, error=SurveyRefusedError):
+    with raises_fault("value.not_allowed", count, 1, 1000):
         archive.traces(SURVEY, range(count))
     if count:
-        with raises_fault("storage.request_refused", count, 1, 50, error=SurveyRefusedError):
+        with raises_fault("value.not_allowed", count, 1, 50):
             archive.list("", count)
 
 
@@ -180,7 +179,7 @@ def test_an_imported_survey_is_listed_with_its_source_and_area_and_read_and_anno
     assert archive.survey(folder.name).stored_indices == tuple(range(18))
     found = archive.traces(folder.name, range(4, 11))
     assert found.block.indices.tolist() == list(range(4, 11)) and not found.unreadable
-    kit.processing.annotate(folder.name, Annotation(name="Line 7"))
+    kit.annotate(folder.name, Annotation(name="Line 7"))
     assert only(archive).name == "Line 7"
     assert verify_survey(folder).faults == []
 
@@ -224,28 +223,26 @@ def test_every_stored_trace_counts_where_it_was_measured(ends, x_points):
 def test_parameters_that_are_none_make_no_map():
     ends = dict.fromkeys(("x_start_mm", "x_stop_mm", "y_start_mm", "y_stop_mm"), 10.0)
     whole = {**AREA, **ends, "x_points": 3}
-    for wrong in (None, [], {}, {**whole, "x_start_mm": float("nan")}):
+    ends_mm = [{**whole, "x_start_mm": one} for one in (float("nan"), 10**400, True, "1")]
+    for wrong in (None, [], {}, *ends_mm):
         assert thumbnail_of(wrong, [0]) == NO_THUMBNAIL, wrong
     for wrong in ({"x_points": 10**9}, {"y_points": "3"}, {"polarizations_deg": 2}):
         found = thumbnail_of({**whole, **wrong}, [0])
         assert (found.columns, found.percent) == (0, b""), wrong
 
 
-def test_a_summary_is_made_again_only_after_a_change(tmp_path):
-    folder = tmp_path / "survey"
-    (folder / "traces").mkdir(parents=True)
-    (folder / "log.jsonl").write_text("")
-    numbers, now = itertools.count(1), [os.stat(str(folder)).st_mtime_ns]
-    summaries = RecentSummaries(lambda _folder: next(numbers), lambda: now[0])
+def test_a_summary_is_made_again_only_after_a_change(kit, archive, monkeypatch):
+    folder, made = fill(kit), []
+    kit.processing.close_survey(SURVEY, "stopped")
+    counted = lambda one: made.append(one) or summary_of(one)  # noqa: E731
+    monkeypatch.setattr(survey_archive, "summary_of", counted)
     # Just changed: another change might not show.
-    assert [summaries.of(folder), summaries.of(folder)] == [1, 2]
-    now[0] += 2 * SETTLED_NS
-    assert [summaries.of(folder) for _ in range(3)] == [3, 3, 3]
-    (folder / "traces" / "000000.json").write_text("{}")
-    os.utime(str(folder / "traces"), ns=(0, now[0]))
-    assert summaries.of(folder) == 4
-    (folder / "log.jsonl").unlink()
-    assert [summaries.of(folder), summaries.of(folder)] == [5, 6]
+    assert only(archive) == only(archive) and len(made) == 2
+    for path in (*folder.iterdir(), folder):
+        os.utime(str(path), (0, 0))
+    assert only(archive) == only(archive) == only(archive) and len(made) == 3
+    kit.annotate(SURVEY, Annotation(name="Line 7"))
+    assert (only(archive).name, len(made)) == ("Line 7", 4)
 
 
 def test_half_of_a_character_hides_no_survey(kit, archive):

@@ -124,8 +124,8 @@ def test_a_survey_that_has_not_ended_is_refused(tmp_path, listed, refusals):
 def marked(folder):
     kit = Kit(folder.parent, open_recordings)
     for marker in (MARKER, SECOND):
-        kit.processing.add_marker(SURVEY, marker)
-    kit.processing.remove_marker(SURVEY, SECOND.marker_id, "Luis")
+        kit.add_marker(SURVEY, marker)
+    kit.remove_marker(SURVEY, SECOND.marker_id, "Luis")
     kit.processing.shut_down()
     return folder
 

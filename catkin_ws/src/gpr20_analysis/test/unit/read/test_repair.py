@@ -37,9 +37,9 @@ DONE, NOT_COMPLETE, DAMAGED = 0, 1, 2
 def note_during(processing):
     """Add two markers, an annotation and a report to the open survey."""
     for number in (1, 2):
-        processing.add_marker("", marker(number))
-    processing.annotate("", Annotation(operator="Ana"))
-    processing.report(SURVEY, json.dumps({"complete": True}))
+        processing.add_fact("", "marker", json.dumps(marker(number).request()))
+    processing.add_fact("", "annotation", json.dumps(Annotation(operator="Ana").values()))
+    processing.add_fact(SURVEY, "report", '{"complete": true}')
 
 
 @pytest.fixture(scope="module")
@@ -49,10 +49,10 @@ def noted(tmp_path_factory):
     )
     kit = Kit(folder.parent, open_recordings)
     for number in (3, 4):
-        kit.processing.add_marker(SURVEY, marker(number))
-    kit.processing.remove_marker(SURVEY, marker(1).marker_id, "Luis")
-    kit.processing.annotate(SURVEY, Annotation(operator="Ana", site="El Carmen"))
-    kit.processing.add_marker(SURVEY, marker(5))
+        kit.add_marker(SURVEY, marker(number))
+    kit.remove_marker(SURVEY, marker(1).marker_id, "Luis")
+    kit.annotate(SURVEY, Annotation(operator="Ana", site="El Carmen"))
+    kit.add_marker(SURVEY, marker(5))
     kit.processing.shut_down()
     assert verify_survey(folder).status == DONE
     return folder

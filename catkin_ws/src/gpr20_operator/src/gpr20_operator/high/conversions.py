@@ -26,8 +26,9 @@ from gpr20_operator.robot.events import (
     RobotFigures,
 )
 from gpr20_operator.robot.replay import ReplayMark, ReplayPhase
+from gpr20_survey.folder.log_record import Kind
 from gpr20_survey.plan.annotation import Annotation
-from gpr20_survey.plan.markers import Marker, present_markers
+from gpr20_survey.plan.markers import present_markers
 from gpr20_survey.plan.robot_description import ANALYZER, robot_config
 from gpr20_survey.plan.site import Site
 from gpr20_survey.plan.survey_parameters import DEFAULT_POLARIZATIONS_DEG, SurveyParameters
@@ -113,22 +114,14 @@ def surveys_listed(before: str, response: Any) -> SurveysListed:
     return SurveysListed(before, surveys, response.more)
 
 
-def marker_fields(marker: Marker) -> Dict[str, Any]:
-    """Return what `mark_survey` is sent of a marker."""
-    depth_mm = marker.depth_mm
-    return {
-        "marker_id": marker.marker_id,
-        "x_mm": marker.x_mm,
-        "y_mm": marker.y_mm,
-        "has_depth": depth_mm is not None,
-        "depth_mm": 0.0 if depth_mm is None else depth_mm,
-        "text": marker.text,
-        "author": marker.author,
-    }
+def fact_fields(survey: str, kind: Kind, values: Mapping[str, Any]) -> Dict[str, Any]:
+    """Return what `add_fact` is sent of a fact."""
+    values_json = json.dumps(values, allow_nan=False)
+    return {"survey": survey, "kind": kind.value, "values_json": values_json}
 
 
 def markers_stored(response: Any) -> MarkersStored:
-    """Convert the answer of `mark_survey`.
+    """Convert the answer of `add_fact` to a fact of markers.
 
     Raises:
         InvalidValueError: A marker is not as the storage writes it.

@@ -192,19 +192,19 @@ def annotation_of(description: Mapping[str, Any]) -> Annotation:
 
 
 def keeping_heading(annotation: Annotation, description: Mapping[str, Any]) -> Annotation:
-    """Return an annotation that came in a ROS message, with the heading that a survey has.
+    """Return an annotation with the heading that a survey has, unless it has one itself.
 
-    It is kept as long as the position stays, since it cannot be given in the message.
+    Clients that do not know a heading leave it out. It is kept as long as the position stays.
 
     Args:
-        annotation: The annotation, without a heading.
+        annotation: The annotation.
         description: Content of survey.json.
     """
     try:
         former = annotation_of(description)
     except InvalidValueError:
         return annotation  # it is replaced because it is wrong
-    if former.position != annotation.position:
+    if annotation.heading_deg is not None or former.position != annotation.position:
         return annotation
     return replace(annotation, heading_deg=former.heading_deg)
 

@@ -19,6 +19,8 @@ MAX_TEXT_CHARACTERS = 500
 # With every text as long as it may be, survey.json remains far below its own limit.
 MAX_MARKERS = 1000
 MAX_DEPTH_MM = 10_000.0
+REQUEST_KEYS = ("marker_id", "x_mm", "y_mm", "depth_mm", "text", "author")
+"""What a client says of a marker that it adds; the storage adds the times."""
 
 X, Y, DEPTH, TEXT = Message("X"), Message("Y"), Message("depth"), Message("text of the marker")
 
@@ -72,11 +74,13 @@ class Marker:
         """Whether nobody has removed it."""
         return not self.removed
 
+    def request(self) -> Dict[str, Any]:
+        """Return what a client says of it."""
+        return {key: getattr(self, key) for key in REQUEST_KEYS}
+
     def same_request(self, other: Marker) -> bool:
         """Return whether another marker was made by the same request, whenever it came."""
-        return replace(self, time="", removed="", removed_by="") == replace(
-            other, time="", removed="", removed_by=""
-        )
+        return self.request() == other.request()
 
 
 def _set_number(marker: Marker, name: str, title: Message, lower: float, upper: float) -> None:

@@ -101,6 +101,10 @@ class OpenSurvey:
         """What the log says of the survey."""
         return self._log.description
 
+    def is_called(self, name: str) -> bool:
+        """Return whether a name is its id, or that of its folder."""
+        return name in (self.survey_id, self.folder.name)
+
     def store(self, trace: Trace, time_ns: int) -> Path:
         """Store a trace in the JSON file and the recordings.
 
@@ -135,9 +139,9 @@ class OpenSurvey:
                 durable_files.write_new_file(path, content)
             self._sums[manifest.trace_name(path.name)] = sum_of(content)
             message = self._topics.trace(trace, time_ns)
-            self._publication.expect(trace, message)
             recorded = self._types.named(message) or message
             self._pending[trace.index] = _PendingTrace(trace, recorded, list(self._recordings))
+            self._publication.expect(trace)
             self._prints[trace.index] = trace.fingerprint()
             self._indices[trace.sample_id] = trace.index
         self.commit()
@@ -218,7 +222,7 @@ class OpenSurvey:
             self._recent.append(stored.trace)
             if stored.trace.index < FIRST_TRACES:
                 self._first[stored.trace.index] = stored.trace
-            self._publication.stored(stored.trace)
+            self._publication.stored(stored.trace, stored.message)
 
     def add(self, kind: Kind, values: Dict[str, Any], time_ns: int) -> None:
         """Add a fact to the log, to the recordings and to what is published.

@@ -2,18 +2,17 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Callable, Dict, Optional, Sequence, Tuple
+from typing import Any, Callable, Dict, Mapping, Optional, Sequence
 
 from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message
 from gpr20_survey.files.access import Readers
 from gpr20_survey.folder.signature import Signer
-from gpr20_survey.plan.markers import Marker
 from gpr20_survey.recording.recording import RecordedMessage, Recording
 from gpr20_survey.recording.survey_topics import SurveyTopics
-from gpr20_vna_processing.mid.storage_thread import QueueLimits, QueueState
+from gpr20_vna_processing.mid.storage_thread import QueueState
 from gpr20_vna_processing.mid.survey_end import SurveyEnd
 
 BYTES_PER_MB = 1_000_000
@@ -38,6 +37,12 @@ class Storage:
     """Makes the last message of `control_status` in the recordings."""
     readers: Readers = Readers.GROUP
     """Who may read a new survey."""
+    on_opened: Callable[[str], None] = lambda _text: None
+    """Called with the JSON description of a survey that was opened; must not raise."""
+    on_stored: Callable[[RecordedMessage], None] = lambda _message: None
+    """Likewise with the message of every trace when it is durable."""
+    on_logged: Callable[[RecordedMessage], None] = lambda _message: None
+    """Likewise with that of every record of a survey's log."""
     signer: Optional[Signer] = None
     """Signs a survey whenever its manifest was written; None: surveys are not signed."""
 
@@ -46,7 +51,8 @@ class Storage:
 class Limits:
     """How long and how much the storage waits."""
 
-    queues: QueueLimits = field(default_factory=QueueLimits)
+    queue_bytes: int = 16 * BYTES_PER_MB
+    """How large the messages that wait for the disk may be together."""
     disk_reserve_bytes: int = 500 * BYTES_PER_MB
     timeout_s: float = 60.0
     long_timeout_s: float = 600.0
@@ -64,21 +70,15 @@ class ClosedSurvey:
 
 
 @dataclass(frozen=True)
-class AnnotatedSurvey:
-    """A survey whose annotation was changed."""
+class AddedFact:
+    """A survey whose log has a fact."""
 
     survey_id: str
     folder: Path
-
-
-@dataclass(frozen=True)
-class MarkedSurvey:
-    """A survey whose markers were changed."""
-
-    survey_id: str
-    folder: Path
-    markers: Tuple[Marker, ...]
-    """All of them, removed ones too."""
+    stored_traces: int = 0
+    """Those of the open survey; 0: the fact is of another one."""
+    markers: Sequence[Mapping[str, Any]] = ()
+    """Of a fact of markers: all that survey.json has, removed ones too."""
 
 
 @dataclass(frozen=True)

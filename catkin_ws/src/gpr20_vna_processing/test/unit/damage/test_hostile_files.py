@@ -128,7 +128,7 @@ def test_a_pipe_in_the_place_of_a_file_is_not_waited_for(kit, folder, part):
     path.unlink()
     put_pipe(path)
     assert refusal_of(lambda: SurveyArchive(folder.parent).traces(SURVEY, range(3))) is None
-    assert refusal_of(lambda: kit.processing.add_marker(SURVEY, marker(3))) is None
+    assert refusal_of(lambda: kit.add_marker(SURVEY, marker(3))) is None
     refused = refusal_of(lambda: kit.processing.reopen_survey(SURVEY))
     if part == "survey.mcap":
         assert refused.message.fault_code == "storage.not_a_file"

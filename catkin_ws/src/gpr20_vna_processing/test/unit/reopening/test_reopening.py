@@ -118,7 +118,7 @@ def test_reopening_the_open_survey_answers_what_is_stored_by_now(kit, folder):
         # A repeated request is one resumption.
         assert len(read_description(folder)["resumed"]) == 1
     fill(kit, TRACES[6:8])
-    kit.processing.report(SURVEY, '{"verdict": "INCOMPLETE"}')
+    kit.report(SURVEY, '{"verdict": "INCOMPLETE"}')
     reopened = kit.processing.reopen_survey(SURVEY)
     assert (reopened.stored_indices, reopened.recent[-1].index) == ((*STORED, 6, 7), 7)
     assert json.loads(reopened.report_json) == {"verdict": "INCOMPLETE"}
@@ -212,25 +212,6 @@ def test_a_survey_that_another_process_writes_is_not_reopened(opened, kits):
         writer.processing.reopen_survey(SURVEY)
 
 
-def test_a_report_is_kept_and_a_wrong_one_refused(opened):
-    kit, folder = opened
-    for verdict in ("old", "new"):
-        kit.processing.report(SURVEY, json.dumps({"verdict": verdict}))
-    refused = "storage.request_refused"
-    for survey_id, text, *expected in [
-        (SURVEY, "[]", refused, "report_json", "list"),
-        (SURVEY, "{", refused, "report_json"),
-        (SURVEY, '{"a": "' + "x" * (8 << 20) + '"}', refused, 8388608),
-        (OTHER_SURVEY, "{}", "survey.other_open", SURVEY),
-    ]:
-        with raises_fault(*expected, error=SurveyRefusedError):
-            print(kit.processing.report(survey_id, text))
-    kit.processing.close_survey(SURVEY, "stopped")
-    assert read_json(folder / "survey.json")["report"] == {"verdict": "new"}
-    with raises_fault("survey.none_open", error=SurveyRefusedError):
-        kit.processing.report(SURVEY, "{}")
-
-
 def store_refused(kit, *shown):
     with raises_fault("storage.folder_moved", *shown, error=StorageFailedError):
         kit.processing.store(TRACES[3])
@@ -318,13 +299,13 @@ def test_every_record_of_the_log_is_recorded_and_published_when_it_is_durable(ki
     with monkeypatch.context() as patch:
         patch.setattr("os.fsync", full_disk)
         with pytest.raises(StorageFailedError):
-            kit.processing.add_marker("", marker(2))
+            kit.add_marker("", marker(2))
     assert kit.logged == []
-    kit.processing.annotate("", EXAMPLE)
-    kit.processing.add_marker("", marker(1))
-    kit.processing.add_marker("", marker(1))  # a repeated request says nothing new
-    kit.processing.remove_marker(SURVEY, marker(1).marker_id, "Luis")
-    kit.processing.report(SURVEY, '{"verdict": "none"}')
+    kit.annotate("", EXAMPLE)
+    kit.add_marker("", marker(1))
+    kit.add_marker("", marker(1))  # a repeated request says nothing new
+    kit.remove_marker(SURVEY, marker(1).marker_id, "Luis")
+    kit.report(SURVEY, '{"verdict": "none"}')
     kit.processing.close_survey(SURVEY, "stopped")
     kit.processing.reopen_survey(SURVEY)
     kit.processing.close_survey(SURVEY, "stopped")

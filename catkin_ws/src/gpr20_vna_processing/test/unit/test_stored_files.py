@@ -16,8 +16,8 @@ from trace_examples import SURVEY, make_trace
 
 from gpr20_survey.recording import mcap_traces
 from gpr20_survey.trace.trace_block import SAMPLE, TraceBlock
-from gpr20_vna_processing.mid import trace_reader
-from gpr20_vna_processing.mid.trace_reader import TraceReader
+from gpr20_vna_processing.mid import stored_files
+from gpr20_vna_processing.mid.stored_files import TraceReader
 
 PLANNED = range(40)
 
@@ -127,9 +127,9 @@ def test_a_survey_is_read_while_it_is_measured(tmp_path):
 
 def test_an_answer_is_bounded_by_its_points_and_by_its_time(tmp_path, monkeypatch):
     folder = stored_survey(tmp_path, PLANNED)
-    monkeypatch.setattr(trace_reader, "MAX_POINTS", 23)
+    monkeypatch.setattr(stored_files, "MAX_POINTS", 23)
     assert TraceReader().read(folder, SURVEY, PLANNED).block.indices.tolist() == [0, 1, 2, 3, 4]
-    monkeypatch.setattr(trace_reader, "MAX_READING_S", -1.0)
+    monkeypatch.setattr(stored_files, "MAX_READING_S", -1.0)
     assert TraceReader().read(folder, SURVEY, [7, 8]).block.indices.tolist() == [7]
 
 

@@ -6,8 +6,9 @@ import os
 import re
 import threading
 import time
+from functools import lru_cache
 from pathlib import Path
-from typing import Any, Dict, List, Mapping, NamedTuple, Optional, Sequence, Tuple
+from typing import Dict, List, Mapping, NamedTuple, Optional, Sequence, Tuple
 
 import numpy as np
 
@@ -24,9 +25,12 @@ from gpr20_survey.trace.trace_block import TraceBlock
 MAX_POINTS = 501_000
 # Another client waits meanwhile; a small computer needs 10 s for 1000 JSON files.
 MAX_READING_S = 2.0
-# A file that changed so shortly ago may change again without another time of change.
-CHANGE_NS = 2_000_000_000
+# The system marks changes only every few milliseconds, some file systems every two seconds: of
+# files that changed less than this ago another change may not show.
+SETTLED_NS = 3 * 10**9
 
+LISTED = (survey_folder.TRACES_FOLDER, survey_folder.MCAP_FILE)
+"""What changes in a folder when a trace is added."""
 TRACE_FILE = re.compile(r"([0-9]{6})_X[-0-9.]+_Y[-0-9.]+_Z[-+0-9.]+\.json")
 
 
@@ -37,10 +41,8 @@ class ReadTraces(NamedTuple):
     unreadable: Mapping[int, Message]
 
 
-class _Listed(NamedTuple):
-    state: Tuple[Any, ...]
-    names: Mapping[int, str]
-    recorded: McapTraces
+Version = Tuple[Tuple[int, ...], ...]
+_Listed = Tuple[Mapping[int, str], McapTraces]
 
 
 class TraceReader:
@@ -52,7 +54,7 @@ class TraceReader:
 
     def __init__(self) -> None:
         self._one_at_a_time = threading.Lock()
-        self._listed: Optional[_Listed] = None
+        self._kept = lru_cache(1)(lambda folder, _version: _list(folder))
 
     def read(self, folder: Path, survey_id: str, indices: Sequence[int]) -> ReadTraces:
         """Return traces that have the frequencies of the first of them.
@@ -70,14 +72,16 @@ class TraceReader:
         unreadable: Dict[int, Message] = {}
         points = 0
         with self._one_at_a_time:
-            listed = self._list(folder)
+            version = settled_version(folder, LISTED, time.time_ns())
+            listed = _list(folder) if version is None else self._kept(folder, version)
+            names, mcap = listed
             end_s = time.monotonic() + MAX_READING_S
-            with listed.recorded.finder() as recorded:
+            with mcap.finder() as recorded:
                 for index in indices:
                     try:
                         trace = recorded(index)
                         if trace is None or trace.survey_id != survey_id:
-                            trace = _from_file(folder, survey_id, listed.names.get(index))
+                            trace = _from_file(folder, survey_id, names.get(index))
                     except TraceRefusedError as error:
                         unreadable[index] = error.message
                     except OSError as error:
@@ -91,13 +95,10 @@ class TraceReader:
                         break
         return ReadTraces(TraceBlock.of(survey_id, traces), unreadable)
 
-    def _list(self, folder: Path) -> _Listed:
-        state = _state(folder)
-        if self._listed is None or self._listed.state != state:
-            names = trace_names(folder)
-            recorded = McapTraces(folder / survey_folder.MCAP_FILE, list(names))
-            self._listed = _Listed(state, names, recorded)
-        return self._listed
+
+def _list(folder: Path) -> _Listed:
+    names = trace_names(folder)
+    return names, McapTraces(folder / survey_folder.MCAP_FILE, list(names))
 
 
 def trace_names(folder: Path) -> Dict[int, str]:
@@ -130,16 +131,25 @@ def _from_file(folder: Path, survey_id: str, name: Optional[str]) -> Trace:
     return trace_files.read_trace(folder / survey_folder.TRACES_FOLDER / name, survey_id)
 
 
-def _state(folder: Path) -> Tuple[Any, ...]:
-    """Return what differs if files were added to a survey."""
-    found: List[Any] = [folder]
-    now_ns = time.time_ns()
-    for name in (survey_folder.TRACES_FOLDER, survey_folder.MCAP_FILE):
+def settled_version(folder: Path, names: Sequence[str], now_ns: int) -> Optional[Version]:
+    """Return what differs if a folder of a survey, or something in it, was changed.
+
+    Args:
+        folder: The folder.
+        names: Of files and folders in it; they may be missing.
+        now_ns: Time of day [ns].
+
+    Returns:
+        None: it changed so shortly ago that another change may not show.
+    """
+    version: List[Tuple[int, ...]] = []
+    for path in (folder, *(folder / name for name in names)):
         try:
-            status = os.stat(str(folder / name))
+            found = os.lstat(str(path))
         except OSError:
+            version.append(())
             continue
-        found += (name, status.st_ino, status.st_size, status.st_mtime_ns)
-        if now_ns - status.st_mtime_ns < CHANGE_NS:
-            found.append(now_ns)
-    return tuple(found)
+        version.append((found.st_mtime_ns, found.st_size, found.st_ino))
+        if now_ns - found.st_mtime_ns <= SETTLED_NS:
+            return None
+    return tuple(version)
