@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 from robot_check_examples import BUILT, checked
 
 from gpr20_common.low.clock import Clock
-from gpr20_common.mid.records import record_from
+from gpr20_common.mid.codec import record_from
 from gpr20_doctor.mid.bundle import CONFIGURATION
 from gpr20_launch import faults
 from gpr20_launch.errors import ConfigurationError
@@ -78,7 +78,7 @@ def test_a_template_is_correct_and_shows_every_key_with_its_default(tmp_path):
 @each_case(
     "file, text, shown",
     [
-        ("height", "reference_voltage_v: '3.3'", ("reference_voltage_v", "'3.3'", "float")),
+        ("height", "reference_voltage_v: '3.3'", ("reference_voltage_v", "'3.3'", "number")),
         ("analyzer", "accepted_calibrations: [1, 9]", ("accepted_calibrations[1]", "9")),
         ("analyzer", "analyzer: hp8753", ("analyzer", "'hp8753'", "ms2026c, ")),
         ("analyzer", "analyzer: scikit_rf", ("gpr20_scikit_rf:ScikitRfAnalyzer",)),

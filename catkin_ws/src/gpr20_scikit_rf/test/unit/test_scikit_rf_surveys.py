@@ -17,7 +17,7 @@ from tutorial_code import code_blocks
 from gpr20_common import faults
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.low.clock import Clock
-from gpr20_common.mid.records import record_from
+from gpr20_common.mid.codec import record_from
 from gpr20_scikit_rf.mid.scikit_rf_options import visa_resource_name
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_vna_acquisition.mid.foreign_analyzer import make_foreign_analyzer

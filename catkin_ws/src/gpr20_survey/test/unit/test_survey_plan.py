@@ -13,7 +13,7 @@ from trace_examples import make_trace
 
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message
-from gpr20_common.mid.records import record_from
+from gpr20_common.mid.codec import record_from
 from gpr20_survey.plan.imported import (
     ImportedFit,
     ImportedGrid,

@@ -21,6 +21,7 @@ FROM_SYSTEM = {"numpy": "python3-numpy", "rospkg": "python3-rospkg", "yaml": "py
 FROM_PIP = {
     "mcap": "mcap",
     "polib": "polib",
+    "pydantic": "pydantic",
     "tqdm": "tqdm",
     "vxi11": "python-vxi11",
     "zstandard": "zstandard",

@@ -8,7 +8,7 @@ from typing import Any, Dict, Mapping, Sequence
 
 from gpr20_common.errors import Gpr20Error, InvalidValueError
 from gpr20_common.message import Message
-from gpr20_common.mid.records import record_from
+from gpr20_common.mid.codec import record_from
 from gpr20_common.sent_message import message_from, received_message
 from gpr20_doctor.high.node_reports import descriptions
 from gpr20_msgs.msg import Annotation as AnnotationMessage

@@ -10,7 +10,7 @@ from typing import List
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.low.yaml_file import YamlFileError, read_yaml
 from gpr20_common.message import Message
-from gpr20_common.mid.records import record_from
+from gpr20_common.mid.codec import record_from
 from gpr20_common.os_reason import os_reason
 from gpr20_operator import faults
 from gpr20_operator.errors import ProfileError

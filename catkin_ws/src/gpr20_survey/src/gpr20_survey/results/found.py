@@ -11,7 +11,7 @@ from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message
 from gpr20_common.mid.checks import number_between
 from gpr20_common.terminal_text import is_shown
-from gpr20_survey.results.candidate_json import CANDIDATE_ID
+from gpr20_survey.results.candidates import CANDIDATE_ID
 from gpr20_survey.trace import utc_time
 from gpr20_survey.trace.trace import MAX_COORDINATE
 
@@ -22,7 +22,7 @@ MAX_DEPTH_MM = 10_000.0
 TEXTS = {
     "who": ".{1,500}",
     "notes": ".{0,500}",
-    "candidate": CANDIDATE_ID.pattern,
+    "candidate": CANDIDATE_ID,
     "list_sha256": "[0-9a-f]{64}",
     "photo": r"([0-9a-f]{64}\.(jpg|jpeg|png|heic|webp))?",
 }

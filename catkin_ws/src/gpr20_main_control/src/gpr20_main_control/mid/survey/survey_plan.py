@@ -8,7 +8,7 @@ from typing import Any, Dict, List, Optional, Sequence
 
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message
-from gpr20_common.mid.records import record_from
+from gpr20_common.mid.codec import record_from
 from gpr20_main_control import faults
 from gpr20_main_control.errors import RequestRefusedError
 from gpr20_main_control.mid.survey.survey_report import (
