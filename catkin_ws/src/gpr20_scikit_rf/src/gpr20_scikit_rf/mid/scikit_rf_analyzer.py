@@ -18,8 +18,13 @@ from gpr20_scikit_rf.mid.scikit_rf_options import (
 )
 from gpr20_scikit_rf.mid.scikit_rf_sweeps import ScikitRfSweeps
 from gpr20_survey.trace.calibration import CalibrationStatus
-from gpr20_survey.trace.sweep import MAX_AVERAGES, MAX_IF_BANDWIDTH_HZ, Sweep
-from gpr20_survey.trace.sweep_settings import AnalyzerSettings, SweepSettings
+from gpr20_survey.trace.sweep import Sweep
+from gpr20_survey.trace.sweep_settings import (
+    MAX_AVERAGES,
+    MAX_IF_BANDWIDTH_HZ,
+    AnalyzerSettings,
+    SweepSettings,
+)
 from gpr20_vna_acquisition.errors import VnaDataError, VnaError, VnaSettingError
 from gpr20_vna_acquisition.faults import SETTINGS_CHANGED
 from gpr20_vna_acquisition.mid import refusals

@@ -11,8 +11,8 @@ from typing import Any, Dict, Mapping, Tuple
 from gpr20_common.message import Message
 from gpr20_survey import faults
 from gpr20_survey.axes.zero_epoch import AXES, UNKNOWN_ZERO, ZeroEpoch, Zeros, are_zeros
-from gpr20_survey.trace.aux_value import AuxValue, check_aux
-from gpr20_survey.trace.sweep import Sweep, check_time, refuse, shortened
+from gpr20_survey.trace.aux_value import AUX_RULE, AuxValue
+from gpr20_survey.trace.sweep import SETTINGS, Sweep
 from gpr20_survey.trace.sweep_settings import AnalyzerSettings
 from gpr20_survey.trace.trace_form import (
     FLOAT64,
@@ -20,11 +20,13 @@ from gpr20_survey.trace.trace_form import (
     TIME,
     UINT32,
     TraceField,
+    check,
     fields_of,
     list_of,
     of,
     record_of,
 )
+from gpr20_survey.trace.trace_rule import FINITE, PLAUSIBLE, Rule, between, refuse, shortened
 
 FORMAT = "gpr20-trace/1"
 MAX_INDEX = 999_999  # six digits in the file name
@@ -32,6 +34,19 @@ MAX_COORDINATE = 10_000.0  # [mm or deg], more than any axis of this robot
 
 SURVEY_ID = re.compile(r"[0-9a-f]{8}-[0-9a-f]{4}-[0-9a-f]{4}-[0-9a-f]{4}-[0-9a-f]{12}")
 SAMPLE_ID = re.compile(r"[A-Za-z0-9][A-Za-z0-9._:-]{0,127}")
+_UUID = Rule(
+    lambda text: SURVEY_ID.fullmatch(text) is not None,
+    Message("a UUID in lower case with hyphens"),
+)
+_NAME = Rule(
+    lambda text: SAMPLE_ID.fullmatch(text) is not None,
+    Message(
+        "1 to 128 letters, digits, dots, colons, hyphens or underscores, the first a letter or "
+        "digit"
+    ),
+)
+_INDEX = between(0, MAX_INDEX)
+_COORDINATE = between(-MAX_COORDINATE, MAX_COORDINATE)
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,26 +61,28 @@ class Trace(Sweep):
         TraceRefusedError: A value is not allowed; the message names it.
     """
 
-    survey_id: str = field(metadata=of(TEXT, "UUID of the survey, lower case with hyphens"))
-    sample_id: str = field(metadata=of(TEXT, "unique name of this sample within all surveys"))
-    index: int = field(metadata=of(UINT32, "place in the survey's plan, from 0"))
-    timestamp_us: int = field(metadata=of(TIME, "when the sample was complete"))
-    x_coord_mm: float = field(metadata=of(FLOAT64, "read from the axis after the move", "mm"))
-    y_coord_mm: float = field(metadata=of(FLOAT64, "read from the axis after the move", "mm"))
-    z_coord_deg: float = field(metadata=of(FLOAT64, "rotation of the antennas", "degree"))
-    antennae_height_m: float = field(metadata=of(FLOAT64, "above the ground", "m", math.nan))
+    survey_id: str = field(metadata=of(TEXT, "UUID of the survey", rule=_UUID))
+    sample_id: str = field(metadata=of(TEXT, "unique name within all surveys", rule=_NAME))
+    index: int = field(metadata=of(UINT32, "place in the survey's plan, from 0", rule=_INDEX))
+    timestamp_us: int = field(metadata=of(TIME, "when the sample was complete", rule=PLAUSIBLE))
+    x_coord_mm: float = field(metadata=of(FLOAT64, "read from the axis", "mm", rule=_COORDINATE))
+    y_coord_mm: float = field(metadata=of(FLOAT64, "read from the axis", "mm", rule=_COORDINATE))
+    z_coord_deg: float = field(
+        metadata=of(FLOAT64, "rotation of the antennas", "degree", rule=_COORDINATE)
+    )
+    antennae_height_m: float = field(
+        metadata=of(FLOAT64, "above the ground", "m", math.nan, FINITE)
+    )
     aux: Tuple[AuxValue, ...] = field(
-        default=(), metadata=of(list_of(record_of(AuxValue)), "what other sensors measured")
+        default=(),
+        metadata=of(list_of(record_of(AuxValue)), "what other sensors measured", rule=AUX_RULE),
     )
     # Empty if they are not known.
     zeros: Zeros = ()
 
     def __post_init__(self) -> None:
-        self._check_names()
-        self._check_position()
+        check(_OWN, vars(self))
         super().__post_init__()
-        check_time("timestamp", self.timestamp_us)
-        check_aux(self.aux)
         if not are_zeros(self.zeros):
             refuse(
                 Message(
@@ -100,7 +117,7 @@ class Trace(Sweep):
         """
         held = dict(values)
         check_format(held.pop("format"))
-        analyzer = AnalyzerSettings(*map(held.pop, _SETTINGS))
+        analyzer = AnalyzerSettings(*[held.pop(one.attribute) for one in SETTINGS])
         numbers, times_us = held.pop("zero_epochs"), held.pop("zero_times_us")
         is_known = any(numbers) or any(times_us)
         zeros = tuple(map(ZeroEpoch, numbers, times_us)) if is_known else ()
@@ -114,55 +131,6 @@ class Trace(Sweep):
     def fingerprint(self) -> bytes:
         """Return 16 bytes that are the same only for traces equal to the last bit."""
         return hashlib.blake2b(self.packed(), digest_size=16).digest()
-
-    def _check_names(self) -> None:
-        if not SURVEY_ID.fullmatch(self.survey_id):
-            refuse(
-                Message(
-                    "survey_id is {survey_id}; it must be a UUID in lower case with hyphens",
-                    survey_id=shortened(self.survey_id),
-                )
-            )
-        if not SAMPLE_ID.fullmatch(self.sample_id):
-            refuse(
-                Message(
-                    "sample_id is {sample_id}; it must be 1 to 128 letters, digits, dots, colons, "
-                    "hyphens or underscores, the first a letter or digit",
-                    sample_id=shortened(self.sample_id),
-                )
-            )
-        if not 0 <= self.index <= MAX_INDEX:
-            refuse(
-                Message(
-                    "{name} is {value}; it must lie between {lower} and {upper}",
-                    name="index",
-                    value=self.index,
-                    lower=0,
-                    upper=MAX_INDEX,
-                )
-            )
-
-    def _check_position(self) -> None:
-        for name in ("x_coord_mm", "y_coord_mm", "z_coord_deg"):
-            value = getattr(self, name)
-            # Written so that NaN, which fails every comparison, is refused too.
-            if not -MAX_COORDINATE <= value <= MAX_COORDINATE:
-                refuse(
-                    Message(
-                        "{name} is {value}; it must lie between {lower} and {upper}",
-                        name=name,
-                        value=str(value),
-                        lower=f"{-MAX_COORDINATE:g}",
-                        upper=f"{MAX_COORDINATE:g}",
-                    )
-                )
-        if math.isinf(self.antennae_height_m):
-            refuse(
-                Message(
-                    "antennae_height_m is infinite; it must be a number, or NaN if not measured"
-                ),
-                fault=faults.SENSOR_NOT_FINITE,
-            )
 
 
 def check_format(found: Any) -> None:
@@ -182,28 +150,18 @@ def check_format(found: Any) -> None:
         )
 
 
-def _in_order() -> Tuple[TraceField, ...]:
-    """Return the fields in the order of Trace.msg.
-
-    Those that every trace has come first, then its sweep, then those with a default.
-    """
-    sweep, own = fields_of(Sweep), fields_of(Trace)
-    required = [one for name, one in own.items() if name not in sweep and not hasattr(Trace, name)]
-    optional = [one for name, one in own.items() if hasattr(Trace, name)]
-    numbers = of(list_of(UINT32, AXES), "numbers of the zeros of x, y and z", "", AXES * (0,))
-    times = of(list_of(TIME, AXES), "when those zeros were found or set", "", AXES * (0,))
-    return (
-        TraceField.of("format", of(TEXT, f"`{FORMAT}`")),
-        *required,
-        *sweep.values(),
-        *_SETTINGS.values(),
-        *optional,
-        TraceField.of("zero_epochs", numbers),
-        TraceField.of("zero_times_us", times),
-    )
-
-
-_SETTINGS = fields_of(AnalyzerSettings)
-TRACE_FIELDS = _in_order()
-"""The table of a trace's fields."""
+_NUMBERS = of(list_of(UINT32, AXES), "numbers of the zeros of x, y and z", "", AXES * (0,))
+_TIMES = of(list_of(TIME, AXES), "when those zeros were found or set", "", AXES * (0,))
+_OWN = [one for name, one in fields_of(Trace).items() if name not in fields_of(Sweep)]
+TRACE_FIELDS = (
+    TraceField.of("format", of(TEXT, f"`{FORMAT}`")),
+    *(one for one in _OWN if not hasattr(Trace, one.attribute)),
+    *fields_of(Sweep).values(),
+    *SETTINGS,
+    # Those with a default come last.
+    *(one for one in _OWN if hasattr(Trace, one.attribute)),
+    TraceField.of("zero_epochs", _NUMBERS),
+    TraceField.of("zero_times_us", _TIMES),
+)
+"""The table of a trace's fields, in the order of Trace.msg."""
 _PACKED = [(one.attribute, one.form.pack) for one in TRACE_FIELDS]

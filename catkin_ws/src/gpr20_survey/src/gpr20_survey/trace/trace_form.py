@@ -10,19 +10,18 @@ import dataclasses
 import math
 import struct
 from dataclasses import dataclass
-from typing import Any, Callable, Dict, Iterable, List, Mapping, NoReturn, Optional, Tuple, Type
+from typing import Any, Callable, Dict, Iterable, List, Mapping, Optional, Tuple, Type
 
 import numpy as np
 
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message
-from gpr20_survey import faults
 from gpr20_survey.trace import utc_time
+from gpr20_survey.trace.trace_rule import Rule, refuse, refuse_value, shortened
 
 UINT = struct.Struct("<I")
 _INT, _NUMBER, _TIME = struct.Struct("<i"), struct.Struct("<d"), struct.Struct("<II")
 TIME_ENDING = "_us"
-_SHOWN = 64
 
 
 class Reader:
@@ -90,7 +89,7 @@ class Form:
         unpack: Takes a value from a message.
         as_json: Returns a value for JSON.
         from_json: Returns the value of a JSON value; the text is its place, for the message of the
-            InvalidValueError that it raises.
+            TraceRefusedError that it raises.
         parts: The fields of each value, if it is a message of its own.
     """
 
@@ -113,6 +112,7 @@ class TraceField:
         meaning: What it is.
         unit: Its unit; empty if there is none.
         unknown: The value that says that it is not known, null in JSON; None: it is always known.
+        rule: What a value must be that is known.
     """
 
     name: str
@@ -121,6 +121,7 @@ class TraceField:
     meaning: str
     unit: str
     unknown: Any
+    rule: Optional[Rule]
 
     @classmethod
     def of(cls, attribute: str, declared: Mapping[str, Any]) -> TraceField:
@@ -130,13 +131,18 @@ class TraceField:
 
     def is_unknown(self, value: Any) -> bool:
         """Return whether a value says that it is not known."""
-        # NaN is unequal to itself.
-        return self.unknown is not None and (value == self.unknown or value != value)
+        return self.unknown is not None and (value == self.unknown or self.is_nan(value))
+
+    def is_nan(self, value: Any) -> bool:
+        """Return whether a value is the NaN that says that it is not known."""
+        return bool(value != value and self.unknown != self.unknown)
 
 
-def of(form: Form, meaning: str, unit: str = "", unknown: Any = None) -> Dict[str, Any]:
+def of(
+    form: Form, meaning: str, unit: str = "", unknown: Any = None, rule: Optional[Rule] = None
+) -> Dict[str, Any]:
     """Return the metadata of a field of a dataclass that is a field of a trace."""
-    return {"form": form, "meaning": meaning, "unit": unit, "unknown": unknown}
+    return {"form": form, "meaning": meaning, "unit": unit, "unknown": unknown, "rule": rule}
 
 
 def fields_of(kind: Type[Any]) -> Dict[str, TraceField]:
@@ -167,16 +173,16 @@ def from_json(fields: Iterable[TraceField], found: Any, place: str = "") -> Dict
         place: Where it is, for messages: such as `aux[2].`.
 
     Raises:
-        InvalidValueError: It is another value; the message names the place.
+        TraceRefusedError: It is another value; the message names the place.
     """
     if type(found) is not dict:
-        refuse(place.rstrip(".") or "the content", found, Message("an object"))
+        refuse_value(place.rstrip(".") or "the content", found, Message("an object"))
     names = {one.name for one in fields}
     for name in sorted(names ^ found.keys()) if names != found.keys() else ():
-        key = repr(f"{place}{name}"[:_SHOWN])
+        key = shortened(f"{place}{name}")
         if name in names:
-            raise _not_allowed(Message("the entry {key} is missing", key=key))
-        raise _not_allowed(Message("the entry {key} is no entry of a trace", key=key))
+            refuse(Message("the entry {key} is missing", key=key))
+        refuse(Message("the entry {key} is no entry of a trace", key=key))
     return {one.attribute: _value(one, found[one.name], f"{place}{one.name}") for one in fields}
 
 
@@ -186,41 +192,39 @@ def _value(field: TraceField, found: Any, place: str) -> Any:
     value = field.form.from_json(found, place)
     if field.unknown is not None and field.is_unknown(value):
         # One trace has one form.
-        refuse(place, found, Message("null if it is not known"))
+        refuse_value(place, found, Message("null if it is not known"))
     return value
 
 
-def refuse(place: str, found: Any, allowed: Message) -> NoReturn:
-    """Refuse a value of a JSON file.
+def check(fields: Iterable[TraceField], values: Mapping[str, Any], place: str = "") -> None:
+    """Refuse values, given by their attributes, that break the rules of their fields.
 
     Raises:
-        InvalidValueError: Always.
+        TraceRefusedError: One does; the message names it.
     """
-    shown = repr(str(found)[:_SHOWN])
-    raise _not_allowed(
-        Message(
-            "{place} is {value}; it must be {allowed}", place=place, value=shown, allowed=allowed
-        )
-    )
-
-
-def _not_allowed(message: Message) -> InvalidValueError:
-    return InvalidValueError(message, fault=faults.TRACE_NOT_ALLOWED)
+    for one in fields:
+        value, rule = values[one.attribute], one.rule
+        if rule is not None and not rule.holds(value) and not one.is_nan(value):
+            refuse_value(f"{place}{one.name}", one.form.as_json(value), rule.allowed, rule.fault)
+        for part in value if one.form.parts else ():
+            own = vars(part)
+            first = str(own[one.form.parts[0].attribute])
+            check(one.form.parts, own, f"{place}{one.name}[{first}].")
 
 
 def _exactly(kind: type, allowed: Message) -> Callable[[Any, str], Any]:
     def checked(value: Any, place: str) -> Any:
         # Exactly: true is an int to Python, and a float is always written with a point.
-        return value if type(value) is kind else refuse(place, value, allowed)
+        return value if type(value) is kind else refuse_value(place, value, allowed)
 
     return checked
 
 
 def _list(value: Any, place: str, count: Optional[int] = None) -> List[Any]:
     if type(value) is not list:
-        refuse(place, value, Message("a list"))
+        refuse_value(place, value, Message("a list"))
     if count not in (None, len(value)):
-        refuse(place, value, Message("a list of {count} values", count=count))
+        refuse_value(place, value, Message("a list of {count} values", count=count))
     return value
 
 
@@ -241,7 +245,7 @@ def _time_from_json(value: Any, place: str) -> int:
         return utc_time.parse_iso(value if type(value) is str else "")
     except InvalidValueError:
         example = utc_time.iso_text(utc_time.EARLIEST_US)
-        refuse(place, value, Message("a time such as {example}", example=example))
+        refuse_value(place, value, Message("a time such as {example}", example=example))
 
 
 def _pack_numbers(values: np.ndarray) -> bytes:
@@ -250,7 +254,7 @@ def _pack_numbers(values: np.ndarray) -> bytes:
 
 def _numbers_from_json(value: Any, place: str) -> np.ndarray:
     if set(map(type, _list(value, place))) - {float}:
-        refuse(place, value, Message("a list of numbers with a decimal point"))
+        refuse_value(place, value, Message("a list of numbers with a decimal point"))
     return np.array(value, np.float64)
 
 

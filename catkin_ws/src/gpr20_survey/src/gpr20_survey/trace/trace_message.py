@@ -11,9 +11,9 @@ from gpr20_survey import faults
 from gpr20_survey.errors import TraceRefusedError
 from gpr20_survey.frames import ANTENNA_LINK
 from gpr20_survey.trace.aux_value import AuxValue
-from gpr20_survey.trace.sweep import shortened
 from gpr20_survey.trace.trace import TRACE_FIELDS, Trace
 from gpr20_survey.trace.trace_form import UINT, Reader, TraceField, pack_text, pack_time, record_of
+from gpr20_survey.trace.trace_rule import shortened
 
 DATATYPE = "gpr20_msgs/Trace"
 _HEADER = "uint32 seq\ntime stamp\nstring frame_id\n"
