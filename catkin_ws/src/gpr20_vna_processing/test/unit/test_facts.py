@@ -20,7 +20,7 @@ from planned_survey import METADATA
 from reopening_kit import TRACES, noted, texts
 from run_seed import SEED, draws
 from storage_kit import OTHER_SURVEY, Kit
-from trace_examples import SURVEY, read_json
+from trace_examples import SURVEY
 
 from gpr20_analysis.read.verification import verify_survey
 from gpr20_analysis.read.verification_result import COMPLETE, DAMAGED, INCOMPLETE
