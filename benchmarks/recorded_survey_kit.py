@@ -19,7 +19,9 @@ from gpr20_survey.folder.log_record import Kind
 from gpr20_survey.folder.survey_log import SurveyLog
 from gpr20_survey.plan.survey_parameters import RobotTravel, SurveyParameters, Travel
 from gpr20_survey.plan.survey_plan import survey_points
-from gpr20_survey.recording.recordings import open_recordings
+from gpr20_survey.recording.bag import write_bag
+from gpr20_survey.recording.mcap_reader import StoredMcap
+from gpr20_survey.recording.mcap_writer import new_mcap
 from gpr20_survey.recording.survey_topics import SurveyTopics
 from gpr20_survey.trace import trace_json, trace_message
 from gpr20_survey.trace.sweep_settings import AnalyzerSettings
@@ -51,10 +53,9 @@ def make(folder: Path, x_points: int, y_points: int, frequency_points: int = 501
     traces.mkdir(parents=True)
     description = _description(parameters, len(points))
     text = json.dumps(description)
-    recordings = open_recordings(folder, description)
+    recording = new_mcap(folder / survey_folder.MCAP_FILE, description)
     topics = SurveyTopics(trace_message.DEFINITION)
-    for recording in recordings:
-        recording.write(topics.metadata(text, STARTED_US * 1000))
+    recording.write(topics.metadata(text, STARTED_US * 1000))
     noise = np.random.default_rng(20)
     frequency_hz = np.linspace(6e8, 6e9, frequency_points)
     for point in points:
@@ -66,14 +67,13 @@ def make(folder: Path, x_points: int, y_points: int, frequency_points: int = 501
             point.x_mm, point.y_mm, point.z_deg, 0.2,
         )  # fmt: skip
         (traces / survey_folder.trace_file_name(trace)).write_bytes(trace_json.encode(trace))
-        message = topics.trace(trace, moment_us * 1000)
-        for recording in recordings:
-            recording.write_alone(message)
-            if point.index % TRACES_PER_COMMIT == 0:
-                recording.commit()
-    for recording in recordings:
-        recording.commit()
-        recording.finish()
+        recording.write_alone(topics.trace(trace, moment_us * 1000))
+        if point.index % TRACES_PER_COMMIT == 0:
+            recording.commit()
+    recording.commit()
+    recording.finish()
+    recorded = StoredMcap(folder / survey_folder.MCAP_FILE).messages()
+    write_bag(recorded, folder / survey_folder.BAG_FILE)
     log = SurveyLog(folder, [], whole=False)
     end = {key: description[key] for key in ENDING}
     plan = {key: value for key, value in description.items() if key not in ENDING}

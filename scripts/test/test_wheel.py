@@ -14,8 +14,6 @@ from storage_kit import Kit
 from user_shell import ROOT, printed_by
 from wings_kit import needs
 
-from gpr20_survey.recording.recordings import open_recordings
-
 pytestmark = pytest.mark.release
 SOURCES = ROOT / "catkin_ws/src"
 # They have what the requirements name and neither ROS nor this project.
@@ -79,7 +77,7 @@ def gpr20(request, wheel, wings, tmp_path):
 
 
 def test_the_wheel_alone_reads_a_survey(gpr20, tmp_path):
-    kit = Kit(tmp_path, open_recordings)
+    kit = Kit(tmp_path / "data")
     survey = kit.open(metadata_json=METADATA)
     kit.finish(map(planned_trace, range(len(POINTS))), ())
     kit.processing.shut_down()

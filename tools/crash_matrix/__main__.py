@@ -163,9 +163,7 @@ class Matrix:
         if folder is not None:
             self.result.copies += 1
             acknowledged = self._robot.acknowledged(survey_id_of(folder))
-            self.result.faults += faults_after_a_kill(
-                folder, acknowledged, with_bag=victim != POWER
-            )
+            self.result.faults += faults_after_a_kill(folder, acknowledged)
 
     def _new_folder(self) -> Optional[Path]:
         """Return the folder of the survey that was begun last, if it is not a known one."""

@@ -6,16 +6,20 @@ import collections
 import json
 import shutil
 import subprocess
+import sys
 import tempfile
 from pathlib import Path
 from typing import Any, Iterable, Iterator, List, Set, Tuple
 
 from stock_readers import bag_traces, mcap_traces, torn_mcap_traces
+from storage_kit import wait_until
 
 from gpr20_simulator.mid.world.medium import probed_position_mm, probed_rotation_deg
+from gpr20_survey.files.folder_lock import writer_of
 
 # The position probe gives the rotation to 0.4 degrees; a step of the motor is 1.8 degrees.
 ROTATION_TOLERANCE_DEG = 0.9
+EXPORT_BAG = (sys.executable, "-m", "gpr20_analysis.commands.main", "export", "--format", "bag")
 VERIFY = Path(__file__).resolve().parents[2] / "scripts/verify.sh"
 Place = Tuple[float, float, float]
 
@@ -33,26 +37,20 @@ def outcome_of(folder: Path) -> str:
     return str(_description(folder).get("outcome", ""))
 
 
-def faults_after_a_kill(
-    folder: Path, acknowledged: Iterable[str], with_bag: bool = True
-) -> List[str]:
-    """Return what a copy of the files, as they lie there now, lacks after the stock repair.
+def faults_after_a_kill(folder: Path, acknowledged: Iterable[str]) -> List[str]:
+    """Return what a copy of the files, as they lie there now, lacks.
 
     Args:
         folder: A survey's folder, in which a node may be writing.
         acknowledged: Sample ids that were acknowledged before the copy is made.
-        with_bag: Whether the bag must hold them too: before a survey ends it is not durable.
     """
     expected = set(acknowledged)
     faults = []
     with tempfile.TemporaryDirectory() as copies:
         for kind, name, read in (
             ("JSON files", "traces", _whole_json_files),
-            ("bag", "survey.bag", _reindexed_bag),
             ("MCAP", "survey.mcap", lambda path: set(_samples_of(torn_mcap_traces(path)))),
         ):
-            if kind == "bag" and not with_bag:
-                continue
             copy = _copied(folder / name, Path(copies) / name)
             lacking = expected - read(copy)
             if lacking:
@@ -72,6 +70,11 @@ def faults_in_the_end(folder: Path, acknowledged: Iterable[str], planned: Set[Pl
         faults.append(f"other places than planned: {sorted(places ^ planned)[:3]}")
     for one in stored:
         faults.extend(_faults_of_place(one))
+    # The node may have been killed before it was made.
+    make_bag = [*EXPORT_BAG, str(folder)]
+    made = (folder / "survey.bag").exists
+    wait_until(lambda: made() or subprocess.run(make_bag, check=False).returncode == 0)
+    wait_until(lambda: writer_of(folder) is None)
     for kind, recorded in (
         ("bag", _samples_of(bag_traces(folder / "survey.bag"))),
         ("MCAP", _samples_of(mcap_traces(folder / "survey.mcap"))),
@@ -117,13 +120,6 @@ def _copied(source: Path, target: Path) -> Path:
 
 def _whole_json_files(folder: Path) -> Set[str]:
     return {json.loads(path.read_text())["sample_id"] for path in folder.glob("*.json")}
-
-
-def _reindexed_bag(path: Path) -> Set[str]:
-    subprocess.run(
-        ["rosbag", "reindex", "--quiet", "--force", str(path)], capture_output=True, check=True
-    )
-    return set(_samples_of(bag_traces(path)))
 
 
 def _samples_of(traces: Iterable[Any]) -> Iterator[str]:

@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+import contextlib
 import hashlib
 import json
 from pathlib import Path
 from typing import Any, Dict, List, Optional
 
 from stock_readers import bag_traces, mcap_traces, torn_mcap_traces
+from storage_kit import with_bag
 
 from fault_suite.facts import Found
+from gpr20_survey.errors import ProcessingError
 
 
 def survey_in(data: Path) -> Optional[Path]:
@@ -18,21 +21,21 @@ def survey_in(data: Path) -> Optional[Path]:
 
 
 def traces_of_torn(folder: Path) -> Found:
-    """Return the traces of a survey that was cut off; its bag has no index yet."""
+    """Return the traces of a survey that was cut off; it has no bag."""
     mcap = folder / "survey.mcap"
     messages = list(torn_mcap_traces(mcap)) if mcap.is_file() else []
     return Found({"JSON": _json_traces(folder), "MCAP": messages})
 
 
 def everything_of(folder: Path) -> Found:
-    """Return all that is in the folder of a survey that has ended."""
+    """Return all that is in the folder of a survey that has ended; its bag is made."""
+    forms = {"JSON": _json_traces(folder), "MCAP": list(mcap_traces(folder / "survey.mcap"))}
+    with contextlib.suppress(ProcessingError):  # of a survey that is named as damaged
+        with_bag(folder)
+        forms["bag"] = list(bag_traces(folder / "survey.bag"))
     description = json.loads((folder / "survey.json").read_text("utf-8"))
     return Found(
-        {
-            "JSON": _json_traces(folder),
-            "MCAP": list(mcap_traces(folder / "survey.mcap")),
-            "bag": list(bag_traces(folder / "survey.bag")),
-        },
+        forms,
         description.get("markers", []),
         description.get("annotation"),
         description.get("report"),

@@ -24,7 +24,6 @@ from gpr20_analysis.read.verification_result import Verification
 from gpr20_survey.errors import ProcessingError, SurveyRefusedError
 from gpr20_survey.plan.annotation import ANNOTATION
 from gpr20_survey.plan.markers import MARKERS
-from gpr20_survey.recording.recordings import open_recordings
 from gpr20_vna_processing.mid.survey_archive import SurveyArchive
 
 LAUNDERED = "laundered"
@@ -136,7 +135,7 @@ class Judge:
 
     def _finish(self, folder: Path, facts: Facts, is_intact: bool) -> bool:
         """Reopen a survey and end it; return whether it has ended."""
-        kit = Kit(folder.parent, open_recordings)
+        kit = Kit(folder.parent)
         try:
             stored = kit.processing.reopen_survey(folder.name).stored_indices
             for index in sorted(facts.stored.difference(stored)):

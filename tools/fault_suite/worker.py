@@ -23,7 +23,6 @@ from gpr20_survey.folder.annotating import Fact, add_to_survey, annotate
 from gpr20_survey.folder.log_record import Kind
 from gpr20_survey.plan.annotation import from_values
 from gpr20_survey.plan.markers import Marker, new_marker
-from gpr20_survey.recording.recordings import open_recordings
 
 MOST_REPEATS = 3  # after which a disk that does not recover is given up
 START_LIMIT_S = 10.0
@@ -122,7 +121,7 @@ class _Worker:
         self._is_complete = self._is_failing = False
 
     def _new_kit(self) -> Kit:
-        kit = Kit(self._data, open_recordings)
+        kit = Kit(self._data)
         if self._conduct.broken is Broken.NO_MARKERS:
             kit.add_marker = lambda *_: None  # type: ignore
             kit.remove_marker = lambda *_: None  # type: ignore

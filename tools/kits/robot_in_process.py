@@ -21,7 +21,7 @@ from robot_parts import (
     ProcessStorage,
 )
 from simulated_world import LIMIT_S, World
-from storage_kit import end_status
+from storage_kit import NO_BAGS, end_status
 
 from gpr20_common.low.clock import Clock
 from gpr20_common.mid.hardware import NO_HARDWARE, Hardware
@@ -40,7 +40,6 @@ from gpr20_survey.plan.site import Site
 from gpr20_survey.plan.survey_parameters import SurveyParameters
 from gpr20_survey.plan.survey_settings import SurveySettings
 from gpr20_survey.plan.survey_state import SurveyState
-from gpr20_survey.recording.recordings import open_recordings
 from gpr20_survey.recording.survey_topics import SurveyTopics
 from gpr20_survey.trace import trace_message
 from gpr20_vna_acquisition.low.vxi11_transport import LinkLimits
@@ -185,13 +184,13 @@ class RobotInProcess:
         parts = StorageParts(
             data=data,
             check_data=lambda: ensure_folders(data, 0o750),
-            open_recordings=open_recordings,
             topics=SurveyTopics(trace_message.DEFINITION),
             free_bytes=lambda _path: self.world.free_bytes,
             now_ns=lambda: time.time_ns(),  # as it is set by then
             clock=Clock(),
             revision="1.2.3",
             end_status=end_status,
+            bags=NO_BAGS,
         )
         processing = DataProcessing(parts, Limits())
         processing.start()

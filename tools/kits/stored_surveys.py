@@ -9,6 +9,7 @@ from typing import Any, Dict, List, Sequence
 import numpy as np
 from robot_in_process import RobotInProcess
 from stock_readers import bag_traces, mcap_traces, torn_mcap_traces
+from storage_kit import with_bag
 
 from gpr20_common.low.catalogue_file import FOLDER, read_translations
 from gpr20_main_control.mid.survey.engine import NOTHING, Accepted
@@ -97,9 +98,10 @@ def check_acknowledged(
     folder = folder_of(robot, survey_id)
     stored = {one["index"]: one for one in json_traces(robot, survey_id)}
     if (folder / "manifest.json").exists():
-        recordings = [bag_traces(folder / "survey.bag"), mcap_traces(folder / "survey.mcap")]
+        bag = with_bag(folder) / "survey.bag"
+        recordings = [bag_traces(bag), mcap_traces(folder / "survey.mcap")]
     else:
-        # It was cut off, and nobody has resumed it: its bag has no index yet.
+        # It was cut off, and nobody has resumed it: it has no bag.
         recordings = [torn_mcap_traces(folder / "survey.mcap")]
     recorded = [{one.index: one for one in found} for found in recordings]
     assert all(stored.keys() == found.keys() for found in recorded)

@@ -28,6 +28,7 @@ from survey_client import (
     bits,
     described,
     json_traces,
+    wait_for_bag,
 )
 from tf2_msgs.msg import TFMessage
 
@@ -240,6 +241,7 @@ class WholeSurveyTest(unittest.TestCase):
 
     def check_recordings(self, folder, stored):
         """Compare the traces of both recordings; return the topics of the bag."""
+        wait_for_bag(folder)
         with rosbag.Bag(str(folder / "survey.bag")) as bag:
             in_bag = [message for _topic, message, _time in bag.read_messages(["/trace"])]
             topics = set(bag.get_type_and_topic_info().topics)

@@ -42,6 +42,7 @@ from gpr20_survey.trace import trace_message
 from gpr20_survey.trace.aux_value import AuxValue
 
 sys.path.append(str(Path(__file__).resolve().parents[5] / "tools/kits"))
+from storage_kit import wait_until
 from trace_examples import assert_same_numbers, make_trace
 
 PACKAGE = "gpr20_vna_processing"
@@ -87,6 +88,7 @@ def recordings(folder: str) -> list:
     """Return the messages by topic that the stock readers find in the bag and in the MCAP."""
     bag_topics: dict = {}
     mcap_topics: dict = {}
+    wait_until(Path(folder, "survey.bag").exists, TIME_LIMIT_S)
     with rosbag.Bag(folder + "/survey.bag") as bag:
         for topic, message, _ in bag.read_messages():
             bag_topics.setdefault(topic, []).append(message)

@@ -13,12 +13,11 @@ from mcap.reader import make_reader
 from mcap_ros1.decoder import DecoderFactory
 from planned_survey import METADATA, POINTS, planned_trace
 from rosbags.rosbag1 import Reader
-from storage_kit import OTHER_SURVEY, TYPES, Kit, text_message
+from storage_kit import OTHER_SURVEY, TYPES, Kit, text_message, with_bag
 from trace_examples import SURVEY, assert_same_numbers, read_json
 
 from gpr20_survey.folder.recovery import read_description
 from gpr20_survey.plan.markers import markers_of
-from gpr20_survey.recording.recordings import open_recordings
 from gpr20_vna_processing.mid.processing_records import Limits
 
 TRACES = [planned_trace(index) for index in range(len(POINTS))]
@@ -39,7 +38,7 @@ def make(place: Path, ending: str) -> Made:
     What a kill leaves of one that was cut off is what is on the disk then.
     """
     # On a busy computer it would record the last marker before it is cut off.
-    kit = Kit(place / "open", open_recordings, Limits(timeout_s=10.0, period_s=3600.0))
+    kit = Kit(place / "open", limits=Limits(timeout_s=10.0, period_s=3600.0))
     folder = kit.open(metadata_json=METADATA)
     kit.add_marker(SURVEY, marker(1))
     kit.annotate(SURVEY, EXAMPLE)
@@ -69,7 +68,7 @@ def fill(kit: Kit, traces: Iterable[Any]) -> None:
 
 def resume(folder: Path, outcome: str = "finished") -> Any:
     """Resume a survey and close it again, complete if it is to be finished."""
-    kit = Kit(folder.parent, open_recordings)
+    kit = Kit(folder.parent)
     try:
         reopened = kit.processing.reopen_survey(folder.name)
         if outcome == "finished":
@@ -104,7 +103,9 @@ def trace_file(folder: Path, index: int) -> Path:
 
 
 def traces_in_bag(folder: Path) -> List[Any]:
-    """Return the traces that a stock reader finds in the bag."""
+    """Return the traces that a stock reader finds in the bag, which is made if it is missing."""
+    if not (folder / "survey.bag").exists():
+        with_bag(folder)
     with Reader(str(folder / "survey.bag")) as reader:
         return [
             TYPES.deserialize_ros1(data, "gpr20_msgs/msg/Trace")

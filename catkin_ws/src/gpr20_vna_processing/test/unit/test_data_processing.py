@@ -34,7 +34,7 @@ def memory():
 
 @pytest.fixture
 def kit(tmp_path, memory):
-    kit = Kit(tmp_path / "data", lambda *_: [memory])
+    kit = Kit(tmp_path / "data", lambda *_: memory)
     yield kit
     memory.error = None
     kit.processing.shut_down()
@@ -188,7 +188,7 @@ def test_traces_that_cannot_be_recorded_do_not_fill_the_memory(kit, memory):
 
 def test_a_survey_that_is_larger_than_the_disk_is_refused(tmp_path):
     limits = Limits(disk_reserve_bytes=400_000_000)
-    kit = Kit(tmp_path, lambda *_: [MemoryRecording()], limits=limits, free_bytes=1_000_000_000)
+    kit = Kit(tmp_path, lambda *_: MemoryRecording(), limits=limits, free_bytes=1_000_000_000)
     with raises_fault("disk.full", 601, 400, 1000, error=SurveyRefusedError):
         kit.open(needed_bytes=601_000_000)
     assert os.listdir(tmp_path) == []
@@ -221,7 +221,7 @@ def test_a_full_disk_is_told_and_the_trace_is_stored_once_after_space_was_made(k
 
 
 def test_a_computer_without_a_clock_opens_no_survey(tmp_path):
-    kit = Kit(tmp_path, lambda *_: [MemoryRecording()], now_ns=1_000)
+    kit = Kit(tmp_path, lambda *_: MemoryRecording(), now_ns=1_000)
     with raises_fault("clock.wrong", 1970, error=SurveyRefusedError):
         kit.open()
     kit.processing.shut_down()
@@ -232,7 +232,7 @@ def test_neither_a_new_nor_an_old_survey_is_opened_in_another_data_folder(tmp_pa
         raise SurveyRefusedError(Message("gone").with_fault(OTHER_DATA_FOLDER))
 
     for check_data in (None, refuse):
-        kit = Kit(tmp_path, lambda *_: [MemoryRecording()], check_data=check_data)
+        kit = Kit(tmp_path, lambda *_: MemoryRecording(), check_data=check_data)
         if check_data is None:
             kit.open()
         else:

@@ -39,7 +39,6 @@ from gpr20_survey.plan.markers import (
     removed_marker,
     values_of,
 )
-from gpr20_survey.recording.recordings import open_recordings
 from gpr20_vna_processing.mid.facts import KINDS
 
 AT_START = Annotation("Ana", "El Carmen", "at the start")
@@ -260,7 +259,7 @@ def test_a_survey_that_another_process_writes_takes_facts_from_its_storage_alone
 ):
     monkeypatch.setattr(annotating, "SHORT_WAIT_S", 0.05)
     folder = copies("stopped")
-    kit, other = (Kit(folder.parent, open_recordings) for _ in range(2))
+    kit, other = (Kit(folder.parent) for _ in range(2))
     kit.processing.reopen_survey(SURVEY)
     for write in (other.add_marker, lambda *_: add_to_survey(folder, add_marker(3), NOW)):
         with raises_fault("survey.locked", os.getpid(), error=SurveyRefusedError):

@@ -18,7 +18,6 @@ from gpr20_survey.folder.signature import (
     check_signature,
 )
 from gpr20_survey.plan.annotation import Annotation
-from gpr20_survey.recording.recordings import open_recordings
 
 NOW = "2026-11-25T00:00:00.000000Z"
 TRACES = 9
@@ -35,7 +34,7 @@ def signers(tmp_path):
 
 @pytest.fixture
 def kit(tmp_path, signers):
-    kit = Kit(tmp_path / "data", open_recordings, signer=Signer(tmp_path / "key"))
+    kit = Kit(tmp_path / "data", signer=Signer(tmp_path / "key"))
     yield kit
     kit.processing.shut_down()
 

@@ -9,10 +9,11 @@ from typing import Sequence
 
 import xarray as xr
 
-from gpr20_analysis import dataset
+from gpr20_analysis import dataset, faults
 from gpr20_analysis.commands import inputs, outputs
 from gpr20_analysis.commands.command import DAMAGED, DONE, NOT_COMPLETE, Command
 from gpr20_analysis.commands.outputs import Output
+from gpr20_analysis.errors import ExportError
 from gpr20_analysis.formats.conversion import (
     EXPORTS,
     check_ending,
@@ -28,6 +29,7 @@ from gpr20_analysis.processing.sweep import FrequencyGrid
 from gpr20_analysis.processing.to_frequency import to_frequency
 from gpr20_analysis.sentences import FAULTS, MISSING, MOST_REMARKS, labelled, limited, shown
 from gpr20_common.catalogue import Catalogue
+from gpr20_common.message import Message
 from gpr20_common.terminal_text import say
 from gpr20_survey.radar.frequency_to_delay import Window
 
@@ -38,9 +40,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "output",
         type=Path,
+        nargs="?",
         help="file, ending in "
         + ", ".join(f"{one.ending} ({name})" for name, one in EXPORTS.own.items() if one.ending)
-        + "; a new folder for the formats with one file per sample",
+        + "; a new folder for the formats with one file per sample; without it, a bag is made in "
+        "the folder of the survey",
     )
     parser.add_argument("--format", choices=EXPORTS.names(), required=True, help="what to write")
     parser.add_argument(
@@ -54,12 +58,24 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
     """Write the survey; return the exit status."""
+    form = export_format(chosen.format)
+    if chosen.output is None:
+        if form.in_survey is None:
+            raise ExportError(
+                Message(
+                    "the format {format} needs an output: give a file or folder behind the survey",
+                    format=chosen.format,
+                ),
+                fault=faults.FORMAT,
+            )
+        return _say(form.in_survey(chosen.survey), chosen.survey, catalogue)
     check_ending(chosen.output, chosen.format)
     _check([chosen.output], chosen)
-    of_recording = export_format(chosen.format).of_recording
-    if of_recording is not None:
+    if form.of_recording is not None:
         progress = inputs.progress_bar(catalogue.tr("writing"))
-        return _say(of_recording(chosen.survey, chosen.output, progress), chosen.output, catalogue)
+        return _say(
+            form.of_recording(chosen.survey, chosen.output, progress), chosen.output, catalogue
+        )
     survey = inputs.load(chosen, catalogue)
     _check(output_paths(survey, chosen.output, chosen.format), chosen)
     transformed = _transformed(survey, chosen)

@@ -11,7 +11,7 @@ import xarray as xr
 
 from gpr20_analysis import faults
 from gpr20_analysis.entry_points import ExtensionPoint
-from gpr20_analysis.errors import AnalysisError
+from gpr20_analysis.errors import AnalysisError, ExportError
 from gpr20_analysis.progress import Progress
 from gpr20_common.message import Message
 
@@ -45,6 +45,7 @@ class ExportFormat:
         has_own_checksum: Its files contain their checksum, so that none is needed beside them.
         over_time: It can hold A-scans over time.
         of_recording: Writes the recording of a survey in place of its Dataset.
+        in_survey: Writes it into the survey's folder.
     """
 
     write: Writer
@@ -53,6 +54,7 @@ class ExportFormat:
     has_own_checksum: bool = False
     over_time: bool = False
     of_recording: Optional[Callable[[Path, Path, Progress], RecordingExport]] = None
+    in_survey: Optional[Callable[[Path], RecordingExport]] = None
 
 
 def files_of(write: Callable[[xr.Dataset, Path, Progress], int]) -> Writer:
@@ -60,6 +62,22 @@ def files_of(write: Callable[[xr.Dataset, Path, Progress], int]) -> Writer:
     return lambda survey, path, progress: Message(
         "{count} files", count=write(survey, path, progress)
     )
+
+
+def only_recordings(form: str) -> Writer:
+    """Return what a format refuses a Dataset with that holds the messages of a recording."""
+
+    def refuse(_survey: xr.Dataset, _path: Path, _progress: Progress) -> Message:
+        raise ExportError(
+            Message(
+                "the format {format} holds the messages of a recording, which a Dataset does not "
+                "have; use `gpr20 export` with the survey's folder or recording",
+                format=form,
+            ),
+            fault=faults.FORMAT,
+        )
+
+    return refuse
 
 
 @dataclass(frozen=True)

@@ -35,7 +35,7 @@ from gpr20_survey.folder.log_record import Kind
 from gpr20_survey.folder.survey_log import SurveyLog
 from gpr20_survey.plan.annotation import ANNOTATION, Annotation, Wgs84Position
 from gpr20_survey.plan.imported import IMPORTED, TIMES_KNOWN, import_sentence, imported_grid
-from gpr20_survey.recording.recordings import new_mcap
+from gpr20_survey.recording.mcap_writer import new_mcap
 from gpr20_survey.recording.survey_topics import SurveyTopics
 from gpr20_survey.trace import trace_json, trace_message, utc_time
 from gpr20_survey.trace.sweep import storable_remark

@@ -8,17 +8,15 @@ from collections import Counter
 from pathlib import Path
 from typing import Any, Dict, Optional, Tuple
 
-import xarray as xr
 import yaml
 from mcap.writer import Writer
 
 from gpr20_analysis import faults
 from gpr20_analysis.atomic_output import atomic_output
-from gpr20_analysis.errors import ExportError, UnreadableFileError
-from gpr20_analysis.formats.format import ExportFormat, RecordingExport
+from gpr20_analysis.errors import UnreadableFileError
+from gpr20_analysis.formats.format import ExportFormat, RecordingExport, only_recordings
 from gpr20_analysis.progress import Progress
-from gpr20_analysis.read.recording_files import is_bag
-from gpr20_analysis.read.whole_recording import Lost, all_messages, recording_of
+from gpr20_analysis.read.recordings import Lost, all_messages, is_bag, recording_of
 from gpr20_common.message import Message
 from gpr20_survey.folder.survey_folder import SURVEY_FILE
 from gpr20_survey.recording.mcap_reader import read_attachment
@@ -80,19 +78,8 @@ def export_recording(survey: Path, path: Path, progress: Progress) -> RecordingE
     return RecordingExport(content, lost.missing, lost.faults)
 
 
-def _refuse(_survey: xr.Dataset, _path: Path, _progress: Progress) -> Message:
-    raise ExportError(
-        Message(
-            "the format {format} holds the messages of a recording, which a Dataset does not "
-            "have; use `gpr20 export` with the survey's folder or recording",
-            format="ros2",
-        ),
-        fault=faults.FORMAT,
-    )
-
-
 ROS2 = ExportFormat(
-    _refuse,
+    only_recordings("ros2"),
     holds=(METADATA, f"*{MCAP}"),
     has_own_checksum=True,
     of_recording=export_recording,

@@ -17,7 +17,7 @@ from gpr20_analysis.formats.format import IMAGE_FORMATS, ImageFormat
 from gpr20_analysis.formats.recognition import refuse_device, refuse_importable
 from gpr20_analysis.progress import Progress, no_progress
 from gpr20_analysis.read.assembly import assemble
-from gpr20_analysis.read.recording_files import is_recording
+from gpr20_analysis.read.recordings import is_recording
 from gpr20_analysis.read.sources import open_source
 from gpr20_analysis.read.trace_table import EMPTY, in_memory
 from gpr20_survey.folder.survey_folder import LOG_FILE

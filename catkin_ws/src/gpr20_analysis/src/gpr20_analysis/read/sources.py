@@ -13,7 +13,6 @@ import orjson
 from gpr20_analysis import faults
 from gpr20_analysis.errors import AnalysisError, UnreadableFileError, not_there
 from gpr20_analysis.read import recordings
-from gpr20_analysis.read.recording_files import is_recording
 from gpr20_common.message import Message
 from gpr20_common.os_reason import os_reason
 from gpr20_survey.errors import SurveyRefusedError, TraceRefusedError
@@ -92,7 +91,7 @@ class RecordingSource:
         """
         self._recording = recordings.open_recording(path)
         self.name = path.name
-        self.count = self._recording.count
+        self.count = 0
         self.faults: List[Damage] = []
         self.notes: List[Message] = list(self._recording.notes)
         self.description = self._description(self._recording.metadata)
@@ -155,7 +154,7 @@ def open_source(path: Path, read: Callable[[Path], Trace] = read_trace) -> Surve
         return _folder_source(path, read)
     if not path.exists():
         raise AnalysisError(not_there(path), fault=faults.NO_INPUT)
-    if is_recording(path):
+    if recordings.is_recording(path):
         return RecordingSource(path)
     if path.suffix == ".json":
         return JsonSource(path.name, [path], None, read)

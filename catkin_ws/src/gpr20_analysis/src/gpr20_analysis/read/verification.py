@@ -10,7 +10,7 @@ from gpr20_analysis.errors import AnalysisError
 from gpr20_analysis.progress import Progress, no_progress
 from gpr20_analysis.read import description_check, manifest_check
 from gpr20_analysis.read.manifest_check import Seal
-from gpr20_analysis.read.recording_check import RecordingCheck
+from gpr20_analysis.read.recording_check import RecordingCheck, check_bag
 from gpr20_analysis.read.survey_grid import Plan
 from gpr20_analysis.read.time_check import TimeCheck
 from gpr20_analysis.read.verification_result import Verification, unproven_note
@@ -104,7 +104,7 @@ class _Verifier:
         self._recovered = recovered
         self._description = description = recovered.description
         self._survey_id: str = description["survey_id"]
-        self._indexed = description.get("ended") is not None  # the recordings have their index
+        self._indexed = description.get("ended") is not None  # its recording was finished
         interrupted = description.get("outcome") == survey_metadata.INTERRUPTED
         self._found = Verification(
             closed=self._indexed and not interrupted,
@@ -131,10 +131,12 @@ class _Verifier:
             )
         self._check_zeros()
         times = TimeCheck(self._description)
-        recordings = RecordingCheck(
+        recording = RecordingCheck(
             self._folder, self._survey_id, self._indexed, self._found, self._progress
         )
-        recordings.check(files.prints, times.note)
+        recording.check(files.prints, times.note)
+        if self._found.imported is None and not self._found.writer:
+            check_bag(self._folder, self._recovered.found.records, self._indexed, self._found)
         self._check_description(len(files.prints))
         self._found.notes += times.notes()
         return self._found

@@ -12,7 +12,7 @@ from gpr20_survey.faults import LOCKED, UNCONFIRMED
 
 COMPLETE, INCOMPLETE, DAMAGED = 0, 1, 2
 SHOWN = 5  # entries that are named in the verdict
-UNCOVERED = Message("survey.bag, and messages other than traces at the end of survey.mcap")
+UNCOVERED = Message("messages other than traces at the end of survey.mcap")
 
 
 def unproven_note(count: int) -> Message:

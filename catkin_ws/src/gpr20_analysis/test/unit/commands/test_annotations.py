@@ -24,7 +24,6 @@ from gpr20_survey.folder.recovery import read_description
 from gpr20_survey.no_clearance import NO_CLEARANCE
 from gpr20_survey.plan.annotation import Annotation, Wgs84Position, annotation_of
 from gpr20_survey.plan.markers import Marker
-from gpr20_survey.recording.recordings import open_recordings
 from gpr20_survey.results.candidate_json import json_text
 from gpr20_survey.results.found import What, present
 
@@ -122,7 +121,7 @@ def test_a_survey_that_has_not_ended_is_refused(tmp_path, listed, refusals):
 
 @pytest.fixture
 def marked(folder):
-    kit = Kit(folder.parent, open_recordings)
+    kit = Kit(folder.parent)
     for marker in (MARKER, SECOND):
         kit.add_marker(SURVEY, marker)
     kit.remove_marker(SURVEY, SECOND.marker_id, "Luis")

@@ -8,6 +8,7 @@ import dask.array
 import numpy as np
 import pytest
 from fault_kit import raises_fault
+from storage_kit import with_bag
 from survey_kit import POINTS, STARTED_US, make_survey, planned_trace
 
 from gpr20_analysis import dataset, faults
@@ -46,7 +47,8 @@ def aux_of(index):
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
     aux = {index: {"aux": aux_of(index)} for index in range(ALL)}
-    return make_survey(tmp_path_factory.mktemp("whole"), ALL, "finished", misplaced=aux)
+    place = tmp_path_factory.mktemp("whole")
+    return with_bag(make_survey(place, ALL, "finished", misplaced=aux))
 
 
 def settings_in(attributes):
@@ -85,7 +87,7 @@ def test_every_sample_lies_at_its_place_in_si_units(folder):
 
 
 def test_missing_samples_are_nan_marked_and_listed(tmp_path):
-    folder = make_survey(tmp_path, ALL - 4, "stopped")
+    folder = with_bag(make_survey(tmp_path, ALL - 4, "stopped"))
     for name in (".", "survey.bag", "survey.mcap"):
         survey = load_survey(folder / name)
         missing = (survey.quality & int(Quality.MISSING)) != 0
@@ -93,9 +95,8 @@ def test_missing_samples_are_nan_marked_and_listed(tmp_path):
         assert np.isnan(survey.s21.values[missing.values]).all(), name
         assert np.isfinite(survey.s21.values[~missing.values]).all(), name
     cut_off = make_survey(tmp_path / "crash", 7, None)
-    for name in ("survey.bag", "survey.mcap"):
-        found = load_survey(cut_off / name).attrs
-        assert found["stored"] == 7 and any("cut off" in note for note in found["notes"])
+    found = load_survey(cut_off / "survey.mcap").attrs
+    assert found["stored"] == 7 and any("cut off" in note for note in found["notes"])
     survey[dataset.QUALITY][:] = 0
     survey[dataset.QUALITY][0, 1, 2] = int(Quality.DAMAGED)
     (missing,) = dataset.missing_samples(survey)

@@ -29,7 +29,6 @@ from gpr20_survey.folder.log_record import Kind
 from gpr20_survey.folder.recovery import read_description, recover
 from gpr20_survey.plan.annotation import Annotation
 from gpr20_survey.plan.markers import markers_of
-from gpr20_survey.recording.recordings import open_recordings
 
 DONE, NOT_COMPLETE, DAMAGED = 0, 1, 2
 
@@ -47,7 +46,7 @@ def noted(tmp_path_factory):
     folder = make_survey(
         tmp_path_factory.mktemp("noted"), len(POINTS), "finished", at_end=note_during
     )
-    kit = Kit(folder.parent, open_recordings)
+    kit = Kit(folder.parent)
     for number in (3, 4):
         kit.add_marker(SURVEY, marker(number))
     kit.remove_marker(SURVEY, marker(1).marker_id, "Luis")
@@ -131,7 +130,7 @@ def test_a_manifest_is_left_alone_or_written_again_and_the_damaged_one_kept(copi
 
 
 @pytest.mark.parametrize(
-    ("name", "keep"), [("survey.bag", True), ("survey.mcap", False), ("trace", False)]
+    ("name", "keep"), [("survey.mcap", True), ("survey.mcap", False), ("trace", False)]
 )
 def test_nothing_is_sealed_that_disagrees(copied, capsys, name, keep):
     path = sorted((copied / "traces").iterdir())[4] if name == "trace" else copied / name
@@ -147,7 +146,7 @@ def test_nothing_is_sealed_that_disagrees(copied, capsys, name, keep):
 
 
 def test_data_that_were_replaced_as_a_whole_are_named_for_ever(copied, replaced, capsys):
-    for name in ("survey.bag", "survey.mcap", "traces"):
+    for name in ("survey.mcap", "traces"):
         for path in [copied / name] if name != "traces" else (copied / name).iterdir():
             shutil.copy(str(replaced / path.relative_to(copied)), str(path))
     (copied / "manifest.json").unlink()

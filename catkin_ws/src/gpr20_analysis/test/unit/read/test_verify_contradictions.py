@@ -8,6 +8,7 @@ import threading
 import pytest
 from case_kit import each_case
 from log_examples import marker
+from storage_kit import with_bag
 from survey_kit import (
     NOW_NS,
     POINTS,
@@ -105,7 +106,8 @@ def test_an_end_before_the_start_is_told(tmp_path):
     ],
 )
 def test_times_that_contradict_each_other_are_told(tmp_path, times, said):
-    found = notes(make_survey(tmp_path, max(4, len(times)), "stopped", misplaced=times))
+    survey = make_survey(tmp_path, max(4, len(times)), "stopped", misplaced=times)
+    found = notes(with_bag(survey))
     assert len(found) == len(said)
     for note, words in zip(found, said):
         assert all(one in note for one in words), note

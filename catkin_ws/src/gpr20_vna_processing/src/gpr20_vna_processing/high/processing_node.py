@@ -43,7 +43,6 @@ from gpr20_survey.files.file_system import existing_folder
 from gpr20_survey.folder.data_folder import DataFolder
 from gpr20_survey.folder.signature import key_warning
 from gpr20_survey.plan.sensors import SENSORS, Sensors
-from gpr20_survey.recording.recordings import open_recordings
 from gpr20_survey.recording.replay_message import REPLAY_TOPIC
 from gpr20_survey.recording.survey_topics import (
     LOG_TOPIC,
@@ -57,6 +56,7 @@ from gpr20_vna_processing.faults import DISK_SLOW
 from gpr20_vna_processing.high.archive_services import ArchiveServices
 from gpr20_vna_processing.high.end_messages import end_messages, end_status
 from gpr20_vna_processing.high.topic_recorder import TopicRecorder, wait_for_nodes
+from gpr20_vna_processing.low.bag_processes import BagProcesses
 from gpr20_vna_processing.mid.data_processing import DataProcessing
 from gpr20_vna_processing.mid.processing_parameters import ProcessingParameters
 from gpr20_vna_processing.mid.processing_records import BYTES_PER_MB, Storage
@@ -64,6 +64,8 @@ from gpr20_vna_processing.mid.survey_archive import SurveyArchive
 
 NODE = "vna_processing"
 MAX_REPAIRS_SHOWN = 10
+# Of the 15 s that roslaunch gives a node to end.
+BAGS_LIMIT_S = 8.0
 
 
 class ProcessingNode:
@@ -77,13 +79,13 @@ class ProcessingNode:
         self._trace = rospy.Publisher(TRACE_TOPIC, Trace, queue_size=100)
         self._metadata = rospy.Publisher(METADATA_TOPIC, String, queue_size=1, latch=True)
         self._log = rospy.Publisher(LOG_TOPIC, String, queue_size=100)
+        self._bags = BagProcesses(free_bytes, self._limits.disk_reserve_bytes)
         signer = parameters.signer()
         self._key_warning = key_warning(signer)
         self._processing = DataProcessing(
             Storage(
                 data=self._data,
                 check_data=self._folder.check,
-                open_recordings=open_recordings,
                 topics=SurveyTopics(
                     Trace._full_text,
                     rospy.resolve_name(TRACE_TOPIC),
@@ -101,6 +103,7 @@ class ProcessingNode:
                 on_opened=lambda text: _publish(self._metadata, String(text)),
                 on_stored=lambda one: _publish(self._trace, preserialized(Trace, one.data)),
                 on_logged=lambda one: _publish(self._log, preserialized(String, one.data)),
+                bags=self._bags,
             ),
             self._limits,
         )
@@ -213,6 +216,7 @@ class ProcessingNode:
             self._processing.shut_down()
         except ProcessingError as error:
             rospy.logerr("the survey could not be finished: %s", error)
+        self._bags.stop(BAGS_LIMIT_S)
 
     def _health(self) -> Health:
         state = self._processing.state()
@@ -249,9 +253,9 @@ class ProcessingNode:
         if state.queues.dropped or state.unrecorded:
             message = Message("messages of other topics were dropped; the disk is too slow")
             return WARN, message.with_fault(DISK_SLOW).as_warning(), values
-        unsigned = state.unsigned or self._key_warning
-        if unsigned is not None:
-            return WARN, unsigned, values
+        warning = state.unsigned or self._key_warning or state.bag_problem
+        if warning is not None:
+            return WARN, warning, values
         if not state.survey_id:
             return OK, Message("no survey is open"), values
         return OK, Message("{count} traces stored", count=state.stored_traces), values

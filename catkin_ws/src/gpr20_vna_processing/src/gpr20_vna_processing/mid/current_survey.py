@@ -23,6 +23,7 @@ from gpr20_survey.recording.recording import RecordedMessage
 from gpr20_survey.results.reopened_survey import ReopenedSurvey
 from gpr20_survey.trace import utc_time
 from gpr20_vna_processing import faults
+from gpr20_vna_processing.low.bag_processes import bag_bytes
 from gpr20_vna_processing.mid import new_survey
 from gpr20_vna_processing.mid.facts import OF_MARKERS, OF_THE_OPEN_SURVEY
 from gpr20_vna_processing.mid.latched_topics import LatchedTopics
@@ -93,7 +94,7 @@ class CurrentSurvey:
         return survey
 
     def open(self, survey_id: str, started_us: int, metadata_json: str, needed_bytes: int) -> Path:
-        """Make the folder of a survey and begin its recordings; may be repeated.
+        """Make the folder of a survey and begin its recording; may be repeated.
 
         Args:
             survey_id: UUID of the survey.
@@ -123,9 +124,10 @@ class CurrentSurvey:
                 new_survey.make_folder(folder, plan, self._storage.readers)
                 lock.enter_context(locked(folder))
                 new_survey.make_empty(folder, plan)
-                recordings = self._storage.open_recordings(folder, description)
+                path = folder / survey_folder.MCAP_FILE
+                recording = self._storage.open_recording(path, description)
             log = SurveyLog(folder, [plan], whole=False)
-            survey = OpenSurvey(folder, log, recordings, self._storage.topics, self._publication)
+            survey = OpenSurvey(folder, log, recording, self._storage.topics, self._publication)
             # The log last: a folder with one is whole.
             self._take(survey, log.records, now_ns, log.write)
             self._lock = lock.pop_all()
@@ -153,7 +155,9 @@ class CurrentSurvey:
             return survey.reopened(())
         self._check_can_open(0, now_ns)
         folder, _ = find_survey(self._storage.data, name)
-        new_survey.check_space(self._storage, _copied_bytes(folder), self._disk_reserve_bytes)
+        # For a copy of the recording now, and for its bag in the end.
+        new_survey.check_space(self._storage, bag_bytes(folder), self._disk_reserve_bytes)
+        self._storage.bags.cancel(folder)
         with ExitStack() as lock:
             failure = Message("the folder {path} could not be locked", path=printable(folder))
             with storing(failure, folder):
@@ -165,12 +169,11 @@ class CurrentSurvey:
             survey = OpenSurvey(
                 folder,
                 repaired.log,
-                repaired.recordings,
+                repaired.recording,
                 self._storage.topics,
                 self._publication,
                 repaired.stored,
                 repaired.recent,
-                repaired.types,
             )
             self._take(survey, repaired.added, now_ns)
             self._lock = lock.pop_all()
@@ -190,7 +193,7 @@ class CurrentSurvey:
 
         Args:
             survey: The survey.
-            added: The records of its log that its recordings do not hold yet.
+            added: The records of its log that its recording does not hold yet.
             now_ns: The present moment [ns since 1970, UTC].
             write_log: Writes the log of a new survey.
         """
@@ -231,7 +234,7 @@ class CurrentSurvey:
     def close(
         self, survey_id: str, outcome: str, reason: Message, end: Sequence[RecordedMessage] = ()
     ) -> ClosedSurvey:
-        """Finish the recordings and write how the survey ended; may be repeated.
+        """Finish the recording and write how the survey ended; may be repeated.
 
         Args:
             survey_id: UUID of the survey.
@@ -261,6 +264,7 @@ class CurrentSurvey:
         self._latched.end()
         self._lock.close()
         self._survey = None
+        self._storage.bags.make(survey.folder)
         return ClosedSurvey(survey_id, survey.folder, survey.stored_traces)
 
     def _end_status(
@@ -352,9 +356,3 @@ class CurrentSurvey:
         self._lock.close()
         self._latched.end()
         self._survey = None
-
-
-def _copied_bytes(folder: Path) -> int:
-    """Return the space that reopening a survey may need: both recordings may be copied [bytes]."""
-    recordings = [folder / name for name in (survey_folder.BAG_FILE, survey_folder.MCAP_FILE)]
-    return sum(path.lstat().st_size for path in recordings if path.is_file())

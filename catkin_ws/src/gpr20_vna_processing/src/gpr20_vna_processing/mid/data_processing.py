@@ -107,7 +107,7 @@ class DataProcessing:
         return self._do_long(lambda: self._survey.close(survey_id, outcome, reason, end))
 
     def shut_down(self) -> None:
-        """Finish the recordings of a survey that is still open and end the thread.
+        """Finish the recording of a survey that is still open and end the thread.
 
         Raises:
             StorageFailedError: The disk refused or was too slow.
@@ -131,6 +131,7 @@ class DataProcessing:
             failing=failing,
             queues=self._thread.state(),
             unsigned=self._survey.unsigned,
+            bag_problem=self._storage.bags.problem(),
         )
 
     def _do_long(self, work: Callable[[], Any]) -> Any:
@@ -155,7 +156,7 @@ class DataProcessing:
             return
         # No caller waits for an answer here: the diagnostics show errors to the operator.
         try:
-            self._unrecorded += survey.record(messages)
+            survey.record(messages)
         except Exception as error:
             self._unrecorded += len(messages)
             self._note_unanswered(error)

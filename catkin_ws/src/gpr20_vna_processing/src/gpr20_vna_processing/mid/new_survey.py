@@ -64,6 +64,8 @@ def check_clock(now_ns: int) -> None:
 def check_space(storage: Storage, needed_bytes: int, reserve_bytes: int) -> None:
     """Refuse a data folder that is not the right one, and a survey that does not fit on its disk.
 
+    The bags of surveys that have ended, which are being made, take space too.
+
     Raises:
         SurveyRefusedError: It is another folder, or the disk has too little space.
         StorageFailedError: The data folder cannot be made, read or written to.
@@ -73,7 +75,7 @@ def check_space(storage: Storage, needed_bytes: int, reserve_bytes: int) -> None
     with storing(
         Message("the data folder {path} could not be written to", path=printable(data)), data
     ):
-        free = storage.free_bytes(data)
+        free = storage.free_bytes(data) - storage.bags.outstanding_bytes()
     if needed_bytes + reserve_bytes > free:
         raise SurveyRefusedError(
             Message(
@@ -138,7 +140,6 @@ def make_empty(folder: Path, plan: LogRecord) -> None:
 _BEGUN = (
     *survey_folder.LOG_FILES,
     survey_folder.SURVEY_FILE,
-    survey_folder.BAG_FILE,
     survey_folder.MCAP_FILE,
 )
 

@@ -10,8 +10,10 @@ from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message
 from gpr20_survey.files.access import Readers
 from gpr20_survey.folder.signature import Signer
-from gpr20_survey.recording.recording import RecordedMessage, Recording
+from gpr20_survey.recording.mcap_writer import McapFile, new_mcap
+from gpr20_survey.recording.recording import RecordedMessage
 from gpr20_survey.recording.survey_topics import SurveyTopics
+from gpr20_vna_processing.low.bag_processes import BagProcesses
 from gpr20_vna_processing.mid.storage_thread import QueueState
 from gpr20_vna_processing.mid.survey_end import SurveyEnd
 
@@ -25,8 +27,6 @@ class Storage:
     data: Path
     check_data: Callable[[], None]
     """Refuses a data folder that is not the one that was used before; makes it at first."""
-    open_recordings: Callable[[Path, Dict[str, Any]], Sequence[Recording]]
-    """Begins the recordings of a new survey in its folder, by its description."""
     topics: SurveyTopics
     free_bytes: Callable[[Path], int]
     now_ns: Callable[[], int]
@@ -34,7 +34,8 @@ class Storage:
     clock: Clock
     revision: str
     end_status: Callable[[SurveyEnd], RecordedMessage]
-    """Makes the last message of `control_status` in the recordings."""
+    """Makes the last message of `control_status` in the recording."""
+    bags: BagProcesses
     readers: Readers = Readers.GROUP
     """Who may read a new survey."""
     on_opened: Callable[[str], None] = lambda _text: None
@@ -45,6 +46,8 @@ class Storage:
     """Likewise with that of every record of a survey's log."""
     signer: Optional[Signer] = None
     """Signs a survey whenever its manifest was written; None: surveys are not signed."""
+    open_recording: Callable[[Path, Dict[str, Any]], McapFile] = new_mcap
+    """Begins the recording of a new survey, by its description."""
 
 
 @dataclass(frozen=True)
@@ -90,7 +93,7 @@ class ProcessingState:
     folder: str
     stored_traces: int
     unrecorded: int
-    """Messages of other topics that are in no recording, without those the queue dropped."""
+    """Messages of other topics that are not recorded, without those the queue dropped."""
     last_error: Optional[Message]
     """What was refused or failed last; None once something succeeded again."""
     failing: bool
@@ -98,3 +101,5 @@ class ProcessingState:
     queues: QueueState
     unsigned: Optional[Message] = None
     """Why the survey that was changed last is not signed, although there is a key."""
+    bag_problem: Optional[Message] = None
+    """Which bag could not be made, and why."""

@@ -2,10 +2,10 @@
 
 The log says what was planned and noted, the JSON files and the MCAP what was measured; each judges
 itself by its checksums. Damaged JSON files are put aside and written again from the MCAP; then the
-log says that the survey was reopened, and from then on the manifest does not bind; then the MCAP
-and the bag are written again beside the old ones, which they replace when they are whole. Nothing
-is changed before everything was read, and each step leaves a folder that can be reopened. The
-manifest is compared with the files first, and removed last.
+log says that the survey was reopened, and from then on the manifest does not bind; then the MCAP is
+written again beside the old one, which it replaces when it is whole; the bag is removed. Nothing is
+changed before everything was read, and each step leaves a folder that can be reopened. The manifest
+is compared with the files first, and removed last.
 """
 
 from __future__ import annotations
@@ -32,13 +32,13 @@ from gpr20_survey.folder.survey_log import SurveyLog
 from gpr20_survey.folder.trace_files import TraceFile
 from gpr20_survey.plan.imported import is_imported
 from gpr20_survey.plan.plan_fit import PlanFit
-from gpr20_survey.recording.recording import Recording
+from gpr20_survey.recording.mcap_writer import McapFile
 from gpr20_survey.recording.survey_topics import SurveyTopics, recorded_trace
 from gpr20_survey.results.reopened_survey import FIRST_TRACES, RECENT_TRACES
 from gpr20_survey.trace import trace_json, utc_time
 from gpr20_survey.trace.trace import Trace
 from gpr20_vna_processing.mid import refusals
-from gpr20_vna_processing.mid.recording_repair import RecordingRepair, read_again
+from gpr20_vna_processing.mid.recording_repair import read_again, write_again
 from gpr20_vna_processing.mid.stored_traces import RecordedTraces, StoredTraces
 
 
@@ -48,17 +48,15 @@ class RepairedSurvey:
 
     log: SurveyLog
     added: Tuple[LogRecord, ...]
-    """The records of the log that the recordings lack."""
-    recordings: List[Recording]
-    """Open at their ends."""
+    """The records of the log that the recording lacks."""
+    recording: McapFile
+    """Open at its end."""
     stored: Dict[int, TraceFile]
     """The trace of each index that is stored."""
     recent: Tuple[Trace, ...]
     """The first traces of the plan, and those that were stored last, the latest last."""
     repairs: Tuple[Message, ...]
     """What was repaired."""
-    types: Dict[str, Any]
-    """The checksums of the message types that the recordings hold of each topic."""
 
 
 class Reopening:
@@ -105,7 +103,7 @@ class Reopening:
         self._files = self._stored.files.files
 
     def repair(self, now_us: int) -> RepairedSurvey:
-        """Make all files whole and open the recordings at their ends.
+        """Make all files whole and open the recording at its end.
 
         Args:
             now_us: The present moment [us since 1970, UTC].
@@ -127,25 +125,23 @@ class Reopening:
             log = open_log(self._folder, self._with_unproven(), now)
             log.add(log.next(Kind.RESUME, {"stored_traces": len(self._stored.truth)}, now))
             recent = self._recent()
-            recordings = RecordingRepair(
+            recording = write_again(
                 self._folder, self._stored, self._topics, self._start, self._repairs
-            ).write()
+            )
             try:
                 # Last: until now it shows which files were changed before.
                 durable_files.remove_file(self._folder / SIGNATURE_FILE)
                 durable_files.remove_file(self._folder / manifest.MANIFEST_FILE)
             except OSError:
-                for recording in recordings:
-                    recording.abandon()
+                recording.abandon()
                 raise
         return RepairedSurvey(
             log,
             self._not_recorded(log),
-            recordings,
+            recording,
             self._files,
             recent,
             tuple(self._repairs),
-            self._stored.mcap.types,
         )
 
     def _not_recorded(self, log: SurveyLog) -> Tuple[LogRecord, ...]:
@@ -154,7 +150,7 @@ class Reopening:
         return tuple(one for one in log.records if one.sha256 not in recorded)
 
     def _with_unproven(self) -> RecoveredSurvey:
-        """Name what the recordings, the manifest and its signature will vouch for from now on.
+        """Name what the recording, the manifest and its signature will vouch for from now on.
 
         These are the traces of which two forms contradict each other, and all of a survey that was
         changed since this robot signed it, or that it never signed.

@@ -17,7 +17,7 @@ from gpr20_common.os_reason import os_reason
 from gpr20_common.terminal_text import printable
 from gpr20_survey.errors import ProcessingError, TraceRefusedError
 from gpr20_survey.folder import survey_folder, trace_files
-from gpr20_survey.recording.mcap_traces import McapTraces
+from gpr20_survey.recording.mcap_reader import McapTraces
 from gpr20_survey.trace.trace import Trace
 from gpr20_survey.trace.trace_block import TraceBlock
 

@@ -39,8 +39,6 @@ class RecordedTraces:
         """Fingerprint of the trace of each index."""
         self.wrong: Dict[int, List[Message]] = {}
         """What of each trace is not as it was planned."""
-        self.types: Dict[str, Set[str]] = {}
-        """The checksums of the message types of each topic."""
         self.log: Set[str] = set()
         """The checksums of the records of the survey's log."""
         self.foreign = 0
@@ -50,7 +48,6 @@ class RecordedTraces:
         self._places: Dict[int, int] = {}  # of the message of each index
         found: List[Message] = []
         for place, message in enumerate(self.stored.messages()):
-            self.types.setdefault(message.topic, set()).add(message.md5sum)
             record = recorded_log(message)
             if record is not None:
                 self.log.add(record.sha256)

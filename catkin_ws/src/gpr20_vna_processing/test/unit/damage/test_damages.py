@@ -37,13 +37,12 @@ from gpr20_survey.folder import trace_files
 from gpr20_survey.folder.annotating import add_to_survey
 from gpr20_survey.folder.recovery import read_description
 from gpr20_survey.plan.annotation import annotation_of
-from gpr20_survey.recording.recordings import open_recordings
 from gpr20_survey.trace import trace_json
 from gpr20_vna_processing.mid.survey_archive import SurveyArchive
 
 VIEW, SEAL = "survey.json", "manifest.json"
 LOG, COPY = "log.jsonl", "log.copy.jsonl"
-BAG, MCAP, TRACE = "survey.bag", "survey.mcap", "a trace"
+MCAP, TRACE = "survey.mcap", "a trace"
 SIX = tuple(range(6))
 WITHOUT_2 = (0, 1, 3, 4, 5)
 TRACE_NAME = "000002_X0020.00_Y0010.00_Z+000.00.json"
@@ -223,21 +222,17 @@ DAMAGES = {
         CUT_OFF, other_trace, ["trace 2", MCAP], [MCAP], [TRACE], doubts=["traces/000002"]
     ),
     "trace cut, no mcap": Damage(
-        CUT_OFF, both(cut(TRACE), gone(MCAP)), [TRACE, MCAP], [TRACE, BAG],
+        CUT_OFF, both(cut(TRACE), gone(MCAP)), [TRACE, MCAP], [TRACE],
         loaded=WITHOUT_2, stored=WITHOUT_2,
     ),
-    "trace in the bag alone": Damage(
-        STOPPED, gone(TRACE, MCAP), [TRACE, MCAP], [BAG], [MCAP], WITHOUT_2, WITHOUT_2
+    "trace and mcap gone": Damage(
+        STOPPED, gone(TRACE, MCAP), [TRACE, MCAP], [], [MCAP], WITHOUT_2, WITHOUT_2
     ),
     "all traces": Damage(STOPPED, gone("traces"), ["traces/"], repaired=[TRACE],
                          loaded="storage.unreadable"),
-    # The MCAP: what cannot be read of it is in the JSON files, and in the bag that is kept.
-    "mcap gone": Damage(CUT_OFF, gone(MCAP), [MCAP], [BAG]),
-    "mcap flipped": Damage(STOPPED, flipped(MCAP, place=0.6), [MCAP], [BAG, MCAP]),
-    # A bag has no checksums: it is never believed, and written again.
-    "bag gone": Damage(STOPPED, gone(BAG), [BAG], repaired=[]),
-    "number in the bag": Damage(CUT_OFF, flipped(BAG, TRACES[2].s21_real.tobytes())),
-    "type in the bag": Damage(CUT_OFF, flipped(BAG, b"type=gpr20_msgs/Trace")),
+    # The MCAP: what cannot be read of it is in the JSON files.
+    "mcap gone": Damage(CUT_OFF, gone(MCAP), [MCAP]),
+    "mcap flipped": Damage(STOPPED, flipped(MCAP, place=0.6), [MCAP], [MCAP]),
 }  # fmt: skip
 
 
@@ -312,7 +307,7 @@ def test_damage_is_named_and_costs_nothing_that_another_form_holds(copies, surve
     check_verified(folder, damage)
     assert tree(folder) == damaged
     if damage.refused:
-        kit = Kit(folder.parent, open_recordings)
+        kit = Kit(folder.parent)
         with raises_fault(damage.refused, error=SurveyRefusedError):
             kit.processing.reopen_survey(folder.name)
         kit.processing.shut_down()

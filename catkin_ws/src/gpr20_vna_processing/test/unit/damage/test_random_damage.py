@@ -24,12 +24,11 @@ from gpr20_survey.errors import ProcessingError, SurveyRefusedError
 from gpr20_survey.folder.recovery import read_description
 from gpr20_survey.plan.annotation import annotation_of
 from gpr20_survey.plan.markers import markers_of
-from gpr20_survey.recording.recordings import open_recordings
 
 SEAL = "manifest.json"
 LOG_FILES = ("log.jsonl", "log.copy.jsonl")
 LOG_FORMS = (*LOG_FILES, SEAL)
-FORMS = ("traces", "survey.bag", "survey.mcap", "survey.json", *LOG_FORMS)
+FORMS = ("traces", "survey.mcap", "survey.json", *LOG_FORMS)
 LOOKS = 3
 
 
@@ -141,7 +140,7 @@ def check(rng, ending, folder, forms) -> None:
         check_verified(folder, before, after)
     if forms == LOG_FORMS or rng.random() < 0.3:
         repair(folder, before, after)
-    kit = Kit(folder.parent, open_recordings)
+    kit = Kit(folder.parent)
     try:
         reopened = reopen(kit, folder, before, after)
         if reopened is None:

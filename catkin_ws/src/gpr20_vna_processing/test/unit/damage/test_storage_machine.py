@@ -30,11 +30,10 @@ from gpr20_analysis.read.verification import verify_survey
 from gpr20_analysis.read.verification_result import COMPLETE
 from gpr20_survey.errors import ProcessingError, StorageFailedError
 from gpr20_survey.folder.recovery import recover
-from gpr20_survey.folder.survey_folder import BAG_FILE, MCAP_FILE, SURVEY_FILE, survey_folder
+from gpr20_survey.folder.survey_folder import MCAP_FILE, SURVEY_FILE, survey_folder
 from gpr20_survey.plan.annotation import Annotation
 from gpr20_survey.plan.markers import Marker
 from gpr20_survey.recording.mcap_reader import StoredMcap
-from gpr20_survey.recording.recordings import open_recordings
 from gpr20_survey.recording.survey_topics import recorded_trace
 from gpr20_vna_processing.mid.facts import KINDS
 from gpr20_vna_processing.mid.processing_records import AddedFact, Limits
@@ -93,7 +92,7 @@ class StorageMachine(RuleBasedStateMachine):
         self.begin_process()
 
     def begin_process(self):
-        self.kit = Kit(self.data, open_recordings, limits=LIMITS)
+        self.kit = Kit(self.data, limits=LIMITS)
         self.current = ""
         self.opened_new = self.spoiled = self.closing = False
 
@@ -329,11 +328,11 @@ class StorageMachine(RuleBasedStateMachine):
             self.opened_new = self.opened_new and before == survey and not self.spoiled
             self.spoiled = self.closing = False
 
-    @rule(name=st.sampled_from([BAG_FILE, MCAP_FILE]))
-    def spoil(self, name):
-        """Remove a recording of the open survey: its next commit fails."""
+    @rule()
+    def spoil(self):
+        """Remove the recording of the open survey: its next commit fails."""
         if self.current and not self.closing:
-            (self.folder_of(self.current) / name).unlink(missing_ok=True)
+            (self.folder_of(self.current) / MCAP_FILE).unlink(missing_ok=True)
             self.spoiled = self.known[self.current].spoiled = True
 
     @rule()
