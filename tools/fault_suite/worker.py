@@ -24,9 +24,7 @@ from trace_examples import SURVEY
 from gpr20_survey.errors import ProcessingError, StorageFailedError
 from gpr20_survey.folder.annotating import Fact
 from gpr20_survey.folder.log_record import Kind
-from gpr20_survey.plan.annotation import from_values
 from gpr20_survey.plan.markers import Marker
-from gpr20_survey.recording.recordings import open_recordings
 from gpr20_vna_processing.mid.data_processing import DataProcessing
 
 TRACES = dict(enumerate(map(planned_trace, range(len(POINTS)))))
@@ -94,19 +92,14 @@ def _addition(chance: random.Random, kinds: Sequence[Kind]) -> Step:
 
 def new_storage(data: Path) -> Kit:
     """Return a storage as that of the robot."""
-    return Kit(data, open_recordings)
+    return Kit(data)
 
 
 def add_fact(processing: DataProcessing, fact: Fact) -> None:
     """Ask for a fact in the survey, open or not."""
-    if fact.kind is Kind.MARKER:
-        processing.add_marker(SURVEY, Marker(**fact.values))
-    elif fact.kind is Kind.ANNOTATION:
-        processing.annotate(SURVEY, from_values(fact.values))
-    elif fact.kind is Kind.REPORT:
-        processing.report(SURVEY, json.dumps(fact.values))
-    else:
-        processing.note(SURVEY, fact.kind.value, json.dumps(fact.values))
+    is_marker = fact.kind is Kind.MARKER
+    values = Marker(**fact.values).request() if is_marker else fact.values
+    processing.add_fact(SURVEY, fact.kind.value, json.dumps(values))
 
 
 class Worker(ForkProcess):
