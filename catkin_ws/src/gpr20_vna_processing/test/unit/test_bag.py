@@ -111,7 +111,8 @@ def test_each_flip_of_a_bag_is_found(folder):
         path.write_bytes(content[:place] + flipped + content[place + 1 :])
         found = verify_survey(folder)
         assert found.status == DAMAGED and "survey.bag" in str(found.faults[0]), place
-    path.write_bytes(content)
+    assert main(["export", "--format", "bag", str(folder)]) == 0
+    assert path.read_bytes() == content
     assert_complete_with_bag(folder)
 
 

@@ -44,17 +44,23 @@ def check_bag(
         reason = os_reason(error)
         found.fault(Message("{file} cannot be read: {reason}", file=BAG_FILE, reason=reason))
         return
+    named = {"file": BAG_FILE, "folder": printable(folder)}
     if expected is None:
         found.note(
             Message(
                 "the log does not confirm {file}, as after a power cut; `gpr20 export --format bag "
                 "{folder}` makes it again",
-                file=BAG_FILE,
-                folder=printable(folder),
+                **named,
             )
         )
     elif present != expected:
-        found.fault(Message("{file} differs from its SHA-256 in the log", file=BAG_FILE))
+        found.fault(
+            Message(
+                "{file} differs from its SHA-256 in the log; `gpr20 export --format bag {folder}` "
+                "makes it again",
+                **named,
+            )
+        )
 
 
 class RecordingCheck:

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import contextlib
 import os
-import struct
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, BinaryIO, Iterator, List, Optional
@@ -255,16 +254,7 @@ def _metadata(path: Path) -> Optional[str]:
     if own is not None:
         return own.decode("utf-8", "replace")
     found = (one for one in _messages(path, Lost(), TEXT_TYPE) if is_metadata_topic(one.topic))
-    return next((_text(one.data) for one in found), None)
-
-
-def _text(data: bytes) -> str:
-    (size,) = struct.unpack_from("<I", data)
-    if size + 4 != len(data):
-        raise UnreadableFileError(
-            Message("the recorded survey.json is incomplete"), fault=faults.RECORDING_DAMAGED
-        )
-    return data[4:].decode("utf-8", "replace")
+    return next((one.data[4:].decode("utf-8", "replace") for one in found), None)
 
 
 def _opened(path: Path, follow_link: bool) -> BinaryIO:
