@@ -29,6 +29,7 @@ from gpr20_vna_processing.low import bag_processes
 from gpr20_vna_processing.low.bag_processes import BAG_TO_MCAP, BagProcesses
 
 FREE_BYTES = 10**12
+LIMIT_S = 60.0  # far more than a process needs
 
 
 @pytest.fixture
@@ -178,14 +179,14 @@ def test_the_storage_makes_the_bag_beside_the_next_survey(tmp_path, bags):
     folder = kit.open()
     kit.processing.store(TRACES[0])
     kit.processing.close_survey(SURVEY, "stopped")
-    wait_until((folder / "survey.bag").exists)
-    wait_until(lambda: bags.outstanding_bytes() == 0)
+    wait_until((folder / "survey.bag").exists, LIMIT_S)
+    wait_until(lambda: bags.outstanding_bytes() == 0, LIMIT_S)
     assert len(list(bag_traces(folder / "survey.bag"))) == 1
     # A survey that is shut down is interrupted, and has a bag when the node has ended.
     kit.processing.reopen_survey(SURVEY)
     assert not (folder / "survey.bag").exists()
     kit.processing.shut_down()
-    bags.stop(60.0)
+    bags.stop(LIMIT_S)
     assert (folder / "survey.bag").exists() and bags.problem() is None
 
 
@@ -224,7 +225,7 @@ def test_a_bag_that_could_not_be_made_is_named_with_the_command_until_it_is_ther
     else:
         (folder / "survey.mcap").rename(folder.parent / "away")
     bags.make(folder)
-    wait_until(lambda: bags.problem() is not None)
+    wait_until(lambda: bags.problem() is not None, LIMIT_S)
     problem = bags.problem()
     assert f"gpr20 export --format bag {folder}" in str(problem)
     code = {"killed": "storage.bag_missing", "no space": "disk.full"}
