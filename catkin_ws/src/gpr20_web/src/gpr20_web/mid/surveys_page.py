@@ -13,6 +13,7 @@ from typing import Any, Callable, Dict, Mapping, Tuple
 from gpr20_common.errors import Gpr20Error
 from gpr20_common.low.clock import time_of_day_us
 from gpr20_common.message import Message
+from gpr20_common.mid.codec import record_from
 from gpr20_operator.ground.past_surveys import NO_LIST, Listed, PastSurveys
 from gpr20_operator.jobs import result_texts as texts
 from gpr20_operator.jobs.job import Service
@@ -218,7 +219,8 @@ class SurveysPage(WebPage):
             self._check_own_marker(call, removed)
             self._add_fact(folder, Kind.MARKER_REMOVED, {"marker_id": removed, "author": who})
         else:
-            marker = Marker(str(uuid.uuid4()), **place, text=text, author=who)
+            values = {"marker_id": str(uuid.uuid4()), **place, "text": text, "author": who}
+            marker = record_from(Marker, values, "marker")
             self._add_fact(folder, Kind.MARKER, marker.request())
         self._audit(call, "marker", folder=folder, text=text, removed=removed, **place)
         return {}

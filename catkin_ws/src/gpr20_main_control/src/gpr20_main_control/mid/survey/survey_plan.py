@@ -245,11 +245,9 @@ def _recorded_settings(reopened: ReopenedSurvey, wanted: AnalyzerSettings) -> An
     """Return the settings that the analyzer had at the survey's start, or else the wanted ones."""
     try:
         sweep = json.loads(reopened.metadata_json)["instrument"]["sweep"]
-        return AnalyzerSettings(
-            float(sweep["if_bandwidth_hz"]), int(sweep["averages"]), str(sweep["output_power"])
-        )
+        return record_from(AnalyzerSettings, sweep, "sweep", others=True)
     except (ValueError, KeyError, TypeError):
-        # Surveys of earlier versions do not have them.
+        # Not every analyzer says them.
         return wanted
 
 
