@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import dataclasses
 import json
-from typing import Any, Dict, Mapping, Sequence
+from typing import Any, Dict, Sequence
 
-from gpr20_common.errors import Gpr20Error, InvalidValueError
+from gpr20_common.errors import Gpr20Error
 from gpr20_common.message import Message
 from gpr20_common.mid.codec import record_from
 from gpr20_common.sent_message import message_from, received_message
@@ -148,19 +148,12 @@ def axis_limits(message: RobotConfiguration) -> AxisLimits:
         return AxisLimits(None, message_from(message), nodes=nodes)
     try:
         config = robot_config(nodes)
-        settings = _record(SurveySettings, nodes["main_control"].configuration)
-        site = _record(Site, json.loads(message.site_json))
+        # Another version of the node may have fields that this one does not know.
+        own = nodes["main_control"].configuration
+        settings = record_from(SurveySettings, own, "main_control", others=True)
+        site = record_from(Site, json.loads(message.site_json), "site", others=True)
         address = str(nodes[ANALYZER].configuration.get("address", ""))
     except (Gpr20Error, ValueError, KeyError, TypeError) as error:
         return AxisLimits(None, LIMITS_UNKNOWN.with_details(error))
     figures, defaults = RobotFigures(config, settings), RobotDefaults(address, site)
     return AxisLimits(config.travel, figures=figures, defaults=defaults, nodes=nodes)
-
-
-def _record(record_class: Any, values: Any) -> Any:
-    # Another version of the node may have fields that this one does not know.
-    if not isinstance(values, Mapping):
-        raise InvalidValueError(LIMITS_UNKNOWN)
-    names = {field.name for field in dataclasses.fields(record_class)}
-    known = {name: value for name, value in values.items() if name in names}
-    return record_from(record_class, known, record_class.__name__)
