@@ -6,6 +6,7 @@ from typing import Any, Callable, Dict, Optional, Sequence, Tuple
 
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message
+from gpr20_common.mid.codec import record_from
 from gpr20_survey.errors import SurveyRefusedError
 from gpr20_survey.folder.annotating import Change, Fact, annotate
 from gpr20_survey.folder.log_record import NOTES, Kind
@@ -50,13 +51,14 @@ def _report(kind: Kind, values: Dict[str, Any], _now: str) -> Change:
 
 def _marker(kind: Kind, values: Dict[str, Any], now: str) -> Change:
     _check_keys(kind, values, REQUEST_KEYS)
-    marker = Marker(**values)
+    marker = record_from(Marker, values, kind.value)
     return lambda description: _fact(kind, new_marker(description, marker, now))
 
 
 def _removal(kind: Kind, values: Dict[str, Any], now: str) -> Change:
     _check_keys(kind, values, REMOVAL_KEYS)
-    marker = Marker(x_mm=0.0, y_mm=0.0, **values)  # which checks the values
+    # Which checks the values.
+    marker = record_from(Marker, {**values, "x_mm": 0.0, "y_mm": 0.0}, kind.value)
     gone = (marker.marker_id, marker.author, now)
     return lambda description: _fact(kind, removed_marker(description, *gone))
 

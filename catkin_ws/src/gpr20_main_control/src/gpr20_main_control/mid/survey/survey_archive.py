@@ -10,6 +10,7 @@ from typing import Any, Dict, Mapping, Optional, Sequence, Tuple
 
 from gpr20_common.low.clock import time_of_day_us
 from gpr20_common.message import Message, Severity
+from gpr20_common.mid.codec import plain
 from gpr20_main_control import faults
 from gpr20_main_control.errors import DeviceError
 from gpr20_main_control.mid.devices.instruments import AnalyzerState
@@ -255,7 +256,7 @@ def survey_record(
             "sweep": _recorded_sweep(analyzer),
         },
         "axes": {axis_id.value: asdict(one) for axis_id, one in plan.config.axes.items()},
-        "settings": asdict(plan.settings),
+        "settings": plain(plan.settings),
         ANNOTATION: plan.annotation.values(),
         **({REFINES: plan.refines} if plan.refines else {}),
         **({PLANNED: plan.permittivity} if plan.permittivity is not None else {}),
