@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import json
-from typing import Any, Dict, Sequence
+from typing import Any, Dict, Mapping, Sequence
 
 from gpr20_common.errors import Gpr20Error
 from gpr20_common.message import Message
