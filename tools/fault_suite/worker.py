@@ -28,7 +28,7 @@ from gpr20_survey.plan.markers import Marker
 from gpr20_vna_processing.mid.data_processing import DataProcessing
 
 TRACES = dict(enumerate(map(planned_trace, range(len(POINTS)))))
-TIME = "2026-11-21T05:10:00.000000Z"
+TIME = "2026-11-21T05:10:00.000000+00:00"
 WORDS = ("metal", "raíz", "日本", "=1+1", "a, b; c", '"', "\\u0041", "")
 # What may be added to a survey that is closed, and to one that is open.
 CLOSED_KINDS = (Kind.MARKER, Kind.ANNOTATION, Kind.DECISION)
