@@ -36,7 +36,12 @@ from gpr20_analysis.imaging.records import Focus, Traces
 from gpr20_analysis.processing.background import remove_background
 from gpr20_analysis.processing.sweep import FrequencyGrid
 from gpr20_analysis.read.load import load_survey
+from gpr20_survey.folder import survey_folder
 from gpr20_survey.radar.refraction import one_way_delay_s
+from gpr20_survey.trace import trace_json
+from gpr20_survey.trace.sweep_settings import AnalyzerSettings
+from gpr20_survey.trace.trace import Trace
+from gpr20_survey.trace.utc_time import US_PER_S
 
 STEP_M = 0.010
 HEIGHT_M = 0.20
@@ -106,26 +111,14 @@ def _survey_files(scratch: Path) -> Path:
     folder.mkdir()
     for index, (row, column) in enumerate(np.ndindex(CHAIN_SIZE, CHAIN_SIZE)):
         x_mm, y_mm = data.x_m[column] * 1e3, data.y_m[row] * 1e3
-        moment = f"2026-01-01T{index // 3600:02d}:{index // 60 % 60:02d}:{index % 60:02d}.000000"
-        sample = {
-            "format": "gpr20-trace/1",
-            "survey_id": "0f8fad5b-d9cb-469f-a165-70867728950e",
-            "sample_id": f"sample-{index}",
-            "index": index,
-            "timestamp": f"{moment}+00:00",
-            "x_coord_mm": x_mm,
-            "y_coord_mm": y_mm,
-            "z_coord_deg": 0.0,
-            "antennae_height_m": HEIGHT_M,
-            "frequency_hz": SWEEP.frequency_hz.tolist(),
-            "s21_real": data.s21[row, column].real.tolist(),
-            "s21_imag": data.s21[row, column].imag.tolist(),
-            "sweep_started": f"{moment}+00:00",
-            "sweep_ended": f"{moment}+00:00",
-            "quality": [],
-        }
-        name = f"{index:06d}_X{x_mm:07.2f}_Y{y_mm:07.2f}_Z+000.00.json"
-        (folder / name).write_text(json.dumps(sample))
+        moment_us = 1_790_000_000_000_000 + index * US_PER_S
+        s21 = data.s21[row, column]
+        trace = Trace(
+            SWEEP.frequency_hz, s21.real.copy(), s21.imag.copy(), moment_us, moment_us,
+            (), AnalyzerSettings(), "0f8fad5b-d9cb-469f-a165-70867728950e",
+            f"sample-{index}", index, moment_us, x_mm, y_mm, 0.0, HEIGHT_M,
+        )  # fmt: skip
+        (folder / survey_folder.trace_file_name(trace)).write_bytes(trace_json.encode(trace))
     return folder
 
 

@@ -13,24 +13,26 @@ from typing import Any, Dict
 
 import numpy as np
 
-from gpr20_survey.folder import sealing, survey_folder, survey_metadata
+from gpr20_survey.folder import manifest, survey_folder, survey_metadata
+from gpr20_survey.folder.log_content import START
 from gpr20_survey.folder.log_record import Kind
-from gpr20_survey.folder.recovery import start_of
 from gpr20_survey.folder.survey_log import SurveyLog
 from gpr20_survey.plan.survey_parameters import RobotTravel, SurveyParameters, Travel
 from gpr20_survey.plan.survey_plan import survey_points
-from gpr20_survey.recording.recordings import open_recordings
+from gpr20_survey.recording.bag import write_bag
+from gpr20_survey.recording.mcap_reader import StoredMcap
+from gpr20_survey.recording.mcap_writer import new_mcap
 from gpr20_survey.recording.survey_topics import SurveyTopics
-from gpr20_survey.trace import trace_json
+from gpr20_survey.trace import trace_json, trace_message
 from gpr20_survey.trace.sweep_settings import AnalyzerSettings
 from gpr20_survey.trace.trace import Trace
 
 SURVEY_ID = "0f8fad5b-d9cb-469f-a165-70867728950e"
 STARTED_US = 1_790_000_000_000_000
 TRAVEL = RobotTravel(Travel(0.0, 650.0, 0.01), Travel(0.0, 800.0, 0.01), Travel(-90.0, 90.0, 1.8))
-MESSAGES = Path(__file__).resolve().parents[1] / "catkin_ws/src/gpr20_msgs/msg"
 TRACE, STRING = "gpr20_msgs/msg/Trace", "std_msgs/msg/String"
 TRACES_PER_COMMIT = 500
+ENDING = ("ended", "outcome", "reason", "stored_traces")
 
 
 def make(folder: Path, x_points: int, y_points: int, frequency_points: int = 501) -> int:
@@ -51,10 +53,9 @@ def make(folder: Path, x_points: int, y_points: int, frequency_points: int = 501
     traces.mkdir(parents=True)
     description = _description(parameters, len(points))
     text = json.dumps(description)
-    recordings = open_recordings(folder, description)
-    topics = SurveyTopics(_trace_definition())
-    for recording in recordings:
-        recording.write(topics.metadata(text, STARTED_US * 1000))
+    recording = new_mcap(folder / survey_folder.MCAP_FILE, description)
+    topics = SurveyTopics(trace_message.DEFINITION)
+    recording.write(topics.metadata(text, STARTED_US * 1000))
     noise = np.random.default_rng(20)
     frequency_hz = np.linspace(6e8, 6e9, frequency_points)
     for point in points:
@@ -66,32 +67,22 @@ def make(folder: Path, x_points: int, y_points: int, frequency_points: int = 501
             point.x_mm, point.y_mm, point.z_deg, 0.2,
         )  # fmt: skip
         (traces / survey_folder.trace_file_name(trace)).write_bytes(trace_json.encode(trace))
-        message = topics.trace(trace, moment_us * 1000)
-        for recording in recordings:
-            recording.write_alone(message)
-            if point.index % TRACES_PER_COMMIT == 0:
-                recording.commit()
-    for recording in recordings:
-        recording.commit()
-        recording.finish()
+        recording.write_alone(topics.trace(trace, moment_us * 1000))
+        if point.index % TRACES_PER_COMMIT == 0:
+            recording.commit()
+    recording.commit()
+    recording.finish()
+    recorded = StoredMcap(folder / survey_folder.MCAP_FILE).messages()
+    write_bag(recorded, folder / survey_folder.BAG_FILE)
     log = SurveyLog(folder, [], whole=False)
-    log.add(log.next(Kind.PLAN, start_of(description), description["started"]))
-    end = {key: description[key] for key in survey_metadata.LATER_KEYS if key in description}
+    end = {key: description[key] for key in ENDING}
+    plan = {key: value for key, value in description.items() if key not in ENDING}
+    log.add(log.next(Kind.PLAN, {**START, **plan}, description["started"]))
     log.add(log.next(Kind.END, end, description["ended"]))
-    sealing.write_manifest(folder, log, "benchmark", str(description["ended"]))
+    log.write_description()
+    ended = str(description["ended"])
+    manifest.write_manifest(folder, SURVEY_ID, log.last, "benchmark", ended)
     return len(points)
-
-
-def _trace_definition() -> str:
-    """Return the text of gpr20_msgs/Trace with the types that it contains."""
-    rule = "=" * 80
-    return "\n".join(
-        (
-            *((MESSAGES / "Trace.msg").read_text(), rule, "MSG: std_msgs/Header"),
-            *("uint32 seq\ntime stamp\nstring frame_id\n", rule, "MSG: gpr20_msgs/AuxValue"),
-            (MESSAGES / "AuxValue.msg").read_text(),
-        )
-    )
 
 
 def _description(parameters: SurveyParameters, planned: int) -> Dict[str, Any]:

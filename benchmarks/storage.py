@@ -145,7 +145,7 @@ def table(rows: List[Dict[str, float]]) -> str:
 
 
 def sizes(folder: Path) -> str:
-    parts = [(name, (folder / name).stat().st_size) for name in ("survey.bag", "survey.mcap")]
+    parts = [("survey.mcap", (folder / "survey.mcap").stat().st_size)]
     parts.append(("traces/", sum(one.stat().st_size for one in (folder / "traces").iterdir())))
     return ", ".join(f"{name} {size / 1e6:,.0f} MB" for name, size in parts)
 

@@ -1,15 +1,19 @@
 #!/usr/bin/env bash
-# Kill the storage, cut its power, let its disk fail and flip bits on purpose, and look for every
-# acknowledged trace, marker, annotation and report. Prints one table.
-#   scripts/fault_suite.sh --data DIR    on the disk of this folder, about 2 minutes
-#   scripts/fault_suite.sh --help        what else can be chosen, and the exit status
+# Make accidents of the storage on purpose (kills, power cuts, flipped bits, failing disks, two
+# writers), and look for all that it had acknowledged. Prints one table.
+#   scripts/fault_suite.sh                           everything, for a release
+#   scripts/fault_suite.sh --quick                   a few of each kind, in seconds
+#   scripts/fault_suite.sh --data DIR --only cuts    some kinds on the disk of this folder
+#   scripts/fault_suite.sh --help                    what else can be chosen, and the exit status
 set -euo pipefail
 # shellcheck source=scripts/environment.sh
 source "$(dirname "${BASH_SOURCE[0]}")/environment.sh"
-python="$GPR20_VENV/bin/python"
-if [ ! -x "$python" ]; then
+if [ ! -x "$GPR20_VENV/bin/python" ]; then
     echo "fault_suite.sh: run scripts/setup.sh first" >&2
     exit 2
 fi
-PYTHONPATH="$GPR20_TOOLS:$(printf '%s:' "$GPR20_ROOT"/catkin_ws/src/*/src)${PYTHONPATH:-}" \
-    exec "$python" -m fault_suite "$@"
+# Only the kills in the graph need it, and its packages before their sources.
+if [ -f "$GPR20_WORKSPACE/devel/setup.bash" ]; then gpr20_use_workspace; fi
+sources="$(printf '%s:' "$GPR20_ROOT"/catkin_ws/src/*/src)"
+PYTHONPATH="$GPR20_TOOLS:${PYTHONPATH:+$PYTHONPATH:}${sources%:}" \
+    exec "$GPR20_VENV/bin/python" -m fault_suite "$@"

@@ -18,7 +18,7 @@ MYPYPATH="$(printf '%s:' "${packages[@]}" tools tools/{checks,kits,pages} benchm
 export MYPYPATH
 types=(mypy --no-error-summary --scripts-are-modules)
 "${types[@]}" "${packages[@]}" catkin_ws/src/*/nodes/* conftest.py deploy/*.py ros2/*/*.py \
-    tools/*.py tools/{checks,kits,pages}/*.py tools/{pictures,crash_matrix,fault_suite,pytest_gpr20}
+    tools/*.py tools/{checks,kits,pages}/*.py tools/{pictures,fault_suite,pytest_gpr20}
 # Apart, because a benchmark may have the name of a node.
 "${types[@]}" benchmarks/*.py
 

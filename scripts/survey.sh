@@ -74,6 +74,8 @@ if [ "$status" -ne 0 ]; then
     echo "the survey did not finish (status $status); the whole log of the nodes is $log" >&2
     exit "$status"
 fi
+# The storage has made the bag meanwhile, unless it is large.
+[ -f "$survey/survey.bag" ] || gpr20 export --format bag "$survey" >/dev/null || true
 traces="$(find "$survey/traces" -name '*.json' | wc -l)"
 
 # Write the report beside the survey: in its folder, it would be a file that the manifest lacks.

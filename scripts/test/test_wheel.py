@@ -9,12 +9,13 @@ import sys
 import zipfile
 
 import pytest
+from planned_survey import METADATA, POINTS, planned_trace
+from storage_kit import Kit
 from user_shell import ROOT, printed_by
 from wings_kit import needs
 
 pytestmark = pytest.mark.release
 SOURCES = ROOT / "catkin_ws/src"
-SURVEYS = ROOT / "catkin_ws/src/gpr20_vna_processing/test/unit/old_surveys/without_header"
 # They have what the requirements name and neither ROS nor this project.
 VENVS = [".venv313", ".venv38"]
 PACKAGES = {"gpr20_analysis", "gpr20_common", "gpr20_survey"}
@@ -76,7 +77,10 @@ def gpr20(request, wheel, wings, tmp_path):
 
 
 def test_the_wheel_alone_reads_a_survey(gpr20, tmp_path):
-    survey = next(one.parent for one in SURVEYS.rglob("manifest.json"))
+    kit = Kit(tmp_path / "data")
+    survey = kit.open(metadata_json=METADATA)
+    kit.finish(map(planned_trace, range(len(POINTS))), ())
+    kit.processing.shut_down()
     gpr20("verify", str(survey))
     report = ["report", str(survey), "-o", "report.html", "--permittivity", "4"]
     gpr20(*report, "--language", "es")

@@ -1,135 +1,109 @@
-"""Make faults of processes and disks on purpose, and look for every acknowledged fact.
+"""Make accidents of the storage on purpose, and look for all that it had acknowledged.
 
-Surveys are made in a folder on the disk that is to be tried, by the storage of the robot. A process
-stores traces, markers, annotations and reports in a random order, reopens and finishes the survey
-and adds to it later, and sends each acknowledgement to this one. Then comes one of these faults:
+A worker opens, fills, closes and reopens a survey in a random course of traces, markers,
+annotations, reports and decisions. Then its files are read by json, mcap and rosbags, and it is
+verified, finished in a copy, read and verified again. The accidents:
 
-  kills         kill -9 of the process
-  power cuts    a file system in a file on this disk is shut down without flushing its log; needs
-                root, mkfs.ext4 and loop devices
-  n-th call     a call of the disk fails (full, read-only, input/output error), once or for good,
-                with or without half of the bytes written
-  torn sectors  a model of a power cut: of the sectors written since the last fsync some are kept
-  flips         one bit of a file of a survey that nobody writes; verify must find it, and
-                reopening must bring everything back or name it
-  two writers   two processes add to one survey at the same time
+  kills     kill -9 of the worker
+  graph     kill -9 of a node, rosout, the master, roslaunch or all of them, in a survey of the
+            simulated robot; takes minutes, and needs the built workspace
+  cuts      power cuts of an ext4 in a file; where none can be mounted, of a simulated disk
+  flips     a bit or a byte of a file is changed; verify must find it if the survey was closed
+  calls     calls of the disk fail: full, input/output error, half of the bytes written
+  writers   two processes want to write one survey at the same time
 
-After each fault the files are read with the readers of Python's json, of mcap and of rosbags, the
-survey is finished in a copy, read again, and verified.
-
-Exit status: 0 nothing lost, 1 something lost, doubled, wrong or called intact though it is not (the
-folder is kept), 2 wrong arguments, 77 none of what was asked for is possible here.
+Exit status: 0 nothing failed; 1 something was lost, doubled, moved, changed, called intact though
+it is not, unseen or stuck (the folder is kept); 2 wrong arguments; 77 nothing is possible here.
 """
 
 from __future__ import annotations
 
 import argparse
-import random
+import contextlib
+import functools
 import shutil
 import sys
 import tempfile
-import time
 from pathlib import Path
-from typing import Callable, Dict, List, Optional, Sequence
+from typing import ContextManager, Dict, Optional, Sequence
 
-from fault_suite.child import refusal_of
-from fault_suite.disk_calls import DiskCalls
-from fault_suite.flips import Flips
-from fault_suite.interruptions import Interruptions
-from fault_suite.judge import Result, as_json
-from fault_suite.table import print_table
-from fault_suite.worker import Broken
-from fault_suite.writers import Writers
+from power_cut_disk import PowerCutError, check, hide_mounts
+
+from fault_suite import accidents
+from fault_suite.accidents import Accident
+from fault_suite.judge import Became, Result
 
 NOTHING_LOST, LOST, NOT_POSSIBLE = 0, 1, 77
-SHOWN = 20
-USUAL = {"kills": 30, "power_cuts": 20, "faults": 60, "torn": 60, "flips": 120, "writers": 10}
+# How many accidents of each kind there are, and how many in a quick run.
+COUNTS = {"kills": (80, 3), "graph": (20, 0), "cuts": (60, 2)}
+COUNTS.update({"flips": (500, 10), "calls": (200, 4), "writers": (20, 1)})
 
 
 def main(arguments: Optional[Sequence[str]] = None) -> int:
     """Run what is asked for, print the table and return the exit status."""
-    chosen = _parser().parse_args(arguments)
-    counts = {name: getattr(chosen, name) for name in USUAL}
-    if all(count is None for count in counts.values()):
-        counts = dict(USUAL)
-    seed = chosen.seed or str(random.SystemRandom().randrange(10**9))
-    print(f"seed {seed}: repeat with --seed {seed} and the same counts", flush=True)
+    parser = argparse.ArgumentParser(
+        "fault_suite.sh", None, __doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    add = parser.add_argument
+    add("--only", nargs="+", choices=COUNTS, default=[*COUNTS], metavar="KIND", help="some kinds")
+    add("--data", type=Path, metavar="DIR", help="on this disk; else in a temporary folder")
+    add("--seed", type=int, default=1, help="of the first course; each next one has the next")
+    add("--count", type=int, metavar="N", help="how many accidents of each kind")
+    add("--quick", action="store_true", help="a few of each kind but the graph, in seconds")
+    add("--simulated-disk", action="store_true", help="cut the power of a simulated disk")
+    chosen = parser.parse_args(arguments)
     if chosen.data is not None:
         chosen.data.mkdir(parents=True, exist_ok=True)
     place = Path(tempfile.mkdtemp(prefix="gpr20_fault_suite_", dir=chosen.data)).resolve()
-    try:
-        refusal = refusal_of(place / "without a fault")
-        if refusal:
-            print(f"no survey can be stored here: {refusal}")
-            shutil.rmtree(str(place))
-            return NOT_POSSIBLE
-        results = _run(counts, place, seed, Broken(chosen.broken))
-    except BaseException:
-        print(f"ended early; remove {place}", file=sys.stderr)
-        raise
-    print_table(results)
-    return _end(results, place, chosen.json)
-
-
-def _parser() -> argparse.ArgumentParser:
-    parser = argparse.ArgumentParser(
-        prog="fault_suite.sh",
-        description=__doc__,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
-    )
-    parser.add_argument(
-        "--data", type=Path, help="folder on the disk to be tried; default: a temporary one"
-    )
-    for name, usual in USUAL.items():
-        option = f"--{name.replace('_', '-')}"
-        parser.add_argument(option, type=int, metavar="N", help=f"{usual} if no count is given")
-    parser.add_argument("--seed", help="repeats the faults of a run; instants differ")
-    parser.add_argument("--json", type=Path, help="file for the results, a JSON object a line")
-    parser.add_argument(
-        "--broken",
-        choices=[one.value for one in Broken],
-        default=Broken.NOTHING.value,
-        help="break the storage on purpose, to see that the suite finds it",
-    )
-    return parser
-
-
-def _run(counts: Dict[str, Optional[int]], place: Path, seed: str, broken: Broken) -> List[Result]:
-    interruptions = Interruptions(place, seed, broken)
-    calls = DiskCalls(place, seed, broken)
-    runs: Dict[str, Callable[[int], Result]] = {
-        "kills": interruptions.kills,
-        "power_cuts": interruptions.power_cuts,
-        "faults": calls.failing,
-        "torn": calls.torn,
-        "flips": Flips(place, seed, broken).run,
-        "writers": Writers(place, seed, broken).run,
-    }
-    results = []
-    for name, run in runs.items():
-        if counts[name]:
-            begun_s = time.monotonic()
-            results.append(run(counts[name] or 0))
-            found = sum(results[-1].found.values())
-            took_s = time.monotonic() - begun_s
-            print(f"  {results[-1].name}: {found} findings, {took_s:.0f} s", flush=True)
-    return results
-
-
-def _end(results: Sequence[Result], place: Path, output: Optional[Path]) -> int:
-    if output is not None:
-        output.write_text("".join(f"{as_json(one)}\n" for one in results), encoding="utf-8")
-    texts = [text for one in results for text in one.texts]
-    for text in texts[:SHOWN]:
-        print(text)
-    if len(texts) > SHOWN:
-        print(f"... and {len(texts) - SHOWN} more, in {place}/findings.txt")
-    if any(one.has_faults for one in results):
-        (place / "findings.txt").write_text("".join(f"{one}\n" for one in texts), encoding="utf-8")
-        print(f"everything is kept in {place}")
+    results = [Result(one) for one in chosen.only]
+    for one in results:
+        count = COUNTS[one.kind][chosen.quick] if chosen.count is None else chosen.count
+        try:
+            with _accident(one, place / one.kind, chosen.simulated_disk) as accident:
+                accidents.run(accident, one, place / one.kind, count, chosen.seed)
+        except ImportError as error:
+            one.remark = f"not possible without the built workspace: {error}"
+        print(f"  {one.kind} from seed {chosen.seed}: {len(one.failures)} failures", flush=True)
+    _print_table(results)
+    failures = [text for one in results for text in one.failures]
+    if failures:
+        (place / "failures.txt").write_text("\n".join(failures), "utf-8")
+        print(*failures[:20], f"all {len(failures)} are in {place}, with the surveys", sep="\n")
         return LOST
     shutil.rmtree(str(place))
-    return NOTHING_LOST if any(one.times for one in results) else NOT_POSSIBLE
+    return NOTHING_LOST if any(one.sorts for one in results) else NOT_POSSIBLE
+
+
+def _accident(result: Result, place: Path, simulated: bool) -> ContextManager[Accident]:
+    if result.kind == "graph":
+        from fault_suite.graph import RobotKills  # needs ROS
+
+        return RobotKills(place)
+    if result.kind == "cuts":
+        try:
+            hide_mounts()
+            check()
+        except PowerCutError as error:
+            simulated, result.remark = True, f"{error}; "
+        result.remark += f"on {'a simulated disk' if simulated else 'an ext4 in a file'}: "
+    cuts = functools.partial(accidents.disk_faults, power=True)
+    found: Dict[str, Accident] = {
+        "kills": accidents.kills,
+        "cuts": cuts if simulated else accidents.power_cuts,
+        "flips": accidents.flips,
+        "calls": functools.partial(accidents.disk_faults, power=False),
+        "writers": accidents.two_writers,
+    }
+    return contextlib.nullcontext(found[result.kind])
+
+
+def _print_table(results: Sequence[Result]) -> None:
+    print("accident times acknowledged", *(f"{one.name.lower():>9}" for one in Became), "of which")
+    for one in results:
+        counts = (f"{one.found[became]:9}" for became in Became)
+        sorts = ", ".join(f"{count} {sort}" for sort, count in one.sorts.most_common() if count)
+        print(f"{one.kind:8} {sum(one.sorts.values()):5} {one.acknowledged:12}", *counts, end=" ")
+        print(f"{one.remark}{sorts}")
 
 
 if __name__ == "__main__":

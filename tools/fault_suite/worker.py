@@ -1,226 +1,213 @@
-"""What happens inside the process that asks the storage: each step, and what it sends of it."""
+"""A process that asks the storage for a random course of steps, and says what it acknowledged."""
 
 from __future__ import annotations
 
+import contextlib
 import enum
 import json
+import multiprocessing
 import os
+import random
+import signal
 import time
 import traceback
-from dataclasses import dataclass
-from multiprocessing.connection import Connection
-from multiprocessing.synchronize import Barrier
+import uuid
+from multiprocessing.context import ForkProcess
 from pathlib import Path
-from typing import Any, Container, Dict, Optional, Sequence, Set, Tuple
+from typing import Any, Dict, Iterator, List, NamedTuple, Optional, Sequence, Tuple
 
 from failing_disk import MORE_CALLS, FailingDisk, Failure
+from planned_survey import METADATA, POINTS, planned_trace
 from storage_kit import Kit, text_message
+from trace_examples import SURVEY
 
-from fault_suite.evidence import survey_in
-from fault_suite.script import METADATA, SURVEY, TRACES, Call, Step
 from gpr20_survey.errors import ProcessingError, StorageFailedError
-from gpr20_survey.folder.annotating import Fact, add_to_survey, annotate
+from gpr20_survey.folder.annotating import Fact
 from gpr20_survey.folder.log_record import Kind
-from gpr20_survey.plan.annotation import from_values
-from gpr20_survey.plan.markers import Marker, new_marker
-from gpr20_survey.recording.recordings import open_recordings
+from gpr20_survey.plan.markers import Marker
+from gpr20_vna_processing.mid.data_processing import DataProcessing
 
-MOST_REPEATS = 3  # after which a disk that does not recover is given up
-START_LIMIT_S = 10.0
-NOW = "2026-11-21T05:10:00.000000Z"
-COMPLETE = "survey.complete"
+TRACES = dict(enumerate(map(planned_trace, range(len(POINTS)))))
+TIME = "2026-11-21T05:10:00.000000+00:00"
+WORDS = ("metal", "raíz", "日本", "=1+1", "a, b; c", '"', "\\u0041", "")
+# What may be added to a survey that is closed, and to one that is open.
+CLOSED_KINDS = (Kind.MARKER, Kind.ANNOTATION, Kind.DECISION)
+OPEN_KINDS = (*CLOSED_KINDS, Kind.REPORT)
+# Before each trace: how often one more fact is added, and how often the survey is closed.
+FACT_SHARE, CLOSED_SHARE = 0.4, 0.1
+MOST_ATTEMPTS = 4  # after which a disk that does not recover is given up
+IS_COMPLETE = "survey.complete"
 
-
-class Broken(enum.Enum):
-    """What a storage does wrong on purpose, so that the suite can show that it would be found."""
-
-    NOTHING = "nothing"
-    NO_FSYNC = "no-fsync"
-    NO_MARKERS = "no-markers"
-
-
-class Event(enum.Enum):
-    """What a child sends."""
-
-    ASKED = "asked"
-    DONE = "done"
-    REFUSED = "refused"
-    COMPLETE = "complete"
-    FAILED = "failed"
-    ENDED = "ended"
+# What is asked of the storage; for a close the outcome.
+Call = enum.Enum("Call", "OPEN REOPEN STORE ADD SHUT_DOWN STOPPED FINISHED")
+# What a worker says of a step; broken: there was no answer, or a new survey was refused.
+Event = enum.Enum("Event", "ASKED DONE FAILED REFUSED BROKEN")
+Said = Tuple[Event, int, float, str]
+"""What a worker said of the step of a number, when [s], and a text."""
 
 
-Sent = Tuple[Event, int, float, float, str]
-"""What happened, number of the step, when its call began and ended [s], and a text."""
+class Step(NamedTuple):
+    """One call, with the index of the trace, or the fact and what no other one contains."""
+
+    call: Call
+    trace: int = -1
+    fact: Optional[Fact] = None
+    mark: bytes = b""
+
+    @property
+    def phase(self) -> str:
+        """What is being done."""
+        return self.call.name.lower() + (f" {self.fact.kind.value}" if self.fact else "")
 
 
-@dataclass(frozen=True)
-class Conduct:
-    """How a child works, and what it does to its own calls of the disk.
-
-    Attributes:
-        failure: What fails; None: nothing.
-        fails_from: Number of the step from which on the calls are counted.
-        after_cut: Where what a power cut leaves is put.
-        broken: What its storage does wrong.
-        may_give_up: Whether it ends when the disk does not recover; else it repeats for ever.
-        start: It begins together with the others that wait there.
-        by_library: Whether it changes a survey that has ended by the functions that the command
-            `gpr20 annotate` calls, not through a storage.
-        continues: Whether it continues with the next step when one is refused.
-    """
-
-    failure: Optional[Failure] = None
-    fails_from: int = 0
-    after_cut: Path = Path()
-    broken: Broken = Broken.NOTHING
-    may_give_up: bool = False
-    start: Optional[Barrier] = None
-    by_library: bool = False
-    continues: bool = False
+def new_course(chance: random.Random, begins: bool) -> List[Step]:
+    """Return a new survey, or the rest of one that was cut off, to its end and after it."""
+    steps = [Step(Call.OPEN if begins else Call.REOPEN)]
+    for index in TRACES:
+        while chance.random() < FACT_SHARE:
+            steps.append(_addition(chance, OPEN_KINDS))
+        steps.append(Step(Call.STORE, index))
+        if chance.random() < CLOSED_SHARE:
+            steps.append(Step(chance.choice([Call.SHUT_DOWN, Call.STOPPED])))
+            steps += [*closed_additions(chance), Step(Call.REOPEN)]
+    return [*steps, Step(Call.FINISHED), *closed_additions(chance)]
 
 
-def run(data: Path, steps: Sequence[Step], conduct: Conduct, connection: Connection) -> None:
-    """Do the steps, send what happens, and end this process.
-
-    Args:
-        data: The data folder.
-        steps: What is to be done.
-        conduct: How.
-        connection: Where it is sent.
-    """
-    disk = None
-    if conduct.failure is not None:
-        disk = FailingDisk(data, MORE_CALLS, on_cut=lambda: os._exit(0))
-    if conduct.broken is Broken.NO_FSYNC:
-        os.fsync = os.fdatasync = lambda _descriptor: None  # type: ignore[assignment]
-    try:
-        _Worker(data, steps, conduct, connection, disk).run()
-    except Exception:
-        connection.send((Event.FAILED, 0, 0.0, 0.0, traceback.format_exc()))
-    if disk is not None:
-        disk.end()
-    os._exit(0)
+def closed_additions(chance: random.Random) -> List[Step]:
+    """Return some additions to a survey that is closed."""
+    return [_addition(chance, CLOSED_KINDS) for _ in range(chance.randint(1, 4))]
 
 
-class _Worker:
+def _addition(chance: random.Random, kinds: Sequence[Kind]) -> Step:
+    kind, identity = chance.choice(kinds), str(uuid.UUID(int=chance.getrandbits(128), version=4))
+    # No other fact has this text.
+    text = " ".join([*chance.choices(WORDS, k=chance.randint(0, 5)), identity]).strip()
+    others: Dict[Kind, Dict[str, Any]] = {
+        Kind.MARKER: {"marker_id": identity, "x_mm": 0.1, "y_mm": 700.0, "text": text},
+        Kind.ANNOTATION: {"operator": "", "site": "", "notes": f"1\n{text}", "position": None},
+    }
+    fact = Fact(kind, others.get(kind, {"time": TIME, "text": text}))
+    return Step(Call.ADD, fact=fact, mark=identity.encode())
+
+
+def new_storage(data: Path) -> Kit:
+    """Return a storage as that of the robot."""
+    return Kit(data)
+
+
+def add_fact(processing: DataProcessing, fact: Fact) -> None:
+    """Ask for a fact in the survey, open or not."""
+    is_marker = fact.kind is Kind.MARKER
+    values = Marker(**fact.values).request() if is_marker else fact.values
+    processing.add_fact(SURVEY, fact.kind.value, json.dumps(values))
+
+
+class Worker(ForkProcess):
+    """It begins at once; its disk may fail from a step on."""
+
     def __init__(
         self,
         data: Path,
         steps: Sequence[Step],
-        conduct: Conduct,
-        connection: Connection,
-        disk: Optional[FailingDisk],
+        fails_from: int = 0,
+        failure: Optional[Failure] = None,
+        after_cut: Path = Path(),
     ) -> None:
-        self._disk = disk
-        self._parent = os.getppid()
-        self._data, self._steps, self._conduct = data, steps, conduct
-        self._connection = connection
-        self._kit = self._new_kit()
-        self._stored: Container[int] = ()
-        self._passed_over: Set[str] = set()
-        self._is_complete = self._is_failing = False
+        super().__init__(daemon=True)
+        self.steps = steps
+        self.said: List[Said] = []
+        self.dark_s = (0.0, 0.0)
+        """When the power went, until it was gone."""
+        self._data, self._stored = data, frozenset()  # type: ignore[var-annotated]
+        self._failure, self._after_cut, self._fails_from = failure, after_cut, fails_from
+        self._hears, self._says = multiprocessing.Pipe(duplex=False)
+        self.start()
+        self._says.close()
 
-    def _new_kit(self) -> Kit:
-        kit = Kit(self._data, open_recordings)
-        if self._conduct.broken is Broken.NO_MARKERS:
-            kit.processing.add_marker = lambda *_: None  # type: ignore
-            kit.processing.remove_marker = lambda *_: None  # type: ignore
-        return kit
-
-    def run(self) -> None:
-        """Do every step; end early where one is refused."""
-        if self._conduct.start is not None:
-            self._conduct.start.wait(START_LIMIT_S)
-        for number, step in enumerate(self._steps):
-            if self._is_to_do(step) and not self._do(number, step):
-                break
-        self._send(Event.ENDED, len(self._steps), time.monotonic(), self._calls_so_far)
-
-    def _is_to_do(self, step: Step) -> bool:
-        if self._is_complete and not step.ended:
-            if step.call is Call.MARK:
-                self._passed_over.add(step.value["marker_id"])
-            return False
-        if step.call is Call.UNMARK:
-            return step.value not in self._passed_over
-        return step.call is not Call.STORE or step.value not in self._stored
-
-    def _do(self, number: int, step: Step) -> bool:
-        """Repeat a call until the disk takes it, as the control does; return whether to go on."""
+    def wait_for(self, number: int) -> float:
+        """Return when a step begins, or the worker ends; return how long steps take [s], twice."""
         begun_s = time.monotonic()
-        if number >= self._conduct.fails_from and self._disk and not self._is_failing:
-            self._is_failing = True
-            self._disk.begin(self._conduct.failure, self._conduct.after_cut)
-        self._send(Event.ASKED, number, begun_s, self._calls_so_far)
-        repeats = 0
-        while os.getppid() == self._parent:
-            try:
-                self._call(step)
-            except StorageFailedError as error:
-                repeats += 1
-                if self._conduct.may_give_up and repeats > MOST_REPEATS:
-                    self._send(Event.ENDED, number, begun_s, str(error))
-                    os._exit(0)
-            except ProcessingError as error:
-                self._is_complete = error.message.fault_code == COMPLETE
-                if not self._is_complete or step.call is not Call.REOPEN:
-                    self._send(Event.REFUSED, number, begun_s, f"{step.phase}: {error}")
-                    return self._conduct.continues
-                self._send(Event.COMPLETE, number, begun_s)
-                return True
-            else:
-                self._send(Event.DONE, number, begun_s)
-                return True
-            begun_s = time.monotonic()
-        os._exit(1)
+        next((one for one in self._hear() if one[0] is Event.ASKED and one[1] >= number), None)
+        return 2.0 * (time.monotonic() - begun_s) / (number + 1)
+
+    def end(self, kill: bool = False) -> bool:
+        """Kill it or wait for its end; end all that it has started; return if it was killed."""
+        if kill:
+            self.kill()
+        for _ in self._hear():
+            pass
+        self.join()
+        with contextlib.suppress(ProcessLookupError):
+            os.killpg(self.pid or 0, signal.SIGKILL)
+        self._hears.close()
+        if self.exitcode not in (0, -signal.SIGKILL):
+            self.said.append((Event.BROKEN, 0, 0.0, f"ended with status {self.exitcode}"))
+        return self.exitcode == -signal.SIGKILL
 
     @property
-    def _calls_so_far(self) -> str:
-        return str(self._disk.count) if self._disk else ""
+    def phase(self) -> str:
+        """What it was doing last."""
+        return self.steps[self.said[-1][1]].phase if self.said else "start"
 
-    def _send(self, event: Event, number: int, begun_s: float, text: str = "") -> None:
-        self._connection.send((event, number, begun_s, time.monotonic(), text))
+    def texts(self, event: Event) -> List[str]:
+        """Return what it said of an event."""
+        return [text for one, _number, _time_s, text in self.said if one is event]
+
+    def _hear(self) -> Iterator[Said]:
+        # It may end in the middle of a word.
+        with contextlib.suppress(EOFError, OSError):
+            while True:
+                self.said.append(self._hears.recv())
+                yield self.said[-1]
+
+    def run(self) -> None:
+        """Do the steps, in the new process."""
+        os.setsid()
+        disk = None
+        if self._failure is not None:
+            disk = FailingDisk(self._data, MORE_CALLS, on_cut=lambda: os._exit(0))
+        self._kit = new_storage(self._data)
+        for number, step in enumerate(self.steps):
+            if disk and number == self._fails_from:
+                disk.begin(self._failure, self._after_cut)
+            # A call is repeated until the disk takes it, as the control does.
+            for _ in range(0 if step.trace in self._stored else MOST_ATTEMPTS):
+                self._says.send((Event.ASKED, number, time.monotonic(), ""))
+                event, text = self._answer(step)
+                self._says.send((event, number, time.monotonic(), text))
+                if event is not Event.FAILED:
+                    break
+        if disk is not None:
+            disk.end()
+        # Like a crash: the storage is not shut down.
+        os._exit(0)
+
+    def _answer(self, step: Step) -> Tuple[Event, str]:
+        try:
+            self._call(step)
+        except StorageFailedError as error:
+            return Event.FAILED, str(error)
+        except ProcessingError as error:
+            if error.message.fault_code == IS_COMPLETE:
+                self._stored = frozenset(TRACES)
+            return Event.BROKEN if step.call is Call.OPEN else Event.REFUSED, str(error)
+        except Exception:
+            return Event.BROKEN, traceback.format_exc()
+        return Event.DONE, ""
 
     def _call(self, step: Step) -> None:
-        if step.call is Call.INTERRUPT:
-            self._kit.processing.shut_down()
-            self._kit = self._new_kit()
-        elif step.call is Call.OPEN:
+        processing = self._kit.processing
+        if step.call is Call.OPEN:
             self._kit.open(metadata_json=METADATA)
         elif step.call is Call.REOPEN:
-            self._stored = self._kit.processing.reopen_survey(SURVEY).stored_indices
+            self._stored = frozenset(processing.reopen_survey(SURVEY).stored_indices)
         elif step.call is Call.STORE:
-            self._kit.processing.record(text_message("/t", f"before {step.value}"))
-            self._kit.processing.store(TRACES[step.value])
+            processing.record(text_message("/t", f"before {step.trace}"))
+            processing.store(TRACES[step.trace])
+        elif step.fact is not None:
+            add_fact(processing, step.fact)
+        elif step.call is Call.SHUT_DOWN:
+            processing.shut_down()
+            self._kit = new_storage(self._data)
         else:
-            self._add(step)
-
-    def _add(self, step: Step) -> None:
-        if self._conduct.by_library:
-            self._add_by_library(step)
-            return
-        processing = self._kit.processing
-        calls: Any = {
-            Call.MARK: lambda: processing.add_marker(SURVEY, Marker(**step.value)),
-            Call.UNMARK: lambda: processing.remove_marker(SURVEY, step.value, "Ana"),
-            Call.ANNOTATE: lambda: processing.annotate(SURVEY, from_values(step.value)),
-            Call.REPORT: lambda: processing.report(SURVEY, json.dumps(step.value)),
-            Call.FINISH: lambda: processing.close_survey(SURVEY, "finished"),
-            Call.STOP: lambda: processing.close_survey(SURVEY, "stopped"),
-        }
-        calls[step.call]()
-
-    def _add_by_library(self, step: Step) -> None:
-        folder = survey_in(self._data)
-        assert folder is not None
-        if step.call is Call.ANNOTATE:
-            change = annotate(from_values(step.value))
-        else:
-            marker = Marker(**step.value)
-            change = lambda values: _added(new_marker(values, marker, NOW))  # noqa: E731
-        add_to_survey(folder, change, NOW)
-
-
-def _added(values: Optional[Dict[str, Any]]) -> Optional[Fact]:
-    return None if values is None else Fact(Kind.MARKER, values)
+            processing.close_survey(SURVEY, step.call.name.lower())

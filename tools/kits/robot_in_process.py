@@ -21,8 +21,7 @@ from robot_parts import (
     ProcessStorage,
 )
 from simulated_world import LIMIT_S, World
-from storage_kit import end_status
-from trace_examples import TRACE_DEFINITION
+from storage_kit import NO_BAGS, end_status
 
 from gpr20_common.low.clock import Clock
 from gpr20_common.mid.hardware import NO_HARDWARE, Hardware
@@ -41,8 +40,8 @@ from gpr20_survey.plan.site import Site
 from gpr20_survey.plan.survey_parameters import SurveyParameters
 from gpr20_survey.plan.survey_settings import SurveySettings
 from gpr20_survey.plan.survey_state import SurveyState
-from gpr20_survey.recording.recordings import open_recordings
 from gpr20_survey.recording.survey_topics import SurveyTopics
+from gpr20_survey.trace import trace_message
 from gpr20_vna_acquisition.low.vxi11_transport import LinkLimits
 from gpr20_vna_acquisition.mid.analyzers import make_analyzer
 from gpr20_vna_acquisition.mid.request_deadline import RequestDeadline
@@ -185,15 +184,15 @@ class RobotInProcess:
         parts = StorageParts(
             data=data,
             check_data=lambda: ensure_folders(data, 0o750),
-            open_recordings=open_recordings,
-            topics=SurveyTopics(TRACE_DEFINITION),
+            topics=SurveyTopics(trace_message.DEFINITION),
             free_bytes=lambda _path: self.world.free_bytes,
             now_ns=lambda: time.time_ns(),  # as it is set by then
             clock=Clock(),
             revision="1.2.3",
             end_status=end_status,
+            bags=NO_BAGS,
         )
-        processing = DataProcessing(parts, Limits(), *(lambda _message: None,) * 3)
+        processing = DataProcessing(parts, Limits())
         processing.start()
         return processing
 

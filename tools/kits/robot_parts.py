@@ -321,11 +321,11 @@ class ProcessStorage:
 
     def report(self, survey_id: str, report_json: str) -> int:
         with self._answer("report"), self._disk:
-            return self._processing.report(survey_id, report_json)
+            return self._processing.add_fact(survey_id, "report", report_json).stored_traces
 
     def note(self, survey_id: str, note: Note) -> None:
         with self._answer("note"), self._disk:
-            self._processing.note(survey_id, note.kind.value, json.dumps(note.values))
+            self._processing.add_fact(survey_id, note.kind.value, json.dumps(note.values))
 
     def store(self, trace: Trace) -> None:
         with self._answer("store"), self._disk:

@@ -2,31 +2,46 @@
 
 from __future__ import annotations
 
+import json
 import time
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any, Callable, Container, Dict, Iterable, List, Optional
 
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
-from trace_examples import STARTED_US, SURVEY, TRACE_DEFINITION
+from trace_examples import STARTED_US, SURVEY
 
-from gpr20_analysis.read.unindexed_bag import complete_messages
+from gpr20_analysis.read.recordings import Lost, all_messages
 from gpr20_common.low.clock import Clock
 from gpr20_survey.files.access import Readers
 from gpr20_survey.files.durable_files import ensure_folders
+from gpr20_survey.folder.log_record import Kind
 from gpr20_survey.folder.signature import Signer
+from gpr20_survey.plan.annotation import Annotation
+from gpr20_survey.plan.markers import Marker
+from gpr20_survey.recording.bag import make_bag
+from gpr20_survey.recording.mcap_reader import StoredMcap
+from gpr20_survey.recording.mcap_writer import new_mcap
 from gpr20_survey.recording.recording import RecordedMessage
-from gpr20_survey.recording.recordings import new_mcap
 from gpr20_survey.recording.survey_topics import SurveyTopics, recorded_trace
+from gpr20_survey.trace import trace_message, utc_time
 from gpr20_survey.trace.trace import Trace
 from gpr20_vna_processing.mid.data_processing import DataProcessing
-from gpr20_vna_processing.mid.processing_records import Limits, Storage, SurveyEnd
+from gpr20_vna_processing.mid.processing_records import AddedFact, Limits, Storage, SurveyEnd
 
 OTHER_SURVEY = "7c9e6679-7425-40de-944b-e07fc1f90ae7"
 NOW_NS = 1_790_000_100_000_000_001
 FREE_BYTES = 10**12
+# In the place of those processes; a test that needs a bag makes it.
+NO_BAGS: Any = SimpleNamespace(
+    make=lambda _: None,
+    cancel=lambda _: None,
+    outstanding_bytes=lambda: 0,
+    problem=lambda: None,
+)
 
 TYPES = get_typestore(Stores.ROS1_NOETIC)
-TYPES.register(get_types_from_msg(TRACE_DEFINITION, "gpr20_msgs/msg/Trace"))
+TYPES.register(get_types_from_msg(trace_message.DEFINITION, "gpr20_msgs/msg/Trace"))
 
 
 def recorded(
@@ -48,9 +63,18 @@ def text_message(
 
 
 def bag_messages(path: Path) -> List[RecordedMessage]:
-    """Return every message that is there in full in a bag, be it finished or not."""
-    with path.open("rb") as stream:
-        return list(complete_messages(stream))
+    """Return every message of a bag, which must be whole."""
+    lost = Lost()
+    found = list(all_messages(path, lost))
+    assert lost == Lost()
+    return found
+
+
+def with_bag(folder: Path) -> Path:
+    """Make the bag of a survey that has ended, as the node does; return its folder."""
+    now = utc_time.iso_text(NOW_NS // utc_time.NS_PER_US)
+    make_bag(folder, StoredMcap(folder / "survey.mcap"), now)
+    return folder
 
 
 def end_status(end: SurveyEnd) -> RecordedMessage:
@@ -113,24 +137,20 @@ class MemoryRecording:
         return [message.data for message in durable]
 
 
-def open_mcap(folder: Path, description: Dict[str, Any]) -> List[Any]:
-    """Begin the MCAP file of a survey, as the node does."""
-    return [new_mcap(folder / "survey.mcap", description)]
-
-
 class Kit:
     """A storage over a temporary folder and what it said."""
 
     def __init__(
         self,
         data: Path,
-        open_recordings: Callable[..., List[Any]] = open_mcap,
+        open_recording: Callable[..., Any] = new_mcap,
         limits: Limits = Limits(timeout_s=10.0, period_s=0.05),  # noqa: B008, RUF100
         free_bytes: int = FREE_BYTES,
         now_ns: int = NOW_NS,
         readers: Readers = Readers.GROUP,
         signer: Optional[Signer] = None,
         check_data: Optional[Callable[[], None]] = None,
+        bags: Any = NO_BAGS,
     ) -> None:
         self.stored: List[Trace] = []
         self.opened: List[str] = []
@@ -140,8 +160,8 @@ class Kit:
             Storage(
                 data=data,
                 check_data=check_data or (lambda: ensure_folders(data, readers.folder_mode)),
-                open_recordings=open_recordings,
-                topics=SurveyTopics(TRACE_DEFINITION),
+                open_recording=open_recording,
+                topics=SurveyTopics(trace_message.DEFINITION),
                 free_bytes=lambda _: free_bytes,
                 now_ns=lambda: self.now_ns,
                 clock=Clock(),
@@ -149,11 +169,12 @@ class Kit:
                 readers=readers,
                 signer=signer,
                 end_status=end_status,
+                on_opened=self.opened.append,
+                on_stored=self._note_stored,
+                on_logged=self.logged.append,
+                bags=bags,
             ),
             limits,
-            on_opened=self.opened.append,
-            on_stored=self._note_stored,
-            on_logged=self.logged.append,
         )
         self.processing.start()
 
@@ -168,6 +189,26 @@ class Kit:
         return self.processing.open_survey(
             survey_id, **{**arguments, "needed_bytes": 1000, **changes}
         )
+
+    def annotate(self, survey: str, annotation: Annotation) -> AddedFact:
+        """Replace the annotation of a survey."""
+        return self._add_fact(survey, Kind.ANNOTATION, annotation.values())
+
+    def add_marker(self, survey: str, marker: Marker) -> AddedFact:
+        """Add a marker to a survey."""
+        return self._add_fact(survey, Kind.MARKER, marker.request())
+
+    def remove_marker(self, survey: str, marker_id: str, author: str) -> AddedFact:
+        """Remove a marker of a survey."""
+        values = {"marker_id": marker_id, "author": author}
+        return self._add_fact(survey, Kind.MARKER_REMOVED, values)
+
+    def report(self, survey: str, report_json: str) -> int:
+        """Add a report to the open survey; return how many traces are stored."""
+        return self.processing.add_fact(survey, "report", report_json).stored_traces
+
+    def _add_fact(self, survey: str, kind: Kind, values: Dict[str, Any]) -> AddedFact:
+        return self.processing.add_fact(survey, kind.value, json.dumps(values))
 
     def finish(self, traces: Iterable[Trace], stored: Container[int]) -> None:
         """Store the traces whose indices are not stored, and finish the survey."""

@@ -9,11 +9,13 @@ from typing import Any, Dict, List, Sequence
 import numpy as np
 from robot_in_process import RobotInProcess
 from stock_readers import bag_traces, mcap_traces, torn_mcap_traces
+from storage_kit import with_bag
 
 from gpr20_common.low.catalogue_file import FOLDER, read_translations
 from gpr20_main_control.mid.survey.engine import NOTHING, Accepted
 from gpr20_main_control.mid.survey.survey_status import Status
 from gpr20_simulator.mid.world.medium import probed_rotation_deg
+from gpr20_survey.folder.recovery import read_description
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_survey.trace.trace import Trace
 
@@ -27,9 +29,9 @@ def folder_of(robot: RobotInProcess, survey_id: str = "") -> Path:
     return folder
 
 
-def survey_json(robot: RobotInProcess, survey_id: str = "") -> Dict[str, Any]:
-    """Return the survey.json of a survey."""
-    return dict(json.loads((folder_of(robot, survey_id) / "survey.json").read_text()))
+def description_in(robot: RobotInProcess, survey_id: str = "") -> Dict[str, Any]:
+    """Return what the log of a survey says of it."""
+    return read_description(folder_of(robot, survey_id))
 
 
 def json_traces(robot: RobotInProcess, survey_id: str = "") -> List[Dict[str, Any]]:
@@ -96,9 +98,10 @@ def check_acknowledged(
     folder = folder_of(robot, survey_id)
     stored = {one["index"]: one for one in json_traces(robot, survey_id)}
     if (folder / "manifest.json").exists():
-        recordings = [bag_traces(folder / "survey.bag"), mcap_traces(folder / "survey.mcap")]
+        bag = with_bag(folder) / "survey.bag"
+        recordings = [bag_traces(bag), mcap_traces(folder / "survey.mcap")]
     else:
-        # It was cut off, and nobody has resumed it: its bag has no index yet.
+        # It was cut off, and nobody has resumed it: it has no bag.
         recordings = [torn_mcap_traces(folder / "survey.mcap")]
     recorded = [{one.index: one for one in found} for found in recordings]
     assert all(stored.keys() == found.keys() for found in recorded)

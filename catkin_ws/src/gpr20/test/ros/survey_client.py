@@ -23,6 +23,7 @@ from gpr20_msgs.msg import (
 )
 from gpr20_msgs.srv import Command, ResumeSurvey, SetSurveyParameters, StartSurvey
 from gpr20_simulator.srv import SetFault
+from gpr20_survey.files.folder_lock import writer_of
 
 LIMIT_S = 120.0
 # Of all nodes: where these are, every node is there.
@@ -30,9 +31,7 @@ SERVICES = (
     *(f"{axis}_axis/{name}" for axis in "xyz" for name in ("homing", "stop")),
     *("connection", "freq_sweep_setup", "get_freq", "get_data", "confirm_data"),
     "get_calibration_status",
-    *("open_survey", "reopen_survey", "store_data", "report_survey", "close_survey"),
-    "annotate_survey",
-    "mark_survey",
+    *("open_survey", "reopen_survey", "store_data", "add_fact", "close_survey"),
     *("list_surveys", "read_survey", "read_traces", "get_height", "simulator/set_fault"),
     *("set_survey_parameters", "start_survey", "stop_survey", "pause_survey", "resume_survey"),
 )
@@ -56,6 +55,12 @@ def wait_until_connected(subscribers):
     """Wait until each subscriber has a publisher: earlier messages are lost."""
     for subscriber in subscribers:
         wait_until(subscriber.get_num_connections, f"nobody publishes {subscriber.name}")
+
+
+def wait_for_bag(folder):
+    """Wait until the bag of a survey that has ended is made, and named in its log."""
+    bag = folder / "survey.bag"
+    wait_until(lambda: bag.exists() and writer_of(folder) is None, "there is no bag")
 
 
 def wait_until(condition, failure):
@@ -190,6 +195,7 @@ class SurveyClient:
         assert [one["index"] for one in stored] == list(range(traces))
         places = {(one["x_coord_mm"], one["y_coord_mm"], one["z_coord_deg"]) for one in stored}
         assert len(places) == traces
+        wait_for_bag(folder)
         found = verify_survey(folder)
         assert (found.status, found.faults) == (COMPLETE, [])
 

@@ -28,15 +28,19 @@ from survey_client import (
     bits,
     described,
     json_traces,
+    wait_for_bag,
 )
 from tf2_msgs.msg import TFMessage
 
 from gpr20_analysis.read.verification import verify_survey
 from gpr20_msgs.msg import Annotation, ControlStatus
-from gpr20_msgs.srv import AnnotateSurvey, ExportSurvey, FindCandidates, FocusSurvey, MarkSurvey
+from gpr20_msgs.srv import AddFact, ExportSurvey, FindCandidates, FocusSurvey
 from gpr20_survey import frames
+from gpr20_survey.folder.recovery import read_description
 from gpr20_survey.no_clearance import NO_CLEARANCE
-from gpr20_survey.plan.markers import present_markers
+from gpr20_survey.plan import annotation
+from gpr20_survey.plan.annotation import Wgs84Position
+from gpr20_survey.plan.markers import Marker, present_markers
 
 GRAPH_PAGE = Path(__file__).resolve().parents[5] / "docs/reference/ros_graph.md"
 # Of what the page documents, what this launch does not start.
@@ -154,11 +158,10 @@ class WholeSurveyTest(unittest.TestCase):
         cls.heard = Heard()
         cls.heard.listen()
         for name, kind in (
-            ("annotate_survey", AnnotateSurvey),
+            ("add_fact", AddFact),
             ("export_survey", ExportSurvey),
             ("find_candidates", FindCandidates),
             ("focus_survey", FocusSurvey),
-            ("mark_survey", MarkSurvey),
         ):
             setattr(cls, name.split("_")[0], staticmethod(rospy.ServiceProxy(name, kind)))
 
@@ -167,7 +170,7 @@ class WholeSurveyTest(unittest.TestCase):
         shutil.rmtree(cls.client.data)
 
     def description(self):
-        return json.loads((self.folder / "survey.json").read_text())
+        return read_description(self.folder)
 
     def test_1_a_survey_is_imaged_annotated_and_marked_while_it_runs(self):
         coarse, first, second = (str(uuid.uuid4()) for _one in range(3))
@@ -177,13 +180,15 @@ class WholeSurveyTest(unittest.TestCase):
         self.assertTrue(self.client.pause().success)
         self.client.wait_for_status(ControlStatus.PAUSED)
         type(self).folder = self.client.folder(survey_id)
-        later = Annotation(operator="Lucía Peña", has_position=True, latitude_deg=4.6)
-        answer = self.annotate("", later)
-        self.assertEqual((answer.success, answer.path), (True, str(self.folder)), answer.message)
-        place = {"x_mm": 12.5, "y_mm": 15.0, "has_depth": True, "depth_mm": 80.0}
-        for marker in (first, second):
-            answer = self.mark(marker_id=marker, text="metal", author="Lucía Peña", **place)
-            self.assertTrue(answer.success, answer.message)
+        later = annotation.Annotation("Lucía Peña", position=Wgs84Position(4.6, 0.0))
+        for kind, values in (
+            ("annotation", later.values()),
+            ("marker", Marker(first, 12.5, 15.0, 80.0, "metal", "Lucía Peña").request()),
+            ("marker", Marker(second, 12.5, 15.0, None, "metal", "Lucía Peña").request()),
+        ):
+            answer = self.add("", kind, json.dumps(values))
+            self.assertEqual((answer.success, answer.path), (True, str(self.folder)), answer)
+        self.assertEqual(len(json.loads(answer.markers_json)), 2)
         answer = self.focus("during", survey_id, 5.0)
         self.assertTrue(answer.success, answer.message)
         self.assertEqual(answer.traces, len(json_traces(self.folder)))
@@ -197,7 +202,8 @@ class WholeSurveyTest(unittest.TestCase):
         self.assertTrue(answer.success, answer.message)
         self.assertTrue(json.loads(answer.candidates_json)["simulated"])
         self.assertTrue(self.client.finished().simulated)
-        self.assertTrue(self.mark(survey=self.folder.name, marker_id=first, remove=True).success)
+        removal = json.dumps({"marker_id": first, "author": ""})
+        self.assertTrue(self.add(self.folder.name, "marker_removed", removal).success)
         description = self.description()
         self.assertEqual((description["refines"], description["permittivity"]), (coarse, 4.0))
         self.assertEqual(description["annotation"]["position"]["latitude_deg"], 4.6)
@@ -235,6 +241,7 @@ class WholeSurveyTest(unittest.TestCase):
 
     def check_recordings(self, folder, stored):
         """Compare the traces of both recordings; return the topics of the bag."""
+        wait_for_bag(folder)
         with rosbag.Bag(str(folder / "survey.bag")) as bag:
             in_bag = [message for _topic, message, _time in bag.read_messages(["/trace"])]
             topics = set(bag.get_type_and_topic_info().topics)

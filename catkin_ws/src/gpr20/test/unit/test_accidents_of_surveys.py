@@ -16,9 +16,9 @@ from stored_surveys import (
     check_pause,
     check_resumed,
     check_state,
+    description_in,
     folder_of,
     json_traces,
-    survey_json,
 )
 
 from gpr20_analysis.read.verification import verify_survey
@@ -107,7 +107,7 @@ def check_said(robot, fault):
     """Check that it is in the last status, in the report, and with at most one trace."""
     status = check_state(robot, SurveyState.FINISHED)
     assert status.full_message.fault_code == fault.code
-    (warning,) = survey_json(robot)["report"]["warnings"]
+    (warning,) = description_in(robot)["report"]["warnings"]
     assert warning["warning_message"]["fault"]["code"] == fault.code
     stored = check_complete(robot)
     assert len([one for one in stored if "clock" in " ".join(one["quality"])]) <= 1
@@ -147,7 +147,7 @@ def test_a_plug_that_comes_loose_pauses_the_survey_at_its_first_stop(world):
         robot.go_on()
         check_state(robot, SurveyState.FINISHED)
         assert [one["index"] for one in json_traces(robot)] == list(range(TRACES))
-        visits = survey_json(robot)["report"]["drift"]["visits"]
+        visits = description_in(robot)["report"]["drift"]["visits"]
         flags = [(one["exceeded"], one["accepted"]) for one in visits]
         assert flags[:2] == [(True, False), (False, True)]
         assert all(abs(one["gain_db"] + 3.1) < 0.2 for one in visits[-1]["rotations"])

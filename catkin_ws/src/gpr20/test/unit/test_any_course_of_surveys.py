@@ -23,6 +23,7 @@ from gpr20_axis_driver.axis_exceptions import AxisException
 from gpr20_main_control.errors import SurveyError
 from gpr20_main_control.mid.survey.engine import Accepted
 from gpr20_survey.axes.axis_id import AxisId
+from gpr20_survey.folder.recovery import read_description
 from gpr20_survey.plan.survey_state import SurveyState
 
 # Calls of the control to the parts, before which a survey is held while something happens.
@@ -113,12 +114,12 @@ class AnyCourse(RuleBasedStateMachine):
         """The survey that was begun last, if it is on the disk and has not finished."""
         last = self.surveys[-1] if self.surveys else ""
         folder = self.find(last)
-        if folder is None or '"outcome": "finished"' in (folder / "survey.json").read_text():
+        if folder is None or read_description(folder)["outcome"] == "finished":
             return ""
         return last
 
     def find(self, survey_id):
-        found = list(self.world.data.glob(f"*_{survey_id[:8]}/survey.json")) if survey_id else []
+        found = list(self.world.data.glob(f"*_{survey_id[:8]}/log.jsonl")) if survey_id else []
         return found[0].parent if found else None
 
     def note_zero(self):

@@ -22,7 +22,7 @@ from robot_in_process import PARAMETERS
 from robot_parts import AXES
 from simulated_world import LIMIT_S
 from std_msgs.msg import Header
-from stored_surveys import check_complete, check_pause, check_state, json_traces, survey_json
+from stored_surveys import check_complete, check_pause, check_state, description_in, json_traces
 
 from gpr20_axis_driver.mid.robot_hardware import RobotHardware
 from gpr20_common.errors import Gpr20Error
@@ -68,7 +68,7 @@ def graph(world, robot, monkeypatch):
 @pytest.fixture
 def storage(world, graph, monkeypatch):
     """A storage and the imaging beside them, with a data folder of their own."""
-    for name in ("TopicRecorder", "connect_recorder", "connect_subscribers"):
+    for name in ("TopicRecorder", "wait_for_nodes"):
         monkeypatch.setattr(processing_node, name, lambda *_arguments: None)
     data = world.folder / "deep/down/data"
     node = processing_node.ProcessingNode(ProcessingParameters(data=str(data)), Sensors())
@@ -137,7 +137,7 @@ def test_of_two_clients_none_measures_the_plan_of_the_other(robot, graph, _round
     ((own, x_start_mm),) = started.items()
     status = check_state(robot, SurveyState.STOPPED)
     assert (status.plan_id, status.plan_set_by) == own
-    description = survey_json(robot)
+    description = description_in(robot)
     assert (description["plan_id"], description["plan_set_by"]) == own
     assert json_traces(robot)[0]["x_coord_mm"] == pytest.approx(x_start_mm)
 
@@ -218,18 +218,14 @@ USUAL = {
     "read_traces": {"survey": SURVEY_ID, "indices": [0, 1]},
     "reopen_survey": {"survey": SURVEY_ID},
     "resume_survey": {"survey": SURVEY_ID},
-    "annotate_survey": {"survey": SURVEY_ID},
-    "mark_survey": {"survey": SURVEY_ID, "marker_id": SURVEY_ID},
-    "report_survey": {"survey_id": SURVEY_ID, "report_json": "{}"},
+    "add_fact": {"survey": SURVEY_ID, "kind": "report", "values_json": "{}"},
     "close_survey": {"survey_id": SURVEY_ID, "outcome": "stopped"},
     "connection": {"connect": True, "address": "127.0.0.1"},
     "service_move": {"axis": "x", "action": 1, "distance": 1.0},
     "freq_sweep_setup": {"start_frequency_hz": 1e9, "stop_frequency_hz": 2e9, "points": 11},
 }
 # The last one closes the survey.
-OF_AN_OPEN_SURVEY = (
-    *("store_data", "report_survey", "annotate_survey", "mark_survey", "close_survey"),
-)
+OF_AN_OPEN_SURVEY = ("store_data", "add_fact", "close_survey")
 
 
 def hostile_values(kind):

@@ -32,7 +32,9 @@ from gpr20_simulator.mid.world.medium import AntennaPosition
 from gpr20_simulator.mid.world.scene import Antennas, Noise, Scene, Shape, Soil, Target
 from gpr20_survey.faults import UNCONFIRMED
 from gpr20_survey.folder.annotating import Fact, add_to_survey
+from gpr20_survey.folder.log_content import LOG
 from gpr20_survey.folder.log_record import Kind
+from gpr20_survey.folder.recovery import recover
 from gpr20_survey.folder.soil_note import KIND, PLANNED, soil_values
 from gpr20_survey.folder.survey_folder import MCAP_FILE
 from gpr20_survey.plan.survey_parameters import SurveyParameters
@@ -75,8 +77,10 @@ class Asked:
 
     def ask(self, service, ticket, **fields):
         if service is Service.READ:
-            text = (self._folder / "survey.json").read_text()
-            ticket.done(StoredSurvey(text, json.loads(text)["stored_traces"]))
+            found = recover(self._folder)
+            log = [one.as_json() for one in found.found.records]
+            text = json.dumps({**found.description, LOG: log})
+            ticket.done(StoredSurvey(text, found.description["stored_traces"]))
             return
         found = self._node.focus("", fields["survey"], fields["permittivity"])
         ticket.done(image_from(SimpleNamespace(**focus_fields(found))))
@@ -193,7 +197,7 @@ REPORT = {
 }
 SAID = {
     "analysis.zeros_unproven": "80 traces refer to zeros of the axes that no measurement proved",
-    "survey.unconfirmed": "nothing vouches for 1 entries of survey.json: outcome",
+    "survey.unconfirmed": "nothing vouches for 1 entries of the survey: outcome",
     "analysis.sweep_repeated": "1 samples have exactly the values of another sample",
     "analysis.calibration": "start of the survey: moderate, temperature changed by more than 5",
     "analysis.drifted": "the drift exceeded 0.5 dB or 5 deg at 1 visits of the first stop",
@@ -205,8 +209,8 @@ EXPORTS = ("netcdf", "zarr", "csv", "segy", "touchstone", "ros2", "original-json
 
 def doubt(processing):
     note = {"time": NOW, "text": "the clock was set back by 60 s", "message": None}
-    processing.note("", Kind.CLOCK.value, json.dumps(note))
-    processing.report(SURVEY, json.dumps(REPORT))
+    processing.add_fact("", Kind.CLOCK.value, json.dumps(note))
+    processing.add_fact(SURVEY, Kind.REPORT.value, json.dumps(REPORT))
 
 
 def content_of(path):
@@ -238,6 +242,8 @@ def test_every_doubt_is_said_by_every_reader_export_and_page(tmp_path, capsys, m
     for form, path in exported.items():
         assert main(["export", str(folder), str(path), "--format", form]) == 0
         said[f"export to {form}"] = capsys.readouterr().err
+    assert main(["export", str(folder), "--format", "bag"]) == 0
+    said["export to bag"] = capsys.readouterr().err
     exported["segy"] = tmp_path / "segy_000.sgy"
     for form, path in exported.items():
         words = [*(of_mcap if form == "ros2" else SAID), "simulated"]
@@ -250,7 +256,8 @@ def test_every_doubt_is_said_by_every_reader_export_and_page(tmp_path, capsys, m
         assert main(["info", str(path)]) == 0
         said[f"info {path.name}"] = capsys.readouterr().err
     for reader, text in said.items():
-        codes = of_mcap if reader in (f"info {MCAP_FILE}", "export to ros2") else SAID
+        is_mcap = reader in (f"info {MCAP_FILE}", "export to ros2", "export to bag")
+        codes = of_mcap if is_mcap else SAID
         assert [code for code in codes if SAID[code] not in text] == [], reader
     assert "(original-json), without a plan: nothing says" in said[f"info {imported.name}"]
     assert [one.fault_code for one in texts.doubts(window)] == [*SAID]

@@ -11,8 +11,8 @@ from stored_surveys import (
     check_acknowledged,
     check_complete,
     check_state,
+    description_in,
     json_traces,
-    survey_json,
 )
 
 from gpr20_simulator.mid.world.medium import probed_sweep
@@ -124,7 +124,7 @@ def test_slow_and_averaged_sweeps_are_whole_and_the_next_survey_sets_everything_
         else:
             stored = finish(robot, wanted)
         assert {len(one["s21_real"]) for one in stored} == {51}
-        parameters = survey_json(robot, survey_id)["parameters"]
+        parameters = description_in(robot, survey_id)["parameters"]
         assert {name: parameters[name] for name in vars(wanted)} == vars(wanted)
 
 

@@ -1,17 +1,18 @@
 """The Dataset of a survey: names, units and flags that all steps use.
 
-`s21` is complex128 with dimensions (polarization, y, x, frequency); `height`, `timestamp`,
-`sweep_started`, `sweep_ended`, `quality`, `remarks`, `sample_id` and `index` have (polarization,
-y, x), and so has `aux_<name>`, the value of another sensor, NaN where there is none. All units are
-SI, but rotations are in degrees and sensors have their own. A sample that is missing or damaged is
-NaN in `s21`; `quality` says which, and attribute `missing` lists them.
+`s21` is complex128 with dimensions (polarization, y, x, frequency). `quality` has (polarization, y,
+x), and so have `aux_<name>`, the value of another sensor, NaN where there is none, and the fields
+of the traces by the names in `gpr20_survey.trace.trace.TRACE_FIELDS`, such as `timestamp`, but for
+`height` and `remarks`; `zero_epochs` and `zero_times` have (polarization, y, x, axis). All units
+are SI, but rotations are in degrees and sensors have their own. A sample that is missing or damaged
+is NaN in `s21`; `quality` says which, and attribute `missing` lists them.
 """
 
 from __future__ import annotations
 
 import enum
 import json
-from typing import Any, List, Mapping, Sequence
+from typing import Any, Dict, List, Mapping, Sequence
 
 import numpy as np
 import xarray as xr
@@ -20,6 +21,7 @@ from gpr20_analysis import faults
 from gpr20_analysis.errors import DamagedSurveyError, WrongDatasetError
 from gpr20_analysis.sentences import first_of
 from gpr20_common.message import Message
+from gpr20_survey.trace.trace import TRACE_FIELDS
 
 FORMAT = "gpr20-dataset/1"
 POLARIZATION, Y, X, FREQUENCY, DELAY, DEPTH = (
@@ -35,6 +37,7 @@ S21_DIMS = (*SAMPLE_DIMS, FREQUENCY)
 S21, A_SCAN, IMAGE = "s21", "a_scan", "image"
 CLUTTER, ECHOES = "clutter", "echoes"
 ANTENNA, TERM = "antenna", "term"
+AXIS, AXES = "axis", ("x", "y", "z")
 ANTENNA_DIMS = (POLARIZATION, TERM, FREQUENCY)
 PROCESSING = "processing"
 """Attribute: the steps by which a Dataset was made, as JSON."""
@@ -45,7 +48,11 @@ MM_PER_M = 1000.0
 NAMED = 3
 """Number of samples that a message about many names."""
 
-ATTRIBUTES = {
+ATTRIBUTES: Dict[str, Dict[str, str]] = {
+    **{
+        one.name: {"long_name": one.meaning, **({"units": one.unit} if one.unit else {})}
+        for one in TRACE_FIELDS
+    },
     POLARIZATION: {"units": "degree", "long_name": "rotation of the antennas"},
     Y: {"units": "m", "long_name": "y"},
     X: {"units": "m", "long_name": "x"},
@@ -56,7 +63,6 @@ ATTRIBUTES = {
     A_SCAN: {"units": "1", "long_name": "A-scan"},
     HEIGHT: {"units": "m", "long_name": "antenna height above the ground"},
     "index": {"long_name": "index in the survey's plan, -1 without a sample"},
-    "sample_id": {"long_name": "name of the sample"},
     "remarks": {"long_name": "remarks of the robot about the sample"},
 }
 

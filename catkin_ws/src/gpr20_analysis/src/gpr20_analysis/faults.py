@@ -111,12 +111,13 @@ UNKNOWN_SIGNER = Fault(
         "fingerprint with them. Do not take the line from the survey's sender alone."
     ),
 )
-STALE_SIGNATURE = Fault(
-    "analysis.stale_signature",
+CHANGED_SINCE_SIGNED = Fault(
+    "analysis.changed_since_signed",
     Message(
-        "Ask who changed the survey, and compare it with a copy from before. On the robot, "
-        "annotating the survey signs it again."
+        "Ask who added what gpr20 info shows; on the robot, gpr20 sign signs the survey as it is "
+        "now."
     ),
+    Severity.WARNING,
 )
 UNSIGNED = Fault(
     "analysis.survey_unsigned",

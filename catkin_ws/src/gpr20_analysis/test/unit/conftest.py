@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 from command_kit import refusals  # noqa: F401
 from matplotlib.figure import Figure
+from storage_kit import with_bag
 from survey_kit import POINTS, make_survey
 
 # The example candidates of gpr20_survey's tests.
@@ -21,13 +22,13 @@ ONE_PIXEL_PNG = base64.b64decode(
 @pytest.fixture(scope="session")
 def finished(tmp_path_factory):
     """The folder of a survey that is complete; it is not to be changed."""
-    return make_survey(tmp_path_factory.mktemp("finished"), len(POINTS), "finished")
+    return with_bag(make_survey(tmp_path_factory.mktemp("finished"), len(POINTS), "finished"))
 
 
 @pytest.fixture(scope="session")
 def stopped(tmp_path_factory):
     """The folder of a survey that was stopped after 7 traces; it is not to be changed."""
-    return make_survey(tmp_path_factory.mktemp("stopped"), 7, "stopped")
+    return with_bag(make_survey(tmp_path_factory.mktemp("stopped"), 7, "stopped"))
 
 
 @pytest.fixture

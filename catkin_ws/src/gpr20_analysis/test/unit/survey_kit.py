@@ -19,9 +19,8 @@ from gpr20_survey.folder.recovery import recover
 from gpr20_survey.folder.survey_log import SurveyLog
 from gpr20_survey.folder.survey_metadata import INTERRUPTED
 from gpr20_survey.plan.survey_plan import survey_points
-from gpr20_survey.recording.recordings import open_recordings
 from gpr20_survey.trace.trace import Trace
-from gpr20_survey.trace.trace_json import CHECKSUM
+from gpr20_survey.trace.trace_json import CHECKSUM, sealed
 from gpr20_vna_processing.mid.data_processing import DataProcessing
 
 SURVEY_PARAMETERS = replace(planned_survey.PARAMETERS, polarizations_deg=(0.0, 90.0))
@@ -57,7 +56,7 @@ def make_survey(
         more: More entries of survey.json.
         at_end: Called when the traces are stored, while the survey is open.
     """
-    kit = Kit(data / "data", open_recordings)
+    kit = Kit(data / "data")
     processing = kit.processing
     metadata = {"planned_traces": len(POINTS), "parameters": PARAMETERS, "axes": AXES, **more}
     folder = kit.open(metadata_json=json.dumps(metadata))
@@ -92,6 +91,6 @@ def contents(folder: Path) -> Dict[str, bytes]:
 
 
 def write_trace_file(path: Path, values: Mapping[str, Any]) -> None:
-    """Write a trace's file as a version without checksums wrote it."""
+    """Write values as a trace's file with a right checksum."""
     without: Dict[str, Any] = {key: one for key, one in values.items() if key != CHECKSUM}
-    path.write_text(json.dumps(without) + "\n")
+    path.write_bytes(sealed(json.dumps(without).encode()))

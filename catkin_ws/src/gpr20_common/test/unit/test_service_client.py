@@ -28,11 +28,11 @@ from gpr20_common.high.raw_message import deserialized, serialized
 from gpr20_common.high.service_client import ServiceClient, ServiceUnavailableError
 from gpr20_common.high.services import advertise
 from gpr20_msgs.srv import (
+    AddFact,
+    AddFactRequest,
+    AddFactResponse,
     Command,
     CommandRequest,
-    ReportSurvey,
-    ReportSurveyRequest,
-    ReportSurveyResponse,
 )
 
 LIMIT_S = 30.0
@@ -41,7 +41,7 @@ DRAWS = draws(2)
 
 
 class Node:
-    """A node that answers each request with its name and the request's survey_id.
+    """A node that answers each request with its name and the request's survey.
 
     It may misbehave, as `fault` draws: close the connection before or within an answer, or answer
     when the client has given up. Without `greeting` it does not even accept a call.
@@ -83,7 +83,7 @@ class Node:
             try:
                 header = stream.read(*struct.unpack("<I", stream.read(4)))
                 if self.greeting.wait(2 * SHORT_S):
-                    fields = {"md5sum": ReportSurvey._md5sum, "type": ReportSurvey._type}
+                    fields = {"md5sum": AddFact._md5sum, "type": AddFact._type}
                     connection.sendall(encode_ros_handshake_header(fields))
                 while self._answer(connection, stream) and b"persistent=1" in header:
                     pass
@@ -94,10 +94,10 @@ class Node:
 
     def _answer(self, connection, stream):
         data = stream.read(*struct.unpack("<I", stream.read(4)))
-        request = deserialized(ReportSurveyRequest, data)
-        self.requests.append(request.survey_id)
-        text = f"{self.name} {request.survey_id}"
-        answer = serialized(ReportSurveyResponse(success=True, message=text))
+        request = deserialized(AddFactRequest, data)
+        self.requests.append(request.survey)
+        text = f"{self.name} {request.survey}"
+        answer = serialized(AddFactResponse(success=True, message=text))
         answer = struct.pack("<?I", True, len(answer)) + answer
         fault = self.fault()
         self.answering.wait(LIMIT_S)
@@ -133,8 +133,8 @@ def graph(monkeypatch):
     return Graph(monkeypatch)
 
 
-def call(client, survey_id, limit_s=LIMIT_S):
-    return client.call(limit_s, survey_id=survey_id).message
+def call(client, survey, limit_s=LIMIT_S):
+    return client.call(limit_s, survey=survey).message
 
 
 def test_a_call_that_is_given_up_before_it_is_connected_is_never_made(graph, monkeypatch):
@@ -142,14 +142,14 @@ def test_a_call_that_is_given_up_before_it_is_connected_is_never_made(graph, mon
     monkeypatch.setattr(rospy, "is_shutdown", lambda: False)
     graph.node.greeting.clear()
     with raises_fault(faults.SERVICE_SILENT, "homing", 0.3, error=ServiceUnavailableError):
-        call(ServiceClient("homing", ReportSurvey), "a", SHORT_S)
+        call(ServiceClient("homing", AddFact), "a", SHORT_S)
     assert graph.node.ended.wait(LIMIT_S)
     assert graph.node.connections and graph.node.requests == []
 
 
 def test_a_request_whose_delivery_counts_reaches_a_node_that_no_longer_hangs(graph):
     graph.node.greeting.clear()
-    client = ServiceClient("stop_survey", ReportSurvey, discard_late=False)
+    client = ServiceClient("stop_survey", AddFact, discard_late=False)
     with raises_fault(faults.SERVICE_SILENT):
         call(client, "a", SHORT_S / 3)
     graph.node.greeting.set()
@@ -160,7 +160,7 @@ def test_a_request_whose_delivery_counts_reaches_a_node_that_no_longer_hangs(gra
 
 
 def test_calls_that_follow_each_other_use_one_connection_and_one_lookup(graph):
-    client = ServiceClient("report_survey", ReportSurvey, keep_open=True)
+    client = ServiceClient("add_fact", AddFact, keep_open=True)
     assert [call(client, one) for one in "abc"] == ["node a", "node b", "node c"]
     assert (len(graph.node.connections), graph.lookups) == (1, 1)
 
@@ -168,7 +168,7 @@ def test_calls_that_follow_each_other_use_one_connection_and_one_lookup(graph):
 @pytest.mark.parametrize("prepared", [True, False])
 @pytest.mark.parametrize("lives", [True, False])
 def test_a_node_that_was_started_again_or_replaced_is_found(graph, monkeypatch, prepared, lives):
-    client = ServiceClient("report_survey", ReportSurvey, keep_open=True)
+    client = ServiceClient("add_fact", AddFact, keep_open=True)
     client.prepare(LIMIT_S) if prepared else call(client, "a")
     former = graph.replace()
     before = list(former.requests)
@@ -182,7 +182,7 @@ def test_a_node_that_was_started_again_or_replaced_is_found(graph, monkeypatch, 
 
 
 def test_calls_in_parallel_do_not_wait_for_each_other(graph):
-    client = ServiceClient("report_survey", ReportSurvey, keep_open=True)
+    client = ServiceClient("add_fact", AddFact, keep_open=True)
     graph.node.answering.clear()
     with ThreadPoolExecutor(2) as pool:
         waiting = pool.submit(call, client, "a", LIMIT_S)
@@ -200,7 +200,7 @@ def test_every_answer_is_that_to_its_own_request_whatever_the_node_does(monkeypa
     graph = Graph(monkeypatch)
     chance = random.Random(seed)
     kinds = ["", "", "", "pieces", "close", "cut", "late"]
-    client = ServiceClient("report_survey", ReportSurvey, keep_open=True)
+    client = ServiceClient("add_fact", AddFact, keep_open=True)
     graph.node.fault = lambda: chance.choice(kinds)
 
     def calls(name):

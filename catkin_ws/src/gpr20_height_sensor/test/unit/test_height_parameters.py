@@ -15,6 +15,7 @@ from hypothesis import strategies as st
 
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.faults import CONFIGURATION, NOT_ALLOWED
+from gpr20_common.mid.codec import record_from
 from gpr20_height_sensor.mid.height_parameters import HeightParameters
 
 README = Path(__file__).parents[2] / "README.md"
@@ -55,7 +56,7 @@ WRONG = {
 @each_case("name, value", [(name, value) for name in WRONG for value in WRONG[name]])
 def test_parameters_that_make_no_sense_are_refused(name, value):
     with raises_fault((NOT_ALLOWED, CONFIGURATION), f"{value:.12g}", error=InvalidValueError):
-        HeightParameters(**{name: value})
+        record_from(HeightParameters, {name: value}, "height_sensor")
 
 
 def test_the_examples_of_the_readme_do_what_they_say():

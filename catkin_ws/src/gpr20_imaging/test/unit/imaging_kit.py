@@ -10,6 +10,8 @@ from candidate_examples import candidate, candidate_list
 from gpr20_common.message import Fault, Message
 from gpr20_imaging.low.analysis_process import AnalysisProcess
 from gpr20_imaging.low.usb_volumes import UsbVolumes
+from gpr20_survey.folder.log_record import Kind, LogRecord
+from gpr20_survey.folder.survey_log import SurveyLog
 
 REFUSAL = Message("no {what}", what="permittivity").with_fault(
     Fault("test.refused", Message("Give the permittivity."))
@@ -115,7 +117,8 @@ def store_survey(data, simulated=True, traces=3):
     folder = data / f"20260921T141320_{survey_id[:8]}"
     (folder / "traces").mkdir(parents=True)
     values = {"format": "gpr20-survey/1", "survey_id": survey_id, "simulated": simulated}
-    (folder / "survey.json").write_text(json.dumps(values))
+    plan = LogRecord.after(None, Kind.PLAN, values, "2026-09-21T14:13:20+00:00")
+    SurveyLog(folder, [plan], whole=False).write()
     for index in range(traces):
         (folder / "traces" / f"{index:06d}.json").write_bytes(b"0123456789" * 5000)
     return folder

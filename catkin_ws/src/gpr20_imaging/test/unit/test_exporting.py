@@ -109,7 +109,7 @@ def test_the_zip_file_holds_the_whole_survey_and_replaces_a_former_one(
         assert copy.read_bytes() == path.read_bytes()
     (folder / "traces" / "000009.json").write_text("{}")
     exporter.export(wanted, Cancellation())
-    assert len(zipfile.ZipFile(str(stick / name)).namelist()) == 5
+    assert len(zipfile.ZipFile(str(stick / name)).namelist()) == 6
     assert len(files_of(stick)) == 2
 
 

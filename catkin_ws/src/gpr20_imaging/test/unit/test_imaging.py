@@ -1,6 +1,5 @@
 """Images, candidates, maps and exports by a child that may die, hang and refuse."""
 
-import json
 import math
 import os
 import signal
@@ -31,6 +30,7 @@ from gpr20_imaging.low.child_process import LOWEST_NICE, OOM_SCORE, memory_limit
 from gpr20_imaging.mid.imaging import Imaging
 from gpr20_imaging.mid.imaging_parameters import ImagingParameters
 from gpr20_imaging.mid.job_queue import MOST_WAITING, JobQueue
+from gpr20_survey.folder.recovery import read_description
 from gpr20_survey.results.hidden_target import Targets
 
 LOWERED = child_process.PREFIX
@@ -72,7 +72,7 @@ def is_running(process):
 
 def test_one_child_makes_all_images_of_a_survey(imaging, survey, analysis):
     first = imaging.focus("a", survey.name, 4.0)
-    survey_id = json.loads((survey / "survey.json").read_text())["survey_id"]
+    survey_id = read_description(survey)["survey_id"]
     second = imaging.focus("b", survey_id, 0.0)
     assert first.levels_db.tolist() == [[[0.0, 1.0], [2.0, 3.0]], [[4.0, 5.0], [6.0, 7.0]]]
     assert first.found.candidates[0].id == "C01"
@@ -294,7 +294,7 @@ def test_a_reason_comes_with_its_fault(process, tmp_path):
     with raises_fault(analysis_faults.NO_TRACES):
         folder = tmp_path / "20260921T141320_0f8fad5b"
         (folder / "traces").mkdir(parents=True)
-        (folder / "survey.json").write_text("{}")
+        (folder / "log.jsonl").write_text("{}")
         process.focus(folder, np.float64(4.0), Cancellation())
 
 

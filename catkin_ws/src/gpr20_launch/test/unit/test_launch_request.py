@@ -9,7 +9,7 @@ from fault_kit import raises_fault
 
 from gpr20_common.faults import NOT_ALLOWED
 from gpr20_common.message import verbatim
-from gpr20_common.mid.records import record_from
+from gpr20_common.mid.codec import record_from
 from gpr20_launch import faults
 from gpr20_launch.errors import LaunchRefusedError
 from gpr20_launch.mid.launch_request import REAL, ROBOT, SERVER, SIMULATED, SURVEY, LaunchRequest

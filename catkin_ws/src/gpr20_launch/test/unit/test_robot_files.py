@@ -14,15 +14,16 @@ from hypothesis import strategies as st
 from robot_check_examples import BUILT, checked
 
 from gpr20_common.low.clock import Clock
-from gpr20_common.mid.records import record_from
+from gpr20_common.mid.codec import record_from
 from gpr20_doctor.mid.bundle import CONFIGURATION
 from gpr20_launch import faults
 from gpr20_launch.errors import ConfigurationError
 from gpr20_launch.mid.robot_files import AXES_FILE, FILES, read_configuration
 from gpr20_launch.mid.templates import templates
 from gpr20_survey.errors import SurveyRefusedError
-from gpr20_survey.folder import signature
+from gpr20_survey.folder import manifest, signature
 from gpr20_survey.folder.data_folder import DataFolder, DataFolderUse
+from gpr20_survey.folder.log_record import Kind, LogRecord
 from gpr20_survey.trace.calibration import CalibrationStatus
 from gpr20_vna_acquisition.mid.vna_parameters import VnaParameters
 
@@ -77,7 +78,7 @@ def test_a_template_is_correct_and_shows_every_key_with_its_default(tmp_path):
 @each_case(
     "file, text, shown",
     [
-        ("height", "reference_voltage_v: '3.3'", ("reference_voltage_v", "'3.3'", "float")),
+        ("height", "reference_voltage_v: '3.3'", ("reference_voltage_v", "'3.3'", "number")),
         ("analyzer", "accepted_calibrations: [1, 9]", ("accepted_calibrations[1]", "9")),
         ("analyzer", "analyzer: hp8753", ("analyzer", "'hp8753'", "ms2026c, ")),
         ("analyzer", "analyzer: scikit_rf", ("gpr20_scikit_rf:ScikitRfAnalyzer",)),
@@ -211,7 +212,8 @@ def test_the_line_that_is_printed_accepts_what_the_robot_signs(tmp_path, robot_c
     (line,) = [one for one in printed.splitlines() if " ssh-ed25519 " in one]
     survey = tmp_path / "survey"
     survey.mkdir()
-    (survey / "manifest.json").write_text("{}")
+    plan = LogRecord.after(None, Kind.PLAN, {}, "2026")
+    manifest.write_manifest(survey, "0f8fad5b", plan, "1.2.3", "2026")
     signature.Signer(tmp_path / "signing_key").sign(survey)
     (tmp_path / "signers").write_text(line)
     found = signature.check_signature(survey, tmp_path / "signers")

@@ -31,13 +31,9 @@ def stored_trace(index, **changes):
     return make_trace(index, **{**fields, **changes})
 
 
-def recorded_axes(without=(), **changes):
+def recorded_axes(**changes):
     """Return the parameters of the axes as a survey keeps them, changed."""
-    recorded = {axis_id.value: {**asdict(one), **changes} for axis_id, one in AXES.items()}
-    return {
-        axis: {key: value for key, value in values.items() if key not in without}
-        for axis, values in recorded.items()
-    }
+    return {axis_id.value: {**asdict(one), **changes} for axis_id, one in AXES.items()}
 
 
 def reopened_survey(stored=(0, 1), report="", folder="/data/survey", **changes):

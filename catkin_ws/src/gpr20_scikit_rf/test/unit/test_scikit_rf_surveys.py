@@ -11,13 +11,13 @@ from fault_kit import raises_fault
 from robot_in_process import RobotInProcess
 from scpi_analyzers import PnaAnalyzer, ScpiServer, wait_until
 from simulated_world import World
-from stored_surveys import check_state, json_traces, survey_json
+from stored_surveys import check_state, description_in, json_traces
 from tutorial_code import code_blocks
 
 from gpr20_common import faults
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.low.clock import Clock
-from gpr20_common.mid.records import record_from
+from gpr20_common.mid.codec import record_from
 from gpr20_scikit_rf.mid.scikit_rf_options import visa_resource_name
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_vna_acquisition.mid.foreign_analyzer import make_foreign_analyzer
@@ -67,7 +67,7 @@ def robot(tmp_path, vna, server):
 def test_a_survey_stores_fresh_sweeps_of_the_configured_address(robot, vna, server):
     robot.begin(polarizations_deg=(0.0,), vna_address="", averages=2)
     check_state(robot, SurveyState.FINISHED)
-    traces, survey = json_traces(robot), survey_json(robot)
+    traces, survey = json_traces(robot), description_in(robot)
     # Each is a whole sweep that was made after the one before.
     sweeps = [trace["s21_real"] for trace in traces]
     assert [set(one) for one in sweeps] == [{one[0]} for one in sweeps]

@@ -32,14 +32,10 @@ TRACE_OTHER_VERSION = Fault(
 )
 FOREIGN_TRACE = Fault("trace.foreign", remedies.KEEP_SURVEY)
 DESCRIPTION_DAMAGED = Fault("survey.description_damaged", remedies.RESUME_SURVEY)
-DESCRIPTION_UNREADABLE = Fault(
-    "survey.description_unreadable",
-    Message("Keep the survey's folder, and check the disk. Resuming the survey repairs its files."),
-)
 DESCRIPTION_LOST = Fault(
     "survey.description_lost",
     Message(
-        "Keep the survey's folder as it is. Put survey.json back from a copy of it; without a "
+        "Keep the survey's folder as it is. Put log.jsonl back from a copy of it; without a "
         "copy, let an analyst check the folder."
     ),
     can_continue=False,
@@ -130,7 +126,7 @@ NOT_SIGNED = Fault(
     "survey.not_signed",
     Message(
         "Keep the survey: it is stored. Ask the person who maintains the robot to look at the "
-        "signing key; the next change of the survey signs it again."
+        "signing key, and to sign the survey with gpr20 sign."
     ),
     Severity.WARNING,
 )
@@ -138,7 +134,7 @@ SIGNING_KEY = Fault(
     "survey.signing_key",
     Message(
         "Correct the file of the key as the message says, or move it away and make another key "
-        "with rosrun gpr20_launch robot_config key. Then annotate the survey, which signs it again."
+        "with rosrun gpr20_launch robot_config key. Then sign the survey with gpr20 sign."
     ),
     Severity.WARNING,
     replaces=True,

@@ -1,7 +1,5 @@
 """Lists of candidates for tests of all packages."""
 
-import math
-
 from hypothesis import strategies as st
 
 from gpr20_common.message import Fault, Message
@@ -36,11 +34,16 @@ def candidate_list(candidates=(), **changes):
         "simulated": True,
         "method": "phase-shift",
         "permittivity": 4.0,
-        "permittivity_range": (3.5, 4.5),
+        "permittivity_lowest": 3.5,
+        "permittivity_highest": 4.5,
+        "permittivity_source": "",
         "area_m2": 0.25,
         "false_alarms_per_m2": 10.0,
-        "false_alarms_range": (6.0, 17.0),
+        "false_alarms_lowest": 6.0,
+        "false_alarms_highest": 17.0,
         "omitted": 0,
+        "omitted_primary": 0,
+        "position": None,
         "candidates": tuple(candidates),
     }
     return CandidateList(**{**values, **changes})
@@ -51,8 +54,7 @@ def numbers(lowest=-1e6, highest=1e6):
 
 
 SIZES = numbers(0.0, 10.0)
-NUMBERS_OR_NAN = numbers() | st.just(math.nan)
-DENSITIES = numbers(0.0) | st.just(math.nan)
+DENSITIES = st.none() | numbers(0.0)
 CANDIDATES = st.builds(
     Candidate,
     id=st.just(""),
@@ -64,7 +66,7 @@ CANDIDATES = st.builds(
     depth_uncertainty_m=SIZES,
     above_clutter_db=numbers(-1e3, 1e3),
     false_alarms_per_m2=DENSITIES,
-    rotations_deg=st.lists(NUMBERS_OR_NAN, max_size=3).map(tuple),
+    rotations_deg=st.lists(st.none() | numbers(), max_size=3).map(tuple),
     polarization_ratio_db=st.none() | numbers(),
     flags=st.lists(st.sampled_from(Flag), unique=True).map(tuple),
 )
@@ -85,10 +87,12 @@ def candidate_lists(draw, positions=ANYWHERE):
         simulated=draw(st.booleans()),
         method=draw(WORDS),
         permittivity=draw(numbers(1.0, 100.0)),
-        permittivity_range=(draw(numbers(1.0, 100.0)), draw(numbers(1.0, 100.0))),
+        permittivity_lowest=draw(numbers(1.0, 100.0)),
+        permittivity_highest=draw(numbers(1.0, 100.0)),
         area_m2=draw(SIZES),
         false_alarms_per_m2=draw(DENSITIES),
-        false_alarms_range=(draw(DENSITIES), draw(DENSITIES)),
+        false_alarms_lowest=draw(DENSITIES),
+        false_alarms_highest=draw(DENSITIES),
         omitted=omitted,
         candidates=tuple(
             Candidate(**{**vars(one), "id": f"C{number:02d}"})

@@ -13,24 +13,18 @@ from annotation_examples import EXAMPLE
 from failing_disk import CALLS
 from trace_examples import STARTED_US, SURVEY
 
-from gpr20_survey.files import file_sums
-from gpr20_survey.folder import manifest, sealing, survey_metadata
+from gpr20_survey.folder import manifest, survey_metadata
 from gpr20_survey.folder.annotating import Change, Fact
-from gpr20_survey.folder.description_copies import sealed_description
-from gpr20_survey.folder.log_content import START, description_of
+from gpr20_survey.folder.log_content import START
 from gpr20_survey.folder.log_record import Kind, LogRecord
-from gpr20_survey.folder.recovery import RecoveredSurvey, recover, start_of
+from gpr20_survey.folder.recovery import RecoveredSurvey
 from gpr20_survey.folder.survey_log import SurveyLog
 from gpr20_survey.plan.annotation import annotation_of
 from gpr20_survey.plan.markers import Marker, markers_of, new_marker, removed_marker
-from gpr20_survey.recording.mcap_reader import StoredMcap
-from gpr20_survey.recording.recordings import new_mcap
-from gpr20_survey.recording.survey_topics import recorded_log
 from gpr20_survey.trace import utc_time
 
 NOW = "2026-11-21T05:10:00.000000+00:00"
-EARLIER = ("gpr20-manifest/1", "gpr20-manifest/2")
-FILES = ("log.jsonl", "survey.json")
+FILES = ("log.jsonl", "log.copy.jsonl")
 KILLED, DONE = 9, 0
 PLAN: Dict[str, Any] = {
     "format": survey_metadata.FORMAT,
@@ -95,8 +89,9 @@ def make_survey(folder: Path, sealed: bool = True) -> SurveyLog:
     (folder / "traces").mkdir(parents=True)
     (folder / "traces" / "one.json").write_bytes(b"{}\n")
     log = write_log(folder)
+    log.write_description()
     if sealed:
-        sealing.write_manifest(folder, log, "1.2.3", NOW)
+        manifest.write_manifest(folder, SURVEY, log.last, "1.2.3", NOW)
     return log
 
 
@@ -135,12 +130,12 @@ def damaged(chance: random.Random, content: bytes) -> bytes:
 
 
 def both_files(folder: Path) -> Dict[str, bytes]:
-    """Return the content of the two forms of the log."""
+    """Return the content of the two files of the log."""
     return {name: (folder / name).read_bytes() for name in FILES}
 
 
 def change_digit(folder: Path, name: str, number: int) -> None:
-    """Change the first digit of the place of a marker in one form of the log."""
+    """Change the first digit of the place of a marker in one file of the log."""
     path = folder / name
     wanted = str(marker(number).x_mm).encode()
     content = path.read_bytes()
@@ -149,8 +144,7 @@ def change_digit(folder: Path, name: str, number: int) -> None:
 
 
 def entries(folder: Path) -> List[Dict[str, Any]]:
-    shown: List[Dict[str, Any]] = json.loads((folder / "survey.json").read_text())["log"]
-    return shown
+    return [json.loads(one) for one in (folder / "log.jsonl").read_text().splitlines()]
 
 
 def with_own_sum(values: Dict[str, Any]) -> bytes:
@@ -189,59 +183,3 @@ def ended_at_call(number: int, work: Callable[[], object]) -> int:
         os._exit(DONE)
     finally:
         os._exit(1)
-
-
-def without_checksum(content: bytes) -> bytes:
-    """Return the content of a trace's file as earlier versions wrote it."""
-    return content[: content.rindex(b', "sha256"')] + b"}\n"
-
-
-def make_former(folder: Path, form: str = EARLIER[1]) -> Dict[str, Any]:
-    """Turn a survey into one of an earlier version; return the content of its survey.json.
-
-    It has no log, its traces have no checksums, and its manifest, if any, lists survey.json.
-    """
-    described = description_of(recover(folder).found.records)
-    described.pop("content_sha256", None)
-    (folder / "log.jsonl").unlink()
-    (folder / "survey.json").write_bytes(survey_metadata.encode(described))
-    for path in (folder / "traces").iterdir():
-        if b"sha256" in path.read_bytes():
-            path.write_bytes(without_checksum(path.read_bytes()))
-    if (folder / "survey.mcap").exists():
-        _write_former_mcap(folder, described)
-    if (folder / "manifest.json").exists():
-        _write_former_manifest(folder, form)
-    return described
-
-
-def _write_former_mcap(folder: Path, described: Dict[str, Any]) -> None:
-    path = folder / "survey.mcap"
-    copy = sealed_description(folder) or start_of(described)
-    new = new_mcap(folder / "former.mcap", copy)
-    for message in StoredMcap(path).messages():
-        if recorded_log(message) is None:
-            new.write_alone(message)
-    if described.get("ended"):
-        new.finish()
-    else:
-        new.commit()
-        new.abandon()
-    (folder / "former.mcap").replace(path)
-
-
-def _write_former_manifest(folder: Path, form: str) -> None:
-    sealed = manifest.read_manifest(folder)
-    names = [*sealed.files, "survey.json"]
-    values = {
-        "format": form,
-        "survey_id": sealed.survey_id,
-        "software_revision": sealed.software_revision,
-        "written": sealed.written,
-        "files": {name: file_sums.sum_of_file(folder / name)._asdict() for name in names},
-    }
-    if form == EARLIER[0]:
-        content = survey_metadata.encode(values)
-    else:
-        content = with_own_sum({**values, "reopened": None, "rewritten": [], "replacing": {}})
-    (folder / "manifest.json").write_bytes(content)

@@ -16,7 +16,7 @@ from gpr20_common.message import Message
 from gpr20_survey.plan.coverage import COVERAGE_LETTERS, Coverage, SampleState, reported_verdict
 from gpr20_survey.results.area_position import AreaPosition
 from gpr20_survey.results.candidate_json import json_text, list_from
-from gpr20_survey.results.candidates import Flag, UnknownFlag
+from gpr20_survey.results.candidates import Flag
 from gpr20_survey.results.hidden_target import Target, Targets, target_of
 from gpr20_survey.results.hiding_map import ONLY_THIS, hiding_from, hiding_json
 
@@ -30,9 +30,7 @@ LIST = json.loads(json_text(EXAMPLE))
 # They say again, for people and other programs, what the others say.
 SAID_AGAIN = {"simulated_warning", "coordinates"}
 OF_EACH_SAID_AGAIN = {"doubtful", "longitude_deg", "latitude_deg"}
-# Lists of earlier versions are without it.
-LATER = "permittivity_source"
-NEEDED = sorted(LIST.keys() - SAID_AGAIN - {LATER, "notes_json"})
+NEEDED = sorted(LIST.keys() - SAID_AGAIN - {"notes_json"})
 NEEDED_OF_EACH = sorted(LIST["candidates"][0].keys() - OF_EACH_SAID_AGAIN)
 MAY_BE_NONE = (
     "false_alarms_per_m2",
@@ -46,17 +44,16 @@ WRONG = (-1e400, float("nan"), {}, ["other"], [1], True, "")
 
 @given(candidate_lists())
 def test_a_list_comes_out_of_json_as_it_went_in(found):
-    # By its text, because NaN is not equal to itself.
-    assert repr(list_from(json_text(found), found.survey_id)) == repr(found)
+    assert list_from(json_text(found), found.survey_id) == found
 
 
-def test_a_list_of_an_earlier_version_does_not_say_where_its_permittivity_is_from():
-    former = {key: value for key, value in LIST.items() if key != LATER}
-    assert list_from(json.dumps(former)).permittivity_source == ""
-    refused({LATER: 4}, False)
-
-
-RIGHT = {"simulated": [True], "survey_id": [""], "method": [""], "notes": [["other"]]}
+RIGHT = {
+    "simulated": [True],
+    "survey_id": [""],
+    "permittivity_source": [""],
+    "method": [""],
+    "notes": [["other"]],
+}
 RIGHT = {**RIGHT, "rotations_deg": [[1]], "flags": [["other"]]}
 
 
@@ -82,7 +79,7 @@ def test_a_list_without_something_or_with_a_wrong_value_is_refused(of_first):
     [
         {"listed": 1},
         {"omitted": 0},
-        {"format": "gpr20-candidates/1"},
+        {"format": "gpr20-candidates/2"},
         {"candidates": [LIST["candidates"][0]] * 2},
     ],
 )
@@ -98,14 +95,6 @@ def test_a_list_of_another_survey_or_that_was_cut_off_is_refused():
     for length in random.Random(1).sample(range(len(text)), 100):
         with pytest.raises(InvalidValueError):
             list_from(text[:length], SURVEY)
-
-
-def test_a_candidate_with_a_flag_of_a_later_version_is_kept_and_not_doubtful():
-    first = {**LIST["candidates"][0], "flags": ["edge", "buried-twice"], "doubtful": True}
-    found = list_from(json.dumps({**LIST, "candidates": [first, LIST["candidates"][1]]}))
-    one = found.shown()[0]
-    assert one.flags == (Flag.EDGE, UnknownFlag("buried-twice")) and not one.is_doubtful
-    assert [str(label) for label in one.labels] == ["edge", "buried-twice"]
 
 
 def test_all_that_are_not_doubtful_are_shown_and_ten_of_the_others():

@@ -98,25 +98,6 @@ def test_a_failed_commit_is_repeated_whole(tmp_path, monkeypatch):
         AppendOnlyFile(tmp_path / "f")
 
 
-def test_a_tail_gets_its_first_byte_last_and_can_be_written_again(tmp_path, monkeypatch):
-    file = AppendOnlyFile(tmp_path / "f")
-    file.write(b"head")
-    file.commit()
-    seen = []
-    real_fsync = os.fsync
-
-    def fsync(descriptor):
-        seen.append((tmp_path / "f").read_bytes())
-        real_fsync(descriptor)
-
-    file.write_tail(b"a longer former tail")
-    file.overwrite(0, b"HEAD")
-    monkeypatch.setattr(os, "fsync", fsync)
-    file.write_tail(b"index")
-    assert seen == [b"HEAD\0ndex", b"HEADindex"]
-    file.release()
-
-
 @pytest.fixture
 def folder(tmp_path):
     """A folder with a large file, many small ones and an empty one."""

@@ -1,6 +1,5 @@
 """Echoes, depths, hyperbolas, noise, drift and soils are as physics says."""
 
-import json
 import math
 
 import numpy as np
@@ -10,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from run_seed import draws
 
-from gpr20_survey.folder.log_content import view_of
+from gpr20_survey.folder.log_content import LOG, description_of
 from gpr20_survey.folder.log_record import Kind, LogRecord
 from gpr20_survey.folder.soil_note import (
     ENTERED,
@@ -195,6 +194,7 @@ def test_a_survey_that_is_resumed_keeps_its_soil_until_somebody_decides_again():
         (KIND, soil_values(None, 0)),
     ):
         records.append(LogRecord.after(records[-1] if records else None, kind, values, "2026"))
-        said.append(soil_of_survey(json.loads(view_of(records))))
+        log = [one.as_json() for one in records]
+        said.append(soil_of_survey({**description_of(records), LOG: log}))
     plan, last = (4.0, OF_PLAN), (7.0, ENTERED)
     assert said == [plan, plan, plan, *[(9.5, ENTERED)] * 2, last, last, None]

@@ -15,7 +15,7 @@ from gpr20_common.message import Severity
 from gpr20_survey import faults
 from gpr20_survey.errors import SigningError
 from gpr20_survey.files import durable_files, file_sums, ssh_keygen
-from gpr20_survey.folder import sealing
+from gpr20_survey.folder import manifest
 from gpr20_survey.folder.log_record import Kind, LogRecord
 from gpr20_survey.folder.signature import (
     NAMESPACE,
@@ -27,7 +27,6 @@ from gpr20_survey.folder.signature import (
     key_warning,
     try_to_sign,
 )
-from gpr20_survey.folder.survey_log import SurveyLog
 
 ROBOT = "GPR-20 norte"
 WRITTEN = "2026-09-21T15:00:00.000000+00:00"
@@ -36,7 +35,7 @@ SEAL = "manifest.json"
 
 def seal(folder, revision="1.2.3"):
     plan = LogRecord.after(None, Kind.PLAN, {"survey_id": SURVEY}, WRITTEN)
-    sealing.write_manifest(folder, SurveyLog(folder, [plan], False), revision, WRITTEN)
+    manifest.write_manifest(folder, SURVEY, plan, revision, WRITTEN)
 
 
 def make_folder(folder):
@@ -113,7 +112,7 @@ def test_each_changed_byte_of_the_manifest_or_the_signature_is_found(folder, sig
     assert found(folder, signers) is Signature.VALID
 
 
-@each_case("kind", [Signature.UNKNOWN_KEY, Signature.UNSIGNED, Signature.STALE])
+@each_case("kind", [Signature.UNKNOWN_KEY, Signature.UNSIGNED, Signature.WRONG])
 def test_a_survey_that_somebody_else_sealed_again_is_found(tmp_path, keys, signers, kind):
     """A trace is changed, and a manifest that fits is written, as a program of ours would."""
     folder = make_folder(tmp_path / kind.name)
@@ -153,7 +152,7 @@ def test_a_signature_for_another_purpose_does_not_count(folder, keys, signers):
     with (folder / SEAL).open("rb") as content:
         made = ssh_keygen.ask(("-Y", "sign", "-f", keys / "robot", "-n", "file"), content)
     (folder / SIGNATURE_FILE).write_text(made.output)
-    assert found(folder, signers) is Signature.STALE
+    assert found(folder, signers) is Signature.WRONG
 
 
 def make_link(path):
@@ -231,7 +230,7 @@ def test_a_key_that_cannot_be_used_is_named_and_the_survey_stays_as_it_is(
         assert warning.cause.severity is Severity.WARNING and warning.cause.can_continue
         assert warning.fault_code == faults.SIGNING_KEY.code and warning.remedy is not None
     assert (folder / SIGNATURE_FILE).read_bytes() == before
-    assert found(folder, signers) is Signature.STALE
+    assert found(folder, signers) is Signature.WRONG
 
 
 def test_a_full_disk_leaves_the_former_signature(folder, robot, monkeypatch):

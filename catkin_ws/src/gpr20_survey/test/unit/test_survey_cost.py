@@ -8,6 +8,7 @@ from case_kit import each_case
 from survey_examples import AXES, TRAVEL
 from survey_examples import PARAMETERS as SMALL
 
+from gpr20_common.mid.codec import plain
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.files.json_lines import add_line, read_lines
 from gpr20_survey.plan.robot_config import RobotConfig
@@ -25,7 +26,6 @@ from gpr20_survey.results.daily_check import (
     check_figures,
     figures_from,
     judge,
-    recorded_figures,
 )
 from gpr20_survey.trace.ms2026c import sweep_duration_s
 from gpr20_survey.trace.sweep import Sweep
@@ -191,8 +191,14 @@ def test_the_first_check_a_silent_analyzer_and_a_single_odd_check_are_judged_as_
 
 
 def test_stored_figures_are_read_as_they_were():
-    assert figures_from(recorded_figures(figures())) == figures()
-    for odd in ({"sky": {}}, {"empty": 7}, {"empty": {"level_db": "x"}}, {"empty": {"a": [1]}}):
+    assert figures_from(plain(figures())) == figures()
+    for odd in (
+        None,
+        {"sky": {}},
+        {"empty": 7},
+        {"empty": {"level_db": "x"}},
+        {"empty": {"a": [1]}},
+    ):
         with pytest.raises(ValueError):
             figures_from(odd)
 

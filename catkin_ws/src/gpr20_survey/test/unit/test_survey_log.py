@@ -1,11 +1,10 @@
 """The log of a survey: records that judge themselves, in two files of which each is enough.
 
-The manifest seals it, covers itself to the last bit, and is read as earlier versions wrote it."""
+The manifest seals it, and covers itself to the last bit."""
 
 import hashlib
 import json
 import random
-from dataclasses import replace
 
 import pytest
 from case_kit import each_case
@@ -13,12 +12,11 @@ from fault_kit import raises_fault
 from hypothesis import given
 from hypothesis import strategies as st
 from log_examples import (
-    EARLIER,
+    FILES,
     NOW,
     add_marker,
-    entries,
+    both_files,
     flipped,
-    make_former,
     make_survey,
     with_own_sum,
     write_log,
@@ -26,17 +24,16 @@ from log_examples import (
 from run_seed import SEED, draws
 
 from gpr20_survey.errors import SurveyRefusedError
-from gpr20_survey.files import file_sums
-from gpr20_survey.folder import manifest, survey_log, survey_metadata
+from gpr20_survey.folder import manifest, survey_log
 from gpr20_survey.folder.annotating import add_to_survey
-from gpr20_survey.folder.log_content import description_of, view_of
+from gpr20_survey.folder.log_content import description_of
 from gpr20_survey.folder.log_reading import read_log
 from gpr20_survey.folder.log_record import (
     KEYS,
     MAX_NUMBER,
     Kind,
+    LogHead,
     LogRecord,
-    record_of,
     record_of_line,
 )
 from gpr20_survey.folder.recovery import recover
@@ -51,10 +48,9 @@ OBJECTS = st.dictionaries(st.text(max_size=8), JSON, max_size=4)
 
 
 @given(st.sampled_from(Kind), OBJECTS, st.text(max_size=30))
-def test_a_record_is_the_same_behind_a_line_and_behind_an_entry(kind, values, time):
+def test_a_record_is_the_same_behind_its_line(kind, values, time):
     record = LogRecord.after(None, kind, values, time)
     assert record_of_line(record.line()[:-1]) == record
-    assert record_of(json.loads(json.dumps(record.as_json(), indent=2))) == record
 
 
 @given(OBJECTS, st.integers(0, 10**6), st.integers(1, 255))
@@ -65,6 +61,10 @@ def test_no_byte_of_a_line_can_change_unseen(values, place, change):
 
 
 RECORD = LogRecord.after(None, Kind.MARKER, {"x": 1}, NOW).as_json()
+
+
+def line_of(values):
+    return json.dumps(values, separators=(",", ":")).encode()
 
 
 @each_case(
@@ -79,8 +79,8 @@ RECORD = LogRecord.after(None, Kind.MARKER, {"x": 1}, NOW).as_json()
     ],
 )
 def test_what_is_no_record_is_none(values):
-    assert record_of(RECORD) is not None
-    assert record_of(values) is None
+    assert record_of_line(line_of(RECORD)) is not None
+    assert record_of_line(line_of(values)) is None
 
 
 def test_a_record_of_a_kind_of_a_later_version_is_kept_and_changes_nothing(tmp_path):
@@ -94,43 +94,19 @@ def test_a_record_of_a_kind_of_a_later_version_is_kept_and_changes_nothing(tmp_p
     assert description_of(found.records) == before
 
 
-def test_the_content_of_survey_json_follows_from_the_log_alone(tmp_path):
+def test_both_files_have_the_same_lines_and_survey_json_shows_what_they_say(tmp_path):
     log = make_survey(tmp_path / "survey")
-    assert (tmp_path / "survey" / "survey.json").read_bytes() == view_of(log.records)
-    values = json.loads((tmp_path / "survey" / "survey.json").read_text())
-    shown = values.pop("log")
-    assert values == log.description
-    assert [one["number"] for one in shown] == list(range(len(log.records)))
+    whole = b"".join(one.line() for one in log.records)
+    assert both_files(tmp_path / "survey") == dict.fromkeys(FILES, whole)
+    assert json.loads((tmp_path / "survey" / "survey.json").read_text()) == log.description
+    assert description_of(log.records) == log.description
 
 
-def test_reports_that_a_later_one_replaced_are_in_the_log_alone(tmp_path):
-    write_log(tmp_path)
-    reports = [one["values"] for one in entries(tmp_path) if one["kind"] == "report"]
-    assert reports == [None, None, {"verdict": "all", "coverage": "mm"}]
-    lines = (tmp_path / "log.jsonl").read_bytes().splitlines()
-    logged = [json.loads(one)["values"] for one in lines if b'"kind":"report"' in one]
-    assert [one["verdict"] for one in logged] == ["none", "some", "all"]
-
-
-def test_an_empty_report_can_not_be_put_in_the_place_of_the_last_one(tmp_path):
-    """Its checksum cannot be calculated, and no record behind it names it."""
-    log = write_log(tmp_path)
-    last = log.add(log.next(Kind.REPORT, {"verdict": "the last"}, NOW))
-    forged = [*log.records[:-1], last.without_values()]
-    (tmp_path / "log.jsonl").write_bytes(b"".join(one.line() for one in forged))
-    (tmp_path / "survey.json").write_bytes(view_of(forged))
-    found = read_log(tmp_path)
-    assert forged[-1] not in found.records
-    assert found.lost == (last.number,)
-
-
-@pytest.mark.parametrize("limit", ["MAX_LOG_BYTES", "MAX_FILE_BYTES"])
 def test_a_log_that_is_full_takes_no_more_facts_but_the_end_and_stays_readable(
-    tmp_path, monkeypatch, limit
+    tmp_path, monkeypatch
 ):
     log = write_log(tmp_path)
-    module = survey_log if limit == "MAX_LOG_BYTES" else survey_metadata
-    monkeypatch.setattr(module, limit, 60_000)
+    monkeypatch.setattr(survey_log, "MAX_LOG_BYTES", 60_000)
     monkeypatch.setattr(survey_log, "RESERVED_BYTES", 20_000)
     with raises_fault("storage.request_refused", 40_000, error=SurveyRefusedError):
         for _ in range(1000):
@@ -147,50 +123,32 @@ def folder(tmp_path):
 
 
 def test_the_manifest_names_the_log_by_its_last_record_and_is_read_as_it_was_written(folder):
-    sealed = manifest.read_manifest(folder)
-    last = recover(folder).found.records[-1]
-    assert (sealed.log, sealed.next_log) == ((last.number, last.sha256), None)
-    assert set(sealed.files) == {"traces/one.json"}
-    sealed = replace(
-        sealed,
-        next_log=manifest.LogHead(4, "a" * 64),
-        unconfirmed=("record 3", "markers/1"),
-        reopened=NOW,
-        rewritten=({"time": NOW, "reason": "it was missing"},),
-    )
+    sealed, records = manifest.read_manifest(folder), recover(folder).found.records
+    assert sealed.log == LogHead.of(records[-1]) and sealed.covers(records)
+    assert set(sealed.files) == {"survey.json", "traces/one.json"}
     assert manifest.decode(sealed.encode()) == sealed
+    before = (folder / "manifest.json").read_bytes()
+    add_to_survey(folder, add_marker(7), NOW)
+    after = recover(folder).found.records
+    assert (folder / "manifest.json").read_bytes() == before
+    assert sealed.covers(after) and list(sealed.since(after)) == [after[-1]]
+    assert sealed.is_binding(after) and not sealed.covers(records[:-1])
 
 
 def test_every_bit_of_a_manifest_is_covered(folder):
     whole, chance = (folder / "manifest.json").read_bytes(), random.Random(SEED)
-    assert manifest.decode(whole).covers_itself
     for _ in range(draws(50)):
         for damaged in (flipped(chance, whole), whole[: chance.randrange(len(whole))]):
             with pytest.raises(manifest.ManifestDamagedError):
                 manifest.decode(damaged)
 
 
-@each_case("key", ["rewritten", "files", "survey_id", "log", "next_log", "unconfirmed"])
+@each_case("key", ["files", "survey_id", "log", "format"])
 @each_case("value", [1, [1], "x", {"number": -1, "sha256": "a"}, {"number": 1, "sha256": 1}])
 def test_a_manifest_with_entries_of_another_type_is_damaged(folder, key, value):
     values = json.loads((folder / "manifest.json").read_text())
-    if type(value) is type(values[key]) and key not in ("log", "next_log", "rewritten"):
+    if type(value) is type(values[key]) and key == "survey_id":
         value = 2.5
     del values["sha256"]
     with pytest.raises(manifest.ManifestDamagedError):
         manifest.decode(with_own_sum({**values, key: value}))
-
-
-@pytest.mark.parametrize("form", EARLIER)
-def test_a_manifest_of_an_earlier_version_is_read_and_replaced_by_the_next_addition(folder, form):
-    former = make_former(folder, form)
-    sealed = manifest.read_manifest(folder)
-    assert sealed.log is None and sealed.covers_itself is (form != EARLIER[0])
-    assert sealed.matches("survey.json", file_sums.sum_of_file(folder / "survey.json"))
-    add_to_survey(folder, add_marker(7), NOW)
-    sealed, found = manifest.read_manifest(folder), recover(folder)
-    assert sealed.covers_itself and sealed.covers(found.found.records)
-    for name in sealed.files:
-        assert sealed.matches(name, file_sums.sum_of_file(folder / name))
-    assert found.found.records[0].values == former
-    assert found.all_unconfirmed == {}

@@ -1,4 +1,4 @@
-"""Names of surveys, traces and topics; metadata that are kept, and the message of a replay."""
+"""Names of surveys and traces; metadata that are kept, and the message of a replay."""
 
 from __future__ import annotations
 
@@ -14,9 +14,7 @@ from trace_examples import MESSAGES, STARTED_US, SURVEY, make_trace
 from gpr20_survey.errors import SurveyRefusedError
 from gpr20_survey.folder import survey_folder, survey_metadata
 from gpr20_survey.recording import replay_message
-from gpr20_survey.recording.recording import RecordedMessage
 from gpr20_survey.recording.replay_message import RecordedSurvey
-from gpr20_survey.recording.topic_types import MAX_RENAMED, TopicTypes
 
 DATA = Path("/data")
 
@@ -66,30 +64,6 @@ def test_metadata_may_not_contradict_the_storage():
 def test_odd_texts_survive_in_strict_ascii_json():
     values = {"place": "Cañón \ud800 \u2028"}
     assert json.loads(survey_metadata.encode(values)) == values
-
-
-OLD, NEW = "7b530785257ca423f317a80d75c5dad5", "0123456789abcdef0123456789abcdef"
-
-
-def status(md5sum: str) -> RecordedMessage:
-    return RecordedMessage("/status", "gpr20_msgs/ControlStatus", md5sum, "", b"", 0)
-
-
-def names(types, *md5sums):
-    return [types.named(status(md5sum)).topic for md5sum in md5sums]
-
-
-def test_the_first_type_of_a_topic_has_its_name_and_others_have_their_own():
-    assert names(TopicTypes({}), OLD, NEW, OLD) == ["/status", "/status_01234567", "/status"]
-    # As has one that a recording holds already.
-    assert names(TopicTypes({"/status": {OLD}}), NEW, OLD) == ["/status_01234567", "/status"]
-
-
-def test_a_topic_with_far_too_many_types_is_not_recorded_for_ever():
-    types = TopicTypes({"/status": {OLD}})
-    found = [types.named(status(f"{number:032x}"[::-1])) for number in range(2 * MAX_RENAMED)]
-    assert sum(one is not None for one in found) == MAX_RENAMED
-    assert types.named(status(OLD)).topic == "/status"
 
 
 NAME = "gpr20_msgs/msg/Replay"

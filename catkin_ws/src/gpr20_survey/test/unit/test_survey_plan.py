@@ -13,7 +13,7 @@ from trace_examples import make_trace
 
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message
-from gpr20_common.mid.records import record_from
+from gpr20_common.mid.codec import record_from
 from gpr20_survey.plan.imported import (
     ImportedFit,
     ImportedGrid,
@@ -207,7 +207,7 @@ def test_every_place_has_one_index_and_a_trace_fits_only_its_own(turns, ys, xs):
 
 @each_case(
     "axis",
-    [None, [], [1], ["1.0"], [True], [2.0, 1.0], [1.0, 1.0], [math.nan], [1.0, math.inf], {}],
+    [None, [], ["1.0"], [True], [2.0, 1.0], [1.0, 1.0], [math.nan], [1.0, math.inf], {}],
 )
 def test_a_grid_that_is_none_is_refused(axis):
     for name in GRID:

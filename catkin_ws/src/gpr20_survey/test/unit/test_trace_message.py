@@ -1,40 +1,34 @@
-"""A trace as a ROS message: every bit comes back, and damage is refused or seen."""
+"""A trace as a ROS message and as JSON: every bit comes back, and damage is refused or seen."""
 
 import dataclasses
-import itertools
 import json
 import math
 import random
+import re
 import struct
 import tracemalloc
 
 import numpy as np
 import pytest
+import trace_page
 from case_kit import each_case
 from fault_kit import raises_fault
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from log_examples import flipped
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 from run_seed import SEED, draws
-from trace_examples import (
-    FORMER_DEFINITIONS,
-    TRACE_DEFINITION,
-    assert_same_numbers,
-    make_trace,
-)
+from trace_examples import MESSAGES, assert_same_numbers, make_trace
 
 from gpr20_survey.axes.zero_epoch import AXES, MAX_NUMBER, MAX_TIME_US, ZeroEpoch
 from gpr20_survey.errors import TraceRefusedError
-from gpr20_survey.trace import trace_definition, trace_json, trace_message, utc_time
+from gpr20_survey.trace import trace_json, trace_message, utc_time
 from gpr20_survey.trace.aux_value import AuxValue
 from gpr20_survey.trace.sweep_settings import AnalyzerSettings
 
+TYPE = "gpr20_msgs/msg/Trace"
 TYPES = get_typestore(Stores.ROS1_NOETIC)
-TYPES.register(get_types_from_msg(TRACE_DEFINITION, "gpr20_msgs/msg/Trace"))
-FORMER_TYPES = {}
-for _md5sum, _definition in FORMER_DEFINITIONS.items():
-    FORMER_TYPES[_md5sum] = get_typestore(Stores.ROS1_NOETIC)
-    FORMER_TYPES[_md5sum].register(get_types_from_msg(_definition, "gpr20_msgs/msg/Trace"))
+TYPES.register(get_types_from_msg(trace_message.DEFINITION, TYPE))
 SMALL = st.floats(-1e4, 1e4)
 FINITE = st.floats(allow_nan=False, allow_infinity=False, allow_subnormal=True)
 PRINTABLE = st.characters(min_codepoint=32, max_codepoint=126)
@@ -97,60 +91,58 @@ def traces(draw):
     )
 
 
-@given(traces(), analyzer_settings())
-def test_every_trace_comes_back_to_the_last_bit_and_another_library_reads_the_same(trace, other):
+@given(traces(), analyzer_settings(), st.randoms())
+def test_every_trace_comes_back_to_the_last_bit_and_no_flipped_byte_of_its_file(
+    trace, other, chance
+):
     data, content = trace_message.encode(trace), trace_json.encode(trace)
-    decoded = trace_message.decode(data, trace_message.MD5SUM)
-    assert decoded.fingerprint() == trace.fingerprint()
-    assert trace_message.encode(decoded) == data
-    message = TYPES.deserialize_ros1(data, "gpr20_msgs/msg/Trace")
+    for decoded in (trace_message.decode(data), trace_json.decode(content)):
+        assert decoded.fingerprint() == trace.fingerprint()
+        assert trace_message.encode(decoded) == data
+        assert trace_json.encode(decoded) == content
+    message = TYPES.deserialize_ros1(data, TYPE)
     assert_same_numbers(trace, message)
-    assert bytes(TYPES.serialize_ros1(message, "gpr20_msgs/msg/Trace")) == data
-    decoded = trace_json.decode(content)
-    assert decoded.fingerprint() == trace.fingerprint()
-    assert trace_json.encode(decoded) == content
-    values = json.loads(content)
-    assert_same_numbers(trace, values)
-    held = trace_json.ANALYZER_KEYS & values.keys()
-    assert held == (trace_json.ANALYZER_KEYS if trace.analyzer.is_known else set())
-    assert (trace_json.AUX in values) == bool(trace.aux)
-    assert (trace_json.ZERO_EPOCHS in values) == bool(trace.zeros)
+    assert_same_numbers(trace, json.loads(content))
+    assert bytes(TYPES.serialize_ros1(message, TYPE)) == data
+    with raises_fault("trace.damaged", "checksum", error=TraceRefusedError):
+        trace_json.decode(flipped(chance, content))
     # Other settings make another trace.
     changed, same = dataclasses.replace(trace, analyzer=other), other == trace.analyzer
     assert (changed.fingerprint() == trace.fingerprint()) == same
     assert (trace_json.encode(changed) == content) == same
 
 
-@each_case("md5sum", trace_message.FORMER_MD5SUMS)
-@settings(max_examples=draws(12))
-@given(trace=traces())
-def test_a_message_of_a_former_version_is_the_trace_without_what_was_added(md5sum, trace):
-    data = trace_message.encode(trace, md5sum)
-    decoded = trace_message.decode(data, md5sum)
-    former = dataclasses.replace(trace, zeros=())
-    if md5sum != trace_message.WITHOUT_ZEROS_MD5SUM:
-        former = dataclasses.replace(former, aux=())
-    if md5sum == trace_message.WITHOUT_SETTINGS_MD5SUM:
-        former = dataclasses.replace(former, analyzer=AnalyzerSettings())
-    assert decoded.fingerprint() == former.fingerprint()
-    assert trace_message.encode(decoded, md5sum) == data
-    message = FORMER_TYPES[md5sum].deserialize_ros1(data, "gpr20_msgs/msg/Trace")
-    assert bytes(FORMER_TYPES[md5sum].serialize_ros1(message, "gpr20_msgs/msg/Trace")) == data
-    assert trace_message.completed(data, md5sum) == trace_message.encode(former)
-
-
-@settings(max_examples=draws(5))
+@settings(max_examples=draws(20))
 @given(traces())
-def test_the_versions_are_not_mixed_up(trace):
-    md5sums = (trace_message.MD5SUM, *trace_message.FORMER_MD5SUMS)
-    for one, other in itertools.permutations(md5sums, 2):
-        with pytest.raises(TraceRefusedError):
-            trace_message.decode(trace_message.encode(trace, one), other)
+def test_ros_itself_reads_and_writes_the_same_bytes(trace):
+    message = pytest.importorskip("gpr20_msgs.msg").Trace()
+    raw_message = pytest.importorskip("gpr20_common.high.raw_message")
+    data = trace_message.encode(trace)
+    message.deserialize(data)
+    assert_same_numbers(trace, message)
+    assert raw_message.serialized(message) == data
+    assert (message._md5sum, message._type) == (trace_message.MD5SUM, trace_message.DATATYPE)
+
+
+def test_the_table_of_the_fields_is_that_of_definition_checksum_and_page():
+    own = trace_message.DEFINITION.split("=" * 80 + "\nMSG: gpr20_msgs/")
+    for name, text in zip(("Trace", "AuxValue"), own):
+        lines = [line.split("#")[0].split() for line in (MESSAGES / f"{name}.msg").open()]
+        assert [line for line in lines if line] == [
+            line.split()
+            for line in re.sub("\n=.*", "", text, flags=re.DOTALL).splitlines()
+            if " " in line
+        ]
+    assert TYPES.generate_msgdef(TYPE)[1] == trace_message.MD5SUM
+    text = trace_page.PAGE.read_text(encoding="utf-8")
+    assert trace_page.page(text) == text and trace_page.HEAD in text, (
+        "run tools/pages/trace_page.py"
+    )
 
 
 def test_the_header_has_the_time_the_frame_and_the_index_of_the_trace():
     trace = make_trace(7)
-    header = TYPES.deserialize_ros1(trace_message.encode(trace), "gpr20_msgs/msg/Trace").header
+    header = TYPES.deserialize_ros1(trace_message.encode(trace), TYPE).header
     stamp_us = header.stamp.sec * 10**6 + header.stamp.nanosec // 1000
     assert (stamp_us, header.frame_id, header.seq) == (trace.timestamp_us, "antenna_link", 7)
 
@@ -166,22 +158,11 @@ def test_a_header_of_another_time_or_frame_is_refused(place, accepted):
             trace_message.decode(bytes(data))
 
 
-def test_the_checksum_of_the_type_is_that_of_its_definition():
-    own = get_typestore(Stores.ROS1_NOETIC)
-    own.register(get_types_from_msg(trace_definition.TRACE_DEFINITION, "gpr20_msgs/msg/Trace"))
-    present = [(trace_message.MD5SUM, one) for one in (TYPES, own)]
-    for md5sum, types in [*FORMER_TYPES.items(), *present]:
-        assert types.generate_msgdef("gpr20_msgs/msg/Trace")[1] == md5sum
-
-
 @given(st.binary(min_size=1, max_size=400), st.floats(0.0, 1.0, exclude_max=True))
 def test_a_message_that_is_cut_longer_of_another_version_or_any_bytes_is_refused(rest, share):
     whole = trace_message.encode(make_trace())
-    former = trace_message.encode(make_trace(), trace_message.WITHOUT_HEADER_MD5SUM)
-    with raises_fault("trace.other_version", error=TraceRefusedError):
+    with raises_fault("trace.other_version", "0" * 32, trace_message.MD5SUM):
         trace_message.decode(whole, "0" * 32)
-    with raises_fault("trace.damaged", error=TraceRefusedError):
-        trace_message.completed(former[:60], trace_message.WITHOUT_HEADER_MD5SUM)
     for wrong in (whole[: int(share * len(whole))], whole + rest, rest):
         with pytest.raises(TraceRefusedError):
             trace_message.decode(wrong)

@@ -41,8 +41,6 @@ class Requests:
         found = [fields for kind, _ticket, fields in self.asked if kind == name]
         if name == "export":
             return [SimpleNamespace(**one) for one in found]
-        if name == "note":
-            return [(one["survey"], one["kind"], json.loads(one["values_json"])) for one in found]
         return [tuple(one.values()) for one in found]
 
     def ticket(self, name):

@@ -14,7 +14,8 @@ from gpr20_common.message import verbatim
 from gpr20_operator.jobs.pictures import StoredSurvey
 from gpr20_operator.plan.spec import Tile
 from gpr20_operator.robot.events import Answer, Request, RobotDefaults
-from gpr20_survey.plan.annotation import EMPTY, Annotation
+from gpr20_survey.folder.log_record import Kind
+from gpr20_survey.plan.annotation import EMPTY, Annotation, from_values
 from gpr20_survey.plan.site import Site
 from gpr20_survey.plan.survey_state import SurveyState
 
@@ -46,7 +47,9 @@ def read(window, node, survey, annotation):
 
 
 def asked(node):
-    return [tuple(fields.values()) for kind, _, fields in node.asked if kind == "annotate"]
+    facts = node.of("fact")
+    assert all(kind is Kind.ANNOTATION for _survey, kind, _values in facts)
+    return [(survey, from_values(values)) for survey, _kind, values in facts]
 
 
 def write(sheet, name, text):
@@ -109,7 +112,7 @@ def test_empty_notes_of_the_running_survey_are_filled_without_a_hold(window, nod
     click(sheet.save)
     assert asked(node) == [(SURVEY, replace(EXAMPLE, notes="wet"))]
     assert sheet.isVisible()
-    node.ticket("annotate").done(verbatim("stored"))
+    node.ticket("fact").done(verbatim("stored"))
     assert not sheet.isVisible()
 
 
@@ -131,7 +134,7 @@ def test_records_that_exist_are_changed_only_by_a_hold_that_says_old_and_new(
     hold(confirm.hold)
     assert asked(node) == [(survey, Annotation("Anab", name="field 3"))]
     # A failure is said and loses nothing that was written.
-    node.ticket("annotate").fail(verbatim("The disk is full"))
+    node.ticket("fact").fail(verbatim("The disk is full"))
     assert window.notice.reason.toPlainText() == "The disk is full"
     click(window.notice.close_button)
     assert sheet.isVisible() and sheet.texts["operator"] == "Anab"

@@ -21,6 +21,7 @@ from gpr20_operator.robot.events import Answer, Progress, Request
 from gpr20_operator.robot.notices import Refused, refusal_notice
 from gpr20_operator.robot.remote_control import Arming, WebStatusReported
 from gpr20_operator.robot.survey_model import Refusal
+from gpr20_survey.folder.log_record import Kind
 from gpr20_survey.plan.annotation import Annotation
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_user_interface.look.translation import shown_text
@@ -190,8 +191,8 @@ class Field:
     def check_wishes(self):
         assert set(wishes(self.window)) <= HARMLESS and not self.arming.armed
         changed = {one[0] for one in self.window.traces.source.asked}
-        changed |= {one[0] for one in self.window.node.asked}
-        assert not changed & {"remove marker", "annotate"}
+        changed |= {fields.get("kind") for _name, _ticket, fields in self.window.node.asked}
+        assert not changed & {"remove marker", Kind.ANNOTATION}
         assert set(self.window.tools.asked) <= LOOKED
 
     def check_shown(self):

@@ -31,6 +31,7 @@ from gpr20_operator.jobs.job import JobState, Service
 from gpr20_operator.jobs.pictures import Imaging, StoredSurvey
 from gpr20_operator.robot.senders import Senders
 from gpr20_operator.robot.service_model import HeightTested
+from gpr20_survey.folder.log_record import Kind
 from gpr20_survey.plan.markers import Marker
 from gpr20_survey.results.analyzer_test import AnalyzerTest, analyzer_test_fields
 from gpr20_survey.results.focused_image import focus_fields
@@ -45,14 +46,16 @@ ANSWERS = {
     Service.STICKS: {"computer": "server", "volumes": [SimpleNamespace(**volume_fields(BLUE))]},
     Service.READ: {"metadata_json": "{}", "stored_indices": [0, 3]},
     Service.LIST: {"surveys": [], "more": False},
-    Service.MARK: {"survey_id": SURVEY, "markers_json": "[]"},
-    Service.NOTE: message_fields(verbatim("noted")),
-    Service.ANNOTATE: message_fields(verbatim("stored")),
+    Service.FACT: {
+        **message_fields(verbatim("noted")),
+        **{"survey_id": SURVEY, "markers_json": "[]"},
+    },
     Service.MOVE: message_fields(verbatim("The y axis is at 20 mm.")),
     Service.DAILY: message_fields(verbatim("Swept twice.")),
     Service.HEIGHT: {"height_m": 0.2, "spread_m": 0.001, "voltage_v": 1.3},
     Service.ANALYZER: analyzer_test_fields(TESTED),
 }
+FIELDS = {Service.FACT: {"kind": Kind.FOUND, "values": {}}}
 REFUSED = {"success": False, **message_fields(verbatim("refused"))}
 # Of the other services of the storage.
 STORED = {"survey_id": "id", "markers_json": "[]", "stored_indices": [0, 3]}
@@ -84,7 +87,7 @@ def test_the_answers_are_what_pages_work_with_and_delivered_in_their_thread(
     found, threads = {}, []
     for service in Service:
         job = imaging.job(service, lambda _result: threads.append(threading.current_thread()))
-        job.ask(survey=SURVEY)
+        job.ask(survey=SURVEY, **FIELDS.get(service, {}))
         assert job.running
         deliver(events)
         assert job.state is JobState.DONE
@@ -99,7 +102,7 @@ def test_the_answers_are_what_pages_work_with_and_delivered_in_their_thread(
     assert found[Service.STICKS].computer == "server"
     assert [one.path for one in found[Service.STICKS].volumes] == [BLUE.path]
     assert found[Service.READ] == StoredSurvey("{}", 2)
-    assert str(found[Service.NOTE]) == "noted"
+    assert str(found[Service.FACT]) == "noted"
     assert str(found[Service.MOVE]) == "The y axis is at 20 mm."
     assert found[Service.HEIGHT] == HeightTested(0.2, 0.001, 1.3)
     assert found[Service.ANALYZER] == TESTED
@@ -122,14 +125,15 @@ def test_a_service_that_is_silent_or_refuses_is_a_failure_with_a_reason(
     imaging, answers, events, service
 ):
     job = imaging.job(service)
+    fields = FIELDS.get(service, {})
     answers[service.value] = [ServiceUnavailableError(Message("no answer"))]
-    job.ask()
+    job.ask(survey=SURVEY, **fields)
     deliver(events)
     assert job.problem.cause == faults.PART_SILENT and job.problem.remedy is not None
     if service in (Service.HEIGHT, Service.ANALYZER):
         return
     answers[service.value] = [REFUSED]
-    job.ask()
+    job.ask(survey=SURVEY, **fields)
     deliver(events)
     assert str(job.problem) == "refused"
     if service is Service.HIDE:

@@ -181,14 +181,14 @@ def test_what_was_found_is_stored_only_by_a_hold(done, node):
     done.place_sheet.pad.press("35")
     click(done.place_sheet.pad.accept_button)
     click(done.place_sheet.store)
-    assert node.of("note") == []
+    assert node.of("fact") == []
     hold(done.place_sheet.store)
-    node.ticket("note").fail(verbatim("the disk is full"))
+    node.ticket("fact").fail(verbatim("the disk is full"))
     assert "The disk is full" in refreshed(done).place_sheet.text.text()
     hold(done.place_sheet.store)
-    _survey, _kind, values = node.of("note")[-1]
+    _survey, _kind, values = node.of("fact")[-1]
     assert (values["what"], values["depth_mm"], values["who"]) == ("scrap", 35.0, "Ana")
-    node.ticket("note").done(None)
+    node.ticket("fact").done(None)
     node.ticket("read").done(stored(log=[noted("found", values)]))
     refreshed(done)
     assert "35" in done.rows[0].why.whole

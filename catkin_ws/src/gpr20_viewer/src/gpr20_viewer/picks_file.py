@@ -5,7 +5,7 @@ from __future__ import annotations
 import csv
 import io
 import json
-from dataclasses import asdict, fields
+from dataclasses import asdict, dataclass, fields
 from pathlib import Path
 from typing import Any, Dict, List, Optional, Tuple
 
@@ -14,6 +14,7 @@ from gpr20_analysis.atomic_output import atomic_output
 from gpr20_analysis.errors import AnalysisError, ExportError, wrong_ending
 from gpr20_analysis.formats.csv_cells import csv_cell
 from gpr20_common.message import Message
+from gpr20_common.mid.codec import plain, record_from
 from gpr20_survey.files.durable_files import replace_file, sync_path, write_new_file
 from gpr20_survey.folder import survey_folder
 from gpr20_survey.folder.manifest import MANIFEST_FILE
@@ -70,6 +71,19 @@ SUFFIX = ".picks.json"
 MOST_BYTES = 64 << 20
 
 
+@dataclass(frozen=True)
+class StoredPicks:
+    """The content of the file."""
+
+    format: str
+    notice: str
+    simulated: bool
+    survey_id: str
+    survey_sha256: str
+    next_number: int
+    picks: Picks
+
+
 class PicksFileError(AnalysisError, ValueError):
     """A file of picks cannot be used for this survey."""
 
@@ -89,7 +103,7 @@ def sealed_folder(path: Path) -> Optional[Path]:
 
 
 def _is_survey(folder: Path) -> bool:
-    names = [survey_folder.SURVEY_FILE, MANIFEST_FILE]
+    names = [*survey_folder.LOG_FILES, survey_folder.SURVEY_FILE, MANIFEST_FILE]
     # A recording alone may have been copied anywhere.
     if (folder / survey_folder.TRACES_FOLDER).is_dir():
         names += [survey_folder.BAG_FILE, survey_folder.MCAP_FILE]
@@ -133,24 +147,22 @@ class PicksFile:
         if self._known is None:
             return PickEditor(), []
         try:
-            stored = json.loads(self._known.decode("utf-8"))
-            if stored["format"] != FORMAT:
-                raise ValueError(f"format {stored['format']}")
-            picks = tuple(_pick(one) for one in stored["picks"])
-            if len({one.id for one in picks}) != len(picks):
+            stored = record_from(StoredPicks, json.loads(self._known.decode("utf-8")), "")
+            if stored.format != FORMAT:
+                raise ValueError(f"format {stored.format}")
+            if len({one.id for one in stored.picks}) != len(stored.picks):
                 raise ValueError("two picks of one name")
-            survey_id, sha256 = str(stored["survey_id"]), str(stored["survey_sha256"])
-            editor = PickEditor(picks, int(stored["next_number"]))
-        except (LookupError, TypeError, ValueError, RecursionError) as error:
+        except (ValueError, RecursionError) as error:
             raise PicksFileError(
                 Message(
                     "{path} is damaged or no file of picks; move it away, or choose another file "
                     "with --picks",
                     path=self.path,
-                    details=repr(error),
+                    details=error,
                 )
             ) from error
-        return editor, self._compare(survey_id, sha256)
+        editor = PickEditor(stored.picks, stored.next_number)
+        return editor, self._compare(stored.survey_id, stored.survey_sha256)
 
     def save(self, editor: PickEditor) -> None:
         """Write the picks; return when they are durable.
@@ -168,7 +180,16 @@ class PicksFile:
                 ),
                 fault=faults.PICKS_CHANGED,
             )
-        data = _json(self._record(editor))
+        stored = StoredPicks(
+            FORMAT,
+            str(NO_CLEARANCE_BY_PICKS),
+            self._identity.simulated,
+            self._identity.survey_id,
+            self._identity.sha256,
+            editor.next_number,
+            editor.picks,
+        )
+        data = _json(plain(stored))
         if self._known is None:
             write_new_file(self.path, data)
             sync_path(self.path.parent)
@@ -220,30 +241,6 @@ class PicksFile:
                 "continued or with other steps; check each of them"
             )
         ]
-
-    def _record(self, editor: PickEditor) -> Dict[str, Any]:
-        return {
-            "format": FORMAT,
-            "notice": str(NO_CLEARANCE_BY_PICKS),
-            "simulated": self._identity.simulated,
-            "survey_id": self._identity.survey_id,
-            "survey_sha256": self._identity.sha256,
-            "next_number": editor.next_number,
-            "picks": [asdict(one) for one in editor.picks],
-        }
-
-
-def _pick(stored: Dict[str, Any]) -> Pick:
-    values = {}
-    for field in fields(Pick):
-        value = stored[field.name]
-        if str(field.type) == "str":
-            if not isinstance(value, str):
-                raise ValueError(f"{field.name} is no text")
-        elif value is not None or "Optional" not in str(field.type):
-            value = float(value)
-        values[field.name] = value
-    return Pick(**values)
 
 
 def _json(record: Dict[str, Any]) -> bytes:

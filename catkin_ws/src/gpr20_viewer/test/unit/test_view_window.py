@@ -264,7 +264,7 @@ def found_in(image):
     certain = (0.001, 0.001, 0.004, 20.0, 1e-6)
     one = Candidate("C01", 0.24, 0.24, 0.083, *certain, (0.0, 90.0), None, ())
     permittivity = float(image.attrs["permittivity"])
-    values = (permittivity, (permittivity, permittivity), 0.04, 9.0, (5.0, 16.0), 0)
+    values = (*[permittivity] * 3, "", 0.04, 9.0, 5.0, 16.0, 0, 0, None)
     return CandidateList("id", True, "phase-shift", *values, (one,))
 
 

@@ -12,7 +12,7 @@ from tutorial_code import code_blocks
 
 from gpr20_common import faults as common_faults
 from gpr20_common.low.clock import Clock
-from gpr20_common.mid.records import record_from
+from gpr20_common.mid.codec import record_from
 from gpr20_vna_acquisition import faults
 from gpr20_vna_acquisition.errors import VnaConnectionError
 from gpr20_vna_acquisition.low.tcp_relay import ADDRESS, TcpRelay

@@ -30,6 +30,11 @@ DISK_SLOW = Fault(
     "disk.slow",
     Message("Check that the disk is plugged in and not full. End other programs that use it."),
 )
+BAG_MISSING = Fault(
+    "storage.bag_missing",
+    Message("Make space if the disk is full, then make the bag with the command that is shown."),
+    severity=Severity.WARNING,
+)
 SHUTTING_DOWN = Fault("storage.shutting_down", remedies.WAIT_FOR_PART)
 CHANGED = Fault(
     "storage.changed",

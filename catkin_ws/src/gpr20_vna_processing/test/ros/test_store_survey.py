@@ -29,18 +29,20 @@ from gpr20_common.high.raw_message import deserialized
 from gpr20_common.message import Fault, Message
 from gpr20_msgs.msg import ControlStatus, CurrentCoordinate, Trace
 from gpr20_msgs.srv import (
+    AddFact,
     CloseSurvey,
     OpenSurvey,
     ReadTraces,
     ReopenSurvey,
-    ReportSurvey,
     StoreData,
 )
+from gpr20_survey.folder.recovery import read_description
 from gpr20_survey.recording.mcap_reader import StoredMcap
 from gpr20_survey.trace import trace_message
 from gpr20_survey.trace.aux_value import AuxValue
 
 sys.path.append(str(Path(__file__).resolve().parents[5] / "tools/kits"))
+from storage_kit import wait_until
 from trace_examples import assert_same_numbers, make_trace
 
 PACKAGE = "gpr20_vna_processing"
@@ -48,7 +50,7 @@ NODE = Path(__file__).resolve().parents[2] / "nodes" / "vna_processing"
 SERVICES = {
     "open_survey": OpenSurvey,
     "reopen_survey": ReopenSurvey,
-    "report_survey": ReportSurvey,
+    "add_fact": AddFact,
     "store_data": StoreData,
     "close_survey": CloseSurvey,
     "read_traces": ReadTraces,
@@ -86,6 +88,7 @@ def recordings(folder: str) -> list:
     """Return the messages by topic that the stock readers find in the bag and in the MCAP."""
     bag_topics: dict = {}
     mcap_topics: dict = {}
+    wait_until(Path(folder, "survey.bag").exists, TIME_LIMIT_S)
     with rosbag.Bag(folder + "/survey.bag") as bag:
         for topic, message, _ in bag.read_messages():
             bag_topics.setdefault(topic, []).append(message)
@@ -101,8 +104,8 @@ def on_disk(folder: str, topic: str) -> list:
     return [one for one in StoredMcap(Path(folder, "survey.mcap")).messages() if one.topic == topic]
 
 
-def survey_json(folder: str) -> dict:
-    return json.loads(Path(folder, "survey.json").read_text("ascii"))
+def description_in(folder: str) -> dict:
+    return read_description(Path(folder))
 
 
 class StoreSurveyTest(unittest.TestCase):
@@ -220,7 +223,7 @@ class StoreSurveyTest(unittest.TestCase):
             self.assertEqual(coordinates, list(range(TRACES)))
             self.assertIn("/diagnostics", recording)
         self.assertEqual(files[0]["timestamp"][-13:], ".123456+00:00")
-        self.assertEqual(survey_json(opened.path)["parameters"], {"x_points": 3})
+        self.assertEqual(description_in(opened.path)["parameters"], {"x_points": 3})
         self.check_replay(opened.path, live)
 
     def check_read(self, survey: str) -> None:
@@ -261,7 +264,7 @@ class StoreSurveyTest(unittest.TestCase):
         reason = Message("the zero is lost").with_fault(Fault("axis.lost_zero"))
         closed = self.done(self.close("failed", reason_json=reason.to_json()))
         self.assertEqual(closed.stored_traces, 0)
-        survey = survey_json(opened.path)
+        survey = description_in(opened.path)
         self.assertEqual((survey["reason"], survey["fault_code"]), (str(reason), "axis.lost_zero"))
         for found in recordings(opened.path):
             self.assertNotIn("/robot1/trace", found)
@@ -277,7 +280,11 @@ class StoreSurveyTest(unittest.TestCase):
         opened = self.done(self.open())
         for index in range(3):
             self.done(self.store(index))
-        self.done(self.services["report_survey"](self.survey_id, '{"verdict": "INCOMPLETE"}'))
+        add_fact = self.services["add_fact"]
+        report = self.survey_id, "report", '{"verdict": "INCOMPLETE"}'
+        for _ in range(2):  # the second is the repetition of a call whose answer was lost
+            self.assertEqual(self.done(add_fact(*report)).stored_traces, 3)
+        self.assertEqual(add_fact("", "end", "{}").fault_code, "storage.request_refused")
         self.wait_until(lambda: logged, "the report is not published")
         self.assertEqual(json.loads(logged[0].data)["values"], {"verdict": "INCOMPLETE"})
         self.wait_until(lambda: len(live) == 3, "traces are missing on the topic")
@@ -347,7 +354,7 @@ class StoreSurveyTest(unittest.TestCase):
         self.done(self.store(0))
         node.send_signal(signal.SIGINT)
         node.wait(TIME_LIMIT_S)
-        survey = survey_json(opened.path)
+        survey = description_in(opened.path)
         self.assertEqual((survey["outcome"], survey["stored_traces"]), ("interrupted", 1))
         for found in recordings(opened.path):
             self.assertEqual(len(found["/robot3/trace"]), 1)

@@ -14,7 +14,6 @@ from reopening_kit import STORED, make
 from storage_kit import Kit
 
 from gpr20_survey.errors import StorageFailedError
-from gpr20_survey.recording.recordings import open_recordings
 
 
 @pytest.fixture
@@ -26,7 +25,7 @@ def data(tmp_path):
 @pytest.fixture
 def kit(data):
     """Yield a storage with a bag and an MCAP."""
-    kit = Kit(data, open_recordings)
+    kit = Kit(data)
     yield kit
     kit.processing.shut_down()
 
@@ -37,7 +36,7 @@ def kits(tmp_path):
     made = []
 
     def make_kit(**options):
-        made.append(Kit(tmp_path / "data", open_recordings, **options))
+        made.append(Kit(tmp_path / "data", **options))
         return made[-1]
 
     yield make_kit

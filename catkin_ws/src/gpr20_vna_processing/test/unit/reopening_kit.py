@@ -13,20 +13,13 @@ from mcap.reader import make_reader
 from mcap_ros1.decoder import DecoderFactory
 from planned_survey import METADATA, POINTS, planned_trace
 from rosbags.rosbag1 import Reader
-from rosbags.typesys import Stores, get_types_from_msg, get_typestore
-from storage_kit import OTHER_SURVEY, TYPES, Kit, text_message
-from trace_examples import FORMER_DEFINITIONS, SURVEY, assert_same_numbers, read_json
+from storage_kit import OTHER_SURVEY, TYPES, Kit, text_message, with_bag
+from trace_examples import SURVEY, assert_same_numbers, read_json
 
 from gpr20_survey.folder.recovery import read_description
 from gpr20_survey.plan.markers import markers_of
-from gpr20_survey.recording.recordings import open_recordings
-from gpr20_survey.trace import trace_message
 from gpr20_vna_processing.mid.processing_records import Limits
 
-TYPES_OF = {trace_message.MD5SUM: TYPES}
-for _md5sum, _definition in FORMER_DEFINITIONS.items():
-    TYPES_OF[_md5sum] = get_typestore(Stores.ROS1_NOETIC)
-    TYPES_OF[_md5sum].register(get_types_from_msg(_definition, "gpr20_msgs/msg/Trace"))
 TRACES = [planned_trace(index) for index in range(len(POINTS))]
 STORED = {"finished": len(POINTS), "stopped": 6, "interrupted": 6, "cut off": 6}
 REPORT = {"verdict": "some", "coverage": "mmmmmm---"}
@@ -45,11 +38,11 @@ def make(place: Path, ending: str) -> Made:
     What a kill leaves of one that was cut off is what is on the disk then.
     """
     # On a busy computer it would record the last marker before it is cut off.
-    kit = Kit(place / "open", open_recordings, Limits(timeout_s=10.0, period_s=3600.0))
+    kit = Kit(place / "open", limits=Limits(timeout_s=10.0, period_s=3600.0))
     folder = kit.open(metadata_json=METADATA)
-    kit.processing.add_marker(SURVEY, marker(1))
-    kit.processing.annotate(SURVEY, EXAMPLE)
-    kit.processing.report(SURVEY, json.dumps(REPORT))
+    kit.add_marker(SURVEY, marker(1))
+    kit.annotate(SURVEY, EXAMPLE)
+    kit.report(SURVEY, json.dumps(REPORT))
     fill(kit, TRACES[: STORED[ending] - 1])
     if ending == "interrupted":
         kit.processing.interrupt_other(OTHER_SURVEY)
@@ -60,7 +53,7 @@ def make(place: Path, ending: str) -> Made:
     elif ending != "cut off":
         kit.processing.close_survey(SURVEY, ending)
     shutil.copytree(str(folder), str(place / "older"))
-    kit.processing.add_marker(SURVEY, marker(2))
+    kit.add_marker(SURVEY, marker(2))
     shutil.copytree(str(place / "open"), str(place / "data"))
     kit.processing.shut_down()
     return Made(place / "data" / folder.name, place / "older")
@@ -75,7 +68,7 @@ def fill(kit: Kit, traces: Iterable[Any]) -> None:
 
 def resume(folder: Path, outcome: str = "finished") -> Any:
     """Resume a survey and close it again, complete if it is to be finished."""
-    kit = Kit(folder.parent, open_recordings)
+    kit = Kit(folder.parent)
     try:
         reopened = kit.processing.reopen_survey(folder.name)
         if outcome == "finished":
@@ -110,21 +103,22 @@ def trace_file(folder: Path, index: int) -> Path:
 
 
 def traces_in_bag(folder: Path) -> List[Any]:
-    """Return the traces that a stock reader finds in the bag."""
+    """Return the traces that a stock reader finds in the bag, which is made if it is missing."""
+    if not (folder / "survey.bag").exists():
+        with_bag(folder)
     with Reader(str(folder / "survey.bag")) as reader:
         return [
-            TYPES_OF[connection.digest].deserialize_ros1(data, "gpr20_msgs/msg/Trace")
+            TYPES.deserialize_ros1(data, "gpr20_msgs/msg/Trace")
             for connection, _, data in reader.messages()
-            if connection.topic.startswith("/trace")
+            if connection.topic == "/trace"
         ]
 
 
 def messages_in_mcap(folder: Path, topic: str = "/trace") -> List[Any]:
     """Return the messages of a topic that a stock reader finds in the MCAP."""
-    topics = [topic, f"{topic}_{trace_message.MD5SUM[:8]}"]
     with open(folder / "survey.mcap", "rb") as stream:
         reader = make_reader(stream, validate_crcs=True, decoder_factories=[DecoderFactory()])
-        return [one.decoded_message for one in reader.iter_decoded_messages(topics=topics)]
+        return [one.decoded_message for one in reader.iter_decoded_messages(topics=[topic])]
 
 
 def assert_whole(folder: Path, traces: List[Any]) -> None:

@@ -19,6 +19,7 @@ from gpr20_common.message import Fault, Message, in_a_row, verbatim
 from gpr20_common.sent_message import received_message
 from gpr20_survey.errors import StorageFailedError, SurveyRefusedError, TraceRefusedError
 from gpr20_survey.faults import OTHER_DATA_FOLDER
+from gpr20_survey.folder.recovery import recover
 from gpr20_vna_processing.mid.latched_topics import LARGEST_BYTES
 from gpr20_vna_processing.mid.processing_records import Limits
 
@@ -33,7 +34,7 @@ def memory():
 
 @pytest.fixture
 def kit(tmp_path, memory):
-    kit = Kit(tmp_path / "data", lambda *_: [memory])
+    kit = Kit(tmp_path / "data", lambda *_: memory)
     yield kit
     memory.error = None
     kit.processing.shut_down()
@@ -51,8 +52,8 @@ def test_a_survey_has_its_folder_and_says_so_once(kit, memory):
     folder = kit.open(metadata_json='{"parameters": {"x_points": 3}}')
     assert folder.name == "20260921T141320_0f8fad5b"
     survey = read_json(folder / "survey.json")
-    (plan,) = survey.pop("log")
-    assert plan["values"] == survey
+    (plan,) = recover(folder).found.records
+    assert plan.values == survey
     assert survey == {
         "format": "gpr20-survey/1",
         "survey_id": SURVEY,
@@ -167,7 +168,7 @@ def test_a_wrong_close_is_refused(kit):
     for arguments, *expected in [
         ((OTHER_SURVEY, "finished"), "survey.other_open", SURVEY, OTHER_SURVEY),
         ((SURVEY, "complete"), "storage.request_refused", "complete", "finished"),
-        ((SURVEY, "stopped", verbatim("x" * 5000)), "storage.request_refused", 5000, 4096),
+        ((SURVEY, "stopped", verbatim("x" * 20_000)), "storage.request_refused", 20_000, 16_384),
         (("..", "stopped"), "storage.request_refused", ".."),
     ]:
         with raises_fault(*expected, error=SurveyRefusedError):
@@ -187,7 +188,7 @@ def test_traces_that_cannot_be_recorded_do_not_fill_the_memory(kit, memory):
 
 def test_a_survey_that_is_larger_than_the_disk_is_refused(tmp_path):
     limits = Limits(disk_reserve_bytes=400_000_000)
-    kit = Kit(tmp_path, lambda *_: [MemoryRecording()], limits=limits, free_bytes=1_000_000_000)
+    kit = Kit(tmp_path, lambda *_: MemoryRecording(), limits=limits, free_bytes=1_000_000_000)
     with raises_fault("disk.full", 601, 400, 1000, error=SurveyRefusedError):
         kit.open(needed_bytes=601_000_000)
     assert os.listdir(tmp_path) == []
@@ -220,7 +221,7 @@ def test_a_full_disk_is_told_and_the_trace_is_stored_once_after_space_was_made(k
 
 
 def test_a_computer_without_a_clock_opens_no_survey(tmp_path):
-    kit = Kit(tmp_path, lambda *_: [MemoryRecording()], now_ns=1_000)
+    kit = Kit(tmp_path, lambda *_: MemoryRecording(), now_ns=1_000)
     with raises_fault("clock.wrong", 1970, error=SurveyRefusedError):
         kit.open()
     kit.processing.shut_down()
@@ -231,7 +232,7 @@ def test_neither_a_new_nor_an_old_survey_is_opened_in_another_data_folder(tmp_pa
         raise SurveyRefusedError(Message("gone").with_fault(OTHER_DATA_FOLDER))
 
     for check_data in (None, refuse):
-        kit = Kit(tmp_path, lambda *_: [MemoryRecording()], check_data=check_data)
+        kit = Kit(tmp_path, lambda *_: MemoryRecording(), check_data=check_data)
         if check_data is None:
             kit.open()
         else:

@@ -1,7 +1,4 @@
-"""The MCAP of a survey by its stock readers; cut or changed anywhere, it invents no trace.
-
-So does the bag.
-"""
+"""The MCAP of a survey by its stock readers; cut or changed anywhere, it invents no trace."""
 
 import io
 import json
@@ -14,12 +11,13 @@ from mcap.exceptions import McapError
 from mcap.reader import NonSeekingReader, make_reader
 from mcap_ros1.decoder import DecoderFactory
 from run_seed import SEED, draws
-from storage_kit import Kit, bag_messages, text_message
+from storage_kit import Kit, text_message
 from trace_examples import STARTED_US, SURVEY, assert_same_numbers, make_trace
 
 from gpr20_survey.errors import TraceRefusedError
 from gpr20_survey.recording.mcap_reader import StoredMcap
-from gpr20_survey.recording.recordings import open_recordings
+from gpr20_survey.recording.mcap_writer import McapFile
+from gpr20_survey.recording.recording import RecordedMessage
 from gpr20_survey.recording.survey_topics import recorded_trace
 
 TRACES = [make_trace(index, timestamp_us=STARTED_US + 10**6 * (index + 2)) for index in range(4)]
@@ -31,7 +29,7 @@ DECODERS = DecoderFactory()
 def snapshots(tmp_path_factory):
     """Copies of a survey's folder after each trace, and after its end."""
     place = tmp_path_factory.mktemp("torn")
-    kit = Kit(place / "data", open_recordings)
+    kit = Kit(place / "data")
     folder = kit.open(metadata_json='{"vna": {"identity": "x"}, "simulated": true}')
     for trace in TRACES:
         kit.processing.record(text_message("/t", f"before {trace.index}"))
@@ -56,22 +54,17 @@ def read_forward(content):
     return found
 
 
-def read(kind, path):
-    """Return the prints of the traces that a file holds, and what is wrong in it.
-
-    Nobody says of a bag whether it is whole to its end.
-    """
+def read(path):
+    """Return the prints of the traces that a file holds, and what is wrong in it."""
     mcap = StoredMcap(path)
     prints, wrong = {}, 0
-    for message in bag_messages(path) if kind == "bag" else mcap.messages():
+    for message in mcap.messages():
         try:
             trace = recorded_trace(message)
         except TraceRefusedError:
             wrong += 1
             continue
-        if trace is None and message.topic == "/trace":
-            wrong += 1  # its type is damaged
-        elif trace is not None and trace.index in prints:
+        if trace is not None and trace.index in prints:
             wrong += 1
         elif trace is not None:
             prints[trace.index] = trace.fingerprint()
@@ -95,34 +88,45 @@ def test_the_survey_is_described_inside_the_file(snapshots):
     assert attachment.log_time == STARTED_US * 1000
 
 
-@pytest.mark.parametrize("kind", ["bag", "mcap"])
-def test_a_recording_cut_in_its_last_records_holds_what_was_acknowledged(kind, snapshots, tmp_path):
-    acknowledged, longer = ((snapshots / n / f"survey.{kind}").read_bytes() for n in "23")
-    shared = next(place for place, (a, b) in enumerate(zip(acknowledged + b"\0", longer)) if a != b)
+def test_a_recording_cut_in_its_last_records_holds_what_was_acknowledged(snapshots, tmp_path):
+    acknowledged, longer = ((snapshots / n / "survey.mcap").read_bytes() for n in "23")
     path = tmp_path / "cut"
-    for cut in [*drawn(shared, len(longer), 25), len(longer)]:
-        # The empty chunk that ends a bag is still there until it is written over.
-        path.write_bytes(longer[:cut] + (acknowledged[cut:] if kind == "bag" else b""))
-        prints, faults = read(kind, path)
+    for cut in [*drawn(len(acknowledged), len(longer), 25), len(longer)]:
+        path.write_bytes(longer[:cut])
+        prints, faults = read(path)
         assert faults == []
         assert {index: PRINTS[index] for index in range(3)}.items() <= prints.items()
         assert prints.items() <= PRINTS.items()
-        if kind == "mcap":
-            traces = read_forward(path.read_bytes())
-            assert len(traces) == len(prints)
-            for trace, message in zip(TRACES, traces):
-                assert_same_numbers(trace, message)
+        traces = read_forward(path.read_bytes())
+        assert len(traces) == len(prints)
+        for trace, message in zip(TRACES, traces):
+            assert_same_numbers(trace, message)
     assert prints == PRINTS
 
 
-@pytest.mark.parametrize("kind", ["bag", "mcap"])
-def test_a_recording_cut_while_it_was_finished_is_whole_but_for_its_index(
-    kind, snapshots, tmp_path
-):
-    stored, ended = ((snapshots / n / f"survey.{kind}").read_bytes() for n in ("3", "end"))
+def test_a_recording_cut_while_it_was_finished_is_whole_but_for_its_index(snapshots, tmp_path):
+    stored, ended = ((snapshots / n / "survey.mcap").read_bytes() for n in ("3", "end"))
     for cut in [*drawn(len(stored), len(ended)), len(ended)]:
-        (tmp_path / "cut").write_bytes(stored[:100] + ended[100:cut])
-        assert read(kind, tmp_path / "cut") == (PRINTS, [])
+        (tmp_path / "cut").write_bytes(ended[:cut])
+        assert read(tmp_path / "cut") == (PRINTS, [])
+
+
+OLD, NEW = "7b530785257ca423f317a80d75c5dad5", "0123456789abcdef0123456789abcdef"
+
+
+def test_the_first_type_of_a_topic_has_its_name_and_others_have_their_own(tmp_path):
+    file = McapFile(tmp_path / "a.mcap", {}, b"{}", 1)
+    for md5sum in (OLD, NEW, OLD, NEW):
+        file.write(RecordedMessage("/status", "a/Status", md5sum, "", b"", 1))
+    # A copy of it, as when the survey is resumed, goes on with the names.
+    file.commit()
+    copy = McapFile(tmp_path / "b.mcap", {}, b"{}", 1)
+    for one in StoredMcap(tmp_path / "a.mcap").messages():
+        copy.write(one)
+    copy.write(RecordedMessage("/status", "a/Status", NEW, "", b"", 1))
+    copy.commit()
+    names = [one.topic for one in StoredMcap(tmp_path / "b.mcap").messages()]
+    assert names == ["/status", "/status_01234567"] * 2 + ["/status_01234567"]
 
 
 def test_two_damaged_traces_are_passed_over_and_the_next_is_read(snapshots, tmp_path):
@@ -131,7 +135,7 @@ def test_two_damaged_traces_are_passed_over_and_the_next_is_read(snapshots, tmp_
     for middle in ((lengths[0] + lengths[1]) // 2, (lengths[1] + lengths[2]) // 2):
         changed[middle : middle + 40] = bytes(40)
     (tmp_path / "changed").write_bytes(changed)
-    prints, faults = read("mcap", tmp_path / "changed")
+    prints, faults = read(tmp_path / "changed")
     assert faults
     assert prints == {index: PRINTS[index] for index in prints}
     assert {0, 3} <= prints.keys()

@@ -8,9 +8,8 @@ import pytest
 from fault_kit import raises_fault
 from storage_kit import text_message, wait_until
 
-from gpr20_common.low.clock import Clock
 from gpr20_survey.errors import StorageFailedError
-from gpr20_vna_processing.mid.storage_thread import QueueLimits, StorageThread
+from gpr20_vna_processing.mid.storage_thread import MESSAGE_BYTES, StorageThread
 
 TIME_LIMIT_S = 30.0
 
@@ -18,13 +17,14 @@ TIME_LIMIT_S = 30.0
 class Disk:
     """A disk that takes nothing while it is blocked."""
 
-    def __init__(self, period_s: float = 0.05, **limits: int) -> None:
+    def __init__(self, period_s: float = 0.05, messages: int = 1000) -> None:
         self.written = []
         self.writes = []
         self.busy = threading.Event()
         self.released = threading.Event()
         self.threads = []
-        self.thread = StorageThread(self.write, QueueLimits(**limits), Clock(), period_s=period_s)
+        size = text_message("/t", "a").size_bytes + MESSAGE_BYTES
+        self.thread = StorageThread(self.write, messages * size, period_s)
         self.thread.start()
 
     def write(self, messages) -> None:
@@ -48,8 +48,11 @@ class Disk:
         for thread in self.threads:
             thread.join(TIME_LIMIT_S)
 
-    def offer(self, *texts: str) -> list:
-        return [self.thread.offer(text_message("/t", text)) for text in texts]
+    def offer(self, *texts: str) -> int:
+        """Return how many of all messages were dropped so far."""
+        for text in texts:
+            self.thread.offer(text_message("/t", text))
+        return self.thread.state().dropped
 
 
 @pytest.fixture
@@ -70,14 +73,13 @@ def disks():
 def test_messages_beyond_the_queue_are_dropped_and_counted(disks):
     disk = disks(messages=3)
     disk.block()
-    assert disk.offer(*"abcde") == [True, True, True, False, False]
-    assert disk.thread.state().dropped == 2
+    assert disk.offer(*"abcde") == 2
     disk.release()
     disk.thread.stop(TIME_LIMIT_S)
     assert len(disk.written) == 3
-    disk = disks(message_bytes=100)
+    disk = disks(messages=1)
     disk.block()
-    assert disk.offer("x" * 100, "x" * 50) == [False, True]
+    assert disk.offer("x" * 2, "x") == 1
 
 
 def test_messages_are_written_before_the_job_that_came_after_them(disks):
@@ -97,19 +99,18 @@ def test_messages_are_written_many_at_a_time_and_at_once_if_half_of_the_queue_is
     wait_until(lambda: len(disk.written) == 100, TIME_LIMIT_S)
     assert len([one for one in disk.writes if one]) <= 3
     disk = disks(period_s=1000.0, messages=10)
-    assert all(disk.offer(*"abcde"))
+    assert disk.offer(*"abcde") == 0
     wait_until(lambda: len(disk.written) == 5, TIME_LIMIT_S)
 
 
-def test_a_full_queue_of_jobs_makes_the_caller_wait_and_then_says_so(disks):
-    disk = disks(jobs=1)
+def test_every_job_is_done_in_its_order_however_many_wait(disks):
+    disk, done = disks(), []
     disk.block()
-    disk.do_later(lambda: 1)
-    wait_until(lambda: disk.thread.state().jobs == 1, TIME_LIMIT_S)
-    with raises_fault("disk.slow", 1, error=StorageFailedError):
-        disk.thread.do(lambda: 2, 0.1)
+    for number in range(20):
+        disk.do_later(lambda number=number: done.append(number))
+        wait_until(lambda number=number: disk.thread.state().jobs == number + 1, TIME_LIMIT_S)
     disk.release()
-    assert disk.thread.do(lambda: 3, TIME_LIMIT_S) == 3
+    assert done == list(range(20)) and disk.thread.state().jobs == 0
 
 
 def test_a_job_that_was_given_up_is_not_done_later(disks):
@@ -129,4 +130,4 @@ def test_stopping_does_what_waits_and_refuses_what_comes(disks):
     assert len(disk.written) == 1
     with raises_fault("storage.shutting_down", error=StorageFailedError):
         disk.thread.do(lambda: 1, TIME_LIMIT_S)
-    assert disk.offer("too late") == [False]
+    assert disk.offer("too late") == 1

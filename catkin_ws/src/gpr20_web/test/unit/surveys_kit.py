@@ -11,7 +11,6 @@ from storage_kit import OTHER_SURVEY, Kit
 from trace_examples import STARTED_US, SURVEY
 from web_kit import Noted, route_of
 
-from gpr20_operator.ground.additions import MarkersStored
 from gpr20_operator.ground.trace_events import SurveysListed
 from gpr20_operator.jobs.job import Service
 from gpr20_operator.jobs.pictures import Exported, StoredSurvey
@@ -47,14 +46,9 @@ class Services:
         if service is Service.READ:
             found = self._archive.survey(survey)
             return StoredSurvey(json.dumps(found.description), len(found.stored_indices))
-        if service is Service.ANNOTATE:
-            return self._processing.annotate(survey, fields["annotation"])
-        if service is Service.NOTE:
-            return self._processing.note(survey, **fields)
-        if service is Service.MARK:
-            removed = fields.pop("remove", False)
-            change = self._processing.remove_marker if removed else self._processing.add_marker
-            return MarkersStored(survey, change(survey, **fields))
+        if service is Service.FACT:
+            values_json = json.dumps(fields["values"])
+            return self._processing.add_fact(survey, fields["kind"].value, values_json)
         if service is Service.EXPORT:
             return self.export(survey, fields)
         assert service is Service.FOCUS
@@ -88,7 +82,7 @@ class Surveys:
             self.kit.processing.store(planned_trace(index, survey_id))
         self.kit.processing.close_survey(survey_id, outcome)
         named = Annotation("Ana Pérez", "El Carmen", "wet ground", name=f"Lane-{count}")
-        self.kit.processing.annotate(survey_id, named)
+        self.kit.annotate(survey_id, named)
         return folder.name
 
     def ask(self, method, path, name="berta", role=Role.VIEW, **values):

@@ -1,7 +1,6 @@
 """Storage and imaging node, for pages that wait: refusals keep what they say."""
 
 import json
-from dataclasses import asdict
 from types import SimpleNamespace
 
 import pytest
@@ -17,7 +16,8 @@ from gpr20_common.sent_message import message_fields
 from gpr20_operator.high import request_client
 from gpr20_operator.jobs.job import Service
 from gpr20_operator.robot.senders import Senders
-from gpr20_survey.plan.annotation import Annotation
+from gpr20_survey.folder.log_record import Kind
+from gpr20_survey.plan.markers import Marker
 from gpr20_web.errors import NotNowError
 from gpr20_web.high.survey_services import RosSurveyServices
 
@@ -54,22 +54,18 @@ def test_a_refusal_keeps_its_sentence_its_fault_and_its_remedy(services, answers
         services.ask(Service.READ, survey=SURVEY)
     assert refused.value.message == REFUSED
     assert refused.value.message.fault_code == "storage.test"
-    answers.of["note_survey"] = ServiceUnavailableError(verbatim("no answer"))
+    answers.of["add_fact"] = ServiceUnavailableError(verbatim("no answer"))
     with pytest.raises(NotNowError, match="the storage does not answer"):
-        services.ask(Service.NOTE, survey=SURVEY)
+        services.ask(Service.FACT, survey=SURVEY, kind=Kind.FOUND, values={})
 
 
 def test_what_is_asked_is_sent_by_its_fields_and_what_is_answered_returned(services, answers):
     answers.of["list_surveys"] = {"surveys": [], "more": True}
     page = services.ask(Service.LIST, before="", max_surveys=50)
     assert (page.surveys, page.more) == ((), True)
-    stored = json.dumps([asdict(MARKER)])
-    answers.of["mark_survey"] = {"survey_id": SURVEY, "markers_json": stored}
-    answers.of["annotate_survey"] = message_fields(verbatim("stored"))
-    assert services.ask(Service.MARK, survey=SURVEY, marker=MARKER).markers == (MARKER,)
-    services.ask(Service.MARK, survey=SURVEY, marker_id=MARKER.marker_id, remove=True, author="Ana")
-    services.ask(Service.ANNOTATE, survey=SURVEY, annotation=Annotation(notes="roots"))
-    _list, (_, added), (_, removed), (_, annotated) = answers.asked
-    assert added["depth_mm"] == MARKER.depth_mm and added["has_depth"]
-    assert removed["remove"] and "x_mm" not in removed
-    assert annotated["annotation"].notes == "roots"
+    answers.of["add_fact"] = message_fields(verbatim("stored"))
+    said = services.ask(Service.FACT, survey=SURVEY, kind=Kind.MARKER, values=MARKER.request())
+    assert str(said) == "stored"
+    _list, (_, added) = answers.asked
+    assert (added["survey"], added["kind"]) == (SURVEY, "marker")
+    assert Marker(**json.loads(added["values_json"])).same_request(MARKER)

@@ -17,7 +17,7 @@ from web_kit import CHEAP, OTHER_PASSWORD, PASSWORD, make_accounts
 
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.faults import CONFIGURATION, NOT_ALLOWED
-from gpr20_common.mid.records import record_from
+from gpr20_common.mid.codec import record_from
 from gpr20_web.errors import WrongLoginError
 from gpr20_web.high import users_command
 from gpr20_web.mid.accounts import Accounts

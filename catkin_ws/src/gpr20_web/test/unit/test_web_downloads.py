@@ -99,7 +99,7 @@ def test_random_names_reach_no_route_and_no_file(surveys, tmp_path):
 
 def test_a_survey_that_cannot_be_read_says_why_and_can_be_downloaded(surveys):
     folder = surveys.data / surveys.part
-    for name in ("survey.json", "log.jsonl", "survey.mcap", "manifest.json"):
+    for name in ("log.jsonl", "log.copy.jsonl", "survey.mcap", "manifest.json"):
         (folder / name).write_bytes(b"nothing")
     shown = surveys.get(surveys.part)
     assert shown["problems"] and shown["state"] == "unreadable" and not shown["can_search"]

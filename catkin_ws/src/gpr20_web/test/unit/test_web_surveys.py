@@ -2,7 +2,6 @@
 
 import contextlib
 import dataclasses
-import json
 import os
 
 import pytest
@@ -20,6 +19,7 @@ from gpr20_operator.jobs.job import Service
 from gpr20_operator.jobs.result import list_sum
 from gpr20_operator.robot.replay import ReplayView
 from gpr20_survey.folder import found_records
+from gpr20_survey.folder.recovery import read_description
 from gpr20_survey.no_clearance import NO_CLEARANCE
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_survey.results.found import What
@@ -141,7 +141,7 @@ def test_a_marker_is_removed_by_its_author_or_an_operator(surveys):
     operator = {"name": "dora", "role": Role.OPERATE}
     surveys.post(surveys.whole, "markers", **operator, remove=mine["marker_id"])
     assert surveys.get(surveys.whole)["markers"] == []
-    stored = json.loads((surveys.data / surveys.whole / "survey.json").read_text())
+    stored = read_description(surveys.data / surveys.whole)
     assert [one["removed_by"] for one in stored["markers"]] == ["dora", "carl"]
     added, removed = surveys.audited[0], surveys.audited[-1]
     assert (added[:2], removed[:2]) == (("berta", "marker"), ("dora", "marker"))

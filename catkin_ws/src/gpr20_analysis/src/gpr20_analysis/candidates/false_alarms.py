@@ -10,7 +10,7 @@ among the hundreds of maxima of a volume.
 from __future__ import annotations
 
 import math
-from typing import Tuple
+from typing import Optional, Tuple
 
 import numpy as np
 
@@ -39,23 +39,24 @@ class FalseAlarms:
             self._median_db, few_db = np.quantile(weak_db, [1.0 - HALF, 1.0 - FEW])
             self._slope_db = max(float(few_db - self._median_db), 1e-6) / DECAY
 
-    def per_m2(self, above_db: float) -> float:
-        """Return how many echoes of the clutter are as strong [1/m2]; NaN if not known."""
+    def per_m2(self, above_db: float) -> Optional[float]:
+        """Return how many echoes of the clutter are as strong [1/m2]; None if not known."""
         if not self.are_known:
-            return math.nan
+            return None
         slopes = (above_db - self._median_db) / self._slope_db
         return self._density * math.exp(-max(slopes, 0.0))
 
-    def range_per_m2(self, above_db: float) -> Tuple[float, float]:
+    def range_per_m2(self, above_db: float) -> Tuple[Optional[float], Optional[float]]:
         """Return the 95 % interval of that number, by the scatter of the two quantiles."""
-        if not self.are_known:
-            return math.nan, math.nan
+        per_m2 = self.per_m2(above_db)
+        if per_m2 is None:
+            return None, None
         slopes = max((above_db - self._median_db) / self._slope_db, 0.0)
         # Of an exponential distribution: the variance of a quantile with a share p above it is
         # (1 / p - 1) / n, in units of its mean.
         scatter = math.sqrt((1.0 / FEW - 1.0 / HALF) / self._count) / DECAY
         factor = math.exp(TWO_SIDED_95 * scatter * slopes)
-        return self.per_m2(above_db) / factor, self.per_m2(above_db) * factor
+        return per_m2 / factor, per_m2 * factor
 
     def level_db(self, per_m2: float) -> float:
         """Return the level that so many echoes of the clutter exceed [dB]."""

@@ -129,17 +129,20 @@ def find_candidates(
         )
         for number, one in enumerate(order[:count], 1)
     )
-    lowest_db = least_db if alarms.are_known else math.nan
+    permittivity_lowest, permittivity_highest = permittivity_range(image)
+    false_alarms_lowest, false_alarms_highest = alarms.range_per_m2(least_db)
     return CandidateList(
         survey_id=str(image.attrs.get("survey_id", "")),
         simulated=bool(image.attrs.get("simulated", False)),
         method=str(image.attrs["method"]),
         permittivity=float(image.attrs["permittivity"]),
-        permittivity_range=permittivity_range(image),
+        permittivity_lowest=permittivity_lowest,
+        permittivity_highest=permittivity_highest,
         permittivity_source=str(image.attrs.get("permittivity_source", "")),
         area_m2=area_m2,
-        false_alarms_per_m2=alarms.per_m2(lowest_db),
-        false_alarms_range=alarms.range_per_m2(lowest_db),
+        false_alarms_per_m2=alarms.per_m2(least_db),
+        false_alarms_lowest=false_alarms_lowest,
+        false_alarms_highest=false_alarms_highest,
         omitted=len(order) - len(listed),
         candidates=listed,
         notes=(
@@ -277,6 +280,7 @@ def _candidate(
     }
     of_line_m = DEEPER_BESIDE_M if across else 0.0
     turns = [int(one) for one in dict.fromkeys(echoes.turn[place.members].tolist())]
+    rotations_deg = [float(image[POLARIZATION].values[one]) for one in turns]
     return Candidate(
         id="",
         x_m=x_m,
@@ -288,7 +292,7 @@ def _candidate(
         + max(of_permittivity_m, 0.0),
         above_clutter_db=above_db,
         false_alarms_per_m2=alarms.per_m2(above_db),
-        rotations_deg=tuple(float(image[POLARIZATION].values[one]) for one in turns),
+        rotations_deg=tuple(None if math.isnan(one) else one for one in rotations_deg),
         polarization_ratio_db=_polarization_ratio_db(place, echoes, image),
         flags=(),
     )

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from typing import List, Optional, Sequence, Tuple
 
 from gpr20_analysis.sentences import ENGLISH
@@ -74,14 +73,15 @@ def tail_sentences(found: CandidateList, shown: Sequence[Candidate]) -> List[Mes
             method=found.method,
         )
     ]
-    if not math.isnan(found.false_alarms_per_m2):
+    alarms = (found.false_alarms_per_m2, found.false_alarms_lowest, found.false_alarms_highest)
+    if None not in alarms:
         sentences.append(
             Message(
                 "of the clutter of this ground, about {density:.2g} echoes per m2 are as strong "
                 "as a candidate must be ({fewest:.2g} to {most:.2g})",
-                density=found.false_alarms_per_m2,
-                fewest=found.false_alarms_range[0],
-                most=found.false_alarms_range[1],
+                density=alarms[0],
+                fewest=alarms[1],
+                most=alarms[2],
             )
         )
     sentences.append(

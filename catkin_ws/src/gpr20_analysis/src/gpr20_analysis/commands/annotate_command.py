@@ -9,7 +9,6 @@ from pathlib import Path
 from typing import Any, Dict, List, Tuple
 
 from gpr20_analysis import faults
-from gpr20_analysis.commands import signing
 from gpr20_analysis.commands.command import DONE, Command, print_rows
 from gpr20_analysis.errors import AnalysisError, not_there
 from gpr20_analysis.report.summary import HEADING_OF_Y, POSITION, RECORDED, heading_text
@@ -54,7 +53,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="direction of +Y, clockwise from true north, 0 to 360; +X is 90 degrees to its right",
     )
     direction.add_argument("--no-heading", action="store_true", help="remove the heading")
-    signing.add_argument(parser)
 
 
 def run(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
@@ -63,7 +61,6 @@ def run(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
         raise AnalysisError(not_there(chosen.survey), fault=faults.NO_INPUT)
     description = read_description(chosen.survey)
     changes = _changes(chosen)
-    status = DONE
     if changes:
 
         def change(present: Dict[str, Any]) -> Fact:
@@ -71,12 +68,10 @@ def run(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
             # What another program annotated meanwhile stays.
             return Fact(Kind.ANNOTATION, replace(annotation_of(present), **changes).values())
 
-        signer = signing.chosen_signer(chosen)
         now = utc_time.iso_text(time.time_ns() // utc_time.NS_PER_US)
         description = add_to_survey(chosen.survey, change, now)
-        status = signing.sign_again(chosen.survey, signer, catalogue)
     print_rows(_rows(annotation_of(description)), catalogue)
-    return status
+    return DONE
 
 
 def _changes(chosen: argparse.Namespace) -> Dict[str, Any]:
@@ -96,7 +91,7 @@ def refuse_open(folder: Path, description: Dict[str, Any]) -> None:
 
     Args:
         folder: The survey's folder.
-        description: Content of its survey.json.
+        description: What its log says.
 
     Raises:
         AnalysisError: It has not ended.

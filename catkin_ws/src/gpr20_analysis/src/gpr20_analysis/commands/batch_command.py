@@ -31,7 +31,7 @@ from gpr20_common.catalogue import Catalogue
 from gpr20_common.message import Message
 from gpr20_common.sent_message import message_fields
 from gpr20_common.terminal_text import say
-from gpr20_survey.folder.survey_folder import SURVEY_FILE, TRACES_FOLDER
+from gpr20_survey.folder.survey_folder import LOG_FILE, TRACES_FOLDER
 
 FAILURE = 1
 ENDINGS = {
@@ -145,7 +145,7 @@ def _jobs(chosen: argparse.Namespace) -> List[Job]:
 
 def _surveys(given: Path, into: Path) -> Iterator[Tuple[Path, str]]:
     """Yield each survey at a path, and the name of its result."""
-    below = [] if (given / SURVEY_FILE).exists() else sorted(given.rglob(SURVEY_FILE))
+    below = [] if (given / LOG_FILE).exists() else sorted(given.rglob(LOG_FILE))
     # An import that is being written, or was cut off, is no survey.
     below = [one for one in below if not one.parent.parent.name.startswith(BESIDE)]
     # An export can look like a survey.
@@ -164,8 +164,8 @@ def _surveys(given: Path, into: Path) -> Iterator[Tuple[Path, str]]:
 
 def _made_of(command: str, survey: Path) -> str:
     """Return what a result is made of, in words that differ where it may differ."""
-    # A running survey gets traces before its description changes.
-    parts = [survey, survey / SURVEY_FILE, survey / TRACES_FOLDER]
+    # A running survey gets traces while its log stays as it is.
+    parts = [survey, survey / LOG_FILE, survey / TRACES_FOLDER]
     # Of the files that the command names, such as a recipe or a model.
     parts += [Path(one) for word in shlex.split(command) for one in re.split("[=:,]", word) if one]
     changed_ns = max((one.stat().st_mtime_ns for one in parts if one.exists()), default=None)

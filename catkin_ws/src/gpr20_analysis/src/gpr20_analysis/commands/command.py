@@ -51,6 +51,7 @@ SUMMARIES: Dict[str, str] = {
     "trial": "plan a blind trial, seal lists of candidates, and score them",
     "markers": "list the markers that people set in a survey, and write them to files",
     "verify": "check a survey's folder against its manifest, recordings and plan",
+    "sign": "sign a survey as it is now",
     "repair": "write a lost or damaged manifest again if everything else agrees",
     "export": "write a survey in another format: NetCDF, HDF5, CSV, SEG-Y, Touchstone, JSON",
     "import": "read measurements and simulations of other programs as a survey",

@@ -8,10 +8,11 @@ from typing import Sequence
 
 import xarray as xr
 
-from gpr20_analysis import dataset
+from gpr20_analysis import dataset, faults
 from gpr20_analysis.commands import inputs, outputs
 from gpr20_analysis.commands.command import Command
 from gpr20_analysis.commands.outputs import Output
+from gpr20_analysis.errors import ExportError
 from gpr20_analysis.formats.conversion import (
     EXPORTS,
     check_ending,
@@ -20,11 +21,13 @@ from gpr20_analysis.formats.conversion import (
     output_paths,
 )
 from gpr20_analysis.formats.dataset_files import NETCDF, ZARR
+from gpr20_analysis.formats.format import RecordingExport
 from gpr20_analysis.formats.sums_beside import sums_path
 from gpr20_analysis.processing.delay import to_time
 from gpr20_analysis.processing.sweep import FrequencyGrid
 from gpr20_analysis.processing.to_frequency import to_frequency
 from gpr20_common.catalogue import Catalogue
+from gpr20_common.message import Message
 from gpr20_common.terminal_text import say
 from gpr20_survey.radar.frequency_to_delay import Window
 
@@ -35,9 +38,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "output",
         type=Path,
+        nargs="?",
         help="file, ending in "
         + ", ".join(f"{one.ending} ({name})" for name, one in EXPORTS.own.items() if one.ending)
-        + "; a new folder for the formats with one file per sample",
+        + "; a new folder for the formats with one file per sample; without it, a bag is made in "
+        "the folder of the survey",
     )
     parser.add_argument("--format", choices=EXPORTS.names(), required=True, help="what to write")
     parser.add_argument(
@@ -51,16 +56,24 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
     """Write the survey; return the exit status."""
+    form = export_format(chosen.format)
+    if chosen.output is None:
+        if form.in_survey is None:
+            raise ExportError(
+                Message(
+                    "the format {format} needs an output: give a file or folder behind the survey",
+                    format=chosen.format,
+                ),
+                fault=faults.FORMAT,
+            )
+        return _say(form.in_survey(chosen.survey), chosen.survey, catalogue)
     check_ending(chosen.output, chosen.format)
     _check([chosen.output], chosen)
-    of_recording = export_format(chosen.format).of_recording
-    if of_recording is not None:
+    if form.of_recording is not None:
         progress = inputs.progress_bar(catalogue.tr("writing"))
-        content, said = of_recording(chosen.survey, chosen.output, progress)
-        survey = xr.Dataset(attrs=said)
-        inputs.print_warnings(survey, catalogue)
-        say(f"{chosen.output}: {catalogue.text(content)}")
-        return inputs.status_of(survey)
+        return _say(
+            form.of_recording(chosen.survey, chosen.output, progress), chosen.output, catalogue
+        )
     survey = inputs.load(chosen, catalogue)
     _check(output_paths(survey, chosen.output, chosen.format), chosen)
     transformed = _transformed(survey, chosen)
@@ -68,6 +81,15 @@ def run(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
     written = export_survey(transformed, chosen.output, chosen.format, progress)
     for path, content in written.items():
         say(f"{path}: {catalogue.text(content)}")
+    return inputs.status_of(survey)
+
+
+def _say(written: RecordingExport, path: Path, catalogue: Catalogue) -> int:
+    """Print what was written, and on stderr what is left out or doubted; return the status."""
+    content, said = written
+    survey = xr.Dataset(attrs=said)
+    inputs.print_warnings(survey, catalogue)
+    say(f"{path}: {catalogue.text(content)}")
     return inputs.status_of(survey)
 
 

@@ -9,7 +9,6 @@ from pathlib import Path
 from typing import Any, Dict
 
 from gpr20_analysis import faults
-from gpr20_analysis.commands import signing
 from gpr20_analysis.commands.annotate_command import refuse_open
 from gpr20_analysis.commands.command import DONE, Command
 from gpr20_analysis.errors import AnalysisError
@@ -36,7 +35,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add("--who", metavar="NAME", default="", help="who found it")
     add("--photo", type=Path, metavar="FILE", help="photograph, which is copied into the survey")
     add("--notes", default="", metavar="TEXT", help="one line, such as the model of the device")
-    signing.add_argument(parser)
 
 
 def run(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
@@ -44,29 +42,28 @@ def run(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
     given = [one is not None for one in (chosen.candidate, chosen.list, chosen.what)]
     if any(given) and not all(given):
         raise AnalysisError(Message("give a candidate, --list and --what, or none of them"))
-    status = _add(chosen, catalogue) if all(given) else DONE
+    if all(given):
+        _add(chosen)
     for one in present(read_found(chosen.survey)):
         depth = "-" if one.depth_mm is None else f"{one.depth_mm:.0f}"
         place = (one.candidate, f"{one.x_mm:.0f}", f"{one.y_mm:.0f}", one.what.value, depth)
         say("  ".join([*place, one.who, one.time[:16], one.notes]).rstrip())
-    return status
+    return DONE
 
 
-def _add(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
+def _add(chosen: argparse.Namespace) -> None:
     now = utc_time.iso_text(time.time_ns() // utc_time.NS_PER_US)
     photo = None if chosen.photo is None else read_regular(chosen.photo)
     own = hashlib.sha256(photo or b"").hexdigest()
     name = "" if photo is None else own + chosen.photo.suffix.lower()
     given = {"who": chosen.who, "notes": chosen.notes, "depth_mm": chosen.depth_mm, "photo": name}
     found = Found(What(chosen.what), **_candidate(chosen), **given, time=now)
-    signer = signing.chosen_signer(chosen)
 
     def change(description: Dict[str, Any]) -> Fact:
         refuse_open(chosen.survey, description)
         return add_found(chosen.survey, found, photo)
 
     add_to_survey(chosen.survey, change, now)
-    return signing.sign_again(chosen.survey, signer, catalogue)
 
 
 def _candidate(chosen: argparse.Namespace) -> Dict[str, Any]:

@@ -14,7 +14,7 @@ from gpr20_analysis.formats.dataset_files import NETCDF, ZARR, is_dataset
 from gpr20_common.message import Message
 from gpr20_survey.folder import survey_folder
 
-SURVEY_PARTS = (survey_folder.SURVEY_FILE, survey_folder.TRACES_FOLDER)
+SURVEY_PARTS = (*survey_folder.LOG_FILES, survey_folder.SURVEY_FILE, survey_folder.TRACES_FOLDER)
 
 
 @dataclass(frozen=True)

@@ -1,4 +1,4 @@
-"""gpr20 repair: write a lost or damaged manifest, log.jsonl or survey.json again."""
+"""gpr20 repair: write a lost or damaged manifest, or a file of the log, again."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import List
 
 from gpr20_analysis import __version__
-from gpr20_analysis.commands import inputs, signing
+from gpr20_analysis.commands import inputs
 from gpr20_analysis.commands.command import DAMAGED, Command
 from gpr20_analysis.read.manifest_repair import Repair, repair_manifest
 from gpr20_analysis.read.verification import verify_survey
@@ -22,13 +22,11 @@ from gpr20_survey.trace import utc_time
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
     parser.add_argument("folder", type=Path, help="folder of one survey that was closed")
-    signing.add_argument(parser)
 
 
 def run(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
     """Repair the log and the manifest, print what was done and return the exit status."""
     folder = chosen.folder.expanduser()
-    signer = signing.chosen_signer(chosen)
     now = utc_time.iso_text(time.time_ns() // utc_time.NS_PER_US)
     progress = inputs.progress_bar(catalogue.tr("verifying"))
     result = repair_manifest(folder, f"gpr20 {__version__}", now, progress)
@@ -47,8 +45,6 @@ def run(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
         lines.append(Message("nothing was changed: every file is as in the manifest"))
     found = verify_survey(folder, progress)
     _print([*lines, found.verdict], catalogue)
-    if result.repair is Repair.WRITTEN:
-        return max(found.status, signing.sign_again(folder, signer, catalogue))
     return found.status
 
 
@@ -58,9 +54,9 @@ def _print(lines: List[Message], catalogue: Catalogue) -> None:
 
 
 COMMAND = Command(
-    "Write manifest.json, log.jsonl or survey.json of a closed survey again if it is missing or "
-    "damaged and all else agrees. Traces and recordings are not changed; what nothing vouches for "
-    "is named, for ever.",
+    "Write manifest.json or a file of the log of a closed survey again if it is missing or damaged "
+    "and all else agrees. Traces and recordings are not changed; what nothing vouches for is named "
+    "for ever. A signature does not fit a new manifest: gpr20 sign makes another.",
     add_arguments,
     run,
 )

@@ -18,11 +18,6 @@ AXES = {dataset.X: "X", dataset.Y: "Y", dataset.DEPTH: "Z"}
 """Of images alone: the conventions want these axes last, but spectra end with the frequency."""
 PLANE = {dataset.X: "projection_x_coordinate", dataset.Y: "projection_y_coordinate"}
 STANDARD_NAMES = {dataset.DEPTH: "depth", dataset.HEIGHT: "height", dataset.TIMESTAMP: "time"}
-LONG_NAMES = {
-    dataset.TIMESTAMP: "time of the sample, UTC",
-    "sweep_started": "trigger of the sweep, UTC",
-    "sweep_ended": "end of the sweep, UTC",
-}
 ANCILLARY = (dataset.QUALITY, dataset.HEIGHT, dataset.TIMESTAMP)
 
 
@@ -59,7 +54,7 @@ def without_conventions(data: xr.Dataset) -> xr.Dataset:
 
 def _added(data: xr.Dataset, name: str) -> Dict[str, str]:
     is_image = dataset.DEPTH in data.dims
-    added = {"long_name": LONG_NAMES.get(name, name.replace("_", " "))}
+    added = {"long_name": name.replace("_", " ")}
     if name in AXES and is_image:
         added["axis"] = AXES[name]
     if name in PLANE and is_image:

@@ -11,7 +11,7 @@ from gpr20_analysis import dataset, faults
 from gpr20_analysis.atomic_output import atomic_output
 from gpr20_analysis.entry_points import ExtensionPoint
 from gpr20_analysis.errors import ExportError
-from gpr20_analysis.formats import plain_csv, ros2_bag, segy, touchstone
+from gpr20_analysis.formats import plain_csv, ros1_bag, ros2_bag, segy, touchstone
 from gpr20_analysis.formats.dataset_files import NETCDF, ZARR, write_dataset
 from gpr20_analysis.formats.format import (
     IMPORTS,
@@ -65,6 +65,7 @@ EXPORTS = ExtensionPoint(
         "touchstone": ExportFormat(
             files_of(touchstone.write_touchstone), holds=("[0-9]*_X*_Y*_Z*.s2p",)
         ),
+        "bag": ros1_bag.ROS1,
         "ros2": ros2_bag.ROS2,
     },
     wings=dict.fromkeys(("group-csv", "merged-hdf5", "original-json"), WING),

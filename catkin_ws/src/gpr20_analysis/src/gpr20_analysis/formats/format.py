@@ -11,11 +11,12 @@ import xarray as xr
 
 from gpr20_analysis import faults
 from gpr20_analysis.entry_points import ExtensionPoint
-from gpr20_analysis.errors import AnalysisError
+from gpr20_analysis.errors import AnalysisError, ExportError
 from gpr20_analysis.progress import Progress
 from gpr20_common.message import Message
 
 Writer = Callable[[xr.Dataset, Path, Progress], Message]
+RecordingExport = Tuple[Message, Mapping[str, Any]]
 WING = "gpr20_foreign_formats"
 
 
@@ -31,6 +32,7 @@ class ExportFormat:
         over_time: It can hold A-scans over time.
         of_recording: Writes the recording of a survey in place of its Dataset; returns what was
             written and, as attributes of a Dataset, what is missing, damaged or doubted.
+        in_survey: Writes it into the survey's folder.
     """
 
     write: Writer
@@ -38,9 +40,8 @@ class ExportFormat:
     holds: Tuple[str, ...] = ()
     has_own_checksum: bool = False
     over_time: bool = False
-    of_recording: Optional[Callable[[Path, Path, Progress], Tuple[Message, Mapping[str, Any]]]] = (
-        None
-    )
+    of_recording: Optional[Callable[[Path, Path, Progress], RecordingExport]] = None
+    in_survey: Optional[Callable[[Path], RecordingExport]] = None
 
 
 def files_of(write: Callable[[xr.Dataset, Path, Progress], int]) -> Writer:
@@ -48,6 +49,22 @@ def files_of(write: Callable[[xr.Dataset, Path, Progress], int]) -> Writer:
     return lambda survey, path, progress: Message(
         "{count} files", count=write(survey, path, progress)
     )
+
+
+def only_recordings(form: str) -> Writer:
+    """Return what a format refuses a Dataset with that holds the messages of a recording."""
+
+    def refuse(_survey: xr.Dataset, _path: Path, _progress: Progress) -> Message:
+        raise ExportError(
+            Message(
+                "the format {format} holds the messages of a recording, which a Dataset does not "
+                "have; use `gpr20 export` with the survey's folder or recording",
+                format=form,
+            ),
+            fault=faults.FORMAT,
+        )
+
+    return refuse
 
 
 @dataclass(frozen=True)

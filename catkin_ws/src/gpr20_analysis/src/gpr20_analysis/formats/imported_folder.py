@@ -29,19 +29,18 @@ from gpr20_common.terminal_text import printable
 from gpr20_survey.errors import SurveyRefusedError, TraceRefusedError
 from gpr20_survey.files import access, durable_files
 from gpr20_survey.files.file_sums import FileSum, regular_files, sum_of, sum_of_file
-from gpr20_survey.folder import manifest, sealing, survey_folder, survey_metadata
+from gpr20_survey.folder import manifest, survey_folder, survey_metadata
 from gpr20_survey.folder.log_content import START
 from gpr20_survey.folder.log_record import Kind
 from gpr20_survey.folder.survey_log import SurveyLog
 from gpr20_survey.plan.annotation import ANNOTATION, Annotation, Wgs84Position
 from gpr20_survey.plan.imported import IMPORTED, TIMES_KNOWN, import_sentence, imported_grid
-from gpr20_survey.recording.recordings import new_mcap
+from gpr20_survey.recording.mcap_writer import new_mcap
 from gpr20_survey.recording.survey_topics import SurveyTopics
-from gpr20_survey.trace import trace_json, utc_time
+from gpr20_survey.trace import trace_json, trace_message, utc_time
 from gpr20_survey.trace.sweep import storable_remark
 from gpr20_survey.trace.sweep_settings import AnalyzerSettings
 from gpr20_survey.trace.trace import Trace
-from gpr20_survey.trace.trace_definition import TRACE_DEFINITION
 
 SOFTWARE = f"gpr20 {__version__}"
 # Between the recorded messages of traces whose times are not known, so that a replay shows them
@@ -77,7 +76,7 @@ class ImportSource:
         if len(self.sums) == 1:
             return next(iter(self.sums.values()))
         size = sum(one.size for one in self.sums.values())
-        return FileSum(sealing.content_sum(self.sums), size)
+        return FileSum(manifest.content_sum(self.sums), size)
 
     def listed(self) -> bytes:
         """Return the content of SOURCES_FILE."""
@@ -184,17 +183,20 @@ class _Content:
             survey_metadata.REASON_MESSAGE: survey_metadata.message_record(reason),
             survey_metadata.FAULT_CODE: "",
             "stored_traces": int(self._usable.sum()),
-            sealing.CONTENT: sealing.content_sum(sums),
+            manifest.CONTENT: manifest.content_sum(sums),
         }
         log.take(log.next(Kind.END, ending, now))
         log.write()
         listed = self._source.listed()
         durable_files.write_in_new_folder(folder / SOURCES_FILE, listed)
-        sealing.write_manifest(folder, log, SOFTWARE, now, {**sums, SOURCES_FILE: sum_of(listed)})
+        log.write_description()
+        manifest.write_manifest(
+            folder, self._survey_id, log.last, SOFTWARE, now, {**sums, SOURCES_FILE: sum_of(listed)}
+        )
 
     def _write_traces(self, folder: Path, log: SurveyLog, progress: Progress) -> Dict[str, FileSum]:
         sums: Dict[str, FileSum] = {}
-        topics = SurveyTopics(TRACE_DEFINITION)
+        topics = SurveyTopics(trace_message.DEFINITION)
         text = survey_metadata.encode(self._description).decode("ascii")
         time_ns = self._started_us * utc_time.NS_PER_US
         traces = folder / survey_folder.TRACES_FOLDER

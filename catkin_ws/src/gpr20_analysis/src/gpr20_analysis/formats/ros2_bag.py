@@ -6,22 +6,18 @@ import contextlib
 import json
 from collections import Counter
 from pathlib import Path
-from typing import Any, Dict, List, Mapping, Optional, Tuple
+from typing import Any, Dict, Optional, Tuple
 
-import xarray as xr
 import yaml
 from mcap.writer import Writer
 
 from gpr20_analysis import faults
 from gpr20_analysis.atomic_output import atomic_output
-from gpr20_analysis.errors import AnalysisError, ExportError, UnreadableFileError
-from gpr20_analysis.formats.format import ExportFormat
+from gpr20_analysis.errors import UnreadableFileError
+from gpr20_analysis.formats.format import ExportFormat, RecordingExport, only_recordings
 from gpr20_analysis.progress import Progress
-from gpr20_analysis.read.doubts import survey_doubts
-from gpr20_analysis.read.recording_files import is_bag
-from gpr20_analysis.read.sources import open_source
-from gpr20_analysis.read.trace_table import Sample
-from gpr20_analysis.read.whole_recording import Lost, all_messages, recording_of
+from gpr20_analysis.read.doubts import recording_doubts
+from gpr20_analysis.read.recordings import Lost, all_messages, is_bag, recording_of
 from gpr20_analysis.sentences import DOUBTS, kept_doubts, with_sentences
 from gpr20_common.message import Message
 from gpr20_survey.folder.survey_folder import SURVEY_FILE
@@ -47,9 +43,7 @@ LATCHED = """\
 CHANGES = "Header.seq is left out; fields that only ROS 2 has are empty"
 
 
-def export_recording(
-    survey: Path, path: Path, progress: Progress
-) -> Tuple[Message, Mapping[str, Any]]:
+def export_recording(survey: Path, path: Path, progress: Progress) -> RecordingExport:
     """Write the recording of a survey as a bag of ROS 2; it is complete or does not exist.
 
     The messages keep their order and times. What cannot be read is left out and named, also in
@@ -86,19 +80,8 @@ def export_recording(
     return content, with_sentences({}, missing=lost.missing, faults=lost.faults, doubts=bag.doubts)
 
 
-def _refuse(_survey: xr.Dataset, _path: Path, _progress: Progress) -> Message:
-    raise ExportError(
-        Message(
-            "the format {format} holds the messages of a recording, which a Dataset does not "
-            "have; use `gpr20 export` with the survey's folder or recording",
-            format="ros2",
-        ),
-        fault=faults.FORMAT,
-    )
-
-
 ROS2 = ExportFormat(
-    _refuse,
+    only_recordings("ros2"),
     holds=(METADATA, f"*{MCAP}"),
     has_own_checksum=True,
     of_recording=export_recording,
@@ -126,7 +109,7 @@ class _Ros2Bag:
         self._schemas: Dict[Tuple[str, str], int] = {}
         self._failed: Counter[str] = Counter()
         self._simulated: Optional[bool] = None
-        self.doubts = _doubts(recording)
+        self.doubts = recording_doubts(recording)
         self._first_ns, self._last_ns = 2**63 - 1, 0
 
     def write(self, stream: Any, messages: Any) -> None:
@@ -242,14 +225,6 @@ class _Ros2Bag:
             "custom_data": custom,
             "ros_distro": "",
         }
-
-
-def _doubts(recording: Path) -> List[Message]:
-    with contextlib.suppress(AnalysisError):  # what can be read is written all the same
-        source = open_source(recording)
-        samples = [Sample.of(one, row=0) for one in source.traces()]
-        return survey_doubts(source.description or {}, samples, len(source.faults))
-    return []
 
 
 def _description(recording: Path) -> Optional[bytes]:

@@ -11,7 +11,6 @@ import rospy
 from diagnostic_msgs.msg import DiagnosticArray
 
 from gpr20_analysis.high.graph import refuse_beside_others
-from gpr20_analysis.high.old_recordings import completed
 from gpr20_analysis.high.replay_marker import ReplayMarker
 from gpr20_analysis.read.playback import Playback
 from gpr20_analysis.read.replay import Due, ReplayedSurvey
@@ -19,7 +18,6 @@ from gpr20_common.high.raw_message import preserialized
 from gpr20_common.high.subscribers import subscriber_count
 from gpr20_common.low.clock import Clock
 from gpr20_msgs.msg import Trace
-from gpr20_survey.errors import TraceRefusedError
 from gpr20_survey.recording.recording import RecordedMessage
 from gpr20_survey.recording.survey_topics import TRACE_TOPIC
 from gpr20_survey.trace import trace_message
@@ -85,13 +83,8 @@ class ReplayNode:
         self._clock.wait_s(self._playback.ended, LINGER_S)
 
     def _publish_recorded(self, recorded: RecordedMessage) -> None:
-        try:
-            message = completed(recorded)
-        except TraceRefusedError as error:
-            rospy.logwarn("%s", error)
-            return
-        if message.datatype == DiagnosticArray._type:
-            message = self._own_reports(message)
+        is_report = recorded.datatype == DiagnosticArray._type
+        message = self._own_reports(recorded) if is_report else recorded
         topic = self._replayed.name_in(self._namespace, message.topic)
         publisher = self._publisher(topic, _message_class(message), message.latching)
         raw = publisher.data_class()

@@ -17,12 +17,12 @@ from gpr20_analysis.read.doubts import survey_doubts
 from gpr20_analysis.read.sources import Damage, Position, SurveySource
 from gpr20_analysis.read.survey_attributes import OF_PEOPLE, aux_variables, survey_attributes
 from gpr20_analysis.read.survey_grid import Plan, grid_of, planned_grid
+from gpr20_analysis.read.trace_columns import trace_variables
 from gpr20_analysis.read.trace_table import EMPTY, Allocate, Sample, TraceTable, in_memory
 from gpr20_analysis.sentences import DECISIONS, NOTES, first_of, with_sentences
 from gpr20_common.message import Message, verbatim
 from gpr20_survey.plan.imported import TIMES_KNOWN, import_of, is_imported
 from gpr20_survey.plan.refines import REFINES
-from gpr20_survey.trace.utc_time import NS_PER_US
 
 FAULTS_LISTED = 8
 RECORDED = ("started", "ended", "outcome", "reason", "software_revision", REFINES)
@@ -113,7 +113,9 @@ class _Assembly:
         self._plan = plan
         imported = import_of(source.description or {})
         # Of an import: of a sample one time at most, and none of its sweep.
-        self._known = (imported.get(TIMES_KNOWN) is True, False, False) if imported else 3 * (True,)
+        self._unknown_times = {"sweep_started", "sweep_ended"} if imported else set()
+        if imported and imported.get(TIMES_KNOWN) is not True:
+            self._unknown_times.add(dataset.TIMESTAMP)
         self._table = table
         self._notes = source.notes + table.notes()
         self.faults = source.faults + table.faults
@@ -131,16 +133,19 @@ class _Assembly:
         variables: Dict[str, Any] = {
             dataset.S21: (dataset.S21_DIMS, self._ordered(allocate).reshape(*shape, -1))
         }
-        for name, values in self._sample_variables().items():
-            variables[name] = (dataset.SAMPLE_DIMS, values.reshape(shape))
+        samples = [sample for _, sample in self._used]
+        variables.update(trace_variables(samples, self._cells, shape, self._unknown_times))
+        variables[dataset.QUALITY] = (dataset.SAMPLE_DIMS, self._quality.reshape(shape))
         for name, (values, attributes) in self._aux().items():
             variables[name] = (dataset.SAMPLE_DIMS, values.reshape(shape), attributes)
-        coordinates = {
+        coordinates: Dict[str, Any] = {
             dataset.POLARIZATION: np.array(self._grid.polarization_deg),
             dataset.Y: np.array(self._grid.y_mm) / dataset.MM_PER_M,
             dataset.X: np.array(self._grid.x_mm) / dataset.MM_PER_M,
             dataset.FREQUENCY: table.frequency_hz,
         }
+        if any(dataset.AXIS in one[0] for one in variables.values()):
+            coordinates[dataset.AXIS] = list(dataset.AXES)
         found = dataset.described(xr.Dataset(variables, coordinates, self._attributes()))
         missing = dataset.missing_samples(found) + self._missing_by_index()
         return found.assign_attrs(with_sentences(found.attrs, missing=missing))
@@ -169,8 +174,8 @@ class _Assembly:
 
     def _mark(self) -> None:
         for cell, sample in self._used:
-            flags = Quality.REMARKED if sample.remarks else Quality.GOOD
-            if not np.isfinite(sample.height_m):
+            flags = Quality.REMARKED if sample["quality"] else Quality.GOOD
+            if not np.isfinite(sample["antennae_height_m"]):
                 flags |= Quality.NO_HEIGHT
             self._quality[cell] = int(flags)
         for fault in self.faults:
@@ -202,42 +207,8 @@ class _Assembly:
             ordered[cell] = rows[sample.row]
         return ordered
 
-    def _sample_variables(self) -> Dict[str, np.ndarray]:
-        samples = [sample for _, sample in self._used]
-
-        def placed(values: List[Any], empty: Any, kind: Any) -> np.ndarray:
-            found = np.full(self._grid.cells, empty, kind)
-            found[self._cells] = values
-            return found
-
-        def texts(values: List[str]) -> np.ndarray:
-            return placed(values, "", f"<U{max([1, *map(len, values)])}")
-
-        never = np.datetime64("NaT", "ns").astype(np.int64)
-        times_ns = [
-            [
-                NS_PER_US * one if known else never
-                for one, known in zip(sample.times_us, self._known)
-            ]
-            for sample in samples
-        ]
-        timestamp, started, ended = (
-            placed([one[place] for one in times_ns], never, np.int64).astype("datetime64[ns]")
-            for place in range(3)
-        )
-        return {
-            dataset.HEIGHT: placed([one.height_m for one in samples], np.nan, np.float64),
-            dataset.TIMESTAMP: timestamp,
-            "sweep_started": started,
-            "sweep_ended": ended,
-            dataset.QUALITY: self._quality,
-            "remarks": texts(["; ".join(one.remarks) for one in samples]),
-            "sample_id": texts([one.sample_id for one in samples]),
-            "index": placed([one.index for one in samples], -1, np.int64),
-        }
-
     def _aux(self) -> Dict[str, Tuple[np.ndarray, Dict[str, Any]]]:
-        values = [sample.aux for _, sample in self._used]
+        values = [sample["aux"] for _, sample in self._used]
         return aux_variables(values, self._cells, self._grid.cells, self._notes)
 
     def _missing_by_index(self) -> List[Message]:

@@ -1,26 +1,11 @@
-"""Check of survey.json against its copies, its own entries and the clock."""
+"""Check of the entries of a survey's description against each other."""
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import Any, Dict, Iterator, List, Optional, Tuple
 
 from gpr20_common.message import Message
-from gpr20_survey.folder import survey_folder
-from gpr20_survey.folder.description_copies import sealed_description
-from gpr20_survey.folder.description_differences import differences
 from gpr20_survey.plan.robot_description import is_simulated_identity
-
-
-def compare_copy(folder: Path, description: Dict[str, Any]) -> List[Message]:
-    """Return the differences between survey.json and its copy in the MCAP.
-
-    Args:
-        folder: The survey's folder.
-        description: The content of survey.json.
-    """
-    sealed = sealed_description(folder)
-    return [] if sealed is None else _differences(description, sealed, survey_folder.MCAP_FILE)
 
 
 def contradictions(description: Dict[str, Any]) -> List[Message]:
@@ -33,8 +18,7 @@ def contradictions(description: Dict[str, Any]) -> List[Message]:
     if identity is not None and is_simulated_identity(identity) is not simulated:
         found.append(
             Message(
-                "survey.json says simulated: {simulated}, but the analyzer's identity is "
-                "{identity}",
+                "the survey says simulated: {simulated}, but the analyzer's identity is {identity}",
                 simulated=_json(simulated),
                 identity=identity,
             )
@@ -43,7 +27,7 @@ def contradictions(description: Dict[str, Any]) -> List[Message]:
         if node_simulated is not simulated:
             found.append(
                 Message(
-                    "survey.json says simulated: {simulated}, but for node {node} it says "
+                    "the survey says simulated: {simulated}, but for node {node} it says "
                     "{node_simulated}",
                     simulated=_json(simulated),
                     node=name,
@@ -51,20 +35,6 @@ def contradictions(description: Dict[str, Any]) -> List[Message]:
                 )
             )
     return found
-
-
-def _differences(description: Dict[str, Any], copy: Dict[str, Any], name: str) -> List[Message]:
-    return [
-        Message(
-            "survey.json has {key} {value}, but its copy in {file} from the start of the survey "
-            "has {copy}",
-            key=one.key,
-            value=one.first,
-            file=name,
-            copy=one.second,
-        )
-        for one in differences(description, copy)
-    ]
 
 
 def _identity(description: Dict[str, Any]) -> Optional[str]:

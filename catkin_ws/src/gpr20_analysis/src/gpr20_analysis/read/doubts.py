@@ -6,12 +6,16 @@ candidates. Each doubt reports a fault, whose code says of which kind it is.
 
 from __future__ import annotations
 
+import contextlib
 import json
 import math
+from pathlib import Path
 from typing import Any, Iterator, List, Mapping, Sequence
 
 from gpr20_analysis import faults
 from gpr20_analysis.dataset import mapping_of, objects_of
+from gpr20_analysis.errors import AnalysisError
+from gpr20_analysis.read.sources import open_source
 from gpr20_analysis.read.survey_attributes import known_settings
 from gpr20_analysis.read.trace_table import Sample
 from gpr20_analysis.sentences import carried_doubts, first_of
@@ -54,11 +58,20 @@ def survey_doubts(
     return list({str(one): one for one in found}.values())
 
 
+def recording_doubts(path: Path) -> List[Message]:
+    """Return the doubts of what a bag or an MCAP file holds; none of one that cannot be read."""
+    with contextlib.suppress(AnalysisError):  # what can be read is written all the same
+        source = open_source(path)
+        samples = [Sample.of(one, row=0) for one in source.traces()]
+        return survey_doubts(source.description or {}, samples, len(source.faults))
+    return []
+
+
 def unproven_count(description: Described, samples: Sequence[Sample]) -> int:
     """Return of how many traces nothing proves that their zeros are those of the others."""
     in_order = sorted(samples, key=lambda one: one.index)
     unproven = unproven_zeros(description.get("report"), (one.zeros for one in in_order))
-    return sum(one.zeros in unproven or str(UNPROVEN) in one.remarks for one in samples)
+    return sum(one.zeros in unproven or str(UNPROVEN) in one["quality"] for one in samples)
 
 
 def _positions(description: Described, samples: Sequence[Sample]) -> Iterator[Message]:
@@ -145,7 +158,7 @@ def _clock(description: Described, samples: Sequence[Sample]) -> Iterator[Messag
 
 def _noted_of_clock(description: Described) -> Iterator[Message]:
     """Yield what the robot noted of its clock, or an import of the times of its source."""
-    for record in log_entries(description)[0]:
+    for record in log_entries(description):
         if record.get("kind") == Kind.CLOCK.value:
             values = record.get("values") or {}
             yield received_message(str(values.get("text")), json.dumps(values.get("message")))
@@ -160,14 +173,18 @@ def _contradictions(description: Described, samples: Sequence[Sample]) -> Iterat
         yield Message("the end of the survey is before its start")
     # Where a trace was measured again, or imported, later ones may have lower indices.
     ordered = not (description.get("resumed") or is_imported(description))
-    times_us = [one.times_us[0] if ordered else 0 for one in samples]
+    times_us = [one["timestamp_us"] if ordered else 0 for one in samples]
     pairs = zip(samples, [0, *times_us])
-    early = [one for one, before in pairs if one.times_us[0] < max(before, one.times_us[1])]
+    early = [
+        one for one, before in pairs if one["timestamp_us"] < max(before, one["sweep_started_us"])
+    ]
     if early:
         yield Message(
             "traces {indices} are older than what was before them", indices=_listed(early)
         )
-    outside = [one for one in samples if one.times_us[1] < started or one.times_us[0] > ended]
+    outside = [
+        one for one in samples if one["sweep_started_us"] < started or one["timestamp_us"] > ended
+    ]
     if outside:
         yield Message("traces {indices} are not between start and end", indices=_listed(outside))
 

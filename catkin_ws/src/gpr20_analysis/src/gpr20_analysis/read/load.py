@@ -17,10 +17,10 @@ from gpr20_analysis.formats.format import IMAGE_FORMATS, ImageFormat
 from gpr20_analysis.formats.recognition import refuse_device, refuse_importable
 from gpr20_analysis.progress import Progress, no_progress
 from gpr20_analysis.read.assembly import assemble
-from gpr20_analysis.read.recording_files import is_recording
+from gpr20_analysis.read.recordings import is_recording
 from gpr20_analysis.read.sources import open_source
 from gpr20_analysis.read.trace_table import EMPTY, in_memory
-from gpr20_survey.folder.survey_folder import SURVEY_FILE
+from gpr20_survey.folder.survey_folder import LOG_FILE
 
 LAZY_BYTES = 1 << 30
 """A survey with more data than this [bytes] is lazy."""
@@ -59,7 +59,7 @@ def load_survey(
     if is_dataset(found):
         return checked(read_dataset(found, lazy_bytes), found.name, accept_damaged)
     # What is ours is not shown to the formats of other packages.
-    if not (is_recording(found) or (found / SURVEY_FILE).exists()):
+    if not (is_recording(found) or (found / LOG_FILE).exists()):
         refuse_importable(found)
         if found.is_file() and found.suffix[1:] in IMAGE_FORMATS.names():
             form: ImageFormat = IMAGE_FORMATS.find(found.suffix[1:])

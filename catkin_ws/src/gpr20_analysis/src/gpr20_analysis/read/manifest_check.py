@@ -1,4 +1,4 @@
-"""Check of a survey's files against its manifest."""
+"""Check of a survey's files against its manifest, and of the log that goes on behind it."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from gpr20_common.message import Message
 from gpr20_common.os_reason import os_reason
 from gpr20_survey.errors import ManifestDamagedError
 from gpr20_survey.files import file_sums
-from gpr20_survey.folder import manifest, sealing, survey_folder
+from gpr20_survey.folder import manifest, survey_folder
 from gpr20_survey.folder.found_records import photo_faults
 from gpr20_survey.folder.log_reading import FoundLog
 from gpr20_survey.folder.manifest import Manifest
@@ -58,29 +58,11 @@ def check_manifest(folder: Path, survey_id: str, log: FoundLog) -> ManifestCheck
         return ManifestCheck(Seal.MISSING)
     except ManifestDamagedError as error:
         return ManifestCheck(Seal.DAMAGED, damage=error.message)
-    if sealed.reopened is not None:
+    if not sealed.is_binding(log.records):
         return ManifestCheck(Seal.REOPENED, sealed)
     differences = [*_differences(folder, sealed), *_other_log(sealed, log)]
     differences += photo_faults(folder, log.records)
     return ManifestCheck(Seal.VALID, sealed, differences=differences)
-
-
-def _differences(folder: Path, sealed: Manifest) -> List[Message]:
-    listed, present = sealed.files, set(sealing.file_names(folder))
-    # A manifest of an earlier version lists it.
-    present |= {name for name in manifest.JUDGED_BY_LOG if name in listed and exists(folder, name)}
-    found = [
-        Message("{file} is in the manifest but does not exist", file=name)
-        for name in sorted(listed.keys() - present)
-    ]
-    found += [
-        Message("{file} is not in the manifest", file=name)
-        for name in sorted(present - listed.keys())
-    ]
-    # Names from the manifest are only compared; only files found in the folder are opened.
-    for name in sorted(present & listed.keys()):
-        found += _changes(folder / name, name, sealed)
-    return found
 
 
 def exists(folder: Path, name: str) -> bool:
@@ -88,39 +70,59 @@ def exists(folder: Path, name: str) -> bool:
     return os.path.lexists(str(folder / name))
 
 
+def _differences(folder: Path, sealed: Manifest) -> List[Message]:
+    listed, present = sealed.files, set(manifest.file_names(folder))
+    found = [
+        Message("{file} is in the manifest but does not exist", file=name)
+        for name in sorted(listed.keys() - present)
+    ]
+    found += [
+        Message("{file} is not in the manifest", file=name)
+        for name in sorted(present - listed.keys())
+        if not _is_put_aside(name)
+    ]
+    # Names from the manifest are only compared; only files found in the folder are opened.
+    for name in sorted(present & listed.keys()):
+        found += _changes(folder / name, name, sealed)
+    return found
+
+
+def _is_put_aside(name: str) -> bool:
+    """Return whether a file is no data: a damaged one, which may be put aside at any time."""
+    return name.startswith(f"{survey_folder.DAMAGED_FOLDER}/")
+
+
 def _other_log(sealed: Manifest, log: FoundLog) -> List[Message]:
-    records = log.records
-    if sealed.log is None or sealed.covers(records) or sealed.log.number in log.lost:
+    if sealed.covers(log.records) or sealed.log.number in log.lost:
         return []
     return [
         Message(
-            "the manifest names another end of the survey's log: entry {sealed}; the last one is "
-            "entry {last}",
-            last=records[-1].number if records else "-",
+            "the log does not have entry {sealed} as the manifest names it; its last one is entry "
+            "{last}",
             sealed=sealed.log.number,
+            last=log.records[-1].number if log.records else "-",
         )
     ]
 
 
 def _changes(path: Path, name: str, sealed: Manifest) -> List[Message]:
-    unread = sealed.files[name] is None
-    if unread and name.startswith(f"{survey_folder.DAMAGED_FOLDER}/"):
-        return []  # never data, and it could not be read at the close
+    listed = sealed.files[name]
+    if listed is None and _is_put_aside(name):
+        return []  # it could not be read at the close
     try:
-        own, new = sealed.files[name], sealed.replacing.get(name)
         # A file of another length differs already, and may take long to read.
-        sizes = [one.size for one in (own, new) if one is not None]
+        sizes = [] if listed is None else [listed.size]
         present = file_sums.sum_of_sized_file(path, sizes)
     except OSError as error:
         return [Message("{file} cannot be read: {reason}", file=name, reason=os_reason(error))]
-    if unread:
+    if listed is None:
         return [
             Message(
                 "{file} has no SHA-256 in the manifest, because it was unreadable at the close",
                 file=name,
             )
         ]
-    if not sealed.matches(name, present):
+    if present != listed:
         return [
             Message("{file} differs from the manifest: its size or SHA-256 has changed", file=name)
         ]

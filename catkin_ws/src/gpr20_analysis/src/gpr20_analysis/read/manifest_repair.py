@@ -16,13 +16,9 @@ from gpr20_analysis.read.verification import check_survey_folder, verify_survey
 from gpr20_common.message import Message, in_a_row
 from gpr20_survey.files import durable_files
 from gpr20_survey.files.folder_lock import SHORT_WAIT_S, locked
-from gpr20_survey.folder import manifest, sealing, survey_folder
-from gpr20_survey.folder.recovery import (
-    RecoveredSurvey,
-    open_log,
-    recover_with_recording,
-    repairs_of,
-)
+from gpr20_survey.folder import manifest, survey_folder
+from gpr20_survey.folder.log_record import Kind
+from gpr20_survey.folder.recovery import RecoveredSurvey, open_log, recover, repairs_of
 
 SHOWN = 5
 """Number of differences that are named."""
@@ -33,7 +29,7 @@ OTHERS = Message(
     "traces or recordings were replaced as a whole after the survey ended: its log says what they "
     "were, and nothing vouches for those that are there"
 )
-OTHER_DATA = {sealing.DATA: {"reason": "they are not those with which the survey ended"}}
+OTHER_DATA = {manifest.DATA: {"reason": "they are not those with which the survey ended"}}
 NOT_VOUCHED = Message(
     "nothing can tell whether traces or recordings were replaced as a whole before now"
 )
@@ -80,7 +76,7 @@ def repair_manifest(
     check_survey_folder(folder)
     with locked(folder, SHORT_WAIT_S):
         survey_folder.check_no_links(folder)
-        recovered = recover_with_recording(folder)
+        recovered = recover(folder, asking_manifest=True)
         survey_folder.check_survey_id(recovered.survey_id)
         return _repair(folder, recovered, revision, now, progress)
 
@@ -91,7 +87,7 @@ def _repair(
     log = recovered.found
     found = manifest_check.check_manifest(folder, recovered.survey_id, log)
     is_valid = found.seal is Seal.VALID and not found.differences
-    if is_valid and (log.is_whole or not log.has_log) and not recovered.unconfirmed:
+    if is_valid and log.is_whole and not recovered.unconfirmed:
         return RepairResult(Repair.NOT_NEEDED)
     ended = recovered.description.get("ended")
     if not is_valid:
@@ -104,18 +100,17 @@ def _repair(
         old = folder / manifest.MANIFEST_FILE
         notes.append(_put_aside(old, folder / survey_folder.DAMAGED_FOLDER))
     if is_valid:
-        assert found.manifest is not None
-        sealing.write_sealed(folder, found.manifest, open_log(folder, recovered, now))
+        open_log(folder, recovered, now).write()
         return RepairResult(Repair.WRITTEN, notes=notes)
-    sums = sealing.data_sums(folder)
-    is_other = sealing.has_other_data(recovered.description, sums)
+    sums = manifest.data_sums(folder)
+    is_other = manifest.has_other_data(recovered.description, sums)
     if is_other:
         recovered = replace(recovered, unconfirmed={**recovered.unconfirmed, **OTHER_DATA})
-    whole_log = open_log(folder, recovered, now)
-    whole_log.write()
     reason = Message("it was missing") if found.damage is None else found.damage
-    rewritten = ({"time": now, "reason": reason.sentence()},)
-    sealing.write_manifest(folder, whole_log, revision, str(ended), sums, rewritten)
+    whole_log = open_log(folder, recovered, now)
+    whole_log.add(whole_log.next(Kind.SEAL, {"reason": reason.sentence()}, now))
+    survey_id = recovered.survey_id
+    manifest.write_manifest(folder, survey_id, whole_log.last, revision, str(ended), sums)
     notes.append(Message("manifest.json was written again"))
     vouched = {True: OTHERS, False: VOUCHED, None: NOT_VOUCHED}[is_other]
     return RepairResult(Repair.WRITTEN, notes=[*notes, vouched])

@@ -1,30 +1,75 @@
-"""Check of a survey's recordings against its JSON files."""
+"""Check of a survey's recording against its JSON files, and of its bag against its log."""
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
-from typing import Dict, List
+from typing import Dict, List, Sequence
 
-from gpr20_analysis.errors import UnreadableFileError
 from gpr20_analysis.progress import Progress
-from gpr20_analysis.read.recordings import trace_messages
 from gpr20_analysis.read.trace_table import of_other_survey
 from gpr20_analysis.read.verification_result import Verification
 from gpr20_common.message import Message
+from gpr20_common.os_reason import os_reason
+from gpr20_common.terminal_text import printable
 from gpr20_survey.errors import TraceRefusedError
-from gpr20_survey.folder import survey_folder
+from gpr20_survey.files.file_sums import sum_of_sized_file
+from gpr20_survey.folder.log_record import LogRecord
+from gpr20_survey.folder.survey_folder import BAG_FILE, MCAP_FILE
+from gpr20_survey.recording.bag import bag_missing, recorded_bag
 from gpr20_survey.recording.mcap_reader import StoredMcap
 from gpr20_survey.trace import trace_message
 
 
+def check_bag(
+    folder: Path, records: Sequence[LogRecord], finished: bool, found: Verification
+) -> None:
+    """Compare survey.bag with the checksum in the log; without a bag the survey is complete.
+
+    Args:
+        folder: The survey's folder.
+        records: Its log.
+        finished: Whether the survey ended, so that it should have a bag.
+        found: Faults and notes are added here.
+    """
+    expected, path = recorded_bag(records), folder / BAG_FILE
+    if not os.path.lexists(str(path)):
+        if finished:
+            found.note(bag_missing(folder))
+        return
+    try:
+        present = sum_of_sized_file(path, () if expected is None else (expected.size,))
+    except OSError as error:
+        reason = os_reason(error)
+        found.fault(Message("{file} cannot be read: {reason}", file=BAG_FILE, reason=reason))
+        return
+    named = {"file": BAG_FILE, "folder": printable(folder)}
+    if expected is None:
+        found.note(
+            Message(
+                "the log does not confirm {file}, as after a power cut; `gpr20 export --format bag "
+                "{folder}` makes it again",
+                **named,
+            )
+        )
+    elif present != expected:
+        found.fault(
+            Message(
+                "{file} differs from its SHA-256 in the log; `gpr20 export --format bag {folder}` "
+                "makes it again",
+                **named,
+            )
+        )
+
+
 class RecordingCheck:
-    """Checks the recordings of one survey."""
+    """Checks the recording of one survey."""
 
     def __init__(
         self,
         folder: Path,
         survey_id: str,
-        indexed: bool,
+        finished: bool,
         found: Verification,
         progress: Progress,
     ) -> None:
@@ -33,44 +78,36 @@ class RecordingCheck:
         Args:
             folder: The survey's folder.
             survey_id: UUID of the survey.
-            indexed: Whether the recordings were finished, so they have their index.
+            finished: Whether the survey ended, so that its recording was finished.
             found: Faults and notes are added here.
             progress: Shows the progress of each pass over the traces.
         """
-        self._folder = folder
+        self._mcap = StoredMcap(folder / MCAP_FILE)
         self._survey_id = survey_id
-        self._indexed = indexed
+        self._finished = finished
         self._found = found
         self._progress = progress
 
     def check(self, stored: Dict[int, bytes]) -> None:
-        """Compare the traces of the MCAP, and those of the bag if the survey was closed.
-
-        The bag of a survey that was not closed is written again when it is resumed.
+        """Compare the traces of the recording with the JSON files.
 
         Args:
             stored: Fingerprint of each trace that has a readable JSON file.
         """
-        # An imported survey has none.
-        if self._indexed and self._found.imported is None:
-            self._check_traces(survey_folder.BAG_FILE, stored)
+        if not os.path.lexists(str(self._mcap.path)):
+            self._found.fault(Message("{file} is missing", file=MCAP_FILE))
+            return
         before = len(self._found.faults)
-        self._check_traces(survey_folder.MCAP_FILE, stored)
-        if not self._found.sealed and len(self._found.faults) == before:
-            self._check_frame()
-
-    def _check_traces(self, name: str, stored: Dict[int, bytes]) -> None:
-        before = len(self._found.faults)
-        recorded = self._recorded_prints(name, len(stored))
+        recorded = self._recorded_prints(len(stored))
         if len(self._found.faults) == before and not self._found.writer:
-            self._check_missing(name, sorted(stored.keys() - recorded.keys()))
+            self._check_missing(sorted(stored.keys() - recorded.keys()))
         for index in sorted(recorded.keys() & stored.keys()):
             if recorded[index] != stored[index]:
                 self._found.fault(
                     Message(
                         "trace {index} has other values in {file} than in its JSON file",
                         index=index,
-                        file=name,
+                        file=MCAP_FILE,
                     )
                 )
         if self._found.writer:
@@ -80,60 +117,66 @@ class RecordingCheck:
                 Message(
                     "trace {index} is in {file} but has no readable JSON file",
                     index=index,
-                    file=name,
+                    file=MCAP_FILE,
                 )
             )
 
-    def _recorded_prints(self, name: str, expected: int) -> Dict[int, bytes]:
-        """Return the fingerprint of each trace of a recording."""
+    def _recorded_prints(self, expected: int) -> Dict[int, bytes]:
+        """Return the fingerprint of each trace of the recording."""
         prints: Dict[int, bytes] = {}
-        messages = trace_messages(self._folder / name, self._indexed)
+        messages = self._mcap.messages(trace_message.DATATYPE)
         try:
             for message in self._progress(messages, expected):
                 trace = trace_message.decode(message.data, message.md5sum)
                 if trace.survey_id != self._survey_id:
                     reason = of_other_survey(trace)
-                    self._found.fault(Message("{file}: {reason}", file=name, reason=reason))
+                    self._found.fault(Message("{file}: {reason}", file=MCAP_FILE, reason=reason))
                 elif trace.index in prints:
                     self._found.fault(
                         Message(
                             "{file} contains trace {index} more than once",
-                            file=name,
+                            file=MCAP_FILE,
                             index=trace.index,
                         )
                     )
                 else:
                     prints[trace.index] = trace.fingerprint()
-        except (UnreadableFileError, TraceRefusedError) as error:
+            self._found.faults += self._faults()
+        except (OSError, TraceRefusedError) as error:
+            reason = os_reason(error) if isinstance(error, OSError) else error.message
             self._found.fault(
-                Message(
-                    "{file} cannot be read to its end: {reason}", file=name, reason=error.message
-                )
+                Message("{file} cannot be read to its end: {reason}", file=MCAP_FILE, reason=reason)
             )
         return prints
 
-    def _check_frame(self) -> None:
-        """Check what is outside the traces of the MCAP; no manifest covers the file."""
-        mcap = StoredMcap(self._folder / survey_folder.MCAP_FILE)
-        for _message in mcap.messages():
-            pass  # its faults are known at its end
-        self._found.faults += [*mcap.faults, *mcap.frame_faults()]
+    def _faults(self) -> List[Message]:
+        """Return what is damaged in the file; that it is cut off is one of an ended survey."""
+        faults = [*self._mcap.faults]
+        if not self._found.sealed:
+            faults += self._mcap.frame_faults()  # no manifest covers the file
+        if self._finished and not faults and not self._mcap.is_finished():
+            faults.append(
+                Message("{file} has no complete end, although the survey ended", file=MCAP_FILE)
+            )
+        return faults
 
-    def _check_missing(self, name: str, missing: List[int]) -> None:
-        # The JSON file is written first: a crash may come between it and a recording, but the
+    def _check_missing(self, missing: List[int]) -> None:
+        # The JSON file is written first: a crash may come between it and the recording, but the
         # next trace is not stored before this one is in both.
-        if len(missing) == 1 and not self._indexed:
+        if len(missing) == 1 and not self._finished:
             self._found.note(
                 Message(
                     "trace {index} is not in {file} yet; it is added when the survey is resumed",
                     index=missing[0],
-                    file=name,
+                    file=MCAP_FILE,
                 )
             )
             return
         for index in missing:
             self._found.fault(
                 Message(
-                    "trace {index} has a JSON file but is not in {file}", index=index, file=name
+                    "trace {index} has a JSON file but is not in {file}",
+                    index=index,
+                    file=MCAP_FILE,
                 )
             )

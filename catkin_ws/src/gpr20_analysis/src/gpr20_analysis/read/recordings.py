@@ -1,45 +1,38 @@
-"""The messages of a bag or an MCAP file.
+"""The messages of a bag or an MCAP file, and what could not be read of it.
 
-Finished files are read by the standard libraries. Of a file that was cut off, all complete
-messages are read.
+The recording of a survey is read by its own reader, also where it is cut off or damaged; what
+others have written by the standard libraries.
 """
 
 from __future__ import annotations
 
 import contextlib
-import struct
+import os
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import BinaryIO, Callable, Dict, Iterable, Iterator, List, Optional, Sequence
+from typing import Any, BinaryIO, Iterator, List, Optional, Sequence
 
-from mcap.data_stream import ReadDataStream
 from mcap.reader import make_reader
-from mcap.records import Channel, Chunk
-from mcap.records import Message as McapMessage
-from mcap.stream_reader import breakup_chunk
-from mcap.summary import Summary
+from mcap.records import Header
+from mcap.well_known import Profile
+from rosbags.rosbag1 import Reader
+from rosbags.rosbag1.reader import ReaderError
 
 from gpr20_analysis import faults
-from gpr20_analysis.errors import UnreadableFileError
-from gpr20_analysis.read.recording_files import (
-    bag_reader,
-    failing_as_unreadable,
-    is_bag,
-    is_finished,
-    opened,
-)
-from gpr20_analysis.read.unindexed_bag import complete_messages
+from gpr20_analysis.errors import AnalysisError, UnreadableFileError, not_there
 from gpr20_common.message import Message, in_a_row
+from gpr20_common.os_reason import os_reason
+from gpr20_survey.files.regular_file import open_regular
+from gpr20_survey.folder import survey_folder
 from gpr20_survey.folder.log_record import LogRecord
-from gpr20_survey.folder.survey_folder import SURVEY_FILE
-from gpr20_survey.recording.mcap_reader import StoredMcap, recorded_message
+from gpr20_survey.recording.mcap_reader import TORN, StoredMcap, read_attachment, recorded_message
+from gpr20_survey.recording.mcap_writer import LIBRARY
 from gpr20_survey.recording.recording import RecordedMessage
-from gpr20_survey.recording.survey_topics import LOG_TOPIC, is_metadata_topic, recorded_log
+from gpr20_survey.recording.survey_topics import TEXT_TYPE, is_metadata_topic, recorded_log
 from gpr20_survey.trace import trace_message, utc_time
 
-RECORD_HEAD_BYTES = 9  # opcode and length
-Wanted = Callable[[str, str], bool]
-"""Returns whether messages of a topic and a type are read."""
+BAG, MCAP = ".bag", ".mcap"
+BAG_MAGIC, MCAP_MAGIC = b"#ROSBAG V2.0\n", b"\x89MCAP0\r\n"
 CUT_OFF = Message(
     "the recording was cut off, so it has no complete index; all complete messages before that "
     "place were read"
@@ -47,51 +40,117 @@ CUT_OFF = Message(
 
 
 @dataclass
+class Lost:
+    """What could not be read of a recording.
+
+    Attributes:
+        missing: What is not there because the recording was cut off.
+        faults: What is damaged.
+    """
+
+    missing: List[Message] = field(default_factory=list)
+    faults: List[Message] = field(default_factory=list)
+
+
+@dataclass
 class OpenRecording:
     """An open recording."""
 
     traces: Iterator[RecordedMessage]
-    """Every trace; raises UnreadableFileError where the file is damaged."""
-    count: int = 0
-    """Number of traces by its index; 0 without an index."""
-    metadata: Optional[str] = None
+    """Every trace; raises UnreadableFileError behind the last if the file is damaged."""
+    metadata: Optional[str]
     """Content of survey.json at the start of the survey."""
-    log: Sequence[LogRecord] = ()
-    """What was added to the survey's log while it was recorded."""
-    notes: List[Message] = field(default_factory=list)
+    log: Sequence[LogRecord]
+    """What was added to the survey's log while it was recorded, as far as it can be read."""
+    notes: List[Message]
+
+
+def is_bag(path: Path) -> bool:
+    """Return whether a name is that of a bag; `rosbag record` names one that it writes .active."""
+    return path.name.endswith((BAG, f"{BAG}.active"))
+
+
+def is_recording(path: Path) -> bool:
+    """Return whether a name is that of a bag or an MCAP file."""
+    return is_bag(path) or path.suffix == MCAP
+
+
+def is_foreign(path: Path) -> bool:
+    """Return whether an MCAP file was written by another program."""
+    header = _header(path)
+    return header is not None and header.library != LIBRARY
+
+
+def recording_of(survey: Path) -> Path:
+    """Return the recording of a survey: of a folder survey.mcap, or survey.bag if there is none.
+
+    Args:
+        survey: Folder of a survey, bag or MCAP file.
+
+    Raises:
+        AnalysisError: There is none.
+    """
+    if not survey.exists():
+        raise AnalysisError(not_there(survey), fault=faults.NO_INPUT)
+    names = (survey_folder.MCAP_FILE, survey_folder.BAG_FILE)
+    found = [survey / name for name in names] if survey.is_dir() else [survey]
+    for path in found:
+        if is_recording(path) and path.is_file():
+            return path
+    raise AnalysisError(
+        Message(
+            "{path} has no recording, which this needs: give a survey's folder with {names}, or a "
+            "file .mcap or .bag",
+            path=survey,
+            names=" or ".join(names),
+        ),
+        fault=faults.NO_INPUT,
+    )
 
 
 def open_recording(path: Path) -> OpenRecording:
-    """Open a bag or an MCAP file, finished or cut off; the path may be a link.
+    """Open a bag or an MCAP file; the path may be a link.
 
     Raises:
-        UnreadableFileError: It is neither, or its index is damaged.
+        UnreadableFileError: It is neither, or a bag without its index.
         OSError: It cannot be read.
     """
-    if not is_finished(path, follow_link=True):
-        described = (one for one in _linked_messages(path) if is_metadata_topic(one.topic))
-        metadata = next((_text(one.data) for one in described), None)
-        traces = (one for one in _linked_messages(path) if _is_trace(one.topic, one.datatype))
-        return OpenRecording(traces, 0, metadata, _log(_linked_messages(path)), [CUT_OFF])
-    with failing_as_unreadable(path):
-        return _open_bag(path) if is_bag(path) else _open_mcap(path)
+    lost = Lost()
+    messages = _messages(path, lost, trace_message.DATATYPE)
+
+    def traces() -> Iterator[RecordedMessage]:
+        yield from messages
+        if lost.faults:
+            raise UnreadableFileError(in_a_row(lost.faults), fault=faults.RECORDING_DAMAGED)
+
+    texts = _messages(path, Lost(), TEXT_TYPE)
+    log = [one for one in map(recorded_log, texts) if one is not None]
+    return OpenRecording(traces(), _metadata(path), log, lost.missing)
 
 
-def trace_messages(path: Path, finished: bool) -> Iterator[RecordedMessage]:
-    """Yield every recorded trace, in the order of the file.
+def all_messages(path: Path, lost: Lost) -> Iterator[RecordedMessage]:
+    """Return the messages of a recording as far as they are whole.
 
     Args:
-        path: Bag or MCAP file, no link.
-        finished: Whether it must have an index, which is then used for reading.
+        path: Bag or MCAP file; it may be a link.
+        lost: What could not be read is added here, at the latest when the messages have ended.
 
     Raises:
-        UnreadableFileError: It is damaged, or cannot be read to its end.
+        UnreadableFileError: It is neither, a bag without its index, or its messages are not those
+            of ROS 1.
+        OSError: It cannot be read.
     """
-    if not finished:
-        messages = _complete_messages(path, path)
-        return (one for one in messages if _is_trace(one.topic, one.datatype))
-    read = _bag_messages if is_bag(path) else _mcap_messages
-    return read(path, _is_trace, False)
+    header = None if is_bag(path) else _header(path)
+    if header is not None and header.profile != Profile.ROS1:
+        raise UnreadableFileError(
+            Message(
+                "{file} has the profile '{profile}'; only recordings of ROS 1 can be converted",
+                file=path.name,
+                profile=header.profile,
+            ),
+            fault=faults.FILE_CONTENT,
+        )
+    return _messages(path, lost)
 
 
 def mcap_messages(path: Path, follow_link: bool) -> Iterator[RecordedMessage]:
@@ -105,10 +164,14 @@ def mcap_messages(path: Path, follow_link: bool) -> Iterator[RecordedMessage]:
         UnreadableFileError: The file is damaged before its end.
         OSError: It cannot be read.
     """
-    if not is_finished(path, follow_link):
-        yield from _whole_messages(path, path.resolve() if follow_link else path)
+    if not _is_finished(path, follow_link):
+        stored = StoredMcap(path.resolve() if follow_link else path)
+        with _failing_as_unreadable(path):
+            yield from stored.messages()
+        if stored.faults:
+            raise UnreadableFileError(in_a_row(stored.faults), fault=faults.RECORDING_DAMAGED)
         return
-    with failing_as_unreadable(path), opened(path, follow_link) as stream:
+    with _failing_as_unreadable(path), _opened(path, follow_link) as stream:
         for schema, channel, message in make_reader(stream, validate_crcs=True).iter_messages():
             if schema is not None:
                 yield recorded_message(schema, channel, message)
@@ -127,9 +190,9 @@ def mcap_length_s(path: Path, follow_link: bool) -> float:
         UnreadableFileError: The file is damaged.
         OSError: It cannot be read.
     """
-    if not is_finished(path, follow_link):
+    if not _is_finished(path, follow_link):
         return 0.0
-    with failing_as_unreadable(path), opened(path, follow_link) as stream:
+    with _failing_as_unreadable(path), _opened(path, follow_link) as stream:
         summary = make_reader(stream, validate_crcs=True).get_summary()
     if summary is None or summary.statistics is None:
         return 0.0
@@ -138,130 +201,137 @@ def mcap_length_s(path: Path, follow_link: bool) -> float:
     return length_ns / utc_time.NS_PER_S
 
 
-def _open_bag(path: Path) -> OpenRecording:
-    with bag_reader(path, follow_link=True) as reader:
-        count = sum(one.msgcount for one in reader.connections if _is_trace(one.topic, one.msgtype))
-    described = _bag_messages(path, lambda topic, _name: is_metadata_topic(topic), True)
-    metadata = next((_text(one.data) for one in described), None)
-    log = _log(_bag_messages(path, _is_log, True))
-    return OpenRecording(_bag_messages(path, _is_trace, True), count, metadata, log)
+def _messages(path: Path, lost: Lost, datatype: str = "") -> Iterator[RecordedMessage]:
+    """Return the messages of a type, or all of them; see `all_messages`."""
+    if is_bag(path):
+        with _open_bag(path):
+            pass  # one without its index is refused now
+        return _noting(path, _of_bag(path, datatype), lost)
+    if not _is_finished(path, follow_link=True):
+        lost.missing.append(CUT_OFF)
+    elif is_foreign(path):
+        messages = mcap_messages(path, follow_link=True)
+        return _noting(path, (one for one in messages if datatype in ("", one.datatype)), lost)
+    return _noting(path, _of_survey(path, lost, datatype), lost)
 
 
-def _open_mcap(path: Path) -> OpenRecording:
-    with opened(path, follow_link=True) as stream:
-        reader = make_reader(stream, validate_crcs=True)
-        attached = {one.name: one.data for one in reader.iter_attachments()}
-        summary = reader.get_summary()
-    metadata = attached[SURVEY_FILE].decode("utf-8", "replace") if SURVEY_FILE in attached else None
-    count = 0
-    if summary is not None and summary.statistics is not None:
-        counts = summary.statistics.channel_message_counts
-        count = sum(counts.get(number, 0) for number in _channels(summary, _is_trace))
-    log = _log(_mcap_messages(path, _is_log, True))
-    return OpenRecording(_mcap_messages(path, _is_trace, True), count, metadata, log)
+def _noting(
+    path: Path, messages: Iterator[RecordedMessage], lost: Lost
+) -> Iterator[RecordedMessage]:
+    """Yield messages up to the place where their reader fails."""
+    try:
+        with _failing_as_unreadable(path):
+            yield from messages
+    except UnreadableFileError as error:
+        lost.faults.append(error.message)
 
 
-def _log(messages: Iterable[RecordedMessage]) -> List[LogRecord]:
-    """Return the records of the survey's log among messages, as far as they can be read."""
-    found: List[LogRecord] = []
-    with contextlib.suppress(UnreadableFileError):  # who reads the traces says so
-        found.extend(one for one in map(recorded_log, messages) if one is not None)
-    return found
+def _of_survey(path: Path, lost: Lost, datatype: str) -> Iterator[RecordedMessage]:
+    stored = StoredMcap(path.resolve())
+    yield from stored.messages(datatype)
+    # What is damaged at the end looks like the tail of a crash, but for the sums of the whole file.
+    lost.faults += stored.faults or stored.frame_faults()
 
 
-def _bag_messages(path: Path, wanted: Wanted, follow_link: bool) -> Iterator[RecordedMessage]:
-    with failing_as_unreadable(path), bag_reader(path, follow_link) as reader:
-        connections = [one for one in reader.connections if wanted(one.topic, one.msgtype)]
-        for connection, time_ns, data in reader.messages(connections) if connections else ():
+def _of_bag(path: Path, datatype: str) -> Iterator[RecordedMessage]:
+    with _open_bag(path) as bag:
+        wanted = [one for one in bag.connections if datatype in ("", _type_of(one))]
+        for one, time_ns, data in bag.messages(wanted) if wanted else ():
+            definition: Any = one.msgdef  # by version 0.9 it is the text itself
             yield RecordedMessage(
-                connection.topic,
-                connection.msgtype.replace("/msg/", "/"),
-                connection.digest,
-                "",
+                one.topic,
+                _type_of(one),
+                one.digest,
+                getattr(definition, "data", definition),
                 bytes(data),
                 time_ns,
+                getattr(one.ext, "latching", None) == 1,
             )
 
 
-def _mcap_messages(path: Path, wanted: Wanted, follow_link: bool) -> Iterator[RecordedMessage]:
-    with failing_as_unreadable(path), opened(path, follow_link) as stream:
-        summary = make_reader(stream, validate_crcs=True).get_summary()
-        if summary is None:
-            raise UnreadableFileError(
-                Message("{file} has no MCAP summary", file=path.name),
-                fault=faults.RECORDING_DAMAGED,
-            )
-        channels = _channels(summary, wanted)
-        for message in _chunk_messages(stream, summary, channels):
-            channel = channels[message.channel_id]
-            yield recorded_message(summary.schemas[channel.schema_id], channel, message)
+def _type_of(connection: Any) -> str:
+    return str(connection.msgtype).replace("/msg/", "/")
 
 
-def _chunk_messages(
-    stream: BinaryIO, summary: Summary, channels: Dict[int, Channel]
-) -> Iterator[McapMessage]:
-    # The library's own iteration sorts by time or holds every message in memory, which takes as
-    # long as the reading itself.
-    for index in sorted(summary.chunk_indexes, key=lambda one: one.chunk_start_offset):
-        # A chunk without a message index may contain any channel.
-        if index.message_index_offsets and not channels.keys() & index.message_index_offsets.keys():
-            continue
-        stream.seek(index.chunk_start_offset + RECORD_HEAD_BYTES)
-        chunk = Chunk.read(ReadDataStream(stream))
-        for record in breakup_chunk(chunk, validate_crc=True):
-            if isinstance(record, McapMessage) and record.channel_id in channels:
-                yield record
+def _metadata(path: Path) -> Optional[str]:
+    """Return survey.json as it was when the recording began."""
+    own = None if is_bag(path) else read_attachment(path.resolve(), survey_folder.SURVEY_FILE)
+    if own is not None:
+        return own.decode("utf-8", "replace")
+    found = (one for one in _messages(path, Lost(), TEXT_TYPE) if is_metadata_topic(one.topic))
+    return next((one.data[4:].decode("utf-8", "replace") for one in found), None)
 
 
-def _channels(summary: Summary, wanted: Wanted) -> Dict[int, Channel]:
-    return {
-        channel.id: channel
-        for channel in summary.channels.values()
-        if channel.schema_id in summary.schemas
-        and wanted(channel.topic, summary.schemas[channel.schema_id].name)
-    }
+def _opened(path: Path, follow_link: bool) -> BinaryIO:
+    return open(open_regular(path, follow_link), "rb")
 
 
-def _linked_messages(path: Path) -> Iterator[RecordedMessage]:
-    """Yield what `_complete_messages` does of a recording that may be a symbolic link."""
-    return _complete_messages(path, path.resolve())
+def _is_finished(path: Path, follow_link: bool) -> bool:
+    """Return whether an MCAP file has its end."""
+    with _opened(path, follow_link) as stream:
+        _check_magic(path, stream, MCAP_MAGIC, "MCAP")
+        stream.seek(max(len(MCAP_MAGIC), stream.seek(0, os.SEEK_END) - len(MCAP_MAGIC)))
+        return stream.read() == MCAP_MAGIC
 
 
-def _complete_messages(path: Path, place: Path) -> Iterator[RecordedMessage]:
-    """Yield every message that is there in full in a recording that has no index yet.
-
-    Args:
-        path: Its name.
-        place: Where it is: the same, or what the name links to.
-    """
-    if not is_bag(path):
-        yield from _whole_messages(path, place)
-        return
-    with opened(place, follow_link=False) as stream:
-        yield from complete_messages(stream)
-
-
-def _whole_messages(path: Path, place: Path) -> Iterator[RecordedMessage]:
-    """Yield every message of the whole chunks of an MCAP file that has no index yet."""
-    stored = StoredMcap(place)
-    with failing_as_unreadable(path):
-        yield from stored.messages()
-    if stored.faults:
-        raise UnreadableFileError(in_a_row(stored.faults), fault=faults.RECORDING_DAMAGED)
-
-
-def _is_trace(_topic: str, name: str) -> bool:
-    return name.replace("/msg/", "/") == trace_message.DATATYPE
-
-
-def _is_log(topic: str, _name: str) -> bool:
-    return topic.rsplit("/", 1)[-1] == LOG_TOPIC
-
-
-def _text(data: bytes) -> str:
-    (size,) = struct.unpack_from("<I", data)
-    if size + 4 != len(data):
+def _check_magic(path: Path, stream: BinaryIO, magic: bytes, kind: str) -> None:
+    if stream.read(len(magic)) != magic:
         raise UnreadableFileError(
-            Message("the recorded survey.json is incomplete"), fault=faults.RECORDING_DAMAGED
+            Message(
+                "{file} is not a {kind} file: it begins differently", file=path.name, kind=kind
+            ),
+            fault=faults.RECORDING_DAMAGED,
         )
-    return data[4:].decode("utf-8", "replace")
+
+
+def _header(path: Path) -> Optional[Header]:
+    """Return the header of an MCAP file; None if it is damaged."""
+    with _opened(path, follow_link=True) as stream:
+        try:
+            return make_reader(stream).get_header()
+        except TORN:
+            return None
+
+
+@contextlib.contextmanager
+def _open_bag(path: Path) -> Iterator[Reader]:
+    with _opened(path, follow_link=True) as stream:
+        _check_magic(path, stream, BAG_MAGIC, "bag")
+        # The library opens a name: that of the descriptor is the file that was checked.
+        reader = Reader(f"/dev/fd/{stream.fileno()}")
+        with _failing_as_unreadable(path):
+            try:
+                reader.open()
+            except ReaderError as error:
+                raise UnreadableFileError(
+                    Message(
+                        "{file} has no complete index; `rosbag reindex {file}` writes it",
+                        file=path.name,
+                        details=error,
+                    ),
+                    fault=faults.RECORDING_DAMAGED,
+                ) from error
+        try:
+            yield reader
+        finally:
+            reader.close()
+
+
+@contextlib.contextmanager
+def _failing_as_unreadable(path: Path) -> Iterator[None]:
+    """Turn every exception of a reader of recordings into one that names the file."""
+    try:
+        yield
+    except UnreadableFileError:
+        raise
+    except OSError as error:
+        raise UnreadableFileError(
+            Message("{file}: {reason}", file=path.name, reason=os_reason(error)),
+            fault=faults.RECORDING_DAMAGED,
+        ) from error
+    except Exception as error:
+        # The libraries unpack without checks: damaged bytes raise exceptions of any kind.
+        raise UnreadableFileError(
+            Message("{file} is damaged", file=path.name, details=repr(error)),
+            fault=faults.RECORDING_DAMAGED,
+        ) from error

@@ -9,8 +9,7 @@ from pathlib import Path
 from typing import Dict, Iterable, Iterator, Optional, Union
 
 from gpr20_analysis.errors import DamagedSurveyError
-from gpr20_analysis.read.recording_files import MCAP
-from gpr20_analysis.read.recordings import mcap_length_s, mcap_messages
+from gpr20_analysis.read.recordings import MCAP, mcap_length_s, mcap_messages
 from gpr20_analysis.read.sources import SurveySource, open_source
 from gpr20_common.message import in_a_row
 from gpr20_survey.folder import survey_folder

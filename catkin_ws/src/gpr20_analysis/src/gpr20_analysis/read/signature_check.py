@@ -16,7 +16,7 @@ from gpr20_survey.folder.signature import Signature, SignatureCheck
 STATUS: Mapping[Signature, int] = {
     Signature.VALID: COMPLETE,
     Signature.UNSIGNED: INCOMPLETE,
-    Signature.STALE: DAMAGED,
+    Signature.CHANGED: INCOMPLETE,
     Signature.UNKNOWN_KEY: DAMAGED,
     Signature.WRONG: DAMAGED,
 }
@@ -85,22 +85,18 @@ def _wrong(check: SignatureCheck) -> Message:
 
 
 def _unknown(check: SignatureCheck) -> Message:
-    if not check.fingerprint:
-        return Message(
-            "UNKNOWN KEY: the signature does not fit the manifest, and its key is not accepted"
-        ).with_fault(faults.UNKNOWN_SIGNER)
     return Message(
         "UNKNOWN KEY: signed with the key {fingerprint}, which the signers file does not accept",
         fingerprint=check.fingerprint,
     ).with_fault(faults.UNKNOWN_SIGNER)
 
 
-def _stale(check: SignatureCheck) -> Message:
+def _changed(check: SignatureCheck) -> Message:
     return Message(
-        "CHANGED SINCE IT WAS SIGNED: the signature of {signer} is of an earlier state; the "
-        "survey was changed without the key, or the robot was cut off before it signed again",
+        "CHANGED AFTER IT WAS SIGNED: {signer} signed the traces and the log as it was then; "
+        "nobody has signed what was added to the log since",
         signer=check.signer,
-    ).with_fault(faults.STALE_SIGNATURE)
+    ).with_fault(faults.CHANGED_SINCE_SIGNED)
 
 
 _SENTENCES: Mapping[Signature, Callable[[SignatureCheck], Message]] = {
@@ -108,5 +104,5 @@ _SENTENCES: Mapping[Signature, Callable[[SignatureCheck], Message]] = {
     Signature.UNSIGNED: _unsigned,
     Signature.WRONG: _wrong,
     Signature.UNKNOWN_KEY: _unknown,
-    Signature.STALE: _stale,
+    Signature.CHANGED: _changed,
 }

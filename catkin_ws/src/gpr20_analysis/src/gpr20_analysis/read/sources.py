@@ -13,16 +13,14 @@ import orjson
 from gpr20_analysis import faults
 from gpr20_analysis.errors import AnalysisError, UnreadableFileError, not_there
 from gpr20_analysis.read import recordings
-from gpr20_analysis.read.recording_files import is_recording
 from gpr20_common.message import Message
 from gpr20_common.os_reason import os_reason
 from gpr20_survey.errors import SurveyRefusedError, TraceRefusedError
-from gpr20_survey.faults import TRACE_DAMAGED
 from gpr20_survey.files.regular_file import check_regular
 from gpr20_survey.folder import survey_folder, survey_metadata, trace_files
-from gpr20_survey.folder.log_content import LOG, UNCONFIRMED, description_of
+from gpr20_survey.folder.log_content import LOG, UNCONFIRMED, add_to
 from gpr20_survey.folder.log_record import Kind, LogRecord
-from gpr20_survey.folder.recovery import RecoveredSurvey, recover_with_recording
+from gpr20_survey.folder.recovery import RecoveredSurvey, recover
 from gpr20_survey.trace import trace_json, trace_message
 from gpr20_survey.trace.trace import Trace
 
@@ -95,7 +93,7 @@ class RecordingSource:
         """
         self._recording = recordings.open_recording(path)
         self.name = path.name
-        self.count = self._recording.count
+        self.count = 0
         self.faults: List[Damage] = []
         self.notes: List[Message] = list(self._recording.notes)
         self.description = self._description(self._recording.metadata)
@@ -124,8 +122,10 @@ class RecordingSource:
         if metadata is None:
             return None
         try:
-            start = survey_metadata.parse_object(metadata, f"survey.json in {self.name}")
-            return with_log(start, self._recording.log)
+            found = survey_metadata.parse_object(metadata, f"survey.json in {self.name}")
+            for record in self._recording.log:
+                add_to(found, record)
+            return _with_facts(found, self._recording.log)
         except SurveyRefusedError as error:
             self.faults.append(Damage(error.message))
             return None
@@ -159,7 +159,7 @@ def open_source(path: Path, read: Callable[[Path], Trace] = read_trace) -> Surve
         return _folder_source(path, read)
     if not path.exists():
         raise AnalysisError(not_there(path), fault=faults.NO_INPUT)
-    if is_recording(path):
+    if recordings.is_recording(path):
         return RecordingSource(path)
     if path.suffix == ".json":
         return JsonSource(path.name, [path], None, read)
@@ -175,30 +175,29 @@ def open_source(path: Path, read: Callable[[Path], Trace] = read_trace) -> Surve
 
 def whole_description(recovered: RecoveredSurvey) -> Dict[str, Any]:
     """Return the content of survey.json with the facts of the log that a reader needs beside it."""
-    description = with_log(recovered.description, recovered.found.records)
+    description = _with_facts(recovered.description, recovered.found.records)
     unconfirmed = recovered.all_unconfirmed
     return {**description, UNCONFIRMED: unconfirmed} if unconfirmed else description
 
 
-def with_log(start: Dict[str, Any], records: Sequence[LogRecord]) -> Dict[str, Any]:
-    """Return a description from the start of a survey with what was added to its log."""
-    facts = [one.as_json() for one in records if one.kind in FACTS]
-    return {**start, **description_of(records), LOG: facts}
+def _with_facts(described: Dict[str, Any], records: Sequence[LogRecord]) -> Dict[str, Any]:
+    return {**described, LOG: [one.as_json() for one in records if one.kind in FACTS]}
 
 
 def _folder_source(folder: Path, read: Callable[[Path], Trace]) -> JsonSource:
     traces = folder / survey_folder.TRACES_FOLDER
-    described = folder / survey_folder.SURVEY_FILE
-    for one in (traces, described):
+    logs = [folder / name for name in survey_folder.LOG_FILES]
+    for one in (traces, *logs):
         check_regular(one)
     files = _trace_files(traces if traces.is_dir() else folder)
     description, damage = None, []
-    if described.exists() or (folder / survey_folder.LOG_FILE).exists():
+    is_described = any(one.exists() for one in logs)
+    if is_described:
         try:
-            description = whole_description(recover_with_recording(folder, for_reading=True))
+            description = whole_description(recover(folder))
         except SurveyRefusedError as error:
             damage.append(Damage(error.message))
-    if not files and described.exists():
+    if not files and is_described:
         raise AnalysisError(
             Message("{folder} holds a survey without traces", folder=folder),
             fault=faults.NO_TRACES,
@@ -226,11 +225,4 @@ def _trace_files(folder: Path) -> List[Path]:
 
 def _decode(content: bytes) -> Trace:
     # Twice as fast as the standard library's reader.
-    try:
-        values = orjson.loads(content)
-    except orjson.JSONDecodeError as error:
-        raise TraceRefusedError(
-            Message("the file is not valid JSON", details=error), fault=TRACE_DAMAGED
-        ) from error
-    trace_json.is_proven(content)
-    return trace_json.from_values(values)
+    return trace_json.decode(content, orjson.loads)

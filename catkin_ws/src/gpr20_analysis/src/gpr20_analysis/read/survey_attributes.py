@@ -47,7 +47,8 @@ def survey_attributes(
 
     Args:
         description: Content of survey.json.
-        samples: Those of which the analyzer's settings are; the attributes are those of most.
+        samples: Those of which the analyzer's settings are; what differs is no attribute, but a
+            variable of the samples.
         notes: A remark on an entry that is not allowed is added here.
     """
     found: Dict[str, Any] = {}
@@ -56,8 +57,11 @@ def survey_attributes(
             found.update(read(description))
         except InvalidValueError as error:
             notes.append(refused.with_values({"reason": error.message}))
-    for settings, _count in known_settings(samples)[:1]:
-        found.update({name: value for name, value in asdict(settings).items() if value})
+    settings = [asdict(one) for one, _count in known_settings(samples)]
+    for name in OF_ANALYZER if settings else ():
+        first, *others = {one[name] for one in settings}
+        if first and not others:
+            found[name] = first
     return found
 
 

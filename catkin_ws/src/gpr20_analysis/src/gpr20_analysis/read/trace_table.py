@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Callable, Dict, List, Optional, Set, Tuple
+from typing import Any, Callable, Dict, List, Optional, Set, Tuple
 
 import numpy as np
 
@@ -12,11 +12,14 @@ from gpr20_analysis.read.sources import Damage, Position
 from gpr20_analysis.read.survey_grid import Plan, planned_grid
 from gpr20_common.message import Message
 from gpr20_survey.axes.zero_epoch import Zeros
-from gpr20_survey.trace.aux_value import AuxValue
 from gpr20_survey.trace.sweep_settings import AnalyzerSettings
-from gpr20_survey.trace.trace import Trace
+from gpr20_survey.trace.trace import TRACE_FIELDS, Trace
+from gpr20_survey.trace.trace_form import FLOATS
 
 EMPTY = complex(math.nan, math.nan)
+_SINGLE = [one.attribute for one in TRACE_FIELDS if one.form is not FLOATS]
+COLUMNS = {attribute: place for place, attribute in enumerate(_SINGLE)}
+"""The places in a sample of what is not an array of the sweep, by their attributes."""
 Allocate = Callable[[Tuple[int, int]], np.ndarray]
 """Makes an array of complex128 of a shape (samples, frequencies), filled with NaN."""
 
@@ -28,37 +31,30 @@ def in_memory(shape: Tuple[int, int]) -> np.ndarray:
 
 @dataclass
 class Sample:
-    """A trace without its values, and the row of the table that has them."""
+    """A trace without its arrays, and the row of the table that has them."""
 
     row: int
     index: int
-    sample_id: str
     position: Position
-    height_m: float
-    times_us: Tuple[int, int, int]
-    remarks: Tuple[str, ...]
+    columns: Tuple[Any, ...]
+    """The values of COLUMNS."""
     analyzer: AnalyzerSettings
-    aux: Tuple[AuxValue, ...]
     zeros: Zeros
     content: int
     """The same for samples with the same values."""
 
     @classmethod
     def of(cls, trace: Trace, row: int) -> Sample:
-        """Return the sample of a trace whose values are in a row."""
+        """Return the sample of a trace whose arrays are in a row."""
+        values = trace.values()
+        columns = tuple(values[attribute] for attribute in COLUMNS)
+        content = hash((trace.s21_real.tobytes(), trace.s21_imag.tobytes()))
         return cls(
-            row,
-            trace.index,
-            trace.sample_id,
-            _position(trace),
-            trace.antennae_height_m,
-            (trace.timestamp_us, trace.sweep_started_us, trace.sweep_ended_us),
-            tuple(trace.quality),
-            trace.analyzer,
-            trace.aux,
-            trace.zeros,
-            hash((trace.s21_real.tobytes(), trace.s21_imag.tobytes())),
+            row, trace.index, _position(trace), columns, trace.analyzer, trace.zeros, content
         )
+
+    def __getitem__(self, attribute: str) -> Any:
+        return self.columns[COLUMNS[attribute]]
 
 
 class TraceTable:

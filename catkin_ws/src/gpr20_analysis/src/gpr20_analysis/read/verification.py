@@ -10,38 +10,28 @@ from gpr20_analysis.errors import AnalysisError
 from gpr20_analysis.progress import Progress, no_progress
 from gpr20_analysis.read import description_check, doubts, manifest_check
 from gpr20_analysis.read.manifest_check import Seal
-from gpr20_analysis.read.recording_check import RecordingCheck
+from gpr20_analysis.read.recording_check import RecordingCheck, check_bag
 from gpr20_analysis.read.sources import whole_description
 from gpr20_analysis.read.survey_grid import Plan
 from gpr20_analysis.read.trace_table import Sample
 from gpr20_analysis.read.verification_result import Verification
 from gpr20_common.message import Message
-from gpr20_common.os_reason import os_reason
-from gpr20_survey.errors import SurveyRefusedError, TraceRefusedError
+from gpr20_survey.errors import SurveyRefusedError
 from gpr20_survey.files.folder_lock import writer_of
-from gpr20_survey.folder import (
-    manifest,
-    sealing,
-    survey_folder,
-    survey_metadata,
-    trace_files,
-)
+from gpr20_survey.folder import manifest, survey_folder, survey_metadata, trace_files
+from gpr20_survey.folder.log_record import Kind
 from gpr20_survey.folder.manifest import Manifest
-from gpr20_survey.folder.recovery import (
-    RecoveredSurvey,
-    recover_with_recording,
-)
+from gpr20_survey.folder.recovery import RecoveredSurvey, recover
 from gpr20_survey.plan.imported import import_of, import_sentence, is_imported
+from gpr20_survey.trace.trace import Trace
 
 FILES = (
     survey_folder.SURVEY_FILE,
-    survey_folder.LOG_FILE,
+    *survey_folder.LOG_FILES,
     survey_folder.TRACES_FOLDER,
     survey_folder.BAG_FILE,
     survey_folder.MCAP_FILE,
 )
-MEASURED = frozenset("mr")
-"""Letters of the coverage in a report for a trace that is stored: measured, or measured again."""
 REMEDY = Message(
     "gpr20 repair compares everything else and, if all of it agrees, writes the manifest again"
 )
@@ -90,7 +80,7 @@ def verify_survey(
     writer = None if repairing else writer_of(folder)
     try:
         survey_folder.check_no_links(folder)
-        recovered = recover_with_recording(folder)
+        recovered = recover(folder, asking_manifest=True)
         survey_folder.check_survey_id(recovered.survey_id)
     except SurveyRefusedError as error:
         return Verification(faults=[error.message])
@@ -113,38 +103,39 @@ class _Verifier:
         self._recovered = recovered
         self._description = description = recovered.description
         self._survey_id: str = description["survey_id"]
-        self._indexed = description.get("ended") is not None  # the recordings have their index
+        self._indexed = description.get("ended") is not None  # its recording was finished
         interrupted = description.get("outcome") == survey_metadata.INTERRUPTED
         self._found = Verification(
             closed=self._indexed and not interrupted,
             writer=writer or "",
-            has_log=recovered.found.has_log,
             imported=import_sentence(description) if is_imported(description) else None,
         )
         self._samples: List[Sample] = []
-        self._is_adding = False  # the manifest names an entry that is being added to the log
 
     def run(self, with_log: bool) -> Verification:
         if self._use_manifest and not self._found.writer:
             self._check_manifest()
         if with_log:
             self._check_log()
+        plan = self._plan()
         files = trace_files.read_all(
-            self._traces, self._survey_id, lambda paths: iter(self._progress(paths, len(paths)))
+            self._traces,
+            self._survey_id,
+            lambda paths: iter(self._progress(paths, len(paths))),
+            lambda trace: self._check_trace(plan, trace),
         )
         for path, reason in files.damaged:
             self._found.fault(
                 Message("{file} is not an intact trace: {reason}", file=path.name, reason=reason)
             )
-        plan = self._plan()
-        for index, name in self._progress(sorted(files.names.items()), len(files.names)):
-            self._check_trace(plan, index, name)
         self._doubt()
-        recordings = RecordingCheck(
+        recording = RecordingCheck(
             self._folder, self._survey_id, self._indexed, self._found, self._progress
         )
-        recordings.check(files.prints)
-        self._check_description(len(files.prints), with_log)
+        recording.check(files.prints)
+        if self._found.imported is None and not self._found.writer:
+            check_bag(self._folder, self._recovered.found.records, self._indexed, self._found)
+        self._check_description(len(files.prints))
         return self._found
 
     @property
@@ -174,41 +165,33 @@ class _Verifier:
         elif found.seal is Seal.MISSING:
             self._found.note(Message("the survey was not closed, so there is no manifest"))
         elif found.manifest is not None:
-            self._is_adding = found.manifest.log is None or found.manifest.next_log is not None
             self._note_manifest(found.manifest)
             self._check_content(found.manifest)
         self._note_damaged()
         self._note_name()
 
     def _note_manifest(self, sealed: Manifest) -> None:
-        if sealed.reopened is not None:
-            self._found.note(
-                Message(
-                    "the manifest is from before the survey was reopened at {time}",
-                    time=sealed.reopened,
+        for one in self._recovered.found.records:
+            if one.kind == Kind.RESUME.value and one.number > sealed.log.number:
+                self._found.note(
+                    Message(
+                        "the manifest is from before the survey was reopened at {time}",
+                        time=one.time,
+                    )
                 )
-            )
-        if not sealed.covers_itself:
-            self._found.note(
-                Message(
-                    "the manifest has the former format {format}: it covers every file, but not "
-                    "its own entries software_revision and written",
-                    format=manifest.FORMER_FORMAT,
+            elif one.kind == Kind.SEAL.value:
+                self._found.note(
+                    Message(
+                        "the manifest was written again at {time}: {reason}; what was changed "
+                        "before is not covered",
+                        time=one.time,
+                        reason=str(one.values.get("reason")),
+                    )
                 )
-            )
-        for one in sealed.rewritten:
-            self._found.note(
-                Message(
-                    "the manifest was written again at {time}: {reason}; what was changed before "
-                    "is not covered",
-                    time=str(one.get("time")),
-                    reason=str(one.get("reason")),
-                )
-            )
 
     def _check_content(self, sealed: Manifest) -> None:
-        is_named = sealing.DATA in self._recovered.all_unconfirmed
-        is_other = sealing.has_other_data(self._description, sealed.files)
+        is_named = manifest.DATA in self._recovered.all_unconfirmed
+        is_other = manifest.has_other_data(self._description, sealed.files)
         if self._found.sealed and is_other and not is_named:
             self._found.fault(
                 Message(
@@ -268,18 +251,10 @@ class _Verifier:
                 Message("the source has no data at {count} places of its grid", count=absent)
             )
 
-    def _check_trace(self, plan: Optional[Plan], index: int, name: str) -> None:
+    def _check_trace(self, plan: Optional[Plan], trace: Trace) -> None:
+        self._samples.append(Sample.of(trace, row=0))
         if plan is None:
             return
-        try:
-            trace = trace_files.read_trace(self._traces / name, self._survey_id)
-        except (TraceRefusedError, OSError) as error:
-            reason = os_reason(error) if isinstance(error, OSError) else error.message
-            self._found.fault(
-                Message("{file} changed while it was read: {reason}", file=name, reason=reason)
-            )
-            return
-        self._samples.append(Sample.of(trace, row=0))
         misfits = plan.misfits(trace) or plan.changed_settings(trace)
         self._found.faults += misfits
         self._found.stored += not misfits
@@ -295,43 +270,35 @@ class _Verifier:
             # While somebody writes, the two files may be read at different moments.
             self._found.faults += [
                 Message(
-                    "{damage}; its entries are whole elsewhere: resuming the survey, or gpr20 "
-                    "repair, writes it again",
-                    damage=one,
+                    "{file} is damaged; its entries are whole in the other file of the log: "
+                    "resuming the survey, or gpr20 repair, writes it again",
+                    file=one,
                 )
-                for one in log.damage
+                for one in log.damaged
             ]
             self._found.faults += [
-                Message("entry {number} of the log is damaged in every copy", number=number)
+                Message("entry {number} of the log is damaged in both files", number=number)
                 for number in log.lost
             ]
-            if log.behind:
-                self._note_behind()
+            self._found.notes += [
+                Message(
+                    "{file} lacks the last entry of the log, as after a power cut; the next change "
+                    "of the survey adds it",
+                    file=one,
+                )
+                for one in log.behind
+            ]
         self._found.unconfirmed = tuple(self._recovered.all_unconfirmed)
 
-    def _note_behind(self) -> None:
-        behind = Message(
-            "log.jsonl or survey.json lacks the last entry of the log, as after a power cut; the "
-            "other has it"
-        )
-        # Of a closed survey only while an entry is being added, which its manifest names before.
-        if self._found.sealed and not self._is_adding:
-            self._found.fault(behind)
-        else:
-            self._found.note(behind)
-
-    def _check_description(self, readable: int, with_log: bool) -> None:
+    def _check_description(self, readable: int) -> None:
         recorded = self._description
         if self._found.writer:
             return
-        is_written_again = self._found.has_log and not with_log
-        own = None if is_written_again else self._recovered.found.own
-        self._found.faults += description_check.compare_copy(self._folder, own or recorded)
         self._found.faults += description_check.contradictions(recorded)
         if self._indexed and recorded.get("stored_traces") != readable:
             self._found.fault(
                 Message(
-                    "survey.json records {recorded} stored traces, but {readable} are readable",
+                    "the log records {recorded} stored traces, but {readable} are readable",
                     recorded=recorded.get("stored_traces"),
                     readable=readable,
                 )
@@ -342,8 +309,7 @@ class _Verifier:
         if self._found.planned is not None and planned != self._found.planned:
             self._found.fault(
                 Message(
-                    "survey.json records {recorded} planned traces, but its parameters give "
-                    "{planned}",
+                    "the log records {recorded} planned traces, but its parameters give {planned}",
                     recorded=planned,
                     planned=self._found.planned,
                 )
@@ -352,23 +318,17 @@ class _Verifier:
         if missing and recorded.get("outcome") == "finished":
             self._found.fault(
                 Message(
-                    "survey.json records the outcome finished, but planned traces are missing or "
+                    "the log records the outcome finished, but planned traces are missing or "
                     "unreadable"
                 )
             )
         if missing and _claims_complete(recorded):
             self._found.fault(
-                Message("the report in survey.json is complete, but planned traces are missing")
+                Message("the report in the log is complete, but planned traces are missing")
             )
 
 
 def _claims_complete(recorded: Dict[str, Any]) -> bool:
-    """Return whether the report in survey.json says that no planned trace is missing."""
+    """Return whether the report in the log says that no planned trace is missing."""
     report = recorded.get("report")
-    if not isinstance(report, dict):
-        return False
-    if isinstance(report.get("complete"), bool):
-        return bool(report["complete"])
-    # A report of an earlier version.
-    coverage = report.get("coverage")
-    return isinstance(coverage, str) and bool(coverage) and set(coverage) <= MEASURED
+    return isinstance(report, dict) and report.get("complete") is True

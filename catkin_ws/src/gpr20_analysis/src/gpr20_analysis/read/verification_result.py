@@ -12,10 +12,7 @@ from gpr20_survey.faults import LOCKED, UNCONFIRMED
 
 COMPLETE, INCOMPLETE, DAMAGED = 0, 1, 2
 SHOWN = 5  # entries that are named in the verdict
-UNCOVERED = Message("survey.bag, and messages other than traces at the end of survey.mcap")
-UNCOVERED_WITHOUT_LOG = Message(
-    "entries of survey.json that change during a survey, {recordings}", recordings=UNCOVERED
-)
+UNCOVERED = Message("messages other than traces at the end of survey.mcap")
 
 
 @dataclass
@@ -39,13 +36,11 @@ class Verification:
     closed: bool = False
     """Whether the survey was closed, not cut off or interrupted."""
     unconfirmed: Tuple[str, ...] = ()
-    """Names of the entries of survey.json that nothing vouches for."""
+    """Names of the entries of the log that nothing vouches for."""
     writer: str = ""
     """Number of the process that writes the survey; empty: nobody does."""
     imported: Optional[Message] = None
     """From what an imported survey was made, which has no plan; None: a survey of the robot."""
-    has_log: bool = True
-    """Whether it has a log; a survey of an earlier version has none."""
 
     def fault(self, message: Message) -> None:
         """Note what is damaged or contradictory."""
@@ -145,7 +140,7 @@ class Verification:
                 "INCOMPLETE, readable: {counted}, and the survey was not closed; without a "
                 "manifest, changes to {uncovered} cannot be detected",
                 counted=self._counted,
-                uncovered=UNCOVERED if self.has_log else UNCOVERED_WITHOUT_LOG,
+                uncovered=UNCOVERED,
             )
         if self.closed:
             return Message("INCOMPLETE, but intact: {counted}", counted=self._counted)

@@ -21,6 +21,7 @@ from gpr20_analysis.trial.ground import PLACE, Lane, Target, read_table, read_ta
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message
 from gpr20_common.mid.checks import number_between
+from gpr20_common.mid.codec import record_from
 from gpr20_survey.errors import SurveyRefusedError
 from gpr20_survey.files.durable_files import write_new_file
 from gpr20_survey.files.regular_file import read_regular
@@ -91,15 +92,12 @@ def encode(form: str, values: Mapping[str, Any]) -> bytes:
 
 def read_plan(path: Path) -> Plan:
     """Return a plan; one that was changed is refused."""
-    values = _decoded(path, PLAN)
-    lanes = {name: Lane(**one) for name, one in values.pop("lanes").items()}
-    return Plan(strata=tuple(values.pop("strata")), lanes=lanes, **values)
+    return record_from(Plan, _decoded(path, PLAN), path.name)
 
 
 def read_seal(path: Path) -> Seal:
     """Return a sealed list; one that was changed is refused."""
-    values = _decoded(path, SEAL)
-    return Seal(tuple(Mark(**one) for one in values.pop("marks")), **values)
+    return record_from(Seal, _decoded(path, SEAL), path.name)
 
 
 def _decoded(path: Path, form: str) -> Dict[str, Any]:

@@ -207,8 +207,8 @@ def test_the_interval_of_the_density_holds_it_in_19_of_20_grounds():
 
 def test_of_so_few_echoes_nothing_is_said_about_false_alarms():
     found = find_candidates(image_of([(0, 0.3, 0.3, 0.1, 30.0)], weak=10))
-    assert np.isnan(found.false_alarms_per_m2)
-    assert all(np.isnan(one.false_alarms_per_m2) for one in found.candidates)
+    assert found.false_alarms_per_m2 is None
+    assert all(one.false_alarms_per_m2 is None for one in found.candidates)
     assert all(Flag.UNRATED in one.flags for one in found.candidates)
     assert len(primary(found)) == 1
     assert any("nothing is known of false alarms" in str(note) for note in found.notes)
@@ -243,7 +243,7 @@ def found_in(survey, permittivity=5.0):
 
 def density(lists):
     """Return candidates per m2 that are not doubtful, of the lists that say how many to expect."""
-    rated = [one for one in lists if not np.isnan(one.false_alarms_per_m2)]
+    rated = [one for one in lists if one.false_alarms_per_m2 is not None]
     assert len(rated) > 5
     return sum(one.primary for one in rated) / sum(one.area_m2 for one in rated)
 

@@ -20,10 +20,10 @@ from gpr20_survey.folder import annotating
 from gpr20_survey.folder.annotating import Fact
 from gpr20_survey.folder.found_records import read_found
 from gpr20_survey.folder.log_record import Kind
+from gpr20_survey.folder.recovery import read_description
 from gpr20_survey.no_clearance import NO_CLEARANCE
 from gpr20_survey.plan.annotation import Annotation, Wgs84Position, annotation_of
 from gpr20_survey.plan.markers import Marker
-from gpr20_survey.recording.recordings import open_recordings
 from gpr20_survey.results.candidate_json import json_text
 from gpr20_survey.results.found import What, present
 
@@ -46,7 +46,7 @@ def folder(tmp_path):
 
 
 def stored(folder):
-    return annotation_of(json.loads((folder / "survey.json").read_text("ascii")))
+    return annotation_of(read_description(folder))
 
 
 def annotate(folder, *options):
@@ -65,16 +65,16 @@ def test_what_is_given_is_set_and_the_rest_stays(folder, capsys):
         assert stored(folder) == wanted, options
     assert gpr20_verify([str(folder)]) == 0
     capsys.readouterr()
-    before = (folder / "survey.json").read_bytes()
+    before = (folder / "log.jsonl").read_bytes()
     assert annotate(folder) == 0
     printed = capsys.readouterr().out.splitlines()
     assert [line.split(maxsplit=1)[-1] for line in printed[1:3]] == ["Lucía Peña", "here"]
     assert printed[0].endswith("Carmen 3") and printed[4] == f"{'':24}soil"
-    assert (folder / "survey.json").read_bytes() == before
+    assert (folder / "log.jsonl").read_bytes() == before
 
 
 def test_a_wrong_value_is_refused_and_nothing_changes(folder, capsys):
-    before = (folder / "survey.json").read_bytes()
+    before = (folder / "log.jsonl").read_bytes()
     for options, reasons in (
         (["--position", "91,0"], ["91 deg"]),
         (["--position", "4.6"], ["latitude and longitude"]),
@@ -86,7 +86,7 @@ def test_a_wrong_value_is_refused_and_nothing_changes(folder, capsys):
         assert annotate(folder, *options) == 3, options
         error = capsys.readouterr().err
         assert all(one in error for one in reasons), error
-        assert (folder / "survey.json").read_bytes() == before, options
+        assert (folder / "log.jsonl").read_bytes() == before, options
 
 
 def test_info_and_exports_show_the_annotation(folder, tmp_path, capsys):
@@ -121,10 +121,10 @@ def test_a_survey_that_has_not_ended_is_refused(tmp_path, listed, refusals):
 
 @pytest.fixture
 def marked(folder):
-    kit = Kit(folder.parent, open_recordings)
+    kit = Kit(folder.parent)
     for marker in (MARKER, SECOND):
-        kit.processing.add_marker(SURVEY, marker)
-    kit.processing.remove_marker(SURVEY, SECOND.marker_id, "Luis")
+        kit.add_marker(SURVEY, marker)
+    kit.remove_marker(SURVEY, SECOND.marker_id, "Luis")
     kit.processing.shut_down()
     return folder
 

@@ -1,4 +1,4 @@
-"""gpr20 verify --signers says who vouches for a survey; what changes one can sign it again."""
+"""gpr20 verify --signers says who vouches for a survey; gpr20 sign signs it as it is now."""
 
 import json
 
@@ -84,28 +84,32 @@ def test_what_nobody_on_the_list_signed_or_nobody_ended_is_never_complete(
     assert verify(stopped) == (1, "valid", "")
 
 
-def test_a_change_with_the_key_is_signed_again(folder, keys, verify, capsys):
+def test_what_is_added_is_not_signed_before_somebody_signs(folder, keys, verify, capsys):
+    key = str(keys / "robot")
     assert main(["annotate", str(folder), "--site", "here"]) == 0
-    assert "earlier state" in capsys.readouterr().out
-    assert verify(folder) == (2, "stale", faults.STALE_SIGNATURE.code)
-    key = ["--sign", str(keys / "robot")]
-    assert main(["annotate", str(folder), "--site", "El Carmen", *key]) == 0
-    assert "signed again" in capsys.readouterr().out
+    changed = "changed after it was signed"
+    assert verify(folder) == (1, changed, faults.CHANGED_SINCE_SIGNED.code)
+    assert main(["sign", str(folder), key]) == 0
+    assert "signed as it is now" in capsys.readouterr().out
     assert verify(folder) == (0, "valid", "")
     (folder / "manifest.json").unlink()
     assert verify(folder)[:2] == (2, "unsigned")
-    assert main(["repair", str(folder), *key]) == 0
+    assert main(["repair", str(folder)]) == 0
+    assert verify(folder)[:2] == (2, "wrong")
+    assert main(["sign", str(folder), key]) == 0
     assert verify(folder) == (0, "valid", "")
 
 
-def test_a_key_that_cannot_be_used_changes_nothing(folder, tmp_path, refusals):
-    before = contents(folder)
-    none = str(tmp_path / "none")
-    assert main(["annotate", str(folder), "--site", "here", "--sign", none]) == 3
-    (folder / "manifest.json").rename(tmp_path / "manifest.json")
-    assert main(["repair", str(folder), "--sign", none]) == 3
-    (tmp_path / "manifest.json").rename(folder / "manifest.json")
+def test_what_differs_and_what_is_not_closed_is_not_signed(folder, keys, tmp_path, refusals):
+    before, key, none = contents(folder), str(keys / "robot"), str(tmp_path / "none")
+    assert main(["sign", str(folder), none]) == 3
     assert main(["verify", str(folder), "--signers", none]) == 3
-    codes = [survey_faults.SIGNING_KEY.code] * 2 + [survey_faults.SIGNERS_FILE.code]
-    assert refusals == codes
+    (folder / "manifest.json").rename(tmp_path / "manifest.json")
+    assert main(["sign", str(folder), key]) == 3
+    (tmp_path / "manifest.json").rename(folder / "manifest.json")
     assert contents(folder) == before
+    (folder / "survey.json").write_bytes(b"{}")
+    assert main(["sign", str(folder), key]) == 3
+    codes = [survey_faults.SIGNING_KEY, survey_faults.SIGNERS_FILE]
+    codes += [faults.NOT_CLOSED, faults.FILES_DIFFER]
+    assert refusals == [one.code for one in codes]

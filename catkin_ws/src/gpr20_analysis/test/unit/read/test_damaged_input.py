@@ -1,6 +1,5 @@
 """Damaged input is refused by name, or left out and marked: never part of a picture unnoticed."""
 
-import bz2
 import json
 import re
 import shutil
@@ -11,7 +10,8 @@ import numpy as np
 import pytest
 import xarray as xr
 from fault_kit import raises_fault
-from run_seed import draws
+from rosbags.rosbag1 import Writer
+from storage_kit import bag_messages, with_bag
 from survey_kit import POINTS, SURVEY, make_survey, write_trace_file
 
 from gpr20_analysis import faults
@@ -20,11 +20,9 @@ from gpr20_analysis.dataset import Quality
 from gpr20_analysis.errors import AnalysisError
 from gpr20_analysis.formats.dataset_files import write_dataset
 from gpr20_analysis.read.load import load_survey
-from gpr20_analysis.read.recordings import open_recording
 from gpr20_analysis.read.sources import read_trace
-from gpr20_analysis.read.unindexed_bag import complete_messages
 from gpr20_survey.faults import TRACE_DAMAGED
-from gpr20_survey.recording import bag_format
+from gpr20_survey.folder.survey_folder import LOG_FILES
 
 pytestmark = pytest.mark.usefixtures("blank_figures")
 
@@ -138,15 +136,14 @@ def test_positions_on_no_grid_are_refused(copied):
         load_survey(copied / "traces")
 
 
-def test_a_description_is_read_from_each_form_that_is_left_and_refused_without(copied, finished):
+def test_a_description_is_read_from_either_file_of_the_log_and_refused_without(copied, finished):
     good = load_survey(finished)
-    forms = ("log.jsonl", "survey.json", "survey.mcap")
-    for name in forms:
+    for name in LOG_FILES:
         content = (copied / name).read_bytes()
         (copied / name).write_bytes(b"{")
         xr.testing.assert_identical(load_survey(copied), good.assign_attrs(source=copied.name))
         (copied / name).write_bytes(content)
-    for name in forms:
+    for name in LOG_FILES:
         (copied / name).write_text("{")
     with raises_fault(faults.SURVEY_DAMAGED):
         load_survey(copied)
@@ -176,7 +173,7 @@ def test_every_command_refuses_damaged_files_until_they_are_accepted(copied, tmp
 
 
 def test_missing_samples_are_told_by_every_command_and_for_every_kind(tmp_path, capsys):
-    cut_short = make_survey(tmp_path / "short", ALL - 2, "stopped")
+    cut_short = with_bag(make_survey(tmp_path / "short", ALL - 2, "stopped"))
     for kind in ("s.nc", "s.zarr"):
         write_dataset(load_survey(cut_short), tmp_path / kind)
     shutil.copytree(str(cut_short / "traces"), str(tmp_path / "traces"))
@@ -235,79 +232,47 @@ def test_a_dataset_of_somebody_else_is_read_with_a_word_on_its_missing_checksum(
     assert main(["info", str(tmp_path / "w.nc")]) == REFUSED
 
 
-CUTS = draws(10)
-
-
 @pytest.fixture(scope="module")
 def recorded_folder(tmp_path_factory):
-    return make_survey(tmp_path_factory.mktemp("whole"), ALL, "finished", recorded=True)
+    place = tmp_path_factory.mktemp("whole")
+    return with_bag(make_survey(place, ALL, "finished", recorded=True))
 
 
-@pytest.fixture(scope="module")
-def messages(recorded_folder):
-    with (recorded_folder / "survey.bag").open("rb") as stream:
-        return list(complete_messages(stream))
+def test_a_bag_of_another_recorder_is_read_by_its_index(recorded_folder, tmp_path):
+    messages = bag_messages(recorded_folder / "survey.bag")
+    for name, compression in (("none.bag", None), ("bz2.bag", Writer.CompressionFormat.BZ2)):
+        bag, connections = Writer(tmp_path / name), {}
+        if compression is not None:
+            bag.set_compression(compression)
+        with bag:
+            for one in messages:
+                if one.topic not in connections:
+                    kind = one.datatype.replace("/", "/msg/")
+                    connections[one.topic] = bag.add_connection(
+                        one.topic, kind, msgdef=one.definition, md5sum=one.md5sum
+                    )
+                bag.write(connections[one.topic], one.time_ns, one.data)
+        survey, good = load_survey(tmp_path / name), load_survey(recorded_folder)
+        np.testing.assert_array_equal(survey.s21.values, good.s21.values)
+        assert survey.attrs["survey_id"] == SURVEY
 
 
 @pytest.mark.parametrize("name", ["survey.bag", "survey.bag.active"])
-def test_whole_messages_of_a_bag_cut_anywhere_are_read(recorded_folder, messages, tmp_path, name):
-    traces = [one for one in messages if one.datatype == "gpr20_msgs/Trace"]
-    good, content = load_survey(recorded_folder), (recorded_folder / "survey.bag").read_bytes()
-    path = tmp_path / name
-    for seed in range(CUTS):
-        rng = np.random.default_rng(seed)
-        size = int(rng.integers(bag_format.DATA_START, len(content)))
-        path.write_bytes(content[:size])
-        whole = sum(content.find(one.data) + len(one.data) <= size for one in traces)
-        opened = open_recording(path)
-        found = list(opened.traces)
-        assert [one.data for one in found] == [one.data for one in traces[:whole]], size
-        assert "cut off" in str(opened.notes[0]), size
-        if whole:
-            survey = load_survey(path, accept_damaged=True)
-            present = survey["index"].values >= 0
-            assert present.sum() == whole, size
-            np.testing.assert_array_equal(survey.s21.values[present], good.s21.values[present])
-
-
-def foreign(messages, compression, torn):
-    """Return a bag as `rosbag record` writes it: many messages in a chunk, no index."""
-    connections, records = {}, b""
-    for one in messages:
-        number = connections.setdefault(one.topic, len(connections))
-        if number == len(connections) - 1:
-            records += bag_format.connection_record(
-                bag_format.Connection(
-                    number, one.topic, one.datatype, one.md5sum, one.definition, False
-                )
-            )
-        records += bag_format.message_record(number, one)
-    packed = bz2.compress(records) if compression == b"bz2" else records
-    # Fields in another order than the storage's.
-    fields = {"size": len(records).to_bytes(4, "little"), "compression": compression}
-    chunk = bag_format.record(bag_format.CHUNK, fields, packed)
-    if torn:  # a killed recorder has not yet written the length of its chunk
-        empty = {"size": bytes(4), "compression": compression}
-        chunk = bag_format.record(bag_format.CHUNK, empty, b"") + records[: len(records) * 2 // 3]
-    return bag_format.MAGIC + bag_format.file_header(0, 0, 0) + chunk
-
-
-def test_bags_of_another_recorder_are_read_without_an_index_and_up_to_a_cut_or_damage(
-    messages, tmp_path
+def test_a_bag_without_its_whole_index_is_refused_with_the_command_that_makes_it(
+    recorded_folder, tmp_path, name, capsys
 ):
-    path = tmp_path / "record.bag.active"
-    for compression in (b"none", b"bz2"):
-        path.write_bytes(foreign(messages, compression, torn=False))
-        survey = load_survey(path)
-        assert sorted(survey["index"].values.ravel().tolist()) == list(range(ALL))
-        assert survey.attrs["survey_id"] == SURVEY
-    # A recorder was killed within a chunk.
-    path.write_bytes(foreign(messages, b"none", torn=True))
-    index = load_survey(path, accept_damaged=True)["index"].values
-    found = sorted(index[index >= 0].tolist())
-    assert found == list(range(len(found))) and ALL // 2 < len(found) < ALL
-    damaged = bytearray(foreign(messages, b"bz2", torn=False))
-    damaged[len(damaged) // 2] ^= 255
-    path.write_bytes(damaged)
-    with pytest.raises(AnalysisError):
-        load_survey(path)
+    path, content = tmp_path / name, (recorded_folder / "survey.bag").read_bytes()
+    place = content.index(b"index_pos=") + len(b"index_pos=")
+    without = content[:place] + bytes(8) + content[place + 8 :]
+    for one in (without, content[:-10], content[: len(content) // 2], content[:5000]):
+        path.write_bytes(one)
+        assert main(["info", str(path)]) == REFUSED
+        assert f"rosbag reindex {name}" in capsys.readouterr().err
+
+
+def test_what_is_damaged_in_a_bag_is_named(recorded_folder, tmp_path):
+    path, content = tmp_path / "survey.bag", (recorded_folder / "survey.bag").read_bytes()
+    for place in (5000, len(content) // 2):
+        path.write_bytes(content[:place] + bytes(40) + content[place + 40 :])
+        with pytest.raises(AnalysisError):
+            load_survey(path)

@@ -11,6 +11,7 @@ from pathlib import Path
 
 import pytest
 from run_seed import draws
+from storage_kit import with_bag
 from survey_kit import POINTS, make_survey
 
 from gpr20_analysis.commands import main
@@ -23,7 +24,7 @@ SPARSE_BYTES = 40 << 30
 UNSEALED = "finished, without a manifest"
 FILES = (
     *("survey.json", "survey.bag", "survey.mcap", "manifest.json", "log.jsonl", "traces"),
-    *("one trace", "damaged/old.json", "notes.txt"),
+    *("log.copy.jsonl", "one trace", "damaged/old.json", "notes.txt"),
 )
 COMMANDS = (
     *(["verify"], ["repair"], ["info"], ["info", "--accept-damaged"]),
@@ -115,6 +116,8 @@ def surveys(tmp_path_factory):
     made = {}
     for outcome, stored in (("finished", len(POINTS)), ("interrupted", 9), (None, 9)):
         made[outcome] = make_survey(tmp_path_factory.mktemp("survey"), stored, outcome)
+        if outcome is not None:
+            with_bag(made[outcome])
     place = tmp_path_factory.mktemp("survey") / made["finished"].name
     made[UNSEALED] = Path(shutil.copytree(str(made["finished"]), str(place)))
     (place / "manifest.json").unlink()

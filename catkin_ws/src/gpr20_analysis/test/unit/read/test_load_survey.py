@@ -2,11 +2,13 @@
 
 import csv
 import json
+from dataclasses import astuple
 
 import dask.array
 import numpy as np
 import pytest
 from fault_kit import raises_fault
+from storage_kit import with_bag
 from survey_kit import POINTS, STARTED_US, make_survey, planned_trace
 
 from gpr20_analysis import dataset, faults
@@ -22,6 +24,7 @@ from gpr20_analysis.read.load import load_survey
 from gpr20_analysis.read.survey_grid import grid_of
 from gpr20_analysis.report.sections import _sensors
 from gpr20_analysis.sentences import ENGLISH
+from gpr20_survey.axes.zero_epoch import ZeroEpoch
 from gpr20_survey.trace.aux_value import AuxValue
 from gpr20_survey.trace.sweep_settings import AnalyzerSettings
 
@@ -44,7 +47,8 @@ def aux_of(index):
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
     aux = {index: {"aux": aux_of(index)} for index in range(ALL)}
-    return make_survey(tmp_path_factory.mktemp("whole"), ALL, "finished", misplaced=aux)
+    place = tmp_path_factory.mktemp("whole")
+    return with_bag(make_survey(place, ALL, "finished", misplaced=aux))
 
 
 def settings_in(attributes):
@@ -83,7 +87,7 @@ def test_every_sample_lies_at_its_place_in_si_units(folder):
 
 
 def test_missing_samples_are_nan_marked_and_listed(tmp_path):
-    folder = make_survey(tmp_path, ALL - 4, "stopped")
+    folder = with_bag(make_survey(tmp_path, ALL - 4, "stopped"))
     for name in (".", "survey.bag", "survey.mcap"):
         survey = load_survey(folder / name)
         missing = (survey.quality & int(Quality.MISSING)) != 0
@@ -91,9 +95,8 @@ def test_missing_samples_are_nan_marked_and_listed(tmp_path):
         assert np.isnan(survey.s21.values[missing.values]).all(), name
         assert np.isfinite(survey.s21.values[~missing.values]).all(), name
     cut_off = make_survey(tmp_path / "crash", 7, None)
-    for name in ("survey.bag", "survey.mcap"):
-        found = load_survey(cut_off / name).attrs
-        assert found["stored"] == 7 and any("cut off" in note for note in found["notes"])
+    found = load_survey(cut_off / "survey.mcap").attrs
+    assert found["stored"] == 7 and any("cut off" in note for note in found["notes"])
     survey[dataset.QUALITY][:] = 0
     survey[dataset.QUALITY][0, 1, 2] = int(Quality.DAMAGED)
     (missing,) = dataset.missing_samples(survey)
@@ -195,11 +198,30 @@ def test_the_settings_of_the_analyzer_are_in_summary_and_exports(folder, tmp_pat
     assert "if_bandwidth_hz 1000.0, averages 4, output_power HIGH" in first.read_text()
 
 
-def test_samples_without_settings_do_not_count_and_different_ones_are_doubted(tmp_path):
+def test_settings_and_zeros_that_differ_are_at_their_samples_also_in_a_file(tmp_path):
     unknown = {index: {"analyzer": AnalyzerSettings()} for index in range(7)}
-    other = {index: {"analyzer": AnalyzerSettings(20.0, 1, "LOW")} for index in (5, 7)}
-    for number, (changes, noted) in enumerate(((unknown, 0), (other, 1))):
-        attributes = load_survey(make_survey(tmp_path / str(number), 9, "stopped", changes)).attrs
-        assert settings_in(attributes) == SETTINGS, number
-        assert len(attributes["doubts"]) == noted, number
-    assert "7 with IF bandwidth 1000 Hz, averages 4, output power HIGH" in attributes["doubts"][0]
+    zeros = tuple(ZeroEpoch(3 + axis, STARTED_US + axis) for axis in range(3))
+    low = {"analyzer": AnalyzerSettings(20.0, 1, "LOW"), "zeros": zeros}
+    for number, (changes, shared, noted) in enumerate(
+        ((unknown, SETTINGS, 0), ({5: low, 7: low}, {}, 1))
+    ):
+        survey = load_survey(make_survey(tmp_path / str(number), 9, "stopped", changes))
+        assert settings_in(survey.attrs) == shared, number
+        doubts = survey.attrs["doubts"]
+        assert len(doubts) == noted, number
+        for index in range(9):
+            own = survey.where(survey["index"] == index, drop=True).squeeze()
+            settings = changes.get(index, {"analyzer": AnalyzerSettings(**SETTINGS)})["analyzer"]
+            bandwidth_hz = float(own.if_bandwidth_hz)
+            assert (0.0 if np.isnan(bandwidth_hz) else bandwidth_hz) == settings.if_bandwidth_hz
+            assert (int(own.averages), str(own.output_power.values)) == astuple(settings)[1:]
+    assert "7 with IF bandwidth 1000 Hz, averages 4, output power HIGH, 2 with others" in doubts[0]
+    held = np.isin(survey["index"].values, (5, 7))
+    assert survey.zero_epochs.dims == (*dataset.SAMPLE_DIMS, "axis") and "axis" in survey.coords
+    assert survey.zero_epochs.values[held].tolist() == [[3, 4, 5]] * 2
+    times_us = survey.zero_times.values[held].astype("datetime64[us]").astype(np.int64)
+    assert times_us.tolist() == [[one.time_us for one in zeros]] * 2
+    assert (survey.zero_epochs.values[~held] == 0).all()
+    assert np.isnat(survey.zero_times.values[~held]).all()
+    write_dataset(survey, tmp_path / "survey.nc")
+    assert load_survey(tmp_path / "survey.nc").equals(survey)

@@ -18,6 +18,7 @@ from survey_kit import (
 from gpr20_analysis import faults
 from gpr20_analysis.read.verification import verify_survey
 from gpr20_analysis.verify import main
+from gpr20_survey.folder.survey_folder import LOG_FILES
 from gpr20_survey.recording.mcap_reader import StoredMcap
 from gpr20_survey.trace import trace_message
 from gpr20_survey.trace.sweep_settings import AnalyzerSettings
@@ -62,8 +63,6 @@ def test_a_survey_that_was_cut_off_is_judged_by_what_is_whole(tmp_path, capsys):
     assert "7 of 18 planned traces are stored and readable, and the survey was not closed" in (
         capsys.readouterr().out
     )
-    (folder / "survey.bag").unlink()  # it is written again when the survey is resumed
-    assert main([str(folder)]) == 1
     mcap = folder / "survey.mcap"
     content = mcap.read_bytes()
     cut_to(mcap, content, 6)
@@ -77,26 +76,14 @@ def test_damage_is_found_without_the_manifest_too(copied):
     """A manifest that was made again hides nothing that contradicts itself."""
     (copied / "manifest.json").unlink()
     trace = sorted((copied / "traces").iterdir())[4]
-    original = {
-        one: one.read_bytes() for one in (trace, copied / "survey.bag", copied / "survey.mcap")
-    }
-    values = json.loads(original[trace])
+    original = trace.read_bytes()
+    values = json.loads(original)
     values["s21_imag"][2] = values["s21_imag"][2] + 1e-12
     write_trace_file(trace, values)
     faults = without_manifest_faults(verify_survey(copied))
-    assert faults == [
-        "trace 4 has other values in survey.bag than in its JSON file",
-        "trace 4 has other values in survey.mcap than in its JSON file",
-    ]
-    trace.write_bytes(original[trace])
+    assert faults == ["trace 4 has other values in survey.mcap than in its JSON file"]
+    trace.write_bytes(original)
     assert without_manifest_faults(verify_survey(copied)) == []
-
-    numbers = planned_trace(4).s21_real.tobytes()
-    bag = bytearray(original[copied / "survey.bag"])
-    bag[bag.index(numbers) + 3] ^= 1
-    (copied / "survey.bag").write_bytes(bag)
-    faults = without_manifest_faults(verify_survey(copied))
-    assert faults == ["trace 4 has other values in survey.bag than in its JSON file"]
 
 
 def test_what_is_gone_or_was_added_is_named(copied):
@@ -107,7 +94,7 @@ def test_what_is_gone_or_was_added_is_named(copied):
     lost.unlink()
     named = " ".join(texts(verify_survey(copied).faults))
     for said in (
-        *(f"traces/{lost.name}", "trace 3 is in survey.bag", "trace 3 is in survey.mcap"),
+        *(f"traces/{lost.name}", "trace 3 is in survey.mcap"),
         *("records 18 stored traces, but 17", "records the outcome finished"),
     ):
         assert said in named, said
@@ -158,7 +145,7 @@ CONTRADICTIONS = (
     ({"planned_traces": 7}, "records 7 planned traces, but its parameters give 18"),
     ({"stored_traces": 18}, "records 18 stored traces, but 7 are readable"),
     ({"outcome": "finished"}, "the outcome finished, but"),
-    ({"report": {"coverage": "mmmrrrmmm" * 2}}, "the report in survey.json is complete, but"),
+    ({"report": {"complete": True}}, "the report in the log is complete, but"),
     ({"axes": {}}, "the plan is unknown"),
     ({"parameters": {**PARAMETERS, "x_points": "3"}}, "x_points"),
 )
@@ -166,7 +153,7 @@ CONTRADICTIONS = (
 
 def test_words_that_contradict_the_files_are_faults(stopped, tmp_path):
     folder = Path(shutil.copytree(str(stopped), str(tmp_path / "s")))
-    described = {name: (folder / name).read_bytes() for name in ("survey.json", "log.jsonl")}
+    described = {name: (folder / name).read_bytes() for name in LOG_FILES}
     for changes, reason in CONTRADICTIONS:
         for name, content in described.items():
             (folder / name).write_bytes(content)

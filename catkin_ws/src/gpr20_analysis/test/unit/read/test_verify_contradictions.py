@@ -1,5 +1,6 @@
 """What verify says of contradictions, and of a survey that is being written."""
 
+import json
 import multiprocessing
 import os
 import threading
@@ -112,7 +113,7 @@ def test_a_survey_that_is_being_written_is_said_to_be_so_and_not_annotated(
 
     def look(processing):
         (folder,) = (tmp_path / "data").iterdir()
-        processing.add_marker("", marker(1))
+        processing.add_fact("", "marker", json.dumps(marker(1).request()))
         assert gpr20_verify([str(folder)]) == 1
         printed = capsys.readouterr().out
         assert f"BEING WRITTEN by process {os.getpid()}: {STORED} of {len(POINTS)}" in printed
@@ -144,7 +145,7 @@ def test_no_moment_of_a_survey_that_is_being_written_is_a_fault(tmp_path):
     def write(processing):
         for index in range(STORED, len(POINTS)):
             processing.store(planned_trace(index))
-            processing.report(SURVEY, f'{{"traces": {index}}}')
+            processing.add_fact(SURVEY, "report", f'{{"traces": {index}}}')
 
     folder = make_survey(tmp_path, STORED, "stopped", at_end=look)
     assert verify_survey(folder).faults == []

@@ -6,13 +6,13 @@ The configuration is shown on the parameter server as well.
 from __future__ import annotations
 
 import dataclasses
-import enum
 import json
 from typing import Any
 
 import rospy
 
 from gpr20_common.high.shown_parameters import show_parameters
+from gpr20_common.mid.codec import plain
 from gpr20_common.mid.hardware import Hardware
 from gpr20_common.mid.node_software import own_software
 from gpr20_msgs.msg import NodeDescription
@@ -28,7 +28,7 @@ def publish_description(node: str, hardware: Hardware, parameters: Any) -> rospy
         hardware: What it drives.
         parameters: Dataclass of the parameters with which it started.
     """
-    values = dataclasses.asdict(parameters)
+    values = plain(parameters)
     show_parameters(values)
     publisher = rospy.Publisher(f"~{TOPIC}", NodeDescription, queue_size=1, latch=True)
     publisher.publish(
@@ -37,12 +37,8 @@ def publish_description(node: str, hardware: Hardware, parameters: Any) -> rospy
             hardware=hardware.name,
             simulated=hardware.simulated,
             time_scale=hardware.time_scale,
-            configuration_json=json.dumps(values, default=_plain),
+            configuration_json=json.dumps(values),
             **dataclasses.asdict(own_software()),
         )
     )
     return publisher
-
-
-def _plain(value: enum.Enum) -> Any:
-    return value.value

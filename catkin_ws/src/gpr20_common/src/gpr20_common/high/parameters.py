@@ -18,7 +18,7 @@ import rospy
 from gpr20_common import faults
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message
-from gpr20_common.mid.records import record_from
+from gpr20_common.mid.codec import record_from
 
 Record = TypeVar("Record")
 

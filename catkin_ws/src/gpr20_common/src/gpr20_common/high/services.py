@@ -37,6 +37,17 @@ def advertise(name: str, service_class: Any, handler: Callable[[Any], Any]) -> r
     return rospy.Service(name, service_class, answer)
 
 
+def success(service_class: Any, message: Message, **fields: Any) -> Any:
+    """Return the response of a success.
+
+    Args:
+        service_class: Generated class of the service.
+        message: What was done.
+        fields: All else that the response has.
+    """
+    return service_class._response_class(success=True, **message_fields(message), **fields)
+
+
 def internal_error(name: str, error: Exception) -> Message:
     """Log the exception that is being handled, a fault in our own code; return what to answer.
 

@@ -10,7 +10,7 @@ import numpy as np
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.faults import CONFIGURATION
 from gpr20_common.message import Message
-from gpr20_common.mid.checks import number_between
+from gpr20_common.mid.codec import bounded
 from gpr20_height_sensor.low.adc_interface import CHANNELS
 from gpr20_survey.frames import HEIGHT_SENSOR_LINK
 
@@ -58,35 +58,27 @@ class HeightParameters:
             display only.
     """
 
-    spi_bus: int = 0
-    spi_device: int = 0
-    spi_speed_hz: int = 1_000_000
-    channel: int = 0
-    reference_voltage_v: float = 3.3
-    scale_m: float = 0.269166
-    exponent: float = 1.188796
-    min_distance_m: float = 0.10
-    max_distance_m: float = 0.80
-    height_offset_m: float = 0.0
-    samples: int = 5
-    update_period_s: float = 0.048
-    max_spread_m: float = 0.010
-    frozen_readings: int = 600
-    publish_rate_hz: float = 2.0
+    spi_bus: int = bounded(0, MAX_SPI_NUMBER, 0)
+    spi_device: int = bounded(0, MAX_SPI_NUMBER, 0)
+    # The limits of the MCP3008's data sheet (DS21295).
+    spi_speed_hz: int = bounded(10_000, 3_600_000, 1_000_000)
+    channel: int = bounded(0, CHANNELS - 1, 0)
+    reference_voltage_v: float = bounded(0.25, 5.5, 3.3)
+    scale_m: float = bounded(0.001, LONGEST_M, 0.269166)
+    exponent: float = bounded(0.1, 10.0, 1.188796)
+    min_distance_m: float = bounded(0.001, LONGEST_M, 0.10)
+    max_distance_m: float = bounded(0.001, LONGEST_M, 0.80)
+    height_offset_m: float = bounded(-2.0, 2.0, 0.0)
+    # With fewer than three readings a single bad one decides.
+    samples: int = bounded(3, 1000, 5)
+    update_period_s: float = bounded(0.0001, 1.0, 0.048)
+    max_spread_m: float = bounded(0.0001, 1.0, 0.010)
+    frozen_readings: int = bounded(0, 1_000_000, 600)
+    publish_rate_hz: float = bounded(0.01, 100.0, 2.0)
     frame_id: str = HEIGHT_SENSOR_LINK
-    field_of_view_rad: float = 0.05
+    field_of_view_rad: float = bounded(0.0, math.pi, 0.05)
 
     def __post_init__(self) -> None:
-        number_between("spi_bus", self.spi_bus, 0, MAX_SPI_NUMBER)
-        number_between("spi_device", self.spi_device, 0, MAX_SPI_NUMBER)
-        number_between("channel", self.channel, 0, CHANNELS - 1)
-        # The limits of the MCP3008's data sheet (DS21295).
-        number_between("spi_speed_hz", self.spi_speed_hz, 10_000, 3_600_000, "Hz")
-        number_between("reference_voltage_v", self.reference_voltage_v, 0.25, 5.5, "V")
-        number_between("scale_m", self.scale_m, 0.001, LONGEST_M, "m")
-        number_between("exponent", self.exponent, 0.1, 10.0)
-        number_between("min_distance_m", self.min_distance_m, 0.001, LONGEST_M, "m")
-        number_between("max_distance_m", self.max_distance_m, 0.001, LONGEST_M, "m")
         if not self.min_distance_m < self.max_distance_m:
             raise InvalidValueError(
                 Message(
@@ -99,12 +91,6 @@ class HeightParameters:
                     unit="m",
                 )
             )
-        number_between("height_offset_m", self.height_offset_m, -2.0, 2.0, "m")
-        # With fewer than three readings a single bad one decides.
-        number_between("samples", self.samples, 3, 1000)
-        number_between("update_period_s", self.update_period_s, 0.0001, 1.0, "s")
-        number_between("max_spread_m", self.max_spread_m, 0.0001, 1.0, "m")
-        number_between("frozen_readings", self.frozen_readings, 0, 1_000_000)
         if 0 < self.frozen_readings < FEWEST_FROZEN:
             raise InvalidValueError(
                 Message(
@@ -115,8 +101,6 @@ class HeightParameters:
                 ),
                 fault=CONFIGURATION,
             )
-        number_between("publish_rate_hz", self.publish_rate_hz, 0.01, 100.0, "1/s")
-        number_between("field_of_view_rad", self.field_of_view_rad, 0.0, math.pi, "rad")
 
     def distances_m(self, voltages_v: np.ndarray) -> np.ndarray:
         """Return the distances [m] at voltages [V]; infinity at zero volts."""

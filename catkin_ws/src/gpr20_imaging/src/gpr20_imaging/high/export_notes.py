@@ -9,7 +9,7 @@ from gpr20_common.high.service_client import ServiceClient, ServiceUnavailableEr
 from gpr20_common.low.clock import time_of_day_us
 from gpr20_common.message import Message
 from gpr20_common.sent_message import message_from
-from gpr20_msgs.srv import NoteSurvey
+from gpr20_msgs.srv import AddFact
 from gpr20_survey.folder.log_record import Kind
 from gpr20_survey.trace.utc_time import iso_text
 
@@ -20,7 +20,7 @@ class ExportNotes:
     """Asks the storage to note exports."""
 
     def __init__(self) -> None:
-        self._note = ServiceClient("note_survey", NoteSurvey)
+        self._facts = ServiceClient("add_fact", AddFact)
 
     def add(self, survey: str, files: Sequence[str], volume: str) -> Optional[Message]:
         """Note an export; return why that was not possible, None if it is noted.
@@ -33,7 +33,7 @@ class ExportNotes:
         values = {"time": iso_text(time_of_day_us()), "files": list(files), "volume": volume}
         fields = {"survey": survey, "kind": Kind.EXPORT.value, "values_json": json.dumps(values)}
         try:
-            response = self._note.call(LIMIT_S, **fields)
+            response = self._facts.call(LIMIT_S, **fields)
         except ServiceUnavailableError as error:
             return error.message
         return None if response.success else message_from(response)

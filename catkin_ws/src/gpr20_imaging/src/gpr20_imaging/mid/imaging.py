@@ -19,7 +19,7 @@ from gpr20_imaging.low.usb_volumes import UsbVolumes
 from gpr20_imaging.mid.export_kind import ExportKind
 from gpr20_imaging.mid.exporting import Exporter, ExportRequest
 from gpr20_imaging.mid.job_queue import JobQueue, Result
-from gpr20_survey.folder.survey_search import find_survey
+from gpr20_survey.folder.recovery import find_survey
 from gpr20_survey.radar.soils import requested_permittivity
 from gpr20_survey.results.candidates import CandidateList
 from gpr20_survey.results.focused_image import FocusedImage

@@ -19,9 +19,7 @@ FROM_ROS = (
 )
 FROM_SYSTEM = {"numpy": "python3-numpy", "rospkg": "python3-rospkg", "yaml": "python3-yaml"}
 FROM_PIP = {
-    "mcap": "mcap",
-    "polib": "polib",
-    "tqdm": "tqdm",
+    **{name: name for name in ("lz4", "mcap", "polib", "pydantic", "rosbags", "tqdm")},
     "vxi11": "python-vxi11",
     "zstandard": "zstandard",
 }

@@ -9,7 +9,7 @@ from typing import Any, Iterable, Mapping, Optional, Tuple, Type
 
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message
-from gpr20_common.mid.records import record_from
+from gpr20_common.mid.codec import record_from
 from gpr20_launch.mid.pin_table import BOARD_OF_GPIO, NOT_GPIO
 
 # Begins the value of what a program could not find out and a person must write.

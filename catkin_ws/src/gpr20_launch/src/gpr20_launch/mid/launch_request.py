@@ -10,7 +10,7 @@ from gpr20_common.errors import Gpr20Error
 from gpr20_common.low.clock import Clock
 from gpr20_common.low.robot_folder import DEFAULT_FOLDER
 from gpr20_common.message import Message
-from gpr20_common.mid.records import record_from
+from gpr20_common.mid.codec import record_from
 from gpr20_launch import faults
 from gpr20_launch.errors import ConfigurationError, LaunchRefusedError
 from gpr20_launch.mid.robot_files import Sections, read_configuration

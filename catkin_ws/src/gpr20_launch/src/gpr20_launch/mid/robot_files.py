@@ -9,7 +9,7 @@ from typing import Any, Dict, List, Mapping, Set, Tuple, Type
 
 from gpr20_common.low.yaml_file import YamlFileError, read_yaml
 from gpr20_common.message import Fault, Message
-from gpr20_common.mid.records import record_from
+from gpr20_common.mid.codec import record_from
 from gpr20_common.os_reason import os_reason
 from gpr20_height_sensor.mid.height_parameters import HeightParameters
 from gpr20_launch import faults

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import dataclasses
-import enum
 import inspect
 import json
 import math
@@ -16,6 +15,7 @@ from typing import Any, Dict, List, Type
 import yaml
 
 from gpr20_common.low.yaml_file import read_yaml
+from gpr20_common.mid.codec import plain
 from gpr20_launch.mid.robot_files import AXES_FILE, FILES, RobotFile
 from gpr20_survey.axes.axis_parameters import AxisParameters
 
@@ -102,10 +102,4 @@ def _has_default(field: dataclasses.Field) -> bool:
 def _default(field: dataclasses.Field) -> Any:
     if field.default_factory is not dataclasses.MISSING:
         return field.default_factory()
-    return _plain(field.default)
-
-
-def _plain(value: Any) -> Any:
-    if isinstance(value, enum.Enum):
-        return value.value
-    return [_plain(one) for one in value] if isinstance(value, tuple) else value
+    return plain(field.default)

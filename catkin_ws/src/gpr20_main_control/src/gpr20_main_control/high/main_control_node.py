@@ -17,6 +17,7 @@ from gpr20_common.high.shown_parameters import show_parameters
 from gpr20_common.low.clock import Clock
 from gpr20_common.low.node_probe import NodeProbe
 from gpr20_common.message import Message
+from gpr20_common.mid.codec import plain
 from gpr20_common.mid.hardware import NO_HARDWARE
 from gpr20_common.mid.node_software import own_software
 from gpr20_common.sent_message import message_fields
@@ -224,7 +225,7 @@ def build_main_control_node() -> MainControlNode:
         robot, settings, status, clock, description.site.annotation, topics.publish_service
     )
     node = MainControlNode(control, robot, status, topics, sensors)
-    own = {**asdict(settings), **asdict(limits)}
+    own = {**plain(settings), **asdict(limits)}
     show_parameters({**own, "site": asdict(description.site)})
     description.note(NodeDescription(NODE, NO_HARDWARE, own, own_software()))
     descriptions.listen(description.note)

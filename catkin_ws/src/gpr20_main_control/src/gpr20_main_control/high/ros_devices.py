@@ -33,6 +33,7 @@ from gpr20_main_control.mid.devices.robot import (
 from gpr20_main_control.mid.survey.survey_notes import Note
 from gpr20_msgs.msg import SurveyCoverage, SurveyData
 from gpr20_msgs.srv import (
+    AddFact,
     CloseSurvey,
     ConfirmData,
     Connection,
@@ -41,13 +42,12 @@ from gpr20_msgs.srv import (
     GetData,
     GetFreq,
     GetHeight,
-    NoteSurvey,
     OpenSurvey,
     ReopenSurvey,
-    ReportSurvey,
     StoreData,
     StoreDataRequest,
 )
+from gpr20_survey.folder.log_record import Kind
 from gpr20_survey.plan.robot_description import ANALYZER, HEIGHT_SENSOR, PLAIN_NAMES, STORAGE_NAME
 from gpr20_survey.results.reopened_survey import ReopenedSurvey, reopened_from
 from gpr20_survey.trace import trace_message
@@ -252,8 +252,7 @@ class RosStorage:
 
         self._open = service("open_survey", OpenSurvey, WHOLE_SURVEY_LIMIT_S)
         self._reopen = service("reopen_survey", ReopenSurvey, WHOLE_SURVEY_LIMIT_S)
-        self._report = service("report_survey", ReportSurvey, time_limit_s)
-        self._note = service("note_survey", NoteSurvey, time_limit_s)
+        self._add_fact = service("add_fact", AddFact, time_limit_s)
         self._store = service("store_data", StoreData, time_limit_s)
         self._close = service("close_survey", CloseSurvey, WHOLE_SURVEY_LIMIT_S)
 
@@ -276,13 +275,14 @@ class RosStorage:
 
     def report(self, survey_id: str, report_json: str) -> int:
         """Store a report beside the survey's metadata; return how many traces are stored."""
-        response = self._report(survey_id=survey_id, report_json=report_json)
+        kind = Kind.REPORT.value
+        response = self._add_fact(survey=survey_id, kind=kind, values_json=report_json)
         return int(response.stored_traces)
 
     def note(self, survey_id: str, note: Note) -> None:
         """Add a note to the survey's log; it is durable when this returns."""
         values_json = json.dumps(note.values, allow_nan=False)
-        self._note(survey=survey_id, kind=note.kind.value, values_json=values_json)
+        self._add_fact(survey=survey_id, kind=note.kind.value, values_json=values_json)
 
     def store(self, trace: Trace) -> None:
         """Store a trace; it is durable when this returns."""

@@ -7,9 +7,11 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any, Callable, Dict, List, Mapping, Tuple
 
+from gpr20_common.errors import InvalidValueError
 from gpr20_common.low.clock import Clock
 from gpr20_common.low.data_folder import data_folder
 from gpr20_common.message import Message
+from gpr20_common.mid.codec import plain
 from gpr20_main_control.errors import DeviceError, RequestRefusedError
 from gpr20_main_control.mid.devices.robot import Analyzer
 from gpr20_survey.faults import CHECK_ORDER
@@ -23,7 +25,6 @@ from gpr20_survey.results.daily_check import (
     check_figures,
     figures_from,
     judge,
-    recorded_figures,
 )
 from gpr20_survey.trace.sweep import Sweep
 from gpr20_survey.trace.sweep_settings import SweepSettings
@@ -192,8 +193,8 @@ def compare_with_history(
     for line in lines:
         if line.get("good") is True and all(line.get(key) == own[key] for key in own):
             try:
-                history.append(_figures(line))
-            except ValueError:
+                history.append(figures_from(line.get("figures")))
+            except InvalidValueError:
                 damaged += 1
     verdict = judge(check.figures, history)
     add_line(
@@ -204,14 +205,7 @@ def compare_with_history(
             "identity": check.identity,
             "good": verdict.good,
             "verdict": str(verdict.message),
-            "figures": recorded_figures(check.figures),
+            "figures": plain(check.figures),
         },
     )
     return verdict, damaged
-
-
-def _figures(line: Mapping[str, Any]) -> Figures:
-    figures = line.get("figures")
-    if not isinstance(figures, dict):
-        raise ValueError("no figures")
-    return figures_from(figures)

@@ -16,7 +16,7 @@ from gpr20_main_control.errors import DeviceError
 from gpr20_main_control.mid.devices.robot import AnalyzerCalibration
 from gpr20_main_control.mid.survey.survey_plan import plan_survey
 from gpr20_survey.plan.robot_config import RobotConfig
-from gpr20_survey.plan.survey_settings import SurveySettings
+from gpr20_survey.plan.survey_settings import HeightPolicy, SurveySettings
 from gpr20_survey.plan.survey_state import SurveyState as State
 from gpr20_survey.trace.calibration import CalibrationStatus
 from gpr20_survey.trace.sweep_settings import AnalyzerSettings
@@ -35,7 +35,7 @@ def test_a_failed_height_is_stored_as_none_with_its_reason_where_that_is_the_pol
     def fail():
         raise DeviceError(Message("no answer:\nthe node died"))
 
-    bench = Bench(on_height_failure="store_without")
+    bench = Bench(on_height_failure=HeightPolicy.STORE_WITHOUT)
     bench.height.height_m = fail
     bench.start()
     bench.complete()

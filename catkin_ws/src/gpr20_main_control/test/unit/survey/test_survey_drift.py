@@ -107,6 +107,8 @@ def test_a_drift_at_the_end_warns_but_keeps_nobody_waiting(visiting):
     assert visiting.board.status.remaining_s == 0.0
     assert marks(visiting)[-1] == (24, True, False)
     assert visiting.board.status.warning.fault_code == faults.DRIFTED.code
+    # A warning is not why a survey ended.
+    assert visiting.storage.ends[-1].reason.fault_code == ""
     warnings = visiting.storage.reports[-1]["warnings"]
     assert [one["fault_code"] for one in warnings] == [faults.DRIFTED.code]
 

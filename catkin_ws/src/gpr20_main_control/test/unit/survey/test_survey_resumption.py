@@ -9,23 +9,12 @@ from gpr20_main_control.errors import SurveyError
 from gpr20_survey.plan.survey_state import SurveyState as State
 
 
-def test_a_survey_of_a_version_that_knew_fewer_parameters_of_an_axis_is_resumed(bench):
-    later = (
-        *("homing_margin", "endstop_active", "endstop_pull"),
-        *("invert_direction", "enable_pin", "enable_active"),
-    )
-    bench.storage.reopened = reopened_survey([0], axes=recorded_axes(without=later))
-    bench.control.resume("survey")
-    bench.wait_for(State.FINISHED)
-    assert [sample.index for sample in bench.storage.samples] == list(range(1, 24))
-
-
 @pytest.mark.parametrize(
     "fault, stored, report, changes",
     [
         (faults.OTHER_ROBOT, [0, 1], "", {"simulated": False}),
         (faults.RECORD_DAMAGED, [0, 1], "", {"parameters": {}}),
-        (faults.OTHER_AXES, [0, 1], "", {"axes": {}}),
+        (faults.RECORD_DAMAGED, [0, 1], "", {"axes": {}}),
         (faults.OTHER_AXES, [0, 1], "", {"axes": recorded_axes(invert_direction=True)}),
         # It holds more than its plan.
         (faults.RECORD_DAMAGED, [0, 30], "", {}),

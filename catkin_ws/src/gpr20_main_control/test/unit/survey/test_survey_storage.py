@@ -89,6 +89,7 @@ def test_a_folder_that_holds_too_few_traces_is_never_called_finished(bench):
     final = bench.wait_for(State.FAILED, State.FINISHED)
     assert final.state is State.FAILED
     assert reports(final.message, faults.INCOMPLETE, 23, 24)
+    assert bench.storage.ends[-1].reason.fault_code == faults.INCOMPLETE.code
     assert bench.storage.ends[-1].outcome == "failed"
     assert bench.storage.ends[-1].status == final
 

@@ -6,9 +6,9 @@ import dataclasses
 import json
 from typing import Any, Dict, Mapping, Sequence
 
-from gpr20_common.errors import Gpr20Error, InvalidValueError
+from gpr20_common.errors import Gpr20Error
 from gpr20_common.message import Message
-from gpr20_common.mid.records import record_from
+from gpr20_common.mid.codec import record_from
 from gpr20_common.sent_message import message_from, received_message
 from gpr20_doctor.high.node_reports import descriptions
 from gpr20_msgs.msg import Annotation as AnnotationMessage
@@ -26,8 +26,9 @@ from gpr20_operator.robot.events import (
     RobotFigures,
 )
 from gpr20_operator.robot.replay import ReplayMark, ReplayPhase
+from gpr20_survey.folder.log_record import Kind
 from gpr20_survey.plan.annotation import Annotation
-from gpr20_survey.plan.markers import Marker, present_markers
+from gpr20_survey.plan.markers import present_markers
 from gpr20_survey.plan.robot_description import ANALYZER, robot_config
 from gpr20_survey.plan.site import Site
 from gpr20_survey.plan.survey_parameters import DEFAULT_POLARIZATIONS_DEG, SurveyParameters
@@ -113,22 +114,14 @@ def surveys_listed(before: str, response: Any) -> SurveysListed:
     return SurveysListed(before, surveys, response.more)
 
 
-def marker_fields(marker: Marker) -> Dict[str, Any]:
-    """Return what `mark_survey` is sent of a marker."""
-    depth_mm = marker.depth_mm
-    return {
-        "marker_id": marker.marker_id,
-        "x_mm": marker.x_mm,
-        "y_mm": marker.y_mm,
-        "has_depth": depth_mm is not None,
-        "depth_mm": 0.0 if depth_mm is None else depth_mm,
-        "text": marker.text,
-        "author": marker.author,
-    }
+def fact_fields(survey: str, kind: Kind, values: Mapping[str, Any]) -> Dict[str, Any]:
+    """Return what `add_fact` is sent of a fact."""
+    values_json = json.dumps(values, allow_nan=False)
+    return {"survey": survey, "kind": kind.value, "values_json": values_json}
 
 
 def markers_stored(response: Any) -> MarkersStored:
-    """Convert the answer of `mark_survey`.
+    """Convert the answer of `add_fact` to a fact of markers.
 
     Raises:
         InvalidValueError: A marker is not as the storage writes it.
@@ -155,19 +148,12 @@ def axis_limits(message: RobotConfiguration) -> AxisLimits:
         return AxisLimits(None, message_from(message), nodes=nodes)
     try:
         config = robot_config(nodes)
-        settings = _record(SurveySettings, nodes["main_control"].configuration)
-        site = _record(Site, json.loads(message.site_json))
+        # Another version of the node may have fields that this one does not know.
+        own = nodes["main_control"].configuration
+        settings = record_from(SurveySettings, own, "main_control", others=True)
+        site = record_from(Site, json.loads(message.site_json), "site", others=True)
         address = str(nodes[ANALYZER].configuration.get("address", ""))
     except (Gpr20Error, ValueError, KeyError, TypeError) as error:
         return AxisLimits(None, LIMITS_UNKNOWN.with_details(error))
     figures, defaults = RobotFigures(config, settings), RobotDefaults(address, site)
     return AxisLimits(config.travel, figures=figures, defaults=defaults, nodes=nodes)
-
-
-def _record(record_class: Any, values: Any) -> Any:
-    # Another version of the node may have fields that this one does not know.
-    if not isinstance(values, Mapping):
-        raise InvalidValueError(LIMITS_UNKNOWN)
-    names = {field.name for field in dataclasses.fields(record_class)}
-    known = {name: value for name, value in values.items() if name in names}
-    return record_from(record_class, known, record_class.__name__)

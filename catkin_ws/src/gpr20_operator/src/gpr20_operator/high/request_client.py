@@ -13,12 +13,7 @@ from gpr20_common.message import Message
 from gpr20_common.sent_message import message_from
 from gpr20_msgs import srv
 from gpr20_msgs.msg import ImagingProgress
-from gpr20_operator.high.conversions import (
-    annotation_message,
-    marker_fields,
-    markers_stored,
-    surveys_listed,
-)
+from gpr20_operator.high.conversions import fact_fields, surveys_listed
 from gpr20_operator.high.ros_events import (
     CONTROL_SILENT,
     STORAGE_SILENT,
@@ -45,7 +40,7 @@ HEIGHT_SILENT = Message("the height sensor does not answer; check that it is run
 LONG_TIMEOUT_S = 4 * 3600.0
 SHORT_TIMEOUT_S = 20.0
 # Another request, such as closing a large survey, may come first.
-NOTE_TIMEOUT_S = 60.0
+FACT_TIMEOUT_S = 60.0
 # At the lowest speed an axis of 800 mm takes 800 s to its endstop. The motion can be stopped
 # meanwhile, and goes to its end whether this client waits or not.
 MOVE_TIMEOUT_S = 1200.0
@@ -96,12 +91,7 @@ OFFERS: Dict[Service, _Offer] = {
         *(srv.ListSurveys, SHORT_TIMEOUT_S, STORAGE_SILENT),
         lambda one: surveys_listed("", accepted(one)),
     ),
-    Service.MARK: _Offer(
-        *(srv.MarkSurvey, NOTE_TIMEOUT_S, STORAGE_SILENT),
-        lambda one: markers_stored(accepted(one)),
-    ),
-    Service.NOTE: _Offer(srv.NoteSurvey, NOTE_TIMEOUT_S, STORAGE_SILENT, _said),
-    Service.ANNOTATE: _Offer(srv.AnnotateSurvey, NOTE_TIMEOUT_S, STORAGE_SILENT, _said),
+    Service.FACT: _Offer(srv.AddFact, FACT_TIMEOUT_S, STORAGE_SILENT, _said),
     Service.MOVE: _Offer(srv.ServiceMove, MOVE_TIMEOUT_S, CONTROL_SILENT, _said),
     # A test that failed says what it has found before.
     Service.HEIGHT: _Offer(srv.GetHeight, HEIGHT_TIMEOUT_S, HEIGHT_SILENT, _height_tested),
@@ -141,10 +131,8 @@ class RequestClient(RosEvents):
             RequestError: Its node does not answer, or refuses.
             Gpr20Error: The answer is not as it should be.
         """
-        if "annotation" in fields:
-            fields["annotation"] = annotation_message(fields["annotation"])
-        if "marker" in fields:
-            fields.update(marker_fields(fields.pop("marker")))
+        if service is Service.FACT:
+            fields = fact_fields(**fields)
         offer = OFFERS[service]
         response = call(self._clients[service], offer.silent, offer.timeout_s, **fields)
         return offer.convert(response)

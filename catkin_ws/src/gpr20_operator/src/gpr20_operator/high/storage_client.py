@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from functools import partial
-from typing import Any, Callable, List, Optional, Tuple
+from typing import Any, Callable, List, Mapping, Optional, Tuple
 
 import rospy
 from std_msgs.msg import String
@@ -11,7 +11,7 @@ from std_msgs.msg import String
 from gpr20_common.high.connection_header import connection_header
 from gpr20_common.high.service_client import ServiceClient
 from gpr20_msgs.msg import SurveyCoverage
-from gpr20_msgs.srv import ListSurveys, MarkSurvey, ReadSurvey, ReadTraces
+from gpr20_msgs.srv import AddFact, ListSurveys, ReadSurvey, ReadTraces
 from gpr20_operator.errors import SurveyNotReadableError
 from gpr20_operator.ground.additions import (
     AdditionsFailed,
@@ -39,6 +39,7 @@ from gpr20_operator.high.ros_events import (
 )
 from gpr20_operator.robot.senders import Senders
 from gpr20_survey.errors import TraceRefusedError
+from gpr20_survey.folder.log_record import Kind
 from gpr20_survey.folder.survey_metadata import MAX_FILE_BYTES, parse_object
 from gpr20_survey.plan.markers import Marker, present_markers
 from gpr20_survey.plan.refines import refines_of
@@ -62,7 +63,7 @@ class StorageClient(RosEvents):
         self._list = ServiceClient("list_surveys", ListSurveys)
         self._survey = ServiceClient("read_survey", ReadSurvey)
         self._traces = ServiceClient("read_traces", ReadTraces)
-        self._mark = ServiceClient("mark_survey", MarkSurvey)
+        self._facts = ServiceClient("add_fact", AddFact)
         self._traced = WhileWatched(self._trace_subscriptions)
 
     def listen(self) -> None:
@@ -119,18 +120,19 @@ class StorageClient(RosEvents):
 
     def add_marker(self, survey: str, marker: Marker) -> None:
         """Ask to store a marker of a survey, by its id."""
-        self._change_markers(survey, **conversions.marker_fields(marker))
+        self._change_markers(survey, Kind.MARKER, marker.request())
 
     def remove_marker(self, survey: str, marker_id: str, author: str) -> None:
         """Ask to remove a marker of a survey, by its id."""
-        self._change_markers(survey, marker_id=marker_id, remove=True, author=author)
+        values = {"marker_id": marker_id, "author": author}
+        self._change_markers(survey, Kind.MARKER_REMOVED, values)
 
-    def _change_markers(self, survey: str, **fields: Any) -> None:
+    def _change_markers(self, survey: str, kind: Kind, values: Mapping[str, Any]) -> None:
         def ask() -> MarkersStored:
-            answer = _answer(self._mark, CHANGE_TIMEOUT_S, survey=survey, **fields)
-            return conversions.markers_stored(answer)
+            fields = conversions.fact_fields(survey, kind, values)
+            return conversions.markers_stored(_answer(self._facts, CHANGE_TIMEOUT_S, **fields))
 
-        self._emit_answer(ask, partial(MarkingFailed, survey, fields["marker_id"]))
+        self._emit_answer(ask, partial(MarkingFailed, survey, values["marker_id"]))
 
     def _related(self, survey: str, description: Any) -> List[RelatedSurvey]:
         found = []

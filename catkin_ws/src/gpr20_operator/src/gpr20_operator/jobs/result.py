@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import hashlib
-import json
 import math
 from dataclasses import dataclass
 from typing import Callable, Optional, Tuple
@@ -78,10 +77,10 @@ def record_of(stored: StoredSurvey) -> Record:
     """
     grid = grid_from_description(stored.text)
     values = parse_object(stored.text, "survey.json", MAX_FILE_BYTES)
-    readable, unreadable = log_entries(values)
+    unreadable = 0
     finds = []
-    for one in readable:
-        noted = one.get("values") or {}
+    for one in log_entries(values):
+        noted = one["values"]
         if one.get("kind") == Kind.FOUND.value and noted.get("format") == FOUND_FORMAT:
             try:
                 finds.append(found_of(noted))
@@ -139,8 +138,8 @@ class SurveyResult:
         self.reading: Job[StoredSurvey] = imaging.job(Service.READ, self._take_record)
         self.search: Job[FocusedImage] = imaging.job(Service.FOCUS, self._take_image)
         self.hiding: Job[HidingMap] = imaging.job(Service.HIDE, self._take_hiding)
-        self.noting: Job[Message] = imaging.job(Service.NOTE, lambda _said: self._read_again())
-        self._soil: Job[Message] = imaging.job(Service.NOTE, lambda _said: self._soil_is_stored())
+        self.noting: Job[Message] = imaging.job(Service.FACT, lambda _said: self._read_again())
+        self._soil: Job[Message] = imaging.job(Service.FACT, lambda _said: self._soil_is_stored())
         self._storing = ""
         self.export = StickExport(imaging)
         self._list_sum = ""
@@ -268,7 +267,7 @@ class SurveyResult:
         if soils.is_unstored(survey_id):
             self._storing = survey_id
             values = soil_values(soils.of(survey_id), self._time_us())
-            self._soil.ask(survey=survey_id, kind=SOIL_KIND.value, values_json=json.dumps(values))
+            self._soil.ask(survey=survey_id, kind=SOIL_KIND, values=values)
 
     def choose_target(self, target: Targets) -> None:
         """Ask where a target could hide."""
@@ -323,10 +322,7 @@ class SurveyResult:
             *(what, place.id, self._list_sum, place.x_mm, place.y_mm, who),
             *(utc_time.iso_text(self._time_us()), depth_mm),
         )
-        values_json = json.dumps(found.values())
-        self.noting.ask(
-            survey=self.record.survey_id, kind=Kind.FOUND.value, values_json=values_json
-        )
+        self.noting.ask(survey=self.record.survey_id, kind=Kind.FOUND, values=found.values())
 
     def _read_again(self) -> None:
         if self.record is not None:

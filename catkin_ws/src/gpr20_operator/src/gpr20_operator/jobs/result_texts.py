@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-import math
-from typing import Dict, List, Optional, Sequence, Tuple, Union
+from typing import Dict, List, Optional, Sequence, Tuple
 
 from gpr20_common.message import Message, in_a_row
 from gpr20_operator.ground.past_surveys import past_band, survey_label
 from gpr20_operator.jobs.result import PLACES_SHOWN, SurveyResult
 from gpr20_survey.plan.imported import IMPORTED
 from gpr20_survey.radar.soils import ANY_SOIL, soil_of
-from gpr20_survey.results.candidates import Candidate, CandidateList, Flag, UnknownFlag
+from gpr20_survey.results.candidates import Candidate, CandidateList, Flag
 from gpr20_survey.results.found import Found, What
 from gpr20_survey.results.hidden_target import Targets
 
@@ -160,16 +159,12 @@ def why_lines(place: Candidate) -> List[Message]:
                 alarms=place.false_alarms_text,
             )
         )
-    rotations = [f"{one:g}" for one in place.rotations_deg if not math.isnan(one)]
+    rotations = [f"{one:g}" for one in place.rotations_deg if one is not None]
     if rotations:
         lines.append(
             Message("Seen with the antennas at {rotations} deg", rotations=", ".join(rotations))
         )
-    return [*lines, *map(_meaning, place.flags)]
-
-
-def _meaning(flag: Union[Flag, UnknownFlag]) -> Message:
-    return MEANINGS[flag] if isinstance(flag, Flag) else flag.label
+    return [*lines, *(MEANINGS[flag] for flag in place.flags)]
 
 
 def measured(result: SurveyResult) -> Optional[Message]:

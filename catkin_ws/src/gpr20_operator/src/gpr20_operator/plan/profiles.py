@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 import re
 from pathlib import Path
 from typing import List
@@ -10,7 +9,7 @@ from typing import List
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.low.yaml_file import YamlFileError, read_yaml
 from gpr20_common.message import Message
-from gpr20_common.mid.records import record_from
+from gpr20_common.mid.codec import plain, record_from
 from gpr20_common.os_reason import os_reason
 from gpr20_operator import faults
 from gpr20_operator.errors import ProfileError
@@ -67,10 +66,9 @@ class Profiles:
 
     def save(self, name: str, parameters: SurveyParameters) -> None:
         """Store parameters under a name, durably; they replace those that were there."""
-        path, values = self.path(name), dataclasses.asdict(parameters)
-        values["polarizations_deg"] = list(parameters.polarizations_deg)
+        path = self.path(name)
         try:
-            write_values(path, values)
+            write_values(path, plain(parameters))
         except OSError as error:
             text = Message(
                 "the profile {path} cannot be written: {reason}; free space on the disk, or "

@@ -7,7 +7,7 @@ from typing import Any, Callable, List, Optional, Sequence, Tuple, TypeVar
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.low.clock import time_of_day_us
 from gpr20_common.message import Message, in_a_row
-from gpr20_common.mid.records import record_from
+from gpr20_common.mid.codec import record_from
 from gpr20_scikit_rf.faults import CALIBRATION_UNSURE, NOT_UNDERSTOOD, SETTING_UNAVAILABLE
 from gpr20_scikit_rf.low.visa_link import VisaLibrary, VisaLimits, VisaLink
 from gpr20_scikit_rf.mid.scikit_rf_dialects import DIALECTS, Setting
@@ -18,8 +18,13 @@ from gpr20_scikit_rf.mid.scikit_rf_options import (
 )
 from gpr20_scikit_rf.mid.scikit_rf_sweeps import ScikitRfSweeps
 from gpr20_survey.trace.calibration import CalibrationStatus
-from gpr20_survey.trace.sweep import MAX_AVERAGES, MAX_IF_BANDWIDTH_HZ, Sweep
-from gpr20_survey.trace.sweep_settings import AnalyzerSettings, SweepSettings
+from gpr20_survey.trace.sweep import Sweep
+from gpr20_survey.trace.sweep_settings import (
+    MAX_AVERAGES,
+    MAX_IF_BANDWIDTH_HZ,
+    AnalyzerSettings,
+    SweepSettings,
+)
 from gpr20_vna_acquisition.errors import VnaDataError, VnaError, VnaSettingError
 from gpr20_vna_acquisition.faults import SETTINGS_CHANGED
 from gpr20_vna_acquisition.mid import refusals

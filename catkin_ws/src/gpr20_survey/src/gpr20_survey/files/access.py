@@ -43,7 +43,7 @@ def open_new(path: Path, flags: int, mode: Optional[int] = None) -> int:
     """
     made = bool(flags & os.O_CREAT)
     if mode is None:
-        mode = _mode_of(path.parent) & FILE_MODES
+        mode = file_mode_for(path.parent)
     descriptor = os.open(str(path), flags | os.O_CLOEXEC | os.O_NOFOLLOW, mode)
     try:
         if made and stat.S_IMODE(os.fstat(descriptor).st_mode) != mode:
@@ -74,6 +74,11 @@ def make_folder(path: Path, mode: int) -> None:
 def mode_for(folder: Path) -> int:
     """Return the mode of a new folder in another one: that of the other."""
     return _mode_of(folder) & FOLDER_MODES
+
+
+def file_mode_for(folder: Path) -> int:
+    """Return the mode of a new file in a folder."""
+    return _mode_of(folder) & FILE_MODES
 
 
 def _mode_of(folder: Path) -> int:

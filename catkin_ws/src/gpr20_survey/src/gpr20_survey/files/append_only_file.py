@@ -18,19 +18,13 @@ class AppendOnlyFile:
     that failed can simply be repeated: it writes the same bytes again to the same place.
     """
 
-    def __init__(self, path: Path, trailer: bytes = b"") -> None:
-        """Create the file.
-
-        Args:
-            path: Must not exist.
-            trailer: Bytes that follow the committed part on the disk without belonging to
-                it; the next commit writes over them.
+    def __init__(self, path: Path) -> None:
+        """Create the file, which must not exist.
 
         Raises:
             OSError: The file exists or the disk refused.
         """
         self.path = path
-        self._trailer = trailer
         self._committed = 0  # length of what was written [bytes]
         self._collected = bytearray()
         self._descriptor = access.open_new(path, os.O_CREAT | os.O_EXCL | os.O_RDWR)
@@ -70,51 +64,19 @@ class AppendOnlyFile:
         put_in_place(self.path, path)
         self.path = path
 
-    def commit(self, sync: bool = True) -> None:
+    def commit(self) -> None:
         """Write what was collected; return when it is durable.
-
-        Args:
-            sync: False: return when other programs can read it.
 
         Raises:
             FileReplacedError: The file was moved, removed or replaced.
             OSError: The disk refused; everything collected remains for the next commit.
         """
         if self._collected:
-            self._write_at(self._committed, bytes(self._collected) + self._trailer)
-            if sync:
-                os.fsync(self._descriptor)
+            self._write_collected()
+            os.fsync(self._descriptor)
             self._check_in_place()
             self._committed += len(self._collected)
             self._collected.clear()
-
-    def write_tail(self, data: bytes) -> None:
-        """Write the end of the file behind the trailer; return when it is durable.
-
-        Nothing counts as committed by this, so the call may be repeated. The first byte
-        stays zero until all behind it is durable: the tail is not seen in part.
-
-        Args:
-            data: The tail, not empty.
-
-        Raises:
-            OSError: The disk refused.
-        """
-        self._check_in_place()
-        start = self._committed + len(self._trailer)
-        self._write_at(start, b"\0" + data[1:])
-        os.ftruncate(self._descriptor, start + len(data))
-        os.fsync(self._descriptor)
-        self.overwrite(start, data[:1])
-
-    def overwrite(self, offset: int, data: bytes) -> None:
-        """Replace bytes in one write within a sector; return when they are durable.
-
-        Raises:
-            OSError: The disk refused.
-        """
-        self._write_at(offset, data)
-        os.fsync(self._descriptor)
 
     def release(self) -> None:
         """Close the file on the disk; what was not committed is lost."""
@@ -132,8 +94,8 @@ class AppendOnlyFile:
                 self.path,
             )
 
-    def _write_at(self, offset: int, data: bytes) -> None:
-        rest = memoryview(data)
+    def _write_collected(self) -> None:
+        offset, rest = self._committed, memoryview(bytes(self._collected))
         while rest:
             written = os.pwrite(self._descriptor, rest, offset)
             rest, offset = rest[written:], offset + written

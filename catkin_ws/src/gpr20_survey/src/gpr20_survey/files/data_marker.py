@@ -5,14 +5,16 @@ from __future__ import annotations
 import hashlib
 import json
 import os
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, field
 from pathlib import Path
-from typing import Any, Dict, Optional
+from typing import Any, Optional, Type, TypeVar, Union
 
+from gpr20_common.mid.codec import record_from
 from gpr20_common.terminal_text import printable
 from gpr20_survey.files.durable_files import ensure_folders, replace_file, write_new_file
 from gpr20_survey.files.regular_file import open_regular
 
+Record = TypeVar("Record")
 MARKER_FILE = ".gpr20_data.json"
 MARKER_FORMAT = "gpr20-data/1"
 MEMORY_FORMAT = "gpr20-data-folder/1"
@@ -30,9 +32,17 @@ class Marker:
         made: When, as the clock was then.
     """
 
-    identity: str
+    identity: str = field(metadata={"min_length": 1})
     file_system: str
     made: str
+
+
+@dataclass(frozen=True)
+class Remembered:
+    """What is remembered of a data folder: its UUID, and its path for people."""
+
+    identity: str = field(metadata={"min_length": 1})
+    path: str
 
 
 class DamagedRecordError(ValueError):
@@ -46,10 +56,7 @@ def read_marker(folder: Path) -> Optional[Marker]:
         DamagedRecordError: The marker is damaged.
         OSError: The folder cannot be read.
     """
-    values = _read(folder / MARKER_FILE, MARKER_FORMAT, "identity", "file_system", "made")
-    if values is None:
-        return None
-    return Marker(values["identity"], values["file_system"], values["made"])
+    return _read(folder / MARKER_FILE, MARKER_FORMAT, Marker)
 
 
 def write_marker(folder: Path, marker: Marker, replace: bool = False) -> None:
@@ -65,7 +72,7 @@ def write_marker(folder: Path, marker: Marker, replace: bool = False) -> None:
         OSError: The disk refused.
     """
     write = replace_file if replace else write_new_file
-    write(folder / MARKER_FILE, _encoded({"format": MARKER_FORMAT, **asdict(marker)}))
+    write(folder / MARKER_FILE, _encoded(MARKER_FORMAT, marker))
 
 
 class FolderMemory:
@@ -90,8 +97,8 @@ class FolderMemory:
             DamagedRecordError: What is remembered is damaged.
             OSError: It cannot be read.
         """
-        values = _read(self.file_of(path), MEMORY_FORMAT, "identity")
-        return None if values is None else values["identity"]
+        found = _read(self.file_of(path), MEMORY_FORMAT, Remembered)
+        return None if found is None else found.identity
 
     def remember(self, path: Path, identity: str) -> None:
         """Remember the data folder at a path; return when that is durable.
@@ -100,15 +107,16 @@ class FolderMemory:
             OSError: The disk refused.
         """
         ensure_folders(self._folder, MEMORY_MODE)
-        values = {"format": MEMORY_FORMAT, "path": printable(path), "identity": identity}
-        replace_file(self.file_of(path), _encoded(values))
+        replace_file(
+            self.file_of(path), _encoded(MEMORY_FORMAT, Remembered(identity, printable(path)))
+        )
 
 
-def _encoded(values: Dict[str, str]) -> bytes:
-    return (json.dumps(values, indent=2) + "\n").encode("ascii")
+def _encoded(form: str, record: Union[Marker, Remembered]) -> bytes:
+    return (json.dumps({"format": form, **asdict(record)}, indent=2) + "\n").encode("ascii")
 
 
-def _read(path: Path, form: str, *names: str) -> Optional[Dict[str, str]]:
+def _read(path: Path, form: str, kind: Type[Record]) -> Optional[Record]:
     try:
         descriptor = open_regular(path)
     except FileNotFoundError:
@@ -117,10 +125,8 @@ def _read(path: Path, form: str, *names: str) -> Optional[Dict[str, str]]:
         content = file.read(MOST_BYTES)
     try:
         values: Any = json.loads(content)
-    except (ValueError, RecursionError) as error:
+        if values["format"] != form:
+            raise ValueError(values["format"])
+        return record_from(kind, values, "", others=True)
+    except (ValueError, KeyError, TypeError, RecursionError) as error:
         raise DamagedRecordError(printable(path)) from error
-    if not isinstance(values, dict) or values.get("format") != form:
-        raise DamagedRecordError(printable(path))
-    if not all(isinstance(values.get(name), str) for name in names) or not values["identity"]:
-        raise DamagedRecordError(printable(path))
-    return values

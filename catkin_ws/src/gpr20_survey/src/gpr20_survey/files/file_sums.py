@@ -7,6 +7,7 @@ import os
 from pathlib import Path
 from typing import BinaryIO, Container, Iterator, NamedTuple, Optional
 
+from gpr20_survey.files.durable_files import is_temporary
 from gpr20_survey.files.regular_file import open_regular
 
 PIECE_BYTES = 1 << 20
@@ -29,7 +30,7 @@ def sum_of(content: bytes) -> FileSum:
 def regular_files(folder: Path) -> Iterator[str]:
     """Yield the names of all files below a folder, relative to it and sorted.
 
-    Links are not followed: one to a folder is a name too.
+    Links are not followed: one to a folder is a name too. What is being written is left out.
 
     Raises:
         OSError: The folder cannot be read.
@@ -41,7 +42,7 @@ def regular_files(folder: Path) -> Iterator[str]:
     for parent, folders, names in os.walk(str(folder), onerror=refuse):
         folders.sort()
         links = [name for name in folders if os.path.islink(os.path.join(parent, name))]
-        for name in sorted([*names, *links]):
+        for name in sorted(one for one in [*names, *links] if not is_temporary(one)):
             yield (Path(parent) / name).relative_to(folder).as_posix()
 
 

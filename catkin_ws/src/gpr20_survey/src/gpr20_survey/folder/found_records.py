@@ -14,7 +14,7 @@ from gpr20_common.message import Message
 from gpr20_survey.files import durable_files, file_sums
 from gpr20_survey.folder.annotating import Fact
 from gpr20_survey.folder.log_record import Kind, LogRecord
-from gpr20_survey.folder.recovery import recover_with_recording
+from gpr20_survey.folder.recovery import recover
 from gpr20_survey.results.found import FORMAT, PHOTOS, Found, found_of
 
 
@@ -28,12 +28,12 @@ def add_found(folder: Path, found: Found, photo: Optional[bytes]) -> Fact:
 
 def read_found(folder: Path) -> List[Found]:
     """Return all records of a survey, the first one first."""
-    return found_in(recover_with_recording(folder).found.records)
+    return found_in(recover(folder).found.records)
 
 
 def found_in(records: Sequence[LogRecord]) -> List[Found]:
     """Return what the records of a log say was found; those of later versions are left out."""
-    values = [one.values or {} for one in records if one.kind == Kind.FOUND.value]
+    values = [one.values for one in records if one.kind == Kind.FOUND.value]
     return [found_of(one) for one in values if one.get("format") == FORMAT]
 
 

@@ -1,8 +1,8 @@
-"""What the records of a survey's log say together: the content of survey.json."""
+"""What the records of a survey's log say together: the description of the survey."""
 
 from __future__ import annotations
 
-from typing import Any, Callable, Dict, List, Mapping, Sequence, Tuple
+from typing import Any, Callable, Dict, List, Mapping, Sequence
 
 from gpr20_survey.folder import survey_metadata
 from gpr20_survey.folder.log_record import Kind, LogRecord
@@ -10,9 +10,9 @@ from gpr20_survey.plan.annotation import ANNOTATION
 from gpr20_survey.plan.markers import MARKERS
 
 LOG = "log"
-"""Key of survey.json under which it holds the records themselves."""
+"""Key of a description under which a reader gets records of the log beside it."""
 UNCONFIRMED = "unconfirmed"
-"""Key of survey.json: entries that nothing vouches for, by their names, with the reason."""
+"""Key of a description: entries that nothing vouches for, by their names, with the reason."""
 # The entries that change at the end, as they are before; then those that change earlier too.
 NOT_ENDED: Dict[str, Any] = {
     "ended": None,
@@ -27,43 +27,25 @@ Description = Dict[str, Any]
 
 
 def description_of(records: Sequence[LogRecord]) -> Description:
-    """Return the content of survey.json, without its records.
-
-    Args:
-        records: All that are known, in their order; the first one, the plan, may be missing.
-    """
+    """Return what records say, in their order; the first one is the plan."""
     description: Description = {}
     for record in records:
-        values = record.values
-        apply = _APPLY.get(record.kind)
-        if apply is not None and values is not None:
-            apply(description, values, record)
+        add_to(description, record)
     return description
 
 
-def view_of(records: Sequence[LogRecord]) -> bytes:
-    """Return survey.json: what the records say, and the records."""
-    shown = [one.as_json() for one in without_replaced(records)]
-    return survey_metadata.encode({**description_of(records), LOG: shown})
+def add_to(description: Description, record: LogRecord) -> None:
+    """Change a description by one record; those of other kinds than below change nothing."""
+    apply = _APPLY.get(record.kind)
+    if apply is not None:
+        apply(description, record.values, record)
 
 
-def log_entries(values: Mapping[str, Any]) -> Tuple[List[Dict[str, Any]], int]:
-    """Return the readable entries of the log in a survey.json, and how many are not readable."""
+def log_entries(values: Mapping[str, Any]) -> List[Dict[str, Any]]:
+    """Return the records of the log that a reader gets with a description."""
     log = values.get(LOG)
     entries = log if isinstance(log, list) else []
-    readable = [
-        one
-        for one in entries
-        if isinstance(one, dict) and isinstance(one.get("values") or {}, dict)
-    ]
-    return readable, len(entries) - len(readable)
-
-
-def without_replaced(records: Sequence[LogRecord]) -> List[LogRecord]:
-    """Return the records without the values of reports that a later report replaced."""
-    reports = [one.number for one in records if one.kind == Kind.REPORT.value]
-    replaced = set(reports[:-1])
-    return [one.without_values() if one.number in replaced else one for one in records]
+    return [one for one in entries if isinstance(one, dict) and isinstance(one.get("values"), dict)]
 
 
 def _plan(description: Description, values: Mapping[str, Any], _record: LogRecord) -> None:
@@ -72,8 +54,6 @@ def _plan(description: Description, values: Mapping[str, Any], _record: LogRecor
 
 def _set(key: str) -> Callable[[Description, Mapping[str, Any], LogRecord], None]:
     def apply(description: Description, values: Mapping[str, Any], _record: LogRecord) -> None:
-        # At the end: the order must not depend on former values, which may have been left out.
-        description.pop(key, None)
         description[key] = values
 
     return apply

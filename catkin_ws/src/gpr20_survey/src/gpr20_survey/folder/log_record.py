@@ -6,7 +6,7 @@ import enum
 import hashlib
 import json
 from dataclasses import dataclass
-from typing import Any, Dict, Optional
+from typing import Any, Dict, NamedTuple, Optional
 
 from gpr20_survey.errors import SurveyRefusedError
 from gpr20_survey.folder import survey_metadata
@@ -41,6 +41,10 @@ class Kind(str, enum.Enum):
     FOUND = "found"
     EXPORT = "export"
     AUDIT = "audit"
+    BAG = "bag"
+    """survey.bag was written: its checksum."""
+    SEAL = "seal"
+    """The manifest was written again, or for a later state: why."""
     UNCONFIRMED = "unconfirmed"
     """Entries that nothing vouches for."""
 
@@ -54,8 +58,9 @@ NOTES = (
     Kind.FOUND,
     Kind.EXPORT,
     Kind.AUDIT,
+    Kind.BAG,
 )
-"""Kinds that stay in the log alone; the others change entries of survey.json."""
+"""Kinds that stay in the log alone; the others change the description of the survey."""
 
 
 @dataclass(frozen=True)
@@ -66,7 +71,7 @@ class LogRecord:
         number: Place in the log, from 0.
         time: When it was added, as ISO 8601 text.
         kind: One of `Kind`; a later version may have others.
-        values: What the fact is; None: a later record replaces them, and they were left out.
+        values: What the fact is.
         previous: Checksum of the record before it; `NO_RECORD` of the first.
         sha256: SHA-256 of all else, in hexadecimal digits.
     """
@@ -74,7 +79,7 @@ class LogRecord:
     number: int
     time: str
     kind: str
-    values: Optional[Dict[str, Any]]
+    values: Dict[str, Any]
     previous: str
     sha256: str
 
@@ -102,16 +107,24 @@ class LogRecord:
         return cls(number, time, kind.value, values, previous, own_sum)
 
     def as_json(self) -> Dict[str, Any]:
-        """Return the record as survey.json holds it."""
+        """Return the record as JSON holds it."""
         return {key: getattr(self, key) for key in KEYS}
 
-    def without_values(self) -> LogRecord:
-        """Return the record without its values, which a later record replaces."""
-        return LogRecord(self.number, self.time, self.kind, None, self.previous, self.sha256)
-
     def line(self) -> bytes:
-        """Return the record as log.jsonl holds it."""
+        """Return the record as both files of the log hold it."""
         return _compact(self.as_json()) + b"\n"
+
+
+class LogHead(NamedTuple):
+    """The last record of a log, as a manifest names it."""
+
+    number: int
+    sha256: str
+
+    @classmethod
+    def of(cls, record: LogRecord) -> LogHead:
+        """Return the place and the checksum of a record."""
+        return cls(record.number, record.sha256)
 
 
 def is_number(value: Any) -> bool:
@@ -119,41 +132,25 @@ def is_number(value: Any) -> bool:
     return type(value) is int and 0 <= value <= MAX_NUMBER
 
 
-def record_of(values: Any) -> Optional[LogRecord]:
-    """Return the record of a JSON value, or None if its checksum is not right.
-
-    The checksum of a record whose values were left out cannot be calculated: the record that
-    follows it confirms it.
-    """
-    if not isinstance(values, dict) or tuple(values) != KEYS:
-        return None
-    texts = (values[key] for key in ("time", "kind", "previous", "sha256"))
-    if not is_number(values["number"]) or not all(isinstance(one, str) for one in texts):
-        return None
-    record = LogRecord(**values)
-    if record.values is None and record.kind == Kind.REPORT.value:
-        return record
-    if not isinstance(record.values, dict):
-        return None
-    own_sum = _sum(record.number, record.time, record.kind, record.values, record.previous)
-    return record if own_sum == record.sha256 else None
-
-
 def record_of_line(line: bytes) -> Optional[LogRecord]:
-    """Return the record of a line of log.jsonl, equal to the last byte, or None."""
-    record = record_of(json_of_line(line))
-    return record if record is not None and record.line() == line + b"\n" else None
-
-
-def json_of_line(line: bytes) -> Optional[Dict[str, Any]]:
-    """Return the JSON object of a line, right or not; None if it is none."""
+    """Return the record of a line without its end, equal to the last byte, or None."""
     try:
-        text = line.decode("ascii")
-        return survey_metadata.parse_object(
-            text, "line", survey_metadata.MAX_FILE_BYTES, survey_metadata.MAX_FILE_DEPTH
+        values = survey_metadata.parse_object(
+            line.decode("ascii"),
+            "line",
+            survey_metadata.MAX_FILE_BYTES,
+            survey_metadata.MAX_FILE_DEPTH,
         )
     except (UnicodeDecodeError, SurveyRefusedError):
         return None
+    if tuple(values) != KEYS or not is_number(values["number"]):
+        return None
+    texts = (values[key] for key in ("time", "kind", "previous", "sha256"))
+    if not all(isinstance(one, str) for one in texts) or not isinstance(values["values"], dict):
+        return None
+    record = LogRecord(**values)
+    own_sum = _sum(record.number, record.time, record.kind, record.values, record.previous)
+    return record if own_sum == record.sha256 and record.line() == line + b"\n" else None
 
 
 def _sum(number: int, time: str, kind: str, values: Dict[str, Any], previous: str) -> str:

@@ -1,47 +1,48 @@
-"""The evidence at the end of a survey: what files it has, and their checksums."""
+"""The evidence at the end of a survey: what files it has, their checksums, and how its log ended.
+
+The log judges itself: what is added to it later is an addition, and changes nothing here.
+survey.bag, which is made of survey.mcap, is named in the log when it is there.
+"""
 
 from __future__ import annotations
 
 import hashlib
 import os
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Dict, Mapping, NamedTuple, Optional, Sequence, Tuple
+from types import MappingProxyType
+from typing import Any, Dict, Iterator, Mapping, Optional, Sequence
 
 from gpr20_common.message import Message
 from gpr20_common.os_reason import os_reason
 from gpr20_survey import faults
 from gpr20_survey.errors import ManifestDamagedError, SurveyRefusedError
+from gpr20_survey.files import durable_files, file_sums
 from gpr20_survey.files.file_sums import FileSum
 from gpr20_survey.files.regular_file import open_regular
 from gpr20_survey.folder import survey_folder, survey_metadata
-from gpr20_survey.folder.log_record import LogRecord, is_number
+from gpr20_survey.folder.log_record import Kind, LogHead, LogRecord, is_number
+from gpr20_survey.results.found import PHOTOS
 
 MANIFEST_FILE = "manifest.json"
-FORMAT = "gpr20-manifest/3"
-WITHOUT_LOG_FORMAT = "gpr20-manifest/2"  # lists survey.json instead of the log
-FORMER_FORMAT = "gpr20-manifest/1"  # and has no checksum of its own
-DATA_FILES = (survey_folder.BAG_FILE, survey_folder.MCAP_FILE)
-# The log judges itself, and survey.json is what it says; the last checksum of the log is enough.
-JUDGED_BY_LOG = (survey_folder.LOG_FILE, survey_folder.SURVEY_FILE)
+SIGNATURE_FILE = f"{MANIFEST_FILE}.sig"
+FORMAT = "gpr20-manifest/1"
 MAX_BYTES = 512 << 20  # a million traces
+CONTENT = "content_sha256"
+"""Key of the description: what `content_sum` gives when the survey ends."""
+DATA = "traces and recording"
+"""Name of the entry of the log that says that they are others than at the end."""
+NO_SUMS: Mapping[str, FileSum] = MappingProxyType({})
+NOT_LISTED = (
+    MANIFEST_FILE,
+    SIGNATURE_FILE,
+    *survey_folder.LOG_FILES,
+    survey_folder.BAG_FILE,
+)
 
 _TEXTS = ("survey_id", "software_revision", "written")
-_FORMER_KEYS = {"format", *_TEXTS, "files"}
-_KEYS = {*_FORMER_KEYS, "reopened", "rewritten", "log", "next_log", "unconfirmed"}
-_KEYS_WITHOUT_LOG = {*_FORMER_KEYS, "reopened", "rewritten", "replacing"}
-
-
-class LogHead(NamedTuple):
-    """The last record of a log."""
-
-    number: int
-    sha256: str
-
-    @classmethod
-    def of(cls, record: LogRecord) -> LogHead:
-        """Return the place and the checksum of a record."""
-        return cls(record.number, record.sha256)
+_KEYS = {"format", *_TEXTS, "log", "files"}
+_WRONG_ENTRIES = Message("its entries are not those of a manifest")
 
 
 @dataclass(frozen=True)
@@ -53,31 +54,26 @@ class Manifest:
     """Version of the suite that wrote it."""
     written: str
     """When the survey was closed, as ISO 8601 text."""
+    log: LogHead
+    """The last record of the log."""
     files: Mapping[str, Optional[FileSum]]
     """Of each file, relative to the folder; None: it was no data and could not be read."""
-    log: Optional[LogHead] = None
-    """The last record of the log; None: the survey is one of an earlier version."""
-    next_log: Optional[LogHead] = None
-    """The record that is being added to the log; None again when that is done."""
-    unconfirmed: Tuple[str, ...] = ()
-    """Names of the entries of survey.json that nothing vouches for."""
-    replacing: Mapping[str, FileSum] = field(default_factory=dict)
-    """Of an earlier version: the new content of a file that was being replaced."""
-    reopened: Optional[str] = None
-    """When the survey was reopened: its files may have changed since. None: it was not."""
-    rewritten: Tuple[Mapping[str, str], ...] = ()
-    """`time` and `reason` of each time that a lost or damaged manifest was written again."""
-    covers_itself: bool = True
-    """Whether a change of any byte of the manifest itself is found."""
 
     def matches(self, name: str, present: Optional[FileSum]) -> bool:
         """Return whether a file has the content that it had when the survey was closed."""
-        return present is not None and present in (self.files.get(name), self.replacing.get(name))
+        return present is not None and present == self.files.get(name)
 
     def covers(self, records: Sequence[LogRecord]) -> bool:
-        """Return whether a log ends as it did when this was written."""
-        head = LogHead.of(records[-1]) if records else None
-        return head is not None and head in (self.log, self.next_log)
+        """Return whether a log has the record with which it ended when this was written."""
+        return any(LogHead.of(one) == self.log for one in records)
+
+    def since(self, records: Sequence[LogRecord]) -> Sequence[LogRecord]:
+        """Return what was added to the log since this was written."""
+        return [one for one in records if one.number > self.log.number]
+
+    def is_binding(self, records: Sequence[LogRecord]) -> bool:
+        """Return whether the files must be as they are listed: the survey was not reopened."""
+        return all(one.kind != Kind.RESUME.value for one in self.since(records))
 
     def encode(self) -> bytes:
         """Return the content of manifest.json, which ends with a checksum over all else."""
@@ -86,11 +82,7 @@ class Manifest:
             "survey_id": self.survey_id,
             "software_revision": self.software_revision,
             "written": self.written,
-            "reopened": self.reopened,
-            "rewritten": [dict(one) for one in self.rewritten],
-            "log": self.log and self.log._asdict(),
-            "next_log": self.next_log and self.next_log._asdict(),
-            "unconfirmed": list(self.unconfirmed),
+            "log": self.log._asdict(),
             "files": {name: one and one._asdict() for name, one in self.files.items()},
         }
         return survey_metadata.encode({**values, "sha256": _own_sum(values)})
@@ -109,13 +101,46 @@ def decode(content: bytes) -> Manifest:
         raise ManifestDamagedError(Message("it is not ASCII text", details=error)) from error
     except SurveyRefusedError as error:
         raise ManifestDamagedError(error.message, fault=faults.MANIFEST_DAMAGED) from error
-    if values.get("format") in (FORMAT, WITHOUT_LOG_FORMAT):
-        return _decoded(content, values)
-    if values.get("format") == FORMER_FORMAT:
-        return _former(values)
-    raise ManifestDamagedError(
-        Message("it is not a manifest of format {format}", format=FORMAT),
-    )
+    if values.get("format") != FORMAT:
+        raise ManifestDamagedError(
+            Message(
+                "its format is {found}; it must be {format}",
+                found=repr(values.get("format"))[:64],
+                format=FORMAT,
+            )
+        )
+    own_sum = values.pop("sha256", None)
+    # Equal to the last byte: not even a space can change unseen.
+    if own_sum != _own_sum(values) or survey_metadata.encode({**values, "sha256": own_sum}) != (
+        content
+    ):
+        raise ManifestDamagedError(Message("its own SHA-256 has changed"))
+    if (
+        values.keys() != _KEYS
+        or not isinstance(values["files"], dict)
+        or not all(isinstance(values[key], str) for key in _TEXTS)
+    ):
+        raise ManifestDamagedError(_WRONG_ENTRIES)
+    sums = {name: None if one is None else _sum_entry(one) for name, one in values["files"].items()}
+    return Manifest(**{key: values[key] for key in _TEXTS}, log=_head(values["log"]), files=sums)
+
+
+def _own_sum(values: Mapping[str, Any]) -> str:
+    return hashlib.sha256(survey_metadata.encode(dict(values))).hexdigest()
+
+
+def _head(values: Any) -> LogHead:
+    if not isinstance(values, dict) or values.keys() != set(LogHead._fields):
+        raise ManifestDamagedError(_WRONG_ENTRIES)
+    if not is_number(values["number"]) or not isinstance(values["sha256"], str):
+        raise ManifestDamagedError(_WRONG_ENTRIES)
+    return LogHead(**values)
+
+
+def _sum_entry(values: Any) -> FileSum:
+    if not isinstance(values, dict) or values.keys() != set(FileSum._fields):
+        raise ManifestDamagedError(_WRONG_ENTRIES)
+    return FileSum(**values)
 
 
 def read_manifest(folder: Path) -> Manifest:
@@ -157,73 +182,107 @@ def read_own_manifest(folder: Path, survey_id: str) -> Manifest:
     return found
 
 
+def write_manifest(
+    folder: Path,
+    survey_id: str,
+    head: LogRecord,
+    revision: str,
+    written: str,
+    known: Mapping[str, FileSum] = NO_SUMS,
+) -> None:
+    """Write the checksums of every file of a survey; return when they are durable.
+
+    What is not data of the survey and cannot be read, such as a link in `damaged/`, is listed
+    without a checksum: it must not prevent a survey from being closed.
+
+    Args:
+        folder: The survey's folder; nothing in it may change any more.
+        survey_id: UUID of the survey.
+        head: The last record of its log.
+        revision: Version of the suite.
+        written: When, as ISO 8601 text.
+        known: Files whose content is known because it was just written; they are not read. A
+            change since then is found by the next verification.
+
+    Raises:
+        OSError: A file of the survey's data cannot be read, or the disk refused.
+    """
+    names = sorted({*file_names(folder), *known})
+    files = {name: known[name] if name in known else _sum_of(folder, name) for name in names}
+    new = Manifest(survey_id, revision, written, LogHead.of(head), files)
+    durable_files.replace_file(folder / MANIFEST_FILE, new.encode())
+
+
+def _sum_of(folder: Path, name: str) -> Optional[FileSum]:
+    try:
+        return file_sums.sum_of_file(folder / name)
+    except OSError:
+        if is_content(name) or name == survey_folder.SURVEY_FILE:
+            raise
+        return None
+
+
 def trace_name(file_name: str) -> str:
     """Return the name of a trace's file in a manifest: relative to the survey's folder."""
     return f"{survey_folder.TRACES_FOLDER}/{file_name}"
 
 
-def is_data(name: str) -> bool:
-    """Return whether a file, named relative to the survey's folder, holds data of the survey."""
-    return name in (*DATA_FILES, survey_folder.SURVEY_FILE) or name.startswith(trace_name(""))
+def file_names(folder: Path) -> Iterator[str]:
+    """Yield the names of the files that belong into the manifest of a survey.
+
+    The log names the photographs, each with its checksum.
+
+    Raises:
+        OSError: The folder cannot be read.
+    """
+    for name in file_sums.regular_files(folder):
+        is_other = name in NOT_LISTED or name.startswith(f"{PHOTOS}/")
+        if not is_other and not durable_files.is_temporary(Path(name).name):
+            yield name
 
 
-def _own_sum(values: Mapping[str, Any]) -> str:
-    return hashlib.sha256(survey_metadata.encode(dict(values))).hexdigest()
+def is_content(name: str) -> bool:
+    """Return whether a file, named relative to the survey's folder, is a trace or the recording.
+
+    What somebody else put into the folder of the traces is none.
+    """
+    is_trace = name.startswith(trace_name("")) and name.endswith(".json")
+    return is_trace or name == survey_folder.MCAP_FILE
 
 
-def _decoded(content: bytes, values: Dict[str, Any]) -> Manifest:
-    own_sum = values.pop("sha256", None)
-    # Equal to the last byte: not even a space can change unseen.
-    if own_sum != _own_sum(values) or survey_metadata.encode({**values, "sha256": own_sum}) != (
-        content
-    ):
-        raise ManifestDamagedError(Message("its own SHA-256 has changed"))
-    has_log = values["format"] == FORMAT
-    rewritten = values.get("rewritten")
-    if (
-        values.keys() != (_KEYS if has_log else _KEYS_WITHOUT_LOG)
-        or not isinstance(values.get("replacing", {}), dict)
-        or not isinstance(values.get("unconfirmed", []), list)
-        or not isinstance(rewritten, list)
-        or not all(isinstance(one, dict) for one in rewritten)
-    ):
-        raise ManifestDamagedError(Message("its entries are not those of a manifest"))
-    return _manifest(
-        values,
-        log=_head(values.get("log")),
-        next_log=_head(values.get("next_log")),
-        unconfirmed=tuple(map(str, values.get("unconfirmed", []))),
-        replacing={name: _sum(one) for name, one in values.get("replacing", {}).items()},
-        reopened=values["reopened"],
-        rewritten=tuple(rewritten),
-    )
+def data_sums(folder: Path) -> Dict[str, FileSum]:
+    """Return the checksums of the traces and the recording of a survey.
+
+    Raises:
+        OSError: One of them cannot be read.
+    """
+    names = filter(is_content, file_names(folder))
+    return {name: file_sums.sum_of_file(folder / name) for name in names}
 
 
-def _head(values: Any) -> Optional[LogHead]:
-    if values is None:
+def has_other_data(
+    description: Mapping[str, Any], sums: Mapping[str, Optional[FileSum]]
+) -> Optional[bool]:
+    """Return whether traces or recording are others than when the survey ended.
+
+    Args:
+        description: What the log says of the survey.
+        sums: Of each file of the survey, by its name relative to the folder.
+
+    Returns:
+        None if the log does not say what they were.
+    """
+    if description.get(CONTENT) is None:
         return None
-    if not isinstance(values, dict) or values.keys() != set(LogHead._fields):
-        raise ManifestDamagedError(Message("its entries are not those of a manifest"))
-    if not is_number(values["number"]) or not isinstance(values["sha256"], str):
-        raise ManifestDamagedError(Message("its entries are not those of a manifest"))
-    return LogHead(**values)
+    data = {name: one for name, one in sums.items() if one is not None and is_content(name)}
+    return bool(content_sum(data) != description[CONTENT])
 
 
-def _former(values: Dict[str, Any]) -> Manifest:
-    if values.keys() != _FORMER_KEYS:
-        raise ManifestDamagedError(Message("its entries are not those of a manifest"))
-    return _manifest(values, covers_itself=False)
+def content_sum(sums: Mapping[str, FileSum]) -> str:
+    """Return a checksum of the traces and the recording of a survey, as its log names it.
 
-
-def _manifest(values: Dict[str, Any], **more: Any) -> Manifest:
-    files = values["files"]
-    if not isinstance(files, dict) or not all(isinstance(values[key], str) for key in _TEXTS):
-        raise ManifestDamagedError(Message("its entries are not those of a manifest"))
-    sums = {name: None if one is None else _sum(one) for name, one in files.items()}
-    return Manifest(**{key: values[key] for key in _TEXTS}, files=sums, **more)
-
-
-def _sum(values: Any) -> FileSum:
-    if not isinstance(values, dict) or values.keys() != {"sha256", "size"}:
-        raise ManifestDamagedError(Message("its entries are not those of a manifest"))
-    return FileSum(**values)
+    Args:
+        sums: Of each of these files, by its name relative to the folder.
+    """
+    lines = (f"{sums[name].sha256} {sums[name].size} {name}\n" for name in sorted(sums))
+    return hashlib.sha256("".join(lines).encode("utf-8", "surrogateescape")).hexdigest()

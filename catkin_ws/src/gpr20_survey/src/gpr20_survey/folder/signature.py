@@ -2,7 +2,8 @@
 
 `manifest.json.sig` is a signature of the bytes of `manifest.json`, as `ssh-keygen -Y sign` makes
 it. Whatever else of the survey changes, the manifest shows; whoever changes the manifest as well
-cannot sign it without the robot's key.
+cannot sign it without the robot's key. What is added to the log later is not signed until somebody
+signs again.
 """
 
 from __future__ import annotations
@@ -14,7 +15,7 @@ import os
 import re
 import subprocess
 import textwrap
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import IO, List, Optional, Union
 
@@ -32,11 +33,13 @@ from gpr20_survey.errors import (
 from gpr20_survey.files import durable_files, ssh_keygen
 from gpr20_survey.files.regular_file import open_regular
 from gpr20_survey.folder import manifest
-from gpr20_survey.folder.manifest import MANIFEST_FILE
+from gpr20_survey.folder.log_reading import read_log
+from gpr20_survey.folder.log_record import Kind
+from gpr20_survey.folder.manifest import MANIFEST_FILE, SIGNATURE_FILE
 
-SIGNATURE_FILE = f"{MANIFEST_FILE}.sig"
 NAMESPACE = "gpr20-survey"
 """What the signature is for: one by the same key for another purpose does not count."""
+OF_COPIES = (Kind.BAG.value, Kind.EXPORT.value, Kind.AUDIT.value)
 MAX_BYTES = 1 << 14
 """Size of a signature; that of the longest RSA key has 3 kB."""
 MAX_SIGNERS_BYTES = 1 << 24
@@ -57,8 +60,8 @@ class Signature(enum.Enum):
     """The manifest or the signature is damaged."""
     UNKNOWN_KEY = "unknown key"
     """It is by a key that the list does not accept."""
-    STALE = "stale"
-    """A signer of the list made it, but not of this manifest, which is whole in itself."""
+    CHANGED = "changed after it was signed"
+    """As VALID, and facts were added to the log since, for which nobody vouches."""
 
 
 @dataclass(frozen=True)
@@ -67,7 +70,7 @@ class SignatureCheck:
 
     signature: Signature
     signer: str = ""
-    """Who signed, as the signers file names the key; empty unless VALID or STALE."""
+    """Who signed, as the signers file names the key; empty unless VALID or CHANGED."""
     fingerprint: str = ""
     """Of the key, as OpenSSH shows it; empty if the signature does not fit the manifest."""
     reason: Optional[Message] = None
@@ -102,7 +105,7 @@ class Signer:
         Raises:
             SigningError: The key cannot be used, ssh-keygen failed, or there is no manifest.
             StorageFailedError: The manifest cannot be read, or the disk refused the signature.
-                After any error the former signature is still there, which is then STALE.
+                After any error the former signature is still there, which does not fit any more.
         """
         path = folder / SIGNATURE_FILE
         with storing(Message("{path} could not be written", path=printable(path)), path):
@@ -199,7 +202,7 @@ def check_signature(folder: Path, signers: Path) -> SignatureCheck:
             size = os.fstat(stream.fileno()).st_size
             if size > manifest.MAX_BYTES:
                 return _wrong(Message("{file} has {size} bytes", file=MANIFEST_FILE, size=size))
-            return _check(stream, folder / SIGNATURE_FILE, signers)
+            found = _check(stream, folder / SIGNATURE_FILE, signers)
     except FileNotFoundError:
         # Without a manifest the survey is open, or verification calls it damaged.
         return SignatureCheck(Signature.UNSIGNED)
@@ -210,6 +213,22 @@ def check_signature(folder: Path, signers: Path) -> SignatureCheck:
         return _wrong(
             Message("{file} cannot be read: {reason}", file=file, reason=os_reason(error))
         )
+    if found.signature is Signature.VALID and was_added_to(folder):
+        return replace(found, signature=Signature.CHANGED)
+    return found
+
+
+def was_added_to(folder: Path) -> bool:
+    """Return whether somebody added to a survey since its manifest was written.
+
+    The software's own records of copies of the survey do not count.
+
+    Raises:
+        ManifestDamagedError: The manifest is not as it was written.
+        OSError: It cannot be read.
+    """
+    since = manifest.read_manifest(folder).since(read_log(folder).records)
+    return any(one.kind not in OF_COPIES for one in since)
 
 
 def _fingerprint(content: IO[bytes], signature: Path) -> str:
@@ -220,20 +239,17 @@ def _fingerprint(content: IO[bytes], signature: Path) -> str:
 
 def _check(content: IO[bytes], signature: Path, signers: Path) -> SignatureCheck:
     fingerprint = _fingerprint(content, signature)
-    fits = bool(fingerprint)
-    if not fits:
+    if not fingerprint:
         content.seek(0)
         try:
             manifest.decode(content.read())
+            reason = Message("the manifest was written again since")
         except ManifestDamagedError as error:
-            return _wrong(
-                Message("{file} is damaged: {reason}", file=MANIFEST_FILE, reason=error.message)
-            )
+            reason = error.message
+        return _wrong(Message("{file}: {reason}", file=MANIFEST_FILE, reason=reason))
     principals = _principals(signature, signers)
     if not principals:
         return SignatureCheck(Signature.UNKNOWN_KEY, fingerprint=fingerprint)
-    if not fits:
-        return SignatureCheck(Signature.STALE, principals[0])
     for principal in principals:
         content.seek(0)
         own = ("-n", NAMESPACE, "-s", signature, "-f", signers, "-I", principal)

@@ -44,7 +44,7 @@ def soil_of_survey(description: Mapping[str, Any]) -> Optional[KnownSoil]:
         The permittivity and its source; None: it is not known, or not known after all.
     """
     found, source = description.get(PLANNED), OF_PLAN
-    for record in log_entries(description)[0]:
+    for record in log_entries(description):
         values = record.get("values") or {}
         if record.get("kind") == KIND.value and values.get("format") == FORMAT:
             found, source = values.get("permittivity"), ENTERED

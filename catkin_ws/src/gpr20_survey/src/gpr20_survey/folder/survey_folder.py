@@ -16,6 +16,8 @@ from gpr20_survey.trace.trace import SURVEY_ID, Trace
 
 SURVEY_FILE = "survey.json"
 LOG_FILE = "log.jsonl"
+COPY_FILE = "log.copy.jsonl"
+LOG_FILES = (LOG_FILE, COPY_FILE)
 BAG_FILE = "survey.bag"
 MCAP_FILE = "survey.mcap"
 DAMAGED_FOLDER = "damaged"
@@ -100,7 +102,7 @@ def check_no_links(folder: Path) -> None:
     Raises:
         SurveyRefusedError: One of its files or folders is a symbolic link.
     """
-    names = (SURVEY_FILE, LOG_FILE, TRACES_FOLDER, BAG_FILE, MCAP_FILE, DAMAGED_FOLDER, PHOTOS)
+    names = (SURVEY_FILE, *LOG_FILES, TRACES_FOLDER, BAG_FILE, MCAP_FILE, DAMAGED_FOLDER, PHOTOS)
     for name in names:
         if (folder / name).is_symlink():
             raise SurveyRefusedError(

@@ -1,19 +1,21 @@
-"""The log of a survey: log.jsonl, and survey.json, which holds the same records.
+"""Adding to the log of a survey: two equal files that are only appended to.
 
-A fact is acknowledged when both are durable.
+A fact is acknowledged when its line is durable in both.
 """
 
 from __future__ import annotations
 
+import json
 import os
 from pathlib import Path
-from typing import Any, Callable, Dict, Sequence, Tuple
+from typing import Any, Dict, List, Sequence, Set, Tuple
 
 from gpr20_survey.files import access, durable_files
-from gpr20_survey.folder import survey_folder, survey_metadata
-from gpr20_survey.folder.log_content import description_of, view_of
+from gpr20_survey.folder import survey_metadata
+from gpr20_survey.folder.log_content import add_to
 from gpr20_survey.folder.log_reading import MAX_LOG_BYTES
-from gpr20_survey.folder.log_record import Kind, LogRecord
+from gpr20_survey.folder.log_record import NOTES, Kind, LogRecord
+from gpr20_survey.folder.survey_folder import LOG_FILE, LOG_FILES, SURVEY_FILE
 
 # For the records without which a survey cannot be opened and closed.
 RESERVED_BYTES = 1 << 20
@@ -21,7 +23,10 @@ NEEDED = (Kind.PLAN, Kind.RESUME, Kind.UNCONFIRMED, Kind.END)
 
 
 class SurveyLog:
-    """Adds records to the log of a survey whose folder is locked."""
+    """Adds records to the log of a survey whose folder is locked.
+
+    A fact costs the same however long the log is.
+    """
 
     def __init__(
         self, folder: Path, records: Sequence[LogRecord], whole: bool, lost: Sequence[int] = ()
@@ -31,20 +36,24 @@ class SurveyLog:
         Args:
             folder: The survey's folder.
             records: The records so far.
-            whole: Whether log.jsonl holds exactly these; otherwise the next record that is added
-                writes it again.
+            whole: Whether both files hold exactly these; otherwise the next record that is added
+                writes them again.
             lost: Numbers of records that were lost; no other record gets them.
         """
-        self._path = folder / survey_folder.LOG_FILE
-        self._view = folder / survey_folder.SURVEY_FILE
-        self._records = list(records)
+        self._folder = folder
         self._whole = whole
         self._lost = max(lost, default=-1)
+        self._records: List[LogRecord] = []
+        self._notes: Set[str] = set()
+        self._description: Dict[str, Any] = {}
+        self._bytes = 0
+        for record in records:
+            self._keep(record)
 
     @property
     def description(self) -> Dict[str, Any]:
-        """The content of survey.json without its records."""
-        return description_of(self._records)
+        """What the log says of the survey."""
+        return dict(self._description)
 
     @property
     def last(self) -> LogRecord:
@@ -55,6 +64,18 @@ class SurveyLog:
     def records(self) -> Tuple[LogRecord, ...]:
         """All records."""
         return tuple(self._records)
+
+    @property
+    def is_whole(self) -> bool:
+        """Whether both files hold exactly the records."""
+        return self._whole
+
+    def has_note(self, kind: Kind, values: Dict[str, Any]) -> bool:
+        """Return whether the log has this note: the answer to the first request may be lost.
+
+        A note has its own time. Other facts may come again.
+        """
+        return kind in NOTES and _note(kind.value, values) in self._notes
 
     def next(self, kind: Kind, values: Dict[str, Any], time: str) -> LogRecord:
         """Return the record that `add` would add."""
@@ -69,51 +90,58 @@ class SurveyLog:
             OSError: The disk refused; the log has its former records, and the call may be
                 repeated.
         """
-        records = [*self._records, record]
-        view = view_of(records)
-        self._check_room(record, view)
+        line = record.line()
+        if record.kind not in NEEDED:
+            most = MAX_LOG_BYTES - RESERVED_BYTES
+            survey_metadata.check_size(self._bytes + len(line), LOG_FILE, most)
         was_whole, self._whole = self._whole, False
         if was_whole:
-            _append(self._path, record.line())
+            for name in LOG_FILES:
+                _append(self._folder / name, line)
         else:
-            durable_files.replace_file(self._path, b"".join(one.line() for one in records))
-        durable_files.replace_file(self._view, view)
-        self._records, self._whole = records, True
+            self._write([*self._records, record])
+        self._whole = True
+        self._keep(record)
         return record
 
-    def _check_room(self, record: LogRecord, view: bytes) -> None:
-        if record.kind in NEEDED:
-            return
-        size = self._path.stat().st_size if self._whole else 0
-        for path, bytes_, most in (
-            (self._path, size + len(record.line()), MAX_LOG_BYTES),
-            (self._view, len(view), survey_metadata.MAX_FILE_BYTES),
-        ):
-            survey_metadata.check_size(bytes_, path.name, most - RESERVED_BYTES)
-
-    @property
-    def is_whole(self) -> bool:
-        """Whether both files hold exactly the records."""
-        return self._whole
-
     def take(self, record: LogRecord) -> None:
-        """Add a record of `next` that `write`, which must follow, makes durable."""
-        self._records.append(record)
+        """Add a record of `next` that `write` or the next `add` makes durable."""
+        self._keep(record)
         self._whole = False
 
-    def write(self, on_log: Callable[[], None] = lambda: None) -> None:
+    def write(self) -> None:
         """Write both files again.
-
-        Args:
-            on_log: Called when log.jsonl is durable, before survey.json is written.
 
         Raises:
             OSError: The disk refused.
         """
-        durable_files.replace_file(self._path, b"".join(one.line() for one in self._records))
-        on_log()
-        durable_files.replace_file(self._view, view_of(self._records))
+        self._write(self._records)
         self._whole = True
+
+    def write_description(self) -> None:
+        """Write survey.json, for readers at a glance: nothing else depends on it.
+
+        Raises:
+            OSError: The disk refused.
+        """
+        content = survey_metadata.encode(self._description)
+        durable_files.replace_file(self._folder / SURVEY_FILE, content)
+
+    def _write(self, records: Sequence[LogRecord]) -> None:
+        content = b"".join(one.line() for one in records)
+        for name in LOG_FILES:
+            durable_files.replace_file(self._folder / name, content)
+
+    def _keep(self, record: LogRecord) -> None:
+        self._records.append(record)
+        self._bytes += len(record.line())
+        add_to(self._description, record)
+        if record.kind in NOTES:
+            self._notes.add(_note(record.kind, record.values))
+
+
+def _note(kind: str, values: Dict[str, Any]) -> str:
+    return json.dumps([kind, values], sort_keys=True)
 
 
 def _append(path: Path, line: bytes) -> None:

@@ -1,21 +1,18 @@
-"""The content of survey.json."""
+"""The description of a survey: what its log says, and survey.json shows."""
 
 from __future__ import annotations
 
 import json
-import os
 import re
 from pathlib import Path
 from typing import Any, Dict, NoReturn
 
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message, verbatim
-from gpr20_common.os_reason import os_reason
 from gpr20_common.terminal_text import printable
 from gpr20_survey import faults
 from gpr20_survey.errors import SurveyRefusedError
-from gpr20_survey.files.regular_file import open_regular
-from gpr20_survey.plan.annotation import ANNOTATION, annotation_of
+from gpr20_survey.plan.annotation import annotation_of
 from gpr20_survey.plan.markers import MARKERS
 from gpr20_survey.trace import utc_time
 
@@ -50,18 +47,6 @@ OWN_KEYS = frozenset(
         "software_revision",
         *LOGGED_KEYS,
     }
-)
-
-# Entries that change after the start: all others are compared with the sealed copy in the MCAP.
-LATER_KEYS = (
-    "ended",
-    "outcome",
-    "reason",
-    REASON_MESSAGE,
-    FAULT_CODE,
-    "stored_traces",
-    ANNOTATION,
-    *LOGGED_KEYS,
 )
 
 # A whole text, or the end of one that does not end; else a bracket.
@@ -155,12 +140,6 @@ def metadata_of(description: Dict[str, Any]) -> Dict[str, Any]:
     return {key: value for key, value in description.items() if key not in OWN_KEYS}
 
 
-def with_start_of(description: Dict[str, Any], copy: Dict[str, Any]) -> Dict[str, Any]:
-    """Return a description whose constant entries are taken from a copy of its start."""
-    later = {key: description[key] for key in LATER_KEYS if key in description}
-    return {**copy, **later}
-
-
 def check_size(size: int, name: str, max_bytes: int) -> None:
     """Check the size of a text or a file [bytes].
 
@@ -176,51 +155,6 @@ def check_size(size: int, name: str, max_bytes: int) -> None:
                 most=max_bytes,
             )
         )
-
-
-def read_content(path: Path) -> bytes:
-    """Return the bytes of a survey.json.
-
-    Raises:
-        SurveyRefusedError: It is missing, no regular file or far too large.
-    """
-    try:
-        with open(open_regular(path), "rb") as stream:
-            # Before it is read, so that a huge file takes no memory.
-            check_size(os.fstat(stream.fileno()).st_size, path.name, MAX_FILE_BYTES)
-            return stream.read(MAX_FILE_BYTES + 1)
-    except OSError as error:
-        raise _unreadable(path, os_reason(error)) from error
-    except SurveyRefusedError as error:
-        raise _unreadable(path, error.message.with_fault(None)) from error
-
-
-def parse_view(content: bytes, path: Path) -> Dict[str, Any]:
-    """Return the content of a survey.json, with the records of its log if it holds them.
-
-    Raises:
-        SurveyRefusedError: The storage did not write it so.
-    """
-    try:
-        text = content.decode("ascii")
-        values = parse_object(text, path.name, MAX_FILE_BYTES, MAX_FILE_DEPTH)
-    except UnicodeDecodeError as error:
-        raise _unreadable(path, Message("it is not ASCII text", details=error)) from error
-    except SurveyRefusedError as error:
-        raise _unreadable(path, error.message.with_fault(None)) from error
-    check_format(values, path)
-    return values
-
-
-def _unreadable(path: Path, reason: Message) -> SurveyRefusedError:
-    return SurveyRefusedError(
-        Message(
-            "{path} cannot be read: {reason}",
-            path=printable(path),
-            reason=reason,
-        ),
-        fault=faults.DESCRIPTION_UNREADABLE,
-    )
 
 
 def check_format(values: Dict[str, Any], path: Path) -> None:

@@ -31,16 +31,13 @@ class TraceFile(NamedTuple):
     """Of the trace [us since 1970, UTC]."""
     sum: FileSum
     """Of the file's content."""
-    is_proven: bool
-    """Whether the file has a checksum of its own, which is right."""
 
     @classmethod
     def of(cls, trace: Trace, content: bytes) -> TraceFile:
         """Return what is remembered of the file of a trace, and of its content."""
         name = survey_folder.trace_file_name(trace)
-        proven = trace_json.is_proven(content)
-        own_sum = sum_of(content)
-        return cls(name, trace.fingerprint(), trace.sample_id, trace.timestamp_us, own_sum, proven)
+        fingerprint, own_sum = trace.fingerprint(), sum_of(content)
+        return cls(name, fingerprint, trace.sample_id, trace.timestamp_us, own_sum)
 
 
 @dataclass

@@ -9,6 +9,7 @@ from typing import Any, Dict, Mapping, Optional, Protocol, Union
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message
 from gpr20_common.mid.checks import number_between
+from gpr20_common.mid.codec import plain, record_from
 from gpr20_common.terminal_text import is_shown
 
 ANNOTATION = "annotation"
@@ -19,8 +20,6 @@ LATITUDE, LONGITUDE = Message("latitude"), Message("longitude")
 HEADING = Message("heading")
 MAX_NAME_CHARACTERS = 200
 MAX_NOTES_CHARACTERS = 4000
-MAX_LATITUDE_DEG = 90.0
-MAX_LONGITUDE_DEG = 180.0
 MAX_HEADING_DEG = 360.0
 
 # Controls, halves of characters, separators of lines and paragraphs.
@@ -43,15 +42,8 @@ class Wgs84Position:
     longitude_deg: float
 
     def __post_init__(self) -> None:
-        for name, title, most in (
-            ("latitude_deg", LATITUDE, MAX_LATITUDE_DEG),
-            ("longitude_deg", LONGITUDE, MAX_LONGITUDE_DEG),
-        ):
-            value = getattr(self, name)
-            if isinstance(value, bool) or not isinstance(value, (int, float)):
-                raise _wrong_type(title, value, Message("a number"))
-            number_between(title, value, -most, most, "deg")
-            object.__setattr__(self, name, float(value))
+        number_between(LATITUDE, self.latitude_deg, -90.0, 90.0, "deg")
+        number_between(LONGITUDE, self.longitude_deg, -180.0, 180.0, "deg")
 
     def __str__(self) -> str:
         return f"{self.latitude_deg!r}, {self.longitude_deg!r}"
@@ -95,14 +87,8 @@ class Annotation:
         check_text(OPERATOR, self.operator, MAX_NAME_CHARACTERS)
         check_text(SITE, self.site, MAX_NAME_CHARACTERS)
         check_text(NOTES, self.notes, MAX_NOTES_CHARACTERS, lines=True)
-        if not (self.position is None or isinstance(self.position, Wgs84Position)):
-            raise _wrong_type(Message("position"), self.position, Message("a position"))
-        heading = self.heading_deg
-        if heading is not None:
-            if isinstance(heading, bool) or not isinstance(heading, (int, float)):
-                raise _wrong_type(HEADING, heading, Message("a number"))
-            number_between(HEADING, heading, 0.0, MAX_HEADING_DEG, "deg")
-            object.__setattr__(self, "heading_deg", float(heading))
+        if self.heading_deg is not None:
+            number_between(HEADING, self.heading_deg, 0.0, MAX_HEADING_DEG, "deg")
 
     def with_defaults(self, defaults: Annotation) -> Annotation:
         """Return this annotation with its empty fields taken from another one.
@@ -117,23 +103,8 @@ class Annotation:
         )
 
     def values(self) -> Dict[str, Any]:
-        """Return the entry of survey.json; name and heading only if they are known."""
-        position = self.position
-        name = {"name": self.name} if self.name else {}
-        heading = {} if self.heading_deg is None else {"heading_deg": self.heading_deg}
-        return {
-            "operator": self.operator,
-            "site": self.site,
-            "notes": self.notes,
-            "position": None
-            if position is None
-            else {
-                "latitude_deg": position.latitude_deg,
-                "longitude_deg": position.longitude_deg,
-            },
-            **heading,
-            **name,
-        }
+        """Return the entry of survey.json."""
+        return dict(plain(self))
 
     def fields(self) -> Dict[str, Any]:
         """Return the fields of the ROS message."""
@@ -167,20 +138,11 @@ def from_values(values: Any) -> Annotation:
     Raises:
         InvalidValueError: It is not one.
     """
-    keys = ["operator", "site", "notes", "position"]
-    # Older surveys have neither, and newer ones only what is known.
-    if isinstance(values, dict):
-        keys += [key for key in ("heading_deg", "name") if key in values]
-    texts = _object(ANNOTATION, values, keys)
-    position = texts.pop("position")
-    if position is not None:
-        numbers = _object("position", position, ("latitude_deg", "longitude_deg"))
-        position = Wgs84Position(**numbers)
-    return Annotation(position=position, **texts)
+    return record_from(Annotation, values, ANNOTATION)
 
 
 def annotation_of(description: Mapping[str, Any]) -> Annotation:
-    """Return the annotation of a survey; empty if it has none, as in older surveys.
+    """Return the annotation of a survey; empty if it has none.
 
     Args:
         description: Content of survey.json.
@@ -192,19 +154,19 @@ def annotation_of(description: Mapping[str, Any]) -> Annotation:
 
 
 def keeping_heading(annotation: Annotation, description: Mapping[str, Any]) -> Annotation:
-    """Return an annotation that came in a ROS message, with the heading that a survey has.
+    """Return an annotation with the heading that a survey has, unless it has one itself.
 
-    It is kept as long as the position stays, since it cannot be given in the message.
+    Clients that do not know a heading leave it out. It is kept as long as the position stays.
 
     Args:
-        annotation: The annotation, without a heading.
+        annotation: The annotation.
         description: Content of survey.json.
     """
     try:
         former = annotation_of(description)
     except InvalidValueError:
         return annotation  # it is replaced because it is wrong
-    if former.position != annotation.position:
+    if annotation.heading_deg is not None or former.position != annotation.position:
         return annotation
     return replace(annotation, heading_deg=former.heading_deg)
 
@@ -250,7 +212,7 @@ def degrees_from_text(name: Name, text: str) -> float:
     return float(number)
 
 
-def check_text(name: Name, text: Any, most: int, lines: bool = False) -> None:
+def check_text(name: Name, text: str, most: int, lines: bool = False) -> None:
     """Check a text of an annotation; any script is allowed.
 
     Args:
@@ -260,10 +222,8 @@ def check_text(name: Name, text: Any, most: int, lines: bool = False) -> None:
         lines: Whether it may have several lines.
 
     Raises:
-        InvalidValueError: It is no text, too long, or has characters that cannot be shown.
+        InvalidValueError: It is too long, or has characters that cannot be shown.
     """
-    if not isinstance(text, str):
-        raise _wrong_type(name, text, Message("a text"))
     if len(text) > most:
         raise InvalidValueError(
             Message(
@@ -284,27 +244,6 @@ def check_text(name: Name, text: Any, most: int, lines: bool = False) -> None:
                 place=place,
             )
         )
-
-
-def _object(name: str, values: Any, keys: Any) -> Dict[str, Any]:
-    if not isinstance(values, dict) or set(values) != set(keys):
-        raise InvalidValueError(
-            Message(
-                "{name} must be an object with the keys {keys}", name=name, keys=", ".join(keys)
-            )
-        )
-    return dict(values)
-
-
-def _wrong_type(name: Name, value: object, wanted: Message) -> InvalidValueError:
-    return InvalidValueError(
-        Message(
-            "{name} is of type {type}; it must be {wanted}",
-            name=name,
-            type=type(value).__name__,
-            wanted=wanted,
-        )
-    )
 
 
 EMPTY = Annotation()

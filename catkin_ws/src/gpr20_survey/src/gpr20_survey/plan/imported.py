@@ -12,6 +12,7 @@ from typing import Any, Dict, List, Mapping, Tuple
 
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message
+from gpr20_common.mid.codec import record_from
 from gpr20_common.terminal_text import printable
 from gpr20_survey import faults
 from gpr20_survey.plan.survey_parameters import MAX_TRACES
@@ -22,7 +23,6 @@ IMPORTED = "imported"
 """Key of survey.json, and the outcome of these surveys."""
 TIMES_KNOWN = "times_known"
 """Key of the entry: whether the times of the traces are those of the source."""
-AXES = ("polarization_deg", "y_mm", "x_mm")
 # Of a position; the values of a grid are those of its traces.
 TOLERANCE = 1e-6
 
@@ -40,6 +40,12 @@ class ImportedGrid:
     polarization_deg: Tuple[float, ...]
     y_mm: Tuple[float, ...]
     x_mm: Tuple[float, ...]
+
+    def __post_init__(self) -> None:
+        axes = (self.polarization_deg, self.y_mm, self.x_mm)
+        ascend = all(one < other for axis in axes for one, other in zip(axis, axis[1:]))
+        if not ascend or not 1 <= math.prod(map(len, axes)) <= MAX_TRACES:
+            raise InvalidValueError(Message("the axes of the grid are empty or do not ascend"))
 
     def points(self) -> List[SurveyPoint]:
         """Return the places in the order of their indices."""
@@ -64,13 +70,13 @@ def imported_grid(description: Mapping[str, Any]) -> ImportedGrid:
     Raises:
         InvalidValueError: survey.json does not hold one.
     """
-    axes = [import_of(description).get(name) for name in AXES]
-    if not all(_is_axis(one) for one in axes) or math.prod(map(len, axes)) > MAX_TRACES:  # type: ignore[arg-type]
+    try:
+        return record_from(ImportedGrid, import_of(description), IMPORTED, others=True)
+    except InvalidValueError as error:
         raise InvalidValueError(
-            Message("survey.json does not hold the grid of the imported survey"),
+            Message("survey.json does not hold the grid of the imported survey", details=error),
             fault=faults.PLAN_UNREADABLE,
-        )
-    return ImportedGrid(*(tuple(map(float, one)) for one in axes))  # type: ignore[arg-type]
+        ) from error
 
 
 def measured_area(description: Mapping[str, Any]) -> Any:
@@ -140,13 +146,3 @@ class ImportedFit:
     def changed_settings(self, _trace: Trace) -> List[Message]:
         """Return nothing: no settings were planned."""
         return []
-
-
-def _is_axis(values: Any) -> bool:
-    # As the traces hold them: floats, which ascend.
-    return (
-        isinstance(values, list)
-        and bool(values)
-        and all(type(one) is float and math.isfinite(one) for one in values)
-        and all(one < other for one, other in zip(values, values[1:]))
-    )

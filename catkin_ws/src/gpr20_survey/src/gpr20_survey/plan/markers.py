@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass, fields, replace
+from dataclasses import asdict, dataclass, replace
 from typing import Any, Dict, List, Mapping, Optional, Tuple
 
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message
 from gpr20_common.mid.checks import number_between
+from gpr20_common.mid.codec import record_from
 from gpr20_survey import faults
 from gpr20_survey.errors import SurveyRefusedError
 from gpr20_survey.plan.annotation import MAX_NAME_CHARACTERS, OPERATOR, check_text
@@ -19,6 +20,8 @@ MAX_TEXT_CHARACTERS = 500
 # With every text as long as it may be, survey.json remains far below its own limit.
 MAX_MARKERS = 1000
 MAX_DEPTH_MM = 10_000.0
+REQUEST_KEYS = ("marker_id", "x_mm", "y_mm", "depth_mm", "text", "author")
+"""What a client says of a marker that it adds; the storage adds the times."""
 
 X, Y, DEPTH, TEXT = Message("X"), Message("Y"), Message("depth"), Message("text of the marker")
 
@@ -50,17 +53,17 @@ class Marker:
     removed_by: str = ""
 
     def __post_init__(self) -> None:
-        if not isinstance(self.marker_id, str) or not SURVEY_ID.fullmatch(self.marker_id):
+        if not SURVEY_ID.fullmatch(self.marker_id):
             raise InvalidValueError(
                 Message(
                     "marker_id is {marker}; it must be a UUID in lower case with hyphens",
-                    marker=repr(str(self.marker_id)[:64]),
+                    marker=repr(self.marker_id[:64]),
                 )
             )
-        _set_number(self, "x_mm", X, -MAX_COORDINATE, MAX_COORDINATE)
-        _set_number(self, "y_mm", Y, -MAX_COORDINATE, MAX_COORDINATE)
+        number_between(X, self.x_mm, -MAX_COORDINATE, MAX_COORDINATE, "mm")
+        number_between(Y, self.y_mm, -MAX_COORDINATE, MAX_COORDINATE, "mm")
         if self.depth_mm is not None:
-            _set_number(self, "depth_mm", DEPTH, 0.0, MAX_DEPTH_MM)
+            number_between(DEPTH, self.depth_mm, 0.0, MAX_DEPTH_MM, "mm")
         check_text(TEXT, self.text, MAX_TEXT_CHARACTERS)
         for name in ("author", "removed_by"):
             check_text(OPERATOR, getattr(self, name), MAX_NAME_CHARACTERS)
@@ -72,48 +75,34 @@ class Marker:
         """Whether nobody has removed it."""
         return not self.removed
 
+    def request(self) -> Dict[str, Any]:
+        """Return what a client says of it."""
+        return {key: getattr(self, key) for key in REQUEST_KEYS}
+
     def same_request(self, other: Marker) -> bool:
         """Return whether another marker was made by the same request, whenever it came."""
-        return replace(self, time="", removed="", removed_by="") == replace(
-            other, time="", removed="", removed_by=""
-        )
-
-
-def _set_number(marker: Marker, name: str, title: Message, lower: float, upper: float) -> None:
-    value = getattr(marker, name)
-    if isinstance(value, bool) or not isinstance(value, (int, float)):
-        raise InvalidValueError(
-            Message(
-                "{name} is of type {type}; it must be {wanted}",
-                name=title,
-                type=type(value).__name__,
-                wanted=Message("a number"),
-            )
-        )
-    number_between(title, value, lower, upper, "mm")
-    object.__setattr__(marker, name, float(value))
-
-
-_KEYS = {one.name for one in fields(Marker)}
+        return self.request() == other.request()
 
 
 def markers_of(description: Mapping[str, Any]) -> Tuple[Marker, ...]:
     """Return all markers of a survey in the order in which they were made, removed ones too.
 
     Args:
-        description: Content of survey.json; older ones have no markers.
+        description: Content of survey.json.
 
     Raises:
         InvalidValueError: Its markers are not those that the storage writes.
     """
-    values = description.get(MARKERS, [])
-    if not isinstance(values, list) or len(values) > MAX_MARKERS:
-        raise _damaged()
-    if not all(isinstance(one, dict) and one.keys() == _KEYS for one in values):
-        raise _damaged()
-    found = tuple(Marker(**one) for one in values)
-    if len({one.marker_id for one in found}) != len(found):
-        raise _damaged()
+    kind: Any = Tuple[Marker, ...]
+    try:
+        found: Tuple[Marker, ...] = record_from(kind, description.get(MARKERS, ()), MARKERS)
+        if len(found) > MAX_MARKERS or len({one.marker_id for one in found}) != len(found):
+            raise InvalidValueError(Message("there are too many, or two of one id"))
+    except InvalidValueError as error:
+        raise InvalidValueError(
+            Message("'markers' in survey.json is not a list of markers", details=error),
+            fault=faults.MARKERS_DAMAGED,
+        ) from error
     return found
 
 
@@ -194,9 +183,3 @@ def _stored(description: Mapping[str, Any]) -> Tuple[Marker, ...]:
             ),
             fault=faults.MARKERS_DAMAGED,
         ) from error
-
-
-def _damaged() -> InvalidValueError:
-    return InvalidValueError(
-        Message("'markers' in survey.json is not a list of markers"), fault=faults.MARKERS_DAMAGED
-    )

@@ -6,7 +6,7 @@ from typing import Any, Mapping, Tuple
 
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message
-from gpr20_common.mid.records import record_from
+from gpr20_common.mid.codec import record_from
 from gpr20_survey import faults
 from gpr20_survey.plan.survey_parameters import (
     RobotTravel,

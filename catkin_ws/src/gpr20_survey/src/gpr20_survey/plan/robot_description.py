@@ -8,9 +8,9 @@ from typing import Any, Dict, Iterable, List, Mapping, Protocol, Sequence
 
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message, in_a_row
+from gpr20_common.mid.codec import record_from
 from gpr20_common.mid.hardware import Hardware
 from gpr20_common.mid.node_software import UNKNOWN_SOFTWARE, NodeSoftware
-from gpr20_common.mid.records import record_from
 from gpr20_survey import faults
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.axes.axis_parameters import AxisParameters

@@ -13,10 +13,10 @@ from gpr20_common.message import Message
 from gpr20_common.mid.checks import number_between
 from gpr20_survey.trace.aux_value import (
     AUX_NAME,
+    AUX_UNIT,
     MAX_AUX_VALUES,
     MAX_UNIT_CHARACTERS,
     VNA_TEMPERATURE,
-    is_aux_unit,
 )
 
 # Section of the configuration, and entry of survey.json.
@@ -67,7 +67,7 @@ class Sensor:
         ):
             if not pattern.fullmatch(getattr(self, key)):
                 self._refuse(key, getattr(self, key), example)
-        if not is_aux_unit(self.unit):
+        if not AUX_UNIT.holds(self.unit):
             raise InvalidValueError(
                 Message(
                     "unit of sensor {sensor} is {value}; it must be printable and have at most "

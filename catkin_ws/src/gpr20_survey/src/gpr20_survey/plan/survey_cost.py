@@ -17,11 +17,11 @@ from gpr20_survey.plan.survey_settings import SurveySettings
 from gpr20_survey.trace.ms2026c import sweep_duration_s
 from gpr20_survey.trace.sweep_settings import SweepSettings
 
-# A JSON file holds three numbers of up to 24 characters per frequency, each recording
-# three doubles; the two recordings hardly compress noise.
+# A JSON file holds three numbers of up to 24 characters per frequency, the recording and the bag
+# three doubles each; they hardly compress noise.
 BYTES_PER_FREQUENCY = 3 * 24 + 2 * 3 * 8
 BYTES_PER_TRACE = 4096
-# Positions at up to 150 messages per second and everything else, in both recordings.
+# Positions at up to 150 messages per second and everything else, in the recording and the bag.
 RECORDED_BYTES_PER_S = 40_000
 
 # At each return to the first stop it is swept this many times in a row: that shows the noise.

@@ -5,10 +5,7 @@ from __future__ import annotations
 import enum
 from dataclasses import dataclass
 
-from gpr20_common.errors import InvalidValueError
-from gpr20_common.faults import CONFIGURATION
-from gpr20_common.message import Message
-from gpr20_common.mid.checks import number_between
+from gpr20_common.mid.codec import bounded
 
 
 class HeightPolicy(enum.Enum):
@@ -39,33 +36,12 @@ class SurveySettings:
             larger one the survey pauses.
     """
 
-    settle_s: float = 0.5
-    height_s: float = 0.4
-    attempts: int = 3
-    on_height_failure: str = HeightPolicy.PAUSE.value
-    return_limit_s: float = 300.0
-    repeat_limit_db: float = -20.0
-    reference_interval_s: float = 3600.0
-    drift_limit_db: float = 1.0
-    drift_limit_deg: float = 10.0
-
-    def __post_init__(self) -> None:
-        number_between("settle_s", self.settle_s, 0.0, 60.0, "s")
-        number_between("height_s", self.height_s, 0.0, 60.0, "s")
-        number_between("return_limit_s", self.return_limit_s, 0.0, 3600.0, "s")
-        number_between("repeat_limit_db", self.repeat_limit_db, -100.0, 0.0, "dB")
-        number_between("reference_interval_s", self.reference_interval_s, 0.0, 1.0e6, "s")
-        number_between("drift_limit_db", self.drift_limit_db, 0.01, 100.0, "dB")
-        number_between("drift_limit_deg", self.drift_limit_deg, 0.1, 180.0, "deg")
-        number_between("attempts", self.attempts, 1, 100)
-        policies = [policy.value for policy in HeightPolicy]
-        if self.on_height_failure not in policies:
-            raise InvalidValueError(
-                Message(
-                    "{place} is {value}; it must be one of {allowed}",
-                    place="on_height_failure",
-                    value=repr(self.on_height_failure),
-                    allowed=", ".join(policies),
-                ),
-                fault=CONFIGURATION,
-            )
+    settle_s: float = bounded(0.0, 60.0, 0.5)
+    height_s: float = bounded(0.0, 60.0, 0.4)
+    attempts: int = bounded(1, 100, 3)
+    on_height_failure: HeightPolicy = HeightPolicy.PAUSE
+    return_limit_s: float = bounded(0.0, 3600.0, 300.0)
+    repeat_limit_db: float = bounded(-100.0, 0.0, -20.0)
+    reference_interval_s: float = bounded(0.0, 1.0e6, 3600.0)
+    drift_limit_db: float = bounded(0.01, 100.0, 1.0)
+    drift_limit_deg: float = bounded(0.1, 180.0, 10.0)

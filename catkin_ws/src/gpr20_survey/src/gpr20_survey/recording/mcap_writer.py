@@ -1,16 +1,18 @@
-"""An MCAP file that loses nothing that was committed."""
+"""The recording of a survey while it runs: an MCAP file that loses nothing that was committed."""
 
 from __future__ import annotations
 
 from collections import Counter
 from pathlib import Path
-from typing import IO, Dict, Tuple, cast
+from typing import IO, Any, Dict, Tuple, cast
 
 from mcap.well_known import MessageEncoding, Profile, SchemaEncoding
 from mcap.writer import MCAP0_MAGIC, Writer
 
 from gpr20_survey.files.append_only_file import AppendOnlyFile
-from gpr20_survey.recording.recording import RecordedMessage, Recording
+from gpr20_survey.folder import survey_metadata
+from gpr20_survey.recording.recording import RecordedMessage
+from gpr20_survey.trace import utc_time
 
 MAGIC = MCAP0_MAGIC
 LIBRARY = "gpr20_vna_processing"
@@ -18,12 +20,20 @@ ATTACHMENT = "survey.json"
 METADATA = "gpr20.survey"
 
 
-class McapFile(Recording):
+class McapFile:
     """Writes messages into an MCAP file of profile ros1 (zstd, with checksums).
+
+    `write` and `begin_chunk` only collect; nothing is promised before `commit` returns. After a
+    commit that failed everything collected is still there and the next one writes it again.
 
     A record of an MCAP file begins with its length, so a file cut anywhere is read up to the cut.
     The library writes into the memory of an `AppendOnlyFile` and never to the disk: what the
     disk refuses is written again by the next commit. It holds the index of the whole file.
+
+    A topic has one type. A survey may be resumed with another version of the software, whose
+    messages have other definitions; players make one publisher per topic, with the type of its
+    first message. Messages of another type are recorded under the name of their topic with the
+    beginning of the type's checksum, such as `/control_status_7b530785`.
     """
 
     def __init__(
@@ -40,14 +50,30 @@ class McapFile(Recording):
         Raises:
             OSError: The file exists or the disk refused.
         """
-        super().__init__(AppendOnlyFile(path))
+        self._file = AppendOnlyFile(path)
         self._writer = Writer(cast(IO[bytes], self._file), enable_data_crcs=True)
+        self._finishing = False  # the index is collected, nothing else may follow
+        self._types: Dict[str, str] = {}  # checksum of the type of each topic
         self._schemas: Dict[Tuple[str, str], int] = {}
         self._channels: Dict[Tuple[str, str], int] = {}
         self._counts: Counter[int] = Counter()
         self._writer.start(Profile.ROS1, LIBRARY)
         self._writer.add_metadata(METADATA, metadata)
         self._writer.add_attachment(time_ns, time_ns, ATTACHMENT, "application/json", attachment)
+
+    @property
+    def name(self) -> str:
+        """File name, for messages."""
+        return self._file.path.name
+
+    @property
+    def collected_bytes(self) -> int:
+        """How much waits for a commit, without the chunk in progress [bytes]."""
+        return self._file.collected_bytes
+
+    def in_place(self) -> bool:
+        """Return whether the file that is written still has its name."""
+        return self._file.in_place()
 
     def write(self, message: RecordedMessage) -> None:
         """Collect a message."""
@@ -58,8 +84,36 @@ class McapFile(Recording):
         )
 
     def begin_chunk(self) -> None:
-        """End the chunk in progress."""
+        """End the group of messages that are compressed and indexed together."""
         self._writer.flush()
+
+    def write_alone(self, message: RecordedMessage) -> None:
+        """Collect a message in a chunk of its own.
+
+        Readers of traces need not unpack other topics.
+        """
+        self.begin_chunk()
+        self.write(message)
+        self.begin_chunk()
+
+    def commit(self) -> None:
+        """Write everything collected to the disk; return when it is there for good.
+
+        Raises:
+            FileReplacedError: The file was moved, removed or replaced.
+            OSError: The disk refused; everything collected remains for the next commit.
+        """
+        if not self._finishing:
+            self.begin_chunk()
+            self._file.commit()
+
+    def take_place_of(self, path: Path) -> None:
+        """Give the file the name of another, which it replaces; return when that is durable.
+
+        Raises:
+            OSError: The disk refused.
+        """
+        self._file.take_place_of(path)
 
     def finish(self) -> None:
         """Write the summary and close the file.
@@ -74,12 +128,19 @@ class McapFile(Recording):
         self._file.commit()
         self._file.release()
 
+    def abandon(self) -> None:
+        """Close the file as it is on the disk; what was not committed is lost."""
+        self._file.release()
+
     def _channel_of(self, message: RecordedMessage) -> int:
-        key = (message.topic, message.md5sum)
+        topic, md5sum = message.topic, message.md5sum
+        while self._types.setdefault(topic, md5sum) != md5sum:
+            topic = f"{topic}_{md5sum[:8]}"
+        key = (topic, md5sum)
         if key not in self._channels:
-            metadata = {"md5sum": message.md5sum, "latching": "1" if message.latching else "0"}
+            metadata = {"md5sum": md5sum, "latching": "1" if message.latching else "0"}
             self._channels[key] = self._writer.register_channel(
-                message.topic, MessageEncoding.ROS1, self._schema_of(message), metadata
+                topic, MessageEncoding.ROS1, self._schema_of(message), metadata
             )
         return self._channels[key]
 
@@ -90,3 +151,18 @@ class McapFile(Recording):
                 message.datatype, SchemaEncoding.ROS1, message.definition.encode()
             )
         return self._schemas[key]
+
+
+def new_mcap(path: Path, description: Dict[str, Any]) -> McapFile:
+    """Begin the recording of a survey; it holds the survey's description as it is now.
+
+    Raises:
+        SurveyRefusedError: The description does not hold when the survey started.
+        OSError: The disk refused.
+    """
+    return McapFile(
+        path,
+        survey_metadata.as_texts(description),
+        survey_metadata.encode(description),
+        survey_metadata.started_us(description) * utc_time.NS_PER_US,
+    )

@@ -6,6 +6,8 @@ import math
 from dataclasses import dataclass
 from typing import Tuple
 
+from gpr20_common.mid.codec import bounded
+
 SEMI_MAJOR_AXIS_M = 6378137.0
 ECCENTRICITY_2 = 0.00669437999014
 """WGS 84: equatorial radius, and square of the first eccentricity."""
@@ -21,9 +23,9 @@ class AreaPosition:
         heading_deg: Direction of +Y, clockwise from north [deg]; +X is 90 degrees to its right.
     """
 
-    latitude_deg: float
-    longitude_deg: float
-    heading_deg: float
+    latitude_deg: float = bounded(-90.0, 90.0)
+    longitude_deg: float = bounded(-180.0, 180.0)
+    heading_deg: float = bounded(-math.inf, math.inf)
 
     def on_earth(self, x_m: float, y_m: float) -> Tuple[float, float]:
         """Return WGS 84 longitude and latitude [deg] of a place of the area.

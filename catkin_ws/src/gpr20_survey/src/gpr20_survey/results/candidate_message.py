@@ -6,7 +6,7 @@ A message has no None: what is not known is NaN, and a list of positions is empt
 from __future__ import annotations
 
 import math
-from typing import Any, Dict, List, Tuple
+from typing import Any, Dict, List, Sequence, Tuple
 
 from gpr20_survey.results.candidate_json import candidate_record, list_record
 from gpr20_survey.results.candidates import CandidateList
@@ -17,8 +17,6 @@ OF_LIST = (
 )
 OF_EACH = ("doubtful", "longitude_deg", "latitude_deg")
 """What the JSON says too; all but the source follows from the fields of the messages."""
-UNKNOWN = ("false_alarms_per_m2", "polarization_ratio_db")
-UNKNOWN_OF_LIST = ("false_alarms_per_m2", "false_alarms_lowest", "false_alarms_highest")
 
 
 def list_fields(found: CandidateList) -> Tuple[Dict[str, Any], List[Dict[str, Any]]]:
@@ -26,16 +24,17 @@ def list_fields(found: CandidateList) -> Tuple[Dict[str, Any], List[Dict[str, An
 
     The entries of `position` are the fields of gpr20_msgs/AreaPosition.
     """
-    fields = {name: value for name, value in list_record(found).items() if name not in OF_LIST}
-    for name in UNKNOWN_OF_LIST:
-        fields[name] = math.nan if fields[name] is None else fields[name]
-    fields["position"] = [] if fields["position"] is None else [fields["position"]]
-    each = []
-    for one in found.candidates:
-        record = candidate_record(one, found)
-        values = {name: value for name, value in record.items() if name not in OF_EACH}
-        values["rotations_deg"] = list(one.rotations_deg)
-        for name in UNKNOWN:
-            values[name] = math.nan if values[name] is None else values[name]
-        each.append(values)
-    return fields, each
+    record = list_record(found)
+    fields = {**_sent(record, OF_LIST), "position": [one for one in [record["position"]] if one]}
+    return fields, [_sent(candidate_record(one, found), OF_EACH) for one in found.candidates]
+
+
+def _sent(record: Dict[str, Any], left_out: Sequence[str]) -> Dict[str, Any]:
+    def number(value: Any) -> Any:
+        return math.nan if value is None else value
+
+    return {
+        name: [number(one) for one in value] if isinstance(value, list) else number(value)
+        for name, value in record.items()
+        if name not in left_out
+    }

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import enum
 import math
-from dataclasses import dataclass
-from typing import Optional, Tuple, Union
+from dataclasses import dataclass, field
+from typing import Optional, Tuple
 
-from gpr20_common.message import Message, verbatim
+from gpr20_common.message import Message
 from gpr20_survey.results.area_position import AreaPosition
 
 MM_PER_M = 1e3
@@ -55,24 +55,10 @@ OMITTED = DOUBTFUL | {Flag.UNRATED}
 """Only candidates with one of these flags are omitted from a list that would be too long."""
 
 
-@dataclass(frozen=True)
-class UnknownFlag:
-    """A flag of a later version of the software, by its name; it makes no candidate doubtful."""
-
-    value: str
-
-    @property
-    def label(self) -> Message:
-        """Its name, as people read it."""
-        return verbatim(self.value)
-
-
-def flag_of(value: str) -> Union[Flag, UnknownFlag]:
-    """Return the flag with a name."""
-    try:
-        return Flag(value)
-    except ValueError:
-        return UnknownFlag(value)
+CANDIDATE_ID = "C[0-9]{2,7}"
+# The bounds of what is read, see `bounded`.
+SIZE, PERMITTIVITY = {"ge": 0.0, "le": math.inf}, {"ge": 1.0, "le": math.inf}
+COUNT = {"ge": 0, "le": 2**53}
 
 
 @dataclass(frozen=True)
@@ -91,27 +77,27 @@ class Candidate:
         y_uncertainty_m: Uncertainty along Y [m].
         depth_uncertainty_m: Uncertainty of the depth from permittivity, picking and height [m].
         above_clutter_db: Level above the standard magnitude of the clutter around it [dB].
-        false_alarms_per_m2: How many echoes of this ground's own clutter are as strong [1/m2]; NaN
+        false_alarms_per_m2: How many echoes of this ground's own clutter are as strong [1/m2]; None
             if that could not be measured.
         rotations_deg: Rotations of the antennas at which it is seen, the one where it is strongest
-            first [deg]; NaN for a combination of polarizations.
+            first [deg]; None for a combination of polarizations.
         polarization_ratio_db: Level at the first rotation above that at the second [dB]; None if
             only one polarization was measured.
         flags: What to know before believing it.
     """
 
-    id: str
+    id: str = field(metadata={"pattern": f"^{CANDIDATE_ID}$"})
     x_m: float
     y_m: float
-    depth_m: float
-    x_uncertainty_m: float
-    y_uncertainty_m: float
-    depth_uncertainty_m: float
+    depth_m: float = field(metadata=SIZE)
+    x_uncertainty_m: float = field(metadata=SIZE)
+    y_uncertainty_m: float = field(metadata=SIZE)
+    depth_uncertainty_m: float = field(metadata=SIZE)
     above_clutter_db: float
-    false_alarms_per_m2: float
-    rotations_deg: Tuple[float, ...]
+    false_alarms_per_m2: Optional[float] = field(metadata=SIZE)
+    rotations_deg: Tuple[Optional[float], ...]
     polarization_ratio_db: Optional[float]
-    flags: Tuple[Union[Flag, UnknownFlag], ...]
+    flags: Tuple[Flag, ...]
 
     @property
     def number(self) -> int:
@@ -155,7 +141,7 @@ class Candidate:
     @property
     def false_alarms_text(self) -> str:
         """Echoes of clutter as strong, such as "0.3"; empty if that is not known."""
-        if math.isnan(self.false_alarms_per_m2):
+        if self.false_alarms_per_m2 is None:
             return ""
         if self.false_alarms_per_m2 < FEWEST_ALARMS_PER_M2:
             return f"< {FEWEST_ALARMS_PER_M2:g}"
@@ -178,11 +164,13 @@ class CandidateList:
         simulated: Whether the survey was made by the simulated robot.
         method: Imaging method.
         permittivity: Relative permittivity of the image.
-        permittivity_range: Lowest and highest possible value.
+        permittivity_lowest: Lowest possible value.
+        permittivity_highest: Highest possible value.
         area_m2: Surveyed area [m^2]; that of a single line is a strip below it.
         false_alarms_per_m2: How many echoes of this ground's own clutter are as strong as the
-            weakest candidate that is not doubtful [1/m^2]; NaN if that could not be measured.
-        false_alarms_range: The 95 % interval of that number.
+            weakest candidate that is not doubtful [1/m^2]; None if that could not be measured.
+        false_alarms_lowest: Lower end of the 95 % interval of that number.
+        false_alarms_highest: Its upper end.
         omitted: Number of candidates beyond the longest list, the last ones; each has a flag of
             `OMITTED`.
         candidates: The candidates.
@@ -190,25 +178,32 @@ class CandidateList:
         position: Place of the origin of X and Y on the earth and direction of Y; None if the survey
             has no position or no heading.
         omitted_primary: Number of omitted candidates that are not doubtful.
-        permittivity_source: Where the permittivity is from; empty: a list of an earlier version.
+        permittivity_source: Where the permittivity is from; empty: not known.
         length_m: Length of a single line [m]; None for an area. Files and messages have the area.
     """
 
     survey_id: str
     simulated: bool
     method: str
-    permittivity: float
-    permittivity_range: Tuple[float, float]
-    area_m2: float
-    false_alarms_per_m2: float
-    false_alarms_range: Tuple[float, float]
-    omitted: int
+    permittivity: float = field(metadata=PERMITTIVITY)
+    permittivity_lowest: float = field(metadata=PERMITTIVITY)
+    permittivity_highest: float = field(metadata=PERMITTIVITY)
+    permittivity_source: str
+    area_m2: float = field(metadata=SIZE)
+    false_alarms_per_m2: Optional[float] = field(metadata=SIZE)
+    false_alarms_lowest: Optional[float] = field(metadata=SIZE)
+    false_alarms_highest: Optional[float] = field(metadata=SIZE)
+    omitted: int = field(metadata=COUNT)
+    omitted_primary: int = field(metadata=COUNT)
+    position: Optional[AreaPosition]
     candidates: Tuple[Candidate, ...]
     notes: Tuple[Message, ...] = ()
-    position: Optional[AreaPosition] = None
-    omitted_primary: int = 0
     length_m: Optional[float] = None
-    permittivity_source: str = ""
+
+    @property
+    def permittivity_range(self) -> Tuple[float, float]:
+        """Lowest and highest possible value."""
+        return self.permittivity_lowest, self.permittivity_highest
 
     @property
     def total(self) -> int:

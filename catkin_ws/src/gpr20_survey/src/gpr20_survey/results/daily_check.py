@@ -16,6 +16,7 @@ from typing import Any, Dict, List, Mapping, Optional, Sequence, Tuple
 import numpy as np
 
 from gpr20_common.message import Message
+from gpr20_common.mid.codec import record_from
 from gpr20_survey.radar.drift import noise_db
 from gpr20_survey.radar.frequency_to_delay import (
     MAX_DELAY_S,
@@ -235,26 +236,14 @@ def judge(figures: Figures, history: Sequence[Figures]) -> Verdict:
     return Verdict(False, message, comparisons)
 
 
-def recorded_figures(figures: Figures) -> Dict[str, Any]:
-    """Return figures as they are stored."""
-    return {part.value: dict(own) for part, own in figures.items()}
-
-
-def figures_from(recorded: Mapping[str, Any]) -> Figures:
-    """Return stored figures.
+def figures_from(recorded: Any) -> Figures:
+    """Return figures as `plain` gave them.
 
     Raises:
-        ValueError: A part or figure is unknown or no number.
+        InvalidValueError: A part is unknown, or a figure is no number.
     """
-    try:
-        return {
-            Part(part): {
-                name: None if value is None else float(value) for name, value in own.items()
-            }
-            for part, own in recorded.items()
-        }
-    except (AttributeError, TypeError) as error:
-        raise ValueError(str(error)) from error
+    kind: Any = Figures
+    return dict(record_from(kind, recorded, "figures"))
 
 
 def _median(history: Sequence[Figures], part: Part, name: str) -> Optional[float]:

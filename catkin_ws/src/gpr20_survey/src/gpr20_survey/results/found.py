@@ -4,14 +4,15 @@ from __future__ import annotations
 
 import enum
 import re
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from typing import Any, Dict, Iterable, List, Mapping, Optional
 
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message
 from gpr20_common.mid.checks import number_between
+from gpr20_common.mid.codec import plain, record_from
 from gpr20_common.terminal_text import is_shown
-from gpr20_survey.results.candidate_json import CANDIDATE_ID
+from gpr20_survey.results.candidates import CANDIDATE_ID
 from gpr20_survey.trace import utc_time
 from gpr20_survey.trace.trace import MAX_COORDINATE
 
@@ -22,7 +23,7 @@ MAX_DEPTH_MM = 10_000.0
 TEXTS = {
     "who": ".{1,500}",
     "notes": ".{0,500}",
-    "candidate": CANDIDATE_ID.pattern,
+    "candidate": CANDIDATE_ID,
     "list_sha256": "[0-9a-f]{64}",
     "photo": r"([0-9a-f]{64}\.(jpg|jpeg|png|heic|webp))?",
 }
@@ -68,18 +69,13 @@ class Found:
 
     def values(self) -> Dict[str, Any]:
         """Return the values of its record in the log."""
-        return {"format": FORMAT, **asdict(self), "what": self.what.value}
+        return {"format": FORMAT, **plain(self)}
 
 
 def found_of(values: Mapping[str, Any]) -> Found:
     """Return what a record of the log says, if it is as `Found.values` writes it."""
-    try:
-        known = {**values, "what": What(values["what"])}
-        del known["format"]
-        return Found(**known)
-    except (KeyError, TypeError, ValueError) as error:
-        message = Message("a record of what was found is not as it should be", details=error)
-        raise InvalidValueError(message) from error
+    known = {name: value for name, value in values.items() if name != "format"}
+    return record_from(Found, known, "found")
 
 
 def present(records: Iterable[Found]) -> List[Found]:

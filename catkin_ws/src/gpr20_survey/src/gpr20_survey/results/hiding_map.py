@@ -6,13 +6,14 @@ The analysis writes it as JSON, which every screen reads.
 from __future__ import annotations
 
 import json
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass, fields
 from typing import Any, Dict, List, Optional, Tuple
 
 import numpy as np
 
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message, verbatim
+from gpr20_common.mid.codec import plain, record_from
 from gpr20_survey.no_clearance import SIMULATED
 from gpr20_survey.results.area_position import AreaPosition
 from gpr20_survey.results.hidden_target import Target
@@ -24,8 +25,6 @@ WITHIN = "within_m"
 SINGLE_CELL_M = 0.05
 FEWEST = 6
 """Targets near a place; with fewer it counts as one where the target could hide."""
-FIGURES = ("needed", "permittivity", "loss_tangent")
-WHOLE = ("seed", "checked", "agreed")
 ONLY_THIS = Message(
     "This map holds for this target only. Where it was found, another object, or one that lies "
     "otherwise, may be missed."
@@ -33,22 +32,14 @@ ONLY_THIS = Message(
 
 
 @dataclass(frozen=True)
-class HidingMap:
-    """The share of targets that were found around places of a survey.
+class HidingFacts:
+    """What a map says beside its tables.
 
     Attributes:
         survey_id: The survey.
         simulated: Whether it is simulated.
         target: What was put into its spectra.
-        x_m: X of the places, ascending [m].
-        y_m: Y of the places, ascending [m].
-        depth_m: Depths of the target's top, ascending [m].
-        tried: How many targets were put near each place (depth, y, x).
-        found: How many of them the detector found.
-        lowest: Lower end of the 95 % interval of the share.
-        highest: Upper end.
         needed: The share that must be found, else the target could hide.
-        within_m: The targets of every place are at most so far from it, at each depth [m].
         permittivity: Relative permittivity of the soil.
         permittivity_range: Its lowest and highest likely value.
         loss_tangent: Loss tangent of the soil.
@@ -58,13 +49,39 @@ class HidingMap:
         agreed: For how many of them both had the same answer.
         by_whole_m: Depths at which the answers were not enough alike, so that the whole detector
             searched all targets [m].
-        notes: What else a person should know.
         position: Where the area is on the earth; None: not known.
     """
 
     survey_id: str
     simulated: bool
     target: Target
+    needed: float
+    permittivity: float
+    permittivity_range: Tuple[float, float]
+    loss_tangent: float
+    seed: int
+    checked: int
+    agreed: int
+    by_whole_m: Tuple[float, ...]
+    position: Optional[AreaPosition]
+
+
+@dataclass(frozen=True)
+class HidingMap(HidingFacts):
+    """The share of targets that were found around places of a survey.
+
+    Attributes:
+        x_m: X of the places, ascending [m].
+        y_m: Y of the places, ascending [m].
+        depth_m: Depths of the target's top, ascending [m].
+        tried: How many targets were put near each place (depth, y, x).
+        found: How many of them the detector found.
+        lowest: Lower end of the 95 % interval of the share.
+        highest: Upper end.
+        within_m: The targets of every place are at most so far from it, at each depth [m].
+        notes: What else a person should know.
+    """
+
     x_m: np.ndarray
     y_m: np.ndarray
     depth_m: np.ndarray
@@ -72,17 +89,8 @@ class HidingMap:
     found: np.ndarray
     lowest: np.ndarray
     highest: np.ndarray
-    needed: float
     within_m: np.ndarray
-    permittivity: float
-    permittivity_range: Tuple[float, float]
-    loss_tangent: float
-    seed: int
-    checked: int = 0
-    agreed: int = 0
-    by_whole_m: Tuple[float, ...] = ()
     notes: Tuple[Message, ...] = ()
-    position: Optional[AreaPosition] = None
 
     @property
     def share(self) -> np.ndarray:
@@ -173,21 +181,18 @@ class HidingMap:
         )
 
 
+FACTS = tuple(one.name for one in fields(HidingFacts))
+
+
 def hiding_json(found: HidingMap) -> str:
     """Return a map as JSON."""
     values: Dict[str, Any] = {
         "format": FORMAT,
         "warning": str(ONLY_THIS),
-        "survey_id": found.survey_id,
-        "simulated": found.simulated,
-        "target": asdict(found.target),
+        **plain({name: getattr(found, name) for name in FACTS}),
         "coordinates": "X, Y and depth of the top in metres, in the survey's area",
         **{name: getattr(found, name).tolist() for name in (*AXES, *COUNTS, WITHIN)},
         **{name: np.round(getattr(found, name), 6).tolist() for name in LIMITS},
-        "by_whole_m": list(found.by_whole_m),
-        "permittivity_range": list(found.permittivity_range),
-        **{name: getattr(found, name) for name in (*FIGURES, *WHOLE)},
-        "position": asdict(found.position) if found.position else None,
         "notes": [str(note) for note in found.notes],
     }
     return json.dumps(values, ensure_ascii=False, allow_nan=False)
@@ -210,32 +215,20 @@ def hiding_from(text: str) -> HidingMap:
         )
         counts = {name: np.asarray(values[name], np.int64) for name in COUNTS}
         limits = {name: np.asarray(values[name], np.float64) for name in LIMITS}
-        tables = [*counts.values(), *limits.values()]
         within_m = np.asarray(values[WITHIN], np.float64)
         if (
             not ascending
-            or any(one.shape != shape for one in tables)
+            or any(one.shape != shape for one in (*counts.values(), *limits.values()))
             or within_m.shape != shape[:1]
             or not np.all(within_m >= 0.0)
         ):
             raise ValueError("axes and tables contradict each other")
         if np.any(counts["found"] < 0) or np.any(counts["found"] > counts["tried"]):
             raise ValueError("more were found than tried")
-        low, high = (float(one) for one in values["permittivity_range"])
-        place = values["position"]
-        numbers: Dict[str, Any] = {**axes, **counts, **limits, WITHIN: within_m}
-        numbers.update((name, float(values[name])) for name in FIGURES)
-        numbers.update((name, int(values[name])) for name in WHOLE)
-        return HidingMap(
-            survey_id=str(values["survey_id"]),
-            simulated=bool(values["simulated"]),
-            target=Target(**values["target"]),
-            permittivity_range=(low, high),
-            by_whole_m=tuple(float(one) for one in values["by_whole_m"]),
-            notes=tuple(verbatim(str(one)) for one in values["notes"]),
-            position=None if place is None else AreaPosition(**place),
-            **numbers,
-        )
+        facts = record_from(HidingFacts, {name: values[name] for name in FACTS}, "")
+        notes = tuple(verbatim(str(one)) for one in values["notes"])
+        tables: Dict[str, Any] = {**axes, **counts, **limits, WITHIN: within_m}
+        return HidingMap(**vars(facts), **tables, notes=notes)
     except (ValueError, KeyError, TypeError, RecursionError) as error:
         message = Message("the map of hidden targets is not complete or not valid", details=error)
         raise InvalidValueError(message) from error

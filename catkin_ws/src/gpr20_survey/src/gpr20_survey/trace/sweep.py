@@ -2,58 +2,59 @@
 
 from __future__ import annotations
 
-import math
-from dataclasses import dataclass
-from typing import NoReturn, Tuple
+from dataclasses import dataclass, field
+from typing import Tuple
 
 import numpy as np
 
-from gpr20_common.message import Fault, Message
+from gpr20_common.message import Message
 from gpr20_survey import faults
-from gpr20_survey.errors import TraceRefusedError
 from gpr20_survey.trace import utc_time
 from gpr20_survey.trace.sweep_settings import AnalyzerSettings
+from gpr20_survey.trace.trace_form import FLOATS, TEXT, TIME, check, fields_of, list_of, of
+from gpr20_survey.trace.trace_rule import PLAUSIBLE, Rule, printable, refuse
 
 MIN_POINTS, MAX_POINTS = 2, 4001
 MAX_REMARKS, MAX_REMARK_CHARACTERS = 32, 200
-# Far beyond what any analyzer has.
-MAX_IF_BANDWIDTH_HZ = 1.0e9
-MAX_AVERAGES = 1_000_000
-MAX_POWER_CHARACTERS = 32
+_REMARK = printable(MAX_REMARK_CHARACTERS)
+_REMARKS = Rule(
+    lambda remarks: len(remarks) <= MAX_REMARKS and all(map(_REMARK.holds, remarks)),
+    Message(
+        "at most {most} remarks, each printable and of at most {characters} characters",
+        most=MAX_REMARKS,
+        characters=MAX_REMARK_CHARACTERS,
+    ),
+)
 
 
 @dataclass(frozen=True, eq=False)
 class Sweep:
     """One S21 sweep; making one checks every value.
 
-    Times are whole microseconds since 1970 in UTC, the resolution of every stored form.
-
-    Attributes:
-        frequency_hz: Frequencies [Hz, float64, shape (points,)], ascending.
-        s21_real: Real part of S21, linear [float64, shape (points,)].
-        s21_imag: Imaginary part of S21, linear [float64, shape (points,)].
-        sweep_started_us: Just before the sweep was triggered [us since 1970, UTC].
-        sweep_ended_us: When its end was seen [us since 1970, UTC].
-        quality: Remarks on the quality; empty if there are none.
-        analyzer: How the analyzer measured, as read back from it; 0 or empty: not known.
+    Times are whole microseconds since 1970 in UTC, the resolution of every stored form; the arrays
+    are float64 of shape (points,).
 
     Raises:
         TraceRefusedError: A value is not allowed; the message names it.
     """
 
-    frequency_hz: np.ndarray
-    s21_real: np.ndarray
-    s21_imag: np.ndarray
-    sweep_started_us: int
-    sweep_ended_us: int
-    quality: Tuple[str, ...]
+    frequency_hz: np.ndarray = field(metadata=of(FLOATS, "frequencies, ascending", "Hz"))
+    s21_real: np.ndarray = field(metadata=of(FLOATS, "real part of S21, linear", "1"))
+    s21_imag: np.ndarray = field(metadata=of(FLOATS, "imaginary part of S21, linear", "1"))
+    sweep_started_us: int = field(metadata=of(TIME, "when the sweep was triggered", rule=PLAUSIBLE))
+    sweep_ended_us: int = field(
+        metadata=of(TIME, "when the end of the sweep was seen", rule=PLAUSIBLE)
+    )
+    quality: Tuple[str, ...] = field(
+        metadata=of(list_of(TEXT), "remarks on the quality; empty if there are none", rule=_REMARKS)
+    )
     analyzer: AnalyzerSettings
 
     def __post_init__(self) -> None:
+        check(_FIELDS, vars(self))
+        check(SETTINGS, vars(self.analyzer))
         self._check_numbers()
         self._check_sweep_times()
-        self._check_quality()
-        self._check_analyzer()
 
     @property
     def duration_s(self) -> float:
@@ -103,8 +104,6 @@ class Sweep:
             )
 
     def _check_sweep_times(self) -> None:
-        check_time("sweep_started", self.sweep_started_us)
-        check_time("sweep_ended", self.sweep_ended_us)
         if self.sweep_ended_us < self.sweep_started_us:
             refuse(
                 Message(
@@ -115,95 +114,12 @@ class Sweep:
                 fault=faults.CLOCK_WRONG,
             )
 
-    def _check_quality(self) -> None:
-        if len(self.quality) > MAX_REMARKS:
-            refuse(
-                Message(
-                    "quality has {count} remarks; at most {most} are allowed",
-                    count=len(self.quality),
-                    most=MAX_REMARKS,
-                )
-            )
-        for remark in self.quality:
-            if len(remark) > MAX_REMARK_CHARACTERS or not remark.isprintable():
-                refuse(
-                    Message(
-                        "quality holds {remark}; a remark must be printable and have at most "
-                        "{most} characters",
-                        remark=shortened(remark),
-                        most=MAX_REMARK_CHARACTERS,
-                    )
-                )
 
-    def _check_analyzer(self) -> None:
-        bandwidth_hz = self.analyzer.if_bandwidth_hz
-        # Written so that NaN is refused, and a negative zero, which is the same in no stored form.
-        if not 0.0 <= bandwidth_hz <= MAX_IF_BANDWIDTH_HZ or math.copysign(1.0, bandwidth_hz) < 0.0:
-            _refuse_outside("if_bandwidth_hz", bandwidth_hz, MAX_IF_BANDWIDTH_HZ)
-        if not 0 <= self.analyzer.averages <= MAX_AVERAGES:
-            _refuse_outside("averages", self.analyzer.averages, MAX_AVERAGES)
-        power = self.analyzer.output_power
-        if len(power) > MAX_POWER_CHARACTERS or not power.isprintable():
-            refuse(
-                Message(
-                    "output_power is {power}; it must be printable and have at most {most} "
-                    "characters",
-                    power=shortened(power),
-                    most=MAX_POWER_CHARACTERS,
-                ),
-                fault=faults.WRONG_SWEEP,
-            )
+SETTINGS = tuple(fields_of(AnalyzerSettings).values())
+_FIELDS = tuple(fields_of(Sweep).values())
 
 
 def storable_remark(remark: str) -> str:
     """Return a remark as a sweep accepts it: short, and with printable characters only."""
     text = "".join(one if one.isprintable() else "?" for one in remark)
     return text if len(text) <= MAX_REMARK_CHARACTERS else text[: MAX_REMARK_CHARACTERS - 3] + "..."
-
-
-def check_time(name: str, time_us: int) -> None:
-    """Refuse a moment [us since 1970] that cannot be right.
-
-    Raises:
-        TraceRefusedError: It cannot.
-    """
-    if not utc_time.is_plausible(time_us):
-        refuse(
-            Message(
-                "{name} is {time}; set the computer's clock",
-                name=name,
-                time=utc_time.iso_text(time_us),
-            ),
-            fault=faults.CLOCK_WRONG,
-        )
-
-
-def refuse(reason: Message, fault: Fault = faults.TRACE_NOT_ALLOWED) -> NoReturn:
-    """Raise the error of a trace that is not allowed.
-
-    Args:
-        reason: What is not allowed.
-        fault: What it reports.
-
-    Raises:
-        TraceRefusedError: Always.
-    """
-    raise TraceRefusedError(Message("the trace is refused: {reason}", reason=reason), fault=fault)
-
-
-def shortened(text: str) -> str:
-    """Return a text in quotes, cut to what a message can hold."""
-    return repr(text if len(text) <= 64 else text[:61] + "...")
-
-
-def _refuse_outside(name: str, value: float, upper: float) -> NoReturn:
-    refuse(
-        Message(
-            "{name} is {value}; it must lie between {lower} and {upper}",
-            name=name,
-            value=f"{value:.12g}",
-            lower=0,
-            upper=f"{upper:.12g}",
-        ),
-        fault=faults.WRONG_SWEEP,
-    )

@@ -2,11 +2,22 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
 from gpr20_common.message import Message
+from gpr20_survey import faults
+from gpr20_survey.trace.trace_form import FLOAT64, INT32, TEXT, of
+from gpr20_survey.trace.trace_rule import between, printable
+
+# Far beyond what any analyzer has.
+MAX_IF_BANDWIDTH_HZ = 1.0e9
+MAX_AVERAGES = 1_000_000
+MAX_POWER_CHARACTERS = 32
+_BANDWIDTH = between(0.0, MAX_IF_BANDWIDTH_HZ, faults.WRONG_SWEEP)
+_AVERAGES = between(0, MAX_AVERAGES, faults.WRONG_SWEEP)
+_POWER = printable(MAX_POWER_CHARACTERS, faults.WRONG_SWEEP)
 
 
 @dataclass(frozen=True)
@@ -15,16 +26,20 @@ class AnalyzerSettings:
 
     In a request, 0 or an empty text leaves the instrument's own value; in an answer or a record
     it means that the value is not known.
-
-    Attributes:
-        if_bandwidth_hz: Bandwidth of the receiver's intermediate frequency [Hz].
-        averages: Number of sweeps averaged for one trace.
-        output_power: LOW or HIGH for the MS2026C; as the analyzer names it for others.
     """
 
-    if_bandwidth_hz: float = 0.0
-    averages: int = 0
-    output_power: str = ""
+    if_bandwidth_hz: float = field(
+        default=0.0,
+        metadata=of(FLOAT64, "bandwidth of the receiver, as read back", "Hz", 0.0, _BANDWIDTH),
+    )
+    averages: int = field(
+        default=0,
+        metadata=of(INT32, "sweeps averaged for the trace, as read back", "", 0, _AVERAGES),
+    )
+    output_power: str = field(
+        default="",
+        metadata=of(TEXT, "as read back; `LOW` or `HIGH` for the MS2026C", "", "", _POWER),
+    )
 
     @property
     def is_known(self) -> bool:

@@ -5,14 +5,28 @@ from __future__ import annotations
 import hashlib
 import math
 import re
-from dataclasses import astuple, dataclass
-from typing import Tuple
+from dataclasses import dataclass, field
+from typing import Any, Dict, Mapping, Tuple
 
 from gpr20_common.message import Message
 from gpr20_survey import faults
-from gpr20_survey.axes.zero_epoch import Zeros, are_zeros
-from gpr20_survey.trace.aux_value import AuxValue, check_aux
-from gpr20_survey.trace.sweep import Sweep, check_time, refuse, shortened
+from gpr20_survey.axes.zero_epoch import AXES, UNKNOWN_ZERO, ZeroEpoch, Zeros, are_zeros
+from gpr20_survey.trace.aux_value import AUX_RULE, AuxValue
+from gpr20_survey.trace.sweep import SETTINGS, Sweep
+from gpr20_survey.trace.sweep_settings import AnalyzerSettings
+from gpr20_survey.trace.trace_form import (
+    FLOAT64,
+    TEXT,
+    TIME,
+    UINT32,
+    TraceField,
+    check,
+    fields_of,
+    list_of,
+    of,
+    record_of,
+)
+from gpr20_survey.trace.trace_rule import FINITE, PLAUSIBLE, Rule, between, refuse, shortened
 
 FORMAT = "gpr20-trace/1"
 MAX_INDEX = 999_999  # six digits in the file name
@@ -20,50 +34,55 @@ MAX_COORDINATE = 10_000.0  # [mm or deg], more than any axis of this robot
 
 SURVEY_ID = re.compile(r"[0-9a-f]{8}-[0-9a-f]{4}-[0-9a-f]{4}-[0-9a-f]{4}-[0-9a-f]{12}")
 SAMPLE_ID = re.compile(r"[A-Za-z0-9][A-Za-z0-9._:-]{0,127}")
+_UUID = Rule(
+    lambda text: SURVEY_ID.fullmatch(text) is not None,
+    Message("a UUID in lower case with hyphens"),
+)
+_NAME = Rule(
+    lambda text: SAMPLE_ID.fullmatch(text) is not None,
+    Message(
+        "1 to 128 letters, digits, dots, colons, hyphens or underscores, the first a letter or "
+        "digit"
+    ),
+)
+_INDEX = between(0, MAX_INDEX)
+_COORDINATE = between(-MAX_COORDINATE, MAX_COORDINATE)
 
 
 @dataclass(frozen=True, eq=False)
 class Trace(Sweep):
     """One S21 sweep at one antenna position; making one checks every value.
 
-    The same record is measured, stored, published and read back. Its names are those of the
-    JSON file and of gpr20_msgs/Trace.
-
-    Attributes:
-        survey_id: UUID of the survey, lower case with hyphens.
-        sample_id: Unique name of this sample within all surveys.
-        index: Place in the survey's plan, from 0.
-        timestamp_us: When the sample was complete [us since 1970, UTC].
-        x_coord_mm: Read from the axis after the move [mm].
-        y_coord_mm: Likewise [mm].
-        z_coord_deg: Rotation of the antennas [deg].
-        antennae_height_m: Above the ground [m]; NaN if it was not measured.
-        format: Version of this record.
-        aux: What other sensors measured at this trace; names are unique.
-        zeros: The zeros that x, y and z refer to; empty if they are not known.
+    The same record is measured, stored, published and read back. What is declared here with `of`
+    is a line of the table TRACE_FIELDS, from which its JSON file, its message, the columns of a
+    Dataset and the page of the formats come.
 
     Raises:
         TraceRefusedError: A value is not allowed; the message names it.
     """
 
-    survey_id: str
-    sample_id: str
-    index: int
-    timestamp_us: int
-    x_coord_mm: float
-    y_coord_mm: float
-    z_coord_deg: float
-    antennae_height_m: float
-    format: str = FORMAT
-    aux: Tuple[AuxValue, ...] = ()
+    survey_id: str = field(metadata=of(TEXT, "UUID of the survey", rule=_UUID))
+    sample_id: str = field(metadata=of(TEXT, "unique name within all surveys", rule=_NAME))
+    index: int = field(metadata=of(UINT32, "place in the survey's plan, from 0", rule=_INDEX))
+    timestamp_us: int = field(metadata=of(TIME, "when the sample was complete", rule=PLAUSIBLE))
+    x_coord_mm: float = field(metadata=of(FLOAT64, "read from the axis", "mm", rule=_COORDINATE))
+    y_coord_mm: float = field(metadata=of(FLOAT64, "read from the axis", "mm", rule=_COORDINATE))
+    z_coord_deg: float = field(
+        metadata=of(FLOAT64, "rotation of the antennas", "degree", rule=_COORDINATE)
+    )
+    antennae_height_m: float = field(
+        metadata=of(FLOAT64, "above the ground", "m", math.nan, FINITE)
+    )
+    aux: Tuple[AuxValue, ...] = field(
+        default=(),
+        metadata=of(list_of(record_of(AuxValue)), "what other sensors measured", rule=AUX_RULE),
+    )
+    # Empty if they are not known.
     zeros: Zeros = ()
 
     def __post_init__(self) -> None:
-        self._check_names()
-        self._check_position()
+        check(_OWN, vars(self))
         super().__post_init__()
-        check_time("timestamp", self.timestamp_us)
-        check_aux(self.aux)
         if not are_zeros(self.zeros):
             refuse(
                 Message(
@@ -78,76 +97,71 @@ class Trace(Sweep):
         """Short name for messages."""
         return Message("trace {index} (sample {sample})", index=self.index, sample=self.sample_id)
 
+    def values(self) -> Dict[str, Any]:
+        """Return the value of each of TRACE_FIELDS by its attribute."""
+        zeros = self.zeros or AXES * (UNKNOWN_ZERO,)
+        return {
+            **vars(self),
+            **vars(self.analyzer),
+            "format": FORMAT,
+            "zero_epochs": tuple([one.number for one in zeros]),
+            "zero_times_us": tuple([one.time_us for one in zeros]),
+        }
+
+    @classmethod
+    def of_values(cls, values: Mapping[str, Any]) -> Trace:
+        """Return the trace of the values of TRACE_FIELDS, by their attributes.
+
+        Raises:
+            TraceRefusedError: A value is not allowed; the message names it.
+        """
+        held = dict(values)
+        check_format(held.pop("format"))
+        analyzer = AnalyzerSettings(*[held.pop(one.attribute) for one in SETTINGS])
+        numbers, times_us = held.pop("zero_epochs"), held.pop("zero_times_us")
+        is_known = any(numbers) or any(times_us)
+        zeros = tuple(map(ZeroEpoch, numbers, times_us)) if is_known else ()
+        return cls(**held, analyzer=analyzer, zeros=zeros)
+
+    def packed(self, header: bytes = b"") -> bytes:
+        """Return all TRACE_FIELDS as a ROS message holds them, behind its header."""
+        values = self.values()
+        return b"".join([header, *(pack(values[attribute]) for attribute, pack in _PACKED)])
+
     def fingerprint(self) -> bytes:
         """Return 16 bytes that are the same only for traces equal to the last bit."""
-        height = self.antennae_height_m
-        words = (
-            *(self.format, self.survey_id, self.sample_id, self.index, self.timestamp_us),
-            *(float(self.x_coord_mm), float(self.y_coord_mm), float(self.z_coord_deg)),
-            *(None if math.isnan(height) else float(height), len(self.frequency_hz)),
-            *(self.sweep_started_us, self.sweep_ended_us, tuple(self.quality)),
-            *(float(self.analyzer.if_bandwidth_hz), *astuple(self.analyzer)[1:]),
-            *((one.name, float(one.value), one.unit, one.stamp_us) for one in self.aux),
-            *map(astuple, self.zeros),
+        return hashlib.blake2b(self.packed(), digest_size=16).digest()
+
+
+def check_format(found: Any) -> None:
+    """Refuse a version of the record that is not FORMAT.
+
+    Raises:
+        TraceRefusedError: It is another one.
+    """
+    if found != FORMAT:
+        refuse(
+            Message(
+                "its format is {format}; this software reads {expected}",
+                format=shortened(str(found)),
+                expected=repr(FORMAT),
+            ),
+            fault=faults.TRACE_OTHER_VERSION,
         )
-        digest = hashlib.blake2b(repr(words).encode(), digest_size=16)
-        for values in (self.frequency_hz, self.s21_real, self.s21_imag):
-            digest.update(values.tobytes())
-        return digest.digest()
 
-    def _check_names(self) -> None:
-        if self.format != FORMAT:
-            refuse(
-                Message(
-                    "format is {format}; it must be '{expected}'",
-                    format=shortened(self.format),
-                    expected=FORMAT,
-                )
-            )
-        if not SURVEY_ID.fullmatch(self.survey_id):
-            refuse(
-                Message(
-                    "survey_id is {survey_id}; it must be a UUID in lower case with hyphens",
-                    survey_id=shortened(self.survey_id),
-                )
-            )
-        if not SAMPLE_ID.fullmatch(self.sample_id):
-            refuse(
-                Message(
-                    "sample_id is {sample_id}; it must be 1 to 128 letters, digits, dots, colons, "
-                    "hyphens or underscores, the first a letter or digit",
-                    sample_id=shortened(self.sample_id),
-                )
-            )
-        if not 0 <= self.index <= MAX_INDEX:
-            refuse(
-                Message(
-                    "{name} is {value}; it must lie between {lower} and {upper}",
-                    name="index",
-                    value=self.index,
-                    lower=0,
-                    upper=MAX_INDEX,
-                )
-            )
 
-    def _check_position(self) -> None:
-        for name in ("x_coord_mm", "y_coord_mm", "z_coord_deg"):
-            value = getattr(self, name)
-            # Written so that NaN, which fails every comparison, is refused too.
-            if not -MAX_COORDINATE <= value <= MAX_COORDINATE:
-                refuse(
-                    Message(
-                        "{name} is {value}; it must lie between {lower} and {upper}",
-                        name=name,
-                        value=str(value),
-                        lower=f"{-MAX_COORDINATE:g}",
-                        upper=f"{MAX_COORDINATE:g}",
-                    )
-                )
-        if math.isinf(self.antennae_height_m):
-            refuse(
-                Message(
-                    "antennae_height_m is infinite; it must be a number, or NaN if not measured"
-                ),
-                fault=faults.SENSOR_NOT_FINITE,
-            )
+_NUMBERS = of(list_of(UINT32, AXES), "numbers of the zeros of x, y and z", "", AXES * (0,))
+_TIMES = of(list_of(TIME, AXES), "when those zeros were found or set", "", AXES * (0,))
+_OWN = [one for name, one in fields_of(Trace).items() if name not in fields_of(Sweep)]
+TRACE_FIELDS = (
+    TraceField.of("format", of(TEXT, f"`{FORMAT}`")),
+    *(one for one in _OWN if not hasattr(Trace, one.attribute)),
+    *fields_of(Sweep).values(),
+    *SETTINGS,
+    # Those with a default come last.
+    *(one for one in _OWN if hasattr(Trace, one.attribute)),
+    TraceField.of("zero_epochs", _NUMBERS),
+    TraceField.of("zero_times_us", _TIMES),
+)
+"""The table of a trace's fields, in the order of Trace.msg."""
+_PACKED = [(one.attribute, one.form.pack) for one in TRACE_FIELDS]

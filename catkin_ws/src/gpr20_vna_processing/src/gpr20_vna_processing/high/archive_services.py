@@ -7,17 +7,13 @@ from typing import Any, List
 
 import rospy
 
-from gpr20_common.high.services import advertise
+from gpr20_common.high.services import advertise, success
 from gpr20_common.message import Message
-from gpr20_common.sent_message import message_fields
 from gpr20_msgs.msg import SurveySummary
 from gpr20_msgs.srv import (
     ListSurveys,
-    ListSurveysResponse,
     ReadSurvey,
-    ReadSurveyResponse,
     ReadTraces,
-    ReadTracesResponse,
 )
 from gpr20_survey.results.survey_summary import summary_fields
 from gpr20_survey.trace.trace_block import block_fields
@@ -35,35 +31,35 @@ class ArchiveServices:
             advertise("read_traces", ReadTraces, self._traces),
         ]
 
-    def _list(self, request: Any) -> ListSurveysResponse:
+    def _list(self, request: Any) -> Any:
         surveys, more = self._archive.list(request.before, request.max_surveys)
-        return ListSurveysResponse(
-            success=True,
-            **message_fields(Message("{count} surveys", count=len(surveys))),
+        return success(
+            ListSurveys,
+            Message("{count} surveys", count=len(surveys)),
             surveys=[SurveySummary(**summary_fields(one)) for one in surveys],
             more=more,
         )
 
-    def _survey(self, request: Any) -> ReadSurveyResponse:
+    def _survey(self, request: Any) -> Any:
         survey = self._archive.survey(request.survey)
-        return ReadSurveyResponse(
-            success=True,
-            **message_fields(Message("{count} traces stored", count=len(survey.stored_indices))),
+        return success(
+            ReadSurvey,
+            Message("{count} traces stored", count=len(survey.stored_indices)),
             survey_id=survey.survey_id,
             metadata_json=json.dumps(survey.description),
             stored_indices=survey.stored_indices,
         )
 
-    def _traces(self, request: Any) -> ReadTracesResponse:
+    def _traces(self, request: Any) -> Any:
         block, unreadable = self._archive.traces(request.survey, request.indices)
         message = Message(
             "{count} traces, {unreadable} files cannot be read",
             count=len(block.indices),
             unreadable=len(unreadable),
         )
-        return ReadTracesResponse(
-            success=True,
-            **message_fields(message),
+        return success(
+            ReadTraces,
+            message,
             **block_fields(block),
             unreadable=[f"{index}: {reason}" for index, reason in unreadable.items()],
             unreadable_json=[reason.to_json() for reason in unreadable.values()],

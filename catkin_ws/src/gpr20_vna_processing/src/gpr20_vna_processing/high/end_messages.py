@@ -7,8 +7,8 @@ from typing import Any, List
 import rospy
 
 from gpr20_common.high.raw_message import serialized
-from gpr20_common.message import Message, Severity
-from gpr20_common.sent_message import message_fields, message_from, received_message
+from gpr20_common.message import Message
+from gpr20_common.sent_message import message_fields
 from gpr20_msgs.msg import ControlStatus
 from gpr20_survey import faults
 from gpr20_survey.errors import SurveyRefusedError
@@ -47,24 +47,6 @@ def end_messages(request: Any, time_ns: int) -> List[RecordedMessage]:
         if status.survey_id and message.survey_id == request.survey_id
     ]
     return [one for one in messages if len(one.data) <= LARGEST_BYTES]
-
-
-def reason_of(request: Any) -> Message:
-    """Return why a survey ended, from a request to close it.
-
-    Args:
-        request: Of the service `close_survey`. The fault of its reason may be in the status alone,
-            beside warnings that have nothing to do with the end.
-    """
-    reason = received_message(request.reason, request.reason_json)
-    status = request.status
-    if request.outcome == "finished" or reason.fault_code or status.survey_id != request.survey_id:
-        return reason
-    message = message_from(status)
-    cause = (message.failure or message).cause
-    if cause is None or cause.severity is Severity.WARNING:
-        return reason
-    return reason.with_fault(cause)
 
 
 def end_status(end: SurveyEnd) -> RecordedMessage:

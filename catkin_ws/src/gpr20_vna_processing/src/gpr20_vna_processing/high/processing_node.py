@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import json
 import time
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import Any, List
 
 import rospy
 from std_msgs.msg import String
@@ -18,26 +19,22 @@ from gpr20_common.high.node import run_device
 from gpr20_common.high.parameters import read_parameters
 from gpr20_common.high.raw_message import deserialized, preserialized, serialized
 from gpr20_common.high.ros_time import microseconds
-from gpr20_common.high.services import advertise
+from gpr20_common.high.services import advertise, success
+from gpr20_common.high.subscribers import subscriber_count
 from gpr20_common.low.clock import Clock
 from gpr20_common.low.revision import software_revision
 from gpr20_common.message import Message, in_a_row
 from gpr20_common.mid.hardware import NO_HARDWARE
 from gpr20_common.os_reason import os_reason
-from gpr20_common.sent_message import message_fields
+from gpr20_common.sent_message import received_message
 from gpr20_common.terminal_text import printable
 from gpr20_msgs.msg import Trace
 from gpr20_msgs.srv import (
+    AddFact,
     CloseSurvey,
-    CloseSurveyResponse,
     OpenSurvey,
-    OpenSurveyResponse,
     ReopenSurvey,
-    ReopenSurveyResponse,
-    ReportSurvey,
-    ReportSurveyResponse,
     StoreData,
-    StoreDataResponse,
 )
 from gpr20_survey.errors import ProcessingError
 from gpr20_survey.faults import STORAGE_UNREADABLE
@@ -46,7 +43,6 @@ from gpr20_survey.files.file_system import existing_folder
 from gpr20_survey.folder.data_folder import DataFolder
 from gpr20_survey.folder.signature import key_warning
 from gpr20_survey.plan.sensors import SENSORS, Sensors
-from gpr20_survey.recording.recordings import open_recordings
 from gpr20_survey.recording.replay_message import REPLAY_TOPIC
 from gpr20_survey.recording.survey_topics import (
     LOG_TOPIC,
@@ -57,12 +53,10 @@ from gpr20_survey.recording.survey_topics import (
 from gpr20_survey.results.reopened_survey import reopened_fields
 from gpr20_survey.trace import trace_message
 from gpr20_vna_processing.faults import DISK_SLOW
-from gpr20_vna_processing.high.annotation_service import AnnotationService
 from gpr20_vna_processing.high.archive_services import ArchiveServices
-from gpr20_vna_processing.high.connections import connect_recorder, connect_subscribers
-from gpr20_vna_processing.high.end_messages import end_messages, end_status, reason_of
-from gpr20_vna_processing.high.marker_service import MarkerService
-from gpr20_vna_processing.high.topic_recorder import TopicRecorder
+from gpr20_vna_processing.high.end_messages import end_messages, end_status
+from gpr20_vna_processing.high.topic_recorder import TopicRecorder, wait_for_nodes
+from gpr20_vna_processing.low.bag_processes import BagProcesses
 from gpr20_vna_processing.mid.data_processing import DataProcessing
 from gpr20_vna_processing.mid.processing_parameters import ProcessingParameters
 from gpr20_vna_processing.mid.processing_records import BYTES_PER_MB, Storage
@@ -70,6 +64,8 @@ from gpr20_vna_processing.mid.survey_archive import SurveyArchive
 
 NODE = "vna_processing"
 MAX_REPAIRS_SHOWN = 10
+# Of the 15 s that roslaunch gives a node to end.
+BAGS_LIMIT_S = 8.0
 
 
 class ProcessingNode:
@@ -83,13 +79,13 @@ class ProcessingNode:
         self._trace = rospy.Publisher(TRACE_TOPIC, Trace, queue_size=100)
         self._metadata = rospy.Publisher(METADATA_TOPIC, String, queue_size=1, latch=True)
         self._log = rospy.Publisher(LOG_TOPIC, String, queue_size=100)
+        self._bags = BagProcesses(free_bytes, self._limits.disk_reserve_bytes)
         signer = parameters.signer()
         self._key_warning = key_warning(signer)
         self._processing = DataProcessing(
             Storage(
                 data=self._data,
                 check_data=self._folder.check,
-                open_recordings=open_recordings,
                 topics=SurveyTopics(
                     Trace._full_text,
                     rospy.resolve_name(TRACE_TOPIC),
@@ -104,11 +100,12 @@ class ProcessingNode:
                 readers=parameters.readable_by,
                 signer=signer,
                 end_status=end_status,
+                on_opened=lambda text: _publish(self._metadata, String(text)),
+                on_stored=lambda one: _publish(self._trace, preserialized(Trace, one.data)),
+                on_logged=lambda one: _publish(self._log, preserialized(String, one.data)),
+                bags=self._bags,
             ),
             self._limits,
-            on_opened=lambda text: _publish(self._metadata, String(text)),
-            on_stored=lambda message: _publish(self._trace, preserialized(Trace, message.data)),
-            on_logged=lambda message: _publish(self._log, preserialized(String, message.data)),
         )
         self._processing.start()
         rospy.on_shutdown(self._shut_down)
@@ -117,19 +114,17 @@ class ProcessingNode:
         self._services = [
             advertise("open_survey", OpenSurvey, self._open_survey),
             advertise("reopen_survey", ReopenSurvey, self._reopen_survey),
-            advertise("report_survey", ReportSurvey, self._report_survey),
+            advertise("add_fact", AddFact, self._add_fact),
             advertise("store_data", StoreData, self._store_data),
             advertise("close_survey", CloseSurvey, self._close_survey),
         ]
-        self._annotation = AnnotationService(self._processing)
-        self._markers = MarkerService(self._processing)
         self._archive = ArchiveServices(SurveyArchive(self._data))
         self._diagnostics = Diagnostics("storage", self._health)
         self._description = publish_description(NODE, NO_HARDWARE, parameters)
 
-    def _open_survey(self, request: Any) -> OpenSurveyResponse:
+    def _open_survey(self, request: Any) -> Any:
         interrupted = self._interrupt_other(request.interrupt_open, request.survey_id)
-        connect_recorder(self._recorder)
+        self._wait_for_publishers()
         folder = self._processing.open_survey(
             request.survey_id,
             microseconds(request.started),
@@ -141,15 +136,13 @@ class ProcessingNode:
             survey=request.survey_id,
             folder=printable(folder),
         )
-        return OpenSurveyResponse(
-            success=True, **message_fields(message), path=str(folder), interrupted=interrupted
-        )
+        return success(OpenSurvey, message, path=str(folder), interrupted=interrupted)
 
-    def _reopen_survey(self, request: Any) -> ReopenSurveyResponse:
+    def _reopen_survey(self, request: Any) -> Any:
         interrupted = self._interrupt_other(request.interrupt_open, request.survey)
-        connect_recorder(self._recorder)
+        self._wait_for_publishers()
         # Reopening publishes the last trace again, maybe as the first act of this process.
-        connect_subscribers(self._trace)
+        wait_for_nodes(self._unheard, "a subscriber of %s is not connected")
         reopened = self._processing.reopen_survey(request.survey)
         reopened = replace(reopened, interrupted=interrupted)
         stored = len(reopened.stored_indices)
@@ -159,39 +152,50 @@ class ProcessingNode:
             survey=reopened.survey_id,
             stored=stored,
         )
-        return ReopenSurveyResponse(
-            success=True,
-            **message_fields(in_a_row([message, *reopened.repairs[:MAX_REPAIRS_SHOWN]])),
+        return success(
+            ReopenSurvey,
+            in_a_row([message, *reopened.repairs[:MAX_REPAIRS_SHOWN]]),
             **reopened_fields(reopened),
             recent=recent,
         )
 
+    def _wait_for_publishers(self) -> None:
+        warning = "recording begins without a publisher of %s"
+        wait_for_nodes(lambda: self._recorder.unconnected(), warning)
+
+    def _unheard(self) -> List[str]:
+        topic = self._trace.resolved_name
+        return [topic] if self._trace.get_num_connections() < subscriber_count(topic) else []
+
     def _interrupt_other(self, wanted: bool, survey: str) -> str:
         return self._processing.interrupt_other(survey) if wanted else ""
 
-    def _report_survey(self, request: Any) -> ReportSurveyResponse:
-        stored = self._processing.report(request.survey_id, request.report_json)
-        return ReportSurveyResponse(
-            success=True,
-            **message_fields(Message("the report is in survey.json")),
-            stored_traces=stored,
+    def _add_fact(self, request: Any) -> Any:
+        added = self._processing.add_fact(request.survey, request.kind, request.values_json)
+        message = Message("the log of survey {survey} has the fact", survey=added.survey_id)
+        return success(
+            AddFact,
+            message,
+            path=str(added.folder),
+            survey_id=added.survey_id,
+            stored_traces=added.stored_traces,
+            markers_json=json.dumps(added.markers) if added.markers else "",
         )
 
-    def _store_data(self, request: Any) -> StoreDataResponse:
+    def _store_data(self, request: Any) -> Any:
         # The request holds nothing but the trace, so their bytes are the same.
         trace = trace_message.decode(serialized(request))
         path = self._processing.store(trace)
-        return StoreDataResponse(
-            success=True,
-            **message_fields(Message("{trace} is stored", trace=trace.label)),
+        return success(
+            StoreData,
+            Message("{trace} is stored", trace=trace.label),
             path=str(path),
         )
 
-    def _close_survey(self, request: Any) -> CloseSurveyResponse:
+    def _close_survey(self, request: Any) -> Any:
+        reason = received_message(request.reason, request.reason_json)
         end = end_messages(request, time.time_ns())
-        closed = self._processing.close_survey(
-            request.survey_id, request.outcome, reason_of(request), end
-        )
+        closed = self._processing.close_survey(request.survey_id, request.outcome, reason, end)
         message = Message(
             "survey {survey} is closed with {stored} traces",
             survey=closed.survey_id,
@@ -200,9 +204,9 @@ class ProcessingNode:
         unsigned = self._processing.state().unsigned
         if unsigned is not None:
             message = in_a_row([message, unsigned])
-        return CloseSurveyResponse(
-            success=True,
-            **message_fields(message),
+        return success(
+            CloseSurvey,
+            message,
             path=str(closed.folder),
             stored_traces=closed.stored_traces,
         )
@@ -212,6 +216,7 @@ class ProcessingNode:
             self._processing.shut_down()
         except ProcessingError as error:
             rospy.logerr("the survey could not be finished: %s", error)
+        self._bags.stop(BAGS_LIMIT_S)
 
     def _health(self) -> Health:
         state = self._processing.state()
@@ -248,9 +253,9 @@ class ProcessingNode:
         if state.queues.dropped or state.unrecorded:
             message = Message("messages of other topics were dropped; the disk is too slow")
             return WARN, message.with_fault(DISK_SLOW).as_warning(), values
-        unsigned = state.unsigned or self._key_warning
-        if unsigned is not None:
-            return WARN, unsigned, values
+        warning = state.unsigned or self._key_warning or state.bag_problem
+        if warning is not None:
+            return WARN, warning, values
         if not state.survey_id:
             return OK, Message("no survey is open"), values
         return OK, Message("{count} traces stored", count=state.stored_traces), values

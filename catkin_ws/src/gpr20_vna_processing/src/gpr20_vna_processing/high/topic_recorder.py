@@ -18,6 +18,8 @@ from gpr20_survey.recording.survey_topics import LOG_TOPIC, METADATA_TOPIC, TRAC
 # Topics that make an axis move or stop.
 COMMANDS = ("/axis/goal", "/axis/cancel")
 COMMAND_SUFFIX = "_recorded"
+# Connections to nodes that were just started are made within this time [s].
+CONNECTION_LIMIT_S = 2.0
 POLL_S = 0.02
 # As `rosbag play` names itself: what it plays on the topics of the robot is another recording.
 PLAYER = re.compile(r"play_\d+")
@@ -51,32 +53,22 @@ class TopicRecorder:
             for name in sorted(names)
         ]
 
-    def wait_until_connected(self, limit_s: float) -> List[str]:
-        """Wait until every publisher of the topics that the master knows is connected.
+    def unconnected(self) -> List[str]:
+        """Return the topics of which a publisher that the master knows is not connected yet.
 
-        What a publisher sends before is in no recording.
+        What it sends before is in no recording.
 
-        Args:
-            limit_s: Longest wait [s].
-
-        Returns:
-            The topics that still lack a publisher; its node may be dead.
+        Raises:
+            rosgraph.MasterException: The master refuses to answer.
+            OSError: The master does not answer.
         """
-        deadline_s = time.monotonic() + limit_s
-        while True:
-            publishers = self._publishers()
-            missing = [
-                one.name
-                for one in self._subscribers
-                if one.get_num_connections() < publishers[one.name]
-            ]
-            if not missing or time.monotonic() > deadline_s:
-                return missing
-            time.sleep(POLL_S)
-
-    def _publishers(self) -> Counter[str]:
         published, _subscribed, _services = rosgraph.Master(rospy.get_name()).getSystemState()
-        return Counter({topic: len(nodes) for topic, nodes in published})
+        publishers = Counter({topic: len(nodes) for topic, nodes in published})
+        return [
+            one.name
+            for one in self._subscribers
+            if one.get_num_connections() < publishers[one.name]
+        ]
 
     def _received(self, message: rospy.AnyMsg, topic: str) -> None:
         header = connection_header(message)
@@ -105,3 +97,23 @@ def recorded_name(topic: str) -> str:
     Playing a recording on the master of a robot must not move the robot.
     """
     return topic + COMMAND_SUFFIX if topic.endswith(COMMANDS) else topic
+
+
+def wait_for_nodes(unconnected: Callable[[], List[str]], warning: str) -> None:
+    """Wait until the nodes of topics are connected, or the time is over; those may be dead.
+
+    Args:
+        unconnected: Returns the topics that lack a node; it may ask the master, which may be away:
+            storing does not depend on it, and missing positions do not refuse a survey.
+        warning: What that means, for the log, with a place for the topics.
+    """
+    deadline_s = time.monotonic() + CONNECTION_LIMIT_S
+    try:
+        missing = unconnected()
+        while missing and time.monotonic() <= deadline_s:
+            time.sleep(POLL_S)
+            missing = unconnected()
+        if missing:
+            rospy.logwarn(warning, ", ".join(missing))
+    except (rosgraph.MasterException, OSError) as error:
+        rospy.logwarn("the master did not list the nodes of a topic: %s", error)

@@ -22,7 +22,7 @@ from gpr20_vna_processing.mid.processing_records import BYTES_PER_MB, Storage
 
 
 def describe(survey_id: str, started_us: int, metadata_json: str, revision: str) -> Dict[str, Any]:
-    """Return the content of survey.json of a survey that begins.
+    """Return the description of a survey that begins.
 
     Args:
         survey_id: UUID of the survey.
@@ -64,6 +64,8 @@ def check_clock(now_ns: int) -> None:
 def check_space(storage: Storage, needed_bytes: int, reserve_bytes: int) -> None:
     """Refuse a data folder that is not the right one, and a survey that does not fit on its disk.
 
+    The bags of surveys that have ended, which are being made, take space too.
+
     Raises:
         SurveyRefusedError: It is another folder, or the disk has too little space.
         StorageFailedError: The data folder cannot be made, read or written to.
@@ -73,7 +75,7 @@ def check_space(storage: Storage, needed_bytes: int, reserve_bytes: int) -> None
     with storing(
         Message("the data folder {path} could not be written to", path=printable(data)), data
     ):
-        free = storage.free_bytes(data)
+        free = storage.free_bytes(data) - storage.bags.outstanding_bytes()
     if needed_bytes + reserve_bytes > free:
         raise SurveyRefusedError(
             Message(
@@ -91,7 +93,7 @@ def check_space(storage: Storage, needed_bytes: int, reserve_bytes: int) -> None
 def plan_record(description: Dict[str, Any]) -> LogRecord:
     """Return the first record of a survey's log.
 
-    Its time is that of the survey, so that it can be made again of the copy in the MCAP.
+    Its time is that of the survey: an opening that is repeated makes the same record.
     """
     return LogRecord.after(None, Kind.PLAN, description, description["started"])
 
@@ -134,11 +136,10 @@ def make_empty(folder: Path, plan: LogRecord) -> None:
     durable_files.ensure_folder(folder / survey_folder.TRACES_FOLDER)
 
 
-# In the order in which they are removed: a folder with a survey.json holds a survey.
+# In the order in which they are removed: a folder with a log holds a survey.
 _BEGUN = (
+    *survey_folder.LOG_FILES,
     survey_folder.SURVEY_FILE,
-    survey_folder.LOG_FILE,
-    survey_folder.BAG_FILE,
     survey_folder.MCAP_FILE,
 )
 
@@ -146,7 +147,7 @@ _BEGUN = (
 def _is_unopened(folder: Path, plan: LogRecord) -> bool:
     """Return whether a folder holds nothing but what opening this survey makes.
 
-    The disk may have refused after survey.json, which comes last, had its name.
+    The disk may have refused after the log, which comes last, had its name.
     """
     known = {*_BEGUN, survey_folder.TRACES_FOLDER}
     traces = folder / survey_folder.TRACES_FOLDER
@@ -156,13 +157,12 @@ def _is_unopened(folder: Path, plan: LogRecord) -> bool:
 
 
 def _holds_only(folder: Path, plan: LogRecord) -> bool:
-    if not (folder / survey_folder.SURVEY_FILE).exists():
+    if not any((folder / name).exists() for name in survey_folder.LOG_FILES):
         return True
-    try:
-        found = read_log(folder)
-    except SurveyRefusedError:
-        return False
-    return found.records == (plan,) and not found.damage and not found.lost
+    found = read_log(folder)
+    # The second file of the log may not be there yet.
+    is_damaged = any((folder / name).exists() for name in found.damaged)
+    return found.records == (plan,) and not is_damaged and not found.lost
 
 
 def _exists(folder: Path) -> SurveyRefusedError:

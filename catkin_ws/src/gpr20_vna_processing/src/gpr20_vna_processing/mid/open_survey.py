@@ -6,31 +6,21 @@ import json
 from collections import deque
 from dataclasses import dataclass
 from pathlib import Path
-from typing import (
-    AbstractSet,
-    Any,
-    ContextManager,
-    Dict,
-    List,
-    Mapping,
-    Optional,
-    Sequence,
-    Tuple,
-)
+from typing import Any, ContextManager, Dict, List, Mapping, Optional, Sequence, Tuple
 
 from gpr20_common.message import Message
 from gpr20_common.terminal_text import printable
 from gpr20_survey.errors import SurveyRefusedError, storing
 from gpr20_survey.files import durable_files
-from gpr20_survey.files.file_sums import sum_of, sum_of_file
-from gpr20_survey.folder import manifest, sealing, survey_folder, survey_metadata
+from gpr20_survey.files.file_sums import FileSum, sum_of, sum_of_file
+from gpr20_survey.folder import manifest, survey_folder, survey_metadata
 from gpr20_survey.folder.annotating import Change
 from gpr20_survey.folder.log_record import Kind, LogRecord
 from gpr20_survey.folder.survey_log import SurveyLog
 from gpr20_survey.folder.trace_files import TraceFile
-from gpr20_survey.recording.recording import RecordedMessage, Recording
+from gpr20_survey.recording.mcap_writer import McapFile
+from gpr20_survey.recording.recording import RecordedMessage
 from gpr20_survey.recording.survey_topics import SurveyTopics
-from gpr20_survey.recording.topic_types import TopicTypes
 from gpr20_survey.results.reopened_survey import FIRST_TRACES, RECENT_TRACES, ReopenedSurvey
 from gpr20_survey.trace import trace_json, utc_time
 from gpr20_survey.trace.trace import Trace
@@ -42,39 +32,37 @@ COMMIT_BYTES = 1 << 20
 
 @dataclass
 class _PendingTrace:
-    """A trace whose JSON file is durable, but not yet every recording that holds it."""
+    """A trace whose JSON file is durable, but not yet the recording that holds it."""
 
     trace: Trace
     message: RecordedMessage
-    missing: List[Recording]
-    """Recordings that were not given the message yet."""
+    is_recorded: bool = False
+    """Whether the recording was given the message."""
 
 
 class OpenSurvey:
-    """The files of one survey: traces, recordings and survey.json."""
+    """The files of one survey: traces, recording and log."""
 
     def __init__(
         self,
         folder: Path,
         log: SurveyLog,
-        recordings: Sequence[Recording],
+        recording: McapFile,
         topics: SurveyTopics,
         publication: Publication,
         stored: Optional[Mapping[int, TraceFile]] = None,
         recent: Sequence[Trace] = (),
-        types: Optional[Mapping[str, AbstractSet[str]]] = None,
     ) -> None:
         """Take over the files.
 
         Args:
             folder: The survey's folder.
             log: The survey's log, with its plan.
-            recordings: Where every message goes; they hold the traces that are stored.
+            recording: Where every message goes; it holds the traces that are stored.
             topics: Makes the messages of traces and of the log.
             publication: Publishes every trace and every record of the log when it is durable.
             stored: The traces that are stored already, by their index.
             recent: The first traces of the plan, and those that were stored last.
-            types: The checksums of the message types that the recordings hold of each topic.
         """
         self.folder = folder
         self._log = log
@@ -88,23 +76,24 @@ class OpenSurvey:
         self._prints = {index: file.fingerprint for index, file in stored.items()}
         self._indices = {file.sample_id: index for index, file in stored.items()}
         self._sums = {manifest.trace_name(file.name): file.sum for file in stored.values()}
-        self._pending: Dict[int, _PendingTrace] = {}  # of them those not durable in a recording
-        self._ending = False  # the recordings accept nothing more
-        self._unfinished = list(recordings)
-        self._recordings = list(recordings)
+        self._pending: Dict[int, _PendingTrace] = {}  # of them those not durable in the recording
+        self._ending = False  # the recording accepts nothing more
+        self._is_finished = False
+        self._recording = recording
         self._topics = topics
         self._publication = publication
-        self._types = TopicTypes(types or {})
 
     @property
     def description(self) -> Dict[str, Any]:
-        """The content of survey.json, without the records of the log."""
+        """What the log says of the survey."""
         return self._log.description
 
-    def store(self, trace: Trace, time_ns: int) -> Path:
-        """Store a trace in the JSON file and the recordings.
+    def is_called(self, name: str) -> bool:
+        """Return whether a name is its id, or that of its folder."""
+        return name in (self.survey_id, self.folder.name)
 
-        Return when the file and the MCAP are durable; the bag is written beside them.
+    def store(self, trace: Trace, time_ns: int) -> Path:
+        """Store a trace in its JSON file and the recording; return when both are durable.
 
         A trace that is stored already with the same content is not written again.
 
@@ -135,16 +124,15 @@ class OpenSurvey:
                 durable_files.write_new_file(path, content)
             self._sums[manifest.trace_name(path.name)] = sum_of(content)
             message = self._topics.trace(trace, time_ns)
-            self._publication.expect(trace, message)
-            recorded = self._types.named(message) or message
-            self._pending[trace.index] = _PendingTrace(trace, recorded, list(self._recordings))
+            self._publication.expect(trace)
+            self._pending[trace.index] = _PendingTrace(trace, message)
             self._prints[trace.index] = trace.fingerprint()
             self._indices[trace.sample_id] = trace.index
         self.commit()
         return path
 
     def resume(self, time_ns: int) -> None:
-        """Note that the survey is resumed, and record what a recording still lacks.
+        """Note that the survey is resumed, and record what the recording still lacks.
 
         A call that is repeated adds nothing: the client asks again before its first trace.
 
@@ -180,24 +168,16 @@ class OpenSurvey:
     def _stored_indices(self) -> List[int]:
         return sorted(self._prints.keys() - self._pending.keys())
 
-    def record(self, messages: Sequence[RecordedMessage]) -> int:
-        """Record messages of other topics; return how many could not be.
+    def record(self, messages: Sequence[RecordedMessage]) -> None:
+        """Record messages of other topics.
 
         Raises:
             StorageFailedError: The disk refuses; the messages were not recorded.
         """
         self._keep_collected_small()
-        if self._ending:
-            return 0
-        refused = 0
-        for message in messages:
-            named = self._types.named(message)
-            if named is None:
-                refused += 1
-                continue
-            for recording in self._recordings:
-                recording.write(named)
-        return refused
+        if not self._ending:
+            for message in messages:
+                self._recording.write(message)
 
     def commit(self) -> None:
         """Make everything recorded so far durable, and publish the traces among it.
@@ -206,22 +186,21 @@ class OpenSurvey:
             StorageFailedError: The disk refused.
         """
         for pending in self._pending.values():
-            while pending.missing:
-                pending.missing[0].write_alone(pending.message)
-                pending.missing.pop(0)
-        for recording in self._recordings:
-            with self._storing(recording):
-                recording.commit()
+            if not pending.is_recorded:
+                self._recording.write_alone(pending.message)
+                pending.is_recorded = True
+        with self._storing():
+            self._recording.commit()
         while self._pending:
             stored = self._pending.pop(next(iter(self._pending)))
             self.stored_traces += 1
             self._recent.append(stored.trace)
             if stored.trace.index < FIRST_TRACES:
                 self._first[stored.trace.index] = stored.trace
-            self._publication.stored(stored.trace)
+            self._publication.stored(stored.trace, stored.message)
 
     def add(self, kind: Kind, values: Dict[str, Any], time_ns: int) -> None:
-        """Add a fact to the log, to the recordings and to what is published.
+        """Add a fact to the log, to the recording and to what is published.
 
         Args:
             kind: What the fact is.
@@ -238,19 +217,19 @@ class OpenSurvey:
         self._publication.logged(message)
 
     def change(self, change: Change, time_ns: int) -> Dict[str, Any]:
-        """Add what a change says, if anything; return survey.json's content when it is durable.
+        """Add what a change says, if anything; return what the log says when it is durable.
 
         Raises:
             SurveyRefusedError: The survey is being closed, or the change is not possible.
             StorageFailedError: The disk refused; the log has its former records.
         """
         fact = change(self.description)
-        if fact is not None and not fact.is_in(self._log.records):
+        if fact is not None and not self._log.has_note(*fact):
             self.add(fact.kind, fact.values, time_ns)
         return self.description
 
     def close(self, outcome: str, reason: Message, time_ns: int) -> None:
-        """Finish the recordings and write how the survey ended; may be repeated.
+        """Finish the recording and write how the survey ended; may be repeated.
 
         Args:
             outcome: One word.
@@ -260,15 +239,13 @@ class OpenSurvey:
         Raises:
             StorageFailedError: The disk refused; the survey is still open.
         """
-        if self._unfinished:
+        if not self._is_finished:
             self.commit()
-        self._ending = True
-        while self._unfinished:
-            recording = self._unfinished[0]
-            with self._storing(recording):
-                recording.finish()
-            self._unfinished.pop(0)
-        self._sum_recordings()
+            self._ending = True
+            with self._storing():
+                self._recording.finish()
+            self._is_finished = True
+        self._sum_recording()
         ending = {
             "ended": utc_time.iso_text(time_ns // utc_time.NS_PER_US),
             "outcome": outcome,
@@ -276,9 +253,20 @@ class OpenSurvey:
             survey_metadata.REASON_MESSAGE: survey_metadata.message_record(reason),
             survey_metadata.FAULT_CODE: reason.fault_code,
             "stored_traces": self.stored_traces,
-            sealing.CONTENT: sealing.content_sum(self._sums),
+            manifest.CONTENT: manifest.content_sum(self._content_sums()),
         }
         self._add(Kind.END, ending, time_ns)
+        self.write_description()
+
+    def write_description(self) -> None:
+        """Write survey.json, for readers at a glance.
+
+        Raises:
+            StorageFailedError: The disk refused.
+        """
+        path = self.folder / survey_folder.SURVEY_FILE
+        with storing(Message("{path} could not be written", path=printable(path)), path):
+            self._log.write_description()
 
     def write_manifest(self, revision: str) -> None:
         """Write the checksums of all files of a survey that was closed; may be repeated.
@@ -294,23 +282,28 @@ class OpenSurvey:
         path = self.folder / manifest.MANIFEST_FILE
         with storing(Message("{path} could not be written", path=printable(path)), path):
             # Last: a survey with a manifest has ended, and nothing changes any more.
-            sealing.write_manifest(
-                self.folder, self._log, revision, self.description["ended"], self._sums
+            manifest.write_manifest(
+                self.folder,
+                self.survey_id,
+                self._log.last,
+                revision,
+                self.description["ended"],
+                self._content_sums(),
             )
 
-    def _storing(self, recording: Recording) -> ContextManager[None]:
-        path = self.folder / recording.name
+    def _storing(self) -> ContextManager[None]:
+        path = self.folder / self._recording.name
         failure = Message("the recording could not be written", details=printable(path))
         return storing(failure, path)
 
     def in_place(self) -> bool:
         """Return whether what is written ends up in the survey's folder."""
-        return self._traces.is_dir() and all(one.in_place() for one in self._unfinished)
+        is_there = self._is_finished or self._recording.in_place()
+        return is_there and self._traces.is_dir()
 
     def abandon(self) -> None:
         """Leave the files as they are on the disk."""
-        for recording in self._unfinished:
-            recording.abandon()
+        self._recording.abandon()
 
     def _add(self, kind: Kind, values: Dict[str, Any], time_ns: int) -> LogRecord:
         path = self.folder / survey_folder.LOG_FILE
@@ -318,17 +311,19 @@ class OpenSurvey:
         with storing(Message("{path} could not be written", path=printable(path)), path):
             return self._log.add(record)
 
-    def _sum_recordings(self) -> None:
-        """Read the finished recordings once: the log and the manifest name their checksums."""
-        for recording in self._recordings:
-            path = self.folder / recording.name
-            if path.name not in self._sums and path.exists():
-                with storing(Message("{path} could not be read", path=printable(path)), path):
-                    self._sums[path.name] = sum_of_file(path)
+    def _sum_recording(self) -> None:
+        """Read the finished recording once: the log and the manifest name its checksum."""
+        path = self.folder / self._recording.name
+        if path.name not in self._sums and path.exists():
+            with storing(Message("{path} could not be read", path=printable(path)), path):
+                self._sums[path.name] = sum_of_file(path)
+
+    def _content_sums(self) -> Dict[str, FileSum]:
+        return {name: one for name, one in self._sums.items() if manifest.is_content(name)}
 
     def _keep_collected_small(self) -> None:
         # Memory must not grow while the disk is full.
-        if any(one.collected_bytes > COMMIT_BYTES for one in self._recordings):
+        if self._recording.collected_bytes > COMMIT_BYTES:
             self.commit()
 
     def _check_not_closing(self) -> None:

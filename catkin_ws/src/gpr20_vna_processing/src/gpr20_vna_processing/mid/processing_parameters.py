@@ -17,7 +17,6 @@ from gpr20_survey.files.access import Readers
 from gpr20_survey.folder.data_folder import DataFolderUse
 from gpr20_survey.folder.signature import Signer
 from gpr20_vna_processing.mid.processing_records import BYTES_PER_MB, Limits
-from gpr20_vna_processing.mid.storage_thread import QueueLimits
 
 AXIS_TOPICS = tuple(
     f"{axis}_axis/{name}"
@@ -33,7 +32,6 @@ AXIS_TOPICS = tuple(
 )
 # Names of ROS, relative or absolute; a private one would be below the storage's own name.
 TOPIC = re.compile(r"/?[A-Za-z]\w*(/[A-Za-z]\w*)*", re.ASCII)
-MOST_WAITING = 1_000_000
 DEFAULT_TOPICS = (
     *AXIS_TOPICS,
     "height_sensor/description",
@@ -71,9 +69,7 @@ class ProcessingParameters:
         data_disk: Whether that folder is on a disk of its own. With true nothing is stored on the
             disk of the system, such as while the other one is not mounted.
         disk_reserve_mb: A survey starts only if this much stays free on the disk [MB].
-        store_queue: Traces that may wait for the disk.
-        message_queue: Messages of other topics that may wait.
-        message_queue_mb: Size of the messages that may wait [MB].
+        message_queue_mb: Size of the messages of other topics that may wait [MB].
         timeout_s: Time limit of a request [s].
         long_timeout_s: Time limit of requests that read a whole survey [s].
         commit_period_s: Messages of other topics are on the disk after this time [s].
@@ -87,8 +83,6 @@ class ProcessingParameters:
     data: str = ""
     data_disk: bool = False
     disk_reserve_mb: float = 500.0
-    store_queue: int = 4
-    message_queue: int = 5000
     message_queue_mb: float = 16.0
     timeout_s: float = 60.0
     long_timeout_s: float = 600.0
@@ -102,8 +96,6 @@ class ProcessingParameters:
         number_between("disk_reserve_mb", self.disk_reserve_mb, 0.0, 1e9, "MB")
         for name in ("message_queue_mb", "timeout_s", "long_timeout_s", "commit_period_s"):
             positive_number(name, getattr(self, name))
-        for name in ("store_queue", "message_queue"):
-            number_between(name, getattr(self, name), 1, MOST_WAITING)
         if self.signing_key and not _is_absolute(self.signing_key):
             raise InvalidValueError(
                 Message(
@@ -149,11 +141,7 @@ class ProcessingParameters:
     def limits(self) -> Limits:
         """Return the bounds of the storage."""
         return Limits(
-            queues=QueueLimits(
-                jobs=self.store_queue,
-                messages=self.message_queue,
-                message_bytes=round(self.message_queue_mb * BYTES_PER_MB),
-            ),
+            queue_bytes=round(self.message_queue_mb * BYTES_PER_MB),
             disk_reserve_bytes=round(self.disk_reserve_mb * BYTES_PER_MB),
             timeout_s=self.timeout_s,
             long_timeout_s=self.long_timeout_s,

@@ -2,18 +2,19 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Callable, Dict, Optional, Sequence, Tuple
+from typing import Any, Callable, Dict, Mapping, Optional, Sequence
 
 from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message
 from gpr20_survey.files.access import Readers
 from gpr20_survey.folder.signature import Signer
-from gpr20_survey.plan.markers import Marker
-from gpr20_survey.recording.recording import RecordedMessage, Recording
+from gpr20_survey.recording.mcap_writer import McapFile, new_mcap
+from gpr20_survey.recording.recording import RecordedMessage
 from gpr20_survey.recording.survey_topics import SurveyTopics
-from gpr20_vna_processing.mid.storage_thread import QueueLimits, QueueState
+from gpr20_vna_processing.low.bag_processes import BagProcesses
+from gpr20_vna_processing.mid.storage_thread import QueueState
 from gpr20_vna_processing.mid.survey_end import SurveyEnd
 
 BYTES_PER_MB = 1_000_000
@@ -26,8 +27,6 @@ class Storage:
     data: Path
     check_data: Callable[[], None]
     """Refuses a data folder that is not the one that was used before; makes it at first."""
-    open_recordings: Callable[[Path, Dict[str, Any]], Sequence[Recording]]
-    """Begins the recordings of a new survey in its folder, by its description."""
     topics: SurveyTopics
     free_bytes: Callable[[Path], int]
     now_ns: Callable[[], int]
@@ -35,18 +34,28 @@ class Storage:
     clock: Clock
     revision: str
     end_status: Callable[[SurveyEnd], RecordedMessage]
-    """Makes the last message of `control_status` in the recordings."""
+    """Makes the last message of `control_status` in the recording."""
+    bags: BagProcesses
     readers: Readers = Readers.GROUP
     """Who may read a new survey."""
+    on_opened: Callable[[str], None] = lambda _text: None
+    """Called with the JSON description of a survey that was opened; must not raise."""
+    on_stored: Callable[[RecordedMessage], None] = lambda _message: None
+    """Likewise with the message of every trace when it is durable."""
+    on_logged: Callable[[RecordedMessage], None] = lambda _message: None
+    """Likewise with that of every record of a survey's log."""
     signer: Optional[Signer] = None
     """Signs a survey whenever its manifest was written; None: surveys are not signed."""
+    open_recording: Callable[[Path, Dict[str, Any]], McapFile] = new_mcap
+    """Begins the recording of a new survey, by its description."""
 
 
 @dataclass(frozen=True)
 class Limits:
     """How long and how much the storage waits."""
 
-    queues: QueueLimits = field(default_factory=QueueLimits)
+    queue_bytes: int = 16 * BYTES_PER_MB
+    """How large the messages that wait for the disk may be together."""
     disk_reserve_bytes: int = 500 * BYTES_PER_MB
     timeout_s: float = 60.0
     long_timeout_s: float = 600.0
@@ -64,21 +73,15 @@ class ClosedSurvey:
 
 
 @dataclass(frozen=True)
-class AnnotatedSurvey:
-    """A survey whose annotation was changed."""
+class AddedFact:
+    """A survey whose log has a fact."""
 
     survey_id: str
     folder: Path
-
-
-@dataclass(frozen=True)
-class MarkedSurvey:
-    """A survey whose markers were changed."""
-
-    survey_id: str
-    folder: Path
-    markers: Tuple[Marker, ...]
-    """All of them, removed ones too."""
+    stored_traces: int = 0
+    """Those of the open survey; 0: the fact is of another one."""
+    markers: Sequence[Mapping[str, Any]] = ()
+    """Of a fact of markers: all that survey.json has, removed ones too."""
 
 
 @dataclass(frozen=True)
@@ -90,7 +93,7 @@ class ProcessingState:
     folder: str
     stored_traces: int
     unrecorded: int
-    """Messages of other topics that are in no recording, without those the queue dropped."""
+    """Messages of other topics that are not recorded, without those the queue dropped."""
     last_error: Optional[Message]
     """What was refused or failed last; None once something succeeded again."""
     failing: bool
@@ -98,3 +101,5 @@ class ProcessingState:
     queues: QueueState
     unsigned: Optional[Message] = None
     """Why the survey that was changed last is not signed, although there is a key."""
+    bag_problem: Optional[Message] = None
+    """Which bag could not be made, and why."""

@@ -14,6 +14,9 @@ class Publication:
 
     A trace can be found stored when its survey is reopened although it was never published: the
     disk, or this process, failed between the first of its files and the last.
+
+    Attributes:
+        logged: Publishes the message of a record of the log.
     """
 
     def __init__(
@@ -21,27 +24,23 @@ class Publication:
         on_stored: Callable[[RecordedMessage], None],
         on_logged: Callable[[RecordedMessage], None],
     ) -> None:
-        """Build it.
-
-        Args:
-            on_stored: Publishes the message of a trace; must not raise.
-            on_logged: Publishes that of a record of the log; must not raise.
-        """
         self._on_stored = on_stored
         self.logged = on_logged
         # By survey and index: traces that have a durable file, but were not published.
-        self._waiting: Dict[Tuple[str, int], Tuple[Trace, RecordedMessage]] = {}
+        self._waiting: Dict[Tuple[str, int], Trace] = {}
         # By survey: the largest index that was published. Not its time: clocks are set back.
         self._newest: Dict[str, int] = {}
 
-    def expect(self, trace: Trace, message: RecordedMessage) -> None:
+    def expect(self, trace: Trace) -> None:
         """Note a trace that has a durable file and will be published when it is stored."""
-        self._waiting[trace.survey_id, trace.index] = trace, message
+        self._waiting[trace.survey_id, trace.index] = trace
 
-    def stored(self, trace: Trace) -> None:
-        """Publish an expected trace, which is stored now."""
-        _trace, message = self._waiting.pop((trace.survey_id, trace.index))
-        self._publish(trace, message)
+    def stored(self, trace: Trace, message: RecordedMessage) -> None:
+        """Publish a trace that is stored now, by its message."""
+        self._waiting.pop((trace.survey_id, trace.index), None)
+        self._on_stored(message)
+        newest = self._newest.get(trace.survey_id, -1)
+        self._newest[trace.survey_id] = max(newest, trace.index)
 
     def reopened(
         self,
@@ -62,14 +61,9 @@ class Publication:
             message_of: Makes the message of a trace.
         """
         for key in sorted(key for key in self._waiting if key[0] == survey_id):
-            trace, message = self._waiting.pop(key)
+            trace = self._waiting.pop(key)
             file = stored.get(trace.index)
             if file is not None and file.fingerprint == trace.fingerprint():
-                self._publish(trace, message)
+                self.stored(trace, message_of(trace))
         if last is not None and last.index > self._newest.get(survey_id, -1):
-            self._publish(last, message_of(last))
-
-    def _publish(self, trace: Trace, message: RecordedMessage) -> None:
-        self._on_stored(message)
-        newest = self._newest.get(trace.survey_id, -1)
-        self._newest[trace.survey_id] = max(newest, trace.index)
+            self.stored(last, message_of(last))

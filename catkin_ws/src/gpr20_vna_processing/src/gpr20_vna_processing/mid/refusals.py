@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import List
+from typing import Collection, List
 
 from gpr20_common.message import Message, in_a_row
 from gpr20_common.terminal_text import printable
@@ -128,3 +128,20 @@ def traces_not_planned(folder: Path, misfits: List[Message]) -> SurveyRefusedErr
         ),
         fault=faults.TRACES_NOT_PLANNED,
     )
+
+
+def check_one_of(place: str, value: str, allowed: Collection[str]) -> None:
+    """Check a word of a request.
+
+    Raises:
+        SurveyRefusedError: It is not one of those allowed.
+    """
+    if value not in allowed:
+        raise SurveyRefusedError(
+            Message(
+                "{place} is {value}; it must be one of {allowed}",
+                place=place,
+                value=repr(value[:64]),
+                allowed=", ".join(allowed),
+            )
+        )

@@ -1,10 +1,11 @@
 """Reopening a survey that was cut off or ended early: read, decide, repair, continue.
 
 The log says what was planned and noted, the JSON files and the MCAP what was measured; each judges
-itself by its checksums. Damaged JSON files are put aside and written again from the MCAP, then the
-MCAP and the bag are written again beside the old ones, which they replace when they are whole.
-Nothing is changed before everything was read, and each step leaves a folder that can be reopened.
-The manifest is compared with the files first, then marked, and removed last.
+itself by its checksums. Damaged JSON files are put aside and written again from the MCAP; then the
+log says that the survey was reopened, and from then on the manifest does not bind; then the MCAP is
+written again beside the old one, which it replaces when it is whole; the bag is removed. Nothing is
+changed before everything was read, and each step leaves a folder that can be reopened. The manifest
+is compared with the files first, and removed last.
 """
 
 from __future__ import annotations
@@ -22,36 +23,22 @@ from gpr20_survey.errors import (
 )
 from gpr20_survey.faults import REPAIRED
 from gpr20_survey.files import durable_files
-from gpr20_survey.folder import (
-    manifest,
-    sealing,
-    survey_folder,
-    survey_metadata,
-)
-from gpr20_survey.folder.description_copies import sealed_description
-from gpr20_survey.folder.description_differences import differences
+from gpr20_survey.folder import manifest, survey_folder, survey_metadata
 from gpr20_survey.folder.log_record import Kind, LogRecord
-from gpr20_survey.folder.manifest import Manifest
-from gpr20_survey.folder.recovery import (
-    PLAN,
-    RecoveredSurvey,
-    open_log,
-    recover_with_recording,
-    repairs_of,
-    start_of,
-)
-from gpr20_survey.folder.signature import SIGNATURE_FILE, Signer, is_signed, try_to_sign
+from gpr20_survey.folder.manifest import SIGNATURE_FILE, Manifest
+from gpr20_survey.folder.recovery import RecoveredSurvey, open_log, recover, repairs_of
+from gpr20_survey.folder.signature import Signer, is_signed
 from gpr20_survey.folder.survey_log import SurveyLog
 from gpr20_survey.folder.trace_files import TraceFile
 from gpr20_survey.plan.imported import is_imported
 from gpr20_survey.plan.plan_fit import PlanFit
-from gpr20_survey.recording.recording import Recording
+from gpr20_survey.recording.mcap_writer import McapFile
 from gpr20_survey.recording.survey_topics import SurveyTopics, recorded_trace
 from gpr20_survey.results.reopened_survey import FIRST_TRACES, RECENT_TRACES
 from gpr20_survey.trace import trace_json, utc_time
 from gpr20_survey.trace.trace import Trace
 from gpr20_vna_processing.mid import refusals
-from gpr20_vna_processing.mid.recording_repair import RecordingRepair, read_again
+from gpr20_vna_processing.mid.recording_repair import read_again, write_again
 from gpr20_vna_processing.mid.stored_traces import RecordedTraces, StoredTraces
 
 
@@ -61,17 +48,15 @@ class RepairedSurvey:
 
     log: SurveyLog
     added: Tuple[LogRecord, ...]
-    """The records of the log that the recordings lack."""
-    recordings: List[Recording]
-    """Open at their ends."""
+    """The records of the log that the recording lacks."""
+    recording: McapFile
+    """Open at its end."""
     stored: Dict[int, TraceFile]
     """The trace of each index that is stored."""
     recent: Tuple[Trace, ...]
     """The first traces of the plan, and those that were stored last, the latest last."""
     repairs: Tuple[Message, ...]
     """What was repaired."""
-    types: Dict[str, Any]
-    """The checksums of the message types that the recordings hold of each topic."""
 
 
 class Reopening:
@@ -94,29 +79,31 @@ class Reopening:
         self._traces = folder / survey_folder.TRACES_FOLDER
         self._damaged = folder / survey_folder.DAMAGED_FOLDER
         self._topics = topics
-        self._signer = signer
         self._was_signed = signer is not None and signer.has_signed(folder)
         self._is_signed = is_signed(folder)
+        self._has_key = signer is not None
         with storing(
             Message("the survey in {folder} could not be read", folder=printable(folder)), folder
         ):
-            self._recovered = recover_with_recording(folder)
+            self._recovered = recover(folder, asking_manifest=True)
             description = self._recovered.description
             if is_imported(description):
                 raise refusals.imported(folder)
             self._repairs = repairs_of(self._recovered)
-            self._start = self._start_copy()
+            self._start = self._recovered.found.records[0].values
             survey_metadata.started_us(self._start)
             survey_id = self._recovered.survey_id
             self._sealed, self._manifest_damage = _read_manifest(folder, survey_id)
             misfits = _misfits(description)
             mcap = RecordedTraces(folder / survey_folder.MCAP_FILE, survey_id, misfits)
-            self._stored = StoredTraces(folder, mcap, survey_id, self._sealed, misfits)
+            self._stored = StoredTraces(
+                folder, mcap, survey_id, self._sealed, self._is_binding(), misfits
+            )
         self._refuse(description)
         self._files = self._stored.files.files
 
     def repair(self, now_us: int) -> RepairedSurvey:
-        """Make all files whole and open the recordings at their ends.
+        """Make all files whole and open the recording at its end.
 
         Args:
             now_us: The present moment [us since 1970, UTC].
@@ -129,62 +116,52 @@ class Reopening:
             self._folder,
         ):
             now = utc_time.iso_text(now_us)
-            self._mark_manifest(now)
+            self._repairs += self._stored.changes()
             self._remove_torn()
-            log = open_log(self._folder, self._with_unproven(), now)
-            log.add(log.next(Kind.RESUME, {"stored_traces": len(self._stored.truth)}, now))
             durable_files.ensure_folder(self._traces)
             self._repair_traces()
+            if self._manifest_damage is not None:
+                self._set_aside(self._folder / manifest.MANIFEST_FILE, self._manifest_damage)
+            log = open_log(self._folder, self._with_unproven(), now)
+            log.add(log.next(Kind.RESUME, {"stored_traces": len(self._stored.truth)}, now))
             recent = self._recent()
-            recordings = RecordingRepair(
+            recording = write_again(
                 self._folder, self._stored, self._topics, self._start, self._repairs
-            ).write()
+            )
             try:
-                # Last: until now it vouches for files that were not changed yet.
+                # Last: until now it shows which files were changed before.
                 durable_files.remove_file(self._folder / SIGNATURE_FILE)
                 durable_files.remove_file(self._folder / manifest.MANIFEST_FILE)
             except OSError:
-                for recording in recordings:
-                    recording.abandon()
+                recording.abandon()
                 raise
         return RepairedSurvey(
             log,
             self._not_recorded(log),
-            recordings,
+            recording,
             self._files,
             recent,
             tuple(self._repairs),
-            self._stored.mcap.types,
         )
 
     def _not_recorded(self, log: SurveyLog) -> Tuple[LogRecord, ...]:
         """Return those added now, and those that came after the last commit or the end."""
         recorded = self._stored.mcap.log
-        missing = (one for one in log.records if one.sha256 not in recorded)
-        return tuple(one for one in missing if one.values is not None)
-
-    def _start_copy(self) -> Dict[str, Any]:
-        """Return the MCAP's copy: it stays as it is when the file is written again."""
-        start = start_of(self._recovered.description)
-        copy = sealed_description(self._folder)
-        return start if copy is None or differences(copy, start) else copy
+        return tuple(one for one in log.records if one.sha256 not in recorded)
 
     def _with_unproven(self) -> RecoveredSurvey:
-        """Name what the recordings, the manifest and its signature will vouch for from now on.
+        """Name what the recording, the manifest and its signature will vouch for from now on.
 
-        These are the traces of an earlier version that only a file without a checksum holds, those
-        of which two forms contradict each other, and all of a survey that was changed since this
-        robot signed it, or that it never signed.
+        These are the traces of which two forms contradict each other, and all of a survey that was
+        changed since this robot signed it, or that it never signed.
         """
         entries = {
-            manifest.trace_name(name): {"reason": reason}
-            for names, reason in (
-                (self._stored.unproven, "only a file without a checksum holds it"),
-                (self._stored.contradicted, "survey.mcap held another one with a right checksum"),
-            )
-            for name in names
+            manifest.trace_name(name): {
+                "reason": "survey.mcap held another one with a right checksum"
+            }
+            for name in self._stored.contradicted
         }
-        if self._signer is not None and not self._was_signed and self._should_be_signed():
+        if self._has_key and not self._was_signed and self._should_be_signed():
             entries["signature"] = {"reason": "it was not that of this robot and this manifest"}
         if not self._is_covered() and not self._recovered.found.lost:
             entries["log"] = {"reason": "it did not end as the manifest said"}
@@ -198,13 +175,10 @@ class Reopening:
 
     def _is_covered(self) -> bool:
         """Return whether the log is that of the manifest, if there is one."""
-        sealed, records = self._sealed, self._recovered.found.records
-        if sealed is None or sealed.log is None:
-            return True
-        if sealed.reopened is None:
-            return sealed.covers(records)
-        # Since it was reopened, records may have been added.
-        return any(sealed.covers([one]) for one in records)
+        return self._sealed is None or self._sealed.covers(self._recovered.found.records)
+
+    def _is_binding(self) -> bool:
+        return self._sealed is not None and self._sealed.is_binding(self._recovered.found.records)
 
     def _refuse(self, description: Dict[str, Any]) -> None:
         """Refuse a survey that cannot or need not continue.
@@ -215,27 +189,13 @@ class Reopening:
         stored = self._stored
         if stored.foreign and not stored.truth:
             raise refusals.only_foreign_traces(self._folder, description["survey_id"])
-        misfits = stored.misfits
-        if PLAN in self._recovered.all_unconfirmed:
-            # The plan may be what is wrong.
-            misfits = [*misfits, *stored.unplanned]
-        if misfits:
-            raise refusals.traces_not_planned(self._folder, misfits)
+        if stored.misfits:
+            raise refusals.traces_not_planned(self._folder, stored.misfits)
         planned = description.get("planned_traces", description.get("stored_traces"))
         finished = description.get("outcome") == "finished" and len(stored.truth) == planned
         is_whole = self._recovered.found.is_whole and self._is_covered()
         if finished and is_whole and stored.intact():
             raise refusals.survey_complete(self._folder, len(stored.truth))
-
-    def _mark_manifest(self, now: str) -> None:
-        if self._manifest_damage is not None:
-            self._set_aside(self._folder / manifest.MANIFEST_FILE, self._manifest_damage)
-        elif self._sealed is not None and self._sealed.reopened is None:
-            self._repairs += self._stored.changes()
-            sealing.mark_reopened(self._folder, self._sealed, now)
-            if self._was_signed:
-                # Without a signature nothing is lost: the manifest is removed at the end.
-                try_to_sign(self._signer, self._folder)
 
     def _remove_torn(self) -> None:
         folders = [one for one in (self._folder, self._traces) if one.is_dir()]

@@ -1,4 +1,4 @@
-"""The one thread that writes files, and the bounded queues in front of it."""
+"""The one thread that writes files, and the queues in front of it."""
 
 from __future__ import annotations
 
@@ -7,31 +7,18 @@ from collections import deque
 from concurrent.futures import Future
 from concurrent.futures import TimeoutError as FutureTimeoutError
 from dataclasses import dataclass
-from typing import Any, Callable, Deque, Generic, List, Optional, Sequence, Tuple, TypeVar
+from typing import Any, Callable, Deque, List, NamedTuple, Optional, Sequence, Tuple, TypeVar
 
-from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message
-from gpr20_common.mid.checks import positive_number
 from gpr20_survey.errors import StorageFailedError
 from gpr20_survey.recording.recording import RecordedMessage
 from gpr20_vna_processing import faults
 
 Result = TypeVar("Result")
+# What a message takes beside its content.
+MESSAGE_BYTES = 1000
 # How often messages are written in a period.
 WRITES_IN_PERIOD = 8
-
-
-@dataclass(frozen=True)
-class QueueLimits:
-    """How much may wait for the disk."""
-
-    jobs: int = 4
-    messages: int = 5000
-    message_bytes: int = 16 << 20
-
-    def __post_init__(self) -> None:
-        for name in ("jobs", "messages", "message_bytes"):
-            positive_number(name, getattr(self, name))
 
 
 @dataclass(frozen=True)
@@ -43,16 +30,15 @@ class QueueState:
     dropped: int
 
 
-class _Job(Generic[Result]):
-    def __init__(self, work: Callable[[], Result]) -> None:
-        self._work = work
-        self.outcome: Future = Future()
+class _Job(NamedTuple):
+    work: Callable[[], Any]
+    outcome: Future
 
     def execute(self) -> None:
         if not self.outcome.set_running_or_notify_cancel():
             return
         try:
-            self.outcome.set_result(self._work())
+            self.outcome.set_result(self.work())
         except BaseException as error:  # passed to the caller that waits
             self.outcome.set_exception(error)
 
@@ -60,17 +46,16 @@ class _Job(Generic[Result]):
 class StorageThread:
     """Does jobs one after the other and writes messages between them.
 
-    A job is never dropped: when the disk is slower than the survey, the caller with the
-    next one waits. Messages are dropped, and counted, when their queue is full. They wait for
-    the next job, for more of them, or for a part of the period: writing each by itself would wake
-    the thread a hundred times a second.
+    A job is never dropped: its caller waits until it is done, so that no more wait than there are
+    callers. Messages are dropped, and counted, when their queue is full. They wait for the next
+    job, for more of them, or for a part of the period: writing each by itself would wake the
+    thread a hundred times a second.
     """
 
     def __init__(
         self,
         write_messages: Callable[[Sequence[RecordedMessage]], None],
-        limits: QueueLimits,
-        clock: Clock,
+        most_bytes: int,
         period_s: float,
     ) -> None:
         """Build the thread without starting it.
@@ -79,17 +64,15 @@ class StorageThread:
             write_messages: Writes what was offered since its last call; called on the
                 thread several times in a period, with nothing if there was nothing. It must
                 not raise.
-            limits: Sizes of the queues.
-            clock: For time limits.
+            most_bytes: How large the messages that wait may be together [bytes].
             period_s: Messages are written within this time [s].
         """
         self._write_messages = write_messages
-        self._limits = limits
-        self._clock = clock
+        self._most_bytes = most_bytes
         self._period_s = period_s
         self._changed = threading.Condition()
         self._jobs: Deque[_Job] = deque()
-        self._messages: Deque[RecordedMessage] = deque()
+        self._messages: List[RecordedMessage] = []
         self._message_bytes = 0
         self._dropped = 0
         self._stopping = False
@@ -123,23 +106,17 @@ class StorageThread:
         with self._changed:
             return QueueState(len(self._jobs), len(self._messages), self._dropped)
 
-    def offer(self, message: RecordedMessage) -> bool:
-        """Queue a message, never waiting; return False if it was dropped."""
-        size = message.size_bytes
+    def offer(self, message: RecordedMessage) -> None:
+        """Queue a message, never waiting; it is dropped if there are too many."""
+        size = message.size_bytes + MESSAGE_BYTES
         with self._changed:
-            fits = (
-                len(self._messages) < self._limits.messages
-                and self._message_bytes + size <= self._limits.message_bytes
-                and not self._stopping
-            )
-            if not fits:
+            if self._stopping or self._message_bytes + size > self._most_bytes:
                 self._dropped += 1
-                return False
+                return
             self._messages.append(message)
             self._message_bytes += size
             if self._many_wait:
                 self._changed.notify_all()
-        return True
 
     def do(self, work: Callable[[], Result], timeout_s: float) -> Result:
         """Do work on the thread, after all that was queued before, and return its result.
@@ -151,11 +128,17 @@ class StorageThread:
         Raises:
             StorageFailedError: The disk was too slow, or the thread has ended.
         """
-        deadline_s = self._clock.now_s() + timeout_s
-        job = _Job(work)
-        self._enqueue(job, deadline_s, timeout_s)
+        job = _Job(work, Future())
+        with self._changed:
+            if self._stopping:
+                raise StorageFailedError(
+                    Message("the storage is shutting down; nothing was written"),
+                    fault=faults.SHUTTING_DOWN,
+                )
+            self._jobs.append(job)
+            self._changed.notify_all()
         try:
-            return job.outcome.result(max(0.0, deadline_s - self._clock.now_s()))
+            return job.outcome.result(timeout_s)
         except FutureTimeoutError:
             if job.outcome.cancel():
                 state = Message("nothing was written")
@@ -170,29 +153,6 @@ class StorageThread:
                 fault=faults.DISK_SLOW,
             ) from None
 
-    def _enqueue(self, job: _Job, deadline_s: float, timeout_s: float) -> None:
-        with self._changed:
-            while len(self._jobs) >= self._limits.jobs and not self._stopping:
-                remaining_s = deadline_s - self._clock.now_s()
-                if remaining_s <= 0.0:
-                    raise StorageFailedError(
-                        Message(
-                            "the disk was not free within {limit_s:g} s, with {count} earlier "
-                            "requests waiting; nothing was written; check the disk",
-                            limit_s=timeout_s,
-                            count=len(self._jobs),
-                        ),
-                        fault=faults.DISK_SLOW,
-                    )
-                self._changed.wait(remaining_s)
-            if self._stopping:
-                raise StorageFailedError(
-                    Message("the storage is shutting down; nothing was written"),
-                    fault=faults.SHUTTING_DOWN,
-                )
-            self._jobs.append(job)
-            self._changed.notify_all()
-
     def _run(self) -> None:
         while True:
             messages, job, ended = self._next()
@@ -202,23 +162,17 @@ class StorageThread:
             elif ended:
                 return
 
-    def _next(self) -> Tuple[List[RecordedMessage], Optional[_Job[Any]], bool]:
+    def _next(self) -> Tuple[List[RecordedMessage], Optional[_Job], bool]:
         with self._changed:
             self._changed.wait_for(
                 lambda: self._jobs or self._stopping or self._many_wait,
                 self._period_s / WRITES_IN_PERIOD,
             )
-            messages = list(self._messages)
-            self._messages.clear()
-            self._message_bytes = 0
+            messages, self._messages, self._message_bytes = self._messages, [], 0
             job = self._jobs.popleft() if self._jobs else None
-            self._changed.notify_all()
             return messages, job, self._stopping
 
     @property
     def _many_wait(self) -> bool:
         """Whether the queue of messages is half full."""
-        return (
-            2 * len(self._messages) >= self._limits.messages
-            or 2 * self._message_bytes >= self._limits.message_bytes
-        )
+        return 2 * self._message_bytes >= self._most_bytes

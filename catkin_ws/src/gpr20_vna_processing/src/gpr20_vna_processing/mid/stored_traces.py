@@ -8,7 +8,7 @@ from typing import Callable, Dict, List, Mapping, Optional, Set
 from gpr20_common.message import Message
 from gpr20_survey.errors import ForeignTraceError, TraceRefusedError
 from gpr20_survey.files import file_sums
-from gpr20_survey.folder import manifest, sealing, survey_folder, trace_files
+from gpr20_survey.folder import manifest, survey_folder, trace_files
 from gpr20_survey.folder.manifest import Manifest
 from gpr20_survey.folder.trace_files import TraceFile
 from gpr20_survey.recording.mcap_reader import StoredMcap
@@ -39,8 +39,6 @@ class RecordedTraces:
         """Fingerprint of the trace of each index."""
         self.wrong: Dict[int, List[Message]] = {}
         """What of each trace is not as it was planned."""
-        self.types: Dict[str, Set[str]] = {}
-        """The checksums of the message types of each topic."""
         self.log: Set[str] = set()
         """The checksums of the records of the survey's log."""
         self.foreign = 0
@@ -50,7 +48,6 @@ class RecordedTraces:
         self._places: Dict[int, int] = {}  # of the message of each index
         found: List[Message] = []
         for place, message in enumerate(self.stored.messages()):
-            self.types.setdefault(message.topic, set()).add(message.md5sum)
             record = recorded_log(message)
             if record is not None:
                 self.log.add(record.sha256)
@@ -100,10 +97,8 @@ class RecordedTraces:
 class StoredTraces:
     """Decides which traces are stored; nothing is changed.
 
-    The first form whose checksum holds is right: the JSON file with its own checksum, or with the
-    one that the manifest has of it; then the MCAP. A JSON file of an earlier version, which has no
-    checksum, counts where the MCAP lacks its trace, if the trace is as it was planned. The bag has
-    no checksums and is not asked.
+    The first form whose checksum holds is right: the JSON file, unless a manifest that binds has
+    another checksum of it; then the MCAP. The bag is made of the MCAP and is not asked.
     """
 
     def __init__(
@@ -112,6 +107,7 @@ class StoredTraces:
         mcap: RecordedTraces,
         survey_id: str,
         sealed: Optional[Manifest],
+        is_binding: bool,
         misfits: Misfits,
     ) -> None:
         """Read every JSON file.
@@ -121,6 +117,8 @@ class StoredTraces:
             mcap: The traces of its MCAP.
             survey_id: Whose traces there must be.
             sealed: The manifest, if there is a whole one.
+            is_binding: Whether a file that differs from it is damaged: after a reopening files
+                change.
             misfits: Compares a trace with the plan.
 
         Raises:
@@ -128,19 +126,14 @@ class StoredTraces:
         """
         self._folder = folder
         self._sealed = sealed
-        # The manifest if a file that differs from it is damaged: after a reopening, files change.
-        self._binding = sealed if sealed is not None and sealed.reopened is None else None
+        self._binding = sealed if is_binding else None
         self._misfits = misfits
         self.mcap = mcap
         self._wrong: Dict[int, List[Message]] = {}  # misfits of each JSON file
         traces = folder / survey_folder.TRACES_FOLDER
         self.files = trace_files.read_all(traces, survey_id, on_trace=self._compare)
-        self.unproven: List[str] = []
-        """Names of the files without a checksum whose traces nothing else holds."""
         self.contradicted: List[str] = []
-        """Names of the files with a checksum whose traces the MCAP holds with other numbers."""
-        self.unplanned: List[Message] = []
-        """What of files without a checksum, which therefore are damaged, is not as planned."""
+        """Names of the files whose traces the MCAP holds with other numbers."""
         self.truth: Dict[int, bytes] = {}
         """Fingerprint of each trace that is stored."""
         self._decide(traces)
@@ -168,12 +161,11 @@ class StoredTraces:
         if binding is None:
             return []
         unreadable = {name for name, one in binding.files.items() if one is None}
-        names = {*binding.files, *sealing.file_names(self._folder)} - unreadable
+        names = {*binding.files, *manifest.file_names(self._folder)} - unreadable
         return [
             _differs(name)
             for name in sorted(names)
             if not name.startswith(manifest.trace_name(""))
-            and name not in manifest.JUDGED_BY_LOG
             and not binding.matches(name, file_sums.sum_if_readable(self._folder / name))
         ]
 
@@ -188,18 +180,10 @@ class StoredTraces:
             recorded = self.mcap.prints.get(index)
             if self._binding is not None and not listed:
                 self._refuse(traces, index, _differs(file.name))
-            elif file.is_proven or listed or recorded == file.fingerprint:
-                self.truth[index] = file.fingerprint
-                if not listed and recorded not in (None, file.fingerprint):
-                    self._contradict(file.name)
-            elif recorded is not None:
-                self._refuse(traces, index, Message("survey.mcap holds other numbers"))
-            elif index in self._wrong:
-                self.unplanned += self._wrong[index]
-                self._refuse(traces, index, self._wrong[index][0])
-            else:
-                self.truth[index] = file.fingerprint
-                self.unproven.append(file.name)
+                continue
+            self.truth[index] = file.fingerprint
+            if not listed and recorded not in (None, file.fingerprint):
+                self._contradict(file.name)
         for index, recorded in self.mcap.prints.items():
             self.truth.setdefault(index, recorded)
 

@@ -3,36 +3,36 @@
 from __future__ import annotations
 
 import os
+import time
 from dataclasses import dataclass
+from functools import lru_cache
 from pathlib import Path
 from typing import Any, Dict, Iterator, List, Sequence, Tuple
 
 from gpr20_common.message import Message
+from gpr20_common.mid.checks import number_between
 from gpr20_common.os_reason import os_reason
 from gpr20_common.terminal_text import printable
 from gpr20_survey.errors import ProcessingError, SurveyRefusedError
-from gpr20_survey.folder import survey_folder, survey_metadata
-from gpr20_survey.folder.log_content import LOG, UNCONFIRMED
+from gpr20_survey.folder import survey_folder
+from gpr20_survey.folder.log_content import LOG
 from gpr20_survey.folder.log_record import Kind
-from gpr20_survey.folder.manifest import MANIFEST_FILE
-from gpr20_survey.folder.recovery import read_description, unconfirmed_message
-from gpr20_survey.folder.survey_metadata import INTERRUPTED
-from gpr20_survey.folder.survey_search import find_survey
-from gpr20_survey.plan.annotation import ANNOTATION
-from gpr20_survey.plan.coverage import reported_verdict
-from gpr20_survey.plan.imported import (
-    import_sentence,
-    is_imported,
-    measured_area,
-)
-from gpr20_survey.plan.refines import refines_of
+from gpr20_survey.folder.recovery import find_survey
 from gpr20_survey.results.survey_summary import SurveySummary
-from gpr20_vna_processing.mid.recent_summaries import RecentSummaries
-from gpr20_vna_processing.mid.survey_thumbnail import thumbnail_of
-from gpr20_vna_processing.mid.trace_reader import ReadTraces, TraceReader, trace_names
+from gpr20_vna_processing.mid.stored_files import (
+    ReadTraces,
+    TraceReader,
+    settled_version,
+    trace_names,
+)
+from gpr20_vna_processing.mid.survey_summaries import summary_of
 
 MAX_SURVEYS_PER_PAGE = 50
 MAX_TRACES_PER_READ = 1000
+MOST_KEPT = 1000
+"""Summaries."""
+SUMMARIZED = (survey_folder.TRACES_FOLDER, survey_folder.LOG_FILE)
+"""What changes in a folder with its summary."""
 
 
 @dataclass(frozen=True)
@@ -50,7 +50,7 @@ class SurveyArchive:
 
     def __init__(self, data: Path) -> None:
         self._data = data
-        self._summaries = RecentSummaries(self._summary)
+        self._kept = lru_cache(MOST_KEPT)(lambda folder, _version: summary_of(folder))
         self._reader = TraceReader()
 
     def list(self, before: str, max_surveys: int) -> Tuple[List[SurveySummary], bool]:
@@ -64,7 +64,7 @@ class SurveyArchive:
             SurveyRefusedError: An argument is not allowed.
             ProcessingError: The data folder cannot be read.
         """
-        _check_count("max_surveys", max_surveys, MAX_SURVEYS_PER_PAGE)
+        number_between("max_surveys", max_surveys, 1, MAX_SURVEYS_PER_PAGE)
         if before and not survey_folder.FOLDER_NAME.fullmatch(before):
             raise SurveyRefusedError(
                 Message(
@@ -75,7 +75,7 @@ class SurveyArchive:
                 )
             )
         names = sorted((one for one in self._folders() if not before or one < before), reverse=True)
-        page = [self._summaries.of(self._data / name) for name in names[:max_surveys]]
+        page = [self._summary(self._data / name) for name in names[:max_surveys]]
         return page, len(names) > max_surveys
 
     def survey(self, survey: str) -> StoredSurvey:
@@ -106,9 +106,14 @@ class SurveyArchive:
             SurveyRefusedError: There is no such survey, or there are too many indices.
             ProcessingError: Its folder cannot be read.
         """
-        _check_count("indices", len(indices), MAX_TRACES_PER_READ)
+        number_between("indices", len(indices), 1, MAX_TRACES_PER_READ)
         folder, found = find_survey(self._data, survey)
         return self._reader.read(folder, found.survey_id, indices)
+
+    def _summary(self, folder: Path) -> SurveySummary:
+        """Return the summary of a survey, made again only after its folder changed."""
+        version = settled_version(folder, SUMMARIZED, time.time_ns())
+        return summary_of(folder) if version is None else self._kept(folder, version)
 
     def _folders(self) -> Iterator[str]:
         try:
@@ -127,88 +132,3 @@ class SurveyArchive:
                     reason=os_reason(error),
                 )
             ) from error
-
-    def _summary(self, folder: Path) -> SurveySummary:
-        try:
-            survey_folder.check_no_links(folder)
-            values = read_description(folder)
-            survey_folder.check_survey_id(values["survey_id"])
-            stored = list(trace_names(folder))
-            # Without a manifest nothing vouches for the outcome.
-            sealed = (folder / MANIFEST_FILE).is_file()
-        except ProcessingError as error:
-            return SurveySummary(folder.name, problem=error.message)
-        area, imported = measured_area(values), is_imported(values)
-        planned = 0 if imported else _planned_traces(area)
-        outcome = _text(values.get("outcome"))
-        # The report of a survey that was cut off may be older than its last traces.
-        cut_off = outcome in ("", INTERRUPTED)
-        verdict = None if cut_off else reported_verdict(values.get("report"))
-        sentence = None if verdict is None else verdict.message
-        if imported:
-            sentence = import_sentence(values)
-        unconfirmed = values.get(UNCONFIRMED)
-        if unconfirmed:
-            sentence = unconfirmed_message(unconfirmed)
-        return SurveySummary(
-            folder=folder.name,
-            survey_id=values["survey_id"],
-            started=_text(values.get("started")),
-            outcome=outcome,
-            stored_traces=len(stored),
-            planned_traces=planned,
-            verdict=sentence,
-            complete=sealed
-            and not unconfirmed
-            and outcome == "finished"
-            and 0 < planned == len(stored),
-            # Data of unknown origin are never shown as those of real ground.
-            simulated=values.get("simulated") is not False,
-            refines=refines_of(values),
-            **_people(values.get(ANNOTATION)),
-            thumbnail=thumbnail_of(area, stored),
-            fault_code=_text(values.get(survey_metadata.FAULT_CODE)),
-        )
-
-
-def _check_count(name: str, count: int, limit: int) -> None:
-    if not 1 <= count <= limit:
-        raise SurveyRefusedError(
-            Message(
-                "{name} is {value}; it must lie between {lower} and {upper}",
-                name=name,
-                value=count,
-                lower=1,
-                upper=limit,
-            )
-        )
-
-
-def _planned_traces(parameters: Any) -> int:
-    if not isinstance(parameters, dict):
-        return 0
-    rotations = parameters.get("polarizations_deg")
-    counts = [
-        parameters.get("x_points"),
-        parameters.get("y_points"),
-        len(rotations) if isinstance(rotations, list) else None,
-    ]
-    planned = 1
-    for count in counts:
-        if type(count) is not int or not 0 < count <= survey_metadata.MAX_BYTES:
-            return 0
-        planned *= count
-    return min(planned, (1 << 32) - 1)
-
-
-def _people(annotation: Any) -> Dict[str, Any]:
-    """Return what people wrote that a list is searched for."""
-    written = annotation if isinstance(annotation, dict) else {}
-    return {name: _text(written.get(name)) for name in ("name", "site", "operator")}
-
-
-def _text(value: Any) -> str:
-    if not isinstance(value, str):
-        return ""
-    # Half of a character, which JSON can hold, cannot be sent: no survey would be listed.
-    return value.encode("utf-8", "backslashreplace").decode("utf-8")

@@ -32,28 +32,24 @@ class SurveyEnd:
     """How a survey ended that nobody but the storage knows to have ended."""
 
     survey_id: str
-    state: SurveyState
-    message: Message
+    outcome: str
+    """One of OUTCOMES."""
+    reason: Message
     simulated: bool
+    """Whether its data show no real ground."""
     time_ns: int
     """When it ended [ns since 1970, UTC]."""
 
-    @classmethod
-    def of(
-        cls, survey_id: str, outcome: str, reason: Message, simulated: bool, time_ns: int
-    ) -> SurveyEnd:
-        """Return the end of a survey.
+    @property
+    def state(self) -> SurveyState:
+        """The state of its last status."""
+        return OUTCOMES[self.outcome].states[0]
 
-        Args:
-            survey_id: UUID of the survey.
-            outcome: One of OUTCOMES.
-            reason: Why it ended.
-            simulated: Whether its data show no real ground.
-            time_ns: When it ended [ns since 1970, UTC].
-        """
-        ended = OUTCOMES[outcome]
-        message = Message("{outcome}: {reason}", outcome=ended.sentence, reason=reason)
-        return cls(survey_id, ended.states[0], message, simulated, time_ns)
+    @property
+    def message(self) -> Message:
+        """The sentence of its last status."""
+        ended = OUTCOMES[self.outcome].sentence
+        return Message("{outcome}: {reason}", outcome=ended, reason=self.reason)
 
 
 def may_end_with(outcome: str, code: int) -> bool:

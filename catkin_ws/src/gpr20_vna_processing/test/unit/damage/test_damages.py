@@ -6,7 +6,6 @@ for ever. `test_random_damage.py` draws other damages.
 
 from __future__ import annotations
 
-import json
 import shutil
 from dataclasses import dataclass, replace
 from typing import Callable, Collection, Optional, Sequence, Union
@@ -15,7 +14,7 @@ import pytest
 from annotation_examples import EXAMPLE
 from case_kit import each_case
 from fault_kit import raises_fault
-from log_examples import NOW, add_marker, change_digit, make_former
+from log_examples import NOW, add_marker, change_digit
 from planned_survey import METADATA
 from reopening_kit import (
     REPORT,
@@ -29,22 +28,21 @@ from reopening_kit import (
     tree,
 )
 from storage_kit import Kit
-from trace_examples import SURVEY, read_json
+from trace_examples import SURVEY
 
 from gpr20_analysis.read.verification import verify_survey
 from gpr20_analysis.read.verification_result import COMPLETE, DAMAGED, INCOMPLETE
 from gpr20_survey.errors import SurveyRefusedError
 from gpr20_survey.folder import trace_files
 from gpr20_survey.folder.annotating import add_to_survey
-from gpr20_survey.folder.description_copies import sealed_description
-from gpr20_survey.folder.recovery import LATER, read_description
+from gpr20_survey.folder.recovery import read_description
 from gpr20_survey.plan.annotation import annotation_of
-from gpr20_survey.recording.recordings import open_recordings
 from gpr20_survey.trace import trace_json
 from gpr20_vna_processing.mid.survey_archive import SurveyArchive
 
-VIEW, LOG, SEAL = "survey.json", "log.jsonl", "manifest.json"
-BAG, MCAP, TRACE = "survey.bag", "survey.mcap", "a trace"
+VIEW, SEAL = "survey.json", "manifest.json"
+LOG, COPY = "log.jsonl", "log.copy.jsonl"
+MCAP, TRACE = "survey.mcap", "a trace"
 SIX = tuple(range(6))
 WITHOUT_2 = (0, 1, 3, 4, 5)
 TRACE_NAME = "000002_X0020.00_Y0010.00_Z+000.00.json"
@@ -98,7 +96,7 @@ def replaced(name, old, new):
 
 
 def digit(*names):
-    """Change a digit of marker 1 in forms of the log."""
+    """Change a digit of marker 1 in files of the log."""
 
     def change(folder, _older):
         for name in names:
@@ -125,22 +123,12 @@ def both(*changes):
     return change
 
 
-def former(*changes):
-    """Make it a survey of an earlier version, which has neither log nor checksums of traces."""
-
-    def change(folder, source):
-        make_former(folder)
-        both(*changes)(folder, source)
-
-    return change
-
-
 def other_history(folder, source):
-    """Put the log of a copy in its place to which marker 3 was added."""
+    """Put the copy of the log of a survey in its place to which marker 3 was added."""
     other = folder.parent.parent / "other" / folder.name
     shutil.copytree(str(source), str(other))
     add_to_survey(other, add_marker(3), NOW)
-    shutil.copy(str(other / LOG), str(folder / LOG))
+    shutil.copy(str(other / COPY), str(folder / COPY))
 
 
 def other_trace(folder, _older):
@@ -148,17 +136,6 @@ def other_trace(folder, _older):
     path = trace_file(folder, 2)
     trace = trace_files.read_trace(path, SURVEY)
     path.write_bytes(trace_json.encode(replace(trace, antennae_height_m=0.7)))
-
-
-def other_number(folder, _older):
-    """Change a number of a trace that has no checksum."""
-    values = read_json(trace_file(folder, 2))
-    values["s21_real"][0] += 1.0
-    trace_file(folder, 2).write_text(json.dumps(values) + "\n")
-
-
-OTHER_ID = replaced(VIEW, SURVEY.encode(), f"{SURVEY[:-1]}f".encode())
-Y_STOP = replaced(VIEW, b'"y_stop_mm": 20.0', b'"y_stop_mm": 30.0')
 
 
 @dataclass(frozen=True)
@@ -191,46 +168,49 @@ class Damage:
 
 
 STOPPED, CUT_OFF, FINISHED, INTERRUPTED = "stopped", "cut off", "finished", "interrupted"
-ENTRIES = ("annotation", "report", "markers/0", "markers/1")
-NOT_PLANNED, LOST = "survey.traces_not_planned", "survey.description_lost"
+LOST = "survey.description_lost"
+LINE_AND_MORE = content(LOG, lambda whole: whole[:-3] + b"#}\n")
 DAMAGES = {
-    # The description: each form of the log replaces the other.
+    # survey.json decides nothing; the manifest shows that it was changed.
     "nothing": Damage(STOPPED, both()),
-    "view flipped": Damage(INTERRUPTED, flipped(VIEW, place=0), [VIEW], [VIEW]),
+    "view flipped": Damage(INTERRUPTED, flipped(VIEW, place=0), [VIEW]),
     "view gone": Damage(FINISHED, gone(VIEW), [VIEW]),
-    "view of another id": Damage(STOPPED, OTHER_ID, [VIEW], [VIEW]),
-    "view with another plan": Damage(
-        CUT_OFF, Y_STOP, [VIEW, "parameters/y_stop_mm"], [VIEW], [VIEW]
-    ),
-    "marker in the view": Damage(FINISHED, digit(VIEW), [VIEW], [VIEW]),
+    "view gone of one that was cut off": Damage(CUT_OFF, gone(VIEW)),
+    # Each file of the log replaces the other.
     "log gone": Damage(CUT_OFF, gone(LOG), [LOG]),
+    "copy gone": Damage(FINISHED, gone(COPY), [COPY]),
+    "log empty": Damage(STOPPED, emptied(LOG), [LOG], [LOG]),
     "marker in the log": Damage(STOPPED, digit(LOG), [LOG], [LOG]),
-    "marker in both forms": Damage(STOPPED, digit(VIEW, LOG), [VIEW, LOG], [VIEW, LOG]),
-    "marker in both forms and no mcap": Damage(
-        CUT_OFF, both(digit(VIEW, LOG), gone(MCAP)), [VIEW, LOG], [VIEW, LOG],
+    "marker in the copy": Damage(FINISHED, digit(COPY), [COPY], [COPY]),
+    "end of the log": Damage(STOPPED, flipped(LOG, b"\n"), [LOG], [LOG]),
+    "another plan in the log": Damage(
+        CUT_OFF, replaced(LOG, b'"y_stop_mm":20.0', b'"y_stop_mm":30.0'), [LOG], [LOG]
+    ),
+    "marker in both files": Damage(
+        CUT_OFF, digit(LOG, COPY), [LOG, COPY, "entry 1"], [LOG, COPY], [LOG, COPY, "record 1"],
         markers=[2], doubts=["record 1"],
     ),
-    "last line of the log, no view": Damage(
-        CUT_OFF, both(content(LOG, lambda whole: whole[:-3] + b"#}\n"), gone(VIEW)), ["entry 4"],
-        repaired=["record 4"], markers=[1], doubts=["record 4"],
+    "last line of the log, no copy": Damage(
+        CUT_OFF, both(LINE_AND_MORE, gone(COPY)), ["entry 4"], [LOG], [LOG, COPY, "record 4"],
+        markers=[1], doubts=["record 4"],
     ),
-    "no log": Damage(
-        STOPPED, gone(VIEW, LOG, SEAL), [VIEW], markers=[1], doubts=[LATER]
-    ),
-    "no log beside the manifest": Damage(
-        STOPPED, gone(VIEW, LOG), [VIEW], markers=[1], doubts=["record 4", "record 5"]
-    ),
-    "no description": Damage(
-        STOPPED, both(gone(LOG), emptied(VIEW), emptied(MCAP)), [VIEW], loaded=LOST, refused=LOST
+    "no log": Damage(STOPPED, gone(LOG, COPY), [LOG, COPY], loaded=LOST, refused=LOST),
+    "no plan": Damage(
+        CUT_OFF, both(content(LOG, lambda whole: whole[9:]), gone(COPY)), [LOG, COPY],
+        loaded=LOST, refused=LOST,
     ),
     # Older files, each right by itself.
-    "older log and view": Damage(
-        FINISHED, older(LOG, VIEW), ["entry 5"], repaired=["record 5"], markers=[1],
-        doubts=["record 5"],
+    "older log and copy": Damage(
+        STOPPED, older(LOG, COPY), repaired=[], markers=[1]
     ),
-    "older log": Damage(STOPPED, older(LOG), [LOG], repaired=[]),
-    "older manifest": Damage(STOPPED, older(SEAL), ["entry 4"], repaired=[], doubts=["log"]),
-    "log of another history": Damage(STOPPED, other_history, [LOG], doubts=["record 5"]),
+    "log cut to before the end": Damage(
+        STOPPED, both(*(content(name, lambda whole: b"\n".join(whole.split(b"\n")[:4]) + b"\n")
+                        for name in (LOG, COPY))),
+        ["entry 4"], repaired=["record 4"], markers=[1], doubts=["record 4"],
+    ),
+    "older copy": Damage(INTERRUPTED, older(COPY), repaired=[]),
+    "older manifest": Damage(STOPPED, older(SEAL), repaired=[]),
+    "copy of another history": Damage(STOPPED, other_history, [COPY], doubts=["record 5"]),
     # The manifest.
     "manifest flipped": Damage(STOPPED, flipped(SEAL), [SEAL], [SEAL]),
     "manifest gone": Damage(FINISHED, gone(SEAL), [SEAL], repaired=[]),
@@ -242,44 +222,17 @@ DAMAGES = {
         CUT_OFF, other_trace, ["trace 2", MCAP], [MCAP], [TRACE], doubts=["traces/000002"]
     ),
     "trace cut, no mcap": Damage(
-        CUT_OFF, both(cut(TRACE), gone(MCAP)), [TRACE, MCAP], [TRACE, BAG],
+        CUT_OFF, both(cut(TRACE), gone(MCAP)), [TRACE, MCAP], [TRACE],
         loaded=WITHOUT_2, stored=WITHOUT_2,
     ),
-    "trace in the bag alone": Damage(
-        STOPPED, gone(TRACE, MCAP), [TRACE, MCAP], [BAG], [MCAP], WITHOUT_2, WITHOUT_2
+    "trace and mcap gone": Damage(
+        STOPPED, gone(TRACE, MCAP), [TRACE, MCAP], [], [MCAP], WITHOUT_2, WITHOUT_2
     ),
     "all traces": Damage(STOPPED, gone("traces"), ["traces/"], repaired=[TRACE],
                          loaded="storage.unreadable"),
-    # The MCAP: what cannot be read of it is in the JSON files, and in the bag that is kept.
-    "mcap gone": Damage(CUT_OFF, gone(MCAP), [MCAP], [BAG]),
-    "mcap flipped": Damage(STOPPED, flipped(MCAP, place=0.6), [MCAP], [BAG, MCAP]),
-    # A bag has no checksums: it is never believed, and written again.
-    "bag gone": Damage(STOPPED, gone(BAG), [BAG]),
-    "number in the bag": Damage(CUT_OFF, flipped(BAG, TRACES[2].s21_real.tobytes())),
-    "type in the bag": Damage(CUT_OFF, flipped(BAG, b"type=gpr20_msgs/Trace")),
-    # Surveys of an earlier version, which have no log.
-    "former": Damage(STOPPED, former()),
-    "former, view empty": Damage(
-        STOPPED, former(emptied(VIEW)), [VIEW], [VIEW], [LATER], markers=[], doubts=[LATER]
-    ),
-    "former, another plan": Damage(
-        STOPPED, former(Y_STOP), [VIEW, "parameters/y_stop_mm"], repaired=["report"],
-        doubts=[*ENTRIES, "outcome"],
-    ),
-    "former, another id": Damage(
-        CUT_OFF, former(OTHER_ID, gone(MCAP)), loaded="survey.unknown",
-        refused="survey.other_description",
-    ),
-    "former, another number": Damage(
-        CUT_OFF, former(other_number), ["trace 2", MCAP], [TRACE], [TRACE], doubts=ENTRIES
-    ),
-    "former, no mcap": Damage(
-        CUT_OFF, former(gone(MCAP)), [MCAP], [BAG], ["plan", MCAP],
-        doubts=["plan", *ENTRIES, *(f"traces/00000{index}" for index in SIX)],
-    ),
-    "former, another plan, no mcap": Damage(
-        CUT_OFF, former(Y_STOP, gone(MCAP)), ["trace 3"], refused=NOT_PLANNED
-    ),
+    # The MCAP: what cannot be read of it is in the JSON files.
+    "mcap gone": Damage(CUT_OFF, gone(MCAP), [MCAP]),
+    "mcap flipped": Damage(STOPPED, flipped(MCAP, place=0.6), [MCAP], [MCAP]),
 }  # fmt: skip
 
 
@@ -354,7 +307,7 @@ def test_damage_is_named_and_costs_nothing_that_another_form_holds(copies, surve
     check_verified(folder, damage)
     assert tree(folder) == damaged
     if damage.refused:
-        kit = Kit(folder.parent, open_recordings)
+        kit = Kit(folder.parent)
         with raises_fault(damage.refused, error=SurveyRefusedError):
             kit.processing.reopen_survey(folder.name)
         kit.processing.shut_down()
@@ -364,7 +317,7 @@ def test_damage_is_named_and_costs_nothing_that_another_form_holds(copies, surve
     check_finished(folder, damage)
 
 
-@each_case("change", [both(digit(VIEW, LOG), gone(MCAP)), former(Y_STOP), flipped(SEAL)])
+@each_case("change", [digit(LOG, COPY), flipped(SEAL)])
 def test_nothing_is_added_to_a_survey_of_which_something_is_lost_or_damaged(
     copies, surveys, change
 ):
@@ -401,19 +354,3 @@ def test_what_was_never_finished_is_removed_and_is_never_data(copies):
     assert not any(path.exists() for path in torn)
     assert reopened.stored_indices == SIX
     assert_whole(folder, TRACES)
-
-
-def test_the_copy_in_the_mcap_stays_as_it_was_at_the_start(copies):
-    folder = copies(STOPPED)
-    flipped(MCAP, place=0.6)(folder, None)
-    resume(folder)
-    copy = sealed_description(folder)
-    assert (copy["outcome"], "resumed" in copy) == (None, False)
-
-
-def test_the_description_of_another_survey_is_not_taken_for_this_ones(copies):
-    folder = copies(STOPPED)
-    emptied(VIEW)(folder, None)
-    other = folder.rename(folder.with_name(folder.name[:-8] + "01234567"))
-    with raises_fault("survey.unknown", SURVEY, error=SurveyRefusedError):
-        resume(other)

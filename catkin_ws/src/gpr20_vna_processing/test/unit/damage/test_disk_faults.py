@@ -1,5 +1,6 @@
 """A disk that is full, and files that others may read or not."""
 
+import contextlib
 import os
 import shutil
 import stat
@@ -8,15 +9,17 @@ import subprocess
 import pytest
 from fault_kit import raises_fault
 from log_examples import NOW, add_marker
-from reopening_kit import assert_whole, trace_file
-from storage_kit import Kit
+from planned_survey import METADATA
+from reopening_kit import TRACES, assert_whole, trace_file
+from storage_kit import Kit, with_bag
 from trace_examples import SURVEY, make_trace, read_json
 
+from gpr20_analysis.read.verification import verify_survey
+from gpr20_analysis.read.verification_result import COMPLETE
 from gpr20_survey.errors import StorageFailedError
 from gpr20_survey.files.access import Readers
 from gpr20_survey.files.durable_files import is_temporary
 from gpr20_survey.folder.annotating import add_to_survey
-from gpr20_survey.recording.recordings import open_recordings
 from gpr20_vna_processing.mid.processing_records import Limits
 
 LIMITS = Limits(timeout_s=60.0, period_s=0.05, disk_reserve_bytes=0)
@@ -35,7 +38,7 @@ def small_disk(tmp_path):
 
 @pytest.mark.needs("mounts")
 def test_a_survey_goes_on_after_space_was_made_on_a_full_disk(small_disk):
-    kit = Kit(small_disk / "data", open_recordings, limits=LIMITS)
+    kit = Kit(small_disk / "data", limits=LIMITS)
     folder = kit.open()
     ballast = small_disk / "ballast"
     ballast.write_bytes(b"\0" * 500_000)
@@ -59,6 +62,24 @@ def test_a_survey_goes_on_after_space_was_made_on_a_full_disk(small_disk):
     assert_whole(folder, [make_trace(index) for index in range(refused + 10)])
 
 
+@pytest.mark.needs("mounts")
+def test_a_full_disk_leaves_no_half_bag_and_a_survey_that_is_complete(small_disk):
+    kit = Kit(small_disk / "data", limits=LIMITS)
+    folder = kit.open(metadata_json=METADATA)
+    kit.finish(TRACES, ())
+    kit.processing.shut_down()
+    ballast = small_disk / "ballast"
+    with contextlib.suppress(OSError):
+        ballast.write_bytes(b"\0" * 2_000_000)
+    with raises_fault("disk.full", error=StorageFailedError):
+        with_bag(folder)
+    assert not list(folder.glob("*survey.bag*"))
+    found = verify_survey(folder)
+    assert (found.status, found.faults) == (COMPLETE, [])
+    ballast.unlink()
+    assert_whole(with_bag(folder), TRACES)
+
+
 def modes(top):
     """Return the modes of all folders and of all files in a folder."""
     found = [top, *top.rglob("*")]
@@ -68,11 +89,11 @@ def modes(top):
 
 def damage_everything(folder):
     """Damage one file of each kind, so that each is kept and written again."""
-    names = ("survey.bag", "survey.mcap", "survey.json", "log.jsonl")
+    names = ("survey.mcap", "log.jsonl")
     for path in (trace_file(folder, 0), *(folder / name for name in names)):
         content = path.read_bytes()
         # In a recording behind what it begins with.
-        place = max(content.find(b"zstd"), content.find(b"op=\x05"), len(content) // 4)
+        place = max(content.find(b"zstd"), len(content) // 4)
         path.write_bytes(content[:place] + bytes(100) + content[place + 100 :])
 
 
@@ -89,11 +110,13 @@ def use(kit, then=None):
     kit.processing.store(make_trace(1))
     kit.processing.close_survey(SURVEY, "stopped")
     kit.processing.shut_down()
+    with_bag(folder)
     (folder / "log.jsonl").unlink()
     add_to_survey(folder, add_marker(1), NOW)
     names = {one.name for one in folder.rglob("*")}
-    files = {"survey.json", "log.jsonl", "survey.bag", "survey.mcap"}
-    assert {"manifest.json", "damaged", *files} <= names
+    files = {"log.jsonl", "survey.mcap"}
+    others = {"manifest.json", "damaged", "survey.json", "survey.bag", "log.copy.jsonl"}
+    assert files | others <= names
     assert files <= {one.name for one in (folder / "damaged").iterdir()}
     return folder
 
@@ -101,7 +124,7 @@ def use(kit, then=None):
 def test_folders_and_files_have_their_modes_whatever_the_umask(tmp_path):
     before = os.umask(0o077)
     try:
-        use(Kit(tmp_path / "top" / "data", open_recordings, readers=Readers.GROUP))
+        use(Kit(tmp_path / "top" / "data", readers=Readers.GROUP))
     finally:
         os.umask(before)
     assert modes(tmp_path / "top") == [{0o750}, {0o640}]
@@ -114,9 +137,7 @@ def test_a_survey_and_a_data_folder_that_exist_keep_their_modes_and_group(tmp_pa
     if groups:
         shutil.chown(str(data), group=groups[0])
     data.chmod(0o2775)
-    first, second = (
-        Kit(data, open_recordings, readers=one) for one in (Readers.ALL, Readers.OWNER)
-    )
+    first, second = (Kit(data, readers=one) for one in (Readers.ALL, Readers.OWNER))
     folder = use(first, second)
     assert modes(folder) == [{0o2755}, {0o644}]
     assert {one.stat().st_gid for one in folder.rglob("*")} == {data.stat().st_gid}

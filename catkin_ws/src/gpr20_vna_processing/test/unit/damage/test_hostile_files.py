@@ -4,7 +4,6 @@ What is not a survey's file keeps no survey from going on or ending, and is name
 """
 
 import contextlib
-import json
 import os
 import re
 import resource
@@ -16,28 +15,25 @@ import pytest
 from fault_kit import raises_fault
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
-from log_examples import make_former, marker
+from log_examples import NOW, marker
 from reopening_kit import TRACES, trace_file, tree
 from run_seed import draws
-from storage_kit import Kit
+from storage_kit import Kit, with_bag
 from trace_examples import SURVEY
 
 from gpr20_analysis.read.manifest_check import Seal, check_manifest
 from gpr20_survey.errors import ProcessingError, StorageFailedError, SurveyRefusedError
 from gpr20_survey.files import durable_files
+from gpr20_survey.folder.log_record import Kind, LogRecord
 from gpr20_survey.folder.recovery import recover
-from gpr20_survey.recording.bag_writer import EMPTY_CHUNK
-from gpr20_survey.recording.recordings import open_recordings
+from gpr20_survey.folder.survey_folder import LOG_FILES
 from gpr20_vna_processing.mid.survey_archive import SurveyArchive
 
 MEMORY_BYTES = 100 << 20
 HUGE_BYTES = 160 << 20
 FOREIGN = "somebody else's"
-# Where what counts ends in a recording of which the index was written.
-RECORDING_ENDS = {
-    "survey.mcap": lambda content: content.rindex(struct.pack("<BQ", 0x0F, 4)),  # end of data
-    "survey.bag": lambda content: content.rindex(EMPTY_CHUNK),
-}
+# Where what counts ends in a recording of which the index was written: the end of the data.
+DATA_END = struct.pack("<BQ", 0x0F, 4)
 ONE = st.none() | st.booleans() | st.integers() | st.text(max_size=20)
 JSON = ONE | st.lists(ONE, max_size=4) | st.dictionaries(st.text(max_size=8), ONE)
 KEYS = st.sampled_from(
@@ -49,7 +45,7 @@ KEYS = st.sampled_from(
 @pytest.fixture
 def folder(copies):
     """A survey that was stopped."""
-    return copies("stopped")
+    return with_bag(copies("stopped"))
 
 
 @pytest.fixture
@@ -99,7 +95,9 @@ def checked(folder):
     return check_manifest(folder, SURVEY, recover(folder).found)
 
 
-@pytest.mark.parametrize("part", ["survey.json", "log.jsonl", "traces", "survey.bag", "damaged"])
+@pytest.mark.parametrize(
+    "part", ["survey.json", "log.jsonl", "log.copy.jsonl", "traces", "survey.bag", "damaged"]
+)
 def test_a_survey_part_of_which_lies_elsewhere_is_not_gone_on_with(kit, folder, tmp_path, part):
     outside = tmp_path / "outside"
     if part == "damaged":
@@ -117,19 +115,21 @@ def test_a_survey_part_of_which_lies_elsewhere_is_not_gone_on_with(kit, folder, 
     assert tree(tmp_path) == before
 
 
-@pytest.mark.parametrize("part", ["survey.json", "log.jsonl", "survey.mcap", "survey.bag", "trace"])
+@pytest.mark.parametrize(
+    "part", ["survey.json", "log.jsonl", "log.copy.jsonl", "survey.mcap", "survey.bag", "trace"]
+)
 def test_a_pipe_in_the_place_of_a_file_is_not_waited_for(kit, folder, part):
     path = path_of(folder, part)
     path.unlink()
     put_pipe(path)
     assert refusal_of(lambda: SurveyArchive(folder.parent).traces(SURVEY, range(3))) is None
-    assert refusal_of(lambda: kit.processing.add_marker(SURVEY, marker(3))) is None
+    assert refusal_of(lambda: kit.add_marker(SURVEY, marker(3))) is None
     refused = refusal_of(lambda: kit.processing.reopen_survey(SURVEY))
     if part == "survey.mcap":
         assert refused.message.fault_code == "storage.not_a_file"
     else:
         assert refused is None  # another file holds the same
-        assert path.is_file()
+        assert path.is_file() or part == "survey.bag"  # made when the survey ends
     assert refusal_of(lambda: SurveyArchive(folder.parent).list("", 10)) is None
 
 
@@ -146,7 +146,7 @@ def little_memory():
         resource.setrlimit(resource.RLIMIT_DATA, limits)
 
 
-@pytest.mark.parametrize("part", ["survey.json", "log.jsonl", "trace"])
+@pytest.mark.parametrize("part", ["log.jsonl", "log.copy.jsonl", "trace"])
 def test_a_huge_file_does_not_fill_the_memory(kit, folder, part):
     os.truncate(str(path_of(folder, part)), HUGE_BYTES)  # without taking the space
     with little_memory():
@@ -155,29 +155,18 @@ def test_a_huge_file_does_not_fill_the_memory(kit, folder, part):
         refusal_of(lambda: kit.processing.reopen_survey(SURVEY))
 
 
-@pytest.mark.parametrize(
-    ("part", "record"),
-    [
-        ("survey.mcap", struct.pack("<BQ", 0x0C, HUGE_BYTES)),
-        ("survey.bag", struct.pack("<I", HUGE_BYTES)),
-        ("survey.bag", struct.pack("<I", 0) + struct.pack("<I", HUGE_BYTES)),
-    ],
-)
-def test_a_record_that_says_it_is_huge_does_not_fill_the_memory(kit, folder, part, record):
-    with (folder / part).open("r+b") as file:
+def test_a_record_that_says_it_is_huge_does_not_fill_the_memory(kit, folder):
+    with (folder / "survey.mcap").open("r+b") as file:
         # In the place of the index, which is behind all that counts.
-        file.seek(RECORDING_ENDS[part](file.read()))
-        file.write(record)
+        file.seek(file.read().rindex(DATA_END))
+        file.write(struct.pack("<BQ", 0x0C, HUGE_BYTES))
         file.truncate(2 * HUGE_BYTES)
     with little_memory():
         refusal_of(lambda: SurveyArchive(folder.parent).traces(SURVEY, range(3)))
         refused = refusal_of(lambda: kit.processing.reopen_survey(SURVEY))
-    if part == "survey.mcap":
-        # A file that is mostly a hole is not read; the JSON files hold the traces.
-        assert refused.message.fault_code == "storage.not_a_file"
-        (folder / part).unlink()
-    else:
-        assert refused is None
+    # A file that is mostly a hole is not read; the JSON files hold the traces.
+    assert refused.message.fault_code == "storage.not_a_file"
+    (folder / "survey.mcap").unlink()
     assert kit.processing.reopen_survey(SURVEY).stored_indices == tuple(range(6))
 
 
@@ -186,10 +175,11 @@ def test_a_record_that_says_it_is_huge_does_not_fill_the_memory(kit, folder, par
 def test_no_description_writes_outside_its_folder_or_ends_the_storage(copies, description):
     folder = copies("stopped")
     data, top = folder.parent, folder.parent.parent
-    kit = Kit(data, open_recordings)
-    # Of a survey of this version the log shows that it was changed.
-    values = make_former(folder)
-    (folder / "survey.json").write_text(json.dumps({**values, **description}))
+    kit = Kit(data)
+    values = {**recover(folder).found.records[0].values, **description}
+    plan = LogRecord.after(None, Kind.PLAN, values, NOW)
+    for name in LOG_FILES:
+        (folder / name).write_bytes(plan.line())
     try:
         refusal_of(lambda: kit.processing.reopen_survey(SURVEY))
         refusal_of(lambda: SurveyArchive(data).list("", 10))

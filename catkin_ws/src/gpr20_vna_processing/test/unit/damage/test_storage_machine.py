@@ -1,23 +1,25 @@
 """Random requests to the storage while its disk is full, loses its power or its process is killed.
 
 Whatever happens: each trace that was acknowledged is in its JSON file and in the MCAP, each that is
-stored is published once by a process, nothing else is stored, each marker and report that was
-acknowledged is in the log, and every survey can be finished.
+stored is published once by a process, nothing else is stored, each fact that was acknowledged is in
+the log once, and every survey can be finished.
 """
 
 from __future__ import annotations
 
 import contextlib
+import json
 import shutil
 import tempfile
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Dict, Set
+from typing import Any, Dict, List, Set, Tuple
 
 from failing_disk import FailingDisk, Failure
 from hypothesis import settings
 from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, initialize, invariant, rule
+from log_examples import NOW
 from planned_survey import METADATA, POINTS, planned_trace
 from reopening_kit import assert_whole
 from run_seed import draws
@@ -28,12 +30,13 @@ from gpr20_analysis.read.verification import verify_survey
 from gpr20_analysis.read.verification_result import COMPLETE
 from gpr20_survey.errors import ProcessingError, StorageFailedError
 from gpr20_survey.folder.recovery import recover
-from gpr20_survey.folder.survey_folder import BAG_FILE, MCAP_FILE, SURVEY_FILE, survey_folder
-from gpr20_survey.plan.markers import Marker, markers_of
+from gpr20_survey.folder.survey_folder import MCAP_FILE, SURVEY_FILE, survey_folder
+from gpr20_survey.plan.annotation import Annotation
+from gpr20_survey.plan.markers import Marker
 from gpr20_survey.recording.mcap_reader import StoredMcap
-from gpr20_survey.recording.recordings import open_recordings
 from gpr20_survey.recording.survey_topics import recorded_trace
-from gpr20_vna_processing.mid.processing_records import Limits
+from gpr20_vna_processing.mid.facts import KINDS
+from gpr20_vna_processing.mid.processing_records import AddedFact, Limits
 
 # Nothing is written between requests, so that each example can be repeated.
 LIMITS = Limits(timeout_s=20.0, period_s=1000.0)
@@ -58,8 +61,7 @@ class Known:
     stored: Dict[int, object] = field(default_factory=dict)
     uncertain: Set[int] = field(default_factory=set)
     """Traces that were sent and not acknowledged."""
-    reports: int = 0
-    markers: Set[str] = field(default_factory=set)
+    facts: List[Tuple[str, Dict[str, Any]]] = field(default_factory=list)
     outcome: str = ""
     may_have_ended: bool = False
     """Whether a close was begun that was not acknowledged."""
@@ -69,7 +71,7 @@ class Known:
     @property
     def has_content(self) -> bool:
         """Whether anything was stored or noted since it was opened."""
-        added = self.stored or self.uncertain or self.reports or self.markers
+        added = self.stored or self.uncertain or self.facts
         return bool(added or self.outcome or self.may_have_ended)
 
 
@@ -90,7 +92,7 @@ class StorageMachine(RuleBasedStateMachine):
         self.begin_process()
 
     def begin_process(self):
-        self.kit = Kit(self.data, open_recordings, limits=LIMITS)
+        self.kit = Kit(self.data, limits=LIMITS)
         self.current = ""
         self.opened_new = self.spoiled = self.closing = False
 
@@ -213,28 +215,38 @@ class StorageMachine(RuleBasedStateMachine):
         elif path is None and index not in known.stored:
             known.uncertain.add(index)
 
-    @rule(failure=FAILURES)
-    def report(self, failure):
-        if self.current:
-            known, survey = self.known[self.current], self.current
-            text = f'{{"number": {known.reports + 1}}}'
-            allowed = ["", "survey.closing"] if self.closing else [""]
-            answer = self.request(
-                lambda: self.kit.processing.report(survey, text), allowed, failure
-            )
-            known.reports += isinstance(answer, int)
+    @rule(kind=st.sampled_from(KINDS), again=st.booleans(), failure=FAILURES)
+    def add_fact(self, kind, again, failure):
+        """Add a fact to the open survey, or ask for the last one again."""
+        if not self.current:
+            return
+        known = self.known[self.current]
+        fact = (kind, self.values_of(kind, known))
+        if again and known.facts:
+            fact = known.facts[-1]
+        if fact[1] is None:
+            return
+        text = json.dumps(fact[1])
+        allowed = ["", "survey.closing"] if self.closing else [""]
+        answer = self.request(
+            lambda: self.kit.processing.add_fact("", fact[0], text), allowed, failure
+        )
+        if isinstance(answer, AddedFact) and fact not in known.facts:
+            known.facts.append(fact)
 
-    @rule(failure=FAILURES)
-    def mark(self, failure):
-        if self.current:
-            known = self.known[self.current]
-            marker = Marker(f"00000000-0000-4000-8000-{self.requests:012x}", 10.0, 20.0)
-            allowed = ["", "survey.closing"] if self.closing else [""]
-            answer = self.request(
-                lambda: self.kit.processing.add_marker("", marker), allowed, failure
-            )
-            if answer is not None and not isinstance(answer, str):
-                known.markers.add(marker.marker_id)
+    def values_of(self, kind, known):
+        """Return a fact with a number that no other one has; None: there is no such fact now."""
+        number = self.requests
+        marker = Marker(f"00000000-0000-4000-8000-{number:012x}", float(number), 20.0)
+        present = [values for kind, values in known.facts if kind == "marker"]
+        return {
+            "annotation": Annotation(notes=str(number)).values(),
+            "report": {"number": number},
+            "marker": marker.request(),
+            "marker_removed": {"marker_id": present[-1]["marker_id"], "author": ""}
+            if present
+            else None,
+        }.get(kind, {"time": NOW, "number": number})
 
     @rule(survey=SURVEYS, outcome=st.sampled_from(["finished", "stopped"]), failure=FAILURES)
     def close(self, survey, outcome, failure):
@@ -316,11 +328,11 @@ class StorageMachine(RuleBasedStateMachine):
             self.opened_new = self.opened_new and before == survey and not self.spoiled
             self.spoiled = self.closing = False
 
-    @rule(name=st.sampled_from([BAG_FILE, MCAP_FILE]))
-    def spoil(self, name):
-        """Remove a recording of the open survey: its next commit fails."""
+    @rule()
+    def spoil(self):
+        """Remove the recording of the open survey: its next commit fails."""
         if self.current and not self.closing:
-            (self.folder_of(self.current) / name).unlink(missing_ok=True)
+            (self.folder_of(self.current) / MCAP_FILE).unlink(missing_ok=True)
             self.spoiled = self.known[self.current].spoiled = True
 
     @rule()
@@ -345,9 +357,21 @@ class StorageMachine(RuleBasedStateMachine):
                 folder = self.folder_of(survey)
                 files = {int(one.name[:6]) for one in folder.glob("traces/*.json")}
                 assert known.stored.keys() <= files <= known.stored.keys() | known.uncertain
-                description = recover(folder).description
-                assert known.markers <= {one.marker_id for one in markers_of(description)}
-                assert description.get("report", {"number": 0})["number"] >= known.reports
+                self.check_facts(known.facts, recover(folder))
+
+    def check_facts(self, facts, recovered):
+        """Each fact that was acknowledged is in the log once; of some kinds the last one counts."""
+        description = recovered.description
+        logged = [(one.kind, one.values) for one in recovered.found.records]
+        for kind, values in facts:
+            if kind == "report":
+                assert description["report"]["number"] >= values["number"]
+            elif kind == "annotation":
+                assert int(description["annotation"]["notes"]) >= int(values["notes"])
+            else:
+                key = "marker_id" if kind in ("marker", "marker_removed") else "number"
+                same = [one for other, one in logged if other == kind and one[key] == values[key]]
+                assert len(same) == 1, (kind, values)
 
     def finish(self, survey):
         """Store what is missing and finish; then the survey is complete for every reader."""

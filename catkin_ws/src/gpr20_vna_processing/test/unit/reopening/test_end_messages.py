@@ -9,14 +9,12 @@ pytest.importorskip("gpr20_msgs.srv")
 from std_msgs.msg import String
 
 from gpr20_common.high.raw_message import serialized
-from gpr20_common.message import Fault, Message, Severity, in_a_row, verbatim
-from gpr20_common.sent_message import message_fields
 from gpr20_msgs.msg import ControlStatus, Trace
 from gpr20_msgs.srv import CloseSurveyRequest
 from gpr20_survey.errors import SurveyRefusedError
 from gpr20_survey.recording import survey_topics
 from gpr20_survey.trace import trace_message
-from gpr20_vna_processing.high.end_messages import end_messages, reason_of
+from gpr20_vna_processing.high.end_messages import end_messages
 
 SURVEY, OTHER = "0f8fad5b-d9cb-469f-a165-70867728950e", "1f8fad5b-d9cb-469f-a165-70867728950e"
 CODES = {
@@ -44,45 +42,6 @@ def test_the_last_status_must_state_the_outcome_of_the_same_survey():
     with pytest.raises(SurveyRefusedError):
         end_messages(request("finished", ControlStatus.FINISHED, OTHER), 1)
     assert end_messages(request("finished", 0, ""), 1) == []
-
-
-def test_the_reason_keeps_its_fault():
-    reason = Message("lost at {x} mm", x=5).with_fault(Fault("axis.lost_zero"))
-    closing = CloseSurveyRequest(survey_id=SURVEY, reason=str(reason), reason_json=reason.to_json())
-    assert (reason_of(closing), reason_of(closing).fault_code) == (reason, "axis.lost_zero")
-
-
-@pytest.mark.parametrize(("survey_id", "code"), [(SURVEY, "axis.lost_zero"), (OTHER, "")])
-def test_a_reason_that_is_text_alone_has_the_fault_of_the_last_status(survey_id, code):
-    closing = request("failed", ControlStatus.FAILED, survey_id)
-    closing.reason, closing.status.fault_code = "lost", "axis.lost_zero"
-    assert (reason_of(closing), reason_of(closing).fault_code) == (verbatim("lost"), code)
-
-
-WARNING = Message("the software differs").with_fault(
-    Fault("node.software_differs", Message("Update it."), Severity.WARNING)
-)
-FAILURE = Message("lost").with_fault(Fault("axis.lost_zero", Message("Home it.")))
-
-
-@pytest.mark.parametrize(
-    ("outcome", "code", "shown", "expected"),
-    [
-        ("finished", ControlStatus.FINISHED, WARNING, ""),
-        ("stopped", ControlStatus.STOPPED, WARNING, ""),
-        ("failed", ControlStatus.FAILED, in_a_row([WARNING, FAILURE]), "axis.lost_zero"),
-    ],
-)
-def test_a_warning_that_the_last_status_shows_too_is_not_why_the_survey_ended(
-    outcome, code, shown, expected
-):
-    closing = request(outcome, code)
-    closing.reason = "18 of 18 measured"
-    for name, value in message_fields(shown).items():
-        setattr(closing.status, name, value)
-    reason = reason_of(closing)
-    assert (reason, reason.fault_code) == (verbatim("18 of 18 measured"), expected)
-    assert reason.remedy == (FAILURE.remedy if expected else None)
 
 
 def test_the_types_and_bytes_of_traces_and_texts_are_those_of_ros():

@@ -13,7 +13,7 @@ from gpr20_common.errors import Gpr20Error
 from gpr20_common.low.clock import Clock
 from gpr20_common.low.robot_folder import configured, robot_folder
 from gpr20_common.message import Message
-from gpr20_common.mid.records import record_from
+from gpr20_common.mid.codec import record_from
 from gpr20_common.os_reason import os_reason
 from gpr20_common.terminal_text import say
 from gpr20_web.errors import AccountError

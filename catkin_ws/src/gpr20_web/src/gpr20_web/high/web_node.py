@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import os
 import socket
 from dataclasses import asdict, dataclass
@@ -25,10 +24,11 @@ from gpr20_common.message import Message, in_a_row
 from gpr20_common.mid.hardware import NO_HARDWARE
 from gpr20_common.sent_message import message_from
 from gpr20_msgs.msg import WebStatus
-from gpr20_msgs.srv import NoteSurvey
+from gpr20_msgs.srv import AddFact
 from gpr20_operator.high.control_client import ControlClient
+from gpr20_operator.high.conversions import fact_fields
 from gpr20_operator.high.remote_control import RemoteControlClient
-from gpr20_operator.high.request_client import NOTE_TIMEOUT_S, RequestClient
+from gpr20_operator.high.request_client import FACT_TIMEOUT_S, RequestClient
 from gpr20_operator.high.robot_watch import RobotWatchClient
 from gpr20_operator.high.robots_client import RobotsClient
 from gpr20_operator.high.ros_events import (
@@ -43,6 +43,7 @@ from gpr20_operator.robot.remote_control import RemoteAllowance, WebStatusReport
 from gpr20_operator.robot.robots import Robots
 from gpr20_operator.robot.senders import Senders
 from gpr20_operator.robot.survey_model import SurveyModel
+from gpr20_survey.folder.log_record import Kind
 from gpr20_web.errors import AuditFileError, NotNowError
 from gpr20_web.high.event_loop import EventLoop
 from gpr20_web.high.survey_services import RosSurveyServices
@@ -105,7 +106,7 @@ class WebNode:
             parameters.session_hours * SECONDS_PER_HOUR,
             SessionFile(folder, self._warn),
         )
-        self._note = ServiceClient("note_survey", NoteSurvey)
+        self._facts = ServiceClient("add_fact", AddFact)
         self._audit = Audit(folder / "audit.jsonl", self._note_survey, self._warn, self._clock)
         self._model = SurveyModel(self._clock)
         self._connect_clients()
@@ -233,9 +234,9 @@ class WebNode:
         return watchers > 0
 
     def _note_survey(self, survey: str, values: Mapping[str, Any]) -> None:
-        fields = {"survey": survey, "kind": "audit", "values_json": json.dumps(values)}
+        fields = fact_fields(survey, Kind.AUDIT, values)
         try:
-            response = call(self._note, STORAGE_SILENT, NOTE_TIMEOUT_S, **fields)
+            response = call(self._facts, STORAGE_SILENT, FACT_TIMEOUT_S, **fields)
         except RequestError as error:
             raise AuditFileError(error.message) from error  # it is tried again
         if not response.success:

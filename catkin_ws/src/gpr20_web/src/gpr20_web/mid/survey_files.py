@@ -22,6 +22,7 @@ BYTES = "application/octet-stream"
 FILES: Mapping[str, str] = {
     survey_folder.SURVEY_FILE: "application/json",
     survey_folder.LOG_FILE: "application/x-ndjson",
+    survey_folder.COPY_FILE: "application/x-ndjson",
     survey_folder.MCAP_FILE: BYTES,
     survey_folder.BAG_FILE: BYTES,
     MANIFEST_FILE: "application/json",

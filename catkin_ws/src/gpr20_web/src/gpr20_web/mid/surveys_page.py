@@ -13,6 +13,7 @@ from typing import Any, Callable, Dict, Mapping, Tuple
 from gpr20_common.errors import Gpr20Error
 from gpr20_common.low.clock import time_of_day_us
 from gpr20_common.message import Message
+from gpr20_common.mid.codec import record_from
 from gpr20_operator.ground.past_surveys import NO_LIST, Listed, PastSurveys
 from gpr20_operator.jobs import result_texts as texts
 from gpr20_operator.jobs.job import Service
@@ -20,6 +21,7 @@ from gpr20_operator.jobs.pictures import NOT_KNOWN
 from gpr20_operator.jobs.result import list_sum
 from gpr20_operator.jobs.stick import ExportPart
 from gpr20_operator.robot.snapshot import Snapshot
+from gpr20_survey.folder.log_record import Kind
 from gpr20_survey.folder.survey_folder import FOLDER_NAME
 from gpr20_survey.folder.survey_metadata import MAX_FILE_BYTES, parse_object
 from gpr20_survey.plan.annotation import annotation_of
@@ -205,7 +207,7 @@ class SurveysPage(WebPage):
             stored = self._services.ask(Service.READ, survey=folder)
             before = annotation_of(parse_object(stored.text, "survey.json", MAX_FILE_BYTES))
             after = replace(before, notes=f"{before.notes}\n{line}".lstrip("\n"))
-            self._services.ask(Service.ANNOTATE, survey=folder, annotation=after)
+            self._add_fact(folder, Kind.ANNOTATION, after.values())
         self._audit(call, "note", folder=folder, text=text)
         return {}
 
@@ -215,12 +217,16 @@ class SurveysPage(WebPage):
         place: Dict[str, Any] = {one: call.values.get(one) for one in ("x_mm", "y_mm", "depth_mm")}
         if removed:
             self._check_own_marker(call, removed)
-            fields: Dict[str, Any] = {"marker_id": removed, "remove": True, "author": who}
+            self._add_fact(folder, Kind.MARKER_REMOVED, {"marker_id": removed, "author": who})
         else:
-            fields = {"marker": Marker(str(uuid.uuid4()), **place, text=text, author=who)}
-        self._services.ask(Service.MARK, survey=folder, **fields)
+            values = {"marker_id": str(uuid.uuid4()), **place, "text": text, "author": who}
+            marker = record_from(Marker, values, "marker")
+            self._add_fact(folder, Kind.MARKER, marker.request())
         self._audit(call, "marker", folder=folder, text=text, removed=removed, **place)
         return {}
+
+    def _add_fact(self, folder: str, kind: Kind, values: Mapping[str, Any]) -> None:
+        self._services.ask(Service.FACT, survey=folder, kind=kind, values=values)
 
     def _check_own_marker(self, call: Call, marker_id: str) -> None:
         stored = self._services.ask(Service.READ, survey=self._folder(call).name)

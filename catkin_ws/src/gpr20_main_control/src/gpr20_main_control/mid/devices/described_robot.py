@@ -8,7 +8,7 @@ from typing import Any, Callable, Dict, Mapping, Optional
 
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message
-from gpr20_common.mid.checks import number_between
+from gpr20_common.mid.codec import bounded
 from gpr20_common.mid.node_software import software_difference
 from gpr20_main_control import faults
 from gpr20_main_control.errors import DeviceError
@@ -45,13 +45,9 @@ class TimeLimits:
         storage_limit_s: For an answer of the storage [s].
     """
 
-    analyzer_limit_s: float = 90.0
-    height_limit_s: float = 10.0
-    storage_limit_s: float = 90.0
-
-    def __post_init__(self) -> None:
-        for name in ("analyzer_limit_s", "height_limit_s", "storage_limit_s"):
-            number_between(name, getattr(self, name), 0.1, 3600.0, "s")
+    analyzer_limit_s: float = bounded(0.1, 3600.0, 90.0)
+    height_limit_s: float = bounded(0.1, 3600.0, 10.0)
+    storage_limit_s: float = bounded(0.1, 3600.0, 90.0)
 
     def analyzer_setup_limit_s(self, settings: SweepSettings) -> float:
         """Return how long to wait until the analyzer is set up for these settings [s]."""

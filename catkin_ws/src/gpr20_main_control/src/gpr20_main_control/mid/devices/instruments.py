@@ -70,7 +70,7 @@ class Instruments:
         self._survey.positioner.check_alive()
         self._robot.description.check(self._plan.config)
         analyzer = self._check_analyzer(next_index)
-        if self._plan.settings.on_height_failure == HeightPolicy.PAUSE.value:
+        if self._plan.settings.on_height_failure is HeightPolicy.PAUSE:
             height_call = self._robot.workers.begin(self._robot.height_sensor.height_m)
             with self._waits.shown(self.height_wait(None)) as check:
                 result_of(height_call, check)
@@ -90,7 +90,7 @@ class Instruments:
             except DeviceError as error:
                 failure = error
         assert failure is not None
-        if self._plan.settings.on_height_failure == HeightPolicy.STORE_WITHOUT.value:
+        if self._plan.settings.on_height_failure is HeightPolicy.STORE_WITHOUT:
             return float("nan"), (storable_remark(f"no height: {failure}"),)
         raise DeviceError(
             Message("the antenna height could not be measured: {reason}", reason=failure.message),

@@ -9,7 +9,8 @@ from pathlib import PurePosixPath
 from typing import Any, Dict, Mapping, Optional, Sequence, Tuple
 
 from gpr20_common.low.clock import time_of_day_us
-from gpr20_common.message import Message
+from gpr20_common.message import Message, Severity
+from gpr20_common.mid.codec import plain
 from gpr20_main_control import faults
 from gpr20_main_control.errors import DeviceError
 from gpr20_main_control.mid.devices.instruments import AnalyzerState
@@ -145,12 +146,16 @@ class SurveyArchive:
 
         Args:
             outcome: One word, for survey.json.
-            reason: Why it ended.
+            reason: Why it ended; without a fault it has that which the status reports.
             state: The state that it ends in.
             message: What the status says then.
             check: Ends the wait.
         """
         survey_id = self._plan.survey_id
+        cause = (message.failure or message).cause
+        is_failure = cause is not None and cause.severity is not Severity.WARNING
+        if outcome != "finished" and not reason.fault_code and is_failure:
+            reason = reason.with_fault(cause)
         end = SurveyEnd(
             outcome, reason, self._survey.status.status.ended(state, message), self._survey.coverage
         )
@@ -251,7 +256,7 @@ def survey_record(
             "sweep": _recorded_sweep(analyzer),
         },
         "axes": {axis_id.value: asdict(one) for axis_id, one in plan.config.axes.items()},
-        "settings": asdict(plan.settings),
+        "settings": plain(plan.settings),
         ANNOTATION: plan.annotation.values(),
         **({REFINES: plan.refines} if plan.refines else {}),
         **({PLANNED: plan.permittivity} if plan.permittivity is not None else {}),

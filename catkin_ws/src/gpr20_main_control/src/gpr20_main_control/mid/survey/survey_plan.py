@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import json
-from dataclasses import MISSING, asdict, dataclass, fields, replace
+from dataclasses import dataclass, replace
 from typing import Any, Dict, List, Optional, Sequence
 
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message
-from gpr20_common.mid.records import record_from
+from gpr20_common.mid.codec import record_from
 from gpr20_main_control import faults
 from gpr20_main_control.errors import RequestRefusedError
 from gpr20_main_control.mid.survey.survey_report import (
@@ -16,6 +16,7 @@ from gpr20_main_control.mid.survey.survey_report import (
     recorded_analyzers,
     recorded_zeros,
 )
+from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.axes.axis_parameters import AxisParameters
 from gpr20_survey.plan.annotation import EMPTY, Annotation
 from gpr20_survey.plan.robot_config import RobotConfig
@@ -225,7 +226,11 @@ def _resumable_parameters(reopened: ReopenedSurvey, config: RobotConfig) -> Surv
     try:
         metadata = json.loads(reopened.metadata_json)
         parameters = record_from(SurveyParameters, metadata["parameters"], "parameters")
-        simulated, axes = metadata["simulated"], metadata["axes"]
+        simulated = metadata["simulated"]
+        axes = {
+            one: record_from(AxisParameters, metadata["axes"][one.value], f"axes/{one.value}")
+            for one in config.axes
+        }
     except (ValueError, KeyError, TypeError, InvalidValueError) as error:
         raise RequestRefusedError(
             Message(
@@ -245,11 +250,9 @@ def _recorded_settings(reopened: ReopenedSurvey, wanted: AnalyzerSettings) -> An
     """Return the settings that the analyzer had at the survey's start, or else the wanted ones."""
     try:
         sweep = json.loads(reopened.metadata_json)["instrument"]["sweep"]
-        return AnalyzerSettings(
-            float(sweep["if_bandwidth_hz"]), int(sweep["averages"]), str(sweep["output_power"])
-        )
+        return record_from(AnalyzerSettings, sweep, "sweep", others=True)
     except (ValueError, KeyError, TypeError):
-        # Surveys of earlier versions do not have them.
+        # Not every analyzer says them.
         return wanted
 
 
@@ -266,16 +269,11 @@ def _other_robot(folder: str, simulated: bool) -> Message:
     ).with_fault(faults.OTHER_ROBOT)
 
 
-def _check_axes(recorded: Dict[str, Dict[str, Any]], config: RobotConfig, folder: str) -> None:
-    # A survey of an earlier version lacks what it did not know; it had the defaults of today.
-    defaults = {
-        one.name: one.default for one in fields(AxisParameters) if one.default is not MISSING
-    }
+def _check_axes(recorded: Dict[AxisId, AxisParameters], config: RobotConfig, folder: str) -> None:
     for axis_id, parameters in config.axes.items():
-        present = asdict(parameters)
         for name in GRID_PARAMETERS:
-            former = recorded.get(axis_id.value, {}).get(name, defaults.get(name))
-            if former != present[name]:
+            former, present = getattr(recorded[axis_id], name), getattr(parameters, name)
+            if former != present:
                 raise RequestRefusedError(
                     Message(
                         "the survey in {folder} was measured with {name} {former} of the {axis} "
@@ -285,7 +283,7 @@ def _check_axes(recorded: Dict[str, Dict[str, Any]], config: RobotConfig, folder
                         name=name,
                         former=str(former),
                         axis=axis_id.value,
-                        present=str(present[name]),
+                        present=str(present),
                     ),
                     fault=faults.OTHER_AXES,
                 )

@@ -11,6 +11,7 @@ from typing import Any, Dict, List, Optional, Sequence
 
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message
+from gpr20_common.mid.codec import record_from
 from gpr20_main_control import faults
 from gpr20_main_control.errors import OtherAnalyzerError, SurveyError
 from gpr20_main_control.mid.survey.drift_record import VISITS, DriftRecord
@@ -122,12 +123,12 @@ def recorded_analyzers(metadata_json: str, report_json: str) -> List[UsedAnalyze
     """
     try:
         used = json.loads(report_json).get(ANALYZERS, []) if report_json else []
-        analyzers = [_from_fields(one) for one in used]
+        analyzers = [record_from(UsedAnalyzer, one, ANALYZERS) for one in used]
     except (AttributeError, KeyError, TypeError, ValueError) as error:
         raise _unreadable(repr(error)) from error
     if analyzers:
         return analyzers
-    # Surveys of earlier versions have only the analyzer of their start.
+    # Before the first report there is only the analyzer of the start.
     instrument = json.loads(metadata_json).get("instrument")
     identity = instrument.get("identity") if isinstance(instrument, dict) else None
     return [UsedAnalyzer(identity, 0, None)] if isinstance(identity, str) else []
@@ -157,13 +158,6 @@ def recorded_drift(report_json: str) -> Dict[str, Any]:
         return {**found, VISITS: visits}
     except (AttributeError, KeyError, TypeError, ValueError) as error:
         raise _unreadable(repr(error)) from error
-
-
-def _from_fields(fields: Dict[str, Any]) -> UsedAnalyzer:
-    identity, index, accepted = fields["identity"], fields["from_index"], fields["accepted"]
-    if not isinstance(identity, str) or not isinstance(index, int):
-        raise TypeError("an analyzer has no identity or no index")
-    return UsedAnalyzer(identity, index, accepted if accepted is None else str(accepted))
 
 
 class SurveyReport:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Tuple
 
 from gpr20_common.message import Message
-from gpr20_common.mid.records import bounded
+from gpr20_common.mid.codec import bounded
 from gpr20_simulator.errors import SceneError
 from gpr20_survey.plan.robot_description import SIMULATED_IDENTITY as SIMULATED
 

@@ -14,7 +14,7 @@ from typing import Optional, Tuple
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.low.yaml_file import YamlFileError, read_yaml
 from gpr20_common.message import Message
-from gpr20_common.mid.records import bounded, record_from
+from gpr20_common.mid.codec import bounded, record_from
 from gpr20_common.os_reason import os_reason
 from gpr20_simulator.errors import SceneError
 from gpr20_simulator.mid.analyzer.instrument_scene import InstrumentScene
@@ -27,6 +27,10 @@ class Shape(enum.Enum):
     SPHERE = "sphere"
     DISC = "disc"
     LINE = "line"
+
+
+PLACES = (-5000.0, 5000.0)
+"""Within which all of the robot and of the ground lies [mm, or deg]."""
 
 
 @dataclass(frozen=True)
@@ -100,8 +104,8 @@ class Target:
 
     name: str
     shape: Shape
-    x_mm: float = bounded(-5000.0, 5000.0)
-    y_mm: float = bounded(-5000.0, 5000.0)
+    x_mm: float = bounded(*PLACES)
+    y_mm: float = bounded(*PLACES)
     depth_m: float = bounded(0.001, 2.0)
     size_m: float = bounded(0.001, 0.5, 0.05)
     direction_deg: float = bounded(-180.0, 180.0, 0.0)
@@ -138,27 +142,37 @@ class AxisMechanics:
         enable_active: Level at which the motor driver is enabled.
     """
 
-    size_per_step: float = bounded(1e-4, 45.0)
-    start: float = bounded(-5000.0, 5000.0)
-    endstop: Optional[float] = bounded(-5000.0, 5000.0)
-    lower_stop: float = bounded(-5000.0, 5000.0)
-    upper_stop: float = bounded(-5000.0, 5000.0)
+    size_per_step: float = bounded(1e-4, 45.0, 0.01)
+    start: float = bounded(*PLACES, 8.0)
+    endstop: Optional[float] = bounded(*PLACES, -1.0)
+    lower_stop: float = bounded(*PLACES, -3.0)
+    upper_stop: float = bounded(*PLACES, 653.0)
     endstop_active: Level = Level.LOW
     direction_inverted: bool = False
     enable_pin: Optional[int] = None
     enable_active: Level = Level.LOW
 
 
-X_AXIS = AxisMechanics(
-    size_per_step=0.01, start=8.0, endstop=-1.0, lower_stop=-3.0, upper_stop=653.0
-)
-Y_AXIS = AxisMechanics(
-    size_per_step=0.01, start=6.0, endstop=-1.0, lower_stop=-3.0, upper_stop=803.0
-)
-# The rotary axis has neither endstop nor stops; its cable ends it after two turns.
-Z_AXIS = AxisMechanics(
-    size_per_step=1.8, start=0.0, endstop=None, lower_stop=-720.0, upper_stop=720.0
-)
+@dataclass(frozen=True)
+class YAxisMechanics(AxisMechanics):
+    """The same, with what differs on the Y axis."""
+
+    start: float = bounded(*PLACES, 6.0)
+    upper_stop: float = bounded(*PLACES, 803.0)
+
+
+@dataclass(frozen=True)
+class ZAxisMechanics(AxisMechanics):
+    """The same on the rotary axis: neither endstop nor stops; its cable ends it after two turns."""
+
+    size_per_step: float = bounded(1e-4, 45.0, 1.8)
+    start: float = bounded(*PLACES, 0.0)
+    endstop: Optional[float] = bounded(*PLACES, None)
+    lower_stop: float = bounded(*PLACES, -720.0)
+    upper_stop: float = bounded(*PLACES, 720.0)
+
+
+X_AXIS, Y_AXIS, Z_AXIS = AxisMechanics(), YAxisMechanics(), ZAxisMechanics()
 
 
 @dataclass(frozen=True)
@@ -166,8 +180,8 @@ class RobotMechanics:
     """The three axes of the carriage."""
 
     x: AxisMechanics = X_AXIS
-    y: AxisMechanics = Y_AXIS
-    z: AxisMechanics = Z_AXIS
+    y: YAxisMechanics = Y_AXIS
+    z: ZAxisMechanics = Z_AXIS
 
 
 @dataclass(frozen=True)

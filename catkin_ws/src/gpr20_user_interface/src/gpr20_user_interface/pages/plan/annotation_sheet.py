@@ -16,6 +16,7 @@ from gpr20_operator.plan.fields import PEOPLE, SPECS
 from gpr20_operator.plan.hold_question import change_records_question
 from gpr20_operator.robot.events import DOCUMENTED_TRAVEL
 from gpr20_survey.errors import SurveyRefusedError
+from gpr20_survey.folder.log_record import Kind
 from gpr20_survey.folder.survey_metadata import MAX_FILE_BYTES, parse_object
 from gpr20_survey.plan.annotation import EMPTY, Annotation, annotation_of
 from gpr20_user_interface.look.look import TOUCH_PX, look_of
@@ -57,7 +58,7 @@ class AnnotationSheet(Overlay):
         self._running = running
         failed = self.failed.emit
         self._reading: Job[StoredSurvey] = storage.job(Service.READ, self._take, failed)
-        self._storing: Job[Message] = storage.job(Service.ANNOTATE, self._on_stored, failed)
+        self._storing: Job[Message] = storage.job(Service.FACT, self._on_stored, failed)
         # The survey that is read, and the one whose records are stored.
         self._wanted = self._stored = ""
         self.confirm = HoldSheet(window)
@@ -130,7 +131,7 @@ class AnnotationSheet(Overlay):
         def store() -> None:
             # The sheet stays open until the storage has it.
             self._stored = survey
-            self._storing.ask(survey=survey, annotation=after)
+            self._storing.ask(survey=survey, kind=Kind.ANNOTATION, values=after.values())
 
         if survey == self._running() and not replaces_text(before, after):
             store()

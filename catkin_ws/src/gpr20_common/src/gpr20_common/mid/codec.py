@@ -1,0 +1,116 @@
+"""Records of files, parameters and JSON as dataclasses, and back; pydantic converts them.
+
+Nothing is taken for something else: a text is no number, `true` is no 1, a key that nobody knows is
+a mistake, and no number is NaN. What does not fit is named, such as `scene/targets[2]/depth_m`.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import functools
+import typing
+from typing import Any, Dict, Hashable, Literal, Sequence, Tuple, Type, TypeVar
+
+from pydantic import ConfigDict, TypeAdapter, ValidationError
+
+from gpr20_common.errors import InvalidValueError
+from gpr20_common.faults import CONFIGURATION
+from gpr20_common.message import Message, verbatim
+
+Record = TypeVar("Record")
+UNKNOWN_KEY = "unexpected_keyword_argument"
+NUMBER, WHOLE, GROUP = Message("a number"), Message("a whole number"), Message("a group of values")
+WANTED = {
+    **{"bool_type": Message("true or false"), "string_type": Message("a text")},
+    **{"float_type": NUMBER, "finite_number": NUMBER, "int_type": WHOLE},
+    **{"tuple_type": Message("a list"), "dataclass_type": GROUP, "dict_type": GROUP},
+}
+"""By the codes of pydantic."""
+
+
+def bounded(lower: float, upper: float, default: Any = dataclasses.MISSING) -> Any:
+    """Declare a number of a record with the bounds it must lie within, both included."""
+    return dataclasses.field(default=default, metadata={"ge": lower, "le": upper})
+
+
+def record_from(kind: Type[Record], values: Any, place: str, others: bool = False) -> Record:
+    """Make a record of what was read, with the records, lists and choices inside it.
+
+    Args:
+        kind: Dataclass, or a list or group of them; a field without a default must be there.
+        values: What was read.
+        place: Where it was found, for the messages; empty if they name the place themselves.
+        others: Whether keys of others may be there too, which are ignored.
+
+    Raises:
+        InvalidValueError: A key is unknown or missing, or a value has the wrong type or is out
+            of bounds.
+    """
+    adapter = _adapter(typing.cast(Hashable, kind), others)
+    try:
+        # In JSON a list is a tuple, and a choice is its value.
+        return adapter.validate_json(_any("constants").dump_json([values]))[0]
+    except ValidationError as error:
+        raise _refusal(error, kind, place) from error
+    except ValueError as error:
+        reason = Message("{place} holds what no file can hold", place=place, details=error)
+        raise InvalidValueError(reason) from error
+
+
+def plain(record: Any) -> Any:
+    """Return a record as JSON and YAML hold it; a number that is not finite becomes None."""
+    return _any("null").dump_python(record, mode="json")
+
+
+@functools.lru_cache(maxsize=None)
+def _any(not_finite: Literal["constants", "null"]) -> TypeAdapter:
+    return TypeAdapter(Any, config=ConfigDict(ser_json_inf_nan=not_finite))
+
+
+@functools.lru_cache(maxsize=None)
+def _adapter(kind: Any, others: bool) -> TypeAdapter:
+    # A dataclass of the standard library has the configuration of what is around it.
+    extra = "ignore" if others else "forbid"
+    config = ConfigDict(strict=True, allow_inf_nan=False, extra=extra)  # type: ignore[typeddict-item]
+    return TypeAdapter(Tuple[kind], config=config)
+
+
+def _refusal(error: ValidationError, kind: Any, place: str) -> Exception:
+    """Return what refuses the first value that does not fit; before it comes a misspelt key."""
+    found = min(error.errors(), key=lambda one: one["type"] != UNKNOWN_KEY)
+    keys = [one for one in found["loc"][1:] if one != "[key]"]
+    context: Dict[str, Any] = found.get("ctx", {})
+    for key in keys:
+        below = f"{place}/{key}" if place else str(key)
+        place = f"{place}[{key}]" if isinstance(key, int) else below
+    if isinstance(context.get("error"), Exception):
+        return context["error"]  # the record refuses itself
+    if found["type"] == "missing":
+        return InvalidValueError(Message("{place} is missing", place=place), fault=CONFIGURATION)
+    if found["type"] == UNKNOWN_KEY:
+        known = ", ".join(sorted(_fields_at(kind, keys[:-1])))
+        text = Message("{place} is unknown; allowed: {known}", place=place, known=known)
+        return InvalidValueError(text, fault=CONFIGURATION)
+    named = {"place": place, "value": repr(found["input"])}
+    if "ge" in context or "le" in context:
+        bounds = _fields_at(kind, keys[:-1])[str(keys[-1])].metadata
+        named.update(name=place, lower=f"{bounds['ge']:.12g}", upper=f"{bounds['le']:.12g}")
+        text = Message("{name} is {value}; it must lie between {lower} and {upper}", **named)
+    elif "expected" in context:
+        allowed = context["expected"].replace(" or ", ", ").replace("'", "")
+        text = Message("{place} is {value}; it must be one of {allowed}", allowed=allowed, **named)
+    else:
+        wanted = WANTED.get(found["type"], verbatim(found["msg"]))
+        text = Message("{place} is {value}; it must be {wanted}", wanted=wanted, **named)
+    return InvalidValueError(text)
+
+
+def _fields_at(kind: Any, keys: Sequence[Any]) -> Dict[str, dataclasses.Field]:
+    """Return the fields of a record inside another one."""
+    for key in keys:
+        # Of Tuple[X, ...] the first, of Mapping[K, X] the last.
+        inside = [one for one in typing.get_args(kind) if one is not ...]
+        kind = inside[-1] if inside else typing.get_type_hints(kind)[key]
+        if typing.get_origin(kind) is typing.Union:  # Optional[...]
+            kind = typing.get_args(kind)[0]
+    return {one.name: one for one in dataclasses.fields(kind)}

@@ -1,0 +1,207 @@
+"""survey.bag: all of a recording for the tools of ROS 1, made when the survey has ended.
+
+As a program, with a survey's folder as its argument, it makes the bag of that survey.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import fcntl
+import functools
+import os
+import signal
+import sys
+import time
+from pathlib import Path
+from typing import Any, Dict, Iterable, Iterator, Optional, Sequence, Tuple
+
+import lz4.frame
+from rosbags.rosbag1 import Writer
+
+from gpr20_common.errors import Gpr20Error
+from gpr20_common.message import Message
+from gpr20_common.terminal_text import printable
+from gpr20_survey import faults
+from gpr20_survey.errors import SurveyRefusedError, storing
+from gpr20_survey.files import access, durable_files
+from gpr20_survey.files.file_sums import FileSum, sum_of_file
+from gpr20_survey.files.regular_file import open_regular
+from gpr20_survey.folder import survey_folder
+from gpr20_survey.folder.annotating import Fact, add_to_survey
+from gpr20_survey.folder.log_record import Kind, LogRecord
+from gpr20_survey.folder.survey_folder import BAG_FILE, MCAP_FILE
+from gpr20_survey.recording.mcap_reader import StoredMcap
+from gpr20_survey.recording.recording import RecordedMessage
+from gpr20_survey.trace import utc_time
+
+
+class _Writer(Writer):
+    """Writes a bag in chunks that stock ROS unpacks, with little memory."""
+
+    def __init__(self, path: Path) -> None:
+        super().__init__(path)
+        self.set_compression(Writer.CompressionFormat.LZ4)
+        # ROS's own reader of lz4 knows nothing but independent blocks and a checksum at the end;
+        # the library's writer makes others.
+        self.compressor = functools.partial(
+            lz4.frame.compress, block_linked=False, store_size=False, content_checksum=True
+        )
+
+    def write_chunk(self, chunk: Any) -> None:
+        """Write a chunk and its index; of that the index of the file needs the lengths alone."""
+        for entries in chunk.connections.values():
+            entries.sort()  # the clock may have been set back
+        super().write_chunk(chunk)
+        for number, entries in chunk.connections.items():
+            chunk.connections[number] = range(len(entries))
+
+
+def write_bag(messages: Iterable[RecordedMessage], path: Path) -> int:
+    """Write a recording into a new bag; return the number of messages when it is durable.
+
+    Topics, types, times and latching are those that were recorded.
+
+    Args:
+        messages: All of the recording.
+        path: Must not exist.
+
+    Raises:
+        OSError: The recording cannot be read, or the disk refused; the bag is there in part.
+    """
+    connections: Dict[Tuple[str, str], Any] = {}
+    count = 0
+    with _Writer(path) as bag:
+        os.chmod(str(path), access.file_mode_for(path.parent))
+        for message in messages:
+            key = (message.topic, message.md5sum)
+            if key not in connections:
+                connections[key] = bag.add_connection(
+                    message.topic,
+                    message.datatype.replace("/", "/msg/"),
+                    msgdef=message.definition,
+                    md5sum=message.md5sum,
+                    latching=int(message.latching),
+                )
+            bag.write(connections[key], message.time_ns, message.data)
+            count += 1
+    durable_files.sync_path(path)
+    return count
+
+
+def make_bag(folder: Path, mcap: StoredMcap, now: str) -> None:
+    """Make survey.bag of a survey that nobody writes, and add its checksum to the log.
+
+    It is whole or not there. A former bag is replaced.
+
+    Args:
+        folder: The survey's folder.
+        mcap: Its recording, which may be torn; its faults are known afterwards.
+        now: The present moment, as ISO 8601 text.
+
+    Raises:
+        SurveyRefusedError: Another process makes it, the survey was resumed meanwhile, or nothing
+            can be added to its log.
+        StorageFailedError: The disk refused.
+    """
+    survey_folder.check_no_links(folder)
+    bag = folder / BAG_FILE
+    temporary = durable_files.temporary_path(bag)
+    failure = Message("{path} could not be written", path=printable(bag))
+    with storing(failure, bag), _one_maker(mcap.path) as recorded:
+        _remove_torn(folder)
+        try:
+            write_bag(mcap.messages(), temporary)
+            own = sum_of_file(temporary)
+
+            def put(_description: Dict[str, Any]) -> Fact:
+                if _state_of(mcap.path.stat()) != recorded:
+                    raise _resumed(folder)
+                durable_files.put_in_place(temporary, bag)
+                return Fact(Kind.BAG, own._asdict())
+
+            add_to_survey(folder, put, now)
+        finally:
+            with contextlib.suppress(FileNotFoundError):
+                temporary.unlink()
+
+
+def recorded_bag(records: Sequence[LogRecord]) -> Optional[FileSum]:
+    """Return the checksum of survey.bag as the log names it.
+
+    None: no bag was made since the survey was resumed last.
+    """
+    for record in reversed(records):
+        if record.kind == Kind.BAG.value:
+            return FileSum(str(record.values.get("sha256")), record.values.get("size", -1))
+        if record.kind == Kind.RESUME.value:
+            return None
+    return None
+
+
+def bag_missing(folder: Path) -> Message:
+    """Return the remark on a survey without a bag, with the command that makes it."""
+    return Message(
+        "{file} is missing; `gpr20 export --format bag {folder}` makes it",
+        file=BAG_FILE,
+        folder=printable(folder),
+    )
+
+
+def _remove_torn(folder: Path) -> None:
+    """Remove what a maker that was killed has left."""
+    prefix, suffix = durable_files.TEMPORARY_PREFIX, durable_files.TEMPORARY_SUFFIX
+    for path in folder.glob(f"{prefix}{BAG_FILE}.*{suffix}"):
+        if not path.is_dir():
+            path.unlink()
+
+
+@contextlib.contextmanager
+def _one_maker(mcap: Path) -> Iterator[Tuple[int, ...]]:
+    """Let nobody else make a bag of a recording; give its state."""
+    with open(open_regular(mcap), "rb") as stream:
+        try:
+            fcntl.flock(stream, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError as error:
+            raise SurveyRefusedError(
+                Message("the bag of {file} is being made already", file=printable(mcap)),
+                fault=faults.LOCKED,
+            ) from error
+        yield _state_of(os.fstat(stream.fileno()))
+
+
+def _state_of(status: os.stat_result) -> Tuple[int, ...]:
+    """Return what differs if a recording was written again."""
+    return status.st_ino, status.st_size, status.st_mtime_ns
+
+
+def _resumed(folder: Path) -> SurveyRefusedError:
+    return SurveyRefusedError(
+        Message(
+            "the survey in {folder} was resumed; its bag is made when it ends",
+            folder=printable(folder),
+        ),
+        fault=faults.LOCKED,
+    )
+
+
+def main() -> int:
+    """Make the bag of the survey whose folder is the argument; print why it could not be made."""
+    # What ends the process cleans up like Ctrl-C.
+    signal.signal(signal.SIGTERM, signal.default_int_handler)
+    folder = Path(sys.argv[1])
+    try:
+        make_bag(
+            folder,
+            StoredMcap(folder / MCAP_FILE),
+            utc_time.iso_text(time.time_ns() // utc_time.NS_PER_US),
+        )
+    except Gpr20Error as error:
+        print(error.message.to_json())
+        return 1
+    except KeyboardInterrupt:
+        return 1  # who ends it does not ask why
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

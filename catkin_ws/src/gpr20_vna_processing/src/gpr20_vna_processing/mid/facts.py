@@ -1,0 +1,109 @@
+"""The facts that others may add to the log of a survey: what their values must be."""
+
+from __future__ import annotations
+
+from typing import Any, Callable, Dict, Optional, Sequence, Tuple
+
+from gpr20_common.errors import InvalidValueError
+from gpr20_common.message import Message
+from gpr20_common.mid.codec import record_from
+from gpr20_survey.errors import SurveyRefusedError
+from gpr20_survey.folder.annotating import Change, Fact, annotate
+from gpr20_survey.folder.log_record import NOTES, Kind
+from gpr20_survey.folder.survey_metadata import MAX_BYTES, MAX_REPORT_BYTES, parse_object
+from gpr20_survey.plan.annotation import ANNOTATION, from_values
+from gpr20_survey.plan.markers import REQUEST_KEYS, Marker, new_marker, removed_marker
+from gpr20_survey.trace import utc_time
+from gpr20_vna_processing.mid.refusals import check_one_of
+
+OF_THE_OPEN_SURVEY = (Kind.REPORT,)
+OF_MARKERS = (Kind.MARKER, Kind.MARKER_REMOVED)
+REMOVAL_KEYS = ("marker_id", "author")
+
+
+def requested_fact(kind: str, values_json: str, now: str) -> Tuple[Kind, Change]:
+    """Return what a request adds to the log of a survey.
+
+    Args:
+        kind: One of `KINDS`: the others are written by the storage alone.
+        values_json: JSON object with the fact.
+        now: The present moment, as ISO 8601 text.
+
+    Raises:
+        SurveyRefusedError: The kind is another one, or there is no such object.
+        InvalidValueError: The object is not what its kind has.
+    """
+    check_one_of("kind", kind, KINDS)
+    found = Kind(kind)
+    most = MAX_REPORT_BYTES if found is Kind.REPORT else MAX_BYTES
+    values = parse_object(values_json, "values_json", most)
+    return found, _CHANGES.get(found, _note)(found, values, now)
+
+
+def _annotation(_kind: Kind, values: Dict[str, Any], _now: str) -> Change:
+    change = annotate(from_values(values))
+    return lambda description: _unless_entry(description, ANNOTATION, change(description))
+
+
+def _report(kind: Kind, values: Dict[str, Any], _now: str) -> Change:
+    return lambda description: _unless_entry(description, "report", Fact(kind, values))
+
+
+def _marker(kind: Kind, values: Dict[str, Any], now: str) -> Change:
+    _check_keys(kind, values, REQUEST_KEYS)
+    marker = record_from(Marker, values, kind.value)
+    return lambda description: _fact(kind, new_marker(description, marker, now))
+
+
+def _removal(kind: Kind, values: Dict[str, Any], now: str) -> Change:
+    _check_keys(kind, values, REMOVAL_KEYS)
+    # Which checks the values.
+    marker = record_from(Marker, {**values, "x_mm": 0.0, "y_mm": 0.0}, kind.value)
+    gone = (marker.marker_id, marker.author, now)
+    return lambda description: _fact(kind, removed_marker(description, *gone))
+
+
+def _note(kind: Kind, values: Dict[str, Any], _now: str) -> Change:
+    """Return a note, which is known by its own time when its request is repeated."""
+    time = values.get("time")
+    if not isinstance(time, str):
+        raise SurveyRefusedError(
+            Message(
+                "the fact of kind {kind} has no text 'time'; say when it was, such as {example}",
+                kind=kind.value,
+                example=utc_time.iso_text(0),
+            )
+        )
+    utc_time.parse_iso(time)
+    return lambda _description: Fact(kind, values)
+
+
+_CHANGES: Dict[Kind, Callable[[Kind, Dict[str, Any], str], Change]] = {
+    Kind.ANNOTATION: _annotation,
+    Kind.MARKER: _marker,
+    Kind.MARKER_REMOVED: _removal,
+    Kind.REPORT: _report,
+}
+# What the storage says of survey.bag nobody else says.
+KINDS = tuple(one.value for one in (*_CHANGES, *NOTES) if one is not Kind.BAG)
+
+
+def _fact(kind: Kind, values: Optional[Dict[str, Any]]) -> Optional[Fact]:
+    return None if values is None else Fact(kind, values)
+
+
+def _unless_entry(description: Dict[str, Any], key: str, fact: Optional[Fact]) -> Optional[Fact]:
+    """Return a fact that replaces an entry of survey.json; None if it is that entry already."""
+    same = fact is not None and key in description and description[key] == fact.values
+    return None if same else fact
+
+
+def _check_keys(kind: Kind, values: Dict[str, Any], keys: Sequence[str]) -> None:
+    if set(values) != set(keys):
+        raise InvalidValueError(
+            Message(
+                "{name} must be an object with the keys {keys}",
+                name=kind.value,
+                keys=", ".join(keys),
+            )
+        )

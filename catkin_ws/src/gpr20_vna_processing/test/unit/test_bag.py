@@ -1,0 +1,260 @@
+"""The bag of a survey that has ended, by the stock tools of ROS: whole, or not there and named."""
+
+from __future__ import annotations
+
+import collections
+import itertools
+import random
+import shutil
+import sys
+
+import mcap.writer
+import pytest
+from failing_disk import FailingDisk, Failure
+from fault_kit import raises_fault
+from log_examples import DONE, KILLED, NOW, add_marker, ended_at_call
+from reopening_kit import TRACES, resume, traces_in_bag, tree
+from run_seed import SEED, draws
+from stock_readers import bag_traces, counts_in_bag, mcap_traces
+from storage_kit import Kit, bag_messages, wait_until, with_bag
+from trace_examples import SURVEY, assert_same_numbers
+
+from gpr20_analysis.commands.main import main
+from gpr20_analysis.read.verification import verify_survey
+from gpr20_analysis.read.verification_result import COMPLETE, DAMAGED
+from gpr20_survey.errors import StorageFailedError, SurveyRefusedError
+from gpr20_survey.folder.annotating import add_to_survey
+from gpr20_survey.recording.mcap_reader import StoredMcap
+from gpr20_vna_processing.low import bag_processes
+from gpr20_vna_processing.low.bag_processes import BAG_TO_MCAP, BagProcesses
+
+FREE_BYTES = 10**12
+LIMIT_S = 60.0  # far more than a process needs
+
+
+@pytest.fixture
+def folder(copies):
+    """A finished survey without a bag."""
+    return copies("finished")
+
+
+@pytest.fixture
+def bags(request):
+    """Makes bags in processes on a disk that has this much free."""
+    made = BagProcesses(lambda _: getattr(request, "param", FREE_BYTES), disk_reserve_bytes=1)
+    yield made
+    made.stop(0.0)
+
+
+def assert_complete_without_bag(folder):
+    """Check that nothing of a bag is there, and that verify says so of a complete survey."""
+    assert not any("survey.bag" in one.name for one in folder.iterdir())
+    found = verify_survey(folder)
+    assert (found.status, found.faults) == (COMPLETE, [])
+    assert f"gpr20 export --format bag {folder}" in " ".join(map(str, found.notes))
+
+
+def assert_complete_with_bag(folder):
+    found = verify_survey(folder)
+    assert (found.status, found.faults) == (COMPLETE, [])
+    assert "bag" not in " ".join(map(str, found.notes))
+    for trace, message in zip(TRACES, traces_in_bag(folder)):
+        assert_same_numbers(trace, message)
+
+
+def test_the_stock_tools_find_every_message_as_it_was_recorded(folder):
+    rosbag = pytest.importorskip("rosbag")  # part of ROS
+    path = with_bag(folder) / "survey.bag"
+    recorded = list(StoredMcap(folder / "survey.mcap").messages())
+    assert counts_in_bag(path) == collections.Counter(one.topic for one in recorded)
+    in_bag = bag_messages(path)
+    assert sorted(in_bag, key=repr) == sorted(recorded, key=repr)
+    with rosbag.Bag(str(path)) as bag:
+        latching = {one.topic: one.header["latching"] for one in bag._connections.values()}
+    # So that a replay latches it.
+    assert (latching["/survey_metadata"], latching["/trace"]) == (b"1", b"0")
+
+
+@pytest.mark.parametrize("ending", ["cut off", "stopped", "interrupted"])
+def test_a_survey_that_is_resumed_gets_a_new_bag_with_every_trace(copies, ending):
+    folder = copies(ending)
+    if ending != "cut off":
+        with_bag(folder)
+    kit = Kit(folder.parent)
+    stored = kit.processing.reopen_survey(SURVEY).stored_indices
+    assert not (folder / "survey.bag").exists()
+    kit.finish(TRACES, stored)
+    kit.processing.shut_down()
+    assert_complete_without_bag(folder)
+    with_bag(folder)
+    assert_complete_with_bag(folder)
+    for read, name in ((bag_traces, "survey.bag"), (mcap_traces, "survey.mcap")):
+        assert sorted(one.index for one in read(folder / name)) == list(range(len(TRACES)))
+    add_to_survey(folder, add_marker(3), NOW)
+    assert_complete_with_bag(folder)
+
+
+def test_a_bag_is_kept_beside_a_recording_that_was_damaged_after_the_end(copies):
+    folder = with_bag(copies("stopped"))
+    bag, path = (folder / "survey.bag").read_bytes(), folder / "survey.mcap"
+    content = path.read_bytes()
+    path.write_bytes(content[: len(content) // 2] + b"#" + content[len(content) // 2 + 1 :])
+    resume(folder)
+    assert (folder / "damaged" / "survey.bag").read_bytes() == bag
+
+
+def test_each_flip_of_a_bag_is_found(folder):
+    path, chance = with_bag(folder) / "survey.bag", random.Random(SEED)
+    content = path.read_bytes()
+    for _ in range(draws(20)):
+        place = chance.randrange(len(content))
+        flipped = bytes([content[place] ^ 1 << chance.randrange(8)])
+        path.write_bytes(content[:place] + flipped + content[place + 1 :])
+        found = verify_survey(folder)
+        assert found.status == DAMAGED and "survey.bag" in str(found.faults[0]), place
+    assert main(["export", "--format", "bag", str(folder)]) == 0
+    assert path.read_bytes() == content
+    assert_complete_with_bag(folder)
+
+
+def test_a_maker_that_is_killed_anywhere_leaves_no_half_bag(copies):
+    for number in itertools.count(1):
+        folder = copies("finished")
+        ending = ended_at_call(number, lambda place=folder: with_bag(place))
+        assert ending in (KILLED, DONE)
+        if not (folder / "survey.bag").exists():
+            found = verify_survey(folder)
+            assert (found.status, found.faults) == (COMPLETE, [])
+        with_bag(folder)
+        assert not list(folder.glob(".survey.bag*"))
+        assert_complete_with_bag(folder)
+        shutil.rmtree(str(folder.parent))
+        if ending == DONE:
+            break
+    assert number > 5
+
+
+def test_a_disk_that_refuses_or_loses_its_power_anywhere_leaves_no_half_bag(copies, tmp_path):
+    for calls in itertools.count():
+        folder = copies("finished")
+        after = tmp_path / f"after{calls}" / folder.name
+        disk = FailingDisk(folder)
+        try:
+            with disk.failing(Failure(calls, calls % 2 == 1), after):
+                with_bag(folder)
+            done = not disk.has_failed
+        except StorageFailedError:
+            done = False
+        finally:
+            disk.release()
+        left = after if after.exists() else folder
+        found = verify_survey(left)
+        assert (found.status, found.faults) == (COMPLETE, []), calls
+        with_bag(left)
+        assert_complete_with_bag(left)
+        shutil.rmtree(str(folder.parent))
+        if done:
+            break
+    assert calls > 5
+
+
+def test_no_bag_is_made_of_a_recording_that_another_one_has_replaced(folder, monkeypatch):
+    from gpr20_survey.recording import bag
+
+    real = bag.write_bag
+
+    def write(messages, path):
+        real(messages, path)
+        shutil.copy(str(folder / "survey.mcap"), str(folder / ".copy.tmp"))
+        (folder / ".copy.tmp").replace(folder / "survey.mcap")
+
+    monkeypatch.setattr(bag, "write_bag", write)
+    with raises_fault("survey.locked", error=SurveyRefusedError):
+        with_bag(folder)
+    assert_complete_without_bag(folder)
+
+
+def test_the_storage_makes_the_bag_beside_the_next_survey(tmp_path, bags):
+    kit = Kit(tmp_path / "data", bags=bags)
+    folder = kit.open()
+    kit.processing.store(TRACES[0])
+    kit.processing.close_survey(SURVEY, "stopped")
+    wait_until((folder / "survey.bag").exists, LIMIT_S)
+    wait_until(lambda: bags.outstanding_bytes() == 0, LIMIT_S)
+    assert len(list(bag_traces(folder / "survey.bag"))) == 1
+    # A survey that is shut down is interrupted, and has a bag when the node has ended.
+    kit.processing.reopen_survey(SURVEY)
+    assert not (folder / "survey.bag").exists()
+    kit.processing.shut_down()
+    bags.stop(LIMIT_S)
+    assert (folder / "survey.bag").exists() and bags.problem() is None
+
+
+NEVER = (sys.executable, "-c", "import signal; signal.pause()")
+
+
+def test_a_survey_starts_only_if_there_is_space_for_the_bags_that_are_not_made_yet(
+    folder, bags, monkeypatch, tmp_path
+):
+    monkeypatch.setattr(bag_processes, "PROGRAM", NEVER)
+    bags.make(folder)
+    outstanding = bags.outstanding_bytes()
+    assert outstanding == BAG_TO_MCAP * (folder / "survey.mcap").stat().st_size
+    kit = Kit(tmp_path / "new", bags=bags, free_bytes=500_001_000 + outstanding)
+    with raises_fault("disk.full", error=SurveyRefusedError):
+        kit.open(needed_bytes=1001)
+    other = kit.open(needed_bytes=1000)
+    kit.processing.shut_down()
+    # A survey that is resumed gets none.
+    for one in (folder, other):
+        bags.cancel(one)
+    assert bags.outstanding_bytes() == 0 and bags.problem() is None
+
+
+ENDED = (sys.executable, "-c", "import os, signal; os.kill(os.getpid(), signal.SIGKILL)")
+
+
+@pytest.mark.parametrize("case", ["killed", "no recording", "no space"])
+def test_a_bag_that_could_not_be_made_is_named_with_the_command_until_it_is_there(
+    folder, bags, monkeypatch, case
+):
+    if case == "killed":
+        monkeypatch.setattr(bag_processes, "PROGRAM", ENDED)
+    elif case == "no space":
+        monkeypatch.setattr(bags, "_free_bytes", lambda _: 100)
+    else:
+        (folder / "survey.mcap").rename(folder.parent / "away")
+    bags.make(folder)
+    wait_until(lambda: bags.problem() is not None, LIMIT_S)
+    problem = bags.problem()
+    assert f"gpr20 export --format bag {folder}" in str(problem)
+    code = {"killed": "storage.bag_missing", "no space": "disk.full"}
+    assert problem.fault_code == code.get(case, "storage.folder_moved")
+    if case == "no recording":
+        (folder.parent / "away").rename(folder / "survey.mcap")
+    assert_complete_without_bag(folder)
+    assert main(["export", "--format", "bag", str(folder)]) == 0
+    assert bags.problem() is None
+    assert_complete_with_bag(folder)
+
+
+def test_a_process_that_is_ended_leaves_nothing(folder, bags):
+    before = tree(folder)
+    bags.make(folder)
+    bags.stop(0.0)
+    assert (folder / "survey.bag").exists() or tree(folder) == before
+    assert not list(folder.glob(".survey.bag*"))
+
+
+def test_a_bag_is_exported_of_a_survey_that_was_cut_off(copies, tmp_path, capsys):
+    folder, path = copies("cut off"), tmp_path / "it.bag"
+    before = tree(folder)
+    assert main(["export", "--format", "bag", str(folder), str(path)]) == 1
+    assert "cut off" in capsys.readouterr().err and tree(folder) == before
+    assert sorted(one.index for one in bag_traces(path)) == list(range(6))
+    assert main(["export", "--format", "csv", str(folder)]) == 3
+    with (tmp_path / "other.mcap").open("wb") as stream:
+        other = mcap.writer.Writer(stream)
+        other.start("ros1", "of another program")
+        other.finish()
+    assert main(["export", "--format", "bag", str(tmp_path / "other.mcap"), str(path)]) == 3

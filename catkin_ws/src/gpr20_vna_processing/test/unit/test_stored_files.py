@@ -1,0 +1,154 @@
+"""Reading traces by their places: each is as it was stored, or is unreadable with its reason."""
+
+from __future__ import annotations
+
+import random
+import shutil
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from log_examples import flipped
+from run_seed import SEED, draws
+from storage_kit import OTHER_SURVEY, Kit, text_message
+from trace_examples import SURVEY, make_trace
+
+from gpr20_survey.recording import mcap_reader
+from gpr20_survey.trace.trace_block import SAMPLE, TraceBlock
+from gpr20_vna_processing.mid import stored_files
+from gpr20_vna_processing.mid.stored_files import TraceReader
+
+PLANNED = range(40)
+
+
+def trace_of(index, **changes):
+    """Return a trace whose every number is another than that of the others."""
+    place = {"x_coord_mm": 10.0 + index, "y_coord_mm": 0.1 * index, "z_coord_deg": index % 2 * 90.0}
+    return make_trace(index, antennae_height_m=0.2 + 0.001 * index, **{**place, **changes})
+
+
+def stored_survey(data, indices, end=True, **changes):
+    """Return the folder of a survey, whose storage is killed if it has no end."""
+    kit = Kit(data)
+    folder = kit.open()
+    for index in indices:
+        kit.processing.record(text_message("/t", f"before {index}"))
+        kit.processing.store(trace_of(index, **changes))
+    if end:
+        kit.processing.close_survey(SURVEY, "stopped")
+    copy = data / "copy" / folder.name
+    shutil.copytree(str(folder), str(copy))
+    kit.processing.shut_down()
+    return copy
+
+
+def assert_as_stored(block: TraceBlock):
+    wanted = TraceBlock.of(SURVEY, [trace_of(index) for index in block.indices])
+    for name in ("frequency_hz", "indices", "positions", "heights_m", "s21"):
+        assert np.array_equal(getattr(block, name), getattr(wanted, name)), name
+    assert block.s21.dtype == SAMPLE
+
+
+def json_file(folder, index):
+    return next((folder / "traces").glob(f"{index:06d}_*"))
+
+
+@settings(max_examples=draws(10))
+@given(
+    stored=st.sets(st.sampled_from(PLANNED), min_size=1),
+    wanted=st.sets(st.sampled_from(PLANNED), min_size=1),
+    later=st.integers(0, 5),
+    end=st.booleans(),
+    seed=st.integers(0, 1000),
+)
+def test_what_is_stored_is_read_and_what_is_not_is_named(
+    tmp_path_factory, stored, wanted, later, end, seed
+):
+    last = random.Random(seed).sample(sorted(stored), min(later, len(stored)))
+    order = [*sorted(stored.difference(last)), *last]
+    folder = stored_survey(tmp_path_factory.mktemp("data"), order, end)
+    found = TraceReader().read(folder, SURVEY, sorted(wanted))
+    assert set(found.block.indices.tolist()) == stored & wanted
+    assert set(found.unreadable) == wanted - stored
+    assert_as_stored(found.block)
+
+
+@pytest.mark.parametrize("end", [True, False])
+def test_an_mcap_that_is_gone_cut_or_changed_hides_and_invents_nothing(tmp_path, end):
+    folder = stored_survey(tmp_path, PLANNED, end)
+    path, chance = folder / "survey.mcap", random.Random(SEED)
+    content = path.read_bytes()
+    damaged = [None, b"", *(content[: chance.randrange(len(content))] for _ in range(draws(4)))]
+    for one in [*damaged, *(flipped(chance, content) for _ in range(draws(15)))]:
+        path.unlink() if one is None else path.write_bytes(one)
+        found = TraceReader().read(folder, SURVEY, PLANNED)
+        assert found.block.indices.tolist() == list(PLANNED)
+        assert_as_stored(found.block)
+
+
+def test_a_trace_of_which_nothing_is_whole_is_named_and_the_others_are_read(tmp_path):
+    folder = stored_survey(tmp_path, PLANNED)
+    json_file(folder, 6).write_bytes(b"{")
+    assert TraceReader().read(folder, SURVEY, [6]).block.indices.tolist() == [6]
+    (folder / "survey.mcap").unlink()
+    torn, unreadable = json_file(folder, 2), json_file(folder, 3)
+    torn.write_bytes(torn.read_bytes()[:-20])
+    unreadable.unlink()
+    unreadable.mkdir()
+    foreign = json_file(folder, 4)
+    foreign.write_bytes(foreign.read_bytes().replace(SURVEY.encode(), OTHER_SURVEY.encode()))
+    found = TraceReader().read(folder, SURVEY, [1, 2, 3, 4, 5])
+    assert found.block.indices.tolist() == [1, 5]
+    assert list(found.unreadable) == [2, 3, 4]
+    assert found.unreadable[2].fault_code == "trace.damaged"
+    assert all(map(str, found.unreadable.values()))
+
+
+def test_traces_of_another_survey_in_the_mcap_are_not_taken(tmp_path):
+    folder = stored_survey(tmp_path, range(4))
+    other = stored_survey(tmp_path / "other", range(4), s21_real=np.zeros(5))
+    shutil.copy(str(other / "survey.mcap"), str(folder))
+    found = TraceReader().read(folder, OTHER_SURVEY, [0, 1])
+    assert not found.block.indices.size and set(found.unreadable) == {0, 1}
+
+
+def test_a_survey_is_read_while_it_is_measured(tmp_path):
+    kit, reader = Kit(tmp_path), TraceReader()
+    folder = kit.open()
+    for index in range(30):
+        kit.processing.store(trace_of(index))
+        found = reader.read(folder, SURVEY, range(index + 1))
+        assert found.block.indices.tolist() == list(range(index + 1)), index
+    kit.processing.close_survey(SURVEY, "finished")
+    assert_as_stored(reader.read(folder, SURVEY, range(30)).block)
+    kit.processing.shut_down()
+
+
+def test_an_answer_is_bounded_by_its_points_and_by_its_time(tmp_path, monkeypatch):
+    folder = stored_survey(tmp_path, PLANNED)
+    monkeypatch.setattr(stored_files, "MAX_POINTS", 23)
+    assert TraceReader().read(folder, SURVEY, PLANNED).block.indices.tolist() == [0, 1, 2, 3, 4]
+    monkeypatch.setattr(stored_files, "MAX_READING_S", -1.0)
+    assert TraceReader().read(folder, SURVEY, [7, 8]).block.indices.tolist() == [7]
+
+
+def test_traces_with_other_frequencies_are_left_to_another_request(tmp_path):
+    kit = Kit(tmp_path)
+    folder = kit.open()
+    for index in range(6):
+        kit.processing.store(
+            trace_of(index, frequency_hz=np.linspace(6e8, 6e9 + 1e6 * (index % 3 == 1), 5))
+        )
+    reader = TraceReader()
+    assert reader.read(folder, SURVEY, range(6)).block.indices.tolist() == [0, 2, 3, 5]
+    assert reader.read(folder, SURVEY, [1, 2, 4]).block.indices.tolist() == [1, 4]
+    kit.processing.shut_down()
+
+
+def test_a_chunk_that_says_it_is_huge_does_not_fill_the_memory(tmp_path, monkeypatch):
+    folder = stored_survey(tmp_path, PLANNED, end=False)
+    monkeypatch.setattr(mcap_reader, "MAX_RECORD_BYTES", 100)
+    found = TraceReader().read(folder, SURVEY, PLANNED)
+    assert found.block.indices.tolist() == list(PLANNED)
+    assert_as_stored(found.block)
