@@ -88,7 +88,7 @@ class Trace(Sweep):
                 Message(
                     "the zeros of the axes are {zeros}; each of x, y and z must have one, with a "
                     "number above 0 and a time, or none",
-                    zeros=shortened(str(self.zeros)),
+                    zeros=shortened(self.zeros),
                 )
             )
 
@@ -143,7 +143,7 @@ def check_format(found: Any) -> None:
         refuse(
             Message(
                 "its format is {format}; this software reads {expected}",
-                format=shortened(str(found)),
+                format=shortened(found),
                 expected=repr(FORMAT),
             ),
             fault=faults.TRACE_OTHER_VERSION,
