@@ -20,7 +20,7 @@ class _Section:
 
 
 def recorded_delay_ns(description: Mapping[str, Any]) -> float:
-    """Return the delay in the content of survey.json; 0 if it has none [ns].
+    """Return the delay in the description; 0 if it has none [ns].
 
     Raises:
         InvalidValueError: It is not a number within its range.
