@@ -46,14 +46,13 @@ def main(arguments: Optional[Sequence[str]] = None) -> int:
     )
     add = parser.add_argument
     add("--only", nargs="+", choices=COUNTS, default=[*COUNTS], metavar="KIND", help="some kinds")
-    add("--data", type=Path, metavar="DIR", help="on this disk; else in a temporary folder")
+    add("--data", type=Path, default=tempfile.gettempdir(), help="a folder on the disk to try")
     add("--seed", type=int, default=1, help="of the first course; each next one has the next")
     add("--count", type=int, metavar="N", help="how many accidents of each kind")
     add("--quick", action="store_true", help="a few of each kind but the graph, in seconds")
     add("--simulated-disk", action="store_true", help="cut the power of a simulated disk")
     chosen = parser.parse_args(arguments)
-    if chosen.data is not None:
-        chosen.data.mkdir(parents=True, exist_ok=True)
+    chosen.data.mkdir(parents=True, exist_ok=True)
     place = Path(tempfile.mkdtemp(prefix="gpr20_fault_suite_", dir=chosen.data)).resolve()
     results = [Result(one) for one in chosen.only]
     for one in results:

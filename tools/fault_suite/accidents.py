@@ -14,6 +14,7 @@ from typing import Any, Callable, NamedTuple, Tuple
 
 from failing_disk import FOR_EVER, Failure
 from power_cut_disk import PowerCutDisk
+from storage_kit import with_bag
 
 from fault_suite.judge import Became, Judge, Ledger, Result, verdict_of
 from fault_suite.worker import TIME, Call, Event, Step, Worker, closed_additions, new_course
@@ -134,8 +135,8 @@ def _interrupt(course: Course, data: Path, accident: Strike, *fault: Any) -> Non
         worker = Worker(data, steps, number, *fault)
         happened = accident(worker, number)
         ledger.take_down(worker)
-        course.result.sorts[worker.phase] += happened
-        judge = Judge(course.result, f"{course.name}, turn {turn}, {worker.phase}")
+        course.result.sorts[phase] += happened
+        judge = Judge(course.result, f"{course.name}, turn {turn}, {phase}")
         judge.judge(data, ledger, worker)
         if not ledger.opened:
             break
@@ -151,7 +152,7 @@ def flips(course: Course) -> None:
         # All traces together are drawn as often as any other file.
         names = sorted(one.name for one in folder.iterdir() if one.is_file())
         pattern = chance.choice(["*/*", *names])
-        path = chance.choice(sorted(folder.glob(pattern)))
+        path = chance.choice(sorted(folder.glob(pattern)) or [folder / names[0]])
         content = bytearray(path.read_bytes())
         place = chance.randrange(len(content))
         content[place] ^= chance.choice([1 << chance.randrange(8), chance.randint(1, 255)])
@@ -195,4 +196,6 @@ def _new_survey(course: Course) -> Tuple[Path, str]:
     worker = Worker(data, steps)
     worker.end()
     course.ledger.take_down(worker)
+    if end != CRASHED:
+        with_bag(next(data.glob("*_*")))
     return data, end

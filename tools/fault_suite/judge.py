@@ -15,8 +15,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Counter, Dict, Iterable, Iterator, List, Sequence, Set, Tuple
 
-import psutil
 from stock_readers import bag_traces, mcap_traces, torn_mcap_traces
+from storage_kit import with_bag
 from trace_examples import SURVEY, assert_same_numbers
 
 from fault_suite.worker import IS_COMPLETE, TRACES, Call, Event, Worker, new_storage
@@ -32,7 +32,6 @@ PLACE = ("x_coord_mm", "y_coord_mm", "z_coord_deg")
 # Others may be there as often as they were asked: a worker asks again after an error.
 ONCE = (Kind.MARKER, *NOTES)
 UNLIKE = (AssertionError, AttributeError, KeyError, TypeError, ValueError)
-BAG_LIMIT_S = 60.0
 
 # What must not become of a trace, a fact or a survey; only to be named is no failure.
 Became = enum.Enum("Became", "LOST DOUBLED MOVED CHANGED LAUNDERED UNSEEN STUCK NAMED")
@@ -193,7 +192,7 @@ class Judge:
                 self.note([(Became.STUCK, f"not finished: {error}")] if ledger.opened else [])
             except Exception:
                 # Nothing that an accident leaves may break a reader.
-                self.note([(Became.STUCK, traceback.format_exc())])
+                self.note([(Became.STUCK, traceback.format_exc(limit=-2))])
 
     def check(self, folder: Path, ledger: Ledger, is_finished: bool) -> None:
         """Look for everything in a survey that is called intact, or must be as it is finished."""
@@ -223,5 +222,4 @@ class Judge:
         finally:
             with contextlib.suppress(ProcessingError):
                 kit.processing.shut_down()
-            # Whoever writes the bag.
-            psutil.wait_procs(psutil.Process().children(), BAG_LIMIT_S)
+        with_bag(folder)

@@ -24,17 +24,18 @@ from trace_examples import SURVEY
 from gpr20_survey.errors import ProcessingError, StorageFailedError
 from gpr20_survey.folder.annotating import Fact
 from gpr20_survey.folder.log_record import Kind
-from gpr20_survey.plan.markers import Marker
 from gpr20_vna_processing.mid.data_processing import DataProcessing
 
 TRACES = dict(enumerate(map(planned_trace, range(len(POINTS)))))
 TIME = "2026-11-21T05:10:00.000000+00:00"
 WORDS = ("metal", "raíz", "日本", "=1+1", "a, b; c", '"', "\\u0041", "")
+MARKER = {"x_mm": 0.1, "y_mm": 700.0, "depth_mm": None, "author": "Ana"}
 # What may be added to a survey that is closed, and to one that is open.
 CLOSED_KINDS = (Kind.MARKER, Kind.ANNOTATION, Kind.DECISION)
 OPEN_KINDS = (*CLOSED_KINDS, Kind.REPORT)
 # Before each trace: how often one more fact is added, and how often the survey is closed.
 FACT_SHARE, CLOSED_SHARE = 0.4, 0.1
+LEAST_S = 0.01  # in which most steps end
 MOST_ATTEMPTS = 4  # after which a disk that does not recover is given up
 IS_COMPLETE = "survey.complete"
 
@@ -83,7 +84,7 @@ def _addition(chance: random.Random, kinds: Sequence[Kind]) -> Step:
     # No other fact has this text.
     text = " ".join([*chance.choices(WORDS, k=chance.randint(0, 5)), identity]).strip()
     others: Dict[Kind, Dict[str, Any]] = {
-        Kind.MARKER: {"marker_id": identity, "x_mm": 0.1, "y_mm": 700.0, "text": text},
+        Kind.MARKER: {**MARKER, "marker_id": identity, "text": text},
         Kind.ANNOTATION: {"operator": "", "site": "", "notes": f"1\n{text}", "position": None},
     }
     fact = Fact(kind, others.get(kind, {"time": TIME, "text": text}))
@@ -97,9 +98,7 @@ def new_storage(data: Path) -> Kit:
 
 def add_fact(processing: DataProcessing, fact: Fact) -> None:
     """Ask for a fact in the survey, open or not."""
-    is_marker = fact.kind is Kind.MARKER
-    values = Marker(**fact.values).request() if is_marker else fact.values
-    processing.add_fact(SURVEY, fact.kind.value, json.dumps(values))
+    processing.add_fact(SURVEY, fact.kind.value, json.dumps(fact.values))
 
 
 class Worker(ForkProcess):
@@ -126,9 +125,9 @@ class Worker(ForkProcess):
 
     def wait_for(self, number: int) -> float:
         """Return when a step begins, or the worker ends; return how long steps take [s], twice."""
-        begun_s = time.monotonic()
         next((one for one in self._hear() if one[0] is Event.ASKED and one[1] >= number), None)
-        return 2.0 * (time.monotonic() - begun_s) / (number + 1)
+        times_s = [time_s for _event, _number, time_s, _text in self.said] or [0.0]
+        return max(LEAST_S, 2.0 * (times_s[-1] - times_s[0]) / (number + 1))
 
     def end(self, kill: bool = False) -> bool:
         """Kill it or wait for its end; end all that it has started; return if it was killed."""
@@ -143,11 +142,6 @@ class Worker(ForkProcess):
         if self.exitcode not in (0, -signal.SIGKILL):
             self.said.append((Event.BROKEN, 0, 0.0, f"ended with status {self.exitcode}"))
         return self.exitcode == -signal.SIGKILL
-
-    @property
-    def phase(self) -> str:
-        """What it was doing last."""
-        return self.steps[self.said[-1][1]].phase if self.said else "start"
 
     def texts(self, event: Event) -> List[str]:
         """Return what it said of an event."""
@@ -192,7 +186,7 @@ class Worker(ForkProcess):
                 self._stored = frozenset(TRACES)
             return Event.BROKEN if step.call is Call.OPEN else Event.REFUSED, str(error)
         except Exception:
-            return Event.BROKEN, traceback.format_exc()
+            return Event.BROKEN, traceback.format_exc(limit=-1)
         return Event.DONE, ""
 
     def _call(self, step: Step) -> None:

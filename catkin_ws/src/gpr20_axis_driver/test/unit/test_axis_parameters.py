@@ -11,6 +11,8 @@ from hypothesis import strategies as st
 
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.faults import CONFIGURATION, NOT_ALLOWED
+from gpr20_common.mid.codec import record_from
+from gpr20_survey.axes.axis_parameters import AxisParameters
 
 
 @each_case(
@@ -39,8 +41,9 @@ from gpr20_common.faults import CONFIGURATION, NOT_ALLOWED
     ],
 )
 def test_a_wrong_parameter_is_refused_by_name(field, value, shown):
+    values = {**dataclasses.asdict(X_PARAMETERS), field: value}
     with raises_fault((NOT_ALLOWED, CONFIGURATION), *shown, error=InvalidValueError):
-        dataclasses.replace(X_PARAMETERS, **{field: value})
+        record_from(AxisParameters, values, "x_axis")
 
 
 # A path that is not absolute is none.

@@ -12,7 +12,7 @@ from fault_kit import raises_fault
 
 from gpr20_common import faults
 from gpr20_common.errors import InvalidValueError
-from gpr20_common.mid.codec import bounded, record_from
+from gpr20_common.mid.codec import bounded, plain, record_from
 
 
 class Colour(enum.Enum):
@@ -50,6 +50,12 @@ def test_everything_can_be_given():
     cart = record_from(Cart, values, "cart")
     assert cart == Cart("a", 3.0, Colour.BLUE, (1, 2), Wheel(1.0, 8), (Wheel(0.2, 4),), True)
     assert isinstance(cart.load, float)
+    assert record_from(Cart, plain(cart), "") == cart
+
+
+def test_keys_of_others_can_be_left_out_and_nan_is_none():
+    assert record_from(Cart, {"name": "a", "by": "b"}, "", others=True) == Cart("a")
+    assert plain(Cart("a", math.nan))["load"] is None
 
 
 NAMED = {"name": "a"}
@@ -61,6 +67,7 @@ NAMED = {"name": "a"}
         ({}, ("cart/name",)),
         (["name"], ("cart", "['name']")),
         ({**NAMED, "nmae": "a"}, ("cart/nmae", "colour, load")),
+        ({"name": "half \ud83d"}, ("cart",)),
         ({"name": 3}, ("cart/name", 3, "text")),
         ({**NAMED, "load": True}, ("cart/load", True, "number")),
         ({**NAMED, "load": "3"}, ("cart/load", "'3'")),

@@ -14,7 +14,7 @@ from gpr20_analysis.formats.dataset_files import NETCDF, ZARR, is_dataset
 from gpr20_common.message import Message
 from gpr20_survey.folder import survey_folder
 
-SURVEY_PARTS = (*survey_folder.LOG_FILES, survey_folder.SURVEY_FILE, survey_folder.TRACES_FOLDER)
+DESCRIBED_BY = (*survey_folder.LOG_FILES, survey_folder.SURVEY_FILE)
 
 
 @dataclass(frozen=True)
@@ -114,7 +114,8 @@ def _check_apart(path: Path, place: Path, inputs: Sequence[Path]) -> None:
             Message("{path} is an input of this command; choose another output", path=path)
         )
     for folder in place.parents:
-        if all((folder / name).exists() for name in SURVEY_PARTS):
+        is_described = any((folder / name).exists() for name in DESCRIBED_BY)
+        if is_described and (folder / survey_folder.TRACES_FOLDER).exists():
             raise ExportError(
                 Message(
                     "{path} is in the folder of the survey {folder}, which is for measured data "

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-from dataclasses import replace
 from pathlib import Path
 
 from gpr20_analysis import faults
@@ -15,11 +14,8 @@ from gpr20_analysis.sentences import shown
 from gpr20_common.catalogue import Catalogue
 from gpr20_common.message import Message, in_a_row
 from gpr20_common.terminal_text import say
-from gpr20_survey.files import durable_files
 from gpr20_survey.files.folder_lock import SHORT_WAIT_S, locked
 from gpr20_survey.folder import survey_folder
-from gpr20_survey.folder.log_record import LogHead
-from gpr20_survey.folder.manifest import MANIFEST_FILE
 from gpr20_survey.folder.recovery import recover
 from gpr20_survey.folder.signature import Signer
 
@@ -65,8 +61,7 @@ def run(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
                 ),
                 fault=faults.FILES_DIFFER,
             )
-        now = replace(found.manifest, log=LogHead.of(log.records[-1]))
-        durable_files.replace_file(folder / MANIFEST_FILE, now.encode())
+        found.manifest.write_for(folder, log.records[-1])
         signer.sign(folder)
     say(shown(Message("the survey is signed as it is now"), catalogue))
     return DONE

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
+from typing import Any, Mapping
 
 import numpy as np
 import xarray as xr
@@ -41,16 +41,25 @@ def write_touchstone(survey: xr.Dataset, folder: Path, progress: Progress = no_p
     frequency = skrf.Frequency.from_f(survey[dataset.FREQUENCY].values, unit="hz")
     folder.mkdir(parents=True, exist_ok=True)
     samples = usable_samples(survey)
-    settings = _settings(survey)
+    said = [MOVED] if ADVANCE in survey else []
+    said += [f"DOUBTED: {one}" for one in kept_doubts(sentences_of(survey, DOUBTS))]
+    shared = "".join(f"\n{one}" for one in said)
+    settings = {
+        one: dataset.require(survey, one, dataset.SAMPLE_DIMS).values
+        for one in OF_ANALYZER
+        if one in survey
+    }
     for place, x_mm, y_mm, z_deg in progress(samples, len(samples)):
         scattering = np.zeros((len(frequency), 2, 2), np.complex128)
         scattering[:, 1, 0] = s21[place]
         number = int(index[place])
+        own = {**survey.attrs, **{one: values[place] for one, values in settings.items()}}
         network = skrf.Network(frequency=frequency, s=scattering, z0=IMPEDANCE_OHM)
         network.comments = (
             f"{marked('GPR-20', survey)} survey {survey.attrs.get('survey_id', '')} "
             f"sample {number}\n"
-            f"only S21 was measured; S11, S12 and S22 are 0 in place of numbers{settings}\n"
+            "only S21 was measured; S11, S12 and S22 are 0 in place of numbers"
+            f"{_settings(own)}{shared}\n"
             f"{HEIGHT_WORDS} {float(height_m[place])!r}"
         )
         name = f"{number:06d}_X{x_mm:07.2f}_Y{y_mm:07.2f}_Z{z_deg:+07.2f}.s2p"
@@ -58,12 +67,10 @@ def write_touchstone(survey: xr.Dataset, folder: Path, progress: Progress = no_p
     return len(samples)
 
 
-def _settings(survey: xr.Dataset) -> str:
-    """Return those of the VNA, that time zero was moved, and the doubts, as lines of a comment."""
-    doubts = [f"\nDOUBTED: {one}" for one in kept_doubts(sentences_of(survey, DOUBTS))]
-    known = [f"{one} {survey.attrs[one]}" for one in OF_ANALYZER if one in survey.attrs]
-    moved = f"\n{MOVED}" if ADVANCE in survey else ""
-    return "".join(["\n" + ", ".join(known) if known else "", moved, *doubts])
+def _settings(own: Mapping[str, Any]) -> str:
+    """Return those of the VNA at a sample as one more line of the comment."""
+    known = [f"{one} {own[one]}" for one in OF_ANALYZER if own.get(one) and own[one] == own[one]]
+    return ("\n" + ", ".join(known)) if known else ""
 
 
 def _skrf() -> Any:

@@ -100,7 +100,12 @@ def _repair(
         old = folder / manifest.MANIFEST_FILE
         notes.append(_put_aside(old, folder / survey_folder.DAMAGED_FOLDER))
     if is_valid:
-        open_log(folder, recovered, now).write()
+        assert found.manifest is not None
+        repaired = open_log(folder, recovered, now)
+        repaired.write()
+        if not found.manifest.covers(repaired.records):
+            # The entry that it names is lost, which the log says now.
+            found.manifest.write_for(folder, repaired.last)
         return RepairResult(Repair.WRITTEN, notes=notes)
     sums = manifest.data_sums(folder)
     is_other = manifest.has_other_data(recovered.description, sums)

@@ -9,7 +9,10 @@ from gpr20_analysis import faults
 from gpr20_analysis.commands.main import main
 from gpr20_survey import faults as survey_faults
 from gpr20_survey.files import ssh_keygen
+from gpr20_survey.folder.log_record import Kind
+from gpr20_survey.folder.recovery import recover
 from gpr20_survey.folder.signature import NAMESPACE, SIGNATURE_FILE, Signer
+from gpr20_survey.folder.survey_log import SurveyLog
 
 
 @pytest.fixture(scope="module")
@@ -113,3 +116,10 @@ def test_what_differs_and_what_is_not_closed_is_not_signed(folder, keys, tmp_pat
     codes = [survey_faults.SIGNING_KEY, survey_faults.SIGNERS_FILE]
     codes += [faults.NOT_CLOSED, faults.FILES_DIFFER]
     assert refusals == [one.code for one in codes]
+
+
+def test_a_survey_that_was_reopened_is_not_as_it_was_signed(folder, verify):
+    """Whoever adds that entry could have changed any file."""
+    log = SurveyLog(folder, recover(folder).found.records, whole=True)
+    log.add(log.next(Kind.RESUME, {"stored_traces": 18}, "2026"))
+    assert verify(folder)[:2] == (2, "wrong")

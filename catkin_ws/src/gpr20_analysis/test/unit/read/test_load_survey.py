@@ -16,6 +16,7 @@ from gpr20_analysis.commands.main import main
 from gpr20_analysis.dataset import Quality
 from gpr20_analysis.formats.dataset_files import write_dataset
 from gpr20_analysis.formats.plain_csv import write_plain_csv
+from gpr20_analysis.formats.touchstone import write_touchstone
 from gpr20_analysis.imaging.image import image_survey
 from gpr20_analysis.imaging.image_options import ImageOptions
 from gpr20_analysis.lazy import available_bytes
@@ -225,3 +226,7 @@ def test_settings_and_zeros_that_differ_are_at_their_samples_also_in_a_file(tmp_
     assert np.isnat(survey.zero_times.values[~held]).all()
     write_dataset(survey, tmp_path / "survey.nc")
     assert load_survey(tmp_path / "survey.nc").equals(survey)
+    write_touchstone(survey, tmp_path / "ts")
+    (own,), (other,) = ((tmp_path / "ts").glob(f"{index:06d}_*") for index in (5, 6))
+    assert "if_bandwidth_hz 20.0, averages 1, output_power LOW" in own.read_text()
+    assert "if_bandwidth_hz 1000.0, averages 4, output_power HIGH" in other.read_text()

@@ -90,6 +90,18 @@ def test_a_record_that_is_damaged_in_both_files_is_unconfirmed_for_ever(copy, nu
     assert verify_survey(copy).unconfirmed == (name,)
 
 
+def test_the_last_entry_of_the_manifest_that_is_damaged_in_both_files_is_named(copied):
+    for name in FILES:
+        content = (copied / name).read_bytes()
+        (copied / name).write_bytes(content.replace(b'"kind":"end"', b'"kind":"And"'))
+    assert verify_survey(copied).status == DAMAGED
+    assert main(["repair", str(copied)]) == NOT_COMPLETE
+    found = verify_survey(copied)
+    assert (found.faults, len(found.unconfirmed)) == ([], 1)
+    assert main(["repair", str(copied)]) == NOT_COMPLETE
+    assert main(["annotate", str(copied), "--site", "here"]) == NOT_COMPLETE + 2  # it never ended
+
+
 def is_added_to(folder, before):
     """Return whether nothing but the log was changed, which has more lines."""
     now = files(folder)

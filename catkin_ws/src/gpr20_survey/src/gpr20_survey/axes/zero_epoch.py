@@ -27,7 +27,7 @@ class ZeroEpoch:
 
 
 UNKNOWN_ZERO = ZeroEpoch()
-# The zeros of x, y and z; empty: not known, as in traces of earlier versions.
+# The zeros of x, y and z; empty: not known, as in traces that were imported.
 Zeros = Tuple[ZeroEpoch, ...]
 AXES = 3
 MAX_NUMBER = (1 << 32) - 1

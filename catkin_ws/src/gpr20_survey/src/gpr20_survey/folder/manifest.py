@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import hashlib
 import os
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any, Dict, Iterator, Mapping, Optional, Sequence
@@ -74,6 +74,15 @@ class Manifest:
     def is_binding(self, records: Sequence[LogRecord]) -> bool:
         """Return whether the files must be as they are listed: the survey was not reopened."""
         return all(one.kind != Kind.RESUME.value for one in self.since(records))
+
+    def write_for(self, folder: Path, head: LogRecord) -> None:
+        """Write it again, for the log that ends with a later record.
+
+        Raises:
+            OSError: The disk refused.
+        """
+        content = replace(self, log=LogHead.of(head)).encode()
+        durable_files.replace_file(folder / MANIFEST_FILE, content)
 
     def encode(self) -> bytes:
         """Return the content of manifest.json, which ends with a checksum over all else."""

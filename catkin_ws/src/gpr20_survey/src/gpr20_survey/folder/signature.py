@@ -39,7 +39,8 @@ from gpr20_survey.folder.manifest import MANIFEST_FILE, SIGNATURE_FILE
 
 NAMESPACE = "gpr20-survey"
 """What the signature is for: one by the same key for another purpose does not count."""
-OF_COPIES = (Kind.BAG.value, Kind.EXPORT.value, Kind.AUDIT.value)
+OF_COPIES = {Kind.BAG.value, Kind.EXPORT.value, Kind.AUDIT.value}
+"""What the software notes of copies of a survey; the survey itself stays as it was signed."""
 MAX_BYTES = 1 << 14
 """Size of a signature; that of the longest RSA key has 3 kB."""
 MAX_SIGNERS_BYTES = 1 << 24
@@ -213,22 +214,17 @@ def check_signature(folder: Path, signers: Path) -> SignatureCheck:
         return _wrong(
             Message("{file} cannot be read: {reason}", file=file, reason=os_reason(error))
         )
-    if found.signature is Signature.VALID and was_added_to(folder):
-        return replace(found, signature=Signature.CHANGED)
-    return found
+    return _with_log(folder, found) if found.signature is Signature.VALID else found
 
 
-def was_added_to(folder: Path) -> bool:
-    """Return whether somebody added to a survey since its manifest was written.
-
-    The software's own records of copies of the survey do not count.
-
-    Raises:
-        ManifestDamagedError: The manifest is not as it was written.
-        OSError: It cannot be read.
-    """
+def _with_log(folder: Path, signed: SignatureCheck) -> SignatureCheck:
+    """Return what is known of a valid signature by what was added to the log since."""
     since = manifest.read_manifest(folder).since(read_log(folder).records)
-    return any(one.kind not in OF_COPIES for one in since)
+    kinds = {one.kind for one in since}
+    if Kind.RESUME.value in kinds:
+        # The files may be others than the signed manifest lists.
+        return _wrong(Message("the survey was reopened after it was signed"))
+    return replace(signed, signature=Signature.CHANGED) if kinds - OF_COPIES else signed
 
 
 def _fingerprint(content: IO[bytes], signature: Path) -> str:

@@ -10,7 +10,7 @@ from gpr20_survey.radar.soils import LARGEST_PERMITTIVITY, MIN_PERMITTIVITY
 from gpr20_survey.trace import utc_time
 
 PLANNED = "permittivity"
-"""Key of survey.json; only in a survey whose plan names the permittivity."""
+"""Key of the description; only in a survey whose plan names the permittivity."""
 FORMAT = "gpr20-soil/1"
 KIND = Kind.DECISION
 OF_PLAN, ENTERED = "of the plan", "entered later"
@@ -38,7 +38,7 @@ def soil_of_survey(description: Mapping[str, Any]) -> Optional[KnownSoil]:
     """Return what a survey knows of its ground: the last decision in its log, or else its plan.
 
     Args:
-        description: Content of survey.json; of its log the decisions are enough.
+        description: What the log says of the survey; of its records the decisions are enough.
 
     Returns:
         The permittivity and its source; None: it is not known, or not known after all.

@@ -24,9 +24,9 @@ MAX_BYTES = 1 << 20
 MAX_REPORT_BYTES = 8 << 20  # one letter per planned sample, and what failed
 MAX_FILE_BYTES = 32 << 20
 MAX_DEPTH = 32
-# A record of the log, and the list of them in survey.json, hold an object of that depth.
+# A record of the log holds an object of that depth.
 MAX_FILE_DEPTH = MAX_DEPTH + 4
-# How deep a message may be that is part of survey.json.
+# How deep a message may be that is part of a record.
 MAX_MESSAGE_DEPTH = 24
 
 # What survey.json holds of facts that came after the start, and the records themselves.
@@ -136,7 +136,7 @@ def combine(metadata: Dict[str, Any], own: Dict[str, Any]) -> Dict[str, Any]:
 
 
 def metadata_of(description: Dict[str, Any]) -> Dict[str, Any]:
-    """Return the part of survey.json that was given to `open_survey`."""
+    """Return the part of the description that was given to `open_survey`."""
     return {key: value for key, value in description.items() if key not in OWN_KEYS}
 
 

@@ -13,7 +13,7 @@ from gpr20_common.mid.codec import plain, record_from
 from gpr20_common.terminal_text import is_shown
 
 ANNOTATION = "annotation"
-"""Key of survey.json."""
+"""Key of the description."""
 NAME, NOTES = Message("name"), Message("notes")
 OPERATOR, SITE = Message("operator"), Message("site")
 LATITUDE, LONGITUDE = Message("latitude"), Message("longitude")
@@ -103,7 +103,7 @@ class Annotation:
         )
 
     def values(self) -> Dict[str, Any]:
-        """Return the entry of survey.json."""
+        """Return the entry of the description."""
         return dict(plain(self))
 
     def fields(self) -> Dict[str, Any]:
@@ -133,7 +133,7 @@ def from_fields(fields: AnnotationFields) -> Annotation:
 
 
 def from_values(values: Any) -> Annotation:
-    """Return the annotation of an entry of survey.json.
+    """Return the annotation of an entry of the description.
 
     Raises:
         InvalidValueError: It is not one.
@@ -145,7 +145,7 @@ def annotation_of(description: Mapping[str, Any]) -> Annotation:
     """Return the annotation of a survey; empty if it has none.
 
     Args:
-        description: Content of survey.json.
+        description: What the log says of the survey.
 
     Raises:
         InvalidValueError: It has one that is not allowed.
@@ -160,7 +160,7 @@ def keeping_heading(annotation: Annotation, description: Mapping[str, Any]) -> A
 
     Args:
         annotation: The annotation.
-        description: Content of survey.json.
+        description: What the log says of the survey.
     """
     try:
         former = annotation_of(description)

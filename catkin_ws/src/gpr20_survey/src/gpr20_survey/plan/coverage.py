@@ -10,7 +10,7 @@ from typing import Any, Callable, Dict, Iterable, List, Mapping, Optional, Set, 
 from gpr20_common.message import Message
 
 COMPLETE = "complete"
-"""Key of the report in survey.json: whether every planned sample is stored."""
+"""Key of the report: whether every planned sample is stored."""
 RUN = re.compile(rb"(.)\1*", re.DOTALL)
 
 
@@ -41,7 +41,7 @@ class Verdict:
 
 
 def reported_verdict(report: Any) -> Optional[Verdict]:
-    """Return the verdict of the report in survey.json; None if it has no coverage.
+    """Return the verdict of the report; None if it has no coverage.
 
     Args:
         report: As it was read, of any version.

@@ -20,7 +20,7 @@ from gpr20_survey.plan.survey_plan import SurveyPoint, alternating, raster
 from gpr20_survey.trace.trace import Trace
 
 IMPORTED = "imported"
-"""Key of survey.json, and the outcome of these surveys."""
+"""Key of the description, and the outcome of these surveys."""
 TIMES_KNOWN = "times_known"
 """Key of the entry: whether the times of the traces are those of the source."""
 # Of a position; the values of a grid are those of its traces.
@@ -54,7 +54,7 @@ class ImportedGrid:
 
 
 def is_imported(description: Mapping[str, Any]) -> bool:
-    """Return whether the content of survey.json is that of an imported survey."""
+    """Return whether the description is that of an imported survey."""
     return IMPORTED in description
 
 

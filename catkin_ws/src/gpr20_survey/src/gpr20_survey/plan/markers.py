@@ -15,7 +15,7 @@ from gpr20_survey.plan.annotation import MAX_NAME_CHARACTERS, OPERATOR, check_te
 from gpr20_survey.trace.trace import MAX_COORDINATE, SURVEY_ID
 
 MARKERS = "markers"
-"""Key of survey.json."""
+"""Key of the description."""
 MAX_TEXT_CHARACTERS = 500
 # With every text as long as it may be, survey.json remains far below its own limit.
 MAX_MARKERS = 1000
@@ -28,7 +28,7 @@ X, Y, DEPTH, TEXT = Message("X"), Message("Y"), Message("depth"), Message("text 
 
 @dataclass(frozen=True)
 class Marker:
-    """A place that somebody noted; one that was removed stays in survey.json.
+    """A place that somebody noted; one that was removed stays in the list.
 
     Attributes:
         marker_id: UUID, made by the client.
@@ -88,7 +88,7 @@ def markers_of(description: Mapping[str, Any]) -> Tuple[Marker, ...]:
     """Return all markers of a survey in the order in which they were made, removed ones too.
 
     Args:
-        description: Content of survey.json.
+        description: What the log says of the survey.
 
     Raises:
         InvalidValueError: Its markers are not those that the storage writes.
@@ -112,7 +112,7 @@ def present_markers(description: Mapping[str, Any]) -> Tuple[Marker, ...]:
 
 
 def values_of(markers: Tuple[Marker, ...]) -> List[Dict[str, Any]]:
-    """Return the entry of survey.json."""
+    """Return the entry of the description."""
     return [asdict(one) for one in markers]
 
 
@@ -122,7 +122,7 @@ def new_marker(
     """Return the entry of one more marker; None if the survey has it already.
 
     Args:
-        description: Content of survey.json.
+        description: What the log says of the survey.
         marker: The new marker.
         now: The present moment, as ISO 8601 text.
 
@@ -152,7 +152,7 @@ def removed_marker(
     """Return what changes in the entry of a marker that is removed; None if it is already.
 
     Args:
-        description: Content of survey.json.
+        description: What the log says of the survey.
         marker_id: UUID of the marker.
         author: Who removes it.
         now: The present moment, as ISO 8601 text.

@@ -21,7 +21,7 @@ def recorded_settings(description: Mapping[str, Any]) -> AnalyzerSettings:
     """Return the settings that the analyzer had when a survey began; empty if not recorded.
 
     Args:
-        description: The content of survey.json.
+        description: What the log says of the survey.
     """
     instrument = description.get("instrument")
     sweep = instrument.get("sweep") if isinstance(instrument, dict) else None
@@ -41,7 +41,7 @@ class PlanFit:
         """Compute the plan.
 
         Args:
-            description: The content of survey.json.
+            description: What the log says of the survey.
 
         Raises:
             InvalidValueError: Parameters or axes are missing or not allowed.

@@ -20,7 +20,7 @@ def recorded_plan(description: Mapping[str, Any]) -> Tuple[SurveyParameters, Rob
     """Return the parameters of a survey and the travel of its axes.
 
     Args:
-        description: The content of survey.json.
+        description: What the log says of the survey.
 
     Raises:
         InvalidValueError: Parameters or axes are missing or not allowed.

@@ -9,7 +9,7 @@ from gpr20_common.message import Message
 from gpr20_survey.trace.trace import SURVEY_ID
 
 REFINES = "refines"
-"""Key of survey.json; only in a survey that measures a part of another one more finely."""
+"""Key of the description; only in a survey that measures a part of another one more finely."""
 
 
 def check_refines(survey_id: str) -> str:
@@ -33,8 +33,8 @@ def refines_of(description: Mapping[str, Any]) -> str:
     """Return the id of the survey that one refines; empty if it refines none.
 
     Args:
-        description: Content of survey.json. An entry that is no survey's id counts as none: it
-            only says what to show beside the survey.
+        description: What the log says of the survey. An entry that is no survey's id counts as
+            none: it only says what to show beside the survey.
     """
     value = description.get(REFINES)
     return value if isinstance(value, str) and SURVEY_ID.fullmatch(value) else ""

@@ -1,4 +1,4 @@
-"""The zeros that the traces of a survey refer to, as its report in survey.json lists them."""
+"""The zeros that the traces of a survey refer to, as its report lists them."""
 
 from __future__ import annotations
 
@@ -78,7 +78,7 @@ def unproven_zeros(report: Any, measured: Iterable[Zeros]) -> Set[Zeros]:
     """Return the zeros of traces that nothing proves to be those of the traces before.
 
     Args:
-        report: The report in survey.json as it was read; anything may stand there.
+        report: The report as it was read; anything may stand there.
         measured: The zeros of the traces, in the order of their indices; traces of earlier
             versions have none.
     """

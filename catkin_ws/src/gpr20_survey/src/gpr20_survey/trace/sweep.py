@@ -75,7 +75,8 @@ class Sweep:
             )
         for name in ("frequency_hz", "s21_real", "s21_imag"):
             self._check_array(name, points)
-        if self.frequency_hz[0] <= 0.0 or not (np.diff(self.frequency_hz) > 0.0).all():
+        ascends = (self.frequency_hz[1:] > self.frequency_hz[:-1]).all()
+        if self.frequency_hz[0] <= 0.0 or not ascends:
             refuse(
                 Message("frequency_hz must be above zero and ascend from each point to the next"),
                 fault=faults.WRONG_SWEEP,

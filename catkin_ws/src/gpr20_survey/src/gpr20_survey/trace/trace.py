@@ -88,7 +88,7 @@ class Trace(Sweep):
                 Message(
                     "the zeros of the axes are {zeros}; each of x, y and z must have one, with a "
                     "number above 0 and a time, or none",
-                    zeros=shortened(str(self.zeros)),
+                    zeros=shortened(self.zeros),
                 )
             )
 
@@ -115,7 +115,7 @@ class Trace(Sweep):
         Raises:
             TraceRefusedError: A value is not allowed; the message names it.
         """
-        held = dict(values)
+        held = {**values}
         check_format(held.pop("format"))
         analyzer = AnalyzerSettings(*[held.pop(one.attribute) for one in SETTINGS])
         numbers, times_us = held.pop("zero_epochs"), held.pop("zero_times_us")
@@ -126,7 +126,8 @@ class Trace(Sweep):
     def packed(self, header: bytes = b"") -> bytes:
         """Return all TRACE_FIELDS as a ROS message holds them, behind its header."""
         values = self.values()
-        return b"".join([header, *(pack(values[attribute]) for attribute, pack in _PACKED)])
+        packed = [pack(values[attribute]) for attribute, pack in _PACKED]
+        return b"".join([header, *packed])
 
     def fingerprint(self) -> bytes:
         """Return 16 bytes that are the same only for traces equal to the last bit."""
@@ -143,7 +144,7 @@ def check_format(found: Any) -> None:
         refuse(
             Message(
                 "its format is {format}; this software reads {expected}",
-                format=shortened(str(found)),
+                format=shortened(found),
                 expected=repr(FORMAT),
             ),
             fault=faults.TRACE_OTHER_VERSION,

@@ -38,37 +38,30 @@ class Reader:
         """How many bytes are left."""
         return len(self._data) - self._place
 
-    def unpack(self, form: struct.Struct) -> Tuple[Any, ...]:
-        """Return values of a fixed size."""
-        values = form.unpack_from(self._data, self._place)
+    def one(self, form: struct.Struct) -> Any:
+        """Return a value of a fixed size."""
+        (value,) = form.unpack_from(self._data, self._place)
         self._place += form.size
-        return values
-
-    def uint(self) -> int:
-        """Return a uint32, such as a length."""
-        return int(self.unpack(UINT)[0])
-
-    def signed(self) -> int:
-        """Return an int32."""
-        return int(self.unpack(_INT)[0])
+        return value
 
     def number(self) -> float:
         """Return a float64; there is one NaN only, so that equal traces are equal in every form."""
-        (value,) = self.unpack(_NUMBER)
-        return math.nan if math.isnan(value) else float(value)
+        value: float = self.one(_NUMBER)
+        return value if value == value else math.nan
 
     def text(self) -> str:
         """Return a string."""
-        return self._bytes(self.uint()).decode()
+        return self._bytes(self.one(UINT)).decode()
 
     def numbers(self) -> np.ndarray:
         """Return an array of float64."""
         # A copy: a view would keep the whole message, or a mapped file, in memory.
-        return np.frombuffer(self._bytes(8 * self.uint()), "<f8").astype(np.float64)
+        return np.frombuffer(self._bytes(8 * self.one(UINT)), "<f8").astype(np.float64)
 
     def time_us(self) -> int:
         """Return a time [us since 1970]."""
-        seconds, rest_ns = self.unpack(_TIME)
+        seconds, rest_ns = _TIME.unpack_from(self._data, self._place)
+        self._place += _TIME.size
         return int(seconds * utc_time.US_PER_S + rest_ns // utc_time.NS_PER_US)
 
     def _bytes(self, size: int) -> bytes:
@@ -249,7 +242,7 @@ def _time_from_json(value: Any, place: str) -> int:
 
 
 def _pack_numbers(values: np.ndarray) -> bytes:
-    return UINT.pack(len(values)) + values.astype("<f8").tobytes()
+    return UINT.pack(len(values)) + values.astype("<f8", copy=False).tobytes()
 
 
 def _numbers_from_json(value: Any, place: str) -> np.ndarray:
@@ -260,8 +253,8 @@ def _numbers_from_json(value: Any, place: str) -> np.ndarray:
 
 _WHOLE = _exactly(int, Message("a whole number"))
 TEXT = Form("string", pack_text, Reader.text, str, _exactly(str, Message("a text")))
-UINT32 = Form("uint32", UINT.pack, Reader.uint, int, _WHOLE)
-INT32 = Form("int32", _INT.pack, Reader.signed, int, _WHOLE)
+UINT32 = Form("uint32", UINT.pack, lambda reader: reader.one(UINT), int, _WHOLE)
+INT32 = Form("int32", _INT.pack, lambda reader: reader.one(_INT), int, _WHOLE)
 FLOAT64 = Form(
     "float64",
     _NUMBER.pack,
@@ -281,7 +274,7 @@ def list_of(form: Form, count: Optional[int] = None) -> Form:
         return packed if count else UINT.pack(len(values)) + packed
 
     def unpack(reader: Reader) -> Tuple[Any, ...]:
-        size = count or reader.uint()
+        size = count or reader.one(UINT)
         # Each value has at least the size of a length; a damaged size must not fill the memory.
         if UINT.size * size > reader.left:
             raise struct.error(f"a list of {size} values is longer than the message")

@@ -70,7 +70,7 @@ def decode(data: bytes, md5sum: str = MD5SUM) -> Trace:
         )
     reader = Reader(data)
     try:
-        reader.uint()  # every ROS publisher gives `seq` a number of its own
+        reader.one(UINT)  # every ROS publisher gives `seq` a number of its own
         header = reader.time_us(), reader.text()
         values = {one.attribute: one.form.unpack(reader) for one in TRACE_FIELDS}
     except (struct.error, UnicodeDecodeError) as error:

@@ -78,13 +78,15 @@ def refuse_value(
         Message(
             "{place} is {value}; it must be {allowed}",
             place=place,
-            value=shortened(str(value)),
+            value=shortened(value),
             allowed=allowed,
         ),
         fault,
     )
 
 
-def shortened(text: str) -> str:
-    """Return a text in quotes, cut to what a message can hold."""
-    return repr(text if len(text) <= _SHOWN else f"{text[: _SHOWN - 3]}...")
+def shortened(value: Any) -> str:
+    """Return a value cut to what a message can hold; a text is in quotes."""
+    text = str(value)
+    text = text if len(text) <= _SHOWN else f"{text[: _SHOWN - 3]}..."
+    return repr(text) if isinstance(value, str) else text

@@ -93,7 +93,7 @@ def _fact(kind: Kind, values: Optional[Dict[str, Any]]) -> Optional[Fact]:
 
 
 def _unless_entry(description: Dict[str, Any], key: str, fact: Optional[Fact]) -> Optional[Fact]:
-    """Return a fact that replaces an entry of survey.json; None if it is that entry already."""
+    """Return a fact that replaces an entry of the description; None if it is that entry already."""
     same = fact is not None and key in description and description[key] == fact.values
     return None if same else fact
 

@@ -88,7 +88,7 @@ def thumbnail_of(area: Any, stored: Sequence[int]) -> Thumbnail:
     """
     if not isinstance(area, Mapping):
         return NO_THUMBNAIL
-    ends: List[Any] = [area.get(f"{axis}_{end}_mm") for axis in "xy" for end in ("start", "stop")]
+    ends: List[Any] = [area.get(f"{one}_{end}_mm") for one in "xy" for end in ("start", "stop")]
     if not all(map(_is_place, ends)):
         return NO_THUMBNAIL
     x_start_mm, x_stop_mm, y_start_mm, y_stop_mm = ends

@@ -70,9 +70,8 @@ class Known:
 
     @property
     def has_content(self) -> bool:
-        """Whether anything was stored or noted since it was opened."""
-        added = self.stored or self.uncertain or self.facts
-        return bool(added or self.outcome or self.may_have_ended)
+        """Whether anything was stored or noted since it was opened, for certain."""
+        return bool(self.stored or self.facts or self.outcome)
 
 
 class StorageMachine(RuleBasedStateMachine):
@@ -166,20 +165,24 @@ class StorageMachine(RuleBasedStateMachine):
 
     @rule(survey=SURVEYS, failure=FAILURES)
     def open(self, survey, failure):
-        known = self.known[survey]
+        known, before = self.known[survey], self.current
         if self.current:
             again = self.current == survey and self.opened_new
             allowed = [""] if again else ["survey.other_open"]
         elif known.is_open and known.has_content:
             allowed = ["survey.folder_exists"]
         else:
-            # A failed opening can be repeated.
-            allowed = ["", "survey.folder_exists"] if known.is_open else [""]
+            # A failed opening can be repeated, until something followed it.
+            exists = self.folder_of(survey).exists()
+            allowed = ["", "survey.folder_exists"] if exists else [""]
         folder = self.request(
             lambda: self.kit.open(survey, metadata_json=METADATA), allowed, failure
         )
         if folder == self.folder_of(survey):
             known.is_open = True
+            if not before:
+                known.may_have_ended = False
+                known.uncertain.clear()
             self.opened_new = self.current == survey
         elif folder is None and not self.current and not known.has_content:
             # It removes what an opening that nothing followed has left, and begins again.
@@ -215,21 +218,23 @@ class StorageMachine(RuleBasedStateMachine):
         elif path is None and index not in known.stored:
             known.uncertain.add(index)
 
-    @rule(kind=st.sampled_from(KINDS), again=st.booleans(), failure=FAILURES)
-    def add_fact(self, kind, again, failure):
-        """Add a fact to the open survey, or ask for the last one again."""
-        if not self.current:
-            return
-        known = self.known[self.current]
+    @rule(survey=SURVEYS, kind=st.sampled_from(KINDS), again=st.booleans(), failure=FAILURES)
+    def add_fact(self, survey, kind, again, failure):
+        """Add a fact to a survey, open or not, or ask for the last one again."""
+        known = self.known[survey]
         fact = (kind, self.values_of(kind, known))
         if again and known.facts:
             fact = known.facts[-1]
-        if fact[1] is None:
+        if fact[1] is None or not known.is_open:
             return
+        allowed = [""]
+        if survey == self.current and self.closing:
+            allowed.append("survey.closing")
+        elif survey != self.current and fact[0] == "report":
+            allowed = ["survey.other_open"] if self.current else ["survey.none_open"]
         text = json.dumps(fact[1])
-        allowed = ["", "survey.closing"] if self.closing else [""]
         answer = self.request(
-            lambda: self.kit.processing.add_fact("", fact[0], text), allowed, failure
+            lambda: self.kit.processing.add_fact(survey, fact[0], text), allowed, failure
         )
         if isinstance(answer, AddedFact) and fact not in known.facts:
             known.facts.append(fact)
@@ -397,5 +402,5 @@ class StorageMachine(RuleBasedStateMachine):
         assert found.status == COMPLETE, found.faults
 
 
-StorageMachine.TestCase.settings = settings(max_examples=draws(10), stateful_step_count=25)
+StorageMachine.TestCase.settings = settings(max_examples=draws(30), stateful_step_count=25)
 TestStorageMachine = StorageMachine.TestCase
