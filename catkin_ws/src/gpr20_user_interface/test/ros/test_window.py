@@ -29,9 +29,10 @@ import rospy
 import rostest
 from touched_window import LIMIT_S, Screen, TouchedWindow, wait_until
 
+from gpr20_common.mid.codec import plain
 from gpr20_msgs.msg import AxisAction, AxisGoal, ControlStatus
 from gpr20_operator.files.settings_file import SettingsFile
-from gpr20_operator.plan.memory import RememberedPlan, values_of
+from gpr20_operator.plan.memory import RememberedPlan
 from gpr20_survey.axes.axis_id import AxisId
 
 sys.path.insert(0, os.path.join(rospkg.RosPack().get_path("gpr20"), "test", "ros"))
@@ -122,7 +123,7 @@ class Window(unittest.TestCase):
         cls.folder = Path(tempfile.mkdtemp())
         texts = {f"{axis}_{name}": text for axis in "xy" for name, text in LONG.items()}
         plan = RememberedPlan({**texts, "frequency_points": "101"})
-        SettingsFile(cls.folder / "plan.yaml").write(values_of(plan))
+        SettingsFile(cls.folder / "plan.yaml").write(plain(plan))
         cls.window = cls.opened("_full_screen:=true", f"_settings:={cls.folder}/window.yaml")
 
     @classmethod

@@ -79,6 +79,13 @@ class _Form(NamedTuple):
     unreadable: List[bytes]
     end: int
     """Number of the last record that there was, although it may be damaged."""
+    is_torn: bool
+    """Whether it ends within a line."""
+
+    @property
+    def is_sound(self) -> bool:
+        """Whether it ends with a whole line, and has no other ones."""
+        return bool(self.records) and not self.unreadable and not self.is_torn
 
 
 def read_log(folder: Path, sealed: Optional[LogHead] = None) -> FoundLog:
@@ -92,7 +99,11 @@ def read_log(folder: Path, sealed: Optional[LogHead] = None) -> FoundLog:
     first = _form(contents[0] or b"")
     forms = [first, first if contents[1] == contents[0] else _form(contents[1] or b"")]
     found = _merged(forms, sealed)
-    ends = [-1 if sealed is None else sealed.number, *(one.end for one in forms)]
+    ends = [-1 if sealed is None else sealed.number]
+    for own, other in (forms, forms[::-1]):
+        # Of a line that was torn while it was added nothing was acknowledged, if the other file,
+        # which a power cut leaves alone, shows that it was.
+        ends.append(own.end + (own.is_torn and not other.is_sound))
     lines = [one.line() for one in found]
     states = {name: _lacks(one, lines) for name, one in zip(LOG_FILES, contents)}
     return FoundLog(
@@ -129,14 +140,14 @@ def _form(content: bytes) -> _Form:
             records.setdefault(record.number, record)
             unreadable += behind
             behind = []
-    # Of a line that was torn while it was added nothing was acknowledged.
     last = record_of_line(tail) if tail else None
     if last is not None:
         records.setdefault(last.number, last)
     # A changed byte may have made two lines of one, or one of two.
     begun, ended = (len(one.findall(b"\n".join(behind))) for one in (_BEGIN, _END))
     end = max(records, default=-1) + max(begun, ended, min(1, len(behind)))
-    return _Form(records, [*unreadable, *behind], end)
+    is_torn = last is None and bool(tail.strip(b"\0"))
+    return _Form(records, [*unreadable, *behind], end, is_torn)
 
 
 def _merged(forms: Sequence[_Form], sealed: Optional[LogHead]) -> List[LogRecord]:

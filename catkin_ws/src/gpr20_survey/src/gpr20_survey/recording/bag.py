@@ -20,7 +20,7 @@ from rosbags.rosbag1 import Writer
 
 from gpr20_common.errors import Gpr20Error
 from gpr20_common.message import Message
-from gpr20_common.terminal_text import printable
+from gpr20_common.terminal_text import printable, say
 from gpr20_survey import faults
 from gpr20_survey.errors import SurveyRefusedError, storing
 from gpr20_survey.files import access, durable_files
@@ -196,7 +196,7 @@ def main() -> int:
             utc_time.iso_text(time.time_ns() // utc_time.NS_PER_US),
         )
     except Gpr20Error as error:
-        print(error.message.to_json())
+        say(error.message.to_json())
         return 1
     except KeyboardInterrupt:
         return 1  # who ends it does not ask why

@@ -19,6 +19,8 @@ from gpr20_vna_processing.mid.refusals import check_one_of
 OF_THE_OPEN_SURVEY = (Kind.REPORT,)
 OF_MARKERS = (Kind.MARKER, Kind.MARKER_REMOVED)
 REMOVAL_KEYS = ("marker_id", "author")
+OPTIONAL_KEYS = ("name", "heading_deg")
+ANNOTATION_KEYS = ("operator", "site", "notes", "position", *OPTIONAL_KEYS)
 
 
 def requested_fact(kind: str, values_json: str, now: str) -> Tuple[Kind, Change]:
@@ -40,7 +42,9 @@ def requested_fact(kind: str, values_json: str, now: str) -> Tuple[Kind, Change]
     return found, _CHANGES.get(found, _note)(found, values, now)
 
 
-def _annotation(_kind: Kind, values: Dict[str, Any], _now: str) -> Change:
+def _annotation(kind: Kind, values: Dict[str, Any], _now: str) -> Change:
+    # It replaces the former one: what is left out by mistake would be lost.
+    _check_keys(kind, {**dict.fromkeys(OPTIONAL_KEYS), **values}, ANNOTATION_KEYS)
     change = annotate(from_values(values))
     return lambda description: _unless_entry(description, ANNOTATION, change(description))
 

@@ -13,6 +13,8 @@ from fault_suite.__main__ import main
 from fault_suite.judge import Became, Ledger
 from run_seed import SEED
 
+from gpr20_survey.folder.log_record import Kind
+from gpr20_survey.folder.survey_log import SurveyLog
 from gpr20_survey.trace import trace_json
 
 LIMIT_S = 600.0
@@ -53,9 +55,9 @@ def with_other_numbers(data, make=worker.new_storage):
     return kit
 
 
-def add_twice(processing, fact, add=worker.add_fact):
-    add(processing, fact)
-    add(processing, fact)
+def add_twice(log, record, add=SurveyLog.add):
+    add(log, record)
+    return add(log, log.next(Kind(record.kind), record.values, record.time))
 
 
 INTACT = SimpleNamespace(status=0, verdict="intact")
@@ -68,7 +70,7 @@ INTACT = SimpleNamespace(status=0, verdict="intact")
         (worker, "new_storage", without_fsync, "cuts --simulated-disk --count 8", ["LOST"]),
         (worker, "new_storage", with_other_numbers, "calls --count 1", ["CHANGED", "LAUNDERED"]),
         (worker, "add_fact", lambda _processing, _fact: None, "kills --count 2", ["LOST"]),
-        (worker, "add_fact", add_twice, "calls --count 4", ["DOUBLED"]),
+        (SurveyLog, "add", add_twice, "calls --count 4", ["DOUBLED"]),
         (judge, "verify_survey", lambda _folder: INTACT, "flips --count 8", ["UNSEEN"]),
     ],
 )
