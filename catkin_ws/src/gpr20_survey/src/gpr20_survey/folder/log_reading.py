@@ -105,13 +105,16 @@ def read_log(folder: Path, sealed: Optional[LogHead] = None) -> FoundLog:
         # which a power cut leaves alone, shows that it was.
         ends.append(own.end + (own.is_torn and not other.is_sound))
     lines = [one.line() for one in found]
-    states = {name: _lacks(one, lines) for name, one in zip(LOG_FILES, contents)}
+    lost = tuple(_lost_numbers(found, max(ends)))
+    lacks = {name: _lacks(one, lines) for name, one in zip(LOG_FILES, contents)}
+    # Where something is lost, a torn end is no trace of a power cut.
+    behind = () if lost else tuple(name for name, count in lacks.items() if count == 1)
     return FoundLog(
         tuple(found),
-        tuple(_lost_numbers(found, max(ends))),
+        lost,
         _strangers(found, forms),
-        tuple(name for name, lacks in states.items() if lacks not in (0, 1)),
-        tuple(name for name, lacks in states.items() if lacks == 1),
+        tuple(name for name, count in lacks.items() if count and name not in behind),
+        behind,
         [line for form in forms for line in form.unreadable],
     )
 

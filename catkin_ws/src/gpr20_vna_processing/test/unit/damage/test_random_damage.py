@@ -83,6 +83,10 @@ def check_verified(folder, before, after) -> None:
     """What was changed is named if there is a manifest, and is never called intact."""
     changed = [name for name in before if after.get(name) != before[name]]
     found = verify_survey(folder)
+    if len(changed) == 1 and any(Path(changed[0]).name in str(one) for one in found.notes):
+        # It looks as a power cut leaves it while its last line was added, which the other file has.
+        assert changed[0] in LOG_FILES and before[changed[0]].startswith(after[changed[0]])
+        return
     if not changed:
         return
     assert found.status != COMPLETE and "intact" not in str(found.verdict)
@@ -107,7 +111,9 @@ def repair(folder, before, after) -> None:
         assert all(tree(folder)[one].startswith(before[one]) for one in LOG_FILES)
     kept = {one.name: one.read_bytes() for one in (folder / "damaged").glob("*")}
     for name in LOG_FORMS:
-        assert after.get(name) in (None, b"", before.get(name), kept.get(name)), name
+        # Of a line that was torn the other file has the whole.
+        is_torn = before.get(name, b"").startswith(after.get(name, b""))
+        assert is_torn or after[name] in (b"", kept.get(name)), name
 
 
 def reopen(kit, folder, before, after):

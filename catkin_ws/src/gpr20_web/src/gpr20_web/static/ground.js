@@ -36,7 +36,7 @@ export class Ground {
       type: "range", min: 0, step: STEP_MM, max: DEEPEST_MM,
       oninput: () => this.change({ depth: this.depth.value }),
     });
-    this.depthField = field("", this.depth);
+    this.depthField = field(this.word("depth", { depth: 0 }), this.depth);
     this.follow = button(this.word("follow"), () => this.change({ x: "", y: "" }));
     this.controls = element("div", { class: "row" });
     this.addChoice("layer", this.word("layer"),
