@@ -177,8 +177,8 @@ class _Verifier:
         if log.records[-1].number <= sealed.log.number:
             self._found.faults += [
                 Message(
-                    "{file} lacks entry {number} of the log, which the manifest names: resuming the "
-                    "survey, or gpr20 repair, writes it again",
+                    "{file} lacks entry {number} of the log, which the manifest names: resuming "
+                    "the survey, or gpr20 repair, writes it again",
                     file=one,
                     number=sealed.log.number,
                 )
