@@ -49,9 +49,9 @@ LONG = {"start_mm": "50", "stop_mm": "430", "spacing_mm": "20", "points": "20"}
 SHORT = {"x_stop_mm": 110.0, "x_points": 6, "y_stop_mm": 110.0, "y_points": 6}
 LOG = ("log.jsonl", "log.copy.jsonl")
 # What touches without a hold may add to the log: a permittivity, markers, a report on a stick.
-ADDITIONS = {"decision", "marker", "marker_removed", "export", "audit"}
-# Copies of what the log says.
-COPIES = {"survey.json", "manifest.json"}
+ADDITIONS = {"decision", "marker", "marker_removed", "export", "audit", "bag"}
+# Copies of what the log and the recording say.
+COPIES = {"survey.json", "manifest.json", "survey.bag"}
 MOVING = {
     ControlStatus.CHECKING,
     ControlStatus.HOMING,

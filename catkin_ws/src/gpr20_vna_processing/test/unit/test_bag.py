@@ -158,7 +158,18 @@ def test_a_disk_that_refuses_or_loses_its_power_anywhere_leaves_no_half_bag(copi
     assert calls > 5
 
 
-def test_no_bag_is_made_of_a_recording_that_another_one_has_replaced(folder, monkeypatch):
+@pytest.mark.parametrize("end", [-1, -100, 300, 0])
+def test_no_bag_is_made_of_a_recording_that_is_damaged_or_cut(folder, end, capsys):
+    path = folder / "survey.mcap"
+    content = path.read_bytes()
+    path.write_bytes(content[:end] + (b"#" + content[end + 1 :] if end == 300 else b""))
+    before = tree(folder)
+    assert main(["export", "--format", "bag", str(folder)]) == 3
+    assert "survey.mcap" in capsys.readouterr().err
+    assert tree(folder) == before
+
+
+def test_no_bag_is_made_of_a_recording_that_another_another_one_has_replaced(folder, monkeypatch):
     from gpr20_survey.recording import bag
 
     real = bag.write_bag

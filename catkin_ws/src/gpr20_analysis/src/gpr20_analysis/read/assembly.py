@@ -65,8 +65,8 @@ def _plan(source: SurveySource) -> Optional[Plan]:
     if source.description is None:
         source.notes.append(
             Message(
-                "there is no survey.json, so the plan is unknown and missing rows at the edges "
-                "cannot be detected"
+                "the log of the survey is not here, so the plan is unknown and missing rows at "
+                "the edges cannot be detected"
             )
         )
         return None
@@ -223,7 +223,7 @@ class _Assembly:
         return [
             Message(
                 "missing: {count} samples at unknown positions, because indices {first} to {last} "
-                "of the plan have gaps and there is no survey.json",
+                "of the plan have gaps and the log of the survey is not here",
                 count=unplaced,
                 first=absent[0],
                 last=absent[-1],

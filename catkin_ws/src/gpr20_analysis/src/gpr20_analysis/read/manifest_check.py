@@ -15,7 +15,10 @@ from gpr20_survey.files import file_sums
 from gpr20_survey.folder import manifest, survey_folder
 from gpr20_survey.folder.found_records import photo_faults
 from gpr20_survey.folder.log_reading import FoundLog
+from gpr20_survey.folder.log_record import Kind
 from gpr20_survey.folder.manifest import Manifest
+
+NOT_OF_CLOSED = (Kind.PLAN.value, Kind.END.value)
 
 
 class Seal(enum.Enum):
@@ -93,15 +96,26 @@ def _is_put_aside(name: str) -> bool:
 
 
 def _other_log(sealed: Manifest, log: FoundLog) -> List[Message]:
+    # Only what may be said of a closed survey is an addition.
+    found = [
+        Message(
+            "entry {number} of the log, of kind {kind}, was added after the survey was closed",
+            number=one.number,
+            kind=one.kind,
+        )
+        for one in sealed.since(log.records)
+        if one.kind in NOT_OF_CLOSED
+    ]
     if sealed.covers(log.records) or sealed.log.number in log.lost:
-        return []
+        return found
     return [
+        *found,
         Message(
             "the log does not have entry {sealed} as the manifest names it; its last one is entry "
             "{last}",
             sealed=sealed.log.number,
             last=log.records[-1].number if log.records else "-",
-        )
+        ),
     ]
 
 

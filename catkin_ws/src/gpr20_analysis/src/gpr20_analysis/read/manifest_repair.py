@@ -114,6 +114,7 @@ def _repair(
     reason = Message("it was missing") if found.damage is None else found.damage
     whole_log = open_log(folder, recovered, now)
     whole_log.add(whole_log.next(Kind.SEAL, {"reason": reason.sentence()}, now))
+    whole_log.write_description()
     survey_id = recovered.survey_id
     manifest.write_manifest(folder, survey_id, whole_log.last, revision, str(ended), sums)
     notes.append(Message("manifest.json was written again"))

@@ -75,7 +75,7 @@ def test_a_record_that_is_damaged_in_both_files_is_unconfirmed_for_ever(copy, nu
     assert main(["repair", str(copy)]) == NOT_COMPLETE
     ((name, entry),) = read_description(copy)["unconfirmed"].items()
     changed = f"9{str(marker(number).x_mm)[1:]}"
-    assert len(entry["found"]) == 2 and all(changed in one for one in entry["found"])
+    assert len(entry["found"]) == 1 and changed in entry["found"][0]
     for _ in range(2):
         found = verify_survey(copy)
         assert (found.status, found.faults) == (NOT_COMPLETE, [])

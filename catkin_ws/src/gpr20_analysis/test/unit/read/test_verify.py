@@ -5,7 +5,9 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pytest
 from case_kit import each_case
+from log_examples import NOW
 from survey_kit import (
     PARAMETERS,
     POINTS,
@@ -18,6 +20,8 @@ from survey_kit import (
 from gpr20_analysis import faults
 from gpr20_analysis.read.verification import verify_survey
 from gpr20_analysis.verify import main
+from gpr20_survey.folder.log_record import Kind
+from gpr20_survey.folder.recovery import open_log, recover
 from gpr20_survey.folder.survey_folder import LOG_FILES
 from gpr20_survey.recording.mcap_reader import StoredMcap
 from gpr20_survey.trace import trace_message
@@ -98,6 +102,18 @@ def test_what_is_gone_or_was_added_is_named(copied):
         *("records 18 stored traces, but 17", "records the outcome finished"),
     ):
         assert said in named, said
+
+
+@pytest.mark.parametrize("kind", [Kind.PLAN, Kind.END])
+def test_what_nobody_says_of_a_closed_survey_is_a_fault(copied, kind):
+    log = open_log(copied, recover(copied), NOW)
+    planned = recover(copied).description["parameters"]
+    log.add(log.next(kind, {"parameters": {}, "outcome": "finished"}, NOW))
+    found = verify_survey(copied)
+    assert f"of kind {kind.value}, was added after the survey was closed" in " ".join(
+        texts(found.faults)
+    )
+    assert kind is Kind.END or recover(copied).description["parameters"] == planned
 
 
 def test_a_trace_that_is_not_as_planned_is_named(tmp_path):

@@ -82,12 +82,14 @@ def add_to_locked(folder: Path, change: Change, now: str) -> Dict[str, Any]:
 
 def _check(folder: Path, recovered: RecoveredSurvey) -> None:
     """Refuse a survey of which something is lost: what was said of it must be looked at first."""
-    if recovered.found.lost:
+    count = len(recovered.found.lost) + len(recovered.found.strangers)
+    if count:
         raise SurveyRefusedError(
             Message(
-                "{count} entries of the log of the survey in {folder} are damaged in both files; "
-                "nothing was changed; resume the survey, which names what is lost",
-                count=len(recovered.found.lost),
+                "{count} entries of the log of the survey in {folder} are damaged in both files, "
+                "or of another log; nothing was changed; `gpr20 repair`, or resuming the survey, "
+                "names what is lost",
+                count=count,
                 folder=printable(folder),
             ),
             fault=faults.DESCRIPTION_DAMAGED,

@@ -48,7 +48,12 @@ def log_entries(values: Mapping[str, Any]) -> List[Dict[str, Any]]:
     return [one for one in entries if isinstance(one, dict) and isinstance(one.get("values"), dict)]
 
 
-def _plan(description: Description, values: Mapping[str, Any], _record: LogRecord) -> None:
+def _plan(description: Description, values: Mapping[str, Any], record: LogRecord) -> None:
+    if record.number == 0:  # what was planned does not change
+        description.update(values)
+
+
+def _end(description: Description, values: Mapping[str, Any], _record: LogRecord) -> None:
     description.update(values)
 
 
@@ -84,7 +89,7 @@ def _unconfirmed(description: Description, values: Mapping[str, Any], _record: L
 
 _APPLY: Dict[str, Callable[[Description, Mapping[str, Any], LogRecord], None]] = {
     Kind.PLAN.value: _plan,
-    Kind.END.value: _plan,
+    Kind.END.value: _end,
     Kind.ANNOTATION.value: _set(ANNOTATION),
     Kind.REPORT.value: _set("report"),
     Kind.MARKER.value: _marker,

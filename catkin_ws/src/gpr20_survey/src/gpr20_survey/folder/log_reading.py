@@ -19,9 +19,12 @@ from gpr20_survey.folder.log_record import NO_RECORD, Kind, LogHead, LogRecord, 
 from gpr20_survey.folder.survey_folder import LOG_FILES
 
 MAX_LOG_BYTES = 64 << 20
-MAX_SHOWN_CHARACTERS = 10_000
+MAX_SHOWN_CHARACTERS = 10_000  # of one record
+MAX_ALL_CHARACTERS = 250_000
+MAX_NAMED = 1000
 # How a record begins and ends in its line.
 _ANY = b'{"number":'
+_NUMBER = re.compile(rb'\{"number":(\d{1,7}),')
 _BEGIN = re.compile(rb'\{"number":\d+,"time":"')
 _END = re.compile(rb'"sha256":"[0-9a-f]{64}"\}')
 
@@ -57,14 +60,15 @@ class FoundLog:
 
         Whatever can be read of it stands beside it.
         """
+        reason = "its checksum is wrong in both files of the log, or it is missing"
+        if len(self.lost) > MAX_NAMED:
+            return {f"{len(self.lost)} records from {self.lost[0]} on": {"reason": reason}}
+        texts = _texts(self.unreadable)
         entries = {
-            f"record {number}": {
-                "reason": "its checksum is wrong in both files of the log, or it is missing",
-                "found": [_shown(one) for one in self.unreadable if _begins(one, number)],
-            }
+            f"record {number}": {"reason": reason, "found": texts.get(number, [])}
             for number in self.lost
         }
-        for one in self.strangers:
+        for one in self.strangers[:MAX_NAMED]:
             entries[f"record {one.number}, {one.sha256[:8]}"] = {
                 "reason": "it is not of the log of the other records",
                 "found": [_shown(one.line()[:-1])],
@@ -87,6 +91,12 @@ class _Form(NamedTuple):
         """Whether it ends with a whole line, and has no other ones."""
         return bool(self.records) and not self.unreadable and not self.is_torn
 
+    def is_strange(self, folder: str, sealed: Optional[LogHead]) -> Tuple[bool, bool]:
+        """Return whether it lacks what the manifest names; whether it is of another survey."""
+        survey = self.records[0].values.get("survey_id") if 0 in self.records else None
+        has_sealed = sealed is not None and sealed in map(LogHead.of, self.records.values())
+        return not has_sealed, not folder.endswith(f"_{str(survey)[:8]}")
+
 
 def read_log(folder: Path, sealed: Optional[LogHead] = None) -> FoundLog:
     """Return the log of a survey; nothing is changed.
@@ -98,6 +108,8 @@ def read_log(folder: Path, sealed: Optional[LogHead] = None) -> FoundLog:
     contents = [_content(folder / name) for name in LOG_FILES]
     first = _form(contents[0] or b"")
     forms = [first, first if contents[1] == contents[0] else _form(contents[1] or b"")]
+    # Where the files are two logs, the one that belongs here is read.
+    forms.sort(key=lambda one: one.is_strange(folder.name, sealed))
     found = _merged(forms, sealed)
     ends = [-1 if sealed is None else sealed.number]
     for own, other in (forms, forms[::-1]):
@@ -218,8 +230,17 @@ def _is_beginning(torn: bytes, line: bytes) -> bool:
     return b"\n" not in torn and (line.startswith(torn[:known]) or not torn.strip(b"\0"))
 
 
-def _begins(line: bytes, number: int) -> bool:
-    return line.startswith(b'{"number":%d,' % number)
+def _texts(lines: Sequence[bytes]) -> Dict[int, List[str]]:
+    """Return damaged lines as texts, by the numbers with which they begin."""
+    texts: Dict[int, List[str]] = {}
+    characters = 0
+    for line in dict.fromkeys(lines):
+        begin = _NUMBER.match(line)
+        if begin is not None and characters < MAX_ALL_CHARACTERS:
+            text = _shown(line)
+            characters += len(text)
+            texts.setdefault(int(begin.group(1)), []).append(text)
+    return texts
 
 
 def _shown(line: bytes) -> str:

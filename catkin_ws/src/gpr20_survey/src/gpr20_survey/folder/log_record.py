@@ -58,9 +58,8 @@ NOTES = (
     Kind.FOUND,
     Kind.EXPORT,
     Kind.AUDIT,
-    Kind.BAG,
 )
-"""Kinds that stay in the log alone; the others change the description of the survey."""
+"""Kinds that clients add, each with its own time, and that stay in the log alone."""
 
 
 @dataclass(frozen=True)

@@ -79,7 +79,19 @@ def recover(folder: Path, asking_manifest: bool = False) -> RecoveredSurvey:
             fault=faults.DESCRIPTION_LOST,
         )
     survey_metadata.check_format(records[0].values, folder / survey_folder.LOG_FILE)
-    return RecoveredSurvey(description_of(records), found, found.lost_entries())
+    try:
+        description = description_of(records)
+    except (AttributeError, TypeError, ValueError) as error:
+        # One such survey must not prevent the others from being listed.
+        raise SurveyRefusedError(
+            Message(
+                "an entry of the log in {folder} is not as this software writes it",
+                folder=printable(folder),
+                details=error,
+            ),
+            fault=faults.OTHER_FORMAT,
+        ) from error
+    return RecoveredSurvey(description, found, found.lost_entries())
 
 
 def _sealed_head(folder: Path) -> Optional[LogHead]:

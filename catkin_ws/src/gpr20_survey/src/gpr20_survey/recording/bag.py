@@ -13,13 +13,13 @@ import signal
 import sys
 import time
 from pathlib import Path
-from typing import Any, Dict, Iterable, Iterator, Optional, Sequence, Tuple
+from typing import Any, Dict, Iterable, Iterator, Mapping, Optional, Sequence, Tuple
 
 import lz4.frame
 from rosbags.rosbag1 import Writer
 
 from gpr20_common.errors import Gpr20Error
-from gpr20_common.message import Message
+from gpr20_common.message import Message, in_a_row
 from gpr20_common.terminal_text import printable, say
 from gpr20_survey import faults
 from gpr20_survey.errors import SurveyRefusedError, storing
@@ -33,6 +33,8 @@ from gpr20_survey.folder.survey_folder import BAG_FILE, MCAP_FILE
 from gpr20_survey.recording.mcap_reader import StoredMcap
 from gpr20_survey.recording.recording import RecordedMessage
 from gpr20_survey.trace import utc_time
+
+SHOWN = 3  # faults of a recording that are named
 
 
 class _Writer(Writer):
@@ -95,12 +97,12 @@ def make_bag(folder: Path, mcap: StoredMcap, now: str) -> None:
 
     Args:
         folder: The survey's folder.
-        mcap: Its recording, which may be torn; its faults are known afterwards.
+        mcap: Its recording; that of a survey that has not ended may be torn.
         now: The present moment, as ISO 8601 text.
 
     Raises:
-        SurveyRefusedError: Another process makes it, the survey was resumed meanwhile, or nothing
-            can be added to its log.
+        SurveyRefusedError: Another process makes it, the survey was resumed meanwhile, its
+            recording is damaged, or nothing can be added to its log.
         StorageFailedError: The disk refused.
     """
     survey_folder.check_no_links(folder)
@@ -113,7 +115,8 @@ def make_bag(folder: Path, mcap: StoredMcap, now: str) -> None:
             write_bag(mcap.messages(), temporary)
             own = sum_of_file(temporary)
 
-            def put(_description: Dict[str, Any]) -> Fact:
+            def put(description: Dict[str, Any]) -> Fact:
+                _check_whole(mcap, description, folder)
                 if _state_of(mcap.path.stat()) != recorded:
                     raise _resumed(folder)
                 durable_files.put_in_place(temporary, bag)
@@ -123,6 +126,25 @@ def make_bag(folder: Path, mcap: StoredMcap, now: str) -> None:
         finally:
             with contextlib.suppress(FileNotFoundError):
                 temporary.unlink()
+
+
+def _check_whole(mcap: StoredMcap, description: Mapping[str, Any], folder: Path) -> None:
+    """Refuse a recording that lacks something: its bag would look whole for ever."""
+    found = mcap.faults or mcap.frame_faults()
+    if not found and description.get("ended") is not None and not mcap.is_finished():
+        found = [
+            Message("{file} has no complete end, although the survey ended", file=mcap.path.name)
+        ]
+    if found:
+        raise SurveyRefusedError(
+            Message(
+                "no bag was made of the survey in {folder}: {faults}; resume the survey, which "
+                "repairs its recording, and end it again",
+                folder=printable(folder),
+                faults=in_a_row(found[:SHOWN]),
+            ),
+            fault=faults.TRACE_DAMAGED,
+        )
 
 
 def recorded_bag(records: Sequence[LogRecord]) -> Optional[FileSum]:

@@ -13,6 +13,7 @@ from gpr20_survey.folder.log_record import NOTES, Kind
 from gpr20_survey.folder.survey_metadata import MAX_BYTES, MAX_REPORT_BYTES, parse_object
 from gpr20_survey.plan.annotation import ANNOTATION, from_values
 from gpr20_survey.plan.markers import REQUEST_KEYS, Marker, new_marker, removed_marker
+from gpr20_survey.results.found import FORMAT, found_of
 from gpr20_survey.trace import utc_time
 from gpr20_vna_processing.mid.refusals import check_one_of
 
@@ -79,7 +80,16 @@ def _note(kind: Kind, values: Dict[str, Any], _now: str) -> Change:
             )
         )
     utc_time.parse_iso(time)
+    if kind is Kind.FOUND and values.get("format") == FORMAT:  # readers leave out others
+        _check_found(values)
     return lambda _description: Fact(kind, values)
+
+
+def _check_found(values: Dict[str, Any]) -> None:
+    if found_of(values).photo:
+        raise InvalidValueError(
+            Message("photo must be empty; gpr20 found --photo stores one with its record")
+        )
 
 
 _CHANGES: Dict[Kind, Callable[[Kind, Dict[str, Any], str], Change]] = {
@@ -88,8 +98,7 @@ _CHANGES: Dict[Kind, Callable[[Kind, Dict[str, Any], str], Change]] = {
     Kind.MARKER_REMOVED: _removal,
     Kind.REPORT: _report,
 }
-# What the storage says of survey.bag nobody else says.
-KINDS = tuple(one.value for one in (*_CHANGES, *NOTES) if one is not Kind.BAG)
+KINDS = tuple(one.value for one in (*_CHANGES, *NOTES))
 
 
 def _fact(kind: Kind, values: Optional[Dict[str, Any]]) -> Optional[Fact]:

@@ -8,6 +8,7 @@ from typing import Collection, List
 from gpr20_common.message import Message, in_a_row
 from gpr20_common.terminal_text import printable
 from gpr20_survey.errors import StorageFailedError, SurveyRefusedError, TraceRefusedError
+from gpr20_survey.folder.survey_folder import LOG_FILES
 from gpr20_survey.trace.trace import Trace
 from gpr20_vna_processing import faults
 
@@ -80,13 +81,14 @@ def file_missing(trace: Trace, folder: Path) -> StorageFailedError:
 
 
 def only_foreign_traces(folder: Path, survey_id: str) -> SurveyRefusedError:
-    """Return the error: the survey.json in a folder is not that of its traces."""
+    """Return the error: the log in a folder is not that of its traces."""
     return SurveyRefusedError(
         Message(
-            "survey.json in {folder} is that of survey {survey}, but every readable trace there "
-            "belongs to another; put the right survey.json there",
+            "the log in {folder} is that of survey {survey}, but every readable trace there "
+            "belongs to another; put the right files of the log, {files}, there",
             folder=printable(folder),
             survey=survey_id,
+            files=", ".join(LOG_FILES),
         ),
         fault=faults.OTHER_DESCRIPTION,
     )
@@ -117,10 +119,10 @@ def imported(folder: Path) -> SurveyRefusedError:
 
 
 def traces_not_planned(folder: Path, misfits: List[Message]) -> SurveyRefusedError:
-    """Return the error: stored traces are not those that survey.json plans."""
+    """Return the error: stored traces are not those that the log plans."""
     return SurveyRefusedError(
         Message(
-            "the survey in {folder} cannot be resumed: {misfits}; restore survey.json from a copy "
+            "the survey in {folder} cannot be resumed: {misfits}; restore its log from a copy "
             "of the folder, or start a new survey; nothing was changed",
             folder=printable(folder),
             misfits=in_a_row(misfits[:SHOWN]),

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Callable, Dict, List, Mapping, Optional, Set
+from typing import AbstractSet, Callable, Dict, List, Mapping, Optional, Set
 
 from gpr20_common.message import Message
 from gpr20_survey.errors import ForeignTraceError, TraceRefusedError
@@ -14,6 +14,7 @@ from gpr20_survey.folder.trace_files import TraceFile
 from gpr20_survey.recording.mcap_reader import StoredMcap
 from gpr20_survey.recording.recording import RecordedMessage
 from gpr20_survey.recording.survey_topics import recorded_log, recorded_trace
+from gpr20_survey.trace import trace_json
 from gpr20_survey.trace.trace import Trace
 
 Misfits = Callable[[Trace], List[Message]]
@@ -97,8 +98,8 @@ class RecordedTraces:
 class StoredTraces:
     """Decides which traces are stored; nothing is changed.
 
-    The first form whose checksum holds is right: the JSON file, unless a manifest that binds has
-    another checksum of it; then the MCAP. The bag is made of the MCAP and is not asked.
+    The first form whose checksum holds is right: the JSON file, then the MCAP; but neither, where
+    the manifest has another checksum of the file. The bag is made of the MCAP and is not asked.
     """
 
     def __init__(
@@ -148,7 +149,7 @@ class StoredTraces:
     def intact(self) -> bool:
         """Return whether every file is as it was when the survey was closed."""
         return (
-            self._sealed is not None
+            self._binding is not None
             and not self.files.damaged
             and self.files.prints == self.truth == self.mcap.prints
             and not self.mcap.faults
@@ -165,7 +166,7 @@ class StoredTraces:
         return [
             _differs(name)
             for name in sorted(names)
-            if not name.startswith(manifest.trace_name(""))
+            if not name.startswith((manifest.trace_name(""), f"{survey_folder.DAMAGED_FOLDER}/"))
             and not binding.matches(name, file_sums.sum_if_readable(self._folder / name))
         ]
 
@@ -176,23 +177,40 @@ class StoredTraces:
 
     def _decide(self, traces: Path) -> None:
         for index, file in list(self.files.files.items()):
-            listed = self._is_listed(file)
-            recorded = self.mcap.prints.get(index)
-            if self._binding is not None and not listed:
+            if self._is_refuted(file):
                 self._refuse(traces, index, _differs(file.name))
                 continue
             self.truth[index] = file.fingerprint
-            if not listed and recorded not in (None, file.fingerprint):
-                self._contradict(file.name)
-        for index, recorded in self.mcap.prints.items():
-            self.truth.setdefault(index, recorded)
+            recorded = self.mcap.prints.get(index)
+            if not self._is_listed(file) and recorded not in (None, file.fingerprint):
+                self._contradict(
+                    file.name,
+                    Message(
+                        "{file} and survey.mcap hold different numbers with right checksums",
+                        file=file.name,
+                    ),
+                )
+        lost = self.mcap.prints.keys() - self.truth.keys()
+        self.truth.update({index: self.mcap.prints[index] for index in lost})
+        if lost and self._sealed is not None:
+            self._refuse_recorded(lost)
 
-    def _contradict(self, name: str) -> None:
+    def _refuse_recorded(self, indexes: AbstractSet[int]) -> None:
+        """Refuse the traces that the MCAP alone holds, but of which the manifest has other ones."""
+        places = self.mcap.places({index: self.truth[index] for index in indexes})
+        for place, message in enumerate(self.mcap.stored.messages()):
+            trace = recorded_trace(message) if place in places else None
+            if trace is None:
+                continue
+            file = TraceFile.of(trace, trace_json.encode(trace))
+            if self._is_refuted(file):
+                del self.truth[trace.index]
+                self._contradict(file.name, _differs(file.name))
+
+    def _contradict(self, name: str, reason: Message) -> None:
         self.contradicted.append(name)
         # As a fault of the recording, which is therefore kept.
-        self.mcap.faults.append(
-            Message("{file} and survey.mcap hold different numbers with right checksums", file=name)
-        )
+        self.mcap.faults.append(reason)
 
     def _misfits_of_truth(self) -> List[Message]:
         found: List[Message] = []
@@ -204,6 +222,12 @@ class StoredTraces:
     def _is_listed(self, file: TraceFile) -> bool:
         name = manifest.trace_name(file.name)
         return self._sealed is not None and self._sealed.matches(name, file.sum)
+
+    def _is_refuted(self, file: TraceFile) -> bool:
+        """Return whether the manifest, also one from before a reopening, has another trace."""
+        if self._sealed is None or self._is_listed(file):
+            return False
+        return self._binding is not None or manifest.trace_name(file.name) in self._sealed.files
 
     def _refuse(self, traces: Path, index: int, reason: Message) -> None:
         self.files.damaged.append((traces / self.files.files.pop(index).name, reason))

@@ -21,6 +21,7 @@ from reopening_kit import (
     STORED,
     TRACES,
     assert_whole,
+    fill,
     noted,
     resume,
     texts,
@@ -35,7 +36,8 @@ from gpr20_analysis.read.verification_result import COMPLETE, DAMAGED, INCOMPLET
 from gpr20_survey.errors import SurveyRefusedError
 from gpr20_survey.folder import trace_files
 from gpr20_survey.folder.annotating import add_to_survey
-from gpr20_survey.folder.recovery import read_description
+from gpr20_survey.folder.log_record import Kind
+from gpr20_survey.folder.recovery import open_log, read_description, recover
 from gpr20_survey.plan.annotation import annotation_of
 from gpr20_survey.trace import trace_json
 from gpr20_vna_processing.mid.survey_archive import SurveyArchive
@@ -317,7 +319,36 @@ def test_damage_is_named_and_costs_nothing_that_another_form_holds(copies, surve
     check_finished(folder, damage)
 
 
-@each_case("change", [digit(LOG, COPY), flipped(SEAL)])
+def test_a_trace_that_contradicts_the_manifest_is_not_taken_from_the_mcap(copies, kit):
+    source = kit.open(metadata_json=METADATA)
+    other = replace(TRACES[2], antennae_height_m=0.7)
+    fill(kit, [*TRACES[:2], other, *TRACES[3:6]])
+    kit.processing.close_survey(SURVEY, STOPPED)
+    folder = copies(STOPPED)
+    trace_file(folder, 2).unlink()
+    shutil.copy(str(source / MCAP), str(folder / MCAP))
+    replacement = (folder / MCAP).read_bytes()
+    reopened = resume(folder, STOPPED)
+    assert reopened.stored_indices == WITHOUT_2
+    assert f"{TRACE_NAME} differs from the manifest" in said(reopened.repairs)
+    assert (folder / "damaged" / MCAP).read_bytes() == replacement
+    assert any(one.startswith("traces/000002") for one in verify_survey(folder).unconfirmed)
+    resume(folder)
+    assert_whole(folder, TRACES)
+
+
+def test_a_manifest_refutes_a_trace_also_while_the_survey_is_being_reopened(copies):
+    folder = copies(STOPPED)
+    log = open_log(folder, recover(folder), NOW)
+    log.add(log.next(Kind.RESUME, {"stored_traces": 6}, NOW))  # and then it was killed
+    other_trace(folder, None)
+    reopened = resume(folder)
+    assert reopened.stored_indices == SIX
+    assert f"{TRACE_NAME} differs from the manifest" in said(reopened.repairs)
+    assert_whole(folder, TRACES)
+
+
+@each_case("change", [digit(LOG, COPY), flipped(SEAL), other_history])
 def test_nothing_is_added_to_a_survey_of_which_something_is_lost_or_damaged(
     copies, surveys, change
 ):

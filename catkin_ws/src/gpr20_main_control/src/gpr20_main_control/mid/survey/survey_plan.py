@@ -211,7 +211,7 @@ def plan_resumption(
         raise RequestRefusedError(
             Message(
                 "the survey in {folder} holds trace {index}, but its parameters give only {total} "
-                "traces: its survey.json does not belong to its traces",
+                "traces: its log does not belong to its traces",
                 folder=reopened.folder,
                 index=max(beyond),
                 total=plan.total_points,
@@ -234,7 +234,7 @@ def _resumable_parameters(reopened: ReopenedSurvey, config: RobotConfig) -> Surv
     except (ValueError, KeyError, TypeError, InvalidValueError) as error:
         raise RequestRefusedError(
             Message(
-                "the survey in {folder} cannot be resumed: its survey.json is incomplete",
+                "the survey in {folder} cannot be resumed: the plan in its log is incomplete",
                 folder=reopened.folder,
                 details=f"{type(error).__name__}: {error}",
             ),
