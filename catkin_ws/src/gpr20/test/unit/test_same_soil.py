@@ -193,8 +193,8 @@ DOUBTED = {PLANNED: 4.0, "instrument": {"calibration_status": 3}}
 LOST = Fact(Kind.UNCONFIRMED, {"entries": {"outcome": {"reason": "lost"}}, "lost": []})
 REPORT = {
     "analyzers": [{"identity": "A", "from_index": 0}, {"identity": "B", "from_index": 40}],
-    "drift": {"limit_db": 0.5, "limit_deg": 5, "visits": [{"next_index": 40, "exceeded": True}]},
 }
+VISIT = {"time": NOW, "limit_db": 0.5, "limit_deg": 5, "next_index": 40, "exceeded": True}
 SAID = {
     "analysis.zeros_unproven": "80 traces refer to zeros of the axes that no measurement proved",
     "survey.unconfirmed": "nothing vouches for 1 entries of the survey: outcome",
@@ -210,6 +210,7 @@ EXPORTS = ("netcdf", "zarr", "csv", "segy", "touchstone", "ros2", "original-json
 def doubt(processing):
     note = {"time": NOW, "text": "the clock was set back by 60 s", "message": None}
     processing.add_fact("", Kind.CLOCK.value, json.dumps(note))
+    processing.add_fact("", Kind.DRIFT.value, json.dumps(VISIT))
     processing.add_fact(SURVEY, Kind.REPORT.value, json.dumps(REPORT))
 
 

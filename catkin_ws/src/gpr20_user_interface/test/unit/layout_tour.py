@@ -90,11 +90,11 @@ REFUSED = Message("the echoes agree with every permittivity").with_fault(
     Fault("a.b", Message("Enter the permittivity of the soil, then try again. Or use another one."))
 )
 UTC = ":00:00.000000+00:00"
-VISIT = {"next_index": 4321, "exceeded": True}
-DRIFT = {"limit_db": 0.5, "limit_deg": 5.0, "visits": 12 * [VISIT]}
+VISIT = {"next_index": 4321, "exceeded": True, "limit_db": 0.5, "limit_deg": 5.0}
 DOUBTED = {
     "instrument": {"calibration_status": 3},
-    "report": {"drift": DRIFT, "analyzers": [{}, {"from_index": 4321, "identity": IDENTITY}]},
+    "log": 12 * [{"kind": "drift", "values": VISIT}],
+    "report": {"analyzers": [{}, {"from_index": 4321, "identity": IDENTITY}]},
     **{"started": f"2026-10-01T12{UTC}", "ended": f"2026-10-01T11{UTC}"},
 }
 DOUBTS = tuple(survey_doubts(DOUBTED, ()))

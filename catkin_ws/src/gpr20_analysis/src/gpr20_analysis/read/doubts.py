@@ -22,7 +22,7 @@ from gpr20_analysis.sentences import carried_doubts, first_of
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message
 from gpr20_common.sent_message import received_message
-from gpr20_survey.folder.log_content import UNCONFIRMED, log_entries
+from gpr20_survey.folder.log_content import UNCONFIRMED, log_values
 from gpr20_survey.folder.log_record import Kind
 from gpr20_survey.folder.recovery import unconfirmed_message
 from gpr20_survey.plan.imported import TIMES_KNOWN, import_of, import_sentence, is_imported
@@ -115,14 +115,13 @@ def _calibration(description: Described) -> Iterator[Message]:
 
 
 def _drift(description: Described) -> Iterator[Message]:
-    drift = mapping_of(mapping_of(description, "report"), "drift")
-    exceeded = [one for one in objects_of(drift, "visits") if one.get("exceeded") is True]
+    exceeded = [one for one in log_values(description, Kind.DRIFT) if one.get("exceeded") is True]
     if exceeded:
         yield Message(
             "the drift exceeded {limit_db} dB or {limit_deg} deg at {count} visits of the first "
             "stop, for the first time before trace {index}",
-            limit_db=str(drift.get("limit_db")),
-            limit_deg=str(drift.get("limit_deg")),
+            limit_db=str(exceeded[0].get("limit_db")),
+            limit_deg=str(exceeded[0].get("limit_deg")),
             count=len(exceeded),
             index=str(exceeded[0].get("next_index")),
         ).with_fault(faults.DRIFTED)
@@ -158,10 +157,8 @@ def _clock(description: Described, samples: Sequence[Sample]) -> Iterator[Messag
 
 def _noted_of_clock(description: Described) -> Iterator[Message]:
     """Yield what the robot noted of its clock, or an import of the times of its source."""
-    for record in log_entries(description):
-        if record.get("kind") == Kind.CLOCK.value:
-            values = record.get("values") or {}
-            yield received_message(str(values.get("text")), json.dumps(values.get("message")))
+    for values in log_values(description, Kind.CLOCK):
+        yield received_message(str(values.get("text")), json.dumps(values.get("message")))
     if is_imported(description) and import_of(description).get(TIMES_KNOWN) is not True:
         yield Message("the source names no times since 2020: the traces have that of the import")
 

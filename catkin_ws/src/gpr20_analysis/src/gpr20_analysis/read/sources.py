@@ -24,7 +24,7 @@ from gpr20_survey.folder.recovery import RecoveredSurvey, recover
 from gpr20_survey.trace import trace_json, trace_message
 from gpr20_survey.trace.trace import Trace
 
-FACTS = (Kind.DECISION, Kind.CLOCK)
+FACTS = (Kind.DECISION, Kind.CLOCK, Kind.DRIFT)
 """Kinds of the log's facts that no other entry of survey.json holds, but a reader needs."""
 INDEX_IN_NAME = re.compile(r"(\d{6})_X")
 

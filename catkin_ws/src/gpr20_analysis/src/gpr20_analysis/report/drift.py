@@ -8,8 +8,10 @@ from typing import Any, List, Mapping, Sequence, Tuple
 import numpy as np
 import xarray as xr
 
-from gpr20_analysis.dataset import description_of, mapping_of, objects_of
+from gpr20_analysis.dataset import description_of, objects_of
 from gpr20_common.message import Message
+from gpr20_survey.folder.log_content import log_values
+from gpr20_survey.folder.log_record import Kind
 
 Entry = Mapping[str, Any]
 # A survey of two days, each hour at two rotations.
@@ -82,9 +84,8 @@ def drift_rows(survey: xr.Dataset) -> List[Tuple[str, ...]]:
     return rows[-LISTED_ROWS:]
 
 
-def _visits(survey: xr.Dataset) -> List[Entry]:
-    report = mapping_of(description_of(survey), "report")
-    return objects_of(mapping_of(report, "drift"), "visits")
+def _visits(survey: xr.Dataset) -> Sequence[Entry]:
+    return log_values(description_of(survey), Kind.DRIFT)
 
 
 def _turns(visits: Sequence[Entry]) -> List[Tuple[Entry, Entry]]:

@@ -13,14 +13,9 @@ from cut_off_surveys import reopened_survey, stored_trace
 from survey_examples import AXES, PARAMETERS
 
 from gpr20_main_control import faults
-from gpr20_main_control.mid.survey.drift_record import (
-    DETAILS,
-    MAX_DETAILED_VISITS,
-    MAX_FREQUENCIES,
-    DriftRecord,
-    Revisit,
-)
+from gpr20_main_control.mid.survey.drift_record import MAX_FREQUENCIES, DriftLimits, Revisit
 from gpr20_main_control.mid.survey.survey_plan import plan_survey
+from gpr20_survey.folder.log_record import Kind
 from gpr20_survey.plan.robot_config import RobotConfig
 from gpr20_survey.plan.survey_settings import SurveySettings
 from gpr20_survey.plan.survey_state import SurveyState as State
@@ -42,7 +37,7 @@ def louder(bench, factor=1.5):
 
 
 def visits(bench):
-    return bench.storage.reports[-1]["drift"]["visits"]
+    return [one.values for one in bench.storage.notes if one.kind is Kind.DRIFT]
 
 
 def marks(bench):
@@ -70,7 +65,7 @@ def test_a_survey_visits_its_first_stop_at_the_interval_and_at_its_end(visiting)
             # Each of these sweeps differs from the one before by 1, of 10,000.
             assert rotation["noise_db"] == pytest.approx(-83.0, abs=0.1)
             assert rotation["height_difference_m"] == 0.0
-    assert len(visiting.storage.reports[-1]["drift"]["frequency_hz"]) == 5
+        assert len(visit["frequency_hz"]) == 5
 
 
 @pytest.mark.parametrize("interval_s", [3600.0, 0.0])
@@ -136,8 +131,7 @@ def test_after_a_pause_as_long_as_the_interval_the_drift_is_looked_at_first(visi
 
 
 def test_a_survey_from_the_disk_compares_with_the_first_stop_that_is_stored(visiting):
-    former = {"controls": [], "drift": {"visits": [{"next_index": 4, "rotations": []}]}}
-    reopened = reopened_survey(range(13), json.dumps(former))
+    reopened = reopened_survey(range(13), json.dumps({"controls": []}))
     # As the storage answers: the first traces too, beside the latest.
     recent = (stored_trace(0), stored_trace(1), *reopened.recent)
     visiting.storage.reopened = replace(reopened, recent=recent)
@@ -145,22 +139,19 @@ def test_a_survey_from_the_disk_compares_with_the_first_stop_that_is_stored(visi
     visiting.control.resume("survey")
     visiting.wait_for(State.FINISHED)
     rest = [one for one in PLAN.visits if one > 13]
-    assert [one["next_index"] for one in visits(visiting)] == [4, 13, *rest]
+    assert [one["next_index"] for one in visits(visiting)] == [13, *rest]
     gain_db = visits(visiting)[-1]["rotations"][0]["gain_db"]
     assert gain_db == pytest.approx(20.0 * math.log10(1.05), abs=0.001)
 
 
-def test_what_is_stored_of_the_drift_is_bounded():
+def test_what_is_stored_of_a_visit_is_bounded():
     values = {"s21_real": np.ones(1000), "s21_imag": np.zeros(1000)}
     trace = stored_trace(0, frequency_hz=np.linspace(6.0e8, 6.0e9, 1000), **values)
-    record = DriftRecord(SurveySettings(), {})
-    for index in range(MAX_DETAILED_VISITS + 5):
-        record.note([Revisit(trace, trace, trace)], index, "")
-    kept = record.entry()["visits"]
-    assert len(record.entry()["frequency_hz"]) == MAX_FREQUENCIES
-    assert len(kept[-1]["rotations"][0]["phase_deg"]) == MAX_FREQUENCIES
-    assert [all(name in one["rotations"][0] for name in DETAILS) for one in kept].count(True) == (
-        MAX_DETAILED_VISITS
-    )
-    assert all(one["rotations"][0]["phase_rms_deg"] == 0.0 for one in kept)
-    json.dumps(record.entry(), allow_nan=False)
+    limits = DriftLimits(SurveySettings())
+    visits = [limits.visit([Revisit(trace, trace, trace)], index, "").values for index in range(9)]
+    assert len(visits[-1]["frequency_hz"]) == MAX_FREQUENCIES
+    assert len(visits[-1]["rotations"][0]["phase_deg"]) == MAX_FREQUENCIES
+    assert all(one["rotations"][0]["phase_rms_deg"] == 0.0 for one in visits)
+    # However many there were before.
+    sizes = {len(json.dumps(one, allow_nan=False)) for one in visits}
+    assert len(sizes) == 1 and max(sizes) < 12_000

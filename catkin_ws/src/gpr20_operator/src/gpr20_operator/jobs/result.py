@@ -15,7 +15,7 @@ from gpr20_operator.ground.grid import SurveyGrid, grid_from_description
 from gpr20_operator.jobs.job import Job, JobState, Service
 from gpr20_operator.jobs.pictures import NOT_KNOWN, Imaging, StoredSurvey
 from gpr20_operator.jobs.stick import StickExport
-from gpr20_survey.folder.log_content import log_entries
+from gpr20_survey.folder.log_content import log_values
 from gpr20_survey.folder.log_record import Kind
 from gpr20_survey.folder.soil_note import KIND as SOIL_KIND
 from gpr20_survey.folder.soil_note import soil_values
@@ -79,9 +79,8 @@ def record_of(stored: StoredSurvey) -> Record:
     values = parse_object(stored.text, "survey.json", MAX_FILE_BYTES)
     unreadable = 0
     finds = []
-    for one in log_entries(values):
-        noted = one["values"]
-        if one.get("kind") == Kind.FOUND.value and noted.get("format") == FOUND_FORMAT:
+    for noted in log_values(values, Kind.FOUND):
+        if noted.get("format") == FOUND_FORMAT:
             try:
                 finds.append(found_of(noted))
             except InvalidValueError:

@@ -41,11 +41,12 @@ def add_to(description: Description, record: LogRecord) -> None:
         apply(description, record.values, record)
 
 
-def log_entries(values: Mapping[str, Any]) -> List[Dict[str, Any]]:
-    """Return the records of the log that a reader gets with a description."""
+def log_values(values: Mapping[str, Any], kind: Kind) -> List[Dict[str, Any]]:
+    """Return the facts of a kind, of the records that a reader gets with a description."""
     log = values.get(LOG)
-    entries = log if isinstance(log, list) else []
-    return [one for one in entries if isinstance(one, dict) and isinstance(one.get("values"), dict)]
+    entries = [one for one in log if isinstance(one, dict)] if isinstance(log, list) else []
+    found = [one.get("values") for one in entries if one.get("kind") == kind.value]
+    return [one for one in found if isinstance(one, dict)]
 
 
 def _plan(description: Description, values: Mapping[str, Any], record: LogRecord) -> None:

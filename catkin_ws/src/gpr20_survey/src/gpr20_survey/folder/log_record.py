@@ -37,6 +37,8 @@ class Kind(str, enum.Enum):
     """A remark on the computer's clock."""
     EPOCH = "epoch"
     """Other zeros of the axes."""
+    DRIFT = "drift"
+    """A visit of the first stop."""
     END = "end"
     FOUND = "found"
     EXPORT = "export"
@@ -55,6 +57,7 @@ NOTES = (
     Kind.DECISION,
     Kind.CLOCK,
     Kind.EPOCH,
+    Kind.DRIFT,
     Kind.FOUND,
     Kind.EXPORT,
     Kind.AUDIT,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any, Dict, Mapping, NamedTuple, Optional
 
-from gpr20_survey.folder.log_content import log_entries
+from gpr20_survey.folder.log_content import log_values
 from gpr20_survey.folder.log_record import Kind
 from gpr20_survey.radar.soils import LARGEST_PERMITTIVITY, MIN_PERMITTIVITY
 from gpr20_survey.trace import utc_time
@@ -44,9 +44,8 @@ def soil_of_survey(description: Mapping[str, Any]) -> Optional[KnownSoil]:
         The permittivity and its source; None: it is not known, or not known after all.
     """
     found, source = description.get(PLANNED), OF_PLAN
-    for record in log_entries(description):
-        values = record.get("values") or {}
-        if record.get("kind") == KIND.value and values.get("format") == FORMAT:
+    for values in log_values(description, KIND):
+        if values.get("format") == FORMAT:
             found, source = values.get("permittivity"), ENTERED
     if isinstance(found, bool) or not isinstance(found, (int, float)):
         return None

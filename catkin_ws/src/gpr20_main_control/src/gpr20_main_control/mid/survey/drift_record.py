@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any, Dict, List, Mapping, Sequence
+from typing import Any, Dict, List, Sequence
 
 import numpy as np
 
@@ -17,11 +17,7 @@ from gpr20_survey.trace.aux_value import VNA_TEMPERATURE
 from gpr20_survey.trace.sweep import Sweep
 from gpr20_survey.trace.trace import Trace
 
-VISITS = "visits"
-# The report is bounded: of more frequencies, evenly chosen ones; of more visits, the latest ones
-# have values at each frequency, and all have their figures.
-MAX_FREQUENCIES = 201
-MAX_DETAILED_VISITS = 300
+MAX_FREQUENCIES = 201  # of more, evenly chosen ones are stored
 DETAILS = ("amplitude_db", "phase_deg")
 PS = 1e12
 
@@ -48,11 +44,13 @@ class Visit:
         worst: The drift at the rotation where it is largest, since the start or what was accepted.
         z_deg: That rotation [deg].
         exceeded: Whether it exceeds a limit.
+        values: What the log says of it.
     """
 
     worst: Drift
     z_deg: float
     exceeded: bool
+    values: Dict[str, Any]
 
     @property
     def message(self) -> Message:
@@ -67,29 +65,22 @@ class Visit:
         )
 
 
-class DriftRecord:
-    """The visits of the reference of one survey, and whether the drift is within its limits.
+class DriftLimits:
+    """Whether the drift of one survey is within its limits.
 
     After too large a drift the operator looks for its cause and resumes the survey. The reference
     is then measured again, and the limits apply to the drift since. What is stored is always the
     drift since the start.
     """
 
-    def __init__(self, settings: SurveySettings, former: Mapping[str, Any]) -> None:
-        """Begin, or continue, a record.
-
-        Args:
-            settings: Have the limits.
-            former: The entry in the report of a survey that is resumed; empty if none.
-        """
+    def __init__(self, settings: SurveySettings) -> None:
+        """Take the settings, which have the limits."""
         self._settings = settings
-        self._former = dict(former)
-        self._visits: List[Dict[str, Any]] = list(former.get(VISITS, []))
         self._accepted: Dict[int, np.ndarray] = {}
         self._asked = False
 
-    def note(self, revisits: Sequence[Revisit], next_index: int, time: str) -> Visit:
-        """Note a visit.
+    def visit(self, revisits: Sequence[Revisit], next_index: int, time: str) -> Visit:
+        """Return what a visit says.
 
         Args:
             revisits: One of each rotation.
@@ -102,21 +93,17 @@ class DriftRecord:
         drifts = [self._since_accepted(one) for one in revisits]
         worst = max(range(len(drifts)), key=lambda place: self._part_of_limits(drifts[place]))
         exceeded = not self._part_of_limits(drifts[worst]) <= 1.0
-        self._visits.append(
-            {
-                "time": time,
-                "next_index": next_index,
-                "accepted": accepted,
-                "exceeded": exceeded,
-                "rotations": [_recorded(one) for one in revisits],
-            }
-        )
-        for visit in self._visits[:-MAX_DETAILED_VISITS]:
-            for rotation in visit["rotations"]:
-                for name in DETAILS:
-                    rotation.pop(name, None)
-        self._former["frequency_hz"] = _thinned(revisits[0].stored.frequency_hz)
-        return Visit(drifts[worst], revisits[worst].stored.z_coord_deg, exceeded)
+        values = {
+            "time": time,
+            "next_index": next_index,
+            "limit_db": self._settings.drift_limit_db,
+            "limit_deg": self._settings.drift_limit_deg,
+            "accepted": accepted,
+            "exceeded": exceeded,
+            "frequency_hz": _thinned(revisits[0].stored.frequency_hz),
+            "rotations": [_recorded(one) for one in revisits],
+        }
+        return Visit(drifts[worst], revisits[worst].stored.z_coord_deg, exceeded, values)
 
     def ask(self, visit: Visit) -> DeviceError:
         """Return what asks the operator; the next visit is accepted as it is."""
@@ -130,18 +117,6 @@ class DriftRecord:
             ),
             fault=faults.DRIFTED,
         )
-
-    def entry(self) -> Dict[str, Any]:
-        """Return the entry of the report; empty without visits."""
-        if not self._visits:
-            return {}
-        return {
-            **self._former,
-            "interval_s": self._settings.reference_interval_s,
-            "limit_db": self._settings.drift_limit_db,
-            "limit_deg": self._settings.drift_limit_deg,
-            VISITS: self._visits,
-        }
 
     def _since_accepted(self, revisit: Revisit) -> Drift:
         stored = revisit.stored

@@ -10,13 +10,12 @@ from gpr20_main_control import faults
 from gpr20_main_control.mid.devices.axis_leases import AxisLeases
 from gpr20_main_control.mid.devices.positioner import Positioner
 from gpr20_main_control.mid.devices.robot import Robot
-from gpr20_main_control.mid.survey.drift_record import DriftRecord
+from gpr20_main_control.mid.survey.drift_record import DriftLimits
 from gpr20_main_control.mid.survey.survey_notes import SurveyNotes
 from gpr20_main_control.mid.survey.survey_plan import SurveyPlan
 from gpr20_main_control.mid.survey.survey_report import (
     AnalyzerRecord,
     SurveyReport,
-    recorded_drift,
 )
 from gpr20_main_control.mid.survey.survey_status import SurveyStatus
 from gpr20_main_control.mid.survey.survey_steps import SurveyProgress
@@ -143,10 +142,8 @@ class RunningSurvey:
         self.zeros = ZeroRecord(plan.zeros, plan.config.axes)
         self.coverage = Coverage(plan.total_points, plan.stored_indices)
         former_report = "" if plan.reopened is None else plan.reopened.report_json
-        self.drift = DriftRecord(plan.settings, recorded_drift(former_report))
-        self.report = SurveyReport(
-            self.coverage, self.analyzers, self.zeros, former_report, self.drift
-        )
+        self.drift = DriftLimits(plan.settings)
+        self.report = SurveyReport(self.coverage, self.analyzers, self.zeros, former_report)
         self.notes = SurveyNotes()
         # Set last: what was measured before is not a change.
         self.coverage.on_change = status.show_coverage

@@ -179,8 +179,9 @@ class StepActions:
             self._sampling.settle(point)
             revisits.append(Revisit(stored, self._repeated(point), self._repeated(point)))
         drift = self._survey.drift
-        visit = drift.note(revisits, self._next_index, self._now())
-        self._archive.send_report(self._interruption.check)
+        visit = drift.visit(revisits, self._next_index, self._now())
+        self._survey.notes.add(Kind.DRIFT, **visit.values)
+        self._archive.send_notes(self._interruption.check)
         if visit.exceeded:
             exceeded = drift.ask(visit)
             if self._progress.next is not None:

@@ -14,7 +14,6 @@ from gpr20_common.message import Message
 from gpr20_common.mid.codec import record_from
 from gpr20_main_control import faults
 from gpr20_main_control.errors import OtherAnalyzerError, SurveyError
-from gpr20_main_control.mid.survey.drift_record import VISITS, DriftRecord
 from gpr20_main_control.mid.survey.known_point import RepeatMeasurement
 from gpr20_main_control.mid.survey.zero_record import ZeroRecord
 from gpr20_survey.folder.survey_metadata import FAULT_CODE, REASON_MESSAGE, message_record
@@ -26,8 +25,6 @@ from gpr20_survey.trace.utc_time import iso_text
 SERIAL_NUMBER = 2
 # The entry of the report that lists the analyzers.
 ANALYZERS = "analyzers"
-# The entry of the report about the drift; absent if none was measured.
-DRIFT = "drift"
 # The report is bounded, however often an instrument fails; each trace has its own remarks.
 MAX_WARNINGS = 1000
 
@@ -146,20 +143,6 @@ def recorded_zeros(report_json: str) -> List[UsedZeros]:
         raise _unreadable(repr(error)) from error
 
 
-def recorded_drift(report_json: str) -> Dict[str, Any]:
-    """Return the drift of a survey that is on the disk, from its last report; empty if none.
-
-    Raises:
-        SurveyError: The report cannot be read.
-    """
-    try:
-        found = json.loads(report_json).get(DRIFT, {}) if report_json else {}
-        visits = [{**one, "rotations": list(one["rotations"])} for one in found.get(VISITS, ())]
-        return {**found, VISITS: visits}
-    except (AttributeError, KeyError, TypeError, ValueError) as error:
-        raise _unreadable(repr(error)) from error
-
-
 class SurveyReport:
     """Collects the entry `report` of survey.json."""
 
@@ -169,7 +152,6 @@ class SurveyReport:
         analyzers: AnalyzerRecord,
         zeros: ZeroRecord,
         former_json: str = "",
-        drift: Optional[DriftRecord] = None,
     ) -> None:
         """Begin, or continue, a report.
 
@@ -178,7 +160,6 @@ class SurveyReport:
             analyzers: With which analyzers it is measured.
             zeros: To which zeros of the axes its traces refer.
             former_json: The report of the survey before it was resumed; empty if none exists.
-            drift: How its reference drifts; None if nobody visits it.
 
         Raises:
             SurveyError: The former report cannot be read.
@@ -186,7 +167,6 @@ class SurveyReport:
         self.coverage = coverage
         self._analyzers = analyzers
         self._zeros = zeros
-        self._drift = drift
         self._controls = _controls_of(former_json, coverage.planned)
         self._warnings = _warnings_of(former_json)
         for control in self._controls:
@@ -225,7 +205,6 @@ class SurveyReport:
         and as template and values for clients that translate them.
         """
         verdict = self.coverage.verdict()
-        drift = {} if self._drift is None else self._drift.entry()
         reasons = sorted(self.coverage.reasons.items())
         return json.dumps(
             {
@@ -246,7 +225,6 @@ class SurveyReport:
                 "warnings": self._warnings,
                 ANALYZERS: [asdict(one) for one in self._analyzers.used],
                 ZEROS: [one.record() for one in self._zeros.used],
-                **({DRIFT: drift} if drift else {}),
             }
         )
 
