@@ -10,7 +10,7 @@ from gpr20_common.message import Message
 from gpr20_common.terminal_text import printable
 from gpr20_survey.errors import SurveyRefusedError, storing
 from gpr20_survey.faults import CLOCK_WRONG
-from gpr20_survey.files import durable_files
+from gpr20_survey.files import durable_files, file_sums
 from gpr20_survey.files.access import Readers
 from gpr20_survey.folder import survey_folder, survey_metadata
 from gpr20_survey.folder.log_content import START
@@ -161,8 +161,10 @@ def _holds_only(folder: Path, plan: LogRecord) -> bool:
         return True
     found = read_log(folder)
     # The second file of the log may not be there yet.
-    is_damaged = any((folder / name).exists() for name in found.damaged)
-    return found.records == (plan,) and not is_damaged and not found.lost
+    damaged = [folder / name for name in found.damaged if (folder / name).exists()]
+    for path in filter(Path.is_file, damaged):
+        file_sums.sum_of_file(path)  # a disk that refuses shows nothing; the call may be repeated
+    return found.records == (plan,) and not damaged and not found.lost
 
 
 def _exists(folder: Path) -> SurveyRefusedError:

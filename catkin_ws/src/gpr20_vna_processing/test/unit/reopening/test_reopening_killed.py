@@ -7,6 +7,7 @@ every few calls, a release each of them.
 from __future__ import annotations
 
 import contextlib
+import errno
 import itertools
 import random
 import shutil
@@ -25,6 +26,8 @@ from trace_examples import SURVEY
 from gpr20_analysis.read.verification import verify_survey
 from gpr20_analysis.read.verification_result import COMPLETE
 from gpr20_survey.errors import StorageFailedError
+from gpr20_survey.files import file_sums
+from gpr20_survey.folder import log_reading
 from gpr20_survey.folder.annotating import add_to_survey
 
 STORED = 6
@@ -180,6 +183,18 @@ def test_a_survey_of_whose_log_the_second_file_was_not_made_goes_on(copies):
     resume(folder)
     found = verify_survey(folder)
     assert (found.status, found.faults, found.unconfirmed) == (COMPLETE, [], ())
+
+
+def test_a_log_that_the_disk_does_not_show_is_not_called_another_survey(tmp_path, monkeypatch):
+    Kit(tmp_path).open(metadata_json=METADATA)
+
+    def refuse(_path):
+        raise OSError(errno.EIO, "Input/output error")
+
+    for module in (log_reading, file_sums):
+        monkeypatch.setattr(module, "open_regular", refuse)
+    with pytest.raises(StorageFailedError):
+        Kit(tmp_path).open(metadata_json=METADATA)
 
 
 def test_a_folder_that_holds_anything_else_is_not_emptied_by_an_opening(copies):
