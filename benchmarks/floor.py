@@ -27,7 +27,7 @@ from graph_kit import (
 )
 
 from gpr20_survey.axes.ramp import Ramp
-from gpr20_survey.plan.survey_settings import SurveySettings
+from gpr20_survey.plan.survey_parameters import SurveySettings
 
 PITCH_MM = 20.0
 POINTS = 501

@@ -18,7 +18,7 @@ from gpr20_survey.folder.log_content import START
 from gpr20_survey.folder.log_record import Kind
 from gpr20_survey.folder.survey_log import SurveyLog
 from gpr20_survey.plan.survey_parameters import RobotTravel, SurveyParameters, Travel
-from gpr20_survey.plan.survey_plan import survey_points
+from gpr20_survey.plan.survey_points import survey_points
 from gpr20_survey.recording.bag import write_bag
 from gpr20_survey.recording.mcap_reader import StoredMcap
 from gpr20_survey.recording.mcap_writer import new_mcap

@@ -31,9 +31,9 @@ from std_msgs.msg import Header
 
 from gpr20_msgs.msg import Trace
 from gpr20_msgs.srv import CloseSurvey, OpenSurvey, ReopenSurvey, StoreData
-from gpr20_survey.frames import ANTENNA_LINK
+from gpr20_survey.axes.axis_id import ANTENNA_LINK
 from gpr20_survey.plan.survey_parameters import RobotTravel, SurveyParameters, Travel
-from gpr20_survey.plan.survey_plan import SurveyPoint, survey_points
+from gpr20_survey.plan.survey_points import SurveyPoint, survey_points
 
 ROOT = Path(__file__).resolve().parents[1]
 NODE = ROOT / "catkin_ws/src/gpr20_vna_processing/nodes/vna_processing"

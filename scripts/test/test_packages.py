@@ -14,7 +14,7 @@ from network_namespaces import ROBOT, SERVER
 from package_files import unit_values
 from user_shell import ROOT, printed_by
 
-from gpr20_survey.axes.realtime_priority import PULSE_PRIORITY
+from gpr20_survey.axes.axis_parameters import PULSE_PRIORITY
 
 ADMIN = "192.168.1.0/24"
 UNITS = {

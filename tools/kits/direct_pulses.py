@@ -8,7 +8,7 @@ from typing import Any, Optional
 
 from gpr20_axis_driver.motion import Ending, Motion, MotionReport, StopRequested
 from gpr20_common.message import Message
-from gpr20_survey.axes.zero_epoch import ZeroEpoch
+from gpr20_survey.axes.axis_id import ZeroEpoch
 
 
 class DirectPulses:

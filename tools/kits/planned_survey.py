@@ -9,7 +9,7 @@ from typing import Any
 from trace_examples import STARTED_US, SURVEY, make_trace
 
 from gpr20_survey.plan.survey_parameters import RobotTravel, SurveyParameters, Travel
-from gpr20_survey.plan.survey_plan import survey_points
+from gpr20_survey.plan.survey_points import survey_points
 from gpr20_survey.trace.trace import Trace
 
 TRAVEL = RobotTravel(Travel(0.0, 650.0, 0.01), Travel(0.0, 800.0, 0.01), Travel(-90.0, 90.0, 1.8))

@@ -35,10 +35,9 @@ from gpr20_main_control.mid.survey.engine import NOTHING, Accepted
 from gpr20_main_control.mid.survey.survey_status import Status, SurveyStatus
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.files.durable_files import ensure_folders
+from gpr20_survey.plan.annotation import Site
 from gpr20_survey.plan.robot_description import PLAIN_NAMES, STORAGE, STORAGE_NAME, NodeDescription
-from gpr20_survey.plan.site import Site
-from gpr20_survey.plan.survey_parameters import SurveyParameters
-from gpr20_survey.plan.survey_settings import SurveySettings
+from gpr20_survey.plan.survey_parameters import SurveyParameters, SurveySettings
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_survey.recording.survey_topics import SurveyTopics
 from gpr20_survey.trace import trace_message

@@ -11,7 +11,7 @@ from typing import Any, Callable, Dict
 
 import numpy as np
 
-from gpr20_survey.axes.zero_epoch import AXES, ZeroEpoch
+from gpr20_survey.axes.axis_id import AXES, ZeroEpoch
 from gpr20_survey.trace import utc_time
 from gpr20_survey.trace.aux_value import AuxValue
 from gpr20_survey.trace.sweep_settings import AnalyzerSettings

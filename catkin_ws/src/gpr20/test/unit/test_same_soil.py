@@ -38,7 +38,7 @@ from gpr20_survey.folder.recovery import recover
 from gpr20_survey.folder.soil_note import KIND, PLANNED, soil_values
 from gpr20_survey.folder.survey_folder import MCAP_FILE
 from gpr20_survey.plan.survey_parameters import SurveyParameters
-from gpr20_survey.plan.survey_plan import survey_points
+from gpr20_survey.plan.survey_points import survey_points
 from gpr20_survey.plan.zero_history import UNPROVEN
 from gpr20_survey.results.candidate_json import json_text, list_from
 from gpr20_survey.results.focused_image import focus_fields, image_from

@@ -11,9 +11,9 @@ from gpr20_axis_driver.low.step_counter import StepCounter
 from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message
 from gpr20_common.mid.hardware import Hardware
+from gpr20_survey.axes.axis_id import ZeroEpoch
 from gpr20_survey.axes.axis_parameters import AxisParameters
 from gpr20_survey.axes.ramp import Ramp
-from gpr20_survey.axes.zero_epoch import ZeroEpoch
 
 # Called at every step: whether to end the motion now.
 StopRequested = Callable[[], bool]

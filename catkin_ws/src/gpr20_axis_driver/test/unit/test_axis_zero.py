@@ -17,7 +17,7 @@ from gpr20_axis_driver.axis_exceptions import (
     MotionStopped,
 )
 from gpr20_axis_driver.motion import never
-from gpr20_survey.axes.zero_epoch import UNKNOWN_ZERO
+from gpr20_survey.axes.axis_id import UNKNOWN_ZERO
 
 LIMIT_S = 30.0
 

@@ -17,7 +17,7 @@ from gpr20_axis_driver.axis_exceptions import StepCounterError
 from gpr20_axis_driver.low import step_counter
 from gpr20_axis_driver.low.step_counter import FILE_BYTES, open_step_counter
 from gpr20_common.faults import DISK_FULL
-from gpr20_survey.axes.zero_epoch import ZeroEpoch
+from gpr20_survey.axes.axis_id import ZeroEpoch
 
 
 @pytest.fixture

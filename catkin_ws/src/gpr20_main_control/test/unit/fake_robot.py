@@ -32,12 +32,10 @@ from gpr20_main_control.mid.devices.robot import (
 )
 from gpr20_main_control.mid.main_control import MainControl
 from gpr20_main_control.mid.survey.survey_status import SurveyStatus
-from gpr20_survey.axes.axis_id import AxisId
-from gpr20_survey.axes.zero_epoch import UNKNOWN_ZERO, ZeroEpoch
-from gpr20_survey.plan.annotation import EMPTY
+from gpr20_survey.axes.axis_id import UNKNOWN_ZERO, AxisId, ZeroEpoch
+from gpr20_survey.plan.annotation import EMPTY, Site
 from gpr20_survey.plan.robot_description import NodeDescription
-from gpr20_survey.plan.site import Site
-from gpr20_survey.plan.survey_settings import SurveySettings
+from gpr20_survey.plan.survey_parameters import SurveySettings
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_survey.results.reopened_survey import ReopenedSurvey
 from gpr20_survey.trace.calibration import CalibrationStatus

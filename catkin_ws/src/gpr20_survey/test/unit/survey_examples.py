@@ -2,7 +2,7 @@
 
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.axes.axis_parameters import AxisParameters
-from gpr20_survey.plan.robot_config import RobotConfig
+from gpr20_survey.plan.robot_description import RobotConfig
 from gpr20_survey.plan.survey_parameters import SurveyParameters
 
 AXES = {

@@ -12,8 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from gpr20_common.errors import InvalidValueError
-from gpr20_common.message import Message
-from gpr20_survey.plan.coverage import COVERAGE_LETTERS, Coverage, SampleState, reported_verdict
+from gpr20_survey.plan.coverage import reported_verdict
 from gpr20_survey.results.area_position import AreaPosition
 from gpr20_survey.results.candidate_json import json_text, list_from
 from gpr20_survey.results.candidates import Flag
@@ -169,20 +168,6 @@ def test_targets_have_names_and_sizes():
 def test_other_targets_are_refused_with_what_is_allowed(text):
     with pytest.raises(InvalidValueError, match="allowed|use pmn"):
         target_of(text)
-
-
-@given(st.lists(st.sampled_from(SampleState), min_size=1, max_size=50))
-def test_a_verdict_is_read_as_it_was_given(states):
-    coverage = Coverage(len(states))
-    for index, state in enumerate(states):
-        if state in (SampleState.MEASURED, SampleState.REMEASURED):
-            coverage.note_stored(index)
-        if state is SampleState.REMEASURED:
-            coverage.note_remeasured(index)
-        if state is SampleState.FAILED:
-            coverage.note_failed(index, Message("lost"))
-    letters = "".join(COVERAGE_LETTERS[state] for state in coverage.states)
-    assert reported_verdict({"coverage": letters}) == coverage.verdict()
 
 
 @each_case("report", [None, "m", {}, {"coverage": ""}, {"coverage": ["m"]}, {"coverage": "mx"}])

@@ -11,16 +11,14 @@ from survey_examples import PARAMETERS as SMALL
 from gpr20_common.mid.codec import plain
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.files.json_lines import add_line, read_lines
-from gpr20_survey.plan.robot_config import RobotConfig
+from gpr20_survey.plan.robot_description import RobotConfig
 from gpr20_survey.plan.survey_cost import (
-    RemainingTime,
     axis_move_duration_s,
     planned_times,
     survey_cost,
 )
-from gpr20_survey.plan.survey_parameters import SurveyParameters
-from gpr20_survey.plan.survey_plan import survey_points
-from gpr20_survey.plan.survey_settings import SurveySettings
+from gpr20_survey.plan.survey_parameters import SurveyParameters, SurveySettings
+from gpr20_survey.plan.survey_points import survey_points
 from gpr20_survey.results.daily_check import (
     Part,
     check_figures,
@@ -71,11 +69,6 @@ def test_a_sweep_takes_longer_with_a_narrow_if_bandwidth_and_with_averages(analy
         cost(one, reference_interval_s=0.0).duration_s for one in (slow, PARAMETERS)
     )
     assert longer_s - usual_s == pytest.approx(TRACES * (expected_s - 501 * POINT_S), abs=1e-6)
-
-
-@each_case("done, spent_s, left_s", [(0, 5.0, 60.0), (1, 15.0, 75.0), (3, 90.0, 0.0)])
-def test_the_remaining_time_is_the_plan_at_the_pace_so_far(done, spent_s, left_s):
-    assert RemainingTime([10.0, 20.0, 30.0]).remaining_s(done, spent_s) == pytest.approx(left_s)
 
 
 def duration_of_moves(path):

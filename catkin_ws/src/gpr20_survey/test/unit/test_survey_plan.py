@@ -15,29 +15,31 @@ from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message
 from gpr20_common.mid.codec import record_from
 from gpr20_survey.plan.imported import (
-    ImportedFit,
     ImportedGrid,
     imported_grid,
     is_imported,
     measured_area,
 )
+from gpr20_survey.plan.recorded_plan import PlanFit
 from gpr20_survey.plan.sensors import Sensors
 from gpr20_survey.plan.survey_parameters import (
     SurveyParameters,
     SurveyParametersError,
     check,
-    problems,
+    find_problems,
 )
-from gpr20_survey.plan.survey_plan import grid, raster, survey_points
+from gpr20_survey.plan.survey_points import grid, survey_points, visits
 from gpr20_survey.trace.sweep_settings import AnalyzerSettings
 
 
-def test_a_raster_turns_at_every_row_and_only_there():
-    assert list(raster([0, 1, 2, 3], [0, 1, 2])) == [
+def test_x_turns_at_every_row_and_the_antennas_at_every_stop_and_only_there():
+    points = visits([0, 1, 2, 3], [0, 1, 2], [5, 6])
+    assert [(point.x_mm, point.y_mm) for point in points[::2]] == [
         *[(0, 0), (1, 0), (2, 0), (3, 0)],
         *[(3, 1), (2, 1), (1, 1), (0, 1)],
         *[(0, 2), (1, 2), (2, 2), (3, 2)],
     ]
+    assert [point.z_deg for point in points] == [5, 6, 6, 5] * 6
 
 
 @given(st.integers(3, 12), st.integers(3, 12))
@@ -107,7 +109,7 @@ def test_parameters_of_early_surveys_leave_the_settings_to_the_instrument():
     assert record_from(SurveyParameters, early, "parameters") == PARAMETERS
     assert not PARAMETERS.sweep_settings.analyzer.is_known
     own = replace(PARAMETERS, if_bandwidth_hz=1e3, averages=4, output_power="LOW")
-    assert problems(own, TRAVEL) == []
+    assert find_problems(own, TRAVEL) == []
     assert own.sweep_settings.analyzer == AnalyzerSettings(1e3, 4, "LOW")
 
 
@@ -127,9 +129,9 @@ def test_any_numbers_give_sentences_and_never_an_exception(start, stop, points, 
         stop_frequency_hz=stop,
         polarizations_deg=tuple(rotations),
     )
-    assert all(isinstance(one, Message) for one in problems(wild, TRAVEL))
+    assert all(isinstance(one.message, Message) for one in find_problems(wild, TRAVEL))
     huge = replace(PARAMETERS, x_stop_mm=650.0, x_points=1001, y_stop_mm=800.0, y_points=1001)
-    assert any("2004002" in str(one) for one in problems(huge, TRAVEL))
+    assert any("2004002" in str(one.message) for one in find_problems(huge, TRAVEL))
 
 
 SOIL = {"name": "soil", "topic": "probe/soil", "message": "std_msgs/Float64", "field": "data"}
@@ -196,13 +198,13 @@ def test_every_place_has_one_index_and_a_trace_fits_only_its_own(turns, ys, xs):
     points = imported_grid(description).points()
     places = {(one.z_deg, one.y_mm, one.x_mm) for one in points}
     assert places == {(z, y, x) for z in turns for y in ys for x in xs}
-    fit = ImportedFit(description)
+    fit = PlanFit(description)
     for point in points:
         place = {"x_coord_mm": point.x_mm, "y_coord_mm": point.y_mm, "z_coord_deg": point.z_deg}
         assert fit.misfits(make_trace(point.index, **place)) == []
         assert fit.misfits(make_trace(len(points), **place))
         moved = {**place, "x_coord_mm": point.x_mm + 1.0}
-        assert "not at its place" in str(fit.misfits(make_trace(point.index, **moved))[0])
+        assert "instead of" in str(fit.misfits(make_trace(point.index, **moved))[0])
 
 
 @each_case(

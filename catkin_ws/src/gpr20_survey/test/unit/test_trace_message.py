@@ -20,7 +20,7 @@ from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 from run_seed import SEED, draws
 from trace_examples import MESSAGES, assert_same_numbers, make_trace
 
-from gpr20_survey.axes.zero_epoch import AXES, MAX_NUMBER, MAX_TIME_US, ZeroEpoch
+from gpr20_survey.axes.axis_id import AXES, MAX_NUMBER, MAX_TIME_US, ZeroEpoch
 from gpr20_survey.errors import TraceRefusedError
 from gpr20_survey.trace import trace_json, trace_message, utc_time
 from gpr20_survey.trace.aux_value import AuxValue

@@ -15,8 +15,7 @@ from gpr20_operator.jobs.pictures import StoredSurvey
 from gpr20_operator.plan.spec import Tile
 from gpr20_operator.robot.events import Answer, Request, RobotDefaults
 from gpr20_survey.folder.log_record import Kind
-from gpr20_survey.plan.annotation import EMPTY, Annotation, from_values
-from gpr20_survey.plan.site import Site
+from gpr20_survey.plan.annotation import EMPTY, Annotation, Site, from_values
 from gpr20_survey.plan.survey_state import SurveyState
 
 

@@ -49,10 +49,9 @@ from gpr20_operator.words import (
 )
 from gpr20_survey.plan.annotation import Wgs84Position
 from gpr20_survey.plan.imported import IMPORTED
-from gpr20_survey.plan.robot_config import RobotConfig
+from gpr20_survey.plan.robot_description import RobotConfig
 from gpr20_survey.plan.survey_cost import survey_cost
-from gpr20_survey.plan.survey_parameters import SurveyParameters, problems
-from gpr20_survey.plan.survey_settings import SurveySettings
+from gpr20_survey.plan.survey_parameters import SurveyParameters, SurveySettings, find_problems
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_survey.trace.sweep_settings import AnalyzerSettings
 from gpr20_user_interface.terminal.survey_arguments import option_of, parse_arguments
@@ -100,7 +99,7 @@ def test_the_plan_of_a_new_robot_and_every_preset_can_be_started():
     result = check()
     assert (result.problems, result.parameters) == ({}, default_parameters())
     assert result.permittivity == 4.0
-    assert problems(default_parameters(), ROBOT) == []
+    assert find_problems(default_parameters(), ROBOT) == []
     area = {"x_start_mm": "1", "x_stop_mm": "2", "y_start_mm": "3", "y_stop_mm": "4"}
     context = PresetContext(ROBOT, area, "10.0.0.2", 11.37)
     for spec in PLAN:
@@ -113,7 +112,7 @@ def test_the_plan_of_a_new_robot_and_every_preset_can_be_started():
 
 @given(parameters(), annotations)
 def test_texts_are_read_back_as_the_same_by_the_window_and_by_the_command_line(wanted, annotation):
-    assert problems(wanted, ROBOT) == []
+    assert find_problems(wanted, ROBOT) == []
     assert check(following="", **texts_of(wanted)).parameters == wanted
     assert check_annotation(annotation_texts(annotation)) == (annotation, {})
     texts = {**texts_of(wanted), **annotation_texts(annotation)}
@@ -126,7 +125,7 @@ def test_texts_are_read_back_as_the_same_by_the_window_and_by_the_command_line(w
 def test_any_text_is_answered_with_good_parameters_or_a_sentence(texts):
     result = check_plan(texts, "xy", ROBOT)
     assert (result.parameters is None) == bool(result.problems)
-    assert result.parameters is None or problems(result.parameters, ROBOT) == []
+    assert result.parameters is None or find_problems(result.parameters, ROBOT) == []
 
 
 @given(st.sampled_from(PLAN), st.text(max_size=10))

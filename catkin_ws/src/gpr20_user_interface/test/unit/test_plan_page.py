@@ -17,7 +17,7 @@ from gpr20_operator.plan.preview import preview
 from gpr20_operator.plan.spec import Tile
 from gpr20_operator.robot.events import Answer, Request, RobotDefaults
 from gpr20_operator.robot.replay import ReplayMark, ReplayView
-from gpr20_survey.plan.site import Site
+from gpr20_survey.plan.annotation import Site
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_user_interface.widgets.keys import ERASE
 

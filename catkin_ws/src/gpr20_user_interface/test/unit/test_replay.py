@@ -217,9 +217,6 @@ def test_a_window_of_a_replay_is_one_before_anything_is_played_and_in_every_stat
     snapshot = model.snapshot()
     assert_harmless(snapshot)
     assert snapshot.replay.message and not snapshot.pending and not snapshot.simulated
-    # Recordings of earlier versions may lack its status.
-    model.handle(NodeHealth("simulator", HealthLevel.OK, verbatim("works"), {}))
-    assert model.snapshot().simulated
     for code in SurveyState:
         model = played(MARK, state(code), progress())
         assert str(model.snapshot().state.title) == f"REPLAY: {code.label}"

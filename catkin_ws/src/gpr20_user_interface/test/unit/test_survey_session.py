@@ -26,7 +26,7 @@ from gpr20_operator.robot.events import (
 )
 from gpr20_operator.words import duration
 from gpr20_survey.plan.annotation import EMPTY
-from gpr20_survey.plan.survey_parameters import problems
+from gpr20_survey.plan.survey_parameters import find_problems
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_user_interface.terminal.displays import BarDisplay, PlainDisplay, is_confirmed, remaining
 from gpr20_user_interface.terminal.follower import (
@@ -53,7 +53,7 @@ def parse_arguments(arguments):
 
 def test_defaults_are_a_survey_that_can_be_run():
     options = parse_arguments([])
-    assert problems(options.parameters, DOCUMENTED_TRAVEL) == []
+    assert find_problems(options.parameters, DOCUMENTED_TRAVEL) == []
     assert options.parameters.vna_address == ""
     assert not options.parameters.sweep_settings.analyzer.is_known
     assert options.permittivity == 0.0 and options.annotation == EMPTY

@@ -16,7 +16,7 @@ from gpr20_operator.ground.sources import EchoSource
 from gpr20_operator.robot.events import AxisReport, ControlState, RobotDefaults
 from gpr20_operator.robot.snapshot import Snapshot
 from gpr20_survey.axes.axis_id import AxisId
-from gpr20_survey.plan.site import Site
+from gpr20_survey.plan.annotation import Site
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_survey.radar.depth import delay_of_depth
 from gpr20_survey.results.survey_summary import SurveySummary

@@ -10,7 +10,7 @@ import yaml
 from fault_kit import raises_fault
 
 from gpr20_common.low.yaml_file import read_yaml
-from gpr20_survey import frames
+from gpr20_survey.axes import axis_id as frames
 from gpr20_visualization.errors import RobotModelError
 from gpr20_visualization.faults import WRONG_DESCRIPTION
 from gpr20_visualization.mid.axis_position import JOINTS, X_JOINT, Y_JOINT, Z_JOINT, joint_positions

@@ -37,7 +37,6 @@ from gpr20_survey.plan.markers import (
     new_marker,
     present_markers,
     removed_marker,
-    values_of,
 )
 from gpr20_vna_processing.mid.facts import KINDS
 
@@ -244,11 +243,11 @@ def test_a_missing_manifest_is_not_made_again_by_a_fact(kit, closed):
 
 
 def test_damaged_markers_are_recognized_and_their_number_is_limited():
-    more = {**values_of((ONE,))[0], "more": 1}
-    for wrong in (5, {}, [5], [{"x_mm": 1}], [more], values_of((ONE, ONE))):
+    more = {**asdict(ONE), "more": 1}
+    for wrong in (5, {}, [5], [{"x_mm": 1}], [more], [asdict(ONE)] * 2):
         with raises_fault("marker.damaged"):
             print(wrong, markers_of({"markers": wrong}))
-    full = {"markers": values_of(tuple(marker(number) for number in range(MAX_MARKERS)))}
+    full = {"markers": [asdict(marker(number)) for number in range(MAX_MARKERS)]}
     with raises_fault("marker.too_many", error=SurveyRefusedError):
         new_marker(full, marker(MAX_MARKERS), NOW)
     assert removed_marker(full, marker(5).marker_id, "", NOW) is not None

@@ -24,7 +24,7 @@ from gpr20_survey.folder.recovery import read_description
 from gpr20_survey.folder.soil_note import soil_of_survey, soil_values
 from gpr20_survey.plan.annotation import Annotation
 from gpr20_survey.plan.survey_parameters import RobotTravel, SurveyParameters, Travel
-from gpr20_survey.plan.survey_plan import survey_points
+from gpr20_survey.plan.survey_points import survey_points
 from gpr20_survey.results.survey_summary import NO_THUMBNAIL, summary_fields
 from gpr20_vna_processing import faults
 from gpr20_vna_processing.mid import survey_archive

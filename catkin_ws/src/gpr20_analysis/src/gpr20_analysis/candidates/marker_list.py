@@ -47,7 +47,7 @@ class MarkerList:
 def survey_markers(survey: xr.Dataset, removed: bool = False) -> MarkerList:
     """Return the markers of a survey.
 
-    A recording or a folder of JSON files alone holds none: they are in survey.json.
+    A recording or a folder of JSON files alone holds none: they are in the log.
 
     Args:
         survey: Dataset of a survey.
@@ -57,7 +57,7 @@ def survey_markers(survey: xr.Dataset, removed: bool = False) -> MarkerList:
         The markers.
 
     Raises:
-        AnalysisError: The markers in survey.json are damaged.
+        AnalysisError: The markers in the log are damaged.
     """
     description = description_of(survey)
     try:

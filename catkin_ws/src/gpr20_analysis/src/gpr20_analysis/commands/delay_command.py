@@ -15,7 +15,7 @@ from gpr20_analysis.processing.surface_echo import SurfaceFit, fit_delay
 from gpr20_common.catalogue import Catalogue
 from gpr20_common.message import Message
 from gpr20_common.terminal_text import say
-from gpr20_survey.plan.antenna_delay import KEY
+from gpr20_survey.plan.recorded_plan import DELAY_KEY
 from gpr20_survey.radar.depth import one_way_path_m
 
 NS_PER_S = 1e9
@@ -65,7 +65,7 @@ def run(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
     say(catalogue.text(_separated(fit)))
     say(catalogue.tr("recorded in the survey: {delay_ns:.3f} ns", delay_ns=recorded_ns))
     say(catalogue.tr("in {file} of the robot's configuration:", file=FILE))
-    say(f"{KEY}: {fit.delay_s * NS_PER_S:.3f}")
+    say(f"{DELAY_KEY}: {fit.delay_s * NS_PER_S:.3f}")
     return inputs.status_of(survey)
 
 

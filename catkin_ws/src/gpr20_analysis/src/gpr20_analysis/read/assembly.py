@@ -22,7 +22,7 @@ from gpr20_analysis.read.trace_table import EMPTY, Allocate, Sample, TraceTable,
 from gpr20_analysis.sentences import DECISIONS, NOTES, first_of, with_sentences
 from gpr20_common.message import Message, verbatim
 from gpr20_survey.plan.imported import TIMES_KNOWN, import_of, is_imported
-from gpr20_survey.plan.refines import REFINES
+from gpr20_survey.plan.recorded_plan import REFINES
 
 FAULTS_LISTED = 8
 RECORDED = ("started", "ended", "outcome", "reason", "software_revision", REFINES)

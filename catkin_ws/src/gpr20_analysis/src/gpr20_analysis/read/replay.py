@@ -81,7 +81,7 @@ def describe(survey: Path) -> ReplayedSurvey:
     own = next((found[one] for one in (METADATA_TOPIC, REPLAY_TOPIC) if one in found), None)
     namespace = "/" if own is None else own.topic[: own.topic.rindex("/") + 1]
     length_s = mcap_length_s(path, own_name)
-    return ReplayedSurvey(_survey_of_mcap(found, path, folder), namespace, length_s)
+    return ReplayedSurvey(_survey_of_mcap(found, folder), namespace, length_s)
 
 
 def recorded(survey: Path) -> Iterator[Due]:
@@ -154,12 +154,10 @@ def _mcap(survey: Path) -> Optional[Path]:
     return path if path.suffix == MCAP and os.path.lexists(str(path)) else None
 
 
-def _survey_of_mcap(found: Dict[str, RecordedMessage], path: Path, folder: Path) -> RecordedSurvey:
+def _survey_of_mcap(found: Dict[str, RecordedMessage], folder: Path) -> RecordedSurvey:
     if REPLAY_TOPIC in found:
         return RecordedSurvey.decode(found[REPLAY_TOPIC].data)
-    # A recording of an earlier version.
-    description = open_source(path).description or {}
-    return RecordedSurvey.of(description, folder if folder.is_dir() else Path())
+    return RecordedSurvey("", folder=folder.name if folder.is_dir() else "")
 
 
 def _survey_of_files(source: SurveySource, folder: Path) -> RecordedSurvey:

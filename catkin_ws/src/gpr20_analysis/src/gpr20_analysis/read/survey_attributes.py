@@ -12,8 +12,8 @@ from gpr20_analysis.dataset import AUX_PREFIX
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message
 from gpr20_survey.plan.annotation import annotation_of
-from gpr20_survey.plan.antenna_delay import recorded_delay_ns
 from gpr20_survey.plan.markers import MARKERS, present_markers
+from gpr20_survey.plan.recorded_plan import recorded_delay_ns
 from gpr20_survey.results.area_position import AreaPosition
 from gpr20_survey.trace.aux_value import AuxValue
 from gpr20_survey.trace.sweep_settings import AnalyzerSettings
@@ -159,12 +159,12 @@ def _delay(description: Mapping[str, Any]) -> Dict[str, Any]:
 
 
 _ENTRIES: Tuple[Tuple[Callable[[Mapping[str, Any]], Dict[str, Any]], Message], ...] = (
-    (_of_people, Message("the annotation in survey.json is not valid: {reason}", reason="")),
-    (_markers, Message("the markers in survey.json are not valid: {reason}", reason="")),
+    (_of_people, Message("the annotation in the log is not valid: {reason}", reason="")),
+    (_markers, Message("the markers in the log are not valid: {reason}", reason="")),
     (
         _delay,
         Message(
-            "the delay of cables and antennas in survey.json is not valid ({reason}); 0 is used",
+            "the delay of cables and antennas in the log is not valid ({reason}); 0 is used",
             reason="",
         ),
     ),

@@ -11,9 +11,9 @@ from gpr20_analysis import faults
 from gpr20_analysis.errors import AnalysisError, DamagedSurveyError
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message
-from gpr20_survey.plan.imported import ImportedFit, ImportedGrid, is_imported
-from gpr20_survey.plan.plan_fit import PlanFit
-from gpr20_survey.plan.survey_plan import SurveyPoint
+from gpr20_survey.plan.imported import ImportedGrid
+from gpr20_survey.plan.recorded_plan import PlanFit
+from gpr20_survey.plan.survey_points import SurveyPoint
 from gpr20_survey.trace.trace import Trace
 
 DECIMALS = 4  # of a millimetre: a hundredth of a motor step
@@ -124,7 +124,7 @@ def _filled(values: Tuple[float, ...], name: str, notes: List[Message]) -> Tuple
 
 
 class Plan:
-    """The planned samples of a survey, computed from its survey.json.
+    """The planned samples of a survey, computed from its description.
 
     Of an imported survey, which has no plan, the places of its grid.
     """
@@ -136,11 +136,10 @@ class Plan:
             AnalysisError: Parameters or axes are missing or invalid.
         """
         try:
-            fit = ImportedFit if is_imported(description) else PlanFit
-            self._fit = fit(description)
+            self._fit = PlanFit(description)
         except InvalidValueError as error:
             raise AnalysisError(
-                Message("the plan is unknown: survey.json: {reason}", reason=error.message),
+                Message("the plan is unknown: {reason}", reason=error.message),
                 fault=faults.SURVEY_DAMAGED,
             ) from error
         self.points: List[SurveyPoint] = self._fit.points

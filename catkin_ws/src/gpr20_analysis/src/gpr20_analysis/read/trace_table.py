@@ -11,7 +11,7 @@ import numpy as np
 from gpr20_analysis.read.sources import Damage, Position
 from gpr20_analysis.read.survey_grid import Plan, planned_grid
 from gpr20_common.message import Message
-from gpr20_survey.axes.zero_epoch import Zeros
+from gpr20_survey.axes.axis_id import Zeros
 from gpr20_survey.trace.sweep_settings import AnalyzerSettings
 from gpr20_survey.trace.trace import TRACE_FIELDS, Trace
 from gpr20_survey.trace.trace_form import FLOATS

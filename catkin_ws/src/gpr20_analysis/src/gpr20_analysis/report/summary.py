@@ -25,7 +25,7 @@ from gpr20_common.message import Message, verbatim
 from gpr20_common.sent_message import received_message
 from gpr20_survey.folder.survey_metadata import REASON_MESSAGE
 from gpr20_survey.plan.markers import MARKERS
-from gpr20_survey.plan.refines import REFINES
+from gpr20_survey.plan.recorded_plan import REFINES
 from gpr20_survey.trace.calibration import MEANINGS
 
 MM, GHZ, MHZ = 1e-3, 1e9, 1e6

@@ -78,7 +78,7 @@ def test_a_wrong_value_is_refused_and_nothing_changes(folder, capsys):
     for options, reasons in (
         (["--position", "91,0"], ["91 deg"]),
         (["--position", "4.6"], ["latitude and longitude"]),
-        (["--position", "4.6,nan"], ["'nan'", "decimal number"]),
+        (["--position", "4.6,nan"], ["'4.6,nan'", "latitude and longitude"]),
         (["--heading", "400"], ["400 deg", "360 deg"]),
         (["--site", "a\x07"], ["U+0007 at character 2"]),
         ([*POSITION, "--no-position"], ["not allowed with"]),
@@ -107,7 +107,7 @@ def test_a_damaged_annotation_or_list_of_markers_does_not_hide_the_survey(folder
     describe_again(folder, annotation={"operator": 1}, markers=5)
     survey = load_survey(folder, accept_damaged=True)
     assert "operator" not in survey.attrs
-    for said in ("the annotation in survey.json is not valid", "not a list of markers"):
+    for said in ("the annotation in the log is not valid", "the markers in the log are damaged"):
         assert any(said in one for one in survey.attrs["notes"])
     assert main(["markers", str(folder), "--accept-damaged"]) == 3
 

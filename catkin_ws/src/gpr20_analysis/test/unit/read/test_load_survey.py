@@ -25,7 +25,7 @@ from gpr20_analysis.read.load import load_survey
 from gpr20_analysis.read.survey_grid import grid_of
 from gpr20_analysis.report.sections import _sensors
 from gpr20_analysis.sentences import ENGLISH
-from gpr20_survey.axes.zero_epoch import ZeroEpoch
+from gpr20_survey.axes.axis_id import ZeroEpoch
 from gpr20_survey.trace.aux_value import AuxValue
 from gpr20_survey.trace.sweep_settings import AnalyzerSettings
 

@@ -30,10 +30,9 @@ from gpr20_msgs.srv import AxisLease as AxisLeaseService
 from gpr20_msgs.srv import AxisLeaseRequest as AxisLeaseServiceRequest
 from gpr20_msgs.srv import AxisLeaseResponse as AxisLeaseServiceResponse
 from gpr20_msgs.srv import Command, CommandRequest, CommandResponse
-from gpr20_survey.axes.axis_id import AxisId
+from gpr20_survey.axes.axis_id import BASE_LINK, AxisId
 from gpr20_survey.axes.axis_parameters import AxisParameters
 from gpr20_survey.faults import CONTROL_SILENT, NOT_HOMED
-from gpr20_survey.frames import BASE_LINK
 
 NO_CONTACT = Message("the axis stopped because it had no contact with the main control").with_fault(
     CONTROL_SILENT

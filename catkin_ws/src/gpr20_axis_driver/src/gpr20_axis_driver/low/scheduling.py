@@ -10,7 +10,7 @@ from typing import List
 
 from gpr20_axis_driver import faults
 from gpr20_common.message import Message
-from gpr20_survey.axes.realtime_priority import PULSE_PRIORITY
+from gpr20_survey.axes.axis_parameters import PULSE_PRIORITY
 
 # From <sys/mman.h> and <sys/prctl.h> of Linux.
 MCL_CURRENT, MCL_FUTURE = 1, 2

@@ -19,7 +19,7 @@ from gpr20_axis_driver import faults
 from gpr20_axis_driver.axis_exceptions import StepCounterError
 from gpr20_common.message import Message
 from gpr20_common.os_reason import os_reason
-from gpr20_survey.axes.zero_epoch import ZeroEpoch
+from gpr20_survey.axes.axis_id import ZeroEpoch
 
 LAYOUT = 0x47505241_00000001
 WORD_BYTES = 8

@@ -28,9 +28,9 @@ from gpr20_axis_driver.motion import (
 )
 from gpr20_common.low.clock import time_of_day_us
 from gpr20_common.message import Message
+from gpr20_survey.axes.axis_id import ZeroEpoch
 from gpr20_survey.axes.axis_parameters import AxisParameters
 from gpr20_survey.axes.ramp import Ramp
-from gpr20_survey.axes.zero_epoch import ZeroEpoch
 
 SET_ZERO = Message(
     "turn the antennas to their mark and set the zero of this axis", details="service set_zero"

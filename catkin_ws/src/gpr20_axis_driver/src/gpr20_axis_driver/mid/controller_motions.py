@@ -23,9 +23,9 @@ from gpr20_axis_driver.controller import (
 from gpr20_axis_driver.mid.homing import TRAVEL_MARGIN
 from gpr20_axis_driver.motion import Ending, Motion, MotionReport, StopRequested
 from gpr20_common.message import Message
+from gpr20_survey.axes.axis_id import UNKNOWN_ZERO, ZeroEpoch
 from gpr20_survey.axes.axis_parameters import HOMING_BACKOFFS, AxisParameters
 from gpr20_survey.axes.ramp import Ramp
-from gpr20_survey.axes.zero_epoch import UNKNOWN_ZERO, ZeroEpoch
 
 MOVING_PERIOD_S = 0.02
 RESTING_PERIOD_S = 0.1

@@ -12,7 +12,7 @@ from gpr20_axis_driver.low.pulse_process import SILENT_PARENT_S, PulseProcess
 from gpr20_axis_driver.low.step_counter import StepCounter, open_step_counter
 from gpr20_axis_driver.motion import AxisHardware, Ending, Motion, MotionReport, StopRequested
 from gpr20_common.message import Message
-from gpr20_survey.axes.zero_epoch import ZeroEpoch
+from gpr20_survey.axes.axis_id import ZeroEpoch
 
 # The pulse process of a previous node ramps down before it releases the axis.
 LOCK_LIMIT_S = 5.0

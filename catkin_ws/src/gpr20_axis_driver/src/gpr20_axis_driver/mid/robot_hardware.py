@@ -15,7 +15,7 @@ from gpr20_axis_driver.mid.wave_runner import WaveRunner
 from gpr20_axis_driver.motion import LateLimits, MotionRunner
 from gpr20_common.low.clock import Clock
 from gpr20_common.mid.hardware import Hardware
-from gpr20_survey.axes.axis_parameters import AxisParameters, Backend
+from gpr20_survey.axes.axis_parameters import PIGPIO, AxisParameters
 
 SHARED_MEMORY = Path("/dev/shm")
 
@@ -45,7 +45,7 @@ class RobotHardware:
 
     def open(self, counter: StepCounter) -> MotionRunner:
         """Open the pins; called in the process that makes the pulses."""
-        if self.parameters.backend == Backend.PIGPIO.value:
+        if self.parameters.backend == PIGPIO:
             lock = lock_wave_transmitter(WAVE_LOCK)
             return WaveRunner(pigpio_daemon(), lock, self.parameters, self.clock, counter)
         limits = LateLimits.of(self.parameters)

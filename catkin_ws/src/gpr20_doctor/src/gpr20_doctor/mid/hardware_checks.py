@@ -9,7 +9,7 @@ from gpr20_doctor import faults
 from gpr20_doctor.low.pi import PIN_MODULES, DeviceFile, Groups, Pins, Realtime
 from gpr20_doctor.mid.finding import Finding, Level, not_known
 from gpr20_doctor.mid.machine_facts import HardwareUse, MachineFacts
-from gpr20_survey.axes.realtime_priority import PULSE_PRIORITY
+from gpr20_survey.axes.axis_parameters import PULSE_PRIORITY
 
 SPI = "spi"
 GROUPS = ("gpio", SPI)

@@ -21,7 +21,7 @@ from gpr20_doctor.mid import machine_facts as facts
 from gpr20_doctor.mid.finding import Unknown
 from gpr20_doctor.mid.machine_facts import HardwareUse, MachineFacts
 from gpr20_doctor.mid.machine_request import MachineRequest
-from gpr20_survey.axes.realtime_priority import PULSE_PRIORITY
+from gpr20_survey.axes.axis_parameters import PULSE_PRIORITY
 from gpr20_survey.errors import ProcessingError
 from gpr20_survey.files.durable_files import free_bytes
 from gpr20_survey.files.file_system import existing_folder, file_system_of

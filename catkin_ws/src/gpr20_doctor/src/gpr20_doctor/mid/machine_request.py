@@ -17,7 +17,7 @@ from gpr20_doctor.mid.machine_facts import HardwareUse
 from gpr20_doctor.mid.node_health import axis_node
 from gpr20_doctor.mid.place import NO_PLACE, Place, place_of
 from gpr20_survey.axes.axis_id import AxisId
-from gpr20_survey.axes.axis_parameters import Backend
+from gpr20_survey.axes.axis_parameters import RPI_GPIO
 from gpr20_survey.plan.robot_description import ANALYZER, HEIGHT_SENSOR, STORAGE, NodeDescription
 
 ROOT = Path("/")
@@ -158,7 +158,7 @@ class ThisMachine:
             own = configured(self.place.config, "axes.yaml", axis_id.value)
             values = own if node is None else node.configuration
             known = isinstance(values, Mapping) and not (node and node.hardware.simulated)
-            library = values.get("backend", Backend.RPI_GPIO.value) if known else ""
+            library = values.get("backend", RPI_GPIO) if known else ""
             if not (isinstance(values, Mapping) and values.get("controller")):
                 found.append(str(library))
         return found

@@ -12,7 +12,7 @@ from gpr20_common.faults import CONFIGURATION
 from gpr20_common.message import Message
 from gpr20_common.mid.codec import bounded
 from gpr20_height_sensor.low.adc_interface import CHANNELS
-from gpr20_survey.frames import HEIGHT_SENSOR_LINK
+from gpr20_survey.axes.axis_id import HEIGHT_SENSOR_LINK
 
 FEWEST_FROZEN = 30
 # Buses and chip-select lines beyond this are typing errors.

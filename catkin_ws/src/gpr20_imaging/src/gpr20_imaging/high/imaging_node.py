@@ -33,7 +33,7 @@ from gpr20_msgs.srv import (
     MapHidden,
     MapHiddenResponse,
 )
-from gpr20_survey.frames import BASE_LINK
+from gpr20_survey.axes.axis_id import BASE_LINK
 from gpr20_survey.high.candidate_topics import CandidateTopics
 from gpr20_survey.results.candidate_json import json_text
 from gpr20_survey.results.focused_image import focus_fields

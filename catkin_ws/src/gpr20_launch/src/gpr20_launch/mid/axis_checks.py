@@ -12,7 +12,7 @@ from gpr20_launch import faults
 from gpr20_launch.mid.hints import with_hint
 from gpr20_launch.mid.problem import Problem, problem
 from gpr20_survey.axes.axis_id import AxisId
-from gpr20_survey.axes.axis_parameters import AxisParameters, AxisType
+from gpr20_survey.axes.axis_parameters import LINEAR, ROTARY, AxisParameters
 
 
 @dataclass(frozen=True)
@@ -33,8 +33,8 @@ class Limits:
 
 
 # Steps of a belt or a screw with microsteps, and of a motor with or without a gear.
-MOVING = Limits(AxisType.LINEAR.value, "mm", (0.0005, 1.0), 500.0)
-TURNING = Limits(AxisType.ROTARY.value, "deg", (0.001, 15.0), 1080.0)
+MOVING = Limits(LINEAR, "mm", (0.0005, 1.0), 500.0)
+TURNING = Limits(ROTARY, "deg", (0.001, 15.0), 1080.0)
 # An axis without room for a row of traces is in metres, no positioner of this kind is longer.
 SHORTEST_MM, LONGEST_MM = 20.0, 3000.0
 # The cables of the antennas allow a quarter turn each way.

@@ -23,12 +23,12 @@ from gpr20_launch.mid.old_launch import LaunchParameters, Unread
 from gpr20_launch.mid.problem import Problem
 from gpr20_launch.mid.robot_files import AXES_FILE, AXIS_SECTIONS
 from gpr20_launch.mid.wiring import Unchecked
-from gpr20_survey.axes.axis_parameters import AxisType
+from gpr20_survey.axes.axis_parameters import LINEAR, ROTARY
 
 PINS = ("dir_pin", "step_pin", "sensor_pin")
 NUMBERS = ("step_size", "min_step", "max_step", "delta_step", "min_coord", "max_coord")
 NAMES = (*PINS, *NUMBERS, "type")
-_TYPES = tuple(one.value for one in AxisType)
+_TYPES = (LINEAR, ROTARY)
 VNA_NAMES = ("vna_ip", "ip_addr", "vna_address")
 # Such as gpr20_x_axis, x_axis, axis_x or x, as one part of a name.
 _AXIS = re.compile(r"(?:.*_)?(?:([xyz])(?:_?axis)?|axis_?([xyz]))(?:_.*)?")
@@ -175,7 +175,7 @@ def _axis_lines(
     if kind in _TYPES and kind != own.get("type", kind):
         own["type"] = kind
         changed(f"type: {old['type']} -> {kind}")
-    if "sensor_pin" in own and kind == AxisType.ROTARY.value:
+    if "sensor_pin" in own and kind == ROTARY:
         del own["sensor_pin"]
         changed(f"sensor_pin: {pin} -> left out: an axis that turns has no endstop, also before")
         changed("min_coord: homing called the place where it was so; here a person sets 0")

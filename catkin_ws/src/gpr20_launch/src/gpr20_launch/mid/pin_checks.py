@@ -11,7 +11,7 @@ from gpr20_launch import faults
 from gpr20_launch.mid.pin_table import EEPROM, GPIO_OF_BOARD, I2C, SPI_BUSES, UART
 from gpr20_launch.mid.problem import Problem, problem
 from gpr20_launch.mid.robot_files import AXES_FILE, Reading
-from gpr20_survey.axes.axis_parameters import AxisParameters, Backend, Level, Pull
+from gpr20_survey.axes.axis_parameters import PIGPIO, RPI_GPIO, AxisParameters, Level, Pull
 
 HEIGHT_FILE = "height.yaml"
 # What enables the drivers of several axes.
@@ -146,10 +146,10 @@ def _pull(file: Path, axis: str, parameters: AxisParameters) -> Iterator[Problem
 
 
 def _wave_transmitter(file: Path, axes: Dict[str, AxisParameters]) -> Iterator[Problem]:
-    timed = [axis for axis, one in axes.items() if one.backend == Backend.PIGPIO.value]
+    timed = [axis for axis, one in axes.items() if one.backend == PIGPIO]
     for axis in timed[1:]:
         reason = Message(
             "pigpio can time the pulses of one axis, and {first} has it", first=timed[0]
         )
-        key, other = f"{axis}/backend", Backend.RPI_GPIO.value
-        yield problem(faults.MOTION, file, key, Backend.PIGPIO.value, reason, other)
+        key, other = f"{axis}/backend", RPI_GPIO
+        yield problem(faults.MOTION, file, key, PIGPIO, reason, other)

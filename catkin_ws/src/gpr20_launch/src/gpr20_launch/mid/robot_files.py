@@ -22,9 +22,9 @@ from gpr20_launch.mid.wiring import Wiring
 from gpr20_main_control.mid.devices.described_robot import TimeLimits
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.axes.axis_parameters import AxisParameters
+from gpr20_survey.plan.annotation import Site
 from gpr20_survey.plan.sensors import SENSORS, Sensors
-from gpr20_survey.plan.site import Site
-from gpr20_survey.plan.survey_settings import SurveySettings
+from gpr20_survey.plan.survey_parameters import SurveySettings
 from gpr20_vna_acquisition.mid.vna_parameters import VnaParameters
 from gpr20_vna_processing.mid.processing_parameters import ProcessingParameters
 from gpr20_web.mid.web_parameters import WebParameters

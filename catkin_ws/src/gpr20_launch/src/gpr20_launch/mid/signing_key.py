@@ -10,7 +10,7 @@ from typing import List
 from gpr20_launch.mid.robot_files import Sections
 from gpr20_survey.files import durable_files, ssh_keygen
 from gpr20_survey.folder.signature import NAMESPACE
-from gpr20_survey.plan.site import Site
+from gpr20_survey.plan.annotation import Site
 
 KEY_FILE = "signing_key"
 """The private key; it has no ending of YAML, so no reader of the configuration opens it."""

@@ -57,6 +57,7 @@ from gpr20_msgs.srv import (
 )
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.plan import annotation
+from gpr20_survey.plan.annotation import Site
 from gpr20_survey.plan.robot_description import (
     PLAIN_NAMES,
     SIMULATOR,
@@ -65,9 +66,11 @@ from gpr20_survey.plan.robot_description import (
     NodeDescription,
 )
 from gpr20_survey.plan.sensors import SENSORS, Sensors
-from gpr20_survey.plan.site import Site
-from gpr20_survey.plan.survey_parameters import DEFAULT_POLARIZATIONS_DEG, SurveyParameters
-from gpr20_survey.plan.survey_settings import SurveySettings
+from gpr20_survey.plan.survey_parameters import (
+    DEFAULT_POLARIZATIONS_DEG,
+    SurveyParameters,
+    SurveySettings,
+)
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_survey.radar.soils import requested_permittivity
 from gpr20_survey.results.analyzer_test import analyzer_test_fields

@@ -21,8 +21,7 @@ from gpr20_main_control.mid.devices.axis_leases import Lease
 from gpr20_main_control.mid.devices.robot import AxisReading, MoveOutcome
 from gpr20_msgs.msg import AxisAction, AxisGoal, AxisResult, CurrentCoordinate
 from gpr20_msgs.srv import AxisLease, AxisLeaseResponse, Command
-from gpr20_survey.axes.axis_id import AxisId
-from gpr20_survey.axes.zero_epoch import ZeroEpoch
+from gpr20_survey.axes.axis_id import AxisId, ZeroEpoch
 from gpr20_survey.faults import CONTROL_SILENT, LEASE_LAPSED
 from gpr20_survey.plan.robot_description import PLAIN_NAMES
 

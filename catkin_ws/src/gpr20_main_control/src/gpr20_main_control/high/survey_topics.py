@@ -10,6 +10,7 @@ import rospy
 from gpr20_common.message import Message
 from gpr20_common.sent_message import message_fields
 from gpr20_main_control.mid.devices.robot import Robot
+from gpr20_main_control.mid.survey.coverage import Coverage
 from gpr20_main_control.mid.survey.survey_status import Status
 from gpr20_msgs.msg import (
     ControlStatus,
@@ -19,8 +20,7 @@ from gpr20_msgs.msg import (
     SurveyData,
 )
 from gpr20_msgs.msg import SurveyParameters as SurveyParametersMessage
-from gpr20_survey.frames import BASE_LINK
-from gpr20_survey.plan.coverage import Coverage
+from gpr20_survey.axes.axis_id import BASE_LINK
 from gpr20_survey.plan.survey_parameters import SurveyParameters
 from gpr20_survey.plan.survey_state import SurveyState
 

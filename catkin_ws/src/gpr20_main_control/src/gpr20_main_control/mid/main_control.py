@@ -8,7 +8,7 @@ import uuid
 from dataclasses import replace
 from typing import Callable, Iterator, Optional
 
-from gpr20_common.errors import Gpr20Error
+from gpr20_common.errors import Gpr20Error, InvalidValueError
 from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message, in_a_row
 from gpr20_main_control import faults
@@ -24,13 +24,12 @@ from gpr20_main_control.mid.survey.survey_plan import SurveyPlan, plan_resumptio
 from gpr20_main_control.mid.survey.survey_status import Status, SurveyStatus
 from gpr20_main_control.mid.waits import Interruption
 from gpr20_survey.plan.annotation import EMPTY, Annotation
-from gpr20_survey.plan.refines import check_refines
-from gpr20_survey.plan.survey_parameters import SurveyParameters, check_address
-from gpr20_survey.plan.survey_settings import SurveySettings
+from gpr20_survey.plan.survey_parameters import SurveyParameters, SurveySettings, check_address
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_survey.results.analyzer_test import AnalyzerTest
 from gpr20_survey.results.daily_check import Verdict
 from gpr20_survey.results.reopened_survey import ReopenedSurvey
+from gpr20_survey.trace.trace import SURVEY_ID
 
 # A request waits this long for another one to end [s].
 REQUEST_LIMIT_S = 5.0
@@ -165,7 +164,7 @@ class MainControl:
                 set_by=self._plan.set_by,
                 survey_id=str(uuid.uuid4()),
                 annotation=annotation,
-                refines=check_refines(refines),
+                refines=_checked_refines(refines),
                 permittivity=permittivity,
             )
             self._begin(plan, self._stops_at_plan)
@@ -412,3 +411,15 @@ def _refused_end(reopened: ReopenedSurvey, refusal: Message) -> SurveyEnd:
     """Return the end of a survey that was reopened but cannot continue on this robot."""
     status = Status(SurveyState.FAILED, refusal, reopened.survey_id)
     return SurveyEnd("failed", refusal, status)
+
+
+def _checked_refines(survey_id: str) -> str:
+    if survey_id and not SURVEY_ID.fullmatch(survey_id):
+        raise InvalidValueError(
+            Message(
+                "refines is {survey}; it must be empty or a survey's id, a UUID in lower case "
+                "with hyphens",
+                survey=repr(survey_id[:64]),
+            )
+        )
+    return survey_id

@@ -14,8 +14,8 @@ from gpr20_main_control import faults
 from gpr20_main_control.errors import DeviceError
 from gpr20_main_control.mid.devices.described_robot import DescribedRobot, TimeLimits
 from gpr20_survey.axes.axis_id import AxisId
+from gpr20_survey.plan.annotation import Site
 from gpr20_survey.plan.robot_description import PLAIN_NAMES, NodeDescription
-from gpr20_survey.plan.site import Site
 from gpr20_survey.plan.survey_state import SurveyState
 
 

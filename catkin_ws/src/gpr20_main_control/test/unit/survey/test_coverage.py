@@ -14,10 +14,11 @@ from gpr20_common.message import Fault, Message
 from gpr20_common.sent_message import received_message
 from gpr20_main_control import faults
 from gpr20_main_control.errors import SurveyError
+from gpr20_main_control.mid.survey.coverage import Coverage
 from gpr20_main_control.mid.survey.known_point import compare
 from gpr20_main_control.mid.survey.survey_report import AnalyzerRecord, SurveyReport
 from gpr20_main_control.mid.survey.zero_record import ZeroRecord
-from gpr20_survey.plan.coverage import Coverage, SampleState
+from gpr20_survey.plan.coverage import COVERAGE_LETTERS, SampleState, reported_verdict
 
 NO_ANSWER = Message("no answer")
 
@@ -65,6 +66,20 @@ def test_the_runs_spell_out_every_state(states):
     spelled = [state for (start, state), end in zip(runs, ends) for _ in range(start, end)]
     assert spelled == states
     assert all(a[1] is not b[1] for a, b in zip(runs, runs[1:]))
+
+
+@given(st.lists(st.sampled_from(SampleState), min_size=1, max_size=50))
+def test_a_verdict_is_read_as_it_was_given(states):
+    coverage = Coverage(len(states))
+    for index, state in enumerate(states):
+        if state in (SampleState.MEASURED, SampleState.REMEASURED):
+            coverage.note_stored(index)
+        if state is SampleState.REMEASURED:
+            coverage.note_remeasured(index)
+        if state is SampleState.FAILED:
+            coverage.note_failed(index, Message("lost"))
+    letters = "".join(COVERAGE_LETTERS[state] for state in coverage.states)
+    assert reported_verdict({"coverage": letters}) == coverage.verdict()
 
 
 @pytest.mark.parametrize("height_m, shown", [(0.21, "+10.0 mm"), (math.nan, "20.0 dB")])

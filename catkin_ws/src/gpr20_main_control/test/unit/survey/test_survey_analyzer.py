@@ -15,8 +15,8 @@ from gpr20_main_control import faults
 from gpr20_main_control.errors import DeviceError
 from gpr20_main_control.mid.devices.robot import AnalyzerCalibration
 from gpr20_main_control.mid.survey.survey_plan import plan_survey
-from gpr20_survey.plan.robot_config import RobotConfig
-from gpr20_survey.plan.survey_settings import HeightPolicy, SurveySettings
+from gpr20_survey.plan.robot_description import RobotConfig
+from gpr20_survey.plan.survey_parameters import HeightPolicy, SurveySettings
 from gpr20_survey.plan.survey_state import SurveyState as State
 from gpr20_survey.trace.calibration import CalibrationStatus
 from gpr20_survey.trace.sweep_settings import AnalyzerSettings

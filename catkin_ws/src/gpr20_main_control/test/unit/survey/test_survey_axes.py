@@ -9,7 +9,7 @@ from gpr20_common.message import Fault, Message, Severity
 from gpr20_main_control import faults
 from gpr20_main_control.errors import DeviceError
 from gpr20_main_control.mid.devices.robot import AxisReading, MoveOutcome
-from gpr20_survey.axes.zero_epoch import UNKNOWN_ZERO
+from gpr20_survey.axes.axis_id import UNKNOWN_ZERO
 from gpr20_survey.plan.survey_state import SurveyState as State
 
 STOPPED_BY_OTHERS = Message("stopped").with_fault(

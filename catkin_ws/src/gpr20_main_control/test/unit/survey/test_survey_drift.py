@@ -16,8 +16,8 @@ from gpr20_main_control import faults
 from gpr20_main_control.mid.survey.drift_record import MAX_FREQUENCIES, DriftLimits, Revisit
 from gpr20_main_control.mid.survey.survey_plan import plan_survey
 from gpr20_survey.folder.log_record import Kind
-from gpr20_survey.plan.robot_config import RobotConfig
-from gpr20_survey.plan.survey_settings import SurveySettings
+from gpr20_survey.plan.robot_description import RobotConfig
+from gpr20_survey.plan.survey_parameters import SurveySettings
 from gpr20_survey.plan.survey_state import SurveyState as State
 
 INTERVAL_S = 12.0

@@ -9,8 +9,9 @@ from survey_examples import PARAMETERS
 
 from gpr20_main_control import faults
 from gpr20_main_control.errors import DeviceError, RequestRefusedError
+from gpr20_main_control.mid.survey.survey_status import TRANSITIONS
 from gpr20_survey.plan.survey_parameters import SurveyParametersError
-from gpr20_survey.plan.survey_state import RUNNING, TRANSITIONS
+from gpr20_survey.plan.survey_state import RUNNING
 from gpr20_survey.plan.survey_state import SurveyState as State
 
 VNA = "vna_acquisition"

@@ -1,10 +1,11 @@
 """The list of steps of a survey; they are not executed."""
 
 import pytest
+from case_kit import each_case
 from cut_off_surveys import reopened_survey, stored_trace
 from survey_examples import AXES, PARAMETERS
 
-from gpr20_main_control.mid.survey.survey_plan import plan_resumption, plan_survey
+from gpr20_main_control.mid.survey.survey_plan import RemainingTime, plan_resumption, plan_survey
 from gpr20_main_control.mid.survey.survey_steps import (
     Check,
     Checkpoint,
@@ -19,8 +20,8 @@ from gpr20_main_control.mid.survey.survey_steps import (
     Sweep,
     survey_steps,
 )
-from gpr20_survey.plan.robot_config import RobotConfig
-from gpr20_survey.plan.survey_settings import SurveySettings
+from gpr20_survey.plan.robot_description import RobotConfig
+from gpr20_survey.plan.survey_parameters import SurveySettings
 
 CONFIG = RobotConfig(AXES, simulated=True)
 PLAN = plan_survey(PARAMETERS, CONFIG, SurveySettings())
@@ -101,3 +102,8 @@ def test_a_known_point_is_compared_only_if_the_zeros_are_other_ones(homed):
     compared = [step.stored for step in steps if isinstance(step, Compare)]
     assert [[one.index for one in stored] for stored in compared] == ([[0]] if homed else [])
     assert indices(steps, Sweep) == list(range(1, TOTAL))
+
+
+@each_case("done, spent_s, left_s", [(0, 5.0, 60.0), (1, 15.0, 75.0), (3, 90.0, 0.0)])
+def test_the_remaining_time_is_the_plan_at_the_pace_so_far(done, spent_s, left_s):
+    assert RemainingTime([10.0, 20.0, 30.0]).remaining_s(done, spent_s) == pytest.approx(left_s)

@@ -17,7 +17,7 @@ from gpr20_main_control.mid.survey import sampling, survey_ending
 from gpr20_main_control.mid.survey.storage_queue import StorageQueue
 from gpr20_survey.folder.soil_note import PLANNED
 from gpr20_survey.plan.annotation import EMPTY, Annotation, Wgs84Position, annotation_of
-from gpr20_survey.plan.refines import refines_of
+from gpr20_survey.plan.recorded_plan import refines_of
 from gpr20_survey.plan.survey_state import SurveyState as State
 
 OWN = Annotation("Ana", "here", "wet", Wgs84Position(4.6, -74.1))

@@ -19,7 +19,7 @@ from gpr20_survey.folder.survey_metadata import MAX_FILE_BYTES, parse_object
 from gpr20_survey.plan.imported import TOLERANCE, imported_grid, is_imported
 from gpr20_survey.plan.recorded_plan import recorded_plan
 from gpr20_survey.plan.survey_parameters import RobotTravel, SurveyParameters
-from gpr20_survey.plan.survey_plan import grid, on_step
+from gpr20_survey.plan.survey_points import grid, on_step
 
 
 @dataclass(frozen=True)
@@ -79,7 +79,7 @@ class SurveyGrid:
     def cells(self, indices: np.ndarray) -> Cells:
         """Return row, column and polarization of places in the plan (whole numbers, shape n).
 
-        The order is that of `survey_plan.survey_points`: columns turn with every row,
+        The order is that of `survey_points.visits`: columns turn with every row,
         polarizations with every stop.
         """
         columns, polarizations = len(self.xs_mm), len(self.rotations_deg)
@@ -171,17 +171,17 @@ def planned_grid(
 
 
 def grid_from_description(text: str) -> SurveyGrid:
-    """Return the grid of a survey from its survey.json.
+    """Return the grid of a survey from its description.
 
     Raises:
         SurveyNotReadableError: The text does not describe a survey.
     """
     try:
-        values = parse_object(text, "survey.json", MAX_FILE_BYTES)
+        values = parse_object(text, "metadata_json", MAX_FILE_BYTES)
         survey_id = values.get("survey_id")
         if not isinstance(survey_id, str):
             raise InvalidValueError(
-                Message("survey.json has no survey id"), fault=faults.PLAN_UNREADABLE
+                Message("the log has no survey id"), fault=faults.PLAN_UNREADABLE
             )
         # Data of unknown origin are never shown as those of real ground.
         simulated = values.get("simulated") is not False

@@ -106,7 +106,7 @@ class ControlClient(RosEvents):
         self._subscribe("control_status", ControlStatus, self._state, None)
         self._subscribe("replay", Replay, conversions.replay_mark, None)
         if self._senders.replay:
-            # Recordings of earlier versions lack the one topic, imported surveys the other.
+            # The recording of an imported survey has no status.
             topics = tuple(self._subscribers)
             self._player = Periodic(PLAYER_PERIOD_S, lambda: self._check_player(topics))
         self._subscribe("control_survey_data", SurveyData, conversions.progress, None)

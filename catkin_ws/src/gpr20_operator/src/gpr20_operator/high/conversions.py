@@ -27,12 +27,14 @@ from gpr20_operator.robot.events import (
 )
 from gpr20_operator.robot.replay import ReplayMark, ReplayPhase
 from gpr20_survey.folder.log_record import Kind
-from gpr20_survey.plan.annotation import Annotation
+from gpr20_survey.plan.annotation import Annotation, Site
 from gpr20_survey.plan.markers import present_markers
 from gpr20_survey.plan.robot_description import ANALYZER, robot_config
-from gpr20_survey.plan.site import Site
-from gpr20_survey.plan.survey_parameters import DEFAULT_POLARIZATIONS_DEG, SurveyParameters
-from gpr20_survey.plan.survey_settings import SurveySettings
+from gpr20_survey.plan.survey_parameters import (
+    DEFAULT_POLARIZATIONS_DEG,
+    SurveyParameters,
+    SurveySettings,
+)
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_survey.results.survey_summary import summary_from
 from gpr20_survey.trace.trace_block import block_from

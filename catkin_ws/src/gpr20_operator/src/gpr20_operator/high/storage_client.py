@@ -42,7 +42,7 @@ from gpr20_survey.errors import TraceRefusedError
 from gpr20_survey.folder.log_record import Kind
 from gpr20_survey.folder.survey_metadata import MAX_FILE_BYTES, parse_object
 from gpr20_survey.plan.markers import Marker, present_markers
-from gpr20_survey.plan.refines import refines_of
+from gpr20_survey.plan.recorded_plan import refines_of
 from gpr20_survey.trace import trace_message
 from gpr20_survey.trace.trace import Trace
 
@@ -162,7 +162,7 @@ class StorageClient(RosEvents):
         return _answer(self._survey, READ_TIMEOUT_S, survey=survey)
 
     def _description(self, survey: str) -> Any:
-        return parse_object(self._read(survey).metadata_json, "survey.json", MAX_FILE_BYTES)
+        return parse_object(self._read(survey).metadata_json, "metadata_json", MAX_FILE_BYTES)
 
 
 def _trace(message: rospy.AnyMsg) -> Optional[Trace]:

@@ -9,16 +9,15 @@ from typing import Mapping, Optional
 from gpr20_common.message import Message, Severity
 from gpr20_doctor.mid.robot_facts import AxisPosition
 from gpr20_survey.axes.axis_id import AxisId
-from gpr20_survey.plan.robot_config import RobotConfig
-from gpr20_survey.plan.robot_description import NodeDescription
-from gpr20_survey.plan.site import Site
+from gpr20_survey.plan.annotation import Site
+from gpr20_survey.plan.robot_description import NodeDescription, RobotConfig
 from gpr20_survey.plan.survey_parameters import (
     MAX_COORDINATE_MM,
     MIN_COORDINATE_MM,
     RobotTravel,
+    SurveySettings,
     Travel,
 )
-from gpr20_survey.plan.survey_settings import SurveySettings
 from gpr20_survey.plan.survey_state import SurveyState
 
 

@@ -19,7 +19,6 @@ from gpr20_operator.robot.events import (
 )
 from gpr20_operator.robot.health import HealthReport
 from gpr20_operator.robot.replay import ReplayView
-from gpr20_survey.plan.robot_description import SIMULATOR
 from gpr20_survey.plan.survey_parameters import RobotTravel, SurveyParameters
 from gpr20_survey.plan.survey_state import SurveyState
 
@@ -84,8 +83,6 @@ class Snapshot:
     @property
     def simulated(self) -> bool:
         """Whether the robot is simulated, or the survey that is replayed is of a simulated one."""
-        if self.replay is not None and self.health.node(SIMULATOR) is not None:
-            return True  # a recording of an earlier version may come without its status
         return self.state is not None and self.state.simulated
 
     @property

@@ -6,12 +6,12 @@ import enum
 from dataclasses import dataclass, field, fields
 from decimal import Decimal
 from pathlib import PurePosixPath
-from typing import Any, Dict, Literal, Optional
+from typing import Any, Dict, Iterator, Literal, Optional
 
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.faults import CONFIGURATION
 from gpr20_common.message import Message
-from gpr20_common.mid.checks import number_between, positive_number
+from gpr20_common.mid.checks import number_between
 from gpr20_common.mid.codec import bounded
 from gpr20_common.mid.extension import is_extension
 
@@ -33,13 +33,14 @@ HOMING_BACKOFFS = 5
 MAX_GAP_S = 10.0
 # Shorter, and a busy computer ends moves; longer, and a robot moves that nobody controls.
 MIN_LEASE_S, MAX_LEASE_S = 0.5, 10.0
+# Real-time priority of the processes that make the pulses: below the kernel's own real-time threads
+# (50 and 99), above everything else.
+PULSE_PRIORITY = 45
 
 
-class Backend(enum.Enum):
-    """The library that drives the pins of the real robot."""
-
-    RPI_GPIO = "rpi_gpio"
-    PIGPIO = "pigpio"
+# The libraries that drive the pins of the real robot, and how an axis moves.
+RPI_GPIO, PIGPIO = "rpi_gpio", "pigpio"
+LINEAR, ROTARY = "LIN", "ROT"
 
 
 class Level(enum.Enum):
@@ -55,13 +56,6 @@ class Pull(enum.Enum):
     UP = "up"
     DOWN = "down"
     NONE = "none"
-
-
-class AxisType(enum.Enum):
-    """How an axis moves."""
-
-    LINEAR = "LIN"
-    ROTARY = "ROT"
 
 
 @dataclass(frozen=True)
@@ -117,7 +111,7 @@ class AxisParameters:
     max_coord: float
     type: Literal["LIN", "ROT"]
     sensor_pin: Optional[int] = None
-    homing_backoff: float = 1.0
+    homing_backoff: float = bounded(0.0, 1.0e5, 1.0)
     homing_margin: float = bounded(0.0, 1.0e5, 10.0)
     endstop_active: Literal["low", "high"] = "low"
     endstop_pull: Literal["up", "down", "none"] = "up"
@@ -134,121 +128,87 @@ class AxisParameters:
     controller_options: Dict[str, Any] = field(default_factory=dict, hash=False)
 
     def __post_init__(self) -> None:
-        self._check_pins()
-        self._check_levels()
-        self._check_sizes()
-        self._check_pulses()
+        unit = self.unit
+        number_between("step_size", self.step_size, MIN_STEP_SIZE, MAX_STEP_SIZE, unit)
+        number_between("delta_step", self.delta_step, MIN_DELTA_S, MAX_PAUSE_S, "s")
+        number_between("max_step", self.max_step, MIN_PAUSE_S, MAX_PAUSE_S, "s")
+        number_between("min_step", self.min_step, MIN_PAUSE_S, self.max_step, "s")
+        number_between("min_coord", self.min_coord, -1.0e5, 1.0e5, unit)
+        number_between("max_coord", self.max_coord, self.min_coord, 1.0e5, unit)
+        number_between("late_limit_s", self.late_limit_s, MIN_PAUSE_S, self.min_step, "s")
+        number_between("gap_limit_s", self.gap_limit_s, self.late_limit_s, MAX_GAP_S, "s")
+        for mistake in (*self._mistaken_pins(), *self._mistaken_zero(), *self._mistaken_class()):
+            raise InvalidValueError(mistake, fault=CONFIGURATION)
+        # Homing goes back and forth by it, and must stay within the axis.
+        longest = (self.max_coord - self.min_coord) / HOMING_BACKOFFS
+        if self.sensor_pin is not None:
+            number_between("homing_backoff", self.homing_backoff, self.step_size, longest, unit)
 
-    def _check_pins(self) -> None:
-        pins = self.pins
-        for name, pin in pins.items():
+    def _mistaken_pins(self) -> Iterator[Message]:
+        for name, pin in self.pins.items():
             if pin not in BOARD_PINS:
-                raise InvalidValueError(
-                    Message(
-                        "{name} is {pin}; it must be the BOARD number of a GPIO pin: {pins}",
-                        name=name,
-                        pin=pin,
-                        pins=", ".join(map(str, sorted(BOARD_PINS))),
-                    ),
-                    fault=CONFIGURATION,
+                yield Message(
+                    "{name} is {pin}; it must be the BOARD number of a GPIO pin: {pins}",
+                    name=name,
+                    pin=pin,
+                    pins=", ".join(map(str, sorted(BOARD_PINS))),
                 )
-        if len(set(pins.values())) != len(pins):
-            listed = ", ".join(f"{name} {pin}" for name, pin in pins.items())
-            raise InvalidValueError(
-                Message("{pins}: all pins must be different", pins=listed), fault=CONFIGURATION
-            )
-
-    def _check_levels(self) -> None:
+        if len(set(self.pins.values())) != len(self.pins):
+            listed = ", ".join(f"{name} {pin}" for name, pin in self.pins.items())
+            yield Message("{pins}: all pins must be different", pins=listed)
         defaults = {one.name: one.default for one in fields(AxisParameters)}
-        for name, pin in (
+        for name, pin_name in (
             ("endstop_active", "sensor_pin"),
             ("endstop_pull", "sensor_pin"),
             ("enable_active", "enable_pin"),
         ):
             value = getattr(self, name)
-            if getattr(self, pin) is None and value != defaults[name]:
-                raise InvalidValueError(
-                    Message(
-                        "{name} is {value}, but the axis has no {pin}; set the pin, or leave "
-                        "{name} out",
-                        name=name,
-                        value=value,
-                        pin=pin,
-                    ),
-                    fault=CONFIGURATION,
+            if getattr(self, pin_name) is None and value != defaults[name]:
+                yield Message(
+                    "{name} is {value}, but the axis has no {pin}; set the pin, or leave {name} "
+                    "out",
+                    name=name,
+                    value=value,
+                    pin=pin_name,
                 )
 
-    def _check_sizes(self) -> None:
-        number_between("step_size", self.step_size, MIN_STEP_SIZE, MAX_STEP_SIZE, self.unit)
-        number_between("delta_step", self.delta_step, MIN_DELTA_S, MAX_PAUSE_S, "s")
-        number_between("max_step", self.max_step, MIN_PAUSE_S, MAX_PAUSE_S, "s")
-        number_between("min_step", self.min_step, MIN_PAUSE_S, self.max_step, "s")
-        number_between("min_coord", self.min_coord, -1.0e5, 1.0e5, self.unit)
-        number_between("max_coord", self.max_coord, self.min_coord, 1.0e5, self.unit)
+    def _mistaken_zero(self) -> Iterator[Message]:
         if self.max_coord - self.min_coord < self.step_size:
-            raise InvalidValueError(
-                Message(
-                    "max_coord is {upper:g} {unit}; it must be at least one step, {step:g} {unit}, "
-                    "above min_coord, {lower:g} {unit}",
-                    upper=self.max_coord,
-                    step=self.step_size,
-                    lower=self.min_coord,
-                    unit=self.unit,
-                ),
-                fault=CONFIGURATION,
+            yield Message(
+                "max_coord is {upper:g} {unit}; it must be at least one step, {step:g} {unit}, "
+                "above min_coord, {lower:g} {unit}",
+                upper=self.max_coord,
+                step=self.step_size,
+                lower=self.min_coord,
+                unit=self.unit,
             )
-        if not self.finds_zero and self.type == AxisType.LINEAR.value:
-            raise InvalidValueError(
-                Message(
-                    "sensor_pin is missing; a linear axis needs an endstop to find its zero: set "
-                    "the pin"
-                ),
-                fault=CONFIGURATION,
-            )
-        if self.sensor_pin is not None:
-            # Homing goes back and forth by it, and must stay within the axis.
-            longest = (self.max_coord - self.min_coord) / HOMING_BACKOFFS
-            number_between(
-                "homing_backoff", self.homing_backoff, self.step_size, longest, self.unit
-            )
-        else:
-            positive_number("homing_backoff", self.homing_backoff, self.unit)
-
-    def _check_pulses(self) -> None:
-        number_between("late_limit_s", self.late_limit_s, MIN_PAUSE_S, self.min_step, "s")
-        number_between("gap_limit_s", self.gap_limit_s, self.late_limit_s, MAX_GAP_S, "s")
-        if self.controller and not is_extension(self.controller):
-            raise InvalidValueError(
-                Message(
-                    "{key} is {name}; it must have the form {example}",
-                    key="controller",
-                    name=repr(self.controller[:200]),
-                    example="package.module:Class",
-                ),
-                fault=CONFIGURATION,
-            )
-        if self.controller_options and not self.controller:
-            raise InvalidValueError(
-                Message("controller_options are given, but no controller; name its class"),
-                fault=CONFIGURATION,
+        if not self.finds_zero and self.type == LINEAR:
+            yield Message(
+                "sensor_pin is missing; a linear axis needs an endstop to find its zero: set the "
+                "pin"
             )
         if self.memory_file and self.sensor_pin is not None:
-            raise InvalidValueError(
-                Message(
-                    "memory_file is '{file}', but the axis finds its zero with the endstop on "
-                    "sensor_pin {pin}; set only one of the two",
-                    file=self.memory_file,
-                    pin=self.sensor_pin,
-                ),
-                fault=CONFIGURATION,
+            yield Message(
+                "memory_file is '{file}', but the axis finds its zero with the endstop on "
+                "sensor_pin {pin}; set only one of the two",
+                file=self.memory_file,
+                pin=self.sensor_pin,
             )
         if self.memory_file and not PurePosixPath(self.memory_file).is_absolute():
-            raise InvalidValueError(
-                Message(
-                    "memory_file is '{file}'; it must be an absolute path", file=self.memory_file
-                ),
-                fault=CONFIGURATION,
+            yield Message(
+                "memory_file is '{file}'; it must be an absolute path", file=self.memory_file
             )
+
+    def _mistaken_class(self) -> Iterator[Message]:
+        if self.controller and not is_extension(self.controller):
+            yield Message(
+                "{key} is {name}; it must have the form {example}",
+                key="controller",
+                name=repr(self.controller[:200]),
+                example="package.module:Class",
+            )
+        if self.controller_options and not self.controller:
+            yield Message("controller_options are given, but no controller; name its class")
 
     @property
     def pins(self) -> Dict[str, int]:
@@ -260,7 +220,7 @@ class AxisParameters:
     @property
     def unit(self) -> str:
         """Unit of the coordinates: mm or deg."""
-        return "mm" if self.type == AxisType.LINEAR.value else "deg"
+        return "mm" if self.type == LINEAR else "deg"
 
     @property
     def finds_zero(self) -> bool:

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass, replace
-from typing import Any, Dict, Mapping, Optional, Protocol, Union
+from dataclasses import asdict, dataclass, replace
+from typing import Any, Dict, Mapping, Optional, Union
 
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message
@@ -22,8 +22,7 @@ MAX_NAME_CHARACTERS = 200
 MAX_NOTES_CHARACTERS = 4000
 MAX_HEADING_DEG = 360.0
 
-# Controls, halves of characters, separators of lines and paragraphs.
-# Exponents too: some floats have no shorter text.
+# Not float() alone: it accepts digits of other scripts, and words. Some floats need an exponent.
 _DECIMAL = re.compile(r"[-+]?[0-9]{1,20}(\.[0-9]{0,20})?(e[-+]?[0-9]{1,3})?", re.ASCII)
 
 Name = Union[str, Message]
@@ -49,18 +48,6 @@ class Wgs84Position:
         return f"{self.latitude_deg!r}, {self.longitude_deg!r}"
 
 
-class AnnotationFields(Protocol):
-    """The fields of the ROS message gpr20_msgs/Annotation."""
-
-    name: str
-    operator: str
-    site: str
-    notes: str
-    has_position: bool
-    latitude_deg: float
-    longitude_deg: float
-
-
 @dataclass(frozen=True)
 class Annotation:
     """What people add to a survey; everything in it may be empty, and may be changed later.
@@ -71,7 +58,7 @@ class Annotation:
         notes: Everything else, in any number of lines.
         position: Where, on the earth; None if it is not known.
         heading_deg: Direction of +Y, clockwise from true north, 0 to 360 [deg]; None if it is not
-            known. It is not part of the ROS message.
+            known.
         name: What people call the survey. Its folder and its id do not depend on it.
     """
 
@@ -107,21 +94,16 @@ class Annotation:
         return dict(plain(self))
 
     def fields(self) -> Dict[str, Any]:
-        """Return the fields of the ROS message."""
-        known = self.position
+        """Return the fields of the ROS message gpr20_msgs/Annotation, which has no heading."""
         return {
-            "name": self.name,
-            "operator": self.operator,
-            "site": self.site,
-            "notes": self.notes,
-            "has_position": known is not None,
-            "latitude_deg": 0.0 if known is None else known.latitude_deg,
-            "longitude_deg": 0.0 if known is None else known.longitude_deg,
+            **{name: getattr(self, name) for name in ("name", "operator", "site", "notes")},
+            "has_position": self.position is not None,
+            **asdict(self.position or Wgs84Position(0.0, 0.0)),
         }
 
 
-def from_fields(fields: AnnotationFields) -> Annotation:
-    """Return the annotation of a ROS message.
+def from_fields(fields: Any) -> Annotation:
+    """Return the annotation of a ROS message gpr20_msgs/Annotation.
 
     Raises:
         InvalidValueError: A field is not allowed.
@@ -175,11 +157,12 @@ def position_from_text(text: str) -> Wgs84Position:
     """Return the position of a text such as "4.60283, -74.06514" or "4,60283; -74,06514".
 
     Raises:
-        InvalidValueError: It is not two numbers with a comma or a semicolon between them, or not
-            on the earth.
+        InvalidValueError: It is not two decimal numbers with a comma or a semicolon between them,
+            or not on the earth.
     """
-    parts = text.split(";" if ";" in text else ",")
-    if len(parts) != 2:
+    # Many countries write 4,6.
+    parts = [one.strip().replace(",", ".") for one in text.split(";" if ";" in text else ",")]
+    if len(parts) != 2 or not all(map(_DECIMAL.fullmatch, parts)):
         raise InvalidValueError(
             Message(
                 "position is {text}; it must be latitude and longitude, such as {example}",
@@ -187,29 +170,7 @@ def position_from_text(text: str) -> Wgs84Position:
                 example="4.60283,-74.06514",
             )
         )
-    return Wgs84Position(
-        degrees_from_text(LATITUDE, parts[0]), degrees_from_text(LONGITUDE, parts[1])
-    )
-
-
-def degrees_from_text(name: Name, text: str) -> float:
-    """Return the angle [deg] of a text.
-
-    Raises:
-        InvalidValueError: The text is no decimal number.
-    """
-    # Not float() alone: it accepts digits of other scripts, and words. Many countries write 4,6.
-    number = text.strip().replace(",", ".")
-    if not _DECIMAL.fullmatch(number):
-        raise InvalidValueError(
-            Message(
-                "{name} is {text}; it must be a decimal number of degrees, such as {example}",
-                name=name,
-                text=repr(text[:64]),
-                example="-74.06514",
-            )
-        )
-    return float(number)
+    return Wgs84Position(*map(float, parts))
 
 
 def check_text(name: Name, text: str, most: int, lines: bool = False) -> None:
@@ -247,3 +208,43 @@ def check_text(name: Name, text: str, most: int, lines: bool = False) -> None:
 
 
 EMPTY = Annotation()
+
+
+@dataclass(frozen=True)
+class Site:
+    """Which robot surveys where, for whom: what its owner knows, for the surveys to record.
+
+    Attributes:
+        robot: Name of the robot.
+        site: Name of the site, proposed for each survey.
+        operator: Who operates it, proposed for each survey.
+        latitude_deg: WGS 84 latitude of the survey area [deg]; none if unknown.
+        longitude_deg: WGS 84 longitude of the survey area [deg]; none if unknown.
+    """
+
+    robot: str = "GPR-20"
+    site: str = ""
+    operator: str = ""
+    latitude_deg: Optional[float] = None
+    longitude_deg: Optional[float] = None
+
+    def __post_init__(self) -> None:
+        check_text("robot", self.robot, MAX_NAME_CHARACTERS)
+        _ = self.annotation
+
+    @property
+    def annotation(self) -> Annotation:
+        """What is proposed for each survey."""
+        latitude_deg, longitude_deg = self.latitude_deg, self.longitude_deg
+        if latitude_deg is None and longitude_deg is None:
+            return Annotation(self.operator, self.site)
+        if latitude_deg is None or longitude_deg is None:
+            raise InvalidValueError(
+                Message(
+                    "latitude_deg is {latitude} and longitude_deg is {longitude}; set both or none",
+                    latitude=str(latitude_deg),
+                    longitude=str(longitude_deg),
+                )
+            )
+        position = Wgs84Position(latitude_deg, longitude_deg)
+        return Annotation(self.operator, self.site, position=position)

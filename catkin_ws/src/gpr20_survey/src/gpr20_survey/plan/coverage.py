@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 import enum
-import re
 from dataclasses import dataclass
-from typing import Any, Callable, Dict, Iterable, List, Mapping, Optional, Set, Tuple
+from typing import Any, Mapping, Optional
 
 from gpr20_common.message import Message
 
 COMPLETE = "complete"
 """Key of the report: whether every planned sample is stored."""
-RUN = re.compile(rb"(.)\1*", re.DOTALL)
 
 
 class SampleState(enum.IntEnum):
@@ -51,10 +49,11 @@ def reported_verdict(report: Any) -> Optional[Verdict]:
         return None
     failed = letters.count(COVERAGE_LETTERS[SampleState.FAILED])
     missing = letters.count(COVERAGE_LETTERS[SampleState.NOT_VISITED])
-    return _verdict(len(letters), failed, missing)
+    return verdict(len(letters), failed, missing)
 
 
-def _verdict(planned: int, failed: int, missing: int) -> Verdict:
+def verdict(planned: int, failed: int, missing: int) -> Verdict:
+    """Return the verdict of numbers of samples."""
     stored = planned - failed - missing
     if stored == planned:
         return Verdict(
@@ -71,70 +70,3 @@ def _verdict(planned: int, failed: int, missing: int) -> Verdict:
             missing=missing,
         ),
     )
-
-
-class Coverage:
-    """The state of every planned sample.
-
-    A sample counts as measured once it is stored durably.
-
-    Attributes:
-        on_change: Called with this object at every change.
-    """
-
-    def __init__(self, planned: int, stored: Iterable[int] = ()) -> None:
-        # One byte per sample: announcing a change must not take longer in a survey of many
-        # thousands.
-        self._states = bytearray(planned)
-        self._reasons: Dict[int, Message] = {}
-        self._measured_again: Set[int] = set()
-        self.on_change: Callable[[Coverage], None] = lambda coverage: None
-        for index in stored:
-            self._states[index] = SampleState.MEASURED
-
-    @property
-    def planned(self) -> int:
-        """Number of planned samples."""
-        return len(self._states)
-
-    @property
-    def states(self) -> List[SampleState]:
-        """The state of each planned sample, in the order of the plan."""
-        return [SampleState(state) for state in self._states]
-
-    def runs(self) -> List[Tuple[int, SampleState]]:
-        """Return where in the plan each run of samples of one state begins, and that state."""
-        found = RUN.finditer(bytes(self._states))
-        return [(run.start(), SampleState(run[0][0])) for run in found]
-
-    @property
-    def reasons(self) -> Dict[int, Message]:
-        """Why samples failed, by their index in the plan."""
-        return dict(self._reasons)
-
-    def note_stored(self, index: int) -> None:
-        """Note that a sample is stored durably."""
-        again = index in self._measured_again
-        self._states[index] = SampleState.REMEASURED if again else SampleState.MEASURED
-        self._reasons.pop(index, None)
-        self.on_change(self)
-
-    def note_remeasured(self, index: int) -> None:
-        """Note that a sample was measured again, to compare; it may still wait for the disk."""
-        self._measured_again.add(index)
-        if self._states[index] == SampleState.MEASURED:
-            self._states[index] = SampleState.REMEASURED
-            self.on_change(self)
-
-    def note_failed(self, index: int, reason: Message) -> None:
-        """Note that a sample could not be measured, unless it is stored already."""
-        if self._states[index] in (SampleState.NOT_VISITED, SampleState.FAILED):
-            self._states[index] = SampleState.FAILED
-            self._reasons[index] = reason
-            self.on_change(self)
-
-    def verdict(self) -> Verdict:
-        """Return the coverage in one sentence; only a full one is called complete."""
-        failed = self._states.count(SampleState.FAILED)
-        missing = self._states.count(SampleState.NOT_VISITED)
-        return _verdict(len(self._states), failed, missing)

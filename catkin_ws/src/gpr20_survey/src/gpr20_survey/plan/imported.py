@@ -1,6 +1,6 @@
 """Surveys that were imported: what other instruments or programs measured, without a plan.
 
-Their survey.json has the entry `imported` in place of `parameters` and `axes`. It holds the grid of
+Their description has the entry `imported` in place of `parameters` and `axes`. It holds the grid of
 the source; a trace's index is its place there, in the order in which the robot would visit it.
 """
 
@@ -16,8 +16,7 @@ from gpr20_common.mid.codec import record_from
 from gpr20_common.terminal_text import printable
 from gpr20_survey import faults
 from gpr20_survey.plan.survey_parameters import MAX_TRACES
-from gpr20_survey.plan.survey_plan import SurveyPoint, alternating, raster
-from gpr20_survey.trace.trace import Trace
+from gpr20_survey.plan.survey_points import SurveyPoint, visits
 
 IMPORTED = "imported"
 """Key of the description, and the outcome of these surveys."""
@@ -49,8 +48,7 @@ class ImportedGrid:
 
     def points(self) -> List[SurveyPoint]:
         """Return the places in the order of their indices."""
-        visits = alternating(list(raster(self.x_mm, self.y_mm)), self.polarization_deg)
-        return [SurveyPoint(index, x, y, z) for index, ((x, y), z) in enumerate(visits)]
+        return visits(self.x_mm, self.y_mm, self.polarization_deg)
 
 
 def is_imported(description: Mapping[str, Any]) -> bool:
@@ -68,13 +66,13 @@ def imported_grid(description: Mapping[str, Any]) -> ImportedGrid:
     """Return the grid of an imported survey.
 
     Raises:
-        InvalidValueError: survey.json does not hold one.
+        InvalidValueError: The description does not hold one.
     """
     try:
         return record_from(ImportedGrid, import_of(description), IMPORTED, others=True)
     except InvalidValueError as error:
         raise InvalidValueError(
-            Message("survey.json does not hold the grid of the imported survey", details=error),
+            Message("the log does not hold the grid of the imported survey", details=error),
             fault=faults.PLAN_UNREADABLE,
         ) from error
 
@@ -106,43 +104,3 @@ def import_sentence(description: Mapping[str, Any]) -> Message:
         source=printable(str(found.get("source"))),
         format=printable(str(found.get("format"))),
     )
-
-
-class ImportedFit:
-    """Compares traces with the grid of an imported survey, as `PlanFit` does with a plan."""
-
-    def __init__(self, description: Mapping[str, Any]) -> None:
-        """Read the grid.
-
-        Raises:
-            InvalidValueError: There is none.
-        """
-        self.points: List[SurveyPoint] = imported_grid(description).points()
-
-    def misfits(self, trace: Trace) -> List[Message]:
-        """Return why a trace is not at its place; empty if it is."""
-        place = self.points[trace.index] if trace.index < len(self.points) else None
-        own = (trace.x_coord_mm, trace.y_coord_mm, trace.z_coord_deg)
-        if place is not None and all(
-            abs(one - other) <= TOLERANCE
-            for one, other in zip(own, (place.x_mm, place.y_mm, place.z_deg))
-        ):
-            return []
-        return [
-            Message(
-                "trace {index} is not at its place of the imported grid: x {x_mm:g} mm, y "
-                "{y_mm:g} mm, {rotation_deg:g} deg",
-                index=trace.index,
-                x_mm=own[0],
-                y_mm=own[1],
-                rotation_deg=own[2],
-            )
-        ]
-
-    def misplaced(self, trace: Trace) -> List[Message]:
-        """Return the same."""
-        return self.misfits(trace)
-
-    def changed_settings(self, _trace: Trace) -> List[Message]:
-        """Return nothing: no settings were planned."""
-        return []

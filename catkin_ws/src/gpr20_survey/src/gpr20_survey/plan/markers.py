@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import asdict, dataclass, replace
-from typing import Any, Dict, List, Mapping, Optional, Tuple
+from typing import Any, Dict, Mapping, Optional, Tuple
 
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message
@@ -17,7 +17,7 @@ from gpr20_survey.trace.trace import MAX_COORDINATE, SURVEY_ID
 MARKERS = "markers"
 """Key of the description."""
 MAX_TEXT_CHARACTERS = 500
-# With every text as long as it may be, survey.json remains far below its own limit.
+# With every text as long as it may be, the log remains far below its own limit.
 MAX_MARKERS = 1000
 MAX_DEPTH_MM = 10_000.0
 REQUEST_KEYS = ("marker_id", "x_mm", "y_mm", "depth_mm", "text", "author")
@@ -100,7 +100,7 @@ def markers_of(description: Mapping[str, Any]) -> Tuple[Marker, ...]:
             raise InvalidValueError(Message("there are too many, or two of one id"))
     except InvalidValueError as error:
         raise InvalidValueError(
-            Message("'markers' in survey.json is not a list of markers", details=error),
+            Message("the markers in the log are damaged", details=error),
             fault=faults.MARKERS_DAMAGED,
         ) from error
     return found
@@ -109,11 +109,6 @@ def markers_of(description: Mapping[str, Any]) -> Tuple[Marker, ...]:
 def present_markers(description: Mapping[str, Any]) -> Tuple[Marker, ...]:
     """Return the markers of a survey that were not removed; see `markers_of`."""
     return tuple(one for one in markers_of(description) if one.is_present)
-
-
-def values_of(markers: Tuple[Marker, ...]) -> List[Dict[str, Any]]:
-    """Return the entry of the description."""
-    return [asdict(one) for one in markers]
 
 
 def new_marker(
@@ -127,9 +122,10 @@ def new_marker(
         now: The present moment, as ISO 8601 text.
 
     Raises:
+        InvalidValueError: The markers of the survey are damaged.
         SurveyRefusedError: Its id is taken by another marker, or the survey has too many.
     """
-    present = _stored(description)
+    present = markers_of(description)
     for one in present:
         if one.marker_id == marker.marker_id:
             if one.same_request(marker):
@@ -158,28 +154,17 @@ def removed_marker(
         now: The present moment, as ISO 8601 text.
 
     Raises:
+        InvalidValueError: The markers of the survey are damaged.
         SurveyRefusedError: The survey never had such a marker.
     """
-    present = _stored(description)
-    former = next((one for one in present if one.marker_id == marker_id), None)
-    if former is None:
-        raise SurveyRefusedError(
-            Message("the survey has no marker {marker}", marker=repr(marker_id[:64])),
-            fault=faults.MARKER_REFUSED,
-        )
-    if not former.is_present:
-        return None
-    return {"marker_id": marker_id, "removed": now, "removed_by": author}
-
-
-def _stored(description: Mapping[str, Any]) -> Tuple[Marker, ...]:
-    try:
-        return markers_of(description)
-    except InvalidValueError as error:
-        raise SurveyRefusedError(
-            Message(
-                "the markers in survey.json are damaged: {reason}; nothing was changed",
-                reason=error.message,
-            ),
-            fault=faults.MARKERS_DAMAGED,
-        ) from error
+    for former in markers_of(description):
+        if former.marker_id == marker_id:
+            return (
+                {"marker_id": marker_id, "removed": now, "removed_by": author}
+                if former.is_present
+                else None
+            )
+    raise SurveyRefusedError(
+        Message("the survey has no marker {marker}", marker=repr(marker_id[:64])),
+        fault=faults.MARKER_REFUSED,
+    )

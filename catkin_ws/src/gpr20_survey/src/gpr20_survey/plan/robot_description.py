@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from dataclasses import asdict, dataclass
-from typing import Any, Dict, Iterable, List, Mapping, Protocol, Sequence
+from typing import Any, Dict, Iterable, List, Mapping, Sequence
 
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message, in_a_row
@@ -14,7 +14,7 @@ from gpr20_common.mid.node_software import UNKNOWN_SOFTWARE, NodeSoftware
 from gpr20_survey import faults
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.axes.axis_parameters import AxisParameters
-from gpr20_survey.plan.robot_config import RobotConfig
+from gpr20_survey.plan.survey_parameters import RobotTravel, Travel
 
 HEIGHT_SENSOR = "height_sensor"
 ANALYZER = "vna_acquisition"
@@ -34,19 +34,6 @@ STORAGE_NAME = Message("the storage")
 SIMULATED_IDENTITY = "SIMULATED"
 
 
-class DescriptionFields(Protocol):
-    """The fields of the ROS message gpr20_msgs/NodeDescription."""
-
-    node: str
-    hardware: str
-    simulated: bool
-    time_scale: float
-    configuration_json: str
-    version: str
-    revision: str
-    host: str
-
-
 @dataclass(frozen=True)
 class NodeDescription:
     """What one node is.
@@ -64,8 +51,8 @@ class NodeDescription:
     software: NodeSoftware = UNKNOWN_SOFTWARE
 
     @classmethod
-    def from_fields(cls, fields: DescriptionFields) -> NodeDescription:
-        """Return the description of a ROS message.
+    def from_fields(cls, fields: Any) -> NodeDescription:
+        """Return the description of a ROS message gpr20_msgs/NodeDescription.
 
         Raises:
             ValueError: Its configuration is not JSON.
@@ -84,6 +71,27 @@ class NodeDescription:
             "configuration_json": json.dumps(dict(self.configuration)),
             **asdict(self.software),
         }
+
+
+@dataclass(frozen=True)
+class RobotConfig:
+    """What is fixed for one robot.
+
+    Attributes:
+        axes: Parameters of its axes.
+        simulated: Whether it is simulated.
+        time_scale: How many times faster than the real robot it runs; 1 if it is real.
+    """
+
+    axes: Dict[AxisId, AxisParameters]
+    simulated: bool
+    time_scale: float = 1.0
+
+    @property
+    def travel(self) -> RobotTravel:
+        """What the axes can do."""
+        axes = [self.axes[axis_id] for axis_id in AxisId]
+        return RobotTravel(*(Travel(one.min_coord, one.max_coord, one.step_size) for one in axes))
 
 
 def robot_config(nodes: Mapping[str, NodeDescription]) -> RobotConfig:
@@ -128,7 +136,7 @@ def is_simulated_identity(identity: str) -> bool:
 
 
 def recorded_nodes(nodes: Mapping[str, NodeDescription]) -> List[Dict[str, Any]]:
-    """Return the entry `nodes` of survey.json."""
+    """Return the entry `nodes` of the description."""
     return [
         {
             "name": one.node,

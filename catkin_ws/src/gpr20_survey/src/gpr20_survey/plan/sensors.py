@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import re
 from dataclasses import dataclass
-from typing import Optional, Tuple
+from typing import Iterator, Optional, Tuple
 
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.faults import CONFIGURATION
@@ -19,7 +19,7 @@ from gpr20_survey.trace.aux_value import (
     VNA_TEMPERATURE,
 )
 
-# Section of the configuration, and entry of survey.json.
+# Section of the configuration, and entry of the description.
 SENSORS = "sensors"
 # Relative or absolute; a private name would be below the name of the node that reads it.
 TOPIC = re.compile(r"/?[A-Za-z]\w*(/[A-Za-z]\w*)*", re.ASCII)
@@ -58,55 +58,47 @@ class Sensor:
     high: Optional[float] = None
 
     def __post_init__(self) -> None:
-        if not AUX_NAME.fullmatch(self.name) or self.name == VNA_TEMPERATURE:
-            self._refuse("name", self.name, "soil_moisture")
+        for mistake in self._mistakes():
+            raise InvalidValueError(mistake, fault=CONFIGURATION)
+        number_between("longest_age_s", self.longest_age_s, SHORTEST_AGE_S, LONGEST_AGE_S, "s")
+
+    def _mistakes(self) -> Iterator[Message]:
         for key, pattern, example in (
+            ("name", AUX_NAME, "soil_moisture"),
             ("topic", TOPIC, "soil_probe/moisture"),
             ("message", MESSAGE, "std_msgs/Float64"),
             ("field", FIELD, "data"),
         ):
-            if not pattern.fullmatch(getattr(self, key)):
-                self._refuse(key, getattr(self, key), example)
+            value = getattr(self, key)
+            if not pattern.fullmatch(value) or value == VNA_TEMPERATURE:
+                yield Message(
+                    "{key} of sensor {sensor} is {value}; it must be like {example}",
+                    key=key,
+                    sensor=repr(self.name[:64]),
+                    value=repr(value[:64]),
+                    example=example,
+                )
         if not AUX_UNIT.holds(self.unit):
-            raise InvalidValueError(
-                Message(
-                    "unit of sensor {sensor} is {value}; it must be printable and have at most "
-                    "{most} characters",
-                    sensor=self.name,
-                    value=repr(self.unit[:64]),
-                    most=MAX_UNIT_CHARACTERS,
-                ),
-                fault=CONFIGURATION,
+            yield Message(
+                "unit of sensor {sensor} is {value}; it must be printable and have at most {most} "
+                "characters",
+                sensor=self.name,
+                value=repr(self.unit[:64]),
+                most=MAX_UNIT_CHARACTERS,
             )
-        number_between("longest_age_s", self.longest_age_s, SHORTEST_AGE_S, LONGEST_AGE_S, "s")
         bounds = [one for one in (self.low, self.high) if one is not None]
         if not all(map(math.isfinite, bounds)) or bounds != sorted(set(bounds)):
-            raise InvalidValueError(
-                Message(
-                    "low and high of sensor {sensor} are {low} and {high}; they must be finite, "
-                    "and low below high",
-                    sensor=self.name,
-                    low=str(self.low),
-                    high=str(self.high),
-                ),
-                fault=CONFIGURATION,
+            yield Message(
+                "low and high of sensor {sensor} are {low} and {high}; they must be finite, and "
+                "low below high",
+                sensor=self.name,
+                low=str(self.low),
+                high=str(self.high),
             )
 
     def is_plausible(self, value: float) -> bool:
         """Return whether a value lies within the range."""
         return (self.low is None or value >= self.low) and (self.high is None or value <= self.high)
-
-    def _refuse(self, key: str, value: str, example: str) -> None:
-        raise InvalidValueError(
-            Message(
-                "{key} of sensor {sensor} is {value}; it must be like {example}",
-                key=key,
-                sensor=repr(self.name[:64]),
-                value=repr(value[:64]),
-                example=example,
-            ),
-            fault=CONFIGURATION,
-        )
 
 
 @dataclass(frozen=True)
@@ -120,22 +112,18 @@ class Sensors:
     sensors: Tuple[Sensor, ...] = ()
 
     def __post_init__(self) -> None:
-        if len(self.sensors) > MAX_SENSORS:
-            raise InvalidValueError(
-                Message(
-                    "there are {count} sensors; at most {most} are allowed",
-                    count=len(self.sensors),
-                    most=MAX_SENSORS,
-                ),
-                fault=CONFIGURATION,
-            )
         names = [one.name for one in self.sensors]
-        for name in names:
-            if names.count(name) > 1:
-                raise InvalidValueError(
-                    Message("two sensors have the name {name}; give each its own", name=name),
-                    fault=CONFIGURATION,
-                )
+        twice = next((one for one in names if names.count(one) > 1), None)
+        if len(names) > MAX_SENSORS:
+            message = Message(
+                "there are {count} sensors; at most {most} are allowed",
+                count=len(names),
+                most=MAX_SENSORS,
+            )
+            raise InvalidValueError(message, fault=CONFIGURATION)
+        if twice is not None:
+            message = Message("two sensors have the name {name}; give each its own", name=twice)
+            raise InvalidValueError(message, fault=CONFIGURATION)
 
     @property
     def topics(self) -> Tuple[str, ...]:

@@ -4,16 +4,15 @@ from __future__ import annotations
 
 import functools
 from dataclasses import dataclass
-from itertools import accumulate, takewhile
+from itertools import takewhile
 from typing import Callable, Dict, List, Sequence, Tuple
 
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.axes.axis_parameters import AxisParameters
 from gpr20_survey.axes.ramp import Ramp
-from gpr20_survey.plan.robot_config import RobotConfig
-from gpr20_survey.plan.survey_parameters import SurveyParameters
-from gpr20_survey.plan.survey_plan import SurveyPoint, survey_points
-from gpr20_survey.plan.survey_settings import SurveySettings
+from gpr20_survey.plan.robot_description import RobotConfig
+from gpr20_survey.plan.survey_parameters import SurveyParameters, SurveySettings
+from gpr20_survey.plan.survey_points import SurveyPoint, survey_points
 from gpr20_survey.trace.ms2026c import sweep_duration_s
 from gpr20_survey.trace.sweep_settings import SweepSettings
 
@@ -44,28 +43,6 @@ class SurveyCost:
 
     duration_s: float
     size_bytes: int
-
-
-@dataclass(frozen=True)
-class MeasuringTimes:
-    """Time spent at each point after the move: settling or height [s], then the sweep.
-
-    A sweep that is longer than stated only makes the estimate before the survey too short.
-    """
-
-    settle_s: float
-    height_s: float
-    sweep: SweepSettings
-
-    @property
-    def total_s(self) -> float:
-        """Time at one point [s]; the height is measured while vibrations settle."""
-        return max(self.settle_s, self.height_s) + sweep_duration_s(self.sweep)
-
-    @property
-    def visit_s(self) -> float:
-        """Time at the reference point at one rotation [s]."""
-        return self.total_s + (VISIT_SWEEPS - 1) * sweep_duration_s(self.sweep)
 
 
 def survey_cost(
@@ -104,18 +81,21 @@ def planned_times(
 
     The reference is the first stop, at each of its rotations.
     """
-    times = MeasuringTimes(settings.settle_s, settings.height_s, sweep)
-    move_duration_s = move_durations(config.axes)
-    durations_s = point_durations_s(points, move_duration_s, times)
+    sweep_s = sweep_duration_s(sweep)
+    # The height is measured while vibrations settle.
+    point_s = max(settings.settle_s, settings.height_s) + sweep_s
+    visit_s = point_s + (VISIT_SWEEPS - 1) * sweep_s
+    move_s = _move_durations(config.axes)
+    # The move to the first point begins at the zero of the axes.
+    path = [SurveyPoint(-1, 0.0, 0.0, 0.0), *points]
+    durations_s = [one_s + point_s for one_s in _moves_s(path, move_s)]
     reference = first_stop(points)
-    visits = planned_visits(durations_s, len(reference), settings.reference_interval_s)
+    visits = _planned_visits(durations_s, len(reference), settings.reference_interval_s)
     durations_s += [0.0] * bool(visits)
     for index in visits:
         path = [points[index - 1], *reference, *points[index : index + 1]]
-        direct_s = sum(_moves_s(points[index - 1 : index + 1], move_duration_s))
-        durations_s[index] += (
-            sum(_moves_s(path, move_duration_s)) - direct_s + len(reference) * times.visit_s
-        )
+        direct_s = sum(_moves_s(points[index - 1 : index + 1], move_s))
+        durations_s[index] += sum(_moves_s(path, move_s)) - direct_s + len(reference) * visit_s
     return PlannedTimes([one_s / config.time_scale for one_s in durations_s], visits)
 
 
@@ -125,7 +105,7 @@ def first_stop(points: Sequence[SurveyPoint]) -> List[SurveyPoint]:
     return list(takewhile(lambda one: (one.x_mm, one.y_mm) == (x_mm, y_mm), points))
 
 
-def planned_visits(
+def _planned_visits(
     durations_s: Sequence[float], rotations: int, interval_s: float
 ) -> Tuple[int, ...]:
     """Return before which points a survey visits its reference: at new stops, and at its end.
@@ -149,23 +129,12 @@ def planned_visits(
     return (*visits, len(durations_s))
 
 
-def point_durations_s(
-    points: Sequence[SurveyPoint], move_duration_s: MoveDuration, times: MeasuringTimes
-) -> List[float]:
-    """Return how long each point takes [s]: the move to it and the measurement there.
-
-    The move to the first point begins at the zero of the axes.
-    """
-    path = [SurveyPoint(-1, 0.0, 0.0, 0.0), *points]
-    return [move_s + times.total_s for move_s in _moves_s(path, move_duration_s)]
-
-
-def _moves_s(path: Sequence[SurveyPoint], move_duration_s: MoveDuration) -> List[float]:
+def _moves_s(path: Sequence[SurveyPoint], move_s: MoveDuration) -> List[float]:
     return [
         max(
-            move_duration_s(AxisId.X, after.x_mm - before.x_mm),
-            move_duration_s(AxisId.Y, after.y_mm - before.y_mm),
-            move_duration_s(AxisId.Z, after.z_deg - before.z_deg),
+            move_s(AxisId.X, after.x_mm - before.x_mm),
+            move_s(AxisId.Y, after.y_mm - before.y_mm),
+            move_s(AxisId.Z, after.z_deg - before.z_deg),
         )
         for before, after in zip(path, path[1:])
     ]
@@ -183,37 +152,9 @@ def axis_move_duration_s(parameters: AxisParameters, distance: float) -> float:
     return ramp.duration_s(parameters.distance_steps(abs(distance)))
 
 
-def move_durations(axes: Dict[AxisId, AxisParameters]) -> MoveDuration:
-    """Return a function of axis and distance that returns how long a move takes [s]."""
-
+def _move_durations(axes: Dict[AxisId, AxisParameters]) -> MoveDuration:
     @functools.lru_cache(maxsize=CACHED_DISTANCES)
     def duration_s(axis_id: AxisId, distance: float) -> float:
         return axis_move_duration_s(axes[axis_id], distance)
 
     return duration_s
-
-
-class RemainingTime:
-    """Time to the end of a survey, from the plan and from the pace so far."""
-
-    def __init__(self, durations_s: Sequence[float]) -> None:
-        self._planned_s = [0.0, *accumulate(durations_s)]
-
-    @property
-    def planned_s(self) -> float:
-        """Time that the whole plan takes [s]."""
-        return self._planned_s[-1]
-
-    def remaining_s(self, points_done: int, elapsed_s: float) -> float:
-        """Return the time to the end [s].
-
-        The rest of the plan is stretched by how much longer than planned the points so
-        far have taken.
-
-        Args:
-            points_done: Points that are finished, in the order of the plan.
-            elapsed_s: Time spent on them [s], without pauses.
-        """
-        done_s = self._planned_s[points_done]
-        rest_s = self.planned_s - done_s
-        return rest_s * (elapsed_s / done_s) if done_s > 0.0 else rest_s

@@ -1,4 +1,4 @@
-"""What a survey measures, and the checks that both the user interface and the control make."""
+"""What a survey measures, how the control carries it out, and what is allowed."""
 
 from __future__ import annotations
 
@@ -8,11 +8,12 @@ import json
 import math
 import re
 from dataclasses import asdict, dataclass
-from typing import Callable, Iterable, List, Tuple
+from typing import Any, List, Tuple
 
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message, in_a_row
 from gpr20_common.mid.checks import instrument_address, number_between
+from gpr20_common.mid.codec import bounded
 from gpr20_survey import faults
 from gpr20_survey.trace.ms2026c import (
     MAX_AVERAGES,
@@ -101,21 +102,49 @@ class SurveyParameters:
         )
 
 
+class HeightPolicy(enum.Enum):
+    """What a survey does when the antenna height cannot be measured."""
+
+    PAUSE = "pause"
+    STORE_WITHOUT = "store_without"
+
+
+@dataclass(frozen=True)
+class SurveySettings:
+    """How the control carries out surveys; set for a robot, not for a survey.
+
+    Attributes:
+        settle_s: Time for vibrations to die down between a move and the sweep [s].
+        height_s: Time that the height measurement takes [s]; for the estimate only.
+        attempts: How often a height measurement is tried before the survey pauses.
+        on_height_failure: `pause`, or `store_without` to store the trace with no height.
+        return_limit_s: How long a survey waits for a node that is gone, or for a link that is
+            down, before it pauses [s].
+        repeat_limit_db: A point that is measured again agrees with its stored trace if they differ
+            by no more than this, relative to the trace [dB].
+        reference_interval_s: Time after which the survey returns to its first stop to see the
+            drift [s]; a shorter survey never returns. 0: none does.
+        drift_limit_db: Largest drift of the amplitude, root mean square over the band [dB]; after
+            a larger one the survey pauses.
+        drift_limit_deg: Largest drift of the phase, root mean square over the band [deg]; after a
+            larger one the survey pauses.
+    """
+
+    settle_s: float = bounded(0.0, 60.0, 0.5)
+    height_s: float = bounded(0.0, 60.0, 0.4)
+    attempts: int = bounded(1, 100, 3)
+    on_height_failure: HeightPolicy = HeightPolicy.PAUSE
+    return_limit_s: float = bounded(0.0, 3600.0, 300.0)
+    repeat_limit_db: float = bounded(-100.0, 0.0, -20.0)
+    reference_interval_s: float = bounded(0.0, 1.0e6, 3600.0)
+    drift_limit_db: float = bounded(0.01, 100.0, 1.0)
+    drift_limit_deg: float = bounded(0.1, 180.0, 10.0)
+
+
 class SurveyParametersError(InvalidValueError):
     """One or more parameters of a survey are not allowed; the message names each."""
 
     fault = faults.PLAN_NOT_ALLOWED
-
-
-def check(parameters: SurveyParameters, travel: RobotTravel) -> None:
-    """Refuse parameters that the robot cannot or should not carry out.
-
-    Raises:
-        SurveyParametersError: Naming every parameter that is wrong.
-    """
-    found = problems(parameters, travel)
-    if found:
-        raise SurveyParametersError(in_a_row(found))
 
 
 class Rule(enum.Enum):
@@ -150,55 +179,57 @@ class Problem:
     message: Message
 
 
-def problems(parameters: SurveyParameters, travel: RobotTravel) -> List[Message]:
-    """Return one sentence per parameter that is not allowed; empty if all are."""
-    return [problem.message for problem in find_problems(parameters, travel)]
+def check(parameters: SurveyParameters, travel: RobotTravel) -> None:
+    """Refuse parameters that the robot cannot or should not carry out.
+
+    Raises:
+        SurveyParametersError: Naming every parameter that is wrong.
+    """
+    found = find_problems(parameters, travel)
+    if found:
+        raise SurveyParametersError(in_a_row([one.message for one in found]))
 
 
 def find_problems(parameters: SurveyParameters, travel: RobotTravel) -> List[Problem]:
     """Return every rule that the parameters break; empty if they break none."""
-    p = parameters
-    checks: List[Tuple[Rule, Callable[[], object]]] = [
-        (Rule.ADDRESS, lambda: check_address(p.vna_address)),
-        (
-            Rule.START_FREQUENCY,
-            lambda: _frequency(Message("start frequency"), p.start_frequency_hz),
-        ),
-        (Rule.STOP_FREQUENCY, lambda: _frequency(Message("stop frequency"), p.stop_frequency_hz)),
-        (Rule.FREQUENCY_ORDER, lambda: _ascending_frequencies(p)),
-        (Rule.FREQUENCY_POINTS, lambda: _frequency_points(p.frequency_points)),
-        (Rule.FREQUENCY_SPACING, lambda: _frequency_spacing(p)),
-        (Rule.IF_BANDWIDTH, lambda: _if_bandwidth(p.if_bandwidth_hz)),
-        (
-            Rule.AVERAGES,
-            lambda: number_between(Message("averages"), p.averages, 0, MAX_AVERAGES),
-        ),
-        (Rule.OUTPUT_POWER, lambda: _output_power(p.output_power)),
-        (Rule.X_START, lambda: _coordinate(Message("x start"), p.x_start_mm, travel.x)),
-        (Rule.X_STOP, lambda: _coordinate(Message("x stop"), p.x_stop_mm, travel.x)),
-        (Rule.X_POINTS, lambda: _grid_points("x", p.x_points)),
-        (Rule.X_SPACING, lambda: _spacing("x", p.x_start_mm, p.x_stop_mm, p.x_points, travel.x)),
-        (Rule.Y_START, lambda: _coordinate(Message("y start"), p.y_start_mm, travel.y)),
-        (Rule.Y_STOP, lambda: _coordinate(Message("y stop"), p.y_stop_mm, travel.y)),
-        (Rule.Y_POINTS, lambda: _grid_points("y", p.y_points)),
-        (Rule.Y_SPACING, lambda: _spacing("y", p.y_start_mm, p.y_stop_mm, p.y_points, travel.y)),
-        (Rule.POLARIZATIONS, lambda: _polarizations(p.polarizations_deg, travel.z)),
-        (Rule.SIZE, lambda: _size(p)),
+    p, within = parameters, number_between
+    hz = (MIN_FREQUENCY_HZ, MAX_FREQUENCY_HZ, "Hz")
+    points = (MIN_FREQUENCY_POINTS, MAX_FREQUENCY_POINTS)
+    x, y = (p.x_start_mm, p.x_stop_mm, p.x_points), (p.y_start_mm, p.y_stop_mm, p.y_points)
+    x_mm, y_mm = (*coordinate_limits_mm(travel.x), "mm"), (*coordinate_limits_mm(travel.y), "mm")
+    checks: List[Tuple[Any, ...]] = [
+        (Rule.ADDRESS, check_address, p.vna_address),
+        (Rule.START_FREQUENCY, within, Message("start frequency"), p.start_frequency_hz, *hz),
+        (Rule.STOP_FREQUENCY, within, Message("stop frequency"), p.stop_frequency_hz, *hz),
+        (Rule.FREQUENCY_ORDER, _ascending_frequencies, p),
+        (Rule.FREQUENCY_POINTS, within, Message("frequency points"), p.frequency_points, *points),
+        (Rule.FREQUENCY_SPACING, _frequency_spacing, p),
+        (Rule.IF_BANDWIDTH, _if_bandwidth, p.if_bandwidth_hz),
+        (Rule.AVERAGES, within, Message("averages"), p.averages, 0, MAX_AVERAGES),
+        (Rule.OUTPUT_POWER, _output_power, p.output_power),
+        (Rule.X_START, within, Message("x start"), p.x_start_mm, *x_mm),
+        (Rule.X_STOP, within, Message("x stop"), p.x_stop_mm, *x_mm),
+        (Rule.X_POINTS, _grid_points, "x", p.x_points),
+        (Rule.X_SPACING, _spacing, "x", *x, travel.x.step),
+        (Rule.Y_START, within, Message("y start"), p.y_start_mm, *y_mm),
+        (Rule.Y_STOP, within, Message("y stop"), p.y_stop_mm, *y_mm),
+        (Rule.Y_POINTS, _grid_points, "y", p.y_points),
+        (Rule.Y_SPACING, _spacing, "y", *y, travel.y.step),
+        (Rule.POLARIZATIONS, _polarizations, p.polarizations_deg, travel.z),
+        (Rule.SIZE, _size, p),
     ]
-    return list(_broken(checks))
+    found = []
+    for rule, check_one, *values in checks:
+        try:
+            check_one(*values)
+        except InvalidValueError as error:
+            found.append(Problem(rule, error.message.with_fault(faults.PLAN_NOT_ALLOWED)))
+    return found
 
 
 def coordinate_limits_mm(travel: Travel) -> Tuple[float, float]:
     """Return the coordinates [mm] that a survey may name on a linear axis."""
     return max(MIN_COORDINATE_MM, travel.lower), min(MAX_COORDINATE_MM, travel.upper)
-
-
-def _broken(checks: Iterable[Tuple[Rule, Callable[[], object]]]) -> Iterable[Problem]:
-    for rule, one in checks:
-        try:
-            one()
-        except InvalidValueError as error:
-            yield Problem(rule, error.message.with_fault(faults.PLAN_NOT_ALLOWED))
 
 
 def check_address(address: str) -> None:
@@ -210,15 +241,6 @@ def check_address(address: str) -> None:
     # Empty: that of the robot's configuration.
     if address:
         instrument_address(Message("VNA address"), address)
-
-
-def _frequency_points(points: int) -> None:
-    name = Message("frequency points")
-    number_between(name, points, MIN_FREQUENCY_POINTS, MAX_FREQUENCY_POINTS)
-
-
-def _frequency(name: Message, frequency_hz: float) -> None:
-    number_between(name, frequency_hz, MIN_FREQUENCY_HZ, MAX_FREQUENCY_HZ, "Hz")
 
 
 def _ascending_frequencies(p: SurveyParameters) -> None:
@@ -267,11 +289,6 @@ def _output_power(power: str) -> None:
         )
 
 
-def _coordinate(name: Message, coordinate_mm: float, travel: Travel) -> None:
-    lower_mm, upper_mm = coordinate_limits_mm(travel)
-    number_between(name, coordinate_mm, lower_mm, upper_mm, "mm")
-
-
 def _grid_points(axis: str, points: int) -> None:
     if points < MIN_GRID_POINTS:
         raise InvalidValueError(
@@ -284,13 +301,13 @@ def _grid_points(axis: str, points: int) -> None:
         )
 
 
-def _spacing(axis: str, start_mm: float, stop_mm: float, points: int, travel: Travel) -> None:
+def _spacing(axis: str, start_mm: float, stop_mm: float, points: int, step_mm: float) -> None:
     if points < MIN_GRID_POINTS:
         return
     spacing_mm = abs(stop_mm - start_mm) / (points - 1)
     # Two stops on the same motor step would be the same place measured twice. A span that
     # is not finite is reported with its coordinate.
-    if math.isfinite(spacing_mm) and spacing_mm < travel.step:
+    if math.isfinite(spacing_mm) and spacing_mm < step_mm:
         raise InvalidValueError(
             Message(
                 "{axis} start, stop and points give {points} stops {spacing_mm:.6g} mm apart; "
@@ -298,7 +315,7 @@ def _spacing(axis: str, start_mm: float, stop_mm: float, points: int, travel: Tr
                 axis=axis,
                 points=points,
                 spacing_mm=spacing_mm,
-                step_mm=travel.step,
+                step_mm=step_mm,
             )
         )
 

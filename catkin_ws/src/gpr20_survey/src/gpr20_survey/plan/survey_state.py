@@ -1,13 +1,10 @@
-"""The states of a survey and the transitions between them."""
+"""The states of a survey."""
 
 from __future__ import annotations
 
 import enum
-from typing import Dict, FrozenSet
 
-from gpr20_common.errors import Gpr20Error
 from gpr20_common.message import Message
-from gpr20_survey import faults
 
 
 class SurveyState(enum.IntEnum):
@@ -33,10 +30,17 @@ class SurveyState(enum.IntEnum):
     @property
     def label(self) -> Message:
         """Its name, for people."""
-        return LABELS[self]
+        return _LABELS[self]
 
 
-LABELS: Dict[SurveyState, Message] = {
+RUNNING = frozenset(
+    {
+        *(SurveyState.CHECKING, SurveyState.HOMING, SurveyState.SURVEYING),
+        *(SurveyState.PAUSING, SurveyState.PAUSED, SurveyState.STOPPING),
+    }
+)
+ENDED = frozenset([SurveyState.FINISHED, SurveyState.STOPPED, SurveyState.FAILED])
+_LABELS = {
     SurveyState.IDLE: Message("IDLE"),
     SurveyState.CONFIGURED: Message("CONFIGURED"),
     SurveyState.CHECKING: Message("CHECKING"),
@@ -49,56 +53,3 @@ LABELS: Dict[SurveyState, Message] = {
     SurveyState.FAILED: Message("FAILED"),
     SurveyState.PAUSING: Message("PAUSING"),
 }
-RUNNING = frozenset(
-    [
-        SurveyState.CHECKING,
-        SurveyState.HOMING,
-        SurveyState.SURVEYING,
-        SurveyState.PAUSING,
-        SurveyState.PAUSED,
-        SurveyState.STOPPING,
-    ]
-)
-ENDED = frozenset([SurveyState.FINISHED, SurveyState.STOPPED, SurveyState.FAILED])
-
-_S = SurveyState
-TRANSITIONS: Dict[SurveyState, FrozenSet[SurveyState]] = {
-    # From rest to CHECKING without new parameters: a survey is resumed from its folder.
-    _S.IDLE: frozenset([_S.CONFIGURED, _S.CHECKING]),
-    _S.CONFIGURED: frozenset([_S.CONFIGURED, _S.CHECKING]),
-    # To FINISHED: a node was lost when everything was stored already.
-    _S.CHECKING: frozenset([_S.HOMING, _S.PAUSED, _S.STOPPING, _S.FINISHED, _S.FAILED]),
-    _S.HOMING: frozenset([_S.CHECKING, _S.SURVEYING, _S.PAUSED, _S.STOPPING, _S.FAILED]),
-    # Back to CHECKING: a node was lost; the survey continues by itself when it is back.
-    _S.SURVEYING: frozenset(
-        [_S.CHECKING, _S.PAUSING, _S.PAUSED, _S.STOPPING, _S.FINISHED, _S.FAILED]
-    ),
-    _S.PAUSING: frozenset([_S.CHECKING, _S.PAUSED, _S.STOPPING, _S.FINISHED, _S.FAILED]),
-    _S.PAUSED: frozenset([_S.CHECKING, _S.STOPPING, _S.FAILED]),
-    _S.STOPPING: frozenset([_S.STOPPED, _S.FAILED]),
-    _S.FINISHED: frozenset([_S.CONFIGURED, _S.CHECKING]),
-    _S.STOPPED: frozenset([_S.CONFIGURED, _S.CHECKING]),
-    _S.FAILED: frozenset([_S.CONFIGURED, _S.CHECKING]),
-}
-
-
-class TransitionError(Gpr20Error, RuntimeError):
-    """A state cannot follow another."""
-
-    fault = faults.WRONG_STATE
-
-
-def check_transition(before: SurveyState, after: SurveyState) -> None:
-    """Refuse a transition between two states that does not exist.
-
-    Raises:
-        TransitionError: The table does not hold it.
-    """
-    if after not in TRANSITIONS[before]:
-        raise TransitionError(
-            Message(
-                "a survey that is {before} cannot become {after}",
-                before=before.label,
-                after=after.label,
-            )
-        )

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import enum
 from dataclasses import dataclass
-from typing import Any, Dict, Iterable, List, Mapping, Set
+from typing import Any, Iterable, Mapping, Set, Tuple
 
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message
-from gpr20_survey.axes.zero_epoch import ZeroEpoch, Zeros, are_zeros
-from gpr20_survey.trace import utc_time
+from gpr20_common.mid.codec import record_from
+from gpr20_survey.axes.axis_id import Zeros, are_zeros
 
 # The entry of the report.
 ZEROS = "zeros"
@@ -44,34 +44,20 @@ class UsedZeros:
     time: str
     proof: Proof
 
-    def record(self) -> Dict[str, Any]:
-        """Return it as JSON holds it."""
-        return {
-            "from_index": self.from_index,
-            "time": self.time,
-            "proof": self.proof.value,
-            "epochs": [one.number for one in self.zeros],
-            "times": [utc_time.iso_text(one.time_us) for one in self.zeros],
-        }
+    def __post_init__(self) -> None:
+        if not are_zeros(self.zeros):
+            raise InvalidValueError(Message("zeros are not those of three axes"))
 
 
-def used_zeros_from(report: Mapping[str, Any]) -> List[UsedZeros]:
-    """Return the zeros of a report; reports of earlier versions have none.
+def used_zeros_from(report: Mapping[str, Any]) -> Tuple[UsedZeros, ...]:
+    """Return the zeros of a report.
 
     Raises:
-        TypeError, ValueError, KeyError: The entry is no such list.
+        InvalidValueError: Its entry is no such list, or missing.
     """
-    return [_from_record(one) for one in report.get(ZEROS, [])]
-
-
-def _from_record(one: Mapping[str, Any]) -> UsedZeros:
-    zeros = tuple(
-        ZeroEpoch(int(number), utc_time.parse_iso(time))
-        for number, time in zip(one["epochs"], one["times"])
-    )
-    if not are_zeros(zeros):
-        raise ValueError("not the zeros of three axes")
-    return UsedZeros(zeros, int(one["from_index"]), str(one["time"]), Proof(one["proof"]))
+    kind: Any = Tuple[UsedZeros, ...]
+    found: Tuple[UsedZeros, ...] = record_from(kind, report.get(ZEROS), ZEROS)
+    return found
 
 
 def unproven_zeros(report: Any, measured: Iterable[Zeros]) -> Set[Zeros]:
@@ -79,13 +65,13 @@ def unproven_zeros(report: Any, measured: Iterable[Zeros]) -> Set[Zeros]:
 
     Args:
         report: The report as it was read; anything may stand there.
-        measured: The zeros of the traces, in the order of their indices; traces of earlier
-            versions have none.
+        measured: The zeros of the traces, in the order of their indices; traces that were imported
+            have none.
     """
     try:
-        used = used_zeros_from(report) if isinstance(report, Mapping) else []
-    except (TypeError, ValueError, KeyError, AttributeError, InvalidValueError):
-        used = []
+        used = used_zeros_from(report) if isinstance(report, Mapping) else ()
+    except InvalidValueError:
+        used = ()
     known = [one for one in measured if one]
     proven = {one.zeros for one in used if one.proof is not Proof.ACCEPTED}
     # Without a list, the zeros of the first trace are those of the survey.

@@ -52,7 +52,7 @@ class RecordedSurvey:
         """Return the survey of a folder.
 
         Args:
-            description: The content of its survey.json.
+            description: What its log says of it.
             folder: The survey's folder.
         """
         texts = (description.get(key) for key in ("survey_id", "started"))

@@ -10,7 +10,7 @@ from typing import Any, Dict, Mapping, Tuple
 
 from gpr20_common.message import Message
 from gpr20_survey import faults
-from gpr20_survey.axes.zero_epoch import AXES, UNKNOWN_ZERO, ZeroEpoch, Zeros, are_zeros
+from gpr20_survey.axes.axis_id import AXES, UNKNOWN_ZERO, ZeroEpoch, Zeros, are_zeros
 from gpr20_survey.trace.aux_value import AUX_RULE, AuxValue
 from gpr20_survey.trace.sweep import SETTINGS, Sweep
 from gpr20_survey.trace.sweep_settings import AnalyzerSettings

@@ -8,8 +8,8 @@ from typing import Iterable
 
 from gpr20_common.message import Message
 from gpr20_survey import faults
+from gpr20_survey.axes.axis_id import ANTENNA_LINK
 from gpr20_survey.errors import TraceRefusedError
-from gpr20_survey.frames import ANTENNA_LINK
 from gpr20_survey.trace.aux_value import AuxValue
 from gpr20_survey.trace.trace import TRACE_FIELDS, Trace
 from gpr20_survey.trace.trace_form import UINT, Reader, TraceField, pack_text, pack_time, record_of

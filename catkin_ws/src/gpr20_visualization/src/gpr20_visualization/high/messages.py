@@ -12,7 +12,7 @@ from std_msgs.msg import ColorRGBA, Header
 from tf2_msgs.msg import TFMessage
 from visualization_msgs.msg import Marker
 
-from gpr20_survey.frames import BASE_LINK, MAP
+from gpr20_survey.axes.axis_id import BASE_LINK, MAP
 from gpr20_visualization.mid.robot_model import LinkTransform
 
 GREY = "mono8"

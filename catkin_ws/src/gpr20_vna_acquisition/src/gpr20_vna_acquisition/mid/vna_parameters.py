@@ -11,7 +11,7 @@ from gpr20_common.message import Message
 from gpr20_common.mid.checks import instrument_address, ipv4_address, number_between
 from gpr20_common.mid.codec import bounded
 from gpr20_common.mid.extension import is_extension
-from gpr20_survey.plan.antenna_delay import ANTENNA_DELAYS_NS
+from gpr20_survey.plan.recorded_plan import ANTENNA_DELAYS_NS
 from gpr20_survey.trace.calibration import CalibrationStatus
 from gpr20_survey.trace.ms2026c import (
     IF_BANDWIDTHS_HZ,

@@ -31,7 +31,7 @@ from gpr20_survey.folder.signature import Signer, is_signed
 from gpr20_survey.folder.survey_log import SurveyLog
 from gpr20_survey.folder.trace_files import TraceFile
 from gpr20_survey.plan.imported import is_imported
-from gpr20_survey.plan.plan_fit import PlanFit
+from gpr20_survey.plan.recorded_plan import PlanFit
 from gpr20_survey.recording.mcap_writer import McapFile
 from gpr20_survey.recording.survey_topics import SurveyTopics, recorded_trace
 from gpr20_survey.results.reopened_survey import FIRST_TRACES, RECENT_TRACES

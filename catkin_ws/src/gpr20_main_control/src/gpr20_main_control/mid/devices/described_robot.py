@@ -12,17 +12,17 @@ from gpr20_common.mid.codec import bounded
 from gpr20_common.mid.node_software import software_difference
 from gpr20_main_control import faults
 from gpr20_main_control.errors import DeviceError
-from gpr20_survey.plan.robot_config import RobotConfig
+from gpr20_survey.plan.annotation import Site
 from gpr20_survey.plan.robot_description import (
     ANALYZER,
     HEIGHT_SENSOR,
     STORAGE,
     NodeDescription,
+    RobotConfig,
     is_simulated_identity,
     recorded_nodes,
     robot_config,
 )
-from gpr20_survey.plan.site import Site
 from gpr20_survey.trace.ms2026c import sweep_duration_s
 from gpr20_survey.trace.sweep_settings import SweepSettings
 

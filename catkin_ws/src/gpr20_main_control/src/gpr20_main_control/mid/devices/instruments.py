@@ -14,8 +14,8 @@ from gpr20_main_control.mid.devices.robot import AnalyzerSetup
 from gpr20_main_control.mid.survey.running_survey import RunningSurvey
 from gpr20_main_control.mid.waits import ExpectedWait, result_of
 from gpr20_survey.plan.robot_description import HEIGHT_SENSOR, PLAIN_NAMES
-from gpr20_survey.plan.survey_plan import SurveyPoint
-from gpr20_survey.plan.survey_settings import HeightPolicy
+from gpr20_survey.plan.survey_parameters import HeightPolicy
+from gpr20_survey.plan.survey_points import SurveyPoint
 from gpr20_survey.trace.calibration import CalibrationStatus
 from gpr20_survey.trace.sweep import Sweep, storable_remark
 from gpr20_survey.trace.sweep_settings import SweepSettings

@@ -13,11 +13,10 @@ from gpr20_main_control.mid.devices.axis_leases import AxisLeases
 from gpr20_main_control.mid.devices.node_liveness import SILENCE_LIMIT_S
 from gpr20_main_control.mid.devices.robot import Axis, AxisReading, Position, zeros_of
 from gpr20_main_control.mid.waits import StopInterruption, Workers, result_of
-from gpr20_survey.axes.axis_id import AxisId
+from gpr20_survey.axes.axis_id import AxisId, ZeroEpoch
 from gpr20_survey.axes.axis_parameters import AxisParameters
-from gpr20_survey.axes.zero_epoch import ZeroEpoch
 from gpr20_survey.plan.survey_cost import axis_move_duration_s
-from gpr20_survey.plan.survey_plan import SurveyPoint
+from gpr20_survey.plan.survey_points import SurveyPoint
 
 # An axis publishes at 10 Hz at rest; without a reading for this time there is no contact [s].
 # Over a link that loses packets, a single reading may be late by seconds.

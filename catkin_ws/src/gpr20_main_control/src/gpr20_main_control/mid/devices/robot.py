@@ -16,12 +16,11 @@ from gpr20_main_control.mid.devices.aux_sensors import AuxSensors
 from gpr20_main_control.mid.devices.axis_leases import LeasedAxis
 from gpr20_main_control.mid.devices.described_robot import DescribedRobot
 from gpr20_main_control.mid.devices.node_liveness import NodeLiveness
+from gpr20_main_control.mid.survey.coverage import Coverage
 from gpr20_main_control.mid.survey.survey_notes import Note
 from gpr20_main_control.mid.survey.survey_status import Status
 from gpr20_main_control.mid.waits import SerialCalls, Workers
-from gpr20_survey.axes.axis_id import AxisId
-from gpr20_survey.axes.zero_epoch import UNKNOWN_ZERO, ZeroEpoch, Zeros
-from gpr20_survey.plan.coverage import Coverage
+from gpr20_survey.axes.axis_id import UNKNOWN_ZERO, AxisId, ZeroEpoch, Zeros
 from gpr20_survey.results.reopened_survey import ReopenedSurvey
 from gpr20_survey.trace.calibration import CalibrationStatus
 from gpr20_survey.trace.sweep import Sweep

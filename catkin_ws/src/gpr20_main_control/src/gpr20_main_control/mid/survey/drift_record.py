@@ -11,7 +11,7 @@ import numpy as np
 from gpr20_common.message import Message
 from gpr20_main_control import faults
 from gpr20_main_control.errors import DeviceError
-from gpr20_survey.plan.survey_settings import SurveySettings
+from gpr20_survey.plan.survey_parameters import SurveySettings
 from gpr20_survey.radar.drift import Drift, drift_between, noise_db
 from gpr20_survey.trace.aux_value import VNA_TEMPERATURE
 from gpr20_survey.trace.sweep import Sweep

@@ -10,6 +10,7 @@ from gpr20_main_control import faults
 from gpr20_main_control.mid.devices.axis_leases import AxisLeases
 from gpr20_main_control.mid.devices.positioner import Positioner
 from gpr20_main_control.mid.devices.robot import Robot
+from gpr20_main_control.mid.survey.coverage import Coverage
 from gpr20_main_control.mid.survey.drift_record import DriftLimits
 from gpr20_main_control.mid.survey.survey_notes import SurveyNotes
 from gpr20_main_control.mid.survey.survey_plan import SurveyPlan
@@ -22,7 +23,6 @@ from gpr20_main_control.mid.survey.survey_steps import SurveyProgress
 from gpr20_main_control.mid.survey.zero_record import ZeroRecord
 from gpr20_main_control.mid.waits import Interruption, WaitStatus
 from gpr20_survey.folder.log_record import Kind
-from gpr20_survey.plan.coverage import Coverage
 from gpr20_survey.trace.trace import Trace
 
 # Less than this is how a time server usually corrects a clock [s].

@@ -21,7 +21,7 @@ from gpr20_main_control.mid.devices.robot import Position, SweepConfirmation
 from gpr20_main_control.mid.survey.running_survey import RunningSurvey
 from gpr20_main_control.mid.waits import Check, result_of, wait_for
 from gpr20_survey.errors import TraceRefusedError
-from gpr20_survey.plan.survey_plan import SurveyPoint
+from gpr20_survey.plan.survey_points import SurveyPoint
 from gpr20_survey.trace.aux_value import vna_temperature
 from gpr20_survey.trace.sweep import Sweep, storable_remark
 from gpr20_survey.trace.trace import Trace

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any, Callable, Dict, List, Optional
 
 from gpr20_common.message import Message, in_a_row
+from gpr20_common.mid.codec import plain
 from gpr20_main_control import faults
 from gpr20_main_control.errors import DeviceError, StopRequested, UnconfirmedError, message_of
 from gpr20_main_control.mid.devices.instruments import AnalyzerState, Instruments
@@ -18,7 +19,7 @@ from gpr20_main_control.mid.survey.survey_archive import SurveyArchive, interrup
 from gpr20_main_control.mid.survey.survey_ending import SurveyEnding
 from gpr20_main_control.mid.waits import Check
 from gpr20_survey.folder.log_record import Kind
-from gpr20_survey.plan.survey_plan import SurveyPoint
+from gpr20_survey.plan.survey_points import SurveyPoint
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_survey.trace.trace import Trace
 from gpr20_survey.trace.utc_time import iso_text
@@ -159,7 +160,7 @@ class StepActions:
         self._status.set_message(in_a_row([MEASURING, known.message]))
 
     def _note_zeros(self) -> None:
-        self._survey.notes.add(Kind.EPOCH, **self._survey.zeros.used[-1].record())
+        self._survey.notes.add(Kind.EPOCH, **plain(self._survey.zeros.used[-1]))
 
     @property
     def _next_index(self) -> int:

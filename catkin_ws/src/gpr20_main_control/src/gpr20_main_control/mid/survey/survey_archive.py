@@ -18,16 +18,21 @@ from gpr20_main_control.mid.devices.robot import SurveyEnd, SurveyRecord
 from gpr20_main_control.mid.survey.known_point import RepeatMeasurement
 from gpr20_main_control.mid.survey.running_survey import RunningSurvey
 from gpr20_main_control.mid.survey.storage_queue import ATTEMPTS, RETRY_S, StorageQueue
-from gpr20_main_control.mid.survey.survey_plan import PLAN_ID, PLAN_SET_BY, SurveyPlan
+from gpr20_main_control.mid.survey.survey_plan import (
+    PLAN_ID,
+    PLAN_SET_BY,
+    RemainingTime,
+    SurveyPlan,
+)
 from gpr20_main_control.mid.waits import Check, ExpectedWait
 from gpr20_survey.folder.soil_note import PLANNED
 from gpr20_survey.folder.survey_metadata import INTERRUPTED
 from gpr20_survey.plan.annotation import ANNOTATION
-from gpr20_survey.plan.refines import REFINES
+from gpr20_survey.plan.recorded_plan import REFINES
 from gpr20_survey.plan.robot_description import STORAGE_NAME
 from gpr20_survey.plan.sensors import SENSORS
-from gpr20_survey.plan.survey_cost import RemainingTime, needed_bytes
-from gpr20_survey.plan.survey_plan import SurveyPoint
+from gpr20_survey.plan.survey_cost import needed_bytes
+from gpr20_survey.plan.survey_points import SurveyPoint
 from gpr20_survey.plan.survey_state import SurveyState
 
 

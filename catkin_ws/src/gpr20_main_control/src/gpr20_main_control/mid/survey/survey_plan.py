@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from dataclasses import dataclass, replace
+from itertools import accumulate
 from typing import Any, Dict, List, Optional, Sequence
 
 from gpr20_common.errors import InvalidValueError
@@ -13,25 +14,24 @@ from gpr20_main_control import faults
 from gpr20_main_control.errors import RequestRefusedError
 from gpr20_main_control.mid.survey.survey_report import (
     UsedAnalyzer,
+    former_report,
     recorded_analyzers,
-    recorded_zeros,
 )
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.axes.axis_parameters import AxisParameters
 from gpr20_survey.plan.annotation import EMPTY, Annotation
-from gpr20_survey.plan.robot_config import RobotConfig
+from gpr20_survey.plan.robot_description import RobotConfig
 from gpr20_survey.plan.sensors import SENSORS
 from gpr20_survey.plan.survey_cost import VISIT_SWEEPS, first_stop, planned_times
-from gpr20_survey.plan.survey_parameters import SurveyParameters, check
-from gpr20_survey.plan.survey_plan import SurveyPoint, survey_points
-from gpr20_survey.plan.survey_settings import SurveySettings
+from gpr20_survey.plan.survey_parameters import SurveyParameters, SurveySettings, check
+from gpr20_survey.plan.survey_points import SurveyPoint, survey_points
 from gpr20_survey.plan.zero_history import Proof, UsedZeros
 from gpr20_survey.results.reopened_survey import ReopenedSurvey
 from gpr20_survey.trace.ms2026c import sweep_duration_s
 from gpr20_survey.trace.sweep_settings import AnalyzerSettings, SweepSettings
 from gpr20_survey.trace.trace import Trace
 
-# Keys of survey.json.
+# Keys of the description.
 PLAN_ID, PLAN_SET_BY = "plan_id", "plan_set_by"
 # Parameters of an axis that decide where its coordinates are on the ground.
 GRID_PARAMETERS = (
@@ -102,11 +102,7 @@ class SurveyPlan:
         """The other sensors at the start of a survey that is resumed; None if not recorded."""
         if self.reopened is None:
             return None
-        try:
-            found = json.loads(self.reopened.metadata_json)[SENSORS]
-        except (ValueError, KeyError, TypeError):
-            # Surveys of earlier versions do not have them.
-            return []
+        found = json.loads(self.reopened.metadata_json).get(SENSORS)
         return [one for one in found if isinstance(one, dict)] if isinstance(found, list) else []
 
     @property
@@ -138,7 +134,7 @@ class SurveyPlan:
         """
         if self.reopened is None:
             return ()
-        recorded = recorded_zeros(self.reopened.report_json)
+        recorded = former_report(self.reopened.report_json).zeros
         last = self.last
         if last is None or not last.zeros or any(one.zeros == last.zeros for one in recorded):
             return recorded
@@ -180,6 +176,32 @@ class SurveyPlan:
             + longer_s * ((index < self.total_points) + visit_sweeps * (index in self.visits))
             for index in self._pending_indices
         ]
+
+
+class RemainingTime:
+    """Time to the end of a survey, from the plan and from the pace so far."""
+
+    def __init__(self, durations_s: Sequence[float]) -> None:
+        self._planned_s = [0.0, *accumulate(durations_s)]
+
+    @property
+    def planned_s(self) -> float:
+        """Time that the whole plan takes [s]."""
+        return self._planned_s[-1]
+
+    def remaining_s(self, points_done: int, elapsed_s: float) -> float:
+        """Return the time to the end [s].
+
+        The rest of the plan is stretched by how much longer than planned the points so
+        far have taken.
+
+        Args:
+            points_done: Points that are finished, in the order of the plan.
+            elapsed_s: Time spent on them [s], without pauses.
+        """
+        done_s = self._planned_s[points_done]
+        rest_s = self.planned_s - done_s
+        return rest_s * (elapsed_s / done_s) if done_s > 0.0 else rest_s
 
 
 def plan_survey(

@@ -5,26 +5,24 @@ from __future__ import annotations
 import json
 import math
 import threading
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from datetime import datetime, timezone
-from typing import Any, Dict, List, Optional, Sequence
+from typing import Any, Dict, List, Optional, Sequence, Tuple
 
-from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message
-from gpr20_common.mid.codec import record_from
+from gpr20_common.mid.codec import plain, record_from
 from gpr20_main_control import faults
 from gpr20_main_control.errors import OtherAnalyzerError, SurveyError
+from gpr20_main_control.mid.survey.coverage import Coverage
 from gpr20_main_control.mid.survey.known_point import RepeatMeasurement
 from gpr20_main_control.mid.survey.zero_record import ZeroRecord
 from gpr20_survey.folder.survey_metadata import FAULT_CODE, REASON_MESSAGE, message_record
-from gpr20_survey.plan.coverage import COMPLETE, COVERAGE_LETTERS, Coverage
-from gpr20_survey.plan.zero_history import ZEROS, UsedZeros, used_zeros_from
+from gpr20_survey.plan.coverage import COMPLETE, COVERAGE_LETTERS
+from gpr20_survey.plan.zero_history import ZEROS, UsedZeros
 from gpr20_survey.trace.utc_time import iso_text
 
 # Place of the serial number in an identity: maker, model, serial number, firmware.
 SERIAL_NUMBER = 2
-# The entry of the report that lists the analyzers.
-ANALYZERS = "analyzers"
 # The report is bounded, however often an instrument fails; each trace has its own remarks.
 MAX_WARNINGS = 1000
 
@@ -108,7 +106,40 @@ def _serial_number(identity: str) -> str:
     return fields[SERIAL_NUMBER] if len(fields) > SERIAL_NUMBER else identity
 
 
-def recorded_analyzers(metadata_json: str, report_json: str) -> List[UsedAnalyzer]:
+@dataclass(frozen=True)
+class Control:
+    """A stored point that was measured again, and its difference from the trace."""
+
+    index: int
+    time: str
+    difference_db: Optional[float]
+    height_difference_m: Optional[float]
+
+
+@dataclass(frozen=True)
+class FormerReport:
+    """What the report of a survey on the disk says."""
+
+    controls: Tuple[Control, ...] = ()
+    warnings: Tuple[Dict[str, Any], ...] = ()
+    analyzers: Tuple[UsedAnalyzer, ...] = ()
+    zeros: Tuple[UsedZeros, ...] = ()
+
+
+def former_report(report_json: str) -> FormerReport:
+    """Return what the last report of a survey says; an empty text is that of none.
+
+    Raises:
+        SurveyError: The report cannot be read.
+    """
+    try:
+        values = json.loads(report_json) if report_json else {}
+        return record_from(FormerReport, values, "report", others=True)
+    except ValueError as error:
+        raise _unreadable(repr(error)) from error
+
+
+def recorded_analyzers(metadata_json: str, report_json: str) -> Sequence[UsedAnalyzer]:
     """Return the analyzers of a survey that is on the disk.
 
     Args:
@@ -118,11 +149,7 @@ def recorded_analyzers(metadata_json: str, report_json: str) -> List[UsedAnalyze
     Raises:
         SurveyError: The report cannot be read.
     """
-    try:
-        used = json.loads(report_json).get(ANALYZERS, []) if report_json else []
-        analyzers = [record_from(UsedAnalyzer, one, ANALYZERS) for one in used]
-    except (AttributeError, KeyError, TypeError, ValueError) as error:
-        raise _unreadable(repr(error)) from error
+    analyzers = former_report(report_json).analyzers
     if analyzers:
         return analyzers
     # Before the first report there is only the analyzer of the start.
@@ -131,20 +158,8 @@ def recorded_analyzers(metadata_json: str, report_json: str) -> List[UsedAnalyze
     return [UsedAnalyzer(identity, 0, None)] if isinstance(identity, str) else []
 
 
-def recorded_zeros(report_json: str) -> List[UsedZeros]:
-    """Return the zeros of a survey that is on the disk, from its last report or none.
-
-    Raises:
-        SurveyError: The report cannot be read.
-    """
-    try:
-        return used_zeros_from(json.loads(report_json)) if report_json else []
-    except (AttributeError, KeyError, TypeError, ValueError, InvalidValueError) as error:
-        raise _unreadable(repr(error)) from error
-
-
 class SurveyReport:
-    """Collects the entry `report` of survey.json."""
+    """Collects the report of a survey, an entry of its log."""
 
     def __init__(
         self,
@@ -167,20 +182,22 @@ class SurveyReport:
         self.coverage = coverage
         self._analyzers = analyzers
         self._zeros = zeros
-        self._controls = _controls_of(former_json, coverage.planned)
-        self._warnings = _warnings_of(former_json)
+        former = former_report(former_json)
+        self._controls, self._warnings = list(former.controls), list(former.warnings)
         for control in self._controls:
-            coverage.note_remeasured(control["index"])
+            if not 0 <= control.index < coverage.planned:
+                raise _unreadable("a repeat measurement is not of a planned sample")
+            coverage.note_remeasured(control.index)
 
     def note_repeat(self, repeat: RepeatMeasurement, time_us: int) -> None:
         """Note that a stored point was measured again, and its difference from the trace."""
         self._controls.append(
-            {
-                "index": repeat.index,
-                "time": _iso_time(time_us),
-                "difference_db": _finite_or_none(repeat.difference_db),
-                "height_difference_m": _finite_or_none(repeat.height_difference_m),
-            }
+            Control(
+                repeat.index,
+                _iso_time(time_us),
+                _finite_or_none(repeat.difference_db),
+                _finite_or_none(repeat.height_difference_m),
+            )
         )
         self.coverage.note_remeasured(repeat.index)
 
@@ -198,7 +215,7 @@ class SurveyReport:
         )
 
     def to_json(self) -> str:
-        """Return the report as it is stored in survey.json.
+        """Return the report as the log stores it.
 
         `coverage` has one letter per planned sample, in the order of the plan: m measured,
         r measured again, f failed, - not visited. Sentences are stored twice: as English text,
@@ -221,38 +238,17 @@ class SurveyReport:
                     }
                     for index, reason in reasons
                 ],
-                "controls": self._controls,
+                "controls": plain(self._controls),
                 "warnings": self._warnings,
-                ANALYZERS: [asdict(one) for one in self._analyzers.used],
-                ZEROS: [one.record() for one in self._zeros.used],
+                "analyzers": plain(self._analyzers.used),
+                ZEROS: plain(self._zeros.used),
             }
         )
 
 
-def _controls_of(former_json: str, planned: int) -> List[Dict[str, Any]]:
-    if not former_json:
-        return []
-    try:
-        controls = json.loads(former_json)["controls"]
-        controls = [{**control, "index": int(control["index"])} for control in controls]
-        if not all(0 <= control["index"] < planned for control in controls):
-            raise ValueError("a repeat measurement is not of a planned sample")
-        return controls
-    except (ValueError, TypeError, KeyError) as error:
-        raise _unreadable(repr(error)) from error
-
-
-def _warnings_of(former_json: str) -> List[Dict[str, Any]]:
-    # Reports of earlier versions have none.
-    former = json.loads(former_json).get("warnings", []) if former_json else []
-    if not isinstance(former, list):
-        raise _unreadable("warnings: no list")
-    return former
-
-
 def _unreadable(details: str) -> SurveyError:
     return SurveyError(
-        Message("the report in survey.json cannot be read", details=details),
+        Message("the report in the log cannot be read", details=details),
         fault=faults.RECORD_DAMAGED,
     )
 

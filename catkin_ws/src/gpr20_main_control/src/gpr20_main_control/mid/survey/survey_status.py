@@ -4,18 +4,61 @@ from __future__ import annotations
 
 import threading
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Callable, Optional
+from typing import TYPE_CHECKING, Callable, Dict, FrozenSet, Optional
 
+from gpr20_common.errors import Gpr20Error
 from gpr20_common.message import Message, in_a_row
-from gpr20_survey.plan.coverage import Coverage
+from gpr20_main_control.mid.survey.coverage import Coverage
+from gpr20_survey import faults
 from gpr20_survey.plan.survey_parameters import SurveyParameters
-from gpr20_survey.plan.survey_plan import SurveyPoint
-from gpr20_survey.plan.survey_state import SurveyState, check_transition
+from gpr20_survey.plan.survey_points import SurveyPoint
+from gpr20_survey.plan.survey_state import SurveyState
 
 if TYPE_CHECKING:  # the plan imports what shows itself by this status
     from gpr20_main_control.mid.survey.survey_plan import SurveyPlan
 
 NO_PARAMETERS = Message("Set the parameters of a survey.")
+_S = SurveyState
+TRANSITIONS: Dict[SurveyState, FrozenSet[SurveyState]] = {
+    # From rest to CHECKING without new parameters: a survey is resumed from its folder.
+    _S.IDLE: frozenset([_S.CONFIGURED, _S.CHECKING]),
+    _S.CONFIGURED: frozenset([_S.CONFIGURED, _S.CHECKING]),
+    # To FINISHED: a node was lost when everything was stored already.
+    _S.CHECKING: frozenset([_S.HOMING, _S.PAUSED, _S.STOPPING, _S.FINISHED, _S.FAILED]),
+    _S.HOMING: frozenset([_S.CHECKING, _S.SURVEYING, _S.PAUSED, _S.STOPPING, _S.FAILED]),
+    # Back to CHECKING: a node was lost; the survey continues by itself when it is back.
+    _S.SURVEYING: frozenset(
+        [_S.CHECKING, _S.PAUSING, _S.PAUSED, _S.STOPPING, _S.FINISHED, _S.FAILED]
+    ),
+    _S.PAUSING: frozenset([_S.CHECKING, _S.PAUSED, _S.STOPPING, _S.FINISHED, _S.FAILED]),
+    _S.PAUSED: frozenset([_S.CHECKING, _S.STOPPING, _S.FAILED]),
+    _S.STOPPING: frozenset([_S.STOPPED, _S.FAILED]),
+    _S.FINISHED: frozenset([_S.CONFIGURED, _S.CHECKING]),
+    _S.STOPPED: frozenset([_S.CONFIGURED, _S.CHECKING]),
+    _S.FAILED: frozenset([_S.CONFIGURED, _S.CHECKING]),
+}
+
+
+class TransitionError(Gpr20Error, RuntimeError):
+    """A state cannot follow another."""
+
+    fault = faults.WRONG_STATE
+
+
+def check_transition(before: SurveyState, after: SurveyState) -> None:
+    """Refuse a transition between two states that does not exist.
+
+    Raises:
+        TransitionError: The table does not hold it.
+    """
+    if after not in TRANSITIONS[before]:
+        raise TransitionError(
+            Message(
+                "a survey that is {before} cannot become {after}",
+                before=before.label,
+                after=after.label,
+            )
+        )
 
 
 @dataclass(frozen=True)

@@ -8,7 +8,7 @@ from typing import Deque, Dict, Iterator, Optional, Tuple, Union
 
 from gpr20_main_control.mid.survey.known_point import known_traces
 from gpr20_main_control.mid.survey.survey_plan import SurveyPlan
-from gpr20_survey.plan.survey_plan import SurveyPoint
+from gpr20_survey.plan.survey_points import SurveyPoint
 from gpr20_survey.trace.trace import Trace
 
 

@@ -9,9 +9,8 @@ from gpr20_main_control import faults
 from gpr20_main_control.errors import DeviceError
 from gpr20_main_control.mid.devices.robot import zeros_of
 from gpr20_main_control.mid.survey.known_point import KnownPoint
-from gpr20_survey.axes.axis_id import AxisId
+from gpr20_survey.axes.axis_id import AxisId, ZeroEpoch, Zeros
 from gpr20_survey.axes.axis_parameters import AxisParameters
-from gpr20_survey.axes.zero_epoch import ZeroEpoch, Zeros
 from gpr20_survey.faults import OTHER_ZEROS
 from gpr20_survey.plan.zero_history import UNPROVEN, Proof, UsedZeros
 from gpr20_survey.trace.sweep import storable_remark

@@ -1,10 +1,10 @@
-"""The order in which a survey visits its points."""
+"""The points of a survey, in the order in which it visits them."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from decimal import Decimal
-from typing import Iterator, List, Sequence, Tuple
+from typing import List, Sequence
 
 from gpr20_survey.plan.survey_parameters import RobotTravel, SurveyParameters, Travel
 
@@ -27,16 +27,24 @@ class SurveyPoint:
 
 
 def survey_points(parameters: SurveyParameters, travel: RobotTravel) -> List[SurveyPoint]:
-    """Return the points of a survey in the order of their visit.
-
-    Y is the slow axis and X the fast one, whose direction turns with every row. The
-    order of the polarizations turns with every stop, so the antennas rotate once there.
-    """
+    """Return the points of a survey in the order of their visit."""
     xs = grid(parameters.x_start_mm, parameters.x_stop_mm, parameters.x_points, travel.x)
     ys = grid(parameters.y_start_mm, parameters.y_stop_mm, parameters.y_points, travel.y)
-    rotations = [on_step(rotation, travel.z) for rotation in parameters.polarizations_deg]
-    visits = alternating(list(raster(xs, ys)), rotations)
-    return [SurveyPoint(index, x, y, z) for index, ((x, y), z) in enumerate(visits)]
+    return visits(xs, ys, [on_step(one, travel.z) for one in parameters.polarizations_deg])
+
+
+def visits(
+    xs_mm: Sequence[float], ys_mm: Sequence[float], rotations_deg: Sequence[float]
+) -> List[SurveyPoint]:
+    """Return every stop with every rotation.
+
+    Y is the slow axis and X the fast one, whose direction turns with every row. The order of the
+    rotations turns with every stop, so the antennas rotate once there.
+    """
+    stops = [(x, y) for row, y in enumerate(ys_mm) for x in (xs_mm, xs_mm[::-1])[row % 2]]
+    turns = (rotations_deg, rotations_deg[::-1])
+    places = [(*stop, z) for number, stop in enumerate(stops) for z in turns[number % 2]]
+    return [SurveyPoint(index, *place) for index, place in enumerate(places)]
 
 
 def grid(start: float, stop: float, points: int, travel: Travel) -> List[float]:
@@ -50,19 +58,3 @@ def on_step(coordinate: float, travel: Travel) -> float:
     step = Decimal(repr(travel.step))
     # Decimal, so that the result is the very float that the axis itself reports.
     return float(round(Decimal(repr(float(coordinate))) / step) * step)
-
-
-def raster(xs: Sequence[float], ys: Sequence[float]) -> Iterator[Tuple[float, float]]:
-    """Yield (x, y) row by row, reversing every second row."""
-    for row, y in enumerate(ys):
-        for x in xs if row % 2 == 0 else reversed(xs):
-            yield x, y
-
-
-def alternating(
-    stops: Sequence[Tuple[float, float]], rotations: Sequence[float]
-) -> Iterator[Tuple[Tuple[float, float], float]]:
-    """Yield every stop with every rotation, reversing the rotations at every second stop."""
-    for number, stop in enumerate(stops):
-        for rotation in rotations if number % 2 == 0 else reversed(rotations):
-            yield stop, rotation
