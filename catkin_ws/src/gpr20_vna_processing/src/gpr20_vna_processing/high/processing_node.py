@@ -26,7 +26,7 @@ from gpr20_common.low.revision import software_revision
 from gpr20_common.message import Message, in_a_row
 from gpr20_common.mid.hardware import NO_HARDWARE
 from gpr20_common.os_reason import os_reason
-from gpr20_common.sent_message import received_message
+from gpr20_common.sent_message import fields_of, received_message
 from gpr20_common.terminal_text import printable
 from gpr20_msgs.msg import Trace
 from gpr20_msgs.srv import (
@@ -34,6 +34,7 @@ from gpr20_msgs.srv import (
     CloseSurvey,
     OpenSurvey,
     ReopenSurvey,
+    ReopenSurveyResponse,
     StoreData,
 )
 from gpr20_survey.errors import ProcessingError
@@ -50,7 +51,6 @@ from gpr20_survey.recording.survey_topics import (
     TRACE_TOPIC,
     SurveyTopics,
 )
-from gpr20_survey.results.reopened_survey import reopened_fields
 from gpr20_survey.trace import trace_message
 from gpr20_vna_processing.faults import DISK_SLOW
 from gpr20_vna_processing.high.archive_services import ArchiveServices
@@ -155,8 +155,7 @@ class ProcessingNode:
         return success(
             ReopenSurvey,
             in_a_row([message, *reopened.repairs[:MAX_REPAIRS_SHOWN]]),
-            **reopened_fields(reopened),
-            recent=recent,
+            **{**fields_of(reopened, ReopenSurveyResponse), "recent": recent},
         )
 
     def _wait_for_publishers(self) -> None:
