@@ -23,7 +23,7 @@ from gpr20_msgs.msg import AxisAction, AxisGoal, AxisResult, CurrentCoordinate
 from gpr20_msgs.srv import AxisLease, AxisLeaseResponse, Command
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.axes.zero_epoch import ZeroEpoch
-from gpr20_survey.faults import CONTROL_SILENT, LEASE_LAPSED
+from gpr20_survey.faults import CONTROL_SILENT
 from gpr20_survey.plan.robot_description import PLAIN_NAMES
 
 # actionlib waits longer than it is asked to, but not as long as 0, which is for ever.
@@ -267,7 +267,7 @@ class _DriversClient(actionlib.ActionClient):
 
 def _is_contact_lost(message: Message) -> bool:
     """Return whether an axis stopped by itself, because it did not hear this node."""
-    return message.fault_code in (CONTROL_SILENT.code, LEASE_LAPSED.code)
+    return message.fault_code == CONTROL_SILENT.code
 
 
 def _outcome(goal: actionlib.ClientGoalHandle) -> MoveOutcome:

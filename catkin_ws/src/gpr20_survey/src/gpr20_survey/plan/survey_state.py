@@ -7,7 +7,6 @@ from typing import Dict, FrozenSet
 
 from gpr20_common.errors import Gpr20Error
 from gpr20_common.message import Message
-from gpr20_survey import faults
 
 
 class SurveyState(enum.IntEnum):
@@ -84,8 +83,6 @@ TRANSITIONS: Dict[SurveyState, FrozenSet[SurveyState]] = {
 
 class TransitionError(Gpr20Error, RuntimeError):
     """A state cannot follow another."""
-
-    fault = faults.WRONG_STATE
 
 
 def check_transition(before: SurveyState, after: SurveyState) -> None:

@@ -12,7 +12,7 @@ import rospy
 from std_msgs.msg import String
 
 from gpr20_common import __version__
-from gpr20_common.faults import DISK_FULL
+from gpr20_common.faults import DISK_FULL, DISK_REFUSES
 from gpr20_common.high.description import publish_description
 from gpr20_common.high.diagnostics import ERROR, OK, WARN, Diagnostics, Health
 from gpr20_common.high.node import run_device
@@ -38,7 +38,6 @@ from gpr20_msgs.srv import (
     StoreData,
 )
 from gpr20_survey.errors import ProcessingError
-from gpr20_survey.faults import STORAGE_UNREADABLE
 from gpr20_survey.files.durable_files import free_bytes
 from gpr20_survey.files.file_system import existing_folder
 from gpr20_survey.folder.data_folder import DataFolder
@@ -230,7 +229,7 @@ class ProcessingNode:
                 "the free space on the disk of {path} is unknown: {reason}",
                 path=printable(self._data),
                 reason=os_reason(error),
-            ).with_fault(STORAGE_UNREADABLE)
+            ).with_fault(DISK_REFUSES)
             return ERROR, message, {}
         values = {
             "open survey": state.survey_id,

@@ -98,8 +98,8 @@ def test_a_survey_that_was_cut_off_goes_on_where_it_was(kit, folder, by_folder):
 @each_case(
     "name, code",
     [
-        *((name, "survey.wrong_name") for name in ("", "..", "../before", "/etc")),
-        ("20260921T141320_0f8fad5b/..", "survey.wrong_name"),
+        *((name, "survey.unknown") for name in ("", "..", "../before", "/etc")),
+        ("20260921T141320_0f8fad5b/..", "survey.unknown"),
         (OTHER_SURVEY, "survey.unknown"),
         (SURVEY[:8] + OTHER_SURVEY[8:], "survey.unknown"),
     ],
