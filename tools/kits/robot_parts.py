@@ -55,7 +55,7 @@ from gpr20_simulator.mid.world.ground import Ground
 from gpr20_simulator.mid.world.range_sensor import RangeSensor
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.axes.axis_parameters import AxisParameters
-from gpr20_survey.faults import LEASE_LAPSED
+from gpr20_survey.faults import CONTROL_SILENT
 from gpr20_survey.results.reopened_survey import ReopenedSurvey
 from gpr20_survey.trace import trace_message
 from gpr20_survey.trace.sweep_settings import SweepSettings
@@ -229,7 +229,7 @@ class ProcessAxis:
             message = error.message
             if isinstance(error, MotionStopped) and not stopped():
                 message = self.lease.lapse
-            return MoveOutcome(False, message, message.fault_code == LEASE_LAPSED.code)
+            return MoveOutcome(False, message, message.fault_code == CONTROL_SILENT.code)
         return MoveOutcome(True, verbatim(""))
 
 

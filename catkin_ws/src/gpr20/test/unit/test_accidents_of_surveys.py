@@ -57,7 +57,7 @@ def disk(world):
         (errno.ENOSPC, "disk.full", 0),
         (errno.ENOSPC, "disk.full", 3),
         (errno.EROFS, "disk.refuses", 1),
-        (errno.EIO, "storage.failed", 3),
+        (errno.EIO, "disk.refuses", 3),
     ],
 )
 def test_a_disk_that_fails_pauses_the_survey_and_nothing_is_lost(

@@ -27,8 +27,7 @@ from gpr20_operator.ground import texts as ground_texts
 from gpr20_operator.jobs.result_texts import headline, why_line
 from gpr20_survey.high import candidate_topics
 from gpr20_survey.results.area_position import AreaPosition
-from gpr20_survey.results.candidate_json import json_text, list_from
-from gpr20_survey.results.candidates import Flag
+from gpr20_survey.results.candidates import Flag, json_text, list_from
 
 # As it is documented: docs/imaging.md.
 DOUBTFUL = {"clutter", "sidelobe"}
@@ -137,7 +136,7 @@ def report_section(found):
 
 @each_case("flag", Flag)
 def test_every_flag_means_the_same_everywhere(flag, tmp_path):
-    assert str(flag.label) == LABELS[flag.value]
+    assert list(map(str, candidate(flags=[flag]).labels)) == [LABELS[flag.value]]
     found = candidate_list([candidate(flags=[flag])], position=HERE)
     check(found, tmp_path)
     # Beside others, and beyond what is shown of doubtful ones.

@@ -40,7 +40,7 @@ from gpr20_survey.folder.survey_folder import MCAP_FILE
 from gpr20_survey.plan.survey_parameters import SurveyParameters
 from gpr20_survey.plan.survey_points import survey_points
 from gpr20_survey.plan.zero_history import UNPROVEN
-from gpr20_survey.results.candidate_json import json_text, list_from
+from gpr20_survey.results.candidates import json_text, list_from
 from gpr20_survey.results.focused_image import focus_fields, image_from
 from gpr20_web.mid.survey_values import result_of
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from gpr20_axis_driver import faults
 from gpr20_common.errors import Gpr20Error
-from gpr20_survey.faults import LEASE_LAPSED, NOT_HOMED
+from gpr20_survey.faults import CONTROL_SILENT, NOT_HOMED
 
 
 class AxisException(Gpr20Error):
@@ -40,7 +40,7 @@ class AxisOwnedError(AxisException, PermissionError):
 class LeaseLapsedError(AxisException, RuntimeError):
     """The lease of the axis was not renewed in time, or never existed."""
 
-    fault = LEASE_LAPSED
+    fault = CONTROL_SILENT
 
 
 class EndstopError(AxisException, OSError):

@@ -22,7 +22,7 @@ from gpr20_common.mid.hardware import Hardware
 from gpr20_common.sent_message import message_from
 from gpr20_msgs.msg import AxisGoal
 from gpr20_survey.axes.axis_id import AxisId
-from gpr20_survey.faults import CONTROL_SILENT, LEASE_LAPSED, NOT_HOMED
+from gpr20_survey.faults import CONTROL_SILENT, NOT_HOMED
 
 CONTROL, OTHER = "/main_control", "/rostopic_7"
 FAR_MM = 20.0
@@ -166,7 +166,7 @@ def shut_down(node):
         ((stop,), faults.STOPPED),
         ((shut_down,), faults.STOPPED),
         ((lose_contact,), CONTROL_SILENT),
-        ((lapse,), LEASE_LAPSED),
+        ((lapse,), CONTROL_SILENT),
         # A requested stop counts, even if the contact was lost as well.
         ((lose_contact, lapse, stop), faults.STOPPED),
     ],
@@ -208,7 +208,7 @@ def test_while_a_node_has_the_axis_nobody_else_moves_it_or_sets_its_zero(monkeyp
         assert message_from(answer).values["owner"] == CONTROL
     assert node.axis.driver.position.zero == zero and node.axis.machine.pulses == []
     assert node.call("lease", lease=lease.lease).lease == lease.lease
-    assert fault_of(node.call("lease", lease=lease.lease + 1)) == LEASE_LAPSED.code
+    assert fault_of(node.call("lease", lease=lease.lease + 1)) == CONTROL_SILENT.code
     assert node.call("lease", lease=lease.lease, release=True).success
     assert node.call("set_zero", OTHER).success
     assert node.axis.driver.position.zero.number == zero.number + 1

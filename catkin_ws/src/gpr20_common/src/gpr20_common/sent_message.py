@@ -8,8 +8,8 @@ from __future__ import annotations
 import json
 import re
 import string
-from dataclasses import replace
-from typing import Any, Dict, Mapping, Optional
+from dataclasses import fields, replace
+from typing import Any, Dict, Mapping, Optional, Type, TypeVar
 
 from gpr20_common.message import CODE_FORMAT, Fault, Message, Severity, in_a_row, verbatim
 
@@ -32,6 +32,33 @@ UNREADABLE = (
     TypeError,
     ValueError,
 )
+
+Record = TypeVar("Record")
+
+
+def fields_of(record: Any, kind: Any) -> Dict[str, Any]:
+    """Return those fields of a dataclass that a kind of ROS message has too.
+
+    A sentence, or None, becomes its English text and `Message.to_json` in the field NAME_json.
+    """
+    found = {}
+    for name in (one.name for one in fields(record) if one.name in kind.__slots__):
+        value = found[name] = getattr(record, name)
+        if f"{name}_json" in kind.__slots__:
+            found[name] = "" if value is None else str(value)
+            found[f"{name}_json"] = "" if value is None else value.to_json()
+    return found
+
+
+def record_of(kind: Type[Record], message: Any, **others: Any) -> Record:
+    """Return the dataclass of a message with the fields of `fields_of`, and of other values."""
+    found: Dict[str, Any] = {}
+    for name in (one.name for one in fields(kind) if hasattr(message, one.name)):  # type: ignore[arg-type]
+        value = found[name] = getattr(message, name)
+        if hasattr(message, f"{name}_json"):
+            message_json = getattr(message, f"{name}_json")
+            found[name] = received_message(value, message_json) if value else None
+    return kind(**{**found, **others})
 
 
 def message_fields(message: Message) -> Dict[str, str]:

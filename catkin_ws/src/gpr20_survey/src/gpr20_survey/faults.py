@@ -7,10 +7,8 @@ from gpr20_common.message import Fault, Message, Severity
 
 # Plan and configuration.
 PLAN_NOT_ALLOWED = Fault("plan.not_allowed", remedies.CORRECT_PLAN)
-NOT_DESCRIBED = Fault("node.not_described", remedies.WAIT_FOR_PART)
 OTHER_PARAMETERS = Fault("node.other_parameters", remedies.SAME_VERSION, replaces=True)
 MIXED_PARTS = Fault("launch.mixed_parts", Message("End every launch of the robot, then start one."))
-WRONG_STATE = Fault("survey.wrong_state", remedies.REPORT)
 CLOCK_WRONG = Fault("clock.wrong", remedies.SET_CLOCK)
 
 # A trace that is measured.
@@ -30,7 +28,6 @@ TRACE_OTHER_VERSION = Fault(
         "a later one."
     ),
 )
-FOREIGN_TRACE = Fault("trace.foreign", remedies.KEEP_SURVEY)
 DESCRIPTION_DAMAGED = Fault("survey.description_damaged", remedies.RESUME_SURVEY)
 DESCRIPTION_LOST = Fault(
     "survey.description_lost",
@@ -64,7 +61,6 @@ MARKERS_DAMAGED = Fault("marker.damaged", remedies.KEEP_SURVEY, replaces=True)
 
 # Requests.
 REQUEST_REFUSED = Fault("storage.request_refused", remedies.CORRECT_VALUE)
-WRONG_NAME = Fault("survey.wrong_name", remedies.OTHER_NAME)
 UNKNOWN_SURVEY = Fault("survey.unknown", remedies.OTHER_NAME)
 MARKER_REFUSED = Fault("marker.refused", Message("Look at the markers on Ground, then try again."))
 TOO_MANY_MARKERS = Fault(
@@ -73,8 +69,6 @@ TOO_MANY_MARKERS = Fault(
 )
 
 # Files and the disk.
-STORAGE_UNREADABLE = Fault("storage.unreadable", remedies.CHECK_DISK)
-STORAGE_FAILED = Fault("storage.failed", remedies.CHECK_DISK)
 NOT_PERMITTED = Fault(
     "storage.not_permitted",
     Message(
@@ -159,15 +153,8 @@ CALIBRATION_AGED = Fault("vna.calibration_aged", _CALIBRATE, Severity.WARNING)
 CONTROL_SILENT = Fault(
     "axis.control_silent",
     Message(
-        "Wait one minute: a survey continues by itself. If it does not, check the network cable "
-        "between the robot and the server."
-    ),
-)
-LEASE_LAPSED = Fault(
-    "axis.lease_lapsed",
-    Message(
-        "Wait one minute: a survey repeats the move by itself. If this happens again, end other "
-        "programs on the server, and check the network cable between the robot and the server."
+        "Wait one minute: a survey continues by itself. If it does not, or if this happens again, "
+        "end other programs on the server, and check the network cable between it and the robot."
     ),
 )
 CHECK_ORDER = Fault(

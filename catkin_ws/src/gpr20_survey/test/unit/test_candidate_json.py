@@ -14,8 +14,7 @@ from hypothesis import strategies as st
 from gpr20_common.errors import InvalidValueError
 from gpr20_survey.plan.coverage import reported_verdict
 from gpr20_survey.results.area_position import AreaPosition
-from gpr20_survey.results.candidate_json import json_text, list_from
-from gpr20_survey.results.candidates import Flag
+from gpr20_survey.results.candidates import Flag, json_text, list_from
 from gpr20_survey.results.hidden_target import Target, Targets, target_of
 from gpr20_survey.results.hiding_map import ONLY_THIS, hiding_from, hiding_json
 

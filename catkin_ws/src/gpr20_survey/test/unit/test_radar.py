@@ -1,4 +1,4 @@
-"""Echoes, depths, hyperbolas, noise, drift and soils are as physics says."""
+"""Echoes, depths, refraction and soils are as physics says."""
 
 import math
 
@@ -25,21 +25,13 @@ from gpr20_survey.radar.depth import (
     depth_of_delay_m,
     one_way_path_m,
 )
-from gpr20_survey.radar.drift import drift_between, noise_db
 from gpr20_survey.radar.frequency_to_delay import FrequencyToDelay, Window, delay_kernel
-from gpr20_survey.radar.hyperbola import Hyperbola
-from gpr20_survey.radar.noise import LateDelays, late_delays_s, noise_of_traces
 from gpr20_survey.radar.refraction import one_way_delay_s
 from gpr20_survey.radar.soils import MAX_PERMITTIVITY, MIN_PERMITTIVITY, Soils, soil_of
 
 
 def echo(delay_s, level, frequency_hz):
     return level * np.exp(-2j * np.pi * frequency_hz * delay_s)
-
-
-def hiss(random, level, count):
-    parts = random.standard_normal((2, count)) * level / math.sqrt(2.0)
-    return parts[0] + 1j * parts[1]
 
 
 @settings(max_examples=draws(15))
@@ -74,22 +66,6 @@ def test_a_window_is_symmetric_and_leaves_the_level_of_an_echo(window, count):
     assert peak == pytest.approx(0.2)
 
 
-def test_late_delays_hold_noise_and_not_the_echoes_of_the_ground():
-    frequency_hz = np.linspace(0.6e9, 6.0e9, 501)
-    late = LateDelays(frequency_hz)
-    assert np.abs(late.samples(echo(8e-9, 1.0, frequency_hz))).max() < 1e-3
-    delay_s = late_delays_s(frequency_hz)[10]
-    assert np.abs(late.samples(echo(delay_s, 1.0, frequency_hz))).max() == pytest.approx(1.0)
-
-
-def test_the_noise_of_a_trace_is_its_root_mean_square_also_beside_late_echoes():
-    rng = np.random.default_rng(6)
-    late = hiss(rng, 3.0, 4000)
-    assert noise_of_traces(late) == pytest.approx(3.0, rel=0.05)
-    late[:400] += 1000.0
-    assert noise_of_traces(late) == pytest.approx(3.0, rel=0.1)
-
-
 HEIGHTS_M = st.floats(0.02, 0.5)
 DEPTHS_M = st.floats(0.02, 0.4)
 PERMITTIVITIES = st.floats(1.5, 40.0)
@@ -104,75 +80,6 @@ def test_the_wave_takes_the_fastest_path(offset_m, depth_m, height_m, permittivi
     fastest_s = paths_m.min() / SPEED_OF_LIGHT_M_S
     found_s = one_way_delay_s(height_m, depth_m, offset_m, permittivity)
     assert found_s == pytest.approx(fastest_s, rel=1e-6)
-
-
-@settings(max_examples=draws(15))
-@given(DEPTHS_M, HEIGHTS_M, PERMITTIVITIES, st.floats(40.0, 400.0), st.sampled_from([-1, 1]))
-def test_a_point_of_the_flank_gives_the_permittivity(depth_m, height_m, truth, offset_mm, side):
-    apex_s = float(delay_of_depth(depth_m, height_m, truth))
-    target = Hyperbola(300.0, apex_s, height_m, truth)
-    assert target.depth_m == pytest.approx(depth_m, rel=1e-6)
-    place_mm = 300.0 + side * offset_mm
-    delay_s = float(target.delays_s(np.array([place_mm]))[0])
-    start = Hyperbola(300.0, apex_s, height_m, 4.0)
-    assert start.through(place_mm, delay_s).permittivity == pytest.approx(truth, rel=1e-2)
-
-
-@each_case("delay_s", [0.0, 1.0])
-def test_a_point_that_no_ground_explains_ends_at_the_limits(delay_s):
-    fitted = Hyperbola(100.0, 2e-9, 0.1, 6.0).through(200.0, delay_s)
-    assert fitted.permittivity == pytest.approx(1.0 if delay_s == 0.0 else 81.0, rel=1e-6)
-
-
-HZ = np.linspace(600.0e6, 6.0e9, 101)
-
-
-def echoes(seed):
-    """Return a sweep with a coupling and an echo, which has deep nulls."""
-    random = np.random.default_rng(seed)
-    levels, delays_s = random.uniform(0.01, 1.0, 2), random.uniform(0.5e-9, 8e-9, 2)
-    return sum(echo(delay_s, level, HZ) for level, delay_s in zip(levels, delays_s))
-
-
-@settings(max_examples=draws(50))
-@given(
-    st.integers(0, 2**31),
-    st.floats(-20.0, 20.0),
-    st.floats(-4e-9, 4e-9),
-    st.floats(-120.0, -60.0),
-)
-def test_a_known_gain_and_delay_are_recovered_below_noise(seed, gain_db, delay_s, noise):
-    before = echoes(seed)
-    level = math.sqrt(2.0 * np.mean(np.abs(before) ** 2)) * 10.0 ** (noise / 20.0)
-    noisy = before + hiss(np.random.default_rng(seed + 1), level, 101)
-    changed = noisy * echo(delay_s, 10.0 ** (gain_db / 20.0), HZ)
-    found = drift_between(HZ, before, changed)
-    assert found.gain_db == pytest.approx(gain_db, abs=0.02)
-    assert found.delay_s == pytest.approx(delay_s, abs=1e-12)
-    assert found.amplitude_rms_db == pytest.approx(abs(gain_db), abs=0.05)
-
-
-def test_the_drift_of_a_single_frequency_shows_there():
-    after = np.ones(101, complex)
-    after[7] = 2.0j
-    found = drift_between(HZ, np.ones(101, complex), after)
-    assert (found.amplitude_db[7], found.phase_deg[7]) == pytest.approx((6.0206, 90.0), abs=1e-4)
-    assert not np.delete(found.amplitude_db, 7).any()
-
-
-def test_a_signal_that_is_gone_is_an_infinite_drift():
-    nothing, signal = np.zeros(101, complex), np.ones(101, complex)
-    assert drift_between(HZ, signal, nothing).amplitude_rms_db == math.inf
-    assert drift_between(HZ, nothing, signal).amplitude_rms_db == math.inf
-    assert drift_between(HZ, nothing, signal).phase_rms_deg == math.inf
-
-
-@given(st.integers(0, 2**31), st.floats(-100.0, -20.0))
-def test_the_noise_floor_is_that_of_one_sweep(seed, level_db):
-    random = np.random.default_rng(seed)
-    first, second = (1.0 + hiss(random, 10.0 ** (level_db / 20.0), 4000) for _ in range(2))
-    assert noise_db(first, second) == pytest.approx(level_db, abs=0.5)
-    assert noise_db(first, first) == -math.inf
 
 
 @each_case("soil", Soils)

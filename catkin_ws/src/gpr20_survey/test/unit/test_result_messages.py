@@ -18,19 +18,20 @@ from trace_examples import make_trace
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.high.raw_message import deserialized, serialized
 from gpr20_common.message import Message
-from gpr20_msgs.msg import SurveySummary
+from gpr20_common.sent_message import fields_of, record_of
+from gpr20_msgs.msg import Candidate, SurveySummary
 from gpr20_msgs.srv import FocusSurveyResponse, ReopenSurveyResponse, TestAnalyzerResponse
 from gpr20_survey.faults import WRONG_SWEEP
 from gpr20_survey.high.candidate_topics import list_message
-from gpr20_survey.results import candidate_message, survey_summary
+from gpr20_survey.results import survey_summary
 from gpr20_survey.results.analyzer_test import (
     AnalyzerTest,
     analyzer_test_fields,
     analyzer_test_of,
 )
-from gpr20_survey.results.candidate_json import json_text
+from gpr20_survey.results.candidates import json_text
 from gpr20_survey.results.focused_image import FocusedImage, focus_fields, image_from
-from gpr20_survey.results.reopened_survey import ReopenedSurvey, reopened_fields, reopened_from
+from gpr20_survey.results.reopened_survey import ReopenedSurvey
 
 MESSAGES = st.none() | st.builds(
     lambda word: Message("the fault is {what}", what=word), WORDS.filter(bool)
@@ -56,10 +57,10 @@ def plain(value):
 def test_a_list_of_candidates_says_all_that_the_json_says(found):
     record = json.loads(json_text(found))
     record["position"] = [record["position"]] if record["position"] else []
-    for one in (record, *record["candidates"]):
-        for name in (*candidate_message.OF_LIST, *candidate_message.OF_EACH):
-            one.pop(name, None)
-    assert plain(sent(list_message(found))) == record
+    message = sent(list_message(found))
+    of_list, of_each = message.__slots__, Candidate.__slots__
+    record["candidates"] = [{name: one[name] for name in of_each} for one in record["candidates"]]
+    assert plain(message) == {name: record[name] for name in of_list}
 
 
 LEVELS = np.linspace(-3.0, 40.0, 24, dtype="<f4").reshape(2, 3, 4)
@@ -113,7 +114,7 @@ def summaries(draw):
 
 @given(summaries())
 def test_a_summary(summary):
-    message = SurveySummary(**survey_summary.summary_fields(summary))
+    message = SurveySummary(**survey_summary.summary_fields(summary, SurveySummary))
     assert survey_summary.summary_from(sent(message)) == summary
 
 
@@ -143,5 +144,6 @@ def test_a_test_of_the_analyzer_keeps_its_fault_even_if_the_sentence_is_unreadab
     )
 )
 def test_a_reopened_survey(reopened):
-    answer = sent(ReopenSurveyResponse(**reopened_fields(reopened)))
-    assert reopened_from(answer, reopened.recent) == reopened
+    fields = {**fields_of(reopened, ReopenSurveyResponse), "recent": []}
+    answer = sent(ReopenSurveyResponse(**fields))
+    assert record_of(ReopenedSurvey, answer, recent=reopened.recent) == reopened

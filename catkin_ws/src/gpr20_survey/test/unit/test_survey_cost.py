@@ -1,14 +1,12 @@
-"""What a survey costs, time and size, and how a daily check judges the robot before one."""
+"""What a survey costs, time and size; lines that are added to a file."""
 
 from dataclasses import replace
 
-import numpy as np
 import pytest
 from case_kit import each_case
 from survey_examples import AXES, TRAVEL
 from survey_examples import PARAMETERS as SMALL
 
-from gpr20_common.mid.codec import plain
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.files.json_lines import add_line, read_lines
 from gpr20_survey.plan.robot_description import RobotConfig
@@ -19,14 +17,7 @@ from gpr20_survey.plan.survey_cost import (
 )
 from gpr20_survey.plan.survey_parameters import SurveyParameters, SurveySettings
 from gpr20_survey.plan.survey_points import survey_points
-from gpr20_survey.results.daily_check import (
-    Part,
-    check_figures,
-    figures_from,
-    judge,
-)
 from gpr20_survey.trace.ms2026c import sweep_duration_s
-from gpr20_survey.trace.sweep import Sweep
 from gpr20_survey.trace.sweep_settings import AnalyzerSettings, SweepSettings
 
 CONFIG = RobotConfig(AXES, simulated=True)
@@ -106,94 +97,6 @@ def test_the_visits_of_the_first_stop_are_part_of_the_planned_time(interval_s):
     assert sum(times.durations_s) == pytest.approx(expected_s)
     for begun, index in zip((0, *times.visits), times.visits[:-1]):
         assert interval_s <= sum(alone.durations_s[begun:index]) < interval_s + 10.0
-
-
-HZ = np.linspace(600.0e6, 6.0e9, 501)
-COUPLING = 0.05 * np.exp(-2j * np.pi * HZ * 0.8e-9)
-NOISE = 1e-5
-SWEPT_US = 1_800_000_000_000_000
-
-
-def echo(level, delay_ns):
-    return level * np.exp(-2j * np.pi * HZ * delay_ns * 1e-9)
-
-
-def pair(s21, random, noise=NOISE):
-    """Return two sweeps in a row, with noise."""
-    sweeps = []
-    for _ in range(2):
-        values = s21 + noise * (random.standard_normal(501) + 1j * random.standard_normal(501))
-        parts = (HZ, values.real, values.imag)
-        sweeps.append(Sweep(*parts, SWEPT_US, SWEPT_US, (), AnalyzerSettings()))
-    return tuple(sweeps)
-
-
-def figures(seed=1, gain=1.0, plate=(0.02, 3.0), reflector=(0.005, 4.5), noise=NOISE):
-    random = np.random.default_rng(seed)
-    return check_figures(
-        {
-            Part.EMPTY: pair(gain * COUPLING, random, noise),
-            Part.PLATE: pair(gain * (COUPLING + echo(*plate)), random, noise),
-            Part.REFLECTOR: pair(gain * (COUPLING + echo(*reflector)), random, noise),
-        }
-    )
-
-
-@each_case("level, delay_ns", [(0.001, 1.23456), (0.5, 8.1)])
-def test_the_figures_of_a_check_are_those_of_its_sweeps(level, delay_ns):
-    found = figures(plate=(level, delay_ns))
-    assert found[Part.PLATE]["delay_ns"] == pytest.approx(delay_ns, abs=0.002)
-    assert found[Part.PLATE]["echo_db"] == pytest.approx(20.0 * np.log10(level), abs=0.05)
-    empty = found[Part.EMPTY]
-    assert empty["level_db"] == pytest.approx(20.0 * np.log10(0.05), abs=0.01)
-    noise_db = 20.0 * np.log10(NOISE * np.sqrt(2.0) / 0.05)
-    assert empty["noise_db"] == pytest.approx(noise_db, abs=1.0)
-    assert "echo_db" not in empty
-
-
-HISTORY = [figures(seed) for seed in range(2, 9)]
-
-
-@each_case(
-    "changes, words",
-    [
-        ({}, "agrees with the median of the checks before (7)"),
-        ({"gain": 0.8}, "-1.94 dB"),
-        ({"plate": (0.02, 3.25)}, "metal plate, delay of the echo: differs by +0.25 ns"),
-        ({"noise": 1e-4}, "noise: differs by +"),
-        # Less noise is no fault.
-        ({"noise": 1e-7}, "agrees"),
-        ({"plate": (0.0, 3.0)}, "No echo of the metal plate"),
-    ],
-)
-def test_the_verdict_names_what_differs_most_and_what_to_check(changes, words):
-    verdict = judge(figures(seed=99, **changes), HISTORY)
-    assert verdict.good is ("agree" in words)
-    assert words in str(verdict.message)
-    assert verdict.good or "check" in str(verdict.message)
-
-
-def test_the_first_check_a_silent_analyzer_and_a_single_odd_check_are_judged_as_good():
-    first = judge(figures(), [])
-    assert first.good and len(first.comparisons) == 10
-    silent = figures(noise=0.0)
-    assert silent[Part.EMPTY]["noise_db"] is None
-    assert judge(silent, [silent, silent]).good
-    odd = figures(seed=3, plate=(0.05, 5.0))
-    assert judge(figures(seed=4), [*HISTORY[:3], odd]).good
-
-
-def test_stored_figures_are_read_as_they_were():
-    assert figures_from(plain(figures())) == figures()
-    for odd in (
-        None,
-        {"sky": {}},
-        {"empty": 7},
-        {"empty": {"level_db": "x"}},
-        {"empty": {"a": [1]}},
-    ):
-        with pytest.raises(ValueError):
-            figures_from(odd)
 
 
 def test_a_line_that_a_crash_has_cut_damages_no_other(tmp_path):

@@ -13,6 +13,7 @@ from view_kit import PAST, SURVEY, add_trace, echo, make_grid, trace_at
 
 from gpr20_operator.ground.additions import AdditionsPresenter, AdditionsRead
 from gpr20_operator.ground.coverage import CoverageRuns
+from gpr20_operator.ground.hyperbola import Hyperbola
 from gpr20_operator.ground.marks import marks_above, marks_in_section
 from gpr20_operator.ground.model import GroundModel, Layer
 from gpr20_operator.ground.records import Axis, Place
@@ -267,3 +268,9 @@ def test_the_soil_is_that_of_the_survey_or_of_its_image_until_another_one_is_cho
     # Image and candidates of another permittivity are not shown.
     model.change(permittivity=9.0)
     assert model.image is None and not model.additions.candidates
+
+
+@each_case("delay_s", [0.0, 1.0])
+def test_a_point_that_no_ground_explains_ends_at_the_limits(delay_s):
+    fitted = Hyperbola(100.0, 2e-9, 0.1, 6.0).through(200.0, delay_s)
+    assert fitted.permittivity == pytest.approx(1.0 if delay_s == 0.0 else 81.0, rel=1e-6)

@@ -28,10 +28,15 @@ from gpr20_operator.errors import SurveyNotReadableError
 from gpr20_operator.ground.echoes import MIN_BACKGROUND_TRACES, RadarModel
 from gpr20_operator.ground.grid import Stop
 from gpr20_operator.ground.level_scale import MIN_SPAN_DB, LevelScale, SteadyScale
+from gpr20_operator.ground.noise import (
+    late_delays_s,
+    late_kernel,
+    noise_of_traces,
+    noise_threshold_db,
+)
 from gpr20_operator.ground.records import Axis, Colours, Place, RadarSettings
 from gpr20_operator.ground.sources import EchoSource, depths_m
 from gpr20_survey.plan.coverage import SampleState
-from gpr20_survey.radar.noise import noise_threshold_db
 from gpr20_survey.trace.trace_block import TraceBlock
 
 LINEAR = RadarSettings(in_db=False, remove_background=False)
@@ -360,3 +365,19 @@ def test_gain_a_linear_scale_and_silence_leave_noise_dark():
     scale = silent.scale(in_db=True)
     assert scale.top_db >= scale.threshold_db + MIN_SPAN_DB
     assert scale.shades(scale.levels_db(np.zeros(3)), np.zeros(3)).tolist() == [0.0, 0.0, 0.0]
+
+
+def test_late_delays_hold_noise_and_not_the_echoes_of_the_ground():
+    frequency_hz = np.linspace(0.6e9, 6.0e9, 501)
+    late = late_kernel(frequency_hz)
+    for delay_s, level in ((8e-9, 0.0), (late_delays_s(frequency_hz)[10], 1.0)):
+        samples = np.exp(-2j * np.pi * frequency_hz * delay_s) @ late
+        assert np.abs(samples).max() == pytest.approx(level, abs=1e-3)
+
+
+def test_the_noise_of_a_trace_is_its_root_mean_square_also_beside_late_echoes():
+    rng = np.random.default_rng(6)
+    late = rng.standard_normal((4000, 2)) @ (1.0, 1.0j) * 3.0 / np.sqrt(2.0)
+    assert noise_of_traces(late) == pytest.approx(3.0, rel=0.05)
+    late[:400] += 1000.0
+    assert noise_of_traces(late) == pytest.approx(3.0, rel=0.1)

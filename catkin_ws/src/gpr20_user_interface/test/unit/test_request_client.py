@@ -36,14 +36,13 @@ from gpr20_survey.plan.markers import Marker
 from gpr20_survey.results.analyzer_test import AnalyzerTest, analyzer_test_fields
 from gpr20_survey.results.focused_image import focus_fields
 from gpr20_survey.results.hiding_map import hiding_json
-from gpr20_survey.results.volume import volume_fields
 
 TESTED = AnalyzerTest("10.0.0.1", "Anritsu,MS2026C", "HIGH", 51, 0.02, -40.0)
 ANSWERS = {
     Service.FOCUS: focus_fields(focused()),
     Service.HIDE: {"hiding_json": hiding_json(a_map([[[1]]], [[[6]]]))},
     Service.EXPORT: {"files": ["GPR20/a.pdf"], "content": b""},
-    Service.STICKS: {"computer": "server", "volumes": [SimpleNamespace(**volume_fields(BLUE))]},
+    Service.STICKS: {"computer": "server", "volumes": [BLUE]},
     Service.READ: {"metadata_json": "{}", "stored_indices": [0, 3]},
     Service.LIST: {"surveys": [], "more": False},
     Service.FACT: {

@@ -38,7 +38,7 @@ from gpr20_operator.jobs.stick import LIST_PERIOD_S, ExportPart
 from gpr20_survey.folder import soil_note
 from gpr20_survey.folder.log_record import Kind
 from gpr20_survey.folder.soil_note import ENTERED, OF_PLAN, soil_of_survey, soil_values
-from gpr20_survey.results.candidate_json import json_text, list_from
+from gpr20_survey.results.candidates import json_text, list_from
 from gpr20_survey.results.found import FORMAT as FOUND
 from gpr20_survey.results.found import What, found_of
 from gpr20_survey.results.hidden_target import Targets

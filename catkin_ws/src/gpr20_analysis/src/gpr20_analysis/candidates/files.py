@@ -20,8 +20,7 @@ from gpr20_common.message import Message
 from gpr20_survey.files.file_sums import sum_of_file
 from gpr20_survey.no_clearance import NO_CLEARANCE, SIMULATED
 from gpr20_survey.results.area_position import AreaPosition
-from gpr20_survey.results.candidate_json import candidate_record, json_text, list_record
-from gpr20_survey.results.candidates import CandidateList
+from gpr20_survey.results.candidates import CandidateList, candidate_record, json_text, list_record
 
 CSV, JSON, GEOJSON, GPKG = ".csv", ".json", ".geojson", ".gpkg"
 SUM = ".sha256"

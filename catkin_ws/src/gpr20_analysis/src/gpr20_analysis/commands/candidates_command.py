@@ -21,8 +21,7 @@ from gpr20_analysis.errors import AnalysisError, MissingLibraryError
 from gpr20_common.catalogue import Catalogue
 from gpr20_common.message import Message
 from gpr20_survey.axes.axis_id import BASE_LINK
-from gpr20_survey.results.candidate_json import json_text
-from gpr20_survey.results.candidates import CandidateList
+from gpr20_survey.results.candidates import CandidateList, json_text
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

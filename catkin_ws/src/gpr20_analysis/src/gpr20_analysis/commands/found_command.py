@@ -19,7 +19,7 @@ from gpr20_survey.files.regular_file import read_regular
 from gpr20_survey.folder.annotating import Fact, add_to_survey
 from gpr20_survey.folder.found_records import add_found, read_found
 from gpr20_survey.folder.recovery import read_description
-from gpr20_survey.results.candidate_json import list_from
+from gpr20_survey.results.candidates import list_from
 from gpr20_survey.results.found import Found, What, present
 from gpr20_survey.trace import utc_time
 

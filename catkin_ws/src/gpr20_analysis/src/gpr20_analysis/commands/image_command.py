@@ -44,8 +44,12 @@ from gpr20_common.message import Message
 from gpr20_common.terminal_text import say
 from gpr20_survey.radar.frequency_to_delay import Window
 from gpr20_survey.radar.soils import ANY_SOIL, Soils
-from gpr20_survey.results.candidate_json import candidate_record, list_record
-from gpr20_survey.results.candidates import MOST_DOUBTFUL, CandidateList
+from gpr20_survey.results.candidates import (
+    MOST_DOUBTFUL,
+    CandidateList,
+    candidate_record,
+    list_record,
+)
 
 MOST_DEPTHS = 5000
 FIGURES = ("projections_*.png", "slice_*mm.png")

@@ -26,7 +26,7 @@ from gpr20_survey.errors import SurveyRefusedError
 from gpr20_survey.files.durable_files import write_new_file
 from gpr20_survey.files.regular_file import read_regular
 from gpr20_survey.folder import survey_metadata
-from gpr20_survey.results.candidate_json import list_from
+from gpr20_survey.results.candidates import list_from
 
 PLAN, SEAL = "gpr20-trial-plan/1", "gpr20-trial-seal/1"
 SALT = ".salt"

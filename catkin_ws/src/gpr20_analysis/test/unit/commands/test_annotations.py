@@ -24,7 +24,7 @@ from gpr20_survey.folder.recovery import read_description
 from gpr20_survey.no_clearance import NO_CLEARANCE
 from gpr20_survey.plan.annotation import Annotation, Wgs84Position, annotation_of
 from gpr20_survey.plan.markers import Marker
-from gpr20_survey.results.candidate_json import json_text
+from gpr20_survey.results.candidates import json_text
 from gpr20_survey.results.found import What, present
 
 # When the storage of the tests notes something.

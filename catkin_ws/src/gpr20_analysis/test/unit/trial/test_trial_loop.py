@@ -13,7 +13,7 @@ from trial_kit import Trial, marks_at
 
 from gpr20_analysis import faults
 from gpr20_analysis.commands.main import main
-from gpr20_survey.results.candidate_json import json_text
+from gpr20_survey.results.candidates import json_text
 
 pytestmark = pytest.mark.usefixtures("blank_figures")
 CHANGES = draws(25)

@@ -9,7 +9,7 @@ from typing import Callable, Iterator
 
 from gpr20_axis_driver.axis_exceptions import AxisOwnedError, LeaseLapsedError
 from gpr20_common.message import Message
-from gpr20_survey.faults import LEASE_LAPSED
+from gpr20_survey.faults import CONTROL_SILENT
 
 
 class AxisLease:
@@ -48,7 +48,7 @@ class AxisLease:
         return Message(
             "the axis stopped because the main control did not answer for {limit_s:g} s",
             limit_s=self.limit_s,
-        ).with_fault(LEASE_LAPSED)
+        ).with_fault(CONTROL_SILENT)
 
     def check(self, caller: str) -> None:
         """Return if a node may move the axis now.

@@ -12,7 +12,7 @@ from gpr20_common.high.node import run_device
 from gpr20_common.high.services import advertise
 from gpr20_common.message import Message
 from gpr20_common.mid.hardware import NO_HARDWARE
-from gpr20_common.sent_message import message_fields
+from gpr20_common.sent_message import fields_of, message_fields
 from gpr20_imaging.high.export_notes import ExportNotes
 from gpr20_imaging.low.analysis_process import AnalysisProcess
 from gpr20_imaging.low.usb_volumes import UsbVolumes
@@ -35,10 +35,9 @@ from gpr20_msgs.srv import (
 )
 from gpr20_survey.axes.axis_id import BASE_LINK
 from gpr20_survey.high.candidate_topics import CandidateTopics
-from gpr20_survey.results.candidate_json import json_text
+from gpr20_survey.results.candidates import json_text
 from gpr20_survey.results.focused_image import focus_fields
 from gpr20_survey.results.hiding_map import hiding_json
-from gpr20_survey.results.volume import volume_fields
 
 NODE = "imaging"
 
@@ -122,7 +121,7 @@ class ImagingNode:
             success=True,
             **message_fields(Message("{count} USB sticks", count=len(found))),
             computer=self._imaging.computer,
-            volumes=[Volume(**volume_fields(one)) for one in found],
+            volumes=[Volume(**fields_of(one, Volume)) for one in found],
         )
 
     def _cancel(self, request: Any) -> CancelImagingResponse:

@@ -22,7 +22,7 @@ from gpr20_main_control.mid.devices.robot import AxisReading, MoveOutcome
 from gpr20_msgs.msg import AxisAction, AxisGoal, AxisResult, CurrentCoordinate
 from gpr20_msgs.srv import AxisLease, AxisLeaseResponse, Command
 from gpr20_survey.axes.axis_id import AxisId, ZeroEpoch
-from gpr20_survey.faults import CONTROL_SILENT, LEASE_LAPSED
+from gpr20_survey.faults import CONTROL_SILENT
 from gpr20_survey.plan.robot_description import PLAIN_NAMES
 
 # actionlib waits longer than it is asked to, but not as long as 0, which is for ever.
@@ -266,7 +266,7 @@ class _DriversClient(actionlib.ActionClient):
 
 def _is_contact_lost(message: Message) -> bool:
     """Return whether an axis stopped by itself, because it did not hear this node."""
-    return message.fault_code in (CONTROL_SILENT.code, LEASE_LAPSED.code)
+    return message.fault_code == CONTROL_SILENT.code
 
 
 def _outcome(goal: actionlib.ClientGoalHandle) -> MoveOutcome:

@@ -13,7 +13,7 @@ from gpr20_common.high.raw_message import preserialized, serialized
 from gpr20_common.high.ros_time import microseconds, ros_time
 from gpr20_common.high.service_client import ServiceClient, ServiceUnavailableError
 from gpr20_common.message import Message
-from gpr20_common.sent_message import message_from
+from gpr20_common.sent_message import message_from, record_of
 from gpr20_main_control.errors import DeviceError, UnconfirmedError
 from gpr20_main_control.high.survey_topics import (
     SurveyTopics,
@@ -49,7 +49,7 @@ from gpr20_msgs.srv import (
 )
 from gpr20_survey.folder.log_record import Kind
 from gpr20_survey.plan.robot_description import ANALYZER, HEIGHT_SENSOR, PLAIN_NAMES, STORAGE_NAME
-from gpr20_survey.results.reopened_survey import ReopenedSurvey, reopened_from
+from gpr20_survey.results.reopened_survey import ReopenedSurvey
 from gpr20_survey.trace import trace_message
 from gpr20_survey.trace.calibration import CalibrationStatus
 from gpr20_survey.trace.sweep import Sweep
@@ -271,7 +271,7 @@ class RosStorage:
         """Reopen a survey by its id or folder; another one that is open is interrupted."""
         response = self._reopen(survey=survey, interrupt_open=True)
         recent = [trace_message.decode(serialized(one)) for one in response.recent]
-        return reopened_from(response, tuple(recent))
+        return record_of(ReopenedSurvey, response, recent=tuple(recent))
 
     def report(self, survey_id: str, report_json: str) -> int:
         """Store a report beside the survey's metadata; return how many traces are stored."""

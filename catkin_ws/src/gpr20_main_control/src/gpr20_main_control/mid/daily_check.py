@@ -13,19 +13,18 @@ from gpr20_common.low.data_folder import data_folder
 from gpr20_common.message import Message
 from gpr20_common.mid.codec import plain
 from gpr20_main_control.errors import DeviceError, RequestRefusedError
-from gpr20_main_control.mid.devices.robot import Analyzer
-from gpr20_survey.faults import CHECK_ORDER
-from gpr20_survey.files.json_lines import add_line, read_lines
-from gpr20_survey.folder.data_folder import DataFolder, DataFolderUse
-from gpr20_survey.results.daily_check import (
-    INSTRUCTIONS,
+from gpr20_main_control.mid.check_verdict import (
     Figures,
-    Part,
     Verdict,
     check_figures,
     figures_from,
     judge,
 )
+from gpr20_main_control.mid.devices.robot import Analyzer
+from gpr20_survey.faults import CHECK_ORDER
+from gpr20_survey.files.json_lines import add_line, read_lines
+from gpr20_survey.folder.data_folder import DataFolder, DataFolderUse
+from gpr20_survey.results.daily_check import INSTRUCTIONS, Part
 from gpr20_survey.trace.sweep import Sweep
 from gpr20_survey.trace.sweep_settings import SweepSettings
 

@@ -10,6 +10,7 @@ from gpr20_common.low.data_folder import state_folder
 from gpr20_common.message import Message
 from gpr20_main_control import faults
 from gpr20_main_control.errors import DeviceError, RequestRefusedError, StopRequested
+from gpr20_main_control.mid.check_verdict import Verdict
 from gpr20_main_control.mid.daily_check import (
     CheckedRobot,
     SweptPart,
@@ -24,12 +25,11 @@ from gpr20_survey.errors import ProcessingError
 from gpr20_survey.faults import CHECK_ORDER
 from gpr20_survey.folder.data_folder import DataFolderUse
 from gpr20_survey.plan.robot_description import STORAGE
-from gpr20_survey.results.daily_check import Part, Verdict
+from gpr20_survey.results.daily_check import Part
 from gpr20_survey.trace.utc_time import iso_text
 
 # A check that was not ended within this time [s] is given up.
 CHECK_LIMIT_S = 1800.0
-# Numbered as in gpr20_msgs/DailyCheck.
 STEPS = tuple(Part)
 
 

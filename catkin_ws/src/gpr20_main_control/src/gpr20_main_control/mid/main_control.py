@@ -14,6 +14,7 @@ from gpr20_common.message import Message, in_a_row
 from gpr20_main_control import faults
 from gpr20_main_control.errors import RequestRefusedError
 from gpr20_main_control.mid.analyzer_test import TEST_SWEEP, run_analyzer_test
+from gpr20_main_control.mid.check_verdict import Verdict
 from gpr20_main_control.mid.daily_check_steps import DailyCheckSteps
 from gpr20_main_control.mid.devices.robot import Robot, SurveyEnd
 from gpr20_main_control.mid.service import AxisMove, AxisService, ServiceSlot
@@ -27,7 +28,6 @@ from gpr20_survey.plan.annotation import EMPTY, Annotation
 from gpr20_survey.plan.survey_parameters import SurveyParameters, SurveySettings, check_address
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_survey.results.analyzer_test import AnalyzerTest
-from gpr20_survey.results.daily_check import Verdict
 from gpr20_survey.results.reopened_survey import ReopenedSurvey
 from gpr20_survey.trace.trace import SURVEY_ID
 

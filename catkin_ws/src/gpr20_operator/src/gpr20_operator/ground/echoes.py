@@ -11,9 +11,9 @@ from gpr20_operator.errors import SurveyNotReadableError
 from gpr20_operator.ground.coverage import is_stored
 from gpr20_operator.ground.grid import Cell, Cells, Stop, SurveyGrid
 from gpr20_operator.ground.level_scale import LevelScale, SteadyScale
+from gpr20_operator.ground.noise import late_kernel, noise_of_survey, noise_of_traces
 from gpr20_survey.radar.depth import delay_of_depth
 from gpr20_survey.radar.frequency_to_delay import FrequencyToDelay
-from gpr20_survey.radar.noise import LateDelays, noise_of_survey, noise_of_traces
 from gpr20_survey.trace.trace_block import TraceBlock
 
 MAX_VOLUME_BYTES = 256 << 20
@@ -57,7 +57,7 @@ class RadarModel:
     def begin(self, grid: Optional[SurveyGrid]) -> None:
         """Forget everything and wait for the traces of another survey."""
         self.grid = grid
-        self._transforms: Optional[Tuple[FrequencyToDelay, LateDelays]] = None
+        self._transforms: Optional[Tuple[FrequencyToDelay, np.ndarray]] = None
         self.transform: Optional[FrequencyToDelay] = None
         shape = (0, 0, 0) if grid is None else (len(grid.rotations_deg), *grid.shape)
         self.present = np.zeros(shape, bool)
@@ -124,7 +124,7 @@ class RadarModel:
         self.count += int(np.count_nonzero(~self.present[place]))
         self.echoes[place] = echoes
         self._heights_m[place] = block.heights_m[right]
-        self._noises[place] = noise_of_traces(late.samples(s21))
+        self._noises[place] = noise_of_traces(s21.astype(np.complex64) @ late)
         self.present[place] = True
         for index in self.given_up.keys() & set(block.indices[right].tolist()):
             del self.given_up[index]
@@ -207,10 +207,10 @@ class RadarModel:
                 strongest = max(strongest, float(np.quantile(peaks, STRONG_PART)))
         return strongest
 
-    def _begin_volume(self, frequency_hz: np.ndarray) -> Tuple[FrequencyToDelay, LateDelays]:
+    def _begin_volume(self, frequency_hz: np.ndarray) -> Tuple[FrequencyToDelay, np.ndarray]:
         room = self._max_bytes // (BYTES_PER_SAMPLE * max(1, self.present.size))
         transform = FrequencyToDelay.resolved(frequency_hz, min(MAX_SAMPLES, room))
-        self.transform, self._transforms = transform, (transform, LateDelays(frequency_hz))
+        self.transform, self._transforms = transform, (transform, late_kernel(frequency_hz))
         samples = transform.samples
         # Zeros are given by the system page by page when they are written.
         self.echoes = np.zeros((*self.present.shape, samples), np.complex64)

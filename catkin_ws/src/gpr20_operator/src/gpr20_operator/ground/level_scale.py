@@ -13,8 +13,8 @@ from typing import Union
 
 import numpy as np
 
+from gpr20_operator.ground.noise import noise_threshold_db
 from gpr20_survey.radar.frequency_to_delay import SMALLEST_LEVEL, decibels
-from gpr20_survey.radar.noise import noise_threshold_db
 
 # The darkest shade is so much below the highest level of noise, so that what comes close to it is
 # not lost, and the brightest one at least so much above it [dB].

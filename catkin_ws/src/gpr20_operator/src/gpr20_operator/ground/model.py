@@ -13,6 +13,7 @@ import numpy as np
 from gpr20_operator.ground.additions import AdditionsPresenter
 from gpr20_operator.ground.coverage import StopState
 from gpr20_operator.ground.grid import Stop
+from gpr20_operator.ground.hyperbola import Hyperbola
 from gpr20_operator.ground.records import Axis, Curve, Picture, Place, RadarSettings
 from gpr20_operator.ground.shown_survey import ShownSurvey
 from gpr20_operator.ground.sources import DEPTH_STEP_M, EchoSource, FocusedSource, RadarSource
@@ -23,7 +24,6 @@ from gpr20_survey.radar.depth import (
     one_way_path_m,
     two_way_delay_s,
 )
-from gpr20_survey.radar.hyperbola import Hyperbola
 from gpr20_survey.radar.soils import ANY_SOIL
 from gpr20_survey.results.candidates import Candidate
 from gpr20_survey.results.focused_image import FocusedImage

@@ -10,7 +10,7 @@ import rospy
 from gpr20_common.errors import Gpr20Error
 from gpr20_common.high.service_client import ServiceClient, ServiceUnavailableError
 from gpr20_common.message import Message
-from gpr20_common.sent_message import message_from
+from gpr20_common.sent_message import message_from, record_of
 from gpr20_msgs import srv
 from gpr20_msgs.msg import ImagingProgress
 from gpr20_operator.high.conversions import fact_fields, surveys_listed
@@ -30,7 +30,7 @@ from gpr20_operator.robot.service_model import HeightTested
 from gpr20_survey.results.analyzer_test import analyzer_test_of
 from gpr20_survey.results.focused_image import image_from
 from gpr20_survey.results.hiding_map import hiding_from
-from gpr20_survey.results.volume import volume_from
+from gpr20_survey.results.volume import Volume
 
 IMAGING_SILENT = Message(
     "the imaging node does not answer; check that it is running on the computer of the storage"
@@ -81,7 +81,9 @@ OFFERS: Dict[Service, _Offer] = {
     ),
     Service.STICKS: _Offer(
         *(srv.ListVolumes, SHORT_TIMEOUT_S, IMAGING_SILENT),
-        lambda one: Sticks(accepted(one).computer, tuple(map(volume_from, one.volumes))),
+        lambda one: Sticks(
+            accepted(one).computer, tuple(record_of(Volume, each) for each in one.volumes)
+        ),
     ),
     Service.READ: _Offer(
         *(srv.ReadSurvey, SHORT_TIMEOUT_S, STORAGE_SILENT),

@@ -21,8 +21,7 @@ from gpr20_survey.folder.soil_note import KIND as SOIL_KIND
 from gpr20_survey.folder.soil_note import soil_values
 from gpr20_survey.folder.survey_metadata import MAX_FILE_BYTES, parse_object
 from gpr20_survey.plan.annotation import annotation_of
-from gpr20_survey.results.candidate_json import json_text
-from gpr20_survey.results.candidates import Candidate, CandidateList
+from gpr20_survey.results.candidates import Candidate, CandidateList, json_text
 from gpr20_survey.results.focused_image import FocusedImage
 from gpr20_survey.results.found import FORMAT as FOUND_FORMAT
 from gpr20_survey.results.found import Found, What, found_of, present

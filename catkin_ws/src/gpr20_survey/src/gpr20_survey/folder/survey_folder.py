@@ -87,7 +87,7 @@ def candidate_folders(data: Path, survey: str) -> List[Path]:
                 survey=repr(survey[:64]),
                 example=EXAMPLE_FOLDER,
             ),
-            fault=faults.WRONG_NAME,
+            fault=faults.UNKNOWN_SURVEY,
         )
     return [
         one

@@ -1,7 +1,11 @@
-"""Candidates as messages: their list, and markers that RViz and Foxglove show."""
+"""Candidates as messages: their list, and markers that RViz and Foxglove show.
+
+A message has no None: what is not known is NaN, and a list of positions is empty.
+"""
 
 from __future__ import annotations
 
+import math
 from typing import Any, Dict, List
 
 import rospy
@@ -12,8 +16,7 @@ from visualization_msgs.msg import Marker, MarkerArray
 from gpr20_msgs.msg import AreaPosition
 from gpr20_msgs.msg import Candidate as CandidateMessage
 from gpr20_msgs.msg import CandidateList as CandidateListMessage
-from gpr20_survey.results.candidate_message import list_fields
-from gpr20_survey.results.candidates import CandidateList
+from gpr20_survey.results.candidates import CandidateList, candidate_record, list_record
 
 LIST_TOPIC, MARKERS_TOPIC = "candidates", "candidate_markers"
 # Smallest shown diameter, and height of the letters [m].
@@ -41,10 +44,22 @@ class CandidateTopics:
 
 def list_message(found: CandidateList) -> CandidateListMessage:
     """Return the message of a list."""
-    fields, candidates = list_fields(found)
-    fields["position"] = [AreaPosition(**one) for one in fields["position"]]
-    fields["candidates"] = [CandidateMessage(**one) for one in candidates]
-    return CandidateListMessage(**fields)
+    record = list_record(found)
+    record["position"] = [AreaPosition(**one) for one in [record["position"]] if one]
+    records = [candidate_record(one, found) for one in found.candidates]
+    record["candidates"] = [_message(CandidateMessage, one) for one in records]
+    return _message(CandidateListMessage, record)
+
+
+def _message(kind: Any, record: Dict[str, Any]) -> Any:
+    """Return the message with those values of a record that it has."""
+
+    def sent(value: Any) -> Any:
+        if isinstance(value, list):
+            return [sent(one) for one in value]
+        return math.nan if value is None else value
+
+    return kind(**{name: sent(record[name]) for name in kind.__slots__})
 
 
 def marker_array(found: CandidateList, frame: str, stamp: rospy.Time) -> MarkerArray:

@@ -7,6 +7,7 @@ from dataclasses import asdict, dataclass
 from typing import Any, Dict, Iterable, List, Mapping, Sequence
 
 from gpr20_common.errors import InvalidValueError
+from gpr20_common.faults import NODE_SILENT
 from gpr20_common.message import Message, in_a_row
 from gpr20_common.mid.codec import record_from
 from gpr20_common.mid.hardware import Hardware
@@ -158,7 +159,7 @@ def _refuse_missing(needed: Iterable[str], nodes: Mapping[str, NodeDescription])
                 parts=_joined(missing),
                 details=", ".join(missing),
             ),
-            fault=faults.NOT_DESCRIBED,
+            fault=NODE_SILENT,
         )
 
 

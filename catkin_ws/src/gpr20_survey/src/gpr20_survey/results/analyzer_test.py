@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Any, Dict, Optional
 
 from gpr20_common.message import Message
-from gpr20_common.sent_message import message_fields, message_from
+from gpr20_common.sent_message import message_fields, message_from, record_of
 
 
 @dataclass(frozen=True)
@@ -33,20 +33,15 @@ class AnalyzerTest:
     failure: Optional[Message] = None
 
 
-FIELDS = ("address", "identity", "calibration", "points", "sweep_duration_s", "level_db")
-
-
 def analyzer_test_fields(test: AnalyzerTest) -> Dict[str, Any]:
     """Return the fields of a test."""
-    message = test.failure or Message("The VNA works.")
-    return {
-        "success": test.failure is None,
-        **message_fields(message),
-        **{name: getattr(test, name) for name in FIELDS},
-    }
+    found = dict(vars(test))
+    failure = found.pop("failure")
+    said = message_fields(failure or Message("The VNA works."))
+    return {"success": failure is None, **said, **found}
 
 
 def analyzer_test_of(answer: Any) -> AnalyzerTest:
     """Return the test of an answer."""
     failure = None if answer.success else message_from(answer)
-    return AnalyzerTest(**{name: getattr(answer, name) for name in FIELDS}, failure=failure)
+    return record_of(AnalyzerTest, answer, failure=failure)

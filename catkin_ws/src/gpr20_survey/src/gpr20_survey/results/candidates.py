@@ -1,13 +1,18 @@
-"""A candidate, its flags, and the list of all candidates of a survey."""
+"""The candidates of a survey as records, and as the JSON of `gpr20 candidates --json`."""
 
 from __future__ import annotations
 
 import enum
+import json
 import math
-from dataclasses import dataclass, field
-from typing import Optional, Tuple
+from dataclasses import dataclass, field, replace
+from typing import Any, Dict, Optional, Tuple
 
+from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message
+from gpr20_common.mid.codec import plain, record_from
+from gpr20_common.sent_message import received_message
+from gpr20_survey.no_clearance import NO_CLEARANCE, SIMULATED
 from gpr20_survey.results.area_position import AreaPosition
 
 MM_PER_M = 1e3
@@ -32,11 +37,6 @@ class Flag(enum.Enum):
     """So much fainter than a candidate near it that it may be left from that one."""
     UNRATED = "unrated"
     """The clutter could not be measured, so it may be clutter."""
-
-    @property
-    def label(self) -> Message:
-        """The flag, as people read it."""
-        return LABELS[self]
 
 
 LABELS = {
@@ -127,29 +127,31 @@ class Candidate:
     @property
     def labels(self) -> Tuple[Message, ...]:
         """Its flags, as people read them."""
-        return tuple(flag.label for flag in self.flags)
+        return tuple(LABELS[flag] for flag in self.flags)
 
     @property
     def place_texts(self) -> Tuple[str, str, str]:
         """X, Y and depth with their uncertainties, such as "174 ±4" [mm]."""
-        return (
-            _with_uncertainty(self.x_m, self.x_uncertainty_m),
-            _with_uncertainty(self.y_m, self.y_uncertainty_m),
-            _with_uncertainty(self.depth_m, self.depth_uncertainty_m),
+        x, y, depth = (
+            # 2.00001 mm are 2 mm.
+            f"{value_m * MM_PER_M:.0f} ±{math.ceil(round(uncertainty_m * MM_PER_M, 2))}"
+            for value_m, uncertainty_m in (
+                (self.x_m, self.x_uncertainty_m),
+                (self.y_m, self.y_uncertainty_m),
+                (self.depth_m, self.depth_uncertainty_m),
+            )
         )
+        return x, y, depth
 
     @property
     def false_alarms_text(self) -> str:
         """Echoes of clutter as strong, such as "0.3"; empty if that is not known."""
-        if self.false_alarms_per_m2 is None:
+        alarms = self.false_alarms_per_m2
+        if alarms is None:
             return ""
-        if self.false_alarms_per_m2 < FEWEST_ALARMS_PER_M2:
+        if alarms < FEWEST_ALARMS_PER_M2:
             return f"< {FEWEST_ALARMS_PER_M2:g}"
-        return (
-            f"{self.false_alarms_per_m2:.1g}"
-            if self.false_alarms_per_m2 < 10.0
-            else (f"{self.false_alarms_per_m2:.0f}")
-        )
+        return f"{alarms:.1g}" if alarms < 10.0 else f"{alarms:.0f}"
 
 
 @dataclass(frozen=True)
@@ -179,7 +181,7 @@ class CandidateList:
             has no position or no heading.
         omitted_primary: Number of omitted candidates that are not doubtful.
         permittivity_source: Where the permittivity is from; empty: not known.
-        length_m: Length of a single line [m]; None for an area. Files and messages have the area.
+        length_m: Length of a single line [m]; None for an area.
     """
 
     survey_id: str
@@ -216,15 +218,89 @@ class CandidateList:
         return sum(not one.is_doubtful for one in self.candidates) + self.omitted_primary
 
     def shown(self, most_doubtful: Optional[int] = MOST_DOUBTFUL) -> Tuple[Candidate, ...]:
-        """Return what people see: all that are not doubtful, and the first doubtful ones.
-
-        Args:
-            most_doubtful: Most doubtful candidates; None: all that are listed.
-        """
+        """Return what people see: all that are not doubtful, and the first doubtful ones."""
         doubtful = [one for one in self.candidates if one.is_doubtful][:most_doubtful]
         return tuple(one for one in self.candidates if not one.is_doubtful or one in doubtful)
 
 
-def _with_uncertainty(value_m: float, uncertainty_m: float) -> str:
-    # 2.00001 mm are 2 mm.
-    return f"{value_m * MM_PER_M:.0f} ±{math.ceil(round(uncertainty_m * MM_PER_M, 2))}"
+FORMAT = "gpr20-candidates/1"
+"""Another flag, or another key that must be there, is another format."""
+
+
+@dataclass(frozen=True)
+class _Head:
+    """What the JSON says beside the fields of the list.
+
+    Attributes:
+        warning: What has none is a list of another kind.
+        notes_json: The notes with template and fault; lists of other programs have only texts.
+    """
+
+    format: str
+    warning: str = field(metadata={"min_length": 1})
+    listed: int
+    notes: Tuple[str, ...]
+    notes_json: Tuple[str, ...] = ()
+
+
+def json_text(found: CandidateList) -> str:
+    """Return a list as JSON."""
+    candidates = [candidate_record(one, found) for one in found.candidates]
+    record = {**list_record(found), "candidates": candidates}
+    return json.dumps(record, indent=2, ensure_ascii=False, allow_nan=False)
+
+
+def list_record(found: CandidateList) -> Dict[str, Any]:
+    """Return what is said about the whole list."""
+    values = plain(replace(found, candidates=(), notes=()))
+    del values["candidates"], values["length_m"]
+    return {
+        "format": FORMAT,
+        "warning": str(NO_CLEARANCE),
+        **({"simulated_warning": str(SIMULATED)} if found.simulated else {}),
+        **values,
+        "listed": len(found.candidates),
+        "coordinates": "X, Y and depth in metres, in the survey's area",
+        "notes": [str(note) for note in found.notes],
+        # With template and fault, for other programs of the robot.
+        "notes_json": [note.to_json() for note in found.notes],
+    }
+
+
+def candidate_record(candidate: Candidate, found: CandidateList) -> Dict[str, Any]:
+    """Return the values of a candidate; None for what is not known."""
+    place = found.position and found.position.on_earth(candidate.x_m, candidate.y_m)
+    longitude_deg, latitude_deg = place or (None, None)
+    earth = {"longitude_deg": longitude_deg, "latitude_deg": latitude_deg}
+    return {**plain(candidate), "doubtful": candidate.is_doubtful, **earth}
+
+
+def list_from(text: str, survey_id: Optional[str] = None) -> CandidateList:
+    """Return the list that a command printed.
+
+    Args:
+        text: What it printed.
+        survey_id: The survey that it was asked about; None: any.
+
+    Raises:
+        InvalidValueError: Something is missing, or has another type, format or survey.
+    """
+    try:
+        values = json.loads(text)
+        head = record_from(_Head, values, "", others=True)
+        found = record_from(CandidateList, {**values, "notes": []}, "", others=True)
+        notes_json = head.notes_json or [""] * len(head.notes)
+        for name, right in {
+            f"format {head.format}": head.format == FORMAT,
+            "listed": head.listed == len(found.candidates),
+            "id": len({one.id for one in found.candidates}) == len(found.candidates),
+            "omitted_primary": found.omitted_primary <= found.omitted,
+            "notes_json": len(head.notes) == len(notes_json),
+            "survey_id": survey_id in (None, found.survey_id),
+        }.items():
+            if not right:
+                raise ValueError(f"wrong {name}")
+    except (ValueError, RecursionError) as error:
+        message = Message("the list of candidates is not complete or not valid", details=error)
+        raise InvalidValueError(message) from error
+    return replace(found, notes=tuple(map(received_message, head.notes, notes_json)))

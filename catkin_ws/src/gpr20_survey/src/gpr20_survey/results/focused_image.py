@@ -13,8 +13,7 @@ import numpy as np
 
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message
-from gpr20_survey.results.candidate_json import json_text, list_from
-from gpr20_survey.results.candidates import CandidateList
+from gpr20_survey.results.candidates import CandidateList, json_text, list_from
 
 MOST_VOXELS = 100_000_000
 AXES = ("x_mm", "y_mm", "depth_mm")

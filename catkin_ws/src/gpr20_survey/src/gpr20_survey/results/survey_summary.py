@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Any, Dict, Optional, Tuple
 
 from gpr20_common.message import Message
-from gpr20_common.sent_message import received_message
+from gpr20_common.sent_message import fields_of, record_of
 
 STARTED, FOLDER = "%Y-%m-%dT%H:%M", "%Y%m%dT%H%M"
 
@@ -101,44 +101,20 @@ class SurveySummary:
         return self.folder
 
 
-PLAIN = (
-    *("folder", "survey_id", "started", "outcome", "stored_traces", "planned_traces"),
-    *("complete", "simulated", "name", "refines", "fault_code", "site", "operator"),
-)
-TEXTS = ("verdict", "problem")
+MAP = {
+    **{"width_mm": "width_mm", "height_mm": "height_mm"},
+    **{"columns": "map_columns", "rows": "map_rows", "percent": "map_percent"},
+}
+"""The fields of a thumbnail and those of the message."""
 
 
-def summary_fields(summary: SurveySummary) -> Dict[str, Any]:
-    """Return the fields of a summary."""
-    fields = {name: getattr(summary, name) for name in PLAIN}
-    for name in TEXTS:
-        message: Optional[Message] = getattr(summary, name)
-        fields[name] = "" if message is None else str(message)
-        fields[f"{name}_json"] = "" if message is None else message.to_json()
-    thumbnail = summary.thumbnail
-    return {
-        **fields,
-        "width_mm": thumbnail.width_mm,
-        "height_mm": thumbnail.height_mm,
-        "map_columns": thumbnail.columns,
-        "map_rows": thumbnail.rows,
-        "map_percent": thumbnail.percent,
-    }
+def summary_fields(summary: SurveySummary, kind: Any) -> Dict[str, Any]:
+    """Return the fields of a summary; the class of the message says which it has."""
+    area = {sent: getattr(summary.thumbnail, own) for own, sent in MAP.items()}
+    return {**fields_of(summary, kind), **area}
 
 
 def summary_from(message: Any) -> SurveySummary:
     """Return the summary of a message."""
-    texts: Dict[str, Any] = {
-        name: received_message(getattr(message, name), getattr(message, f"{name}_json"))
-        for name in TEXTS
-        if getattr(message, name)
-    }
-    thumbnail = Thumbnail(
-        message.width_mm,
-        message.height_mm,
-        message.map_columns,
-        message.map_rows,
-        bytes(message.map_percent),
-    )
-    plain = {name: getattr(message, name) for name in PLAIN}
-    return SurveySummary(**plain, **texts, thumbnail=thumbnail)
+    thumbnail = Thumbnail(**{own: getattr(message, sent) for own, sent in MAP.items()})
+    return record_of(SurveySummary, message, thumbnail=thumbnail)

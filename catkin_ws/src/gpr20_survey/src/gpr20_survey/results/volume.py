@@ -1,14 +1,13 @@
-"""A mounted removable volume, as fields of gpr20_msgs/Volume, and back."""
+"""A mounted removable volume."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, Dict
 
 
 @dataclass(frozen=True)
 class Volume:
-    """A mounted USB stick, or another removable volume.
+    """A mounted USB stick, or another removable volume; but for the device it is sent as it is.
 
     Attributes:
         path: Where it is mounted, on the computer of the storage.
@@ -24,16 +23,3 @@ class Volume:
     free_bytes: int
     writable: bool
     device: int = 0
-
-
-FIELDS = ("path", "name", "free_bytes", "writable")
-
-
-def volume_fields(volume: Volume) -> Dict[str, Any]:
-    """Return the fields of a volume."""
-    return {name: getattr(volume, name) for name in FIELDS}
-
-
-def volume_from(message: Any) -> Volume:
-    """Return the volume of a message."""
-    return Volume(**{name: getattr(message, name) for name in FIELDS})

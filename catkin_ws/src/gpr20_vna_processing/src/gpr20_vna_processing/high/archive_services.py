@@ -36,7 +36,7 @@ class ArchiveServices:
         return success(
             ListSurveys,
             Message("{count} surveys", count=len(surveys)),
-            surveys=[SurveySummary(**summary_fields(one)) for one in surveys],
+            surveys=[SurveySummary(**summary_fields(one, SurveySummary)) for one in surveys],
             more=more,
         )
 

@@ -12,7 +12,7 @@ import rospy
 from std_msgs.msg import String
 
 from gpr20_common import __version__
-from gpr20_common.faults import DISK_FULL
+from gpr20_common.faults import DISK_FULL, DISK_REFUSES
 from gpr20_common.high.description import publish_description
 from gpr20_common.high.diagnostics import ERROR, OK, WARN, Diagnostics, Health
 from gpr20_common.high.node import run_device
@@ -26,7 +26,7 @@ from gpr20_common.low.revision import software_revision
 from gpr20_common.message import Message, in_a_row
 from gpr20_common.mid.hardware import NO_HARDWARE
 from gpr20_common.os_reason import os_reason
-from gpr20_common.sent_message import received_message
+from gpr20_common.sent_message import fields_of, received_message
 from gpr20_common.terminal_text import printable
 from gpr20_msgs.msg import Trace
 from gpr20_msgs.srv import (
@@ -34,10 +34,10 @@ from gpr20_msgs.srv import (
     CloseSurvey,
     OpenSurvey,
     ReopenSurvey,
+    ReopenSurveyResponse,
     StoreData,
 )
 from gpr20_survey.errors import ProcessingError
-from gpr20_survey.faults import STORAGE_UNREADABLE
 from gpr20_survey.files.durable_files import free_bytes
 from gpr20_survey.files.file_system import existing_folder
 from gpr20_survey.folder.data_folder import DataFolder
@@ -50,7 +50,6 @@ from gpr20_survey.recording.survey_topics import (
     TRACE_TOPIC,
     SurveyTopics,
 )
-from gpr20_survey.results.reopened_survey import reopened_fields
 from gpr20_survey.trace import trace_message
 from gpr20_vna_processing.faults import DISK_SLOW
 from gpr20_vna_processing.high.archive_services import ArchiveServices
@@ -155,8 +154,7 @@ class ProcessingNode:
         return success(
             ReopenSurvey,
             in_a_row([message, *reopened.repairs[:MAX_REPAIRS_SHOWN]]),
-            **reopened_fields(reopened),
-            recent=recent,
+            **{**fields_of(reopened, ReopenSurveyResponse), "recent": recent},
         )
 
     def _wait_for_publishers(self) -> None:
@@ -231,7 +229,7 @@ class ProcessingNode:
                 "the free space on the disk of {path} is unknown: {reason}",
                 path=printable(self._data),
                 reason=os_reason(error),
-            ).with_fault(STORAGE_UNREADABLE)
+            ).with_fault(DISK_REFUSES)
             return ERROR, message, {}
         values = {
             "open survey": state.survey_id,

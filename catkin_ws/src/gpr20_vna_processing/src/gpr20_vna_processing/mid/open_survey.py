@@ -157,7 +157,7 @@ class OpenSurvey:
         first = [self._first[index] for index in sorted(self._first.keys() - recent)]
         return ReopenedSurvey(
             survey_id=self.survey_id,
-            folder=str(self.folder),
+            path=str(self.folder),
             metadata_json=json.dumps(survey_metadata.metadata_of(description)),
             report_json="" if report is None else json.dumps(report),
             stored_indices=tuple(self._stored_indices()),

@@ -77,7 +77,7 @@ def published(kit):
 @pytest.mark.parametrize("by_folder", [False, True])
 def test_a_survey_that_was_cut_off_goes_on_where_it_was(kit, folder, by_folder):
     reopened = kit.processing.reopen_survey(folder.name if by_folder else SURVEY)
-    assert (reopened.survey_id, reopened.folder) == (SURVEY, str(folder))
+    assert (reopened.survey_id, reopened.path) == (SURVEY, str(folder))
     metadata = json.loads(reopened.metadata_json)
     assert metadata == {**json.loads(METADATA), "annotation": EXAMPLE.values()}
     assert json.loads(reopened.report_json) == REPORT
@@ -98,8 +98,8 @@ def test_a_survey_that_was_cut_off_goes_on_where_it_was(kit, folder, by_folder):
 @each_case(
     "name, code",
     [
-        *((name, "survey.wrong_name") for name in ("", "..", "../before", "/etc")),
-        ("20260921T141320_0f8fad5b/..", "survey.wrong_name"),
+        *((name, "survey.unknown") for name in ("", "..", "../before", "/etc")),
+        ("20260921T141320_0f8fad5b/..", "survey.unknown"),
         (OTHER_SURVEY, "survey.unknown"),
         (SURVEY[:8] + OTHER_SURVEY[8:], "survey.unknown"),
     ],

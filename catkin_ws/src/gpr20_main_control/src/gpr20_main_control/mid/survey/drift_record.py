@@ -11,10 +11,9 @@ import numpy as np
 from gpr20_common.message import Message
 from gpr20_main_control import faults
 from gpr20_main_control.errors import DeviceError
+from gpr20_main_control.mid.drift import Drift, drift_between, noise_db, s21_of
 from gpr20_survey.plan.survey_parameters import SurveySettings
-from gpr20_survey.radar.drift import Drift, drift_between, noise_db
 from gpr20_survey.trace.aux_value import VNA_TEMPERATURE
-from gpr20_survey.trace.sweep import Sweep
 from gpr20_survey.trace.trace import Trace
 
 MAX_FREQUENCIES = 201  # of more, evenly chosen ones are stored
@@ -33,7 +32,7 @@ class Revisit:
     @property
     def mean(self) -> np.ndarray:
         """S21, the mean of both sweeps."""
-        return (_s21(self.first) + _s21(self.second)) / 2.0
+        return (s21_of(self.first) + s21_of(self.second)) / 2.0
 
 
 @dataclass(frozen=True)
@@ -120,7 +119,7 @@ class DriftLimits:
 
     def _since_accepted(self, revisit: Revisit) -> Drift:
         stored = revisit.stored
-        earlier = self._accepted.get(stored.index, _s21(stored))
+        earlier = self._accepted.get(stored.index, s21_of(stored))
         return drift_between(stored.frequency_hz, earlier, revisit.mean)
 
     def _part_of_limits(self, drift: Drift) -> float:
@@ -130,14 +129,10 @@ class DriftLimits:
         )
 
 
-def _s21(sweep: Sweep) -> np.ndarray:
-    return sweep.s21_real + 1j * sweep.s21_imag
-
-
 def _recorded(revisit: Revisit) -> Dict[str, Any]:
     """Return the drift at one rotation since the survey's start."""
     stored = revisit.stored
-    drift = drift_between(stored.frequency_hz, _s21(stored), revisit.mean)
+    drift = drift_between(stored.frequency_hz, s21_of(stored), revisit.mean)
     heights_m = [revisit.first.antennae_height_m, stored.antennae_height_m]
     temperatures = [one.value for one in revisit.first.aux if one.name == VNA_TEMPERATURE]
     return {
@@ -147,7 +142,7 @@ def _recorded(revisit: Revisit) -> Dict[str, Any]:
         "phase_rms_deg": _finite(drift.phase_rms_deg),
         "gain_db": _finite(drift.gain_db),
         "delay_ps": _finite(drift.delay_s * PS),
-        "noise_db": _finite(noise_db(_s21(revisit.first), _s21(revisit.second))),
+        "noise_db": _finite(noise_db(s21_of(revisit.first), s21_of(revisit.second))),
         "height_difference_m": _finite(heights_m[0] - heights_m[1]),
         "vna_temperature_c": temperatures[0] if temperatures else None,
         **{name: _thinned(getattr(drift, name)) for name in DETAILS},

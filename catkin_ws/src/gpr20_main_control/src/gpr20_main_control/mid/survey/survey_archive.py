@@ -53,7 +53,7 @@ class SurveyArchive:
         self._survey, self._plan = survey, plan
         self._storage, self._calls = robot.storage, robot.storage_calls
         self._sensors = robot.sensors.recorded()
-        self.folder = "" if plan.reopened is None else plan.reopened.folder
+        self.folder = "" if plan.reopened is None else plan.reopened.path
         self._reported_analyzers = survey.analyzers.used
         self._sensors_noted = False
         self._closing_report = ""

@@ -234,7 +234,7 @@ def plan_resumption(
             Message(
                 "the survey in {folder} holds trace {index}, but its parameters give only {total} "
                 "traces: its log does not belong to its traces",
-                folder=reopened.folder,
+                folder=reopened.path,
                 index=max(beyond),
                 total=plan.total_points,
             ),
@@ -257,14 +257,14 @@ def _resumable_parameters(reopened: ReopenedSurvey, config: RobotConfig) -> Surv
         raise RequestRefusedError(
             Message(
                 "the survey in {folder} cannot be resumed: the plan in its log is incomplete",
-                folder=reopened.folder,
+                folder=reopened.path,
                 details=f"{type(error).__name__}: {error}",
             ),
             fault=faults.RECORD_DAMAGED,
         ) from error
     if simulated is not config.simulated:
-        raise RequestRefusedError(_other_robot(reopened.folder, config.simulated))
-    _check_axes(axes, config, reopened.folder)
+        raise RequestRefusedError(_other_robot(reopened.path, config.simulated))
+    _check_axes(axes, config, reopened.path)
     return parameters
 
 

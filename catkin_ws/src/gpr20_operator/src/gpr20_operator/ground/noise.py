@@ -27,20 +27,9 @@ FALSE_ALARM = 0.01
 ESTIMATE_MARGIN_DB = 0.8
 
 
-class LateDelays:
-    """Samples of sweeps of one set of frequencies at delays too late for echoes of the ground.
-
-    Args:
-        frequency_hz: Ascending frequencies [Hz], at least two.
-    """
-
-    def __init__(self, frequency_hz: np.ndarray) -> None:
-        kernel = delay_kernel(frequency_hz, late_delays_s(frequency_hz))
-        self._kernel = kernel.astype(np.complex64)
-
-    def samples(self, s21: np.ndarray) -> np.ndarray:
-        """Return the samples of sweeps (..., frequency) as complex64 (..., delay)."""
-        return s21.astype(np.complex64) @ self._kernel
+def late_kernel(frequency_hz: np.ndarray) -> np.ndarray:
+    """Return what turns sweeps into samples at late delays: complex64 (frequency, delay)."""
+    return delay_kernel(frequency_hz, late_delays_s(frequency_hz)).astype(np.complex64)
 
 
 def late_delays_s(frequency_hz: np.ndarray) -> np.ndarray:
@@ -53,15 +42,6 @@ def late_delays_s(frequency_hz: np.ndarray) -> np.ndarray:
         # Few frequencies: echoes may arrive here, so that the noise is rather overestimated.
         return np.linspace(first_s, end_s, MIN_LATE_SAMPLES, endpoint=False)
     return np.linspace(first_s, last_s, min(count, MAX_LATE_SAMPLES))
-
-
-def rayleigh_ratio(log_probability: float) -> float:
-    """Return the magnitude, in root mean squares, that noise exceeds with a probability.
-
-    Args:
-        log_probability: Natural logarithm of the probability.
-    """
-    return math.sqrt(-log_probability)
 
 
 def noise_of_traces(late: np.ndarray) -> np.ndarray:
@@ -93,5 +73,5 @@ def noise_threshold_db(samples: int) -> float:
     Args:
         samples: How many values of noise there are in all.
     """
-    ratio = rayleigh_ratio(math.log(FALSE_ALARM / max(samples, 1)))
+    ratio = math.sqrt(-math.log(FALSE_ALARM / max(samples, 1)))
     return float(decibels(ratio)) + ESTIMATE_MARGIN_DB

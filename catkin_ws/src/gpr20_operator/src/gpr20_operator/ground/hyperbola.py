@@ -7,7 +7,7 @@ target and the antennas lie in the plane of the line.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -27,7 +27,7 @@ LOWEST_M = 1e-6
 class Hyperbola:
     """The echoes of a target below a line.
 
-    Args:
+    Attributes:
         across_mm: Where the target is along the line [mm].
         apex_delay_s: Two-way delay straight above it [s].
         height_m: Height of the antennas above the surface [m].
@@ -58,11 +58,8 @@ class Hyperbola:
         for _ in range(HALVINGS):
             middle = math.sqrt(low * high)
             # The slower the wave, the steeper the hyperbola.
-            if float(self._with(middle).delays_s(place)[0]) < delay_s:
+            if float(replace(self, permittivity=middle).delays_s(place)[0]) < delay_s:
                 low = middle
             else:
                 high = middle
-        return self._with(math.sqrt(low * high))
-
-    def _with(self, permittivity: float) -> Hyperbola:
-        return Hyperbola(self.across_mm, self.apex_delay_s, self.height_m, permittivity)
+        return replace(self, permittivity=math.sqrt(low * high))

@@ -18,6 +18,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from gpr20_survey.radar.frequency_to_delay import phase_advance
+from gpr20_survey.trace.sweep import Sweep
 
 
 @dataclass(frozen=True)
@@ -39,6 +40,11 @@ class Drift:
     phase_rms_deg: float
     gain_db: float
     delay_s: float
+
+
+def s21_of(sweep: Sweep) -> np.ndarray:
+    """Return the complex S21 of a sweep."""
+    return sweep.s21_real + 1j * sweep.s21_imag
 
 
 def drift_between(frequency_hz: np.ndarray, earlier: np.ndarray, later: np.ndarray) -> Drift:
