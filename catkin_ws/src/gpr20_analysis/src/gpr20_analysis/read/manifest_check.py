@@ -1,4 +1,4 @@
-"""Check of a survey's files against its manifest, and of the log that goes on behind it."""
+"""Check of a survey's files, and of what its log holds since the close, against its manifest."""
 
 from __future__ import annotations
 
@@ -56,7 +56,7 @@ def check_manifest(folder: Path, survey_id: str, log: FoundLog) -> ManifestCheck
         OSError: The disk cannot be read.
     """
     try:
-        sealed = manifest.read_own_manifest(folder, survey_id)
+        sealed = manifest.read_manifest(folder, survey_id)
     except FileNotFoundError:
         return ManifestCheck(Seal.MISSING)
     except ManifestDamagedError as error:
@@ -124,9 +124,7 @@ def _changes(path: Path, name: str, sealed: Manifest) -> List[Message]:
     if listed is None and _is_put_aside(name):
         return []  # it could not be read at the close
     try:
-        # A file of another length differs already, and may take long to read.
-        sizes = [] if listed is None else [listed.size]
-        present = file_sums.sum_of_sized_file(path, sizes)
+        present = file_sums.sum_of_file(path)
     except OSError as error:
         return [Message("{file} cannot be read: {reason}", file=name, reason=os_reason(error))]
     if listed is None:

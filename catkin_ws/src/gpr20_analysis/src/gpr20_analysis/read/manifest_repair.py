@@ -15,6 +15,7 @@ from gpr20_analysis.read.manifest_check import ManifestCheck, Seal
 from gpr20_analysis.read.verification import check_survey_folder, verify_survey
 from gpr20_common.message import Message, in_a_row
 from gpr20_survey.files import durable_files
+from gpr20_survey.files.file_sums import sum_of_file
 from gpr20_survey.files.folder_lock import SHORT_WAIT_S, locked
 from gpr20_survey.folder import manifest, survey_folder
 from gpr20_survey.folder.log_record import Kind
@@ -30,9 +31,6 @@ OTHERS = Message(
     "were, and nothing vouches for those that are there"
 )
 OTHER_DATA = {manifest.DATA: {"reason": "they are not those with which the survey ended"}}
-NOT_VOUCHED = Message(
-    "nothing can tell whether traces or recordings were replaced as a whole before now"
-)
 
 
 class Repair(enum.Enum):
@@ -107,7 +105,8 @@ def _repair(
             # The entry that it names is lost, which the log says now.
             found.manifest.write_for(folder, repaired.last)
         return RepairResult(Repair.WRITTEN, notes=notes)
-    sums = manifest.data_sums(folder)
+    data = filter(manifest.is_content, manifest.file_names(folder))
+    sums = {name: sum_of_file(folder / name) for name in data}
     is_other = manifest.has_other_data(recovered.description, sums)
     if is_other:
         recovered = replace(recovered, unconfirmed={**recovered.unconfirmed, **OTHER_DATA})
@@ -118,8 +117,7 @@ def _repair(
     survey_id = recovered.survey_id
     manifest.write_manifest(folder, survey_id, whole_log.last, revision, str(ended), sums)
     notes.append(Message("manifest.json was written again"))
-    vouched = {True: OTHERS, False: VOUCHED, None: NOT_VOUCHED}[is_other]
-    return RepairResult(Repair.WRITTEN, notes=[*notes, vouched])
+    return RepairResult(Repair.WRITTEN, notes=[*notes, OTHERS if is_other else VOUCHED])
 
 
 def _refuse(found: ManifestCheck, has_ended: bool) -> None:

@@ -13,7 +13,7 @@ from gpr20_common.message import Message
 from gpr20_common.os_reason import os_reason
 from gpr20_common.terminal_text import printable
 from gpr20_survey.errors import TraceRefusedError
-from gpr20_survey.files.file_sums import sum_of_sized_file
+from gpr20_survey.files.file_sums import sum_of_file
 from gpr20_survey.folder.log_record import LogRecord
 from gpr20_survey.folder.survey_folder import BAG_FILE, MCAP_FILE
 from gpr20_survey.recording.bag import bag_missing, recorded_bag
@@ -38,7 +38,7 @@ def check_bag(
             found.note(bag_missing(folder))
         return
     try:
-        present = sum_of_sized_file(path, () if expected is None else (expected.size,))
+        present = sum_of_file(path)
     except OSError as error:
         reason = os_reason(error)
         found.fault(Message("{file} cannot be read: {reason}", file=BAG_FILE, reason=reason))
