@@ -11,7 +11,7 @@ from gpr20_analysis import faults
 from gpr20_analysis.errors import AnalysisError
 from gpr20_analysis.progress import Progress, no_progress
 from gpr20_analysis.read import manifest_check
-from gpr20_analysis.read.manifest_check import ManifestCheck, Seal
+from gpr20_analysis.read.manifest_check import ManifestCheck
 from gpr20_analysis.read.verification import check_survey_folder, verify_survey
 from gpr20_common.message import Message, in_a_row
 from gpr20_survey.files import durable_files
@@ -84,7 +84,7 @@ def _repair(
 ) -> RepairResult:
     log = recovered.found
     found = manifest_check.check_manifest(folder, recovered.survey_id, log)
-    is_valid = found.seal is Seal.VALID and not found.differences
+    is_valid = found.is_binding and not found.differences
     if is_valid and log.is_whole and not recovered.unconfirmed:
         return RepairResult(Repair.NOT_NEEDED)
     ended = recovered.description.get("ended")
@@ -94,7 +94,7 @@ def _repair(
     if verified.faults:
         return RepairResult(Repair.IMPOSSIBLE, verified.faults, verified.notes)
     notes = [*verified.notes, *repairs_of(recovered)]
-    if found.seal is Seal.DAMAGED:
+    if found.damage is not None:
         old = folder / manifest.MANIFEST_FILE
         notes.append(_put_aside(old, folder / survey_folder.DAMAGED_FOLDER))
     if is_valid:
@@ -121,7 +121,7 @@ def _repair(
 
 
 def _refuse(found: ManifestCheck, has_ended: bool) -> None:
-    if found.seal is Seal.VALID:
+    if found.is_binding:
         raise AnalysisError(
             Message(
                 "the manifest is whole, but files differ from it: {differences}; resume the "
@@ -130,7 +130,7 @@ def _refuse(found: ManifestCheck, has_ended: bool) -> None:
             ),
             fault=faults.FILES_DIFFER,
         )
-    if found.seal is Seal.REOPENED or not has_ended:
+    if found.manifest is not None or not has_ended:
         raise AnalysisError(
             Message("the survey is not closed; resume it and stop it, which writes the manifest"),
             fault=faults.NOT_CLOSED,
