@@ -21,6 +21,7 @@ from gpr20_launch.errors import ConfigurationError
 from gpr20_launch.mid.robot_files import AXES_FILE, FILES, read_configuration
 from gpr20_launch.mid.templates import templates
 from gpr20_survey.errors import SurveyRefusedError
+from gpr20_survey.files import ssh_keygen
 from gpr20_survey.folder import manifest, signature
 from gpr20_survey.folder.data_folder import DataFolder, DataFolderUse
 from gpr20_survey.folder.log_record import Kind, LogRecord
@@ -207,18 +208,28 @@ def test_the_key_is_made_once_named_for_the_storage_and_never_in_a_survey(tmp_pa
     assert robot_config("key")[0] == 0
 
 
-def test_the_line_that_is_printed_accepts_what_the_robot_signs(tmp_path, robot_config):
-    _status, printed = robot_config("key")
+@each_case("name", ["GPR-20", "Ñandú 3", 'a"b,*!? #x', "名"])
+def test_the_line_that_is_printed_accepts_what_the_robot_signs(tmp_path, robot_config, name):
+    folder = tmp_path / str(len(name))
+    folder.mkdir()
+    (folder / "site.yaml").write_text(json.dumps({"robot": name}))
+    _status, printed = robot_config("key", folder)
     (line,) = [one for one in printed.splitlines() if " ssh-ed25519 " in one]
-    survey = tmp_path / "survey"
-    survey.mkdir()
+    (folder / "signers").write_text(line)
     plan = LogRecord.after(None, Kind.PLAN, {}, "2026")
-    manifest.write_manifest(survey, "0f8fad5b", plan, "1.2.3", "2026")
-    signature.Signer(tmp_path / "signing_key").sign(survey)
-    (tmp_path / "signers").write_text(line)
-    found = signature.check_signature(survey, tmp_path / "signers")
-    assert (found.signature, found.signer) == (signature.Signature.VALID, "GPR-20")
-    assert found.fingerprint in printed
+    manifest.write_manifest(folder, "0f8fad5b", plan, "1.2.3", "2026")
+    signature.Signer(folder / "signing_key").sign(folder)
+    content, fingerprint = signature.signed_manifest(folder)
+    signed = (
+        "-s",
+        folder / manifest.SIGNATURE_FILE,
+        "-f",
+        folder / "signers",
+        "-I",
+        line.split()[0],
+    )
+    assert ssh_keygen.ask(("-Y", "verify", "-n", signature.NAMESPACE, *signed), content).yes
+    assert fingerprint in printed
 
 
 @each_case("text", ["", "signing_key: ''\n", "data: /srv", "data: /srv\n#signing_key: ''\n"])

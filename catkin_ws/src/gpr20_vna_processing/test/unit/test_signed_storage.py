@@ -2,21 +2,16 @@
 
 import pytest
 from planned_survey import METADATA, planned_trace
+from signing_kit import make_key, signers_line
 from storage_kit import Kit
 from trace_examples import SURVEY
 
-from gpr20_survey.files import ssh_keygen
+from gpr20_analysis.read.signature_check import Signature, check_signature
 from gpr20_survey.folder.annotating import Fact, add_to_survey
 from gpr20_survey.folder.log_record import Kind
 from gpr20_survey.folder.manifest import MANIFEST_FILE as SEAL
 from gpr20_survey.folder.recovery import read_description
-from gpr20_survey.folder.signature import (
-    NAMESPACE,
-    SIGNATURE_FILE,
-    Signature,
-    Signer,
-    check_signature,
-)
+from gpr20_survey.folder.signature import SIGNATURE_FILE, Signer
 from gpr20_survey.plan.annotation import Annotation
 
 NOW = "2026-11-25T00:00:00.000000Z"
@@ -26,9 +21,9 @@ TRACES = 9
 @pytest.fixture
 def signers(tmp_path):
     """The signers file that accepts the key `key` beside it."""
-    ssh_keygen.make_key(tmp_path / "key", "robot")
+    make_key(tmp_path / "key")
     path = tmp_path / "signers"
-    path.write_text(ssh_keygen.public_key(tmp_path / "key").signers_line("robot", NAMESPACE))
+    path.write_text(signers_line(tmp_path / "key"))
     return path
 
 
@@ -55,14 +50,14 @@ def finish(kit):
 
 def test_a_survey_is_signed_at_its_end_and_what_is_added_later_is_not(kit, signers):
     folder = stopped(kit)
-    assert check_signature(folder, signers).signature is Signature.VALID
+    assert check_signature(folder, signers).state is Signature.VALID
     for kind in (Kind.EXPORT, Kind.BAG):  # these say of copies alone
         add_to_survey(folder, lambda _description, kind=kind: Fact(kind, {"time": NOW}), NOW)
-    assert check_signature(folder, signers).signature is Signature.VALID
+    assert check_signature(folder, signers).state is Signature.VALID
     kit.annotate(SURVEY, Annotation(name="field 7"))
-    assert check_signature(folder, signers).signature is Signature.CHANGED
+    assert check_signature(folder, signers).state is Signature.CHANGED
     finish(kit)
-    assert check_signature(folder, signers).signature is Signature.VALID
+    assert check_signature(folder, signers).state is Signature.VALID
     assert kit.processing.state().unsigned is None
     assert "unconfirmed" not in read_description(folder)
 
@@ -70,7 +65,7 @@ def test_a_survey_is_signed_at_its_end_and_what_is_added_later_is_not(kit, signe
 def test_a_key_that_is_gone_does_not_keep_a_survey_open(kit, tmp_path, signers):
     (tmp_path / "key").unlink()
     folder = stopped(kit)
-    assert check_signature(folder, signers).signature is Signature.UNSIGNED
+    assert check_signature(folder, signers).state is Signature.UNSIGNED
     assert kit.processing.state().unsigned.fault_code == "survey.signing_key"
 
 
@@ -83,5 +78,5 @@ def test_a_survey_whose_signature_is_gone_is_named_for_ever(kit, signers, lost):
         for name in lost:
             (folder / name).unlink()
     finish(kit)
-    assert check_signature(folder, signers).signature is Signature.VALID
+    assert check_signature(folder, signers).state is Signature.VALID
     assert set(read_description(folder)["unconfirmed"]) == {"signature"}

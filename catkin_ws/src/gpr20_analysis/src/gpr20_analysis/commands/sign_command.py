@@ -8,7 +8,7 @@ from pathlib import Path
 from gpr20_analysis import faults
 from gpr20_analysis.commands.command import DONE, Command
 from gpr20_analysis.errors import AnalysisError
-from gpr20_analysis.read.manifest_check import Seal, check_manifest
+from gpr20_analysis.read.manifest_check import check_manifest
 from gpr20_analysis.read.verification import check_survey_folder
 from gpr20_analysis.sentences import shown
 from gpr20_common.catalogue import Catalogue
@@ -45,7 +45,7 @@ def run(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
         recovered = recover(folder, asking_manifest=True)
         log = recovered.found
         found = check_manifest(folder, recovered.survey_id, log)
-        if found.manifest is None or found.seal is not Seal.VALID:
+        if found.manifest is None or not found.is_binding:
             raise AnalysisError(
                 Message("the survey is not closed, or its manifest is damaged"),
                 fault=faults.NOT_CLOSED,

@@ -51,12 +51,12 @@ def run(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
     others = len(found.faults) - len(listed)
     if others:
         lines.append(Message("... and {count} more; --all prints all of them", count=others))
-    notes = found.notes if signed.check else [*found.notes, signed.message]
+    notes = found.notes if signed.state else [*found.notes, signed.message]
     for name, sentences in ((DOUBTS, found.doubts), (NOTES, notes)):
         lines += [labelled(name, one) for one in sentences]
     lines += [found.verdict, *first_steps(found.verdict)]
     # Last, so that "complete" is never the last word on what nobody vouches for.
-    if signed.check:
+    if signed.state:
         lines += [signed.message, *first_steps(signed.message)]
     for line in lines:
         say(shown(line, catalogue))

@@ -127,7 +127,7 @@ def write_imported_folder(
         folder = data / content.name
         with atomic_output(folder, content.bytes_needed) as place:
             # That of a temporary folder would let nobody else read the survey.
-            durable_files.make_new_folder(place, access.mode_for(data))
+            durable_files.make_new_folder(place, data.stat().st_mode & access.FOLDER_MODES)
             content.write(place, progress)
         durable_files.sync_path(data)
     except (InvalidValueError, SurveyRefusedError, TraceRefusedError) as error:

@@ -1,17 +1,15 @@
-"""Check of a survey's files against its manifest, and of the log that goes on behind it."""
+"""Check of a survey's files, and of what its log holds since the close, against its manifest."""
 
 from __future__ import annotations
 
-import enum
-import os
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import List, Optional
+from typing import Iterator, List, Optional
 
 from gpr20_common.message import Message
 from gpr20_common.os_reason import os_reason
 from gpr20_survey.errors import ManifestDamagedError
-from gpr20_survey.files import file_sums
+from gpr20_survey.files.file_sums import sum_of_file
 from gpr20_survey.folder import manifest, survey_folder
 from gpr20_survey.folder.found_records import photo_faults
 from gpr20_survey.folder.log_reading import FoundLog
@@ -21,27 +19,18 @@ from gpr20_survey.folder.manifest import Manifest
 NOT_OF_CLOSED = (Kind.PLAN.value, Kind.END.value)
 
 
-class Seal(enum.Enum):
-    """What is known of a survey's manifest."""
-
-    VALID = "valid"
-    MISSING = "missing"
-    DAMAGED = "damaged"
-    REOPENED = "reopened"
-    """The survey was reopened, so the manifest does not describe it any more."""
-
-
 @dataclass
 class ManifestCheck:
     """The result of the check."""
 
-    seal: Seal
     manifest: Optional[Manifest] = None
-    """The manifest if it is valid or from before a reopening."""
+    """None: it is missing or damaged."""
+    is_binding: bool = False
+    """Whether it describes the survey, which was not reopened since."""
     damage: Optional[Message] = None
     """What is wrong with the manifest itself."""
     differences: List[Message] = field(default_factory=list)
-    """Differences between the files and a valid manifest."""
+    """Differences between the survey and a binding manifest."""
 
 
 def check_manifest(folder: Path, survey_id: str, log: FoundLog) -> ManifestCheck:
@@ -56,38 +45,37 @@ def check_manifest(folder: Path, survey_id: str, log: FoundLog) -> ManifestCheck
         OSError: The disk cannot be read.
     """
     try:
-        sealed = manifest.read_own_manifest(folder, survey_id)
+        sealed = manifest.read_manifest(folder, survey_id)
     except FileNotFoundError:
-        return ManifestCheck(Seal.MISSING)
+        return ManifestCheck()
     except ManifestDamagedError as error:
-        return ManifestCheck(Seal.DAMAGED, damage=error.message)
+        return ManifestCheck(damage=error.message)
     if not sealed.is_binding(log.records):
-        return ManifestCheck(Seal.REOPENED, sealed)
+        return ManifestCheck(sealed)
     differences = [*_differences(folder, sealed), *_other_log(sealed, log)]
     differences += photo_faults(folder, log.records)
-    return ManifestCheck(Seal.VALID, sealed, differences=differences)
+    return ManifestCheck(sealed, is_binding=True, differences=differences)
 
 
-def exists(folder: Path, name: str) -> bool:
-    """Return whether a folder has an entry, of whatever kind."""
-    return os.path.lexists(str(folder / name))
-
-
-def _differences(folder: Path, sealed: Manifest) -> List[Message]:
-    listed, present = sealed.files, set(manifest.file_names(folder))
-    found = [
-        Message("{file} is in the manifest but does not exist", file=name)
-        for name in sorted(listed.keys() - present)
-    ]
-    found += [
-        Message("{file} is not in the manifest", file=name)
-        for name in sorted(present - listed.keys())
-        if not _is_put_aside(name)
-    ]
+def _differences(folder: Path, sealed: Manifest) -> Iterator[Message]:
+    listed, present = sealed.files.keys(), set(manifest.file_names(folder))
+    for name in sorted(listed - present):
+        yield Message("{file} is in the manifest but does not exist", file=name)
+    for name in sorted(present - listed):
+        if not _is_put_aside(name):
+            yield Message("{file} is not in the manifest", file=name)
     # Names from the manifest are only compared; only files found in the folder are opened.
-    for name in sorted(present & listed.keys()):
-        found += _changes(folder / name, name, sealed)
-    return found
+    for name in sorted(present & listed):
+        expected = sealed.files[name]
+        if expected is None and _is_put_aside(name):
+            continue  # it could not be read at the close
+        try:
+            if sum_of_file(folder / name) != expected:
+                yield Message(
+                    "{file} differs from the manifest: its size or SHA-256 has changed", file=name
+                )
+        except OSError as error:
+            yield Message("{file} cannot be read: {reason}", file=name, reason=os_reason(error))
 
 
 def _is_put_aside(name: str) -> bool:
@@ -95,49 +83,19 @@ def _is_put_aside(name: str) -> bool:
     return name.startswith(f"{survey_folder.DAMAGED_FOLDER}/")
 
 
-def _other_log(sealed: Manifest, log: FoundLog) -> List[Message]:
+def _other_log(sealed: Manifest, log: FoundLog) -> Iterator[Message]:
     # Only what may be said of a closed survey is an addition.
-    found = [
-        Message(
-            "entry {number} of the log, of kind {kind}, was added after the survey was closed",
-            number=one.number,
-            kind=one.kind,
-        )
-        for one in sealed.since(log.records)
-        if one.kind in NOT_OF_CLOSED
-    ]
-    if sealed.covers(log.records) or sealed.log.number in log.lost:
-        return found
-    return [
-        *found,
-        Message(
+    for one in sealed.since(log.records):
+        if one.kind in NOT_OF_CLOSED:
+            yield Message(
+                "entry {number} of the log, of kind {kind}, was added after the survey was closed",
+                number=one.number,
+                kind=one.kind,
+            )
+    if not sealed.covers(log.records) and sealed.log.number not in log.lost:
+        yield Message(
             "the log does not have entry {sealed} as the manifest names it; its last one is entry "
             "{last}",
             sealed=sealed.log.number,
-            last=log.records[-1].number if log.records else "-",
-        ),
-    ]
-
-
-def _changes(path: Path, name: str, sealed: Manifest) -> List[Message]:
-    listed = sealed.files[name]
-    if listed is None and _is_put_aside(name):
-        return []  # it could not be read at the close
-    try:
-        # A file of another length differs already, and may take long to read.
-        sizes = [] if listed is None else [listed.size]
-        present = file_sums.sum_of_sized_file(path, sizes)
-    except OSError as error:
-        return [Message("{file} cannot be read: {reason}", file=name, reason=os_reason(error))]
-    if listed is None:
-        return [
-            Message(
-                "{file} has no SHA-256 in the manifest, because it was unreadable at the close",
-                file=name,
-            )
-        ]
-    if present != listed:
-        return [
-            Message("{file} differs from the manifest: its size or SHA-256 has changed", file=name)
-        ]
-    return []
+            last=log.records[-1].number,
+        )

@@ -11,10 +11,11 @@ from gpr20_analysis import faults
 from gpr20_analysis.errors import AnalysisError
 from gpr20_analysis.progress import Progress, no_progress
 from gpr20_analysis.read import manifest_check
-from gpr20_analysis.read.manifest_check import ManifestCheck, Seal
+from gpr20_analysis.read.manifest_check import ManifestCheck
 from gpr20_analysis.read.verification import check_survey_folder, verify_survey
 from gpr20_common.message import Message, in_a_row
 from gpr20_survey.files import durable_files
+from gpr20_survey.files.file_sums import sum_of_file
 from gpr20_survey.files.folder_lock import SHORT_WAIT_S, locked
 from gpr20_survey.folder import manifest, survey_folder
 from gpr20_survey.folder.log_record import Kind
@@ -30,9 +31,6 @@ OTHERS = Message(
     "were, and nothing vouches for those that are there"
 )
 OTHER_DATA = {manifest.DATA: {"reason": "they are not those with which the survey ended"}}
-NOT_VOUCHED = Message(
-    "nothing can tell whether traces or recordings were replaced as a whole before now"
-)
 
 
 class Repair(enum.Enum):
@@ -86,7 +84,7 @@ def _repair(
 ) -> RepairResult:
     log = recovered.found
     found = manifest_check.check_manifest(folder, recovered.survey_id, log)
-    is_valid = found.seal is Seal.VALID and not found.differences
+    is_valid = found.is_binding and not found.differences
     if is_valid and log.is_whole and not recovered.unconfirmed:
         return RepairResult(Repair.NOT_NEEDED)
     ended = recovered.description.get("ended")
@@ -96,7 +94,7 @@ def _repair(
     if verified.faults:
         return RepairResult(Repair.IMPOSSIBLE, verified.faults, verified.notes)
     notes = [*verified.notes, *repairs_of(recovered)]
-    if found.seal is Seal.DAMAGED:
+    if found.damage is not None:
         old = folder / manifest.MANIFEST_FILE
         notes.append(_put_aside(old, folder / survey_folder.DAMAGED_FOLDER))
     if is_valid:
@@ -107,7 +105,8 @@ def _repair(
             # The entry that it names is lost, which the log says now.
             found.manifest.write_for(folder, repaired.last)
         return RepairResult(Repair.WRITTEN, notes=notes)
-    sums = manifest.data_sums(folder)
+    data = filter(manifest.is_content, manifest.file_names(folder))
+    sums = {name: sum_of_file(folder / name) for name in data}
     is_other = manifest.has_other_data(recovered.description, sums)
     if is_other:
         recovered = replace(recovered, unconfirmed={**recovered.unconfirmed, **OTHER_DATA})
@@ -118,12 +117,11 @@ def _repair(
     survey_id = recovered.survey_id
     manifest.write_manifest(folder, survey_id, whole_log.last, revision, str(ended), sums)
     notes.append(Message("manifest.json was written again"))
-    vouched = {True: OTHERS, False: VOUCHED, None: NOT_VOUCHED}[is_other]
-    return RepairResult(Repair.WRITTEN, notes=[*notes, vouched])
+    return RepairResult(Repair.WRITTEN, notes=[*notes, OTHERS if is_other else VOUCHED])
 
 
 def _refuse(found: ManifestCheck, has_ended: bool) -> None:
-    if found.seal is Seal.VALID:
+    if found.is_binding:
         raise AnalysisError(
             Message(
                 "the manifest is whole, but files differ from it: {differences}; resume the "
@@ -132,7 +130,7 @@ def _refuse(found: ManifestCheck, has_ended: bool) -> None:
             ),
             fault=faults.FILES_DIFFER,
         )
-    if found.seal is Seal.REOPENED or not has_ended:
+    if found.manifest is not None or not has_ended:
         raise AnalysisError(
             Message("the survey is not closed; resume it and stop it, which writes the manifest"),
             fault=faults.NOT_CLOSED,

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 from pathlib import Path
-from typing import Dict, List, Sequence
+from typing import Dict, List, Sequence, Set
 
 from gpr20_analysis.progress import Progress
 from gpr20_analysis.read.trace_table import of_other_survey
@@ -13,11 +14,12 @@ from gpr20_common.message import Message
 from gpr20_common.os_reason import os_reason
 from gpr20_common.terminal_text import printable
 from gpr20_survey.errors import TraceRefusedError
-from gpr20_survey.files.file_sums import sum_of_sized_file
+from gpr20_survey.files.file_sums import sum_of_file
 from gpr20_survey.folder.log_record import LogRecord
 from gpr20_survey.folder.survey_folder import BAG_FILE, MCAP_FILE
 from gpr20_survey.recording.bag import bag_missing, recorded_bag
 from gpr20_survey.recording.mcap_reader import StoredMcap
+from gpr20_survey.recording.survey_topics import TEXT_TYPE, recorded_log
 from gpr20_survey.trace import trace_message
 
 
@@ -38,7 +40,7 @@ def check_bag(
             found.note(bag_missing(folder))
         return
     try:
-        present = sum_of_sized_file(path, () if expected is None else (expected.size,))
+        present = sum_of_file(path)
     except OSError as error:
         reason = os_reason(error)
         found.fault(Message("{file} cannot be read: {reason}", file=BAG_FILE, reason=reason))
@@ -88,11 +90,12 @@ class RecordingCheck:
         self._found = found
         self._progress = progress
 
-    def check(self, stored: Dict[int, bytes]) -> None:
-        """Compare the traces of the recording with the JSON files.
+    def check(self, stored: Dict[int, bytes], log: Sequence[LogRecord]) -> None:
+        """Compare the traces of the recording with the JSON files, and its log with the log.
 
         Args:
             stored: Fingerprint of each trace that has a readable JSON file.
+            log: The records of the survey's log.
         """
         if not os.path.lexists(str(self._mcap.path)):
             self._found.fault(Message("{file} is missing", file=MCAP_FILE))
@@ -111,7 +114,8 @@ class RecordingCheck:
                     )
                 )
         if self._found.writer:
-            return  # the recording was read later than the JSON files
+            return  # the recording was read later than the other files
+        self._name_lost({one.sha256 for one in log})
         for index in sorted(recorded.keys() - stored.keys()):
             self._found.fault(
                 Message(
@@ -148,6 +152,21 @@ class RecordingCheck:
                 Message("{file} cannot be read to its end: {reason}", file=MCAP_FILE, reason=reason)
             )
         return prints
+
+    def _name_lost(self, known: Set[str]) -> None:
+        """Name the entries of the log that the recording alone holds."""
+        with contextlib.suppress(OSError):  # that it cannot be read is said already
+            for message in self._mcap.messages(TEXT_TYPE):
+                record = recorded_log(message)
+                if record is not None and record.sha256 not in known:
+                    text = Message(
+                        "entry {number} of the log, of kind {kind}, is in {file} alone",
+                        number=record.number,
+                        kind=record.kind,
+                        file=MCAP_FILE,
+                    )
+                    self._found.note(text)
+                    self._found.unconfirmed += (f"record {record.number}, {record.sha256[:8]}",)
 
     def _faults(self) -> List[Message]:
         """Return what is damaged in the file; that it is cut off is one of an ended survey."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 from typing import Any, Dict, List, Optional, Union
 
@@ -9,7 +10,6 @@ from gpr20_analysis import faults
 from gpr20_analysis.errors import AnalysisError
 from gpr20_analysis.progress import Progress, no_progress
 from gpr20_analysis.read import description_check, doubts, manifest_check
-from gpr20_analysis.read.manifest_check import Seal
 from gpr20_analysis.read.recording_check import RecordingCheck, check_bag
 from gpr20_analysis.read.sources import whole_description
 from gpr20_analysis.read.survey_grid import Plan
@@ -43,7 +43,7 @@ def check_survey_folder(folder: Path) -> None:
     Raises:
         AnalysisError: It does not.
     """
-    if not any(manifest_check.exists(folder, name) for name in FILES):
+    if not any(os.path.lexists(str(folder / name)) for name in FILES):
         raise AnalysisError(
             Message(
                 "{folder} is not the folder of a survey: it contains none of {names}",
@@ -132,7 +132,7 @@ class _Verifier:
         recording = RecordingCheck(
             self._folder, self._survey_id, self._indexed, self._found, self._progress
         )
-        recording.check(files.prints)
+        recording.check(files.prints, self._recovered.found.records)
         if self._found.imported is None and not self._found.writer:
             check_bag(self._folder, self._recovered.found.records, self._indexed, self._found)
         self._check_description(len(files.prints))
@@ -144,7 +144,7 @@ class _Verifier:
 
     def _check_manifest(self) -> None:
         found = manifest_check.check_manifest(self._folder, self._survey_id, self._recovered.found)
-        self._found.sealed = found.seal is Seal.VALID
+        self._found.sealed = found.is_binding
         self._found.faults += found.differences
         if found.damage is not None:
             self._found.fault(
@@ -154,7 +154,7 @@ class _Verifier:
                     remedy=REMEDY,
                 ).with_fault(faults.MANIFEST)
             )
-        elif found.seal is Seal.MISSING and self._found.closed:
+        elif found.manifest is None and self._found.closed:
             self._found.fault(
                 Message(
                     "manifest.json is missing, so changes to files cannot be detected: it was "
@@ -162,9 +162,9 @@ class _Verifier:
                     remedy=REMEDY,
                 ).with_fault(faults.MANIFEST)
             )
-        elif found.seal is Seal.MISSING:
+        elif found.manifest is None:
             self._found.note(Message("the survey was not closed, so there is no manifest"))
-        elif found.manifest is not None:
+        else:
             self._note_manifest(found.manifest)
             self._check_content(found.manifest)
             self._check_end_of_log(found.manifest)

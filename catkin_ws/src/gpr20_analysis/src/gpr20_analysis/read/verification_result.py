@@ -91,13 +91,14 @@ class Verification:
     def verdict(self) -> Message:
         """The result in one sentence, with the fault that it reports."""
         if self.faults:
-            of_manifest = all(one.fault_code == faults.MANIFEST.code for one in self.faults)
-            of_all = faults.NOT_INTACT if self.imported is None else faults.IMPORT_NOT_INTACT
+            first = self.faults[0].fault
+            if first is None or any(one.fault != first for one in self.faults):
+                first = faults.NOT_INTACT if self.imported is None else faults.IMPORT_NOT_INTACT
             return Message(
                 "DAMAGED or contradictory ({count} faults): {counted}",
                 count=len(self.faults),
                 counted=self._counted,
-            ).with_fault(faults.MANIFEST if of_manifest else of_all)
+            ).with_fault(first)
         if self.writer:
             return Message(
                 "BEING WRITTEN by process {process}: {counted} so far, without a fault",

@@ -3,15 +3,15 @@
 import json
 
 import pytest
+from signing_kit import fingerprint, make_key, signers_line
 from survey_kit import contents, make_survey
 
 from gpr20_analysis import faults
 from gpr20_analysis.commands.main import main
 from gpr20_survey import faults as survey_faults
-from gpr20_survey.files import ssh_keygen
 from gpr20_survey.folder.log_record import Kind
 from gpr20_survey.folder.recovery import recover
-from gpr20_survey.folder.signature import NAMESPACE, SIGNATURE_FILE, Signer
+from gpr20_survey.folder.signature import SIGNATURE_FILE, Signer
 from gpr20_survey.folder.survey_log import SurveyLog
 
 
@@ -19,9 +19,8 @@ from gpr20_survey.folder.survey_log import SurveyLog
 def keys(tmp_path_factory):
     folder = tmp_path_factory.mktemp("keys")
     for name in ("robot", "other"):
-        ssh_keygen.make_key(folder / name, name)
-    line = ssh_keygen.public_key(folder / "robot").signers_line("robot", NAMESPACE)
-    (folder / "signers").write_text(f"{line}\n")
+        make_key(folder / name)
+    (folder / "signers").write_text(signers_line(folder / "robot"))
     return folder
 
 
@@ -51,8 +50,7 @@ def test_a_signed_survey_names_its_signer_last(folder, keys, capsys):
     assert main(["verify", str(folder), "--signers", str(keys / "signers")]) == 0
     complete, signed = capsys.readouterr().out.splitlines()
     assert complete.startswith("complete and intact")
-    fingerprint = ssh_keygen.public_key(keys / "robot").fingerprint
-    assert signed == f"signed by robot with the key {fingerprint}"
+    assert signed == f"signed by robot with the key {fingerprint(keys / 'robot')}"
     # A word of praise for what is signed is not one for what was measured.
     (folder / "survey.bag").write_bytes(b"")
     assert main(["verify", str(folder), "--signers", str(keys / "signers")]) == 2

@@ -16,13 +16,16 @@ from survey_kit import (
     planned_trace,
     write_trace_file,
 )
+from trace_examples import SURVEY
 
 from gpr20_analysis import faults
 from gpr20_analysis.read.verification import verify_survey
 from gpr20_analysis.verify import main
+from gpr20_survey.faults import DESCRIPTION_LOST
 from gpr20_survey.folder.log_record import Kind
 from gpr20_survey.folder.recovery import open_log, recover
 from gpr20_survey.folder.survey_folder import LOG_FILES
+from gpr20_survey.plan.annotation import Annotation
 from gpr20_survey.recording.mcap_reader import StoredMcap
 from gpr20_survey.trace import trace_message
 from gpr20_survey.trace.sweep_settings import AnalyzerSettings
@@ -114,6 +117,29 @@ def test_what_nobody_says_of_a_closed_survey_is_a_fault(copied, kind):
         texts(found.faults)
     )
     assert kind is Kind.END or recover(copied).description["parameters"] == planned
+
+
+def test_an_entry_that_the_recording_alone_holds_is_named(tmp_path):
+    def note(processing):
+        processing.add_fact(SURVEY, "annotation", json.dumps(Annotation(operator="Ana").values()))
+        processing.store(planned_trace(7))
+
+    folder = make_survey(tmp_path, 7, None, at_end=note)
+    for name in LOG_FILES:
+        lines = (folder / name).read_bytes().splitlines(keepends=True)
+        (folder / name).write_bytes(b"".join(lines[:-1]))
+    found = verify_survey(folder)
+    assert "entry 1 of the log, of kind annotation, is in survey.mcap alone" in texts(found.notes)
+    assert found.unconfirmed and not found.faults
+
+
+def test_where_both_logs_are_lost_nobody_is_told_to_resume(copied):
+    for name in LOG_FILES:
+        content = (copied / name).read_bytes()
+        (copied / name).write_bytes(content.replace(b"\n", b"\r\n"))
+    verdict = verify_survey(copied).verdict
+    assert verdict.fault_code == DESCRIPTION_LOST.code
+    assert "Put log.jsonl back from a copy of it" in str(verdict.remedy)
 
 
 def test_a_trace_that_is_not_as_planned_is_named(tmp_path):

@@ -3,11 +3,16 @@
 from __future__ import annotations
 
 import json
+import os
 import re
 from pathlib import Path
 from typing import List
 
+from gpr20_common.message import Message
+from gpr20_common.terminal_text import printable
 from gpr20_launch.mid.robot_files import Sections
+from gpr20_survey import faults
+from gpr20_survey.errors import SigningError
 from gpr20_survey.files import durable_files, ssh_keygen
 from gpr20_survey.folder.signature import NAMESPACE
 from gpr20_survey.plan.annotation import Site
@@ -22,10 +27,6 @@ _PARAMETER = re.compile(r"^#?signing_key:.*$", re.MULTILINE)
 def ensure_key(folder: Path, sections: Sections) -> List[str]:
     """Make the key and name it in storage.yaml, where either is missing; change nothing else.
 
-    Args:
-        folder: Of the configuration.
-        sections: What it holds.
-
     Returns:
         What to tell the person who asked: what was made, the line for signers files, and the
         fingerprint.
@@ -37,19 +38,29 @@ def ensure_key(folder: Path, sections: Sections) -> List[str]:
     name = str(sections["site"].get("robot", Site().robot))
     named = str(sections["storage"].get("signing_key", ""))
     path = Path(named).expanduser() if named else folder / KEY_FILE
-    said = []
-    try:
-        ssh_keygen.make_key(path, name)
-        said.append(f"{path} created: keep it on this computer only")
-    except FileExistsError:
-        said.append(f"{path} exists and stays as it is")
-    key = ssh_keygen.public_key(path)
+    if os.path.lexists(str(path)):
+        said = [f"{path} exists and stays as it is"]
+    else:
+        _make_key(path, name)
+        said = [f"{path} created: keep it on this computer only"]
+    kind, key = ssh_keygen.use_key(path, ("-y", "-P", "")).split()[:2]
+    fingerprint = ssh_keygen.use_key(path, ("-l",)).split()[1]
     if not named:
         _name_key(folder / STORAGE_FILE, path)
         said.append(f"{folder / STORAGE_FILE}: signing_key is {path}, from the next launch on")
-    said += ["for the signers file of those who check surveys:", ""]
-    said += [key.signers_line(name, NAMESPACE), "", f"its fingerprint: {key.fingerprint}"]
-    return said
+    # What a signers file cannot hold becomes a hyphen.
+    line = re.sub(r"[^A-Za-z0-9._@+-]", "-", name) + f' namespaces="{NAMESPACE}" {kind} {key}'
+    fitting = ["for the signers file of those who check surveys:", "", line, ""]
+    return [*said, *fitting, f"its fingerprint: {fingerprint}"]
+
+
+def _make_key(path: Path, comment: str) -> None:
+    made = ssh_keygen.ask(("-q", "-t", "ed25519", "-N", "", "-C", comment, "-f", path))
+    if not made.yes:
+        text = Message("the key {file} was not made", file=printable(path), details=made.complaint)
+        raise SigningError(text, fault=faults.SIGNING_KEY)
+    durable_files.sync_path(path)
+    durable_files.sync_path(path.parent)
 
 
 def _name_key(path: Path, key: Path) -> None:

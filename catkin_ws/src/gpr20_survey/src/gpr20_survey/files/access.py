@@ -31,22 +31,14 @@ class Readers(enum.Enum):
 
 
 def open_new(path: Path, flags: int, mode: Optional[int] = None) -> int:
-    """Return the descriptor of a file that is made if it is missing.
+    """Return the descriptor of a file that is made, with O_CREAT among the flags, if it is missing.
 
-    Args:
-        path: The file.
-        flags: As for `os.open`; with O_EXCL the file must not exist.
-        mode: Its mode; None: that of its folder.
-
-    Raises:
-        OSError: The disk refused.
+    Its mode is that of its folder, if none is given.
     """
-    made = bool(flags & os.O_CREAT)
-    if mode is None:
-        mode = file_mode_for(path.parent)
+    mode = file_mode_for(path.parent) if mode is None else mode
     descriptor = os.open(str(path), flags | os.O_CLOEXEC | os.O_NOFOLLOW, mode)
     try:
-        if made and stat.S_IMODE(os.fstat(descriptor).st_mode) != mode:
+        if flags & os.O_CREAT and stat.S_IMODE(os.fstat(descriptor).st_mode) != mode:
             os.fchmod(descriptor, mode)
     except OSError:
         os.close(descriptor)
@@ -54,32 +46,6 @@ def open_new(path: Path, flags: int, mode: Optional[int] = None) -> int:
     return descriptor
 
 
-def make_folder(path: Path, mode: int) -> None:
-    """Make a folder that must not exist yet.
-
-    Args:
-        path: The folder.
-        mode: Its mode; a group that it inherits from the folder above is kept.
-
-    Raises:
-        FileExistsError: The folder exists.
-        OSError: The disk refused.
-    """
-    path.mkdir(mode)
-    made = stat.S_IMODE(path.stat().st_mode)
-    if made & 0o777 != mode & 0o777:
-        path.chmod(mode & 0o777 | made & stat.S_ISGID)
-
-
-def mode_for(folder: Path) -> int:
-    """Return the mode of a new folder in another one: that of the other."""
-    return _mode_of(folder) & FOLDER_MODES
-
-
 def file_mode_for(folder: Path) -> int:
     """Return the mode of a new file in a folder."""
-    return _mode_of(folder) & FILE_MODES
-
-
-def _mode_of(folder: Path) -> int:
-    return stat.S_IMODE(folder.stat().st_mode)
+    return folder.stat().st_mode & FILE_MODES

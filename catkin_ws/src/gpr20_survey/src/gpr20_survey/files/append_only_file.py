@@ -56,11 +56,7 @@ class AppendOnlyFile:
         return os.path.samestat(there, os.fstat(self._descriptor))
 
     def take_place_of(self, path: Path) -> None:
-        """Give the file the name of another, which it replaces; return when that is durable.
-
-        Raises:
-            OSError: The disk refused.
-        """
+        """Give the file the name of another, which it replaces; return when that is durable."""
         put_in_place(self.path, path)
         self.path = path
 
@@ -71,20 +67,13 @@ class AppendOnlyFile:
             FileReplacedError: The file was moved, removed or replaced.
             OSError: The disk refused; everything collected remains for the next commit.
         """
-        if self._collected:
-            self._write_collected()
-            os.fsync(self._descriptor)
-            self._check_in_place()
-            self._committed += len(self._collected)
-            self._collected.clear()
-
-    def release(self) -> None:
-        """Close the file on the disk; what was not committed is lost."""
-        if self._descriptor >= 0:
-            os.close(self._descriptor)
-            self._descriptor = -1
-
-    def _check_in_place(self) -> None:
+        if not self._collected:
+            return
+        offset, rest = self._committed, memoryview(bytes(self._collected))
+        while rest:
+            written = os.pwrite(self._descriptor, rest, offset)
+            rest, offset = rest[written:], offset + written
+        os.fsync(self._descriptor)
         if not self.in_place():
             raise FileReplacedError(
                 Message(
@@ -93,9 +82,11 @@ class AppendOnlyFile:
                 ),
                 self.path,
             )
+        self._committed = offset
+        self._collected.clear()
 
-    def _write_collected(self) -> None:
-        offset, rest = self._committed, memoryview(bytes(self._collected))
-        while rest:
-            written = os.pwrite(self._descriptor, rest, offset)
-            rest, offset = rest[written:], offset + written
+    def release(self) -> None:
+        """Close the file on the disk; what was not committed is lost."""
+        if self._descriptor >= 0:
+            os.close(self._descriptor)
+            self._descriptor = -1

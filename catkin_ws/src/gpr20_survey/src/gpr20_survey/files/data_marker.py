@@ -7,19 +7,16 @@ import json
 import os
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
-from typing import Any, Optional, Type, TypeVar, Union
+from typing import Mapping, Optional
 
 from gpr20_common.mid.codec import record_from
 from gpr20_common.terminal_text import printable
 from gpr20_survey.files.durable_files import ensure_folders, replace_file, write_new_file
-from gpr20_survey.files.regular_file import open_regular
+from gpr20_survey.files.regular_file import read_regular
 
-Record = TypeVar("Record")
 MARKER_FILE = ".gpr20_data.json"
-MARKER_FORMAT = "gpr20-data/1"
-MEMORY_FORMAT = "gpr20-data-folder/1"
+FORMAT = "gpr20-data/1"
 MEMORY_MODE = 0o700
-MOST_BYTES = 65536
 
 
 @dataclass(frozen=True)
@@ -37,14 +34,6 @@ class Marker:
     made: str
 
 
-@dataclass(frozen=True)
-class Remembered:
-    """What is remembered of a data folder: its UUID, and its path for people."""
-
-    identity: str = field(metadata={"min_length": 1})
-    path: str
-
-
 class DamagedRecordError(ValueError):
     """A marker, or what is remembered, is not as it was written."""
 
@@ -56,7 +45,7 @@ def read_marker(folder: Path) -> Optional[Marker]:
         DamagedRecordError: The marker is damaged.
         OSError: The folder cannot be read.
     """
-    return _read(folder / MARKER_FILE, MARKER_FORMAT, Marker)
+    return _read(folder / MARKER_FILE)
 
 
 def write_marker(folder: Path, marker: Marker, replace: bool = False) -> None:
@@ -72,7 +61,7 @@ def write_marker(folder: Path, marker: Marker, replace: bool = False) -> None:
         OSError: The disk refused.
     """
     write = replace_file if replace else write_new_file
-    write(folder / MARKER_FILE, _encoded(MARKER_FORMAT, marker))
+    write(folder / MARKER_FILE, _encoded(asdict(marker)))
 
 
 class FolderMemory:
@@ -97,7 +86,7 @@ class FolderMemory:
             DamagedRecordError: What is remembered is damaged.
             OSError: It cannot be read.
         """
-        found = _read(self.file_of(path), MEMORY_FORMAT, Remembered)
+        found = _read(self.file_of(path), file_system="", made="")
         return None if found is None else found.identity
 
     def remember(self, path: Path, identity: str) -> None:
@@ -107,26 +96,23 @@ class FolderMemory:
             OSError: The disk refused.
         """
         ensure_folders(self._folder, MEMORY_MODE)
-        replace_file(
-            self.file_of(path), _encoded(MEMORY_FORMAT, Remembered(identity, printable(path)))
-        )
+        remembered = {"identity": identity, "path": printable(path)}  # the path for people
+        replace_file(self.file_of(path), _encoded(remembered))
 
 
-def _encoded(form: str, record: Union[Marker, Remembered]) -> bytes:
-    return (json.dumps({"format": form, **asdict(record)}, indent=2) + "\n").encode("ascii")
+def _encoded(values: Mapping[str, str]) -> bytes:
+    return (json.dumps({"format": FORMAT, **values}, indent=2) + "\n").encode("ascii")
 
 
-def _read(path: Path, form: str, kind: Type[Record]) -> Optional[Record]:
+def _read(path: Path, **assumed: str) -> Optional[Marker]:
     try:
-        descriptor = open_regular(path)
+        content = read_regular(path, follow_link=False)
     except FileNotFoundError:
         return None
-    with open(descriptor, "rb") as file:
-        content = file.read(MOST_BYTES)
     try:
-        values: Any = json.loads(content)
-        if values["format"] != form:
-            raise ValueError(values["format"])
-        return record_from(kind, values, "", others=True)
+        values = json.loads(content)
+        if values["format"] != FORMAT:
+            raise ValueError(FORMAT)
+        return record_from(Marker, {**assumed, **values}, "", others=True)
     except (ValueError, KeyError, TypeError, RecursionError) as error:
         raise DamagedRecordError(printable(path)) from error

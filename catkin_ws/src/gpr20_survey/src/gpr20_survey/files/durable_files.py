@@ -1,4 +1,7 @@
-"""Small files that are on the disk either whole or not at all."""
+"""Small files that are on the disk either whole or not at all.
+
+Each function returns when what it did is durable, and raises OSError if the disk refuses.
+"""
 
 from __future__ import annotations
 
@@ -6,11 +9,12 @@ import itertools
 import os
 import secrets
 import shutil
+import stat
 from pathlib import Path
-from typing import Iterator, Optional
+from typing import Optional
 
 from gpr20_survey.files import access
-from gpr20_survey.files.regular_file import open_regular
+from gpr20_survey.files.regular_file import read_regular
 
 # Readers take `*.json`; a file that was never finished has neither this start nor this end.
 TEMPORARY_PREFIX = "."
@@ -18,11 +22,7 @@ TEMPORARY_SUFFIX = ".tmp"
 
 
 def free_bytes(folder: Path) -> int:
-    """Return what may still be written below a folder [bytes].
-
-    Raises:
-        OSError: The folder cannot be read.
-    """
+    """Return what may still be written below a folder [bytes]."""
     return shutil.disk_usage(str(folder)).free
 
 
@@ -32,22 +32,38 @@ def temporary_path(path: Path) -> Path:
     return path.with_name(name)
 
 
+def is_temporary(name: str) -> bool:
+    """Return whether a name is that of a file which was never finished."""
+    return name.startswith(TEMPORARY_PREFIX) and name.endswith(TEMPORARY_SUFFIX)
+
+
+def remove_temporaries(folder: Path) -> int:
+    """Remove the files that were being written at a crash; return how many.
+
+    A folder with such a name was not made here and is left alone.
+    """
+    torn = [one for one in folder.iterdir() if is_temporary(one.name)]
+    torn = [one for one in torn if one.is_symlink() or not one.is_dir()]
+    for one in torn:
+        one.unlink()
+    return len(torn)
+
+
 def write_new_file(path: Path, data: bytes) -> None:
-    """Write a file that must not exist yet; return when it is durable.
+    """Write a file that must not exist yet.
 
     A file that is there already with the same bytes is made durable instead, so that the
     call can be repeated after any failure.
 
     Raises:
         FileExistsError: The file exists with other content; it is left alone.
-        OSError: The disk refused; no file of this name was left half written.
     """
     temporary = _write_temporary(path, data)
     try:
         # Unlike rename(), link() never replaces a file.
         os.link(str(temporary), str(path))
     except FileExistsError:
-        if not _holds(path, data):
+        if read_regular(path, follow_link=False) != data:
             raise
         sync_path(path)
     finally:
@@ -56,11 +72,7 @@ def write_new_file(path: Path, data: bytes) -> None:
 
 
 def replace_file(path: Path, data: bytes) -> None:
-    """Give a file new content in one step; return when it is durable.
-
-    Raises:
-        OSError: The disk refused; the file has its former content.
-    """
+    """Give a file new content in one step; after an error it has its former content."""
     temporary = _write_temporary(path, data)
     try:
         os.replace(str(temporary), str(path))
@@ -70,74 +82,16 @@ def replace_file(path: Path, data: bytes) -> None:
     sync_path(path.parent)
 
 
-def make_new_folder(path: Path, mode: Optional[int] = None) -> None:
-    """Make a folder that must not exist yet; return when it is durable.
-
-    Args:
-        path: The folder.
-        mode: Its mode; None: that of the folder above.
-
-    Raises:
-        FileExistsError: The folder exists.
-        OSError: The disk refused.
-    """
-    access.make_folder(path, access.mode_for(path.parent) if mode is None else mode)
+def put_in_place(temporary: Path, path: Path) -> None:
+    """Give a whole and durable file the name of another."""
+    os.replace(str(temporary), str(path))
     sync_path(path.parent)
 
 
-def ensure_folder(path: Path, mode: Optional[int] = None) -> None:
-    """Make a folder if it is missing; return when it is durable.
-
-    The folder above it is not made: where a disk is missing, nothing begins in its place.
-
-    Args:
-        path: The folder.
-        mode: Its mode, if it is made; None: that of the folder above it.
-
-    Raises:
-        OSError: The disk refused, or the folder above it is missing.
-    """
-    if not path.is_dir():
-        make_new_folder(path, mode)
-
-
-def ensure_folders(path: Path, mode: Optional[int] = None) -> None:
-    """Make a folder and those above it where they are missing; return when all are durable.
-
-    Args:
-        path: The folder.
-        mode: That of each folder that is made; None: that of the folder above it.
-
-    Raises:
-        OSError: The disk refused.
-    """
-    if not path.is_dir():
-        ensure_folders(path.parent, mode)
-        make_new_folder(path, mode)
-
-
-def sync_path(path: Path) -> None:
-    """Return when the content of a file, or the names in a folder, are on the disk."""
-    descriptor = os.open(str(path), os.O_RDONLY | os.O_CLOEXEC)
-    try:
-        os.fsync(descriptor)
-    finally:
-        os.close(descriptor)
-
-
-def _holds(path: Path, data: bytes) -> bool:
-    with open(open_regular(path), "rb") as stream:
-        return stream.read(len(data) + 1) == data
-
-
 def write_in_new_folder(path: Path, data: bytes) -> None:
-    """Write a new file into a folder that nobody reads yet; return when its content is durable.
+    """Write a new file into a folder that nobody reads yet.
 
-    Its name is durable after `sync_path` of the folder.
-
-    Raises:
-        FileExistsError: The file exists.
-        OSError: The disk refused; the file may be there in part.
+    Its name is durable after `sync_path` of the folder; after an error it may be there in part.
     """
     descriptor = access.open_new(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL)
     with open(descriptor, "wb") as stream:
@@ -156,87 +110,83 @@ def _write_temporary(path: Path, data: bytes) -> Path:
     return temporary
 
 
-def is_temporary(name: str) -> bool:
-    """Return whether a name is that of a file which was never finished."""
-    return name.startswith(TEMPORARY_PREFIX) and name.endswith(TEMPORARY_SUFFIX)
+def make_new_folder(path: Path, mode: Optional[int] = None) -> None:
+    """Make a folder that must not exist yet.
 
-
-def remove_temporaries(folder: Path) -> int:
-    """Remove the files that were being written at a crash; return how many.
-
-    A folder with such a name was not made here and is left alone.
+    Args:
+        path: The folder.
+        mode: Its mode; None: that of the folder above. A group that it inherits from there is kept.
 
     Raises:
-        OSError: The disk refused.
+        FileExistsError: The folder exists.
     """
-    torn = [one for one in folder.iterdir() if is_temporary(one.name) and not _is_folder(one)]
-    for one in torn:
-        one.unlink()
-    return len(torn)
+    mode = path.parent.stat().st_mode & access.FOLDER_MODES if mode is None else mode
+    path.mkdir(mode)
+    made = stat.S_IMODE(path.stat().st_mode)
+    if made & 0o777 != mode & 0o777:
+        path.chmod(mode & 0o777 | made & stat.S_ISGID)
+    sync_path(path.parent)
+
+
+def ensure_folder(path: Path, mode: Optional[int] = None) -> None:
+    """Make a folder as above if it is missing.
+
+    The folder above it is not made: where a disk is missing, nothing begins in its place.
+    """
+    if not path.is_dir():
+        make_new_folder(path, mode)
+
+
+def ensure_folders(path: Path, mode: Optional[int] = None) -> None:
+    """Make a folder and those above it where they are missing."""
+    if not path.is_dir():
+        ensure_folders(path.parent, mode)
+        make_new_folder(path, mode)
+
+
+def sync_path(path: Path) -> None:
+    """Return when the content of a file, or the names in a folder, are on the disk."""
+    descriptor = os.open(str(path), os.O_RDONLY | os.O_CLOEXEC)
+    try:
+        os.fsync(descriptor)
+    finally:
+        os.close(descriptor)
 
 
 def keep_aside(path: Path, folder: Path) -> Path:
-    """Give a file a second, free name in another folder; return it when it is durable.
-
-    Raises:
-        OSError: The disk refused.
-    """
+    """Give a file a second, free name in another folder, and return it."""
     ensure_folder(folder)
-    for target in _names_for(path, folder):
-        try:
-            os.link(str(path), str(target), follow_symlinks=False)  # never replaces a file
-        except FileExistsError:
-            continue
-        sync_path(folder)
-        return target
-    raise AssertionError("numbers do not end")
-
-
-def _names_for(path: Path, folder: Path) -> Iterator[Path]:
-    yield folder / path.name
-    for number in itertools.count(1):
-        yield folder / f"{path.name}.{number}"
-
-
-def _is_folder(path: Path) -> bool:
-    return path.is_dir() and not path.is_symlink()
+    target = _free_name(path, folder)
+    os.link(str(path), str(target), follow_symlinks=False)
+    sync_path(folder)
+    return target
 
 
 def move_aside(path: Path, folder: Path) -> Path:
-    """Move a file, or whatever is there, into a folder under a free name; return where it is.
+    """Move a file, or whatever is there, into a folder under a free name, and return it.
 
-    Raises:
-        OSError: The disk refused; the file is where it was, or in both places.
+    After an error it is where it was, or in both places.
     """
     try:
         target = keep_aside(path, folder)
+        path.unlink()
     except PermissionError:
         # A folder has no second name, and the system may refuse one for another user's file.
-        target = next(one for one in _names_for(path, folder) if not os.path.lexists(str(one)))
+        target = _free_name(path, folder)
         os.rename(str(path), str(target))
         sync_path(folder)
-    else:
-        path.unlink()
     sync_path(path.parent)
     return target
 
 
-def put_in_place(temporary: Path, path: Path) -> None:
-    """Give a whole and durable file the name of another; return when that is durable.
-
-    Raises:
-        OSError: The disk refused.
-    """
-    os.replace(str(temporary), str(path))
-    sync_path(path.parent)
+def _free_name(path: Path, folder: Path) -> Path:
+    numbered = (folder / f"{path.name}.{number}" for number in itertools.count(1))
+    names = itertools.chain([folder / path.name], numbered)
+    return next(one for one in names if not os.path.lexists(str(one)))
 
 
 def remove_file(path: Path) -> None:
-    """Remove a file or a link, if it is there; return when that is durable.
-
-    Raises:
-        OSError: The disk refused.
-    """
+    """Remove a file or a link, if it is there."""
     if os.path.lexists(str(path)):
         path.unlink()
         sync_path(path.parent)

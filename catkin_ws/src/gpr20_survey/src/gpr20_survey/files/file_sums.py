@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 import os
 from pathlib import Path
-from typing import BinaryIO, Container, Iterator, NamedTuple, Optional
+from typing import Iterator, NamedTuple, Optional
 
 from gpr20_survey.files.durable_files import is_temporary
 from gpr20_survey.files.regular_file import open_regular
@@ -52,22 +52,12 @@ def sum_of_file(path: Path) -> FileSum:
     Raises:
         OSError: The file cannot be read.
     """
+    digest, size = hashlib.sha256(), 0
     with open(open_regular(path), "rb") as stream:
-        return _sum_of_stream(stream)
-
-
-def sum_of_sized_file(path: Path, sizes: Container[int]) -> Optional[FileSum]:
-    """Return the checksum of a file; None, and the file is not read, if it has no such size.
-
-    Args:
-        path: The file.
-        sizes: What its length may be [bytes].
-
-    Raises:
-        OSError: The file cannot be read.
-    """
-    with open(open_regular(path), "rb") as stream:
-        return _sum_of_stream(stream) if os.fstat(stream.fileno()).st_size in sizes else None
+        for piece in iter(lambda: stream.read(PIECE_BYTES), b""):
+            digest.update(piece)
+            size += len(piece)
+    return FileSum(digest.hexdigest(), size)
 
 
 def sum_if_readable(path: Path) -> Optional[FileSum]:
@@ -76,13 +66,3 @@ def sum_if_readable(path: Path) -> Optional[FileSum]:
         return sum_of_file(path)
     except OSError:
         return None
-
-
-def _sum_of_stream(stream: BinaryIO) -> FileSum:
-    digest, size = hashlib.sha256(), 0
-    while True:
-        piece = stream.read(PIECE_BYTES)
-        if not piece:
-            return FileSum(digest.hexdigest(), size)
-        digest.update(piece)
-        size += len(piece)

@@ -9,19 +9,15 @@ import re
 import tempfile
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Callable, Iterator, NamedTuple
+from typing import Callable, Tuple
 
 from gpr20_common.message import Message
 from gpr20_common.terminal_text import printable
 from gpr20_survey import faults
-from gpr20_survey.errors import (
-    SurveyRefusedError,
-)
+from gpr20_survey.errors import SurveyRefusedError
 
 ROOT = Path("/")
 IN_MEMORY = ("ramfs", "tmpfs")
-# Their number in statvfs comes from their UUID; that of the others can change with each restart.
-STABLE_NUMBER = ("btrfs", "ext2", "ext3", "ext4")
 # What the system answers where something is not supported; a FAT answers EPERM to link().
 UNSUPPORTED = (
     errno.EBADF,
@@ -60,15 +56,7 @@ class FileSystem:
         """Return whether an identity proves to be that of another file system."""
         if self.kind in IN_MEMORY:
             return identity != ""  # it has none, and a disk has one
-        # What was found out in another way, such as before udev ran, cannot be compared.
-        kinds = [one.partition(":")[0] for one in (identity, self.identity)]
-        return kinds[0] == kinds[1] and identity != self.identity
-
-
-class _Mount(NamedTuple):
-    point: str
-    kind: str
-    source: str
+        return "" not in (identity, self.identity) and identity != self.identity
 
 
 def existing_folder(path: Path) -> Path:
@@ -91,37 +79,25 @@ def file_system_of(folder: Path, root: Path = ROOT) -> FileSystem:
         OSError: The folder cannot be looked at.
     """
     device = folder.stat().st_dev
-    numbers = os.statvfs(str(folder))
-    mount = _mount_of(os.path.realpath(str(folder)), root)
-    identity = _uuid(device, mount.source, root)
-    if not identity and mount.kind in STABLE_NUMBER and numbers.f_fsid:
-        identity = f"fsid:{numbers.f_fsid:x}"
-    read_only = bool(numbers.f_flag & os.ST_RDONLY)
-    return FileSystem(device, mount.point, mount.kind, identity, read_only)
+    source, point, kind = _mount_of(f"{os.path.realpath(str(folder))}/", root)
+    read_only = bool(os.statvfs(str(folder)).f_flag & os.ST_RDONLY)
+    return FileSystem(device, point, kind, _uuid(device, source, root), read_only)
 
 
-def _mount_of(folder: str, root: Path) -> _Mount:
-    found = _Mount("/", "", "")
-    for mount in _mounts(root / "proc/self/mountinfo"):
+def _mount_of(folder: str, root: Path) -> Tuple[str, str, str]:
+    """Return source, place and kind of the mount of a folder; empty: not known."""
+    found, table = ("", "/", ""), root / "proc/self/mounts"
+    lines = table.read_bytes().split(b"\n") if table.exists() else []
+    for line in filter(None, lines):
+        # "source /point kind options...", with octal numbers for spaces
+        source, point, kind = (
+            re.sub(r"\\([0-7]{3})", lambda number: chr(int(number.group(1), 8)), one)
+            for one in os.fsdecode(line).split(" ")[:3]
+        )
         # Of two at the same place the later one hides the other.
-        inside = f"{folder}/".startswith(f"{mount.point.rstrip('/')}/")
-        if inside and len(mount.point) >= len(found.point):
-            found = mount
+        if folder.startswith(f"{point.rstrip('/')}/") and len(point) >= len(found[1]):
+            found = (source, point, kind)
     return found
-
-
-def _mounts(table: Path) -> Iterator[_Mount]:
-    if not table.exists():
-        return
-    for line in filter(None, os.fsdecode(table.read_bytes()).split("\n")):
-        # "36 35 98:0 /root /point options optional... - kind source options"
-        before, _, after = line.partition(" - ")
-        kind, source, *_rest = after.split(" ")
-        yield _Mount(_unescaped(before.split(" ")[4]), kind, _unescaped(source))
-
-
-def _unescaped(text: str) -> str:
-    return re.sub(r"\\([0-7]{3})", lambda found: chr(int(found.group(1), 8)), text)
 
 
 def _uuid(device: int, source: str, root: Path) -> str:
@@ -161,9 +137,9 @@ def check_can_store(folder: Path) -> None:
             os.close(descriptor)
 
 
-def _try(what: Callable[[], None], name: Message, folder: Path) -> None:
+def _try(use: Callable[[], None], ability: Message, folder: Path) -> None:
     try:
-        what()
+        use()
     except OSError as error:
         if error.errno not in UNSUPPORTED:
             raise
@@ -173,7 +149,7 @@ def _try(what: Callable[[], None], name: Message, folder: Path) -> None:
                 "not safe; use a disk with ext4 for the data folder",
                 folder=printable(folder),
                 kind=file_system_of(folder).kind or "?",
-                ability=name,
+                ability=ability,
                 details=error,
             ),
             fault=faults.FILE_SYSTEM_UNSUITABLE,

@@ -23,10 +23,9 @@ _POLL_S = 0.01
 
 @contextlib.contextmanager
 def locked(folder: Path, wait_s: float = _LOOK_S) -> Iterator[None]:
-    """Hold the lock of a survey's folder; it ends with the process at the latest.
+    """Hold the lock of a survey's folder, as every writer of it does; readers need not.
 
-    Every writer of the folder holds it. It writes nothing, and does not prevent anybody from
-    reading the folder.
+    It ends with the process at the latest.
 
     Args:
         folder: The survey's folder.
@@ -39,9 +38,18 @@ def locked(folder: Path, wait_s: float = _LOOK_S) -> Iterator[None]:
     descriptor = os.open(str(folder), os.O_RDONLY | os.O_DIRECTORY)
     try:
         deadline_s = time.monotonic() + wait_s
-        while not _take(descriptor):
+        while not _take(descriptor, fcntl.LOCK_EX):
             if time.monotonic() >= deadline_s:
-                raise _held(folder, descriptor)
+                raise SurveyRefusedError(
+                    Message(
+                        "the survey in {folder} is being written by another process ({process}), "
+                        "for example by another robot with the same data folder; end the survey "
+                        "there first, or the process if it hangs",
+                        folder=printable(folder),
+                        process=_holder(descriptor),
+                    ),
+                    fault=faults.LOCKED,
+                )
             time.sleep(_POLL_S)
         yield
     finally:
@@ -61,7 +69,7 @@ def writer_of(folder: Path) -> Optional[str]:
         os.close(descriptor)
 
 
-def _take(descriptor: int, kind: int = fcntl.LOCK_EX) -> bool:
+def _take(descriptor: int, kind: int) -> bool:
     try:
         fcntl.flock(descriptor, kind | fcntl.LOCK_NB)
     except BlockingIOError:
@@ -69,26 +77,11 @@ def _take(descriptor: int, kind: int = fcntl.LOCK_EX) -> bool:
     return True
 
 
-def _held(folder: Path, descriptor: int) -> SurveyRefusedError:
-    return SurveyRefusedError(
-        Message(
-            "the survey in {folder} is being written by another process ({process}), for "
-            "example by another robot with the same data folder; end the survey there "
-            "first, or the process if it hangs",
-            folder=printable(folder),
-            process=_holder(descriptor),
-        ),
-        fault=faults.LOCKED,
-    )
-
-
 def _holder(descriptor: int) -> str:
     """Return the number of the process that holds a lock; "?" if this system does not show it."""
     # Lines as "1: FLOCK  ADVISORY  WRITE 4711 00:2a:52 0 EOF", with the inode after the device.
-    inode = os.fstat(descriptor).st_ino
+    inode = str(os.fstat(descriptor).st_ino)
     locks = Path("/proc/locks")
-    for line in locks.read_text(encoding="ascii").splitlines() if locks.exists() else []:
-        columns = line.split()
-        if columns[1] == "FLOCK" and columns[5].split(":")[-1] == str(inode):
-            return columns[4]
-    return "?"
+    lines = locks.read_text(encoding="ascii").splitlines() if locks.exists() else []
+    found = [one for one in map(str.split, lines) if one[1] == "FLOCK"]
+    return next((one[4] for one in found if one[5].split(":")[-1] == inode), "?")

@@ -6,7 +6,7 @@ import contextlib
 import os
 import zipfile
 from pathlib import Path
-from typing import Any, Dict, Iterator, List, Tuple
+from typing import Any, Dict, Iterator, Tuple
 
 from gpr20_common.message import Message
 from gpr20_common.os_reason import os_reason
@@ -25,27 +25,15 @@ class FolderChangedError(ProcessingError):
     fault = faults.FOLDER_CHANGED
 
 
-class _Parts:
-    """Collects what a ZIP file writes; without `tell` and `seek` it writes in one pass."""
-
-    def __init__(self) -> None:
-        self.size = 0
-        self._parts: List[bytes] = []
+class _Collected(bytearray):
+    """Takes what a ZIP file writes; without `tell` and `seek` it writes in one pass."""
 
     def write(self, data: bytes) -> int:
-        """Take bytes."""
-        self._parts.append(bytes(data))
-        self.size += len(data)
+        self += data
         return len(data)
 
     def flush(self) -> None:
         """Do nothing: everything is here."""
-
-    def take(self) -> bytes:
-        """Return what was collected since the last time."""
-        taken = b"".join(self._parts)
-        self._parts, self.size = [], 0
-        return taken
 
 
 def zip_parts(folder: Path) -> Iterator[bytes]:
@@ -54,12 +42,13 @@ def zip_parts(folder: Path) -> Iterator[bytes]:
     Raises:
         ProcessingError: See `add_folder`; what was yielded so far is no ZIP file.
     """
-    parts: Any = _Parts()
+    parts: Any = _Collected()
     with zipfile.ZipFile(parts, "w", zipfile.ZIP_STORED) as archive:
         for _ in add_folder(archive, folder):
-            if parts.size >= PIECE_BYTES:
-                yield parts.take()
-    yield parts.take()
+            if len(parts) >= PIECE_BYTES:
+                yield bytes(parts)
+                parts.clear()
+    yield bytes(parts)
 
 
 def add_folder(archive: zipfile.ZipFile, folder: Path) -> Iterator[None]:
@@ -69,28 +58,23 @@ def add_folder(archive: zipfile.ZipFile, folder: Path) -> Iterator[None]:
         FolderChangedError: The folder was changed meanwhile.
         ProcessingError: A file cannot be read, or is a link.
     """
-    with _reading(folder.name):
-        before = _versions(folder)
+    before = _versions(folder)
     for name in before:
         with _reading(name):
-            descriptor = open_regular(folder / name)
-        with open(descriptor, "rb") as source:
-            with _reading(name):
-                entry = zipfile.ZipInfo.from_file(
-                    str(folder / name), f"{folder.name}/{name}", strict_timestamps=False
-                )
-            entry.compress_type = archive.compression
-            with archive.open(entry, "w") as file:
-                while True:
-                    with _reading(name):
-                        piece = source.read(PIECE_BYTES)
-                    if not piece:
-                        break
-                    file.write(piece)
-                    yield
-    with _reading(folder.name):
-        after = _versions(folder)
-    if after != before:
+            entry = zipfile.ZipInfo.from_file(
+                str(folder / name), f"{folder.name}/{name}", strict_timestamps=False
+            )
+            source = open(open_regular(folder / name), "rb")  # noqa: SIM115
+        entry.compress_type = archive.compression
+        with source, archive.open(entry, "w") as file:
+            while True:
+                with _reading(name):
+                    piece = source.read(PIECE_BYTES)
+                if not piece:
+                    break
+                file.write(piece)
+                yield
+    if _versions(folder) != before:
         raise FolderChangedError(
             Message("{folder} was changed while it was read", folder=folder.name)
         )
@@ -110,8 +94,6 @@ def _reading(name: str) -> Iterator[None]:
 
 
 def _versions(folder: Path) -> Dict[str, Tuple[int, int]]:
-    found = {}
-    for name in regular_files(folder):
-        status = os.stat(str(folder / name), follow_symlinks=False)
-        found[name] = status.st_mtime_ns, status.st_size
-    return found
+    with _reading(folder.name):
+        found = {name: os.lstat(str(folder / name)) for name in regular_files(folder)}
+    return {name: (one.st_mtime_ns, one.st_size) for name, one in found.items()}

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 import os
 from pathlib import Path
@@ -28,16 +29,14 @@ def read_lines(path: Path) -> Tuple[List[Dict[str, Any]], int]:
 
 
 def lines_backwards(*paths: Path) -> Iterator[bytes]:
-    """Yield the lines of files, the last line of the first file first; no file has no lines.
+    """Yield the lines of those files that exist, the last line of the first file first.
 
     Raises:
         OSError: The disk cannot be read.
     """
     for path in paths:
-        try:
+        with contextlib.suppress(FileNotFoundError):
             yield from reversed(read_regular(path).splitlines())
-        except FileNotFoundError:
-            continue
 
 
 def add_line(path: Path, values: Mapping[str, Any], mode: Optional[int] = None) -> None:

@@ -31,22 +31,14 @@ def open_regular(path: Path, follow_link: bool = False) -> int:
     # Before it is opened: that alone affects a device, or the writer of a pipe.
     _check(path, os.stat(str(path), follow_symlinks=follow_link))
     flags = os.O_RDONLY | os.O_CLOEXEC | os.O_NONBLOCK
+    descriptor = os.open(str(path), flags if follow_link else flags | os.O_NOFOLLOW)
     try:
-        descriptor = os.open(str(path), flags if follow_link else flags | os.O_NOFOLLOW)
-    except OSError as error:
-        if error.errno == errno.ELOOP:
-            raise _link(path) from error
-        if error.errno == errno.ENXIO:
-            raise _irregular(path) from error
-        raise
-    try:
-        status = os.fstat(descriptor)
-        _check(path, status)
-        if status.st_size > MOST_HOLE_BYTES and _has_large_hole(descriptor, status.st_size):
+        size = os.fstat(descriptor).st_size
+        if size > MOST_HOLE_BYTES and _has_large_hole(descriptor, size):
             raise IrregularFileError(
                 Message(
                     "this has {size} bytes, but most of them were never written; move it away",
-                    size=status.st_size,
+                    size=size,
                 ),
                 path,
             )
@@ -56,23 +48,14 @@ def open_regular(path: Path, follow_link: bool = False) -> int:
     return descriptor
 
 
-def read_regular(path: Path) -> bytes:
-    """Return the content of a file, which may be a link; never wait for a pipe or a device.
-
-    Raises:
-        IrregularFileError: It is no regular file, or has a large hole.
-        OSError: There is none, or it cannot be read.
-    """
-    with open(open_regular(path, follow_link=True), "rb") as stream:
+def read_regular(path: Path, follow_link: bool = True) -> bytes:
+    """Return the content of a file; for the arguments and errors see `open_regular`."""
+    with open(open_regular(path, follow_link), "rb") as stream:
         return stream.read()
 
 
 def check_regular(path: Path, follow_link: bool = False) -> None:
     """Check that a path, if there is anything, is a regular file or a folder.
-
-    Args:
-        path: The file or folder.
-        follow_link: Whether it may be a symbolic link.
 
     Raises:
         IrregularFileError: It is something else.
@@ -88,9 +71,10 @@ def check_regular(path: Path, follow_link: bool = False) -> None:
 
 def _check(path: Path, status: os.stat_result) -> None:
     if stat.S_ISLNK(status.st_mode):
-        raise _link(path)
+        reason = Message("this is a symbolic link, which is not followed; move it away")
+        raise IrregularFileError(reason, path)
     if not stat.S_ISREG(status.st_mode):
-        raise _irregular(path)
+        raise IrregularFileError(Message("this is not a regular file; move it away"), path)
 
 
 def _has_large_hole(descriptor: int, size: int) -> bool:
@@ -101,26 +85,12 @@ def _has_large_hole(descriptor: int, size: int) -> bool:
     holes = place = 0
     while place < size and holes <= MOST_HOLE_BYTES:
         hole = os.lseek(descriptor, place, os.SEEK_HOLE)
-        place = _next_data(descriptor, hole, size)
+        try:
+            place = os.lseek(descriptor, hole, os.SEEK_DATA)
+        except OSError as error:
+            if error.errno != errno.ENXIO:
+                raise
+            place = size  # there is no data behind the hole
         holes += place - hole
     os.lseek(descriptor, 0, os.SEEK_SET)
     return holes > MOST_HOLE_BYTES
-
-
-def _next_data(descriptor: int, place: int, size: int) -> int:
-    try:
-        return os.lseek(descriptor, place, os.SEEK_DATA)
-    except OSError as error:
-        if error.errno == errno.ENXIO:  # there is no data behind this place
-            return max(place, size)
-        raise
-
-
-def _link(path: Path) -> IrregularFileError:
-    return IrregularFileError(
-        Message("this is a symbolic link, which is not followed; move it away"), path
-    )
-
-
-def _irregular(path: Path) -> IrregularFileError:
-    return IrregularFileError(Message("this is not a regular file; move it away"), path)

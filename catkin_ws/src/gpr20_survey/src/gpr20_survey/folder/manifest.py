@@ -7,7 +7,6 @@ survey.bag, which is made of survey.mcap, is named in the log when it is there.
 from __future__ import annotations
 
 import hashlib
-import os
 from dataclasses import dataclass, replace
 from pathlib import Path
 from types import MappingProxyType
@@ -19,7 +18,7 @@ from gpr20_survey import faults
 from gpr20_survey.errors import ManifestDamagedError, SurveyRefusedError
 from gpr20_survey.files import durable_files, file_sums
 from gpr20_survey.files.file_sums import FileSum
-from gpr20_survey.files.regular_file import open_regular
+from gpr20_survey.files.regular_file import read_regular
 from gpr20_survey.folder import survey_folder, survey_metadata
 from gpr20_survey.folder.log_record import Kind, LogHead, LogRecord, is_number
 from gpr20_survey.results.found import PHOTOS
@@ -32,17 +31,12 @@ CONTENT = "content_sha256"
 """Key of the description: what `content_sum` gives when the survey ends."""
 DATA = "traces and recording"
 """Name of the entry of the log that says that they are others than at the end."""
-NO_SUMS: Mapping[str, FileSum] = MappingProxyType({})
 NOT_LISTED = (
     MANIFEST_FILE,
     SIGNATURE_FILE,
     *survey_folder.LOG_FILES,
     survey_folder.BAG_FILE,
 )
-
-_TEXTS = ("survey_id", "software_revision", "written")
-_KEYS = {"format", *_TEXTS, "log", "files"}
-_WRONG_ENTRIES = Message("its entries are not those of a manifest")
 
 
 @dataclass(frozen=True)
@@ -76,7 +70,7 @@ class Manifest:
         return all(one.kind != Kind.RESUME.value for one in self.since(records))
 
     def write_for(self, folder: Path, head: LogRecord) -> None:
-        """Write it again, for the log that ends with a later record.
+        """Write it durably, for the log that ends with a record.
 
         Raises:
             OSError: The disk refused.
@@ -86,7 +80,7 @@ class Manifest:
 
     def encode(self) -> bytes:
         """Return the content of manifest.json, which ends with a checksum over all else."""
-        values = {
+        values: Dict[str, Any] = {
             "format": FORMAT,
             "survey_id": self.survey_id,
             "software_revision": self.software_revision,
@@ -94,7 +88,8 @@ class Manifest:
             "log": self.log._asdict(),
             "files": {name: one and one._asdict() for name, one in self.files.items()},
         }
-        return survey_metadata.encode({**values, "sha256": _own_sum(values)})
+        own_sum = hashlib.sha256(survey_metadata.encode(values)).hexdigest()
+        return survey_metadata.encode({**values, "sha256": own_sum})
 
 
 def decode(content: bytes) -> Manifest:
@@ -103,88 +98,50 @@ def decode(content: bytes) -> Manifest:
     Raises:
         ManifestDamagedError: It is not as it was written.
     """
+    text = content.decode("ascii", "replace")
     try:
-        text = content.decode("ascii")
         values = survey_metadata.parse_object(text, MANIFEST_FILE, MAX_BYTES)
-    except UnicodeDecodeError as error:
-        raise ManifestDamagedError(Message("it is not ASCII text", details=error)) from error
     except SurveyRefusedError as error:
         raise ManifestDamagedError(error.message, fault=faults.MANIFEST_DAMAGED) from error
-    if values.get("format") != FORMAT:
+    own_format, _sum = values.pop("format", None), values.pop("sha256", None)
+    if own_format != FORMAT:
+        found = repr(own_format)[:64]
         raise ManifestDamagedError(
-            Message(
-                "its format is {found}; it must be {format}",
-                found=repr(values.get("format"))[:64],
-                format=FORMAT,
-            )
+            Message("its format is {found}; it must be {format}", found=found, format=FORMAT)
         )
-    own_sum = values.pop("sha256", None)
-    # Equal to the last byte: not even a space can change unseen.
-    if own_sum != _own_sum(values) or survey_metadata.encode({**values, "sha256": own_sum}) != (
-        content
-    ):
+    try:
+        log, files = LogHead(**values.pop("log")), values.pop("files").items()
+        sums = {name: None if one is None else FileSum(**one) for name, one in files}
+        manifest = Manifest(**values, log=log, files=sums)
+        texts = (manifest.survey_id, manifest.software_revision, manifest.written, log.sha256)
+        is_right = is_number(log.number) and all(isinstance(one, str) for one in texts)
+        # Equal to the last byte: not even a space can change unseen.
+        is_right = is_right and manifest.encode() == content
+    except (AttributeError, KeyError, TypeError):
+        is_right = False
+    if not is_right:
         raise ManifestDamagedError(Message("its own SHA-256 has changed"))
-    if (
-        values.keys() != _KEYS
-        or not isinstance(values["files"], dict)
-        or not all(isinstance(values[key], str) for key in _TEXTS)
-    ):
-        raise ManifestDamagedError(_WRONG_ENTRIES)
-    sums = {name: None if one is None else _sum_entry(one) for name, one in values["files"].items()}
-    return Manifest(**{key: values[key] for key in _TEXTS}, log=_head(values["log"]), files=sums)
+    return manifest
 
 
-def _own_sum(values: Mapping[str, Any]) -> str:
-    return hashlib.sha256(survey_metadata.encode(dict(values))).hexdigest()
-
-
-def _head(values: Any) -> LogHead:
-    if not isinstance(values, dict) or values.keys() != set(LogHead._fields):
-        raise ManifestDamagedError(_WRONG_ENTRIES)
-    if not is_number(values["number"]) or not isinstance(values["sha256"], str):
-        raise ManifestDamagedError(_WRONG_ENTRIES)
-    return LogHead(**values)
-
-
-def _sum_entry(values: Any) -> FileSum:
-    if not isinstance(values, dict) or values.keys() != set(FileSum._fields):
-        raise ManifestDamagedError(_WRONG_ENTRIES)
-    return FileSum(**values)
-
-
-def read_manifest(folder: Path) -> Manifest:
+def read_manifest(folder: Path, survey_id: str = "") -> Manifest:
     """Return the manifest of a survey.
-
-    Raises:
-        ManifestDamagedError: It is not as it was written.
-        FileNotFoundError: There is none.
-        OSError: It cannot be read.
-    """
-    with open(open_regular(folder / MANIFEST_FILE), "rb") as stream:
-        size = os.fstat(stream.fileno()).st_size
-        if size > MAX_BYTES:
-            raise ManifestDamagedError(Message("it has {size} bytes", size=size))
-        return decode(stream.read())
-
-
-def read_own_manifest(folder: Path, survey_id: str) -> Manifest:
-    """Return the manifest of a survey, if it is whole and that survey's.
 
     Args:
         folder: The survey's folder.
-        survey_id: UUID of the survey.
+        survey_id: Whose it must be; empty: of any survey.
 
     Raises:
         ManifestDamagedError: It is not as it was written, cannot be read, or is another survey's.
         FileNotFoundError: There is none.
     """
     try:
-        found = read_manifest(folder)
+        found = decode(read_regular(folder / MANIFEST_FILE, follow_link=False))
     except FileNotFoundError:
         raise
     except OSError as error:
         raise ManifestDamagedError(os_reason(error)) from error
-    if found.survey_id != survey_id:
+    if survey_id not in ("", found.survey_id):
         raise ManifestDamagedError(
             Message("it is the manifest of survey {survey}", survey=found.survey_id)
         )
@@ -197,7 +154,7 @@ def write_manifest(
     head: LogRecord,
     revision: str,
     written: str,
-    known: Mapping[str, FileSum] = NO_SUMS,
+    known: Mapping[str, FileSum] = MappingProxyType({}),
 ) -> None:
     """Write the checksums of every file of a survey; return when they are durable.
 
@@ -218,17 +175,12 @@ def write_manifest(
     """
     names = sorted({*file_names(folder), *known})
     files = {name: known[name] if name in known else _sum_of(folder, name) for name in names}
-    new = Manifest(survey_id, revision, written, LogHead.of(head), files)
-    durable_files.replace_file(folder / MANIFEST_FILE, new.encode())
+    Manifest(survey_id, revision, written, LogHead.of(head), files).write_for(folder, head)
 
 
 def _sum_of(folder: Path, name: str) -> Optional[FileSum]:
-    try:
-        return file_sums.sum_of_file(folder / name)
-    except OSError:
-        if is_content(name) or name == survey_folder.SURVEY_FILE:
-            raise
-        return None
+    is_data = is_content(name) or name == survey_folder.SURVEY_FILE
+    return (file_sums.sum_of_file if is_data else file_sums.sum_if_readable)(folder / name)
 
 
 def trace_name(file_name: str) -> str:
@@ -245,8 +197,7 @@ def file_names(folder: Path) -> Iterator[str]:
         OSError: The folder cannot be read.
     """
     for name in file_sums.regular_files(folder):
-        is_other = name in NOT_LISTED or name.startswith(f"{PHOTOS}/")
-        if not is_other and not durable_files.is_temporary(Path(name).name):
+        if name not in NOT_LISTED and not name.startswith(f"{PHOTOS}/"):
             yield name
 
 
@@ -259,39 +210,22 @@ def is_content(name: str) -> bool:
     return is_trace or name == survey_folder.MCAP_FILE
 
 
-def data_sums(folder: Path) -> Dict[str, FileSum]:
-    """Return the checksums of the traces and the recording of a survey.
-
-    Raises:
-        OSError: One of them cannot be read.
-    """
-    names = filter(is_content, file_names(folder))
-    return {name: file_sums.sum_of_file(folder / name) for name in names}
-
-
-def has_other_data(
-    description: Mapping[str, Any], sums: Mapping[str, Optional[FileSum]]
-) -> Optional[bool]:
+def has_other_data(description: Mapping[str, Any], sums: Mapping[str, Optional[FileSum]]) -> bool:
     """Return whether traces or recording are others than when the survey ended.
 
     Args:
         description: What the log says of the survey.
         sums: Of each file of the survey, by its name relative to the folder.
-
-    Returns:
-        None if the log does not say what they were.
     """
-    if description.get(CONTENT) is None:
-        return None
-    data = {name: one for name, one in sums.items() if one is not None and is_content(name)}
-    return bool(content_sum(data) != description[CONTENT])
+    return description.get(CONTENT) not in (None, content_sum(sums))
 
 
-def content_sum(sums: Mapping[str, FileSum]) -> str:
+def content_sum(sums: Mapping[str, Optional[FileSum]]) -> str:
     """Return a checksum of the traces and the recording of a survey, as its log names it.
 
     Args:
-        sums: Of each of these files, by its name relative to the folder.
+        sums: Of each file of the survey, by its name relative to the folder.
     """
-    lines = (f"{sums[name].sha256} {sums[name].size} {name}\n" for name in sorted(sums))
+    data = sorted((name, one) for name, one in sums.items() if one is not None and is_content(name))
+    lines = (f"{one.sha256} {one.size} {name}\n" for name, one in data)
     return hashlib.sha256("".join(lines).encode("utf-8", "surrogateescape")).hexdigest()

@@ -258,7 +258,7 @@ def _misfits(description: Dict[str, Any]) -> Callable[[Trace], List[Message]]:
 def _read_manifest(folder: Path, survey_id: str) -> Tuple[Optional[Manifest], Optional[Message]]:
     """Return the manifest of a survey, or what is wrong with it."""
     try:
-        return manifest.read_own_manifest(folder, survey_id), None
+        return manifest.read_manifest(folder, survey_id), None
     except FileNotFoundError:
         return None, None
     except ManifestDamagedError as error:

@@ -9,26 +9,24 @@ import pytest
 from case_kit import each_case
 from fault_kit import raises_fault
 from run_seed import SEED, draws
+from signing_kit import fingerprint, make_key, signers_line
 from trace_examples import SURVEY
 
+from gpr20_analysis.read.signature_check import Signature, check_signature
 from gpr20_common.message import Severity
 from gpr20_survey import faults
 from gpr20_survey.errors import SigningError
-from gpr20_survey.files import durable_files, file_sums, ssh_keygen
+from gpr20_survey.files import durable_files, ssh_keygen
 from gpr20_survey.folder import manifest
 from gpr20_survey.folder.log_record import Kind, LogRecord
 from gpr20_survey.folder.signature import (
     NAMESPACE,
     SIGNATURE_FILE,
-    Signature,
-    SignatureCheck,
     Signer,
-    check_signature,
     key_warning,
     try_to_sign,
 )
 
-ROBOT = "GPR-20 norte"
 WRITTEN = "2026-09-21T15:00:00.000000+00:00"
 SEAL = "manifest.json"
 
@@ -52,11 +50,9 @@ def keys(tmp_path_factory):
     """Return the folder of the robot's key, of another one's and of one with a passphrase."""
     folder = tmp_path_factory.mktemp("keys")
     for name in ("robot", "other"):
-        ssh_keygen.make_key(folder / name, ROBOT)
-    secret = ("-q", "-t", "ed25519", "-N", "secret", "-C", ROBOT, "-f", folder / "secret")
-    assert ssh_keygen.ask(secret).yes
-    line = ssh_keygen.public_key(folder / "robot").signers_line(ROBOT, NAMESPACE)
-    (folder / "signers").write_text(f"# robots\n\n{line}\n")
+        make_key(folder / name)
+    make_key(folder / "secret", "a passphrase")
+    (folder / "signers").write_text(f"# robots\n\n{signers_line(folder / 'robot')}")
     return folder
 
 
@@ -78,16 +74,16 @@ def folder(tmp_path, robot):
 
 
 def found(folder, signers):
-    return check_signature(folder, signers).signature
+    return check_signature(folder, signers).state
 
 
 def test_a_signed_survey_names_its_robot_and_its_key_and_openssh_alone_agrees(
     folder, keys, signers
 ):
-    fingerprint = ssh_keygen.public_key(keys / "robot").fingerprint
     check = check_signature(folder, signers)
-    assert check == SignatureCheck(Signature.VALID, "GPR-20-norte", fingerprint)
-    command = ["ssh-keygen", "-Y", "verify", "-f", str(signers), "-I", "GPR-20-norte"]
+    assert (check.state, check.signer) == (Signature.VALID, "robot")
+    assert check.fingerprint == fingerprint(keys / "robot")
+    command = ["ssh-keygen", "-Y", "verify", "-f", str(signers), "-I", "robot"]
     command += ["-n", NAMESPACE, "-s", str(folder / SIGNATURE_FILE)]
     content = (folder / SEAL).read_bytes()
     assert subprocess.run(command, input=content, check=False).returncode == 0
@@ -145,13 +141,14 @@ def test_the_signers_file_decides_whose_key_counts(tmp_path, folder, keys):
     for text, expected, signer in lines(keys):
         path.write_text(f"{text}\n", encoding="latin-1")
         check = check_signature(folder, path)
-        assert (check.signature, check.signer) == (expected, signer), text
+        assert (check.state, check.signer) == (expected, signer), text
 
 
 def test_a_signature_for_another_purpose_does_not_count(folder, keys, signers):
-    with (folder / SEAL).open("rb") as content:
-        made = ssh_keygen.ask(("-Y", "sign", "-f", keys / "robot", "-n", "file"), content)
-    (folder / SIGNATURE_FILE).write_text(made.output)
+    made = ssh_keygen.use_key(
+        keys / "robot", ("-Y", "sign", "-n", "file"), (folder / SEAL).read_bytes()
+    )
+    (folder / SIGNATURE_FILE).write_text(made)
     assert found(folder, signers) is Signature.WRONG
 
 
@@ -184,8 +181,8 @@ def test_what_is_no_file_or_has_no_end_is_wrong_and_never_read(
     shutil.copytree(folder, copy)
     change(copy / name)
     check = check_signature(copy, signers)
-    assert check.signature is Signature.WRONG
-    assert name in str(check.reason)
+    assert check.state is Signature.WRONG
+    assert name in str(check.message)
 
 
 def test_a_survey_without_a_manifest_is_not_signed(folder, robot, signers):
@@ -279,23 +276,3 @@ def test_a_signers_file_that_cannot_be_read_is_refused(tmp_path, folder, keys, c
     change(path)
     with raises_fault(faults.SIGNERS_FILE, path):
         check_signature(folder, path)
-
-
-def test_a_key_is_never_overwritten_and_only_its_owner_reads_it(tmp_path):
-    path = tmp_path / "signing_key"
-    ssh_keygen.make_key(path, ROBOT)
-    assert path.stat().st_mode & 0o777 == 0o600
-    before = path.read_bytes()
-    with pytest.raises(FileExistsError):
-        ssh_keygen.make_key(path, ROBOT)
-    assert path.read_bytes() == before
-    shown = subprocess.run(["ssh-keygen", "-l", "-f", path], stdout=subprocess.PIPE, check=True)
-    assert ssh_keygen.public_key(path).fingerprint in shown.stdout.decode()
-
-
-@each_case("name", ["Ñandú 3", 'a"b,*!?\n# x y', "名"])
-def test_the_line_of_any_robot_accepts_its_signatures(tmp_path, folder, keys, name):
-    line = ssh_keygen.public_key(keys / "robot").signers_line(name, NAMESPACE)
-    (tmp_path / "line").write_text(line, encoding="ascii")
-    assert found(folder, tmp_path / "line") is Signature.VALID
-    assert file_sums.sum_of_file(folder / SIGNATURE_FILE).size < 1000
