@@ -28,20 +28,18 @@ Change = Callable[[Dict[str, Any]], Optional[Fact]]
 
 
 def annotate(annotation: Annotation) -> Change:
-    """Return the change that replaces the annotation.
+    """Return the change that replaces the annotation by another, whole one.
 
-    Args:
-        annotation: The new annotation, whole; its heading is that of the former one at this
-            position.
+    Its heading becomes that of the former one at this position.
     """
-
-    def change(description: Dict[str, Any]) -> Fact:
-        return Fact(Kind.ANNOTATION, keeping_heading(annotation, description).values())
-
-    return change
+    return lambda description: Fact(
+        Kind.ANNOTATION, keeping_heading(annotation, description).values()
+    )
 
 
-def add_to_survey(folder: Path, change: Change, now: str) -> Dict[str, Any]:
+def add_to_survey(
+    folder: Path, change: Change, now: str, wait_s: float = SHORT_WAIT_S
+) -> Dict[str, Any]:
     """Add a fact to a survey that nobody writes; return what its log says when it is durable.
 
     A file of the log that is damaged is written again from the other one.
@@ -50,6 +48,7 @@ def add_to_survey(folder: Path, change: Change, now: str) -> Dict[str, Any]:
         folder: The survey's folder.
         change: What is added.
         now: The present moment, as ISO 8601 text.
+        wait_s: How long to wait for another process that adds one [s].
 
     Raises:
         SurveyRefusedError: Nothing describes the survey, part of its log is lost, its manifest is
@@ -58,25 +57,15 @@ def add_to_survey(folder: Path, change: Change, now: str) -> Dict[str, Any]:
     """
     survey_folder.check_no_links(folder)
     failure = Message("{path} could not be written", path=printable(folder))
-    with storing(failure, folder), locked(folder, SHORT_WAIT_S):
-        return add_to_locked(folder, change, now)
-
-
-def add_to_locked(folder: Path, change: Change, now: str) -> Dict[str, Any]:
-    """Do what `add_to_survey` does; the caller holds the lock of the folder.
-
-    Raises:
-        SurveyRefusedError: As there.
-        OSError: The disk refused; the call may be repeated.
-    """
-    recovered = recover(folder, asking_manifest=True)
-    _check(folder, recovered)
-    fact = change(recovered.description)
-    log = open_log(folder, recovered, now)
-    if fact is not None and not log.has_note(*fact):
-        log.add(log.next(fact.kind, fact.values, now))
-    elif not log.is_whole:
-        log.write()
+    with storing(failure, folder), locked(folder, wait_s):
+        recovered = recover(folder, asking_manifest=True)
+        _check(folder, recovered)
+        fact = change(recovered.description)
+        log = open_log(folder, recovered, now)
+        if fact is not None and not log.has_note(*fact):
+            log.add(log.next(fact.kind, fact.values, now))
+        elif not log.is_whole:
+            log.write()
     return log.description
 
 

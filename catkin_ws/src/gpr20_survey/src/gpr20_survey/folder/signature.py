@@ -33,9 +33,9 @@ from gpr20_survey.errors import (
 from gpr20_survey.files import durable_files, ssh_keygen
 from gpr20_survey.files.regular_file import open_regular
 from gpr20_survey.folder import manifest
-from gpr20_survey.folder.log_reading import read_log
 from gpr20_survey.folder.log_record import Kind
 from gpr20_survey.folder.manifest import MANIFEST_FILE, SIGNATURE_FILE
+from gpr20_survey.folder.survey_log import read_log
 
 NAMESPACE = "gpr20-survey"
 """What the signature is for: one by the same key for another purpose does not count."""
