@@ -82,7 +82,6 @@ def repair_manifest(
     with locked(folder, SHORT_WAIT_S):
         survey_folder.check_no_links(folder)
         recovered = recover(folder, asking_manifest=True)
-        survey_folder.check_survey_id(recovered.survey_id)
         return _repair(folder, recovered, revision, now, progress)
 
 

@@ -159,12 +159,12 @@ def _delay(description: Mapping[str, Any]) -> Dict[str, Any]:
 
 
 _ENTRIES: Tuple[Tuple[Callable[[Mapping[str, Any]], Dict[str, Any]], Message], ...] = (
-    (_of_people, Message("the annotation in survey.json is not valid: {reason}", reason="")),
-    (_markers, Message("the markers in survey.json are not valid: {reason}", reason="")),
+    (_of_people, Message("the annotation of the survey is not valid: {reason}", reason="")),
+    (_markers, Message("the markers of the survey are not valid: {reason}", reason="")),
     (
         _delay,
         Message(
-            "the delay of cables and antennas in survey.json is not valid ({reason}); 0 is used",
+            "the delay of cables and antennas of the survey is not valid ({reason}); 0 is used",
             reason="",
         ),
     ),

@@ -73,7 +73,7 @@ def grid_of(positions: np.ndarray, notes: List[Message]) -> SurveyGrid:
         raise DamagedSurveyError(
             Message(
                 "{count} samples lie at {columns} different x and {rows} different y, which is "
-                "not a grid; give the folder of the survey, whose survey.json describes the grid",
+                "not a grid; give the folder of the survey, whose log describes the grid",
                 count=len(positions),
                 columns=len(grid.x_mm),
                 rows=len(grid.y_mm),
@@ -140,7 +140,9 @@ class Plan:
             self._fit = fit(description)
         except InvalidValueError as error:
             raise AnalysisError(
-                Message("the plan is unknown: survey.json: {reason}", reason=error.message),
+                Message(
+                    "the plan in the log of the survey is not valid: {reason}", reason=error.message
+                ),
                 fault=faults.SURVEY_DAMAGED,
             ) from error
         self.points: List[SurveyPoint] = self._fit.points

@@ -107,7 +107,7 @@ def test_a_damaged_annotation_or_list_of_markers_does_not_hide_the_survey(folder
     describe_again(folder, annotation={"operator": 1}, markers=5)
     survey = load_survey(folder, accept_damaged=True)
     assert "operator" not in survey.attrs
-    for said in ("the annotation in survey.json is not valid", "not a list of markers"):
+    for said in ("the annotation of the survey is not valid", "not a list of markers"):
         assert any(said in one for one in survey.attrs["notes"])
     assert main(["markers", str(folder), "--accept-damaged"]) == 3
 
@@ -146,7 +146,8 @@ def test_markers_are_listed_and_removed_ones_on_request(marked, tmp_path, capsys
 def test_csv_and_geojson_hold_metres_and_degrees_where_these_are_known(marked, tmp_path, known):
     if known:
         placed = Annotation(position=EXAMPLE.position, heading_deg=0.0)
-        annotating.add_to_survey(marked, annotating.annotate(placed), NOW)
+        fact = Fact(Kind.ANNOTATION, placed.values())
+        annotating.add_to_survey(marked, lambda _description: fact, NOW)
     table, collection = tmp_path / "m.csv", tmp_path / "m.geojson"
     assert main(["markers", str(marked), "-o", str(table), "-o", str(collection)]) == 0
     assert main(["markers", str(marked), "-o", str(tmp_path / "m.gpkg")]) == 3

@@ -177,11 +177,11 @@ def grid_from_description(text: str) -> SurveyGrid:
         SurveyNotReadableError: The text does not describe a survey.
     """
     try:
-        values = parse_object(text, "survey.json", MAX_FILE_BYTES)
+        values = parse_object(text, "metadata_json", MAX_FILE_BYTES)
         survey_id = values.get("survey_id")
         if not isinstance(survey_id, str):
             raise InvalidValueError(
-                Message("survey.json has no survey id"), fault=faults.PLAN_UNREADABLE
+                Message("the description of the survey has no id"), fault=faults.PLAN_UNREADABLE
             )
         # Data of unknown origin are never shown as those of real ground.
         simulated = values.get("simulated") is not False

@@ -162,7 +162,7 @@ class StorageClient(RosEvents):
         return _answer(self._survey, READ_TIMEOUT_S, survey=survey)
 
     def _description(self, survey: str) -> Any:
-        return parse_object(self._read(survey).metadata_json, "survey.json", MAX_FILE_BYTES)
+        return parse_object(self._read(survey).metadata_json, "metadata_json", MAX_FILE_BYTES)
 
 
 def _trace(message: rospy.AnyMsg) -> Optional[Trace]:

@@ -76,7 +76,7 @@ def record_of(stored: StoredSurvey) -> Record:
         InvalidValueError: Its annotation is not as it should be.
     """
     grid = grid_from_description(stored.text)
-    values = parse_object(stored.text, "survey.json", MAX_FILE_BYTES)
+    values = parse_object(stored.text, "metadata_json", MAX_FILE_BYTES)
     unreadable = 0
     finds = []
     for noted in log_values(values, Kind.FOUND):

@@ -13,7 +13,6 @@ from gpr20_survey.files.folder_lock import SHORT_WAIT_S, locked
 from gpr20_survey.folder import manifest, survey_folder
 from gpr20_survey.folder.log_record import Kind
 from gpr20_survey.folder.recovery import RecoveredSurvey, open_log, recover
-from gpr20_survey.plan.annotation import Annotation, keeping_heading
 
 
 class Fact(NamedTuple):
@@ -25,16 +24,6 @@ class Fact(NamedTuple):
 
 Change = Callable[[Dict[str, Any]], Optional[Fact]]
 """Takes what the log says of the survey and returns what is added; None: it says that already."""
-
-
-def annotate(annotation: Annotation) -> Change:
-    """Return the change that replaces the annotation by another, whole one.
-
-    Its heading becomes that of the former one at this position.
-    """
-    return lambda description: Fact(
-        Kind.ANNOTATION, keeping_heading(annotation, description).values()
-    )
 
 
 def add_to_survey(
@@ -84,19 +73,14 @@ def _check(folder: Path, recovered: RecoveredSurvey) -> None:
             fault=faults.DESCRIPTION_DAMAGED,
         )
     try:
-        sealed = manifest.read_manifest(folder)
+        if manifest.read_manifest(folder).covers(recovered.found.records):
+            return
+        reason = Message("the log of the survey does not end as the manifest says")
     except FileNotFoundError:
         return  # it was cut off, or reopened
     except ManifestDamagedError as error:
-        raise _manifest_damaged(folder, error.message) from error
-    if not sealed.covers(recovered.found.records):
-        raise _manifest_damaged(
-            folder, Message("the log of the survey does not end as the manifest says")
-        )
-
-
-def _manifest_damaged(folder: Path, reason: Message) -> SurveyRefusedError:
-    return SurveyRefusedError(
+        reason = error.message
+    raise SurveyRefusedError(
         Message(
             "{path} is damaged: {reason}; gpr20 repair writes it again if all else is right",
             path=printable(folder / manifest.MANIFEST_FILE),

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import Any, Dict, List, Mapping, Sequence
 
-from gpr20_survey.folder import survey_metadata
 from gpr20_survey.folder.log_record import Kind, LogRecord
+from gpr20_survey.folder.survey_metadata import NOT_ENDED
 from gpr20_survey.plan.annotation import ANNOTATION
 from gpr20_survey.plan.markers import MARKERS
 
@@ -13,15 +13,6 @@ LOG = "log"
 """Key of a description under which a reader gets records of the log beside it."""
 UNCONFIRMED = "unconfirmed"
 """Key of a description: entries that nothing vouches for, by their names, with the reason."""
-NOT_ENDED: Dict[str, Any] = {
-    "ended": None,
-    "outcome": None,
-    "reason": "",
-    survey_metadata.REASON_MESSAGE: None,
-    survey_metadata.FAULT_CODE: "",
-}
-START: Dict[str, Any] = {**NOT_ENDED, "stored_traces": 0}
-"""What a plan says of the end."""
 
 Description = Dict[str, Any]
 

@@ -19,10 +19,9 @@ KEYS = ("number", "time", "kind", "values", "previous", "sha256")
 
 
 class Kind(str, enum.Enum):
-    """What a record says."""
+    """What a record says; docs/reference/formats.md has what each kind holds."""
 
     PLAN = "plan"
-    """The first record: what is to be measured, with which robot."""
     ANNOTATION = "annotation"
     MARKER = "marker"
     MARKER_REMOVED = "marker_removed"
@@ -30,25 +29,17 @@ class Kind(str, enum.Enum):
     PAUSE = "pause"
     CONTINUE = "continue"
     RESUME = "resume"
-    """The survey was opened again."""
     DECISION = "decision"
-    """What the operator accepted."""
     CLOCK = "clock"
-    """A remark on the computer's clock."""
     EPOCH = "epoch"
-    """Other zeros of the axes."""
     DRIFT = "drift"
-    """A visit of the first stop."""
     END = "end"
     FOUND = "found"
     EXPORT = "export"
     AUDIT = "audit"
     BAG = "bag"
-    """survey.bag was written: its checksum."""
     SEAL = "seal"
-    """The manifest was written again, or for a later state: why."""
     UNCONFIRMED = "unconfirmed"
-    """Entries that nothing vouches for."""
 
 
 NOTES = (

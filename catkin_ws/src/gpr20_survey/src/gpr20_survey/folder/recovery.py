@@ -11,10 +11,12 @@ from gpr20_common.terminal_text import printable
 from gpr20_survey import faults
 from gpr20_survey.errors import ManifestDamagedError, SurveyRefusedError, storing
 from gpr20_survey.files import durable_files
-from gpr20_survey.folder import manifest, survey_folder, survey_metadata
+from gpr20_survey.folder import manifest, survey_folder
 from gpr20_survey.folder.log_content import UNCONFIRMED, description_of
 from gpr20_survey.folder.log_record import Kind, LogHead
 from gpr20_survey.folder.survey_log import FoundLog, SurveyLog, read_log
+from gpr20_survey.folder.survey_metadata import FORMAT
+from gpr20_survey.trace import utc_time
 
 
 @dataclass(frozen=True)
@@ -72,15 +74,19 @@ def recover(folder: Path, asking_manifest: bool = False) -> RecoveredSurvey:
             ),
             fault=faults.DESCRIPTION_LOST,
         )
-    survey_metadata.check_format(first.values, folder / survey_folder.LOG_FILE)
     try:
         description = description_of(found.records)
-    except (AttributeError, TypeError, ValueError) as error:
+        if first.values["format"] != FORMAT:
+            raise ValueError(repr(first.values["format"])[:256])
+        survey_folder.check_survey_id(first.values["survey_id"])
+        utc_time.parse_iso(first.values["started"])
+    except (AttributeError, KeyError, TypeError, ValueError) as error:
         # One such survey must not prevent the others from being listed.
         raise SurveyRefusedError(
             Message(
-                "an entry of the log in {folder} is not as this software writes it",
+                "the log in {folder} is not as this software writes it, in the format {format}",
                 folder=printable(folder),
+                format=FORMAT,
                 details=error,
             ),
             fault=faults.OTHER_FORMAT,
@@ -176,7 +182,7 @@ def find_survey(data: Path, survey: str) -> Tuple[Path, RecoveredSurvey]:
         failure = Message("the survey in {folder} could not be read", folder=printable(folder))
         with storing(failure, folder):
             found = recover(folder)
-        survey_id = survey_folder.check_survey_id(found.survey_id)
+        survey_id = found.survey_id
         if survey in (folder.name, survey_id) and folder.name.endswith(f"_{survey_id[:8]}"):
             return folder, found
         reason = Message(

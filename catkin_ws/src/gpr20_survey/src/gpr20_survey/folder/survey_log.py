@@ -216,7 +216,7 @@ class SurveyLog:
             lost: Numbers of records that were lost; no other record gets them.
         """
         self._folder = folder
-        self._whole = whole
+        self.is_whole = whole
         self._lost = max(lost, default=-1)
         self._records: List[LogRecord] = []
         self._notes: Set[str] = set()
@@ -239,11 +239,6 @@ class SurveyLog:
     def records(self) -> Tuple[LogRecord, ...]:
         """All records."""
         return tuple(self._records)
-
-    @property
-    def is_whole(self) -> bool:
-        """Whether both files hold exactly the records."""
-        return self._whole
 
     def has_note(self, kind: Kind, values: Dict[str, Any]) -> bool:
         """Return whether the log has this note: the answer to the first request may be lost.
@@ -269,11 +264,11 @@ class SurveyLog:
         if record.kind not in NEEDED:
             most = MAX_LOG_BYTES - RESERVED_BYTES
             survey_metadata.check_size(self._bytes + len(line), LOG_FILE, most)
-        if self._whole:
-            self._whole = False
+        if self.is_whole:
+            self.is_whole = False
             for name in LOG_FILES:
                 _append(self._folder / name, line)
-            self._whole = True
+            self.is_whole = True
         else:
             self._write([*self._records, record])
         self._keep(record)
@@ -282,7 +277,7 @@ class SurveyLog:
     def take(self, record: LogRecord) -> None:
         """Add a record of `next` that `write` or the next `add` makes durable."""
         self._keep(record)
-        self._whole = False
+        self.is_whole = False
 
     def write(self) -> None:
         """Write both files again.
@@ -305,7 +300,7 @@ class SurveyLog:
         content = b"".join(one.line() for one in records)
         for name in LOG_FILES:
             durable_files.replace_file(self._folder / name, content)
-        self._whole = True
+        self.is_whole = True
 
     def _keep(self, record: LogRecord) -> None:
         self._records.append(record)

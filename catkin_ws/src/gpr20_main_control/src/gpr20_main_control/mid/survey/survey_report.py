@@ -252,7 +252,7 @@ def _warnings_of(former_json: str) -> List[Dict[str, Any]]:
 
 def _unreadable(details: str) -> SurveyError:
     return SurveyError(
-        Message("the report in survey.json cannot be read", details=details),
+        Message("the report in the log of the survey cannot be read", details=details),
         fault=faults.RECORD_DAMAGED,
     )
 
