@@ -14,9 +14,9 @@ from typing import Any, Dict
 import numpy as np
 
 from gpr20_survey.folder import manifest, survey_folder, survey_metadata
-from gpr20_survey.folder.log_content import START
 from gpr20_survey.folder.log_record import Kind
 from gpr20_survey.folder.survey_log import SurveyLog
+from gpr20_survey.folder.survey_metadata import START
 from gpr20_survey.plan.survey_parameters import RobotTravel, SurveyParameters, Travel
 from gpr20_survey.plan.survey_points import survey_points
 from gpr20_survey.recording.bag import write_bag

@@ -141,7 +141,7 @@ NO_HEIGHT = Fault(
     "analysis.no_height", Message("Give one antenna height with --height, or apply the step fill.")
 )
 NO_GRID = Fault(
-    "analysis.no_grid", Message("Give the survey's folder: its survey.json describes the grid.")
+    "analysis.no_grid", Message("Give the survey's folder: its log describes the grid.")
 )
 STEPS = Fault("analysis.steps", Message("Check the steps that were applied, and their order."))
 METHOD = Fault(

@@ -27,7 +27,6 @@ from gpr20_survey.errors import SurveyRefusedError
 from gpr20_survey.folder import manifest, survey_log
 from gpr20_survey.folder.annotating import add_to_survey
 from gpr20_survey.folder.log_content import description_of
-from gpr20_survey.folder.log_reading import read_log
 from gpr20_survey.folder.log_record import (
     KEYS,
     MAX_NUMBER,
@@ -37,6 +36,7 @@ from gpr20_survey.folder.log_record import (
     record_of_line,
 )
 from gpr20_survey.folder.recovery import recover
+from gpr20_survey.folder.survey_log import read_log
 
 JSON = st.recursive(
     st.none() | st.booleans() | st.integers() | st.floats(allow_nan=False, allow_infinity=False)

@@ -247,9 +247,9 @@ def test_a_summary_is_made_again_only_after_a_change(kit, archive, monkeypatch):
 def test_half_of_a_character_hides_no_survey(kit, archive):
     folder = fill(kit)
     kit.processing.close_survey(SURVEY, "stopped")
-    values = {**read_description(folder), "started": "\udcff"}
+    values = {**read_description(folder), "outcome": "\udcff"}
     plan = LogRecord.after(None, Kind.PLAN, values, "2026")
     for name in FILES:
         (folder / name).write_bytes(plan.line())
     (survey,), _more = archive.list("", 10)
-    assert (survey.problem, survey.started) == (None, "\\udcff")
+    assert (survey.problem, survey.outcome) == (None, "\\udcff")

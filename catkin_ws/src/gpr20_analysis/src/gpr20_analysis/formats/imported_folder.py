@@ -30,9 +30,9 @@ from gpr20_survey.errors import SurveyRefusedError, TraceRefusedError
 from gpr20_survey.files import access, durable_files
 from gpr20_survey.files.file_sums import FileSum, regular_files, sum_of, sum_of_file
 from gpr20_survey.folder import manifest, survey_folder, survey_metadata
-from gpr20_survey.folder.log_content import START
 from gpr20_survey.folder.log_record import Kind
 from gpr20_survey.folder.survey_log import SurveyLog
+from gpr20_survey.folder.survey_metadata import START
 from gpr20_survey.plan.annotation import ANNOTATION, Annotation, Wgs84Position
 from gpr20_survey.plan.imported import IMPORTED, TIMES_KNOWN, import_sentence, imported_grid
 from gpr20_survey.recording.mcap_writer import new_mcap

@@ -12,9 +12,9 @@ from gpr20_survey.errors import ManifestDamagedError
 from gpr20_survey.files.file_sums import sum_of_file
 from gpr20_survey.folder import manifest, survey_folder
 from gpr20_survey.folder.found_records import photo_faults
-from gpr20_survey.folder.log_reading import FoundLog
 from gpr20_survey.folder.log_record import Kind
 from gpr20_survey.folder.manifest import Manifest
+from gpr20_survey.folder.survey_log import FoundLog
 
 NOT_OF_CLOSED = (Kind.PLAN.value, Kind.END.value)
 

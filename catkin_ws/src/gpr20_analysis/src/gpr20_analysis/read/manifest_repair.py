@@ -14,12 +14,17 @@ from gpr20_analysis.read import manifest_check
 from gpr20_analysis.read.manifest_check import ManifestCheck
 from gpr20_analysis.read.verification import check_survey_folder, verify_survey
 from gpr20_common.message import Message, in_a_row
-from gpr20_survey.files import durable_files
 from gpr20_survey.files.file_sums import sum_of_file
 from gpr20_survey.files.folder_lock import SHORT_WAIT_S, locked
 from gpr20_survey.folder import manifest, survey_folder
 from gpr20_survey.folder.log_record import Kind
-from gpr20_survey.folder.recovery import RecoveredSurvey, open_log, recover, repairs_of
+from gpr20_survey.folder.recovery import (
+    RecoveredSurvey,
+    keep_damaged,
+    open_log,
+    recover,
+    repairs_of,
+)
 
 SHOWN = 5
 """Number of differences that are named."""
@@ -75,7 +80,6 @@ def repair_manifest(
     with locked(folder, SHORT_WAIT_S):
         survey_folder.check_no_links(folder)
         recovered = recover(folder, asking_manifest=True)
-        survey_folder.check_survey_id(recovered.survey_id)
         return _repair(folder, recovered, revision, now, progress)
 
 
@@ -95,8 +99,8 @@ def _repair(
         return RepairResult(Repair.IMPOSSIBLE, verified.faults, verified.notes)
     notes = [*verified.notes, *repairs_of(recovered)]
     if found.damage is not None:
-        old = folder / manifest.MANIFEST_FILE
-        notes.append(_put_aside(old, folder / survey_folder.DAMAGED_FOLDER))
+        kept = keep_damaged(folder, manifest.MANIFEST_FILE).relative_to(folder)
+        notes.append(Message("the damaged manifest is kept as {file}", file=str(kept)))
     if is_valid:
         assert found.manifest is not None
         repaired = open_log(folder, recovered, now)
@@ -135,12 +139,3 @@ def _refuse(found: ManifestCheck, has_ended: bool) -> None:
             Message("the survey is not closed; resume it and stop it, which writes the manifest"),
             fault=faults.NOT_CLOSED,
         )
-
-
-def _put_aside(path: Path, folder: Path) -> Message:
-    if path.is_file() and not path.is_symlink():
-        # It keeps its name until the new one replaces it in one step.
-        target = durable_files.keep_aside(path, folder)
-    else:
-        target = durable_files.move_aside(path, folder)
-    return Message("the damaged manifest is kept as {file}", file=f"{folder.name}/{target.name}")

@@ -73,7 +73,7 @@ def grid_of(positions: np.ndarray, notes: List[Message]) -> SurveyGrid:
         raise DamagedSurveyError(
             Message(
                 "{count} samples lie at {columns} different x and {rows} different y, which is "
-                "not a grid; give the folder of the survey, whose survey.json describes the grid",
+                "not a grid; give the folder of the survey, whose log describes the grid",
                 count=len(positions),
                 columns=len(grid.x_mm),
                 rows=len(grid.y_mm),

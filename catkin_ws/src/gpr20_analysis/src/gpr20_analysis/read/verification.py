@@ -81,7 +81,6 @@ def verify_survey(
     try:
         survey_folder.check_no_links(folder)
         recovered = recover(folder, asking_manifest=True)
-        survey_folder.check_survey_id(recovered.survey_id)
     except SurveyRefusedError as error:
         return Verification(faults=[error.message])
     verifier = _Verifier(folder, recovered, progress, use_manifest, writer)

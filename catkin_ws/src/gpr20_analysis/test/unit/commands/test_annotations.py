@@ -146,7 +146,8 @@ def test_markers_are_listed_and_removed_ones_on_request(marked, tmp_path, capsys
 def test_csv_and_geojson_hold_metres_and_degrees_where_these_are_known(marked, tmp_path, known):
     if known:
         placed = Annotation(position=EXAMPLE.position, heading_deg=0.0)
-        annotating.add_to_survey(marked, annotating.annotate(placed), NOW)
+        fact = Fact(Kind.ANNOTATION, placed.values())
+        annotating.add_to_survey(marked, lambda _description: fact, NOW)
     table, collection = tmp_path / "m.csv", tmp_path / "m.geojson"
     assert main(["markers", str(marked), "-o", str(table), "-o", str(collection)]) == 0
     assert main(["markers", str(marked), "-o", str(tmp_path / "m.gpkg")]) == 3

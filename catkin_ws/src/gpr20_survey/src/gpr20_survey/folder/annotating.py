@@ -13,7 +13,6 @@ from gpr20_survey.files.folder_lock import SHORT_WAIT_S, locked
 from gpr20_survey.folder import manifest, survey_folder
 from gpr20_survey.folder.log_record import Kind
 from gpr20_survey.folder.recovery import RecoveredSurvey, open_log, recover
-from gpr20_survey.plan.annotation import Annotation, keeping_heading
 
 
 class Fact(NamedTuple):
@@ -27,21 +26,9 @@ Change = Callable[[Dict[str, Any]], Optional[Fact]]
 """Takes what the log says of the survey and returns what is added; None: it says that already."""
 
 
-def annotate(annotation: Annotation) -> Change:
-    """Return the change that replaces the annotation.
-
-    Args:
-        annotation: The new annotation, whole; its heading is that of the former one at this
-            position.
-    """
-
-    def change(description: Dict[str, Any]) -> Fact:
-        return Fact(Kind.ANNOTATION, keeping_heading(annotation, description).values())
-
-    return change
-
-
-def add_to_survey(folder: Path, change: Change, now: str) -> Dict[str, Any]:
+def add_to_survey(
+    folder: Path, change: Change, now: str, wait_s: float = SHORT_WAIT_S
+) -> Dict[str, Any]:
     """Add a fact to a survey that nobody writes; return what its log says when it is durable.
 
     A file of the log that is damaged is written again from the other one.
@@ -50,6 +37,7 @@ def add_to_survey(folder: Path, change: Change, now: str) -> Dict[str, Any]:
         folder: The survey's folder.
         change: What is added.
         now: The present moment, as ISO 8601 text.
+        wait_s: How long to wait for another process that adds one [s].
 
     Raises:
         SurveyRefusedError: Nothing describes the survey, part of its log is lost, its manifest is
@@ -58,25 +46,15 @@ def add_to_survey(folder: Path, change: Change, now: str) -> Dict[str, Any]:
     """
     survey_folder.check_no_links(folder)
     failure = Message("{path} could not be written", path=printable(folder))
-    with storing(failure, folder), locked(folder, SHORT_WAIT_S):
-        return add_to_locked(folder, change, now)
-
-
-def add_to_locked(folder: Path, change: Change, now: str) -> Dict[str, Any]:
-    """Do what `add_to_survey` does; the caller holds the lock of the folder.
-
-    Raises:
-        SurveyRefusedError: As there.
-        OSError: The disk refused; the call may be repeated.
-    """
-    recovered = recover(folder, asking_manifest=True)
-    _check(folder, recovered)
-    fact = change(recovered.description)
-    log = open_log(folder, recovered, now)
-    if fact is not None and not log.has_note(*fact):
-        log.add(log.next(fact.kind, fact.values, now))
-    elif not log.is_whole:
-        log.write()
+    with storing(failure, folder), locked(folder, wait_s):
+        recovered = recover(folder, asking_manifest=True)
+        _check(folder, recovered)
+        fact = change(recovered.description)
+        log = open_log(folder, recovered, now)
+        if fact is not None and not log.has_note(*fact):
+            log.add(log.next(fact.kind, fact.values, now))
+        elif not log.is_whole:
+            log.write()
     return log.description
 
 
@@ -95,19 +73,14 @@ def _check(folder: Path, recovered: RecoveredSurvey) -> None:
             fault=faults.DESCRIPTION_DAMAGED,
         )
     try:
-        sealed = manifest.read_manifest(folder)
+        if manifest.read_manifest(folder).covers(recovered.found.records):
+            return
+        reason = Message("the log of the survey does not end as the manifest says")
     except FileNotFoundError:
         return  # it was cut off, or reopened
     except ManifestDamagedError as error:
-        raise _manifest_damaged(folder, error.message) from error
-    if not sealed.covers(recovered.found.records):
-        raise _manifest_damaged(
-            folder, Message("the log of the survey does not end as the manifest says")
-        )
-
-
-def _manifest_damaged(folder: Path, reason: Message) -> SurveyRefusedError:
-    return SurveyRefusedError(
+        reason = error.message
+    raise SurveyRefusedError(
         Message(
             "{path} is damaged: {reason}; gpr20 repair writes it again if all else is right",
             path=printable(folder / manifest.MANIFEST_FILE),

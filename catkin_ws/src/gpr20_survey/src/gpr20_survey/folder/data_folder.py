@@ -13,11 +13,7 @@ from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message
 from gpr20_common.terminal_text import printable
 from gpr20_survey import faults
-from gpr20_survey.errors import (
-    ProcessingError,
-    SurveyRefusedError,
-    storing,
-)
+from gpr20_survey.errors import ProcessingError, SurveyRefusedError, storing
 from gpr20_survey.files.access import Readers
 from gpr20_survey.files.data_marker import (
     MARKER_FILE,
@@ -44,32 +40,26 @@ RETRY_S = 10.0
 
 @dataclass(frozen=True)
 class DataFolderUse:
-    """How a data folder is used.
-
-    Attributes:
-        path: The folder, absolute.
-        state: Folder of what this computer remembers.
-        own_disk: Whether it must be on a disk of its own.
-        mode: Of the folder, if it is made.
-    """
+    """How a data folder is used."""
 
     path: Path
+    """The folder, absolute."""
     state: Path
+    """Folder of what this computer remembers."""
     own_disk: bool = False
+    """Whether it must be on a disk of its own."""
     mode: int = Readers.GROUP.folder_mode
+    """Of the folder, if it is made."""
 
 
 @dataclass(frozen=True)
 class KnownFolder:
-    """A data folder with which nothing is wrong.
-
-    Attributes:
-        identity: As its marker has it; empty before the first use.
-        remembered: Whether it was used before here.
-    """
+    """A data folder with which nothing is wrong."""
 
     identity: str
+    """As its marker has it; empty before the first use."""
     remembered: bool
+    """Whether it was used before here."""
 
 
 @dataclass(frozen=True)
@@ -97,6 +87,7 @@ class DataFolder:
             clock: Tells when to try the file system again, and the date of a marker.
         """
         self._use = use
+        self._path = use.path
         self._clock = clock
         self._memory = FolderMemory(use.state)
         self._tried: Optional[_Tried] = None
@@ -110,15 +101,6 @@ class DataFolder:
         """
         return self._look()[1]
 
-    def _look(self) -> Tuple[FileSystem, KnownFolder]:
-        with self._using():
-            system = file_system_of(existing_folder(self._use.path))
-            self._check_disk(system)
-            known = self._known(system)
-            if system.read_only:
-                raise OSError(errno.EROFS, os.strerror(errno.EROFS))
-        return system, known
-
     def check(self) -> None:
         """Make sure that surveys may be stored in the folder; mark it at its first use.
 
@@ -131,7 +113,7 @@ class DataFolder:
         with self._using():
             identity = known.identity or self._mark()
             if not known.remembered:
-                self._memory.remember(self._use.path, identity)
+                self._memory.remember(self._path, identity)
 
     def accept(self) -> str:
         """Make the folder at this path the one that is used from now on; return its identity.
@@ -140,20 +122,18 @@ class DataFolder:
             SurveyRefusedError: It is on a wrong disk.
             StorageFailedError: It cannot be made, read, or written to.
         """
-        path = self._use.path
         with self._using():
-            system = file_system_of(existing_folder(path))
-            self._check_disk(system)
+            system = self._system()
         self.check_file_system()
         with self._using():
-            ensure_folders(path, self._use.mode)
-            identity = self._own_identity(system)
-            if not identity:
-                marker = self._new_marker(system)
-                write_marker(path, marker, replace=True)
-                identity = marker.identity
-            self._memory.remember(path, identity)
-        return identity
+            try:
+                marker = read_marker(self._path)
+            except DamagedRecordError:
+                marker = None
+            if marker is None or system.is_other_than(marker.file_system):
+                marker = self._new_marker(replace=True)
+            self._memory.remember(self._path, marker.identity)
+        return marker.identity
 
     def problem(self) -> Optional[Message]:
         """Return why surveys cannot be stored, with its fault; None if they can.
@@ -164,43 +144,70 @@ class DataFolder:
         try:
             system, _ = self._look()
             tried = self._tried
-            if tried is None or tried.device != system.device or self._is_due(tried):
-                self.check_file_system()
-                return None
+            is_known = tried is not None and tried.device == system.device
+            if is_known and (not tried.failure or self._clock.now_s() - tried.at_s < RETRY_S):
+                return tried.failure
+            self.check_file_system()
         except ProcessingError as error:
             return error.message
-        return tried.failure
+        return None
 
-    def _is_due(self, tried: _Tried) -> bool:
-        return tried.failure is not None and self._clock.now_s() - tried.at_s >= RETRY_S
+    def check_file_system(self) -> None:
+        """Make sure that the file system can hold surveys; leave nothing behind.
 
-    def _check_disk(self, system: FileSystem) -> None:
-        if not self._use.own_disk:
-            return
-        if system.kind in IN_MEMORY or system.is_same(file_system_of(ROOT)):
+        Raises:
+            SurveyRefusedError: It lacks something.
+            StorageFailedError: It cannot be written to.
+        """
+        failure = None
+        with self._using():
+            existing = existing_folder(self._path)
+            device = existing.stat().st_dev
+        try:
+            with self._using():
+                check_can_store(existing)
+        except ProcessingError as error:
+            failure = error.message
+            raise
+        finally:
+            self._tried = _Tried(device, self._clock.now_s(), failure)
+
+    def _look(self) -> Tuple[FileSystem, KnownFolder]:
+        with self._using():
+            system = self._system()
+            known = self._known(system)
+            if system.read_only:
+                raise OSError(errno.EROFS, os.strerror(errno.EROFS))
+        return system, known
+
+    def _system(self) -> FileSystem:
+        system = file_system_of(existing_folder(self._path))
+        if self._use.own_disk and (
+            system.kind in IN_MEMORY or system.is_same(file_system_of(ROOT))
+        ):
             raise SurveyRefusedError(
                 Message(
                     "the data folder {path} is not on a disk of its own, but on the file system of "
                     "{mount_point}",
-                    path=printable(self._use.path),
+                    path=printable(self._path),
                     mount_point=printable(system.mount_point),
                     details="storage.yaml: data_disk",
                 ),
                 fault=faults.NO_DATA_DISK,
             )
+        return system
 
     def _known(self, system: FileSystem) -> KnownFolder:
-        path = self._use.path
         try:
-            expected = self._memory.identity_at(path)
-            marker = read_marker(path)
+            expected = self._memory.identity_at(self._path)
+            marker = read_marker(self._path)
         except DamagedRecordError as error:
             raise self._refused("?", Message("{file} is damaged", file=str(error))) from error
         if marker is None and expected is None:
             return KnownFolder("", remembered=False)
         if marker is None:
             missing = Message("its marker {file} is missing", file=MARKER_FILE)
-            raise self._refused(expected, missing if path.is_dir() else Message("it is gone"))
+            raise self._refused(expected, missing if self._path.is_dir() else Message("it is gone"))
         if expected not in (None, marker.identity):
             found = Message("its identity is {identity}", identity=printable(marker.identity))
             raise self._refused(expected, found)
@@ -219,61 +226,30 @@ class DataFolder:
         return SurveyRefusedError(
             Message(
                 "{path} is not the data folder that was used before (identity {expected}): {found}",
-                path=printable(self._use.path),
+                path=printable(self._path),
                 expected=expected and printable(expected),
                 found=found,
             ),
             fault=faults.OTHER_DATA_FOLDER,
         )
 
-    def check_file_system(self) -> None:
-        """Make sure that the file system can hold surveys; leave nothing behind.
-
-        Raises:
-            SurveyRefusedError: It lacks something.
-            StorageFailedError: It cannot be written to.
-        """
-        with self._using():
-            existing = existing_folder(self._use.path)
-            device = existing.stat().st_dev
-        failure = None
-        try:
-            with self._using():
-                check_can_store(existing)
-        except ProcessingError as error:
-            failure = error.message
-            raise
-        finally:
-            self._tried = _Tried(device, self._clock.now_s(), failure)
-
     def _mark(self) -> str:
-        path = self._use.path
-        ensure_folders(path, self._use.mode)
-        marker = self._new_marker(file_system_of(path))
         try:
-            write_marker(path, marker)
+            return self._new_marker().identity
         except FileExistsError:
             # Another program has used it first at this moment.
-            found = read_marker(path)
+            found = read_marker(self._path)
             if found is None:
                 raise
             return found.identity
-        return marker.identity
 
-    def _own_identity(self, system: FileSystem) -> str:
-        """Return the identity that the folder may keep; empty: it has none, or is a copy."""
-        try:
-            marker = read_marker(self._use.path)
-        except DamagedRecordError:
-            return ""
-        if marker is None or system.is_other_than(marker.file_system):
-            return ""
-        return marker.identity
-
-    def _new_marker(self, system: FileSystem) -> Marker:
+    def _new_marker(self, replace: bool = False) -> Marker:
+        ensure_folders(self._path, self._use.mode)
         made = iso_text(self._clock.time_of_day_us())
-        return Marker(str(uuid.uuid4()), system.identity, made)
+        marker = Marker(str(uuid.uuid4()), file_system_of(self._path).identity, made)
+        write_marker(self._path, marker, replace)
+        return marker
 
     def _using(self) -> ContextManager[None]:
-        path = self._use.path
-        return storing(Message("the data folder {path} cannot be used", path=printable(path)), path)
+        failure = Message("the data folder {path} cannot be used", path=printable(self._path))
+        return storing(failure, self._path)

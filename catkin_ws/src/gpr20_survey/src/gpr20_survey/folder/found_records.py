@@ -28,19 +28,19 @@ def add_found(folder: Path, found: Found, photo: Optional[bytes]) -> Fact:
 
 def read_found(folder: Path) -> List[Found]:
     """Return all records of a survey, the first one first."""
-    return found_in(recover(folder).found.records)
+    return _found_in(recover(folder).found.records)
 
 
-def found_in(records: Sequence[LogRecord]) -> List[Found]:
-    """Return what the records of a log say was found; those of later versions are left out."""
-    values = [one.values for one in records if one.kind == Kind.FOUND.value]
+def _found_in(records: Sequence[LogRecord]) -> List[Found]:
+    """Return what records of a log say was found; those of later versions are left out."""
+    values = [one.values for one in records if one.kind == Kind.FOUND]
     return [found_of(one) for one in values if one.get("format") == FORMAT]
 
 
 def photo_faults(folder: Path, records: Sequence[LogRecord]) -> List[Message]:
     """Return which photographs are not there, or are not as they were."""
     try:
-        names = [one.photo for one in found_in(records) if one.photo]
+        names = [one.photo for one in _found_in(records) if one.photo]
     except InvalidValueError as error:
         return [error.message]
     return [

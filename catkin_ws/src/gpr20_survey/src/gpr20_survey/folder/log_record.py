@@ -5,11 +5,11 @@ from __future__ import annotations
 import enum
 import hashlib
 import json
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Dict, NamedTuple, Optional
 
 from gpr20_survey.errors import SurveyRefusedError
-from gpr20_survey.folder import survey_metadata
+from gpr20_survey.folder.survey_metadata import MAX_FILE_BYTES, MAX_FILE_DEPTH, parse_object
 
 NO_RECORD = ""
 """What the first record has instead of the checksum of the record before it."""
@@ -19,10 +19,9 @@ KEYS = ("number", "time", "kind", "values", "previous", "sha256")
 
 
 class Kind(str, enum.Enum):
-    """What a record says."""
+    """What a record says; docs/reference/formats.md has what each kind holds."""
 
     PLAN = "plan"
-    """The first record: what is to be measured, with which robot."""
     ANNOTATION = "annotation"
     MARKER = "marker"
     MARKER_REMOVED = "marker_removed"
@@ -30,25 +29,17 @@ class Kind(str, enum.Enum):
     PAUSE = "pause"
     CONTINUE = "continue"
     RESUME = "resume"
-    """The survey was opened again."""
     DECISION = "decision"
-    """What the operator accepted."""
     CLOCK = "clock"
-    """A remark on the computer's clock."""
     EPOCH = "epoch"
-    """Other zeros of the axes."""
     DRIFT = "drift"
-    """A visit of the first stop."""
     END = "end"
     FOUND = "found"
     EXPORT = "export"
     AUDIT = "audit"
     BAG = "bag"
-    """survey.bag was written: its checksum."""
     SEAL = "seal"
-    """The manifest was written again, or for a later state: why."""
     UNCONFIRMED = "unconfirmed"
-    """Entries that nothing vouches for."""
 
 
 NOTES = (
@@ -67,23 +58,19 @@ NOTES = (
 
 @dataclass(frozen=True)
 class LogRecord:
-    """One fact.
-
-    Attributes:
-        number: Place in the log, from 0.
-        time: When it was added, as ISO 8601 text.
-        kind: One of `Kind`; a later version may have others.
-        values: What the fact is.
-        previous: Checksum of the record before it; `NO_RECORD` of the first.
-        sha256: SHA-256 of all else, in hexadecimal digits.
-    """
+    """One fact."""
 
     number: int
+    """Place in the log, from 0."""
     time: str
+    """When it was added, as ISO 8601 text."""
     kind: str
+    """One of `Kind`; a later version may have others."""
     values: Dict[str, Any]
     previous: str
+    """Checksum of the record before it."""
     sha256: str
+    """Of all else, in hexadecimal digits."""
 
     @classmethod
     def after(
@@ -94,19 +81,18 @@ class LogRecord:
         time: str,
         lost: int = -1,
     ) -> LogRecord:
-        """Return the record that follows another.
+        """Return the record that follows another, None: the first, added at an ISO 8601 time.
 
-        Args:
-            last: The record before it; None: it is the first of a log.
-            kind: What it says.
-            values: The fact.
-            time: When it is added, as ISO 8601 text.
-            lost: The largest number of a record that was lost behind `last`.
+        `lost` is the largest number of a record that was lost behind the other.
         """
         number = max(-1 if last is None else last.number, lost) + 1
         previous = NO_RECORD if last is None else last.sha256
-        own_sum = _sum(number, time, kind.value, values, previous)
-        return cls(number, time, kind.value, values, previous, own_sum)
+        return cls(number, time, kind.value, values, previous, "").with_sum()
+
+    def with_sum(self) -> LogRecord:
+        """Return the record with the checksum that belongs to it."""
+        covered = [getattr(self, key) for key in KEYS[:-1]]
+        return replace(self, sha256=hashlib.sha256(_compact(covered)).hexdigest())
 
     def as_json(self) -> Dict[str, Any]:
         """Return the record as JSON holds it."""
@@ -118,14 +104,14 @@ class LogRecord:
 
 
 class LogHead(NamedTuple):
-    """The last record of a log, as a manifest names it."""
+    """Place and checksum of a record."""
 
     number: int
     sha256: str
 
     @classmethod
     def of(cls, record: LogRecord) -> LogHead:
-        """Return the place and the checksum of a record."""
+        """Return those of a record."""
         return cls(record.number, record.sha256)
 
 
@@ -137,26 +123,15 @@ def is_number(value: Any) -> bool:
 def record_of_line(line: bytes) -> Optional[LogRecord]:
     """Return the record of a line without its end, equal to the last byte, or None."""
     try:
-        values = survey_metadata.parse_object(
-            line.decode("ascii"),
-            "line",
-            survey_metadata.MAX_FILE_BYTES,
-            survey_metadata.MAX_FILE_DEPTH,
-        )
-    except (UnicodeDecodeError, SurveyRefusedError):
+        values = parse_object(line.decode("ascii"), "line", MAX_FILE_BYTES, MAX_FILE_DEPTH)
+        record = LogRecord(**values)
+    except (UnicodeDecodeError, SurveyRefusedError, TypeError):
         return None
-    if tuple(values) != KEYS or not is_number(values["number"]):
-        return None
-    texts = (values[key] for key in ("time", "kind", "previous", "sha256"))
-    if not all(isinstance(one, str) for one in texts) or not isinstance(values["values"], dict):
-        return None
-    record = LogRecord(**values)
-    own_sum = _sum(record.number, record.time, record.kind, record.values, record.previous)
-    return record if own_sum == record.sha256 and record.line() == line + b"\n" else None
-
-
-def _sum(number: int, time: str, kind: str, values: Dict[str, Any], previous: str) -> str:
-    return hashlib.sha256(_compact([number, time, kind, values, previous])).hexdigest()
+    texts = (record.time, record.kind, record.previous, record.sha256)
+    is_one = is_number(record.number) and isinstance(record.values, dict)
+    is_one = is_one and all(isinstance(text, str) for text in texts)
+    is_same = is_one and record.line() == line + b"\n" and record.with_sum() == record
+    return record if is_same else None
 
 
 def _compact(value: Any) -> bytes:

@@ -11,27 +11,23 @@ from gpr20_common.terminal_text import printable
 from gpr20_survey import faults
 from gpr20_survey.errors import ManifestDamagedError, SurveyRefusedError, storing
 from gpr20_survey.files import durable_files
-from gpr20_survey.folder import manifest, survey_folder, survey_metadata
+from gpr20_survey.folder import manifest, survey_folder
 from gpr20_survey.folder.log_content import UNCONFIRMED, description_of
-from gpr20_survey.folder.log_reading import FoundLog, read_log
 from gpr20_survey.folder.log_record import Kind, LogHead
-from gpr20_survey.folder.survey_log import SurveyLog
+from gpr20_survey.folder.survey_log import FoundLog, SurveyLog, read_log
+from gpr20_survey.folder.survey_metadata import FORMAT
+from gpr20_survey.trace import utc_time
 
 
 @dataclass(frozen=True)
 class RecoveredSurvey:
-    """A survey as its log describes it.
-
-    Attributes:
-        description: What the log says.
-        found: The log as it was found.
-        unconfirmed: Names of entries that nothing vouches for, with the reason, which no record
-            of the log names yet.
-    """
+    """A survey as its log describes it."""
 
     description: Dict[str, Any]
+    """What the log says."""
     found: FoundLog
     unconfirmed: Dict[str, Any]
+    """Names of entries that nothing vouches for, with the reason, which the log lacks yet."""
 
     @property
     def survey_id(self) -> str:
@@ -67,8 +63,8 @@ def recover(folder: Path, asking_manifest: bool = False) -> RecoveredSurvey:
     found = read_log(folder)
     if asking_manifest or not found.is_whole:
         found = read_log(folder, _sealed_head(folder))
-    records = found.records
-    if not records or records[0].kind != Kind.PLAN.value or records[0].number != 0:
+    first = found.records[0] if found.records else None
+    if first is None or first.kind != Kind.PLAN or first.number != 0:
         raise SurveyRefusedError(
             Message(
                 "the first entry of the log in {folder}, which describes the survey, is missing or "
@@ -78,15 +74,19 @@ def recover(folder: Path, asking_manifest: bool = False) -> RecoveredSurvey:
             ),
             fault=faults.DESCRIPTION_LOST,
         )
-    survey_metadata.check_format(records[0].values, folder / survey_folder.LOG_FILE)
     try:
-        description = description_of(records)
-    except (AttributeError, TypeError, ValueError) as error:
+        description = description_of(found.records)
+        if first.values["format"] != FORMAT:
+            raise ValueError(repr(first.values["format"])[:256])
+        survey_folder.check_survey_id(first.values["survey_id"])
+        utc_time.parse_iso(first.values["started"])
+    except (AttributeError, KeyError, TypeError, ValueError) as error:
         # One such survey must not prevent the others from being listed.
         raise SurveyRefusedError(
             Message(
-                "an entry of the log in {folder} is not as this software writes it",
+                "the log in {folder} is not as this software writes it, in the format {format}",
                 folder=printable(folder),
+                format=FORMAT,
                 details=error,
             ),
             fault=faults.OTHER_FORMAT,
@@ -118,7 +118,8 @@ def open_log(folder: Path, recovered: RecoveredSurvey, now: str) -> SurveyLog:
     found = recovered.found
     log = SurveyLog(folder, found.records, found.is_whole, found.lost)
     for name in found.damaged:
-        _keep_damaged(folder, name)
+        if (folder / name).is_symlink() or (folder / name).exists():
+            keep_damaged(folder, name)
     if recovered.unconfirmed:
         # With the same write: after it nothing else shows that something is missing.
         values = {"entries": recovered.unconfirmed, "lost": list(found.lost)}
@@ -126,12 +127,16 @@ def open_log(folder: Path, recovered: RecoveredSurvey, now: str) -> SurveyLog:
     return log
 
 
-def _keep_damaged(folder: Path, name: str) -> None:
-    path = folder / name
-    if path.is_file() and not path.is_symlink():
-        durable_files.keep_aside(path, folder / survey_folder.DAMAGED_FOLDER)
-    elif path.is_symlink() or path.exists():
-        durable_files.move_aside(path, folder / survey_folder.DAMAGED_FOLDER)
+def keep_damaged(folder: Path, name: str) -> Path:
+    """Keep a damaged file in `damaged/`, where its name there is returned, until it is replaced.
+
+    Raises:
+        OSError: The disk refused.
+    """
+    path, damaged = folder / name, folder / survey_folder.DAMAGED_FOLDER
+    is_file = path.is_file() and not path.is_symlink()
+    # What is no file cannot be replaced in one step.
+    return (durable_files.keep_aside if is_file else durable_files.move_aside)(path, damaged)
 
 
 def repairs_of(recovered: RecoveredSurvey) -> List[Message]:
@@ -170,16 +175,14 @@ def find_survey(data: Path, survey: str) -> Tuple[Path, RecoveredSurvey]:
         StorageFailedError: A file cannot be read.
     """
     reason = Message(
-        "there is no survey {survey} in {folder}",
-        survey=repr(survey[:64]),
-        folder=printable(data),
+        "there is no survey {survey} in {folder}", survey=repr(survey[:64]), folder=printable(data)
     )
     for folder in survey_folder.candidate_folders(data, survey):
         survey_folder.check_no_links(folder)
         failure = Message("the survey in {folder} could not be read", folder=printable(folder))
         with storing(failure, folder):
             found = recover(folder)
-        survey_id = survey_folder.check_survey_id(found.survey_id)
+        survey_id = found.survey_id
         if survey in (folder.name, survey_id) and folder.name.endswith(f"_{survey_id[:8]}"):
             return folder, found
         reason = Message(

@@ -25,23 +25,14 @@ class KnownSoil(NamedTuple):
 
 
 def soil_values(permittivity: Optional[float], time_us: int) -> Dict[str, Any]:
-    """Return the values of the record.
-
-    Args:
-        permittivity: Relative permittivity of the ground; None: it is not known after all.
-        time_us: The present moment [us since 1970].
-    """
+    """Return the values of the record at a moment [us since 1970]; None: not known after all."""
     return {"format": FORMAT, "permittivity": permittivity, "time": utc_time.iso_text(time_us)}
 
 
 def soil_of_survey(description: Mapping[str, Any]) -> Optional[KnownSoil]:
     """Return what a survey knows of its ground: the last decision in its log, or else its plan.
 
-    Args:
-        description: What the log says of the survey; of its records the decisions are enough.
-
-    Returns:
-        The permittivity and its source; None: it is not known, or not known after all.
+    Of its records the decisions are enough. None: it is not known, or not known after all.
     """
     found, source = description.get(PLANNED), OF_PLAN
     for values in log_values(description, KIND):

@@ -23,7 +23,6 @@ MCAP_FILE = "survey.mcap"
 DAMAGED_FOLDER = "damaged"
 TRACES_FOLDER = "traces"
 
-EXAMPLE_ID = "0f8fad5b-d9cb-469f-a165-70867728950e"
 EXAMPLE_FOLDER = "20260921T141320_0f8fad5b"
 FOLDER_NAME = re.compile(r"[0-9]{8}T[0-9]{6}_[0-9a-f]{8}")
 
@@ -40,19 +39,14 @@ def check_survey_id(survey_id: str) -> str:
                 "survey_id is {survey_id}; it must be a UUID in lower case with hyphens, such as "
                 "{example}",
                 survey_id=repr(survey_id[:64]),
-                example=EXAMPLE_ID,
+                example="0f8fad5b-d9cb-469f-a165-70867728950e",
             )
         )
     return survey_id
 
 
 def survey_folder(data: Path, survey_id: str, started_us: int) -> Path:
-    """Return the folder of a survey below the data folder.
-
-    Args:
-        data: The data folder.
-        survey_id: UUID of the survey.
-        started_us: When it started [us since 1970, UTC].
+    """Return the folder of a survey that started then [us since 1970, UTC].
 
     Raises:
         SurveyRefusedError: The id is no UUID or the time cannot be right.
@@ -89,11 +83,8 @@ def candidate_folders(data: Path, survey: str) -> List[Path]:
             ),
             fault=faults.UNKNOWN_SURVEY,
         )
-    return [
-        one
-        for one in found
-        if FOLDER_NAME.fullmatch(one.name) and one.is_dir() and not one.is_symlink()
-    ]
+    named = (one for one in found if FOLDER_NAME.fullmatch(one.name))
+    return [one for one in named if one.is_dir() and not one.is_symlink()]
 
 
 def check_no_links(folder: Path) -> None:
@@ -103,12 +94,12 @@ def check_no_links(folder: Path) -> None:
         SurveyRefusedError: One of its files or folders is a symbolic link.
     """
     names = (SURVEY_FILE, *LOG_FILES, TRACES_FOLDER, BAG_FILE, MCAP_FILE, DAMAGED_FOLDER, PHOTOS)
-    for name in names:
-        if (folder / name).is_symlink():
+    for path in (folder / name for name in names):
+        if path.is_symlink():
             raise SurveyRefusedError(
                 Message(
                     "{path} is a symbolic link, which is not followed; put the files there",
-                    path=printable(folder / name),
+                    path=printable(path),
                 ),
                 fault=faults.NOT_A_FILE,
             )

@@ -1,25 +1,200 @@
-"""Adding to the log of a survey: two equal files that are only appended to.
+"""The log of a survey: two equal files that are only appended to, and repair each other.
 
-A fact is acknowledged when its line is durable in both.
+A fact is acknowledged when its line is durable in both. A line judges itself by its checksum, and
+names that of the line before it. It is taken from the file in which it is whole; what is whole in
+neither is lost, and named for ever.
 """
 
 from __future__ import annotations
 
 import json
 import os
+import re
+from bisect import bisect_left
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Dict, List, Sequence, Set, Tuple
+from typing import Any, Dict, List, NamedTuple, Optional, Sequence, Set, Tuple
 
+from gpr20_survey.errors import SurveyRefusedError
 from gpr20_survey.files import access, durable_files
+from gpr20_survey.files.regular_file import open_regular
 from gpr20_survey.folder import survey_metadata
 from gpr20_survey.folder.log_content import add_to
-from gpr20_survey.folder.log_reading import MAX_LOG_BYTES
-from gpr20_survey.folder.log_record import NOTES, Kind, LogRecord
-from gpr20_survey.folder.survey_folder import LOG_FILE, LOG_FILES, SURVEY_FILE
+from gpr20_survey.folder.log_record import NOTES, Kind, LogHead, LogRecord, record_of_line
+from gpr20_survey.folder.survey_folder import DAMAGED_FOLDER, LOG_FILE, LOG_FILES, SURVEY_FILE
 
+MAX_LOG_BYTES = 64 << 20
 # For the records without which a survey cannot be opened and closed.
 RESERVED_BYTES = 1 << 20
 NEEDED = (Kind.PLAN, Kind.RESUME, Kind.UNCONFIRMED, Kind.END)
+MAX_NAMED = 1000
+LOST = (
+    "its checksum is wrong in both files of the log, or it is missing; what is left of it is in "
+    f"{DAMAGED_FOLDER}/"
+)
+STRANGER = f"it is not of the log of the other records; it is in {DAMAGED_FOLDER}/"
+# How a record begins and ends in its line.
+_BOUNDS = (rb'\{"number":\d+,"time":"', rb'"sha256":"[0-9a-f]{64}"\}')
+
+
+@dataclass(frozen=True)
+class FoundLog:
+    """What a folder holds of its survey's log."""
+
+    records: Tuple[LogRecord, ...]
+    """Those that are right, in their order."""
+    lost: Tuple[int, ...]
+    """Numbers of records that neither file holds and that no record names as lost."""
+    strangers: Tuple[LogRecord, ...]
+    """Records with a right checksum that are not of the log of the others."""
+    damaged: Tuple[str, ...]
+    """Names of the files that are damaged or missing."""
+    behind: Tuple[str, ...]
+    """Names of the files that lack the last record, as after a power cut while it was added."""
+
+    @property
+    def is_whole(self) -> bool:
+        """Whether both files are as they were written."""
+        return not (self.damaged or self.behind or self.lost)
+
+    def lost_entries(self) -> Dict[str, Any]:
+        """Return what a record must name of what is lost, for ever."""
+        if len(self.lost) > MAX_NAMED:
+            return {f"{len(self.lost)} records from {self.lost[0]} on": {"reason": LOST}}
+        others = [f"{one.number}, {one.sha256[:8]}" for one in self.strangers[:MAX_NAMED]]
+        reasons = {**dict.fromkeys(self.lost, LOST), **dict.fromkeys(others, STRANGER)}
+        return {f"record {one}": {"reason": reason} for one, reason in reasons.items()}
+
+
+class _Form(NamedTuple):
+    """One of the two files."""
+
+    records: List[LogRecord]
+    end: int
+    """Number of the last record that there was, although it may be damaged."""
+    is_torn: bool
+    """Whether it ends within a line."""
+    is_sound: bool
+    """Whether it ends with a whole line, and has no other ones."""
+
+
+def read_log(folder: Path, sealed: Optional[LogHead] = None) -> FoundLog:
+    """Return the log of a survey; nothing is changed.
+
+    Args:
+        folder: The survey's folder.
+        sealed: A record that the log had, by its manifest.
+    """
+    contents = [_content(folder / name) for name in LOG_FILES]
+    first = _form(contents[0] or b"")
+    forms = [first, first if contents[1] == contents[0] else _form(contents[1] or b"")]
+    found = _own_chain(forms, folder.name, sealed)
+    strangers = {LogHead.of(one): one for form in forms for one in form.records}
+    for record in found:
+        del strangers[LogHead.of(record)]
+    ends = [-1 if sealed is None else sealed.number]
+    for own, other in (forms, forms[::-1]):
+        # Of a line that was torn while it was added nothing was acknowledged, if the other file,
+        # which a power cut leaves alone, shows that it was.
+        ends.append(own.end + (own.is_torn and not other.is_sound))
+    lost = tuple(_lost_numbers(found, max(ends)))
+    lines = [one.line() for one in found]
+    whole = b"".join(lines)
+    differ = {name: one for name, one in zip(LOG_FILES, contents) if one != whole}
+    # Where something is lost, a torn end is no trace of a power cut.
+    behind = [name for name, one in differ.items() if not lost and _is_behind(one, whole, lines)]
+    return FoundLog(
+        tuple(found),
+        lost,
+        tuple(strangers[one] for one in sorted(strangers)),
+        tuple(name for name in differ if name not in behind),
+        tuple(behind),
+    )
+
+
+def _content(path: Path) -> Optional[bytes]:
+    """Return the content of a file; None if it cannot be read."""
+    try:
+        with open(open_regular(path), "rb") as stream:
+            # Before it is read, so that a huge file takes no memory.
+            survey_metadata.check_size(os.fstat(stream.fileno()).st_size, path.name, MAX_LOG_BYTES)
+            return stream.read()
+    except (OSError, SurveyRefusedError):
+        return None
+
+
+def _form(content: bytes) -> _Form:
+    *lines, tail = content.split(b"\n")
+    records: List[LogRecord] = []
+    is_sound, behind = True, []
+    for line in filter(None, [*lines, tail]):
+        record = record_of_line(line)
+        if record is not None:
+            records.append(record)
+            behind = []
+        elif line is not tail:
+            is_sound = False
+            behind.append(line)
+    is_torn = bool(tail.strip(b"\0")) and record_of_line(tail) is None
+    # A changed byte may have made two lines of one, or one of two.
+    more = max(len(re.findall(one, b"\n".join(behind))) for one in _BOUNDS)
+    end = max((one.number for one in records), default=-1) + max(more, min(1, len(behind)))
+    return _Form(records, end, is_torn, bool(records) and is_sound and not is_torn)
+
+
+def _own_chain(forms: Sequence[_Form], folder: str, sealed: Optional[LogHead]) -> List[LogRecord]:
+    """Return the records that name each other; of several chains that which belongs here."""
+
+    def merit(records: Sequence[LogRecord]) -> Tuple[bool, bool, int, int]:
+        survey = records[0].values.get("survey_id") if records and not records[0].number else None
+        links = sum(one.sha256 == other.previous for one, other in zip(records, records[1:]))
+        is_own = folder.endswith(f"_{str(survey)[:8]}")
+        return sealed in map(LogHead.of, records), is_own, links, len(records)
+
+    best_last = sorted((one.records for one in forms), key=merit)
+    every = {one.sha256: one for records in best_last for one in records}
+    by_number = sorted(every.values(), key=lambda one: one.number)
+    numbers = [one.number for one in by_number]
+
+    def ending_with(last: LogRecord) -> List[LogRecord]:
+        chain = [last]
+        while chain[-1].number > 0:
+            before = every.get(chain[-1].previous)
+            if before is None or before.number >= chain[-1].number:
+                # Behind a lost record nothing but its own checksum vouches for a record.
+                place = bisect_left(numbers, chain[-1].number - 1)
+                if place == 0:
+                    break
+                before = by_number[place - 1]
+            chain.append(before)
+        return chain[::-1]
+
+    named = {one.previous for one in by_number}
+    ends = [one for one in by_number if one.sha256 not in named]
+    return max(map(ending_with, ends), key=merit, default=[])
+
+
+def _lost_numbers(found: Sequence[LogRecord], end: int) -> List[int]:
+    known = {one.number for one in found}
+    last = max(end, *known, -1)
+    for one in found:
+        if one.kind == Kind.UNCONFIRMED:
+            known.update(one.values.get("lost", []))
+    return [number for number in range(last + 1) if number not in known]
+
+
+def _is_behind(content: Optional[bytes], whole: bytes, lines: Sequence[bytes]) -> bool:
+    """Return whether a power cut alone explains a file: its last line is not whole.
+
+    That is the last record, or one that was not acknowledged. Of a line a power cut leaves the
+    beginning, or zeros in its place.
+    """
+    last = lines[-1] if lines else b""
+    before = whole[: len(whole) - len(last)]
+    if content is None or not content.startswith(before):
+        return False
+    rest = content[len(before) :].rstrip(b"\0")
+    return last.startswith(rest) or (rest.startswith(last) and b"\n" not in rest[len(last) :])
 
 
 class SurveyLog:
@@ -41,7 +216,7 @@ class SurveyLog:
             lost: Numbers of records that were lost; no other record gets them.
         """
         self._folder = folder
-        self._whole = whole
+        self.is_whole = whole
         self._lost = max(lost, default=-1)
         self._records: List[LogRecord] = []
         self._notes: Set[str] = set()
@@ -64,11 +239,6 @@ class SurveyLog:
     def records(self) -> Tuple[LogRecord, ...]:
         """All records."""
         return tuple(self._records)
-
-    @property
-    def is_whole(self) -> bool:
-        """Whether both files hold exactly the records."""
-        return self._whole
 
     def has_note(self, kind: Kind, values: Dict[str, Any]) -> bool:
         """Return whether the log has this note: the answer to the first request may be lost.
@@ -94,20 +264,20 @@ class SurveyLog:
         if record.kind not in NEEDED:
             most = MAX_LOG_BYTES - RESERVED_BYTES
             survey_metadata.check_size(self._bytes + len(line), LOG_FILE, most)
-        was_whole, self._whole = self._whole, False
-        if was_whole:
+        if self.is_whole:
+            self.is_whole = False
             for name in LOG_FILES:
                 _append(self._folder / name, line)
+            self.is_whole = True
         else:
             self._write([*self._records, record])
-        self._whole = True
         self._keep(record)
         return record
 
     def take(self, record: LogRecord) -> None:
         """Add a record of `next` that `write` or the next `add` makes durable."""
         self._keep(record)
-        self._whole = False
+        self.is_whole = False
 
     def write(self) -> None:
         """Write both files again.
@@ -116,7 +286,6 @@ class SurveyLog:
             OSError: The disk refused.
         """
         self._write(self._records)
-        self._whole = True
 
     def write_description(self) -> None:
         """Write survey.json, for readers at a glance: nothing else depends on it.
@@ -131,6 +300,7 @@ class SurveyLog:
         content = b"".join(one.line() for one in records)
         for name in LOG_FILES:
             durable_files.replace_file(self._folder / name, content)
+        self.is_whole = True
 
     def _keep(self, record: LogRecord) -> None:
         self._records.append(record)

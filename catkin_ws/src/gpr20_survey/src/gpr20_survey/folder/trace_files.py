@@ -27,8 +27,6 @@ class TraceFile(NamedTuple):
     name: str
     fingerprint: bytes
     sample_id: str
-    timestamp_us: int
-    """Of the trace [us since 1970, UTC]."""
     sum: FileSum
     """Of the file's content."""
 
@@ -36,8 +34,7 @@ class TraceFile(NamedTuple):
     def of(cls, trace: Trace, content: bytes) -> TraceFile:
         """Return what is remembered of the file of a trace, and of its content."""
         name = survey_folder.trace_file_name(trace)
-        fingerprint, own_sum = trace.fingerprint(), sum_of(content)
-        return cls(name, fingerprint, trace.sample_id, trace.timestamp_us, own_sum)
+        return cls(name, trace.fingerprint(), trace.sample_id, sum_of(content))
 
 
 @dataclass
@@ -56,23 +53,13 @@ class TraceFiles:
         """Fingerprint of the trace of each index."""
         return {index: one.fingerprint for index, one in self.files.items()}
 
-    @property
-    def names(self) -> Dict[int, str]:
-        """Name of the file of each index."""
-        return {index: one.name for index, one in self.files.items()}
-
 
 def read_trace(
     path: Path,
     survey_id: Optional[str] = None,
     decode: Callable[[bytes], Trace] = trace_json.decode,
 ) -> Trace:
-    """Return the trace of a file, if all of it is as the storage wrote it.
-
-    Args:
-        path: The file.
-        survey_id: Whose trace it must be; None: of any survey.
-        decode: Makes a trace of the content.
+    """Return the trace of a file of a survey, or of any, if all is as the storage wrote it.
 
     Raises:
         TraceRefusedError: It is not.
@@ -86,24 +73,19 @@ def _checked(trace: Trace, path: Path, survey_id: Optional[str]) -> Trace:
         raise ForeignTraceError(
             Message("the trace belongs to survey {survey}", survey=trace.survey_id)
         )
-    if survey_folder.trace_file_name(trace) != path.name:
-        raise TraceRefusedError(
-            Message(
-                "the file should be named {name} by its content",
-                name=survey_folder.trace_file_name(trace),
-            ),
-            fault=faults.TRACE_DAMAGED,
-        )
+    name = survey_folder.trace_file_name(trace)
+    if name != path.name:
+        raise _damaged(Message("the file should be named {name} by its content", name=name))
     return trace
 
 
 def read_all(
     folder: Path, survey_id: str, shown: Shown = iter, on_trace: Optional[OnTrace] = None
 ) -> TraceFiles:
-    """Read every trace of a survey.
+    """Read every trace of a survey in the folder of its traces.
 
     Args:
-        folder: The folder of the traces.
+        folder: The folder.
         survey_id: Whose they must be.
         shown: Returns the files one by one, and may show the progress.
         on_trace: Called with every whole trace.
@@ -117,18 +99,29 @@ def read_all(
         try:
             content = _content(path)
             trace = _checked(trace_json.decode(content), path, survey_id)
-            _check_unique(trace, found.files.get(trace.index), samples.get(trace.sample_id))
+            index, sample = trace.index, trace.sample_id
+            if index in found.files:
+                other = found.files[index].name
+                raise _damaged(
+                    Message("index {index} is already in {file}", index=index, file=other)
+                )
+            if samples.setdefault(sample, index) != index:
+                raise _damaged(
+                    Message(
+                        "sample {sample} already has index {index}",
+                        sample=sample,
+                        index=samples[sample],
+                    )
+                )
         except OSError as error:
             found.damaged.append((path, os_reason(error)))
-            continue
         except TraceRefusedError as error:
             found.foreign += isinstance(error, ForeignTraceError)
             found.damaged.append((path, error.message))
-            continue
-        found.files[trace.index] = TraceFile.of(trace, content)
-        samples[trace.sample_id] = trace.index
-        if on_trace is not None:
-            on_trace(trace)
+        else:
+            found.files[index] = TraceFile.of(trace, content)
+            if on_trace is not None:
+                on_trace(trace)
     return found
 
 
@@ -136,23 +129,9 @@ def _content(path: Path) -> bytes:
     with open(open_regular(path), "rb") as stream:
         content = stream.read(MAX_FILE_BYTES + 1)
     if len(content) > MAX_FILE_BYTES:
-        raise TraceRefusedError(
-            Message("the file has more than {most} bytes", most=MAX_FILE_BYTES),
-            fault=faults.TRACE_DAMAGED,
-        )
+        raise _damaged(Message("the file has more than {most} bytes", most=MAX_FILE_BYTES))
     return content
 
 
-def _check_unique(trace: Trace, file: Optional[TraceFile], index: Optional[int]) -> None:
-    if file is not None:
-        raise TraceRefusedError(
-            Message("index {index} is already in {file}", index=trace.index, file=file.name),
-            fault=faults.TRACE_DAMAGED,
-        )
-    if index is not None:
-        raise TraceRefusedError(
-            Message(
-                "sample {sample} already has index {index}", sample=trace.sample_id, index=index
-            ),
-            fault=faults.TRACE_NOT_ALLOWED,
-        )
+def _damaged(reason: Message) -> TraceRefusedError:
+    return TraceRefusedError(reason, fault=faults.TRACE_DAMAGED)

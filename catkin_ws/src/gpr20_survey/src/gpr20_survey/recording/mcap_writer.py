@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections import Counter
 from pathlib import Path
 from typing import IO, Any, Dict, Tuple, cast
@@ -157,12 +158,11 @@ def new_mcap(path: Path, description: Dict[str, Any]) -> McapFile:
     """Begin the recording of a survey; it holds the survey's description as it is now.
 
     Raises:
-        SurveyRefusedError: The description does not hold when the survey started.
         OSError: The disk refused.
     """
-    return McapFile(
-        path,
-        survey_metadata.as_texts(description),
-        survey_metadata.encode(description),
-        survey_metadata.started_us(description) * utc_time.NS_PER_US,
-    )
+    texts = {
+        key: one if isinstance(one, str) and one.isprintable() else json.dumps(one)
+        for key, one in description.items()
+    }
+    started_ns = utc_time.parse_iso(description["started"]) * utc_time.NS_PER_US
+    return McapFile(path, texts, survey_metadata.encode(description), started_ns)

@@ -35,6 +35,8 @@ from gpr20_vna_processing.mid.reopening import Reopening
 from gpr20_vna_processing.mid.survey_end import OUTCOMES, SurveyEnd
 
 MAX_REASON_BYTES = 16384
+# Traces of the open survey wait meanwhile.
+LOCK_WAIT_S = 0.3
 
 
 class CurrentSurvey:
@@ -309,7 +311,7 @@ class CurrentSurvey:
         else:
             (folder, _), stored = find_survey(self._storage.data, survey), 0
             now = utc_time.iso_text(now_ns // utc_time.NS_PER_US)
-            description = add_to_survey(folder, change, now)
+            description = add_to_survey(folder, change, now, LOCK_WAIT_S)
         markers = description.get(MARKERS, []) if kind in OF_MARKERS else ()
         return AddedFact(description["survey_id"], folder, stored, markers)
 

@@ -8,10 +8,10 @@ from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message
 from gpr20_common.mid.codec import record_from
 from gpr20_survey.errors import SurveyRefusedError
-from gpr20_survey.folder.annotating import Change, Fact, annotate
+from gpr20_survey.folder.annotating import Change, Fact
 from gpr20_survey.folder.log_record import NOTES, Kind
 from gpr20_survey.folder.survey_metadata import MAX_BYTES, MAX_REPORT_BYTES, parse_object
-from gpr20_survey.plan.annotation import ANNOTATION, from_values
+from gpr20_survey.plan.annotation import ANNOTATION, from_values, keeping_heading
 from gpr20_survey.plan.markers import REQUEST_KEYS, Marker, new_marker, removed_marker
 from gpr20_survey.results.found import FORMAT, found_of
 from gpr20_survey.trace import utc_time
@@ -46,8 +46,14 @@ def requested_fact(kind: str, values_json: str, now: str) -> Tuple[Kind, Change]
 def _annotation(kind: Kind, values: Dict[str, Any], _now: str) -> Change:
     # It replaces the former one: what is left out by mistake would be lost.
     _check_keys(kind, {**dict.fromkeys(OPTIONAL_KEYS), **values}, ANNOTATION_KEYS)
-    change = annotate(from_values(values))
-    return lambda description: _unless_entry(description, ANNOTATION, change(description))
+    annotation = from_values(values)
+
+    def change(description: Dict[str, Any]) -> Optional[Fact]:
+        # Its heading is that of the former one at this position.
+        fact = Fact(kind, keeping_heading(annotation, description).values())
+        return _unless_entry(description, ANNOTATION, fact)
+
+    return change
 
 
 def _report(kind: Kind, values: Dict[str, Any], _now: str) -> Change:

@@ -13,9 +13,9 @@ from gpr20_survey.faults import CLOCK_WRONG
 from gpr20_survey.files import durable_files, file_sums
 from gpr20_survey.files.access import Readers
 from gpr20_survey.folder import survey_folder, survey_metadata
-from gpr20_survey.folder.log_content import START
-from gpr20_survey.folder.log_reading import read_log
 from gpr20_survey.folder.log_record import Kind, LogRecord
+from gpr20_survey.folder.survey_log import read_log
+from gpr20_survey.folder.survey_metadata import START
 from gpr20_survey.trace import utc_time
 from gpr20_vna_processing import faults
 from gpr20_vna_processing.mid.processing_records import BYTES_PER_MB, Storage

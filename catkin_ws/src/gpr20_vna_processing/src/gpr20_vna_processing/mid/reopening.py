@@ -23,7 +23,7 @@ from gpr20_survey.errors import (
 )
 from gpr20_survey.faults import REPAIRED
 from gpr20_survey.files import durable_files
-from gpr20_survey.folder import manifest, survey_folder, survey_metadata
+from gpr20_survey.folder import manifest, survey_folder
 from gpr20_survey.folder.log_record import Kind, LogRecord
 from gpr20_survey.folder.manifest import SIGNATURE_FILE, Manifest
 from gpr20_survey.folder.recovery import RecoveredSurvey, open_log, recover, repairs_of
@@ -91,7 +91,6 @@ class Reopening:
                 raise refusals.imported(folder)
             self._repairs = repairs_of(self._recovered)
             self._start = self._recovered.found.records[0].values
-            survey_metadata.started_us(self._start)
             survey_id = self._recovered.survey_id
             self._sealed, self._manifest_damage = _read_manifest(folder, survey_id)
             misfits = _misfits(description)

@@ -39,7 +39,6 @@ def summary_of(folder: Path) -> SurveySummary:
     try:
         survey_folder.check_no_links(folder)
         values = read_description(folder)
-        survey_folder.check_survey_id(values["survey_id"])
         stored = list(trace_names(folder))
         # Without a manifest nothing vouches for the outcome.
         sealed = (folder / MANIFEST_FILE).is_file()

@@ -27,7 +27,7 @@ from gpr20_analysis.read.verification import verify_survey
 from gpr20_analysis.read.verification_result import COMPLETE
 from gpr20_survey.errors import StorageFailedError
 from gpr20_survey.files import file_sums
-from gpr20_survey.folder import log_reading
+from gpr20_survey.folder import survey_log
 from gpr20_survey.folder.annotating import add_to_survey
 
 STORED = 6
@@ -191,7 +191,7 @@ def test_a_log_that_the_disk_does_not_show_is_not_called_another_survey(tmp_path
     def refuse(_path):
         raise OSError(errno.EIO, "Input/output error")
 
-    for module in (log_reading, file_sums):
+    for module in (survey_log, file_sums):
         monkeypatch.setattr(module, "open_regular", refuse)
     with pytest.raises(StorageFailedError):
         Kit(tmp_path).open(metadata_json=METADATA)

@@ -54,7 +54,7 @@ def written_of(stored: Optional[StoredSurvey], text: Text) -> Dict[str, Any]:
     Raises:
         Gpr20Error: It is damaged.
     """
-    values = {} if stored is None else parse_object(stored.text, "survey.json", MAX_FILE_BYTES)
+    values = {} if stored is None else parse_object(stored.text, "metadata_json", MAX_FILE_BYTES)
     notes = annotation_texts(annotation_of(values))
     return {
         "notes": [(text(one.title), notes[one.name]) for one in PEOPLE if notes[one.name]],

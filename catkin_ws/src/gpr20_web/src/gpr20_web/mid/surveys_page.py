@@ -205,7 +205,7 @@ class SurveysPage(WebPage):
         line = f"{when} UTC, {call.who.name}: " + "\n    ".join(text.splitlines())
         with self._noting:
             stored = self._services.ask(Service.READ, survey=folder)
-            before = annotation_of(parse_object(stored.text, "survey.json", MAX_FILE_BYTES))
+            before = annotation_of(parse_object(stored.text, "metadata_json", MAX_FILE_BYTES))
             after = replace(before, notes=f"{before.notes}\n{line}".lstrip("\n"))
             self._add_fact(folder, Kind.ANNOTATION, after.values())
         self._audit(call, "note", folder=folder, text=text)
@@ -230,7 +230,7 @@ class SurveysPage(WebPage):
 
     def _check_own_marker(self, call: Call, marker_id: str) -> None:
         stored = self._services.ask(Service.READ, survey=self._folder(call).name)
-        markers = present_markers(parse_object(stored.text, "survey.json", MAX_FILE_BYTES))
+        markers = present_markers(parse_object(stored.text, "metadata_json", MAX_FILE_BYTES))
         authors = [one.author for one in markers if one.marker_id == marker_id]
         if not authors:
             raise NotFoundError(Message("there is no such marker; it may have been removed"))

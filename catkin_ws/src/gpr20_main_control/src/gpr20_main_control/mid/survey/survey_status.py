@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Callable, Dict, FrozenSet, Optional
 from gpr20_common.errors import Gpr20Error
 from gpr20_common.message import Message, in_a_row
 from gpr20_main_control.mid.survey.coverage import Coverage
-from gpr20_survey import faults
 from gpr20_survey.plan.survey_parameters import SurveyParameters
 from gpr20_survey.plan.survey_points import SurveyPoint
 from gpr20_survey.plan.survey_state import SurveyState
@@ -41,8 +40,6 @@ TRANSITIONS: Dict[SurveyState, FrozenSet[SurveyState]] = {
 
 class TransitionError(Gpr20Error, RuntimeError):
     """A state cannot follow another."""
-
-    fault = faults.WRONG_STATE
 
 
 def check_transition(before: SurveyState, after: SurveyState) -> None:

@@ -109,7 +109,7 @@ class AnnotationSheet(Overlay):
 
     def _take(self, stored: StoredSurvey) -> None:
         try:
-            description = parse_object(stored.text, "survey.json", MAX_FILE_BYTES)
+            description = parse_object(stored.text, "metadata_json", MAX_FILE_BYTES)
             self.show_annotation(self._wanted, annotation_of(description))
         except (SurveyRefusedError, InvalidValueError) as error:
             self.failed.emit(error.message)
