@@ -62,23 +62,18 @@ class TraceFiles:
         return {index: one.name for index, one in self.files.items()}
 
 
-def read_trace(
-    path: Path,
-    survey_id: Optional[str] = None,
-    decode: Callable[[bytes], Trace] = trace_json.decode,
-) -> Trace:
+def read_trace(path: Path, survey_id: Optional[str] = None) -> Trace:
     """Return the trace of a file, if all of it is as the storage wrote it.
 
     Args:
         path: The file.
         survey_id: Whose trace it must be; None: of any survey.
-        decode: Makes a trace of the content.
 
     Raises:
         TraceRefusedError: It is not.
         OSError: The file cannot be read.
     """
-    return _checked(decode(_content(path)), path, survey_id)
+    return _checked(trace_json.decode(_content(path)), path, survey_id)
 
 
 def _checked(trace: Trace, path: Path, survey_id: Optional[str]) -> Trace:

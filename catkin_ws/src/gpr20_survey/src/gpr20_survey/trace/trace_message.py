@@ -7,13 +7,20 @@ import struct
 from typing import Iterable
 
 from gpr20_common.message import Message
+from gpr20_common.mid.codec import shortened
 from gpr20_survey import faults
 from gpr20_survey.errors import TraceRefusedError
 from gpr20_survey.frames import ANTENNA_LINK
 from gpr20_survey.trace.aux_value import AuxValue
 from gpr20_survey.trace.trace import TRACE_FIELDS, Trace
-from gpr20_survey.trace.trace_form import UINT, Reader, TraceField, pack_text, pack_time, record_of
-from gpr20_survey.trace.trace_rule import shortened
+from gpr20_survey.trace.trace_form import (
+    UINT,
+    Reader,
+    TraceField,
+    fields_of,
+    pack_text,
+    pack_time,
+)
 
 DATATYPE = "gpr20_msgs/Trace"
 _HEADER = "uint32 seq\ntime stamp\nstring frame_id\n"
@@ -35,9 +42,9 @@ MD5SUM = _md5sum(TRACE_FIELDS, f"{_md5sum((), _HEADER)} header")
 DEFINITION = (
     f"std_msgs/Header header\n{_lines(TRACE_FIELDS)}"
     f"{_OTHER}std_msgs/Header\n{_HEADER}"
-    f"{_OTHER}gpr20_msgs/AuxValue\n{_lines(record_of(AuxValue).parts)}"
+    f"{_OTHER}gpr20_msgs/AuxValue\n{_lines(fields_of(AuxValue))}"
 )
-"""Definition of the message with its types, as a recording holds it."""
+"""Definition of the message with its types, where ROS with its comments is not installed."""
 
 
 def encode(trace: Trace) -> bytes:
@@ -58,36 +65,22 @@ def decode(data: bytes, md5sum: str = MD5SUM) -> Trace:
             allowed.
     """
     if md5sum != MD5SUM:
-        raise TraceRefusedError(
-            Message(
-                "a trace was recorded with version {found} of {datatype}; this software reads "
-                "{own}",
-                datatype=DATATYPE,
-                found=shortened(md5sum),
-                own=repr(MD5SUM),
-            ),
-            fault=faults.TRACE_OTHER_VERSION,
+        reason = Message(
+            "a trace was recorded with version {found} of {datatype}; this software reads {own}",
+            datatype=DATATYPE,
+            found=shortened(md5sum),
+            own=repr(MD5SUM),
         )
+        raise TraceRefusedError(reason, fault=faults.TRACE_OTHER_VERSION)
     reader = Reader(data)
     try:
         reader.one(UINT)  # every ROS publisher gives `seq` a number of its own
-        header = reader.time_us(), reader.text()
+        # The rest of the header says again what the trace holds.
+        reader.time_us(), reader.text()
         values = {one.attribute: one.form.unpack(reader) for one in TRACE_FIELDS}
+        if reader.read(1):
+            raise struct.error("it is longer than its fields")
     except (struct.error, UnicodeDecodeError) as error:
-        raise TraceRefusedError(
-            Message("a recorded trace is incomplete", details=error), fault=faults.TRACE_DAMAGED
-        ) from error
-    trace = Trace.of_values(values)
-    if header != (trace.timestamp_us, ANTENNA_LINK):
-        raise TraceRefusedError(
-            Message(
-                "the header of a trace is wrong: its stamp must be the timestamp and its "
-                "frame_id {frame}",
-                frame=repr(ANTENNA_LINK),
-            )
-        )
-    if reader.left:
-        raise TraceRefusedError(
-            Message("a recorded trace is longer than its fields"), fault=faults.TRACE_DAMAGED
-        )
-    return trace
+        reason = Message("a recorded trace is incomplete", details=error)
+        raise TraceRefusedError(reason, fault=faults.TRACE_DAMAGED) from error
+    return Trace.of_values(values)
