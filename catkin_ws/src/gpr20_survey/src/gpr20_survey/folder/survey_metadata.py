@@ -209,14 +209,6 @@ def message_record(message: Message) -> Dict[str, Any]:
     return values
 
 
-def as_texts(values: Dict[str, Any]) -> Dict[str, str]:
-    """Return the top entries as texts: texts as they are, all else as JSON."""
-    return {
-        key: value if isinstance(value, str) and value.isprintable() else json.dumps(value)
-        for key, value in values.items()
-    }
-
-
 def _refuse_constant(name: str) -> NoReturn:
     raise ValueError(f"{name} is not allowed in JSON")
 
