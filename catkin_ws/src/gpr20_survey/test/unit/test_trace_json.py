@@ -9,14 +9,12 @@ import math
 from types import SimpleNamespace
 
 import numpy as np
-import pytest
 from case_kit import each_case
 from fault_kit import raises_fault
 from hypothesis import given
 from hypothesis import strategies as st
 from trace_examples import STARTED_US, SURVEY, assert_same_numbers, make_trace
 
-from gpr20_survey import faults
 from gpr20_survey.errors import TraceRefusedError
 from gpr20_survey.trace import trace_json, utc_time
 from gpr20_survey.trace.aux_value import AuxValue
@@ -209,18 +207,3 @@ def test_a_block_arrives_as_it_was_sent(indices):
         own, other = getattr(block, name), getattr(found, name)
         assert own.dtype == other.dtype and own.shape == other.shape, name
         np.testing.assert_array_equal(own, other, name)
-
-
-@pytest.mark.parametrize(
-    "changes",
-    [
-        {"indices": (1, 1)},
-        {"indices": (1, 2, 3)},
-        {"s21": bytes(79)},
-        {"frequency_hz": (1e9, 2e9)},
-    ],
-)
-def test_a_block_that_contradicts_itself_is_refused(changes):
-    whole = TraceBlock.of(SURVEY, [make_trace(1), make_trace(2)])
-    with raises_fault(faults.TRACE_DAMAGED, error=TraceRefusedError):
-        received(whole, **changes)

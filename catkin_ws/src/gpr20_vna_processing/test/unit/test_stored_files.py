@@ -71,8 +71,11 @@ def test_what_is_stored_is_read_and_what_is_not_is_named(
     assert_as_stored(found.block)
 
 
-def test_a_file_that_is_not_whole_is_named_and_the_others_are_read(tmp_path):
+def test_a_trace_of_which_nothing_is_whole_is_named_and_the_others_are_read(tmp_path):
     folder = stored_survey(tmp_path, PLANNED)
+    json_file(folder, 6).write_bytes(b"{")
+    assert TraceReader().read(folder, SURVEY, [6]).block.indices.tolist() == [6]
+    (folder / "survey.mcap").unlink()
     torn, unreadable = json_file(folder, 2), json_file(folder, 3)
     torn.write_bytes(torn.read_bytes()[:-20])
     unreadable.unlink()

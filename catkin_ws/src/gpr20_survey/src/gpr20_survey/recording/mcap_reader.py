@@ -115,18 +115,20 @@ class StoredMcap:
 
     def _check_sums(self, content: bytes) -> None:
         """Find damage outside the chunks, also of a length that hid the end of the data."""
-        footer = len(content) - len(MAGIC) - FOOTER.size
-        if footer < len(MAGIC):
-            self._damaged("it is too short")
-            return
-        opcode, size, start, _offsets, expected = FOOTER.unpack(content[footer : -len(MAGIC)])
-        summary = zlib.crc32(memoryview(content)[start : footer + FOOTER.size - 4])
-        if (opcode, size, summary) != (Opcode.FOOTER, FOOTER.size - RECORD.size, expected):
-            self._damaged("the checksum of its summary is wrong")
-            return
-        data = memoryview(content)[: start - DATA_END.size]
-        if content[len(data) : start] != DATA_END.pack(Opcode.DATA_END, 4, zlib.crc32(data)):
-            self._damaged("the checksum of its data is wrong")
+        is_whole = False
+        with contextlib.suppress(struct.error):  # it is too short
+            place = len(content) - len(MAGIC) - FOOTER.size
+            opcode, size, summary, _offsets, expected = FOOTER.unpack_from(content, place)
+            found = zlib.crc32(memoryview(content)[summary : place + FOOTER.size - 4])
+            data = memoryview(content)[: max(0, summary - DATA_END.size)]
+            end = DATA_END.pack(Opcode.DATA_END, 4, zlib.crc32(data))
+            is_whole = content[len(data) : summary] == end and (opcode, size, found) == (
+                Opcode.FOOTER,
+                FOOTER.size - RECORD.size,
+                expected,
+            )
+        if not is_whole:
+            self._damaged("a checksum outside its chunks is wrong")
 
     def _damaged(self, details: str) -> None:
         self.faults.append(Message("{file} is damaged", file=self.path.name, details=details))

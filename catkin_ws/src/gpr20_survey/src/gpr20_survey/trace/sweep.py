@@ -9,26 +9,14 @@ import numpy as np
 
 from gpr20_common.message import Message
 from gpr20_survey import faults
+from gpr20_survey.trace import trace_form as forms
 from gpr20_survey.trace import utc_time
 from gpr20_survey.trace.sweep_settings import AnalyzerSettings
-from gpr20_survey.trace.trace_form import (
-    FLOATS,
-    PLAUSIBLE,
-    TEXT,
-    TIME,
-    Rule,
-    check,
-    fields_of,
-    list_of,
-    of,
-    printable,
-    refuse,
-)
 
 MIN_POINTS, MAX_POINTS = 2, 4001
 MAX_REMARKS, MAX_REMARK_CHARACTERS = 32, 200
-_REMARK = printable(MAX_REMARK_CHARACTERS)
-_REMARKS = Rule(
+_REMARK = forms.printable(MAX_REMARK_CHARACTERS)
+_REMARKS = forms.Rule(
     lambda remarks: len(remarks) <= MAX_REMARKS and all(map(_REMARK.holds, remarks)),
     Message(
         "at most {most} remarks, each printable and of at most {characters} characters",
@@ -49,19 +37,19 @@ class Sweep:
         TraceRefusedError: A value is not allowed; the message names it.
     """
 
-    frequency_hz: np.ndarray = of(FLOATS, "frequencies, ascending", "Hz")
-    s21_real: np.ndarray = of(FLOATS, "real part of S21, linear", "1")
-    s21_imag: np.ndarray = of(FLOATS, "imaginary part of S21, linear", "1")
-    sweep_started_us: int = of(TIME, "when the sweep was triggered", rule=PLAUSIBLE)
-    sweep_ended_us: int = of(TIME, "when the end of the sweep was seen", rule=PLAUSIBLE)
-    quality: Tuple[str, ...] = of(
-        list_of(TEXT), "remarks on the quality; empty if there are none", rule=_REMARKS
+    frequency_hz: np.ndarray = forms.of(forms.FLOATS, "frequencies, ascending", "Hz")
+    s21_real: np.ndarray = forms.of(forms.FLOATS, "real part of S21, linear", "1")
+    s21_imag: np.ndarray = forms.of(forms.FLOATS, "imaginary part of S21, linear", "1")
+    sweep_started_us: int = forms.of(forms.TIME, "when the sweep was triggered")
+    sweep_ended_us: int = forms.of(forms.TIME, "when the end of the sweep was seen")
+    quality: Tuple[str, ...] = forms.of(
+        forms.list_of(forms.TEXT), "remarks on the quality; empty if there are none", rule=_REMARKS
     )
     analyzer: AnalyzerSettings
 
     def __post_init__(self) -> None:
-        check(SWEEP_FIELDS, vars(self))
-        check(SETTINGS, vars(self.analyzer))
+        forms.check(SWEEP_FIELDS, vars(self))
+        forms.check(SETTINGS, vars(self.analyzer))
         self._check_numbers()
         if self.sweep_ended_us < self.sweep_started_us:
             reason = Message(
@@ -69,7 +57,7 @@ class Sweep:
                 ended=utc_time.iso_text(self.sweep_ended_us),
                 started=utc_time.iso_text(self.sweep_started_us),
             )
-            refuse(reason, faults.CLOCK_WRONG)
+            forms.refuse(reason, faults.CLOCK_WRONG)
 
     @property
     def duration_s(self) -> float:
@@ -79,7 +67,7 @@ class Sweep:
     def _check_numbers(self) -> None:
         points, hz = len(self.frequency_hz), self.frequency_hz
         if not MIN_POINTS <= points <= MAX_POINTS:
-            refuse(
+            forms.refuse(
                 Message(
                     "there are {points} points; there must be {lower} to {upper}",
                     points=points,
@@ -93,19 +81,19 @@ class Sweep:
             named = {"name": name, "count": values.size, "points": points}
             if values.dtype != np.float64 or values.shape != (points,):
                 reason = Message("{name} has {count} values for {points} frequencies", **named)
-                refuse(reason, faults.WRONG_SWEEP)
+                forms.refuse(reason, faults.WRONG_SWEEP)
             if not np.isfinite(values).all():
                 named["count"] = np.count_nonzero(~np.isfinite(values))
                 reason = Message("{name} contains {count} NaN or infinite values", **named)
-                refuse(reason, faults.WRONG_SWEEP)
+                forms.refuse(reason, faults.WRONG_SWEEP)
         if hz[0] <= 0.0 or not (hz[1:] > hz[:-1]).all():
-            refuse(
+            forms.refuse(
                 Message("frequency_hz must be above zero and ascend from each point to the next"),
                 faults.WRONG_SWEEP,
             )
 
 
-SETTINGS, SWEEP_FIELDS = fields_of(AnalyzerSettings), fields_of(Sweep)
+SETTINGS, SWEEP_FIELDS = forms.fields_of(AnalyzerSettings), forms.fields_of(Sweep)
 
 
 def storable_remark(remark: str) -> str:

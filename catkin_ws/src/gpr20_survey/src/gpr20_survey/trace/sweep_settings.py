@@ -8,14 +8,14 @@ import numpy as np
 
 from gpr20_common.message import Message
 from gpr20_survey import faults
-from gpr20_survey.trace.trace_form import FLOAT64, INT32, TEXT, between, of, printable
+from gpr20_survey.trace import trace_form as forms
 
 # Far beyond what any analyzer has.
 MAX_IF_BANDWIDTH_HZ = 1.0e9
 MAX_AVERAGES = 1_000_000
-_BANDWIDTH = between(0.0, MAX_IF_BANDWIDTH_HZ, faults.WRONG_SWEEP)
-_AVERAGES = between(0, MAX_AVERAGES, faults.WRONG_SWEEP)
-_POWER = printable(32, faults.WRONG_SWEEP)
+_BANDWIDTH = forms.between(0.0, MAX_IF_BANDWIDTH_HZ, faults.WRONG_SWEEP)
+_AVERAGES = forms.between(0, MAX_AVERAGES, faults.WRONG_SWEEP)
+_POWER = forms.printable(32, faults.WRONG_SWEEP)
 
 
 @dataclass(frozen=True)
@@ -26,14 +26,14 @@ class AnalyzerSettings:
     it means that the value is not known.
     """
 
-    if_bandwidth_hz: float = of(
-        FLOAT64, "bandwidth of the receiver, as read back", "Hz", 0.0, _BANDWIDTH, 0.0
+    if_bandwidth_hz: float = forms.of(
+        forms.FLOAT64, "bandwidth of the receiver, as read back", "Hz", 0.0, _BANDWIDTH, 0.0
     )
-    averages: int = of(
-        INT32, "sweeps averaged for the trace, as read back", "", 0, _AVERAGES, default=0
+    averages: int = forms.of(
+        forms.INT32, "sweeps averaged for the trace, as read back", "", 0, _AVERAGES, default=0
     )
-    output_power: str = of(
-        TEXT, "as read back; `LOW` or `HIGH` for the MS2026C", "", "", _POWER, default=""
+    output_power: str = forms.of(
+        forms.TEXT, "as read back; `LOW` or `HIGH` for the MS2026C", "", "", _POWER, default=""
     )
 
     @property

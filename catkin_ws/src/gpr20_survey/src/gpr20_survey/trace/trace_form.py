@@ -9,21 +9,10 @@ from __future__ import annotations
 import dataclasses
 import io
 import math
+import re
 import struct
 from dataclasses import dataclass
-from typing import (
-    Any,
-    Callable,
-    Dict,
-    Iterable,
-    List,
-    Mapping,
-    NoReturn,
-    Optional,
-    Pattern,
-    Tuple,
-    Type,
-)
+from typing import Any, Callable, Dict, Iterable, List, Mapping, NoReturn, Optional, Tuple, Type
 
 import numpy as np
 
@@ -70,7 +59,7 @@ def printable(most: int, fault: Fault = faults.TRACE_NOT_ALLOWED) -> Rule:
 
 
 def matching(
-    pattern: Pattern[str], allowed: Message, fault: Fault = faults.TRACE_NOT_ALLOWED
+    pattern: re.Pattern, allowed: Message, fault: Fault = faults.TRACE_NOT_ALLOWED
 ) -> Rule:
     """Return the rule of a text that is all of a pattern."""
     return Rule(lambda text: pattern.fullmatch(text) is not None, allowed, fault)
@@ -128,6 +117,7 @@ class Form:
         json: Type of its values in JSON, for `gpr20_common.mid.codec`.
         as_json: Returns a value for JSON.
         of_json: Returns the value of one from JSON; raises InvalidValueError.
+        rule: What its values must be where no other rule is declared.
         parts: The fields of each value, if it is a message of its own.
     """
 
@@ -137,6 +127,7 @@ class Form:
     json: Any
     as_json: Callable[[Any], Any]
     of_json: Callable[[Any], Any]
+    rule: Optional[Rule] = None
     parts: Tuple[TraceField, ...] = ()
 
 
@@ -182,8 +173,8 @@ def of(
     default: Any = dataclasses.MISSING,
 ) -> Any:
     """Declare a field of a dataclass that is a field of a trace."""
-    metadata = {"form": form, "meaning": meaning, "unit": unit, "unknown": unknown, "rule": rule}
-    return dataclasses.field(default=default, metadata=metadata)
+    own = {"form": form, "meaning": meaning, "unit": unit, "unknown": unknown}
+    return dataclasses.field(default=default, metadata={**own, "rule": rule or form.rule})
 
 
 def fields_of(kind: Type[Any]) -> Tuple[TraceField, ...]:
@@ -275,8 +266,10 @@ def _whole(ros: str, code: str) -> Form:
 
 TEXT = Form("string", pack_text, Reader.text, str, str, str)
 UINT32, INT32 = _whole("uint32", "<I"), _whole("int32", "<i")
-FLOAT64 = Form("float64", _NUMBER.pack, _number, float, float, float)
-TIME = Form("time", pack_time, Reader.time_us, str, utc_time.iso_text, utc_time.parse_iso)
+FLOAT64 = Form("float64", _NUMBER.pack, _number, float, float, float, FINITE)
+TIME = Form(
+    "time", pack_time, Reader.time_us, str, utc_time.iso_text, utc_time.parse_iso, PLAUSIBLE
+)
 FLOATS = Form(
     "float64[]",
     _pack_numbers,
@@ -301,7 +294,7 @@ def list_of(form: Form, count: Optional[int] = None) -> Form:
         Tuple[(form.json,) * count] if count else Tuple[form.json, ...],
         lambda values: list(map(form.as_json, values)),
         lambda values: tuple(map(form.of_json, values)),
-        form.parts,
+        parts=form.parts,
     )
 
 
@@ -315,5 +308,5 @@ def record_of(kind: Type[Any]) -> Form:
         json_record(kind.__name__, parts),
         lambda one: as_json(parts, vars(one)),
         lambda record: kind(**of_json(parts, record)),
-        parts,
+        parts=parts,
     )

@@ -51,9 +51,3 @@ def parse_iso(text: str) -> int:
             example=iso_text(EARLIEST_US),
         )
     )
-
-
-def compact_text(time_us: int) -> str:
-    """Return a moment [us since 1970] as YYYYMMDDTHHMMSS, for names."""
-    moment = _EPOCH + datetime.timedelta(microseconds=time_us)
-    return moment.strftime("%Y%m%dT%H%M%S")

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 import re
 import threading
 import time
 from functools import lru_cache
 from pathlib import Path
-from typing import Dict, List, Mapping, NamedTuple, Optional, Sequence, Tuple
+from typing import Collection, Dict, List, Mapping, NamedTuple, Optional, Sequence, Tuple
 
 import numpy as np
 
@@ -17,6 +18,8 @@ from gpr20_common.os_reason import os_reason
 from gpr20_common.terminal_text import printable
 from gpr20_survey.errors import ProcessingError, TraceRefusedError
 from gpr20_survey.folder import survey_folder, trace_files
+from gpr20_survey.recording.mcap_reader import StoredMcap
+from gpr20_survey.trace import trace_message
 from gpr20_survey.trace.trace import Trace
 from gpr20_survey.trace.trace_block import TraceBlock
 
@@ -42,7 +45,7 @@ Version = Tuple[Tuple[int, ...], ...]
 
 
 class TraceReader:
-    """Reads traces from their JSON files.
+    """Reads a trace from its JSON file, or from the MCAP if the file is not whole.
 
     Any thread may call it. It remembers the names of the last survey's files, and holds no file
     open between two calls: the disk can be removed.
@@ -64,7 +67,7 @@ class TraceReader:
         Raises:
             ProcessingError: The folder cannot be read.
         """
-        traces: List[Trace] = []
+        found: Dict[int, Trace] = {}
         unreadable: Dict[int, Message] = {}
         points = 0
         with self._one_at_a_time:
@@ -73,19 +76,34 @@ class TraceReader:
             end_s = time.monotonic() + MAX_READING_S
             for index in indices:
                 try:
-                    trace = _from_file(folder, survey_id, names.get(index))
+                    found[index] = _from_file(folder, survey_id, names.get(index))
+                    points += len(found[index].frequency_hz)
                 except TraceRefusedError as error:
                     unreadable[index] = error.message
                 except OSError as error:
                     unreadable[index] = os_reason(error)
-                else:
-                    first = traces[0] if traces else trace
-                    if np.array_equal(trace.frequency_hz, first.frequency_hz):
-                        traces.append(trace)
-                        points += len(trace.frequency_hz)
                 if points >= MAX_POINTS or time.monotonic() > end_s:
                     break
-        return ReadTraces(TraceBlock.of(survey_id, traces), unreadable)
+            if unreadable:
+                found.update(_recorded(folder, survey_id, unreadable.keys()))
+        traces = [found[index] for index in indices if index in found]
+        same = [one for one in traces if np.array_equal(one.frequency_hz, traces[0].frequency_hz)]
+        reasons = {index: one for index, one in unreadable.items() if index not in found}
+        return ReadTraces(TraceBlock.of(survey_id, same), reasons)
+
+
+def _recorded(folder: Path, survey_id: str, indices: Collection[int]) -> Dict[int, Trace]:
+    """Return the traces of these places that the MCAP holds."""
+    found = {}
+    with contextlib.suppress(OSError):
+        for message in StoredMcap(folder / survey_folder.MCAP_FILE).messages(
+            trace_message.DATATYPE
+        ):
+            with contextlib.suppress(TraceRefusedError):  # its file says what is wrong
+                trace = trace_message.decode(message.data, message.md5sum)
+                if trace.survey_id == survey_id and trace.index in indices:
+                    found[trace.index] = trace
+    return found
 
 
 def trace_names(folder: Path) -> Dict[int, str]:
