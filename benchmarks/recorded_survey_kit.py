@@ -21,9 +21,9 @@ from gpr20_survey.plan.survey_parameters import RobotTravel, SurveyParameters, T
 from gpr20_survey.plan.survey_points import survey_points
 from gpr20_survey.recording.bag import write_bag
 from gpr20_survey.recording.mcap_reader import StoredMcap
-from gpr20_survey.recording.mcap_writer import new_mcap
+from gpr20_survey.recording.mcap_writer import McapFile
 from gpr20_survey.recording.survey_topics import SurveyTopics
-from gpr20_survey.trace import trace_json, trace_message
+from gpr20_survey.trace import trace_json
 from gpr20_survey.trace.sweep_settings import AnalyzerSettings
 from gpr20_survey.trace.trace import Trace
 
@@ -53,8 +53,8 @@ def make(folder: Path, x_points: int, y_points: int, frequency_points: int = 501
     traces.mkdir(parents=True)
     description = _description(parameters, len(points))
     text = json.dumps(description)
-    recording = new_mcap(folder / survey_folder.MCAP_FILE, description)
-    topics = SurveyTopics(trace_message.DEFINITION)
+    recording = McapFile(folder / survey_folder.MCAP_FILE)
+    topics = SurveyTopics()
     recording.write(topics.metadata(text, STARTED_US * 1000))
     noise = np.random.default_rng(20)
     frequency_hz = np.linspace(6e8, 6e9, frequency_points)

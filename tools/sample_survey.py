@@ -29,8 +29,7 @@ def copy_traces(recorded: Path, output: Path) -> None:
     """Copy the messages of `TOPICS` as a survey is recorded, each trace in a chunk of its own."""
     with recorded.open("rb") as source:
         reader = make_reader(source)
-        (record,), (attached,) = reader.iter_metadata(), reader.iter_attachments()
-        target = McapFile(output, record.metadata, attached.data, attached.log_time)
+        target = McapFile(output)
         for schema, channel, message in reader.iter_messages(log_time_order=False):
             name = channel.topic.split("/")[-1]
             if schema is None or name not in TOPICS:

@@ -40,7 +40,6 @@ from gpr20_survey.plan.robot_description import PLAIN_NAMES, STORAGE, STORAGE_NA
 from gpr20_survey.plan.survey_parameters import SurveyParameters, SurveySettings
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_survey.recording.survey_topics import SurveyTopics
-from gpr20_survey.trace import trace_message
 from gpr20_vna_acquisition.low.vxi11_transport import LinkLimits
 from gpr20_vna_acquisition.mid.analyzers import make_analyzer
 from gpr20_vna_acquisition.mid.request_deadline import RequestDeadline
@@ -183,7 +182,7 @@ class RobotInProcess:
         parts = StorageParts(
             data=data,
             check_data=lambda: ensure_folders(data, 0o750),
-            topics=SurveyTopics(trace_message.DEFINITION),
+            topics=SurveyTopics(),
             free_bytes=lambda _path: self.world.free_bytes,
             now_ns=lambda: time.time_ns(),  # as it is set by then
             clock=Clock(),

@@ -20,11 +20,10 @@ from gpr20_survey.folder.signature import Signer
 from gpr20_survey.plan.annotation import Annotation
 from gpr20_survey.plan.markers import Marker
 from gpr20_survey.recording.bag import make_bag
-from gpr20_survey.recording.mcap_reader import StoredMcap
-from gpr20_survey.recording.mcap_writer import new_mcap
+from gpr20_survey.recording.mcap_writer import McapFile
 from gpr20_survey.recording.recording import RecordedMessage
 from gpr20_survey.recording.survey_topics import SurveyTopics, recorded_trace
-from gpr20_survey.trace import trace_message, utc_time
+from gpr20_survey.trace import trace_message
 from gpr20_survey.trace.trace import Trace
 from gpr20_vna_processing.mid.data_processing import DataProcessing
 from gpr20_vna_processing.mid.processing_records import AddedFact, Limits, Storage, SurveyEnd
@@ -72,8 +71,7 @@ def bag_messages(path: Path) -> List[RecordedMessage]:
 
 def with_bag(folder: Path) -> Path:
     """Make the bag of a survey that has ended, as the node does; return its folder."""
-    now = utc_time.iso_text(NOW_NS // utc_time.NS_PER_US)
-    make_bag(folder, StoredMcap(folder / "survey.mcap"), now)
+    make_bag(folder)
     return folder
 
 
@@ -143,7 +141,7 @@ class Kit:
     def __init__(
         self,
         data: Path,
-        open_recording: Callable[..., Any] = new_mcap,
+        open_recording: Callable[..., Any] = McapFile,
         limits: Limits = Limits(timeout_s=10.0, period_s=0.05),  # noqa: B008, RUF100
         free_bytes: int = FREE_BYTES,
         now_ns: int = NOW_NS,
@@ -161,7 +159,7 @@ class Kit:
                 data=data,
                 check_data=check_data or (lambda: ensure_folders(data, readers.folder_mode)),
                 open_recording=open_recording,
-                topics=SurveyTopics(trace_message.DEFINITION),
+                topics=SurveyTopics(),
                 free_bytes=lambda _: free_bytes,
                 now_ns=lambda: self.now_ns,
                 clock=Clock(),

@@ -20,7 +20,7 @@ from gpr20_survey.folder.survey_log import SurveyLog
 from gpr20_survey.folder.survey_metadata import INTERRUPTED
 from gpr20_survey.plan.survey_points import survey_points
 from gpr20_survey.trace.trace import Trace
-from gpr20_survey.trace.trace_json import CHECKSUM, sealed
+from gpr20_survey.trace.trace_json import sealed
 from gpr20_vna_processing.mid.data_processing import DataProcessing
 
 SURVEY_PARAMETERS = replace(planned_survey.PARAMETERS, polarizations_deg=(0.0, 90.0))
@@ -92,5 +92,5 @@ def contents(folder: Path) -> Dict[str, bytes]:
 
 def write_trace_file(path: Path, values: Mapping[str, Any]) -> None:
     """Write values as a trace's file with a right checksum."""
-    without: Dict[str, Any] = {key: one for key, one in values.items() if key != CHECKSUM}
+    without: Dict[str, Any] = {key: one for key, one in values.items() if key != "sha256"}
     path.write_bytes(sealed(json.dumps(without).encode()))

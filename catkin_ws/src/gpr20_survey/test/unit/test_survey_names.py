@@ -13,8 +13,8 @@ from trace_examples import MESSAGES, STARTED_US, SURVEY, make_trace
 
 from gpr20_survey.errors import SurveyRefusedError
 from gpr20_survey.folder import survey_folder, survey_metadata
-from gpr20_survey.recording import replay_message
-from gpr20_survey.recording.replay_message import RecordedSurvey
+from gpr20_survey.recording import survey_topics
+from gpr20_survey.recording.survey_topics import RecordedSurvey
 
 DATA = Path("/data")
 
@@ -74,9 +74,9 @@ RECORDED = RecordedSurvey("0f8fad5b", "2026-11-22T07:53:11.859801+00:00", "seña
 
 def test_the_definition_and_its_checksum_are_those_of_the_message():
     other = get_typestore(Stores.ROS1_NOETIC)
-    other.register(get_types_from_msg(replay_message.DEFINITION, NAME))
+    other.register(get_types_from_msg(survey_topics.REPLAY_DEFINITION, NAME))
     for types in (TYPES, other):
-        assert types.generate_msgdef(NAME)[1] == replay_message.MD5SUM
+        assert types.generate_msgdef(NAME)[1] == survey_topics.REPLAY_MD5SUM
 
 
 def test_another_library_reads_what_is_recorded():
@@ -93,7 +93,6 @@ def test_a_message_that_is_cut_off_is_refused(size):
         RecordedSurvey.decode(bytes(size))
 
 
-@each_case("description", [{}, {"survey_id": 7, "started": None}])
-def test_a_description_that_is_not_whole_gives_the_folder_alone(description):
-    survey = RecordedSurvey.of(description, PurePosixPath("/data/20260921T141320_0f8fad5b"))
+def test_a_description_that_is_not_whole_gives_the_folder_alone():
+    survey = RecordedSurvey.of({}, PurePosixPath("/data/20260921T141320_0f8fad5b"))
     assert survey == RecordedSurvey("", "", "20260921T141320_0f8fad5b")

@@ -9,15 +9,12 @@ import math
 from types import SimpleNamespace
 
 import numpy as np
-import orjson
-import pytest
 from case_kit import each_case
 from fault_kit import raises_fault
 from hypothesis import given
 from hypothesis import strategies as st
 from trace_examples import STARTED_US, SURVEY, assert_same_numbers, make_trace
 
-from gpr20_survey import faults
 from gpr20_survey.errors import TraceRefusedError
 from gpr20_survey.trace import trace_json, utc_time
 from gpr20_survey.trace.aux_value import AuxValue
@@ -60,23 +57,28 @@ def decoded(values):
         *(({name: ABSENT}, name) for name in VALUES),
         *(({name: {}}, name) for name in VALUES),
         *(({name: None}, name) for name in VALUES if name not in MAY_BE_UNKNOWN),
-        # One trace has one form: what is not known is null alone.
-        *(({name: one}, name) for name, one in zip(SETTINGS, (0.0, 0, ""))),
-        ({"zero_epochs": [0] * 3}, "zero_epochs"),
         *(({"zero_epochs": one}, "zero_epochs") for one in ([1, 2], [1, 2, 3, 4])),
-        *(({"zero_epochs": one}, "zeros") for one in ([0, 1, 2], [1, 2, 1 << 32], None)),
+        *(({"zero_epochs": one}, "zeros") for one in ([0] * 3, [0, 1, 2], [1, 2, 1 << 32], None)),
         *(({"zero_epochs": one}, "zero_epochs[0]") for one in ([1.0, 2, 3], [True, 2, 3])),
-        *(({"zero_times": one}, "zero_times[0]") for one in (["yesterday"] * 3, [0, 1, 2])),
+        *(
+            ({"zero_times": one}, key)
+            for one, key in ((["today"] * 3, "today"), ([0, 1, 2], "[0]"))
+        ),
         *(({"averages": one}, "averages") for one in (1.0, True, 1 << 40)),
-        *(({"if_bandwidth_hz": one}, "if_bandwidth_hz") for one in (1000, -0.0, math.nan)),
-        *(({"s21_real": one}, "s21_real") for one in ([1], [math.nan] * 5, "x")),
+        *(({"if_bandwidth_hz": one}, "if_bandwidth_hz") for one in ("1000", -0.0, math.nan)),
+        *(({"s21_real": one}, "s21_real") for one in ([1], [math.nan] * 5, ["1"], "x")),
         ({"aux": [AUX, AUX]}, "none of them twice"),
         ({"aux": [AUX, []]}, "aux[1]"),
-        *(({"aux": [{**AUX, "more": one}]}, "aux[0].more") for one in (1, None)),
+        *(({"aux": [{**AUX, "more": one}]}, "aux[0]/more") for one in (1, None)),
         *(({"aux": [{**AUX, "name": name}]}, "") for name in ("T", "", "t" * 65, "1t", "t\n")),
-        *(({"aux": [{**AUX, "value": one}]}, "aux[0].value") for one in (1, None, "1")),
-        *(({"aux": [{**AUX, "value": one}]}, "aux[t].value") for one in (math.inf, math.nan)),
-        *(({"aux": [{**AUX, "stamp": one}]}, "aux[0].stamp") for one in ("today", 0)),
+        *(
+            ({"aux": [{**AUX, "value": one}]}, "aux[0]/value")
+            for one in (None, "1", math.inf, math.nan)
+        ),
+        *(
+            ({"aux": [{**AUX, "stamp": one}]}, key)
+            for one, key in (("today", "today"), (0, "stamp"))
+        ),
         ({"aux": [{**AUX, "stamp": utc_time.iso_text(0)}]}, "1970"),
         ({"aux": [{**AUX, "name": f"t{number}"} for number in range(33)]}, "at most 32 values"),
         ({"more": 1}, "more"),
@@ -123,9 +125,9 @@ def test_a_file_ends_with_the_checksum_of_all_bytes_before_it():
 
 @each_case("text", [b"{}}", b"[" * 100_000, b'"\xff"}', b"[]", b"3}", b"}"])
 def test_what_is_no_json_object_is_refused_however_right_its_checksum(text):
-    for parse in (json.loads, orjson.loads):
+    for start in (b"", b'{"format": "gpr20-trace/1", '):
         with raises_fault(("trace.damaged", "trace.other_version"), error=TraceRefusedError):
-            trace_json.decode(trace_json.sealed(text), parse)
+            trace_json.decode(trace_json.sealed(start + text))
 
 
 NAN, INF = math.nan, math.inf
@@ -205,18 +207,3 @@ def test_a_block_arrives_as_it_was_sent(indices):
         own, other = getattr(block, name), getattr(found, name)
         assert own.dtype == other.dtype and own.shape == other.shape, name
         np.testing.assert_array_equal(own, other, name)
-
-
-@pytest.mark.parametrize(
-    "changes",
-    [
-        {"indices": (1, 1)},
-        {"indices": (1, 2, 3)},
-        {"s21": bytes(79)},
-        {"frequency_hz": (1e9, 2e9)},
-    ],
-)
-def test_a_block_that_contradicts_itself_is_refused(changes):
-    whole = TraceBlock.of(SURVEY, [make_trace(1), make_trace(2)])
-    with raises_fault(faults.TRACE_DAMAGED, error=TraceRefusedError):
-        received(whole, **changes)

@@ -78,14 +78,12 @@ def drawn(first, last, count=12):
 
 def test_the_survey_is_described_inside_the_file(snapshots):
     with open(snapshots / "end" / "survey.mcap", "rb") as stream:
-        reader = make_reader(stream)
+        reader = make_reader(stream, decoder_factories=[DECODERS])
         assert reader.get_header().profile == "ros1"
-        metadata = next(iter(reader.iter_metadata()))
-        attachment = next(iter(reader.iter_attachments()))
-    assert metadata.metadata["survey_id"] == SURVEY
-    assert json.loads(metadata.metadata["vna"]) == {"identity": "x"}
-    assert json.loads(attachment.data)["simulated"] is True
-    assert attachment.log_time == STARTED_US * 1000
+        found = next(reader.iter_decoded_messages(["/survey_metadata"])).decoded_message
+    description = json.loads(found.data)
+    assert (description["survey_id"], description["vna"]) == (SURVEY, {"identity": "x"})
+    assert description["simulated"] is True
 
 
 def test_a_recording_cut_in_its_last_records_holds_what_was_acknowledged(snapshots, tmp_path):
@@ -115,12 +113,12 @@ OLD, NEW = "7b530785257ca423f317a80d75c5dad5", "0123456789abcdef0123456789abcdef
 
 
 def test_the_first_type_of_a_topic_has_its_name_and_others_have_their_own(tmp_path):
-    file = McapFile(tmp_path / "a.mcap", {}, b"{}", 1)
+    file = McapFile(tmp_path / "a.mcap")
     for md5sum in (OLD, NEW, OLD, NEW):
         file.write(RecordedMessage("/status", "a/Status", md5sum, "", b"", 1))
     # A copy of it, as when the survey is resumed, goes on with the names.
     file.commit()
-    copy = McapFile(tmp_path / "b.mcap", {}, b"{}", 1)
+    copy = McapFile(tmp_path / "b.mcap")
     for one in StoredMcap(tmp_path / "a.mcap").messages():
         copy.write(one)
     copy.write(RecordedMessage("/status", "a/Status", NEW, "", b"", 1))

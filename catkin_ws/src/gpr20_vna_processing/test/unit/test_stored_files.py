@@ -6,15 +6,12 @@ import random
 import shutil
 
 import numpy as np
-import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from log_examples import flipped
-from run_seed import SEED, draws
+from run_seed import draws
 from storage_kit import OTHER_SURVEY, Kit, text_message
 from trace_examples import SURVEY, make_trace
 
-from gpr20_survey.recording import mcap_reader
 from gpr20_survey.trace.trace_block import SAMPLE, TraceBlock
 from gpr20_vna_processing.mid import stored_files
 from gpr20_vna_processing.mid.stored_files import TraceReader
@@ -74,19 +71,6 @@ def test_what_is_stored_is_read_and_what_is_not_is_named(
     assert_as_stored(found.block)
 
 
-@pytest.mark.parametrize("end", [True, False])
-def test_an_mcap_that_is_gone_cut_or_changed_hides_and_invents_nothing(tmp_path, end):
-    folder = stored_survey(tmp_path, PLANNED, end)
-    path, chance = folder / "survey.mcap", random.Random(SEED)
-    content = path.read_bytes()
-    damaged = [None, b"", *(content[: chance.randrange(len(content))] for _ in range(draws(4)))]
-    for one in [*damaged, *(flipped(chance, content) for _ in range(draws(15)))]:
-        path.unlink() if one is None else path.write_bytes(one)
-        found = TraceReader().read(folder, SURVEY, PLANNED)
-        assert found.block.indices.tolist() == list(PLANNED)
-        assert_as_stored(found.block)
-
-
 def test_a_trace_of_which_nothing_is_whole_is_named_and_the_others_are_read(tmp_path):
     folder = stored_survey(tmp_path, PLANNED)
     json_file(folder, 6).write_bytes(b"{")
@@ -103,14 +87,6 @@ def test_a_trace_of_which_nothing_is_whole_is_named_and_the_others_are_read(tmp_
     assert list(found.unreadable) == [2, 3, 4]
     assert found.unreadable[2].fault_code == "trace.damaged"
     assert all(map(str, found.unreadable.values()))
-
-
-def test_traces_of_another_survey_in_the_mcap_are_not_taken(tmp_path):
-    folder = stored_survey(tmp_path, range(4))
-    other = stored_survey(tmp_path / "other", range(4), s21_real=np.zeros(5))
-    shutil.copy(str(other / "survey.mcap"), str(folder))
-    found = TraceReader().read(folder, OTHER_SURVEY, [0, 1])
-    assert not found.block.indices.size and set(found.unreadable) == {0, 1}
 
 
 def test_a_survey_is_read_while_it_is_measured(tmp_path):
@@ -144,11 +120,3 @@ def test_traces_with_other_frequencies_are_left_to_another_request(tmp_path):
     assert reader.read(folder, SURVEY, range(6)).block.indices.tolist() == [0, 2, 3, 5]
     assert reader.read(folder, SURVEY, [1, 2, 4]).block.indices.tolist() == [1, 4]
     kit.processing.shut_down()
-
-
-def test_a_chunk_that_says_it_is_huge_does_not_fill_the_memory(tmp_path, monkeypatch):
-    folder = stored_survey(tmp_path, PLANNED, end=False)
-    monkeypatch.setattr(mcap_reader, "MAX_RECORD_BYTES", 100)
-    found = TraceReader().read(folder, SURVEY, PLANNED)
-    assert found.block.indices.tolist() == list(PLANNED)
-    assert_as_stored(found.block)

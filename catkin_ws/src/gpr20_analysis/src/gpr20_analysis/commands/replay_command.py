@@ -16,8 +16,7 @@ from gpr20_common.catalogue import Catalogue
 from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message
 from gpr20_common.terminal_text import say
-from gpr20_survey.recording.replay_message import REPLAY_TOPIC
-from gpr20_survey.recording.survey_topics import METADATA_TOPIC, TRACE_TOPIC
+from gpr20_survey.recording.survey_topics import METADATA_TOPIC, REPLAY_TOPIC, TRACE_TOPIC
 
 TOPICS_OF_A_ROBOT = ("control_status", TRACE_TOPIC, METADATA_TOPIC, REPLAY_TOPIC)
 

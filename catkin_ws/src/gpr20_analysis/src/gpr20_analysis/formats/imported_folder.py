@@ -35,9 +35,9 @@ from gpr20_survey.folder.survey_log import SurveyLog
 from gpr20_survey.folder.survey_metadata import START
 from gpr20_survey.plan.annotation import ANNOTATION, Annotation, Wgs84Position
 from gpr20_survey.plan.imported import IMPORTED, TIMES_KNOWN, import_sentence, imported_grid
-from gpr20_survey.recording.mcap_writer import new_mcap
+from gpr20_survey.recording.mcap_writer import McapFile
 from gpr20_survey.recording.survey_topics import SurveyTopics
-from gpr20_survey.trace import trace_json, trace_message, utc_time
+from gpr20_survey.trace import trace_json, utc_time
 from gpr20_survey.trace.sweep import storable_remark
 from gpr20_survey.trace.sweep_settings import AnalyzerSettings
 from gpr20_survey.trace.trace import Trace
@@ -196,12 +196,12 @@ class _Content:
 
     def _write_traces(self, folder: Path, log: SurveyLog, progress: Progress) -> Dict[str, FileSum]:
         sums: Dict[str, FileSum] = {}
-        topics = SurveyTopics(trace_message.DEFINITION)
+        topics = SurveyTopics()
         text = survey_metadata.encode(self._description).decode("ascii")
         time_ns = self._started_us * utc_time.NS_PER_US
         traces = folder / survey_folder.TRACES_FOLDER
         durable_files.ensure_folder(traces)
-        recording = new_mcap(folder / survey_folder.MCAP_FILE, self._description)
+        recording = McapFile(folder / survey_folder.MCAP_FILE)
         try:
             recording.write(topics.replay(self._description, Path(self.name), time_ns))
             recording.write(topics.metadata(text, time_ns))

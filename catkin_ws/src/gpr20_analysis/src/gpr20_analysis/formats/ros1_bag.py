@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from pathlib import Path
 
 from gpr20_analysis import faults
@@ -17,7 +16,6 @@ from gpr20_common.message import Message
 from gpr20_survey.folder import survey_folder
 from gpr20_survey.recording.bag import make_bag, write_bag
 from gpr20_survey.recording.mcap_reader import StoredMcap
-from gpr20_survey.trace import utc_time
 
 
 def export_bag(survey: Path, path: Path, progress: Progress) -> RecordingExport:
@@ -46,7 +44,7 @@ def make_survey_bag(survey: Path) -> RecordingExport:
         ProcessingError: Somebody writes the survey, or the disk refused.
     """
     mcap = _mcap_of(survey / survey_folder.MCAP_FILE)
-    make_bag(survey, mcap, utc_time.iso_text(time.time_ns() // utc_time.NS_PER_US))
+    make_bag(survey)
     return _export(mcap, Message("all messages of {file}", file=mcap.path.name))
 
 
@@ -64,7 +62,7 @@ def _export(mcap: StoredMcap, content: Message) -> RecordingExport:
     said = with_sentences(
         {},
         missing=[] if mcap.is_finished() else [CUT_OFF],
-        faults=mcap.faults or mcap.frame_faults(),
+        faults=mcap.faults,
         doubts=recording_doubts(mcap.path),
     )
     return content, said

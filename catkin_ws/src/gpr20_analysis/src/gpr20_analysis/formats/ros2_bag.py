@@ -17,11 +17,9 @@ from gpr20_analysis.errors import UnreadableFileError
 from gpr20_analysis.formats.format import ExportFormat, RecordingExport, only_recordings
 from gpr20_analysis.progress import Progress
 from gpr20_analysis.read.doubts import recording_doubts
-from gpr20_analysis.read.recordings import Lost, all_messages, is_bag, recording_of
+from gpr20_analysis.read.recordings import Lost, all_messages, recording_of
 from gpr20_analysis.sentences import DOUBTS, kept_doubts, with_sentences
 from gpr20_common.message import Message
-from gpr20_survey.folder.survey_folder import SURVEY_FILE
-from gpr20_survey.recording.mcap_reader import read_attachment
 from gpr20_survey.recording.recording import RecordedMessage
 from gpr20_survey.recording.survey_topics import is_metadata_topic
 
@@ -116,10 +114,6 @@ class _Ros2Bag:
         """Write the MCAP file, and the metadata beside it."""
         self._writer = Writer(stream, enable_data_crcs=True)
         self._writer.start("ros2", LIBRARY)
-        description = _description(self._recording)
-        if description is not None:
-            self._note_simulated(description)
-            self._writer.add_attachment(0, 0, SURVEY_FILE, "application/json", description)
         for message in messages:
             self._write_message(message)
         self._lost.faults += [
@@ -225,10 +219,3 @@ class _Ros2Bag:
             "custom_data": custom,
             "ros_distro": "",
         }
-
-
-def _description(recording: Path) -> Optional[bytes]:
-    """Return survey.json as it was at the start, if the recording is an MCAP file that has it."""
-    if is_bag(recording):
-        return None
-    return read_attachment(recording.resolve(), SURVEY_FILE)

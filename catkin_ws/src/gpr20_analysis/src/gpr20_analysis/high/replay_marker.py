@@ -14,7 +14,7 @@ from gpr20_common.message import Message
 from gpr20_common.sent_message import message_fields
 from gpr20_msgs.msg import Replay
 from gpr20_msgs.srv import Command, CommandResponse, SetReplayRate, SetReplayRateResponse
-from gpr20_survey.recording.replay_message import REPLAY_TOPIC
+from gpr20_survey.recording.survey_topics import REPLAY_TOPIC
 
 PERIOD_S = 0.5
 

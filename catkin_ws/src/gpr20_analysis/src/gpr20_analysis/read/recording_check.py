@@ -5,7 +5,7 @@ from __future__ import annotations
 import contextlib
 import os
 from pathlib import Path
-from typing import Dict, List, Sequence, Set
+from typing import Dict, List, Optional, Sequence, Set
 
 from gpr20_analysis.progress import Progress
 from gpr20_analysis.read.trace_table import of_other_survey
@@ -14,10 +14,9 @@ from gpr20_common.message import Message
 from gpr20_common.os_reason import os_reason
 from gpr20_common.terminal_text import printable
 from gpr20_survey.errors import TraceRefusedError
-from gpr20_survey.files.file_sums import sum_of_file
-from gpr20_survey.folder.log_record import LogRecord
+from gpr20_survey.files.file_sums import FileSum, sum_of_file
+from gpr20_survey.folder.log_record import Kind, LogRecord
 from gpr20_survey.folder.survey_folder import BAG_FILE, MCAP_FILE
-from gpr20_survey.recording.bag import bag_missing, recorded_bag
 from gpr20_survey.recording.mcap_reader import StoredMcap
 from gpr20_survey.recording.survey_topics import TEXT_TYPE, recorded_log
 from gpr20_survey.trace import trace_message
@@ -34,10 +33,13 @@ def check_bag(
         finished: Whether the survey ended, so that it should have a bag.
         found: Faults and notes are added here.
     """
-    expected, path = recorded_bag(records), folder / BAG_FILE
+    expected, path = _recorded_bag(records), folder / BAG_FILE
+    named = {"file": BAG_FILE, "folder": printable(folder)}
     if not os.path.lexists(str(path)):
         if finished:
-            found.note(bag_missing(folder))
+            found.note(
+                Message("{file} is missing; `gpr20 export --format bag {folder}` makes it", **named)
+            )
         return
     try:
         present = sum_of_file(path)
@@ -45,7 +47,6 @@ def check_bag(
         reason = os_reason(error)
         found.fault(Message("{file} cannot be read: {reason}", file=BAG_FILE, reason=reason))
         return
-    named = {"file": BAG_FILE, "folder": printable(folder)}
     if expected is None:
         found.note(
             Message(
@@ -62,6 +63,16 @@ def check_bag(
                 **named,
             )
         )
+
+
+def _recorded_bag(records: Sequence[LogRecord]) -> Optional[FileSum]:
+    """Return the checksum of a bag that was made since the survey was resumed last."""
+    for record in reversed(records):
+        if record.kind == Kind.BAG.value:
+            return FileSum(str(record.values.get("sha256")), record.values.get("size", -1))
+        if record.kind == Kind.RESUME.value:
+            return None
+    return None
 
 
 class RecordingCheck:
@@ -171,8 +182,6 @@ class RecordingCheck:
     def _faults(self) -> List[Message]:
         """Return what is damaged in the file; that it is cut off is one of an ended survey."""
         faults = [*self._mcap.faults]
-        if not self._found.sealed:
-            faults += self._mcap.frame_faults()  # no manifest covers the file
         if self._finished and not faults and not self._mcap.is_finished():
             faults.append(
                 Message("{file} has no complete end, although the survey ended", file=MCAP_FILE)

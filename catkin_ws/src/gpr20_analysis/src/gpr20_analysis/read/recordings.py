@@ -25,7 +25,7 @@ from gpr20_common.os_reason import os_reason
 from gpr20_survey.files.regular_file import open_regular
 from gpr20_survey.folder import survey_folder
 from gpr20_survey.folder.log_record import LogRecord
-from gpr20_survey.recording.mcap_reader import TORN, StoredMcap, read_attachment, recorded_message
+from gpr20_survey.recording.mcap_reader import TORN, StoredMcap, recorded_message
 from gpr20_survey.recording.mcap_writer import LIBRARY
 from gpr20_survey.recording.recording import RecordedMessage
 from gpr20_survey.recording.survey_topics import TEXT_TYPE, is_metadata_topic, recorded_log
@@ -229,8 +229,7 @@ def _noting(
 def _of_survey(path: Path, lost: Lost, datatype: str) -> Iterator[RecordedMessage]:
     stored = StoredMcap(path.resolve())
     yield from stored.messages(datatype)
-    # What is damaged at the end looks like the tail of a crash, but for the sums of the whole file.
-    lost.faults += stored.faults or stored.frame_faults()
+    lost.faults += stored.faults
 
 
 def _of_bag(path: Path, datatype: str) -> Iterator[RecordedMessage]:
@@ -255,9 +254,6 @@ def _type_of(connection: Any) -> str:
 
 def _metadata(path: Path) -> Optional[str]:
     """Return survey.json as it was when the recording began."""
-    own = None if is_bag(path) else read_attachment(path.resolve(), survey_folder.SURVEY_FILE)
-    if own is not None:
-        return own.decode("utf-8", "replace")
     found = (one for one in _messages(path, Lost(), TEXT_TYPE) if is_metadata_topic(one.topic))
     return next((one.data[4:].decode("utf-8", "replace") for one in found), None)
 

@@ -13,10 +13,15 @@ from gpr20_analysis.read.recordings import MCAP, mcap_length_s, mcap_messages
 from gpr20_analysis.read.sources import SurveySource, open_source
 from gpr20_common.message import in_a_row
 from gpr20_survey.folder import survey_folder
-from gpr20_survey.recording import replay_message
 from gpr20_survey.recording.recording import RecordedMessage
-from gpr20_survey.recording.replay_message import REPLAY_TOPIC, RecordedSurvey
-from gpr20_survey.recording.survey_topics import METADATA_TOPIC, SurveyTopics, is_metadata_topic
+from gpr20_survey.recording.survey_topics import (
+    METADATA_TOPIC,
+    REPLAY_TOPIC,
+    REPLAY_TYPE,
+    RecordedSurvey,
+    SurveyTopics,
+    is_metadata_topic,
+)
 from gpr20_survey.trace import trace_message, utc_time
 from gpr20_survey.trace.trace import Trace
 
@@ -98,7 +103,7 @@ def recorded(survey: Path) -> Iterator[Due]:
     path = _mcap(survey)
     if path is not None:
         for message in mcap_messages(path, follow_link=not survey.is_dir()):
-            if message.datatype != replay_message.DATATYPE:
+            if message.datatype != REPLAY_TYPE:
                 yield Due(message.time_ns, message)
         return
     source = open_source(survey)
@@ -108,7 +113,7 @@ def recorded(survey: Path) -> Iterator[Due]:
         if described:
             described = False
             text = json.dumps(source.description)
-            topics = SurveyTopics("", metadata_topic=METADATA_TOPIC)
+            topics = SurveyTopics(resolve=str)
             yield Due(time_ns, topics.metadata(text, time_ns))
         yield Due(time_ns, trace)
     if source.faults:

@@ -8,8 +8,6 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Callable, Dict, Iterator, List, Optional, Sequence, Tuple, Union
 
-import orjson
-
 from gpr20_analysis import faults
 from gpr20_analysis.errors import AnalysisError, UnreadableFileError, not_there
 from gpr20_analysis.read import recordings
@@ -21,7 +19,7 @@ from gpr20_survey.folder import survey_folder, survey_metadata, trace_files
 from gpr20_survey.folder.log_content import LOG, UNCONFIRMED, add_to
 from gpr20_survey.folder.log_record import Kind, LogRecord
 from gpr20_survey.folder.recovery import RecoveredSurvey, recover
-from gpr20_survey.trace import trace_json, trace_message
+from gpr20_survey.trace import trace_message
 from gpr20_survey.trace.trace import Trace
 
 FACTS = (Kind.DECISION, Kind.CLOCK, Kind.DRIFT)
@@ -141,7 +139,7 @@ def read_trace(path: Path) -> Trace:
         TraceRefusedError: It holds no whole trace.
         OSError: It cannot be read.
     """
-    return trace_files.read_trace(path, decode=_decode)
+    return trace_files.read_trace(path)
 
 
 def open_source(path: Path, read: Callable[[Path], Trace] = read_trace) -> SurveySource:
@@ -221,8 +219,3 @@ def _trace_files(folder: Path) -> List[Path]:
     with os.scandir(str(folder)) as entries:
         names = [entry.name for entry in entries if entry.name.endswith(".json")]
     return [folder / name for name in sorted(names) if name != survey_folder.SURVEY_FILE]
-
-
-def _decode(content: bytes) -> Trace:
-    # Twice as fast as the standard library's reader.
-    return trace_json.decode(content, orjson.loads)

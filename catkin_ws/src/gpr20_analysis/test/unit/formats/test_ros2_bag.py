@@ -17,7 +17,7 @@ from rosbags.typesys.stores.ros1_noetic import FIELDDEFS
 from run_seed import SEED, draws
 from storage_kit import with_bag
 from survey_kit import POINTS, make_survey
-from trace_examples import MESSAGES, SURVEY
+from trace_examples import MESSAGES
 
 from gpr20_analysis.commands.main import main
 from gpr20_analysis.sample.sample_survey import sample_survey
@@ -31,7 +31,7 @@ DRAWS = draws(6)
 
 def write_mcap(path, messages):
     """Write a recording as the storage does; each message in a chunk of its own."""
-    file = McapFile(path, {"survey_id": SURVEY}, b'{"simulated": true}', 1)
+    file = McapFile(path)
     for one in messages:
         file.write_alone(one)
     file.finish()
@@ -139,7 +139,6 @@ def test_its_metadata_are_those_that_rosbag2_writes(sample):
         assert reader.get_header().profile == "ros2"
         (own,) = reader.iter_metadata()
         assert yaml.safe_load(own.metadata["serialized_metadata"]) == found
-        assert [one.name for one in reader.iter_attachments()] == ["survey.json"]
 
 
 def text(topic, content, time_ns, latching=False):

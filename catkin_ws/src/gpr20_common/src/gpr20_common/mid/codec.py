@@ -19,6 +19,7 @@ from gpr20_common.message import Message, verbatim
 
 Record = TypeVar("Record")
 UNKNOWN_KEY = "unexpected_keyword_argument"
+SHOWN = 64  # characters of a value
 NUMBER, WHOLE, GROUP = Message("a number"), Message("a whole number"), Message("a group of values")
 WANTED = {
     **{"bool_type": Message("true or false"), "string_type": Message("a text")},
@@ -46,15 +47,29 @@ def record_from(kind: Type[Record], values: Any, place: str, others: bool = Fals
         InvalidValueError: A key is unknown or missing, or a value has the wrong type or is out
             of bounds.
     """
-    adapter = _adapter(typing.cast(Hashable, kind), others)
     try:
         # In JSON a list is a tuple, and a choice is its value.
-        return adapter.validate_json(_any("constants").dump_json([values]))[0]
-    except ValidationError as error:
-        raise _refusal(error, kind, place) from error
+        content = _any("constants").dump_json(values)
     except ValueError as error:
         reason = Message("{place} holds what no file can hold", place=place, details=error)
         raise InvalidValueError(reason) from error
+    return record_of_json(kind, content, place, others)
+
+
+def record_of_json(kind: Type[Record], content: bytes, place: str, others: bool = False) -> Record:
+    """Make a record of strict JSON; arguments and errors are those of `record_from`."""
+    adapter = _adapter(typing.cast(Hashable, kind), others)
+    try:
+        return adapter.validate_json(b"[%b]" % content)[0]
+    except ValidationError as error:
+        raise _refusal(error, kind, place) from error
+
+
+def shortened(value: Any) -> str:
+    """Return a value cut to what a message can hold; a text is in quotes."""
+    text = str(value)
+    text = text if len(text) <= SHOWN else f"{text[: SHOWN - 3]}..."
+    return repr(text) if isinstance(value, str) else text
 
 
 def plain(record: Any) -> Any:
@@ -91,7 +106,9 @@ def _refusal(error: ValidationError, kind: Any, place: str) -> Exception:
         known = ", ".join(sorted(_fields_at(kind, keys[:-1])))
         text = Message("{place} is unknown; allowed: {known}", place=place, known=known)
         return InvalidValueError(text, fault=CONFIGURATION)
-    named = {"place": place, "value": repr(found["input"])}
+    if found["type"] == "json_invalid":
+        return InvalidValueError(Message("the file is not strict JSON", details=found["msg"]))
+    named = {"place": place, "value": shortened(found["input"])}
     if "ge" in context or "le" in context:
         bounds = _fields_at(kind, keys[:-1])[str(keys[-1])].metadata
         named.update(name=place, lower=f"{bounds['ge']:.12g}", upper=f"{bounds['le']:.12g}")

@@ -61,7 +61,7 @@ def _calibration(name: str) -> Finding:
     if not name:
         text = Message("The calibration of the VNA has not been read yet.")
         return Finding("calibration", Level.UNKNOWN, text, TEST)
-    status = CalibrationStatus.named(name)
+    status = CalibrationStatus.__members__.get(name)
     state = verbatim(name) if status is None else status.meaning
     text = Message("Calibration of the VNA: {state}", state=state)
     if status is None:

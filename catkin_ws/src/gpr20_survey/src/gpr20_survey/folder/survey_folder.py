@@ -60,7 +60,8 @@ def survey_folder(data: Path, survey_id: str, started_us: int) -> Path:
             ),
             fault=faults.CLOCK_WRONG,
         )
-    return data / f"{utc_time.compact_text(started_us)}_{survey_id[:8]}"
+    compact = re.sub("[-:]", "", utc_time.iso_text(started_us)[:19])  # to the second
+    return data / f"{compact}_{survey_id[:8]}"
 
 
 def candidate_folders(data: Path, survey: str) -> List[Path]:

@@ -54,18 +54,14 @@ class TraceFiles:
         return {index: one.fingerprint for index, one in self.files.items()}
 
 
-def read_trace(
-    path: Path,
-    survey_id: Optional[str] = None,
-    decode: Callable[[bytes], Trace] = trace_json.decode,
-) -> Trace:
+def read_trace(path: Path, survey_id: Optional[str] = None) -> Trace:
     """Return the trace of a file of a survey, or of any, if all is as the storage wrote it.
 
     Raises:
         TraceRefusedError: It is not.
         OSError: The file cannot be read.
     """
-    return _checked(decode(_content(path)), path, survey_id)
+    return _checked(trace_json.decode(_content(path)), path, survey_id)
 
 
 def _checked(trace: Trace, path: Path, survey_id: Optional[str]) -> Trace:

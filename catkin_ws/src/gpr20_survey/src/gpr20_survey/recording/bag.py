@@ -13,7 +13,7 @@ import signal
 import sys
 import time
 from pathlib import Path
-from typing import Any, Dict, Iterable, Iterator, Mapping, Optional, Sequence, Tuple
+from typing import Any, Dict, Iterable, Tuple
 
 import lz4.frame
 from rosbags.rosbag1 import Writer
@@ -24,11 +24,11 @@ from gpr20_common.terminal_text import printable, say
 from gpr20_survey import faults
 from gpr20_survey.errors import SurveyRefusedError, storing
 from gpr20_survey.files import access, durable_files
-from gpr20_survey.files.file_sums import FileSum, sum_of_file
+from gpr20_survey.files.file_sums import sum_of_file
 from gpr20_survey.files.regular_file import open_regular
 from gpr20_survey.folder import survey_folder
 from gpr20_survey.folder.annotating import Fact, add_to_survey
-from gpr20_survey.folder.log_record import Kind, LogRecord
+from gpr20_survey.folder.log_record import Kind
 from gpr20_survey.folder.survey_folder import BAG_FILE, MCAP_FILE
 from gpr20_survey.recording.mcap_reader import StoredMcap
 from gpr20_survey.recording.recording import RecordedMessage
@@ -90,15 +90,14 @@ def write_bag(messages: Iterable[RecordedMessage], path: Path) -> int:
     return count
 
 
-def make_bag(folder: Path, mcap: StoredMcap, now: str) -> None:
+def make_bag(folder: Path) -> None:
     """Make survey.bag of a survey that nobody writes, and add its checksum to the log.
 
     It is whole or not there. A former bag is replaced.
 
     Args:
-        folder: The survey's folder.
-        mcap: Its recording; that of a survey that has not ended may be torn.
-        now: The present moment, as ISO 8601 text.
+        folder: The survey's folder, with a recording, which may be torn if the survey has not
+            ended.
 
     Raises:
         SurveyRefusedError: Another process makes it, the survey was resumed meanwhile, its
@@ -106,32 +105,45 @@ def make_bag(folder: Path, mcap: StoredMcap, now: str) -> None:
         StorageFailedError: The disk refused.
     """
     survey_folder.check_no_links(folder)
-    bag = folder / BAG_FILE
+    bag, mcap = folder / BAG_FILE, StoredMcap(folder / MCAP_FILE)
     temporary = durable_files.temporary_path(bag)
+
+    def put(description: Dict[str, Any]) -> Fact:
+        _check_whole(mcap, description.get("ended") is not None, folder)
+        if _state_of(mcap.path.stat()) != recorded:
+            reason = Message(
+                "the survey in {folder} was resumed; its bag is made when it ends",
+                folder=printable(folder),
+            )
+            raise SurveyRefusedError(reason, fault=faults.LOCKED)
+        durable_files.put_in_place(temporary, bag)
+        return Fact(Kind.BAG, own._asdict())
+
     failure = Message("{path} could not be written", path=printable(bag))
-    with storing(failure, bag), _one_maker(mcap.path) as recorded:
-        _remove_torn(folder)
+    with storing(failure, bag), open(open_regular(mcap.path), "rb") as stream:
+        try:
+            fcntl.flock(stream, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError as error:
+            reason = Message("the bag of {file} is being made already", file=printable(mcap.path))
+            raise SurveyRefusedError(reason, fault=faults.LOCKED) from error
+        recorded = _state_of(os.fstat(stream.fileno()))
+        # What a maker that was killed has left.
+        for torn in folder.glob(f"{durable_files.TEMPORARY_PREFIX}{BAG_FILE}.*"):
+            torn.unlink()
         try:
             write_bag(mcap.messages(), temporary)
             own = sum_of_file(temporary)
-
-            def put(description: Dict[str, Any]) -> Fact:
-                _check_whole(mcap, description, folder)
-                if _state_of(mcap.path.stat()) != recorded:
-                    raise _resumed(folder)
-                durable_files.put_in_place(temporary, bag)
-                return Fact(Kind.BAG, own._asdict())
-
+            now = utc_time.iso_text(time.time_ns() // utc_time.NS_PER_US)
             add_to_survey(folder, put, now)
         finally:
             with contextlib.suppress(FileNotFoundError):
                 temporary.unlink()
 
 
-def _check_whole(mcap: StoredMcap, description: Mapping[str, Any], folder: Path) -> None:
+def _check_whole(mcap: StoredMcap, has_ended: bool, folder: Path) -> None:
     """Refuse a recording that lacks something: its bag would look whole for ever."""
-    found = mcap.faults or mcap.frame_faults()
-    if not found and description.get("ended") is not None and not mcap.is_finished():
+    found = mcap.faults
+    if not found and has_ended and not mcap.is_finished():
         found = [
             Message("{file} has no complete end, although the survey ended", file=mcap.path.name)
         ]
@@ -147,76 +159,17 @@ def _check_whole(mcap: StoredMcap, description: Mapping[str, Any], folder: Path)
         )
 
 
-def recorded_bag(records: Sequence[LogRecord]) -> Optional[FileSum]:
-    """Return the checksum of survey.bag as the log names it.
-
-    None: no bag was made since the survey was resumed last.
-    """
-    for record in reversed(records):
-        if record.kind == Kind.BAG.value:
-            return FileSum(str(record.values.get("sha256")), record.values.get("size", -1))
-        if record.kind == Kind.RESUME.value:
-            return None
-    return None
-
-
-def bag_missing(folder: Path) -> Message:
-    """Return the remark on a survey without a bag, with the command that makes it."""
-    return Message(
-        "{file} is missing; `gpr20 export --format bag {folder}` makes it",
-        file=BAG_FILE,
-        folder=printable(folder),
-    )
-
-
-def _remove_torn(folder: Path) -> None:
-    """Remove what a maker that was killed has left."""
-    prefix, suffix = durable_files.TEMPORARY_PREFIX, durable_files.TEMPORARY_SUFFIX
-    for path in folder.glob(f"{prefix}{BAG_FILE}.*{suffix}"):
-        if not path.is_dir():
-            path.unlink()
-
-
-@contextlib.contextmanager
-def _one_maker(mcap: Path) -> Iterator[Tuple[int, ...]]:
-    """Let nobody else make a bag of a recording; give its state."""
-    with open(open_regular(mcap), "rb") as stream:
-        try:
-            fcntl.flock(stream, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except BlockingIOError as error:
-            raise SurveyRefusedError(
-                Message("the bag of {file} is being made already", file=printable(mcap)),
-                fault=faults.LOCKED,
-            ) from error
-        yield _state_of(os.fstat(stream.fileno()))
-
-
 def _state_of(status: os.stat_result) -> Tuple[int, ...]:
     """Return what differs if a recording was written again."""
     return status.st_ino, status.st_size, status.st_mtime_ns
-
-
-def _resumed(folder: Path) -> SurveyRefusedError:
-    return SurveyRefusedError(
-        Message(
-            "the survey in {folder} was resumed; its bag is made when it ends",
-            folder=printable(folder),
-        ),
-        fault=faults.LOCKED,
-    )
 
 
 def main() -> int:
     """Make the bag of the survey whose folder is the argument; print why it could not be made."""
     # What ends the process cleans up like Ctrl-C.
     signal.signal(signal.SIGTERM, signal.default_int_handler)
-    folder = Path(sys.argv[1])
     try:
-        make_bag(
-            folder,
-            StoredMcap(folder / MCAP_FILE),
-            utc_time.iso_text(time.time_ns() // utc_time.NS_PER_US),
-        )
+        make_bag(Path(sys.argv[1]))
     except Gpr20Error as error:
         say(error.message.to_json())
         return 1

@@ -2,29 +2,24 @@
 
 from __future__ import annotations
 
-import json
 from collections import Counter
 from pathlib import Path
-from typing import IO, Any, Dict, Tuple, cast
+from typing import IO, Dict, Tuple, cast
 
 from mcap.well_known import MessageEncoding, Profile, SchemaEncoding
 from mcap.writer import MCAP0_MAGIC, Writer
 
 from gpr20_survey.files.append_only_file import AppendOnlyFile
-from gpr20_survey.folder import survey_metadata
 from gpr20_survey.recording.recording import RecordedMessage
-from gpr20_survey.trace import utc_time
 
 MAGIC = MCAP0_MAGIC
 LIBRARY = "gpr20_vna_processing"
-ATTACHMENT = "survey.json"
-METADATA = "gpr20.survey"
 
 
 class McapFile:
     """Writes messages into an MCAP file of profile ros1 (zstd, with checksums).
 
-    `write` and `begin_chunk` only collect; nothing is promised before `commit` returns. After a
+    `write` and `write_alone` only collect; nothing is promised before `commit` returns. After a
     commit that failed everything collected is still there and the next one writes it again.
 
     A record of an MCAP file begins with its length, so a file cut anywhere is read up to the cut.
@@ -37,16 +32,8 @@ class McapFile:
     beginning of the type's checksum, such as `/control_status_7b530785`.
     """
 
-    def __init__(
-        self, path: Path, metadata: Dict[str, str], attachment: bytes, time_ns: int
-    ) -> None:
-        """Create the file; its head is on the disk after the first commit.
-
-        Args:
-            path: Must not exist.
-            metadata: About the survey, as texts.
-            attachment: The survey's description as JSON.
-            time_ns: When the survey started [ns since 1970, UTC].
+    def __init__(self, path: Path) -> None:
+        """Create the file, which must not exist; its head is on the disk after the first commit.
 
         Raises:
             OSError: The file exists or the disk refused.
@@ -59,8 +46,6 @@ class McapFile:
         self._channels: Dict[Tuple[str, str], int] = {}
         self._counts: Counter[int] = Counter()
         self._writer.start(Profile.ROS1, LIBRARY)
-        self._writer.add_metadata(METADATA, metadata)
-        self._writer.add_attachment(time_ns, time_ns, ATTACHMENT, "application/json", attachment)
 
     @property
     def name(self) -> str:
@@ -84,18 +69,11 @@ class McapFile:
             channel, message.time_ns, message.data, message.time_ns, self._counts[channel]
         )
 
-    def begin_chunk(self) -> None:
-        """End the group of messages that are compressed and indexed together."""
-        self._writer.flush()
-
     def write_alone(self, message: RecordedMessage) -> None:
-        """Collect a message in a chunk of its own.
-
-        Readers of traces need not unpack other topics.
-        """
-        self.begin_chunk()
+        """Collect a message in a chunk of its own: damage to others does not touch it."""
+        self._writer.flush()
         self.write(message)
-        self.begin_chunk()
+        self._writer.flush()
 
     def commit(self) -> None:
         """Write everything collected to the disk; return when it is there for good.
@@ -105,7 +83,7 @@ class McapFile:
             OSError: The disk refused; everything collected remains for the next commit.
         """
         if not self._finishing:
-            self.begin_chunk()
+            self._writer.flush()
             self._file.commit()
 
     def take_place_of(self, path: Path) -> None:
@@ -139,30 +117,13 @@ class McapFile:
             topic = f"{topic}_{md5sum[:8]}"
         key = (topic, md5sum)
         if key not in self._channels:
+            kind = (message.datatype, message.definition)
+            if kind not in self._schemas:
+                self._schemas[kind] = self._writer.register_schema(
+                    message.datatype, SchemaEncoding.ROS1, message.definition.encode()
+                )
             metadata = {"md5sum": md5sum, "latching": "1" if message.latching else "0"}
             self._channels[key] = self._writer.register_channel(
-                topic, MessageEncoding.ROS1, self._schema_of(message), metadata
+                topic, MessageEncoding.ROS1, self._schemas[kind], metadata
             )
         return self._channels[key]
-
-    def _schema_of(self, message: RecordedMessage) -> int:
-        key = (message.datatype, message.definition)
-        if key not in self._schemas:
-            self._schemas[key] = self._writer.register_schema(
-                message.datatype, SchemaEncoding.ROS1, message.definition.encode()
-            )
-        return self._schemas[key]
-
-
-def new_mcap(path: Path, description: Dict[str, Any]) -> McapFile:
-    """Begin the recording of a survey; it holds the survey's description as it is now.
-
-    Raises:
-        OSError: The disk refused.
-    """
-    texts = {
-        key: one if isinstance(one, str) and one.isprintable() else json.dumps(one)
-        for key, one in description.items()
-    }
-    started_ns = utc_time.parse_iso(description["started"]) * utc_time.NS_PER_US
-    return McapFile(path, texts, survey_metadata.encode(description), started_ns)

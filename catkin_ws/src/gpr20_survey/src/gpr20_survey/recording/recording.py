@@ -4,9 +4,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-# More than any record of the storage: a message and a chunk together have less than a third.
-MAX_RECORD_BYTES = 64 << 20
-
 
 @dataclass(frozen=True)
 class RecordedMessage:

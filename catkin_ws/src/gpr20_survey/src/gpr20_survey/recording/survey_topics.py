@@ -1,77 +1,128 @@
-"""The topics that the storage itself records."""
+"""The topics that the storage itself records.
+
+`replay` is among them: players of recordings publish it with the others, so that nobody takes a
+replay for a robot.
+"""
 
 from __future__ import annotations
 
 import struct
 from dataclasses import dataclass
-from pathlib import Path
-from typing import Any, Mapping, Optional
+from pathlib import PurePath
+from typing import Any, Callable, Mapping, NamedTuple, Optional
 
-from gpr20_survey import faults
-from gpr20_survey.errors import TraceRefusedError
 from gpr20_survey.folder.log_record import LogRecord, record_of_line
-from gpr20_survey.recording import replay_message
 from gpr20_survey.recording.recording import RecordedMessage
-from gpr20_survey.recording.replay_message import REPLAY_TOPIC, RecordedSurvey
 from gpr20_survey.trace import trace_message
 from gpr20_survey.trace.trace import Trace
+from gpr20_survey.trace.trace_form import Reader, pack_text
 
 TRACE_TOPIC = "trace"
 METADATA_TOPIC = "survey_metadata"
 LOG_TOPIC = "survey_log"
-# std_msgs/String
-TEXT_TYPE, TEXT_MD5SUM, TEXT_DEFINITION = (
-    "std_msgs/String",
-    "992ce8a1687cec8c8bd883ec73ca41d1",
-    "string data\n",
-)
+REPLAY_TOPIC = "replay"
+TEXT_TYPE = "std_msgs/String"
+TEXT = (TEXT_TYPE, "992ce8a1687cec8c8bd883ec73ca41d1", "string data\n")
+REPLAY_TYPE = "gpr20_msgs/Replay"
+REPLAY_MD5SUM = "d7879b9021dbe8893e0328198f6f53d5"
+# Where ROS, with its comments, is not installed.
+REPLAY_DEFINITION = """\
+uint8 PLAYING=0
+uint8 PAUSED=1
+uint8 ENDED=2
+string survey_id
+string started
+string folder
+uint8 state
+float64 rate
+float64 position_s
+float64 length_s
+"""
+# state, rate, position [s], length [s]: playing, and the rest unknown.
+_IN_A_RECORDING = struct.pack("<B3d", 0, 0.0, 0.0, 0.0)
+
+
+class RecordedSurvey(NamedTuple):
+    """The survey of a recording, as `replay` names it.
+
+    Attributes:
+        survey_id: UUID.
+        started: Start of the survey, ISO 8601, UTC; empty if it is not known.
+        folder: Name of its folder; empty if it is not known.
+    """
+
+    survey_id: str
+    started: str = ""
+    folder: str = ""
+
+    @classmethod
+    def of(cls, description: Mapping[str, Any], folder: PurePath) -> RecordedSurvey:
+        """Return the survey of a folder, by the content of its survey.json."""
+        survey_id, started = (str(description.get(key, "")) for key in ("survey_id", "started"))
+        return cls(survey_id, started, folder.name)
+
+    @classmethod
+    def decode(cls, data: bytes) -> RecordedSurvey:
+        """Return the survey of a serialized message.
+
+        Raises:
+            ValueError: It is not one.
+        """
+        reader = Reader(data)
+        try:
+            return cls(*[reader.text() for _ in cls._fields])
+        except struct.error as error:
+            raise ValueError("the message is incomplete") from error
+
+    def encode(self) -> bytes:
+        """Return the serialized message of a recording."""
+        return b"".join([*map(pack_text, self), _IN_A_RECORDING])
 
 
 @dataclass(frozen=True)
 class SurveyTopics:
     """Makes the messages of these topics; the bytes that are published are recorded."""
 
-    trace_definition: str
+    trace_definition: str = trace_message.DEFINITION
     """Full text of the message type gpr20_msgs/Trace."""
-    trace_topic: str = f"/{TRACE_TOPIC}"
-    """Absolute name."""
-    metadata_topic: str = f"/{METADATA_TOPIC}"
-    """Absolute name."""
-    log_topic: str = f"/{LOG_TOPIC}"
-    """Absolute name."""
-    replay_topic: str = f"/{REPLAY_TOPIC}"
-    """Absolute name; recorded only, so that it is published when the recording is played."""
+    replay_definition: str = REPLAY_DEFINITION
+    """Likewise of gpr20_msgs/Replay."""
+    resolve: Callable[[str], str] = "/{}".format
+    """Returns the absolute name of a topic."""
 
     def trace(self, trace: Trace, time_ns: int) -> RecordedMessage:
         """Return a trace as a message, received at a moment [ns since 1970, UTC]."""
-        return RecordedMessage(
-            self.trace_topic,
-            trace_message.DATATYPE,
-            trace_message.MD5SUM,
-            self.trace_definition,
-            trace_message.encode(trace),
-            time_ns,
-        )
+        kind = (trace_message.DATATYPE, trace_message.MD5SUM, self.trace_definition)
+        data = trace_message.encode(trace)
+        return RecordedMessage(self.resolve(TRACE_TOPIC), *kind, data, time_ns)
 
     def metadata(self, text: str, time_ns: int) -> RecordedMessage:
         """Return the content of survey.json as a latched message."""
-        return _text(self.metadata_topic, text.encode(), time_ns, latching=True)
+        return self._text(METADATA_TOPIC, text, time_ns, latching=True)
 
     def log(self, record: LogRecord, time_ns: int) -> RecordedMessage:
         """Return a record of the survey's log as a message, added at a moment [ns]."""
-        return _text(self.log_topic, record.line()[:-1], time_ns, latching=False)
+        return self._text(LOG_TOPIC, record.line()[:-1].decode(), time_ns, latching=False)
 
-    def replay(self, description: Mapping[str, Any], folder: Path, time_ns: int) -> RecordedMessage:
-        """Return the latched message by which a replay of the survey is recognized."""
-        return RecordedMessage(
-            self.replay_topic,
-            replay_message.DATATYPE,
-            replay_message.MD5SUM,
-            replay_message.DEFINITION,
-            RecordedSurvey.of(description, folder).encode(),
-            time_ns,
-            True,
-        )
+    def replay(
+        self, description: Mapping[str, Any], folder: PurePath, time_ns: int
+    ) -> RecordedMessage:
+        """Return the latched message by which a replay of the survey is recognized.
+
+        It is recorded only, so that it is published when the recording is played.
+        """
+        kind = (REPLAY_TYPE, REPLAY_MD5SUM, self.replay_definition)
+        data = RecordedSurvey.of(description, folder).encode()
+        return RecordedMessage(self.resolve(REPLAY_TOPIC), *kind, data, time_ns, True)
+
+    def _text(self, topic: str, text: str, time_ns: int, latching: bool) -> RecordedMessage:
+        data = pack_text(text)
+        return RecordedMessage(self.resolve(topic), *TEXT, data, time_ns, latching)
+
+
+def is_metadata_topic(topic: str) -> bool:
+    """Return whether a topic holds the survey's metadata, whatever the robot's namespace."""
+    return topic.rsplit("/", 1)[-1] == METADATA_TOPIC
 
 
 def recorded_log(message: RecordedMessage) -> Optional[LogRecord]:
@@ -84,16 +135,6 @@ def recorded_log(message: RecordedMessage) -> Optional[LogRecord]:
     return record_of_line(message.data[4:])
 
 
-def _text(topic: str, content: bytes, time_ns: int, latching: bool) -> RecordedMessage:
-    data = struct.pack("<I", len(content)) + content
-    return RecordedMessage(topic, TEXT_TYPE, TEXT_MD5SUM, TEXT_DEFINITION, data, time_ns, latching)
-
-
-def is_metadata_topic(topic: str) -> bool:
-    """Return whether a topic holds the survey's metadata, whatever the robot's namespace."""
-    return topic.rsplit("/", 1)[-1] == METADATA_TOPIC
-
-
 def recorded_trace(message: RecordedMessage) -> Optional[Trace]:
     """Return the trace of a recorded message, or None if it is no trace.
 
@@ -102,10 +143,4 @@ def recorded_trace(message: RecordedMessage) -> Optional[Trace]:
     """
     if message.datatype != trace_message.DATATYPE:
         return None
-    try:
-        return trace_message.decode(message.data, message.md5sum)
-    except TraceRefusedError as error:
-        if error.message.fault is faults.TRACE_OTHER_VERSION:
-            raise
-        # It was right when it was recorded.
-        raise TraceRefusedError(error.message, fault=faults.TRACE_DAMAGED) from error
+    return trace_message.decode(message.data, message.md5sum)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import enum
-from typing import Optional
 
 from gpr20_common.message import Message
 
@@ -21,11 +20,6 @@ class CalibrationStatus(enum.IntEnum):
     MODERATE_TEMPERATURE = 3
     LOW = 4
     NOT_REPORTED = 5
-
-    @classmethod
-    def named(cls, name: str) -> Optional[CalibrationStatus]:
-        """Return the one of this name; None if this version of the software knows none."""
-        return cls.__members__.get(name)
 
     @property
     def meaning(self) -> Message:

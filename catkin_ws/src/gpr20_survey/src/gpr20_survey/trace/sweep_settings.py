@@ -2,22 +2,20 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
 
 from gpr20_common.message import Message
 from gpr20_survey import faults
-from gpr20_survey.trace.trace_form import FLOAT64, INT32, TEXT, of
-from gpr20_survey.trace.trace_rule import between, printable
+from gpr20_survey.trace import trace_form as forms
 
 # Far beyond what any analyzer has.
 MAX_IF_BANDWIDTH_HZ = 1.0e9
 MAX_AVERAGES = 1_000_000
-MAX_POWER_CHARACTERS = 32
-_BANDWIDTH = between(0.0, MAX_IF_BANDWIDTH_HZ, faults.WRONG_SWEEP)
-_AVERAGES = between(0, MAX_AVERAGES, faults.WRONG_SWEEP)
-_POWER = printable(MAX_POWER_CHARACTERS, faults.WRONG_SWEEP)
+_BANDWIDTH = forms.between(0.0, MAX_IF_BANDWIDTH_HZ, faults.WRONG_SWEEP)
+_AVERAGES = forms.between(0, MAX_AVERAGES, faults.WRONG_SWEEP)
+_POWER = forms.printable(32, faults.WRONG_SWEEP)
 
 
 @dataclass(frozen=True)
@@ -28,17 +26,14 @@ class AnalyzerSettings:
     it means that the value is not known.
     """
 
-    if_bandwidth_hz: float = field(
-        default=0.0,
-        metadata=of(FLOAT64, "bandwidth of the receiver, as read back", "Hz", 0.0, _BANDWIDTH),
+    if_bandwidth_hz: float = forms.of(
+        forms.FLOAT64, "bandwidth of the receiver, as read back", "Hz", 0.0, _BANDWIDTH, 0.0
     )
-    averages: int = field(
-        default=0,
-        metadata=of(INT32, "sweeps averaged for the trace, as read back", "", 0, _AVERAGES),
+    averages: int = forms.of(
+        forms.INT32, "sweeps averaged for the trace, as read back", "", 0, _AVERAGES, default=0
     )
-    output_power: str = field(
-        default="",
-        metadata=of(TEXT, "as read back; `LOW` or `HIGH` for the MS2026C", "", "", _POWER),
+    output_power: str = forms.of(
+        forms.TEXT, "as read back; `LOW` or `HIGH` for the MS2026C", "", "", _POWER, default=""
     )
 
     @property
@@ -83,10 +78,7 @@ class SweepSettings:
         return np.linspace(self.start_frequency_hz, self.stop_frequency_hz, self.points)
 
     def fulfils(self, wanted: SweepSettings) -> bool:
-        """Return whether these settings, as read back, are the wanted ones.
-
-        What `wanted` leaves to the instrument may have any value here.
-        """
+        """Return the same of all that is wanted."""
         return (self.start_frequency_hz, self.stop_frequency_hz, self.points) == (
             wanted.start_frequency_hz,
             wanted.stop_frequency_hz,

@@ -5,28 +5,17 @@ from __future__ import annotations
 import hashlib
 import math
 import re
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any, Dict, Mapping, Tuple
 
 from gpr20_common.message import Message
+from gpr20_common.mid.codec import shortened
 from gpr20_survey import faults
 from gpr20_survey.axes.axis_id import AXES, UNKNOWN_ZERO, ZeroEpoch, Zeros, are_zeros
+from gpr20_survey.trace import trace_form as forms
 from gpr20_survey.trace.aux_value import AUX_RULE, AuxValue
-from gpr20_survey.trace.sweep import SETTINGS, Sweep
+from gpr20_survey.trace.sweep import SETTINGS, SWEEP_FIELDS, Sweep
 from gpr20_survey.trace.sweep_settings import AnalyzerSettings
-from gpr20_survey.trace.trace_form import (
-    FLOAT64,
-    TEXT,
-    TIME,
-    UINT32,
-    TraceField,
-    check,
-    fields_of,
-    list_of,
-    of,
-    record_of,
-)
-from gpr20_survey.trace.trace_rule import FINITE, PLAUSIBLE, Rule, between, refuse, shortened
 
 FORMAT = "gpr20-trace/1"
 MAX_INDEX = 999_999  # six digits in the file name
@@ -34,19 +23,15 @@ MAX_COORDINATE = 10_000.0  # [mm or deg], more than any axis of this robot
 
 SURVEY_ID = re.compile(r"[0-9a-f]{8}-[0-9a-f]{4}-[0-9a-f]{4}-[0-9a-f]{4}-[0-9a-f]{12}")
 SAMPLE_ID = re.compile(r"[A-Za-z0-9][A-Za-z0-9._:-]{0,127}")
-_UUID = Rule(
-    lambda text: SURVEY_ID.fullmatch(text) is not None,
-    Message("a UUID in lower case with hyphens"),
-)
-_NAME = Rule(
-    lambda text: SAMPLE_ID.fullmatch(text) is not None,
+_UUID = forms.matching(SURVEY_ID, Message("a UUID in lower case with hyphens"))
+_NAME = forms.matching(
+    SAMPLE_ID,
     Message(
         "1 to 128 letters, digits, dots, colons, hyphens or underscores, the first a letter or "
         "digit"
     ),
 )
-_INDEX = between(0, MAX_INDEX)
-_COORDINATE = between(-MAX_COORDINATE, MAX_COORDINATE)
+_COORDINATE = forms.between(-MAX_COORDINATE, MAX_COORDINATE)
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,30 +46,32 @@ class Trace(Sweep):
         TraceRefusedError: A value is not allowed; the message names it.
     """
 
-    survey_id: str = field(metadata=of(TEXT, "UUID of the survey", rule=_UUID))
-    sample_id: str = field(metadata=of(TEXT, "unique name within all surveys", rule=_NAME))
-    index: int = field(metadata=of(UINT32, "place in the survey's plan, from 0", rule=_INDEX))
-    timestamp_us: int = field(metadata=of(TIME, "when the sample was complete", rule=PLAUSIBLE))
-    x_coord_mm: float = field(metadata=of(FLOAT64, "read from the axis", "mm", rule=_COORDINATE))
-    y_coord_mm: float = field(metadata=of(FLOAT64, "read from the axis", "mm", rule=_COORDINATE))
-    z_coord_deg: float = field(
-        metadata=of(FLOAT64, "rotation of the antennas", "degree", rule=_COORDINATE)
+    survey_id: str = forms.of(forms.TEXT, "UUID of the survey", rule=_UUID)
+    sample_id: str = forms.of(forms.TEXT, "unique name within all surveys", rule=_NAME)
+    index: int = forms.of(
+        forms.UINT32, "place in the survey's plan, from 0", rule=forms.between(0, MAX_INDEX)
     )
-    antennae_height_m: float = field(
-        metadata=of(FLOAT64, "above the ground", "m", math.nan, FINITE)
+    timestamp_us: int = forms.of(forms.TIME, "when the sample was complete")
+    x_coord_mm: float = forms.of(forms.FLOAT64, "read from the axis", "mm", rule=_COORDINATE)
+    y_coord_mm: float = forms.of(forms.FLOAT64, "read from the axis", "mm", rule=_COORDINATE)
+    z_coord_deg: float = forms.of(
+        forms.FLOAT64, "rotation of the antennas", "degree", rule=_COORDINATE
     )
-    aux: Tuple[AuxValue, ...] = field(
+    antennae_height_m: float = forms.of(forms.FLOAT64, "above the ground", "m", math.nan)
+    aux: Tuple[AuxValue, ...] = forms.of(
+        forms.list_of(forms.record_of(AuxValue)),
+        "what other sensors measured",
+        rule=AUX_RULE,
         default=(),
-        metadata=of(list_of(record_of(AuxValue)), "what other sensors measured", rule=AUX_RULE),
     )
     # Empty if they are not known.
     zeros: Zeros = ()
 
     def __post_init__(self) -> None:
-        check(_OWN, vars(self))
+        forms.check(_OWN, vars(self))
         super().__post_init__()
         if not are_zeros(self.zeros):
-            refuse(
+            forms.refuse(
                 Message(
                     "the zeros of the axes are {zeros}; each of x, y and z must have one, with a "
                     "number above 0 and a time, or none",
@@ -134,35 +121,43 @@ class Trace(Sweep):
         return hashlib.blake2b(self.packed(), digest_size=16).digest()
 
 
-def check_format(found: Any) -> None:
+def check_format(found: str) -> None:
     """Refuse a version of the record that is not FORMAT.
 
     Raises:
         TraceRefusedError: It is another one.
     """
     if found != FORMAT:
-        refuse(
-            Message(
-                "its format is {format}; this software reads {expected}",
-                format=shortened(found),
-                expected=repr(FORMAT),
-            ),
-            fault=faults.TRACE_OTHER_VERSION,
+        reason = Message(
+            "its format is {format}; this software reads {expected}",
+            format=shortened(found),
+            expected=repr(FORMAT),
         )
+        forms.refuse(reason, faults.TRACE_OTHER_VERSION)
 
 
-_NUMBERS = of(list_of(UINT32, AXES), "numbers of the zeros of x, y and z", "", AXES * (0,))
-_TIMES = of(list_of(TIME, AXES), "when those zeros were found or set", "", AXES * (0,))
-_OWN = [one for name, one in fields_of(Trace).items() if name not in fields_of(Sweep)]
+_OWN = [one for one in forms.fields_of(Trace) if one not in SWEEP_FIELDS]
 TRACE_FIELDS = (
-    TraceField.of("format", of(TEXT, f"`{FORMAT}`")),
+    forms.TraceField("format", forms.TEXT, f"`{FORMAT}`"),
     *(one for one in _OWN if not hasattr(Trace, one.attribute)),
-    *fields_of(Sweep).values(),
+    *SWEEP_FIELDS,
     *SETTINGS,
     # Those with a default come last.
     *(one for one in _OWN if hasattr(Trace, one.attribute)),
-    TraceField.of("zero_epochs", _NUMBERS),
-    TraceField.of("zero_times_us", _TIMES),
+    forms.TraceField(
+        "zero_epochs",
+        forms.list_of(forms.UINT32, AXES),
+        "numbers of the zeros of x, y and z",
+        "",
+        AXES * (0,),
+    ),
+    forms.TraceField(
+        "zero_times_us",
+        forms.list_of(forms.TIME, AXES),
+        "when those zeros were found or set",
+        "",
+        AXES * (0,),
+    ),
 )
 """The table of a trace's fields, in the order of Trace.msg."""
 _PACKED = [(one.attribute, one.form.pack) for one in TRACE_FIELDS]

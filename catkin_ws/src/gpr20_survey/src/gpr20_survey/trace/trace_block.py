@@ -7,9 +7,6 @@ from typing import Any, Dict, Sequence
 
 import numpy as np
 
-from gpr20_common.message import Message
-from gpr20_survey import faults
-from gpr20_survey.errors import TraceRefusedError
 from gpr20_survey.trace.trace import Trace
 
 SAMPLE = np.dtype("<c8")
@@ -67,18 +64,9 @@ def block_fields(block: TraceBlock) -> Dict[str, Any]:
 
 
 def block_from(message: Any) -> TraceBlock:
-    """Return the block of an answer of `read_traces`.
-
-    Raises:
-        TraceRefusedError: Its arrays contradict each other, or a trace is there twice.
-    """
+    """Return the block of an answer of `read_traces`."""
     count, points = len(message.indices), len(message.frequency_hz)
     positions = [getattr(message, name) for name in POSITION]
-    lengths = {count, len(set(message.indices)), *map(len, (*positions, message.antennae_height_m))}
-    if len(lengths) > 1 or len(message.s21) != count * points * SAMPLE.itemsize:
-        raise TraceRefusedError(
-            Message("the traces that were received are incomplete"), fault=faults.TRACE_DAMAGED
-        )
     return TraceBlock(
         message.survey_id,
         np.array(message.frequency_hz, np.float64),

@@ -4,19 +4,21 @@ from __future__ import annotations
 
 import hashlib
 import json
-from typing import Any, Callable
+import re
 
 from gpr20_common.errors import Gpr20Error
 from gpr20_common.message import Message
+from gpr20_common.mid.codec import record_of_json
 from gpr20_survey import faults
 from gpr20_survey.errors import TraceRefusedError
 from gpr20_survey.trace.trace import TRACE_FIELDS, Trace, check_format
-from gpr20_survey.trace.trace_form import as_json, from_json
+from gpr20_survey.trace.trace_form import as_json, json_record, of_json
 
-CHECKSUM = "sha256"
-"""The last entry: SHA-256 of the bytes before the comma in front of it."""
+# The last entry: SHA-256 of the bytes before the comma in front of it.
 _SEAL = ', "sha256": "%s"}\n'
 _SEAL_BYTES = len(_SEAL % "") + 64
+_FORMAT = re.compile(rb'\{"format": "([ -~]*?)"')
+_Record = json_record("Trace", TRACE_FIELDS)
 
 
 def encode(trace: Trace) -> bytes:
@@ -35,12 +37,8 @@ def sealed(text: bytes) -> bytes:
     return covered + _seal(covered)
 
 
-def decode(content: bytes, parse: Callable[[bytes], Any] = json.loads) -> Trace:
+def decode(content: bytes) -> Trace:
     """Return the trace of a file's content, checked.
-
-    Args:
-        content: The content.
-        parse: Reads JSON, and raises a ValueError if it is none.
 
     Raises:
         TraceRefusedError: It is not the whole content of a trace's file.
@@ -51,19 +49,14 @@ def decode(content: bytes, parse: Callable[[bytes], Any] = json.loads) -> Trace:
             Message("the file does not end with the checksum of its content"),
             fault=faults.TRACE_DAMAGED,
         )
+    # Before all else: another version may have other entries.
+    found = _FORMAT.match(covered)
+    check_format(found[1].decode("ascii") if found else "")
     try:
-        found = parse(covered + b"}")
-        check_format(found.get("format") if type(found) is dict else None)
-        return Trace.of_values(from_json(TRACE_FIELDS, found))
+        return Trace.of_values(of_json(TRACE_FIELDS, record_of_json(_Record, covered + b"}", "")))
     except Gpr20Error as error:
-        is_other = error.message.fault is faults.TRACE_OTHER_VERSION
-        # Else it was right when it was stored.
-        fault = faults.TRACE_OTHER_VERSION if is_other else faults.TRACE_DAMAGED
-        raise TraceRefusedError(error.message, fault=fault) from error
-    except (ValueError, RecursionError) as error:
-        raise TraceRefusedError(
-            Message("the file is not strict JSON", details=error), fault=faults.TRACE_DAMAGED
-        ) from error
+        # It was right when it was stored.
+        raise TraceRefusedError(error.message, fault=faults.TRACE_DAMAGED) from error
 
 
 def _seal(covered: bytes) -> bytes:

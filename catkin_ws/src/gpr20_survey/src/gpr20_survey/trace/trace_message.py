@@ -7,24 +7,24 @@ import struct
 from typing import Iterable
 
 from gpr20_common.message import Message
+from gpr20_common.mid.codec import shortened
 from gpr20_survey import faults
 from gpr20_survey.axes.axis_id import ANTENNA_LINK
 from gpr20_survey.errors import TraceRefusedError
+from gpr20_survey.trace import trace_form as forms
 from gpr20_survey.trace.aux_value import AuxValue
 from gpr20_survey.trace.trace import TRACE_FIELDS, Trace
-from gpr20_survey.trace.trace_form import UINT, Reader, TraceField, pack_text, pack_time, record_of
-from gpr20_survey.trace.trace_rule import shortened
 
 DATATYPE = "gpr20_msgs/Trace"
 _HEADER = "uint32 seq\ntime stamp\nstring frame_id\n"
 _OTHER = "\n" + 80 * "=" + "\nMSG: "
 
 
-def _lines(fields: Iterable[TraceField]) -> str:
+def _lines(fields: Iterable[forms.TraceField]) -> str:
     return "".join(f"{one.form.ros} {one.name}\n" for one in fields)
 
 
-def _md5sum(fields: Iterable[TraceField], first: str = "") -> str:
+def _md5sum(fields: Iterable[forms.TraceField], first: str = "") -> str:
     """Return the checksum as ROS computes it: that of a message inside stands for its name."""
     types = ((_md5sum(one.form.parts) if one.form.parts else one.form.ros, one) for one in fields)
     lines = "\n".join([first, *(f"{kind} {one.name}" for kind, one in types)])
@@ -35,15 +35,15 @@ MD5SUM = _md5sum(TRACE_FIELDS, f"{_md5sum((), _HEADER)} header")
 DEFINITION = (
     f"std_msgs/Header header\n{_lines(TRACE_FIELDS)}"
     f"{_OTHER}std_msgs/Header\n{_HEADER}"
-    f"{_OTHER}gpr20_msgs/AuxValue\n{_lines(record_of(AuxValue).parts)}"
+    f"{_OTHER}gpr20_msgs/AuxValue\n{_lines(forms.fields_of(AuxValue))}"
 )
-"""Definition of the message with its types, as a recording holds it."""
+"""Definition of the message with its types, where ROS with its comments is not installed."""
 
 
 def encode(trace: Trace) -> bytes:
     """Return the serialized message of a trace."""
-    stamp = pack_time(trace.timestamp_us)
-    return trace.packed(UINT.pack(trace.index) + stamp + pack_text(ANTENNA_LINK))
+    stamp = forms.pack_time(trace.timestamp_us)
+    return trace.packed(forms.UINT.pack(trace.index) + stamp + forms.pack_text(ANTENNA_LINK))
 
 
 def decode(data: bytes, md5sum: str = MD5SUM) -> Trace:
@@ -58,36 +58,22 @@ def decode(data: bytes, md5sum: str = MD5SUM) -> Trace:
             allowed.
     """
     if md5sum != MD5SUM:
-        raise TraceRefusedError(
-            Message(
-                "a trace was recorded with version {found} of {datatype}; this software reads "
-                "{own}",
-                datatype=DATATYPE,
-                found=shortened(md5sum),
-                own=repr(MD5SUM),
-            ),
-            fault=faults.TRACE_OTHER_VERSION,
+        reason = Message(
+            "a trace was recorded with version {found} of {datatype}; this software reads {own}",
+            datatype=DATATYPE,
+            found=shortened(md5sum),
+            own=repr(MD5SUM),
         )
-    reader = Reader(data)
+        raise TraceRefusedError(reason, fault=faults.TRACE_OTHER_VERSION)
+    reader = forms.Reader(data)
     try:
-        reader.one(UINT)  # every ROS publisher gives `seq` a number of its own
-        header = reader.time_us(), reader.text()
+        reader.one(forms.UINT)  # every ROS publisher gives `seq` a number of its own
+        # The rest of the header says again what the trace holds.
+        reader.time_us(), reader.text()
         values = {one.attribute: one.form.unpack(reader) for one in TRACE_FIELDS}
+        if reader.read(1):
+            raise struct.error("it is longer than its fields")
     except (struct.error, UnicodeDecodeError) as error:
-        raise TraceRefusedError(
-            Message("a recorded trace is incomplete", details=error), fault=faults.TRACE_DAMAGED
-        ) from error
-    trace = Trace.of_values(values)
-    if header != (trace.timestamp_us, ANTENNA_LINK):
-        raise TraceRefusedError(
-            Message(
-                "the header of a trace is wrong: its stamp must be the timestamp and its "
-                "frame_id {frame}",
-                frame=repr(ANTENNA_LINK),
-            )
-        )
-    if reader.left:
-        raise TraceRefusedError(
-            Message("a recorded trace is longer than its fields"), fault=faults.TRACE_DAMAGED
-        )
-    return trace
+        reason = Message("a recorded trace is incomplete", details=error)
+        raise TraceRefusedError(reason, fault=faults.TRACE_DAMAGED) from error
+    return Trace.of_values(values)

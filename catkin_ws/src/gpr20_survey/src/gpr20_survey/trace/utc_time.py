@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import datetime
 
 from gpr20_common.errors import InvalidValueError
@@ -38,26 +39,12 @@ def parse_iso(text: str) -> int:
     Raises:
         InvalidValueError: The text is anything else.
     """
-    try:
+    with contextlib.suppress(ValueError, TypeError):  # the latter without its end
         moment = datetime.datetime.fromisoformat(text)
-    except ValueError as error:
-        raise _no_time(text) from error
-    if moment.tzinfo is None:
-        raise _no_time(text)
-    time_us = (moment - _EPOCH) // datetime.timedelta(microseconds=1)
-    if iso_text(time_us) != text:
-        raise _no_time(text)
-    return time_us
-
-
-def compact_text(time_us: int) -> str:
-    """Return a moment [us since 1970] as YYYYMMDDTHHMMSS, for names."""
-    moment = _EPOCH + datetime.timedelta(microseconds=time_us)
-    return moment.strftime("%Y%m%dT%H%M%S")
-
-
-def _no_time(text: str) -> InvalidValueError:
-    return InvalidValueError(
+        time_us = (moment - _EPOCH) // datetime.timedelta(microseconds=1)
+        if iso_text(time_us) == text:
+            return time_us
+    raise InvalidValueError(
         Message(
             "{text} is not a time such as {example}",
             text=repr(text[:64]),

@@ -28,7 +28,7 @@ from gpr20_common.mid.hardware import NO_HARDWARE
 from gpr20_common.os_reason import os_reason
 from gpr20_common.sent_message import fields_of, received_message
 from gpr20_common.terminal_text import printable
-from gpr20_msgs.msg import Trace
+from gpr20_msgs.msg import Replay, Trace
 from gpr20_msgs.srv import (
     AddFact,
     CloseSurvey,
@@ -43,7 +43,6 @@ from gpr20_survey.files.file_system import existing_folder
 from gpr20_survey.folder.data_folder import DataFolder
 from gpr20_survey.folder.signature import key_warning
 from gpr20_survey.plan.sensors import SENSORS, Sensors
-from gpr20_survey.recording.replay_message import REPLAY_TOPIC
 from gpr20_survey.recording.survey_topics import (
     LOG_TOPIC,
     METADATA_TOPIC,
@@ -85,13 +84,7 @@ class ProcessingNode:
             Storage(
                 data=self._data,
                 check_data=self._folder.check,
-                topics=SurveyTopics(
-                    Trace._full_text,
-                    rospy.resolve_name(TRACE_TOPIC),
-                    rospy.resolve_name(METADATA_TOPIC),
-                    rospy.resolve_name(LOG_TOPIC),
-                    rospy.resolve_name(REPLAY_TOPIC),
-                ),
+                topics=SurveyTopics(Trace._full_text, Replay._full_text, rospy.resolve_name),
                 free_bytes=free_bytes,
                 now_ns=time.time_ns,
                 clock=Clock(),

@@ -12,8 +12,12 @@ import rospy
 
 from gpr20_common.high.connection_header import connection_header
 from gpr20_survey.recording.recording import RecordedMessage
-from gpr20_survey.recording.replay_message import REPLAY_TOPIC
-from gpr20_survey.recording.survey_topics import LOG_TOPIC, METADATA_TOPIC, TRACE_TOPIC
+from gpr20_survey.recording.survey_topics import (
+    LOG_TOPIC,
+    METADATA_TOPIC,
+    REPLAY_TOPIC,
+    TRACE_TOPIC,
+)
 
 # Topics that make an axis move or stop.
 COMMANDS = ("/axis/goal", "/axis/cancel")

@@ -127,7 +127,7 @@ class CurrentSurvey:
                 lock.enter_context(locked(folder))
                 new_survey.make_empty(folder, plan)
                 path = folder / survey_folder.MCAP_FILE
-                recording = self._storage.open_recording(path, description)
+                recording = self._storage.open_recording(path)
             log = SurveyLog(folder, [plan], whole=False)
             survey = OpenSurvey(folder, log, recording, self._storage.topics, self._publication)
             # The log last: a folder with one is whole.

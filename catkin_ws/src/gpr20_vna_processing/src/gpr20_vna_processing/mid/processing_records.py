@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Callable, Dict, Mapping, Optional, Sequence
+from typing import Any, Callable, Mapping, Optional, Sequence
 
 from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message
 from gpr20_survey.files.access import Readers
 from gpr20_survey.folder.signature import Signer
-from gpr20_survey.recording.mcap_writer import McapFile, new_mcap
+from gpr20_survey.recording.mcap_writer import McapFile
 from gpr20_survey.recording.recording import RecordedMessage
 from gpr20_survey.recording.survey_topics import SurveyTopics
 from gpr20_vna_processing.low.bag_processes import BagProcesses
@@ -46,8 +46,8 @@ class Storage:
     """Likewise with that of every record of a survey's log."""
     signer: Optional[Signer] = None
     """Signs a survey whenever its manifest was written; None: surveys are not signed."""
-    open_recording: Callable[[Path, Dict[str, Any]], McapFile] = new_mcap
-    """Begins the recording of a new survey, by its description."""
+    open_recording: Callable[[Path], McapFile] = McapFile
+    """Begins the recording of a new survey."""
 
 
 @dataclass(frozen=True)

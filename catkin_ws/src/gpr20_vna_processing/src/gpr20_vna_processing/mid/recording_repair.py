@@ -12,7 +12,7 @@ from gpr20_survey.faults import REPAIRED
 from gpr20_survey.files import durable_files
 from gpr20_survey.folder import trace_files
 from gpr20_survey.folder.survey_folder import BAG_FILE, DAMAGED_FOLDER, MCAP_FILE, TRACES_FOLDER
-from gpr20_survey.recording.mcap_writer import McapFile, new_mcap
+from gpr20_survey.recording.mcap_writer import McapFile
 from gpr20_survey.recording.recording import RecordedMessage
 from gpr20_survey.recording.survey_topics import SurveyTopics
 from gpr20_survey.trace import trace_message, utc_time
@@ -49,7 +49,7 @@ def write_again(
     """
     path = folder / MCAP_FILE
     temporary = durable_files.temporary_path(path)
-    recording = new_mcap(temporary, start)
+    recording = McapFile(temporary)
     try:
         for message in _messages(folder, stored, topics, start, repairs):
             if message.datatype == trace_message.DATATYPE:

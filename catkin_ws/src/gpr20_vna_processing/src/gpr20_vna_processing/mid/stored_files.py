@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 import re
 import threading
 import time
 from functools import lru_cache
 from pathlib import Path
-from typing import Dict, List, Mapping, NamedTuple, Optional, Sequence, Tuple
+from typing import Collection, Dict, List, Mapping, NamedTuple, Optional, Sequence, Tuple
 
 import numpy as np
 
@@ -17,20 +18,19 @@ from gpr20_common.os_reason import os_reason
 from gpr20_common.terminal_text import printable
 from gpr20_survey.errors import ProcessingError, TraceRefusedError
 from gpr20_survey.folder import survey_folder, trace_files
-from gpr20_survey.recording.mcap_reader import McapTraces
+from gpr20_survey.recording.mcap_reader import StoredMcap
+from gpr20_survey.trace import trace_message
 from gpr20_survey.trace.trace import Trace
 from gpr20_survey.trace.trace_block import TraceBlock
 
 # What is read at once may take 12 MB: 1000 traces of 501 points.
 MAX_POINTS = 501_000
-# Another client waits meanwhile; a small computer needs 10 s for 1000 JSON files.
+# Another client waits meanwhile.
 MAX_READING_S = 2.0
 # The system marks changes only every few milliseconds, some file systems every two seconds: of
 # files that changed less than this ago another change may not show.
 SETTLED_NS = 3 * 10**9
 
-LISTED = (survey_folder.TRACES_FOLDER, survey_folder.MCAP_FILE)
-"""What changes in a folder when a trace is added."""
 TRACE_FILE = re.compile(r"([0-9]{6})_X[-0-9.]+_Y[-0-9.]+_Z[-+0-9.]+\.json")
 
 
@@ -42,19 +42,18 @@ class ReadTraces(NamedTuple):
 
 
 Version = Tuple[Tuple[int, ...], ...]
-_Listed = Tuple[Mapping[int, str], McapTraces]
 
 
 class TraceReader:
-    """Reads a trace from the MCAP, or from its JSON file if the MCAP has no whole one.
+    """Reads a trace from its JSON file, or from the MCAP if the file is not whole.
 
-    Any thread may call it. It remembers where the traces of the last survey are, and holds no file
+    Any thread may call it. It remembers the names of the last survey's files, and holds no file
     open between two calls: the disk can be removed.
     """
 
     def __init__(self) -> None:
         self._one_at_a_time = threading.Lock()
-        self._kept = lru_cache(1)(lambda folder, _version: _list(folder))
+        self._kept = lru_cache(1)(lambda folder, _version: trace_names(folder))
 
     def read(self, folder: Path, survey_id: str, indices: Sequence[int]) -> ReadTraces:
         """Return traces that have the frequencies of the first of them.
@@ -68,37 +67,43 @@ class TraceReader:
         Raises:
             ProcessingError: The folder cannot be read.
         """
-        traces: List[Trace] = []
+        found: Dict[int, Trace] = {}
         unreadable: Dict[int, Message] = {}
         points = 0
         with self._one_at_a_time:
-            version = settled_version(folder, LISTED, time.time_ns())
-            listed = _list(folder) if version is None else self._kept(folder, version)
-            names, mcap = listed
+            version = settled_version(folder, [survey_folder.TRACES_FOLDER], time.time_ns())
+            names = trace_names(folder) if version is None else self._kept(folder, version)
             end_s = time.monotonic() + MAX_READING_S
-            with mcap.finder() as recorded:
-                for index in indices:
-                    try:
-                        trace = recorded(index)
-                        if trace is None or trace.survey_id != survey_id:
-                            trace = _from_file(folder, survey_id, names.get(index))
-                    except TraceRefusedError as error:
-                        unreadable[index] = error.message
-                    except OSError as error:
-                        unreadable[index] = os_reason(error)
-                    else:
-                        first = traces[0] if traces else trace
-                        if np.array_equal(trace.frequency_hz, first.frequency_hz):
-                            traces.append(trace)
-                            points += len(trace.frequency_hz)
-                    if points >= MAX_POINTS or time.monotonic() > end_s:
-                        break
-        return ReadTraces(TraceBlock.of(survey_id, traces), unreadable)
+            for index in indices:
+                try:
+                    found[index] = _from_file(folder, survey_id, names.get(index))
+                    points += len(found[index].frequency_hz)
+                except TraceRefusedError as error:
+                    unreadable[index] = error.message
+                except OSError as error:
+                    unreadable[index] = os_reason(error)
+                if points >= MAX_POINTS or time.monotonic() > end_s:
+                    break
+            if unreadable:
+                found.update(_recorded(folder, survey_id, unreadable.keys()))
+        traces = [found[index] for index in indices if index in found]
+        same = [one for one in traces if np.array_equal(one.frequency_hz, traces[0].frequency_hz)]
+        reasons = {index: one for index, one in unreadable.items() if index not in found}
+        return ReadTraces(TraceBlock.of(survey_id, same), reasons)
 
 
-def _list(folder: Path) -> _Listed:
-    names = trace_names(folder)
-    return names, McapTraces(folder / survey_folder.MCAP_FILE, list(names))
+def _recorded(folder: Path, survey_id: str, indices: Collection[int]) -> Dict[int, Trace]:
+    """Return the traces of these places that the MCAP holds."""
+    found = {}
+    with contextlib.suppress(OSError):
+        for message in StoredMcap(folder / survey_folder.MCAP_FILE).messages(
+            trace_message.DATATYPE
+        ):
+            with contextlib.suppress(TraceRefusedError):  # its file says what is wrong
+                trace = trace_message.decode(message.data, message.md5sum)
+                if trace.survey_id == survey_id and trace.index in indices:
+                    found[trace.index] = trace
+    return found
 
 
 def trace_names(folder: Path) -> Dict[int, str]:

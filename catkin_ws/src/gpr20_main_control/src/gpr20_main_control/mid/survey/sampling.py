@@ -22,7 +22,7 @@ from gpr20_main_control.mid.survey.running_survey import RunningSurvey
 from gpr20_main_control.mid.waits import Check, result_of, wait_for
 from gpr20_survey.errors import TraceRefusedError
 from gpr20_survey.plan.survey_points import SurveyPoint
-from gpr20_survey.trace.aux_value import vna_temperature
+from gpr20_survey.trace.aux_value import VNA_TEMPERATURE, AuxValue
 from gpr20_survey.trace.sweep import Sweep, storable_remark
 from gpr20_survey.trace.trace import Trace
 
@@ -92,7 +92,8 @@ class Confirmation:
     def _completed(self, confirmed: SweepConfirmation) -> Trace:
         aux, quality = self._trace.aux, (*self._trace.quality, *confirmed.remarks)
         if confirmed.temperature_c is not None:
-            aux = (*aux, vna_temperature(confirmed.temperature_c, time_of_day_us()))
+            own = AuxValue(VNA_TEMPERATURE, confirmed.temperature_c, "degC", time_of_day_us())
+            aux = (*aux, own)
         try:
             return replace(self._trace, quality=quality, aux=aux)
         except TraceRefusedError as error:
