@@ -20,7 +20,6 @@ from gpr20_survey.errors import ProcessingError, SigningError, storing
 from gpr20_survey.files import durable_files, ssh_keygen
 from gpr20_survey.files.regular_file import read_regular
 from gpr20_survey.folder.manifest import MANIFEST_FILE, SIGNATURE_FILE
-from gpr20_survey.folder.survey_log import read_log
 
 NAMESPACE = "gpr20-survey"
 """What the signature is for: one by the same key for another purpose does not count."""
