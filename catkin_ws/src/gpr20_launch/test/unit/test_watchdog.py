@@ -10,6 +10,7 @@ from xmlrpc.server import SimpleXMLRPCServer
 import pytest
 from case_kit import each_case
 
+from gpr20_common.low.limited_rpc import limited_server
 from gpr20_launch.low import node_answer
 from gpr20_launch.low.node_answer import Answer, NodeAnswer
 from gpr20_launch.mid.watchdog import (
@@ -265,10 +266,10 @@ def test_a_refusal_a_lost_address_and_another_process_of_the_name_say_nothing(ma
     # It is ending. As a new process has it: nothing is left of the connection.
     answer = asked(master)
     assert answer.ask() is Answer.ALIVE
-    answer._confirmed.close()
     with socket.socket() as free:
         free.bind(("127.0.0.1", 0))
-        answer._confirmed._address = free.getsockname()
+        uri = f"http://127.0.0.1:{free.getsockname()[1]}/"
+        answer._confirmed = limited_server(uri, ANSWER_LIMIT_S)
     assert answer.ask() is Answer.UNKNOWN
 
 

@@ -11,7 +11,7 @@ import roslib.message
 
 from gpr20_common import faults
 from gpr20_common.errors import InvalidValueError
-from gpr20_common.high.connection_header import connection_header
+from gpr20_common.high.raw_message import connection_header
 from gpr20_common.message import Message
 
 _PART = re.compile(r"(?P<name>\w+)(\[(?P<index>\d+)\])?")

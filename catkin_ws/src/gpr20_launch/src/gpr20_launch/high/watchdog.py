@@ -15,9 +15,8 @@ from typing import Dict, Mapping, Tuple
 import rosgraph
 
 from gpr20_common.low.clock import Clock
-from gpr20_common.low.line_output import enable_line_buffering
 from gpr20_common.low.service_manager import service_manager
-from gpr20_common.terminal_text import say
+from gpr20_common.terminal_text import enable_line_buffering, say
 from gpr20_launch.low import sibling_nodes
 from gpr20_launch.low.node_answer import Answer, NodeAnswer
 from gpr20_launch.low.process_info import process_info
