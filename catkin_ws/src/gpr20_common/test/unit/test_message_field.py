@@ -50,9 +50,9 @@ def test_the_number_is_found(message, path, value):
     [
         ("std_msgs/Float64", "value", MISSING, "data (float64)"),
         ("sensor_msgs/Imu", "angular_velocity.w", MISSING, "x (float64), y (float64)"),
-        ("sensor_msgs/Imu", "angular_velocity", MISSING, "x, y, z"),
-        ("std_msgs/Header", "stamp", MISSING, "time"),
-        ("std_msgs/Float64", "data[0]", MISSING, "float64"),
+        ("sensor_msgs/Imu", "angular_velocity", MISSING, "y (float64)"),
+        ("std_msgs/Header", "stamp", MISSING, "stamp (time)"),
+        ("std_msgs/Float64", "data[0]", MISSING, "data (float64)"),
         ("std_msgs/Float64MultiArray", "data", MISSING, "data[0]"),
         ("no_such_package/Float64", "data", UNKNOWN, "no_such_package/Float64"),
         ("std_msgs/NoSuchType", "data", UNKNOWN, "std_msgs/NoSuchType"),
