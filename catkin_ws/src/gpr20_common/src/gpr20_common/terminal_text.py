@@ -31,13 +31,7 @@ def printable(text: Union[str, PurePath]) -> str:
 
 
 def say(*lines: Union[str, PurePath], file: Optional[TextIO] = None, flush: bool = False) -> None:
-    """Print lines; a text among them can neither add lines nor control the terminal.
-
-    Args:
-        lines: Without line breaks; those that they hold are shown as `printable` does.
-        file: Where to; None: the standard output.
-        flush: Whether they must not wait in a buffer.
-    """
+    """Print lines as `printable` shows them: none can add lines or control the terminal."""
     print(*map(printable, lines), sep="\n", file=file, flush=flush)
 
 

@@ -13,11 +13,7 @@ from typing import Any, Dict, List, Optional
 import genpy
 import rosgraph
 import rospy
-from rosgraph.network import (
-    ROSHandshakeException,
-    decode_ros_handshake_header,
-    encode_ros_handshake_header,
-)
+from rosgraph import network
 
 from gpr20_common import faults
 from gpr20_common.errors import Gpr20Error
@@ -41,7 +37,9 @@ LENGTH = struct.Struct("<I")
 RESPONSE_HEAD = struct.Struct("<?I")
 PIECE_BYTES = 1 << 16
 # Why there is no connection.
-NOT_CONNECTED = (*NO_ANSWER, rospy.ROSException, ROSHandshakeException)
+NOT_CONNECTED = (*NO_ANSWER, rospy.ROSException, network.ROSHandshakeException)
+# Why there is no answer.
+FAILURES = (OSError, rospy.ROSException, rospy.ServiceException, genpy.MessageException)
 GIVEN_UP = "the call was given up"
 
 
@@ -62,27 +60,23 @@ class ServiceConnection:
     def __init__(
         self, uri: str, header: Dict[str, str], deadline_s: float, answer_deadline_s: float
     ) -> None:
-        """Connect to a service.
+        """Connect to the service at an address; raises what `NOT_CONNECTED` has.
 
         Args:
-            uri: Its address, as the master knows it.
+            uri: As the master knows it.
             header: What the client says of itself.
             deadline_s: When there must be a connection [s, `time.monotonic`].
             answer_deadline_s: When its node must have accepted it [s].
-
-        Raises:
-            OSError: There is no connection.
-            rospy.ROSException, ROSHandshakeException: It is not that service.
         """
         address = rospy.core.parse_rosrpc_uri(uri)
         self._socket = socket.create_connection(address, _remaining_s(deadline_s))
         try:
             # Small messages must not wait for the acknowledgement of earlier ones.
             self._socket.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
-            self._socket.sendall(encode_ros_handshake_header(header))
+            self._socket.sendall(network.encode_ros_handshake_header(header))
             (length,) = LENGTH.unpack(self._receive(LENGTH.size, answer_deadline_s))
             answer = LENGTH.pack(length) + self._receive(length, answer_deadline_s)
-            found = decode_ros_handshake_header(answer)
+            found = network.decode_ros_handshake_header(answer)
             if "error" in found:
                 raise rospy.ROSException(found["error"])
         except BaseException:
@@ -122,7 +116,6 @@ class ServiceConnection:
         self.close()
 
     def close(self) -> None:
-        """End the connection; what was sent is still delivered."""
         self._socket.close()
 
     def _receive(self, size: int, deadline_s: float) -> bytes:
@@ -176,12 +169,11 @@ class ServiceClient:
         Raises:
             ServiceUnavailableError: No answer came; the message says why.
         """
-        message = rospy.msg.args_kwds_to_message(
-            self._service_class._request_class, request, fields
-        )
+        kind = self._service_class
+        message = rospy.msg.args_kwds_to_message(kind._request_class, request, fields)
         make = self._make if self._discard_late else self._deliver
         try:
-            return deserialized(self._service_class._response_class, make(message, timeout_s))
+            return deserialized(kind._response_class, make(message, timeout_s))
         except socket.timeout as error:
             raise ServiceUnavailableError(
                 Message(
@@ -192,7 +184,7 @@ class ServiceClient:
                 ),
                 fault=faults.SERVICE_SILENT,
             ) from error
-        except (*NOT_CONNECTED, rospy.ServiceException, genpy.MessageException) as error:
+        except FAILURES as error:
             raise ServiceUnavailableError(
                 Message(
                     "the service {service} could not be called; check that its node is running",
@@ -202,18 +194,14 @@ class ServiceClient:
             ) from error
 
     def prepare(self, timeout_s: float) -> None:
-        """Connect now, so that a call that follows soon need not; for a client with `keep_open`.
-
-        Nothing is requested. If there is no connection within the time limit [s], the call finds
-        out why.
-        """
+        """Connect now, so that a call that follows soon need not; for a client with `keep_open`."""
         deadline_s = time.monotonic() + timeout_s
         try:
             connection = self._take_kept() or self._connect(deadline_s, deadline_s, self._given_up)
+            self._kept.append(connection)
         except NOT_CONNECTED as error:
+            # The call finds out why.
             rospy.logdebug("the service %s cannot be prepared: %s", self.name, error)
-            return
-        self._kept.append(connection)
 
     def give_up(self) -> None:
         """Let calls that wait for the service's node never be made; one that was made continues."""
@@ -285,7 +273,9 @@ class ServiceClient:
                 if given_up.is_set() or rospy.is_shutdown():
                     raise rospy.ROSException(GIVEN_UP) from error
                 if time.monotonic() > last_s:
-                    raise
+                    if isinstance(error, OSError):
+                        raise
+                    raise rospy.ROSException(str(error)) from error
             attempt += 1
             given_up.wait(RETRY_S)
 
@@ -297,11 +287,7 @@ class ServiceClient:
 
 
 def _remaining_s(deadline_s: float) -> float:
-    """Return the time that is left [s].
-
-    Raises:
-        socket.timeout: None is.
-    """
+    """Return the time that is left [s]; raises a socket.timeout if none is."""
     remaining_s = deadline_s - time.monotonic()
     if remaining_s <= 0.0:
         raise socket.timeout("timed out")

@@ -25,7 +25,7 @@ FOLDER = Path(__file__).resolve().parent.parent / "translations"
 VARIABLE = "GPR20_TRANSLATIONS"
 OWN_FOLDER = "~/.gpr20/translations"
 _CODE = re.compile("[a-z]{2,3}(_[A-Z]{2})?")
-# The name is in the header; reading all of a catalogue takes longer than opening a window.
+# In the header; reading all of a catalogue takes longer than opening a window.
 _NAME = re.compile(r'^"X-Language-Name: *([^"\\]{1,40}?) *\\n"', re.MULTILINE)
 HEADER_CHARACTERS = 4000
 
@@ -82,9 +82,7 @@ def language_from_environment(environment: Mapping[str, str]) -> Language:
 
 
 def read_catalogue(language: Language) -> Catalogue:
-    """Return the catalogue of a language; the templates themselves are the English one.
-
-    Its files are read once: reading them takes longer than opening a window.
+    """Return the catalogue of a language, whose files are read once.
 
     Raises:
         InvalidValueError: A file is no catalogue, or there is none.

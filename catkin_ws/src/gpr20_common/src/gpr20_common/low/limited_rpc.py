@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-import http.client
 import xmlrpc.client
+from http.client import HTTPConnection, HTTPException
 from typing import Any, Optional
 from xml.parsers.expat import ExpatError
 
@@ -12,14 +12,7 @@ from gpr20_common.message import Message
 
 SUCCESS = 1
 # No connection, no HTTP, no XML, no XML-RPC, or not what ROS answers.
-NO_ANSWER = (
-    OSError,
-    http.client.HTTPException,
-    ExpatError,
-    xmlrpc.client.Error,
-    ValueError,
-    TypeError,
-)
+NO_ANSWER = (OSError, HTTPException, ExpatError, xmlrpc.client.Error, ValueError, TypeError)
 
 
 class LimitedTransport(xmlrpc.client.Transport):
@@ -29,7 +22,7 @@ class LimitedTransport(xmlrpc.client.Transport):
         super().__init__()
         self._time_limit_s = time_limit_s
 
-    def make_connection(self, host: Any) -> http.client.HTTPConnection:
+    def make_connection(self, host: Any) -> HTTPConnection:
         connection = super().make_connection(host)
         connection.timeout = self._time_limit_s
         return connection
@@ -44,11 +37,7 @@ def limited_server(uri: str, time_limit_s: float) -> xmlrpc.client.ServerProxy:
 
 
 def value_of(answer: Any) -> Any:
-    """Return the value of an answer.
-
-    Raises:
-        ValueError: It reports a failure.
-    """
+    """Return the value of an answer; raises a ValueError if it reports a failure."""
     code, message, value = answer
     if code != SUCCESS:
         raise ValueError(message)
@@ -59,14 +48,7 @@ class NodeProbe:
     """Asks a node of the graph whether it is there; not to be shared by threads."""
 
     def __init__(self, master_uri: str, caller_id: str, node: str, time_limit_s: float) -> None:
-        """Connect to nothing yet.
-
-        Args:
-            master_uri: Where the master is.
-            caller_id: Name of the node that asks.
-            node: Full name of the node that is asked.
-            time_limit_s: For each answer [s].
-        """
+        """Connect to nothing yet; the names are full ones, the limit is for each answer [s]."""
         self._caller_id = caller_id
         self._node = node
         self._time_limit_s = time_limit_s

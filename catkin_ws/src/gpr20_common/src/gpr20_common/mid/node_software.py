@@ -19,13 +19,7 @@ INSTALLED_REVISION = Path(gpr20_common.__file__).resolve().with_name("installed_
 
 @dataclass(frozen=True)
 class NodeSoftware:
-    """Which software a node runs, and where; what is not known is empty.
-
-    Attributes:
-        version: Version of the suite.
-        revision: Revision of its sources.
-        host: Name of its computer.
-    """
+    """Which software a node runs, and on which computer; what is not known is empty."""
 
     version: str = ""
     revision: str = ""
@@ -33,7 +27,6 @@ class NodeSoftware:
 
     @property
     def name(self) -> str:
-        """Version and revision in one text."""
         return f"{self.version} ({self.revision})" if self.revision else self.version
 
 
@@ -47,13 +40,7 @@ def own_software() -> NodeSoftware:
 
 
 def git_revision(folder: Path, *options: str, installed: Path = INSTALLED_REVISION) -> str:
-    """Return the git revision that was installed or is in a folder; empty if there is none.
-
-    Args:
-        folder: Where the sources are.
-        options: Further options of `git describe`.
-        installed: File with the revision that was installed.
-    """
+    """Return the git revision that was installed or is in a folder; empty if there is none."""
     if installed.exists():
         # Not that of a repository which the install space may be in.
         return installed.read_text(encoding="utf-8").strip()
@@ -73,26 +60,21 @@ def software_revision(version: str, folder: Path, installed: Path = INSTALLED_RE
 
 
 def software_difference(nodes: Mapping[str, NodeSoftware]) -> Optional[Message]:
-    """Return which nodes run which software; None if all run the same.
-
-    Args:
-        nodes: The software of each node. Nodes that do not say theirs are not compared.
-    """
+    """Return which nodes run which software; None if all that say theirs run the same."""
     groups: Dict[str, List[str]] = {}
     for node, software in nodes.items():
         if software.version:
             groups.setdefault(software.name, []).append(node)
     if len(groups) < 2:
         return None
-    return Message(
-        "the parts of the robot run different software: {groups}",
-        groups=in_a_row(
-            Message(
-                "{software} on {hosts}",
-                software=name,
-                hosts=", ".join(sorted({nodes[node].host or "?" for node in group})),
-                details=f"{name}: {', '.join(sorted(group))}",
-            )
-            for name, group in sorted(groups.items())
-        ),
-    ).with_fault(faults.SOFTWARE_DIFFERS)
+    found = in_a_row(
+        Message(
+            "{software} on {hosts}",
+            software=name,
+            hosts=", ".join(sorted({nodes[node].host or "?" for node in group})),
+            details=f"{name}: {', '.join(sorted(group))}",
+        )
+        for name, group in sorted(groups.items())
+    )
+    text = Message("the parts of the robot run different software: {groups}", groups=found)
+    return text.with_fault(faults.SOFTWARE_DIFFERS)

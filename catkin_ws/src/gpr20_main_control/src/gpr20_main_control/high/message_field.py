@@ -9,10 +9,10 @@ from typing import Any, Dict, List, Optional, Tuple
 import genpy
 import roslib.message
 
-from gpr20_common import faults
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.high.raw_message import connection_header, deserialized
 from gpr20_common.message import Message
+from gpr20_main_control import faults
 
 _PART = re.compile(r"(?P<name>\w+)(\[(?P<index>\d+)\])?")
 _NUMBER = re.compile("bool|u?int(8|16|32|64)|float(32|64)")
