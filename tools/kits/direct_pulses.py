@@ -1,7 +1,5 @@
 """The motions of an axis whose pulses are made in the calling thread, without a process."""
 
-# ruff: noqa: D102 (the methods are those of AxisMotions)
-
 from __future__ import annotations
 
 from typing import Any, Optional

@@ -4,8 +4,6 @@ Each is the driver or the storage of the robot; what a node and a service are be
 control is here a call.
 """
 
-# ruff: noqa: D101, D102 (they are those of gpr20_main_control.mid.devices.robot)
-
 from __future__ import annotations
 
 import contextlib

@@ -10,12 +10,7 @@ from gpr20_common.message import Message
 
 @dataclass(frozen=True)
 class Language:
-    """A language that has a catalogue; `gpr20_common.low.catalogue_file.languages` finds them.
-
-    Attributes:
-        value: ISO 639-1 code, with or without a country: es, pt_BR.
-        own_name: What its speakers call it.
-    """
+    """A language: its ISO 639-1 code, as es or pt_BR, and what its speakers call it."""
 
     ENGLISH: ClassVar[Language]
     SPANISH: ClassVar[Language]
@@ -33,18 +28,12 @@ Language.SPANISH = Language("es", "Español")
 
 
 class Catalogue:
-    """Translates templates, and messages with the values in them."""
+    """Translates templates, and messages with the values in them; English without translations."""
 
     def __init__(self, translations: Optional[Mapping[str, str]] = None) -> None:
-        """Make a catalogue.
-
-        Args:
-            translations: Translation of each template; without them all stays English.
-        """
         self._translations = translations or {}
 
     def template(self, template: str) -> str:
-        """Return the translation of a template; English if there is none."""
         return self._translations.get(template) or template
 
     def text(self, message: Message) -> str:

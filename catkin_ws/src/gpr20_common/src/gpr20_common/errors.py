@@ -17,19 +17,13 @@ class Gpr20Error(Exception):
     Attributes:
         fault: What a program knows of it. Each class has its own; a raise can name a finer one.
         message: What was refused or failed, why, and what to do, with the fault that it reports.
-            Its English text is what `str` returns.
+            A message that reports a fault itself, as one that was received does, keeps that.
     """
 
     fault: ClassVar[Fault] = faults.INTERNAL
     message: Message
 
     def __init__(self, message: Message, fault: Optional[Fault] = None) -> None:
-        """Make the error.
-
-        Args:
-            message: If it reports a fault itself, as one that was received does, it keeps that.
-            fault: A finer one than that of the class.
-        """
         if fault is not None or message.fault is None:
             message = message.with_fault(fault or self.fault)
         super().__init__(message)

@@ -23,9 +23,6 @@ TRANSLATION_UNREADABLE = Fault(
     ),
 )
 EXTENSION_UNUSABLE = Fault("config.extension_unusable", remedies.CHECK_CONFIGURATION)
-SENSOR_FIELD_MISSING = Fault("config.sensor_field_missing", remedies.CHECK_CONFIGURATION)
-SENSOR_TYPE_UNKNOWN = Fault("config.sensor_type_unknown", remedies.CHECK_CONFIGURATION)
-SENSOR_TYPE_DIFFERS = Fault("config.sensor_type_differs", remedies.CHECK_CONFIGURATION)
 PRIVATE_PARAMETERS = Fault("config.private_parameters", remedies.CHECK_CONFIGURATION)
 CONFIGURATION_GONE = Fault("launch.configuration_gone", remedies.RESTART_ROBOT)
 SOFTWARE_DIFFERS = Fault("node.software_differs", remedies.SAME_VERSION, Severity.WARNING)

@@ -5,19 +5,8 @@ from __future__ import annotations
 import enum
 import json
 import re
-from dataclasses import dataclass, field, replace
-from typing import (
-    Any,
-    Callable,
-    Dict,
-    Iterable,
-    Iterator,
-    Mapping,
-    Optional,
-    Sequence,
-    Tuple,
-    Union,
-)
+from dataclasses import dataclass, field, fields
+from typing import Any, Callable, Dict, Iterable, Iterator, Mapping, Optional, Tuple, Union
 
 # Between sentences in a row, such as two reasons for one refusal.
 BETWEEN_SENTENCES = "; "
@@ -25,6 +14,53 @@ BETWEEN_SENTENCES = "; "
 CODE_FORMAT = re.compile(r"[a-z][a-z0-9_]{0,29}\.[a-z][a-z0-9_]{0,59}")
 
 Value = Union[str, int, float, "Message", Tuple["Message", ...]]
+
+
+class Severity(enum.Enum):
+    """How much a fault matters, the gravest last."""
+
+    NOTE = "note"  # asked for, or harmless: nobody has to do anything
+    WARNING = "warning"  # the robot continues; somebody should look
+    FAULT = "fault"  # something did not succeed
+
+
+@dataclass(frozen=True)
+class Fault:
+    """What a program knows of something that went wrong; people read the sentence that reports it.
+
+    Attributes:
+        code: `area.what`, such as `vna.not_calibrated`. It stays when the sentence is reworded.
+        remedy: What a person does first; None: a fault inside or around knows it.
+        severity: How much it matters.
+        may_move: Something of the robot may still move.
+        can_continue: The survey can continue when the cause is gone.
+        replaces: It decides, and not the faults inside its sentence.
+    """
+
+    code: str
+    remedy: Optional[Message] = None
+    severity: Severity = Severity.FAULT
+    may_move: bool = False
+    can_continue: bool = True
+    replaces: bool = False
+
+    def __post_init__(self) -> None:
+        if not CODE_FORMAT.fullmatch(self.code):
+            raise ValueError(f"the code {self.code!r} of a fault must have the form area.what")
+
+    @property
+    def gravity(self) -> int:
+        return list(Severity).index(self.severity)
+
+    def record(self) -> Dict[str, Any]:
+        """Return it as JSON holds it; what has its usual value is left out."""
+        record: Dict[str, Any] = {"code": self.code, "severity": self.severity.value}
+        for name in ("may_move", "can_continue", "replaces"):
+            if getattr(self, name) != getattr(Fault, name):
+                record[name] = getattr(self, name)
+        if self.remedy is not None:
+            record["remedy"] = self.remedy.record()
+        return record
 
 
 @dataclass(frozen=True, init=False)
@@ -54,43 +90,37 @@ class Message:
             KeyError: The template has a field without a value.
             ValueError: A value does not fit the format of its field.
         """
-        object.__setattr__(self, "template", template)
-        object.__setattr__(self, "values", {name: _value(one) for name, one in values.items()})
-        object.__setattr__(self, "details", str(details))
-        object.__setattr__(self, "fault", None)
+        known = {name: _value(one) for name, one in values.items()}
+        self._set(template=template, values=known, details=str(details), fault=None)
         # A fault in a template shows where it is written and not where it is read.
         self.sentence()
 
     def sentence(self, translate: Callable[[str], str] = str) -> str:
-        """Return the sentence without its details.
-
-        Args:
-            translate: Returns the translation of a template; without it the text is English.
-        """
-        return translate(self.template).format(
-            **{name: _shown(one, translate) for name, one in self.values.items()}
-        )
+        """Return the sentence without its details; `translate` translates a template."""
+        shown: Dict[str, object] = {}
+        for name, one in self.values.items():
+            if isinstance(one, Message):
+                shown[name] = one.sentence(translate)
+            elif isinstance(one, tuple):
+                shown[name] = BETWEEN_SENTENCES.join(inner.sentence(translate) for inner in one)
+            else:
+                shown[name] = one
+        return translate(self.template).format(**shown)
 
     @property
     def all_details(self) -> Tuple[str, ...]:
         """The details of this message and of those inside it, each once, the innermost last."""
-        found = dict.fromkeys(one.details for one in self.nested() if one.details)
-        return tuple(found)
+        return tuple(dict.fromkeys(one.details for one in self.nested() if one.details))
 
     def with_fault(self, fault: Optional[Fault]) -> Message:
-        """Return the same sentence, reporting this fault."""
-        copy = Message(self.template, details=self.details, **self.values)
-        object.__setattr__(copy, "fault", fault)
-        return copy
+        return self._with(fault=fault)
 
     def with_details(self, details: object) -> Message:
-        """Return the same sentence with other technical words."""
-        return Message(self.template, details=details, **self.values).with_fault(self.fault)
+        return self._with(details=str(details))
 
     def with_values(self, known: Mapping[str, Value]) -> Message:
         """Return the same sentence with the known values of its fields."""
-        values = {name: known.get(name, own) for name, own in self.values.items()}
-        return Message(self.template, details=self.details, **values).with_fault(self.fault)
+        return self._with(values={name: known.get(name, own) for name, own in self.values.items()})
 
     @property
     def cause(self) -> Optional[Fault]:
@@ -103,8 +133,7 @@ class Message:
         if own is not None and own.replaces:
             return own
         inside = [one for one in (inner.cause for inner in self._inner()) if one is not None]
-        known = [one for one in inside if one.remedy is not None]
-        deciding = _most_urgent(known)
+        deciding = _most_urgent(one for one in inside if one.remedy is not None)
         if own is None or own.remedy is None:
             return deciding or own or _most_urgent(inside)
         return own if deciding is None or deciding.gravity < own.gravity else deciding
@@ -144,13 +173,7 @@ class Message:
         if cause is None:
             return self
         return self.with_fault(
-            replace(
-                cause,
-                severity=Severity.WARNING,
-                may_move=self.may_move,
-                can_continue=True,
-                replaces=True,
-            )
+            Fault(cause.code, cause.remedy, Severity.WARNING, self.may_move, replaces=True)
         )
 
     @property
@@ -166,7 +189,22 @@ class Message:
 
     def to_json(self) -> str:
         """Return template, values, details and fault as JSON, as they travel on the ROS graph."""
-        return json.dumps(self._record(), ensure_ascii=False)
+        return json.dumps(self.record(), ensure_ascii=False)
+
+    def record(self) -> Dict[str, Any]:
+        """Return it as JSON holds it; what is empty is left out."""
+        values: Dict[str, Any] = {}
+        for name, one in self.values.items():
+            if isinstance(one, tuple):
+                values[name] = [inner.record() for inner in one]
+            else:
+                values[name] = one.record() if isinstance(one, Message) else one
+        record: Dict[str, Any] = {"template": self.template, "values": values}
+        if self.details:
+            record["details"] = self.details
+        if self.fault is not None:
+            record["fault"] = self.fault.record()
+        return record
 
     def __str__(self) -> str:
         """Return the complete English text, as logs and `rostopic echo` show it."""
@@ -195,68 +233,14 @@ class Message:
             for inner in self._inner():
                 yield from inner._failing()
 
-    def _record(self) -> Dict[str, Any]:
-        record: Dict[str, Any] = {"template": self.template, "values": {}}
-        for name, value in self.values.items():
-            record["values"][name] = _sent(value)
-        if self.details:
-            record["details"] = self.details
-        if self.fault is not None:
-            record["fault"] = self.fault.record()
-        return record
+    def _with(self, **changed: Any) -> Message:
+        copy = object.__new__(Message)
+        copy._set(**{**{one.name: getattr(self, one.name) for one in fields(self)}, **changed})
+        return copy
 
-
-class Severity(enum.Enum):
-    """How much a fault matters."""
-
-    NOTE = "note"  # asked for, or harmless: nobody has to do anything
-    WARNING = "warning"  # the robot continues; somebody should look
-    FAULT = "fault"  # something did not succeed
-
-
-@dataclass(frozen=True)
-class Fault:
-    """What a program knows of something that went wrong; people read the sentence that reports it.
-
-    Attributes:
-        code: `area.what`, such as `vna.not_calibrated`. It stays when the sentence is reworded.
-        remedy: What a person does first; None: a fault inside or around knows it.
-        severity: How much it matters.
-        may_move: Something of the robot may still move.
-        can_continue: The survey can continue when the cause is gone.
-        replaces: It decides, and not the faults inside its sentence.
-    """
-
-    code: str
-    remedy: Optional[Message] = None
-    severity: Severity = Severity.FAULT
-    may_move: bool = False
-    can_continue: bool = True
-    replaces: bool = False
-
-    def __post_init__(self) -> None:
-        if not CODE_FORMAT.fullmatch(self.code):
-            raise ValueError(f"the code {self.code!r} of a fault must have the form area.what")
-
-    @property
-    def gravity(self) -> int:
-        """What orders faults by their severity, the gravest last."""
-        return list(Severity).index(self.severity)
-
-    @property
-    def urgency(self) -> Tuple[bool, int]:
-        """What orders faults that are reported together, the most urgent last."""
-        return (self.may_move, self.gravity)
-
-    def record(self) -> Dict[str, Any]:
-        """Return it as JSON holds it; what has its usual value is left out."""
-        record: Dict[str, Any] = {"code": self.code, "severity": self.severity.value}
-        for name in ("may_move", "can_continue", "replaces"):
-            if getattr(self, name) != getattr(Fault, name):
-                record[name] = getattr(self, name)
-        if self.remedy is not None:
-            record["remedy"] = self.remedy._record()
-        return record
+    def _set(self, **attributes: Any) -> None:
+        for name, value in attributes.items():
+            object.__setattr__(self, name, value)
 
 
 def verbatim(text: str) -> Message:
@@ -269,8 +253,8 @@ def in_a_row(messages: Iterable[Message]) -> Message:
     return Message("{sentences}", sentences=tuple(messages))
 
 
-def _most_urgent(faults: Sequence[Fault]) -> Optional[Fault]:
-    return max(faults, key=lambda one: one.urgency) if faults else None
+def _most_urgent(faults: Iterable[Fault]) -> Optional[Fault]:
+    return max(faults, key=lambda one: (one.may_move, one.gravity), default=None)
 
 
 def _value(value: object) -> Value:
@@ -285,19 +269,3 @@ def _value(value: object) -> Value:
     except (ValueError, TypeError):
         number = None
     return number if isinstance(number, (int, float)) else str(value)
-
-
-def _sent(value: Value) -> Any:
-    if isinstance(value, Message):
-        return value._record()
-    if isinstance(value, tuple):
-        return [one._record() for one in value]
-    return value
-
-
-def _shown(value: Value, translate: Callable[[str], str]) -> Union[str, int, float]:
-    if isinstance(value, Message):
-        return value.sentence(translate)
-    if isinstance(value, tuple):
-        return BETWEEN_SENTENCES.join(one.sentence(translate) for one in value)
-    return value

@@ -96,46 +96,40 @@ def received_message(text: str, message_json: str, fault_code: str = "") -> Mess
 
 
 def _read(text: str, message_json: str) -> Message:
+    plain = verbatim(text if len(text) <= MAX_CHARACTERS else f"{text[:MAX_CHARACTERS]}…")
     if len(message_json) > MAX_READ_CHARACTERS:
-        return _short(text)
+        return plain
     try:
         record = json.loads(message_json)
-        if len(message_json) > MAX_CHARACTERS:
-            raise ValueError("it is too long to be shown")
-        message = _message(record)
-        _check_shown(message)
-        return message
+        try:
+            if len(message_json) > MAX_CHARACTERS:
+                raise ValueError("it is too long to be shown")
+            return _shown(_message(record))
+        except UNREADABLE:
+            return plain.with_fault(_fault_without_sentence(record))
     except UNREADABLE:
-        pass
-    try:
-        return _short(text).with_fault(_fault_without_sentence(json.loads(message_json)))
-    except UNREADABLE:
-        return _short(text)
+        return plain
 
 
-def _short(text: str) -> Message:
-    """Return text as a message; the end of a very long one is left out."""
-    return verbatim(text if len(text) <= MAX_CHARACTERS else f"{text[:MAX_CHARACTERS]}…")
-
-
-def _check_shown(message: Message) -> None:
-    """Raise a ValueError if a message cannot be shown or sent."""
+def _shown(message: Message) -> Message:
+    """Return a message if it can be shown and sent; raise a ValueError otherwise."""
     text = str(message)
     # A template can repeat a value.
     if len(text) > MAX_CHARACTERS:
         raise ValueError("it is too long to be shown")
     # Half of a character, which JSON can hold, can be neither sent nor shown.
     f"{text}{message.to_json()}".encode()
+    return message
 
 
 def _fault_without_sentence(record: Any) -> Optional[Fault]:
     """Return the fault that decides in a message whose sentences cannot be read."""
     message = _faults_only(record, 1)
-    cause = message.cause
-    if cause is None:
-        return None
-    return replace(
-        cause, may_move=message.may_move, can_continue=message.can_continue, replaces=True
+    return message.cause and replace(
+        message.cause,
+        may_move=message.may_move,
+        can_continue=message.can_continue,
+        replaces=True,
     )
 
 
@@ -176,22 +170,17 @@ def _message(record: Any, depth: int = 1) -> Message:
 
 def _fault(record: Any, depth: int) -> Fault:
     """Read the fault of a message; what a later version may have changed is taken as grave."""
-    named = {one.value: one for one in Severity}
     code = str(record.get("code"))
+    named = {one.value: one for one in Severity}
+    try:
+        remedy = _shown(_message(record.get("remedy"), depth + 1))
+    except UNREADABLE:
+        remedy = None
     return Fault(
         code=code if CODE_FORMAT.fullmatch(code) else UNKNOWN_CODE,
-        remedy=_remedy(record.get("remedy"), depth),
+        remedy=remedy,
         severity=named.get(str(record.get("severity")), Severity.FAULT),
         may_move=record.get("may_move", False) is not False,
         can_continue=record.get("can_continue", True) is True,
         replaces=record.get("replaces", False) is True,
     )
-
-
-def _remedy(record: Any, depth: int) -> Optional[Message]:
-    try:
-        remedy = _message(record, depth + 1)
-        _check_shown(remedy)
-        return remedy
-    except UNREADABLE:
-        return None

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import io
+import sys
 import unicodedata
 from pathlib import PurePath
 from typing import Optional, TextIO, Union
@@ -29,14 +31,20 @@ def printable(text: Union[str, PurePath]) -> str:
 
 
 def say(*lines: Union[str, PurePath], file: Optional[TextIO] = None, flush: bool = False) -> None:
-    """Print lines; a text among them can neither add lines nor control the terminal.
-
-    Args:
-        lines: Without line breaks; those that they hold are shown as `printable` does.
-        file: Where to; None: the standard output.
-        flush: Whether they must not wait in a buffer.
-    """
+    """Print lines as `printable` shows them: none can add lines or control the terminal."""
     print(*map(printable, lines), sep="\n", file=file, flush=flush)
+
+
+def enable_line_buffering(stream: Optional[TextIO] = None) -> None:
+    """Let a stream, by default the standard output, pass each line on when it ends.
+
+    Python keeps back several kilobytes of what goes into a file, a pipe or the journal, and rospy
+    does not flush: the log of a node would lag by hours and end before the lines that say why.
+    """
+    chosen = sys.stdout if stream is None else stream
+    # One that is no buffered file needs nothing.
+    if isinstance(chosen, io.TextIOWrapper):
+        chosen.reconfigure(line_buffering=True)
 
 
 def _written(character: str) -> str:

@@ -98,7 +98,6 @@ def test_what_does_not_fit_is_named(values, shown):
     ],
 )
 def test_every_value_can_be_sent(value, expected):
-    shown = pytest.importorskip("gpr20_common.high.shown_parameters").shown
-    assert shown(value) == expected
-    (received,), _method = xmlrpc.client.loads(xmlrpc.client.dumps((shown(value),), "setParam"))
-    assert received == expected
+    shown = pytest.importorskip("gpr20_common.high.description").shown(plain(value))
+    assert shown == expected
+    assert xmlrpc.client.loads(xmlrpc.client.dumps((shown,), "setParam"))[0] == (expected,)

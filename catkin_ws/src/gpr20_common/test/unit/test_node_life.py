@@ -1,8 +1,7 @@
-"""How the nodes and services of the robot begin, say that they live, fail and end."""
+"""How the nodes of the robot begin, fail and end."""
 
 import os
 import signal
-import socket
 import threading
 from types import SimpleNamespace
 
@@ -11,7 +10,6 @@ from case_kit import each_case
 
 from gpr20_common.errors import InvalidValueError, NodeSilentError
 from gpr20_common.faults import INTERNAL
-from gpr20_common.low.service_manager import ServiceManager
 from gpr20_common.low.thread_fault import LOGGER, end_with_thread, faults_logged
 from gpr20_common.message import Message
 
@@ -129,22 +127,3 @@ def test_what_was_logged_is_a_fault_of_the_diagnostics_for_a_while(said, monkeyp
     assert values["free"] == "1" and "storage queue" in values[diagnostics.MESSAGE_JSON]
     monkeypatch.setattr(diagnostics, "FAULT_S", 0.0)
     assert said(None)[0] == diagnostics.OK
-
-
-@pytest.fixture(params=["path", "abstract"])
-def manager(request, tmp_path):
-    """Return systemd's socket and the address that it gives to its services."""
-    name = str(tmp_path / "notify")
-    with socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM) as listener:
-        listener.settimeout(LIMIT_S)
-        listener.bind(name if request.param == "path" else "\0" + name[1:])
-        yield listener, name if request.param == "path" else "@" + name[1:]
-
-
-def test_a_service_says_that_it_works_and_for_how_long(manager):
-    listener, address = manager
-    service = ServiceManager({"NOTIFY_SOCKET": address})
-    service.keep_alive(60.0)
-    assert listener.recv(200).split(b"\n") == [b"WATCHDOG=1", b"WATCHDOG_USEC=60000000"]
-    service.release()
-    assert listener.recv(200) == b"WATCHDOG_USEC=0"

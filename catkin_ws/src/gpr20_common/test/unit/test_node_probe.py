@@ -2,7 +2,7 @@
 
 import socket
 import threading
-from xmlrpc.server import SimpleXMLRPCServer
+from xmlrpc.server import SimpleXMLRPCRequestHandler, SimpleXMLRPCServer
 
 import pytest
 from case_kit import each_case
@@ -10,12 +10,9 @@ from fault_kit import raises_fault
 
 from gpr20_common import faults
 from gpr20_common.errors import NodeGoneError, NodeSilentError
-from gpr20_common.low.node_probe import NodeProbe
-from gpr20_common.low.pid_query import PidQuery
+from gpr20_common.low.limited_rpc import NodeProbe
 
 LIMIT_S = 0.5
-# What a node may take that lives.
-PATIENT_S = 30.0
 
 
 class Server:
@@ -102,79 +99,45 @@ def test_a_node_that_hangs_is_silent_after_the_limit(graph):
     assert not isinstance(late.value, NodeGoneError)
 
 
-# The query of a probe, against answers of every kind.
+class KeptConnections(SimpleXMLRPCRequestHandler):
+    protocol_version = "HTTP/1.1"
 
 
-def answer(body):
-    return f"HTTP/1.1 200 OK\r\nContent-length: {len(body)}\r\n\r\n{body}".encode()
+def test_one_connection_serves_many_queries_and_is_made_again_when_the_node_has_ended_it(graph):
+    node = graph.add("/x", 4711)
+    # Of a node that ends it after each answer one is made for each.
+    ended = len(set(connections_of(node, graph.probe("/x"))))
+    node.server.RequestHandlerClass = KeptConnections
+    assert (ended, len(set(connections_of(node, graph.probe("/x"))))) == (3, 1)
+    node.close()
 
 
-def pid_body(pid, code=1, kind="int"):
-    values = f"<value><{kind}>{code}</{kind}></value><value><string></string></value>"
-    return f"<data>{values}<value><{kind}>{pid}</{kind}></value></data>"
+def connections_of(node, probe):
+    accepted, accept = [], node.server.process_request
+
+    def noted(request, address):
+        accepted.append(address)
+        accept(request, address)
+
+    node.server.process_request = noted
+    assert [probe.process() for _ in range(3)] == [4711] * 3
+    return accepted
 
 
-class QueriedNode:
-    """Accepts connections one after another; sends one answer for each request, then closes.
-
-    An answer is a list of its pieces.
-    """
-
-    def __init__(self, *connections):
-        self.requests = []
-        self._listener = socket.create_server(("127.0.0.1", 0))
-        self.uri = f"http://127.0.0.1:{self._listener.getsockname()[1]}/"
-        self._thread = threading.Thread(target=self._serve, args=(connections,), daemon=True)
-        self._thread.start()
-
-    def _serve(self, connections):
-        for answers in connections:
-            accepted, _ = self._listener.accept()
-            accepted.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
-            with accepted:
-                for parts in answers:
-                    self.requests.append(accepted.recv(65536))
-                    for part in parts:
-                        accepted.sendall(part)
-        self._listener.close()
+@each_case("answer", [(-1, "no", 5), (1, "", "many"), (1, ""), 7])
+def test_another_answer_is_no_answer(graph, answer):
+    node = Server(getPid=lambda _caller: answer)
+    graph.uris["/x"] = node.uri
+    with raises_fault(faults.NODE_SILENT, "/x", error=NodeSilentError):
+        graph.probe("/x").process()
+    node.close()
 
 
-@each_case("kind", ["int", "i4"])
-def test_one_connection_serves_many_queries(kind):
-    node = QueriedNode([[answer(pid_body(one, kind=kind))] for one in (4711, 4712, 4713)])
-    query = PidQuery(node.uri, "/main<control", PATIENT_S)
-    assert [query.ask() for _ in range(3)] == [4711, 4712, 4713]
-    assert b"<string>/main&lt;control</string>" in node.requests[0]
-    assert node.requests[0].startswith(b"POST / HTTP/1.1\r\n")
-    query.close()
-
-
-def test_a_connection_that_the_node_has_ended_is_made_again():
-    in_pieces = [bytes([one]) for one in answer(pid_body(1))]
-    node = QueriedNode([in_pieces], [[answer(pid_body(2))]])
-    query = PidQuery(node.uri, "/x", PATIENT_S)
-    assert [query.ask(), query.ask()] == [1, 2]
-    query.close()
-
-
-@each_case(
-    "wrong",
-    [
-        answer(pid_body(5, code=-1)),
-        answer("<fault><int>1</int></fault>"),
-        answer("<int>1</int><int>99999999999999</int>"),
-        b"HTTP/1.1 200 OK\r\nContent-Length: many\r\n\r\n",
-        b"HTTP/1.1 200",
-        answer("y" * 200_000),
-    ],
-)
-def test_another_answer_is_an_error(wrong):
-    query = PidQuery(QueriedNode([[wrong]]).uri, "/x", PATIENT_S)
-    with pytest.raises((ValueError, OSError)):
-        query.ask()
-
-
-@each_case("uri", ["", "http://", "http://127.0.0.1/", "nothing"])
-def test_an_address_without_host_or_port_is_refused(uri):
-    with pytest.raises(ValueError, match="no host or no port"):
-        PidQuery(uri, "/x", PATIENT_S)
+def test_a_node_that_answers_in_no_language_of_ours_is_silent(graph):
+    with socket.create_server(("127.0.0.1", 0)) as listener:
+        graph.uris["/x"] = f"http://127.0.0.1:{listener.getsockname()[1]}/"
+        probing = threading.Thread(target=lambda: listener.accept()[0].sendall(b"no HTTP\r\n\r\n"))
+        probing.start()
+        with raises_fault(faults.NODE_SILENT, "/x", error=NodeSilentError):
+            graph.probe("/x").process()
+        probing.join()

@@ -11,8 +11,7 @@ from case_kit import each_case
 from hypothesis import given
 from hypothesis import strategies as st
 
-from gpr20_common.low.line_output import enable_line_buffering
-from gpr20_common.terminal_text import is_shown, printable, say
+from gpr20_common.terminal_text import enable_line_buffering, is_shown, printable, say
 
 ANYTHING = st.text(
     st.one_of(

@@ -76,7 +76,7 @@ MISTAKES = [
     ("analyzer", NO_CLASS, "analyzer", "unusable_extension", "nowhere.vna|cannot be imported"),
     ("sensors", "sensors: [{name: soil}]", "sensors", "wrong_value", "topic"),
     ("sensors", NO_TYPE, "sensors[0]", "sensors", "no_msgs/No is not installed"),
-    ("sensors", NO_FIELD, "sensors[0]", "sensors", "no field dat;|data (float64)"),
+    ("sensors", NO_FIELD, "sensors[0]", "sensors", "no number dat;|data (float64)"),
     ("wiring", "unchecked: [pins]", "unchecked", "not_checked", "pins|continuity meter"),
     ("hight", "", "", "unknown_file", "hight.yaml|height.yaml"),
 ]

@@ -10,6 +10,7 @@ from xmlrpc.server import SimpleXMLRPCServer
 import pytest
 from case_kit import each_case
 
+from gpr20_common.low.limited_rpc import limited_server
 from gpr20_launch.low import node_answer
 from gpr20_launch.low.node_answer import Answer, NodeAnswer
 from gpr20_launch.mid.watchdog import (
@@ -265,17 +266,28 @@ def test_a_refusal_a_lost_address_and_another_process_of_the_name_say_nothing(ma
     # It is ending. As a new process has it: nothing is left of the connection.
     answer = asked(master)
     assert answer.ask() is Answer.ALIVE
-    answer._confirmed.close()
     with socket.socket() as free:
         free.bind(("127.0.0.1", 0))
-        answer._confirmed._address = free.getsockname()
+        uri = f"http://127.0.0.1:{free.getsockname()[1]}/"
+        answer._confirmed = limited_server(uri, ANSWER_LIMIT_S)
     assert answer.ask() is Answer.UNKNOWN
 
 
-def test_systemd_guards_until_the_launch_has_ended_and_on_after_an_error(monkeypatch):
+@pytest.fixture(params=["path", "abstract"])
+def systemd(request, tmp_path, monkeypatch):
+    """Return a systemd's socket, whose address its services are given."""
+    name, abstract = str(tmp_path / "notify"), request.param == "abstract"
+    monkeypatch.setenv("NOTIFY_SOCKET", "@" + name[1:] if abstract else name)
+    with socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM) as listener:
+        listener.settimeout(LIMIT_S)
+        listener.bind("\0" + name[1:] if abstract else name)
+        yield listener
+
+
+def test_systemd_guards_until_the_launch_has_ended_and_on_after_an_error(monkeypatch, systemd):
     watchdog = pytest.importorskip("gpr20_launch.high.watchdog")
     fake = mock.Mock(is_roslaunch=True, complete=True)
-    for name in ("process_info", "Watchdog", "service_manager"):
+    for name in ("process_info", "Watchdog"):
         monkeypatch.setattr(watchdog, name, lambda *_all: fake)
     monkeypatch.setattr(watchdog.rosgraph, "myargv", lambda: ["", "--launch=/l", "--limit=9"])
     monkeypatch.setattr(watchdog.signal, "signal", lambda *_all: None)
@@ -284,9 +296,7 @@ def test_systemd_guards_until_the_launch_has_ended_and_on_after_an_error(monkeyp
     fake.look.side_effect = [None, ZeroDivisionError()]
     with pytest.raises(ZeroDivisionError):
         watchdog.main()
-    fake.keep_alive.assert_called_once()
-    fake.release.assert_not_called()
     fake.look.side_effect = lambda: monkeypatch.setattr(os, "getppid", lambda: 1)
     assert watchdog.main() == 0
-    assert fake.keep_alive.call_count == 2
-    fake.release.assert_called_once()
+    alive, released = b"WATCHDOG=1\nWATCHDOG_USEC=60000000", b"WATCHDOG_USEC=0"
+    assert [systemd.recv(200) for _ in range(3)] == [alive, alive, released]

@@ -101,6 +101,9 @@ OTHER_AXES = Fault(
     can_continue=False,
 )
 CONFIGURATION_CHANGED = Fault("survey.configuration_changed", _FORMER_LAUNCH)
+SENSOR_FIELD_MISSING = Fault("config.sensor_field_missing", remedies.CHECK_CONFIGURATION)
+SENSOR_TYPE_UNKNOWN = Fault("config.sensor_type_unknown", remedies.CHECK_CONFIGURATION)
+SENSOR_TYPE_DIFFERS = Fault("config.sensor_type_differs", remedies.CHECK_CONFIGURATION)
 SENSORS_FILE = Fault("config.sensors_file", remedies.CHECK_CONFIGURATION)
 
 # Axes.

@@ -15,7 +15,6 @@ from typing import Callable, ClassVar, Dict, List, Optional, Set, Tuple
 import numpy as np
 
 from gpr20_common.low.clock import Clock
-from gpr20_common.low.tcp_keepalive import acknowledge_at_once
 
 
 class Dropped(Exception):
@@ -292,7 +291,7 @@ class ScpiServer:
             with connection, connection.makefile("rb") as lines:
                 for line in lines:
                     # Else a client that sends two small messages waits 40 ms in between.
-                    acknowledge_at_once(connection)
+                    connection.setsockopt(socket.IPPROTO_TCP, socket.TCP_QUICKACK, 1)
                     answer = self.analyzer.execute(line)
                     while line.decode().strip() == self.analyzer.endless:
                         connection.sendall(b"1," * 4096)

@@ -10,8 +10,6 @@ import threading
 import time
 from typing import List
 
-from gpr20_common.low.tcp_keepalive import acknowledge_at_once
-
 SWEEP_S = 0.005
 
 
@@ -68,7 +66,7 @@ class LineVna:
             with client, client.makefile("r", encoding="ascii") as lines:
                 for line in lines:
                     # Else a client that sends two small messages waits 40 ms in between.
-                    acknowledge_at_once(client)
+                    client.setsockopt(socket.IPPROTO_TCP, socket.TCP_QUICKACK, 1)
                     answer = self._answer(line.strip())
                     if answer is None:
                         break

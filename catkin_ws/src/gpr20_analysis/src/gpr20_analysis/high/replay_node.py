@@ -14,8 +14,8 @@ from gpr20_analysis.high.graph import refuse_beside_others
 from gpr20_analysis.high.replay_marker import ReplayMarker
 from gpr20_analysis.read.playback import Playback
 from gpr20_analysis.read.replay import Due, ReplayedSurvey
+from gpr20_common.high.connection_keeper import subscriber_count
 from gpr20_common.high.raw_message import preserialized
-from gpr20_common.high.subscribers import subscriber_count
 from gpr20_common.low.clock import Clock
 from gpr20_msgs.msg import Trace
 from gpr20_survey.recording.recording import RecordedMessage

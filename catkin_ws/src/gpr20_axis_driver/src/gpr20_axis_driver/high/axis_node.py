@@ -17,10 +17,9 @@ from gpr20_axis_driver.mid.axis_driver import AxisDriver
 from gpr20_axis_driver.mid.axis_lease import AxisLease
 from gpr20_axis_driver.motion import AxisMotions
 from gpr20_common.high import diagnostics
-from gpr20_common.high.connection_header import connection_header
 from gpr20_common.high.description import publish_description
 from gpr20_common.high.periodic import Periodic
-from gpr20_common.high.ros_time import ros_time
+from gpr20_common.high.raw_message import connection_header, ros_time
 from gpr20_common.high.services import advertise, internal_error
 from gpr20_common.message import Message
 from gpr20_common.mid.hardware import Hardware

@@ -7,7 +7,7 @@ from typing import Type, cast
 from gpr20_axis_driver.controller import AxisController
 from gpr20_axis_driver.mid.axis_driver import AxisDriver
 from gpr20_axis_driver.mid.controller_motions import ControllerMotions
-from gpr20_common.mid.extension import check_options, load_extension
+from gpr20_common.mid.extension import load_extension
 from gpr20_survey.axes.axis_parameters import AxisParameters
 
 
@@ -17,8 +17,8 @@ def check_controller(parameters: AxisParameters) -> Type[AxisController]:
     Raises:
         InvalidValueError: It cannot be imported, is no controller, or has other options.
     """
-    found = load_extension("controller", parameters.controller, AxisController)
-    check_options("controller_options", found, 1, parameters.controller_options)
+    name, options = parameters.controller, parameters.controller_options
+    found = load_extension("controller", name, AxisController, 1, options)
     return cast(Type[AxisController], found)
 
 

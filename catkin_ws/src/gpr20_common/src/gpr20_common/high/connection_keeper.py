@@ -1,8 +1,9 @@
-"""Connections of topics that heal by themselves after a link was down."""
+"""Connections of topics: who subscribes, and how they heal after a link was down."""
 
 from __future__ import annotations
 
-from typing import Any, Dict, Iterator, List, Set
+import socket
+from typing import Any, Dict, Set
 
 import rosgraph
 import rospy
@@ -10,7 +11,7 @@ from rospy.impl.registration import get_topic_manager
 
 from gpr20_common.high.periodic import Periodic
 from gpr20_common.low.limited_rpc import NO_ANSWER, limited_server, value_of
-from gpr20_common.low.tcp_keepalive import end_when_broken, send_at_once
+from gpr20_common.low.tcp_keepalive import end_when_broken
 
 PERIOD_S = 1.0
 # A connection whose other end has not answered for this time is ended [s].
@@ -38,84 +39,81 @@ class ConnectionKeeper:
     def check(self) -> None:
         """Set the limits of new connections; connect subscriptions that were lost."""
         topics = get_topic_manager()
-        for publisher in _copy(topics.pubs):
-            for connection in _sockets(publisher):
-                _protect(connection)
-        connected = {}
-        for subscriber in _copy(topics.subs):
-            for connection in _sockets(subscriber):
-                _protect(connection)
-            connected[subscriber.resolved_name] = {
-                one.endpoint_id for one in subscriber.connections if one.socket is not None
-            }
-        self._lost |= {
-            name
-            for name, publishers in connected.items()
-            if self._connected.get(name, set()) - publishers
-        }
+        # Copied, because other threads add topics.
+        for publisher in list(topics.pubs.values()):
+            _protect(publisher)
+        subscribers = list(topics.subs.values())
+        connected = {one.resolved_name: _protect(one) for one in subscribers}
+        for name, publishers in connected.items():
+            if self._connected.get(name, set()) - publishers:
+                self._lost.add(name)
         self._connected = connected
         self._lost &= connected.keys()
         if self._lost:
-            self._connect()
+            self._connect(dict(topics.get_subscriptions()))
 
-    def _connect(self) -> None:
+    def _connect(self, types: Dict[str, str]) -> None:
+        me, uri = rospy.get_name(), rospy.get_node_uri()
         master = limited_server(rosgraph.get_master_uri(), ANSWER_LIMIT_S)
-        types = dict(get_topic_manager().get_subscriptions())
         answering: Dict[str, bool] = {}
         for name in sorted(self._lost & types.keys()):
             try:
-                publishers = value_of(
-                    master.registerSubscriber(
-                        rospy.get_name(), name, types[name], rospy.get_node_uri()
-                    )
-                )
+                publishers = value_of(master.registerSubscriber(me, name, types[name], uri))
             except NO_ANSWER as error:
                 rospy.logdebug("the master does not answer: %s", error)
                 return
-            missing = [uri for uri in publishers if uri not in self._connected[name]]
+            missing = [one for one in publishers if one not in self._connected[name]]
             if not missing:
                 self._lost.discard(name)
-            for uri in missing:
-                if uri not in answering:
-                    answering[uri] = _answers(uri)
-            self._announce(name, [uri for uri in missing if answering[uri]])
-
-    def _announce(self, name: str, publishers: List[str]) -> None:
-        """Do what the master does when publishers are new: rospy connects to them."""
-        if publishers:
-            rospy.loginfo("connecting to %s again", name)
-            own = limited_server(rospy.get_node_uri(), ANSWER_LIMIT_S)
-            try:
-                value_of(own.publisherUpdate(rospy.get_name(), name, publishers))
-            except NO_ANSWER as error:
-                rospy.logwarn("could not connect to %s again: %s", name, error)
+            # rospy would wait without a limit for one that does not answer.
+            for one in missing:
+                if one not in answering:
+                    answering[one] = _answers(one, me)
+            missing = [one for one in missing if answering[one]]
+            if missing:
+                rospy.loginfo("connecting to %s again", name)
+                try:
+                    # What the master does when publishers are new: rospy connects to them.
+                    value_of(limited_server(uri, ANSWER_LIMIT_S).publisherUpdate(me, name, missing))
+                except NO_ANSWER as error:
+                    rospy.logwarn("could not connect to %s again: %s", name, error)
 
 
-def _copy(topics: Dict[str, Any]) -> List[Any]:
-    # Other threads add topics.
-    return list(topics.values())
+def subscriber_count(topic: str) -> int:
+    """Return how many nodes subscribe to a topic, by the master; they connect some time later.
+
+    Args:
+        topic: Absolute name.
+
+    Raises:
+        rosgraph.MasterException: The master refuses to answer.
+        OSError: The master does not answer.
+    """
+    _published, subscribed, _services = rosgraph.Master(rospy.get_name()).getSystemState()
+    return len(dict(subscribed).get(topic, ()))
 
 
-def _sockets(topic: Any) -> Iterator[Any]:
+def _protect(topic: Any) -> Set[str]:
+    """Set the limits of a topic's connections; return the other end of each."""
+    connected = set()
     for one in topic.connections:
-        # One that waits to be made has no socket.
         connection = one.socket
+        # One that waits to be made has no socket.
         if connection is not None:
-            yield connection
+            connected.add(one.endpoint_id)
+            try:
+                end_when_broken(connection, BROKEN_LIMIT_S)
+                # Small messages must not wait for the acknowledgement of earlier ones.
+                connection.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+            except OSError as error:
+                # It was closed after it was listed.
+                rospy.logdebug("a connection has ended: %s", error)
+    return connected
 
 
-def _protect(connection: Any) -> None:
+def _answers(uri: str, caller: str) -> bool:
     try:
-        end_when_broken(connection, BROKEN_LIMIT_S)
-        send_at_once(connection)
-    except OSError as error:
-        # It was closed after it was listed.
-        rospy.logdebug("a connection has ended: %s", error)
-
-
-def _answers(uri: str) -> bool:
-    try:
-        value_of(limited_server(uri, ANSWER_LIMIT_S).getPid(rospy.get_name()))
+        value_of(limited_server(uri, ANSWER_LIMIT_S).getPid(caller))
         return True
     except NO_ANSWER:
         return False

@@ -1,23 +1,30 @@
 """What a node says about itself: its hardware, its software, the configuration of its start.
 
-The configuration is shown on the parameter server as well.
+The configuration is shown on the parameter server as well, under the node's own name:
+`rosparam get /x_axis/axis_driver/max_step`. It is shown, not read: changing it changes nothing.
 """
 
 from __future__ import annotations
 
 import dataclasses
 import json
-from typing import Any
+from typing import Any, Mapping
 
+import rosgraph
 import rospy
 
-from gpr20_common.high.shown_parameters import show_parameters
+from gpr20_common.high.parameters import configuration_name
+from gpr20_common.low.limited_rpc import NO_ANSWER, limited_server, value_of
 from gpr20_common.mid.codec import plain
 from gpr20_common.mid.hardware import Hardware
 from gpr20_common.mid.node_software import own_software
 from gpr20_msgs.msg import NodeDescription
 
 TOPIC = "description"
+# The master answers within this time, or is gone [s].
+ANSWER_LIMIT_S = 1.0
+# XML-RPC has no larger ones.
+LARGEST_INT = 2**31 - 1
 
 
 def publish_description(node: str, hardware: Hardware, parameters: Any) -> rospy.Publisher:
@@ -42,3 +49,43 @@ def publish_description(node: str, hardware: Hardware, parameters: Any) -> rospy
         )
     )
     return publisher
+
+
+def show_parameters(values: Mapping[str, Any]) -> None:
+    """Show the parameters of this node, with their defaults, by their names, until it ends.
+
+    A node that was started alone shows none: it refuses private parameters, and could not
+    distinguish what a killed one has left behind.
+    """
+    if not configuration_name():
+        return
+    master = limited_server(rosgraph.get_master_uri(), ANSWER_LIMIT_S)
+    name = rospy.get_name()
+
+    def remove() -> None:
+        try:
+            value_of(master.deleteParam(name, name))
+        except NO_ANSWER as error:
+            rospy.logdebug("the shown parameters were not removed: %s", error)
+
+    try:
+        value_of(master.setParam(name, name, shown(plain(values))))
+    except NO_ANSWER as error:
+        rospy.logwarn("the parameters cannot be shown: %s", error)
+        return
+    rospy.on_shutdown(remove)
+
+
+def shown(value: Any) -> Any:
+    """Return a value of JSON as the parameter server can hold it; None is an empty text."""
+    if value is None:
+        return ""
+    if isinstance(value, dict):
+        return {key: shown(one) for key, one in value.items()}
+    if isinstance(value, list):
+        return [shown(one) for one in value]
+    if isinstance(value, int) and abs(value) > LARGEST_INT:
+        return float(value)
+    if isinstance(value, str) and not value.isprintable():
+        return json.dumps(value)
+    return value

@@ -15,21 +15,16 @@ from gpr20_common.high.periodic import Periodic
 from gpr20_common.low.thread_fault import LOGGER, PART, faults_logged
 from gpr20_common.message import Message, verbatim
 
-OK = 0
-WARN = 1
-ERROR = 2
+OK, WARN, ERROR = 0, 1, 2
 
 # Level, one sentence, and named values.
 Health = Tuple[int, Message, Dict[str, Any]]
-# Name of the value that holds the sentence's template and values.
-MESSAGE_JSON = "message_json"
-# Name of the value that holds the code of the fault; empty: none.
-FAULT_CODE = "fault_code"
+# Names of the values that hold the sentence, and the code of its fault.
+MESSAGE_JSON, FAULT_CODE = "message_json", "fault_code"
 
 PERIOD_S = 1.0
 # For so long an exception that nobody expected, in any thread, is said [s].
 FAULT_S = 60.0
-_UNKNOWN: Health = (ERROR, verbatim(""), {})
 
 
 class _LastFault(logging.Handler):
@@ -61,9 +56,10 @@ class Diagnostics:
         rospy.on_shutdown(lambda: self._faults.part and self._updater.force_update())
 
     def _fill(self, status: diagnostic_updater.DiagnosticStatusWrapper) -> Any:
-        level, message, values = _UNKNOWN
+        found: Health = (ERROR, verbatim(""), {})
         with faults_logged("diagnostics"):
-            level, message, values = self._health()
+            found = self._health()
+        level, message, values = found
         if self._faults.part:
             failed = Message("internal error in {service}; see the log", service=self._faults.part)
             level, message = ERROR, failed.with_fault(INTERNAL)

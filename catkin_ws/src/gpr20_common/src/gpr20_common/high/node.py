@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import os
+import signal
 import sys
 import threading
-from typing import Any, Callable, Type, TypeVar
+from pathlib import Path
+from typing import Any, Callable, Optional, Type, TypeVar
 
 import rosgraph
 import rospy
@@ -17,14 +19,13 @@ from gpr20_common.high.parameters import (
     read_parameters,
     refuse_private_parameters,
 )
-from gpr20_common.low.line_output import enable_line_buffering
-from gpr20_common.low.node_probe import NodeProbe
-from gpr20_common.low.roslaunch_process import end_with_roslaunch, roslaunch_number
+from gpr20_common.low.limited_rpc import NodeProbe
 from gpr20_common.low.thread_fault import end_with_thread
-from gpr20_common.terminal_text import say
+from gpr20_common.terminal_text import enable_line_buffering, say
 
 # A node of the same name that lives answers within this time [s].
 ANSWER_LIMIT_S = 1.0
+POLL_S = 0.1
 
 Parameters = TypeVar("Parameters")
 
@@ -46,7 +47,8 @@ def run_node(name: str, build: Callable[[], Any], needed: bool = True) -> None:
     """
     enable_line_buffering()
     threading.excepthook = end_with_thread
-    _refuse_second(_full_name(name), needed)
+    launch = roslaunch_number() if needed and configuration_name() else None
+    _refuse_second(name, launch)
     try:
         # Its handlers end the node in the main thread, which has locks of rospy while it starts.
         # A robot's time is real, whatever /use_sim_time says: without a /clock all would be 0.
@@ -55,17 +57,21 @@ def run_node(name: str, build: Callable[[], Any], needed: bool = True) -> None:
         say(f"{name} was ended before it had started: {error}", file=sys.stderr)
         # At once: rospy's own threads may wait for a master that is gone.
         os._exit(1)
+    started = f"/gpr20_started{configuration_name()}{rospy.get_name()}"
     try:
         if not configuration_name():
             refuse_private_parameters()
         kept = build()
     except Gpr20Error as error:
         rospy.logfatal("%s cannot start: %s", rospy.get_name(), error)
-        if needed:
-            _end_first_launch()
+        # One that ran before in this launch, whose hardware is gone, is started again by roslaunch
+        # until the hardware is back; the survey waits meanwhile.
+        if launch is not None and not rospy.has_param(started):
+            rospy.logfatal("%s ends the launch, because it cannot start", rospy.get_name())
+            end_with_roslaunch(launch)
         sys.exit(1)
     if configuration_name():
-        rospy.set_param(_started_name(), True)
+        rospy.set_param(started, True)
     keeper = ConnectionKeeper()
     rospy.loginfo("%s is ready", rospy.get_name())
     rospy.core.register_signals()
@@ -80,43 +86,51 @@ def run_device(
     section: str = "",
     needed: bool = True,
 ) -> None:
-    """Run the node of one device until ROS shuts down.
+    """Run the node of one device until ROS shuts down, as `run_node` does.
 
     Args:
         name: Default name of the node.
         parameter_class: Dataclass of the device's parameters.
         build: Builds the node from its parameters. What it returns is kept for its life.
         section: Part of the configuration that holds the parameters; empty: named like the node.
-        needed: Whether its launch ends if it cannot start; else it is started again and again.
+        needed: Whether its launch ends if it cannot start.
     """
     run_node(name, lambda: build(read_parameters(parameter_class, section or name)), needed)
 
 
-def _end_first_launch() -> None:
-    """End the launch if this node has never started in it: starting again would fail again.
+def roslaunch_number() -> Optional[int]:
+    """Return the process id of the roslaunch that started this process.
 
-    A node that ran before, whose hardware is gone, is started again by roslaunch until the
-    hardware is back; the survey waits meanwhile.
+    Returns:
+        None if rostest, a terminal or a debugger started it.
     """
-    launch = roslaunch_number() if configuration_name() else None
-    if launch is not None and not rospy.has_param(_started_name()):
-        rospy.logfatal("%s ends the launch, because it cannot start", rospy.get_name())
-        end_with_roslaunch(launch)
-
-
-def _started_name() -> str:
-    return f"/gpr20_started{configuration_name()}{rospy.get_name()}"
-
-
-def _full_name(name: str) -> str:
-    given = rosgraph.names.load_mappings(sys.argv).get("__name", name)
-    return str(rosgraph.names.resolve_name(given, rosgraph.names.get_ros_namespace() + "node"))
-
-
-def _refuse_second(name: str, needed: bool) -> None:
-    probe = NodeProbe(rosgraph.get_master_uri(), name, name, ANSWER_LIMIT_S)
+    parent = os.getppid()
     try:
-        process = probe.process()
+        words = Path(f"/proc/{parent}/cmdline").read_bytes().split(b"\0")
+    except OSError:
+        return None
+    is_roslaunch = any(Path(os.fsdecode(word)).name == "roslaunch" for word in words[:2])
+    return parent if is_roslaunch else None
+
+
+def end_with_roslaunch(number: int) -> None:
+    """Ask the roslaunch with this process id to end, as Ctrl-C does; wait until it ends this one.
+
+    A process that ended by itself could be started again before roslaunch has reacted. A roslaunch
+    that still starts nodes may leave the last of them behind: such a node ends after it.
+    """
+    os.kill(number, signal.SIGINT)
+    never = threading.Event()
+    while os.getppid() == number:
+        never.wait(POLL_S)
+
+
+def _refuse_second(default: str, launch: Optional[int]) -> None:
+    given = rosgraph.names.load_mappings(sys.argv).get("__name", default)
+    space = rosgraph.names.get_ros_namespace()
+    name = str(rosgraph.names.resolve_name(given, f"{space}node"))
+    try:
+        process = NodeProbe(rosgraph.get_master_uri(), name, name, ANSWER_LIMIT_S).process()
     except NodeSilentError:
         return  # there is none, or it has died and left its name behind
     say(
@@ -125,7 +139,6 @@ def _refuse_second(name: str, needed: bool) -> None:
         "ns:=robot2",
         file=sys.stderr,
     )
-    launch = roslaunch_number() if needed and configuration_name() else None
     if launch is not None:
         say(f"{name} ends the launch, because it cannot start", file=sys.stderr)
         end_with_roslaunch(launch)

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import json
 import sys
-from typing import Any, Dict, Mapping, Type, TypeVar
+from typing import Mapping, Type, TypeVar
 
 import rosgraph
 import rospy
@@ -31,20 +31,27 @@ def configuration_name() -> str:
 
 
 def read_parameters(record_class: Type[Record], section: str) -> Record:
-    """Read every field of a dataclass.
-
-    A field without a default must be there. A dataclass that checks its own values does so in
-    `__post_init__`; its error names the parameter.
-
-    Args:
-        record_class: Dataclass whose fields are named like the parameters.
-        section: Part of the configuration that holds them.
+    """Read every field of a dataclass from a section of the configuration.
 
     Raises:
-        InvalidValueError: A parameter is missing, unknown or of the wrong type.
+        InvalidValueError: A parameter is missing, unknown or of the wrong type, or the dataclass
+            refuses it.
     """
     name = configuration_name()
-    sections = _launched(name) if name else {}
+    if not name:
+        return record_from(record_class, {}, section)
+    text = rospy.get_param(name, "")
+    try:
+        sections = json.loads(text)
+    except (TypeError, ValueError) as error:
+        raise InvalidValueError(
+            Message(
+                "the configuration of this launch is gone, because the ROS master was restarted; "
+                "end the launch and start it again",
+                details=f"{name}: {text!r}",
+            ),
+            fault=faults.CONFIGURATION_GONE,
+        ) from error
     return record_from(record_class, sections.get(section, {}), section)
 
 
@@ -66,19 +73,3 @@ def refuse_private_parameters() -> None:
             ),
             fault=faults.PRIVATE_PARAMETERS,
         )
-
-
-def _launched(name: str) -> Dict[str, Any]:
-    text = rospy.get_param(name, "")
-    try:
-        values: Dict[str, Any] = json.loads(text)
-    except (TypeError, ValueError) as error:
-        raise InvalidValueError(
-            Message(
-                "the configuration of this launch is gone, because the ROS master was restarted; "
-                "end the launch and start it again",
-                details=f"{name}: {text!r}",
-            ),
-            fault=faults.CONFIGURATION_GONE,
-        ) from error
-    return values

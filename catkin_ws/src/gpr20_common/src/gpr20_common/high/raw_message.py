@@ -1,11 +1,15 @@
-"""Messages that are serialized already, so that nothing is serialized twice."""
+"""Messages as rospy has them: their bytes, who sent them, their moments."""
 
 from __future__ import annotations
 
 import io
-from typing import Any, Type, TypeVar
+from typing import Any, Dict, Type, TypeVar
 
 import genpy
+import rospy
+
+US_PER_S = 1_000_000
+NS_PER_US = 1000
 
 MessageType = TypeVar("MessageType", bound=genpy.Message)
 
@@ -29,10 +33,7 @@ def deserialized(message_type: Type[MessageType], data: bytes) -> MessageType:
 
 
 def preserialized(message_type: Type[MessageType], data: bytes) -> MessageType:
-    """Return a message of this type that is sent as exactly these bytes.
-
-    Its fields are empty: it is made to be published or sent as part of a request.
-    """
+    """Return a message of this type that is sent as exactly these bytes; its fields are empty."""
 
     class Preserialized(message_type):  # type: ignore[valid-type, misc]
         __slots__ = ()
@@ -41,3 +42,23 @@ def preserialized(message_type: Type[MessageType], data: bytes) -> MessageType:
             buff.write(data)
 
     return Preserialized()
+
+
+def connection_header(received: Any) -> Dict[str, str]:
+    """Return the header of the connection that brought a message or request to a callback.
+
+    rospy adds the attribute to each; no message class declares it.
+    """
+    header: Dict[str, str] = received._connection_header
+    return header
+
+
+def microseconds(moment: rospy.Time) -> int:
+    """Return a moment as whole microseconds since 1970, the rest cut off."""
+    return moment.secs * US_PER_S + moment.nsecs // NS_PER_US
+
+
+def ros_time(time_us: int) -> rospy.Time:
+    """Return a moment [microseconds since 1970, UTC] as ROS knows it."""
+    seconds, rest_us = divmod(time_us, US_PER_S)
+    return rospy.Time(seconds, rest_us * NS_PER_US)

@@ -2,21 +2,22 @@
 
 from __future__ import annotations
 
-import itertools
-import queue
 import socket
+import struct
 import threading
-from dataclasses import dataclass, field
-from typing import Any, List, Optional
+import time
+from concurrent.futures import Future
+from concurrent.futures import TimeoutError as FutureTimeout
+from typing import Any, Dict, List, Optional
 
 import genpy
 import rosgraph
 import rospy
+from rosgraph import network
 
 from gpr20_common import faults
 from gpr20_common.errors import Gpr20Error
-from gpr20_common.high.service_connection import ServiceConnection
-from gpr20_common.low.clock import Clock
+from gpr20_common.high.raw_message import deserialized, serialized
 from gpr20_common.low.limited_rpc import NO_ANSWER, limited_server, value_of
 from gpr20_common.message import Message
 
@@ -29,6 +30,17 @@ RETRY_S = 0.3
 REUSE_S = 0.8
 # A request whose delivery counts more than its answer waits for so long for a node that hangs [s].
 LATE_LIMIT_S = 900.0
+# SO_LINGER: on, for 0 s. Closing then discards what was not delivered yet.
+DISCARD = struct.pack("ii", 1, 0)
+LENGTH = struct.Struct("<I")
+# In front of a response: whether the service returned one, and its length.
+RESPONSE_HEAD = struct.Struct("<?I")
+PIECE_BYTES = 1 << 16
+# Why there is no connection.
+NOT_CONNECTED = (*NO_ANSWER, rospy.ROSException, network.ROSHandshakeException)
+# Why there is no answer.
+FAILURES = (OSError, rospy.ROSException, rospy.ServiceException, genpy.MessageException)
+GIVEN_UP = "the call was given up"
 
 
 class ServiceUnavailableError(Gpr20Error, OSError):
@@ -37,34 +49,93 @@ class ServiceUnavailableError(Gpr20Error, OSError):
     fault = faults.SERVICE_UNAVAILABLE
 
 
-@dataclass(eq=False)
-class Call:
-    """One call of a service.
+class ServiceConnection:
+    """A connection for one call, or for several that follow each other.
 
-    Attributes:
-        deadline_s: When it must be made [s].
-        answer_deadline_s: When the answer must have come [s].
-        given_up: Set when it must not be made any more.
+    `rospy.ServiceProxy` connects and receives without a time limit, and what it has sent into a
+    broken link arrives when the link is back: a request to move or to stop that was given up
+    would be carried out minutes later. `abort` discards it.
     """
 
-    deadline_s: float
-    answer_deadline_s: float
-    given_up: threading.Event = field(default_factory=threading.Event)
+    def __init__(
+        self, uri: str, header: Dict[str, str], deadline_s: float, answer_deadline_s: float
+    ) -> None:
+        """Connect to the service at an address; raises what `NOT_CONNECTED` has.
 
+        Args:
+            uri: As the master knows it.
+            header: What the client says of itself.
+            deadline_s: When there must be a connection [s, `time.monotonic`].
+            answer_deadline_s: When its node must have accepted it [s].
+        """
+        address = rospy.core.parse_rosrpc_uri(uri)
+        self._socket = socket.create_connection(address, _remaining_s(deadline_s))
+        try:
+            # Small messages must not wait for the acknowledgement of earlier ones.
+            self._socket.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+            self._socket.sendall(network.encode_ros_handshake_header(header))
+            (length,) = LENGTH.unpack(self._receive(LENGTH.size, answer_deadline_s))
+            answer = LENGTH.pack(length) + self._receive(length, answer_deadline_s)
+            found = network.decode_ros_handshake_header(answer)
+            if "error" in found:
+                raise rospy.ROSException(found["error"])
+        except BaseException:
+            self.abort()
+            raise
+        self.answered_s = time.monotonic()
 
-@dataclass(frozen=True)
-class _KeptConnection:
-    """A connection that waits for the next call, and when its last answer came [s]."""
+    def call(self, request: genpy.Message, deadline_s: float) -> bytes:
+        """Return the response, serialized.
 
-    connection: ServiceConnection
-    answered_s: float
+        Raises:
+            OSError: The connection ended before the answer, or there was none in time.
+            rospy.ServiceException: The service failed.
+        """
+        data = serialized(request)
+        self._socket.settimeout(_remaining_s(deadline_s))
+        self._socket.sendall(LENGTH.pack(len(data)) + data)
+        returned, length = RESPONSE_HEAD.unpack(self._receive(RESPONSE_HEAD.size, deadline_s))
+        answer = self._receive(length, deadline_s)
+        if not returned:
+            raise rospy.ServiceException(answer.decode(errors="replace"))
+        self.answered_s = time.monotonic()
+        return answer
+
+    def is_open(self) -> bool:
+        """Return whether the service has neither ended it nor sent an answer to nothing."""
+        self._socket.setblocking(False)
+        try:
+            self._socket.recv(1, socket.MSG_PEEK)
+        except OSError as error:
+            return isinstance(error, BlockingIOError)
+        return False
+
+    def abort(self) -> None:
+        """End the connection; what was not delivered yet is discarded."""
+        self._socket.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, DISCARD)
+        self.close()
+
+    def close(self) -> None:
+        self._socket.close()
+
+    def _receive(self, size: int, deadline_s: float) -> bytes:
+        received = bytearray()
+        while len(received) < size:
+            self._socket.settimeout(_remaining_s(deadline_s))
+            # Asked for each time: the kernel forgets it. A server that has more to send waits for
+            # the acknowledgement of the first part.
+            self._socket.setsockopt(socket.IPPROTO_TCP, socket.TCP_QUICKACK, 1)
+            piece = self._socket.recv(min(size - len(received), PIECE_BYTES))
+            if not piece:
+                raise ConnectionResetError("the connection ended before the answer")
+            received += piece
+        return bytes(received)
 
 
 class ServiceClient:
     """One service of another node; every call has a time limit.
 
-    `rospy.ServiceProxy` has none: a node that hangs would hang its caller. Calls are made in the
-    thread of the caller, in parallel if several threads call.
+    Calls are made in the thread of the caller, in parallel if several threads call.
     """
 
     def __init__(
@@ -80,19 +151,12 @@ class ServiceClient:
                 that hangs may carry out such a request when it no longer does, because it need
                 not accept a connection first: not for requests that move anything.
         """
+        self.name = name
         self._discard_late = discard_late
         self._keep_open = keep_open
-        self._name = name
         self._service_class = service_class
-        self._clock = Clock()
-        self._lock = threading.Lock()
-        self._calls: List[Call] = []
-        self._kept: List[_KeptConnection] = []
-
-    @property
-    def name(self) -> str:
-        """The name the service was given, relative to this node's namespace."""
-        return self._name
+        self._given_up = threading.Event()
+        self._kept: List[ServiceConnection] = []
 
     def call(self, timeout_s: float, *request: Any, **fields: Any) -> Any:
         """Call the service and return its response, whatever it says.
@@ -105,160 +169,126 @@ class ServiceClient:
         Raises:
             ServiceUnavailableError: No answer came; the message says why.
         """
-        message = rospy.msg.args_kwds_to_message(
-            self._service_class._request_class, request, fields
-        )
+        kind = self._service_class
+        message = rospy.msg.args_kwds_to_message(kind._request_class, request, fields)
+        make = self._make if self._discard_late else self._deliver
         try:
-            return (
-                self._make(message, timeout_s)
-                if self._discard_late
-                else self._deliver(message, timeout_s)
-            )
+            return deserialized(kind._response_class, make(message, timeout_s))
         except socket.timeout as error:
             raise ServiceUnavailableError(
                 Message(
                     "the service {service} did not answer within {limit_s:g} s; check that its "
                     "node is running and not hung",
-                    service=self._name,
+                    service=self.name,
                     limit_s=timeout_s,
                 ),
                 fault=faults.SERVICE_SILENT,
             ) from error
-        except (
-            rospy.ROSException,
-            rospy.ServiceException,
-            genpy.MessageException,
-            OSError,
-        ) as error:
+        except FAILURES as error:
             raise ServiceUnavailableError(
                 Message(
                     "the service {service} could not be called; check that its node is running",
-                    service=self._name,
+                    service=self.name,
                     details=error,
                 )
             ) from error
 
     def prepare(self, timeout_s: float) -> None:
-        """Connect now, so that a call that follows soon need not; for a client with `keep_open`.
-
-        Nothing is requested. If there is no connection within the time limit [s], the call finds
-        out why.
-        """
-        kept = self._take_kept()
-        if kept is None:
-            deadline_s = self._clock.now_s() + timeout_s
-            try:
-                connection = self._connect(Call(deadline_s, deadline_s))
-            except (*NO_ANSWER, rospy.ROSException) as error:
-                rospy.logdebug("the service %s cannot be prepared: %s", self._name, error)
-                return
-            kept = _KeptConnection(connection, self._clock.now_s())
-        self._keep(kept)
+        """Connect now, so that a call that follows soon need not; for a client with `keep_open`."""
+        deadline_s = time.monotonic() + timeout_s
+        try:
+            connection = self._take_kept() or self._connect(deadline_s, deadline_s, self._given_up)
+            self._kept.append(connection)
+        except NOT_CONNECTED as error:
+            # The call finds out why.
+            rospy.logdebug("the service %s cannot be prepared: %s", self.name, error)
 
     def give_up(self) -> None:
         """Let calls that wait for the service's node never be made; one that was made continues."""
-        with self._lock:
-            for call in self._calls:
-                call.given_up.set()
+        given_up, self._given_up = self._given_up, threading.Event()
+        given_up.set()
 
-    def _deliver(self, request: genpy.Message, timeout_s: float) -> Any:
+    def _deliver(self, request: genpy.Message, timeout_s: float) -> bytes:
         """Make a call that continues in a thread of its own when its time limit is over."""
-        answers: queue.Queue = queue.Queue(maxsize=1)
+        answer: Future = Future()
 
         def make() -> None:
             try:
-                answers.put(self._make(request, timeout_s, LATE_LIMIT_S))
+                answer.set_result(self._make(request, timeout_s, LATE_LIMIT_S))
             except Exception as error:  # raised again below
-                answers.put(error)
+                answer.set_exception(error)
 
         # Being a daemon it ends with the node, whatever it waits for.
         threading.Thread(target=make, daemon=True).start()
         try:
-            answer = answers.get(timeout=timeout_s)
-        except queue.Empty:
-            raise socket.timeout("timed out") from None
-        if isinstance(answer, Exception):
-            raise answer
-        return answer
+            return bytes(answer.result(timeout_s))
+        except FutureTimeout as error:
+            raise socket.timeout("timed out") from error
 
-    def _make(self, request: genpy.Message, timeout_s: float, late_s: float = 0.0) -> Any:
-        deadline_s = self._clock.now_s() + timeout_s
-        call = Call(deadline_s, deadline_s + late_s)
-        with self._lock:
-            self._calls.append(call)
+    def _make(self, request: genpy.Message, timeout_s: float, late_s: float = 0.0) -> bytes:
+        given_up, deadline_s = self._given_up, time.monotonic() + timeout_s
+        answer_deadline_s = deadline_s + late_s
+        connection = self._take_kept() or self._connect(deadline_s, answer_deadline_s, given_up)
         try:
-            kept = self._take_kept()
-            connection = self._connect(call) if kept is None else kept.connection
-            return self._call_over(connection, call, request)
-        finally:
-            with self._lock:
-                self._calls.remove(call)
-
-    def _call_over(self, connection: ServiceConnection, call: Call, request: genpy.Message) -> Any:
-        try:
-            if call.given_up.is_set():
-                raise rospy.ROSException("the call was given up")
-            response = connection.call(request, self._remaining_s(call.answer_deadline_s))
+            if given_up.is_set():
+                raise rospy.ROSException(GIVEN_UP)
+            response = connection.call(request, answer_deadline_s)
         except BaseException:
             connection.abort()
             raise
         if self._keep_open:
-            self._keep(_KeptConnection(connection, self._clock.now_s()))
+            self._kept.append(connection)
         else:
             connection.close()
         return response
 
-    def _keep(self, kept: _KeptConnection) -> None:
-        with self._lock:
-            self._kept.append(kept)
-
-    def _take_kept(self) -> Optional[_KeptConnection]:
+    def _take_kept(self) -> Optional[ServiceConnection]:
         """Return a connection over which an answer came just now; None if there is none."""
         while True:
-            with self._lock:
-                if not self._kept:
-                    return None
-                kept = self._kept.pop()
-            recent = self._clock.now_s() - kept.answered_s < REUSE_S
-            if recent and kept.connection.is_open():
-                return kept
-            kept.connection.close()
-
-    def _connect(self, call: Call) -> ServiceConnection:
-        """Connect to the service; its node may be starting."""
-        begun_s = self._clock.now_s()
-        for attempt in itertools.count():
-            connection = ServiceConnection(self._name, self._service_class, self._keep_open)
             try:
-                uri = self._look_up(attempt, self._remaining_s(call.deadline_s))
-                answer_limit_s = self._remaining_s(call.answer_deadline_s)
-                connection.connect(uri, self._remaining_s(call.deadline_s), answer_limit_s)
-                return connection
-            except (*NO_ANSWER, rospy.ROSException) as error:
-                connection.abort()
-                failure = error
-            if call.given_up.is_set() or rospy.is_shutdown():
-                raise rospy.ROSException("the call was given up") from failure
-            if isinstance(failure, socket.timeout) and self._clock.now_s() >= call.deadline_s:
-                raise failure
-            if self._clock.now_s() + RETRY_S > min(call.deadline_s, begun_s + START_LIMIT_S):
-                raise rospy.ROSException(str(failure)) from failure
-            self._clock.wait_s(call.given_up, RETRY_S)
-        raise AssertionError("numbers do not end")
+                kept = self._kept.pop()
+            except IndexError:
+                return None
+            if time.monotonic() - kept.answered_s < REUSE_S and kept.is_open():
+                return kept
+            kept.close()
 
-    def _remaining_s(self, deadline_s: float) -> float:
-        """Return the time that is left [s].
-
-        Raises:
-            socket.timeout: None is.
-        """
-        remaining_s = deadline_s - self._clock.now_s()
-        if remaining_s <= 0.0:
-            raise socket.timeout("timed out")
-        return remaining_s
+    def _connect(
+        self, deadline_s: float, answer_deadline_s: float, given_up: threading.Event
+    ) -> ServiceConnection:
+        """Connect to the service; its node may be starting."""
+        header = {
+            "service": rospy.resolve_name(self.name),
+            "md5sum": self._service_class._md5sum,
+            "callerid": rospy.get_caller_id(),
+            **({"persistent": "1"} if self._keep_open else {}),
+        }
+        last_s = min(deadline_s, time.monotonic() + START_LIMIT_S) - RETRY_S
+        attempt = 0
+        while True:
+            try:
+                uri = self._look_up(attempt, _remaining_s(deadline_s))
+                return ServiceConnection(uri, header, deadline_s, answer_deadline_s)
+            except NOT_CONNECTED as error:
+                if given_up.is_set() or rospy.is_shutdown():
+                    raise rospy.ROSException(GIVEN_UP) from error
+                if time.monotonic() > last_s:
+                    if isinstance(error, OSError):
+                        raise
+                    raise rospy.ROSException(str(error)) from error
+            attempt += 1
+            given_up.wait(RETRY_S)
 
     def _look_up(self, _attempt: int, limit_s: float) -> str:
         """Return the address of the service, as the master knows it now."""
         master = limited_server(rosgraph.get_master_uri(), limit_s)
-        name = rospy.resolve_name(self._name)
+        name = rospy.resolve_name(self.name)
         return str(value_of(master.lookupService(rospy.get_caller_id(), name)))
+
+
+def _remaining_s(deadline_s: float) -> float:
+    """Return the time that is left [s]; raises a socket.timeout if none is."""
+    remaining_s = deadline_s - time.monotonic()
+    if remaining_s <= 0.0:
+        raise socket.timeout("timed out")
+    return remaining_s

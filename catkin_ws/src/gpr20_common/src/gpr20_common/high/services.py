@@ -27,34 +27,23 @@ def advertise(name: str, service_class: Any, handler: Callable[[Any], Any]) -> r
             return handler(request)
         except Gpr20Error as error:
             rospy.logwarn("%s refused: %s", name, error)
-            return service_class._response_class(success=False, **message_fields(error.message))
+            message = error.message
         except Exception as error:
             # A fault in our own code must reach the operator as an answer too:
             # a caller that waits for a survey step cannot do anything with a dropped call.
             message = internal_error(name, error)
-            return service_class._response_class(success=False, **message_fields(message))
+        return service_class._response_class(success=False, **message_fields(message))
 
     return rospy.Service(name, service_class, answer)
 
 
 def success(service_class: Any, message: Message, **fields: Any) -> Any:
-    """Return the response of a success.
-
-    Args:
-        service_class: Generated class of the service.
-        message: What was done.
-        fields: All else that the response has.
-    """
+    """Return the response of a success; the message says what was done."""
     return service_class._response_class(success=True, **message_fields(message), **fields)
 
 
 def internal_error(name: str, error: Exception) -> Message:
-    """Log the exception that is being handled, a fault in our own code; return what to answer.
-
-    Args:
-        name: The service or action that failed.
-        error: The exception.
-    """
+    """Log the exception that is being handled, a fault in our own code; return what to answer."""
     log_fault(name)
     return Message(
         "internal error in {service}; see the log",

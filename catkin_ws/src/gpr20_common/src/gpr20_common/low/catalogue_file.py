@@ -19,14 +19,13 @@ import polib
 from gpr20_common import faults
 from gpr20_common.catalogue import Catalogue, Language
 from gpr20_common.errors import InvalidValueError
-from gpr20_common.faults import CONFIGURATION
 from gpr20_common.message import Message
 
 FOLDER = Path(__file__).resolve().parent.parent / "translations"
 VARIABLE = "GPR20_TRANSLATIONS"
 OWN_FOLDER = "~/.gpr20/translations"
 _CODE = re.compile("[a-z]{2,3}(_[A-Z]{2})?")
-# The name is in the header; reading all of a catalogue takes longer than opening a window.
+# In the header; reading all of a catalogue takes longer than opening a window.
 _NAME = re.compile(r'^"X-Language-Name: *([^"\\]{1,40}?) *\\n"', re.MULTILINE)
 HEADER_CHARACTERS = 4000
 
@@ -44,18 +43,13 @@ def languages() -> List[Language]:
 
 @functools.lru_cache(maxsize=None)
 def _languages(folders: Tuple[Path, ...]) -> Tuple[Language, ...]:
-    found: Dict[str, Language] = {}
-    for path in (path for folder in folders for path in sorted(folder.glob("*.po"))):
+    found = {Language.ENGLISH.value: Language.ENGLISH}
+    for path in (path for folder in folders for path in folder.glob("*.po")):
         if path.is_file() and _CODE.fullmatch(path.stem) and path.stem not in found:
-            found[path.stem] = Language(path.stem, _own_name(path))
-    found[Language.ENGLISH.value] = Language.ENGLISH
+            with path.open(encoding="utf-8", errors="replace") as file:
+                name = _NAME.search(file.read(HEADER_CHARACTERS))
+            found[path.stem] = Language(path.stem, name.group(1) if name else path.stem)
     return tuple(found[code] for code in sorted(found))
-
-
-def _own_name(path: Path) -> str:
-    with path.open(encoding="utf-8", errors="replace") as file:
-        name = _NAME.search(file.read(HEADER_CHARACTERS))
-    return name.group(1) if name else path.stem
 
 
 def language_from_code(code: object) -> Language:
@@ -64,25 +58,21 @@ def language_from_code(code: object) -> Language:
     Raises:
         InvalidValueError: There is no catalogue for it.
     """
-    known = languages()
-    for language in known:
+    for language in languages():
         if language.value == code:
             return language
-    allowed = ", ".join(f"{one.value} ({one.own_name})" for one in known)
+    allowed = ", ".join(f"{one.value} ({one.own_name})" for one in languages())
     raise InvalidValueError(
         Message(
             "language is {code}; it must be one of {allowed}", code=repr(code), allowed=allowed
         ),
-        fault=CONFIGURATION,
+        fault=faults.CONFIGURATION,
     )
 
 
 def language_from_environment(environment: Mapping[str, str]) -> Language:
-    """Return the language that a terminal asks for, in the order of gettext's variables.
-
-    Args:
-        environment: `os.environ` or the like; a language without a catalogue gives English.
-    """
+    """Return the language that a terminal asks for; English if it has no catalogue."""
+    # In the order of gettext.
     for name in ("LANGUAGE", "LC_ALL", "LC_MESSAGES", "LANG"):
         if environment.get(name):
             code = environment[name].split(":")[0].split(".")[0]
@@ -92,9 +82,7 @@ def language_from_environment(environment: Mapping[str, str]) -> Language:
 
 
 def read_catalogue(language: Language) -> Catalogue:
-    """Return the catalogue of a language; the templates themselves are the English one.
-
-    Its files are read once: reading them takes longer than opening a window.
+    """Return the catalogue of a language, whose files are read once.
 
     Raises:
         InvalidValueError: A file is no catalogue, or there is none.

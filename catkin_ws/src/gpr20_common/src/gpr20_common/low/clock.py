@@ -7,7 +7,7 @@ import time
 
 
 def time_of_day_us() -> int:
-    """Return the time of day [whole microseconds since 1970, UTC], for time stamps alone."""
+    """Return the time of day [us since 1970, UTC], for time stamps alone: it may be set."""
     return time.time_ns() // 1000
 
 
@@ -15,11 +15,9 @@ class Clock:
     """Seconds that only go forward, and waiting for them; beside them, the time of day."""
 
     def now_s(self) -> float:
-        """Return the time [s] since some fixed moment."""
         return time.monotonic()
 
     def time_of_day_us(self) -> int:
-        """Return the time of day [us since 1970, UTC], which may be set at any moment."""
         return time_of_day_us()
 
     def sleep_until_s(self, deadline_s: float) -> None:
@@ -29,5 +27,4 @@ class Clock:
             time.sleep(remaining_s)
 
     def wait_s(self, event: threading.Event, timeout_s: float) -> bool:
-        """Wait for the event for at most `timeout_s` [s]; return whether it is set."""
         return event.wait(timeout_s)

@@ -1,9 +1,14 @@
-"""Where a robot stores its surveys, and where this user's programs remember something."""
+"""Where a robot stores its surveys, what this user's programs remember, and its configuration."""
 
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Mapping
+from typing import Any, Dict, Mapping
+
+from gpr20_common.low.yaml_file import YamlFileError, read_yaml
+from gpr20_common.message import Message
+
+DEFAULT_FOLDER = "~/.gpr20/robot"
 
 
 def data_folder(configured: str, environment: Mapping[str, str]) -> Path:
@@ -19,9 +24,28 @@ def data_folder(configured: str, environment: Mapping[str, str]) -> Path:
 
 
 def state_folder(environment: Mapping[str, str]) -> Path:
-    """Return the folder of what is remembered on this computer, as an absolute path.
-
-    Args:
-        environment: The variables of the process: `GPR20_STATE`, or ~/.gpr20 if that is not set.
-    """
+    """Return the folder of what is remembered: `GPR20_STATE`, or ~/.gpr20 if that is not set."""
     return Path(environment.get("GPR20_STATE", "") or "~/.gpr20").expanduser().absolute()
+
+
+def robot_folder(environment: Mapping[str, str]) -> Path:
+    """Return the folder that GPR20_CONFIG names, or the default; it need not exist."""
+    return Path(environment.get("GPR20_CONFIG") or DEFAULT_FOLDER).expanduser().absolute()
+
+
+def configured(path: Path) -> Dict[str, Any]:
+    """Return the values in a file of the configuration; none without the file.
+
+    Raises:
+        OSError: The file cannot be read.
+        YamlFileError: The file is damaged.
+    """
+    try:
+        values = read_yaml(path)
+        if values is None or isinstance(values, dict):
+            return values or {}
+        raise YamlFileError(Message("it must be lines of the form {example}", example="key: value"))
+    except FileNotFoundError:
+        return {}
+    except YamlFileError as error:
+        raise YamlFileError(Message("{file}: {reason}", file=path, reason=error.message)) from error

@@ -1,4 +1,7 @@
-"""TCP connections whose other end may vanish: how long it has been silent, and when they end."""
+"""TCP connections whose other end may vanish: how long it has been silent, and when they end.
+
+Every function raises an OSError if the connection is closed.
+"""
 
 from __future__ import annotations
 
@@ -18,11 +21,7 @@ LAST_RECEIVED_OFFSET = 52
 
 
 def keep_alive(connection: socket.socket) -> None:
-    """Have the kernel ask the other end for a sign of life every `PROBE_PERIOD_S`.
-
-    Raises:
-        OSError: The connection is closed.
-    """
+    """Have the kernel ask the other end for a sign of life every `PROBE_PERIOD_S`."""
     connection.setsockopt(socket.IPPROTO_TCP, socket.TCP_KEEPIDLE, PROBE_PERIOD_S)
     connection.setsockopt(socket.IPPROTO_TCP, socket.TCP_KEEPINTVL, PROBE_PERIOD_S)
     connection.setsockopt(socket.IPPROTO_TCP, socket.TCP_KEEPCNT, MOST_PROBES)
@@ -34,37 +33,12 @@ def end_when_broken(connection: socket.socket, limit_s: float) -> None:
 
     Without this limit a connection over a link that was down stays silent for as long again:
     Linux doubles the time between its attempts to send.
-
-    Raises:
-        OSError: The connection is closed.
     """
     keep_alive(connection)
     connection.setsockopt(socket.IPPROTO_TCP, socket.TCP_USER_TIMEOUT, round(1e3 * limit_s))
 
 
-def send_at_once(connection: socket.socket) -> None:
-    """Send small messages without waiting for the acknowledgement of earlier ones.
-
-    Raises:
-        OSError: The connection is closed.
-    """
-    connection.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
-
-
-def acknowledge_at_once(connection: socket.socket) -> None:
-    """Acknowledge what comes next without waiting for more; the kernel forgets this soon.
-
-    Raises:
-        OSError: The connection is closed.
-    """
-    connection.setsockopt(socket.IPPROTO_TCP, socket.TCP_QUICKACK, 1)
-
-
 def silence_s(connection: socket.socket) -> float:
-    """Return how long ago anything came from the other end [s].
-
-    Raises:
-        OSError: The connection is closed.
-    """
+    """Return how long ago anything came from the other end [s]."""
     info = connection.getsockopt(socket.IPPROTO_TCP, socket.TCP_INFO, TCP_INFO_BYTES)
     return min(LAST_RECEIVED.unpack_from(info, LAST_RECEIVED_OFFSET)) * 1e-3

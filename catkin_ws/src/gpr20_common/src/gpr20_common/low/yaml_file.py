@@ -14,13 +14,18 @@ from gpr20_common.message import Message
 
 # A scene, a recipe or a profile has some kilobytes; what is far larger is something else.
 MAX_BYTES = 1 << 20
-MAX_DEPTH = 32
 
 # The reader of plain values raises whatever their conversion does: for the day 2026-13-45 a
-# ValueError, for `!!timestamp x` an AttributeError.
-_REFUSED = (yaml.YAMLError, ValueError, ArithmeticError, AttributeError, LookupError, TypeError)
-
-
+# ValueError, for `!!timestamp x` an AttributeError. It calls itself for each level.
+_REFUSED = (
+    yaml.YAMLError,
+    ValueError,
+    ArithmeticError,
+    AttributeError,
+    LookupError,
+    RecursionError,
+    TypeError,
+)
 # `<<: *other`, which may be there several times.
 MERGE_TAG = "tag:yaml.org,2002:merge"
 STRING_TAG = "tag:yaml.org,2002:str"
@@ -30,17 +35,13 @@ _ODD_NUMBER = re.compile(r"[-+]?(0[0-9_]+|[0-9][0-9_]*(:[0-5]?[0-9])+(\.[0-9_]*)
 
 
 class YamlFileError(Gpr20Error, ValueError):
-    """A file is no YAML, or not of a size and depth that one of ours has."""
+    """A file is no YAML, or larger or deeper than one of ours."""
 
     fault = faults.FILE_DAMAGED
 
 
 def read_yaml(path: Union[str, Path], max_bytes: int = MAX_BYTES) -> Any:
     """Return what a YAML file holds: plain values, lists and mappings, never objects.
-
-    Args:
-        path: The file.
-        max_bytes: How long it may be [bytes].
 
     Raises:
         OSError: The file cannot be read.
@@ -64,7 +65,6 @@ def parse_yaml(text: Union[str, bytes], odd_numbers: bool = False) -> Any:
         YamlFileError: It is not YAML, or nested too deeply.
     """
     try:
-        _check_depth(text)
         loader = _OddNumberLoader if odd_numbers else _UniqueKeyLoader
         return yaml.load(text, Loader=loader)  # noqa: S506 - a SafeLoader
     except YamlFileError:
@@ -99,17 +99,3 @@ class _UniqueKeyLoader(yaml.SafeLoader):
 
 class _OddNumberLoader(_UniqueKeyLoader):
     resolve = yaml.SafeLoader.resolve
-
-
-def _check_depth(text: Union[str, bytes]) -> None:
-    # Before loading, which recurses; the events come one after the other.
-    depth = 0
-    for event in yaml.parse(text, Loader=yaml.SafeLoader):
-        if isinstance(event, yaml.CollectionStartEvent):
-            depth += 1
-            if depth > MAX_DEPTH:
-                raise YamlFileError(
-                    Message("it is nested more than {limit} levels deep", limit=MAX_DEPTH)
-                )
-        elif isinstance(event, yaml.CollectionEndEvent):
-            depth -= 1

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import re
+import sys
 from typing import Union
 
 from gpr20_common.errors import InvalidValueError
@@ -16,26 +17,18 @@ MAX_ADDRESS_CHARACTERS = 128
 def number_between(
     name: Union[str, Message], value: float, lower: float, upper: float, unit: str = ""
 ) -> float:
-    """Return the value if it lies within the bounds, both included.
-
-    Args:
-        name: What the value is, for the message.
-        value: The value [unit].
-        lower: Smallest value allowed [unit].
-        upper: Largest value allowed [unit].
-        unit: Unit of the three numbers.
+    """Return the value if it lies within the bounds [unit], both included.
 
     Raises:
-        InvalidValueError: The value is NaN, infinite or outside the bounds.
+        InvalidValueError: The value is NaN or outside the bounds; it names the value by `name`.
     """
-    number = _float_of(value)
     # Written so that NaN, which fails every comparison, is refused too.
-    if not (math.isfinite(number) and lower <= value <= upper):
+    if not lower <= value <= upper:
         raise InvalidValueError(
             Message(
                 "{name} is {value}; it must lie between {lower} and {upper}",
                 name=name,
-                value=_with_unit(number, unit),
+                value=_with_unit(value, unit),
                 lower=f"{lower:.12g}",
                 upper=_with_unit(upper, unit),
             )
@@ -49,28 +42,15 @@ def positive_number(name: Union[str, Message], value: float, unit: str = "") -> 
     Raises:
         InvalidValueError: The value is NaN, infinite, zero or negative.
     """
-    number = _float_of(value)
-    if not (math.isfinite(number) and number > 0.0):
+    if not 0.0 < value <= sys.float_info.max:
         raise InvalidValueError(
             Message(
                 "{name} is {value}; it must be more than zero",
                 name=name,
-                value=_with_unit(number, unit),
+                value=_with_unit(value, unit),
             )
         )
     return value
-
-
-def _with_unit(number: float, unit: str) -> str:
-    return f"{number:.12g} {unit}".rstrip()
-
-
-def _float_of(value: float) -> float:
-    # A whole number from a file may have hundreds of digits.
-    try:
-        return float(value)
-    except OverflowError:
-        return math.inf if value > 0 else -math.inf
 
 
 def ipv4_address(name: Union[str, Message], address: str) -> str:
@@ -115,3 +95,11 @@ def instrument_address(name: Union[str, Message], address: str) -> str:
             )
         )
     return address
+
+
+def _with_unit(number: float, unit: str) -> str:
+    try:
+        return f"{number:.12g} {unit}".rstrip()
+    except OverflowError:
+        # A whole number from a file may have hundreds of digits.
+        return f"{math.copysign(math.inf, number > 0 or -1)} {unit}".rstrip()

@@ -40,7 +40,7 @@ def record_from(kind: Type[Record], values: Any, place: str, others: bool = Fals
     Args:
         kind: Dataclass, or a list or group of them; a field without a default must be there.
         values: What was read.
-        place: Where it was found, for the messages; empty if they name the place themselves.
+        place: Where it was found, for the messages; empty if they name it themselves.
         others: Whether keys of others may be there too, which are ignored.
 
     Raises:

@@ -5,13 +5,13 @@ from __future__ import annotations
 import importlib
 import inspect
 import re
-from typing import Any, List, Mapping
+from typing import Any, Mapping
 
 from gpr20_common import faults
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message
 
-_NAME = re.compile(r"([A-Za-z_]\w*(?:\.[A-Za-z_]\w*)*):([A-Za-z_]\w*)")
+_NAME = re.compile(r"[A-Za-z_]\w*(\.[A-Za-z_]\w*)*:[A-Za-z_]\w*")
 NAME_LENGTH = 200
 
 
@@ -20,33 +20,27 @@ def is_extension(name: str) -> bool:
     return len(name) <= NAME_LENGTH and _NAME.fullmatch(name) is not None
 
 
-def load_extension(key: str, name: str, protocol: type) -> type:
-    """Import a class and check that it has the methods and properties of a protocol.
+def load_extension(
+    key: str, name: str, protocol: type, arguments: int, options: Mapping[str, Any]
+) -> type:
+    """Import a class and check that it fits a protocol and can be made with its options.
 
-    The check comes before any use: whatever else a configuration names is never called.
+    Nothing is made, and whatever else a configuration names is never called.
 
     Args:
-        key: Key of the configuration that names it, for the messages.
-        name: The class, as `module:Class`.
-        protocol: What it must implement.
+        key: Key of the configuration that names it; `{key}_options` is that of its options.
+        name: The class, as `module:Class` (`is_extension`).
+        protocol: Its methods and properties must be there.
+        arguments: How many arguments come before the options.
+        options: The options of the configuration.
 
     Raises:
-        InvalidValueError: It cannot be imported, or does not implement the protocol.
+        InvalidValueError: It cannot be imported, does not implement the protocol, or an option is
+            missing or unknown.
     """
-    match = _NAME.fullmatch(name) if len(name) <= NAME_LENGTH else None
-    if match is None:
-        raise InvalidValueError(
-            Message(
-                "{key} is {name}; it must have the form {example}",
-                key=key,
-                name=repr(name[:NAME_LENGTH]),
-                example="package.module:Class",
-            ),
-            fault=faults.EXTENSION_UNUSABLE,
-        )
-    module_name, class_name = match.groups()
+    module, _colon, class_name = name.partition(":")
     try:
-        found = getattr(importlib.import_module(module_name), class_name, None)
+        found: Any = getattr(importlib.import_module(module), class_name, None)
     except Exception as error:  # the module is not ours: it may raise anything
         raise InvalidValueError(
             Message(
@@ -54,23 +48,16 @@ def load_extension(key: str, name: str, protocol: type) -> type:
                 "in the virtual environment of this software, or correct the name",
                 key=key,
                 name=name,
-                module=module_name,
+                module=module,
                 reason=f"{type(error).__name__}: {error}",
             ),
             fault=faults.EXTENSION_UNUSABLE,
         ) from error
-    if not inspect.isclass(found):
-        raise InvalidValueError(
-            Message(
-                "{key} is {name}, but {module} has no class {class_name}",
-                key=key,
-                name=name,
-                module=module_name,
-                class_name=class_name,
-            ),
-            fault=faults.EXTENSION_UNUSABLE,
-        )
-    missing = [one for one in _members(protocol) if not hasattr(found, one)]
+    wanted = sorted(one for one in vars(protocol) if not one.startswith("_"))
+    if inspect.isclass(found):
+        missing = [one for one in wanted if not hasattr(found, one)]
+    else:
+        missing = [f"class {class_name}"]
     if missing:
         raise InvalidValueError(
             Message(
@@ -82,25 +69,11 @@ def load_extension(key: str, name: str, protocol: type) -> type:
             ),
             fault=faults.EXTENSION_UNUSABLE,
         )
-    return found
-
-
-def check_options(key: str, extension: type, arguments: int, options: Mapping[str, Any]) -> None:
-    """Check that a class can be made with these options; nothing is made.
-
-    Args:
-        key: Key of the configuration that holds the options.
-        extension: The class.
-        arguments: How many arguments come before the options.
-        options: The options of the configuration.
-
-    Raises:
-        InvalidValueError: One is missing or unknown.
-    """
     try:
-        inspect.signature(extension).bind(*range(arguments), **options)
+        inspect.signature(found).bind(*range(arguments), **options)
     except TypeError as error:
-        raise options_refused(key, extension, str(error)) from error
+        raise options_refused(f"{key}_options", found, str(error)) from error
+    return found
 
 
 def options_refused(key: str, extension: type, reason: str) -> InvalidValueError:
@@ -114,7 +87,3 @@ def options_refused(key: str, extension: type, reason: str) -> InvalidValueError
         ),
         fault=faults.EXTENSION_UNUSABLE,
     )
-
-
-def _members(protocol: type) -> List[str]:
-    return sorted(name for name in vars(protocol) if not name.startswith("_"))

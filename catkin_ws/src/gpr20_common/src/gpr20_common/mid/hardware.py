@@ -7,13 +7,7 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class Hardware:
-    """What a node drives.
-
-    Attributes:
-        name: What diagnostics and recordings call it; empty for a node without hardware.
-        simulated: Whether it is simulated.
-        time_scale: How many times faster than the real hardware it runs; 1 for the real one.
-    """
+    """What diagnostics and recordings call it, and how many times faster than real it runs."""
 
     name: str
     simulated: bool = False

@@ -3,24 +3,23 @@
 from __future__ import annotations
 
 import socket
+import subprocess
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Dict, List, Mapping, Optional
 
-from gpr20_common import __version__, faults
-from gpr20_common.low.revision import git_revision
+import gpr20_common
+from gpr20_common import faults
 from gpr20_common.message import Message, in_a_row
+
+TIME_LIMIT_S = 5.0
+# Written when gpr20_common was installed: the git revision of the sources, or nothing.
+INSTALLED_REVISION = Path(gpr20_common.__file__).resolve().with_name("installed_revision")
 
 
 @dataclass(frozen=True)
 class NodeSoftware:
-    """Which software a node runs, and where; what is not known is empty.
-
-    Attributes:
-        version: Version of the suite.
-        revision: Revision of its sources.
-        host: Name of its computer.
-    """
+    """Which software a node runs, and on which computer; what is not known is empty."""
 
     version: str = ""
     revision: str = ""
@@ -28,7 +27,6 @@ class NodeSoftware:
 
     @property
     def name(self) -> str:
-        """Version and revision in one text."""
         return f"{self.version} ({self.revision})" if self.revision else self.version
 
 
@@ -38,30 +36,45 @@ UNKNOWN_SOFTWARE = NodeSoftware()
 def own_software() -> NodeSoftware:
     """Return the software that is installed on this computer."""
     revision = git_revision(Path(__file__).resolve().parent)
-    return NodeSoftware(__version__, revision, socket.gethostname())
+    return NodeSoftware(gpr20_common.__version__, revision, socket.gethostname())
+
+
+def git_revision(folder: Path, *options: str, installed: Path = INSTALLED_REVISION) -> str:
+    """Return the git revision that was installed or is in a folder; empty if there is none."""
+    if installed.exists():
+        # Not that of a repository which the install space may be in.
+        return installed.read_text(encoding="utf-8").strip()
+    command = ["git", "-C", str(folder), "describe", "--always", "--tags", *options]
+    try:
+        answer = subprocess.run(command, capture_output=True, timeout=TIME_LIMIT_S, check=True)
+    except (OSError, subprocess.SubprocessError):
+        # Installed without git, or not a checkout: only the version is known.
+        return ""
+    return answer.stdout.decode(errors="replace").strip()
+
+
+def software_revision(version: str, folder: Path, installed: Path = INSTALLED_REVISION) -> str:
+    """Return the version, with the git revision that was installed or is in the folder."""
+    revision = git_revision(folder, "--dirty", installed=installed)
+    return f"{version} (git {revision})" if revision else version
 
 
 def software_difference(nodes: Mapping[str, NodeSoftware]) -> Optional[Message]:
-    """Return which nodes run which software; None if all run the same.
-
-    Args:
-        nodes: The software of each node. Nodes that do not say theirs are not compared.
-    """
+    """Return which nodes run which software; None if all that say theirs run the same."""
     groups: Dict[str, List[str]] = {}
     for node, software in nodes.items():
         if software.version:
             groups.setdefault(software.name, []).append(node)
     if len(groups) < 2:
         return None
-    return Message(
-        "the parts of the robot run different software: {groups}",
-        groups=in_a_row(
-            Message(
-                "{software} on {hosts}",
-                software=name,
-                hosts=", ".join(sorted({nodes[node].host or "?" for node in group})),
-                details=f"{name}: {', '.join(sorted(group))}",
-            )
-            for name, group in sorted(groups.items())
-        ),
-    ).with_fault(faults.SOFTWARE_DIFFERS)
+    found = in_a_row(
+        Message(
+            "{software} on {hosts}",
+            software=name,
+            hosts=", ".join(sorted({nodes[node].host or "?" for node in group})),
+            details=f"{name}: {', '.join(sorted(group))}",
+        )
+        for name, group in sorted(groups.items())
+    )
+    text = Message("the parts of the robot run different software: {groups}", groups=found)
+    return text.with_fault(faults.SOFTWARE_DIFFERS)

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Dict, Mapping, Optional, Tuple
 
-from gpr20_common.low.robot_folder import DEFAULT_FOLDER
+from gpr20_common.low.data_folder import DEFAULT_FOLDER
 
 SETTINGS = "etc/gpr20/environment"
 FIREWALL = "usr/lib/gpr20/firewall"

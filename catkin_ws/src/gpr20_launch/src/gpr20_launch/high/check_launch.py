@@ -17,7 +17,7 @@ import rosgraph
 import rospkg
 
 from gpr20_common.errors import Gpr20Error, NodeSilentError
-from gpr20_common.low.node_probe import NodeProbe
+from gpr20_common.low.limited_rpc import NodeProbe
 from gpr20_common.message import Message
 from gpr20_common.terminal_text import say
 from gpr20_doctor.mid.finding import Finding
@@ -80,7 +80,7 @@ def built_robot() -> BuiltRobot:
 
 def _message_field(datatype: str, field: str) -> object:
     # Imported only with a sensor: a launch without one need not wait for it.
-    from gpr20_common.high.message_field import MessageField
+    from gpr20_main_control.high.message_field import MessageField
 
     return MessageField(datatype, field)
 

@@ -6,8 +6,10 @@ It is no node: it must work without the master, and needs nothing of the graph.
 from __future__ import annotations
 
 import argparse
+import contextlib
 import os
 import signal
+import socket
 import sys
 import threading
 from typing import Dict, Mapping, Tuple
@@ -15,9 +17,7 @@ from typing import Dict, Mapping, Tuple
 import rosgraph
 
 from gpr20_common.low.clock import Clock
-from gpr20_common.low.line_output import enable_line_buffering
-from gpr20_common.low.service_manager import service_manager
-from gpr20_common.terminal_text import say
+from gpr20_common.terminal_text import enable_line_buffering, say
 from gpr20_launch.low import sibling_nodes
 from gpr20_launch.low.node_answer import Answer, NodeAnswer
 from gpr20_launch.low.process_info import process_info
@@ -35,28 +35,23 @@ class LaunchedNodes:
         self._answers: Dict[Tuple[int, str], NodeAnswer] = {}
 
     def find(self) -> Mapping[int, str]:
-        """Return the full name of each node, by its process id."""
         found = self._siblings.find()
         self._answers = {key: one for key, one in self._answers.items() if key in found.items()}
         return found
 
     def ask(self, number: int, name: str) -> Answer:
-        """Return whether it answers."""
         if (number, name) not in self._answers:
             uri = rosgraph.get_master_uri()
             self._answers[number, name] = NodeAnswer(uri, name, number, ANSWER_LIMIT_S)
         return self._answers[number, name].ask()
 
     def is_working(self, number: int) -> bool:
-        """Return whether it uses the processor or a disk, or waits for them."""
         return sibling_nodes.is_working(number)
 
     def is_traced(self, number: int) -> bool:
-        """Return whether a debugger is attached to it."""
         return sibling_nodes.is_traced(number)
 
     def kill(self, number: int, name: str) -> None:
-        """End it."""
         self._siblings.kill(number, name)
 
 
@@ -80,16 +75,30 @@ def main() -> int:
     )
     siblings = sibling_nodes.SiblingNodes(roslaunch, f"configuration:={given.launch}", others)
     watchdog = Watchdog(LaunchedNodes(siblings), given.limit, Clock(), _say, spared)
-    service = service_manager()
     while os.getppid() == roslaunch:
         watchdog.look()
         if watchdog.complete:
-            service.keep_alive(SERVICE_LIMIT_S)
+            # The limit is given with each message, not in the unit: a service that waits for a
+            # cable or for another machine has none yet.
+            tell_systemd(f"WATCHDOG=1\nWATCHDOG_USEC={round(SERVICE_LIMIT_S * 1e6)}")
         if stop.wait(PERIOD_S):
             break
     # Not after an error: systemd guards on, until roslaunch has started the watchdog again.
-    service.release()
+    tell_systemd("WATCHDOG_USEC=0")
     return 0
+
+
+def tell_systemd(text: str) -> None:
+    """Say something to the systemd that runs this process as a part of a service (sd_notify(3))."""
+    address = os.environ.get("NOTIFY_SOCKET", "")
+    # A leading @ stands for the zero byte of an abstract address (unix(7)).
+    address = "\0" + address[1:] if address.startswith("@") else address
+    if address:
+        with socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM | socket.SOCK_CLOEXEC) as sender:
+            sender.setblocking(False)
+            # It is busy, and the next message says the same, or nobody listens any more.
+            with contextlib.suppress(OSError):
+                sender.sendto(text.encode(), address)
 
 
 def _parser() -> argparse.ArgumentParser:

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import enum
 import socket
+import xmlrpc.client
 from typing import Optional
 from urllib.parse import urlsplit
 
 from gpr20_common.low.limited_rpc import NO_ANSWER, limited_server, value_of
-from gpr20_common.low.pid_query import PidQuery
 
 CALLER = "/watchdog"
 
@@ -40,7 +40,7 @@ class NodeAnswer:
         self._time_limit_s = time_limit_s
         self._host = ""
         # A process keeps its address: once confirmed, it needs no master any more.
-        self._confirmed: Optional[PidQuery] = None
+        self._confirmed: Optional[xmlrpc.client.ServerProxy] = None
 
     def ask(self) -> Answer:
         """Return whether it answers.
@@ -49,11 +49,11 @@ class NodeAnswer:
         the network or the master is another matter.
         """
         try:
-            query = self._confirmed or self._find()
+            server = self._confirmed or self._find()
         except NO_ANSWER:
             return Answer.UNKNOWN
         try:
-            is_same = query.ask() == self._number
+            is_same = value_of(server.getPid(CALLER)) == self._number
         except NO_ANSWER as error:
             if self._confirmed is None:
                 # Nobody listens: the master knows the address of the process before it.
@@ -64,15 +64,14 @@ class NodeAnswer:
             return unanswered if is_silent and _is_own(self._host) else Answer.UNKNOWN
         if not is_same:
             # A process that has just died may be known to the master under the same name.
-            query.close()
             return Answer.UNKNOWN
-        self._confirmed = query
+        self._confirmed = server
         return Answer.ALIVE
 
-    def _find(self) -> PidQuery:
+    def _find(self) -> xmlrpc.client.ServerProxy:
         uri = str(value_of(self._master.lookupNode(CALLER, self._name)))
         self._host = str(urlsplit(uri).hostname)
-        return PidQuery(uri, CALLER, self._time_limit_s)
+        return limited_server(uri, self._time_limit_s)
 
 
 def _is_own(host: str) -> bool:

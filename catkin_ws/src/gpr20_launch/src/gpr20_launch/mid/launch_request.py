@@ -8,7 +8,7 @@ from typing import Dict, Tuple
 
 from gpr20_common.errors import Gpr20Error
 from gpr20_common.low.clock import Clock
-from gpr20_common.low.robot_folder import DEFAULT_FOLDER
+from gpr20_common.low.data_folder import DEFAULT_FOLDER
 from gpr20_common.message import Message
 from gpr20_common.mid.codec import record_from
 from gpr20_launch import faults

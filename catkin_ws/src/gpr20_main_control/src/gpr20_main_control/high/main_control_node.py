@@ -9,13 +9,13 @@ import rosgraph
 import rospy
 
 from gpr20_common.high import diagnostics
+from gpr20_common.high.description import show_parameters
 from gpr20_common.high.node import run_node
 from gpr20_common.high.parameters import read_parameters
 from gpr20_common.high.periodic import Periodic
 from gpr20_common.high.services import advertise
-from gpr20_common.high.shown_parameters import show_parameters
 from gpr20_common.low.clock import Clock
-from gpr20_common.low.node_probe import NodeProbe
+from gpr20_common.low.limited_rpc import NodeProbe
 from gpr20_common.message import Message
 from gpr20_common.mid.codec import plain
 from gpr20_common.mid.hardware import NO_HARDWARE

@@ -9,8 +9,7 @@ from typing import Any, Callable, List, Optional, Set
 import actionlib
 import rospy
 
-from gpr20_common.high.connection_header import connection_header
-from gpr20_common.high.ros_time import microseconds
+from gpr20_common.high.raw_message import connection_header, microseconds
 from gpr20_common.high.service_client import ServiceClient, ServiceUnavailableError
 from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message, verbatim

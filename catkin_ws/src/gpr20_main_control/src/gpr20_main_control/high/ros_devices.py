@@ -9,8 +9,7 @@ from typing import Any
 import numpy as np
 
 from gpr20_common.faults import NODE_SILENT
-from gpr20_common.high.raw_message import preserialized, serialized
-from gpr20_common.high.ros_time import microseconds, ros_time
+from gpr20_common.high.raw_message import microseconds, preserialized, ros_time, serialized
 from gpr20_common.high.service_client import ServiceClient, ServiceUnavailableError
 from gpr20_common.message import Message
 from gpr20_common.sent_message import message_from, record_of

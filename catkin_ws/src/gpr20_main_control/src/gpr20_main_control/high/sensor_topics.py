@@ -9,11 +9,11 @@ from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.high.diagnostics import FAULT_CODE, MESSAGE_JSON, PERIOD_S
-from gpr20_common.high.message_field import MessageField
 from gpr20_common.high.periodic import Periodic
 from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message
 from gpr20_main_control import faults
+from gpr20_main_control.high.message_field import MessageField
 from gpr20_main_control.mid.devices.aux_sensors import AuxSensors, Measured, SensorInput
 from gpr20_survey.plan.sensors import Sensor
 

@@ -13,6 +13,7 @@ from fault_kit import raises_fault
 
 from gpr20_common.faults import NODE_SILENT
 from gpr20_common.high import service_client
+from gpr20_common.high.raw_message import serialized
 from gpr20_common.high.service_client import ServiceClient, ServiceUnavailableError
 from gpr20_common.low.clock import Clock
 from gpr20_common.message import Fault, Message, Severity
@@ -36,7 +37,9 @@ def graph(monkeypatch):
     """Services whose nodes are away, and what was called once they were back."""
     graph = Graph()
     monkeypatch.setattr(
-        service_client, "ServiceConnection", lambda name, *_others: Connection(graph, name)
+        service_client,
+        "ServiceConnection",
+        lambda _uri, header, *_others: Connection(graph, header["service"].lstrip("/")),
     )
     monkeypatch.setattr(service_client.ServiceClient, "_look_up", lambda *_arguments: "")
     monkeypatch.setattr(rospy, "Subscriber", lambda *_arguments, **_options: None)
@@ -61,14 +64,12 @@ class Connection:
 
     def __init__(self, graph, name):
         self.graph, self.name = graph, name
+        if self.name == graph.away:
+            graph.waiting.set()
+            graph.node_is_back.wait(LIMIT_S)
 
-    def connect(self, _address, _timeout_s, _answer_timeout_s):
-        if self.name == self.graph.away:
-            self.graph.waiting.set()
-            self.graph.node_is_back.wait(LIMIT_S)
-
-    def call(self, _request, _timeout_s):
-        return self.graph.call(self.name)
+    def call(self, _request, _deadline_s):
+        return serialized(self.graph.call(self.name))
 
     def abort(self):
         pass

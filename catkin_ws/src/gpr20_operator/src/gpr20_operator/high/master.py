@@ -17,9 +17,9 @@ from rospy.impl.registration import (
 from gpr20_common.errors import NodeGoneError, NodeSilentError
 from gpr20_common.high.periodic import Periodic
 from gpr20_common.low.clock import Clock
-from gpr20_common.low.line_output import enable_line_buffering
-from gpr20_common.low.node_probe import NodeProbe
+from gpr20_common.low.limited_rpc import NodeProbe
 from gpr20_common.message import Message
+from gpr20_common.terminal_text import enable_line_buffering
 from gpr20_operator import faults
 from gpr20_operator.errors import MasterUnavailableError
 from gpr20_operator.robot.events import LinkState

@@ -8,8 +8,8 @@ from typing import Any, Callable, Dict, FrozenSet
 import rosgraph
 import rospy
 
-from gpr20_common.high.connection_header import connection_header
 from gpr20_common.high.periodic import Periodic
+from gpr20_common.high.raw_message import connection_header
 from gpr20_doctor.low.masters import robots_on_master
 from gpr20_msgs.msg import ControlStatus
 from gpr20_operator.high import conversions

@@ -9,7 +9,7 @@ import rospy
 from diagnostic_msgs.msg import DiagnosticArray
 
 from gpr20_common.errors import Gpr20Error
-from gpr20_common.high.connection_header import connection_header
+from gpr20_common.high.raw_message import connection_header
 from gpr20_common.high.service_client import ServiceClient, ServiceUnavailableError
 from gpr20_common.low.thread_fault import faults_logged
 from gpr20_common.message import Message

@@ -8,7 +8,7 @@ from typing import Any, Callable, List, Mapping, Optional, Tuple
 import rospy
 from std_msgs.msg import String
 
-from gpr20_common.high.connection_header import connection_header
+from gpr20_common.high.raw_message import connection_header
 from gpr20_common.high.service_client import ServiceClient
 from gpr20_msgs.msg import SurveyCoverage
 from gpr20_msgs.srv import AddFact, ListSurveys, ReadSurvey, ReadTraces

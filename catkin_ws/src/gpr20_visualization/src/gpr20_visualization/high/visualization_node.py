@@ -15,10 +15,9 @@ from std_msgs.msg import String
 from tf2_msgs.msg import TFMessage
 from visualization_msgs.msg import Marker
 
-from gpr20_common.high.connection_header import connection_header
 from gpr20_common.high.diagnostics import OK, WARN, Diagnostics, Health
 from gpr20_common.high.node import run_node
-from gpr20_common.high.ros_time import ros_time
+from gpr20_common.high.raw_message import connection_header, ros_time
 from gpr20_common.message import Message
 from gpr20_msgs.msg import Coordinates
 from gpr20_survey.errors import TraceRefusedError

@@ -15,7 +15,7 @@ import yaml
 from gpr20_common.catalogue import Catalogue
 from gpr20_common.errors import Gpr20Error
 from gpr20_common.low.catalogue_file import language_from_environment, read_catalogue
-from gpr20_common.low.robot_folder import configured, robot_folder
+from gpr20_common.low.data_folder import configured, robot_folder
 from gpr20_common.message import Message
 from gpr20_common.mid.codec import record_from
 from gpr20_common.os_reason import os_reason

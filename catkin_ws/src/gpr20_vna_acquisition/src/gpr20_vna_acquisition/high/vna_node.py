@@ -12,7 +12,7 @@ from gpr20_common.high import diagnostics
 from gpr20_common.high.description import publish_description
 from gpr20_common.high.node import run_device
 from gpr20_common.high.periodic import Periodic
-from gpr20_common.high.ros_time import ros_time
+from gpr20_common.high.raw_message import ros_time
 from gpr20_common.high.services import advertise
 from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message, verbatim

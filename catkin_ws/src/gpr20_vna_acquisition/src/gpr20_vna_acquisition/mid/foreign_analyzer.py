@@ -21,7 +21,7 @@ from typing import (
 
 from gpr20_common.errors import Gpr20Error
 from gpr20_common.message import Message
-from gpr20_common.mid.extension import check_options, load_extension, options_refused
+from gpr20_common.mid.extension import load_extension, options_refused
 from gpr20_survey.trace.calibration import CalibrationStatus
 from gpr20_survey.trace.sweep import Sweep
 from gpr20_survey.trace.sweep_settings import SweepSettings
@@ -53,9 +53,8 @@ def load_analyzer(parameters: VnaParameters) -> Type:
     Raises:
         InvalidValueError: It cannot be imported, is no analyzer, or has other options.
     """
-    found = load_extension("analyzer", parameters.analyzer, Analyzer)
-    check_options("analyzer_options", found, 2, parameters.analyzer_options)
-    return found
+    name, options = parameters.analyzer, parameters.analyzer_options
+    return load_extension("analyzer", name, Analyzer, 2, options)
 
 
 def make_foreign_analyzer(parameters: VnaParameters, deadline: RequestDeadline) -> DrivenAnalyzer:

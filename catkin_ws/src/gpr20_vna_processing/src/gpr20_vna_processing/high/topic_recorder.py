@@ -10,7 +10,7 @@ from typing import Callable, Iterable, List, Set
 import rosgraph
 import rospy
 
-from gpr20_common.high.connection_header import connection_header
+from gpr20_common.high.raw_message import connection_header
 from gpr20_survey.recording.recording import RecordedMessage
 from gpr20_survey.recording.survey_topics import (
     LOG_TOPIC,

@@ -11,7 +11,7 @@ from typing import Callable
 
 from gpr20_common.errors import Gpr20Error
 from gpr20_common.low.clock import Clock
-from gpr20_common.low.robot_folder import configured, robot_folder
+from gpr20_common.low.data_folder import configured, robot_folder
 from gpr20_common.message import Message
 from gpr20_common.mid.codec import record_from
 from gpr20_common.os_reason import os_reason
