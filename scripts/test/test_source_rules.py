@@ -1,4 +1,4 @@
-"""The rules of the sources: the lint, the size of each part, imports, literal templates."""
+"""The rules of the sources: the lint, the size of each part, imports, sentences."""
 
 from __future__ import annotations
 
@@ -7,7 +7,8 @@ import shutil
 
 import pytest
 from house import complaints, limits, lines_by_part
-from literal_templates import complaints as template_complaints
+from sentence_comparisons import complaints as comparisons
+from translations import module_files, shown_files, templates
 from user_shell import ROOT, printed_by
 from wings_kit import NEEDS_ALL
 
@@ -77,14 +78,67 @@ def test_imports_that_are_not_allowed_are_refused_with_what_to_do(tmp_path):
     assert [remedy for _line, remedy in wrong.values() if remedy not in broken] == []
 
 
-def test_a_template_that_would_not_be_found_is_refused():
-    for wrong in (
-        "Message(text, height_m=1.0)",
-        "Message(\n    TEXTS[0],\n)",
-        "self.tr(f'{name} fails')",
-        "Message('it fails' if bad else 'it works')",
-        "f'{self.tr(\"it fails\")}: {name}'",
+@pytest.mark.parametrize(
+    "wrong",
+    ["Message(text, height_m=1.0)", "Message(TEXTS[0])", "tr('it fails' if bad else 'it works')"],
+)
+def test_a_template_that_nobody_could_translate_is_refused(wrong):
+    with pytest.raises(ValueError, match="as one literal string"):
+        list(templates(wrong))
+
+
+def test_templates_are_found_wherever_they_stand():
+    source = "a = Message('the height ' '{m:g} m', m=1)\nb = f'{self.tr(\"it fails\")}: {name}'"
+    assert set(templates(source)) == {"the height {m:g} m", "it fails"}
+
+
+@NEEDS_ALL
+def test_what_reaches_operators_is_translated_and_what_only_commands_say_is_not():
+    files, shown = module_files(), shown_files()
+    is_shown = {name: path in shown for name, path in files.items()}
+    # Programs, what they import, a child process, what that takes of the public interface, what
+    # is imported by its name, and a driver that a file names.
+    for name in (
+        *("gpr20_user_interface.window.rail", "gpr20_main_control.faults"),
+        *("gpr20_common.os_reason", "gpr20_doctor.high.doctor"),
+        *("gpr20_imaging.low.analysis_worker", "gpr20_analysis.read.load"),
+        *("gpr20_analysis.report.pdf", "gpr20_scikit_rf.low.visa_link"),
     ):
-        assert len(list(template_complaints(wrong))) == 1
-    right = "Message(\n    'the height {height_m:g} m '\n    'is wrong', height_m=1.0)\nf'{a}'"
-    assert list(template_complaints(right)) == []
+        assert is_shown[name], name
+    for name in (
+        *("gpr20_analysis.commands.export_command", "gpr20_launch.mid.pin_checks"),
+        *("gpr20_foreign_formats.segy", "gpr20_vna_acquisition.mid.conformance.suite"),
+    ):
+        assert not is_shown[name], name
+
+
+@pytest.mark.parametrize(
+    "decision",
+    [
+        "message == CONTROL_SILENT",
+        "state.message.sentence().startswith('Warning: ')",
+        "'disk is full' in str(error)",
+        "re.search('calibrat', message.sentence())",
+        "reason == Message('the disk is full')",
+        "error.strerror == 'No space left on device'",
+        "answer.message.lower()[:4] == 'stop'",
+        "f'{error}' == 'busy'",
+    ],
+)
+def test_a_comparison_of_a_sentence_is_found(decision):
+    assert list(comparisons(f"pass\nx = {decision}")) == [2]
+
+
+@pytest.mark.parametrize(
+    "expression",
+    [
+        "message.fault_code == faults.DISK_FULL.code",
+        "message.cause is None",
+        "message != ''",
+        "problem != self.problem",
+        "name.startswith('traces/')",
+        "message.values.get('stored')",
+    ],
+)
+def test_codes_types_and_whole_messages_may_be_compared(expression):
+    assert list(comparisons(expression)) == []

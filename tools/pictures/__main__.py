@@ -24,7 +24,6 @@ GROUPS = {
 # To look at, in a folder of their own.
 CHECKS = {
     "moments": "the window 1, 5 and 30 s after twelve faults, and a table of what it says",
-    "faults": "the window after each fault of the simulator; fails without its Spanish sentence",
 }
 ALL = {**GROUPS, **{name: f"{what} (needs --into)" for name, what in CHECKS.items()}}
 

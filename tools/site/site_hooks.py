@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any, Dict, Set
 
 import api_reference
+from messages_page import messages_markdown
 from mkdocs.config.defaults import MkDocsConfig
 from mkdocs.exceptions import PluginError
 from mkdocs.structure.files import File, Files
@@ -73,6 +74,8 @@ def on_page_markdown(markdown: str, page: Page, config: MkDocsConfig, files: Fil
     source = _source(here)
     if here == "reference/api.md":
         markdown += API
+    if here == "reference/messages.md":
+        markdown += messages_markdown()
 
     def change(target: str) -> str:
         name, _hash, anchor = target.partition("#")

@@ -4,6 +4,7 @@ from pathlib import Path
 
 import pytest
 from fake_clock import FakeClock
+from translation_kit import shown_is_translated  # noqa: F401
 
 # The example annotations of gpr20_survey's tests.
 sys.path.append(str(Path(__file__).resolve().parents[3] / "gpr20_survey" / "test" / "unit"))

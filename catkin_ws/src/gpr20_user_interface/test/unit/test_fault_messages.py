@@ -136,7 +136,9 @@ def test_each_fault_opens_its_card_once():
     assert watch.is_over
     walk(((other, True),), watch)
     # By their codes: a number that changes is no new one. Without a code, by their words.
-    low, lower = (Message(f"{free} MB are free").with_fault(FULL.fault) for free in (7, 3))
+    low, lower = (
+        Message("{free} MB are free", free=free).with_fault(FULL.fault) for free in (7, 3)
+    )
     walk(((paused(low), True), (paused(lower), False), (said(SurveyState.FAILED, lower), True)))
     one, another = paused(verbatim("no power")), paused(verbatim("no height"))
     walk(((one, True), (one, False), (another, True)))

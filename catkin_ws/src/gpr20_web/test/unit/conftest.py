@@ -2,6 +2,7 @@ import sys
 from pathlib import Path
 
 import pytest
+from translation_kit import shown_is_translated  # noqa: F401
 
 # The examples of the window and of the surveys.
 for package in ("gpr20_user_interface", "gpr20_survey"):

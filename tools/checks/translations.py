@@ -1,0 +1,178 @@
+"""Keep the catalogues of translations; scripts/translations.sh starts it and says how.
+
+Translated is what an operator can meet: the sentences of every program in nodes/ and deploy/, and
+of every module that one of them imports or names, directly or not. Programs that only analysts and
+maintainers use are listed in pyproject.toml: what only they say is English.
+"""
+
+from __future__ import annotations
+
+import argparse
+import ast
+import re
+import sys
+from pathlib import Path
+from typing import Dict, Iterable, Iterator, List, Set
+
+import polib
+
+import gpr20_analysis
+from gpr20_common.errors import Gpr20Error
+from gpr20_common.low.catalogue_file import FOLDER, read_translations
+
+ROOT = Path(__file__).resolve().parents[2]
+# The project translates everything into this language; others may have gaps, which are English.
+COMPLETE = FOLDER / "es.po"
+FUNCTIONS = ("Message", "tr")
+# They pass on a template that was written elsewhere.
+PASS_ON = tuple(f"gpr20_common/{name}.py" for name in ("message", "sent_message", "catalogue"))
+NAMED = re.compile(r"\bgpr20_\w+(?:\.\w+)+")
+LANGUAGE = re.compile("[a-z]{2,3}(_[A-Z]{2})?")
+HEADER = 'msgid ""\nmsgstr ""\n"Language: {code}\\n"\n"X-Language-Name: {name}\\n"\n'
+HEADER += '"Content-Type: text/plain; charset=UTF-8\\n"\n'
+
+
+def shown_files() -> Set[Path]:
+    """Return the files of all programs that operators use, and of all modules that these reach."""
+    import tomllib  # Python 3.8 has none, and its tests look up templates only
+
+    settings = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
+    chosen = settings["tool"]["translations"]
+    modules = module_files()
+    waiting = [modules[name] for name in chosen["loaded_by_configuration"]]
+    for path in (*ROOT.glob("catkin_ws/src/*/nodes/*"), *ROOT.glob("deploy/*.py")):
+        if path.is_file() and path.name not in chosen["english_programs"]:
+            waiting.append(path)
+    found: Set[Path] = set()
+    while waiting:
+        path = waiting.pop()
+        if path not in found:
+            found.add(path)
+            for name in _names(ast.parse(path.read_text(encoding="utf-8"))):
+                # What is no module is something in one.
+                while name not in modules and "." in name:
+                    name = name.rpartition(".")[0]
+                waiting += [modules[name]] if name in modules else []
+    return found
+
+
+def module_files() -> Dict[str, Path]:
+    """Return the file of each module, and of each name of the public interface of the analysis."""
+    found = {}
+    for folder in ROOT.glob("catkin_ws/src/*/src"):
+        for path in folder.rglob("*.py"):
+            name = ".".join(path.relative_to(folder).with_suffix("").parts)
+            found[name.replace(".__init__", "")] = path
+    for home, names in gpr20_analysis._HOMES.items():
+        found.update({f"gpr20_analysis.{one}": found[f"gpr20_analysis.{home}"] for one in names})
+    return found
+
+
+def _names(tree: ast.AST) -> Iterator[str]:
+    """Yield what a program imports, what it takes of a module, and what its texts name."""
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Import):
+            yield from (one.name for one in node.names)
+        elif isinstance(node, ast.ImportFrom):
+            yield from (f"{node.module}.{one.name}" for one in node.names)
+        elif isinstance(node, ast.Attribute) and isinstance(node.value, ast.Name):
+            yield f"{node.value.id}.{node.attr}"
+        elif isinstance(node, ast.Constant) and isinstance(node.value, str):
+            yield from NAMED.findall(node.value)
+
+
+def templates(source: str, passes_on: bool = False) -> Iterator[str]:
+    """Yield the template of each Message(...) and tr(...) in a source text.
+
+    Args:
+        source: The text.
+        passes_on: Whether it may pass on templates that are written elsewhere.
+
+    Raises:
+        ValueError: One is not a literal, so nobody could translate it.
+    """
+    calls = (one for one in ast.walk(ast.parse(source)) if isinstance(one, ast.Call) and one.args)
+    for call in calls:
+        template = call.args[0]
+        if getattr(call.func, "attr", getattr(call.func, "id", "")) not in FUNCTIONS:
+            continue
+        if isinstance(template, ast.Constant) and isinstance(template.value, str):
+            yield template.value
+        elif not passes_on:
+            raise ValueError(
+                f"{template.lineno}: write the template as one literal string in Message(...) or "
+                "tr(...), with {names} for the values and the values as further arguments"
+            )
+
+
+def templates_of(files: Iterable[Path]) -> Set[str]:
+    """Return every template in some files."""
+    found: Set[str] = set()
+    for path in files:
+        try:
+            source = path.read_text(encoding="utf-8")
+            found.update(templates(source, path.as_posix().endswith(PASS_ON)))
+        except ValueError as error:
+            raise ValueError(f"{path}:{error}") from error
+    return found
+
+
+def complaints(path: Path, wanted: Set[str]) -> List[str]:
+    """Return what is wrong with a catalogue.
+
+    Args:
+        path: The catalogue.
+        wanted: All templates that it may have, and must have if it is the complete one.
+    """
+    usable = set(read_translations(path))
+    entries = polib.pofile(path.read_text(encoding="utf-8"), check_for_duplicates=True)
+    translated = {one.msgid for one in entries.translated_entries()}
+    missing = wanted - translated if path == COMPLETE else set()
+    return [
+        *(f"no program has {one.msgid!r}: not used" for one in entries if one.msgid not in wanted),
+        *(f"give the msgstr the {{values}} of {one!r}" for one in sorted(translated - usable)),
+        *(f"write the msgstr of {one!r}" for one in sorted(missing)),
+    ]
+
+
+def update(path: Path, wanted: Set[str]) -> None:
+    """Write a catalogue with an entry for each template, in the order of the sentences.
+
+    A sentence is one line: another wording changes that line, and a search finds it.
+    """
+    catalogue = polib.pofile(path.read_text(encoding="utf-8"), wrapwidth=0)
+    known = {one.msgid: one.msgstr for one in catalogue.translated_entries()}
+    entries = [polib.POEntry(msgid=one, msgstr=known.get(one, "")) for one in sorted(wanted)]
+    catalogue[:] = entries
+    catalogue.save(str(path))
+    print(f"{path}: {len(known.keys() & wanted)} of {len(wanted)} are translated")
+
+
+def main() -> None:
+    """Update, check or begin catalogues."""
+    parser = argparse.ArgumentParser(prog="translations.sh")
+    parser.add_argument("--check", action="store_true")
+    parser.add_argument("--new", action="store_true")
+    parser.add_argument("file", type=Path, nargs="?")
+    parser.add_argument("name", nargs="?", default="")
+    chosen = parser.parse_args()
+    paths = [chosen.file.resolve()] if chosen.file else sorted(FOLDER.glob("*.po"))
+    if chosen.new:
+        if paths[0].exists() or not chosen.name or not LANGUAGE.fullmatch(paths[0].stem):
+            sys.exit("translations.sh: name a new file and its language: --new pt.po Português")
+        header = HEADER.format(code=paths[0].stem, name=chosen.name)
+        paths[0].parent.mkdir(parents=True, exist_ok=True)
+        paths[0].write_text(header, encoding="utf-8")
+    wanted = templates_of(shown_files())
+    for path in paths:
+        if not chosen.check:
+            update(path, wanted)
+        if found := complaints(path, wanted):
+            sys.exit("\n".join([f"translations.sh: {path}:", *found]))
+
+
+if __name__ == "__main__":
+    try:
+        main()
+    except (Gpr20Error, ValueError) as error:
+        sys.exit(f"translations.sh: {error}")

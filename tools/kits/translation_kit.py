@@ -1,0 +1,42 @@
+"""What the windows, pages and terminals of the tests show has Spanish.
+
+A conftest.py that imports the fixture holds this for all its tests.
+"""
+
+from __future__ import annotations
+
+import functools
+from typing import Iterator, Set
+
+import pytest
+from translations import COMPLETE, module_files, templates_of
+
+from gpr20_common.catalogue import Catalogue
+from gpr20_common.low.catalogue_file import read_translations
+
+
+@pytest.fixture(autouse=True)
+def shown_is_translated(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
+    """Expect Spanish of every sentence of a program that is looked up to be shown."""
+    looked_up: Set[str] = set()
+    look_up = Catalogue.template
+
+    def template(catalogue: Catalogue, one: str) -> str:
+        looked_up.add(one)
+        return look_up(catalogue, one)
+
+    monkeypatch.setattr(Catalogue, "template", template)
+    yield
+    lacking = looked_up - _spanish()
+    # Tests make sentences up, too.
+    assert not lacking or not lacking & _of_programs()
+
+
+@functools.lru_cache(maxsize=None)
+def _spanish() -> Set[str]:
+    return set(read_translations(COMPLETE))
+
+
+@functools.lru_cache(maxsize=None)
+def _of_programs() -> Set[str]:
+    return templates_of(module_files().values())
