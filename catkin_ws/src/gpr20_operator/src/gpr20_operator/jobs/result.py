@@ -342,7 +342,7 @@ class SurveyResult:
         self._imaging.soils.note_stored(self._storing)
 
     def _take_image(self, image: FocusedImage) -> None:
-        if self._is_other(image.survey_id):
+        if self._is_other(image.found.survey_id):
             self.search.refuse(OTHER_SURVEY)
             return
         self._list_sum = list_sum(image.found)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import datetime
 from dataclasses import dataclass
-from typing import Any, Dict, Optional, Tuple
+from typing import Any, Dict, Optional
 
 from gpr20_common.message import Message
 from gpr20_common.sent_message import fields_of, record_of
@@ -30,16 +30,6 @@ class Thumbnail:
     columns: int = 0
     rows: int = 0
     percent: bytes = b""
-
-    @property
-    def coverage(self) -> Optional[Tuple[Tuple[int, ...], ...]]:
-        """The stored shares (rows, columns) [%]; None if there is no map."""
-        columns = self.columns
-        if not columns or len(self.percent) != columns * self.rows:
-            return None
-        return tuple(
-            tuple(self.percent[row * columns : (row + 1) * columns]) for row in range(self.rows)
-        )
 
 
 NO_THUMBNAIL = Thumbnail()

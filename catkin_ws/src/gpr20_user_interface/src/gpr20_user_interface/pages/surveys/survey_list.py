@@ -154,7 +154,8 @@ def thumbnail_picture(area: Thumbnail, size_px: int, look: Look) -> QPixmap:
         return known
     picture = QPixmap(size_px, size_px)
     picture.fill(Qt.GlobalColor.transparent)
-    if area.coverage is not None and area.width_mm > 0.0 and area.height_mm > 0.0:
+    is_mapped = 0 < area.columns * area.rows == len(area.percent)
+    if is_mapped and area.width_mm > 0.0 and area.height_mm > 0.0:
         painter = QPainter(picture)
         _paint_map(painter, area, size_px, look)
         painter.end()
@@ -170,12 +171,12 @@ def _paint_map(painter: QPainter, area: Thumbnail, size_px: int, look: Look) -> 
     part = QBrush(QColor(look.colour(Mark.STOP_PARTLY)), Qt.BrushStyle.Dense4Pattern)
     whole = QBrush(QColor(look.colour(Mark.STOP_DONE)))
     cell_width, cell_height = width / area.columns, height / area.rows
-    for row, values in enumerate(area.coverage or ()):
-        for column, percent in enumerate(values):
-            if percent:
-                # Y points upwards.
-                x, y = left + cell_width * column, top + cell_height * (area.rows - 1 - row)
-                cell = QRectF(x, y, cell_width + 0.5, cell_height + 0.5)
-                painter.fillRect(cell, whole if percent == 100 else part)
+    for place, percent in enumerate(area.percent):
+        if percent:
+            row, column = divmod(place, area.columns)
+            # Y points upwards.
+            x, y = left + cell_width * column, top + cell_height * (area.rows - 1 - row)
+            cell = QRectF(x, y, cell_width + 0.5, cell_height + 0.5)
+            painter.fillRect(cell, whole if percent == 100 else part)
     painter.setPen(QColor(look.colour(Mark.BORDER)))
     painter.drawRect(QRectF(left, top, width - 1.0, height - 1.0))
