@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import datetime
 from dataclasses import dataclass
 from typing import Any, Dict, Optional
@@ -75,19 +76,12 @@ class SurveySummary:
     site: str = ""
     operator: str = ""
 
-    def local_time(self, zone: Optional[datetime.tzinfo] = None) -> str:
-        """Return when it started, as "2026-11-21 05:10"; from its folder if it is not recorded.
-
-        Args:
-            zone: In whose time; None: that of this computer.
-        """
+    def local_time(self) -> str:
+        """Return when it started, as "2026-11-21 05:10"; from its folder if it is not recorded."""
         for text, pattern in ((self.started[:16], STARTED), (self.folder[:13], FOLDER)):
-            try:
-                started = datetime.datetime.strptime(text, pattern)
-            except ValueError:
-                continue
-            at = started.replace(tzinfo=datetime.timezone.utc).astimezone(zone)
-            return at.strftime("%Y-%m-%d %H:%M")
+            with contextlib.suppress(ValueError):
+                started = datetime.datetime.strptime(f"{text}+0000", f"{pattern}%z")
+                return started.astimezone().strftime("%Y-%m-%d %H:%M")
         return self.folder
 
 
