@@ -2,15 +2,11 @@
 
 from __future__ import annotations
 
-import contextlib
-import datetime
 from dataclasses import dataclass
 from typing import Any, Dict, Optional
 
 from gpr20_common.message import Message
 from gpr20_common.sent_message import fields_of, record_of
-
-STARTED, FOLDER = "%Y-%m-%dT%H:%M", "%Y%m%dT%H%M"
 
 
 @dataclass(frozen=True)
@@ -75,14 +71,6 @@ class SurveySummary:
     fault_code: str = ""
     site: str = ""
     operator: str = ""
-
-    def local_time(self) -> str:
-        """Return when it started, as "2026-11-21 05:10"; from its folder if it is not recorded."""
-        for text, pattern in ((self.started[:16], STARTED), (self.folder[:13], FOLDER)):
-            with contextlib.suppress(ValueError):
-                started = datetime.datetime.strptime(f"{text}+0000", f"{pattern}%z")
-                return started.astimezone().strftime("%Y-%m-%d %H:%M")
-        return self.folder
 
 
 MAP = {

@@ -10,6 +10,7 @@ from PyQt5.QtWidgets import QStyledItemDelegate, QStyleOptionViewItem
 
 from gpr20_common.message import Message
 from gpr20_operator.ground.past_surveys import Ending, PastSurveys, title_of
+from gpr20_operator.words import local_time
 from gpr20_survey.results.survey_summary import SurveySummary, Thumbnail
 from gpr20_user_interface.look.icons import sign
 from gpr20_user_interface.look.look import GAP_PX, Look, Mark, TextColours, look_of
@@ -113,7 +114,7 @@ class SurveyRow(QStyledItemDelegate):
         lines = [ending, people] if people else [ending]
         line = QRectF(area.topLeft(), area.topRight())
         line.setHeight(area.height() / (1 + len(lines)))
-        when = survey.local_time() if survey.name.strip() else ""
+        when = local_time(survey.started, survey.folder) if survey.name.strip() else ""
         painter.drawText(line, RIGHT, when)
         taken = painter.fontMetrics().horizontalAdvance(when) + look.px(GAP_PX) if when else 0
         bold = QFont(painter.font())
