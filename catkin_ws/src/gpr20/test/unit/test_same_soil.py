@@ -161,7 +161,8 @@ def rows_of(page):
 
 def said_of(found):
     """Return how a list knows its soil."""
-    return (found.permittivity, *found.permittivity_range, found.permittivity_source)
+    of_list = ("permittivity", "permittivity_lowest", "permittivity_highest")
+    return (*(getattr(found, name) for name in of_list), found.permittivity_source)
 
 
 def test_all_parts_search_with_what_the_survey_knows(tmp_path, capsys, monkeypatch):

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import contextlib
+import datetime
 import math
 import re
 from decimal import Decimal
@@ -13,6 +15,7 @@ from gpr20_common.message import Message
 # Not Decimal() or float() alone: they accept digits of other scripts, underscores and words.
 _NUMBER = re.compile(r"[-+]?([0-9]{1,20}([.,][0-9]{0,20})?|[.,][0-9]{1,20})([eE][-+]?[0-9]{1,3})?")
 SHOWN_CHARACTERS = 64
+STARTED, FOLDER = "%Y-%m-%dT%H:%M", "%Y%m%dT%H%M"
 HERTZ_PER_MEGAHERTZ = 1.0e6
 MEGAHERTZ_EXPONENT = 6
 # Of a whole number; far more than any parameter needs.
@@ -153,3 +156,17 @@ def time_left(time_s: float) -> Message:
 def size_text(width_mm: float, height_mm: float) -> Message:
     """Return the size of an area."""
     return Message("{width:g} x {height:g} mm", width=width_mm, height=height_mm)
+
+
+def local_time(started: str, folder: str = "") -> str:
+    """Return when a survey started, as "2026-11-21 05:10", in the time of this computer.
+
+    Args:
+        started: ISO 8601, UTC; empty if it is not recorded.
+        folder: Name of its folder, which begins with the start.
+    """
+    for text, pattern in ((started[:16], STARTED), (folder[:13], FOLDER)):
+        with contextlib.suppress(ValueError):
+            at = datetime.datetime.strptime(f"{text}+0000", f"{pattern}%z")
+            return at.astimezone().strftime("%Y-%m-%d %H:%M")
+    return folder

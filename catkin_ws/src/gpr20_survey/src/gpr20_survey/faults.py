@@ -14,8 +14,7 @@ CLOCK_WRONG = Fault("clock.wrong", remedies.SET_CLOCK)
 # A trace that is measured.
 WRONG_SWEEP = Fault("vna.wrong_sweep", remedies.CHECK_VNA)
 SENSOR_NOT_FINITE = Fault(
-    "sensor.not_finite",
-    Message("Check the sensor that the message names, and its plug."),
+    "sensor.not_finite", Message("Check the sensor that the message names, and its plug.")
 )
 TRACE_NOT_ALLOWED = Fault("trace.not_allowed", remedies.REPORT)
 
@@ -111,8 +110,7 @@ FILE_SYSTEM_UNSUITABLE = Fault(
     Message("Use another disk for the surveys, or format it with ext4, which deletes all on it."),
 )
 LOCKED = Fault(
-    "survey.locked",
-    Message("Another program writes this survey: end the survey there first."),
+    "survey.locked", Message("Another program writes this survey: end the survey there first.")
 )
 
 # The signature of a survey: without it a survey is whole, but nobody vouches for it.
@@ -172,8 +170,6 @@ OTHER_ZEROS = Fault(
 # The doctor only notes these two: a survey homes and measures by itself.
 NOT_HOMED = Fault("axis.not_homed", remedies.HOME_AXIS)
 HEIGHT_NOT_MEASURED = Fault(
-    "height.not_measured",
-    Message("A survey measures it; or measure it on ROBOT."),
-    Severity.NOTE,
+    "height.not_measured", Message("A survey measures it; or measure it on ROBOT."), Severity.NOTE
 )
 FOLDER_CHANGED = Fault("storage.folder_changed", remedies.TRY_LATER)

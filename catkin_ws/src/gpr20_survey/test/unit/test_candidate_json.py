@@ -165,7 +165,7 @@ def test_targets_have_names_and_sizes():
 
 @each_case("text", ["", "PMN", "disc:80:35", "disc:80:35:0.5", "disc:80:500:2.8", "ball:nan"])
 def test_other_targets_are_refused_with_what_is_allowed(text):
-    with pytest.raises(InvalidValueError, match="allowed|use pmn"):
+    with pytest.raises(InvalidValueError, match="must lie between|use pmn"):
         target_of(text)
 
 

@@ -87,7 +87,7 @@ def test_a_finer_survey_is_focused_once_and_laid_over_the_coarse_one(storage):
     assert asked == [(FINER, coarse.found.permittivity)]
     fine.levels_db[:] = 20.0
     additions.pictures.add_image(fine)
-    assert additions.laid_image.survey_id == SURVEY
+    assert additions.laid_image.found.survey_id == SURVEY
     assert additions.laid_image.levels_db.max() == 20.0
 
 
@@ -113,7 +113,7 @@ COARSE = image(SURVEY, np.arange(0, 101, 10), np.arange(0, 81, 10), 1.0)
 @each_case("spacing_mm", [2.5, 10.0])
 def test_a_finer_image_replaces_the_coarse_one_where_it_lies(spacing_mm):
     found = laid_over(COARSE, [finer_image(spacing_mm)])
-    assert found.survey_id == SURVEY
+    assert found.found.survey_id == SURVEY
     assert np.allclose(np.diff(found.x_mm), spacing_mm)
     for place, level_db in (
         *(((45.0, 35.0, 20.0), 7.0), ((30.0, 20.0, 0.0), 7.0)),

@@ -25,6 +25,7 @@ from gpr20_operator.plan.hold_question import (
 )
 from gpr20_operator.plan.preview import SurveyPreview, preview
 from gpr20_operator.robot.events import Progress, Request
+from gpr20_operator.words import local_time
 from gpr20_survey.faults import OTHER_ZEROS
 from gpr20_survey.plan.annotation import EMPTY, Annotation
 from gpr20_survey.plan.survey_cost import SurveyCost
@@ -87,7 +88,7 @@ def test_a_past_survey_is_named_before_it_is_resumed():
     survey = past_survey(name="field 3", thumbnail=Thumbnail(300.0, 250.0))
     assert rows(resume_past_question(FOLDER, survey)) == {
         "Survey": "field 3",
-        "Started": survey.local_time(),
+        "Started": local_time(survey.started, survey.folder),
         "Stored": "7 of 40 traces",
         "Area": "300 x 250 mm",
         "Plan": "that of the survey, not the one on this page",

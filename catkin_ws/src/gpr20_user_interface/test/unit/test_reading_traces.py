@@ -36,6 +36,7 @@ from gpr20_operator.ground.trace_events import (
 from gpr20_operator.ground.traces import RETRY_REFRESHES, TracePresenter
 from gpr20_operator.robot.events import CurrentPosition, TargetPosition
 from gpr20_operator.robot.replay import ReplayMark, ReplayView
+from gpr20_operator.words import local_time
 from gpr20_survey.folder.trace_files import read_trace
 from gpr20_survey.plan.survey_state import RUNNING, SurveyState
 from gpr20_survey.trace.trace_block import TraceBlock
@@ -111,7 +112,7 @@ def test_a_past_survey_says_so_and_which_one_it_is(traces):
     open_past(traces)
     listed = past_survey(outcome="finished", complete=True)
     traces.on_event(SurveysListed("", (listed,), False))
-    assert str(traces.band) == f"PAST SURVEY: {listed.local_time()}, 7c9e6679"
+    assert str(traces.band) == f"PAST SURVEY: {local_time(listed.started)}, 7c9e6679"
     named = dataclasses.replace(listed, name="field 3, east")
     traces.on_event(SurveysListed("", (named,), False))
     assert str(traces.band).endswith(", field 3, east")

@@ -13,6 +13,7 @@ from gpr20_operator.ground.trace_events import SurveysListed
 from gpr20_operator.jobs.job import JobState
 from gpr20_operator.jobs.pictures import Exported
 from gpr20_operator.jobs.result_texts import NOT_SAFE, NOTHING_FOUND
+from gpr20_operator.words import local_time
 from gpr20_survey.no_clearance import NO_CLEARANCE
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_survey.results.found import What
@@ -80,7 +81,7 @@ def test_a_stored_survey_opens_its_result_and_is_named_there_and_over_its_sheets
     assert not page.band.isVisible()
     window.past.result_requested.emit(SURVEY)
     show(window, snapshot(state=state_of(SurveyState.FINISHED, survey_id=PAST)))
-    named = f"PAST SURVEY: {past_survey().local_time()}"
+    named = f"PAST SURVEY: {local_time(past_survey().started)}"
     assert page.band.isVisible() and page.band.whole.startswith(named)
     page.place_sheet.ask(page.result.shown[0])
     page.stick_sheet.open_now()

@@ -15,6 +15,7 @@ from window_helpers import click, show
 from gpr20_common.message import verbatim
 from gpr20_operator.ground.past_surveys import Listed, PastSurveys, searchable, title_of
 from gpr20_operator.ground.trace_events import SurveyDescribed, SurveysListed
+from gpr20_operator.words import local_time
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_survey.results.survey_summary import Thumbnail
 from gpr20_user_interface.look.look import Look, Theme
@@ -174,7 +175,7 @@ def test_a_search_is_a_plain_filter_of_all_pages(surveys, text, listed, split):
     past.take(past.next_before, numbered[split:], False)
 
     def wanted(survey):
-        texts = (survey.name, survey.site, survey.operator, survey.local_time())
+        texts = (survey.name, survey.site, survey.operator, local_time(survey.started))
         written = searchable(" ".join(texts))
         good = survey.complete and survey.outcome != "imported"
         kept = {

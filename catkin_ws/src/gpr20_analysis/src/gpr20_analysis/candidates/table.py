@@ -59,7 +59,7 @@ def tail_sentences(found: CandidateList, shown: Sequence[Candidate]) -> List[Mes
         The sentences.
     """
     total, primary = found.total, found.primary
-    lowest, highest = found.permittivity_range
+    lowest, highest = found.permittivity_lowest, found.permittivity_highest
     extent = Message("area: {area_m2:.3g} m2", area_m2=found.area_m2)
     if found.length_m is not None:
         extent = Message("length: {length_m:.3g} m", length_m=found.length_m)

@@ -126,7 +126,7 @@ class Runs:
         self._searched, self._detector, listed = searched, detector, searched.found
         self.left: Dict[float, np.ndarray] = {}
         self._frequency_hz = FrequencyGrid.of(survey).frequency_hz
-        lowest, highest = listed.permittivity_range
+        lowest, highest = listed.permittivity_lowest, listed.permittivity_highest
         self._permittivities = [listed.permittivity, lowest, highest]
         if target.permittivity is not None and lowest <= target.permittivity <= highest:
             # What may be invisible is taken as invisible.

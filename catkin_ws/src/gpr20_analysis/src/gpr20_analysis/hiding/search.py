@@ -136,7 +136,7 @@ def _counted(
         needed=options.needed,
         within_m=within_m,
         permittivity=listed.permittivity,
-        permittivity_range=listed.permittivity_range,
+        permittivity_range=(listed.permittivity_lowest, listed.permittivity_highest),
         loss_tangent=options.loss_tangent,
         seed=options.seed,
         checked=results.checked,
@@ -148,7 +148,7 @@ def _counted(
 
 
 def _notes(listed: CandidateList, target: Target) -> Sequence[Message]:
-    lowest, highest = listed.permittivity_range
+    lowest, highest = listed.permittivity_lowest, listed.permittivity_highest
     known = Source(listed.permittivity_source).message
     notes = [Message("permittivity of the soil: {source}", source=known)]
     if target.permittivity is None or not lowest <= target.permittivity <= highest:

@@ -7,6 +7,7 @@ import unicodedata
 from typing import Optional, Tuple
 
 from gpr20_common.message import Message, verbatim
+from gpr20_operator.words import local_time
 from gpr20_survey.plan.imported import IMPORTED
 from gpr20_survey.results.survey_summary import SurveySummary
 
@@ -45,18 +46,16 @@ class Listed(enum.Enum):
         return self is Listed.ALL or ending is Ending.IMPORTED
 
 
-def survey_label(name: str, survey_id: str, local_time: str) -> Message:
+def survey_label(name: str, survey_id: str, begun: str) -> Message:
     """Return what a survey is called on every page: when it began, and its name."""
     called = name or survey_id[:8]
-    return (
-        Message("{time}, {name}", time=local_time, name=called) if local_time else verbatim(called)
-    )
+    return Message("{time}, {name}", time=begun, name=called) if begun else verbatim(called)
 
 
 def title_of(survey: SurveySummary) -> str:
     """Return what people call a survey: its name, or when it was measured."""
     # That of a folder of others may have several lines.
-    return " ".join(survey.name.split()) or survey.local_time()
+    return " ".join(survey.name.split()) or local_time(survey.started, survey.folder)
 
 
 def present_verdict(survey: SurveySummary) -> Optional[Message]:
@@ -114,7 +113,9 @@ class PastSurveys:
         words = searchable(text).split()
 
         def has_words(one: SurveySummary) -> bool:
-            written = searchable("\n".join((one.name, one.site, one.operator, one.local_time())))
+            written = searchable(
+                "\n".join((one.name, one.site, one.operator, local_time(one.started, one.folder)))
+            )
             return all(word in written for word in words)
 
         chosen = (one for one in self.surveys if listed.holds(self.ending_of(one)))

@@ -24,7 +24,7 @@ from gpr20_operator.ground.records import (
     edges,
 )
 from gpr20_survey.radar.depth import delay_of_depth, depth_of_delay_m, one_way_path_m
-from gpr20_survey.radar.frequency_to_delay import FrequencyToDelay, echoes_at
+from gpr20_survey.radar.frequency_to_delay import FrequencyToDelay
 from gpr20_survey.results.focused_image import FocusedImage
 
 DEPTH_STEP_M = 0.005
@@ -174,12 +174,12 @@ class _Look:
         """Return the echoes below stops (stops x delays); NaN where nothing was measured."""
         volume = self.model.echoes[self.settings.polarization]
         step_s = self.transform.step_s
-        found = echoes_at(volume.reshape(-1, volume.shape[-1]), stops, step_s, delays_s)
+        found = _echoes_at(volume.reshape(-1, volume.shape[-1]), stops, step_s, delays_s)
         if self.settings.remove_background:
             background = self.model.background(self.settings.polarization)
             if background is not None:
                 first = np.zeros(len(stops), np.intp)
-                found -= echoes_at(background[np.newaxis], first, step_s, delays_s)
+                found -= _echoes_at(background[np.newaxis], first, step_s, delays_s)
         found[~self.present[stops]] = np.nan
         return found
 
@@ -195,6 +195,27 @@ class _Look:
         return np.sign(wave) * scale.shades(scale.levels_db(np.abs(wave)), gain_db), above
 
 
+def _echoes_at(
+    echoes: np.ndarray, rows: np.ndarray, step_s: float, delays_s: np.ndarray
+) -> np.ndarray:
+    """Return echoes between the samples by linear interpolation; NaN outside of them.
+
+    Args:
+        echoes: Complex samples, shape (n, samples).
+        rows: Which of them, shape (m,).
+        step_s: Delay between two samples [s].
+        delays_s: Delays of the result, shape (m, k) [s].
+    """
+    place = delays_s / step_s
+    last = echoes.shape[1] - 1
+    below = np.clip(np.floor(place), 0, last - 1).astype(np.intp)
+    part = (place - below).astype(np.float32)
+    of_row = rows[:, np.newaxis]
+    values = echoes[of_row, below] * (1.0 - part) + echoes[of_row, below + 1] * part
+    values[~((place >= 0.0) & (place <= last))] = np.nan
+    return values
+
+
 class FocusedSource:
     """A focused image; its levels are above the noise already.
 
@@ -208,7 +229,7 @@ class FocusedSource:
     def __init__(self, image: FocusedImage, before: Optional[FocusedSource] = None) -> None:
         self.image = image
         self._steady = SteadyScale(image.levels_db.size)
-        if before is not None and before.image.survey_id == image.survey_id:
+        if before is not None and before.image.found.survey_id == image.found.survey_id:
             self._steady = before._steady
         known = image.levels_db[np.isfinite(image.levels_db)]
         strongest_db = float(known.max()) if known.size else 0.0

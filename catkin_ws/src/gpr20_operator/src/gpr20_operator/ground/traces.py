@@ -19,6 +19,7 @@ from gpr20_operator.ground.trace_events import (
     TracesRead,
 )
 from gpr20_operator.robot.snapshot import Snapshot
+from gpr20_operator.words import local_time
 from gpr20_survey.trace.trace import Trace
 
 # How long to wait for traces, in refreshes, before it is requested again.
@@ -87,7 +88,9 @@ class TracePresenter:
             return None
         label, survey = verbatim(self.opened_folder), self.past.find(self.opened_folder)
         if survey is not None:
-            label = survey_label(survey.name, survey.survey_id, survey.local_time())
+            label = survey_label(
+                survey.name, survey.survey_id, local_time(survey.started, survey.folder)
+            )
         if self._running_id:
             return Message("NOT THE RUNNING SURVEY: {name}", name=label)
         return past_band(label, "" if survey is None else survey.outcome)

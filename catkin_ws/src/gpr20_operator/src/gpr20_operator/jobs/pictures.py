@@ -66,8 +66,8 @@ class Pictures:
 
     def add_image(self, image: FocusedImage) -> None:
         """Keep an image, in the place of the last one of its survey."""
-        self._images.pop(image.survey_id, None)
-        self._images[image.survey_id] = image
+        self._images.pop(image.found.survey_id, None)
+        self._images[image.found.survey_id] = image
         while len(self._images) > MOST_IMAGES:
             del self._images[next(iter(self._images))]
         self.revision += 1
@@ -160,7 +160,7 @@ class Imaging:
     def _is_replaced(self) -> bool:
         """Return whether another page has an image with another permittivity made since."""
         made = self._made
-        image = None if made is None else self.pictures.image(made.survey_id)
+        image = None if made is None else self.pictures.image(made.found.survey_id)
         return (
             image is not None
             and made is not None

@@ -15,6 +15,7 @@ from gpr20_operator.ground.grid import SurveyGrid, grid_from_description
 from gpr20_operator.jobs.job import Job, JobState, Service
 from gpr20_operator.jobs.pictures import NOT_KNOWN, Imaging, StoredSurvey
 from gpr20_operator.jobs.stick import StickExport
+from gpr20_operator.words import local_time
 from gpr20_survey.folder.log_content import log_values
 from gpr20_survey.folder.log_record import Kind
 from gpr20_survey.folder.soil_note import KIND as SOIL_KIND
@@ -27,7 +28,6 @@ from gpr20_survey.results.found import FORMAT as FOUND_FORMAT
 from gpr20_survey.results.found import Found, What, found_of, present
 from gpr20_survey.results.hidden_target import Targets
 from gpr20_survey.results.hiding_map import HidingMap
-from gpr20_survey.results.survey_summary import SurveySummary
 from gpr20_survey.trace import utc_time
 
 PLACES_SHOWN = 5
@@ -92,7 +92,7 @@ def record_of(stored: StoredSurvey) -> Record:
         str(values.get("outcome") or ""),
         annotation.name or annotation.site,
         annotation.operator,
-        SurveySummary("", started=str(values.get("started") or "")).local_time(),
+        local_time(str(values.get("started") or "")),
         tuple(present(finds)),
         unreadable,
     )
@@ -342,7 +342,7 @@ class SurveyResult:
         self._imaging.soils.note_stored(self._storing)
 
     def _take_image(self, image: FocusedImage) -> None:
-        if self._is_other(image.survey_id):
+        if self._is_other(image.found.survey_id):
             self.search.refuse(OTHER_SURVEY)
             return
         self._list_sum = list_sum(image.found)

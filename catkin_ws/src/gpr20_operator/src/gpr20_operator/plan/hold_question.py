@@ -11,7 +11,7 @@ from gpr20_operator.plan.preview import SurveyPreview
 from gpr20_operator.plan.tiles import Row, about, figure_rows, plan_rows, spacing_warning
 from gpr20_operator.robot.events import Progress
 from gpr20_operator.robot.remote_control import WebStatusReported
-from gpr20_operator.words import size_text
+from gpr20_operator.words import local_time, size_text
 from gpr20_survey.plan.annotation import Annotation
 from gpr20_survey.plan.survey_parameters import SurveyParameters
 from gpr20_survey.results.survey_summary import SurveySummary
@@ -85,7 +85,7 @@ def resume_past_question(folder: str, survey: Optional[SurveySummary]) -> HoldQu
     rows: Tuple[Row, ...] = ((Message("Survey"), verbatim(name)),)
     if survey is not None:
         rows += (
-            (Message("Started"), verbatim(survey.local_time())),
+            (Message("Started"), verbatim(local_time(survey.started, survey.folder))),
             (Message("Stored"), _counted(survey.stored_traces, survey.planned_traces)),
         )
         area = survey.thumbnail

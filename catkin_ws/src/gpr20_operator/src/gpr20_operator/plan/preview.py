@@ -11,7 +11,7 @@ from gpr20_operator.plan.form import ROUNDING
 from gpr20_operator.robot.events import RobotFigures
 from gpr20_survey.plan.survey_cost import SurveyCost, survey_cost
 from gpr20_survey.plan.survey_parameters import SurveyParameters
-from gpr20_survey.radar.depth import one_way_path_m, quarter_wavelength_m
+from gpr20_survey.radar.depth import one_way_path_m
 
 
 @dataclass(frozen=True)
@@ -46,9 +46,13 @@ class SurveyPreview:
 
 
 def quarter_wavelength_mm(parameters: SurveyParameters, permittivity: float) -> float:
-    """Return the coarsest spacing that samples the echoes of the ground completely [mm]."""
+    """Return the coarsest spacing that samples the echoes of the ground completely [mm].
+
+    Grasmueck, Weger and Horstmeyer, "Full-resolution 3D GPR imaging", Geophysics 70 (2005), K12 to
+    K19.
+    """
     centre_hz = (parameters.start_frequency_hz + parameters.stop_frequency_hz) / 2.0
-    return 1000.0 * quarter_wavelength_m(centre_hz, permittivity)
+    return 1000.0 * one_way_path_m(1.0 / centre_hz, permittivity) / 2.0
 
 
 def preview(parameters: SurveyParameters, permittivity: float) -> SurveyPreview:

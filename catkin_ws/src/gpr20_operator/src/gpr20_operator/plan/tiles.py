@@ -18,6 +18,7 @@ from gpr20_operator.robot.snapshot import Snapshot
 from gpr20_operator.words import (
     decimal_from_text,
     duration,
+    local_time,
     number_from_text,
     number_text,
     plain_text,
@@ -154,7 +155,7 @@ def resumable(past: PastSurveys, snapshot: Optional[Snapshot]) -> Optional[Surve
 def resume_lines(survey: SurveySummary) -> Lines:
     """Return the lines of the tile that resumes a survey."""
     counts = {"stored": survey.stored_traces, "planned": survey.planned_traces}
-    name = survey.name or survey.local_time()
+    name = survey.name or local_time(survey.started, survey.folder)
     return verbatim(shortened(name)), Message("{stored} of {planned} stored", **counts)
 
 

@@ -48,17 +48,3 @@ def delay_of_depth(depth_m: Number, height_m: Number, permittivity: float) -> Nu
 def depth_of_delay_m(delay_s: float, height_m: float, permittivity: float) -> float:
     """Return the depth [m] of an echo straight below the antennas; 0 if it is above the surface."""
     return max(0.0, one_way_path_m(delay_s - two_way_delay_s(height_m), permittivity))
-
-
-def quarter_wavelength_m(frequency_hz: float, permittivity: float) -> float:
-    """Return a quarter of the wavelength in the ground [m].
-
-    It is the coarsest spacing of stops that records reflections and diffractions without aliasing:
-    Grasmueck, Weger and Horstmeyer, "Full-resolution 3D GPR imaging", Geophysics 70 (2005), K12 to
-    K19.
-
-    Args:
-        frequency_hz: Centre frequency [Hz].
-        permittivity: Relative permittivity of the ground.
-    """
-    return SPEED_OF_LIGHT_M_S / (4.0 * frequency_hz * math.sqrt(permittivity))

@@ -124,27 +124,6 @@ def unambiguous_s(frequency_hz: np.ndarray) -> float:
     return (len(frequency_hz) - 1) / float(frequency_hz[-1] - frequency_hz[0])
 
 
-def echoes_at(
-    echoes: np.ndarray, rows: np.ndarray, step_s: float, delays_s: np.ndarray
-) -> np.ndarray:
-    """Return echoes between the samples by linear interpolation; NaN outside of them.
-
-    Args:
-        echoes: Complex samples, shape (n, samples).
-        rows: Which of them, shape (m,).
-        step_s: Delay between two samples [s].
-        delays_s: Delays of the result, shape (m, k) [s].
-    """
-    place = delays_s / step_s
-    last = echoes.shape[1] - 1
-    below = np.clip(np.floor(place), 0, last - 1).astype(np.intp)
-    part = (place - below).astype(np.float32)
-    of_row = rows[:, np.newaxis]
-    values = echoes[of_row, below] * (1.0 - part) + echoes[of_row, below + 1] * part
-    values[~((place >= 0.0) & (place <= last))] = np.nan
-    return values
-
-
 def decibels(level: Number, floor: float = SMALLEST_LEVEL) -> np.ndarray:
     """Return a linear amplitude in dB, not less than that of a floor; NaN stays NaN."""
     return 20.0 * np.log10(np.maximum(level, floor))

@@ -13,8 +13,8 @@ import enum
 from dataclasses import dataclass
 from typing import Optional
 
-from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message
+from gpr20_common.mid.checks import number_between
 
 # Air, and water at 20 °C: no soil lies outside of these.
 MIN_PERMITTIVITY, MAX_PERMITTIVITY = 1.0, 81.0
@@ -63,17 +63,5 @@ def requested_permittivity(value: float) -> Optional[float]:
     Raises:
         InvalidValueError: It is that of no ground.
     """
-    if value == 0.0:
-        return None
-    # Written so that NaN is refused too.
-    if not MIN_PERMITTIVITY <= value <= LARGEST_PERMITTIVITY:
-        raise InvalidValueError(
-            Message(
-                "the permittivity is {value:g}; it must lie between {lowest:g} and {highest:g}, "
-                "or be 0 if it is not known",
-                value=value,
-                lowest=MIN_PERMITTIVITY,
-                highest=LARGEST_PERMITTIVITY,
-            )
-        )
-    return value
+    name = "permittivity (0: not known)"
+    return number_between(name, value, MIN_PERMITTIVITY, LARGEST_PERMITTIVITY) if value else None

@@ -203,11 +203,6 @@ class CandidateList:
     length_m: Optional[float] = None
 
     @property
-    def permittivity_range(self) -> Tuple[float, float]:
-        """Lowest and highest possible value."""
-        return self.permittivity_lowest, self.permittivity_highest
-
-    @property
     def total(self) -> int:
         """Number of all candidates, omitted ones too."""
         return len(self.candidates) + self.omitted

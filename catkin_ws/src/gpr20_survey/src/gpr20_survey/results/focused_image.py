@@ -1,7 +1,4 @@
-"""The focused image of a survey: how far above the noise the ground is, place by place.
-
-As fields of the answer of gpr20_msgs/FocusSurvey, and back.
-"""
+"""The focused image of a survey, as fields of the answer of gpr20_msgs/FocusSurvey and back."""
 
 from __future__ import annotations
 
@@ -15,7 +12,6 @@ from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message
 from gpr20_survey.results.candidates import CandidateList, json_text, list_from
 
-MOST_VOXELS = 100_000_000
 AXES = ("x_mm", "y_mm", "depth_mm")
 
 
@@ -40,16 +36,11 @@ class FocusedImage:
     levels_db: np.ndarray
     found: CandidateList
 
-    @property
-    def survey_id(self) -> str:
-        """The survey that it shows."""
-        return self.found.survey_id
-
 
 def focus_fields(image: FocusedImage) -> Dict[str, Any]:
     """Return the fields that hold an image."""
     return {
-        "survey_id": image.survey_id,
+        "survey_id": image.found.survey_id,
         "traces": image.traces,
         **{name: getattr(image, name).tolist() for name in AXES},
         "levels_db": image.levels_db.astype("<f4").tobytes(),
@@ -70,7 +61,7 @@ def image_from(fields: Any) -> FocusedImage:
         for axis in axes.values()
     )
     size = math.prod(shape)
-    if not ascending or size > MOST_VOXELS or len(fields.levels_db) != 4 * size:
+    if not ascending or len(fields.levels_db) != 4 * size:
         raise InvalidValueError(Message("the focused image is not complete or not valid"))
     return FocusedImage(
         traces=fields.traces,

@@ -53,8 +53,8 @@ class Found:
     notes: str = ""
 
     def __post_init__(self) -> None:
-        number_between("x_mm", self.x_mm, -MAX_COORDINATE, MAX_COORDINATE, "mm")
-        number_between("y_mm", self.y_mm, -MAX_COORDINATE, MAX_COORDINATE, "mm")
+        for name in ("x_mm", "y_mm"):
+            number_between(name, getattr(self, name), -MAX_COORDINATE, MAX_COORDINATE, "mm")
         if self.depth_mm is not None:
             number_between("depth_mm", self.depth_mm, 0.0, MAX_DEPTH_MM, "mm")
         for name, form in TEXTS.items():

@@ -8,6 +8,7 @@ from typing import Optional
 
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message
+from gpr20_common.mid.checks import number_between
 
 MM_PER_M = 1e3
 SMALLEST_MM, LARGEST_MM, HIGHEST = 5.0, 400.0, 100.0
@@ -33,32 +34,10 @@ class Target:
     permittivity: Optional[float] = None
 
     def __post_init__(self) -> None:
-        """Check the values.
-
-        Raises:
-            InvalidValueError: One is not allowed.
-        """
-        sizes_mm = [MM_PER_M * one for one in (self.diameter_m, self.height_m)]
-        # Written so that NaN is refused too.
-        if not all(SMALLEST_MM <= one <= LARGEST_MM for one in sizes_mm):
-            raise InvalidValueError(
-                Message(
-                    "the target is {diameter_mm:g} mm wide and {height_mm:g} mm high; {least:g} to "
-                    "{most:g} mm are allowed",
-                    diameter_mm=sizes_mm[0],
-                    height_mm=sizes_mm[1],
-                    least=SMALLEST_MM,
-                    most=LARGEST_MM,
-                )
-            )
-        if self.permittivity is not None and not 1.0 <= self.permittivity <= HIGHEST:
-            raise InvalidValueError(
-                Message(
-                    "the permittivity of the target is {value:g}; 1 to {highest:g} are allowed",
-                    value=self.permittivity,
-                    highest=HIGHEST,
-                )
-            )
+        for name, size_m in (("diameter", self.diameter_m), ("height", self.height_m)):
+            number_between(name, MM_PER_M * size_m, SMALLEST_MM, LARGEST_MM, "mm")
+        if self.permittivity is not None:
+            number_between("permittivity", self.permittivity, 1.0, HIGHEST)
 
     @property
     def is_metal(self) -> bool:
@@ -68,15 +47,14 @@ class Target:
     @property
     def sentence(self) -> Message:
         """What it is, for people."""
+        diameter_mm, height_mm = MM_PER_M * self.diameter_m, MM_PER_M * self.height_m
         if self.is_metal:
-            return Message(
-                "a metal ball of {diameter_mm:g} mm", diameter_mm=MM_PER_M * self.diameter_m
-            )
+            return Message("a metal ball of {diameter_mm:g} mm", diameter_mm=diameter_mm)
         return Message(
             "a plastic disc of {diameter_mm:g} mm, {height_mm:g} mm high, relative permittivity "
             "{permittivity:g}",
-            diameter_mm=MM_PER_M * self.diameter_m,
-            height_mm=MM_PER_M * self.height_m,
+            diameter_mm=diameter_mm,
+            height_mm=height_mm,
             permittivity=self.permittivity,
         )
 
@@ -101,15 +79,15 @@ def target_of(text: str) -> Target:
     named = {one.value.name: one.value for one in Targets}
     if text in named:
         return named[text]
-    kind, *rest = text.split(":")
+    kind, *sizes = text.split(":")
     try:
-        numbers = [float(one) for one in rest]
+        numbers = [float(one) for one in sizes]
     except ValueError:
         numbers = []
-    if kind == "disc" and len(numbers) == 3:
+    if (kind, len(numbers)) == ("disc", 3):
         diameter_mm, height_mm, permittivity = numbers
         return Target(text[:MOST_SHOWN], diameter_mm / MM_PER_M, height_mm / MM_PER_M, permittivity)
-    if kind == "ball" and len(numbers) == 1:
+    if (kind, len(numbers)) == ("ball", 1):
         return Target(text[:MOST_SHOWN], numbers[0] / MM_PER_M, numbers[0] / MM_PER_M)
     raise InvalidValueError(
         Message(

@@ -20,8 +20,9 @@ from gpr20_survey.results.hidden_target import Target
 
 FORMAT = "gpr20-hiding/1"
 MM_PER_M = 1e3
-AXES, COUNTS, LIMITS = ("x_m", "y_m", "depth_m"), ("tried", "found"), ("lowest", "highest")
-WITHIN = "within_m"
+AXES, COUNTS, LIMITS = ("depth_m", "y_m", "x_m"), ("tried", "found"), ("lowest", "highest")
+TABLES = {**dict.fromkeys((*AXES, *LIMITS, "within_m"), float), **dict.fromkeys(COUNTS, int)}
+"""What is an array, and of what."""
 SINGLE_CELL_M = 0.05
 FEWEST = 6
 """Targets near a place; with fewer it counts as one where the target could hide."""
@@ -95,22 +96,18 @@ class HidingMap(HidingFacts):
     @property
     def share(self) -> np.ndarray:
         """The share that was found (depth, y, x); NaN where none was tried."""
-        tried = np.where(self.tried > 0, self.tried, np.nan)
-        share: np.ndarray = self.found / tried
-        return share
+        return np.divide(self.found, np.where(self.tried > 0, self.tried, np.nan))
 
     @property
     def missed(self) -> np.ndarray:
         """Whether the target could hide (depth, y, x): too few were found, or tried at all."""
-        missed: np.ndarray = ~(self.share >= self.needed) | (self.tried < FEWEST)
-        return missed
+        return np.logical_or(~(self.share >= self.needed), self.tried < FEWEST)
 
     @property
     def missed_m(self) -> np.ndarray:
         """The shallowest depth at which the target could hide (y, x) [m]; NaN: at none tried."""
-        missed = self.missed
-        first = self.depth_m[np.argmax(missed, axis=0)]
-        return np.where(np.any(missed, axis=0), first, np.nan)
+        first = self.depth_m[np.argmax(self.missed, axis=0)]
+        return np.where(np.any(self.missed, axis=0), first, np.nan)
 
     @property
     def sentences(self) -> List[Message]:
@@ -128,57 +125,63 @@ class HidingMap(HidingFacts):
     def details(self) -> List[Message]:
         """What the map says, without the warnings."""
         low, high = self.permittivity_range
-        lines = [
-            Message("target: {target}", target=self.target.sentence),
-            Message(
-                "soil: relative permittivity {low:.3g} to {high:.3g}, loss tangent {loss:g}",
-                low=low,
-                high=high,
-                loss=self.loss_tangent,
-            ),
-        ]
-        layers = zip(self.depth_m, self.within_m, self.share, self.missed)
-        for depth_m, within_m, share, missed in layers:
-            lines.append(
-                Message(
-                    "{depth_mm:.0f} mm deep: could hide on {percent:.0f} % of the map; of the "
-                    "targets within {within_mm:.0f} mm of a place {least:.0f} to {most:.0f} % were "
-                    "found",
-                    depth_mm=MM_PER_M * depth_m,
-                    percent=100.0 * float(np.mean(missed)),
-                    within_mm=MM_PER_M * within_m,
-                    least=100.0 * float(np.nan_to_num(share).min()),
-                    most=100.0 * float(np.nan_to_num(share).max()),
-                )
-            )
-        by_whole = ", ".join(f"{MM_PER_M * one:.0f}" for one in self.by_whole_m)
-        lines.append(
-            Message(
-                "{checked} targets were searched in two ways, {agreed} with the same answer; "
-                "searched by the slow way only: {by_whole} mm",
-                checked=self.checked,
-                agreed=self.agreed,
-                by_whole=by_whole or "-",
-            )
+        soil = Message(
+            "soil: relative permittivity {low:.3g} to {high:.3g}, loss tangent {loss:g}",
+            **{"low": low, "high": high, "loss": self.loss_tangent},
         )
-        return [*lines, *self.notes]
+        layers = [
+            Message(
+                "{depth_mm:.0f} mm deep: could hide on {percent:.0f} % of the map; of the "
+                "targets within {within_mm:.0f} mm of a place {least:.0f} to {most:.0f} % were "
+                "found",
+                depth_mm=MM_PER_M * depth_m,
+                percent=100.0 * float(np.mean(missed)),
+                within_mm=MM_PER_M * within_m,
+                least=100.0 * float(np.nan_to_num(share).min()),
+                most=100.0 * float(np.nan_to_num(share).max()),
+            )
+            for depth_m, within_m, share, missed in zip(
+                self.depth_m, self.within_m, self.share, self.missed
+            )
+        ]
+        searched = Message(
+            "{checked} targets were searched in two ways, {agreed} with the same answer; "
+            "searched by the slow way only: {by_whole} mm",
+            checked=self.checked,
+            agreed=self.agreed,
+            by_whole=", ".join(f"{MM_PER_M * one:.0f}" for one in self.by_whole_m) or "-",
+        )
+        target = Message("target: {target}", target=self.target.sentence)
+        return [target, soil, *layers, searched, *self.notes]
 
     def at(self, x_m: float, y_m: float) -> Message:
         """Return what the map says of the place nearest to a position."""
-        row = int(np.argmin(np.abs(self.y_m - y_m)))
-        column = int(np.argmin(np.abs(self.x_m - x_m)))
-        missed_m = float(self.missed_m[row, column])
-        if np.isnan(missed_m):
+        row, column = (
+            int(np.argmin(np.abs(axis - place_m)))
+            for axis, place_m in ((self.y_m, y_m), (self.x_m, x_m))
+        )
+        missed_mm, name = MM_PER_M * float(self.missed_m[row, column]), self.target.name
+        if np.isnan(missed_mm):
+            deepest_mm = MM_PER_M * self.depth_m[-1]
             return Message(
-                "{name} found down to {deepest_mm:.0f} mm",
-                name=self.target.name,
-                deepest_mm=MM_PER_M * self.depth_m[-1],
+                "{name} found down to {deepest_mm:.0f} mm", name=name, deepest_mm=deepest_mm
             )
         return Message(
-            "{name} could hide from {missed_mm:.0f} mm on",
-            name=self.target.name,
-            missed_mm=MM_PER_M * missed_m,
+            "{name} could hide from {missed_mm:.0f} mm on", name=name, missed_mm=missed_mm
         )
+
+    def check(self) -> None:
+        """Raise a ValueError if axes, tables and counts contradict each other."""
+        axes = [getattr(self, name) for name in AXES]
+        tables = [getattr(self, name) for name in (*COUNTS, *LIMITS)]
+        shape = tuple(one.size for one in axes)
+        ascending = all(one.ndim == 1 and one.size and np.all(np.diff(one) > 0.0) for one in axes)
+        if not ascending or any(one.shape != shape for one in tables):
+            raise ValueError("axes and tables contradict each other")
+        if self.within_m.shape != shape[:1] or not np.all(self.within_m >= 0.0):
+            raise ValueError("within_m is wrong")
+        if np.any(self.found < 0) or np.any(self.found > self.tried):
+            raise ValueError("more were found than tried")
 
 
 FACTS = tuple(one.name for one in fields(HidingFacts))
@@ -191,8 +194,7 @@ def hiding_json(found: HidingMap) -> str:
         "warning": str(ONLY_THIS),
         **plain({name: getattr(found, name) for name in FACTS}),
         "coordinates": "X, Y and depth of the top in metres, in the survey's area",
-        **{name: getattr(found, name).tolist() for name in (*AXES, *COUNTS, WITHIN)},
-        **{name: np.round(getattr(found, name), 6).tolist() for name in LIMITS},
+        **{name: getattr(found, name).tolist() for name in TABLES},
         "notes": [str(note) for note in found.notes],
     }
     return json.dumps(values, ensure_ascii=False, allow_nan=False)
@@ -208,27 +210,12 @@ def hiding_from(text: str) -> HidingMap:
         values = json.loads(text)
         if values["format"] != FORMAT:
             raise ValueError(f"the format is {values['format']!r}")
-        axes = {name: np.asarray(values[name], np.float64) for name in AXES}
-        shape = tuple(axes[name].size for name in reversed(AXES))
-        ascending = all(
-            one.ndim == 1 and one.size and np.all(np.diff(one) > 0.0) for one in axes.values()
-        )
-        counts = {name: np.asarray(values[name], np.int64) for name in COUNTS}
-        limits = {name: np.asarray(values[name], np.float64) for name in LIMITS}
-        within_m = np.asarray(values[WITHIN], np.float64)
-        if (
-            not ascending
-            or any(one.shape != shape for one in (*counts.values(), *limits.values()))
-            or within_m.shape != shape[:1]
-            or not np.all(within_m >= 0.0)
-        ):
-            raise ValueError("axes and tables contradict each other")
-        if np.any(counts["found"] < 0) or np.any(counts["found"] > counts["tried"]):
-            raise ValueError("more were found than tried")
         facts = record_from(HidingFacts, {name: values[name] for name in FACTS}, "")
+        tables: Any = {name: np.asarray(values[name], kind) for name, kind in TABLES.items()}
         notes = tuple(verbatim(str(one)) for one in values["notes"])
-        tables: Dict[str, Any] = {**axes, **counts, **limits, WITHIN: within_m}
-        return HidingMap(**vars(facts), **tables, notes=notes)
+        found = HidingMap(**vars(facts), **tables, notes=notes)
+        found.check()
     except (ValueError, KeyError, TypeError, RecursionError) as error:
         message = Message("the map of hidden targets is not complete or not valid", details=error)
         raise InvalidValueError(message) from error
+    return found

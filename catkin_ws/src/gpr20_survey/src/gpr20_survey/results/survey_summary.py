@@ -2,14 +2,11 @@
 
 from __future__ import annotations
 
-import datetime
 from dataclasses import dataclass
-from typing import Any, Dict, Optional, Tuple
+from typing import Any, Dict, Optional
 
 from gpr20_common.message import Message
 from gpr20_common.sent_message import fields_of, record_of
-
-STARTED, FOLDER = "%Y-%m-%dT%H:%M", "%Y%m%dT%H%M"
 
 
 @dataclass(frozen=True)
@@ -30,16 +27,6 @@ class Thumbnail:
     columns: int = 0
     rows: int = 0
     percent: bytes = b""
-
-    @property
-    def coverage(self) -> Optional[Tuple[Tuple[int, ...], ...]]:
-        """The stored shares (rows, columns) [%]; None if there is no map."""
-        columns = self.columns
-        if not columns or len(self.percent) != columns * self.rows:
-            return None
-        return tuple(
-            tuple(self.percent[row * columns : (row + 1) * columns]) for row in range(self.rows)
-        )
 
 
 NO_THUMBNAIL = Thumbnail()
@@ -84,21 +71,6 @@ class SurveySummary:
     fault_code: str = ""
     site: str = ""
     operator: str = ""
-
-    def local_time(self, zone: Optional[datetime.tzinfo] = None) -> str:
-        """Return when it started, as "2026-11-21 05:10"; from its folder if it is not recorded.
-
-        Args:
-            zone: In whose time; None: that of this computer.
-        """
-        for text, pattern in ((self.started[:16], STARTED), (self.folder[:13], FOLDER)):
-            try:
-                started = datetime.datetime.strptime(text, pattern)
-            except ValueError:
-                continue
-            at = started.replace(tzinfo=datetime.timezone.utc).astimezone(zone)
-            return at.strftime("%Y-%m-%d %H:%M")
-        return self.folder
 
 
 MAP = {

@@ -12,7 +12,7 @@ from gpr20_operator.jobs.pictures import StoredSurvey
 from gpr20_operator.jobs.result import SurveyResult, list_sum
 from gpr20_operator.plan.annotation import annotation_texts
 from gpr20_operator.plan.fields import PEOPLE
-from gpr20_operator.words import size_text
+from gpr20_operator.words import local_time, size_text
 from gpr20_survey.folder.survey_metadata import MAX_FILE_BYTES, parse_object
 from gpr20_survey.no_clearance import NO_CLEARANCE, SIMULATED
 from gpr20_survey.plan.annotation import annotation_of
@@ -28,7 +28,7 @@ def row_of(past: PastSurveys, survey: SurveySummary, text: Text) -> Dict[str, An
     return {
         "folder": survey.folder,
         "title": title_of(survey),
-        "time": survey.local_time(),
+        "time": local_time(survey.started, survey.folder),
         "ending": sentence(text, past.ending(survey)),
         "state": ending.value,
         "simulated": survey.simulated and ending is not Ending.UNREADABLE,

@@ -10,6 +10,7 @@ from PyQt5.QtWidgets import QStyledItemDelegate, QStyleOptionViewItem
 
 from gpr20_common.message import Message
 from gpr20_operator.ground.past_surveys import Ending, PastSurveys, title_of
+from gpr20_operator.words import local_time
 from gpr20_survey.results.survey_summary import SurveySummary, Thumbnail
 from gpr20_user_interface.look.icons import sign
 from gpr20_user_interface.look.look import GAP_PX, Look, Mark, TextColours, look_of
@@ -113,7 +114,7 @@ class SurveyRow(QStyledItemDelegate):
         lines = [ending, people] if people else [ending]
         line = QRectF(area.topLeft(), area.topRight())
         line.setHeight(area.height() / (1 + len(lines)))
-        when = survey.local_time() if survey.name.strip() else ""
+        when = local_time(survey.started, survey.folder) if survey.name.strip() else ""
         painter.drawText(line, RIGHT, when)
         taken = painter.fontMetrics().horizontalAdvance(when) + look.px(GAP_PX) if when else 0
         bold = QFont(painter.font())
@@ -154,7 +155,8 @@ def thumbnail_picture(area: Thumbnail, size_px: int, look: Look) -> QPixmap:
         return known
     picture = QPixmap(size_px, size_px)
     picture.fill(Qt.GlobalColor.transparent)
-    if area.coverage is not None and area.width_mm > 0.0 and area.height_mm > 0.0:
+    is_mapped = 0 < area.columns * area.rows == len(area.percent)
+    if is_mapped and area.width_mm > 0.0 and area.height_mm > 0.0:
         painter = QPainter(picture)
         _paint_map(painter, area, size_px, look)
         painter.end()
@@ -170,12 +172,12 @@ def _paint_map(painter: QPainter, area: Thumbnail, size_px: int, look: Look) -> 
     part = QBrush(QColor(look.colour(Mark.STOP_PARTLY)), Qt.BrushStyle.Dense4Pattern)
     whole = QBrush(QColor(look.colour(Mark.STOP_DONE)))
     cell_width, cell_height = width / area.columns, height / area.rows
-    for row, values in enumerate(area.coverage or ()):
-        for column, percent in enumerate(values):
-            if percent:
-                # Y points upwards.
-                x, y = left + cell_width * column, top + cell_height * (area.rows - 1 - row)
-                cell = QRectF(x, y, cell_width + 0.5, cell_height + 0.5)
-                painter.fillRect(cell, whole if percent == 100 else part)
+    for place, percent in enumerate(area.percent):
+        if percent:
+            row, column = divmod(place, area.columns)
+            # Y points upwards.
+            x, y = left + cell_width * column, top + cell_height * (area.rows - 1 - row)
+            cell = QRectF(x, y, cell_width + 0.5, cell_height + 0.5)
+            painter.fillRect(cell, whole if percent == 100 else part)
     painter.setPen(QColor(look.colour(Mark.BORDER)))
     painter.drawRect(QRectF(left, top, width - 1.0, height - 1.0))
