@@ -15,7 +15,7 @@ from gpr20_common.mid.codec import plain
 from gpr20_main_control.errors import DeviceError, RequestRefusedError
 from gpr20_main_control.mid.devices.robot import Analyzer
 from gpr20_survey.faults import CHECK_ORDER
-from gpr20_survey.files.json_lines import add_line, read_lines
+from gpr20_survey.files.json_lines import add_line, lines_backwards, object_of
 from gpr20_survey.folder.data_folder import DataFolder, DataFolderUse
 from gpr20_survey.results.daily_check import (
     INSTRUCTIONS,
@@ -182,7 +182,8 @@ def compare_with_history(
     """
     DataFolder(use, Clock()).check()
     path = use.path / HISTORY
-    lines, damaged = read_lines(path)
+    lines = [object_of(line) for line in lines_backwards(path)]
+    damaged = lines.count({})
     own = {
         "format": FORMAT,
         "robot": robot.name,
@@ -190,7 +191,7 @@ def compare_with_history(
         "sweep": asdict(check.settings),
     }
     history: List[Figures] = []
-    for line in lines:
+    for line in reversed(lines):
         if line.get("good") is True and all(line.get(key) == own[key] for key in own):
             try:
                 history.append(figures_from(line.get("figures")))

@@ -51,13 +51,8 @@ def read_marker(folder: Path) -> Optional[Marker]:
 def write_marker(folder: Path, marker: Marker, replace: bool = False) -> None:
     """Mark a data folder; return when that is durable.
 
-    Args:
-        folder: The data folder.
-        marker: Its marker.
-        replace: Whether it may have one that is to be replaced.
-
     Raises:
-        FileExistsError: It has one that may not be replaced.
+        FileExistsError: It has a marker, which `replace` does not allow to replace.
         OSError: The disk refused.
     """
     write = replace_file if replace else write_new_file

@@ -75,11 +75,10 @@ def replace_file(path: Path, data: bytes) -> None:
     """Give a file new content in one step; after an error it has its former content."""
     temporary = _write_temporary(path, data)
     try:
-        os.replace(str(temporary), str(path))
+        put_in_place(temporary, path)
     except OSError:
-        temporary.unlink()
+        temporary.unlink(missing_ok=True)
         raise
-    sync_path(path.parent)
 
 
 def put_in_place(temporary: Path, path: Path) -> None:
@@ -129,9 +128,9 @@ def make_new_folder(path: Path, mode: Optional[int] = None) -> None:
 
 
 def ensure_folder(path: Path, mode: Optional[int] = None) -> None:
-    """Make a folder as above if it is missing.
+    """Make a folder if it is missing.
 
-    The folder above it is not made: where a disk is missing, nothing begins in its place.
+    That above it is not made: where a disk is missing, nothing begins in its place.
     """
     if not path.is_dir():
         make_new_folder(path, mode)
@@ -141,7 +140,7 @@ def ensure_folders(path: Path, mode: Optional[int] = None) -> None:
     """Make a folder and those above it where they are missing."""
     if not path.is_dir():
         ensure_folders(path.parent, mode)
-        make_new_folder(path, mode)
+        ensure_folder(path, mode)
 
 
 def sync_path(path: Path) -> None:
