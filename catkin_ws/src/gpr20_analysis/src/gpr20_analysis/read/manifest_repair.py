@@ -95,8 +95,11 @@ def _repair(
         return RepairResult(Repair.IMPOSSIBLE, verified.faults, verified.notes)
     notes = [*verified.notes, *repairs_of(recovered)]
     if found.damage is not None:
-        old = folder / manifest.MANIFEST_FILE
-        notes.append(_put_aside(old, folder / survey_folder.DAMAGED_FOLDER))
+        # It keeps its name until the new one replaces it in one step.
+        damaged = folder / survey_folder.DAMAGED_FOLDER
+        kept = durable_files.keep_aside(folder / manifest.MANIFEST_FILE, damaged)
+        place = f"{damaged.name}/{kept.name}"
+        notes.append(Message("the damaged manifest is kept as {file}", file=place))
     if is_valid:
         assert found.manifest is not None
         repaired = open_log(folder, recovered, now)
@@ -135,12 +138,3 @@ def _refuse(found: ManifestCheck, has_ended: bool) -> None:
             Message("the survey is not closed; resume it and stop it, which writes the manifest"),
             fault=faults.NOT_CLOSED,
         )
-
-
-def _put_aside(path: Path, folder: Path) -> Message:
-    if path.is_file() and not path.is_symlink():
-        # It keeps its name until the new one replaces it in one step.
-        target = durable_files.keep_aside(path, folder)
-    else:
-        target = durable_files.move_aside(path, folder)
-    return Message("the damaged manifest is kept as {file}", file=f"{folder.name}/{target.name}")

@@ -153,10 +153,18 @@ def sync_path(path: Path) -> None:
 
 
 def keep_aside(path: Path, folder: Path) -> Path:
-    """Give a file a second, free name in another folder, and return it."""
+    """Give a file a second, free name in another folder, and return it.
+
+    What can have only one name, such as a folder, is moved there.
+    """
     ensure_folder(folder)
-    target = _free_name(path, folder)
-    os.link(str(path), str(target), follow_symlinks=False)
+    numbered = (folder / f"{path.name}.{number}" for number in itertools.count(1))
+    names = itertools.chain([folder / path.name], numbered)
+    target = next(one for one in names if not os.path.lexists(str(one)))
+    try:
+        os.link(str(path), str(target), follow_symlinks=False)
+    except PermissionError:
+        os.rename(str(path), str(target))
     sync_path(folder)
     return target
 
@@ -166,22 +174,10 @@ def move_aside(path: Path, folder: Path) -> Path:
 
     After an error it is where it was, or in both places.
     """
-    try:
-        target = keep_aside(path, folder)
-        path.unlink()
-    except PermissionError:
-        # A folder has no second name, and the system may refuse one for another user's file.
-        target = _free_name(path, folder)
-        os.rename(str(path), str(target))
-        sync_path(folder)
+    target = keep_aside(path, folder)
+    path.unlink(missing_ok=True)
     sync_path(path.parent)
     return target
-
-
-def _free_name(path: Path, folder: Path) -> Path:
-    numbered = (folder / f"{path.name}.{number}" for number in itertools.count(1))
-    names = itertools.chain([folder / path.name], numbered)
-    return next(one for one in names if not os.path.lexists(str(one)))
 
 
 def remove_file(path: Path) -> None:

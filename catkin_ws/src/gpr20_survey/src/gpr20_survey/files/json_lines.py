@@ -14,23 +14,16 @@ from gpr20_survey.files.regular_file import read_regular
 
 
 def lines_backwards(*paths: Path) -> Iterator[bytes]:
-    """Yield the lines of those files that exist, the last line of the first file first.
-
-    Raises:
-        OSError: The disk cannot be read.
-    """
+    """Yield the lines of those files that exist, the last line of the first file first."""
     for path in paths:
         with contextlib.suppress(FileNotFoundError):
             yield from reversed(read_regular(path).splitlines())
 
 
 def add_line(path: Path, values: Mapping[str, Any], mode: Optional[int] = None) -> None:
-    """Add an object and return when it is durable; its folder is made if it is missing.
+    """Add an object to a file and return when it is durable.
 
-    Args:
-        path: The file.
-        values: The object.
-        mode: Of the file; None: that of its folder.
+    File and folder are made if they are missing, the file with this mode or that of its folder.
 
     Raises:
         OSError: The disk refused; a part of the line may be there.

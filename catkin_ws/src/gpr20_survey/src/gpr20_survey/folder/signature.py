@@ -101,11 +101,7 @@ def signed_manifest(folder: Path) -> Tuple[bytes, str]:
 
 
 def try_to_sign(signer: Optional[Signer], folder: Path) -> Optional[Message]:
-    """Sign a survey after its manifest was written; a failure prevents nothing.
-
-    Args:
-        signer: Of the robot; None: it has no key, and its surveys are not signed.
-        folder: The survey's folder, which holds its new manifest.
+    """Sign a survey after its manifest was written, if the robot has a key.
 
     Returns:
         A warning for the operator that the survey is stored but not signed; None otherwise.
