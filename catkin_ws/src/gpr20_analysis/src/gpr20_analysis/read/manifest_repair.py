@@ -30,7 +30,7 @@ OTHERS = Message(
     "traces or recordings were replaced as a whole after the survey ended: its log says what they "
     "were, and nothing vouches for those that are there"
 )
-OTHER_DATA = {manifest.DATA: {"reason": "they are not those with which the survey ended"}}
+OTHER_DATA = {manifest_check.DATA: {"reason": "they are not those with which the survey ended"}}
 
 
 class Repair(enum.Enum):
@@ -110,7 +110,7 @@ def _repair(
         return RepairResult(Repair.WRITTEN, notes=notes)
     data = filter(manifest.is_content, manifest.file_names(folder))
     sums = {name: sum_of_file(folder / name) for name in data}
-    is_other = manifest.has_other_data(recovered.description, sums)
+    is_other = manifest_check.has_other_data(recovered.description, sums)
     if is_other:
         recovered = replace(recovered, unconfirmed={**recovered.unconfirmed, **OTHER_DATA})
     reason = Message("it was missing") if found.damage is None else found.damage

@@ -29,8 +29,6 @@ FORMAT = "gpr20-manifest/1"
 MAX_BYTES = 512 << 20  # a million traces
 CONTENT = "content_sha256"
 """Key of the description: what `content_sum` gives when the survey ends."""
-DATA = "traces and recording"
-"""Name of the entry of the log that says that they are others than at the end."""
 NOT_LISTED = (
     MANIFEST_FILE,
     SIGNATURE_FILE,
@@ -190,11 +188,6 @@ def is_content(name: str) -> bool:
     """
     is_trace = name.startswith(trace_name("")) and name.endswith(".json")
     return is_trace or name == survey_folder.MCAP_FILE
-
-
-def has_other_data(description: Mapping[str, Any], sums: Mapping[str, Optional[FileSum]]) -> bool:
-    """Return whether these traces and recording are others than when the survey ended."""
-    return description.get(CONTENT) not in (None, content_sum(sums))
 
 
 def content_sum(sums: Mapping[str, Optional[FileSum]]) -> str:
