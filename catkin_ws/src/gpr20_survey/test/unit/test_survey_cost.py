@@ -8,7 +8,7 @@ from survey_examples import AXES, TRAVEL
 from survey_examples import PARAMETERS as SMALL
 
 from gpr20_survey.axes.axis_id import AxisId
-from gpr20_survey.files.json_lines import add_line, read_lines
+from gpr20_survey.files.json_lines import add_line, lines_backwards, object_of
 from gpr20_survey.plan.robot_description import RobotConfig
 from gpr20_survey.plan.survey_cost import (
     axis_move_duration_s,
@@ -101,11 +101,10 @@ def test_the_visits_of_the_first_stop_are_part_of_the_planned_time(interval_s):
 
 def test_a_line_that_a_crash_has_cut_damages_no_other(tmp_path):
     path = tmp_path / "checks" / "history.jsonl"
-    assert read_lines(path) == ([], 0)
+    assert not list(lines_backwards(path))
     add_line(path, {"a": 1})
     path.write_bytes(path.read_bytes() + b'{"b": ')
     add_line(path, {"c": "\u00f1\n"})
-    assert read_lines(path) == ([{"a": 1}, {"c": "\u00f1\n"}], 1)
     with pytest.raises(ValueError):
         add_line(path, {"d": float("nan")})
-    assert read_lines(path)[1] == 1
+    assert [*map(object_of, lines_backwards(path))] == [{"c": "\u00f1\n"}, {}, {"a": 1}]

@@ -4,18 +4,20 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Iterator, List, Optional
+from typing import Any, Iterator, List, Mapping, Optional
 
 from gpr20_common.message import Message
 from gpr20_common.os_reason import os_reason
 from gpr20_survey.errors import ManifestDamagedError
-from gpr20_survey.files.file_sums import sum_of_file
+from gpr20_survey.files.file_sums import FileSum, sum_of_file
 from gpr20_survey.folder import manifest, survey_folder
 from gpr20_survey.folder.found_records import photo_faults
 from gpr20_survey.folder.log_record import Kind
 from gpr20_survey.folder.manifest import Manifest
 from gpr20_survey.folder.survey_log import FoundLog
 
+DATA = "traces and recording"
+"""Name of the entry of the log that says that they are others than at the end."""
 NOT_OF_CLOSED = (Kind.PLAN.value, Kind.END.value)
 
 
@@ -55,6 +57,11 @@ def check_manifest(folder: Path, survey_id: str, log: FoundLog) -> ManifestCheck
     differences = [*_differences(folder, sealed), *_other_log(sealed, log)]
     differences += photo_faults(folder, log.records)
     return ManifestCheck(sealed, is_binding=True, differences=differences)
+
+
+def has_other_data(description: Mapping[str, Any], sums: Mapping[str, Optional[FileSum]]) -> bool:
+    """Return whether these traces and recording are others than when the survey ended."""
+    return description.get(manifest.CONTENT) not in (None, manifest.content_sum(sums))
 
 
 def _differences(folder: Path, sealed: Manifest) -> Iterator[Message]:

@@ -14,13 +14,13 @@ from gpr20_analysis.read import manifest_check
 from gpr20_analysis.read.manifest_check import ManifestCheck
 from gpr20_analysis.read.verification import check_survey_folder, verify_survey
 from gpr20_common.message import Message, in_a_row
+from gpr20_survey.files import durable_files
 from gpr20_survey.files.file_sums import sum_of_file
 from gpr20_survey.files.folder_lock import SHORT_WAIT_S, locked
 from gpr20_survey.folder import manifest, survey_folder
 from gpr20_survey.folder.log_record import Kind
 from gpr20_survey.folder.recovery import (
     RecoveredSurvey,
-    keep_damaged,
     open_log,
     recover,
     repairs_of,
@@ -35,7 +35,7 @@ OTHERS = Message(
     "traces or recordings were replaced as a whole after the survey ended: its log says what they "
     "were, and nothing vouches for those that are there"
 )
-OTHER_DATA = {manifest.DATA: {"reason": "they are not those with which the survey ended"}}
+OTHER_DATA = {manifest_check.DATA: {"reason": "they are not those with which the survey ended"}}
 
 
 class Repair(enum.Enum):
@@ -99,8 +99,11 @@ def _repair(
         return RepairResult(Repair.IMPOSSIBLE, verified.faults, verified.notes)
     notes = [*verified.notes, *repairs_of(recovered)]
     if found.damage is not None:
-        kept = keep_damaged(folder, manifest.MANIFEST_FILE).relative_to(folder)
-        notes.append(Message("the damaged manifest is kept as {file}", file=str(kept)))
+        # It keeps its name until the new one replaces it in one step.
+        damaged = folder / survey_folder.DAMAGED_FOLDER
+        kept = durable_files.keep_aside(folder / manifest.MANIFEST_FILE, damaged)
+        place = f"{damaged.name}/{kept.name}"
+        notes.append(Message("the damaged manifest is kept as {file}", file=place))
     if is_valid:
         assert found.manifest is not None
         repaired = open_log(folder, recovered, now)
@@ -111,7 +114,7 @@ def _repair(
         return RepairResult(Repair.WRITTEN, notes=notes)
     data = filter(manifest.is_content, manifest.file_names(folder))
     sums = {name: sum_of_file(folder / name) for name in data}
-    is_other = manifest.has_other_data(recovered.description, sums)
+    is_other = manifest_check.has_other_data(recovered.description, sums)
     if is_other:
         recovered = replace(recovered, unconfirmed={**recovered.unconfirmed, **OTHER_DATA})
     reason = Message("it was missing") if found.damage is None else found.damage

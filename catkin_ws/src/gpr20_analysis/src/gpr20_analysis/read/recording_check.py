@@ -177,7 +177,9 @@ class RecordingCheck:
                         file=MCAP_FILE,
                     )
                     self._found.note(text)
-                    self._found.unconfirmed += (f"record {record.number}, {record.sha256[:8]}",)
+                    name = f"record {record.number}"  # as the log names it, if it knows
+                    names = dict.fromkeys((*self._found.unconfirmed, name))
+                    self._found.unconfirmed = tuple(names)
 
     def _faults(self) -> List[Message]:
         """Return what is damaged in the file; that it is cut off is one of an ended survey."""

@@ -18,7 +18,7 @@ from gpr20_analysis.read.verification_result import Verification
 from gpr20_common.message import Message
 from gpr20_survey.errors import SurveyRefusedError
 from gpr20_survey.files.folder_lock import writer_of
-from gpr20_survey.folder import manifest, survey_folder, survey_metadata, trace_files
+from gpr20_survey.folder import survey_folder, survey_metadata, trace_files
 from gpr20_survey.folder.log_record import Kind
 from gpr20_survey.folder.manifest import Manifest
 from gpr20_survey.folder.recovery import RecoveredSurvey, recover
@@ -204,8 +204,8 @@ class _Verifier:
                 )
 
     def _check_content(self, sealed: Manifest) -> None:
-        is_named = manifest.DATA in self._recovered.all_unconfirmed
-        is_other = manifest.has_other_data(self._description, sealed.files)
+        is_named = manifest_check.DATA in self._recovered.all_unconfirmed
+        is_other = manifest_check.has_other_data(self._description, sealed.files)
         if self._found.sealed and is_other and not is_named:
             self._found.fault(
                 Message(

@@ -21,6 +21,7 @@ from survey_kit import (
 
 from gpr20_analysis import faults
 from gpr20_analysis.commands.main import main
+from gpr20_analysis.read.manifest_check import DATA
 from gpr20_analysis.read.manifest_repair import OTHERS, VOUCHED
 from gpr20_analysis.read.verification import verify_survey
 from gpr20_survey.faults import UNCONFIRMED
@@ -167,7 +168,7 @@ def test_data_that_were_replaced_as_a_whole_are_named_for_ever(copied, replaced,
     assert str(OTHERS) in printed and str(VOUCHED) not in printed
     for _ in range(2):
         found = verify_survey(copied)
-        assert (found.status, found.unconfirmed) == (1, (manifest.DATA,))
+        assert (found.status, found.unconfirmed) == (1, (DATA,))
         assert main(["repair", str(copied)]) == 1
 
 

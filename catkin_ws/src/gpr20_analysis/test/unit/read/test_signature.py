@@ -15,7 +15,7 @@ from trace_examples import SURVEY
 from gpr20_analysis.read.signature_check import Signature, check_signature
 from gpr20_common.message import Severity
 from gpr20_survey import faults
-from gpr20_survey.errors import SigningError
+from gpr20_survey.errors import SigningError, StorageFailedError
 from gpr20_survey.files import durable_files, ssh_keygen
 from gpr20_survey.folder import manifest
 from gpr20_survey.folder.log_record import Kind, LogRecord
@@ -188,7 +188,7 @@ def test_what_is_no_file_or_has_no_end_is_wrong_and_never_read(
 def test_a_survey_without_a_manifest_is_not_signed(folder, robot, signers):
     (folder / SEAL).unlink()
     assert found(folder, signers) is Signature.UNSIGNED
-    with raises_fault(faults.NOT_CLOSED, error=SigningError):
+    with pytest.raises(StorageFailedError, match="no such file"):
         robot.sign(folder)
 
 

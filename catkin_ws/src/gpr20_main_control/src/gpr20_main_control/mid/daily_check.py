@@ -22,7 +22,7 @@ from gpr20_main_control.mid.check_verdict import (
 )
 from gpr20_main_control.mid.devices.robot import Analyzer
 from gpr20_survey.faults import CHECK_ORDER
-from gpr20_survey.files.json_lines import add_line, read_lines
+from gpr20_survey.files.json_lines import add_line, lines_backwards, object_of
 from gpr20_survey.folder.data_folder import DataFolder, DataFolderUse
 from gpr20_survey.results.daily_check import INSTRUCTIONS, Part
 from gpr20_survey.trace.sweep import Sweep
@@ -181,7 +181,8 @@ def compare_with_history(
     """
     DataFolder(use, Clock()).check()
     path = use.path / HISTORY
-    lines, damaged = read_lines(path)
+    lines = [object_of(line) for line in lines_backwards(path)]
+    damaged = lines.count({})
     own = {
         "format": FORMAT,
         "robot": robot.name,
@@ -189,7 +190,7 @@ def compare_with_history(
         "sweep": asdict(check.settings),
     }
     history: List[Figures] = []
-    for line in lines:
+    for line in reversed(lines):
         if line.get("good") is True and all(line.get(key) == own[key] for key in own):
             try:
                 history.append(figures_from(line.get("figures")))

@@ -12,18 +12,13 @@ from gpr20_survey.files.durable_files import put_in_place, sync_path
 
 
 class AppendOnlyFile:
-    """Collects what is appended and puts it on the disk by `commit`.
+    """Collects what is appended to a new file and puts it on the disk by `commit`.
 
     The file on the disk grows by all that was collected since the last commit, and a commit
     that failed can simply be repeated: it writes the same bytes again to the same place.
     """
 
     def __init__(self, path: Path) -> None:
-        """Create the file, which must not exist.
-
-        Raises:
-            OSError: The file exists or the disk refused.
-        """
         self.path = path
         self._committed = 0  # length of what was written [bytes]
         self._collected = bytearray()

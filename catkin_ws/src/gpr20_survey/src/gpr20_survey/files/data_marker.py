@@ -43,7 +43,6 @@ def read_marker(folder: Path) -> Optional[Marker]:
 
     Raises:
         DamagedRecordError: The marker is damaged.
-        OSError: The folder cannot be read.
     """
     return _read(folder / MARKER_FILE)
 
@@ -51,25 +50,15 @@ def read_marker(folder: Path) -> Optional[Marker]:
 def write_marker(folder: Path, marker: Marker, replace: bool = False) -> None:
     """Mark a data folder; return when that is durable.
 
-    Args:
-        folder: The data folder.
-        marker: Its marker.
-        replace: Whether it may have one that is to be replaced.
-
     Raises:
-        FileExistsError: It has one that may not be replaced.
-        OSError: The disk refused.
+        FileExistsError: It has a marker, and `replace` is false.
     """
     write = replace_file if replace else write_new_file
     write(folder / MARKER_FILE, _encoded(asdict(marker)))
 
 
 class FolderMemory:
-    """Remembers outside of the data folders which one was at a path.
-
-    Args:
-        state: Folder of what is remembered on this computer; made when it is needed.
-    """
+    """Remembers in a folder of this computer's state which data folder was at a path."""
 
     def __init__(self, state: Path) -> None:
         self._folder = state / "data_folders"
@@ -84,17 +73,12 @@ class FolderMemory:
 
         Raises:
             DamagedRecordError: What is remembered is damaged.
-            OSError: It cannot be read.
         """
         found = _read(self.file_of(path), file_system="", made="")
         return None if found is None else found.identity
 
     def remember(self, path: Path, identity: str) -> None:
-        """Remember the data folder at a path; return when that is durable.
-
-        Raises:
-            OSError: The disk refused.
-        """
+        """Remember the data folder at a path; return when that is durable."""
         ensure_folders(self._folder, MEMORY_MODE)
         remembered = {"identity": identity, "path": printable(path)}  # the path for people
         replace_file(self.file_of(path), _encoded(remembered))

@@ -75,11 +75,10 @@ def replace_file(path: Path, data: bytes) -> None:
     """Give a file new content in one step; after an error it has its former content."""
     temporary = _write_temporary(path, data)
     try:
-        os.replace(str(temporary), str(path))
+        put_in_place(temporary, path)
     except OSError:
-        temporary.unlink()
+        temporary.unlink(missing_ok=True)
         raise
-    sync_path(path.parent)
 
 
 def put_in_place(temporary: Path, path: Path) -> None:
@@ -129,9 +128,9 @@ def make_new_folder(path: Path, mode: Optional[int] = None) -> None:
 
 
 def ensure_folder(path: Path, mode: Optional[int] = None) -> None:
-    """Make a folder as above if it is missing.
+    """Make a folder if it is missing.
 
-    The folder above it is not made: where a disk is missing, nothing begins in its place.
+    That above it is not made: where a disk is missing, nothing begins in its place.
     """
     if not path.is_dir():
         make_new_folder(path, mode)
@@ -141,7 +140,7 @@ def ensure_folders(path: Path, mode: Optional[int] = None) -> None:
     """Make a folder and those above it where they are missing."""
     if not path.is_dir():
         ensure_folders(path.parent, mode)
-        make_new_folder(path, mode)
+        ensure_folder(path, mode)
 
 
 def sync_path(path: Path) -> None:
@@ -154,10 +153,18 @@ def sync_path(path: Path) -> None:
 
 
 def keep_aside(path: Path, folder: Path) -> Path:
-    """Give a file a second, free name in another folder, and return it."""
+    """Give a file a second, free name in another folder, and return it.
+
+    What can have only one name, such as a folder, is moved there.
+    """
     ensure_folder(folder)
-    target = _free_name(path, folder)
-    os.link(str(path), str(target), follow_symlinks=False)
+    numbered = (folder / f"{path.name}.{number}" for number in itertools.count(1))
+    names = itertools.chain([folder / path.name], numbered)
+    target = next(one for one in names if not os.path.lexists(str(one)))
+    try:
+        os.link(str(path), str(target), follow_symlinks=False)
+    except PermissionError:
+        os.rename(str(path), str(target))
     sync_path(folder)
     return target
 
@@ -167,22 +174,10 @@ def move_aside(path: Path, folder: Path) -> Path:
 
     After an error it is where it was, or in both places.
     """
-    try:
-        target = keep_aside(path, folder)
-        path.unlink()
-    except PermissionError:
-        # A folder has no second name, and the system may refuse one for another user's file.
-        target = _free_name(path, folder)
-        os.rename(str(path), str(target))
-        sync_path(folder)
+    target = keep_aside(path, folder)
+    path.unlink(missing_ok=True)
     sync_path(path.parent)
     return target
-
-
-def _free_name(path: Path, folder: Path) -> Path:
-    numbered = (folder / f"{path.name}.{number}" for number in itertools.count(1))
-    names = itertools.chain([folder / path.name], numbered)
-    return next(one for one in names if not os.path.lexists(str(one)))
 
 
 def remove_file(path: Path) -> None:

@@ -31,9 +31,6 @@ def regular_files(folder: Path) -> Iterator[str]:
     """Yield the names of all files below a folder, relative to it and sorted.
 
     Links are not followed: one to a folder is a name too. What is being written is left out.
-
-    Raises:
-        OSError: The folder cannot be read.
     """
 
     def refuse(error: OSError) -> None:
@@ -47,11 +44,7 @@ def regular_files(folder: Path) -> Iterator[str]:
 
 
 def sum_of_file(path: Path) -> FileSum:
-    """Return the checksum of a file.
-
-    Raises:
-        OSError: The file cannot be read.
-    """
+    """Return the checksum of a file."""
     digest, size = hashlib.sha256(), 0
     with open(open_regular(path), "rb") as stream:
         for piece in iter(lambda: stream.read(PIECE_BYTES), b""):

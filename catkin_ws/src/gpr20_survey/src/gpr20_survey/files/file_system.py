@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import errno
 import fcntl
 import os
 import re
 import tempfile
 from dataclasses import dataclass
+from errno import EBADF, EINVAL, ENOLCK, ENOSYS, EOPNOTSUPP, EPERM
 from pathlib import Path
 from typing import Callable, Tuple
 
@@ -19,14 +19,7 @@ from gpr20_survey.errors import SurveyRefusedError
 ROOT = Path("/")
 IN_MEMORY = ("ramfs", "tmpfs")
 # What the system answers where something is not supported; a FAT answers EPERM to link().
-UNSUPPORTED = (
-    errno.EBADF,
-    errno.EINVAL,
-    errno.ENOLCK,
-    errno.ENOSYS,
-    errno.EOPNOTSUPP,
-    errno.EPERM,
-)
+UNSUPPORTED = (EBADF, EINVAL, ENOLCK, ENOSYS, EOPNOTSUPP, EPERM)
 
 
 @dataclass(frozen=True)
@@ -60,24 +53,12 @@ class FileSystem:
 
 
 def existing_folder(path: Path) -> Path:
-    """Return a folder, or the nearest one above it that exists.
-
-    Raises:
-        OSError: A folder cannot be looked at.
-    """
+    """Return a folder, or the nearest one above it that exists."""
     return next(one for one in (path, *path.parents) if one.is_dir())
 
 
 def file_system_of(folder: Path, root: Path = ROOT) -> FileSystem:
-    """Return the file system of a folder that exists.
-
-    Args:
-        folder: The folder.
-        root: Where /proc and /dev are; for tests.
-
-    Raises:
-        OSError: The folder cannot be looked at.
-    """
+    """Return the file system of a folder that exists; below `root` are /proc and /dev."""
     device = folder.stat().st_dev
     source, point, kind = _mount_of(f"{os.path.realpath(str(folder))}/", root)
     read_only = bool(os.statvfs(str(folder)).f_flag & os.ST_RDONLY)
@@ -114,10 +95,7 @@ def _uuid(device: int, source: str, root: Path) -> str:
 
 
 def check_can_store(folder: Path) -> None:
-    """Refuse a file system that lacks what makes surveys durable; leave nothing behind.
-
-    Args:
-        folder: A folder that exists, on the file system.
+    """Refuse the file system of a folder if it lacks what makes surveys durable.
 
     Raises:
         SurveyRefusedError: It has no hard links, no locks, or cannot make names durable.

@@ -27,12 +27,8 @@ def locked(folder: Path, wait_s: float = _LOOK_S) -> Iterator[None]:
 
     It ends with the process at the latest.
 
-    Args:
-        folder: The survey's folder.
-        wait_s: How long to wait for another process that holds it [s].
-
     Raises:
-        SurveyRefusedError: Another process holds it.
+        SurveyRefusedError: Another process holds it, also after `wait_s`.
         OSError: The folder cannot be opened or locked.
     """
     descriptor = os.open(str(folder), os.O_RDONLY | os.O_DIRECTORY)
@@ -57,11 +53,7 @@ def locked(folder: Path, wait_s: float = _LOOK_S) -> Iterator[None]:
 
 
 def writer_of(folder: Path) -> Optional[str]:
-    """Return the number of the process that writes a survey's folder; None: nobody does.
-
-    Raises:
-        OSError: The folder cannot be opened.
-    """
+    """Return the number of the process that writes a survey's folder; None: nobody does."""
     descriptor = os.open(str(folder), os.O_RDONLY | os.O_DIRECTORY)
     try:
         return None if _take(descriptor, fcntl.LOCK_SH) else _holder(descriptor)

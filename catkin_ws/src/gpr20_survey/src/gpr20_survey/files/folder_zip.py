@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-import contextlib
 import os
 import zipfile
 from pathlib import Path
-from typing import Any, Dict, Iterator, Tuple
+from typing import Any, ContextManager, Dict, Iterator, Tuple
 
 from gpr20_common.message import Message
-from gpr20_common.os_reason import os_reason
+from gpr20_common.terminal_text import printable
 from gpr20_survey import faults
-from gpr20_survey.errors import ProcessingError
+from gpr20_survey.errors import ProcessingError, storing
 from gpr20_survey.files.file_sums import regular_files
 from gpr20_survey.files.regular_file import open_regular
 
@@ -60,7 +59,7 @@ def add_folder(archive: zipfile.ZipFile, folder: Path) -> Iterator[None]:
     """
     before = _versions(folder)
     for name in before:
-        with _reading(name):
+        with _reading(folder / name):
             entry = zipfile.ZipInfo.from_file(
                 str(folder / name), f"{folder.name}/{name}", strict_timestamps=False
             )
@@ -68,7 +67,7 @@ def add_folder(archive: zipfile.ZipFile, folder: Path) -> Iterator[None]:
         entry.compress_type = archive.compression
         with source, archive.open(entry, "w") as file:
             while True:
-                with _reading(name):
+                with _reading(folder / name):
                     piece = source.read(PIECE_BYTES)
                 if not piece:
                     break
@@ -80,20 +79,12 @@ def add_folder(archive: zipfile.ZipFile, folder: Path) -> Iterator[None]:
         )
 
 
-@contextlib.contextmanager
-def _reading(name: str) -> Iterator[None]:
+def _reading(path: Path) -> ContextManager[None]:
     """Turn an error of the disk into one that does not look like one of where the ZIP goes."""
-    try:
-        yield
-    except OSError as error:
-        raise ProcessingError(
-            Message(
-                "{file} of the survey cannot be read: {reason}", file=name, reason=os_reason(error)
-            )
-        ) from error
+    return storing(Message("{path} could not be read", path=printable(path)), path)
 
 
 def _versions(folder: Path) -> Dict[str, Tuple[int, int]]:
-    with _reading(folder.name):
+    with _reading(folder):
         found = {name: os.lstat(str(folder / name)) for name in regular_files(folder)}
     return {name: (one.st_mtime_ns, one.st_size) for name, one in found.items()}

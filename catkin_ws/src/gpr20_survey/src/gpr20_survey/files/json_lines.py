@@ -6,49 +6,27 @@ import contextlib
 import json
 import os
 from pathlib import Path
-from typing import Any, Dict, Iterator, List, Mapping, Optional, Tuple
+from typing import Any, Dict, Iterator, Mapping, Optional
 
 from gpr20_survey.files import access
 from gpr20_survey.files.durable_files import ensure_folder, sync_path
 from gpr20_survey.files.regular_file import read_regular
 
 
-def read_lines(path: Path) -> Tuple[List[Dict[str, Any]], int]:
-    """Return the objects of a file, and how many lines are none; nothing if there is no file.
-
-    Raises:
-        OSError: The disk cannot be read.
-    """
-    try:
-        lines = read_regular(path).splitlines()
-    except FileNotFoundError:
-        return [], 0
-    objects = [object_of(line) for line in lines]
-    known = [one for one in objects if one]
-    return known, len(lines) - len(known)
-
-
 def lines_backwards(*paths: Path) -> Iterator[bytes]:
-    """Yield the lines of those files that exist, the last line of the first file first.
-
-    Raises:
-        OSError: The disk cannot be read.
-    """
+    """Yield the lines of those files that exist, the last line of the first file first."""
     for path in paths:
         with contextlib.suppress(FileNotFoundError):
             yield from reversed(read_regular(path).splitlines())
 
 
 def add_line(path: Path, values: Mapping[str, Any], mode: Optional[int] = None) -> None:
-    """Add an object and return when it is durable; its folder is made if it is missing.
+    """Add an object to a file and return when it is durable.
 
-    Args:
-        path: The file.
-        values: The object.
-        mode: Of the file; None: that of its folder.
+    File and folder are made if they are missing, the file with this mode or that of its folder.
 
     Raises:
-        OSError: The disk refused; perhaps a part of the line was written.
+        OSError: The disk refused; a part of the line may be there.
         ValueError: A number is not finite.
     """
     line = json.dumps(values, allow_nan=False).encode() + b"\n"
@@ -67,8 +45,7 @@ def add_line(path: Path, values: Mapping[str, Any], mode: Optional[int] = None) 
 
 def object_of(line: bytes) -> Dict[str, Any]:
     """Return the object of a line; it is empty if the line has none."""
-    try:
+    found = None
+    with contextlib.suppress(ValueError):
         found = json.loads(line)
-    except ValueError:
-        return {}
     return found if isinstance(found, dict) else {}

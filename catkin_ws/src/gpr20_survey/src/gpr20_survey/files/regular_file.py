@@ -15,14 +15,10 @@ MOST_HOLE_BYTES = 64 << 20
 
 
 def open_regular(path: Path, follow_link: bool = False) -> int:
-    """Return a descriptor for reading a file; never wait for a pipe or a device.
+    """Return a descriptor for reading a file, which may be a symbolic link if that is followed.
 
-    A file that is mostly a hole is refused: it takes no space on the disk, but its zeros would
-    be read for minutes.
-
-    Args:
-        path: The file.
-        follow_link: Whether the path may be a symbolic link.
+    It never waits for a pipe or a device. A file that is mostly a hole is refused: it takes no
+    space on the disk, but its zeros would be read for minutes.
 
     Raises:
         IrregularFileError: It is no regular file, or has a large hole.

@@ -70,24 +70,18 @@ def use_key(path: Path, arguments: Sequence[str], content: bytes = b"") -> str:
     """
     try:
         check_regular(path, follow_link=True)  # it would wait for a pipe
-    except OSError as error:
-        raise _unusable(path, os_reason(error)) from error
-    answer = ask((*arguments, "-f", path), content)
-    if not answer.yes:
-        raise _unusable(
-            path,
-            Message(
-                "it must be a private key without a passphrase, which only its owner may read "
-                "(chmod 600), and {public} beside it must not be of another key",
-                public=f"{path.name}.pub",
-                details=answer.complaint,
-            ),
+        answer = ask((*arguments, "-f", path), content)
+        if answer.yes:
+            return answer.output
+        reason = Message(
+            "it must be a private key without a passphrase, which only its owner may read (chmod "
+            "600), and {public} beside it must not be of another key",
+            public=f"{path.name}.pub",
+            details=answer.complaint,
         )
-    return answer.output
-
-
-def _unusable(path: Path, reason: Message) -> SigningError:
-    return SigningError(
+    except OSError as error:
+        reason = os_reason(error)
+    raise SigningError(
         Message(
             "the signing key {file} cannot be used: {reason}", file=printable(path), reason=reason
         ),

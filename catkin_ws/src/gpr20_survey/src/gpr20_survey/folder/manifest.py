@@ -29,8 +29,6 @@ FORMAT = "gpr20-manifest/1"
 MAX_BYTES = 512 << 20  # a million traces
 CONTENT = "content_sha256"
 """Key of the description: what `content_sum` gives when the survey ends."""
-DATA = "traces and recording"
-"""Name of the entry of the log that says that they are others than at the end."""
 NOT_LISTED = (
     MANIFEST_FILE,
     SIGNATURE_FILE,
@@ -70,11 +68,7 @@ class Manifest:
         return all(one.kind != Kind.RESUME.value for one in self.since(records))
 
     def write_for(self, folder: Path, head: LogRecord) -> None:
-        """Write it durably, for the log that ends with a record.
-
-        Raises:
-            OSError: The disk refused.
-        """
+        """Write it durably, for the log that ends with this record."""
         content = replace(self, log=LogHead.of(head)).encode()
         durable_files.replace_file(folder / MANIFEST_FILE, content)
 
@@ -125,11 +119,7 @@ def decode(content: bytes) -> Manifest:
 
 
 def read_manifest(folder: Path, survey_id: str = "") -> Manifest:
-    """Return the manifest of a survey.
-
-    Args:
-        folder: The survey's folder.
-        survey_id: Whose it must be; empty: of any survey.
+    """Return the manifest in a folder, which must be of this survey if one is named.
 
     Raises:
         ManifestDamagedError: It is not as it was written, cannot be read, or is another survey's.
@@ -156,19 +146,12 @@ def write_manifest(
     written: str,
     known: Mapping[str, FileSum] = MappingProxyType({}),
 ) -> None:
-    """Write the checksums of every file of a survey; return when they are durable.
+    """Write the checksums of every file of a survey, whose folder may not change any more.
 
-    What is not data of the survey and cannot be read, such as a link in `damaged/`, is listed
-    without a checksum: it must not prevent a survey from being closed.
-
-    Args:
-        folder: The survey's folder; nothing in it may change any more.
-        survey_id: UUID of the survey.
-        head: The last record of its log.
-        revision: Version of the suite.
-        written: When, as ISO 8601 text.
-        known: Files whose content is known because it was just written; they are not read. A
-            change since then is found by the next verification.
+    They are durable when it returns. What is not data of the survey and cannot be read, such as a
+    link in `damaged/`, is listed without a checksum: it must not prevent a survey from being
+    closed. Files whose content is known, because it was just written, are not read: a change since
+    then is found by the next verification.
 
     Raises:
         OSError: A file of the survey's data cannot be read, or the disk refused.
@@ -192,9 +175,6 @@ def file_names(folder: Path) -> Iterator[str]:
     """Yield the names of the files that belong into the manifest of a survey.
 
     The log names the photographs, each with its checksum.
-
-    Raises:
-        OSError: The folder cannot be read.
     """
     for name in file_sums.regular_files(folder):
         if name not in NOT_LISTED and not name.startswith(f"{PHOTOS}/"):
@@ -210,22 +190,8 @@ def is_content(name: str) -> bool:
     return is_trace or name == survey_folder.MCAP_FILE
 
 
-def has_other_data(description: Mapping[str, Any], sums: Mapping[str, Optional[FileSum]]) -> bool:
-    """Return whether traces or recording are others than when the survey ended.
-
-    Args:
-        description: What the log says of the survey.
-        sums: Of each file of the survey, by its name relative to the folder.
-    """
-    return description.get(CONTENT) not in (None, content_sum(sums))
-
-
 def content_sum(sums: Mapping[str, Optional[FileSum]]) -> str:
-    """Return a checksum of the traces and the recording of a survey, as its log names it.
-
-    Args:
-        sums: Of each file of the survey, by its name relative to the folder.
-    """
+    """Return the checksum, as the log names it, of the traces and recording among files."""
     data = sorted((name, one) for name, one in sums.items() if one is not None and is_content(name))
     lines = (f"{one.sha256} {one.size} {name}\n" for name, one in data)
     return hashlib.sha256("".join(lines).encode("utf-8", "surrogateescape")).hexdigest()

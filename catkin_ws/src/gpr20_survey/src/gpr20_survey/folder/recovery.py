@@ -119,24 +119,12 @@ def open_log(folder: Path, recovered: RecoveredSurvey, now: str) -> SurveyLog:
     log = SurveyLog(folder, found.records, found.is_whole, found.lost)
     for name in found.damaged:
         if (folder / name).is_symlink() or (folder / name).exists():
-            keep_damaged(folder, name)
+            durable_files.keep_aside(folder / name, folder / survey_folder.DAMAGED_FOLDER)
     if recovered.unconfirmed:
         # With the same write: after it nothing else shows that something is missing.
         values = {"entries": recovered.unconfirmed, "lost": list(found.lost)}
         log.take(log.next(Kind.UNCONFIRMED, values, now))
     return log
-
-
-def keep_damaged(folder: Path, name: str) -> Path:
-    """Keep a damaged file in `damaged/`, where its name there is returned, until it is replaced.
-
-    Raises:
-        OSError: The disk refused.
-    """
-    path, damaged = folder / name, folder / survey_folder.DAMAGED_FOLDER
-    is_file = path.is_file() and not path.is_symlink()
-    # What is no file cannot be replaced in one step.
-    return (durable_files.keep_aside if is_file else durable_files.move_aside)(path, damaged)
 
 
 def repairs_of(recovered: RecoveredSurvey) -> List[Message]:

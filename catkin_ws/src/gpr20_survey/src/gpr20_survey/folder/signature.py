@@ -15,7 +15,6 @@ from typing import Optional, Tuple
 
 from gpr20_common.message import Message
 from gpr20_common.terminal_text import printable
-from gpr20_survey import faults
 from gpr20_survey.errors import ProcessingError, SigningError, storing
 from gpr20_survey.files import durable_files, ssh_keygen
 from gpr20_survey.files.regular_file import read_regular
@@ -52,19 +51,13 @@ class Signer:
         """Sign the manifest of a survey as it is now; return when the signature is durable.
 
         Raises:
-            SigningError: The key cannot be used, ssh-keygen failed, or there is no manifest.
+            SigningError: The key cannot be used, or ssh-keygen failed.
             StorageFailedError: The manifest cannot be read, or the disk refused the signature.
                 After any error the former signature is still there, which does not fit any more.
         """
         path = folder / SIGNATURE_FILE
         with storing(Message("{path} could not be written", path=printable(path)), path):
-            try:
-                content = read_regular(folder / MANIFEST_FILE, follow_link=False)
-            except FileNotFoundError as error:
-                raise SigningError(
-                    Message("the survey is not closed: it has no {file}", file=MANIFEST_FILE),
-                    fault=faults.NOT_CLOSED,
-                ) from error
+            content = read_regular(folder / MANIFEST_FILE, follow_link=False)
             durable_files.replace_file(path, self._signature_of(content))
 
     def has_signed(self, folder: Path) -> bool:
@@ -75,10 +68,8 @@ class Signer:
         try:
             own = _FINGERPRINT.findall(ssh_keygen.use_key(self._key, ("-l",)))
             return signed_manifest(folder)[1] in own
-        except OSError:
-            return False  # one of the files is missing, or cannot be read
-        except SigningError:
-            return False  # the key cannot be used, which `sign` says
+        except (OSError, SigningError):
+            return False  # a file is missing; or the key cannot be used, which `sign` says
 
     def _signature_of(self, content: bytes) -> bytes:
         sign = ("-Y", "sign", "-n", NAMESPACE)
@@ -101,11 +92,7 @@ def signed_manifest(folder: Path) -> Tuple[bytes, str]:
 
 
 def try_to_sign(signer: Optional[Signer], folder: Path) -> Optional[Message]:
-    """Sign a survey after its manifest was written; a failure prevents nothing.
-
-    Args:
-        signer: Of the robot; None: it has no key, and its surveys are not signed.
-        folder: The survey's folder, which holds its new manifest.
+    """Sign a survey after its manifest was written, if the robot has a key.
 
     Returns:
         A warning for the operator that the survey is stored but not signed; None otherwise.
