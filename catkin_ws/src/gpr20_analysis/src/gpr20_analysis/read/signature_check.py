@@ -18,9 +18,9 @@ from gpr20_survey.faults import SIGNERS_FILE
 from gpr20_survey.files import ssh_keygen
 from gpr20_survey.files.regular_file import read_regular
 from gpr20_survey.folder import manifest
-from gpr20_survey.folder.survey_log import read_log
 from gpr20_survey.folder.log_record import Kind
 from gpr20_survey.folder.signature import NAMESPACE, is_signed, signed_manifest
+from gpr20_survey.folder.survey_log import read_log
 
 OF_COPIES = {Kind.BAG.value, Kind.EXPORT.value, Kind.AUDIT.value}
 """What the software notes of copies of a survey; the survey itself stays as it was signed."""
