@@ -20,6 +20,7 @@ from mcap.exceptions import McapError
 from mcap.opcode import Opcode
 from mcap.records import Channel, Chunk, Schema
 from mcap.records import Message as McapMessage
+from mcap.stream_reader import breakup_chunk
 
 from gpr20_common.message import Message
 from gpr20_survey.files.regular_file import open_regular
@@ -36,8 +37,6 @@ FOOTER = struct.Struct("<BQQQI")
 DATA_END = struct.Struct("<BQI")
 # Opcode and length of a record.
 RECORD = struct.Struct("<BQ")
-# Channel, number, and two times of a message, before its data.
-MESSAGE = struct.Struct("<HIQQ")
 BETWEEN = (Opcode.HEADER, Opcode.ATTACHMENT, Opcode.MESSAGE_INDEX)
 
 TORN = (McapError, zstandard.ZstdError, struct.error, ValueError, KeyError, OverflowError)
@@ -59,7 +58,7 @@ class StoredMcap:
         self.path = path
         self.faults: List[Message] = []
         self._schemas: Dict[int, Schema] = {}
-        self._channels: Dict[int, Tuple[Tuple[str, ...], bool]] = {}
+        self._types: Dict[int, Tuple[Tuple[str, ...], bool]] = {}
 
     def messages(self, datatype: str = "") -> Iterator[RecordedMessage]:
         """Yield every message of the whole chunks, in the order of the file.
@@ -67,7 +66,7 @@ class StoredMcap:
         Args:
             datatype: Type of the messages; empty: of all types.
         """
-        self.faults, self._schemas, self._channels = [], {}, {}
+        self.faults, self._schemas, self._types = [], {}, {}
         content = _mapped(self.path)
         place, opcode = len(MAGIC), 0
         if content[:place] != MAGIC and len(content) >= place:
@@ -98,19 +97,15 @@ class StoredMcap:
         if opcode != Opcode.CHUNK:
             raise ValueError(f"a record of kind {opcode} is where a chunk should be")
         messages = []
-        for kind, content in _records_in(_unpacked(data)):
-            if kind == Opcode.SCHEMA:
-                schema = Schema.read(_stream(content))
-                self._schemas[schema.id] = schema
-            elif kind == Opcode.CHANNEL:
-                channel = Channel.read(_stream(content))
-                self._channels[channel.id] = _type_of(self._schemas[channel.schema_id], channel)
-            elif kind == Opcode.MESSAGE:
-                number, _count, time_ns, _published_ns = MESSAGE.unpack_from(content)
-                own, latching = self._channels[number]
+        for record in breakup_chunk(_chunk(data), validate_crc=True):
+            if isinstance(record, Schema):
+                self._schemas[record.id] = record
+            elif isinstance(record, Channel):
+                self._types[record.id] = _type_of(self._schemas[record.schema_id], record)
+            elif isinstance(record, McapMessage):
+                own, latching = self._types[record.channel_id]
                 if datatype in ("", own[1]):
-                    own_data = content[MESSAGE.size :]
-                    messages.append(RecordedMessage(*own, own_data, time_ns, latching))
+                    messages.append(RecordedMessage(*own, record.data, record.log_time, latching))
         return messages
 
     def _check_sums(self, content: bytes) -> None:
@@ -159,32 +154,16 @@ def _record(content: bytes, place: int) -> Tuple[int, bytes, int]:
     return opcode, content[start:end], end
 
 
-def _unpacked(data: bytes) -> bytes:
-    """Return what a chunk holds, by the content of its record.
-
-    Raises:
-        ValueError: Or another of `TORN`: it is not whole.
-    """
-    chunk = Chunk.read(_stream(data))
-    # The size in the frame is checked first: a damaged one must not fill the memory.
-    if chunk.compression != "zstd" or chunk.uncompressed_size > MAX_RECORD_BYTES:
+def _chunk(data: bytes) -> Chunk:
+    """Return the chunk of the content of a record."""
+    chunk = Chunk.read(ReadDataStream(io.BytesIO(data)))
+    if chunk.compression != "zstd" or not chunk.uncompressed_crc:
         raise ValueError("the storage does not write such chunks")
-    if zstandard.frame_content_size(chunk.data) != chunk.uncompressed_size:
+    # A damaged size must not fill the memory.
+    size = zstandard.frame_content_size(chunk.data)
+    if size != chunk.uncompressed_size or size > MAX_RECORD_BYTES:
         raise ValueError("the size of a chunk is wrong")
-    content = zstandard.decompress(chunk.data)
-    if zlib.crc32(content) != chunk.uncompressed_crc:
-        raise ValueError("the checksum of a chunk is wrong")
-    return content
-
-
-def _records_in(content: bytes) -> Iterator[Tuple[int, bytes]]:
-    """Yield the kind and the content of each record of an unpacked chunk."""
-    place = 0
-    while place < len(content):
-        kind, size = RECORD.unpack_from(content, place)
-        place += RECORD.size
-        yield kind, content[place : place + size]
-        place += size
+    return chunk
 
 
 def _next_chunk(content: bytes, place: int) -> int:
@@ -196,13 +175,9 @@ def _next_chunk(content: bytes, place: int) -> int:
         place = found - COMPRESSION_PLACE
         with contextlib.suppress(*TORN):
             opcode, data, _end = _record(content, place)
-            if opcode == Opcode.CHUNK and _unpacked(data):
+            if opcode == Opcode.CHUNK and breakup_chunk(_chunk(data), validate_crc=True):
                 return place
         place += 1
-
-
-def _stream(data: bytes) -> ReadDataStream:
-    return ReadDataStream(io.BytesIO(data))
 
 
 def _mapped(path: Path) -> Any:
