@@ -32,13 +32,16 @@ MAX_RECORD_BYTES = 64 << 20
 # The name of the compression, behind opcode, length, two times, size and checksum.
 COMPRESSION, COMPRESSION_PLACE = b"\x04\0\0\0zstd", 37
 # Opcode, length, start of the summary and of its offsets, checksum of the summary.
-FOOTER = struct.Struct("<BQQQI")
+FOOTER = struct.Struct("<BQQQ4s")
+END_BYTES = FOOTER.size + len(MAGIC)
 # Opcode, length, checksum of all before it.
-DATA_END = struct.Struct("<BQI")
+DATA_END = struct.Struct("<BQ4s")
 # Opcode and length of a record.
 RECORD = struct.Struct("<BQ")
 BETWEEN = (Opcode.HEADER, Opcode.ATTACHMENT, Opcode.MESSAGE_INDEX)
 
+Kind = Tuple[str, str, str, str]
+"""Of the messages of a channel: topic, datatype, checksum and definition."""
 TORN = (McapError, zstandard.ZstdError, struct.error, ValueError, KeyError, OverflowError)
 """What reading a record raises that is not whole."""
 
@@ -58,7 +61,7 @@ class StoredMcap:
         self.path = path
         self.faults: List[Message] = []
         self._schemas: Dict[int, Schema] = {}
-        self._types: Dict[int, Tuple[Tuple[str, ...], bool]] = {}
+        self._types: Dict[int, Tuple[Kind, bool]] = {}
 
     def messages(self, datatype: str = "") -> Iterator[RecordedMessage]:
         """Yield every message of the whole chunks, in the order of the file.
@@ -68,15 +71,16 @@ class StoredMcap:
         """
         self.faults, self._schemas, self._types = [], {}, {}
         content = _mapped(self.path)
-        place, opcode = len(MAGIC), 0
+        place, ended = len(MAGIC), False
         if content[:place] != MAGIC and len(content) >= place:
             self.faults.append(
                 Message("{file} does not begin like an MCAP file", file=self.path.name)
             )
-        while place < len(content) and opcode != Opcode.DATA_END:
+        while place < len(content) and not ended:
             try:
                 opcode, data, end = _record(content, place)
-                found = self._messages(opcode, data, datatype)
+                ended = opcode == Opcode.DATA_END and _sum(content, place) == data
+                found = [] if ended else self._messages(opcode, data, datatype)
             except TORN as error:
                 end = _next_chunk(content, place + 1)
                 if end < len(content):
@@ -89,10 +93,11 @@ class StoredMcap:
 
     def is_finished(self) -> bool:
         """Return whether the file has its end."""
-        return _mapped(self.path)[-len(MAGIC) :] == MAGIC
+        content = _mapped(self.path)
+        return len(content) > len(MAGIC) + END_BYTES and content[-len(MAGIC) :] == MAGIC
 
     def _messages(self, opcode: int, data: bytes, datatype: str) -> List[RecordedMessage]:
-        if opcode in (*BETWEEN, Opcode.DATA_END):
+        if opcode in BETWEEN:
             return []
         if opcode != Opcode.CHUNK:
             raise ValueError(f"a record of kind {opcode} is where a chunk should be")
@@ -110,19 +115,16 @@ class StoredMcap:
 
     def _check_sums(self, content: bytes) -> None:
         """Find damage outside the chunks, also of a length that hid the end of the data."""
-        is_whole = False
-        with contextlib.suppress(struct.error):  # it is too short
-            place = len(content) - len(MAGIC) - FOOTER.size
-            opcode, size, summary, _offsets, expected = FOOTER.unpack_from(content, place)
-            found = zlib.crc32(memoryview(content)[summary : place + FOOTER.size - 4])
-            data = memoryview(content)[: max(0, summary - DATA_END.size)]
-            end = DATA_END.pack(Opcode.DATA_END, 4, zlib.crc32(data))
-            is_whole = content[len(data) : summary] == end and (opcode, size, found) == (
-                Opcode.FOOTER,
-                FOOTER.size - RECORD.size,
-                expected,
-            )
-        if not is_whole:
+        place = len(content) - END_BYTES
+        opcode, size, summary, _offsets, expected = FOOTER.unpack_from(content, place)
+        is_footer = (opcode, size) == (Opcode.FOOTER, FOOTER.size - RECORD.size)
+        data = max(0, summary - DATA_END.size)
+        end = DATA_END.pack(Opcode.DATA_END, 4, _sum(content, data))
+        if (
+            not is_footer
+            or _sum(content, place + FOOTER.size - 4, summary) != expected
+            or content[data:summary] != end
+        ):
             self._damaged("a checksum outside its chunks is wrong")
 
     def _damaged(self, details: str) -> None:
@@ -135,11 +137,16 @@ def recorded_message(schema: Schema, channel: Channel, message: McapMessage) -> 
     return RecordedMessage(*own, message.data, message.log_time, latching)
 
 
-def _type_of(schema: Schema, channel: Channel) -> Tuple[Tuple[str, ...], bool]:
+def _type_of(schema: Schema, channel: Channel) -> Tuple[Kind, bool]:
     """Return what stands before the data of a channel's messages, and whether it latches."""
     md5sum = channel.metadata.get("md5sum", "")
     own = (channel.topic, schema.name, md5sum, schema.data.decode())
     return own, channel.metadata.get("latching") == "1"
+
+
+def _sum(content: bytes, end: int, start: int = 0) -> bytes:
+    """Return the checksum of a part of the file, as the file holds it."""
+    return zlib.crc32(memoryview(content)[start:end]).to_bytes(4, "little")
 
 
 def _record(content: bytes, place: int) -> Tuple[int, bytes, int]:
