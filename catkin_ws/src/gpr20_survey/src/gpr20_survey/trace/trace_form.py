@@ -275,7 +275,8 @@ FLOATS = Form(
     _numbers,
     List[float],
     np.ndarray.tolist,
-    lambda values: np.array(values, np.float64),
+    # Three times as fast as np.array.
+    lambda values: np.frombuffer(struct.pack(f"{len(values)}d", *values)).copy(),
 )
 
 
