@@ -7,7 +7,7 @@ import json
 import os
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Dict, Iterable, Iterator, Optional, Union
+from typing import Any, Dict, Iterable, Iterator, Mapping, NamedTuple, Optional, Union
 
 from gpr20_analysis.errors import DamagedSurveyError
 from gpr20_analysis.read.recordings import MCAP, mcap_length_s, mcap_messages
@@ -18,7 +18,6 @@ from gpr20_survey.recording.recording import RecordedMessage
 from gpr20_survey.recording.survey_topics import (
     METADATA_TOPIC,
     REPLAY_TYPE,
-    RecordedSurvey,
     SurveyTopics,
     is_metadata_topic,
 )
@@ -36,6 +35,26 @@ class Due:
 
     time_ns: int
     content: Content
+
+
+class RecordedSurvey(NamedTuple):
+    """The survey of a recording.
+
+    Attributes:
+        survey_id: UUID.
+        started: Start of the survey, ISO 8601, UTC; empty if it is not known.
+        folder: Name of its folder; empty if it is not known.
+    """
+
+    survey_id: str
+    started: str = ""
+    folder: str = ""
+
+    @classmethod
+    def of(cls, description: Mapping[str, Any], folder: Path) -> RecordedSurvey:
+        """Return the survey of a folder, by the content of its survey.json."""
+        survey_id, started = (str(description.get(key, "")) for key in ("survey_id", "started"))
+        return cls(survey_id, started, folder.name)
 
 
 @dataclass(frozen=True)

@@ -9,7 +9,7 @@ from __future__ import annotations
 import struct
 from dataclasses import dataclass
 from pathlib import PurePath
-from typing import Any, Callable, Mapping, NamedTuple, Optional
+from typing import Any, Callable, Mapping, Optional
 
 from gpr20_survey.folder.log_record import LogRecord, record_of_line
 from gpr20_survey.recording.recording import RecordedMessage
@@ -40,30 +40,6 @@ float64 length_s
 """
 # state, rate, position [s], length [s]: playing, and the rest unknown.
 _IN_A_RECORDING = struct.pack("<B3d", 0, 0.0, 0.0, 0.0)
-
-
-class RecordedSurvey(NamedTuple):
-    """The survey of a recording, as `replay` names it.
-
-    Attributes:
-        survey_id: UUID.
-        started: Start of the survey, ISO 8601, UTC; empty if it is not known.
-        folder: Name of its folder; empty if it is not known.
-    """
-
-    survey_id: str
-    started: str = ""
-    folder: str = ""
-
-    @classmethod
-    def of(cls, description: Mapping[str, Any], folder: PurePath) -> RecordedSurvey:
-        """Return the survey of a folder, by the content of its survey.json."""
-        survey_id, started = (str(description.get(key, "")) for key in ("survey_id", "started"))
-        return cls(survey_id, started, folder.name)
-
-    def encode(self) -> bytes:
-        """Return the serialized message of a recording."""
-        return b"".join([*map(pack_text, self), _IN_A_RECORDING])
 
 
 @dataclass(frozen=True)
@@ -101,7 +77,8 @@ class SurveyTopics:
         It is recorded only, so that it is published when the recording is played.
         """
         kind = (REPLAY_TYPE, REPLAY_MD5SUM, self.replay_definition)
-        data = RecordedSurvey.of(description, folder).encode()
+        named = (*(str(description.get(key, "")) for key in ("survey_id", "started")), folder.name)
+        data = b"".join([*map(pack_text, named), _IN_A_RECORDING])
         return RecordedMessage(self.resolve(REPLAY_TOPIC), *kind, data, time_ns, True)
 
 
