@@ -153,15 +153,12 @@ def main() -> int:
     parser.add_argument("--y-points", type=int, default=100)
     parser.add_argument("--folder", type=Path, help="where the survey is made; default temporary")
     parser.add_argument("--window", action="store_true", help="only the window")
-    parser.add_argument("--json", action="store_true", help="only the window, and from JSON files")
     chosen = parser.parse_args()
     with tempfile.TemporaryDirectory(dir=chosen.folder) as temporary:
         folder = Path(temporary) / "data" / FOLDER
         traces = recorded_survey_kit.make(folder, chosen.x_points, chosen.y_points)
         print(f"{traces} traces of 501 points, load average {_load()}")
-        missed = False if chosen.window or chosen.json else load_from_files(folder)
-        if chosen.json:
-            (folder / "survey.mcap").unlink()
+        missed = False if chosen.window else load_from_files(folder)
         missed |= open_in_window(folder.parent, traces)
     return int(missed)
 

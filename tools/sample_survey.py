@@ -22,7 +22,7 @@ SURVEY = (
 )
 # The traces, and what describes them. The other topics, such as those of the motors, would make the
 # file four times as large.
-TOPICS = ("trace", "survey_metadata", "survey_parameters", "description")
+TOPICS = ("replay", "trace", "survey_metadata", "survey_log", "survey_parameters", "description")
 
 
 def copy_traces(recorded: Path, output: Path) -> None:

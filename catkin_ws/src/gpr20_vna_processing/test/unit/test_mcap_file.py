@@ -107,6 +107,9 @@ def test_a_recording_cut_while_it_was_finished_is_whole_but_for_its_index(snapsh
     for cut in [*drawn(len(stored), len(ended)), len(ended)]:
         (tmp_path / "cut").write_bytes(ended[:cut])
         assert read(tmp_path / "cut") == (PRINTS, [])
+    for cut in range(40):
+        (tmp_path / "cut").write_bytes(ended[:cut])
+        assert read(tmp_path / "cut") == ({}, [])
 
 
 OLD, NEW = "7b530785257ca423f317a80d75c5dad5", "0123456789abcdef0123456789abcdef"

@@ -2,23 +2,22 @@
 
 from __future__ import annotations
 
+import itertools
 import json
 import os
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Dict, Iterable, Iterator, Optional, Union
+from typing import Any, Dict, Iterable, Iterator, Mapping, NamedTuple, Optional, Union
 
 from gpr20_analysis.errors import DamagedSurveyError
 from gpr20_analysis.read.recordings import MCAP, mcap_length_s, mcap_messages
 from gpr20_analysis.read.sources import SurveySource, open_source
 from gpr20_common.message import in_a_row
-from gpr20_survey.folder import survey_folder
+from gpr20_survey.folder import survey_folder, survey_metadata
 from gpr20_survey.recording.recording import RecordedMessage
 from gpr20_survey.recording.survey_topics import (
     METADATA_TOPIC,
-    REPLAY_TOPIC,
     REPLAY_TYPE,
-    RecordedSurvey,
     SurveyTopics,
     is_metadata_topic,
 )
@@ -26,6 +25,8 @@ from gpr20_survey.trace import trace_message, utc_time
 from gpr20_survey.trace.trace import Trace
 
 Content = Union[RecordedMessage, Trace]
+FIRST_MESSAGES = 10
+"""Of a recording; the metadata of the survey are among them."""
 
 
 @dataclass(frozen=True)
@@ -34,6 +35,26 @@ class Due:
 
     time_ns: int
     content: Content
+
+
+class RecordedSurvey(NamedTuple):
+    """The survey of a recording.
+
+    Attributes:
+        survey_id: UUID.
+        started: Start of the survey, ISO 8601, UTC; empty if it is not known.
+        folder: Name of its folder; empty if it is not known.
+    """
+
+    survey_id: str
+    started: str = ""
+    folder: str = ""
+
+    @classmethod
+    def of(cls, description: Mapping[str, Any], folder: Path) -> RecordedSurvey:
+        """Return the survey of a folder, by the content of its survey.json."""
+        survey_id, started = (str(description.get(key, "")) for key in ("survey_id", "started"))
+        return cls(survey_id, started, folder.name)
 
 
 @dataclass(frozen=True)
@@ -76,17 +97,15 @@ def describe(survey: Path) -> ReplayedSurvey:
     path, own_name = _mcap(survey), not survey.is_dir()
     if path is None:
         return ReplayedSurvey(_survey_of_files(open_source(survey), folder))
-    found: Dict[str, RecordedMessage] = {}
-    for message in mcap_messages(path, own_name):
-        name = message.topic.rsplit("/", 1)[-1]
-        found.setdefault(name, message)
-        # The metadata are the first message, behind the marker where there is one.
-        if name == METADATA_TOPIC or len(found) > 2:
-            break
-    own = next((found[one] for one in (METADATA_TOPIC, REPLAY_TOPIC) if one in found), None)
-    namespace = "/" if own is None else own.topic[: own.topic.rindex("/") + 1]
-    length_s = mcap_length_s(path, own_name)
-    return ReplayedSurvey(_survey_of_mcap(found, folder), namespace, length_s)
+    first = itertools.islice(mcap_messages(path, own_name), FIRST_MESSAGES)
+    own = next((one for one in first if is_metadata_topic(one.topic)), None)
+    description, namespace = {}, "/"
+    if own is not None:
+        text = own.data[4:].decode("utf-8", "replace")
+        description = survey_metadata.parse_object(text, METADATA_TOPIC)
+        namespace = own.topic[: own.topic.rindex("/") + 1]
+    recorded_survey = RecordedSurvey.of(description, folder if folder.is_dir() else Path())
+    return ReplayedSurvey(recorded_survey, namespace, mcap_length_s(path, own_name))
 
 
 def recorded(survey: Path) -> Iterator[Due]:
@@ -157,12 +176,6 @@ def _is_kept(message: RecordedMessage) -> bool:
 def _mcap(survey: Path) -> Optional[Path]:
     path = survey / survey_folder.MCAP_FILE if survey.is_dir() else survey
     return path if path.suffix == MCAP and os.path.lexists(str(path)) else None
-
-
-def _survey_of_mcap(found: Dict[str, RecordedMessage], folder: Path) -> RecordedSurvey:
-    if REPLAY_TOPIC in found:
-        return RecordedSurvey.decode(found[REPLAY_TOPIC].data)
-    return RecordedSurvey("", folder=folder.name if folder.is_dir() else "")
 
 
 def _survey_of_files(source: SurveySource, folder: Path) -> RecordedSurvey:

@@ -8,6 +8,7 @@ from __future__ import annotations
 import contextlib
 import fcntl
 import functools
+import operator
 import os
 import signal
 import sys
@@ -35,6 +36,8 @@ from gpr20_survey.recording.recording import RecordedMessage
 from gpr20_survey.trace import utc_time
 
 SHOWN = 3  # faults of a recording that are named
+# What differs if a recording was written again.
+_state_of = operator.attrgetter("st_ino", "st_size", "st_mtime_ns")
 
 
 class _Writer(Writer):
@@ -157,11 +160,6 @@ def _check_whole(mcap: StoredMcap, has_ended: bool, folder: Path) -> None:
             ),
             fault=faults.TRACE_DAMAGED,
         )
-
-
-def _state_of(status: os.stat_result) -> Tuple[int, ...]:
-    """Return what differs if a recording was written again."""
-    return status.st_ino, status.st_size, status.st_mtime_ns
 
 
 def main() -> int:

@@ -20,6 +20,7 @@ from mcap.exceptions import McapError
 from mcap.opcode import Opcode
 from mcap.records import Channel, Chunk, Schema
 from mcap.records import Message as McapMessage
+from mcap.stream_reader import breakup_chunk
 
 from gpr20_common.message import Message
 from gpr20_survey.files.regular_file import open_regular
@@ -31,15 +32,16 @@ MAX_RECORD_BYTES = 64 << 20
 # The name of the compression, behind opcode, length, two times, size and checksum.
 COMPRESSION, COMPRESSION_PLACE = b"\x04\0\0\0zstd", 37
 # Opcode, length, start of the summary and of its offsets, checksum of the summary.
-FOOTER = struct.Struct("<BQQQI")
+FOOTER = struct.Struct("<BQQQ4s")
+END_BYTES = FOOTER.size + len(MAGIC)
 # Opcode, length, checksum of all before it.
-DATA_END = struct.Struct("<BQI")
+DATA_END = struct.Struct("<BQ4s")
 # Opcode and length of a record.
 RECORD = struct.Struct("<BQ")
-# Channel, number, and two times of a message, before its data.
-MESSAGE = struct.Struct("<HIQQ")
 BETWEEN = (Opcode.HEADER, Opcode.ATTACHMENT, Opcode.MESSAGE_INDEX)
 
+Kind = Tuple[str, str, str, str]
+"""Of the messages of a channel: topic, datatype, checksum and definition."""
 TORN = (McapError, zstandard.ZstdError, struct.error, ValueError, KeyError, OverflowError)
 """What reading a record raises that is not whole."""
 
@@ -59,7 +61,7 @@ class StoredMcap:
         self.path = path
         self.faults: List[Message] = []
         self._schemas: Dict[int, Schema] = {}
-        self._channels: Dict[int, Tuple[Tuple[str, ...], bool]] = {}
+        self._types: Dict[int, Tuple[Kind, bool]] = {}
 
     def messages(self, datatype: str = "") -> Iterator[RecordedMessage]:
         """Yield every message of the whole chunks, in the order of the file.
@@ -67,17 +69,18 @@ class StoredMcap:
         Args:
             datatype: Type of the messages; empty: of all types.
         """
-        self.faults, self._schemas, self._channels = [], {}, {}
+        self.faults, self._schemas, self._types = [], {}, {}
         content = _mapped(self.path)
-        place, opcode = len(MAGIC), 0
+        place, ended = len(MAGIC), False
         if content[:place] != MAGIC and len(content) >= place:
             self.faults.append(
                 Message("{file} does not begin like an MCAP file", file=self.path.name)
             )
-        while place < len(content) and opcode != Opcode.DATA_END:
+        while place < len(content) and not ended:
             try:
                 opcode, data, end = _record(content, place)
-                found = self._messages(opcode, data, datatype)
+                ended = opcode == Opcode.DATA_END and _sum(content, place) == data
+                found = [] if ended else self._messages(opcode, data, datatype)
             except TORN as error:
                 end = _next_chunk(content, place + 1)
                 if end < len(content):
@@ -90,44 +93,38 @@ class StoredMcap:
 
     def is_finished(self) -> bool:
         """Return whether the file has its end."""
-        return _mapped(self.path)[-len(MAGIC) :] == MAGIC
+        content = _mapped(self.path)
+        return len(content) > len(MAGIC) + END_BYTES and content[-len(MAGIC) :] == MAGIC
 
     def _messages(self, opcode: int, data: bytes, datatype: str) -> List[RecordedMessage]:
-        if opcode in (*BETWEEN, Opcode.DATA_END):
+        if opcode in BETWEEN:
             return []
         if opcode != Opcode.CHUNK:
             raise ValueError(f"a record of kind {opcode} is where a chunk should be")
         messages = []
-        for kind, content in _records_in(_unpacked(data)):
-            if kind == Opcode.SCHEMA:
-                schema = Schema.read(_stream(content))
-                self._schemas[schema.id] = schema
-            elif kind == Opcode.CHANNEL:
-                channel = Channel.read(_stream(content))
-                self._channels[channel.id] = _type_of(self._schemas[channel.schema_id], channel)
-            elif kind == Opcode.MESSAGE:
-                number, _count, time_ns, _published_ns = MESSAGE.unpack_from(content)
-                own, latching = self._channels[number]
+        for record in breakup_chunk(_chunk(data), validate_crc=True):
+            if isinstance(record, Schema):
+                self._schemas[record.id] = record
+            elif isinstance(record, Channel):
+                self._types[record.id] = _type_of(self._schemas[record.schema_id], record)
+            elif isinstance(record, McapMessage):
+                own, latching = self._types[record.channel_id]
                 if datatype in ("", own[1]):
-                    own_data = content[MESSAGE.size :]
-                    messages.append(RecordedMessage(*own, own_data, time_ns, latching))
+                    messages.append(RecordedMessage(*own, record.data, record.log_time, latching))
         return messages
 
     def _check_sums(self, content: bytes) -> None:
         """Find damage outside the chunks, also of a length that hid the end of the data."""
-        is_whole = False
-        with contextlib.suppress(struct.error):  # it is too short
-            place = len(content) - len(MAGIC) - FOOTER.size
-            opcode, size, summary, _offsets, expected = FOOTER.unpack_from(content, place)
-            found = zlib.crc32(memoryview(content)[summary : place + FOOTER.size - 4])
-            data = memoryview(content)[: max(0, summary - DATA_END.size)]
-            end = DATA_END.pack(Opcode.DATA_END, 4, zlib.crc32(data))
-            is_whole = content[len(data) : summary] == end and (opcode, size, found) == (
-                Opcode.FOOTER,
-                FOOTER.size - RECORD.size,
-                expected,
-            )
-        if not is_whole:
+        place = len(content) - END_BYTES
+        opcode, size, summary, _offsets, expected = FOOTER.unpack_from(content, place)
+        is_footer = (opcode, size) == (Opcode.FOOTER, FOOTER.size - RECORD.size)
+        data = max(0, summary - DATA_END.size)
+        end = DATA_END.pack(Opcode.DATA_END, 4, _sum(content, data))
+        if (
+            not is_footer
+            or _sum(content, place + FOOTER.size - 4, summary) != expected
+            or content[data:summary] != end
+        ):
             self._damaged("a checksum outside its chunks is wrong")
 
     def _damaged(self, details: str) -> None:
@@ -140,11 +137,16 @@ def recorded_message(schema: Schema, channel: Channel, message: McapMessage) -> 
     return RecordedMessage(*own, message.data, message.log_time, latching)
 
 
-def _type_of(schema: Schema, channel: Channel) -> Tuple[Tuple[str, ...], bool]:
+def _type_of(schema: Schema, channel: Channel) -> Tuple[Kind, bool]:
     """Return what stands before the data of a channel's messages, and whether it latches."""
     md5sum = channel.metadata.get("md5sum", "")
     own = (channel.topic, schema.name, md5sum, schema.data.decode())
     return own, channel.metadata.get("latching") == "1"
+
+
+def _sum(content: bytes, end: int, start: int = 0) -> bytes:
+    """Return the checksum of a part of the file, as the file holds it."""
+    return zlib.crc32(memoryview(content)[start:end]).to_bytes(4, "little")
 
 
 def _record(content: bytes, place: int) -> Tuple[int, bytes, int]:
@@ -159,32 +161,16 @@ def _record(content: bytes, place: int) -> Tuple[int, bytes, int]:
     return opcode, content[start:end], end
 
 
-def _unpacked(data: bytes) -> bytes:
-    """Return what a chunk holds, by the content of its record.
-
-    Raises:
-        ValueError: Or another of `TORN`: it is not whole.
-    """
-    chunk = Chunk.read(_stream(data))
-    # The size in the frame is checked first: a damaged one must not fill the memory.
-    if chunk.compression != "zstd" or chunk.uncompressed_size > MAX_RECORD_BYTES:
+def _chunk(data: bytes) -> Chunk:
+    """Return the chunk of the content of a record."""
+    chunk = Chunk.read(ReadDataStream(io.BytesIO(data)))
+    if chunk.compression != "zstd" or not chunk.uncompressed_crc:
         raise ValueError("the storage does not write such chunks")
-    if zstandard.frame_content_size(chunk.data) != chunk.uncompressed_size:
+    # A damaged size must not fill the memory.
+    size = zstandard.frame_content_size(chunk.data)
+    if size != chunk.uncompressed_size or size > MAX_RECORD_BYTES:
         raise ValueError("the size of a chunk is wrong")
-    content = zstandard.decompress(chunk.data)
-    if zlib.crc32(content) != chunk.uncompressed_crc:
-        raise ValueError("the checksum of a chunk is wrong")
-    return content
-
-
-def _records_in(content: bytes) -> Iterator[Tuple[int, bytes]]:
-    """Yield the kind and the content of each record of an unpacked chunk."""
-    place = 0
-    while place < len(content):
-        kind, size = RECORD.unpack_from(content, place)
-        place += RECORD.size
-        yield kind, content[place : place + size]
-        place += size
+    return chunk
 
 
 def _next_chunk(content: bytes, place: int) -> int:
@@ -196,13 +182,9 @@ def _next_chunk(content: bytes, place: int) -> int:
         place = found - COMPRESSION_PLACE
         with contextlib.suppress(*TORN):
             opcode, data, _end = _record(content, place)
-            if opcode == Opcode.CHUNK and _unpacked(data):
+            if opcode == Opcode.CHUNK and breakup_chunk(_chunk(data), validate_crc=True):
                 return place
         place += 1
-
-
-def _stream(data: bytes) -> ReadDataStream:
-    return ReadDataStream(io.BytesIO(data))
 
 
 def _mapped(path: Path) -> Any:

@@ -9,13 +9,13 @@ from __future__ import annotations
 import struct
 from dataclasses import dataclass
 from pathlib import PurePath
-from typing import Any, Callable, Mapping, NamedTuple, Optional
+from typing import Any, Callable, Mapping, Optional
 
 from gpr20_survey.folder.log_record import LogRecord, record_of_line
 from gpr20_survey.recording.recording import RecordedMessage
 from gpr20_survey.trace import trace_message
 from gpr20_survey.trace.trace import Trace
-from gpr20_survey.trace.trace_form import Reader, pack_text
+from gpr20_survey.trace.trace_form import pack_text
 
 TRACE_TOPIC = "trace"
 METADATA_TOPIC = "survey_metadata"
@@ -42,43 +42,6 @@ float64 length_s
 _IN_A_RECORDING = struct.pack("<B3d", 0, 0.0, 0.0, 0.0)
 
 
-class RecordedSurvey(NamedTuple):
-    """The survey of a recording, as `replay` names it.
-
-    Attributes:
-        survey_id: UUID.
-        started: Start of the survey, ISO 8601, UTC; empty if it is not known.
-        folder: Name of its folder; empty if it is not known.
-    """
-
-    survey_id: str
-    started: str = ""
-    folder: str = ""
-
-    @classmethod
-    def of(cls, description: Mapping[str, Any], folder: PurePath) -> RecordedSurvey:
-        """Return the survey of a folder, by the content of its survey.json."""
-        survey_id, started = (str(description.get(key, "")) for key in ("survey_id", "started"))
-        return cls(survey_id, started, folder.name)
-
-    @classmethod
-    def decode(cls, data: bytes) -> RecordedSurvey:
-        """Return the survey of a serialized message.
-
-        Raises:
-            ValueError: It is not one.
-        """
-        reader = Reader(data)
-        try:
-            return cls(*[reader.text() for _ in cls._fields])
-        except struct.error as error:
-            raise ValueError("the message is incomplete") from error
-
-    def encode(self) -> bytes:
-        """Return the serialized message of a recording."""
-        return b"".join([*map(pack_text, self), _IN_A_RECORDING])
-
-
 @dataclass(frozen=True)
 class SurveyTopics:
     """Makes the messages of these topics; the bytes that are published are recorded."""
@@ -87,22 +50,24 @@ class SurveyTopics:
     """Full text of the message type gpr20_msgs/Trace."""
     replay_definition: str = REPLAY_DEFINITION
     """Likewise of gpr20_msgs/Replay."""
-    resolve: Callable[[str], str] = "/{}".format
+    resolve: Callable[[str], str] = lambda name: f"/{name}"
     """Returns the absolute name of a topic."""
 
     def trace(self, trace: Trace, time_ns: int) -> RecordedMessage:
         """Return a trace as a message, received at a moment [ns since 1970, UTC]."""
         kind = (trace_message.DATATYPE, trace_message.MD5SUM, self.trace_definition)
-        data = trace_message.encode(trace)
-        return RecordedMessage(self.resolve(TRACE_TOPIC), *kind, data, time_ns)
+        return RecordedMessage(
+            self.resolve(TRACE_TOPIC), *kind, trace_message.encode(trace), time_ns
+        )
 
     def metadata(self, text: str, time_ns: int) -> RecordedMessage:
         """Return the content of survey.json as a latched message."""
-        return self._text(METADATA_TOPIC, text, time_ns, latching=True)
+        return RecordedMessage(self.resolve(METADATA_TOPIC), *TEXT, pack_text(text), time_ns, True)
 
     def log(self, record: LogRecord, time_ns: int) -> RecordedMessage:
         """Return a record of the survey's log as a message, added at a moment [ns]."""
-        return self._text(LOG_TOPIC, record.line()[:-1].decode(), time_ns, latching=False)
+        text = record.line()[:-1].decode()
+        return RecordedMessage(self.resolve(LOG_TOPIC), *TEXT, pack_text(text), time_ns)
 
     def replay(
         self, description: Mapping[str, Any], folder: PurePath, time_ns: int
@@ -112,12 +77,9 @@ class SurveyTopics:
         It is recorded only, so that it is published when the recording is played.
         """
         kind = (REPLAY_TYPE, REPLAY_MD5SUM, self.replay_definition)
-        data = RecordedSurvey.of(description, folder).encode()
+        named = (*(str(description.get(key, "")) for key in ("survey_id", "started")), folder.name)
+        data = b"".join([*map(pack_text, named), _IN_A_RECORDING])
         return RecordedMessage(self.resolve(REPLAY_TOPIC), *kind, data, time_ns, True)
-
-    def _text(self, topic: str, text: str, time_ns: int, latching: bool) -> RecordedMessage:
-        data = pack_text(text)
-        return RecordedMessage(self.resolve(topic), *TEXT, data, time_ns, latching)
 
 
 def is_metadata_topic(topic: str) -> bool:

@@ -45,7 +45,7 @@ class Sweep:
     quality: Tuple[str, ...] = forms.of(
         forms.list_of(forms.TEXT), "remarks on the quality; empty if there are none", rule=_REMARKS
     )
-    analyzer: AnalyzerSettings
+    analyzer: AnalyzerSettings  # type: ignore[misc]  # `of` is no default
 
     def __post_init__(self) -> None:
         forms.check(SWEEP_FIELDS, vars(self))

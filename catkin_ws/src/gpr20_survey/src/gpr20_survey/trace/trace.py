@@ -35,7 +35,7 @@ _COORDINATE = forms.between(-MAX_COORDINATE, MAX_COORDINATE)
 
 
 @dataclass(frozen=True, eq=False)
-class Trace(Sweep):
+class Trace(Sweep):  # type: ignore[misc]  # `of` is no default
     """One S21 sweep at one antenna position; making one checks every value.
 
     The same record is measured, stored, published and read back. What is declared here with `of`

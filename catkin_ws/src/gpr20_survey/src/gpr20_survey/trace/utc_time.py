@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import contextlib
 import datetime
 
 from gpr20_common.errors import InvalidValueError
@@ -16,6 +15,7 @@ NS_PER_S = 1_000_000_000
 EARLIEST_US = 1_577_836_800 * US_PER_S  # 2020-01-01
 LATEST_US = (1 << 32) * US_PER_S  # a ROS time ends in 2106
 
+_US = datetime.timedelta(microseconds=1)
 _EPOCH = datetime.datetime(1970, 1, 1, tzinfo=datetime.timezone.utc)
 
 
@@ -39,11 +39,13 @@ def parse_iso(text: str) -> int:
     Raises:
         InvalidValueError: The text is anything else.
     """
-    with contextlib.suppress(ValueError, TypeError):  # the latter without its end
+    try:
         moment = datetime.datetime.fromisoformat(text)
-        time_us = (moment - _EPOCH) // datetime.timedelta(microseconds=1)
-        if iso_text(time_us) == text:
-            return time_us
+        time_us = (moment - _EPOCH) // _US
+    except (ValueError, TypeError):  # the latter without its end
+        time_us = -1
+    if time_us >= 0 and iso_text(time_us) == text:
+        return time_us
     raise InvalidValueError(
         Message(
             "{text} is not a time such as {example}",

@@ -219,7 +219,7 @@ class Instruments(TranslatedWidget):
         if test.identity:
             lines.append(self.tr("Connected to {address}").format(address=test.address))
             lines.append(test.identity)
-        calibration = CalibrationStatus.named(test.calibration)
+        calibration = CalibrationStatus.__members__.get(test.calibration)
         if calibration is not None:
             state = shown_text(calibration.meaning)
             lines.append(self.tr("Calibration: {state}").format(state=state))
