@@ -21,8 +21,6 @@ MAX_TEXT_CHARACTERS = 500
 MAX_MARKERS = 1000
 MAX_DEPTH_MM = 10_000.0
 REQUEST_KEYS = ("marker_id", "x_mm", "y_mm", "depth_mm", "text", "author")
-"""What a client says of a marker that it adds; the storage adds the times."""
-
 X, Y, DEPTH, TEXT = Message("X"), Message("Y"), Message("depth"), Message("text of the marker")
 
 
@@ -65,10 +63,8 @@ class Marker:
         if self.depth_mm is not None:
             number_between(DEPTH, self.depth_mm, 0.0, MAX_DEPTH_MM, "mm")
         check_text(TEXT, self.text, MAX_TEXT_CHARACTERS)
-        for name in ("author", "removed_by"):
-            check_text(OPERATOR, getattr(self, name), MAX_NAME_CHARACTERS)
-        for name in ("time", "removed"):
-            check_text(name, getattr(self, name), MAX_NAME_CHARACTERS)
+        for name in (self.author, self.removed_by):
+            check_text(OPERATOR, name, MAX_NAME_CHARACTERS)
 
     @property
     def is_present(self) -> bool:
@@ -76,7 +72,7 @@ class Marker:
         return not self.removed
 
     def request(self) -> Dict[str, Any]:
-        """Return what a client says of it."""
+        """Return what a client says of it, without the times."""
         return {key: getattr(self, key) for key in REQUEST_KEYS}
 
     def same_request(self, other: Marker) -> bool:
@@ -86,9 +82,6 @@ class Marker:
 
 def markers_of(description: Mapping[str, Any]) -> Tuple[Marker, ...]:
     """Return all markers of a survey in the order in which they were made, removed ones too.
-
-    Args:
-        description: What the log says of the survey.
 
     Raises:
         InvalidValueError: Its markers are not those that the storage writes.
@@ -114,12 +107,7 @@ def present_markers(description: Mapping[str, Any]) -> Tuple[Marker, ...]:
 def new_marker(
     description: Mapping[str, Any], marker: Marker, now: str
 ) -> Optional[Dict[str, Any]]:
-    """Return the entry of one more marker; None if the survey has it already.
-
-    Args:
-        description: What the log says of the survey.
-        marker: The new marker.
-        now: The present moment, as ISO 8601 text.
+    """Return the entry of one more marker at a time [ISO 8601]; None if the survey has it.
 
     Raises:
         InvalidValueError: The markers of the survey are damaged.
@@ -147,24 +135,15 @@ def removed_marker(
 ) -> Optional[Dict[str, Any]]:
     """Return what changes in the entry of a marker that is removed; None if it is already.
 
-    Args:
-        description: What the log says of the survey.
-        marker_id: UUID of the marker.
-        author: Who removes it.
-        now: The present moment, as ISO 8601 text.
-
     Raises:
         InvalidValueError: The markers of the survey are damaged.
         SurveyRefusedError: The survey never had such a marker.
     """
-    for former in markers_of(description):
-        if former.marker_id == marker_id:
-            return (
-                {"marker_id": marker_id, "removed": now, "removed_by": author}
-                if former.is_present
-                else None
-            )
-    raise SurveyRefusedError(
-        Message("the survey has no marker {marker}", marker=repr(marker_id[:64])),
-        fault=faults.MARKER_REFUSED,
-    )
+    former = [one for one in markers_of(description) if one.marker_id == marker_id]
+    if not former:
+        raise SurveyRefusedError(
+            Message("the survey has no marker {marker}", marker=repr(marker_id[:64])),
+            fault=faults.MARKER_REFUSED,
+        )
+    change = {"marker_id": marker_id, "removed": now, "removed_by": author}
+    return change if former[0].is_present else None

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from dataclasses import asdict, dataclass
-from typing import Any, Dict, Iterable, List, Mapping, Sequence
+from typing import Any, Dict, Iterable, Mapping, Sequence
 
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message, in_a_row
@@ -95,10 +95,7 @@ class RobotConfig:
 
 
 def robot_config(nodes: Mapping[str, NodeDescription]) -> RobotConfig:
-    """Return what is fixed for a robot.
-
-    Args:
-        nodes: The descriptions received so far, by their nodes.
+    """Return what is fixed for a robot, by the descriptions received so far.
 
     Raises:
         InvalidValueError: A node has not described itself, some are simulated and others are
@@ -113,10 +110,6 @@ def robot_config(nodes: Mapping[str, NodeDescription]) -> RobotConfig:
 
 def axis_parameters(axis_id: AxisId, nodes: Mapping[str, NodeDescription]) -> AxisParameters:
     """Return the parameters of one axis.
-
-    Args:
-        axis_id: Which axis.
-        nodes: The descriptions received so far, by their nodes.
 
     Raises:
         InvalidValueError: The axis driver has not described itself, or has other parameters than
@@ -133,20 +126,6 @@ def axis_parameters(axis_id: AxisId, nodes: Mapping[str, NodeDescription]) -> Ax
 def is_simulated_identity(identity: str) -> bool:
     """Return whether an analyzer's identity is that of a simulated one."""
     return SIMULATED_IDENTITY in identity.upper()
-
-
-def recorded_nodes(nodes: Mapping[str, NodeDescription]) -> List[Dict[str, Any]]:
-    """Return the entry `nodes` of the description."""
-    return [
-        {
-            "name": one.node,
-            "hardware": one.hardware.name,
-            "simulated": one.hardware.simulated,
-            "time_scale": one.hardware.time_scale,
-        }
-        for _name, one in sorted(nodes.items())
-        if one.hardware.name
-    ]
 
 
 def _refuse_missing(needed: Iterable[str], nodes: Mapping[str, NodeDescription]) -> None:
@@ -188,5 +167,4 @@ def _refuse_mixed(nodes: Mapping[str, NodeDescription]) -> None:
 
 
 def _joined(names: Sequence[str]) -> Message:
-    messages = [PLAIN_NAMES[name] for name in names]
-    return in_a_row(messages) if len(messages) > 1 else messages[0]
+    return in_a_row([PLAIN_NAMES[name] for name in names])

@@ -64,9 +64,8 @@ def unproven_zeros(report: Any, measured: Iterable[Zeros]) -> Set[Zeros]:
     """Return the zeros of traces that nothing proves to be those of the traces before.
 
     Args:
-        report: The report as it was read; anything may stand there.
-        measured: The zeros of the traces, in the order of their indices; traces that were imported
-            have none.
+        report: As it was read; anything may stand there.
+        measured: The zeros of the traces, in the order of their indices.
     """
     try:
         used = used_zeros_from(report) if isinstance(report, Mapping) else ()
