@@ -47,14 +47,8 @@ class Wgs84Position:
 class Annotation:
     """What people add to a survey; everything in it may be empty, and may be changed later.
 
-    Attributes:
-        operator: Who measured.
-        site: Where, in words.
-        notes: Everything else, in any number of lines.
-        position: Where, on the earth; None if it is not known.
-        heading_deg: Direction of +Y, clockwise from true north, 0 to 360 [deg]; None if it is not
-            known.
-        name: What people call the survey. Its folder and its id do not depend on it.
+    The heading is the direction of +Y, clockwise from true north, 0 to 360 [deg]. Folder and id of
+    a survey do not depend on its name.
     """
 
     operator: str = ""

@@ -7,8 +7,7 @@ from typing import Any, Dict, Mapping, Optional, Tuple
 
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message
-from gpr20_common.mid.checks import number_between
-from gpr20_common.mid.codec import record_from
+from gpr20_common.mid.codec import bounded, record_from
 from gpr20_survey import faults
 from gpr20_survey.errors import SurveyRefusedError
 from gpr20_survey.plan.annotation import MAX_NAME_CHARACTERS, OPERATOR, check_text
@@ -21,29 +20,21 @@ MAX_TEXT_CHARACTERS = 500
 MAX_MARKERS = 1000
 MAX_DEPTH_MM = 10_000.0
 REQUEST_KEYS = ("marker_id", "x_mm", "y_mm", "depth_mm", "text", "author")
-X, Y, DEPTH, TEXT = Message("X"), Message("Y"), Message("depth"), Message("text of the marker")
+TEXT = Message("text of the marker")
 
 
 @dataclass(frozen=True)
 class Marker:
     """A place that somebody noted; one that was removed stays in the list.
 
-    Attributes:
-        marker_id: UUID, made by the client.
-        x_mm: Place along X [mm], in the coordinates of the robot.
-        y_mm: Place along Y [mm].
-        depth_mm: Depth below the surface [mm]; None if it is not known.
-        text: One line; may be empty.
-        author: Who made it; may be empty.
-        time: When the storage took it, as ISO 8601 text; empty before that.
-        removed: When it was removed, as ISO 8601 text; empty if it was not.
-        removed_by: Who removed it; may be empty.
+    The client makes the UUID; the coordinates are those of the robot, the depth is below the
+    surface. The storage adds `time` and `removed`, when it took and removed it [ISO 8601].
     """
 
     marker_id: str
-    x_mm: float
-    y_mm: float
-    depth_mm: Optional[float] = None
+    x_mm: float = bounded(-MAX_COORDINATE, MAX_COORDINATE)
+    y_mm: float = bounded(-MAX_COORDINATE, MAX_COORDINATE)
+    depth_mm: Optional[float] = bounded(0.0, MAX_DEPTH_MM, None)
     text: str = ""
     author: str = ""
     time: str = ""
@@ -58,10 +49,6 @@ class Marker:
                     marker=repr(self.marker_id[:64]),
                 )
             )
-        number_between(X, self.x_mm, -MAX_COORDINATE, MAX_COORDINATE, "mm")
-        number_between(Y, self.y_mm, -MAX_COORDINATE, MAX_COORDINATE, "mm")
-        if self.depth_mm is not None:
-            number_between(DEPTH, self.depth_mm, 0.0, MAX_DEPTH_MM, "mm")
         check_text(TEXT, self.text, MAX_TEXT_CHARACTERS)
         for name in (self.author, self.removed_by):
             check_text(OPERATOR, name, MAX_NAME_CHARACTERS)

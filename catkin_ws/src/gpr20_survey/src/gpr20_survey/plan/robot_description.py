@@ -36,14 +36,7 @@ SIMULATED_IDENTITY = "SIMULATED"
 
 @dataclass(frozen=True)
 class NodeDescription:
-    """What one node is.
-
-    Attributes:
-        node: Name of the node below the robot's namespace.
-        hardware: What it drives; its name is empty for a node without hardware.
-        configuration: The parameters with which it started.
-        software: What it runs, and where.
-    """
+    """What one node is: its name below the robot's namespace, and the parameters of its start."""
 
     node: str
     hardware: Hardware
@@ -75,13 +68,7 @@ class NodeDescription:
 
 @dataclass(frozen=True)
 class RobotConfig:
-    """What is fixed for one robot.
-
-    Attributes:
-        axes: Parameters of its axes.
-        simulated: Whether it is simulated.
-        time_scale: How many times faster than the real robot it runs; 1 if it is real.
-    """
+    """What is fixed for one robot; a simulated one runs `time_scale` times faster."""
 
     axes: Dict[AxisId, AxisParameters]
     simulated: bool

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import re
 from dataclasses import dataclass
 from typing import Iterator, Optional, Tuple
@@ -10,7 +9,7 @@ from typing import Iterator, Optional, Tuple
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.faults import CONFIGURATION
 from gpr20_common.message import Message
-from gpr20_common.mid.checks import number_between
+from gpr20_common.mid.codec import bounded
 from gpr20_survey.trace.aux_value import (
     AUX_NAME,
     AUX_UNIT,
@@ -27,7 +26,6 @@ MESSAGE = re.compile(r"[A-Za-z]\w*/[A-Za-z]\w*", re.ASCII)
 FIELD = re.compile(r"[A-Za-z]\w*(\[\d{1,6}\])?(\.[A-Za-z]\w*(\[\d{1,6}\])?)*", re.ASCII)
 # A trace has a value of the analyzer too.
 MAX_SENSORS = MAX_AUX_VALUES - 1
-SHORTEST_AGE_S, LONGEST_AGE_S = 0.05, 3600.0
 
 
 @dataclass(frozen=True)
@@ -52,7 +50,7 @@ class Sensor:
     message: str
     field: str
     unit: str = ""
-    longest_age_s: float = 5.0
+    longest_age_s: float = bounded(0.05, 3600.0, 5.0)
     required: bool = False
     low: Optional[float] = None
     high: Optional[float] = None
@@ -60,7 +58,6 @@ class Sensor:
     def __post_init__(self) -> None:
         for mistake in self._mistakes():
             raise InvalidValueError(mistake, fault=CONFIGURATION)
-        number_between("longest_age_s", self.longest_age_s, SHORTEST_AGE_S, LONGEST_AGE_S, "s")
 
     def _mistakes(self) -> Iterator[Message]:
         for key, pattern, example in (
@@ -86,14 +83,12 @@ class Sensor:
                 value=repr(self.unit[:64]),
                 most=MAX_UNIT_CHARACTERS,
             )
-        bounds = [one for one in (self.low, self.high) if one is not None]
-        if not all(map(math.isfinite, bounds)) or bounds != sorted(set(bounds)):
+        if self.low is not None and self.high is not None and self.low >= self.high:
             yield Message(
-                "low and high of sensor {sensor} are {low} and {high}; they must be finite, and "
-                "low below high",
+                "low and high of sensor {sensor} are {low:g} and {high:g}; low must be below high",
                 sensor=self.name,
-                low=str(self.low),
-                high=str(self.high),
+                low=self.low,
+                high=self.high,
             )
 
     def is_plausible(self, value: float) -> bool:

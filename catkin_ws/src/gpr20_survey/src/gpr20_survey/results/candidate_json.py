@@ -10,8 +10,7 @@ from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message
 from gpr20_common.mid.codec import plain, record_from
 from gpr20_common.sent_message import received_message
-from gpr20_survey.no_clearance import NO_CLEARANCE, SIMULATED
-from gpr20_survey.results.candidates import Candidate, CandidateList
+from gpr20_survey.results.candidates import NO_CLEARANCE, SIMULATED, Candidate, CandidateList
 
 FORMAT = "gpr20-candidates/1"
 """Another flag, or another key that must be there, is another format."""

@@ -10,6 +10,10 @@ from typing import Optional, Tuple
 from gpr20_common.message import Message
 from gpr20_survey.results.area_position import AreaPosition
 
+NO_CLEARANCE = Message(
+    "This is a list of candidates, no clearance: ground without a candidate is not free of mines."
+)
+SIMULATED = Message("SIMULATED: these are no measurements of real ground.")
 MM_PER_M = 1e3
 # What is rarer was not observed in any ground.
 FEWEST_ALARMS_PER_M2 = 0.01
