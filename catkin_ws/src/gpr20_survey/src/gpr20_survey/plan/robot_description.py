@@ -141,16 +141,6 @@ def _refuse_mixed(nodes: Mapping[str, NodeDescription]) -> None:
             ),
             fault=faults.MIXED_PARTS,
         )
-    scales = sorted({nodes[name].hardware.time_scale for name in PLAIN_NAMES})
-    if len(scales) > 1:
-        raise InvalidValueError(
-            Message(
-                "the parts of the simulated robot run at different speeds, {scales} times the real "
-                "one; end every launch and start one",
-                scales=", ".join(f"{scale:g}" for scale in scales),
-            ),
-            fault=faults.MIXED_PARTS,
-        )
 
 
 def _joined(names: Sequence[str]) -> Message:

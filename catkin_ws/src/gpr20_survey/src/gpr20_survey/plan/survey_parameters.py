@@ -141,12 +141,6 @@ class SurveySettings:
     drift_limit_deg: float = bounded(0.1, 180.0, 10.0)
 
 
-class SurveyParametersError(InvalidValueError):
-    """Parameters of a survey are not allowed; the message names each."""
-
-    fault = faults.PLAN_NOT_ALLOWED
-
-
 class Relation(enum.Enum):
     """Rules about several parameters; each value names those that are to be corrected."""
 
@@ -174,11 +168,11 @@ def check(parameters: SurveyParameters, travel: RobotTravel) -> None:
     """Refuse parameters that the robot cannot or should not carry out.
 
     Raises:
-        SurveyParametersError: Naming every parameter that is wrong.
+        InvalidValueError: Naming every parameter that is wrong.
     """
-    found = find_problems(parameters, travel)
+    found = [one.message for one in find_problems(parameters, travel)]
     if found:
-        raise SurveyParametersError(in_a_row([one.message for one in found]))
+        raise InvalidValueError(in_a_row(found), fault=faults.PLAN_NOT_ALLOWED)
 
 
 def find_problems(parameters: SurveyParameters, travel: RobotTravel) -> List[Problem]:

@@ -207,7 +207,7 @@ def plan_survey(
     """Check the parameters of a survey and plan it.
 
     Raises:
-        SurveyParametersError: Parameters are not allowed; each is named.
+        InvalidValueError: Parameters are not allowed; each is named.
     """
     check(parameters, config.travel)
     points = survey_points(parameters, config.travel)
@@ -222,7 +222,7 @@ def plan_resumption(
 
     Raises:
         RequestRefusedError: Another robot measured the survey, or its metadata are incomplete.
-        SurveyParametersError: Its parameters are not allowed on this robot.
+        InvalidValueError: Its parameters are not allowed on this robot.
     """
     plan = plan_survey(_resumable_parameters(reopened, config), config, settings)
     beyond = [index for index in reopened.stored_indices if index >= plan.total_points]
