@@ -24,8 +24,6 @@ SENSORS = "sensors"
 TOPIC = re.compile(r"/?[A-Za-z]\w*(/[A-Za-z]\w*)*", re.ASCII)
 MESSAGE = re.compile(r"[A-Za-z]\w*/[A-Za-z]\w*", re.ASCII)
 FIELD = re.compile(r"[A-Za-z]\w*(\[\d{1,6}\])?(\.[A-Za-z]\w*(\[\d{1,6}\])?)*", re.ASCII)
-# A trace has a value of the analyzer too.
-MAX_SENSORS = MAX_AUX_VALUES - 1
 
 
 @dataclass(frozen=True)
@@ -67,7 +65,7 @@ class Sensor:
             ("field", FIELD, "data"),
         ):
             value = getattr(self, key)
-            if not pattern.fullmatch(value) or value == VNA_TEMPERATURE:
+            if not pattern.fullmatch(value):
                 yield Message(
                     "{key} of sensor {sensor} is {value}; it must be like {example}",
                     key=key,
@@ -107,18 +105,20 @@ class Sensors:
     sensors: Tuple[Sensor, ...] = ()
 
     def __post_init__(self) -> None:
-        names = [one.name for one in self.sensors]
-        twice = next((one for one in names if names.count(one) > 1), None)
-        if len(names) > MAX_SENSORS:
+        names = [VNA_TEMPERATURE, *(one.name for one in self.sensors)]
+        if len(names) > MAX_AUX_VALUES:
             message = Message(
                 "there are {count} sensors; at most {most} are allowed",
-                count=len(names),
-                most=MAX_SENSORS,
+                count=len(self.sensors),
+                most=MAX_AUX_VALUES - 1,
             )
             raise InvalidValueError(message, fault=CONFIGURATION)
-        if twice is not None:
-            message = Message("two sensors have the name {name}; give each its own", name=twice)
-            raise InvalidValueError(message, fault=CONFIGURATION)
+        for name in names:
+            if names.count(name) > 1:
+                raise InvalidValueError(
+                    Message("two sensors have the name {name}; give each its own", name=name),
+                    fault=CONFIGURATION,
+                )
 
     @property
     def topics(self) -> Tuple[str, ...]:
