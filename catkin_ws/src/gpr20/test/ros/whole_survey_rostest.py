@@ -37,10 +37,10 @@ from gpr20_msgs.msg import Annotation, ControlStatus
 from gpr20_msgs.srv import AddFact, ExportSurvey, FindCandidates, FocusSurvey
 from gpr20_survey.axes import axis_id as frames
 from gpr20_survey.folder.recovery import read_description
-from gpr20_survey.no_clearance import NO_CLEARANCE
 from gpr20_survey.plan import annotation
 from gpr20_survey.plan.annotation import Wgs84Position
 from gpr20_survey.plan.markers import Marker, present_markers
+from gpr20_survey.results.candidates import NO_CLEARANCE
 
 GRAPH_PAGE = Path(__file__).resolve().parents[5] / "docs/reference/ros_graph.md"
 # Of what the page documents, what this launch does not start.

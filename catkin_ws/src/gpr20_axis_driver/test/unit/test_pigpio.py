@@ -97,7 +97,9 @@ def test_the_pulses_of_a_move_come_when_the_ramp_says(axis):
     edges_s = axis.edges_s[before:]
     pauses_s = [(later - earlier) / 2 for earlier, later in zip(edges_s, edges_s[1:])]
     assert len(edges_s) == 500
-    assert pauses_s == pytest.approx(list(RAMP.pauses_s(500))[:-1], abs=1e-6)
+    assert pauses_s == pytest.approx(
+        [RAMP.pause_s(min(step, 499 - step)) for step in range(500)][:-1], abs=1e-6
+    )
 
 
 def test_the_count_is_exact_whatever_is_stopped_when(axis):

@@ -24,7 +24,6 @@ from gpr20_survey.plan.recorded_plan import PlanFit
 from gpr20_survey.plan.sensors import Sensors
 from gpr20_survey.plan.survey_parameters import (
     SurveyParameters,
-    SurveyParametersError,
     check,
     find_problems,
 )
@@ -98,7 +97,7 @@ WRONG_PARAMETERS = {
     ],
 )
 def test_a_wrong_parameter_is_refused_with_its_value_and_its_limits(field, value, shown):
-    with raises_fault("plan.not_allowed", *shown, error=SurveyParametersError):
+    with raises_fault("plan.not_allowed", *shown, error=InvalidValueError):
         check(replace(PARAMETERS, **{field: value}), TRAVEL)
 
 

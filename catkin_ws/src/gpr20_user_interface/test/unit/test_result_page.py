@@ -14,8 +14,8 @@ from gpr20_operator.jobs.job import JobState
 from gpr20_operator.jobs.pictures import Exported
 from gpr20_operator.jobs.result_texts import NOT_SAFE, NOTHING_FOUND
 from gpr20_operator.words import local_time
-from gpr20_survey.no_clearance import NO_CLEARANCE
 from gpr20_survey.plan.survey_state import SurveyState
+from gpr20_survey.results.candidates import NO_CLEARANCE
 from gpr20_survey.results.found import What
 from gpr20_survey.results.hidden_target import Targets
 from gpr20_user_interface.look.translation import shown_text

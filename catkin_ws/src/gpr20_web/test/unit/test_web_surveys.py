@@ -20,8 +20,8 @@ from gpr20_operator.jobs.result import list_sum
 from gpr20_operator.robot.replay import ReplayView
 from gpr20_survey.folder import found_records
 from gpr20_survey.folder.recovery import read_description
-from gpr20_survey.no_clearance import NO_CLEARANCE
 from gpr20_survey.plan.survey_state import SurveyState
+from gpr20_survey.results.candidates import NO_CLEARANCE
 from gpr20_survey.results.found import What
 from gpr20_web.errors import (
     BusyError,

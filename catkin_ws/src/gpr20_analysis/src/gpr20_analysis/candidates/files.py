@@ -18,9 +18,15 @@ from gpr20_analysis.errors import ExportError, wrong_ending
 from gpr20_analysis.formats.csv_cells import csv_cell
 from gpr20_common.message import Message
 from gpr20_survey.files.file_sums import sum_of_file
-from gpr20_survey.no_clearance import NO_CLEARANCE, SIMULATED
 from gpr20_survey.results.area_position import AreaPosition
-from gpr20_survey.results.candidates import CandidateList, candidate_record, json_text, list_record
+from gpr20_survey.results.candidates import (
+    NO_CLEARANCE,
+    SIMULATED,
+    CandidateList,
+    candidate_record,
+    json_text,
+    list_record,
+)
 
 CSV, JSON, GEOJSON, GPKG = ".csv", ".json", ".geojson", ".gpkg"
 SUM = ".sha256"

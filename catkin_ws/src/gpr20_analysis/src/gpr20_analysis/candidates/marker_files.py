@@ -14,8 +14,8 @@ from gpr20_analysis.candidates.marker_list import MarkerList
 from gpr20_analysis.dataset import MM_PER_M
 from gpr20_analysis.errors import ExportError, wrong_ending
 from gpr20_analysis.formats.csv_cells import csv_cell
-from gpr20_survey.no_clearance import NO_CLEARANCE, SIMULATED
 from gpr20_survey.plan.markers import Marker
+from gpr20_survey.results.candidates import NO_CLEARANCE, SIMULATED
 
 FORMAT = "gpr20-markers/1"
 COLUMNS = (

@@ -7,8 +7,13 @@ from typing import List, Optional, Sequence, Tuple
 from gpr20_analysis.sentences import ENGLISH
 from gpr20_common.catalogue import Catalogue
 from gpr20_common.message import Message
-from gpr20_survey.no_clearance import NO_CLEARANCE, SIMULATED
-from gpr20_survey.results.candidates import MOST_DOUBTFUL, Candidate, CandidateList
+from gpr20_survey.results.candidates import (
+    MOST_DOUBTFUL,
+    NO_CLEARANCE,
+    SIMULATED,
+    Candidate,
+    CandidateList,
+)
 
 NONE = "-"
 DOUBTFUL_TITLE = Message(

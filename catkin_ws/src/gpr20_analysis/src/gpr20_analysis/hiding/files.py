@@ -24,7 +24,7 @@ from gpr20_analysis.dataset import MM_PER_M
 from gpr20_analysis.errors import ExportError, UnreadableFileError, wrong_ending
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message
-from gpr20_survey.no_clearance import SIMULATED
+from gpr20_survey.results.candidates import SIMULATED
 from gpr20_survey.results.hiding_map import ONLY_THIS, HidingMap, hiding_from, hiding_json
 
 # A map has one place for about this many characters.

@@ -20,7 +20,7 @@ from gpr20_analysis.report.sections import sections_of
 from gpr20_analysis.report.summary import SIMULATED
 from gpr20_common.catalogue import Catalogue, Language
 from gpr20_common.low.catalogue_file import language_from_code, read_catalogue
-from gpr20_survey.no_clearance import NO_CLEARANCE
+from gpr20_survey.results.candidates import NO_CLEARANCE
 from gpr20_survey.results.hiding_map import HidingMap
 
 HTML, PDF = ".html", ".pdf"

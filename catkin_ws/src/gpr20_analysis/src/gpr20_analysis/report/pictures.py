@@ -28,8 +28,7 @@ from gpr20_analysis.report.records import Section
 from gpr20_analysis.sentences import ENGLISH, shown
 from gpr20_common.catalogue import Catalogue
 from gpr20_common.message import Message
-from gpr20_survey.no_clearance import NO_CLEARANCE
-from gpr20_survey.results.candidates import CandidateList
+from gpr20_survey.results.candidates import NO_CLEARANCE, CandidateList
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

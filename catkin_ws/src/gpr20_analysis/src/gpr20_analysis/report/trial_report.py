@@ -10,7 +10,7 @@ from gpr20_analysis.trial.documents import Plan
 from gpr20_analysis.trial.score import GroupScore, LaneScore, Score, counts
 from gpr20_common.catalogue import Catalogue, Language
 from gpr20_common.message import Message
-from gpr20_survey.no_clearance import SIMULATED
+from gpr20_survey.results.candidates import SIMULATED
 
 FOOTER = Message(
     "A trial counts targets that were buried for it. It says nothing about any other ground."

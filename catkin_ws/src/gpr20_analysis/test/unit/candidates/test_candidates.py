@@ -28,8 +28,7 @@ from gpr20_analysis.imaging.methods import DEFAULT_STEPS
 from gpr20_analysis.processing.chain import process_survey
 from gpr20_common.catalogue import Language
 from gpr20_common.low.catalogue_file import read_catalogue
-from gpr20_survey.no_clearance import NO_CLEARANCE
-from gpr20_survey.results.candidates import Flag
+from gpr20_survey.results.candidates import NO_CLEARANCE, Flag
 
 
 def test_echoes_of_both_polarizations_are_one_candidate_where_they_are():

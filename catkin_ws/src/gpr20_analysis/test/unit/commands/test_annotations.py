@@ -21,10 +21,9 @@ from gpr20_survey.folder.annotating import Fact
 from gpr20_survey.folder.found_records import read_found
 from gpr20_survey.folder.log_record import Kind
 from gpr20_survey.folder.recovery import read_description
-from gpr20_survey.no_clearance import NO_CLEARANCE
 from gpr20_survey.plan.annotation import Annotation, Wgs84Position, annotation_of
 from gpr20_survey.plan.markers import Marker
-from gpr20_survey.results.candidates import json_text
+from gpr20_survey.results.candidates import NO_CLEARANCE, json_text
 from gpr20_survey.results.found import What, present
 
 # When the storage of the tests notes something.

@@ -88,7 +88,7 @@ class MainControl:
 
         Raises:
             RequestRefusedError: A survey is running.
-            SurveyParametersError: Parameters are not allowed; each is named.
+            InvalidValueError: Parameters are not allowed; each is named.
             InvalidValueError: The parts of the robot have not described themselves, or disagree.
         """
         stops = self._stops

@@ -7,10 +7,10 @@ from fake_robot import LIMIT_S
 from fault_kit import raises_fault
 from survey_examples import PARAMETERS
 
+from gpr20_common.errors import InvalidValueError
 from gpr20_main_control import faults
 from gpr20_main_control.errors import DeviceError, RequestRefusedError
 from gpr20_main_control.mid.survey.survey_status import TRANSITIONS
-from gpr20_survey.plan.survey_parameters import SurveyParametersError
 from gpr20_survey.plan.survey_state import RUNNING
 from gpr20_survey.plan.survey_state import SurveyState as State
 
@@ -119,7 +119,7 @@ def test_status_and_description_say_whose_plan_it_is(bench):
     shown = bench.board.status
     assert (shown.plan_id, shown.plan_set_by) == (plan.parameters.plan_id, "/window")
     # A plan that is refused replaces none.
-    with pytest.raises(SurveyParametersError):
+    with pytest.raises(InvalidValueError):
         bench.control.set_parameters(replace(PARAMETERS, x_points=2), "/other")
     assert bench.board.status == shown
     bench.control.start(plan_id=plan.parameters.plan_id)

@@ -29,7 +29,6 @@ from gpr20_survey.plan.survey_parameters import (
     MIN_GRID_POINTS,
     MIN_IF_BANDWIDTH_HZ,
     RobotTravel,
-    Rule,
     SurveyParameters,
     coordinate_limits_mm,
 )
@@ -89,13 +88,11 @@ def _within(lower: float, upper: float) -> Limits:
 
 def _axis(axis: str, start: Message, stop: Message, spacing: Message, points: Message) -> Specs:
     """Return the fields of a linear axis by their titles, with the defaults of both axes."""
-    name = axis.upper()
 
     def end(which: str, title: Message, default: str) -> FieldSpec:
         return FieldSpec(
             *(f"{axis}_{which}_mm", title, Tile.AREA, MILLIMETRES, default),
             limits=lambda travel: coordinate_limits_mm(getattr(travel, axis)),
-            rules=frozenset([Rule[f"{name}_{which.upper()}"]]),
             presets=presets.areas,
         )
 
@@ -111,7 +108,6 @@ def _axis(axis: str, start: Message, stop: Message, spacing: Message, points: Me
         FieldSpec(
             *(f"{axis}_points", points, Tile.SPACING, WHOLE, "11"),
             limits=_within(MIN_GRID_POINTS, MAX_GRID_POINTS),
-            rules=frozenset([Rule[f"{name}_POINTS"], Rule[f"{name}_SPACING"], Rule.SIZE]),
             presets=presets.spacings,
         ),
     )
@@ -133,7 +129,6 @@ PLAN: Specs = (
     FieldSpec(
         *("vna_address", Message("VNA address"), Tile.VNA, ADDRESS),
         allowed=_always(Message("four whole numbers from 0 to 255")),
-        rules=frozenset([Rule.ADDRESS]),
         presets=presets.addresses,
         empty=Message("as configured"),
     ),
@@ -146,19 +141,16 @@ PLAN: Specs = (
                 **dict(zip(("lower", "upper"), _MEGAHERTZ)),
             )
         ),
-        rules=frozenset([Rule.START_FREQUENCY, Rule.FREQUENCY_ORDER]),
         presets=presets.frequencies,
     ),
     FieldSpec(
         *("stop_frequency_hz", Message("Stop frequency (MHz)"), Tile.FREQUENCIES, MEGAHERTZ),
         *("6000", _within(*_MEGAHERTZ)),
-        rules=frozenset([Rule.STOP_FREQUENCY]),
         presets=presets.frequencies,
     ),
     FieldSpec(
         *("frequency_points", Message("Frequency points"), Tile.FREQUENCIES, WHOLE, "501"),
         limits=_within(MIN_FREQUENCY_POINTS, MAX_FREQUENCY_POINTS),
-        rules=frozenset([Rule.FREQUENCY_POINTS, Rule.FREQUENCY_SPACING]),
         presets=presets.frequencies,
     ),
     *_axis(
@@ -179,13 +171,11 @@ PLAN: Specs = (
         *("polarizations_deg", Message("Antenna rotations (°)"), Tile.ANTENNAS, ROTATIONS),
         "0, 90",
         allowed=_rotations_allowed,
-        rules=frozenset([Rule.POLARIZATIONS]),
         presets=presets.rotations,
     ),
     FieldSpec(
         *("if_bandwidth_hz", Message("IF bandwidth (Hz)"), Tile.VNA, HERTZ),
         limits=_within(MIN_IF_BANDWIDTH_HZ, MAX_IF_BANDWIDTH_HZ),
-        rules=frozenset([Rule.IF_BANDWIDTH]),
         choices=("", *map(number_text, IF_BANDWIDTHS_HZ)),
         presets=presets.settings("if_bandwidth_hz", presets.IF_BANDWIDTHS, "Hz"),
         empty=_AS_ON_VNA,
@@ -193,14 +183,12 @@ PLAN: Specs = (
     FieldSpec(
         *("averages", Message("Averages"), Tile.VNA, WHOLE.or_empty()),
         limits=_within(1, MAX_AVERAGES),
-        rules=frozenset([Rule.AVERAGES]),
         presets=presets.settings("averages", presets.AVERAGES, "x"),
         empty=_AS_ON_VNA,
     ),
     FieldSpec(
         *("output_power", Message("Output power"), Tile.VNA, WORD),
         allowed=_always(Message("LOW or HIGH for the MS2026C")),
-        rules=frozenset([Rule.OUTPUT_POWER]),
         choices=("", *OUTPUT_POWERS),
         presets=presets.settings("output_power", OUTPUT_POWERS),
         empty=_AS_ON_VNA,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
-from typing import Any, Dict, FrozenSet, Iterable, Mapping, Optional, Set
+from typing import Any, Dict, FrozenSet, Iterable, Mapping, Optional, Set, Union
 
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message
@@ -14,8 +14,8 @@ from gpr20_operator.words import number_from_text
 from gpr20_survey.plan.survey_parameters import (
     MAX_TRACES,
     MIN_GRID_POINTS,
+    Relation,
     RobotTravel,
-    Rule,
     SurveyParameters,
     find_problems,
 )
@@ -23,10 +23,6 @@ from gpr20_survey.trace.ms2026c import MIN_FREQUENCY_SPACING_HZ
 
 # Of a spacing; a derived spacing is shown with six digits.
 ROUNDING = 1.0e-5
-# Rules about several fields; they are not judged while one of the fields cannot be read.
-_RELATIONS = frozenset(
-    [Rule.FREQUENCY_ORDER, Rule.FREQUENCY_SPACING, Rule.X_SPACING, Rule.Y_SPACING, Rule.SIZE]
-)
 
 
 @dataclass(frozen=True)
@@ -59,16 +55,14 @@ def check_plan(
         except InvalidValueError:
             if spec.name not in ignored:
                 problems[spec.name] = _unreadable(spec, texts[spec.name], travel)
-    unreadable = [one for one in PARAMETERS if one.name not in values]
+    unreadable = [one.name for one in PARAMETERS if one.name not in values]
     known = {one.name: values[one.name] for one in PARAMETERS if one.name in values}
     candidate = replace(default_parameters(), **known)
     # What cannot be read has its default, which must not be judged, nor what follows from it.
-    unjudged = frozenset().union(_RELATIONS if unreadable else (), *(o.rules for o in unreadable))
     for found in find_problems(candidate, travel):
-        if found.rule not in unjudged:
-            for spec in PARAMETERS:
-                if found.rule in spec.rules:
-                    problems.setdefault(spec.name, _correction(spec, found.rule, travel))
+        if found.of not in unreadable and not (unreadable and isinstance(found.of, Relation)):
+            for name in found.to_correct:
+                problems.setdefault(name, _correction(SPECS[name], found.of, travel))
     in_order = {one.name: problems[one.name] for one in PLAN if one.name in problems}
     return PlanCheck(None if in_order else candidate, values.get("permittivity"), in_order)
 
@@ -86,13 +80,13 @@ def _unreadable(spec: FieldSpec, text: str, travel: RobotTravel) -> Message:
     )
 
 
-def _correction(spec: FieldSpec, rule: Rule, travel: RobotTravel) -> Message:
-    if rule is Rule.FREQUENCY_SPACING:
+def _correction(spec: FieldSpec, of: Union[str, Relation], travel: RobotTravel) -> Message:
+    if of is Relation.FREQUENCY_SPACING:
         return Message("frequencies at least {least:g} Hz apart", least=MIN_FREQUENCY_SPACING_HZ)
-    if rule in (Rule.X_SPACING, Rule.Y_SPACING):
-        step_mm = (travel.x if rule is Rule.X_SPACING else travel.y).step
+    if of in (Relation.X_SPACING, Relation.Y_SPACING):
+        step_mm = (travel.x if of is Relation.X_SPACING else travel.y).step
         return Message("stops at least {step:g} mm apart", step=step_mm)
-    if rule is Rule.SIZE:
+    if of is Relation.SIZE:
         return Message("at most {most} traces per survey", most=MAX_TRACES)
     return spec.allows(travel)
 

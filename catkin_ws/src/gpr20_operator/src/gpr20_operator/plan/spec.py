@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import enum
 from dataclasses import dataclass
-from typing import Any, Callable, FrozenSet, List, Optional, Tuple
+from typing import Any, Callable, List, Optional, Tuple
 
 from gpr20_common.message import Message
 from gpr20_operator.plan.presets import Preset, PresetContext
 from gpr20_operator.words import stepped
-from gpr20_survey.plan.survey_parameters import RobotTravel, Rule
+from gpr20_survey.plan.survey_parameters import RobotTravel
 
 # The arrows stop here; the checks limit the size of the whole survey.
 MAX_GRID_POINTS = 9999
@@ -76,7 +76,6 @@ class FieldSpec:
         default: The text with which a plan starts.
         limits: Smallest and largest number; the arrows stop there.
         allowed: What it allows, if that is not a number within these limits.
-        rules: Rules for a survey that are about this field.
         choices: Texts among which an arrow chooses, instead of changing a number.
         presets: What a touch fills in.
         empty: What an empty text means; None: nothing.
@@ -90,7 +89,6 @@ class FieldSpec:
     default: str = ""
     limits: Optional[Limits] = None
     allowed: Optional[Callable[[RobotTravel], Message]] = None
-    rules: FrozenSet[Rule] = frozenset()
     choices: Tuple[str, ...] = ()
     presets: Callable[[PresetContext], List[Preset]] = lambda _context: []
     empty: Optional[Message] = None

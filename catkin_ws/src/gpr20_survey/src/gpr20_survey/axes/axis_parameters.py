@@ -134,10 +134,11 @@ class AxisParameters:
         number_between("max_step", self.max_step, MIN_PAUSE_S, MAX_PAUSE_S, "s")
         number_between("min_step", self.min_step, MIN_PAUSE_S, self.max_step, "s")
         number_between("min_coord", self.min_coord, -1.0e5, 1.0e5, unit)
-        number_between("max_coord", self.max_coord, self.min_coord, 1.0e5, unit)
+        lowest = self.min_coord + self.step_size
+        number_between("max_coord", self.max_coord, lowest, 1.0e5, unit)
         number_between("late_limit_s", self.late_limit_s, MIN_PAUSE_S, self.min_step, "s")
         number_between("gap_limit_s", self.gap_limit_s, self.late_limit_s, MAX_GAP_S, "s")
-        for mistake in (*self._mistaken_pins(), *self._mistaken_zero(), *self._mistaken_class()):
+        for mistake in (*self._mistaken_pins(), *self._mistaken_zero()):
             raise InvalidValueError(mistake, fault=CONFIGURATION)
         # Homing goes back and forth by it, and must stay within the axis.
         longest = (self.max_coord - self.min_coord) / HOMING_BACKOFFS
@@ -173,15 +174,6 @@ class AxisParameters:
                 )
 
     def _mistaken_zero(self) -> Iterator[Message]:
-        if self.max_coord - self.min_coord < self.step_size:
-            yield Message(
-                "max_coord is {upper:g} {unit}; it must be at least one step, {step:g} {unit}, "
-                "above min_coord, {lower:g} {unit}",
-                upper=self.max_coord,
-                step=self.step_size,
-                lower=self.min_coord,
-                unit=self.unit,
-            )
         if not self.finds_zero and self.type == LINEAR:
             yield Message(
                 "sensor_pin is missing; a linear axis needs an endstop to find its zero: set the "
@@ -198,8 +190,6 @@ class AxisParameters:
             yield Message(
                 "memory_file is '{file}'; it must be an absolute path", file=self.memory_file
             )
-
-    def _mistaken_class(self) -> Iterator[Message]:
         if self.controller and not is_extension(self.controller):
             yield Message(
                 "{key} is {name}; it must have the form {example}",

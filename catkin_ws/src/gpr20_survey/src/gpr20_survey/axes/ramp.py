@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Iterator
 
 # Prevents a rounding error of the pauses from adding or removing a step.
 ROUNDING = 1.0e-9
@@ -27,17 +26,6 @@ class Ramp:
     def pause_s(self, height: int) -> float:
         """Return the pause [s] so many steps up the ramp; 0 is the slowest."""
         return max(self.min_pause_s, self.max_pause_s - self.delta_s * height)
-
-    def pauses_s(self, steps: int) -> Iterator[float]:
-        """Yield the pause [s] of each step of a move.
-
-        The move speeds up from the slowest pause, runs at the shortest and slows down
-        again; if it is too short for that, it slows down from the middle on. No shorter move
-        of as many steps is within the bounds, because each pause is as short as the distances
-        from the start and to the end allow.
-        """
-        for step in range(steps):
-            yield self.pause_s(min(step, steps - 1 - step))
 
     def height_after(self, pause_s: float) -> int:
         """Return how high on the ramp the step after one with this pause [s] may be."""

@@ -30,12 +30,7 @@ Name = Union[str, Message]
 
 @dataclass(frozen=True)
 class Wgs84Position:
-    """A place on the earth.
-
-    Attributes:
-        latitude_deg: Geodetic latitude [deg], north positive.
-        longitude_deg: Longitude [deg], east positive.
-    """
+    """Geodetic latitude, north positive, and longitude, east positive [deg]."""
 
     latitude_deg: float
     longitude_deg: float
@@ -52,14 +47,8 @@ class Wgs84Position:
 class Annotation:
     """What people add to a survey; everything in it may be empty, and may be changed later.
 
-    Attributes:
-        operator: Who measured.
-        site: Where, in words.
-        notes: Everything else, in any number of lines.
-        position: Where, on the earth; None if it is not known.
-        heading_deg: Direction of +Y, clockwise from true north, 0 to 360 [deg]; None if it is not
-            known.
-        name: What people call the survey. Its folder and its id do not depend on it.
+    The heading is the direction of +Y, clockwise from true north, 0 to 360 [deg]. Folder and id of
+    a survey do not depend on its name.
     """
 
     operator: str = ""
@@ -126,9 +115,6 @@ def from_values(values: Any) -> Annotation:
 def annotation_of(description: Mapping[str, Any]) -> Annotation:
     """Return the annotation of a survey; empty if it has none.
 
-    Args:
-        description: What the log says of the survey.
-
     Raises:
         InvalidValueError: It has one that is not allowed.
     """
@@ -139,10 +125,6 @@ def keeping_heading(annotation: Annotation, description: Mapping[str, Any]) -> A
     """Return an annotation with the heading that a survey has, unless it has one itself.
 
     Clients that do not know a heading leave it out. It is kept as long as the position stays.
-
-    Args:
-        annotation: The annotation.
-        description: What the log says of the survey.
     """
     try:
         former = annotation_of(description)
@@ -174,13 +156,7 @@ def position_from_text(text: str) -> Wgs84Position:
 
 
 def check_text(name: Name, text: str, most: int, lines: bool = False) -> None:
-    """Check a text of an annotation; any script is allowed.
-
-    Args:
-        name: What the text is, for the message.
-        text: The text.
-        most: How many characters it may have.
-        lines: Whether it may have several lines.
+    """Check that a text of an annotation, in any script, has at most so many characters.
 
     Raises:
         InvalidValueError: It is too long, or has characters that cannot be shown.
@@ -195,16 +171,16 @@ def check_text(name: Name, text: str, most: int, lines: bool = False) -> None:
             )
         )
     for place, character in enumerate(text, 1):
-        if is_shown(character) or (lines and character == "\n"):
-            continue
-        raise InvalidValueError(
-            Message(
-                "{name} holds {character} at character {place}, which cannot be shown; remove it",
-                name=name,
-                character=f"U+{ord(character):04X}",
-                place=place,
+        if not is_shown(character) and not (lines and character == "\n"):
+            raise InvalidValueError(
+                Message(
+                    "{name} holds {character} at character {place}, which cannot be shown; remove "
+                    "it",
+                    name=name,
+                    character=f"U+{ord(character):04X}",
+                    place=place,
+                )
             )
-        )
 
 
 EMPTY = Annotation()
@@ -235,16 +211,15 @@ class Site:
     @property
     def annotation(self) -> Annotation:
         """What is proposed for each survey."""
-        latitude_deg, longitude_deg = self.latitude_deg, self.longitude_deg
-        if latitude_deg is None and longitude_deg is None:
-            return Annotation(self.operator, self.site)
-        if latitude_deg is None or longitude_deg is None:
+        position = None
+        if self.latitude_deg is not None and self.longitude_deg is not None:
+            position = Wgs84Position(self.latitude_deg, self.longitude_deg)
+        elif self.latitude_deg != self.longitude_deg:
             raise InvalidValueError(
                 Message(
                     "latitude_deg is {latitude} and longitude_deg is {longitude}; set both or none",
-                    latitude=str(latitude_deg),
-                    longitude=str(longitude_deg),
+                    latitude=str(self.latitude_deg),
+                    longitude=str(self.longitude_deg),
                 )
             )
-        position = Wgs84Position(latitude_deg, longitude_deg)
         return Annotation(self.operator, self.site, position=position)

@@ -39,11 +39,7 @@ class Verdict:
 
 
 def reported_verdict(report: Any) -> Optional[Verdict]:
-    """Return the verdict of the report; None if it has no coverage.
-
-    Args:
-        report: As it was read, of any version.
-    """
+    """Return the verdict of a report as it was read; None if it has no coverage."""
     letters = report.get("coverage") if isinstance(report, Mapping) else None
     if not isinstance(letters, str) or not letters or set(letters) - set(COVERAGE_LETTERS.values()):
         return None
@@ -55,18 +51,13 @@ def reported_verdict(report: Any) -> Optional[Verdict]:
 def verdict(planned: int, failed: int, missing: int) -> Verdict:
     """Return the verdict of numbers of samples."""
     stored = planned - failed - missing
-    if stored == planned:
-        return Verdict(
-            True, Message("complete: all {planned} planned traces are stored", planned=planned)
-        )
-    return Verdict(
-        False,
-        Message(
-            "INCOMPLETE: {stored} of {planned} planned traces are stored, {failed} failed, "
-            "{missing} not visited",
-            stored=stored,
-            planned=planned,
-            failed=failed,
-            missing=missing,
-        ),
+    complete = Message("complete: all {planned} planned traces are stored", planned=planned)
+    lacking = Message(
+        "INCOMPLETE: {stored} of {planned} planned traces are stored, {failed} failed, {missing} "
+        "not visited",
+        stored=stored,
+        planned=planned,
+        failed=failed,
+        missing=missing,
     )
+    return Verdict(True, complete) if stored == planned else Verdict(False, lacking)

@@ -28,13 +28,7 @@ TOLERANCE = 1e-6
 
 @dataclass(frozen=True)
 class ImportedGrid:
-    """The places of an imported survey, each axis ascending.
-
-    Attributes:
-        polarization_deg: Rotations of the antennas [deg].
-        y_mm: Rows [mm].
-        x_mm: Columns [mm].
-    """
+    """The places of an imported survey, each axis ascending."""
 
     polarization_deg: Tuple[float, ...]
     y_mm: Tuple[float, ...]
@@ -78,11 +72,7 @@ def imported_grid(description: Mapping[str, Any]) -> ImportedGrid:
 
 
 def measured_area(description: Mapping[str, Any]) -> Any:
-    """Return start, stop and number of the stops of a survey, as its parameters name them.
-
-    Returns:
-        The entry `parameters`, as it was read; of an imported survey what its grid gives.
-    """
+    """Return the entry `parameters`, as it was read; of an imported survey what its grid gives."""
     if not is_imported(description):
         return description.get("parameters")
     try:

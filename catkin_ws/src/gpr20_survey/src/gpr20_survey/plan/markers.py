@@ -7,8 +7,7 @@ from typing import Any, Dict, Mapping, Optional, Tuple
 
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message
-from gpr20_common.mid.checks import number_between
-from gpr20_common.mid.codec import record_from
+from gpr20_common.mid.codec import bounded, record_from
 from gpr20_survey import faults
 from gpr20_survey.errors import SurveyRefusedError
 from gpr20_survey.plan.annotation import MAX_NAME_CHARACTERS, OPERATOR, check_text
@@ -21,31 +20,21 @@ MAX_TEXT_CHARACTERS = 500
 MAX_MARKERS = 1000
 MAX_DEPTH_MM = 10_000.0
 REQUEST_KEYS = ("marker_id", "x_mm", "y_mm", "depth_mm", "text", "author")
-"""What a client says of a marker that it adds; the storage adds the times."""
-
-X, Y, DEPTH, TEXT = Message("X"), Message("Y"), Message("depth"), Message("text of the marker")
+TEXT = Message("text of the marker")
 
 
 @dataclass(frozen=True)
 class Marker:
     """A place that somebody noted; one that was removed stays in the list.
 
-    Attributes:
-        marker_id: UUID, made by the client.
-        x_mm: Place along X [mm], in the coordinates of the robot.
-        y_mm: Place along Y [mm].
-        depth_mm: Depth below the surface [mm]; None if it is not known.
-        text: One line; may be empty.
-        author: Who made it; may be empty.
-        time: When the storage took it, as ISO 8601 text; empty before that.
-        removed: When it was removed, as ISO 8601 text; empty if it was not.
-        removed_by: Who removed it; may be empty.
+    The client makes the UUID; the coordinates are those of the robot, the depth is below the
+    surface. The storage adds `time` and `removed`, when it took and removed it [ISO 8601].
     """
 
     marker_id: str
-    x_mm: float
-    y_mm: float
-    depth_mm: Optional[float] = None
+    x_mm: float = bounded(-MAX_COORDINATE, MAX_COORDINATE)
+    y_mm: float = bounded(-MAX_COORDINATE, MAX_COORDINATE)
+    depth_mm: Optional[float] = bounded(0.0, MAX_DEPTH_MM, None)
     text: str = ""
     author: str = ""
     time: str = ""
@@ -60,15 +49,9 @@ class Marker:
                     marker=repr(self.marker_id[:64]),
                 )
             )
-        number_between(X, self.x_mm, -MAX_COORDINATE, MAX_COORDINATE, "mm")
-        number_between(Y, self.y_mm, -MAX_COORDINATE, MAX_COORDINATE, "mm")
-        if self.depth_mm is not None:
-            number_between(DEPTH, self.depth_mm, 0.0, MAX_DEPTH_MM, "mm")
         check_text(TEXT, self.text, MAX_TEXT_CHARACTERS)
-        for name in ("author", "removed_by"):
-            check_text(OPERATOR, getattr(self, name), MAX_NAME_CHARACTERS)
-        for name in ("time", "removed"):
-            check_text(name, getattr(self, name), MAX_NAME_CHARACTERS)
+        for name in (self.author, self.removed_by):
+            check_text(OPERATOR, name, MAX_NAME_CHARACTERS)
 
     @property
     def is_present(self) -> bool:
@@ -76,7 +59,7 @@ class Marker:
         return not self.removed
 
     def request(self) -> Dict[str, Any]:
-        """Return what a client says of it."""
+        """Return what a client says of it, without the times."""
         return {key: getattr(self, key) for key in REQUEST_KEYS}
 
     def same_request(self, other: Marker) -> bool:
@@ -86,9 +69,6 @@ class Marker:
 
 def markers_of(description: Mapping[str, Any]) -> Tuple[Marker, ...]:
     """Return all markers of a survey in the order in which they were made, removed ones too.
-
-    Args:
-        description: What the log says of the survey.
 
     Raises:
         InvalidValueError: Its markers are not those that the storage writes.
@@ -114,12 +94,7 @@ def present_markers(description: Mapping[str, Any]) -> Tuple[Marker, ...]:
 def new_marker(
     description: Mapping[str, Any], marker: Marker, now: str
 ) -> Optional[Dict[str, Any]]:
-    """Return the entry of one more marker; None if the survey has it already.
-
-    Args:
-        description: What the log says of the survey.
-        marker: The new marker.
-        now: The present moment, as ISO 8601 text.
+    """Return the entry of one more marker at a time [ISO 8601]; None if the survey has it.
 
     Raises:
         InvalidValueError: The markers of the survey are damaged.
@@ -147,24 +122,15 @@ def removed_marker(
 ) -> Optional[Dict[str, Any]]:
     """Return what changes in the entry of a marker that is removed; None if it is already.
 
-    Args:
-        description: What the log says of the survey.
-        marker_id: UUID of the marker.
-        author: Who removes it.
-        now: The present moment, as ISO 8601 text.
-
     Raises:
         InvalidValueError: The markers of the survey are damaged.
         SurveyRefusedError: The survey never had such a marker.
     """
-    for former in markers_of(description):
-        if former.marker_id == marker_id:
-            return (
-                {"marker_id": marker_id, "removed": now, "removed_by": author}
-                if former.is_present
-                else None
-            )
-    raise SurveyRefusedError(
-        Message("the survey has no marker {marker}", marker=repr(marker_id[:64])),
-        fault=faults.MARKER_REFUSED,
-    )
+    former = [one for one in markers_of(description) if one.marker_id == marker_id]
+    if not former:
+        raise SurveyRefusedError(
+            Message("the survey has no marker {marker}", marker=repr(marker_id[:64])),
+            fault=faults.MARKER_REFUSED,
+        )
+    change = {"marker_id": marker_id, "removed": now, "removed_by": author}
+    return change if former[0].is_present else None

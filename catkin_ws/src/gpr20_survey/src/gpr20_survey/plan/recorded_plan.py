@@ -50,9 +50,6 @@ class _Analyzer:
 def recorded_plan(description: Mapping[str, Any]) -> Tuple[SurveyParameters, RobotTravel]:
     """Return the parameters of a survey and the travel of its axes.
 
-    Args:
-        description: What the log says of the survey.
-
     Raises:
         InvalidValueError: Parameters or axes are missing or not allowed.
     """
@@ -98,9 +95,6 @@ class PlanFit:
 
     def __init__(self, description: Mapping[str, Any]) -> None:
         """Compute the plan.
-
-        Args:
-            description: What the log says of the survey.
 
         Raises:
             InvalidValueError: Parameters, axes or the grid are missing or not allowed.

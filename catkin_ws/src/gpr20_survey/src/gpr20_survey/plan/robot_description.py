@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from dataclasses import asdict, dataclass
-from typing import Any, Dict, Iterable, List, Mapping, Sequence
+from typing import Any, Dict, Iterable, Mapping, Sequence
 
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.faults import NODE_SILENT
@@ -37,14 +37,7 @@ SIMULATED_IDENTITY = "SIMULATED"
 
 @dataclass(frozen=True)
 class NodeDescription:
-    """What one node is.
-
-    Attributes:
-        node: Name of the node below the robot's namespace.
-        hardware: What it drives; its name is empty for a node without hardware.
-        configuration: The parameters with which it started.
-        software: What it runs, and where.
-    """
+    """What one node is: its name below the robot's namespace, and the parameters of its start."""
 
     node: str
     hardware: Hardware
@@ -76,13 +69,7 @@ class NodeDescription:
 
 @dataclass(frozen=True)
 class RobotConfig:
-    """What is fixed for one robot.
-
-    Attributes:
-        axes: Parameters of its axes.
-        simulated: Whether it is simulated.
-        time_scale: How many times faster than the real robot it runs; 1 if it is real.
-    """
+    """What is fixed for one robot; a simulated one runs `time_scale` times faster."""
 
     axes: Dict[AxisId, AxisParameters]
     simulated: bool
@@ -96,10 +83,7 @@ class RobotConfig:
 
 
 def robot_config(nodes: Mapping[str, NodeDescription]) -> RobotConfig:
-    """Return what is fixed for a robot.
-
-    Args:
-        nodes: The descriptions received so far, by their nodes.
+    """Return what is fixed for a robot, by the descriptions received so far.
 
     Raises:
         InvalidValueError: A node has not described itself, some are simulated and others are
@@ -114,10 +98,6 @@ def robot_config(nodes: Mapping[str, NodeDescription]) -> RobotConfig:
 
 def axis_parameters(axis_id: AxisId, nodes: Mapping[str, NodeDescription]) -> AxisParameters:
     """Return the parameters of one axis.
-
-    Args:
-        axis_id: Which axis.
-        nodes: The descriptions received so far, by their nodes.
 
     Raises:
         InvalidValueError: The axis driver has not described itself, or has other parameters than
@@ -134,20 +114,6 @@ def axis_parameters(axis_id: AxisId, nodes: Mapping[str, NodeDescription]) -> Ax
 def is_simulated_identity(identity: str) -> bool:
     """Return whether an analyzer's identity is that of a simulated one."""
     return SIMULATED_IDENTITY in identity.upper()
-
-
-def recorded_nodes(nodes: Mapping[str, NodeDescription]) -> List[Dict[str, Any]]:
-    """Return the entry `nodes` of the description."""
-    return [
-        {
-            "name": one.node,
-            "hardware": one.hardware.name,
-            "simulated": one.hardware.simulated,
-            "time_scale": one.hardware.time_scale,
-        }
-        for _name, one in sorted(nodes.items())
-        if one.hardware.name
-    ]
 
 
 def _refuse_missing(needed: Iterable[str], nodes: Mapping[str, NodeDescription]) -> None:
@@ -176,18 +142,7 @@ def _refuse_mixed(nodes: Mapping[str, NodeDescription]) -> None:
             ),
             fault=faults.MIXED_PARTS,
         )
-    scales = sorted({nodes[name].hardware.time_scale for name in PLAIN_NAMES})
-    if len(scales) > 1:
-        raise InvalidValueError(
-            Message(
-                "the parts of the simulated robot run at different speeds, {scales} times the real "
-                "one; end every launch and start one",
-                scales=", ".join(f"{scale:g}" for scale in scales),
-            ),
-            fault=faults.MIXED_PARTS,
-        )
 
 
 def _joined(names: Sequence[str]) -> Message:
-    messages = [PLAIN_NAMES[name] for name in names]
-    return in_a_row(messages) if len(messages) > 1 else messages[0]
+    return in_a_row([PLAIN_NAMES[name] for name in names])

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import re
 from dataclasses import dataclass
 from typing import Iterator, Optional, Tuple
@@ -10,7 +9,7 @@ from typing import Iterator, Optional, Tuple
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.faults import CONFIGURATION
 from gpr20_common.message import Message
-from gpr20_common.mid.checks import number_between
+from gpr20_common.mid.codec import bounded
 from gpr20_survey.trace.aux_value import (
     AUX_NAME,
     AUX_UNIT,
@@ -25,9 +24,6 @@ SENSORS = "sensors"
 TOPIC = re.compile(r"/?[A-Za-z]\w*(/[A-Za-z]\w*)*", re.ASCII)
 MESSAGE = re.compile(r"[A-Za-z]\w*/[A-Za-z]\w*", re.ASCII)
 FIELD = re.compile(r"[A-Za-z]\w*(\[\d{1,6}\])?(\.[A-Za-z]\w*(\[\d{1,6}\])?)*", re.ASCII)
-# A trace has a value of the analyzer too.
-MAX_SENSORS = MAX_AUX_VALUES - 1
-SHORTEST_AGE_S, LONGEST_AGE_S = 0.05, 3600.0
 
 
 @dataclass(frozen=True)
@@ -52,7 +48,7 @@ class Sensor:
     message: str
     field: str
     unit: str = ""
-    longest_age_s: float = 5.0
+    longest_age_s: float = bounded(0.05, 3600.0, 5.0)
     required: bool = False
     low: Optional[float] = None
     high: Optional[float] = None
@@ -60,7 +56,6 @@ class Sensor:
     def __post_init__(self) -> None:
         for mistake in self._mistakes():
             raise InvalidValueError(mistake, fault=CONFIGURATION)
-        number_between("longest_age_s", self.longest_age_s, SHORTEST_AGE_S, LONGEST_AGE_S, "s")
 
     def _mistakes(self) -> Iterator[Message]:
         for key, pattern, example in (
@@ -70,7 +65,7 @@ class Sensor:
             ("field", FIELD, "data"),
         ):
             value = getattr(self, key)
-            if not pattern.fullmatch(value) or value == VNA_TEMPERATURE:
+            if not pattern.fullmatch(value):
                 yield Message(
                     "{key} of sensor {sensor} is {value}; it must be like {example}",
                     key=key,
@@ -86,14 +81,12 @@ class Sensor:
                 value=repr(self.unit[:64]),
                 most=MAX_UNIT_CHARACTERS,
             )
-        bounds = [one for one in (self.low, self.high) if one is not None]
-        if not all(map(math.isfinite, bounds)) or bounds != sorted(set(bounds)):
+        if self.low is not None and self.high is not None and self.low >= self.high:
             yield Message(
-                "low and high of sensor {sensor} are {low} and {high}; they must be finite, and "
-                "low below high",
+                "low and high of sensor {sensor} are {low:g} and {high:g}; low must be below high",
                 sensor=self.name,
-                low=str(self.low),
-                high=str(self.high),
+                low=self.low,
+                high=self.high,
             )
 
     def is_plausible(self, value: float) -> bool:
@@ -112,18 +105,20 @@ class Sensors:
     sensors: Tuple[Sensor, ...] = ()
 
     def __post_init__(self) -> None:
-        names = [one.name for one in self.sensors]
-        twice = next((one for one in names if names.count(one) > 1), None)
-        if len(names) > MAX_SENSORS:
+        names = [VNA_TEMPERATURE, *(one.name for one in self.sensors)]
+        if len(names) > MAX_AUX_VALUES:
             message = Message(
                 "there are {count} sensors; at most {most} are allowed",
-                count=len(names),
-                most=MAX_SENSORS,
+                count=len(self.sensors),
+                most=MAX_AUX_VALUES - 1,
             )
             raise InvalidValueError(message, fault=CONFIGURATION)
-        if twice is not None:
-            message = Message("two sensors have the name {name}; give each its own", name=twice)
-            raise InvalidValueError(message, fault=CONFIGURATION)
+        for name in names:
+            if names.count(name) > 1:
+                raise InvalidValueError(
+                    Message("two sensors have the name {name}; give each its own", name=name),
+                    fault=CONFIGURATION,
+                )
 
     @property
     def topics(self) -> Tuple[str, ...]:

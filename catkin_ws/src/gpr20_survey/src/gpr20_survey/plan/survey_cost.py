@@ -34,12 +34,7 @@ MoveDuration = Callable[[AxisId, float], float]
 
 @dataclass(frozen=True)
 class SurveyCost:
-    """What a survey needs.
-
-    Attributes:
-        duration_s: From the first move to the last trace [s], without homing.
-        size_bytes: On disk [bytes], a generous estimate.
-    """
+    """The time of a survey without homing [s], and a generous estimate of its size on disk."""
 
     duration_s: float
     size_bytes: int
@@ -50,10 +45,10 @@ def survey_cost(
 ) -> SurveyCost:
     """Return what a survey with these parameters costs on this robot."""
     points = survey_points(parameters, config.travel)
-    duration_s = sum(planned_times(points, parameters.sweep_settings, config, settings).durations_s)
-    return SurveyCost(
-        duration_s, needed_bytes(len(points), parameters.frequency_points, duration_s)
-    )
+    times = planned_times(points, parameters.sweep_settings, config, settings)
+    duration_s = sum(times.durations_s)
+    size = needed_bytes(len(points), parameters.frequency_points, duration_s)
+    return SurveyCost(duration_s, size)
 
 
 @dataclass(frozen=True)
@@ -61,8 +56,8 @@ class PlannedTimes:
     """When a survey does what.
 
     Attributes:
-        durations_s: Duration of each point [s], with a visit of the reference before it, if any.
-            One more for the visit at the end, if any.
+        durations_s: Duration of each point [s], with the visit of the reference before it; one more
+            for the visit at the end, if any.
         visits: Indices of the points before which the reference is visited, ascending; the number
             of points for the visit at the end.
     """
@@ -110,13 +105,7 @@ def _planned_visits(
 ) -> Tuple[int, ...]:
     """Return before which points a survey visits its reference: at new stops, and at its end.
 
-    Args:
-        durations_s: Duration of each point without visits [s].
-        rotations: Number of points at each stop.
-        interval_s: Time after which the reference is visited [s]; 0: never.
-
-    Returns:
-        Indices of points; empty for a survey that is shorter than the interval.
+    A survey that is shorter than the interval never does, nor one whose interval is 0.
     """
     if not interval_s or sum(durations_s) < interval_s:
         return ()

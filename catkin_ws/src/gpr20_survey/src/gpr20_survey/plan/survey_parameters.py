@@ -8,7 +8,7 @@ import json
 import math
 import re
 from dataclasses import asdict, dataclass
-from typing import Any, List, Tuple
+from typing import Any, List, Tuple, Union
 
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message, in_a_row
@@ -50,7 +50,7 @@ class Travel:
 
 @dataclass(frozen=True)
 class RobotTravel:
-    """What the three axes can do: x and y in mm, z in degrees."""
+    """What the three axes can do."""
 
     x: Travel
     y: Travel
@@ -141,89 +141,74 @@ class SurveySettings:
     drift_limit_deg: float = bounded(0.1, 180.0, 10.0)
 
 
-class SurveyParametersError(InvalidValueError):
-    """One or more parameters of a survey are not allowed; the message names each."""
+class Relation(enum.Enum):
+    """Rules about several parameters; each value names those that are to be corrected."""
 
-    fault = faults.PLAN_NOT_ALLOWED
-
-
-class Rule(enum.Enum):
-    """The rules for the parameters of a survey."""
-
-    ADDRESS = "address"
-    START_FREQUENCY = "start frequency"
-    STOP_FREQUENCY = "stop frequency"
-    FREQUENCY_ORDER = "frequency order"
-    FREQUENCY_POINTS = "frequency points"
-    FREQUENCY_SPACING = "frequency spacing"
-    IF_BANDWIDTH = "IF bandwidth"
-    AVERAGES = "averages"
-    OUTPUT_POWER = "output power"
-    X_START = "x start"
-    X_STOP = "x stop"
-    X_POINTS = "x points"
-    X_SPACING = "x spacing"
-    Y_START = "y start"
-    Y_STOP = "y stop"
-    Y_POINTS = "y points"
-    Y_SPACING = "y spacing"
-    POLARIZATIONS = "polarizations"
-    SIZE = "size"
+    FREQUENCY_ORDER = ("start_frequency_hz",)
+    FREQUENCY_SPACING = ("frequency_points",)
+    X_SPACING = ("x_points",)
+    Y_SPACING = ("y_points",)
+    SIZE = ("x_points", "y_points")
 
 
 @dataclass(frozen=True)
 class Problem:
-    """A rule that the parameters break, and how."""
+    """A parameter that is not allowed by itself, or a relation that does not hold, and how."""
 
-    rule: Rule
+    of: Union[str, Relation]
     message: Message
+
+    @property
+    def to_correct(self) -> Tuple[str, ...]:
+        """The parameters that are to be corrected."""
+        return self.of.value if isinstance(self.of, Relation) else (self.of,)
 
 
 def check(parameters: SurveyParameters, travel: RobotTravel) -> None:
     """Refuse parameters that the robot cannot or should not carry out.
 
     Raises:
-        SurveyParametersError: Naming every parameter that is wrong.
+        InvalidValueError: Naming every parameter that is wrong.
     """
-    found = find_problems(parameters, travel)
+    found = [one.message for one in find_problems(parameters, travel)]
     if found:
-        raise SurveyParametersError(in_a_row([one.message for one in found]))
+        raise InvalidValueError(in_a_row(found), fault=faults.PLAN_NOT_ALLOWED)
 
 
 def find_problems(parameters: SurveyParameters, travel: RobotTravel) -> List[Problem]:
-    """Return every rule that the parameters break; empty if they break none."""
+    """Return everything that is not allowed, in the order of the parameters."""
     p, within = parameters, number_between
     hz = (MIN_FREQUENCY_HZ, MAX_FREQUENCY_HZ, "Hz")
-    points = (MIN_FREQUENCY_POINTS, MAX_FREQUENCY_POINTS)
+    points, stops = (MIN_FREQUENCY_POINTS, MAX_FREQUENCY_POINTS), (MIN_GRID_POINTS, MAX_TRACES)
     x, y = (p.x_start_mm, p.x_stop_mm, p.x_points), (p.y_start_mm, p.y_stop_mm, p.y_points)
     x_mm, y_mm = (*coordinate_limits_mm(travel.x), "mm"), (*coordinate_limits_mm(travel.y), "mm")
     checks: List[Tuple[Any, ...]] = [
-        (Rule.ADDRESS, check_address, p.vna_address),
-        (Rule.START_FREQUENCY, within, Message("start frequency"), p.start_frequency_hz, *hz),
-        (Rule.STOP_FREQUENCY, within, Message("stop frequency"), p.stop_frequency_hz, *hz),
-        (Rule.FREQUENCY_ORDER, _ascending_frequencies, p),
-        (Rule.FREQUENCY_POINTS, within, Message("frequency points"), p.frequency_points, *points),
-        (Rule.FREQUENCY_SPACING, _frequency_spacing, p),
-        (Rule.IF_BANDWIDTH, _if_bandwidth, p.if_bandwidth_hz),
-        (Rule.AVERAGES, within, Message("averages"), p.averages, 0, MAX_AVERAGES),
-        (Rule.OUTPUT_POWER, _output_power, p.output_power),
-        (Rule.X_START, within, Message("x start"), p.x_start_mm, *x_mm),
-        (Rule.X_STOP, within, Message("x stop"), p.x_stop_mm, *x_mm),
-        (Rule.X_POINTS, _grid_points, "x", p.x_points),
-        (Rule.X_SPACING, _spacing, "x", *x, travel.x.step),
-        (Rule.Y_START, within, Message("y start"), p.y_start_mm, *y_mm),
-        (Rule.Y_STOP, within, Message("y stop"), p.y_stop_mm, *y_mm),
-        (Rule.Y_POINTS, _grid_points, "y", p.y_points),
-        (Rule.Y_SPACING, _spacing, "y", *y, travel.y.step),
-        (Rule.POLARIZATIONS, _polarizations, p.polarizations_deg, travel.z),
-        (Rule.SIZE, _size, p),
+        ("vna_address", check_address, p.vna_address),
+        ("start_frequency_hz", within, Message("start frequency"), p.start_frequency_hz, *hz),
+        ("stop_frequency_hz", within, Message("stop frequency"), p.stop_frequency_hz, *hz),
+        (Relation.FREQUENCY_ORDER, _ascending_frequencies, p),
+        ("frequency_points", within, Message("frequency points"), p.frequency_points, *points),
+        (Relation.FREQUENCY_SPACING, _frequency_spacing, p),
+        ("if_bandwidth_hz", _if_bandwidth, p.if_bandwidth_hz),
+        ("averages", within, Message("averages"), p.averages, 0, MAX_AVERAGES),
+        ("output_power", _output_power, p.output_power),
+        ("x_start_mm", within, Message("x start"), p.x_start_mm, *x_mm),
+        ("x_stop_mm", within, Message("x stop"), p.x_stop_mm, *x_mm),
+        ("x_points", within, Message("x points"), p.x_points, *stops),
+        (Relation.X_SPACING, _spacing, "x", *x, travel.x.step),
+        ("y_start_mm", within, Message("y start"), p.y_start_mm, *y_mm),
+        ("y_stop_mm", within, Message("y stop"), p.y_stop_mm, *y_mm),
+        ("y_points", within, Message("y points"), p.y_points, *stops),
+        (Relation.Y_SPACING, _spacing, "y", *y, travel.y.step),
+        ("polarizations_deg", _polarizations, p.polarizations_deg, travel.z),
+        (Relation.SIZE, _size, p),
     ]
     found = []
-    for rule, check_one, *values in checks:
+    for of, check_one, *values in checks:
         try:
             check_one(*values)
         except InvalidValueError as error:
-            found.append(Problem(rule, error.message.with_fault(faults.PLAN_NOT_ALLOWED)))
+            found.append(Problem(of, error.message.with_fault(faults.PLAN_NOT_ALLOWED)))
     return found
 
 
@@ -289,18 +274,6 @@ def _output_power(power: str) -> None:
         )
 
 
-def _grid_points(axis: str, points: int) -> None:
-    if points < MIN_GRID_POINTS:
-        raise InvalidValueError(
-            Message(
-                "{axis} points is {points}; it must be at least {least}",
-                axis=axis,
-                points=points,
-                least=MIN_GRID_POINTS,
-            )
-        )
-
-
 def _spacing(axis: str, start_mm: float, stop_mm: float, points: int, step_mm: float) -> None:
     if points < MIN_GRID_POINTS:
         return
@@ -333,13 +306,11 @@ def _polarizations(rotations_deg: Tuple[float, ...], travel: Travel) -> None:
                     step_deg=travel.step,
                 )
             )
-    steps = {round(rotation_deg / travel.step) for rotation_deg in rotations_deg}
-    if len(steps) != len(rotations_deg):
-        listed = ", ".join(f"{one:g}" for one in rotations_deg)
+    if len({round(one / travel.step) for one in rotations_deg}) != len(rotations_deg):
         raise InvalidValueError(
             Message(
                 "polarizations are {listed} deg; they must differ by at least {step_deg:g} deg",
-                listed=listed,
+                listed=", ".join(f"{one:g}" for one in rotations_deg),
                 step_deg=travel.step,
             )
         )

@@ -11,14 +11,7 @@ from gpr20_survey.plan.survey_parameters import RobotTravel, SurveyParameters, T
 
 @dataclass(frozen=True)
 class SurveyPoint:
-    """One trace to be taken: a stop of the antennas and their rotation there.
-
-    Attributes:
-        index: Place in the plan, from 0.
-        x_mm: Position along X [mm], on a motor step.
-        y_mm: Position along Y [mm], on a motor step.
-        z_deg: Rotation of the antennas [deg], on a motor step.
-    """
+    """One trace to be taken, by its place in the plan; stop and rotation are on motor steps."""
 
     index: int
     x_mm: float

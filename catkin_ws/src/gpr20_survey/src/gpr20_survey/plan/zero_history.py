@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import enum
 from dataclasses import dataclass
 from typing import Any, Iterable, Mapping, Set, Tuple
@@ -49,29 +50,18 @@ class UsedZeros:
             raise InvalidValueError(Message("zeros are not those of three axes"))
 
 
-def used_zeros_from(report: Mapping[str, Any]) -> Tuple[UsedZeros, ...]:
-    """Return the zeros of a report.
-
-    Raises:
-        InvalidValueError: Its entry is no such list, or missing.
-    """
-    kind: Any = Tuple[UsedZeros, ...]
-    found: Tuple[UsedZeros, ...] = record_from(kind, report.get(ZEROS), ZEROS)
-    return found
-
-
 def unproven_zeros(report: Any, measured: Iterable[Zeros]) -> Set[Zeros]:
     """Return the zeros of traces that nothing proves to be those of the traces before.
 
     Args:
-        report: The report as it was read; anything may stand there.
-        measured: The zeros of the traces, in the order of their indices; traces that were imported
-            have none.
+        report: As it was read; anything may stand there.
+        measured: The zeros of the traces, in the order of their indices.
     """
-    try:
-        used = used_zeros_from(report) if isinstance(report, Mapping) else ()
-    except InvalidValueError:
-        used = ()
+    kind: Any = Tuple[UsedZeros, ...]
+    used: Tuple[UsedZeros, ...] = ()
+    with contextlib.suppress(InvalidValueError):
+        listed = report.get(ZEROS) if isinstance(report, Mapping) else ()
+        used = record_from(kind, listed, ZEROS)
     known = [one for one in measured if one]
     proven = {one.zeros for one in used if one.proof is not Proof.ACCEPTED}
     # Without a list, the zeros of the first trace are those of the survey.

@@ -15,6 +15,10 @@ from gpr20_common.sent_message import received_message
 from gpr20_survey.no_clearance import NO_CLEARANCE, SIMULATED
 from gpr20_survey.results.area_position import AreaPosition
 
+NO_CLEARANCE = Message(
+    "This is a list of candidates, no clearance: ground without a candidate is not free of mines."
+)
+SIMULATED = Message("SIMULATED: these are no measurements of real ground.")
 MM_PER_M = 1e3
 # What is rarer was not observed in any ground.
 FEWEST_ALARMS_PER_M2 = 0.01

@@ -14,8 +14,8 @@ import numpy as np
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message, verbatim
 from gpr20_common.mid.codec import plain, record_from
-from gpr20_survey.no_clearance import SIMULATED
 from gpr20_survey.results.area_position import AreaPosition
+from gpr20_survey.results.candidates import SIMULATED
 from gpr20_survey.results.hidden_target import Target
 
 FORMAT = "gpr20-hiding/1"

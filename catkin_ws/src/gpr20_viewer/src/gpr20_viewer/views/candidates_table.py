@@ -18,8 +18,7 @@ from PyQt5.QtWidgets import (
 from gpr20_analysis.candidates.table import candidate_heading, candidate_row, tail_sentences
 from gpr20_analysis.sentences import shown
 from gpr20_common.catalogue import Catalogue
-from gpr20_survey.no_clearance import NO_CLEARANCE
-from gpr20_survey.results.candidates import CandidateList
+from gpr20_survey.results.candidates import NO_CLEARANCE, CandidateList
 from gpr20_viewer.views.colours import QUIET, SMALL
 
 

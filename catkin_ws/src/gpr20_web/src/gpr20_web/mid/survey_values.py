@@ -14,10 +14,9 @@ from gpr20_operator.plan.annotation import annotation_texts
 from gpr20_operator.plan.fields import PEOPLE
 from gpr20_operator.words import local_time, size_text
 from gpr20_survey.folder.survey_metadata import MAX_FILE_BYTES, parse_object
-from gpr20_survey.no_clearance import NO_CLEARANCE, SIMULATED
 from gpr20_survey.plan.annotation import annotation_of
 from gpr20_survey.plan.markers import present_markers
-from gpr20_survey.results.candidates import Candidate
+from gpr20_survey.results.candidates import NO_CLEARANCE, SIMULATED, Candidate
 from gpr20_survey.results.survey_summary import SurveySummary
 from gpr20_web.mid.now_page import Text, sentence
 

@@ -20,7 +20,6 @@ from gpr20_survey.plan.robot_description import (
     NodeDescription,
     RobotConfig,
     is_simulated_identity,
-    recorded_nodes,
     robot_config,
 )
 from gpr20_survey.trace.ms2026c import sweep_duration_s
@@ -177,11 +176,15 @@ class DescribedRobot:
             )
 
     def recorded(self) -> Dict[str, Any]:
-        """Return what survey.json records about the nodes and the site."""
+        """Return what the log records about the nodes and the site."""
         nodes = self.nodes
         present = {key: nodes[name] for key, name in RECORDED.items() if name in nodes}
         return {
-            "nodes": recorded_nodes(nodes),
+            "nodes": [
+                {**asdict(one.hardware), "hardware": one.hardware.name, "name": name}
+                for name, one in sorted(nodes.items())
+                if one.hardware.name
+            ],
             **{key: dict(one.configuration) for key, one in present.items()},
             "time_limits": asdict(self.limits),
             "site": asdict(self.site),

@@ -20,6 +20,7 @@ from gpr20_main_control.mid.survey.survey_report import (
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.axes.axis_parameters import AxisParameters
 from gpr20_survey.plan.annotation import EMPTY, Annotation
+from gpr20_survey.plan.recorded_plan import recorded_settings
 from gpr20_survey.plan.robot_description import RobotConfig
 from gpr20_survey.plan.sensors import SENSORS
 from gpr20_survey.plan.survey_cost import VISIT_SWEEPS, first_stop, planned_times
@@ -28,7 +29,7 @@ from gpr20_survey.plan.survey_points import SurveyPoint, survey_points
 from gpr20_survey.plan.zero_history import Proof, UsedZeros
 from gpr20_survey.results.reopened_survey import ReopenedSurvey
 from gpr20_survey.trace.ms2026c import sweep_duration_s
-from gpr20_survey.trace.sweep_settings import AnalyzerSettings, SweepSettings
+from gpr20_survey.trace.sweep_settings import SweepSettings
 from gpr20_survey.trace.trace import Trace
 
 # Keys of the description.
@@ -84,7 +85,8 @@ class SurveyPlan:
         wanted = self.parameters.sweep_settings
         if self.reopened is None:
             return wanted
-        return replace(wanted, analyzer=_recorded_settings(self.reopened, wanted.analyzer))
+        recorded = recorded_settings(json.loads(self.reopened.metadata_json))
+        return replace(wanted, analyzer=recorded) if recorded.is_known else wanted
 
     @property
     def analyzers(self) -> Sequence[UsedAnalyzer]:
@@ -184,11 +186,6 @@ class RemainingTime:
     def __init__(self, durations_s: Sequence[float]) -> None:
         self._planned_s = [0.0, *accumulate(durations_s)]
 
-    @property
-    def planned_s(self) -> float:
-        """Time that the whole plan takes [s]."""
-        return self._planned_s[-1]
-
     def remaining_s(self, points_done: int, elapsed_s: float) -> float:
         """Return the time to the end [s].
 
@@ -200,7 +197,7 @@ class RemainingTime:
             elapsed_s: Time spent on them [s], without pauses.
         """
         done_s = self._planned_s[points_done]
-        rest_s = self.planned_s - done_s
+        rest_s = self._planned_s[-1] - done_s
         return rest_s * (elapsed_s / done_s) if done_s > 0.0 else rest_s
 
 
@@ -210,7 +207,7 @@ def plan_survey(
     """Check the parameters of a survey and plan it.
 
     Raises:
-        SurveyParametersError: Parameters are not allowed; each is named.
+        InvalidValueError: Parameters are not allowed; each is named.
     """
     check(parameters, config.travel)
     points = survey_points(parameters, config.travel)
@@ -225,7 +222,7 @@ def plan_resumption(
 
     Raises:
         RequestRefusedError: Another robot measured the survey, or its metadata are incomplete.
-        SurveyParametersError: Its parameters are not allowed on this robot.
+        InvalidValueError: Its parameters are not allowed on this robot.
     """
     plan = plan_survey(_resumable_parameters(reopened, config), config, settings)
     beyond = [index for index in reopened.stored_indices if index >= plan.total_points]
@@ -266,16 +263,6 @@ def _resumable_parameters(reopened: ReopenedSurvey, config: RobotConfig) -> Surv
         raise RequestRefusedError(_other_robot(reopened.path, config.simulated))
     _check_axes(axes, config, reopened.path)
     return parameters
-
-
-def _recorded_settings(reopened: ReopenedSurvey, wanted: AnalyzerSettings) -> AnalyzerSettings:
-    """Return the settings that the analyzer had at the survey's start, or else the wanted ones."""
-    try:
-        sweep = json.loads(reopened.metadata_json)["instrument"]["sweep"]
-        return record_from(AnalyzerSettings, sweep, "sweep", others=True)
-    except (ValueError, KeyError, TypeError):
-        # Not every analyzer says them.
-        return wanted
 
 
 def _other_robot(folder: str, simulated: bool) -> Message:

@@ -6,7 +6,6 @@ import json
 import math
 import threading
 from dataclasses import dataclass
-from datetime import datetime, timezone
 from typing import Any, Dict, List, Optional, Sequence, Tuple
 
 from gpr20_common.message import Message
@@ -194,7 +193,7 @@ class SurveyReport:
         self._controls.append(
             Control(
                 repeat.index,
-                _iso_time(time_us),
+                iso_text(time_us),
                 _finite_or_none(repeat.difference_db),
                 _finite_or_none(repeat.height_difference_m),
             )
@@ -207,7 +206,7 @@ class SurveyReport:
             return
         self._warnings.append(
             {
-                "time": _iso_time(time_us),
+                "time": iso_text(time_us),
                 "warning": str(warning),
                 "warning_message": message_record(warning),
                 FAULT_CODE: warning.fault_code,
@@ -251,10 +250,6 @@ def _unreadable(details: str) -> SurveyError:
         Message("the report in the log cannot be read", details=details),
         fault=faults.RECORD_DAMAGED,
     )
-
-
-def _iso_time(time_us: int) -> str:
-    return datetime.fromtimestamp(time_us / 1e6, tz=timezone.utc).isoformat()
 
 
 def _finite_or_none(value: float) -> Any:

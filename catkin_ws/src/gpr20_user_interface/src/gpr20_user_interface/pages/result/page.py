@@ -29,8 +29,7 @@ from gpr20_operator.ground.sources import FocusedSource
 from gpr20_operator.jobs import result_texts as texts
 from gpr20_operator.jobs.result import CANCELLED, PLACES_SHOWN, SURVEY_RUNS, SurveyResult
 from gpr20_operator.robot.snapshot import Snapshot
-from gpr20_survey.no_clearance import NO_CLEARANCE
-from gpr20_survey.results.candidates import Candidate
+from gpr20_survey.results.candidates import NO_CLEARANCE, Candidate
 from gpr20_user_interface.look.look import BORDER_PX, GAP_PX, look_of
 from gpr20_user_interface.look.translation import Languages, TranslatedWidget, shown_text
 from gpr20_user_interface.pages.result.sheets import (

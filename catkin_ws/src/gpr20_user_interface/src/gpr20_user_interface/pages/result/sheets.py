@@ -22,9 +22,8 @@ from gpr20_operator.jobs.job import Job, JobState
 from gpr20_operator.jobs.result import SurveyResult
 from gpr20_operator.plan.spec import Keys
 from gpr20_operator.words import number_from_text
-from gpr20_survey.no_clearance import NO_CLEARANCE
 from gpr20_survey.radar.soils import LARGEST_PERMITTIVITY, MIN_PERMITTIVITY, Soils
-from gpr20_survey.results.candidates import Candidate
+from gpr20_survey.results.candidates import NO_CLEARANCE, Candidate
 from gpr20_survey.results.found import MAX_DEPTH_MM, What
 from gpr20_survey.results.hidden_target import Targets
 from gpr20_survey.results.hiding_map import MM_PER_M, ONLY_THIS
