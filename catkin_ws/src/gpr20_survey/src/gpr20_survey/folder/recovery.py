@@ -24,7 +24,7 @@ class RecoveredSurvey:
     """A survey as its log describes it."""
 
     description: Dict[str, Any]
-    """What the log says."""
+    """What the log says, with all entries that nothing vouches for."""
     found: FoundLog
     unconfirmed: Dict[str, Any]
     """Names of entries that nothing vouches for, with the reason, which the log lacks yet."""
@@ -33,11 +33,6 @@ class RecoveredSurvey:
     def survey_id(self) -> str:
         """UUID of the survey."""
         return str(self.description["survey_id"])
-
-    @property
-    def all_unconfirmed(self) -> Dict[str, Any]:
-        """The entries that nothing vouches for, also those that the log names."""
-        return {**self.description.get(UNCONFIRMED, {}), **self.unconfirmed}
 
 
 def read_description(folder: Path) -> Dict[str, Any]:
@@ -91,7 +86,10 @@ def recover(folder: Path, asking_manifest: bool = False) -> RecoveredSurvey:
             ),
             fault=faults.OTHER_FORMAT,
         ) from error
-    return RecoveredSurvey(description, found, found.lost_entries())
+    unconfirmed = found.lost_entries()
+    if unconfirmed:
+        description[UNCONFIRMED] = {**description.get(UNCONFIRMED, {}), **unconfirmed}
+    return RecoveredSurvey(description, found, unconfirmed)
 
 
 def _sealed_head(folder: Path) -> Optional[LogHead]:
