@@ -149,8 +149,11 @@ class DataFolder:
         try:
             system, _ = self._look()
             tried = self._tried
-            is_known = tried is not None and tried.device == system.device
-            if is_known and (not tried.failure or self._clock.now_s() - tried.at_s < RETRY_S):
+            if (
+                tried is not None
+                and tried.device == system.device
+                and (tried.failure is None or self._clock.now_s() - tried.at_s < RETRY_S)
+            ):
                 return tried.failure
             self.check_file_system()
         except ProcessingError as error:

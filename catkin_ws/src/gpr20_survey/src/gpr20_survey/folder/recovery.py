@@ -71,10 +71,10 @@ def recover(folder: Path, asking_manifest: bool = False) -> RecoveredSurvey:
         )
     try:
         description = description_of(found.records)
-        if first.values["format"] != FORMAT:
-            raise ValueError(repr(first.values["format"])[:256])
-        survey_folder.check_survey_id(first.values["survey_id"])
-        utc_time.parse_iso(first.values["started"])
+        if description["format"] != FORMAT:
+            raise ValueError(repr(description["format"])[:256])
+        survey_folder.check_survey_id(description["survey_id"])
+        utc_time.parse_iso(description["started"])
     except (AttributeError, KeyError, TypeError, ValueError) as error:
         # One such survey must not prevent the others from being listed.
         raise SurveyRefusedError(

@@ -61,9 +61,10 @@ class FoundLog:
         """Return what a record must name of what is lost, for ever."""
         if len(self.lost) > MAX_NAMED:
             return {f"{len(self.lost)} records from {self.lost[0]} on": {"reason": LOST}}
-        others = [f"{one.number}, {one.sha256[:8]}" for one in self.strangers[:MAX_NAMED]]
-        reasons = {**dict.fromkeys(self.lost, LOST), **dict.fromkeys(others, STRANGER)}
-        return {f"record {one}": {"reason": reason} for one, reason in reasons.items()}
+        reasons = {f"record {one}": LOST for one in self.lost}
+        for one in self.strangers[:MAX_NAMED]:
+            reasons[f"record {one.number}, {one.sha256[:8]}"] = STRANGER
+        return {name: {"reason": reason} for name, reason in reasons.items()}
 
 
 class _Form(NamedTuple):
@@ -126,7 +127,8 @@ def _content(path: Path) -> Optional[bytes]:
 def _form(content: bytes) -> _Form:
     *lines, tail = content.split(b"\n")
     records: List[LogRecord] = []
-    is_sound, behind = True, []
+    behind: List[bytes] = []
+    is_sound = True
     for line in filter(None, [*lines, tail]):
         record = record_of_line(line)
         if record is not None:
@@ -149,7 +151,8 @@ def _own_chain(forms: Sequence[_Form], folder: str, sealed: Optional[LogHead]) -
         survey = records[0].values.get("survey_id") if records and not records[0].number else None
         links = sum(one.sha256 == other.previous for one, other in zip(records, records[1:]))
         is_own = folder.endswith(f"_{str(survey)[:8]}")
-        return sealed in map(LogHead.of, records), is_own, links, len(records)
+        has_sealed = sealed is not None and sealed in map(LogHead.of, records)
+        return has_sealed, is_own, links, len(records)
 
     best_last = sorted((one.records for one in forms), key=merit)
     every = {one.sha256: one for records in best_last for one in records}
