@@ -12,6 +12,7 @@ import os
 import re
 from bisect import bisect_left
 from dataclasses import dataclass
+from itertools import takewhile
 from pathlib import Path
 from typing import Any, Dict, List, NamedTuple, Optional, Sequence, Set, Tuple
 
@@ -126,22 +127,17 @@ def _content(path: Path) -> Optional[bytes]:
 
 def _form(content: bytes) -> _Form:
     *lines, tail = content.split(b"\n")
-    records: List[LogRecord] = []
-    behind: List[bytes] = []
-    is_sound = True
-    for line in filter(None, [*lines, tail]):
-        record = record_of_line(line)
-        if record is not None:
-            records.append(record)
-            behind = []
-        elif line is not tail:
-            is_sound = False
-            behind.append(line)
-    is_torn = bool(tail.strip(b"\0")) and record_of_line(tail) is None
+    read = [(line, record_of_line(line)) for line in lines if line]
+    last = record_of_line(tail)
+    records = [one for _line, one in [*read, (tail, last)] if one is not None]
+    is_torn = last is None and bool(tail.strip(b"\0"))
+    is_sound = bool(records) and not is_torn and all(one is not None for _line, one in read)
+    unread = takewhile(lambda one: one[1] is None, reversed(read)) if last is None else ()
+    behind = b"\n".join(line for line, _record in unread)
     # A changed byte may have made two lines of one, or one of two.
-    more = max(len(re.findall(one, b"\n".join(behind))) for one in _BOUNDS)
-    end = max((one.number for one in records), default=-1) + max(more, min(1, len(behind)))
-    return _Form(records, end, is_torn, bool(records) and is_sound and not is_torn)
+    more = max(bool(behind), *(len(re.findall(one, behind)) for one in _BOUNDS))
+    end = max((one.number for one in records), default=-1) + more
+    return _Form(records, end, is_torn, is_sound)
 
 
 def _own_chain(forms: Sequence[_Form], folder: str, sealed: Optional[LogHead]) -> List[LogRecord]:
