@@ -54,13 +54,13 @@ def test_the_record_of_what_is_lost_can_be_read_however_much_it_is(folder, count
         (folder / name).write_bytes(plan + b"\n".join(garbage[:900]) + b"\n#" * (count - 900))
     found = reopened(folder)
     assert not found.found.lost
-    reason = " ".join(str(one["reason"]) for one in found.all_unconfirmed.values())
+    reason = " ".join(str(one["reason"]) for one in found.description["unconfirmed"].values())
     assert "its checksum is wrong" in reason
     assert len((folder / FILES[0]).read_bytes()) < 5_000_000
 
 
 def names_of_lost(found):
-    return {one for one in found.all_unconfirmed if one.startswith("record ")}
+    return {one for one in found.description["unconfirmed"] if one.startswith("record ")}
 
 
 @pytest.mark.parametrize("name", FILES)
@@ -114,7 +114,7 @@ def test_a_record_damaged_in_both_files_is_named_for_ever_and_never_used(folder,
     # As often as it is opened again.
     for _ in range(3):
         found = reopened(folder)
-        assert f"record {wanted}" in found.all_unconfirmed
+        assert f"record {wanted}" in found.description["unconfirmed"]
         left = (folder / "damaged" / FILES[0]).read_text()
         assert f"9{str(marker(number).x_mm)[1:]}" in left
         ids = {one.marker_id for one in markers_of(found.description)}

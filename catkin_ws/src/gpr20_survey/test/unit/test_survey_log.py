@@ -28,7 +28,6 @@ from gpr20_survey.folder import manifest, survey_log
 from gpr20_survey.folder.annotating import add_to_survey
 from gpr20_survey.folder.log_content import description_of
 from gpr20_survey.folder.log_record import (
-    KEYS,
     MAX_NUMBER,
     Kind,
     LogHead,
@@ -74,7 +73,7 @@ def line_of(values):
         *({**RECORD, "values": wrong} for wrong in (None, [])),
         *({**RECORD, name: None} for name in ("time", "previous")),
         *({**RECORD, **wrong} for wrong in ({"sha256": 5}, {"kind": "plan "}, {"more": 1})),
-        *({name: RECORD[name] for name in KEYS if name != absent} for absent in KEYS),
+        *({name: RECORD[name] for name in RECORD if name != absent} for absent in RECORD),
         dict(reversed(list(RECORD.items()))),
     ],
 )

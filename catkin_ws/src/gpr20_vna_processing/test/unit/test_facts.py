@@ -26,7 +26,6 @@ from gpr20_analysis.read.verification import verify_survey
 from gpr20_analysis.read.verification_result import COMPLETE, DAMAGED, INCOMPLETE
 from gpr20_common.errors import Gpr20Error
 from gpr20_survey.errors import SurveyRefusedError
-from gpr20_survey.folder import annotating
 from gpr20_survey.folder.annotating import add_to_survey
 from gpr20_survey.folder.recovery import read_description, recover
 from gpr20_survey.plan.annotation import EMPTY, Annotation, Wgs84Position, annotation_of
@@ -253,14 +252,11 @@ def test_damaged_markers_are_recognized_and_their_number_is_limited():
     assert removed_marker(full, marker(5).marker_id, "", NOW) is not None
 
 
-def test_a_survey_that_another_process_writes_takes_facts_from_its_storage_alone(
-    kits, copies, monkeypatch
-):
-    monkeypatch.setattr(annotating, "SHORT_WAIT_S", 0.05)
+def test_a_survey_that_another_process_writes_takes_facts_from_its_storage_alone(kits, copies):
     folder = copies("stopped")
     kit, other = (Kit(folder.parent) for _ in range(2))
     kit.processing.reopen_survey(SURVEY)
-    for write in (other.add_marker, lambda *_: add_to_survey(folder, add_marker(3), NOW)):
+    for write in (other.add_marker, lambda *_: add_to_survey(folder, add_marker(3), NOW, 0.0)):
         with raises_fault("survey.locked", os.getpid(), error=SurveyRefusedError):
             write(SURVEY, marker(3))
     kit.add_marker("", marker(3))

@@ -18,11 +18,11 @@ from gpr20_operator.jobs import result_texts as texts
 from gpr20_operator.jobs.job import Service
 from gpr20_operator.jobs.result import list_sum
 from gpr20_operator.robot.replay import ReplayView
-from gpr20_survey.folder import found_records
-from gpr20_survey.folder.recovery import read_description
+from gpr20_survey.folder.log_record import Kind
+from gpr20_survey.folder.recovery import read_description, recover
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_survey.results.candidates import NO_CLEARANCE
-from gpr20_survey.results.found import What
+from gpr20_survey.results.found import What, found_of
 from gpr20_web.errors import (
     BusyError,
     NotAllowedError,
@@ -218,7 +218,8 @@ def test_what_was_found_is_stored_as_the_window_does_it(surveys):
     (line,) = shown["found"]
     assert line.startswith("Found here: scrap, 45 mm deep (berta, ")
     assert shown["candidates"]["places"][0]["found"] == line
-    (found,) = found_records.read_found(surveys.data / surveys.whole)
+    records = recover(surveys.data / surveys.whole).found.records
+    (found,) = [found_of(one.values) for one in records if one.kind == Kind.FOUND]
     assert (found.what, found.who, found.list_sha256) == (What.SCRAP, "berta", SUM)
     assert surveys.audited[-1][1] == "found"
 

@@ -20,7 +20,7 @@ from gpr20_survey.results.candidates import NO_CLEARANCE, SIMULATED
 FORMAT = "gpr20-markers/1"
 COLUMNS = (
     *("id", "x_m", "y_m", "depth_m", "text", "author", "time"),
-    *("removed", "removed_by", "confirmed", "longitude_deg", "latitude_deg"),
+    *("removed", "removed_by", "longitude_deg", "latitude_deg"),
 )
 
 
@@ -83,7 +83,6 @@ def _record(marker: Marker, found: MarkerList) -> Dict[str, Any]:
         "time": marker.time,
         "removed": marker.removed,
         "removed_by": marker.removed_by,
-        "confirmed": found.is_confirmed(marker),
         "longitude_deg": longitude_deg,
         "latitude_deg": latitude_deg,
     }

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import FrozenSet, List, Optional, Tuple
+from typing import List, Optional, Tuple
 
 import xarray as xr
 
@@ -14,8 +14,7 @@ from gpr20_analysis.sentences import ENGLISH
 from gpr20_common.catalogue import Catalogue
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message
-from gpr20_survey.folder.log_content import UNCONFIRMED
-from gpr20_survey.plan.markers import MARKERS, Marker, markers_of
+from gpr20_survey.plan.markers import Marker, markers_of
 from gpr20_survey.results.area_position import AreaPosition
 
 NONE = "-"
@@ -30,18 +29,12 @@ class MarkerList:
         simulated: Whether the survey shows no real ground.
         markers: The markers; removed ones too, if they were requested.
         position: Where the area is on the earth; None if position or heading is not known.
-        unconfirmed: The ids of those that nothing vouches for.
     """
 
     survey_id: str
     simulated: bool
     markers: Tuple[Marker, ...]
     position: Optional[AreaPosition] = None
-    unconfirmed: FrozenSet[str] = frozenset()
-
-    def is_confirmed(self, marker: Marker) -> bool:
-        """Return whether a marker is, as far as can be known, as it was made."""
-        return marker.marker_id not in self.unconfirmed
 
 
 def survey_markers(survey: xr.Dataset, removed: bool = False) -> MarkerList:
@@ -59,22 +52,15 @@ def survey_markers(survey: xr.Dataset, removed: bool = False) -> MarkerList:
     Raises:
         AnalysisError: The markers in the log are damaged.
     """
-    description = description_of(survey)
     try:
-        found = markers_of(description)
+        found = markers_of(description_of(survey))
     except InvalidValueError as error:
         raise AnalysisError(error.message) from error
-    # A marker has the name of its place among all markers of the survey, removed ones too.
-    names = description.get(UNCONFIRMED)
-    unconfirmed = names if isinstance(names, dict) else {}
     return MarkerList(
         str(survey.attrs.get("survey_id", "")),
         bool(survey.attrs.get("simulated")),
         tuple(one for one in found if removed or one.is_present),
         area_position(survey.attrs),
-        frozenset(
-            one.marker_id for place, one in enumerate(found) if f"{MARKERS}/{place}" in unconfirmed
-        ),
     )
 
 
@@ -92,13 +78,11 @@ def marker_heading(catalogue: Catalogue = ENGLISH) -> Tuple[str, ...]:
 
 def marker_rows(found: MarkerList, catalogue: Catalogue = ENGLISH) -> List[Tuple[str, ...]]:
     """Return the markers as rows of a table below `marker_heading`."""
-    return [_row(one, found.is_confirmed(one), catalogue) for one in found.markers]
+    return [_row(one, catalogue) for one in found.markers]
 
 
-def _row(marker: Marker, is_confirmed: bool, catalogue: Catalogue) -> Tuple[str, ...]:
+def _row(marker: Marker, catalogue: Catalogue) -> Tuple[str, ...]:
     text = marker.text or NONE
-    if not is_confirmed:
-        text = catalogue.text(Message("UNCONFIRMED: {text}", text=text))
     if not marker.is_present:
         text = catalogue.text(
             Message(

@@ -12,15 +12,17 @@ from gpr20_analysis import faults
 from gpr20_analysis.commands.annotate_command import refuse_open
 from gpr20_analysis.commands.command import DONE, Command
 from gpr20_analysis.errors import AnalysisError
+from gpr20_analysis.read.manifest_check import found_in
 from gpr20_common.catalogue import Catalogue
 from gpr20_common.message import Message
 from gpr20_common.terminal_text import say
+from gpr20_survey.files import durable_files
 from gpr20_survey.files.regular_file import read_regular
 from gpr20_survey.folder.annotating import Fact, add_to_survey
-from gpr20_survey.folder.found_records import add_found, read_found
-from gpr20_survey.folder.recovery import read_description
+from gpr20_survey.folder.log_record import Kind
+from gpr20_survey.folder.recovery import read_description, recover
 from gpr20_survey.results.candidates import list_from
-from gpr20_survey.results.found import Found, What, present
+from gpr20_survey.results.found import PHOTOS, Found, What, present
 from gpr20_survey.trace import utc_time
 
 
@@ -44,7 +46,7 @@ def run(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
         raise AnalysisError(Message("give a candidate, --list and --what, or none of them"))
     if all(given):
         _add(chosen)
-    for one in present(read_found(chosen.survey)):
+    for one in present(found_in(recover(chosen.survey).found.records)):
         depth = "-" if one.depth_mm is None else f"{one.depth_mm:.0f}"
         place = (one.candidate, f"{one.x_mm:.0f}", f"{one.y_mm:.0f}", one.what.value, depth)
         say("  ".join([*place, one.who, one.time[:16], one.notes]).rstrip())
@@ -61,7 +63,11 @@ def _add(chosen: argparse.Namespace) -> None:
 
     def change(description: Dict[str, Any]) -> Fact:
         refuse_open(chosen.survey, description)
-        return add_found(chosen.survey, found, photo)
+        if photo is not None:  # durable before the record that names it
+            folder = chosen.survey / PHOTOS
+            durable_files.ensure_folder(folder)
+            durable_files.write_new_file(folder / name, photo)
+        return Fact(Kind.FOUND, found.values())
 
     add_to_survey(chosen.survey, change, now)
 

@@ -15,6 +15,7 @@ from gpr20_analysis.commands import outputs
 from gpr20_analysis.commands.command import DONE, Command
 from gpr20_analysis.commands.outputs import Output
 from gpr20_analysis.errors import AnalysisError, ExportError, wrong_ending
+from gpr20_analysis.read.manifest_check import found_in
 from gpr20_analysis.report.build import HTML, PDF, save_report
 from gpr20_analysis.report.trial_report import trial_report
 from gpr20_analysis.trial import documents
@@ -28,8 +29,7 @@ from gpr20_common.message import Message
 from gpr20_common.terminal_text import say
 from gpr20_survey.files.durable_files import write_new_file
 from gpr20_survey.files.regular_file import read_regular
-from gpr20_survey.folder.found_records import read_found
-from gpr20_survey.folder.recovery import read_description
+from gpr20_survey.folder.recovery import recover
 from gpr20_survey.trace import utc_time
 
 JSON, FORMAT = ".json", "gpr20-trial-score/1"
@@ -140,11 +140,12 @@ def _score_found(chosen: argparse.Namespace) -> Score:
         wanted = Message("give plan, sealed lists and --truth; or one list, --found and --halo")
         raise AnalysisError(wanted)
     listed = read_candidates(chosen.plan)
-    if listed.survey_id not in ("", read_description(chosen.found)["survey_id"]):
+    recovered = recover(chosen.found)
+    if listed.survey_id not in ("", recovered.survey_id):
         raise AnalysisError(Message("{file} is of another survey", file=chosen.plan))
     halo_m = Plan(chosen.halo, (), {}).halo_m  # within the limits of a plan
     listed = replace(listed, method=chosen.plan.name, lane=chosen.found.name)
-    return score_found(listed, read_found(chosen.found), halo_m)
+    return score_found(listed, found_in(recovered.found.records), halo_m)
 
 
 def _write(path: Path, form: str, record: Union[Plan, Seal], catalogue: Catalogue) -> None:

@@ -4,17 +4,18 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, Iterator, List, Mapping, Optional
+from typing import Any, Iterator, List, Mapping, Optional, Sequence
 
+from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message
 from gpr20_common.os_reason import os_reason
 from gpr20_survey.errors import ManifestDamagedError
-from gpr20_survey.files.file_sums import FileSum, sum_of_file
+from gpr20_survey.files.file_sums import FileSum, sum_if_readable, sum_of_file
 from gpr20_survey.folder import manifest, survey_folder
-from gpr20_survey.folder.found_records import photo_faults
-from gpr20_survey.folder.log_record import Kind
+from gpr20_survey.folder.log_record import Kind, LogRecord
 from gpr20_survey.folder.manifest import Manifest
 from gpr20_survey.folder.survey_log import FoundLog
+from gpr20_survey.results.found import FORMAT, PHOTOS, Found, found_of
 
 DATA = "traces and recording"
 """Name of the entry of the log that says that they are others than at the end."""
@@ -55,13 +56,36 @@ def check_manifest(folder: Path, survey_id: str, log: FoundLog) -> ManifestCheck
     if not sealed.is_binding(log.records):
         return ManifestCheck(sealed)
     differences = [*_differences(folder, sealed), *_other_log(sealed, log)]
-    differences += photo_faults(folder, log.records)
+    differences += _photo_faults(folder, log.records)
     return ManifestCheck(sealed, is_binding=True, differences=differences)
 
 
 def has_other_data(description: Mapping[str, Any], sums: Mapping[str, Optional[FileSum]]) -> bool:
     """Return whether these traces and recording are others than when the survey ended."""
     return description.get(manifest.CONTENT) not in (None, manifest.content_sum(sums))
+
+
+def found_in(records: Sequence[LogRecord]) -> List[Found]:
+    """Return what the records of a log say was found; those of later versions are left out."""
+    values = [one.values for one in records if one.kind == Kind.FOUND]
+    return [found_of(one) for one in values if one.get("format") == FORMAT]
+
+
+def _photo_faults(folder: Path, records: Sequence[LogRecord]) -> List[Message]:
+    """Return which photographs are not there, or are not as they were.
+
+    The log vouches for them, and not the manifest: each has the name of its SHA-256. One that no
+    record names is left of an interruption.
+    """
+    try:
+        names = {one.photo: one.photo[:64] for one in found_in(records) if one.photo}
+    except InvalidValueError as error:
+        return [error.message]
+    return [
+        Message("{file} is missing, or is not the photograph of the log", file=f"{PHOTOS}/{name}")
+        for name, own in names.items()
+        if getattr(sum_if_readable(folder / PHOTOS / name), "sha256", "") != own
+    ]
 
 
 def _differences(folder: Path, sealed: Manifest) -> Iterator[Message]:

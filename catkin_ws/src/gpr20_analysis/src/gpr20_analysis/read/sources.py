@@ -16,9 +16,9 @@ from gpr20_common.os_reason import os_reason
 from gpr20_survey.errors import SurveyRefusedError, TraceRefusedError
 from gpr20_survey.files.regular_file import check_regular
 from gpr20_survey.folder import survey_folder, survey_metadata, trace_files
-from gpr20_survey.folder.log_content import LOG, UNCONFIRMED, add_to
+from gpr20_survey.folder.log_content import LOG, add_to
 from gpr20_survey.folder.log_record import Kind, LogRecord
-from gpr20_survey.folder.recovery import RecoveredSurvey, recover
+from gpr20_survey.folder.recovery import recover
 from gpr20_survey.trace import trace_message
 from gpr20_survey.trace.trace import Trace
 
@@ -123,7 +123,7 @@ class RecordingSource:
             found = survey_metadata.parse_object(metadata, f"survey.json in {self.name}")
             for record in self._recording.log:
                 add_to(found, record)
-            return _with_facts(found, self._recording.log)
+            return whole_description(found, self._recording.log)
         except SurveyRefusedError as error:
             self.faults.append(Damage(error.message))
             return None
@@ -171,14 +171,8 @@ def open_source(path: Path, read: Callable[[Path], Trace] = read_trace) -> Surve
     )
 
 
-def whole_description(recovered: RecoveredSurvey) -> Dict[str, Any]:
-    """Return the content of survey.json with the facts of the log that a reader needs beside it."""
-    description = _with_facts(recovered.description, recovered.found.records)
-    unconfirmed = recovered.all_unconfirmed
-    return {**description, UNCONFIRMED: unconfirmed} if unconfirmed else description
-
-
-def _with_facts(described: Dict[str, Any], records: Sequence[LogRecord]) -> Dict[str, Any]:
+def whole_description(described: Dict[str, Any], records: Sequence[LogRecord]) -> Dict[str, Any]:
+    """Return what a log says, with those of its records that a reader needs beside it."""
     return {**described, LOG: [one.as_json() for one in records if one.kind in FACTS]}
 
 
@@ -192,7 +186,8 @@ def _folder_source(folder: Path, read: Callable[[Path], Trace]) -> JsonSource:
     is_described = any(one.exists() for one in logs)
     if is_described:
         try:
-            description = whole_description(recover(folder))
+            recovered = recover(folder)
+            description = whole_description(recovered.description, recovered.found.records)
         except SurveyRefusedError as error:
             damage.append(Damage(error.message))
     if not files and is_described:

@@ -19,6 +19,7 @@ from gpr20_common.message import Message
 from gpr20_survey.errors import SurveyRefusedError
 from gpr20_survey.files.folder_lock import writer_of
 from gpr20_survey.folder import survey_folder, survey_metadata, trace_files
+from gpr20_survey.folder.log_content import UNCONFIRMED
 from gpr20_survey.folder.log_record import Kind
 from gpr20_survey.folder.manifest import Manifest
 from gpr20_survey.folder.recovery import RecoveredSurvey, recover
@@ -118,7 +119,7 @@ class _Verifier:
             self._check_log()
         plan = self._plan()
         files = trace_files.read_all(
-            self._traces,
+            self._folder / survey_folder.TRACES_FOLDER,
             self._survey_id,
             lambda paths: iter(self._progress(paths, len(paths))),
             lambda trace: self._check_trace(plan, trace),
@@ -136,10 +137,6 @@ class _Verifier:
             check_bag(self._folder, self._recovered.found.records, self._indexed, self._found)
         self._check_description(len(files.prints))
         return self._found
-
-    @property
-    def _traces(self) -> Path:
-        return self._folder / survey_folder.TRACES_FOLDER
 
     def _check_manifest(self) -> None:
         found = manifest_check.check_manifest(self._folder, self._survey_id, self._recovered.found)
@@ -204,7 +201,7 @@ class _Verifier:
                 )
 
     def _check_content(self, sealed: Manifest) -> None:
-        is_named = manifest_check.DATA in self._recovered.all_unconfirmed
+        is_named = manifest_check.DATA in self._description.get(UNCONFIRMED, {})
         is_other = manifest_check.has_other_data(self._description, sealed.files)
         if self._found.sealed and is_other and not is_named:
             self._found.fault(
@@ -274,7 +271,7 @@ class _Verifier:
         self._found.stored += not misfits
 
     def _doubt(self) -> None:
-        description = whole_description(self._recovered)
+        description = whole_description(self._description, self._recovered.found.records)
         self._found.unproven = doubts.unproven_count(description, self._samples)
         self._found.doubts = doubts.survey_doubts(description, self._samples)
 
@@ -302,7 +299,7 @@ class _Verifier:
                 )
                 for one in log.behind
             ]
-        self._found.unconfirmed = tuple(self._recovered.all_unconfirmed)
+        self._found.unconfirmed = tuple(self._description.get(UNCONFIRMED, {}))
 
     def _check_description(self, readable: int) -> None:
         recorded = self._description

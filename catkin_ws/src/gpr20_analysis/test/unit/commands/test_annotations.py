@@ -15,12 +15,12 @@ from gpr20_analysis import faults, survey_markers
 from gpr20_analysis.commands.main import main
 from gpr20_analysis.formats.dataset_files import read_dataset
 from gpr20_analysis.read.load import load_survey
+from gpr20_analysis.read.manifest_check import found_in
 from gpr20_analysis.verify import main as gpr20_verify
 from gpr20_survey.folder import annotating
 from gpr20_survey.folder.annotating import Fact
-from gpr20_survey.folder.found_records import read_found
 from gpr20_survey.folder.log_record import Kind
-from gpr20_survey.folder.recovery import read_description
+from gpr20_survey.folder.recovery import read_description, recover
 from gpr20_survey.plan.annotation import Annotation, Wgs84Position, annotation_of
 from gpr20_survey.plan.markers import Marker
 from gpr20_survey.results.candidates import NO_CLEARANCE, json_text
@@ -187,6 +187,10 @@ def photo(tmp_path):
 def note(folder, listed, name, what, *options):
     given = ("--list", str(listed), "--what", what, "--who", "Ana", *options)
     return main(["found", str(folder), name, *given])
+
+
+def read_found(folder):
+    return found_in(recover(folder).found.records)
 
 
 def test_a_record_has_place_depth_list_who_and_photograph_and_is_corrected_by_another(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import errno
 import os
 import uuid
@@ -110,10 +111,14 @@ class DataFolder:
         """
         known = self.identify()
         self.check_file_system()
-        with self._using():
-            identity = known.identity or self._mark()
-            if not known.remembered:
-                self._memory.remember(self._path, identity)
+        if not known.identity:
+            # Another program may use it first at this moment.
+            with self._using(), contextlib.suppress(FileExistsError):
+                self._new_marker()
+            known = self.identify()
+        if not known.remembered:
+            with self._using():
+                self._memory.remember(self._path, known.identity)
 
     def accept(self) -> str:
         """Make the folder at this path the one that is used from now on; return its identity.
@@ -144,8 +149,11 @@ class DataFolder:
         try:
             system, _ = self._look()
             tried = self._tried
-            is_known = tried is not None and tried.device == system.device
-            if is_known and (not tried.failure or self._clock.now_s() - tried.at_s < RETRY_S):
+            if (
+                tried is not None
+                and tried.device == system.device
+                and (tried.failure is None or self._clock.now_s() - tried.at_s < RETRY_S)
+            ):
                 return tried.failure
             self.check_file_system()
         except ProcessingError as error:
@@ -198,50 +206,39 @@ class DataFolder:
         return system
 
     def _known(self, system: FileSystem) -> KnownFolder:
+        expected: Optional[str] = "?"
         try:
             expected = self._memory.identity_at(self._path)
             marker = read_marker(self._path)
         except DamagedRecordError as error:
-            raise self._refused("?", Message("{file} is damaged", file=str(error))) from error
-        if marker is None and expected is None:
-            return KnownFolder("", remembered=False)
-        if marker is None:
-            missing = Message("its marker {file} is missing", file=MARKER_FILE)
-            raise self._refused(expected, missing if self._path.is_dir() else Message("it is gone"))
-        if expected not in (None, marker.identity):
-            found = Message("its identity is {identity}", identity=printable(marker.identity))
-            raise self._refused(expected, found)
-        if system.is_other_than(marker.file_system):
-            raise self._refused(
-                marker.identity,
-                Message(
+            wrong = Message("{file} is damaged", file=str(error))
+        else:
+            if marker is None and expected is None:
+                return KnownFolder("", remembered=False)
+            if marker is None and not self._path.is_dir():
+                wrong = Message("it is gone")
+            elif marker is None:
+                wrong = Message("its marker {file} is missing", file=MARKER_FILE)
+            elif expected not in (None, marker.identity):
+                wrong = Message("its identity is {identity}", identity=printable(marker.identity))
+            elif system.is_other_than(marker.file_system):
+                expected = marker.identity
+                wrong = Message(
                     "it is a copy on the file system {found}; the original is on {expected}",
                     found=system.identity or system.kind,
                     expected=printable(marker.file_system),
-                ),
-            )
-        return KnownFolder(marker.identity, remembered=expected is not None)
-
-    def _refused(self, expected: Optional[str], found: Message) -> SurveyRefusedError:
-        return SurveyRefusedError(
+                )
+            else:
+                return KnownFolder(marker.identity, remembered=expected is not None)
+        raise SurveyRefusedError(
             Message(
                 "{path} is not the data folder that was used before (identity {expected}): {found}",
                 path=printable(self._path),
                 expected=expected and printable(expected),
-                found=found,
+                found=wrong,
             ),
             fault=faults.OTHER_DATA_FOLDER,
         )
-
-    def _mark(self) -> str:
-        try:
-            return self._new_marker().identity
-        except FileExistsError:
-            # Another program has used it first at this moment.
-            found = read_marker(self._path)
-            if found is None:
-                raise
-            return found.identity
 
     def _new_marker(self, replace: bool = False) -> Marker:
         ensure_folders(self._path, self._use.mode)

@@ -15,7 +15,6 @@ NO_RECORD = ""
 """What the first record has instead of the checksum of the record before it."""
 MAX_NUMBER = 1_000_000
 """Of a record: the numbers up to that of the last one are counted."""
-KEYS = ("number", "time", "kind", "values", "previous", "sha256")
 
 
 class Kind(str, enum.Enum):
@@ -91,12 +90,12 @@ class LogRecord:
 
     def with_sum(self) -> LogRecord:
         """Return the record with the checksum that belongs to it."""
-        covered = [getattr(self, key) for key in KEYS[:-1]]
+        *covered, _sum = vars(self).values()
         return replace(self, sha256=hashlib.sha256(_compact(covered)).hexdigest())
 
     def as_json(self) -> Dict[str, Any]:
         """Return the record as JSON holds it."""
-        return {key: getattr(self, key) for key in KEYS}
+        return dict(vars(self))
 
     def line(self) -> bytes:
         """Return the record as both files of the log hold it."""

@@ -24,7 +24,7 @@ class RecoveredSurvey:
     """A survey as its log describes it."""
 
     description: Dict[str, Any]
-    """What the log says."""
+    """What the log says, with all entries that nothing vouches for."""
     found: FoundLog
     unconfirmed: Dict[str, Any]
     """Names of entries that nothing vouches for, with the reason, which the log lacks yet."""
@@ -33,11 +33,6 @@ class RecoveredSurvey:
     def survey_id(self) -> str:
         """UUID of the survey."""
         return str(self.description["survey_id"])
-
-    @property
-    def all_unconfirmed(self) -> Dict[str, Any]:
-        """The entries that nothing vouches for, also those that the log names."""
-        return {**self.description.get(UNCONFIRMED, {}), **self.unconfirmed}
 
 
 def read_description(folder: Path) -> Dict[str, Any]:
@@ -76,10 +71,10 @@ def recover(folder: Path, asking_manifest: bool = False) -> RecoveredSurvey:
         )
     try:
         description = description_of(found.records)
-        if first.values["format"] != FORMAT:
-            raise ValueError(repr(first.values["format"])[:256])
-        survey_folder.check_survey_id(first.values["survey_id"])
-        utc_time.parse_iso(first.values["started"])
+        if description["format"] != FORMAT:
+            raise ValueError(repr(description["format"])[:256])
+        survey_folder.check_survey_id(description["survey_id"])
+        utc_time.parse_iso(description["started"])
     except (AttributeError, KeyError, TypeError, ValueError) as error:
         # One such survey must not prevent the others from being listed.
         raise SurveyRefusedError(
@@ -91,7 +86,10 @@ def recover(folder: Path, asking_manifest: bool = False) -> RecoveredSurvey:
             ),
             fault=faults.OTHER_FORMAT,
         ) from error
-    return RecoveredSurvey(description, found, found.lost_entries())
+    unconfirmed = found.lost_entries()
+    if unconfirmed:
+        description[UNCONFIRMED] = {**description.get(UNCONFIRMED, {}), **unconfirmed}
+    return RecoveredSurvey(description, found, unconfirmed)
 
 
 def _sealed_head(folder: Path) -> Optional[LogHead]:

@@ -12,6 +12,7 @@ import os
 import re
 from bisect import bisect_left
 from dataclasses import dataclass
+from itertools import takewhile
 from pathlib import Path
 from typing import Any, Dict, List, NamedTuple, Optional, Sequence, Set, Tuple
 
@@ -61,9 +62,10 @@ class FoundLog:
         """Return what a record must name of what is lost, for ever."""
         if len(self.lost) > MAX_NAMED:
             return {f"{len(self.lost)} records from {self.lost[0]} on": {"reason": LOST}}
-        others = [f"{one.number}, {one.sha256[:8]}" for one in self.strangers[:MAX_NAMED]]
-        reasons = {**dict.fromkeys(self.lost, LOST), **dict.fromkeys(others, STRANGER)}
-        return {f"record {one}": {"reason": reason} for one, reason in reasons.items()}
+        reasons = {f"record {one}": LOST for one in self.lost}
+        for one in self.strangers[:MAX_NAMED]:
+            reasons[f"record {one.number}, {one.sha256[:8]}"] = STRANGER
+        return {name: {"reason": reason} for name, reason in reasons.items()}
 
 
 class _Form(NamedTuple):
@@ -125,21 +127,17 @@ def _content(path: Path) -> Optional[bytes]:
 
 def _form(content: bytes) -> _Form:
     *lines, tail = content.split(b"\n")
-    records: List[LogRecord] = []
-    is_sound, behind = True, []
-    for line in filter(None, [*lines, tail]):
-        record = record_of_line(line)
-        if record is not None:
-            records.append(record)
-            behind = []
-        elif line is not tail:
-            is_sound = False
-            behind.append(line)
-    is_torn = bool(tail.strip(b"\0")) and record_of_line(tail) is None
+    read = [(line, record_of_line(line)) for line in lines if line]
+    last = record_of_line(tail)
+    records = [one for _line, one in [*read, (tail, last)] if one is not None]
+    is_torn = last is None and bool(tail.strip(b"\0"))
+    is_sound = bool(records) and not is_torn and all(one is not None for _line, one in read)
+    unread = takewhile(lambda one: one[1] is None, reversed(read)) if last is None else ()
+    behind = b"\n".join(line for line, _record in unread)
     # A changed byte may have made two lines of one, or one of two.
-    more = max(len(re.findall(one, b"\n".join(behind))) for one in _BOUNDS)
-    end = max((one.number for one in records), default=-1) + max(more, min(1, len(behind)))
-    return _Form(records, end, is_torn, bool(records) and is_sound and not is_torn)
+    more = max(bool(behind), *(len(re.findall(one, behind)) for one in _BOUNDS))
+    end = max((one.number for one in records), default=-1) + more
+    return _Form(records, end, is_torn, is_sound)
 
 
 def _own_chain(forms: Sequence[_Form], folder: str, sealed: Optional[LogHead]) -> List[LogRecord]:
@@ -149,7 +147,8 @@ def _own_chain(forms: Sequence[_Form], folder: str, sealed: Optional[LogHead]) -
         survey = records[0].values.get("survey_id") if records and not records[0].number else None
         links = sum(one.sha256 == other.previous for one, other in zip(records, records[1:]))
         is_own = folder.endswith(f"_{str(survey)[:8]}")
-        return sealed in map(LogHead.of, records), is_own, links, len(records)
+        has_sealed = sealed is not None and sealed in map(LogHead.of, records)
+        return has_sealed, is_own, links, len(records)
 
     best_last = sorted((one.records for one in forms), key=merit)
     every = {one.sha256: one for records in best_last for one in records}

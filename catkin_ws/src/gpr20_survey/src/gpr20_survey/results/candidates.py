@@ -12,7 +12,6 @@ from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message
 from gpr20_common.mid.codec import plain, record_from
 from gpr20_common.sent_message import received_message
-from gpr20_survey.no_clearance import NO_CLEARANCE, SIMULATED
 from gpr20_survey.results.area_position import AreaPosition
 
 NO_CLEARANCE = Message(
