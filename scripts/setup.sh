@@ -39,7 +39,7 @@ ROS_PACKAGES=(
     python3-tf2-msgs:tf2_msgs python3-visualization-msgs:visualization_msgs rosbash:rosbash
 )
 DEBIAN_DEV_PACKAGES=(
-    debhelper gettext git iproute2 logrotate nftables openbox procps python3-psutil xdotool xvfb
+    debhelper git iproute2 logrotate nftables openbox procps python3-psutil xdotool xvfb
 )
 
 # ROS 2's compiler of interfaces, with which the tests build those of ros2/, and the browser in

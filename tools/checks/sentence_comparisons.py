@@ -8,7 +8,7 @@ from __future__ import annotations
 import ast
 import sys
 from pathlib import Path
-from typing import Iterator
+from typing import Iterator, List
 
 # What words for people are called, and the errors whose text is such words.
 WORDS = {"details", "failure", "message", "message_json", "problem", "reason", "refusal", "remark"}
@@ -39,7 +39,7 @@ def _is_words(node: ast.AST) -> bool:
 def complaints(source: str) -> Iterator[int]:
     """Yield the lines of a source text in which words decide."""
     for node in ast.walk(ast.parse(source)):
-        compared = []
+        compared: List[ast.expr] = []
         if isinstance(node, ast.Compare):
             compared = [node.left, *node.comparators]
             # Two messages may be compared: whether another one is shown than before.
@@ -52,7 +52,7 @@ def complaints(source: str) -> Iterator[int]:
             compared = [node.func.value] if name in SEARCHES else []
             compared += node.args if name in PATTERNS else []
         if any(map(_is_words, compared)):
-            yield node.lineno
+            yield compared[0].lineno
 
 
 if __name__ == "__main__":

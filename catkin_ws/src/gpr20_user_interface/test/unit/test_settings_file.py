@@ -14,9 +14,9 @@ from tutorial_code import code_blocks
 from view_kit import make_grid, past_survey, snapshot
 from window_helpers import click, show, until
 
-from gpr20_analysis.commands import main as gpr20
 from gpr20_common.catalogue import Language
 from gpr20_common.low.catalogue_file import VARIABLE, languages, read_catalogue
+from gpr20_common.message import Message
 from gpr20_common.mid.codec import plain
 from gpr20_operator import faults
 from gpr20_operator.errors import ProfileError, SettingsError
@@ -158,13 +158,13 @@ def folder(tmp_path, monkeypatch):
     return tmp_path
 
 
-def test_the_languages_are_the_catalogues_found_and_what_one_lacks_is_english(folder, capsys):
+def test_the_languages_are_the_catalogues_found_and_what_one_lacks_is_english(folder):
     assert languages() == [Language.ENGLISH, Language.SPANISH, PORTUGUESE, PSEUDO]
     portuguese = read_catalogue(PORTUGUESE)
     assert portuguese.template("START") == "INICIAR"
     assert portuguese.template("Colours") == "Colours"
-    assert gpr20.main(["info", "/nowhere", "--language", "pt"]) == 3
-    assert "/nowhere não existe" in capsys.readouterr().err
+    missing = Message("{path} does not exist", path="/nowhere")
+    assert portuguese.text(missing) == "/nowhere não existe"
     assert terminal_language([], {"LANG": "pt_BR.UTF-8"}) == PORTUGUESE
     (folder / "es.po").write_text('msgid "START"\nmsgstr "¡YA!"\n')
     spanish = read_catalogue(Language.SPANISH)

@@ -114,9 +114,28 @@ def test_help_lists_fields_and_exit_statuses_in_the_language_of_the_catalogue_as
     assert all(f"\n  {status:>3}  " in text for status in (2, *map(int, ExitStatus)))
     assert all(f"\n  --{name} " in text for name in FIELDS)
     assert "(por defecto 15)" in " ".join(text.split())
-    with pytest.raises(SystemExit):
-        parse(["--wait", "0"], spanish)
-    assert "'0' no es un número de segundos mayor que cero" in capsys.readouterr().err
+    assert text.startswith("uso: ") and "show this help" not in text
+
+
+@pytest.mark.parametrize(
+    "arguments, words",
+    [
+        (["--wait", "0"], "'0' no es un número de segundos mayor que cero"),
+        (["--wait"], "argumento --wait: se espera un valor"),
+        (["--bar", "no"], "valor no permitido: 'no' (elija entre "),
+        (["--none"], "argumentos desconocidos: --none"),
+        (["--attach", "--resume"], "no se permite junto con el argumento --attach"),
+        (["--a"], "opción ambigua: --a puede ser "),
+        (["--attach=5"], "no admite el valor '5'"),
+    ],
+)
+def test_what_is_wrong_with_the_command_line_is_said_in_its_language(capsys, arguments, words):
+    with pytest.raises(SystemExit) as caught:
+        parse(arguments, read_catalogue(Language.SPANISH))
+    assert caught.value.code == 2
+    said = capsys.readouterr().err
+    assert words in said and "run_survey: error: " in said and said.startswith("uso: ")
+    assert not re.search("usage|argument |expected|invalid|choose", said)
 
 
 def test_language_is_that_of_the_command_line_or_the_terminal():

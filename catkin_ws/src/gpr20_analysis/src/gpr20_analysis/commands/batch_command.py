@@ -255,7 +255,7 @@ def _print(rows: Sequence[Tuple[Job, Outcome]], catalogue: Catalogue) -> None:
             say(f"    {remark}")
         if outcome.error:
             for line in [outcome.error, *first_steps(outcome.error)]:
-                say(f"    {shown(line, catalogue)}")
+                say(f"    {shown(line)}")
 
 
 COMMAND = Command(

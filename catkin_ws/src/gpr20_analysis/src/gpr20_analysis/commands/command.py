@@ -63,6 +63,11 @@ SUMMARIES: Dict[str, str] = {
 }
 """Name and summary of each subcommand of this package; its module is `<name>_command`."""
 
+ENGLISH = {"annotate", "antenna", "delay", "export", "found", "import", "process", "repair"} | {
+    *("replay", "sample", "sign", "trial")
+}
+"""Subcommands that say nothing of what operators read in their language."""
+
 COMMANDS = ExtensionPoint(
     "gpr20.commands",
     Message("the command"),

@@ -15,10 +15,7 @@ from gpr20_analysis.commands import command
 from gpr20_analysis.commands.command import EXIT_STATUS, REFUSED
 from gpr20_analysis.commands.failure import EXPECTED, TRACEBACK, first_steps, message_of
 from gpr20_analysis.sentences import shown
-from gpr20_common.catalogue import (
-    Catalogue,
-    Language,
-)
+from gpr20_common.catalogue import Language
 from gpr20_common.low.catalogue_file import (
     language_from_code,
     language_from_environment,
@@ -36,31 +33,29 @@ def main(arguments: Optional[List[str]] = None) -> int:
         signal.signal(signal.SIGTERM, signal.default_int_handler)  # it cleans up like Ctrl-C
     try:
         language, given = _language(given)
-        catalogue = read_catalogue(language)
     except SystemExit:
         return REFUSED
     chosen = argparse.Namespace()
     try:
-        return _run(given, chosen, language, catalogue)
+        return _run(given, chosen, language)
     except (Exception, KeyboardInterrupt) as error:
         if os.environ.get(TRACEBACK) and not isinstance(error, (*EXPECTED, KeyboardInterrupt)):
             traceback.print_exc()
         reason = message_of(error, f"gpr20 {' '.join(given)}")
-    say(f"gpr20 {' '.join(given[:1])}: {shown(reason, catalogue)}", file=sys.stderr)
+    say(f"gpr20 {' '.join(given[:1])}: {shown(reason)}", file=sys.stderr)
     for step in first_steps(reason):
-        say(shown(step, catalogue), file=sys.stderr)
+        say(shown(step), file=sys.stderr)
     if getattr(chosen, "json", False):
         print(json.dumps({"error": message_fields(reason)}))
     return REFUSED
 
 
-def _run(
-    given: List[str], chosen: argparse.Namespace, language: Language, catalogue: Catalogue
-) -> int:
+def _run(given: List[str], chosen: argparse.Namespace, asked: Language) -> int:
     try:
         _parser(given).parse_args(given, chosen)
+        language = Language.ENGLISH if chosen.command in command.ENGLISH else asked
         chosen.language = language.value
-        status: int = chosen.run(chosen, catalogue)
+        status: int = chosen.run(chosen, read_catalogue(language))
         sys.stdout.flush()
         return status
     except SystemExit as ending:
@@ -87,7 +82,7 @@ def _language_option() -> argparse.ArgumentParser:
     parser.add_argument(
         "--language",
         choices=[one.value for one in languages()],
-        help="language of messages, reports and figures; default from the environment (LANG)",
+        help="language of reports, figures and lists; default from the environment (LANG)",
     )
     return parser
 

@@ -156,17 +156,26 @@ def english(monkeypatch):
 
 
 def test_the_language_is_an_option_anywhere_else_that_of_the_environment(
-    tmp_path, capsys, monkeypatch
+    stopped, capsys, monkeypatch
 ):
     for place in range(3):
-        arguments = ["info", str(tmp_path / "nowhere")]
+        arguments = ["verify", str(stopped)]
         arguments[place:place] = ["--language", "es"]
-        assert main(arguments) == 3
-        said, first = capsys.readouterr().err.splitlines()
-        assert said.startswith(f"gpr20 info: {tmp_path}/nowhere") and first.startswith("Primero: ")
+        assert main(arguments) == 1
+        assert "INCOMPLETA" in capsys.readouterr().out
     monkeypatch.setenv("LANG", "es_PE.UTF-8")
-    assert main(["info", str(tmp_path / "nowhere")]) == 3
-    assert "Primero: " in capsys.readouterr().err
+    assert main(["verify", str(stopped)]) == 1
+    assert "INCOMPLETA" in capsys.readouterr().out
+
+
+def test_why_a_command_did_nothing_and_what_only_analysts_ask_for_is_english(
+    tmp_path, stopped, capsys
+):
+    assert main(["info", str(tmp_path / "nowhere"), "--language", "es"]) == 3
+    said, first = capsys.readouterr().err.splitlines()
+    assert said.endswith("nowhere does not exist") and first.startswith("First: ")
+    assert main(["annotate", str(stopped), "--operator", "Ana", "--language", "es"]) == 0
+    assert "operator: " in capsys.readouterr().out
 
 
 def test_verdict_and_warnings_are_translated_but_not_json_for_programs(stopped, capsys):

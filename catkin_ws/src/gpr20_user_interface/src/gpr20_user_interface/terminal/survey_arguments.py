@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import argparse
+import contextlib
 import enum
 import math
 from dataclasses import dataclass, replace
-from typing import Any, Callable, List, Mapping, Optional, Sequence
+from typing import Any, Callable, Iterator, List, Mapping, Optional, Sequence
 
 from gpr20_common.catalogue import Catalogue, Language
 from gpr20_common.errors import InvalidValueError
@@ -33,6 +34,20 @@ EXIT_STATUS = Message(
     "    5  it was a replay: nothing was measured\n"
     "  130  it was stopped by Ctrl-C or SIGTERM; after a second one it may still run\n"
 )
+OF_ARGPARSE = (
+    Message("usage: "),
+    Message("options"),
+    Message("optional arguments"),  # of Python 3.8 and 3.9
+    Message("show this help message and exit"),
+    Message("argument %(argument_name)s: %(message)s"),
+    Message("not allowed with argument %s"),
+    Message("expected one argument"),
+    Message("ignored explicit argument %r"),
+    Message("unrecognized arguments: %s"),
+    Message("ambiguous option: %(option)s could match %(matches)s"),
+    Message("invalid choice: %(value)r (choose from %(choices)s)"),
+)
+"""Sentences that argparse says itself, which it looks up by its own function `_`."""
 _PLANNED = SPECS["permittivity"]
 # The window begins with a soil, which a person sees there; a command assumes none.
 SOIL = replace(
@@ -85,6 +100,27 @@ def parse_arguments(arguments: Sequence[str], catalogue: Catalogue) -> Options:
     Raises:
         SystemExit: With status 2 after a message, or 0 after the help.
     """
+    with _argparse_in(catalogue):
+        return _parse(arguments, catalogue)
+
+
+@contextlib.contextmanager
+def _argparse_in(catalogue: Catalogue) -> Iterator[None]:
+    known = {one.template for one in OF_ARGPARSE}
+    own = argparse._, argparse.ngettext  # type: ignore[attr-defined]
+
+    def look_up(template: str) -> str:
+        return catalogue.template(template) if template in known else template
+
+    try:
+        argparse._ = look_up  # type: ignore[attr-defined]
+        argparse.ngettext = lambda one, _many, _count: look_up(one)  # type: ignore[attr-defined]
+        yield
+    finally:
+        argparse._, argparse.ngettext = own  # type: ignore[attr-defined]
+
+
+def _parse(arguments: Sequence[str], catalogue: Catalogue) -> Options:
     parser = argparse.ArgumentParser(
         prog="run_survey",
         description=catalogue.text(DESCRIPTION),

@@ -12,9 +12,7 @@ from typing import Any, Callable, List, Optional, Sequence, Tuple
 import rosgraph
 import yaml
 
-from gpr20_common.catalogue import Catalogue
 from gpr20_common.errors import Gpr20Error
-from gpr20_common.low.catalogue_file import language_from_environment, read_catalogue
 from gpr20_common.low.robot_folder import configured, robot_folder
 from gpr20_common.message import Message
 from gpr20_common.mid.codec import record_from
@@ -28,7 +26,7 @@ from gpr20_vna_acquisition.mid.conformance.suite import Ask, Result, line, passe
 from gpr20_vna_acquisition.mid.vna_parameters import VnaParameters
 
 FILE = "analyzer.yaml"
-BEGIN = Message(
+BEGIN = (
     "The check takes about one minute. It changes the VNA's settings, which can end its "
     "calibration. No robot may use the VNA meanwhile."
 )
@@ -37,56 +35,49 @@ BEGIN = Message(
 def main() -> int:
     """Check the analyzer that the command line or the configuration names."""
     given = _parser().parse_args(rosgraph.myargv()[1:])
-    catalogue = read_catalogue(language_from_environment(os.environ))
     folder = given.config.expanduser().absolute()
     try:
         parameters = _parameters(folder, given)
-        found = _checked(parameters, given, catalogue)
+        found = _checked(parameters, given)
         if len(found) == 1:
             return 1  # no right instrument answers: that says nothing of the class
         path = store(folder, parameters, found)
     except Gpr20Error as error:
-        say(f"check_analyzer: {catalogue.text(error.message)}", file=sys.stderr)
+        say(f"check_analyzer: {error.message.sentence()}", file=sys.stderr)
         return 1
     except OSError as error:
-        say(f"check_analyzer: {folder}: {catalogue.text(os_reason(error))}", file=sys.stderr)
+        say(f"check_analyzer: {folder}: {os_reason(error).sentence()}", file=sys.stderr)
         return 1
     except KeyboardInterrupt:
         return 1
-    say(catalogue.text(Message("stored in {file}", file=path)))
+    say(f"stored in {path}")
     return 0 if passed(found) else 1
 
 
-def _checked(
-    parameters: VnaParameters, given: argparse.Namespace, catalogue: Catalogue
-) -> Sequence[Result]:
+def _checked(parameters: VnaParameters, given: argparse.Namespace) -> Sequence[Result]:
     ask = _ask if given.by_hand else None
     if not given.relay:
-        return check(Bench(parameters, _connector(parameters), Extent()), catalogue, ask)
+        return check(Bench(parameters, _connector(parameters), Extent()), ask)
     host, port = given.relay
     with TcpRelay(host, port) as relay:
         relayed = replace(parameters, address=parameters.address.replace(host, ADDRESS))
-        return check(Bench(relayed, _connector(relayed), Extent()), catalogue, ask, relay)
+        return check(Bench(relayed, _connector(relayed), Extent()), ask, relay)
 
 
-def check(
-    bench: Bench, catalogue: Catalogue, ask: Optional[Ask], relay: Optional[TcpRelay] = None
-) -> Sequence[Result]:
+def check(bench: Bench, ask: Optional[Ask], relay: Optional[TcpRelay] = None) -> Sequence[Result]:
     """Make every check and print its result.
 
     Args:
         bench: The analyzer.
-        catalogue: Translates.
         ask: Asks a person to do something and returns when it is done; None: nobody is there.
         relay: Passes on what a class and its instrument say; None: they speak directly.
     """
-    say(catalogue.text(BEGIN), flush=True)
+    say(BEGIN, flush=True)
     found: List[Result] = []
     for one in results(bench, ask, relay):
-        say(line(one, catalogue), flush=True)
+        say(line(one), flush=True)
         found.append(one)
-    status = Message("PASSED") if passed(found) else Message("FAILED")
-    say(catalogue.text(status), flush=True)
+    say("PASSED" if passed(found) else "FAILED", flush=True)
     return found
 
 

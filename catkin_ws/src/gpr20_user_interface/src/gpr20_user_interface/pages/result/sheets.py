@@ -187,10 +187,8 @@ class PlaceSheet(ResultSheet):
         """Show the place, and what is entered."""
         self.finer.setText(self.tr("Measure\nfiner"))
         self.view.setText(self.tr("Show in\nGround"))
-        # Not inside an f-string, where xgettext finds no text.
-        deep, who = self.tr("Depth"), self.tr("Who")
-        self.deep.setText(f"{deep}\n{self._depth or NONE} mm")
-        self.who.setText(f"{who}\n{self._who[:LONGEST_NAME] or NONE}")
+        self.deep.setText(f"{self.tr('Depth')}\n{self._depth or NONE} mm")
+        self.who.setText(f"{self.tr('Who')}\n{self._who[:LONGEST_NAME] or NONE}")
         self.store.setText(self.tr("Hold to\nstore"))
         for what, key in self.whats.items():
             text = self.tr("Found:\n{what}").format(what=shown_text(texts.FINDS[what]))

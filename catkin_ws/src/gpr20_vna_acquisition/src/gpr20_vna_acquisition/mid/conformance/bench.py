@@ -31,16 +31,6 @@ class Status(enum.Enum):
     MEASURED = "measured"  # what the instrument does, neither good nor bad
     NOT_TESTED = "not tested"
 
-    @property
-    def title(self) -> Message:
-        """The status in a word or two."""
-        return {
-            Status.PASSED: Message("PASSED"),
-            Status.FAILED: Message("FAILED"),
-            Status.MEASURED: Message("MEASURED"),
-            Status.NOT_TESTED: Message("NOT TESTED"),
-        }[self]
-
 
 Outcome = Tuple[Status, Message]
 

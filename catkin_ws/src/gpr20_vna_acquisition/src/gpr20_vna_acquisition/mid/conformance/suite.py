@@ -6,7 +6,6 @@ import functools
 from dataclasses import dataclass
 from typing import Callable, Dict, Iterator, Optional, Sequence
 
-from gpr20_common.catalogue import Catalogue
 from gpr20_common.errors import Gpr20Error
 from gpr20_common.message import Message
 from gpr20_vna_acquisition.errors import VnaConnectionError, VnaIdentityError, VnaTimeoutError
@@ -67,10 +66,10 @@ def passed(found: Sequence[Result]) -> bool:
     return bool(found) and all(one.status is not Status.FAILED for one in found)
 
 
-def line(result: Result, catalogue: Catalogue) -> str:
+def line(result: Result) -> str:
     """Return the line of a result in the table."""
-    status = catalogue.text(result.status.title)
-    text = " ".join((catalogue.text(result.text), *(f"({one})" for one in result.text.all_details)))
+    status = result.status.name.replace("_", " ")
+    text = " ".join((result.text.sentence(), *(f"({one})" for one in result.text.all_details)))
     return f"{status:{STATUS_WIDTH}}{result.check:{CHECK_WIDTH}}{text}"
 
 
