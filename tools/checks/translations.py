@@ -28,6 +28,8 @@ FUNCTIONS = ("Message", "tr")
 PASS_ON = tuple(f"gpr20_common/{name}.py" for name in ("message", "sent_message", "catalogue"))
 NAMED = re.compile(r"\bgpr20_\w+(?:\.\w+)+")
 LANGUAGE = re.compile("[a-z]{2,3}(_[A-Z]{2})?")
+HEADER = 'msgid ""\nmsgstr ""\n"Language: {code}\\n"\n"X-Language-Name: {name}\\n"\n'
+HEADER += '"Content-Type: text/plain; charset=UTF-8\\n"\n'
 
 
 def shown_files() -> Set[Path]:
@@ -46,41 +48,32 @@ def shown_files() -> Set[Path]:
         path = waiting.pop()
         if path not in found:
             found.add(path)
-            waiting += _reached(path, modules)
+            for name in _names(ast.parse(path.read_text(encoding="utf-8"))):
+                # What is no module is something in one.
+                while name not in modules and "." in name:
+                    name = name.rpartition(".")[0]
+                waiting += [modules[name]] if name in modules else []
     return found
 
 
 def module_files() -> Dict[str, Path]:
-    """Return the file of each module of the packages."""
+    """Return the file of each module, and of each name of the public interface of the analysis."""
     found = {}
     for folder in ROOT.glob("catkin_ws/src/*/src"):
         for path in folder.rglob("*.py"):
-            parts = path.relative_to(folder).with_suffix("").parts
-            found[".".join(parts[:-1] if parts[-1] == "__init__" else parts)] = path
+            name = ".".join(path.relative_to(folder).with_suffix("").parts)
+            found[name.replace(".__init__", "")] = path
+    for home, names in gpr20_analysis._HOMES.items():
+        found.update({f"gpr20_analysis.{one}": found[f"gpr20_analysis.{home}"] for one in names})
     return found
 
 
-def _reached(path: Path, modules: Dict[str, Path]) -> Iterator[Path]:
-    """Yield the modules that a file imports, uses by the public interface, or names in a text."""
-    homes = {
-        f"gpr20_analysis.{name}": f"gpr20_analysis.{module}"
-        for module, names in gpr20_analysis._HOMES.items()
-        for name in names
-    }
-    for name in _names(ast.parse(path.read_text(encoding="utf-8"))):
-        name = homes.get(name, name)
-        # What is no module is something in one.
-        while name not in modules and "." in name:
-            name = name.rpartition(".")[0]
-        if name in modules:
-            yield modules[name]
-
-
 def _names(tree: ast.AST) -> Iterator[str]:
+    """Yield what a program imports, what it takes of a module, and what its texts name."""
     for node in ast.walk(tree):
         if isinstance(node, ast.Import):
             yield from (one.name for one in node.names)
-        elif isinstance(node, ast.ImportFrom) and node.module:
+        elif isinstance(node, ast.ImportFrom):
             yield from (f"{node.module}.{one.name}" for one in node.names)
         elif isinstance(node, ast.Attribute) and isinstance(node.value, ast.Name):
             yield f"{node.value.id}.{node.attr}"
@@ -98,17 +91,16 @@ def templates(source: str, passes_on: bool = False) -> Iterator[str]:
     Raises:
         ValueError: One is not a literal, so nobody could translate it.
     """
-    for node in ast.walk(ast.parse(source)):
-        if not isinstance(node, ast.Call) or not node.args:
+    calls = (one for one in ast.walk(ast.parse(source)) if isinstance(one, ast.Call) and one.args)
+    for call in calls:
+        template = call.args[0]
+        if getattr(call.func, "attr", getattr(call.func, "id", "")) not in FUNCTIONS:
             continue
-        first = node.args[0]
-        if getattr(node.func, "attr", getattr(node.func, "id", "")) not in FUNCTIONS:
-            continue
-        if isinstance(first, ast.Constant) and isinstance(first.value, str):
-            yield first.value
+        if isinstance(template, ast.Constant) and isinstance(template.value, str):
+            yield template.value
         elif not passes_on:
             raise ValueError(
-                f"{first.lineno}: write the template as one literal string in Message(...) or "
+                f"{template.lineno}: write the template as one literal string in Message(...) or "
                 "tr(...), with {names} for the values and the values as further arguments"
             )
 
@@ -118,10 +110,10 @@ def templates_of(files: Iterable[Path]) -> Set[str]:
     found: Set[str] = set()
     for path in files:
         try:
-            passes_on = path.as_posix().endswith(PASS_ON)
-            found.update(templates(path.read_text(encoding="utf-8"), passes_on))
+            source = path.read_text(encoding="utf-8")
+            found.update(templates(source, path.as_posix().endswith(PASS_ON)))
         except ValueError as error:
-            raise ValueError(f"{path.relative_to(ROOT)}:{error}") from error
+            raise ValueError(f"{path}:{error}") from error
     return found
 
 
@@ -132,14 +124,15 @@ def complaints(path: Path, wanted: Set[str]) -> List[str]:
         path: The catalogue.
         wanted: All templates that it may have, and must have if it is the complete one.
     """
-    used = read_translations(path)
+    usable = set(read_translations(path))
     entries = polib.pofile(path.read_text(encoding="utf-8"), check_for_duplicates=True)
-    found = [f"not used by any program: {one.msgid}" for one in entries if one.msgid not in wanted]
     translated = {one.msgid for one in entries.translated_entries()}
-    found += [f"has other {{values}} than its msgid: {one}" for one in translated - set(used)]
-    if path == COMPLETE:
-        found += [f"not translated: {one}" for one in sorted(wanted - translated)]
-    return [f"{path}: {one}" for one in found]
+    missing = wanted - translated if path == COMPLETE else set()
+    return [
+        *(f"no program has {one.msgid!r}: not used" for one in entries if one.msgid not in wanted),
+        *(f"give the msgstr the {{values}} of {one!r}" for one in sorted(translated - usable)),
+        *(f"write the msgstr of {one!r}" for one in sorted(missing)),
+    ]
 
 
 def update(path: Path, wanted: Set[str]) -> None:
@@ -149,28 +142,10 @@ def update(path: Path, wanted: Set[str]) -> None:
     """
     catalogue = polib.pofile(path.read_text(encoding="utf-8"), wrapwidth=0)
     known = {one.msgid: one.msgstr for one in catalogue.translated_entries()}
-    catalogue[:] = [
-        polib.POEntry(msgid=one, msgstr=known.get(one, "")) for one in sorted(wanted - {""})
-    ]
+    entries = [polib.POEntry(msgid=one, msgstr=known.get(one, "")) for one in sorted(wanted)]
+    catalogue[:] = entries
     catalogue.save(str(path))
-    print(f"{path}: {len(catalogue.untranslated_entries())} of {len(catalogue)} to translate")
-    if path == COMPLETE:
-        for line in complaints(path, wanted):
-            print(line, file=sys.stderr)
-
-
-def begin(path: Path, language: str) -> None:
-    """Write a catalogue without entries."""
-    if path.exists() or not language or not LANGUAGE.fullmatch(path.stem):
-        sys.exit("translations.sh: name a new file and its language: --new pt.po Português")
-    catalogue = polib.POFile()
-    catalogue.metadata = {
-        **{"Project-Id-Version": "gpr20", "Language": path.stem, "X-Language-Name": language},
-        **{"MIME-Version": "1.0", "Content-Type": "text/plain; charset=UTF-8"},
-        "Content-Transfer-Encoding": "8bit",
-    }
-    path.parent.mkdir(parents=True, exist_ok=True)
-    catalogue.save(str(path))
+    print(f"{path}: {len(known.keys() & wanted)} of {len(wanted)} are translated")
 
 
 def main() -> None:
@@ -179,19 +154,21 @@ def main() -> None:
     parser.add_argument("--check", action="store_true")
     parser.add_argument("--new", action="store_true")
     parser.add_argument("file", type=Path, nargs="?")
-    parser.add_argument("language", nargs="?", default="")
+    parser.add_argument("name", nargs="?", default="")
     chosen = parser.parse_args()
+    paths = [chosen.file.resolve()] if chosen.file else sorted(FOLDER.glob("*.po"))
     if chosen.new:
-        begin(chosen.file or Path(), chosen.language)
+        if paths[0].exists() or not chosen.name or not LANGUAGE.fullmatch(paths[0].stem):
+            sys.exit("translations.sh: name a new file and its language: --new pt.po Português")
+        header = HEADER.format(code=paths[0].stem, name=chosen.name)
+        paths[0].parent.mkdir(parents=True, exist_ok=True)
+        paths[0].write_text(header, encoding="utf-8")
     wanted = templates_of(shown_files())
-    found: List[str] = []
-    for path in [chosen.file.resolve()] if chosen.file else sorted(FOLDER.glob("*.po")):
-        if chosen.check:
-            found += complaints(path, wanted)
-        else:
+    for path in paths:
+        if not chosen.check:
             update(path, wanted)
-    if found:
-        sys.exit("\n".join([*found, "run scripts/translations.sh, then write what it names"]))
+        if found := complaints(path, wanted):
+            sys.exit("\n".join([f"translations.sh: {path}:", *found]))
 
 
 if __name__ == "__main__":
