@@ -1,8 +1,9 @@
 """Keep the catalogues of translations; scripts/translations.sh starts it and says how.
 
-Translated is what an operator can meet: the sentences of every program in nodes/ and deploy/, and
-of every module and program that one of them imports, names or runs, directly or not. Programs that
-only analysts and maintainers use are listed in pyproject.toml: what only they say is English.
+Translated is what an operator can meet: the sentences of every program in nodes/ and deploy/, of
+every module that sends or answers messages of gpr20_msgs, and of every module and program that one
+of them imports, names or runs, directly or not. Programs that only analysts and maintainers use are
+listed in pyproject.toml: what only they say is English.
 """
 
 from __future__ import annotations
@@ -27,6 +28,7 @@ FUNCTIONS = ("Message", "tr")
 # They pass on a template that was written elsewhere.
 PASS_ON = tuple(f"gpr20_common/{name}.py" for name in ("message", "sent_message", "catalogue"))
 PROGRAM = "program"
+INTERFACES = re.compile(r"^(from|import) gpr20_msgs\b", re.MULTILINE)
 NAMED = re.compile(r"\bgpr20_\w+(?:\.\w+)+")
 LANGUAGE = re.compile("[a-z]{2,3}(_[A-Z]{2})?")
 HEADER = 'msgid ""\nmsgstr ""\n"Language: {code}\\n"\n"X-Language-Name: {name}\\n"\n'
@@ -45,6 +47,7 @@ def shown_files() -> Set[Path]:
     for path in (*ROOT.glob("catkin_ws/src/*/nodes/*"), *ROOT.glob("deploy/*.py")):
         if path.is_file() and path.name not in chosen["english_programs"]:
             waiting.append(path)
+    waiting += [one for one in modules.values() if INTERFACES.search(one.read_text("utf-8"))]
     found: Set[Path] = set()
     while waiting:
         path = waiting.pop()
