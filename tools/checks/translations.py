@@ -1,8 +1,9 @@
 """Keep the catalogues of translations; scripts/translations.sh starts it and says how.
 
-Translated is what an operator can meet: the sentences of every program in nodes/ and deploy/, and
-of every module that one of them imports or names, directly or not. Programs that only analysts and
-maintainers use are listed in pyproject.toml: what only they say is English.
+Translated is what an operator can meet: the sentences of every program in nodes/ and deploy/, of
+every module that sends or answers messages of gpr20_msgs, and of every module and program that one
+of them imports, names or runs, directly or not. Programs that only analysts and maintainers use are
+listed in pyproject.toml: what only they say is English.
 """
 
 from __future__ import annotations
@@ -26,6 +27,8 @@ COMPLETE = FOLDER / "es.po"
 FUNCTIONS = ("Message", "tr")
 # They pass on a template that was written elsewhere.
 PASS_ON = tuple(f"gpr20_common/{name}.py" for name in ("message", "sent_message", "catalogue"))
+PROGRAM = "program"
+INTERFACES = re.compile(r"^(from|import) gpr20_msgs\b", re.MULTILINE)
 NAMED = re.compile(r"\bgpr20_\w+(?:\.\w+)+")
 LANGUAGE = re.compile("[a-z]{2,3}(_[A-Z]{2})?")
 HEADER = 'msgid ""\nmsgstr ""\n"Language: {code}\\n"\n"X-Language-Name: {name}\\n"\n'
@@ -38,11 +41,13 @@ def shown_files() -> Set[Path]:
 
     settings = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
     chosen = settings["tool"]["translations"]
-    modules = module_files()
+    english = tuple(f"{one}." for one in chosen["english_modules"])
+    modules = {k: path for k, path in module_files().items() if not f"{k}.".startswith(english)}
     waiting = [modules[name] for name in chosen["loaded_by_configuration"]]
     for path in (*ROOT.glob("catkin_ws/src/*/nodes/*"), *ROOT.glob("deploy/*.py")):
         if path.is_file() and path.name not in chosen["english_programs"]:
             waiting.append(path)
+    waiting += [one for one in modules.values() if INTERFACES.search(one.read_text("utf-8"))]
     found: Set[Path] = set()
     while waiting:
         path = waiting.pop()
@@ -57,12 +62,14 @@ def shown_files() -> Set[Path]:
 
 
 def module_files() -> Dict[str, Path]:
-    """Return the file of each module, and of each name of the public interface of the analysis."""
+    """Return the files of modules, of programs, and of the public interface of the analysis."""
     found = {}
     for folder in ROOT.glob("catkin_ws/src/*/src"):
         for path in folder.rglob("*.py"):
             name = ".".join(path.relative_to(folder).with_suffix("").parts)
             found[name.replace(".__init__", "")] = path
+    for path in ROOT.glob("catkin_ws/src/*/nodes/*"):
+        found[f"{path.parts[-3]}.{path.name}.{PROGRAM}"] = path
     for home, names in gpr20_analysis._HOMES.items():
         found.update({f"gpr20_analysis.{one}": found[f"gpr20_analysis.{home}"] for one in names})
     return found
@@ -77,6 +84,9 @@ def _names(tree: ast.AST) -> Iterator[str]:
             yield from (f"{node.module}.{one.name}" for one in node.names)
         elif isinstance(node, ast.Attribute) and isinstance(node.value, ast.Name):
             yield f"{node.value.id}.{node.attr}"
+        elif isinstance(node, (ast.List, ast.Tuple)):
+            words = [getattr(one, "value", "") for one in node.elts]
+            yield from [".".join([*words[1:3], PROGRAM])] if words[:1] == ["rosrun"] else []
         elif isinstance(node, ast.Constant) and isinstance(node.value, str):
             yield from NAMED.findall(node.value)
 

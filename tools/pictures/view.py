@@ -6,7 +6,6 @@ import tempfile
 from pathlib import Path
 
 from PyQt5 import sip
-from PyQt5.QtCore import Qt
 from PyQt5.QtWidgets import QApplication
 from window_kit import virtual_screen
 
@@ -14,9 +13,6 @@ from gpr20_analysis import sample_survey
 from gpr20_analysis.candidates.search import find_candidates
 from gpr20_analysis.imaging.image_options import ImageOptions
 from gpr20_analysis.read.load import load_survey
-from gpr20_common.catalogue import Language
-from gpr20_common.low import catalogue_file
-from gpr20_common.low.catalogue_file import read_catalogue
 from gpr20_viewer.identity import SurveyIdentity
 from gpr20_viewer.picks_file import PicksFile
 from gpr20_viewer.positions import Place
@@ -29,15 +25,15 @@ from pictures.kit import save, wait
 MOST_PICKS = 3
 
 
-def take_picture(language: Language, path: Path) -> None:
+def take_picture(path: Path) -> None:
     """Open the window, pick the first candidates and take a picture."""
-    survey, catalogue = sample_survey(), read_catalogue(language)
+    survey = sample_survey()
     session = ViewSession(load_survey(survey), ImageOptions(), find_candidates)
     with tempfile.TemporaryDirectory() as folder:
         picks = Path(folder) / f"{survey.name}.picks.json"
         file = PicksFile(picks, SurveyIdentity.of(session.survey))
-        desk = PickDesk(file, "", utc_now, catalogue)
-        window = MainWindow(session, desk, survey.name, catalogue)
+        desk = PickDesk(file, "", utc_now)
+        window = MainWindow(session, desk, survey.name)
         window.show()
         window.candidates.searched.setChecked(True)
         wait(lambda: not window.is_computing, "the image has its candidates")
@@ -46,20 +42,16 @@ def take_picture(language: Language, path: Path) -> None:
             window.move_to(Place(one.x_m, one.y_m, one.depth_m))
             window.pick()
         # Where the picks of the viewer are for a survey of a robot, not in the folder of this run.
-        stored = catalogue.tr("Picks are stored in {path}", path=f"../{picks.name}")
-        desk.table.show_state(stored, wrong=False)
+        desk.table.show_state(f"Picks are stored in ../{picks.name}", wrong=False)
         save(window, path)
         window.close()
 
 
 def make(folder: Path) -> None:
-    """Take a picture in each language."""
+    """Take the picture."""
     width, height = SIZE_PX
     with virtual_screen(f"{width + 40}x{height + 80}x24"):
-        # The second window draws with the programs that the first one compiled.
-        QApplication.setAttribute(Qt.ApplicationAttribute.AA_ShareOpenGLContexts)
         application = QApplication([])
-        for language in catalogue_file.languages():
-            take_picture(language, folder / f"view_{language.value}.png")
+        take_picture(folder / "view_en.png")
         # Before its screen is gone.
         sip.delete(application)

@@ -60,7 +60,7 @@ def run(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
 
     picks = chosen.picks or picks_path(chosen.survey)
     name = chosen.survey.expanduser().resolve().name
-    show(session, picks, chosen.author, name, catalogue, chosen.flat)
+    show(session, picks, chosen.author, name, chosen.flat)
     return status
 
 

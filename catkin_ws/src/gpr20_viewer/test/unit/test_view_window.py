@@ -25,8 +25,6 @@ from gpr20_analysis.commands.main import main
 from gpr20_analysis.dataset import Quality
 from gpr20_analysis.formats.dataset_files import write_dataset
 from gpr20_analysis.imaging.image_options import ImageOptions
-from gpr20_common.catalogue import Catalogue, Language
-from gpr20_common.low.catalogue_file import read_catalogue
 from gpr20_survey.results.candidates import Candidate, CandidateList
 from gpr20_viewer import view_command
 from gpr20_viewer.faults import NO_SCREEN
@@ -56,14 +54,13 @@ class Windows:
         self._folder, self._opened = folder, []
         self.answers, self.export = [], None
 
-    def open(self, survey, catalogue=None, find_candidates=None, **options):
-        catalogue = catalogue or Catalogue()
+    def open(self, survey, find_candidates=None, **options):
         session = ViewSession(
             survey, ImageOptions(**{"permittivity": 4.0, **options}), find_candidates
         )
         file = PicksFile(self._folder / "survey.picks.json", SurveyIdentity.of(session.survey))
-        desk = PickDesk(file, "", lambda: "2026-11-22T12:00:00Z", catalogue, lambda: self.export)
-        window = MainWindow(session, desk, "survey", catalogue, True, lambda _: self.answers.pop())
+        desk = PickDesk(file, "", lambda: "2026-11-22T12:00:00Z", lambda: self.export)
+        window = MainWindow(session, desk, "survey", True, lambda _: self.answers.pop())
         window.show()
         self._opened.append(window)
         return computed(window)
@@ -284,10 +281,10 @@ def test_candidates_are_listed_with_the_sentence_and_marked(windows, survey):
     assert [one.count for one in marked] == [1, 1]
 
 
-def test_the_window_says_in_its_language_that_a_survey_is_simulated(windows, survey):
-    window = windows.open(survey, read_catalogue(Language.SPANISH))
-    assert "SIMULADO" in window.windowTitle() and window.status.banner.isVisible()
-    assert "despeje" in window.desk.table.notice.text()
+def test_the_window_says_that_a_survey_is_simulated_and_picks_are_no_clearance(windows, survey):
+    window = windows.open(survey)
+    assert "SIMULATED" in window.windowTitle() and window.status.banner.isVisible()
+    assert "no clearance" in window.desk.table.notice.text()
     measured = windows.open(survey.assign_attrs(simulated=0))
     assert not measured.status.banner.isVisible() and "SIMULATED" not in measured.windowTitle()
 

@@ -99,7 +99,7 @@ def run(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
         ended.update({job: outcome for job, outcome in before.items() if outcome is not None})
     left = [job for job in jobs if job not in ended]
     if left:
-        progress = inputs.progress_bar(catalogue.tr("surveys"))
+        progress = inputs.progress_bar("surveys")
         workers = connected(chosen.scheduler, chosen.workers or standard_workers(len(left)))
         with unfinished_folder(chosen.into.absolute()) as unfinished, workers as client:
             ended.update(progress(outcomes(client, left, unfinished), len(left)))

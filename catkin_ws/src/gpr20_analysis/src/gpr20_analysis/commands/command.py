@@ -64,7 +64,7 @@ SUMMARIES: Dict[str, str] = {
 """Name and summary of each subcommand of this package; its module is `<name>_command`."""
 
 ENGLISH = {"annotate", "antenna", "delay", "export", "found", "import", "process", "repair"} | {
-    *("replay", "sample", "sign", "trial")
+    *("replay", "sample", "sign", "trial", "view")
 }
 """Subcommands that say nothing of what operators read in their language."""
 

@@ -70,14 +70,14 @@ def run(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
     check_ending(chosen.output, chosen.format)
     _check([chosen.output], chosen)
     if form.of_recording is not None:
-        progress = inputs.progress_bar(catalogue.tr("writing"))
+        progress = inputs.progress_bar("writing")
         return _say(
             form.of_recording(chosen.survey, chosen.output, progress), chosen.output, catalogue
         )
     survey = inputs.load(chosen, catalogue)
     _check(output_paths(survey, chosen.output, chosen.format), chosen)
     transformed = _transformed(survey, chosen)
-    progress = inputs.progress_bar(catalogue.tr("writing"))
+    progress = inputs.progress_bar("writing")
     written = export_survey(transformed, chosen.output, chosen.format, progress)
     for path, content in written.items():
         say(f"{path}: {catalogue.text(content)}")

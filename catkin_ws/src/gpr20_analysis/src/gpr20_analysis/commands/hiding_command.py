@@ -88,7 +88,7 @@ def run(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
     clean_ground = image_command.clean_ground_of(chosen)
     detector = Detector(lambda one: apply_steps(one, steps, read), options, listed, clean_ground)
     antenna: Optional[xr.Dataset] = load_survey(chosen.antenna) if chosen.antenna else None
-    progress = inputs.progress_bar(catalogue.tr("hiding targets"))
+    progress = inputs.progress_bar("hiding targets")
     hiding = replace(hiding, separation_m=chosen.separation or recorded_separation_m(survey))
     found = map_hidden(survey, detector, target, hiding, antenna, progress)
     _write(found, chosen, catalogue)

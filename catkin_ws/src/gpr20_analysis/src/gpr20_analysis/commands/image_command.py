@@ -184,7 +184,7 @@ def image_of(
     steps = steps_of(chosen, _default_steps(survey, options))
     processed, status = inputs.process(survey, steps, catalogue)
     outputs.check(_of_packages(processed, chosen), [chosen.survey], chosen.overwrite)
-    progress = inputs.progress_bar(catalogue.tr("imaging"))
+    progress = inputs.progress_bar("imaging")
     return image_survey(processed, options, progress), status
 
 

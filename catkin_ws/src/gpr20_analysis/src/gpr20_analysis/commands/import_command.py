@@ -87,7 +87,7 @@ def run(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
         band,
         chosen.height,
         chosen.source,
-        inputs.progress_bar(catalogue.tr("reading")),
+        inputs.progress_bar("reading"),
         **_instrument_options(chosen),
     )
     if dataset.A_SCAN in survey and chosen.domain == "frequency":
@@ -102,7 +102,7 @@ def run(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
     output = chosen.output
     if into_folder:
         source = ImportSource.of(chosen.input, chosen.format)
-        progress = inputs.progress_bar(catalogue.tr("writing traces"))
+        progress = inputs.progress_bar("writing traces")
         output = write_imported_folder(survey, output, source, progress)
     else:
         dataset_files.write_dataset(survey, output)

@@ -51,7 +51,7 @@ def load(chosen: argparse.Namespace, catalogue: Catalogue) -> xr.Dataset:
     Raises:
         AnalysisError: It cannot be loaded.
     """
-    progress = progress_bar(catalogue.tr("reading traces"))
+    progress = progress_bar("reading traces")
     survey = load_survey(chosen.survey, chosen.accept_damaged, progress)
     if ANTENNA in survey:
         raise WrongDatasetError(
@@ -146,13 +146,13 @@ def process(
     statuses = [status_of(survey)]
 
     def read(path: str) -> xr.Dataset:
-        progress = progress_bar(catalogue.tr("reading {path}", path=path))
+        progress = progress_bar(f"reading {path}")
         reference = load_survey(path, progress=progress)
         print_warnings(reference, catalogue, path)
         statuses.append(status_of(reference))
         return reference
 
-    for step in progress_bar(catalogue.tr("processing"))(steps, len(steps)):
+    for step in progress_bar("processing")(steps, len(steps)):
         survey = apply_steps(survey, [step], read)
     return survey, max(statuses)
 

@@ -28,7 +28,7 @@ def run(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
     """Repair the log and the manifest, print what was done and return the exit status."""
     folder = chosen.folder.expanduser()
     now = utc_time.iso_text(time.time_ns() // utc_time.NS_PER_US)
-    progress = inputs.progress_bar(catalogue.tr("verifying"))
+    progress = inputs.progress_bar("verifying")
     result = repair_manifest(folder, f"gpr20 {__version__}", now, progress)
     lines = [Message("FAULT: {sentence}", sentence=fault) for fault in result.faults]
     lines += [Message("note: {sentence}", sentence=note) for note in result.notes]

@@ -43,7 +43,7 @@ def run(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
     survey = inputs.load(chosen, catalogue)
     dataset.require(survey, dataset.S21, dataset.S21_DIMS)
     survey, status = inputs.process(survey, antenna, catalogue)
-    progress = inputs.progress_bar(catalogue.tr("creating the report"))
+    progress = inputs.progress_bar("creating the report")
     hiding = hiding_of(chosen, survey)
     write_report(
         survey, chosen.survey, chosen.output, options, steps, chosen.language, progress, hiding

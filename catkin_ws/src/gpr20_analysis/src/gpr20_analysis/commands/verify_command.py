@@ -40,7 +40,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
     """Check the folder, print what was found and return the exit status."""
     signed = look_at_signature(chosen.folder, chosen.signers)
-    found = verify_survey(chosen.folder, inputs.progress_bar(catalogue.tr("verifying")))
+    found = verify_survey(chosen.folder, inputs.progress_bar("verifying"))
     status = max(found.status, signed.status)
     if chosen.json:
         record = {**found.record(), "status": status, "signature": signed.record()}

@@ -10,6 +10,7 @@ import pytest
 from log_examples import NOW
 from matplotlib.figure import Figure
 from survey_kit import POINTS, describe_again, make_survey
+from translation_kit import shown_is_translated  # noqa: F401
 
 from gpr20_analysis.commands.main import main
 from gpr20_analysis.report.page import page

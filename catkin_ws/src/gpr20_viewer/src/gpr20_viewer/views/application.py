@@ -12,7 +12,6 @@ from PyQt5 import sip
 from PyQt5.QtCore import QTimer
 from PyQt5.QtWidgets import QApplication
 
-from gpr20_common.catalogue import Catalogue
 from gpr20_viewer.identity import SurveyIdentity
 from gpr20_viewer.picks_file import PicksFile
 from gpr20_viewer.session import ViewSession
@@ -34,7 +33,6 @@ def show(
     picks: Path,
     author: str,
     name: str,
-    catalogue: Catalogue,
     flat: bool,
 ) -> None:
     """Show the window; return when it was closed.
@@ -46,8 +44,8 @@ def show(
     file = PicksFile(picks, SurveyIdentity.of(session.survey))
     application = QApplication.instance() or QApplication(sys.argv[:1])
     pyqtgraph.setConfigOptions(antialias=True)
-    desk = PickDesk(file, author, utc_now, catalogue)
-    window = MainWindow(session, desk, name, catalogue, flat)
+    desk = PickDesk(file, author, utc_now)
+    window = MainWindow(session, desk, name, flat)
     interrupted = []
 
     def interrupt(*_: object) -> None:

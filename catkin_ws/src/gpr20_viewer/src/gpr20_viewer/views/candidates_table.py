@@ -16,8 +16,7 @@ from PyQt5.QtWidgets import (
 )
 
 from gpr20_analysis.candidates.table import candidate_heading, candidate_row, tail_sentences
-from gpr20_analysis.sentences import shown
-from gpr20_common.catalogue import Catalogue
+from gpr20_analysis.sentences import ENGLISH, shown
 from gpr20_survey.results.candidates import NO_CLEARANCE, CandidateList
 from gpr20_viewer.views.colours import QUIET, SMALL
 
@@ -32,16 +31,15 @@ class CandidatesTable(QWidget):
 
     chosen = pyqtSignal(str)
 
-    def __init__(self, catalogue: Catalogue) -> None:
+    def __init__(self) -> None:
         super().__init__()
-        self._catalogue = catalogue
-        self.searched = QCheckBox(catalogue.tr("search candidates in each image"))
-        self.notice = QLabel(catalogue.text(NO_CLEARANCE))
+        self.searched = QCheckBox("search candidates in each image")
+        self.notice = QLabel(NO_CLEARANCE.sentence())
         self.notice.setWordWrap(True)
         self.notes = QLabel()
         self.notes.setStyleSheet(QUIET)
         self.notes.setWordWrap(True)
-        titles = candidate_heading(catalogue)
+        titles = candidate_heading(ENGLISH)
         self.table = QTableWidget(0, len(titles))
         self.table.setHorizontalHeaderLabels(titles)
         self.table.setSelectionBehavior(QAbstractItemView.SelectionBehavior.SelectRows)
@@ -67,7 +65,7 @@ class CandidatesTable(QWidget):
         self.table.blockSignals(True)
         self.table.setRowCount(len(listed))
         for row, one in enumerate(listed):
-            for column, text in enumerate(candidate_row(one, self._catalogue)):
+            for column, text in enumerate(candidate_row(one, ENGLISH)):
                 self.table.setItem(row, column, QTableWidgetItem(text))
         self.table.clearSelection()
         self.table.resizeColumnsToContents()
@@ -76,9 +74,9 @@ class CandidatesTable(QWidget):
 
     def _notes(self, found: Optional[CandidateList]) -> List[str]:
         if found is None:
-            return [self._catalogue.tr("No search was made for the image that is shown.")]
+            return ["No search was made for the image that is shown."]
         messages = [*tail_sentences(found, found.candidates), *found.notes]
-        return [shown(one, self._catalogue) for one in messages]
+        return [shown(one) for one in messages]
 
     def _selected(self) -> None:
         rows = self.table.selectionModel().selectedRows()

@@ -7,7 +7,6 @@ from PyQt5.QtCore import Qt
 from PyQt5.QtGui import QImage, QPixmap
 from PyQt5.QtWidgets import QHBoxLayout, QLabel, QWidget
 
-from gpr20_common.catalogue import Catalogue
 from gpr20_viewer.views.colours import LEVELS, QUIET, level_colours
 
 BAR_PX = (90, 12)
@@ -20,9 +19,8 @@ class ColourScale(QWidget):
         text: The levels of the ends.
     """
 
-    def __init__(self, catalogue: Catalogue) -> None:
+    def __init__(self) -> None:
         super().__init__()
-        self._catalogue = catalogue
         colours = np.ascontiguousarray(level_colours()[:LEVELS])
         picture = QImage(colours.tobytes(), LEVELS, 1, 3 * LEVELS, QImage.Format.Format_RGB888)
         bar = QLabel()
@@ -36,6 +34,4 @@ class ColourScale(QWidget):
 
     def show_range(self, range_db: float) -> None:
         """Show the range of the colours [dB]."""
-        self.text.setText(
-            self._catalogue.tr("{lowest_db:g} to 0 dB; grey: not measured", lowest_db=-range_db)
-        )
+        self.text.setText(f"{-range_db:g} to 0 dB; grey: not measured")

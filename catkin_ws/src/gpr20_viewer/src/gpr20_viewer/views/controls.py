@@ -17,7 +17,6 @@ from PyQt5.QtWidgets import (
 )
 
 from gpr20_analysis.dataset import MM_PER_M
-from gpr20_common.catalogue import Catalogue
 from gpr20_survey.radar.soils import MAX_PERMITTIVITY, MIN_PERMITTIVITY
 from gpr20_viewer.scene import Display
 
@@ -43,7 +42,6 @@ class Controls(QWidget):
 
     def __init__(
         self,
-        catalogue: Catalogue,
         rotations_deg: Sequence[float],
         axes: Sequence[str],
         deepest_m: float,
@@ -56,23 +54,23 @@ class Controls(QWidget):
         self.permittivity_box = _box(MIN_PERMITTIVITY, MAX_PERMITTIVITY, 2, KEY_STEP)
         self.polarization = QComboBox()
         for turn_deg in rotations_deg:
-            combined = catalogue.tr("combination")
+            combined = "combination"
             self.polarization.addItem(combined if math.isnan(turn_deg) else f"{turn_deg:g}°")
         self.direction = QComboBox()
         for axis in axes:
-            self.direction.addItem(catalogue.tr("along {axis}", axis=axis), axis)
+            self.direction.addItem(f"along {axis}", axis)
         if len(axes) == 1:
-            only = catalogue.tr("along {axis}: a single line", axis=axes[0])
+            only = f"along {axes[0]}: a single line"
             self.direction.setItemText(0, only)
             self.direction.setEnabled(False)
-        self.background = QCheckBox(catalogue.tr("subtract coupling and surface"))
+        self.background = QCheckBox("subtract coupling and surface")
         self.background.setChecked(background)
         self.deepest = _box(*DEEPEST_MM, 0, 10.0, " mm")
         self.deepest.setValue(deepest_m * MM_PER_M)
         self.range = _box(*RANGE_DB, 0, 5.0, " dB")
         self.range.setValue(range_db)
         self.gain = _box(0.0, MOST_GAIN_DB_PER_NS, 1, 0.5, " dB/ns")
-        self._lay_out(catalogue)
+        self._lay_out()
         self.slider.valueChanged.connect(self._slid)
         self.permittivity_box.valueChanged.connect(self._typed)
         self.background.toggled.connect(lambda _on: self.image_changed.emit())
@@ -141,19 +139,19 @@ class Controls(QWidget):
         self.slider.blockSignals(False)
         self.permittivity_changed.emit(permittivity)
 
-    def _lay_out(self, catalogue: Catalogue) -> None:
+    def _lay_out(self) -> None:
         row = QHBoxLayout()
         row.addWidget(self.slider, 1)
         row.addWidget(self.permittivity_box)
         form = QFormLayout(self)
         form.setContentsMargins(4, 4, 4, 4)
-        form.addRow(catalogue.tr("Permittivity"), row)
-        form.addRow(catalogue.tr("Polarization"), self.polarization)
-        form.addRow(catalogue.tr("Section"), self.direction)
-        form.addRow(catalogue.tr("Background"), self.background)
-        form.addRow(catalogue.tr("Deepest layer"), self.deepest)
-        form.addRow(catalogue.tr("Colour range"), self.range)
-        form.addRow(catalogue.tr("Display gain"), self.gain)
+        form.addRow("Permittivity", row)
+        form.addRow("Polarization", self.polarization)
+        form.addRow("Section", self.direction)
+        form.addRow("Background", self.background)
+        form.addRow("Deepest layer", self.deepest)
+        form.addRow("Colour range", self.range)
+        form.addRow("Display gain", self.gain)
 
 
 def _box(

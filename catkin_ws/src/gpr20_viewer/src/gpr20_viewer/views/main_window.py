@@ -22,7 +22,6 @@ from PyQt5.QtWidgets import (
     QWidget,
 )
 
-from gpr20_common.catalogue import Catalogue
 from gpr20_common.errors import Gpr20Error
 from gpr20_common.message import Message
 from gpr20_survey.radar.soils import ANY_SOIL
@@ -55,7 +54,6 @@ class MainWindow(QMainWindow):
         session: The survey.
         desk: Its picks.
         name: What the survey is called in the title.
-        catalogue: Language of the texts.
         flat: Whether to show projections instead of 3D.
         ask: Asks the analyst a question; returns whether the answer is yes.
 
@@ -70,12 +68,11 @@ class MainWindow(QMainWindow):
         session: ViewSession,
         desk: PickDesk,
         name: str,
-        catalogue: Catalogue,
         flat: bool = False,
         ask: Optional[Callable[[str], bool]] = None,
     ) -> None:
         super().__init__()
-        self.session, self.desk, self._catalogue = session, desk, catalogue
+        self.session, self.desk = session, desk
         self._ask = ask or self._ask_in_dialog
         self.place = session.middle()
         self.image: Optional[LiveImage] = None
@@ -83,13 +80,11 @@ class MainWindow(QMainWindow):
         self._problem: Optional[Message] = None
         first = session.first_request
         self._wanted = self._last_request = first
-        title = catalogue.tr("GPR-20 survey {name}", name=name)
-        simulated = catalogue.tr("SIMULATED")
-        self.setWindowTitle(f"{title} · {simulated}" if session.simulated else title)
-        self.status = StatusBar(session.simulated, catalogue)
-        self.volume = new_volume_view(catalogue, flat)
+        title = f"GPR-20 survey {name}"
+        self.setWindowTitle(f"{title} · SIMULATED" if session.simulated else title)
+        self.status = StatusBar(session.simulated)
+        self.volume = new_volume_view(flat)
         self.controls = Controls(
-            catalogue,
             session.rotations_deg,
             session.axes,
             first.deepest_m,
@@ -97,12 +92,12 @@ class MainWindow(QMainWindow):
             RANGE_DB,
         )
         self.controls.show_permittivity(session.options.permittivity or ANY_SOIL.permittivity)
-        self.click_picks = QCheckBox(catalogue.tr("a click picks"))
-        self.candidates = CandidatesTable(catalogue)
-        self.notes = NotesList(catalogue)
-        self.scale = ColourScale(catalogue)
+        self.click_picks = QCheckBox("a click picks")
+        self.candidates = CandidatesTable()
+        self.notes = NotesList()
+        self.scale = ColourScale()
         self.cursor_text, self.mouse_text = QLabel(), QLabel()
-        self.sections = Sections(self.scene, catalogue)
+        self.sections = Sections(self.scene)
         self._lay_out()
         self._connect()
         self.bridge = LiveBridge(session)
@@ -145,7 +140,7 @@ class MainWindow(QMainWindow):
 
     def closeEvent(self, event: QCloseEvent) -> None:  # noqa: N802
         """Qt: the window is about to close."""
-        question = self._catalogue.tr("The picks are NOT SAVED. Close the window and lose them?")
+        question = "The picks are NOT SAVED. Close the window and lose them?"
         if self.desk.is_unsaved and not self._ask(question):
             event.ignore()
             return
@@ -213,25 +208,22 @@ class MainWindow(QMainWindow):
         self.sections.show_scene(scene, background, self.desk.editor.picks)
         self.volume.show_cursor(self.place)
         read_out = scene.read_out(self.place)
-        self.cursor_text.setText(self._catalogue.tr("Cursor: {place}", place=read_out))
+        self.cursor_text.setText(f"Cursor: {read_out}")
         self._show_status()
 
     def _show_status(self) -> None:
-        tr, image = self._catalogue.tr, self.image
+        image = self.image
         if image is None:
-            caption = tr("no image yet")
+            caption = "no image yet"
         else:
-            caption = tr("Image: {caption}", caption=image.caption)
+            caption = f"Image: {image.caption}"
         if self.is_computing and self._last_request.candidates:
-            caption += " · " + tr("searching candidates ...")
+            caption += " · searching candidates ..."
         elif self.is_computing:
-            caption += " · " + tr(
-                "computing for permittivity {permittivity:.3g} ...",
-                permittivity=self.controls.permittivity,
-            )
+            caption += f" · computing for permittivity {self.controls.permittivity:.3g} ..."
         if self.controls.display.db_per_ns > 0.0:
             gain = self.controls.display.db_per_ns
-            caption += " · " + tr("display gain {gain:g} dB/ns", gain=gain)
+            caption += f" · display gain {gain:g} dB/ns"
         self.status.caption.setText(caption)
         problem = self._problem
         if problem is None and self.sections.problem is not None:
@@ -250,7 +242,7 @@ class MainWindow(QMainWindow):
 
     def _hovered(self, place: Place) -> None:
         read_out = self.scene.read_out(place)
-        self.mouse_text.setText(self._catalogue.tr("Mouse: {place}", place=read_out))
+        self.mouse_text.setText(f"Mouse: {read_out}")
 
     def _go_to(self, name: str, places: Sequence[Union[Pick, Candidate]]) -> None:
         for one in places:
@@ -277,7 +269,6 @@ class MainWindow(QMainWindow):
         add_shortcuts(self)
 
     def _lay_out(self) -> None:
-        tr = self._catalogue.tr
         views = QGridLayout()
         views.setSpacing(4)
         columns: List[Tuple[QWidget, QWidget]] = [(self.sections.b_scan, self.sections.section)]
@@ -292,11 +283,11 @@ class MainWindow(QMainWindow):
                 view.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Ignored)
                 views.addWidget(view, row, column)
         tabs = QTabWidget()
-        tabs.addTab(self.desk.table, tr("Picks"))
+        tabs.addTab(self.desk.table, "Picks")
         if self.session.find_candidates is not None:
-            tabs.addTab(self.candidates, tr("Candidates"))
-        tabs.addTab(self.notes, tr("Notes"))
-        tabs.addTab(KeysList(self._catalogue), tr("Keys"))
+            tabs.addTab(self.candidates, "Candidates")
+        tabs.addTab(self.notes, "Notes")
+        tabs.addTab(KeysList(), "Keys")
         settings = QWidget()
         below = QVBoxLayout(settings)
         below.setContentsMargins(0, 0, 0, 0)

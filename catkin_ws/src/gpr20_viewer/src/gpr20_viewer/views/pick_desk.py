@@ -9,7 +9,6 @@ from PyQt5.QtCore import QObject, pyqtSignal
 from PyQt5.QtWidgets import QFileDialog
 
 from gpr20_analysis.sentences import shown
-from gpr20_common.catalogue import Catalogue
 from gpr20_common.errors import Gpr20Error
 from gpr20_common.message import Message
 from gpr20_common.os_reason import os_reason
@@ -26,7 +25,6 @@ class PickDesk(QObject):
         file: Where they are stored.
         author: Who picks; may be empty.
         now: Returns the time, ISO 8601, UTC.
-        catalogue: Language of the texts.
         choose_export: Asks for the file to export to; None: do not export.
 
     Attributes:
@@ -48,17 +46,16 @@ class PickDesk(QObject):
         file: PicksFile,
         author: str,
         now: Callable[[], str],
-        catalogue: Catalogue,
         choose_export: Optional[Callable[[], Optional[Path]]] = None,
     ) -> None:
         super().__init__()
-        self._file, self._author, self._now, self._catalogue = file, author, now, catalogue
+        self._file, self._author, self._now = file, author, now
         self._choose_export = choose_export or self._choose_in_dialog
         self.editor: PickEditor
         self.notes: List[Message]
         self.editor, self.notes = file.load()
         self.is_unsaved = False
-        self.table = PicksTable(catalogue)
+        self.table = PicksTable()
         self.table.undo_button.clicked.connect(lambda: self.undo())
         self.table.redo_button.clicked.connect(lambda: self.redo())
         self.table.delete_button.clicked.connect(lambda: self.delete_selected())
@@ -66,7 +63,7 @@ class PickDesk(QObject):
         self.table.noted.connect(self.set_note)
         self.table.show_picks(self.editor)
         path = str(file.path)
-        self.table.show_state(catalogue.tr("Picks are stored in {path}", path=path), wrong=False)
+        self.table.show_state(f"Picks are stored in {path}", wrong=False)
 
     def add(
         self,
@@ -152,11 +149,11 @@ class PickDesk(QObject):
         self._say(Message("NOT SAVED: {reason}", reason=reason), wrong=True)
 
     def _say(self, message: Message, wrong: bool) -> None:
-        self.table.show_state(shown(message, self._catalogue), wrong)
+        self.table.show_state(shown(message), wrong)
 
     def _choose_in_dialog(self) -> Optional[Path]:
         start = self._file.path.with_name("picks.csv")
-        title = self._catalogue.tr("Export")
+        title = "Export"
         name, _kind = QFileDialog.getSaveFileName(
             self.table, title, str(start), "CSV (*.csv);;JSON (*.json)"
         )

@@ -17,7 +17,6 @@ from PyQt5.QtWidgets import (
 )
 
 from gpr20_analysis.dataset import MM_PER_M
-from gpr20_common.catalogue import Catalogue
 from gpr20_viewer.picks import NO_CLEARANCE_BY_PICKS, Pick, PickEditor
 from gpr20_viewer.views.colours import QUIET, SMALL, WRONG
 
@@ -37,10 +36,9 @@ class PicksTable(QWidget):
     chosen = pyqtSignal(str)
     noted = pyqtSignal(str, str)
 
-    def __init__(self, catalogue: Catalogue) -> None:
+    def __init__(self) -> None:
         super().__init__()
-        self._catalogue = catalogue
-        self.notice = QLabel(catalogue.text(NO_CLEARANCE_BY_PICKS))
+        self.notice = QLabel(NO_CLEARANCE_BY_PICKS.sentence())
         self.notice.setWordWrap(True)
         self.state = QLabel()
         self.state.setWordWrap(True)
@@ -48,24 +46,24 @@ class PicksTable(QWidget):
         self.table.setHorizontalHeaderLabels(
             [
                 "",
-                catalogue.tr("x mm"),
-                catalogue.tr("y mm"),
-                catalogue.tr("depth mm"),
-                catalogue.tr("rotation"),
-                catalogue.tr("note"),
-                catalogue.tr("permittivity"),
-                catalogue.tr("level dB"),
+                "x mm",
+                "y mm",
+                "depth mm",
+                "rotation",
+                "note",
+                "permittivity",
+                "level dB",
             ]
         )
         self.table.setSelectionBehavior(QAbstractItemView.SelectionBehavior.SelectRows)
         self.table.setSelectionMode(QAbstractItemView.SelectionMode.SingleSelection)
         self.table.verticalHeader().hide()
         self.table.setStyleSheet(SMALL)
-        self.pick_button = QPushButton(catalogue.tr("Pick"))
-        self.undo_button = QPushButton(catalogue.tr("Undo"))
-        self.redo_button = QPushButton(catalogue.tr("Redo"))
-        self.delete_button = QPushButton(catalogue.tr("Delete"))
-        self.export_button = QPushButton(catalogue.tr("Export"))
+        self.pick_button = QPushButton("Pick")
+        self.undo_button = QPushButton("Undo")
+        self.redo_button = QPushButton("Redo")
+        self.delete_button = QPushButton("Delete")
+        self.export_button = QPushButton("Export")
         buttons = QHBoxLayout()
         for button in (
             self.pick_button, self.undo_button, self.redo_button, self.delete_button,
@@ -125,7 +123,7 @@ class PicksTable(QWidget):
 
     def _texts(self, pick: Pick) -> Sequence[str]:
         turn_deg = pick.polarization_deg
-        combined = self._catalogue.tr("combination")
+        combined = "combination"
         return (
             pick.id,
             *(f"{one * MM_PER_M:.0f}" for one in (pick.x_m, pick.y_m, pick.depth_m)),

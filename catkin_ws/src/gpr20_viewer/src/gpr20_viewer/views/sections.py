@@ -10,7 +10,6 @@ from PyQt5.QtCore import QObject, QRectF, Qt, pyqtSignal
 
 from gpr20_analysis.dataset import MM_PER_M, X, Y
 from gpr20_analysis.errors import AnalysisError
-from gpr20_common.catalogue import Catalogue
 from gpr20_common.message import Message
 from gpr20_survey.results.hiding_map import HidingMap
 from gpr20_viewer.live_image import NS_PER_S
@@ -127,9 +126,9 @@ class Sections(QObject):
     placed = pyqtSignal(object)
     hovered = pyqtSignal(object)
 
-    def __init__(self, scene: Scene, catalogue: Catalogue) -> None:
+    def __init__(self, scene: Scene) -> None:
         super().__init__()
-        self._catalogue, self._scene = catalogue, scene
+        self._scene = scene
         self.b_scan, self.section, self.slice = BScanView(), SectionView(), SliceView()
         self.problem: Optional[Message] = None
         self._drawn: Optional[Tuple[object, ...]] = None
@@ -204,24 +203,14 @@ class Sections(QObject):
         self.b_scan.show_picture(picture, display.range_db)
 
     def _show_titles(self, scene: Scene) -> None:
-        tr, along, place = self._catalogue.tr, scene.display.along, scene.place
+        along, place = scene.display.along, scene.place
         other = Y if along == X else X
-        b_scan = tr(
-            "B-scan along {axis} at {other} {position_mm:g} mm",
-            axis=along,
-            other=other,
-            position_mm=round(scene.line.other_m * MM_PER_M, 2),
-        )
-        section = tr(
-            "Image along {axis} at {other} {position_mm:.0f} mm",
-            axis=along,
-            other=other,
-            position_mm=scene.other_of(place) * MM_PER_M,
-        )
-        level = tr("Slice at depth {depth:.0f} mm", depth=place.depth_m * MM_PER_M)
+        b_scan = f"B-scan along {along} at {other} {round(scene.line.other_m * MM_PER_M, 2):g} mm"
+        section = f"Image along {along} at {other} {scene.other_of(place) * MM_PER_M:.0f} mm"
+        level = f"Slice at depth {place.depth_m * MM_PER_M:.0f} mm"
         if scene.session.hiding is not None:
             hidden = scene.session.hiding.at(place.x_m, place.y_m)
-            level = f"{level}; {self._catalogue.text(hidden)}"
-        self.b_scan.set_texts(b_scan, f"{along} [mm]", tr("two-way delay [ns]"))
-        self.section.set_texts(section, f"{along} [mm]", tr("depth [mm]"))
+            level = f"{level}; {hidden.sentence()}"
+        self.b_scan.set_texts(b_scan, f"{along} [mm]", "two-way delay [ns]")
+        self.section.set_texts(section, f"{along} [mm]", "depth [mm]")
         self.slice.set_texts(level, "x [mm]", "y [mm]")

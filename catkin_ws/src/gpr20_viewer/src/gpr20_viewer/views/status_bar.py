@@ -7,7 +7,6 @@ from typing import Sequence
 from PyQt5.QtWidgets import QLabel, QVBoxLayout, QWidget
 
 from gpr20_analysis.sentences import limited, shown
-from gpr20_common.catalogue import Catalogue
 from gpr20_common.message import Message
 from gpr20_viewer.views.colours import QUIET, SIMULATED, WRONG
 
@@ -24,11 +23,10 @@ class StatusBar(QWidget):
         notes: The first notes on survey and image.
     """
 
-    def __init__(self, simulated: bool, catalogue: Catalogue) -> None:
+    def __init__(self, simulated: bool) -> None:
         super().__init__()
-        self._catalogue = catalogue
         self.banner = QLabel(
-            catalogue.tr("SIMULATED: the simulated robot made this survey; nothing was measured.")
+            "SIMULATED: the simulated robot made this survey; nothing was measured."
         )
         self.banner.setStyleSheet(SIMULATED)
         self.banner.setVisible(simulated)
@@ -48,12 +46,12 @@ class StatusBar(QWidget):
 
     def show_problem(self, problems: Sequence[Message]) -> None:
         """Show what is wrong or doubted; nothing if the list is empty."""
-        self.problem.setText("\n".join(shown(one, self._catalogue) for one in problems))
+        self.problem.setText("\n".join(shown(one) for one in problems))
         self.problem.setVisible(bool(problems))
 
     def show_notes(self, notes: Sequence[Message]) -> None:
         """Show the first notes; all of them stand in the list of notes."""
-        texts = [self._catalogue.text(one) for one in limited(notes, LISTED)]
+        texts = [one.sentence() for one in limited(notes, LISTED)]
         self.notes.setText(" · ".join(texts))
-        self.notes.setToolTip("\n".join(self._catalogue.text(one) for one in notes))
+        self.notes.setToolTip("\n".join(one.sentence() for one in notes))
         self.notes.setVisible(bool(texts))

@@ -9,7 +9,6 @@ from PyQt5.QtGui import QOffscreenSurface, QOpenGLContext
 from PyQt5.QtWidgets import QHBoxLayout, QLabel, QSizePolicy, QVBoxLayout, QWidget
 
 from gpr20_analysis.dataset import DEPTH, MM_PER_M, X, Y
-from gpr20_common.catalogue import Catalogue
 from gpr20_common.message import Message
 from gpr20_viewer.live_image import LiveImage
 from gpr20_viewer.pictures import projection_picture
@@ -47,15 +46,14 @@ class ProjectionsView(QWidget):
         plots: A plot for each axis that the maximum is taken over.
     """
 
-    def __init__(self, reason: Message, catalogue: Catalogue) -> None:
+    def __init__(self, reason: Message) -> None:
         super().__init__()
-        self._catalogue = catalogue
         self.plots = {
             DEPTH: PicturePlot(downwards=False, to_scale=False),
             Y: PicturePlot(downwards=True, to_scale=False),
             X: PicturePlot(downwards=True, to_scale=False),
         }
-        text = catalogue.tr("Maximum projections instead of 3D: {reason}.", reason=reason)
+        text = f"Maximum projections instead of 3D: {reason}."
         label = QLabel(text)
         label.setStyleSheet(QUIET)
         label.setToolTip(text)
@@ -71,7 +69,7 @@ class ProjectionsView(QWidget):
         layout.addWidget(label)
         layout.addLayout(row, 1)
         names = {DEPTH: (X, Y), Y: (X, DEPTH), X: (Y, DEPTH)}
-        titles = {DEPTH: catalogue.tr("depth"), X: X, Y: Y}
+        titles = {DEPTH: "depth", X: X, Y: Y}
         for over, (across, down) in names.items():
             # No title: there is room for a short word only, and the axes say what is meant.
             self.plots[over].set_texts("", f"{titles[across]} [mm]", f"{titles[down]} [mm]")
@@ -97,7 +95,7 @@ class ProjectionsView(QWidget):
 class PointsView(QWidget):
     """The brightest voxels of an image in 3D; drag to turn it, scroll to zoom."""
 
-    def __init__(self, catalogue: Catalogue) -> None:
+    def __init__(self) -> None:
         super().__init__()
         import pyqtgraph.opengl as gl
 
@@ -111,7 +109,7 @@ class PointsView(QWidget):
         self._box = gl.GLBoxItem()
         for item in (self._box, self._points, self._cursor):
             self._view.addItem(item)
-        label = QLabel(catalogue.tr("3D: voxels above the colour scale's lowest level"))
+        label = QLabel("3D: voxels above the colour scale's lowest level")
         label.setStyleSheet(QUIET)
         layout = QVBoxLayout(self)
         layout.setContentsMargins(0, 0, 0, 0)
@@ -173,12 +171,11 @@ class PointsView(QWidget):
         self._view.setCameraPosition(distance=distance_mm, elevation=25, azimuth=-60)
 
 
-def new_volume_view(catalogue: Catalogue, flat: bool) -> QWidget:
+def new_volume_view(flat: bool) -> QWidget:
     """Return the view of the whole image.
 
     Args:
-        catalogue: Language of the texts.
         flat: Do not use OpenGL even if it is there.
     """
     reason = Message("switched off") if flat else opengl_missing()
-    return PointsView(catalogue) if reason is None else ProjectionsView(reason, catalogue)
+    return PointsView() if reason is None else ProjectionsView(reason)
