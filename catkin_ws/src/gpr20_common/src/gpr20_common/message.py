@@ -97,15 +97,14 @@ class Message:
 
     def sentence(self, translate: Callable[[str], str] = str) -> str:
         """Return the sentence without its details; `translate` translates a template."""
-        shown: Dict[str, object] = {}
-        for name, one in self.values.items():
-            if isinstance(one, Message):
-                shown[name] = one.sentence(translate)
-            elif isinstance(one, tuple):
-                shown[name] = BETWEEN_SENTENCES.join(inner.sentence(translate) for inner in one)
-            else:
-                shown[name] = one
-        return translate(self.template).format(**shown)
+
+        def shown(value: Value) -> Any:
+            if isinstance(value, tuple):
+                return BETWEEN_SENTENCES.join(map(shown, value))
+            return value.sentence(translate) if isinstance(value, Message) else value
+
+        values = {name: shown(value) for name, value in self.values.items()}
+        return translate(self.template).format(**values)
 
     @property
     def all_details(self) -> Tuple[str, ...]:
@@ -193,12 +192,13 @@ class Message:
 
     def record(self) -> Dict[str, Any]:
         """Return it as JSON holds it; what is empty is left out."""
-        values: Dict[str, Any] = {}
-        for name, one in self.values.items():
-            if isinstance(one, tuple):
-                values[name] = [inner.record() for inner in one]
-            else:
-                values[name] = one.record() if isinstance(one, Message) else one
+
+        def sent(value: Value) -> Any:
+            if isinstance(value, tuple):
+                return [sent(one) for one in value]
+            return value.record() if isinstance(value, Message) else value
+
+        values = {name: sent(value) for name, value in self.values.items()}
         record: Dict[str, Any] = {"template": self.template, "values": values}
         if self.details:
             record["details"] = self.details
@@ -257,15 +257,14 @@ def _most_urgent(faults: Iterable[Fault]) -> Optional[Fault]:
     return max(faults, key=lambda one: (one.may_move, one.gravity), default=None)
 
 
-def _value(value: object) -> Value:
+def _value(value: Any) -> Value:
     if isinstance(value, (str, int, float, Message)):
         return value
     if isinstance(value, tuple) and all(isinstance(one, Message) for one in value):
         return value
-    # numpy's numbers; item() is the Python number, and refuses arrays of several.
-    item = getattr(value, "item", None)
     try:
-        number = item() if callable(item) else None
-    except (ValueError, TypeError):
+        # Of numpy's numbers the Python number; arrays of several have none.
+        number = value.item()
+    except (AttributeError, ValueError, TypeError):
         number = None
     return number if isinstance(number, (int, float)) else str(value)

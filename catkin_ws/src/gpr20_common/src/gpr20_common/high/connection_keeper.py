@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import socket
 from typing import Any, Dict, Set
 
@@ -55,7 +56,7 @@ class ConnectionKeeper:
     def _connect(self, types: Dict[str, str]) -> None:
         me, uri = rospy.get_name(), rospy.get_node_uri()
         master = limited_server(rosgraph.get_master_uri(), ANSWER_LIMIT_S)
-        answering: Dict[str, bool] = {}
+        answers = functools.lru_cache(maxsize=None)(functools.partial(_answers, me))
         for name in sorted(self._lost & types.keys()):
             try:
                 publishers = value_of(master.registerSubscriber(me, name, types[name], uri))
@@ -66,15 +67,12 @@ class ConnectionKeeper:
             if not missing:
                 self._lost.discard(name)
             # rospy would wait without a limit for one that does not answer.
-            for one in missing:
-                if one not in answering:
-                    answering[one] = _answers(one, me)
-            missing = [one for one in missing if answering[one]]
-            if missing:
+            found = [one for one in missing if answers(one)]
+            if found:
                 rospy.loginfo("connecting to %s again", name)
                 try:
                     # What the master does when publishers are new: rospy connects to them.
-                    value_of(limited_server(uri, ANSWER_LIMIT_S).publisherUpdate(me, name, missing))
+                    value_of(limited_server(uri, ANSWER_LIMIT_S).publisherUpdate(me, name, found))
                 except NO_ANSWER as error:
                     rospy.logwarn("could not connect to %s again: %s", name, error)
 
@@ -111,7 +109,7 @@ def _protect(topic: Any) -> Set[str]:
     return connected
 
 
-def _answers(uri: str, caller: str) -> bool:
+def _answers(caller: str, uri: str) -> bool:
     try:
         value_of(limited_server(uri, ANSWER_LIMIT_S).getPid(caller))
         return True

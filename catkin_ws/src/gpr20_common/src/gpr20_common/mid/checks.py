@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import math
-import re
 import sys
+from ipaddress import IPv4Address
 from typing import Union
 
 from gpr20_common.errors import InvalidValueError
@@ -59,10 +59,12 @@ def ipv4_address(name: Union[str, Message], address: str) -> str:
     Raises:
         InvalidValueError: The text is anything else.
     """
-    parts = address.split(".")
-    # Not int() alone: it accepts digits of other scripts, and 010 is 8 to some readers.
-    plain = all(re.fullmatch("0|[1-9][0-9]{0,2}", part) for part in parts)
-    if len(parts) != 4 or not plain or any(int(part) > 255 for part in parts):
+    try:
+        # 010 is 8 to some readers.
+        plain = str(IPv4Address(address)) == address
+    except ValueError:
+        plain = False
+    if not plain:
         raise InvalidValueError(
             Message(
                 "{name} is '{address}'; it must be four numbers of 0 to 255, such as 192.168.1.10",
