@@ -19,8 +19,7 @@ class Gpr20Error(Exception):
 
     Attributes:
         fault: What a program knows of it. Each class has its own; a raise can name a finer one.
-        message: What was refused or failed, why, and what to do, with the fault that it reports.
-            A message that reports a fault itself, as one that was received does, keeps that.
+        message: It reports that fault, unless it came with one, as one that was received does.
     """
 
     fault: ClassVar[Fault] = faults.INTERNAL

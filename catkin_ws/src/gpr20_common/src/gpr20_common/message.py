@@ -87,8 +87,7 @@ class Message:
         """Make the message; a value of another type than text, number or message becomes text.
 
         Raises:
-            KeyError: The template has a field without a value.
-            ValueError: A value does not fit the format of its field.
+            KeyError, ValueError: A field has no value, or one that does not fit its format.
         """
         known = {name: _value(one) for name, one in values.items()}
         self._set(template=template, values=known, details=str(details), fault=None)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import functools
 import socket
 from typing import Any, Dict, Set
@@ -34,7 +35,6 @@ class ConnectionKeeper:
         self._periodic = Periodic(PERIOD_S, self.check)
 
     def close(self) -> None:
-        """Stop looking after the connections."""
         self._periodic.stop()
 
     def check(self) -> None:
@@ -78,14 +78,10 @@ class ConnectionKeeper:
 
 
 def subscriber_count(topic: str) -> int:
-    """Return how many nodes subscribe to a topic, by the master; they connect some time later.
-
-    Args:
-        topic: Absolute name.
+    """Return how many nodes subscribe to a topic (absolute name); they connect some time later.
 
     Raises:
-        rosgraph.MasterException: The master refuses to answer.
-        OSError: The master does not answer.
+        rosgraph.MasterException, OSError: The master does not answer.
     """
     _published, subscribed, _services = rosgraph.Master(rospy.get_name()).getSystemState()
     return len(dict(subscribed).get(topic, ()))
@@ -110,8 +106,7 @@ def _protect(topic: Any) -> Set[str]:
 
 
 def _answers(caller: str, uri: str) -> bool:
-    try:
+    with contextlib.suppress(*NO_ANSWER):
         value_of(limited_server(uri, ANSWER_LIMIT_S).getPid(caller))
         return True
-    except NO_ANSWER:
-        return False
+    return False

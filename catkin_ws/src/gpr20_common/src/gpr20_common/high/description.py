@@ -28,12 +28,10 @@ LARGEST_INT = 2**31 - 1
 
 
 def publish_description(node: str, hardware: Hardware, parameters: Any) -> rospy.Publisher:
-    """Publish, latched, what this node is and started with; the publisher must be kept.
+    """Publish, latched, what this node is; the publisher must be kept.
 
-    Args:
-        node: Name of this node below the robot's namespace, such as x_axis/axis_driver.
-        hardware: What it drives.
-        parameters: Dataclass of its parameters.
+    Its name is that below the robot's namespace, such as x_axis/axis_driver, and its parameters
+    are the dataclass with which it started.
     """
     values = plain(parameters)
     show_parameters(values)

@@ -77,8 +77,7 @@ def run_node(name: str, build: Callable[[], Any], needed: bool = True) -> None:
 
     Args:
         name: Default name of the node.
-        build: Reads the parameters, builds the objects and connects them. What it
-            returns is kept for the life of the node.
+        build: Reads the parameters and builds what is kept for the life of the node.
         needed: Whether its launch ends if it cannot start; else it is started again and again.
     """
     enable_line_buffering()
@@ -125,12 +124,7 @@ def run_device(
 ) -> None:
     """Run, as `run_node` does, the node that `build` makes of the parameters of one device.
 
-    Args:
-        name: Default name of the node.
-        parameter_class: Dataclass of the device's parameters.
-        build: Builds the node from its parameters.
-        section: Part of the configuration that holds the parameters; empty: named like the node.
-        needed: Whether its launch ends if it cannot start.
+    They are in a section of the configuration; without its name, in that named like the node.
     """
     run_node(name, lambda: build(read_parameters(parameter_class, section or name)), needed)
 

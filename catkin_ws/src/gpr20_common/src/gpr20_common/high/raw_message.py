@@ -22,11 +22,7 @@ def serialized(message: Any) -> bytes:
 
 
 def deserialized(message_type: Type[MessageType], data: bytes) -> MessageType:
-    """Return the message that these bytes are.
-
-    Raises:
-        genpy.DeserializationError: They are not one of this type.
-    """
+    """Return the message that these bytes are; raises a genpy.DeserializationError otherwise."""
     message = message_type()
     message.deserialize(data)
     return message

@@ -48,11 +48,7 @@ def languages() -> List[Language]:
 
 
 def language_from_code(code: object) -> Language:
-    """Return the language with a code.
-
-    Raises:
-        InvalidValueError: There is no catalogue for it.
-    """
+    """Return the language with a code; an InvalidValueError names those that have a catalogue."""
     for language in languages():
         if language.value == code:
             return language
@@ -77,11 +73,7 @@ def language_from_environment(environment: Mapping[str, str]) -> Language:
 
 
 def read_catalogue(language: Language) -> Catalogue:
-    """Return the catalogue of a language.
-
-    Raises:
-        InvalidValueError: A file is no catalogue, or there is none.
-    """
+    """Return the catalogue of a language; raises as `read_translations`."""
     if language == Language.ENGLISH:
         return Catalogue()
     paths = [folder / f"{language.value}.po" for folder in catalogue_folders()]

@@ -16,8 +16,6 @@ NO_ANSWER = (OSError, HTTPException, ExpatError, xmlrpc.client.Error, ValueError
 
 
 class LimitedTransport(xmlrpc.client.Transport):
-    """HTTP with a time limit for the connection and for each answer."""
-
     def __init__(self, time_limit_s: float) -> None:
         super().__init__()
         self._time_limit_s = time_limit_s

@@ -52,9 +52,6 @@ def parse_yaml(text: Union[str, bytes], odd_numbers: bool = False) -> Any:
     Args:
         text: The text.
         odd_numbers: Whether 013 is 11 and 10:50 is 650, as for ROS; otherwise they are texts.
-
-    Raises:
-        YamlFileError: It is not YAML, or nested too deeply.
     """
     try:
         loader = _OddNumberLoader if odd_numbers else _UniqueKeyLoader
