@@ -146,12 +146,10 @@ class Message:
 
     @property
     def fault_code(self) -> str:
-        """The code of the fault that decides; empty if there is none."""
         return "" if self.cause is None else self.cause.code
 
     @property
     def remedy(self) -> Optional[Message]:
-        """What a person does first; None if no fault of the sentence says it."""
         return None if self.cause is None else self.cause.remedy
 
     @property
@@ -176,13 +174,11 @@ class Message:
 
     @property
     def may_move(self) -> bool:
-        """Whether something of the robot may still move."""
         # What moves does so whatever the first step is.
         return any(one.fault.may_move for one in self.nested() if one.fault is not None)
 
     @property
     def can_continue(self) -> bool:
-        """Whether the survey can continue when the causes are gone."""
         return all(fault.can_continue for fault in self.faults)
 
     def to_json(self) -> str:
@@ -214,7 +210,6 @@ class Message:
         return hash((self.template, self.details))
 
     def nested(self) -> Iterator[Message]:
-        """Yield this message and those inside it."""
         yield self
         for inner in self._inner():
             yield from inner.nested()

@@ -37,7 +37,6 @@ def message_fields(message: Message) -> Dict[str, str]:
 
 
 def message_from(answer: Any) -> Message:
-    """Return the message of something that has the fields of `message_fields`."""
     return received_message(answer.message, answer.message_json, answer.fault_code)
 
 
