@@ -101,5 +101,5 @@ def test_a_wrong_field_stops_the_launch_and_those_that_exist_are_named(config):
         "--config", str(config), "--data", str(config.parent / "data"), status=1,
     )  # fmt: skip
     assert (
-        f"{path}, sensors[0]: std_msgs/Float64 has no field value; its fields are: data (float64)"
+        f"{path}, sensors[0]: std_msgs/Float64 has no number value; its fields are: data (float64)"
     ) in " ".join(said.split())

@@ -7,6 +7,9 @@ from typing import ClassVar, Optional
 from gpr20_common import faults
 from gpr20_common.message import Fault, Message
 
+# What reading something that anybody may have written can raise.
+UNREADABLE = (ArithmeticError, AttributeError, LookupError, RecursionError, TypeError, ValueError)
+
 
 class Gpr20Error(Exception):
     """Something was refused or failed; the message says what, why and what to do.
@@ -16,8 +19,7 @@ class Gpr20Error(Exception):
 
     Attributes:
         fault: What a program knows of it. Each class has its own; a raise can name a finer one.
-        message: What was refused or failed, why, and what to do, with the fault that it reports.
-            A message that reports a fault itself, as one that was received does, keeps that.
+        message: It reports that fault, unless it came with one, as one that was received does.
     """
 
     fault: ClassVar[Fault] = faults.INTERNAL

@@ -87,8 +87,7 @@ class Message:
         """Make the message; a value of another type than text, number or message becomes text.
 
         Raises:
-            KeyError: The template has a field without a value.
-            ValueError: A value does not fit the format of its field.
+            KeyError, ValueError: A field has no value, or one that does not fit its format.
         """
         known = {name: _value(one) for name, one in values.items()}
         self._set(template=template, values=known, details=str(details), fault=None)
@@ -97,15 +96,14 @@ class Message:
 
     def sentence(self, translate: Callable[[str], str] = str) -> str:
         """Return the sentence without its details; `translate` translates a template."""
-        shown: Dict[str, object] = {}
-        for name, one in self.values.items():
-            if isinstance(one, Message):
-                shown[name] = one.sentence(translate)
-            elif isinstance(one, tuple):
-                shown[name] = BETWEEN_SENTENCES.join(inner.sentence(translate) for inner in one)
-            else:
-                shown[name] = one
-        return translate(self.template).format(**shown)
+
+        def shown(value: Value) -> Any:
+            if isinstance(value, tuple):
+                return BETWEEN_SENTENCES.join(map(shown, value))
+            return value.sentence(translate) if isinstance(value, Message) else value
+
+        values = {name: shown(value) for name, value in self.values.items()}
+        return translate(self.template).format(**values)
 
     @property
     def all_details(self) -> Tuple[str, ...]:
@@ -148,12 +146,10 @@ class Message:
 
     @property
     def fault_code(self) -> str:
-        """The code of the fault that decides; empty if there is none."""
         return "" if self.cause is None else self.cause.code
 
     @property
     def remedy(self) -> Optional[Message]:
-        """What a person does first; None if no fault of the sentence says it."""
         return None if self.cause is None else self.cause.remedy
 
     @property
@@ -178,13 +174,11 @@ class Message:
 
     @property
     def may_move(self) -> bool:
-        """Whether something of the robot may still move."""
         # What moves does so whatever the first step is.
         return any(one.fault.may_move for one in self.nested() if one.fault is not None)
 
     @property
     def can_continue(self) -> bool:
-        """Whether the survey can continue when the causes are gone."""
         return all(fault.can_continue for fault in self.faults)
 
     def to_json(self) -> str:
@@ -193,12 +187,13 @@ class Message:
 
     def record(self) -> Dict[str, Any]:
         """Return it as JSON holds it; what is empty is left out."""
-        values: Dict[str, Any] = {}
-        for name, one in self.values.items():
-            if isinstance(one, tuple):
-                values[name] = [inner.record() for inner in one]
-            else:
-                values[name] = one.record() if isinstance(one, Message) else one
+
+        def sent(value: Value) -> Any:
+            if isinstance(value, tuple):
+                return [sent(one) for one in value]
+            return value.record() if isinstance(value, Message) else value
+
+        values = {name: sent(value) for name, value in self.values.items()}
         record: Dict[str, Any] = {"template": self.template, "values": values}
         if self.details:
             record["details"] = self.details
@@ -215,7 +210,6 @@ class Message:
         return hash((self.template, self.details))
 
     def nested(self) -> Iterator[Message]:
-        """Yield this message and those inside it."""
         yield self
         for inner in self._inner():
             yield from inner.nested()
@@ -257,15 +251,14 @@ def _most_urgent(faults: Iterable[Fault]) -> Optional[Fault]:
     return max(faults, key=lambda one: (one.may_move, one.gravity), default=None)
 
 
-def _value(value: object) -> Value:
+def _value(value: Any) -> Value:
     if isinstance(value, (str, int, float, Message)):
         return value
     if isinstance(value, tuple) and all(isinstance(one, Message) for one in value):
         return value
-    # numpy's numbers; item() is the Python number, and refuses arrays of several.
-    item = getattr(value, "item", None)
     try:
-        number = item() if callable(item) else None
-    except (ValueError, TypeError):
+        # Of numpy's numbers the Python number; arrays of several have none.
+        number = value.item()
+    except (AttributeError, ValueError, TypeError):
         number = None
     return number if isinstance(number, (int, float)) else str(value)

@@ -29,11 +29,8 @@ _REASONS = {
 
 
 def os_reason(error: OSError) -> Message:
-    """Return why something failed; the system's own words stay among the details.
-
-    Args:
-        error: Of the operating system; one of our own, without a number, says itself why.
-    """
+    """Return why something failed, with the system's own words among the details."""
+    # One of our own says itself why.
     message = getattr(error, "message", None)
     if isinstance(message, Message):
         return message

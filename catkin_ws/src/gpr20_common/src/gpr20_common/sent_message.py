@@ -11,6 +11,7 @@ import string
 from dataclasses import fields, replace
 from typing import Any, Dict, Mapping, Optional, Type, TypeVar
 
+from gpr20_common.errors import UNREADABLE
 from gpr20_common.message import CODE_FORMAT, Fault, Message, Severity, in_a_row, verbatim
 
 # A template from elsewhere may neither look into its values nor ask for a gigabyte of blanks.
@@ -24,14 +25,6 @@ MAX_READ_CHARACTERS = 1_000_000
 MAX_DEPTH = 32
 # Of a fault whose code cannot be read.
 UNKNOWN_CODE = "robot.unknown"
-UNREADABLE = (
-    ArithmeticError,
-    AttributeError,
-    LookupError,
-    RecursionError,
-    TypeError,
-    ValueError,
-)
 
 Record = TypeVar("Record")
 
@@ -71,7 +64,6 @@ def message_fields(message: Message) -> Dict[str, str]:
 
 
 def message_from(answer: Any) -> Message:
-    """Return the message of something that has the fields of `message_fields`."""
     return received_message(answer.message, answer.message_json, answer.fault_code)
 
 
@@ -86,13 +78,10 @@ def received_message(text: str, message_json: str, fault_code: str = "") -> Mess
     """
     message = _read(text, message_json)
     cause = message.cause
-    if not CODE_FORMAT.fullmatch(fault_code):
+    if (cause and cause.code != UNKNOWN_CODE) or not CODE_FORMAT.fullmatch(fault_code):
         return message
-    if cause is None:
-        return message.with_fault(Fault(fault_code))
-    if cause.code == UNKNOWN_CODE:
-        return message.with_fault(replace(cause, code=fault_code, replaces=True))
-    return message
+    given = replace(cause, code=fault_code, replaces=True) if cause else Fault(fault_code)
+    return message.with_fault(given)
 
 
 def _read(text: str, message_json: str) -> Message:

@@ -11,6 +11,7 @@ import pytest
 from case_kit import each_case
 from fault_kit import raises_fault
 from run_seed import draws
+from vanishing_peer import come_back, vanish
 
 from gpr20_common import faults
 from gpr20_common.errors import InvalidValueError
@@ -157,6 +158,21 @@ def test_a_request_whose_delivery_counts_reaches_a_node_that_no_longer_hangs(gra
     while not graph.node.requests and time.monotonic() < deadline_s:
         time.sleep(0.01)
     assert graph.node.requests == ["a"]
+
+
+@pytest.mark.needs("socket filters")
+def test_a_request_that_was_given_up_in_a_broken_link_is_not_delivered_when_it_is_back(graph):
+    client = ServiceClient("add_fact", AddFact, keep_open=True)
+    assert call(client, "a") == "node a"
+    (end,) = graph.node.connections
+    vanish(end)
+    with raises_fault(faults.SERVICE_SILENT):
+        call(client, "b", SHORT_S)
+    come_back(end)
+    assert call(client, "c") == "node c"
+    # So long TCP would take to send it once more.
+    assert not threading.Event().wait(4.0 * SHORT_S)
+    assert graph.node.requests == ["a", "c"]
 
 
 def test_calls_that_follow_each_other_use_one_connection_and_one_lookup(graph):

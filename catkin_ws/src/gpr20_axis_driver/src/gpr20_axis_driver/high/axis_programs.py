@@ -14,8 +14,7 @@ from gpr20_axis_driver.mid.pulse_client import PulseClient
 from gpr20_axis_driver.mid.robot_hardware import RobotHardware
 from gpr20_axis_driver.motion import AxisHardware
 from gpr20_common.errors import InvalidValueError
-from gpr20_common.high.node import run_node
-from gpr20_common.high.parameters import read_parameters
+from gpr20_common.high.node import read_parameters, run_node
 from gpr20_common.message import Message
 from gpr20_common.mid.hardware import Hardware
 from gpr20_survey.axes.axis_id import AxisId

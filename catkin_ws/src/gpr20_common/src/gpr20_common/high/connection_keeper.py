@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import contextlib
+import functools
 import socket
 from typing import Any, Dict, Set
 
@@ -33,7 +35,6 @@ class ConnectionKeeper:
         self._periodic = Periodic(PERIOD_S, self.check)
 
     def close(self) -> None:
-        """Stop looking after the connections."""
         self._periodic.stop()
 
     def check(self) -> None:
@@ -55,7 +56,7 @@ class ConnectionKeeper:
     def _connect(self, types: Dict[str, str]) -> None:
         me, uri = rospy.get_name(), rospy.get_node_uri()
         master = limited_server(rosgraph.get_master_uri(), ANSWER_LIMIT_S)
-        answering: Dict[str, bool] = {}
+        answers = functools.lru_cache(maxsize=None)(functools.partial(_answers, me))
         for name in sorted(self._lost & types.keys()):
             try:
                 publishers = value_of(master.registerSubscriber(me, name, types[name], uri))
@@ -66,28 +67,21 @@ class ConnectionKeeper:
             if not missing:
                 self._lost.discard(name)
             # rospy would wait without a limit for one that does not answer.
-            for one in missing:
-                if one not in answering:
-                    answering[one] = _answers(one, me)
-            missing = [one for one in missing if answering[one]]
-            if missing:
+            found = [one for one in missing if answers(one)]
+            if found:
                 rospy.loginfo("connecting to %s again", name)
                 try:
                     # What the master does when publishers are new: rospy connects to them.
-                    value_of(limited_server(uri, ANSWER_LIMIT_S).publisherUpdate(me, name, missing))
+                    value_of(limited_server(uri, ANSWER_LIMIT_S).publisherUpdate(me, name, found))
                 except NO_ANSWER as error:
                     rospy.logwarn("could not connect to %s again: %s", name, error)
 
 
 def subscriber_count(topic: str) -> int:
-    """Return how many nodes subscribe to a topic, by the master; they connect some time later.
-
-    Args:
-        topic: Absolute name.
+    """Return how many nodes subscribe to a topic (absolute name); they connect some time later.
 
     Raises:
-        rosgraph.MasterException: The master refuses to answer.
-        OSError: The master does not answer.
+        rosgraph.MasterException, OSError: The master does not answer.
     """
     _published, subscribed, _services = rosgraph.Master(rospy.get_name()).getSystemState()
     return len(dict(subscribed).get(topic, ()))
@@ -111,9 +105,8 @@ def _protect(topic: Any) -> Set[str]:
     return connected
 
 
-def _answers(uri: str, caller: str) -> bool:
-    try:
+def _answers(caller: str, uri: str) -> bool:
+    with contextlib.suppress(*NO_ANSWER):
         value_of(limited_server(uri, ANSWER_LIMIT_S).getPid(caller))
         return True
-    except NO_ANSWER:
-        return False
+    return False

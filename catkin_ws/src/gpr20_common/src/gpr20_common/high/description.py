@@ -13,7 +13,7 @@ from typing import Any, Mapping
 import rosgraph
 import rospy
 
-from gpr20_common.high.parameters import configuration_name
+from gpr20_common.high.node import configuration_name
 from gpr20_common.low.limited_rpc import NO_ANSWER, limited_server, value_of
 from gpr20_common.mid.codec import plain
 from gpr20_common.mid.hardware import Hardware
@@ -30,10 +30,8 @@ LARGEST_INT = 2**31 - 1
 def publish_description(node: str, hardware: Hardware, parameters: Any) -> rospy.Publisher:
     """Publish, latched, what this node is; the publisher must be kept.
 
-    Args:
-        node: Name of this node below the robot's namespace, such as x_axis/axis_driver.
-        hardware: What it drives.
-        parameters: Dataclass of the parameters with which it started.
+    Its name is that below the robot's namespace, such as x_axis/axis_driver, and its parameters
+    are the dataclass with which it started.
     """
     values = plain(parameters)
     show_parameters(values)

@@ -1,33 +1,69 @@
-"""The life of a node: start, say clearly what is wrong, run, end."""
+"""The life of a node: its parameters, start, say clearly what is wrong, run, end.
+
+A launch keeps its whole configuration, as JSON, under a name of its own (package `gpr20_launch`)
+and hands that name to each node as the argument `configuration:=NAME`. A node that restarts gets
+the same argument and so the same configuration, whatever was launched beside it meanwhile. Without
+the argument a node has the defaults.
+"""
 
 from __future__ import annotations
 
+import json
 import os
 import signal
 import sys
 import threading
 from pathlib import Path
-from typing import Any, Callable, Optional, Type, TypeVar
+from typing import Any, Callable, Mapping, Optional, Type, TypeVar
 
 import rosgraph
 import rospy
 
-from gpr20_common.errors import Gpr20Error, NodeSilentError
+from gpr20_common import faults
+from gpr20_common.errors import Gpr20Error, InvalidValueError, NodeSilentError
 from gpr20_common.high.connection_keeper import ConnectionKeeper
-from gpr20_common.high.parameters import (
-    configuration_name,
-    read_parameters,
-    refuse_private_parameters,
-)
 from gpr20_common.low.limited_rpc import NodeProbe
 from gpr20_common.low.thread_fault import end_with_thread
+from gpr20_common.message import Message
+from gpr20_common.mid.codec import record_from
 from gpr20_common.terminal_text import enable_line_buffering, say
 
 # A node of the same name that lives answers within this time [s].
 ANSWER_LIMIT_S = 1.0
 POLL_S = 0.1
+ARGUMENT = "configuration"
 
 Parameters = TypeVar("Parameters")
+
+
+def configuration_name() -> str:
+    """Return the name of the parameters with which this node was launched; empty if none."""
+    return str(rosgraph.names.load_mappings(sys.argv).get(ARGUMENT, ""))
+
+
+def read_parameters(parameter_class: Type[Parameters], section: str) -> Parameters:
+    """Read every field of a dataclass from a section of the configuration.
+
+    Raises:
+        InvalidValueError: A parameter is missing, unknown or of the wrong type, or the dataclass
+            refuses it.
+    """
+    name = configuration_name()
+    if not name:
+        return record_from(parameter_class, {}, section)
+    text = rospy.get_param(name, "")
+    try:
+        sections = json.loads(text)
+    except (TypeError, ValueError) as error:
+        raise InvalidValueError(
+            Message(
+                "the configuration of this launch is gone, because the ROS master was restarted; "
+                "end the launch and start it again",
+                details=f"{name}: {text!r}",
+            ),
+            fault=faults.CONFIGURATION_GONE,
+        ) from error
+    return record_from(parameter_class, sections.get(section, {}), section)
 
 
 def run_node(name: str, build: Callable[[], Any], needed: bool = True) -> None:
@@ -41,13 +77,13 @@ def run_node(name: str, build: Callable[[], Any], needed: bool = True) -> None:
 
     Args:
         name: Default name of the node.
-        build: Reads the parameters, builds the objects and connects them. What it
-            returns is kept for the life of the node.
+        build: Reads the parameters and builds what is kept for the life of the node.
         needed: Whether its launch ends if it cannot start; else it is started again and again.
     """
     enable_line_buffering()
     threading.excepthook = end_with_thread
-    launch = roslaunch_number() if needed and configuration_name() else None
+    configuration = configuration_name()
+    launch = roslaunch_number() if needed and configuration else None
     _refuse_second(name, launch)
     try:
         # Its handlers end the node in the main thread, which has locks of rospy while it starts.
@@ -57,10 +93,10 @@ def run_node(name: str, build: Callable[[], Any], needed: bool = True) -> None:
         say(f"{name} was ended before it had started: {error}", file=sys.stderr)
         # At once: rospy's own threads may wait for a master that is gone.
         os._exit(1)
-    started = f"/gpr20_started{configuration_name()}{rospy.get_name()}"
+    started = f"/gpr20_started{configuration}{rospy.get_name()}"
     try:
-        if not configuration_name():
-            refuse_private_parameters()
+        if not configuration:
+            _refuse_private_parameters()
         kept = build()
     except Gpr20Error as error:
         rospy.logfatal("%s cannot start: %s", rospy.get_name(), error)
@@ -70,7 +106,7 @@ def run_node(name: str, build: Callable[[], Any], needed: bool = True) -> None:
             rospy.logfatal("%s ends the launch, because it cannot start", rospy.get_name())
             end_with_roslaunch(launch)
         sys.exit(1)
-    if configuration_name():
+    if configuration:
         rospy.set_param(started, True)
     keeper = ConnectionKeeper()
     rospy.loginfo("%s is ready", rospy.get_name())
@@ -86,24 +122,15 @@ def run_device(
     section: str = "",
     needed: bool = True,
 ) -> None:
-    """Run the node of one device until ROS shuts down, as `run_node` does.
+    """Run, as `run_node` does, the node that `build` makes of the parameters of one device.
 
-    Args:
-        name: Default name of the node.
-        parameter_class: Dataclass of the device's parameters.
-        build: Builds the node from its parameters. What it returns is kept for its life.
-        section: Part of the configuration that holds the parameters; empty: named like the node.
-        needed: Whether its launch ends if it cannot start.
+    They are in a section of the configuration; without its name, in that named like the node.
     """
     run_node(name, lambda: build(read_parameters(parameter_class, section or name)), needed)
 
 
 def roslaunch_number() -> Optional[int]:
-    """Return the process id of the roslaunch that started this process.
-
-    Returns:
-        None if rostest, a terminal or a debugger started it.
-    """
+    """Return the process id of the roslaunch that started this process; None if none did."""
     parent = os.getppid()
     try:
         words = Path(f"/proc/{parent}/cmdline").read_bytes().split(b"\0")
@@ -143,3 +170,19 @@ def _refuse_second(default: str, launch: Optional[int]) -> None:
         say(f"{name} ends the launch, because it cannot start", file=sys.stderr)
         end_with_roslaunch(launch)
     sys.exit(1)
+
+
+def _refuse_private_parameters() -> None:
+    """Check that nobody gave a node that was started alone a private parameter: it reads none."""
+    values = rospy.get_param(rospy.get_name(), {})
+    names = sorted(values) if isinstance(values, Mapping) else [repr(values)]
+    if names:
+        raise InvalidValueError(
+            Message(
+                "the private parameters {names} of {node} are not read; write them into the "
+                "robot's configuration, or start the node with configuration:=NAME",
+                names=", ".join(names),
+                node=rospy.get_name(),
+            ),
+            fault=faults.PRIVATE_PARAMETERS,
+        )

@@ -55,16 +55,9 @@ class Periodic:
                 if due_s - logged_s >= LOG_PERIOD_S:
                     logged_s = due_s
                     log_fault(getattr(self._action, "__qualname__", repr(self._action)))
-            due_s = self._wait_until_due(due_s)
-
-    def _wait_until_due(self, last_due_s: float) -> float:
-        """Wait until the next call is due, or there is none; return when it was due [s]."""
-        with self._changed:
-            while not self._ended:
-                due_s = last_due_s + self._period_s
-                remaining_s = due_s - time.monotonic()
-                if remaining_s <= 0.0:
-                    # Calls that were missed are left out, not made up for in a burst.
-                    return due_s if remaining_s > -self._period_s else time.monotonic()
-                self._changed.wait(remaining_s)
-        return last_due_s
+            with self._changed:
+                while not self._ended and time.monotonic() < due_s + self._period_s:
+                    self._changed.wait(due_s + self._period_s - time.monotonic())
+                # Calls that were missed are left out, not made up for in a burst.
+                late = time.monotonic() >= due_s + 2.0 * self._period_s
+                due_s = time.monotonic() if late else due_s + self._period_s

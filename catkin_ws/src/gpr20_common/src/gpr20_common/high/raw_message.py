@@ -8,9 +8,6 @@ from typing import Any, Dict, Type, TypeVar
 import genpy
 import rospy
 
-US_PER_S = 1_000_000
-NS_PER_US = 1000
-
 MessageType = TypeVar("MessageType", bound=genpy.Message)
 
 
@@ -22,11 +19,7 @@ def serialized(message: Any) -> bytes:
 
 
 def deserialized(message_type: Type[MessageType], data: bytes) -> MessageType:
-    """Return the message that these bytes are.
-
-    Raises:
-        genpy.DeserializationError: They are not one of this type.
-    """
+    """Return the message that these bytes are; raises a genpy.DeserializationError otherwise."""
     message = message_type()
     message.deserialize(data)
     return message
@@ -55,10 +48,9 @@ def connection_header(received: Any) -> Dict[str, str]:
 
 def microseconds(moment: rospy.Time) -> int:
     """Return a moment as whole microseconds since 1970, the rest cut off."""
-    return moment.secs * US_PER_S + moment.nsecs // NS_PER_US
+    return int(moment.to_nsec() // 1000)
 
 
 def ros_time(time_us: int) -> rospy.Time:
     """Return a moment [microseconds since 1970, UTC] as ROS knows it."""
-    seconds, rest_us = divmod(time_us, US_PER_S)
-    return rospy.Time(seconds, rest_us * NS_PER_US)
+    return rospy.Time(0, 1000 * time_us)

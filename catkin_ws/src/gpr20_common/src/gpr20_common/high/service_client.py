@@ -60,10 +60,10 @@ class ServiceConnection:
     def __init__(
         self, uri: str, header: Dict[str, str], deadline_s: float, answer_deadline_s: float
     ) -> None:
-        """Connect to the service at an address; raises what `NOT_CONNECTED` has.
+        """Connect to a service, or raise what `NOT_CONNECTED` has.
 
         Args:
-            uri: As the master knows it.
+            uri: Its address, as the master knows it.
             header: What the client says of itself.
             deadline_s: When there must be a connection [s, `time.monotonic`].
             answer_deadline_s: When its node must have accepted it [s].
@@ -85,12 +85,7 @@ class ServiceConnection:
         self.answered_s = time.monotonic()
 
     def call(self, request: genpy.Message, deadline_s: float) -> bytes:
-        """Return the response, serialized.
-
-        Raises:
-            OSError: The connection ended before the answer, or there was none in time.
-            rospy.ServiceException: The service failed.
-        """
+        """Return the response, serialized, or raise what `FAILURES` has."""
         data = serialized(request)
         self._socket.settimeout(_remaining_s(deadline_s))
         self._socket.sendall(LENGTH.pack(len(data)) + data)
@@ -133,10 +128,7 @@ class ServiceConnection:
 
 
 class ServiceClient:
-    """One service of another node; every call has a time limit.
-
-    Calls are made in the thread of the caller, in parallel if several threads call.
-    """
+    """One service of another node; several threads may call it at once."""
 
     def __init__(
         self, name: str, service_class: Any, discard_late: bool = True, keep_open: bool = False
@@ -159,15 +151,10 @@ class ServiceClient:
         self._kept: List[ServiceConnection] = []
 
     def call(self, timeout_s: float, *request: Any, **fields: Any) -> Any:
-        """Call the service and return its response, whatever it says.
-
-        Args:
-            timeout_s: Time limit for the whole call [s].
-            request: The request, if its fields are not given.
-            fields: Fields of the request.
+        """Return the response to a request, or to one with these fields, whatever it says.
 
         Raises:
-            ServiceUnavailableError: No answer came; the message says why.
+            ServiceUnavailableError: No answer came in time [s]; the message says why.
         """
         kind = self._service_class
         message = rospy.msg.args_kwds_to_message(kind._request_class, request, fields)

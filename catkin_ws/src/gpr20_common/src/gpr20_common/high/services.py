@@ -18,7 +18,7 @@ def advertise(name: str, service_class: Any, handler: Callable[[Any], Any]) -> r
 
     Args:
         name: Relative name of the service.
-        service_class: Generated class; its response has `success` and what `message_fields` gives.
+        service_class: Its response has `success` and what `message_fields` gives.
         handler: Takes the request, returns the response of a success, raises otherwise.
     """
 

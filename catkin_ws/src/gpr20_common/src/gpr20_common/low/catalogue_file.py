@@ -38,26 +38,17 @@ def catalogue_folders() -> Tuple[Path, ...]:
 
 def languages() -> List[Language]:
     """Return English and every language that has a catalogue, by their codes."""
-    return list(_languages(catalogue_folders()))
-
-
-@functools.lru_cache(maxsize=None)
-def _languages(folders: Tuple[Path, ...]) -> Tuple[Language, ...]:
     found = {Language.ENGLISH.value: Language.ENGLISH}
-    for path in (path for folder in folders for path in folder.glob("*.po")):
+    for path in (path for folder in catalogue_folders() for path in folder.glob("*.po")):
         if path.is_file() and _CODE.fullmatch(path.stem) and path.stem not in found:
             with path.open(encoding="utf-8", errors="replace") as file:
                 name = _NAME.search(file.read(HEADER_CHARACTERS))
             found[path.stem] = Language(path.stem, name.group(1) if name else path.stem)
-    return tuple(found[code] for code in sorted(found))
+    return [found[code] for code in sorted(found)]
 
 
 def language_from_code(code: object) -> Language:
-    """Return the language with a code.
-
-    Raises:
-        InvalidValueError: There is no catalogue for it.
-    """
+    """Return the language with a code; an InvalidValueError names those that have a catalogue."""
     for language in languages():
         if language.value == code:
             return language
@@ -82,19 +73,10 @@ def language_from_environment(environment: Mapping[str, str]) -> Language:
 
 
 def read_catalogue(language: Language) -> Catalogue:
-    """Return the catalogue of a language, whose files are read once.
-
-    Raises:
-        InvalidValueError: A file is no catalogue, or there is none.
-    """
+    """Return the catalogue of a language; raises as `read_translations`."""
     if language == Language.ENGLISH:
         return Catalogue()
-    return _catalogue(language.value, catalogue_folders())
-
-
-@functools.lru_cache(maxsize=None)
-def _catalogue(code: str, folders: Tuple[Path, ...]) -> Catalogue:
-    paths = [folder / f"{code}.po" for folder in folders]
+    paths = [folder / f"{language.value}.po" for folder in catalogue_folders()]
     translations: Dict[str, str] = {}
     # Without any, the first is named.
     for path in [path for path in paths if path.exists()] or paths[:1]:
@@ -102,8 +84,9 @@ def _catalogue(code: str, folders: Tuple[Path, ...]) -> Catalogue:
     return Catalogue(translations)
 
 
+@functools.lru_cache(maxsize=None)
 def read_translations(path: Path) -> Mapping[str, str]:
-    """Return the finished translations of a catalogue by their English templates.
+    """Return the finished translations of a catalogue, which is read once, by their templates.
 
     One that has other fields than its template is left out: the template is shown instead.
 

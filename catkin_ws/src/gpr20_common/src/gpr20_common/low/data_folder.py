@@ -12,12 +12,7 @@ DEFAULT_FOLDER = "~/.gpr20/robot"
 
 
 def data_folder(configured: str, environment: Mapping[str, str]) -> Path:
-    """Return the folder of the surveys, as an absolute path.
-
-    Args:
-        configured: The parameter `data`; empty: `GPR20_DATA`, or ~/gpr20_data if that is not set.
-        environment: The variables of the process.
-    """
+    """Return the folder of the surveys: the parameter `data`, `GPR20_DATA`, or ~/gpr20_data."""
     # The output of a command, which roslaunch accepts for a parameter, ends with a line feed.
     data = configured.strip() or environment.get("GPR20_DATA", "") or "~/gpr20_data"
     return Path(data).expanduser().absolute()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import xmlrpc.client
 from http.client import HTTPConnection, HTTPException
 from typing import Any, Optional
@@ -16,8 +17,6 @@ NO_ANSWER = (OSError, HTTPException, ExpatError, xmlrpc.client.Error, ValueError
 
 
 class LimitedTransport(xmlrpc.client.Transport):
-    """HTTP with a time limit for the connection and for each answer."""
-
     def __init__(self, time_limit_s: float) -> None:
         super().__init__()
         self._time_limit_s = time_limit_s
@@ -63,32 +62,31 @@ class NodeProbe:
             NodeGoneError: It has ended; the message says how that is known.
             NodeSilentError: It does not answer; the message says why.
         """
-        if self._server is not None:
-            try:
-                return self._ask(self._server)
-            except ConnectionRefusedError:
-                # The process that took its place has another address.
-                self._server = None
-            except NO_ANSWER as error:
-                self._server = None
-                raise NodeSilentError(self._silence(error)) from error
+        known, self._server = self._server, None
         try:
-            uri = value_of(self._master.lookupNode(self._caller_id, self._node))
+            if known is not None:
+                # The process that took its place has another address.
+                with contextlib.suppress(ConnectionRefusedError):
+                    return self._ask(known)
+            return self._ask(limited_server(self._look_up(), self._time_limit_s))
+        except NodeSilentError:
+            raise
+        except NO_ANSWER as error:
+            kind = NodeGoneError if isinstance(error, ConnectionRefusedError) else NodeSilentError
+            raise kind(self._silence(error)) from error
+
+    def _ask(self, server: xmlrpc.client.ServerProxy) -> int:
+        number = int(value_of(server.getPid(self._caller_id)))
+        self._server = server
+        return number
+
+    def _look_up(self) -> str:
+        try:
+            return str(value_of(self._master.lookupNode(self._caller_id, self._node)))
         except NO_ANSWER as error:
             # A master that refuses connections says nothing about the node.
             kind = NodeGoneError if isinstance(error, ValueError) else NodeSilentError
             raise kind(self._silence(error)) from error
-        try:
-            server = limited_server(str(uri), self._time_limit_s)
-            number = self._ask(server)
-        except NO_ANSWER as error:
-            kind = NodeGoneError if isinstance(error, ConnectionRefusedError) else NodeSilentError
-            raise kind(self._silence(error)) from error
-        self._server = server
-        return number
-
-    def _ask(self, server: xmlrpc.client.ServerProxy) -> int:
-        return int(value_of(server.getPid(self._caller_id)))
 
     def _silence(self, error: Exception) -> Message:
         return Message("{node} does not answer", node=self._node, details=error)

@@ -9,7 +9,7 @@ from typing import Any, Union
 import yaml
 
 from gpr20_common import faults
-from gpr20_common.errors import Gpr20Error
+from gpr20_common.errors import UNREADABLE, Gpr20Error
 from gpr20_common.message import Message
 
 # A scene, a recipe or a profile has some kilobytes; what is far larger is something else.
@@ -17,15 +17,7 @@ MAX_BYTES = 1 << 20
 
 # The reader of plain values raises whatever their conversion does: for the day 2026-13-45 a
 # ValueError, for `!!timestamp x` an AttributeError. It calls itself for each level.
-_REFUSED = (
-    yaml.YAMLError,
-    ValueError,
-    ArithmeticError,
-    AttributeError,
-    LookupError,
-    RecursionError,
-    TypeError,
-)
+_REFUSED = (yaml.YAMLError, *UNREADABLE)
 # `<<: *other`, which may be there several times.
 MERGE_TAG = "tag:yaml.org,2002:merge"
 STRING_TAG = "tag:yaml.org,2002:str"
@@ -60,9 +52,6 @@ def parse_yaml(text: Union[str, bytes], odd_numbers: bool = False) -> Any:
     Args:
         text: The text.
         odd_numbers: Whether 013 is 11 and 10:50 is 650, as for ROS; otherwise they are texts.
-
-    Raises:
-        YamlFileError: It is not YAML, or nested too deeply.
     """
     try:
         loader = _OddNumberLoader if odd_numbers else _UniqueKeyLoader

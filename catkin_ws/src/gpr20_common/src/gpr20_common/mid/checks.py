@@ -1,10 +1,12 @@
-"""Checks of values that come from outside, with messages for people."""
+"""Checks of values that come from outside.
+
+Each returns the value, or raises an InvalidValueError that calls it by a name.
+"""
 
 from __future__ import annotations
 
-import math
-import re
 import sys
+from ipaddress import IPv4Address
 from typing import Union
 
 from gpr20_common.errors import InvalidValueError
@@ -17,11 +19,7 @@ MAX_ADDRESS_CHARACTERS = 128
 def number_between(
     name: Union[str, Message], value: float, lower: float, upper: float, unit: str = ""
 ) -> float:
-    """Return the value if it lies within the bounds [unit], both included.
-
-    Raises:
-        InvalidValueError: The value is NaN or outside the bounds; it names the value by `name`.
-    """
+    """Allow what lies within the bounds [unit], both included."""
     # Written so that NaN, which fails every comparison, is refused too.
     if not lower <= value <= upper:
         raise InvalidValueError(
@@ -37,11 +35,7 @@ def number_between(
 
 
 def positive_number(name: Union[str, Message], value: float, unit: str = "") -> float:
-    """Return the value if it is finite and above zero.
-
-    Raises:
-        InvalidValueError: The value is NaN, infinite, zero or negative.
-    """
+    """Allow what is finite and above zero [unit]."""
     if not 0.0 < value <= sys.float_info.max:
         raise InvalidValueError(
             Message(
@@ -54,15 +48,13 @@ def positive_number(name: Union[str, Message], value: float, unit: str = "") -> 
 
 
 def ipv4_address(name: Union[str, Message], address: str) -> str:
-    """Return the address if it is four decimal numbers of 0 to 255.
-
-    Raises:
-        InvalidValueError: The text is anything else.
-    """
-    parts = address.split(".")
-    # Not int() alone: it accepts digits of other scripts, and 010 is 8 to some readers.
-    plain = all(re.fullmatch("0|[1-9][0-9]{0,2}", part) for part in parts)
-    if len(parts) != 4 or not plain or any(int(part) > 255 for part in parts):
+    """Allow four decimal numbers of 0 to 255."""
+    try:
+        # 010 is 8 to some readers.
+        plain = str(IPv4Address(address)) == address
+    except ValueError:
+        plain = False
+    if not plain:
         raise InvalidValueError(
             Message(
                 "{name} is '{address}'; it must be four numbers of 0 to 255, such as 192.168.1.10",
@@ -74,13 +66,7 @@ def ipv4_address(name: Union[str, Message], address: str) -> str:
 
 
 def instrument_address(name: Union[str, Message], address: str) -> str:
-    """Return the address if it is four numbers, or if "::" sets it apart from them.
-
-    What has "::" in it has the form that the driver of that instrument needs, which checks it.
-
-    Raises:
-        InvalidValueError: The text is anything else.
-    """
+    """Allow four numbers, or what "::" sets apart from them: the instrument's driver checks it."""
     if "::" not in address:
         return ipv4_address(name, address)
     printable = address.isascii() and address.isprintable() and " " not in address
@@ -102,4 +88,4 @@ def _with_unit(number: float, unit: str) -> str:
         return f"{number:.12g} {unit}".rstrip()
     except OverflowError:
         # A whole number from a file may have hundreds of digits.
-        return f"{math.copysign(math.inf, number > 0 or -1)} {unit}".rstrip()
+        return f"{'inf' if number > 0 else '-inf'} {unit}".rstrip()

@@ -41,11 +41,10 @@ def record_from(kind: Type[Record], values: Any, place: str, others: bool = Fals
         kind: Dataclass, or a list or group of them; a field without a default must be there.
         values: What was read.
         place: Where it was found, for the messages; empty if they name it themselves.
-        others: Whether keys of others may be there too, which are ignored.
+        others: Whether unknown keys are ignored.
 
     Raises:
-        InvalidValueError: A key is unknown or missing, or a value has the wrong type or is out
-            of bounds.
+        InvalidValueError: A key is unknown or missing, or a value is not allowed.
     """
     try:
         # In JSON a list is a tuple, and a choice is its value.

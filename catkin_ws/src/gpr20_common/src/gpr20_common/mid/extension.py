@@ -53,11 +53,9 @@ def load_extension(
             ),
             fault=faults.EXTENSION_UNUSABLE,
         ) from error
-    wanted = sorted(one for one in vars(protocol) if not one.startswith("_"))
-    if inspect.isclass(found):
-        missing = [one for one in wanted if not hasattr(found, one)]
-    else:
-        missing = [f"class {class_name}"]
+    missing = [one for one in sorted(vars(protocol)) if one[0] != "_" and not hasattr(found, one)]
+    if not inspect.isclass(found):
+        missing = [class_name]
     if missing:
         raise InvalidValueError(
             Message(

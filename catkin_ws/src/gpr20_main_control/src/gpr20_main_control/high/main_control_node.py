@@ -10,8 +10,7 @@ import rospy
 
 from gpr20_common.high import diagnostics
 from gpr20_common.high.description import show_parameters
-from gpr20_common.high.node import run_node
-from gpr20_common.high.parameters import read_parameters
+from gpr20_common.high.node import read_parameters, run_node
 from gpr20_common.high.periodic import Periodic
 from gpr20_common.high.services import advertise
 from gpr20_common.low.clock import Clock

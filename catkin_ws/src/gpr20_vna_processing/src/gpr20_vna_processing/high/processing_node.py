@@ -16,8 +16,7 @@ from gpr20_common.faults import DISK_FULL, DISK_REFUSES
 from gpr20_common.high.connection_keeper import subscriber_count
 from gpr20_common.high.description import publish_description
 from gpr20_common.high.diagnostics import ERROR, OK, WARN, Diagnostics, Health
-from gpr20_common.high.node import run_device
-from gpr20_common.high.parameters import read_parameters
+from gpr20_common.high.node import read_parameters, run_device
 from gpr20_common.high.raw_message import deserialized, microseconds, preserialized, serialized
 from gpr20_common.high.services import advertise, success
 from gpr20_common.low.clock import Clock

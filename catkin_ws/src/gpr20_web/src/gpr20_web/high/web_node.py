@@ -13,8 +13,7 @@ import rospy
 
 from gpr20_common.high.description import publish_description
 from gpr20_common.high.diagnostics import OK, WARN, Diagnostics, Health
-from gpr20_common.high.node import run_device
-from gpr20_common.high.parameters import read_parameters
+from gpr20_common.high.node import read_parameters, run_device
 from gpr20_common.high.service_client import ServiceClient
 from gpr20_common.low.catalogue_file import language_from_environment, read_catalogue
 from gpr20_common.low.clock import Clock
