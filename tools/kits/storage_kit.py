@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import time
+from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any, Callable, Container, Dict, Iterable, List, Optional
@@ -16,7 +17,6 @@ from gpr20_common.low.clock import Clock
 from gpr20_survey.files.access import Readers
 from gpr20_survey.files.durable_files import ensure_folders
 from gpr20_survey.folder.log_record import Kind
-from gpr20_survey.folder.signature import Signer
 from gpr20_survey.plan.annotation import Annotation
 from gpr20_survey.plan.markers import Marker
 from gpr20_survey.recording.bag import make_bag
@@ -27,7 +27,8 @@ from gpr20_survey.recording.survey_topics import SurveyTopics, recorded_trace
 from gpr20_survey.trace import trace_message, utc_time
 from gpr20_survey.trace.trace import Trace
 from gpr20_vna_processing.mid.data_processing import DataProcessing
-from gpr20_vna_processing.mid.processing_records import AddedFact, Limits, Storage, SurveyEnd
+from gpr20_vna_processing.mid.processing_parameters import ProcessingParameters
+from gpr20_vna_processing.mid.processing_records import AddedFact, Storage, SurveyEnd
 
 OTHER_SURVEY = "7c9e6679-7425-40de-944b-e07fc1f90ae7"
 NOW_NS = 1_790_000_100_000_000_001
@@ -37,8 +38,8 @@ NO_BAGS: Any = SimpleNamespace(
     make=lambda _: None,
     cancel=lambda _: None,
     outstanding_bytes=lambda: 0,
-    problem=lambda: None,
 )
+LIMITS = ProcessingParameters(timeout_s=10.0, commit_period_s=0.05)
 
 TYPES = get_typestore(Stores.ROS1_NOETIC)
 TYPES.register(get_types_from_msg(trace_message.DEFINITION, "gpr20_msgs/msg/Trace"))
@@ -144,11 +145,11 @@ class Kit:
         self,
         data: Path,
         open_recording: Callable[..., Any] = new_mcap,
-        limits: Limits = Limits(timeout_s=10.0, period_s=0.05),  # noqa: B008, RUF100
+        limits: ProcessingParameters = LIMITS,
         free_bytes: int = FREE_BYTES,
         now_ns: int = NOW_NS,
         readers: Readers = Readers.GROUP,
-        signer: Optional[Signer] = None,
+        signing_key: str = "",
         check_data: Optional[Callable[[], None]] = None,
         bags: Any = NO_BAGS,
     ) -> None:
@@ -156,9 +157,10 @@ class Kit:
         self.opened: List[str] = []
         self.logged: List[RecordedMessage] = []
         self.now_ns = now_ns
+        parameters = replace(limits, data=str(data), readable_by=readers, signing_key=signing_key)
         self.processing = DataProcessing(
             Storage(
-                data=data,
+                parameters,
                 check_data=check_data or (lambda: ensure_folders(data, readers.folder_mode)),
                 open_recording=open_recording,
                 topics=SurveyTopics(trace_message.DEFINITION),
@@ -166,15 +168,12 @@ class Kit:
                 now_ns=lambda: self.now_ns,
                 clock=Clock(),
                 revision="1.2.3",
-                readers=readers,
-                signer=signer,
                 end_status=end_status,
                 on_opened=self.opened.append,
                 on_stored=self._note_stored,
                 on_logged=self.logged.append,
                 bags=bags,
-            ),
-            limits,
+            )
         )
         self.processing.start()
 

@@ -14,7 +14,6 @@ from gpr20_survey.folder.signature import (
     NAMESPACE,
     SIGNATURE_FILE,
     Signature,
-    Signer,
     check_signature,
 )
 from gpr20_survey.plan.annotation import Annotation
@@ -34,7 +33,7 @@ def signers(tmp_path):
 
 @pytest.fixture
 def kit(tmp_path, signers):
-    kit = Kit(tmp_path / "data", signer=Signer(tmp_path / "key"))
+    kit = Kit(tmp_path / "data", signing_key=str(tmp_path / "key"))
     yield kit
     kit.processing.shut_down()
 

@@ -28,11 +28,14 @@ from gpr20_common.mid.hardware import NO_HARDWARE
 from gpr20_common.os_reason import os_reason
 from gpr20_common.sent_message import received_message
 from gpr20_common.terminal_text import printable
-from gpr20_msgs.msg import Trace
+from gpr20_msgs.msg import SurveySummary, Trace
 from gpr20_msgs.srv import (
     AddFact,
     CloseSurvey,
+    ListSurveys,
     OpenSurvey,
+    ReadSurvey,
+    ReadTraces,
     ReopenSurvey,
     StoreData,
 )
@@ -51,16 +54,17 @@ from gpr20_survey.recording.survey_topics import (
     SurveyTopics,
 )
 from gpr20_survey.results.reopened_survey import reopened_fields
+from gpr20_survey.results.survey_summary import summary_fields
 from gpr20_survey.trace import trace_message
+from gpr20_survey.trace.trace_block import block_fields
 from gpr20_vna_processing.faults import DISK_SLOW
-from gpr20_vna_processing.high.archive_services import ArchiveServices
 from gpr20_vna_processing.high.end_messages import end_messages, end_status
 from gpr20_vna_processing.high.topic_recorder import TopicRecorder, wait_for_nodes
 from gpr20_vna_processing.low.bag_processes import BagProcesses
 from gpr20_vna_processing.mid.data_processing import DataProcessing
-from gpr20_vna_processing.mid.processing_parameters import ProcessingParameters
-from gpr20_vna_processing.mid.processing_records import BYTES_PER_MB, Storage
-from gpr20_vna_processing.mid.survey_archive import SurveyArchive
+from gpr20_vna_processing.mid.processing_parameters import BYTES_PER_MB, ProcessingParameters
+from gpr20_vna_processing.mid.processing_records import Storage
+from gpr20_vna_processing.mid.stored_surveys import StoredSurveys
 
 NODE = "vna_processing"
 MAX_REPAIRS_SHOWN = 10
@@ -69,56 +73,54 @@ BAGS_LIMIT_S = 8.0
 
 
 class ProcessingNode:
-    """Turns requests into calls of DataProcessing and its answers into messages."""
+    """Turns requests into calls of DataProcessing and StoredSurveys, and answers into messages."""
 
     def __init__(self, parameters: ProcessingParameters, sensors: Sensors) -> None:
         """Connect everything; nothing is recorded before `open_survey`."""
         self._data = parameters.data_folder()
         self._folder = DataFolder(parameters.data_folder_use(), Clock())
-        self._limits = parameters.limits()
+        self._reserve_bytes = parameters.disk_reserve_bytes
         self._trace = rospy.Publisher(TRACE_TOPIC, Trace, queue_size=100)
         self._metadata = rospy.Publisher(METADATA_TOPIC, String, queue_size=1, latch=True)
         self._log = rospy.Publisher(LOG_TOPIC, String, queue_size=100)
-        self._bags = BagProcesses(free_bytes, self._limits.disk_reserve_bytes)
-        signer = parameters.signer()
-        self._key_warning = key_warning(signer)
+        self._bags = BagProcesses(free_bytes, self._reserve_bytes)
+        self._key_warning = key_warning(parameters.signer())
         self._processing = DataProcessing(
             Storage(
-                data=self._data,
+                parameters,
                 check_data=self._folder.check,
                 topics=SurveyTopics(
                     Trace._full_text,
-                    rospy.resolve_name(TRACE_TOPIC),
-                    rospy.resolve_name(METADATA_TOPIC),
-                    rospy.resolve_name(LOG_TOPIC),
-                    rospy.resolve_name(REPLAY_TOPIC),
+                    *map(
+                        rospy.resolve_name, (TRACE_TOPIC, METADATA_TOPIC, LOG_TOPIC, REPLAY_TOPIC)
+                    ),
                 ),
                 free_bytes=free_bytes,
                 now_ns=time.time_ns,
                 clock=Clock(),
                 revision=software_revision(__version__, Path(__file__).resolve().parent),
-                readers=parameters.readable_by,
-                signer=signer,
                 end_status=end_status,
+                bags=self._bags,
                 on_opened=lambda text: _publish(self._metadata, String(text)),
                 on_stored=lambda one: _publish(self._trace, preserialized(Trace, one.data)),
                 on_logged=lambda one: _publish(self._log, preserialized(String, one.data)),
-                bags=self._bags,
-            ),
-            self._limits,
+            )
         )
         self._processing.start()
         rospy.on_shutdown(self._shut_down)
         topics = (*parameters.all_topics, *sensors.topics)
         self._recorder = TopicRecorder(topics, self._processing.record, time.time_ns)
+        self._surveys = StoredSurveys(self._data)
         self._services = [
             advertise("open_survey", OpenSurvey, self._open_survey),
             advertise("reopen_survey", ReopenSurvey, self._reopen_survey),
             advertise("add_fact", AddFact, self._add_fact),
             advertise("store_data", StoreData, self._store_data),
             advertise("close_survey", CloseSurvey, self._close_survey),
+            advertise("list_surveys", ListSurveys, self._list_surveys),
+            advertise("read_survey", ReadSurvey, self._read_survey),
+            advertise("read_traces", ReadTraces, self._read_traces),
         ]
-        self._archive = ArchiveServices(SurveyArchive(self._data))
         self._diagnostics = Diagnostics("storage", self._health)
         self._description = publish_description(NODE, NO_HARDWARE, parameters)
 
@@ -161,7 +163,7 @@ class ProcessingNode:
 
     def _wait_for_publishers(self) -> None:
         warning = "recording begins without a publisher of %s"
-        wait_for_nodes(lambda: self._recorder.unconnected(), warning)
+        wait_for_nodes(self._recorder.unconnected, warning)
 
     def _unheard(self) -> List[str]:
         topic = self._trace.resolved_name
@@ -211,6 +213,40 @@ class ProcessingNode:
             stored_traces=closed.stored_traces,
         )
 
+    def _list_surveys(self, request: Any) -> Any:
+        surveys, more = self._surveys.list(request.before, request.max_surveys)
+        return success(
+            ListSurveys,
+            Message("{count} surveys", count=len(surveys)),
+            surveys=[SurveySummary(**summary_fields(one)) for one in surveys],
+            more=more,
+        )
+
+    def _read_survey(self, request: Any) -> Any:
+        survey = self._surveys.survey(request.survey)
+        return success(
+            ReadSurvey,
+            Message("{count} traces stored", count=len(survey.stored_indices)),
+            survey_id=survey.survey_id,
+            metadata_json=json.dumps(survey.description),
+            stored_indices=survey.stored_indices,
+        )
+
+    def _read_traces(self, request: Any) -> Any:
+        block, unreadable = self._surveys.traces(request.survey, request.indices)
+        message = Message(
+            "{count} traces, {unreadable} files cannot be read",
+            count=len(block.indices),
+            unreadable=len(unreadable),
+        )
+        return success(
+            ReadTraces,
+            message,
+            **block_fields(block),
+            unreadable=[f"{index}: {reason}" for index, reason in unreadable.items()],
+            unreadable_json=[reason.to_json() for reason in unreadable.values()],
+        )
+
     def _shut_down(self) -> None:
         try:
             self._processing.shut_down()
@@ -225,7 +261,8 @@ class ProcessingNode:
             # Without a size: it would be that of another disk.
             return ERROR, problem, {"open survey": state.survey_id, "folder": state.folder}
         try:
-            free_mb = self._free_mb()
+            # The data folder may not be there before the first survey.
+            free_mb = free_bytes(existing_folder(self._data)) / BYTES_PER_MB
         except OSError as error:
             message = Message(
                 "the free space on the disk of {path} is unknown: {reason}",
@@ -245,7 +282,7 @@ class ProcessingNode:
         }
         if state.failing and state.last_error is not None:
             return ERROR, state.last_error, values
-        if free_mb * BYTES_PER_MB < self._limits.disk_reserve_bytes:
+        if free_mb * BYTES_PER_MB < self._reserve_bytes:
             message = Message(
                 "only {free_mb:.0f} MB are free on the disk; make space", free_mb=free_mb
             )
@@ -253,16 +290,12 @@ class ProcessingNode:
         if state.queues.dropped or state.unrecorded:
             message = Message("messages of other topics were dropped; the disk is too slow")
             return WARN, message.with_fault(DISK_SLOW).as_warning(), values
-        warning = state.unsigned or self._key_warning or state.bag_problem
+        warning = state.unsigned or self._key_warning or self._bags.problem()
         if warning is not None:
             return WARN, warning, values
         if not state.survey_id:
             return OK, Message("no survey is open"), values
         return OK, Message("{count} traces stored", count=state.stored_traces), values
-
-    def _free_mb(self) -> float:
-        # The data folder may not be there before the first survey.
-        return free_bytes(existing_folder(self._data)) / BYTES_PER_MB
 
 
 def _publish(publisher: rospy.Publisher, message: Any) -> None:

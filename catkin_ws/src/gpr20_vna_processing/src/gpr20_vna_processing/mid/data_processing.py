@@ -17,11 +17,10 @@ from gpr20_survey.trace import utc_time
 from gpr20_survey.trace.trace import Trace
 from gpr20_vna_processing.mid.current_survey import CurrentSurvey
 from gpr20_vna_processing.mid.facts import requested_fact
-from gpr20_vna_processing.mid.latched_topics import LatchedTopics
+from gpr20_vna_processing.mid.processing_parameters import BYTES_PER_MB
 from gpr20_vna_processing.mid.processing_records import (
     AddedFact,
     ClosedSurvey,
-    Limits,
     ProcessingState,
     Storage,
 )
@@ -33,26 +32,30 @@ NO_REASON = verbatim("")
 class DataProcessing:
     """Has at most one survey open and makes its traces durable.
 
-    Its methods may be called from any thread; all files are written by the StorageThread.
+    Its methods may be called from any thread; all files are written by the StorageThread, where
+    `CurrentSurvey` does what they say.
+
+    Attributes:
+        start: Starts that thread.
+        record: Records a message of another topic; drops it, counted, if the disk is too slow.
     """
 
-    def __init__(self, storage: Storage, limits: Limits) -> None:
-        """Build the storage; `start` begins its thread."""
+    def __init__(self, storage: Storage) -> None:
+        """Build the storage without starting it."""
         self._storage = storage
-        self._limits = limits
-        self._thread = StorageThread(self._write_messages, limits.queue_bytes, limits.period_s)
-        self._latched = LatchedTopics()
+        self._limits = storage.parameters
+        queue_bytes = round(self._limits.message_queue_mb * BYTES_PER_MB)
+        period_s = self._limits.commit_period_s
+        self._thread = StorageThread(self._write_messages, queue_bytes, period_s)
+        self.start = self._thread.start
+        self.record = self._thread.offer
         # Changed on the storage thread only.
-        self._survey = CurrentSurvey(storage, limits.disk_reserve_bytes, self._latched)
+        self._survey = CurrentSurvey(storage, self._thread)
         self._unrecorded = 0
         self._commit_due_s = 0.0
         self._lock = threading.Lock()  # guards the two below
         self._last_error: Optional[Message] = None
         self._failing = False
-
-    def start(self) -> None:
-        """Start the storage thread."""
-        self._thread.start()
 
     def open_survey(
         self, survey_id: str, started_us: int, metadata_json: str, needed_bytes: int
@@ -91,11 +94,6 @@ class DataProcessing:
         """See `OpenSurvey.store`."""
         return self._do(lambda: self._survey.opened().store(trace, self._storage.now_ns()))
 
-    def record(self, message: RecordedMessage) -> None:
-        """Record a message of another topic; drop it, counted, if the disk is too slow."""
-        if self._latched.note(message):
-            self._thread.offer(message)
-
     def close_survey(
         self,
         survey_id: str,
@@ -131,7 +129,6 @@ class DataProcessing:
             failing=failing,
             queues=self._thread.state(),
             unsigned=self._survey.unsigned,
-            bag_problem=self._storage.bags.problem(),
         )
 
     def _do_long(self, work: Callable[[], Any]) -> Any:
@@ -163,22 +160,18 @@ class DataProcessing:
         now_s = self._storage.clock.now_s()
         if now_s < self._commit_due_s:
             return
-        self._commit_due_s = now_s + self._limits.period_s
+        self._commit_due_s = now_s + self._limits.commit_period_s
         try:
             survey.commit()
         except Exception as error:
             self._note_unanswered(error)
 
     def _note_unanswered(self, error: Exception) -> None:
-        """Note the error of the moment, for which no caller waits."""
-        reason = _reason(error)
-        # Once: the same happens several times a second.
-        if not isinstance(error, Gpr20Error) and reason != self._last_error:
-            log_fault("storage")
+        if isinstance(error, Gpr20Error):
+            reason = error.message
+        else:
+            reason = verbatim(str(error)).with_fault(INTERNAL)
+            # Once: the same happens several times a second.
+            if reason != self._last_error:
+                log_fault("storage")
         self._note(reason, failing=True)
-
-
-def _reason(error: Exception) -> Message:
-    if isinstance(error, Gpr20Error):
-        return error.message
-    return verbatim(str(error)).with_fault(INTERNAL)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, Callable, Dict, Optional, Sequence, Tuple
+from typing import Any, Callable, Collection, Dict, Optional, Sequence, Tuple
 
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message
@@ -15,7 +15,6 @@ from gpr20_survey.plan.annotation import ANNOTATION, from_values
 from gpr20_survey.plan.markers import REQUEST_KEYS, Marker, new_marker, removed_marker
 from gpr20_survey.results.found import FORMAT, found_of
 from gpr20_survey.trace import utc_time
-from gpr20_vna_processing.mid.refusals import check_one_of
 
 OF_THE_OPEN_SURVEY = (Kind.REPORT,)
 OF_MARKERS = (Kind.MARKER, Kind.MARKER_REMOVED)
@@ -118,5 +117,22 @@ def _check_keys(kind: Kind, values: Dict[str, Any], keys: Sequence[str]) -> None
                 "{name} must be an object with the keys {keys}",
                 name=kind.value,
                 keys=", ".join(keys),
+            )
+        )
+
+
+def check_one_of(place: str, value: str, allowed: Collection[str]) -> None:
+    """Check a word of a request.
+
+    Raises:
+        SurveyRefusedError: It is not one of those allowed.
+    """
+    if value not in allowed:
+        raise SurveyRefusedError(
+            Message(
+                "{place} is {value}; it must be one of {allowed}",
+                place=place,
+                value=repr(value[:64]),
+                allowed=", ".join(allowed),
             )
         )

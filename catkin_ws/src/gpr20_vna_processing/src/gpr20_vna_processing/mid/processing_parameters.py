@@ -16,8 +16,8 @@ from gpr20_common.mid.checks import number_between, positive_number
 from gpr20_survey.files.access import Readers
 from gpr20_survey.folder.data_folder import DataFolderUse
 from gpr20_survey.folder.signature import Signer
-from gpr20_vna_processing.mid.processing_records import BYTES_PER_MB, Limits
 
+BYTES_PER_MB = 1_000_000
 AXIS_TOPICS = tuple(
     f"{axis}_axis/{name}"
     for axis in ("x", "y", "z")
@@ -121,6 +121,11 @@ class ProcessingParameters:
         """Every topic to record, once."""
         return tuple(dict.fromkeys((*self.recorded_topics, *self.extra_recorded_topics)))
 
+    @property
+    def disk_reserve_bytes(self) -> int:
+        """What must stay free on the disk [bytes]."""
+        return round(self.disk_reserve_mb * BYTES_PER_MB)
+
     def data_folder(self) -> Path:
         """Return where surveys are stored."""
         return data_folder(self.data, os.environ)
@@ -136,16 +141,6 @@ class ProcessingParameters:
             state_folder(os.environ),
             self.data_disk,
             self.readable_by.folder_mode,
-        )
-
-    def limits(self) -> Limits:
-        """Return the bounds of the storage."""
-        return Limits(
-            queue_bytes=round(self.message_queue_mb * BYTES_PER_MB),
-            disk_reserve_bytes=round(self.disk_reserve_mb * BYTES_PER_MB),
-            timeout_s=self.timeout_s,
-            long_timeout_s=self.long_timeout_s,
-            period_s=self.commit_period_s,
         )
 
 

@@ -51,7 +51,7 @@ def write_again(
     temporary = durable_files.temporary_path(path)
     recording = new_mcap(temporary, start)
     try:
-        for message in _messages(folder, stored, topics, start, repairs):
+        for message in _messages(folder, stored, topics, start["survey_id"], repairs):
             if message.datatype == trace_message.DATATYPE:
                 recording.write_alone(message)
             else:
@@ -71,15 +71,15 @@ def write_again(
 
 def _keep_damaged(folder: Path, stored: StoredTraces, repairs: List[Message]) -> None:
     """Keep an MCAP that is not whole in `damaged/`, and the bag: each may hold more."""
-    faults_found = stored.mcap.faults
+    found = stored.mcap.faults
     if not (folder / MCAP_FILE).exists():
-        faults_found = [Message("{file} is missing", file=MCAP_FILE)]
-    if not faults_found:
+        found = [Message("{file} is missing", file=MCAP_FILE)]
+    if not found:
         return
     for path in (folder / MCAP_FILE, folder / BAG_FILE):
         if path.exists():
             durable_files.keep_aside(path, folder / DAMAGED_FOLDER)
-    named = in_a_row(faults_found[:SHOWN])
+    named = in_a_row(found[:SHOWN])
     repairs.append(
         Message("rebuilt {file}: {faults}", file=MCAP_FILE, faults=named).with_fault(REPAIRED)
     )
@@ -89,20 +89,16 @@ def _messages(
     folder: Path,
     stored: StoredTraces,
     topics: SurveyTopics,
-    start: Dict[str, Any],
+    survey_id: str,
     repairs: List[Message],
 ) -> Iterator[RecordedMessage]:
     """Yield every trace that is right once, and all other messages."""
-    mcap, truth = stored.mcap, stored.truth
-    right = mcap.places(truth)
-    for place, message in enumerate(mcap.stored.messages()):
-        if message.datatype != trace_message.DATATYPE or place in right:
-            yield message
-    present = {index for index, own in mcap.prints.items() if truth.get(index) == own}
-    missing = sorted(truth.keys() - present)
+    yield from stored.mcap.messages(stored.truth)
+    prints = stored.mcap.prints
+    missing = sorted(index for index, one in stored.truth.items() if prints.get(index) != one)
     for index in missing:
         path = folder / TRACES_FOLDER / stored.files.files[index].name
-        trace = read_again(path, start["survey_id"])
+        trace = read_again(path, survey_id)
         yield topics.trace(trace, trace.timestamp_us * utc_time.NS_PER_US)
     if missing:
         repairs.append(

@@ -10,17 +10,14 @@ is compared with the files first, and removed last.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
-from typing import Any, Callable, Dict, List, Optional, Tuple
+from typing import Callable, Dict, List, NamedTuple, Optional, Tuple
 
 from gpr20_common.errors import InvalidValueError
-from gpr20_common.message import Message
+from gpr20_common.message import Message, in_a_row
 from gpr20_common.terminal_text import printable
-from gpr20_survey.errors import (
-    ManifestDamagedError,
-    storing,
-)
+from gpr20_survey.errors import ManifestDamagedError, SurveyRefusedError, storing
 from gpr20_survey.faults import REPAIRED
 from gpr20_survey.files import durable_files
 from gpr20_survey.folder import manifest, survey_folder, survey_metadata
@@ -33,28 +30,26 @@ from gpr20_survey.folder.trace_files import TraceFile
 from gpr20_survey.plan.imported import is_imported
 from gpr20_survey.plan.plan_fit import PlanFit
 from gpr20_survey.recording.mcap_writer import McapFile
-from gpr20_survey.recording.survey_topics import SurveyTopics, recorded_trace
-from gpr20_survey.results.reopened_survey import FIRST_TRACES, RECENT_TRACES
+from gpr20_survey.recording.survey_topics import SurveyTopics
 from gpr20_survey.trace import trace_json, utc_time
 from gpr20_survey.trace.trace import Trace
-from gpr20_vna_processing.mid import refusals
-from gpr20_vna_processing.mid.recording_repair import read_again, write_again
-from gpr20_vna_processing.mid.stored_traces import RecordedTraces, StoredTraces
+from gpr20_vna_processing import faults
+from gpr20_vna_processing.mid.recording_repair import write_again
+from gpr20_vna_processing.mid.stored_traces import StoredTraces
+
+SHOWN = 5  # traces that do not fit that are named
 
 
-@dataclass(frozen=True)
-class RepairedSurvey:
+class RepairedSurvey(NamedTuple):
     """A survey whose files are whole again."""
 
     log: SurveyLog
     added: Tuple[LogRecord, ...]
-    """The records of the log that the recording lacks."""
+    """The records of the log that the recording lacks: those of now, and after the last commit."""
     recording: McapFile
     """Open at its end."""
     stored: Dict[int, TraceFile]
     """The trace of each index that is stored."""
-    recent: Tuple[Trace, ...]
-    """The first traces of the plan, and those that were stored last, the latest last."""
     repairs: Tuple[Message, ...]
     """What was repaired."""
 
@@ -77,57 +72,58 @@ class Reopening:
         """
         self._folder = folder
         self._traces = folder / survey_folder.TRACES_FOLDER
-        self._damaged = folder / survey_folder.DAMAGED_FOLDER
         self._topics = topics
-        self._was_signed = signer is not None and signer.has_signed(folder)
+        # Whether a robot with a key has not signed it as it is.
+        self._is_foreign = signer is not None and not signer.has_signed(folder)
         self._is_signed = is_signed(folder)
-        self._has_key = signer is not None
         with storing(
             Message("the survey in {folder} could not be read", folder=printable(folder)), folder
         ):
             self._recovered = recover(folder, asking_manifest=True)
-            description = self._recovered.description
-            if is_imported(description):
-                raise refusals.imported(folder)
-            self._repairs = repairs_of(self._recovered)
-            self._start = self._recovered.found.records[0].values
+            if is_imported(self._recovered.description):
+                raise SurveyRefusedError(
+                    Message(
+                        "the survey in {folder} was imported; it has no plan that could be "
+                        "continued",
+                        folder=printable(folder),
+                    ),
+                    fault=faults.IMPORTED,
+                )
+            records, survey_id = self._recovered.found.records, self._recovered.survey_id
+            self._start = records[0].values
             survey_metadata.started_us(self._start)
-            survey_id = self._recovered.survey_id
+            self._repairs = repairs_of(self._recovered)
             self._sealed, self._manifest_damage = _read_manifest(folder, survey_id)
-            misfits = _misfits(description)
-            mcap = RecordedTraces(folder / survey_folder.MCAP_FILE, survey_id, misfits)
-            self._stored = StoredTraces(
-                folder, mcap, survey_id, self._sealed, self._is_binding(), misfits
-            )
-        self._refuse(description)
-        self._files = self._stored.files.files
+            is_binding = self._sealed is not None and self._sealed.is_binding(records)
+            # Whether the log is that of the manifest, if there is one.
+            self._is_covered = self._sealed is None or self._sealed.covers(records)
+            misfits = _misfits_by(self._recovered)
+            self._stored = StoredTraces(folder, survey_id, self._sealed, is_binding, misfits)
+        self._check_can_continue()
 
-    def repair(self, now_us: int) -> RepairedSurvey:
+    def repair(self, now_ns: int) -> RepairedSurvey:
         """Make all files whole and open the recording at its end.
 
         Args:
-            now_us: The present moment [us since 1970, UTC].
+            now_ns: The present moment [ns since 1970, UTC].
 
         Raises:
             StorageFailedError: The disk refused; the call may be repeated.
         """
+        stored, now = self._stored, utc_time.iso_text(now_ns // utc_time.NS_PER_US)
         with storing(
             Message("the survey in {folder} could not be repaired", folder=printable(self._folder)),
             self._folder,
         ):
-            now = utc_time.iso_text(now_us)
-            self._repairs += self._stored.changes()
+            self._repairs += stored.changes()
             self._remove_torn()
             durable_files.ensure_folder(self._traces)
             self._repair_traces()
             if self._manifest_damage is not None:
                 self._set_aside(self._folder / manifest.MANIFEST_FILE, self._manifest_damage)
             log = open_log(self._folder, self._with_unproven(), now)
-            log.add(log.next(Kind.RESUME, {"stored_traces": len(self._stored.truth)}, now))
-            recent = self._recent()
-            recording = write_again(
-                self._folder, self._stored, self._topics, self._start, self._repairs
-            )
+            log.add(log.next(Kind.RESUME, {"stored_traces": len(stored.truth)}, now))
+            recording = write_again(self._folder, stored, self._topics, self._start, self._repairs)
             try:
                 # Last: until now it shows which files were changed before.
                 durable_files.remove_file(self._folder / SIGNATURE_FILE)
@@ -135,19 +131,8 @@ class Reopening:
             except OSError:
                 recording.abandon()
                 raise
-        return RepairedSurvey(
-            log,
-            self._not_recorded(log),
-            recording,
-            self._files,
-            recent,
-            tuple(self._repairs),
-        )
-
-    def _not_recorded(self, log: SurveyLog) -> Tuple[LogRecord, ...]:
-        """Return those added now, and those that came after the last commit or the end."""
-        recorded = self._stored.mcap.log
-        return tuple(one for one in log.records if one.sha256 not in recorded)
+        added = tuple(one for one in log.records if one.sha256 not in stored.mcap.log)
+        return RepairedSurvey(log, added, recording, stored.files.files, tuple(self._repairs))
 
     def _with_unproven(self) -> RecoveredSurvey:
         """Name what the recording, the manifest and its signature will vouch for from now on.
@@ -161,41 +146,53 @@ class Reopening:
             }
             for name in self._stored.contradicted
         }
-        if self._has_key and not self._was_signed and self._should_be_signed():
-            entries["signature"] = {"reason": "it was not that of this robot and this manifest"}
-        if not self._is_covered() and not self._recovered.found.lost:
-            entries["log"] = {"reason": "it did not end as the manifest said"}
-        unconfirmed = {**self._recovered.unconfirmed, **entries}
-        return replace(self._recovered, unconfirmed=unconfirmed)
-
-    def _should_be_signed(self) -> bool:
-        """Return whether a robot with a key signs such a survey: it was closed, or still is."""
         has_ended = self._recovered.description.get("ended") is not None
-        return has_ended or self._is_signed or self._sealed is not None
+        # A robot with a key signs a survey that was closed, or still is.
+        if self._is_foreign and (has_ended or self._is_signed or self._sealed is not None):
+            entries["signature"] = {"reason": "it was not that of this robot and this manifest"}
+        if not self._is_covered and not self._recovered.found.lost:
+            entries["log"] = {"reason": "it did not end as the manifest said"}
+        return replace(self._recovered, unconfirmed={**self._recovered.unconfirmed, **entries})
 
-    def _is_covered(self) -> bool:
-        """Return whether the log is that of the manifest, if there is one."""
-        return self._sealed is None or self._sealed.covers(self._recovered.found.records)
-
-    def _is_binding(self) -> bool:
-        return self._sealed is not None and self._sealed.is_binding(self._recovered.found.records)
-
-    def _refuse(self, description: Dict[str, Any]) -> None:
-        """Refuse a survey that cannot or need not continue.
-
-        Raises:
-            SurveyRefusedError: It cannot or need not.
-        """
-        stored = self._stored
+    def _check_can_continue(self) -> None:
+        stored, description = self._stored, self._recovered.description
+        folder, count = printable(self._folder), len(self._stored.truth)
         if stored.foreign and not stored.truth:
-            raise refusals.only_foreign_traces(self._folder, description["survey_id"])
-        if stored.misfits:
-            raise refusals.traces_not_planned(self._folder, stored.misfits)
+            raise SurveyRefusedError(
+                Message(
+                    "the log in {folder} is that of survey {survey}, but every readable trace "
+                    "there belongs to another; put the right files of the log, {files}, there",
+                    folder=folder,
+                    survey=self._recovered.survey_id,
+                    files=", ".join(survey_folder.LOG_FILES),
+                ),
+                fault=faults.OTHER_DESCRIPTION,
+            )
+        misfits = stored.misfits
+        if misfits:
+            raise SurveyRefusedError(
+                Message(
+                    "the survey in {folder} cannot be resumed: {misfits}; restore its log from a "
+                    "copy of the folder, or start a new survey; nothing was changed",
+                    folder=folder,
+                    misfits=in_a_row(misfits[:SHOWN]),
+                    details=f"{len(misfits)} differences",
+                ),
+                fault=faults.TRACES_NOT_PLANNED,
+            )
         planned = description.get("planned_traces", description.get("stored_traces"))
-        finished = description.get("outcome") == "finished" and len(stored.truth) == planned
-        is_whole = self._recovered.found.is_whole and self._is_covered()
+        finished = description.get("outcome") == "finished" and count == planned
+        is_whole = self._recovered.found.is_whole and self._is_covered
         if finished and is_whole and stored.intact():
-            raise refusals.survey_complete(self._folder, len(stored.truth))
+            raise SurveyRefusedError(
+                Message(
+                    "the survey in {folder} is finished and complete with {stored} traces; "
+                    "nothing is left to measure, start a new survey",
+                    folder=folder,
+                    stored=count,
+                ),
+                fault=faults.COMPLETE,
+            )
 
     def _remove_torn(self) -> None:
         folders = [one for one in (self._folder, self._traces) if one.is_dir()]
@@ -208,19 +205,20 @@ class Reopening:
     def _repair_traces(self) -> None:
         for path, reason in self._stored.files.damaged:
             self._set_aside(path, reason)
-        lost = self._stored.truth.keys() - self._files.keys()
-        if not lost:
-            return
-        mcap = self._stored.mcap
-        right = mcap.places(self._stored.truth)
-        for place, message in enumerate(mcap.stored.messages()):
-            if place in right:
-                trace = recorded_trace(message)
-                if trace is not None and trace.index in lost:
-                    self._restore(trace)
+        lost = self._stored.lost()
+        for trace in self._stored.mcap.traces(lost) if lost else ():
+            content = trace_json.encode(trace)
+            file = TraceFile.of(trace, content)
+            durable_files.write_new_file(self._traces / file.name, content)
+            self._stored.files.files[trace.index] = file
+            self._repairs.append(
+                Message("wrote {file} again from the recordings", file=file.name).with_fault(
+                    REPAIRED
+                )
+            )
 
     def _set_aside(self, path: Path, reason: Message) -> None:
-        target = durable_files.move_aside(path, self._damaged)
+        target = durable_files.move_aside(path, self._folder / survey_folder.DAMAGED_FOLDER)
         self._repairs.append(
             Message(
                 "moved {file} to {folder}/: {reason}",
@@ -230,27 +228,10 @@ class Reopening:
             ).with_fault(REPAIRED)
         )
 
-    def _restore(self, trace: Trace) -> None:
-        content = trace_json.encode(trace)
-        file = TraceFile.of(trace, content)
-        durable_files.write_new_file(self._traces / file.name, content)
-        self._files[trace.index] = file
-        self._repairs.append(
-            Message("wrote {file} again from the recordings", file=file.name).with_fault(REPAIRED)
-        )
 
-    def _recent(self) -> Tuple[Trace, ...]:
-        # By their places in the plan: the clock may have been set back.
-        ordered = sorted(self._files)
-        newest = ordered[-RECENT_TRACES:]
-        first = [one for one in ordered if one < FIRST_TRACES and one not in newest]
-        paths = [self._traces / self._files[index].name for index in [*first, *newest]]
-        return tuple(read_again(path, self._recovered.survey_id) for path in paths)
-
-
-def _misfits(description: Dict[str, Any]) -> Callable[[Trace], List[Message]]:
+def _misfits_by(recovered: RecoveredSurvey) -> Callable[[Trace], List[Message]]:
     try:
-        return PlanFit(description).misfits
+        return PlanFit(recovered.description).misfits
     except InvalidValueError:
         return lambda _trace: []  # surveys of other clients need not have a plan
 

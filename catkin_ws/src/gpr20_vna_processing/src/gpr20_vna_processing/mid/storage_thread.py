@@ -6,8 +6,8 @@ import threading
 from collections import deque
 from concurrent.futures import Future
 from concurrent.futures import TimeoutError as FutureTimeoutError
-from dataclasses import dataclass
-from typing import Any, Callable, Deque, List, NamedTuple, Optional, Sequence, Tuple, TypeVar
+from dataclasses import replace
+from typing import Any, Callable, Deque, Dict, List, NamedTuple, Optional, Sequence, Tuple, TypeVar
 
 from gpr20_common.message import Message
 from gpr20_survey.errors import StorageFailedError
@@ -19,10 +19,11 @@ Result = TypeVar("Result")
 MESSAGE_BYTES = 1000
 # How often messages are written in a period.
 WRITES_IN_PERIOD = 8
+# Limit of one message that is kept for later recordings; a status has a thousandth of it.
+LARGEST_LATCHED_BYTES = 1 << 20
 
 
-@dataclass(frozen=True)
-class QueueState:
+class QueueState(NamedTuple):
     """How much waits for the disk, and how much did not fit."""
 
     jobs: int
@@ -49,7 +50,7 @@ class StorageThread:
     A job is never dropped: its caller waits until it is done, so that no more wait than there are
     callers. Messages are dropped, and counted, when their queue is full. They wait for the next
     job, for more of them, or for a part of the period: writing each by itself would wake the
-    thread a hundred times a second.
+    thread a hundred times a second. While nothing is recorded they do not wait at all.
     """
 
     def __init__(
@@ -70,11 +71,13 @@ class StorageThread:
         self._write_messages = write_messages
         self._most_bytes = most_bytes
         self._period_s = period_s
-        self._changed = threading.Condition()
+        self._changed = threading.Condition()  # guards all below
         self._jobs: Deque[_Job] = deque()
         self._messages: List[RecordedMessage] = []
         self._message_bytes = 0
         self._dropped = 0
+        self._recording = False
+        self._latched: Dict[str, RecordedMessage] = {}  # the last one of each topic
         self._stopping = False
         self._thread = threading.Thread(target=self._run, name="storage", daemon=True)
 
@@ -106,10 +109,25 @@ class StorageThread:
         with self._changed:
             return QueueState(len(self._jobs), len(self._messages), self._dropped)
 
+    def begin_recording(self, time_ns: int) -> List[RecordedMessage]:
+        """Queue messages from now on; return the last ones of latched topics, as of now [ns]."""
+        with self._changed:
+            self._recording = True
+            return [replace(one, time_ns=time_ns) for one in self._latched.values()]
+
+    def end_recording(self) -> None:
+        """Queue no more messages."""
+        with self._changed:
+            self._recording = False
+
     def offer(self, message: RecordedMessage) -> None:
         """Queue a message, never waiting; it is dropped if there are too many."""
         size = message.size_bytes + MESSAGE_BYTES
         with self._changed:
+            if message.latching and message.size_bytes <= LARGEST_LATCHED_BYTES:
+                self._latched[message.topic] = message
+            if not self._recording:
+                return
             if self._stopping or self._message_bytes + size > self._most_bytes:
                 self._dropped += 1
                 return

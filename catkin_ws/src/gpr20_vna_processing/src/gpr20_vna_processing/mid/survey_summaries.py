@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
+import os
+import re
 from pathlib import Path
 from typing import Any, Dict, List, Mapping, NamedTuple, Optional, Sequence
 
 import numpy as np
 
+from gpr20_common.message import Message
+from gpr20_common.os_reason import os_reason
+from gpr20_common.terminal_text import printable
 from gpr20_survey.errors import ProcessingError
 from gpr20_survey.folder import survey_folder, survey_metadata
 from gpr20_survey.folder.log_content import UNCONFIRMED
@@ -17,11 +22,11 @@ from gpr20_survey.plan.coverage import reported_verdict
 from gpr20_survey.plan.imported import import_sentence, is_imported, measured_area
 from gpr20_survey.plan.refines import refines_of
 from gpr20_survey.results.survey_summary import NO_THUMBNAIL, SurveySummary, Thumbnail
-from gpr20_vna_processing.mid.stored_files import trace_names
 
 MOST_CELLS = 24
 MOST_PLANNED = 1 << 24
 LARGEST_MM = 1e6
+TRACE_FILE = re.compile(r"([0-9]{6})_X[-0-9.]+_Y[-0-9.]+_Z[-+0-9.]+\.json")
 
 
 class _Plan(NamedTuple):
@@ -77,6 +82,29 @@ def summary_of(folder: Path) -> SurveySummary:
         thumbnail=thumbnail_of(area, stored),
         fault_code=_text(values.get(survey_metadata.FAULT_CODE)),
     )
+
+
+def trace_names(folder: Path) -> Dict[int, str]:
+    """Return the name of the JSON file of each stored trace by its index, ascending.
+
+    Raises:
+        ProcessingError: The survey's folder cannot be read.
+    """
+    found: Dict[int, str] = {}
+    try:
+        for entry in os.scandir(str(folder / survey_folder.TRACES_FOLDER)):
+            match = TRACE_FILE.fullmatch(entry.name)
+            if match and entry.is_file(follow_symlinks=False):
+                found[int(match.group(1))] = entry.name
+    except OSError as error:
+        raise ProcessingError(
+            Message(
+                "the traces in {folder} cannot be read: {reason}",
+                folder=printable(folder),
+                reason=os_reason(error),
+            )
+        ) from error
+    return dict(sorted(found.items()))
 
 
 def thumbnail_of(area: Any, stored: Sequence[int]) -> Thumbnail:

@@ -20,9 +20,9 @@ from gpr20_survey.errors import StorageFailedError
 from gpr20_survey.files.access import Readers
 from gpr20_survey.files.durable_files import is_temporary
 from gpr20_survey.folder.annotating import add_to_survey
-from gpr20_vna_processing.mid.processing_records import Limits
+from gpr20_vna_processing.mid.processing_parameters import ProcessingParameters
 
-LIMITS = Limits(timeout_s=60.0, period_s=0.05, disk_reserve_bytes=0)
+LIMITS = ProcessingParameters(timeout_s=60.0, commit_period_s=0.05, disk_reserve_mb=0.0)
 
 
 @pytest.fixture

@@ -36,10 +36,11 @@ from gpr20_survey.plan.markers import Marker
 from gpr20_survey.recording.mcap_reader import StoredMcap
 from gpr20_survey.recording.survey_topics import recorded_trace
 from gpr20_vna_processing.mid.facts import KINDS
-from gpr20_vna_processing.mid.processing_records import AddedFact, Limits
+from gpr20_vna_processing.mid.processing_parameters import ProcessingParameters
+from gpr20_vna_processing.mid.processing_records import AddedFact
 
 # Nothing is written between requests, so that each example can be repeated.
-LIMITS = Limits(timeout_s=20.0, period_s=1000.0)
+LIMITS = ProcessingParameters(timeout_s=20.0, commit_period_s=1000.0)
 TRACES = {
     survey: [planned_trace(index, survey) for index in range(len(POINTS))]
     for survey in (SURVEY, OTHER_SURVEY)

@@ -26,9 +26,9 @@ from trace_examples import SURVEY
 from gpr20_analysis.read.verification import verify_survey
 from gpr20_analysis.read.verification_result import COMPLETE
 from gpr20_survey.errors import StorageFailedError
-from gpr20_survey.files import file_sums
 from gpr20_survey.folder import log_reading
 from gpr20_survey.folder.annotating import add_to_survey
+from gpr20_vna_processing.mid import new_survey
 
 STORED = 6
 DATA_END = struct.pack("<BQ", 0x0F, 4)
@@ -186,15 +186,16 @@ def test_a_survey_of_whose_log_the_second_file_was_not_made_goes_on(copies):
 
 
 def test_a_log_that_the_disk_does_not_show_is_not_called_another_survey(tmp_path, monkeypatch):
-    Kit(tmp_path).open(metadata_json=METADATA)
+    folder = Kit(tmp_path / "first").open(metadata_json=METADATA)
+    shutil.copytree(str(folder), str(tmp_path / "second" / folder.name))
 
     def refuse(_path):
         raise OSError(errno.EIO, "Input/output error")
 
-    for module in (log_reading, file_sums):
+    for module in (log_reading, new_survey):
         monkeypatch.setattr(module, "open_regular", refuse)
     with pytest.raises(StorageFailedError):
-        Kit(tmp_path).open(metadata_json=METADATA)
+        Kit(tmp_path / "second").open(metadata_json=METADATA)
 
 
 def test_a_folder_that_holds_anything_else_is_not_emptied_by_an_opening(copies):

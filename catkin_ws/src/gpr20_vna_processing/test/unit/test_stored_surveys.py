@@ -27,8 +27,8 @@ from gpr20_survey.plan.survey_parameters import RobotTravel, SurveyParameters, T
 from gpr20_survey.plan.survey_plan import survey_points
 from gpr20_survey.results.survey_summary import NO_THUMBNAIL, summary_fields
 from gpr20_vna_processing import faults
-from gpr20_vna_processing.mid import survey_archive
-from gpr20_vna_processing.mid.survey_archive import SurveyArchive
+from gpr20_vna_processing.mid import stored_surveys
+from gpr20_vna_processing.mid.stored_surveys import StoredSurveys
 from gpr20_vna_processing.mid.survey_summaries import MOST_CELLS, summary_of, thumbnail_of
 
 PLAN = {"x_points": 3, "y_points": 3, "polarizations_deg": [0.0, 90.0]}
@@ -43,7 +43,7 @@ def data(tmp_path):
 
 @pytest.fixture
 def archive(data):
-    return SurveyArchive(data)
+    return StoredSurveys(data)
 
 
 def fill(kit, indices=(0, 1, 2, 3, 4)):
@@ -120,7 +120,7 @@ def test_the_list_has_pages_the_newest_first(kit, archive):
 
 
 def test_a_folder_that_cannot_be_read_is_listed_with_its_problem(tmp_path, archive):
-    assert SurveyArchive(tmp_path / "later").list("", 10) == ([], False)
+    assert StoredSurveys(tmp_path / "later").list("", 10) == ([], False)
     (tmp_path / NAME).mkdir()
     (tmp_path / NAME / "survey.json").write_text("{")
     (tmp_path / "notes").mkdir()
@@ -145,7 +145,7 @@ def test_links_out_of_the_data_folder_are_not_followed(kit, archive, tmp_path, n
 @settings(max_examples=draws(12))
 @given(st.text(max_size=80) | st.sampled_from(["../x", "/etc", f"{NAME}/..", SURVEY]))
 def test_only_ids_and_folder_names_are_looked_up(tmp_path_factory, text):
-    archive = SurveyArchive(tmp_path_factory.getbasetemp())
+    archive = StoredSurveys(tmp_path_factory.getbasetemp())
     for action in (lambda: archive.traces(text, [0]), lambda: archive.survey(text)):
         with pytest.raises(ProcessingError):
             action()
@@ -235,7 +235,7 @@ def test_a_summary_is_made_again_only_after_a_change(kit, archive, monkeypatch):
     folder, made = fill(kit), []
     kit.processing.close_survey(SURVEY, "stopped")
     counted = lambda one: made.append(one) or summary_of(one)  # noqa: E731
-    monkeypatch.setattr(survey_archive, "summary_of", counted)
+    monkeypatch.setattr(stored_surveys, "summary_of", counted)
     # Just changed: another change might not show.
     assert only(archive) == only(archive) and len(made) == 2
     for path in (*folder.iterdir(), folder):
