@@ -23,7 +23,7 @@ from gpr20_survey.recording.bag import make_bag
 from gpr20_survey.recording.mcap_reader import StoredMcap
 from gpr20_survey.recording.mcap_writer import new_mcap
 from gpr20_survey.recording.recording import RecordedMessage
-from gpr20_survey.recording.survey_topics import SurveyTopics, recorded_trace
+from gpr20_survey.recording.survey_topics import SurveyTopics, recorded_log, recorded_trace
 from gpr20_survey.trace import trace_message, utc_time
 from gpr20_survey.trace.trace import Trace
 from gpr20_vna_processing.mid.data_processing import DataProcessing
@@ -169,18 +169,20 @@ class Kit:
                 clock=Clock(),
                 revision="1.2.3",
                 end_status=end_status,
-                on_opened=self.opened.append,
-                on_stored=self._note_stored,
-                on_logged=self.logged.append,
+                publish=self._note,
                 bags=bags,
             )
         )
         self.processing.start()
 
-    def _note_stored(self, message: RecordedMessage) -> None:
+    def _note(self, message: RecordedMessage) -> None:
         trace = recorded_trace(message)
-        assert trace is not None
-        self.stored.append(trace)
+        if trace is not None:
+            self.stored.append(trace)
+        elif recorded_log(message) is not None:
+            self.logged.append(message)
+        else:
+            self.opened.append(message.data[4:].decode())
 
     def open(self, survey_id: str = SURVEY, **changes: Any) -> Path:
         """Open a survey."""

@@ -46,6 +46,7 @@ from gpr20_survey.files.file_system import existing_folder
 from gpr20_survey.folder.data_folder import DataFolder
 from gpr20_survey.folder.signature import key_warning
 from gpr20_survey.plan.sensors import SENSORS, Sensors
+from gpr20_survey.recording.recording import RecordedMessage
 from gpr20_survey.recording.replay_message import REPLAY_TOPIC
 from gpr20_survey.recording.survey_topics import (
     LOG_TOPIC,
@@ -81,8 +82,9 @@ class ProcessingNode:
         self._folder = DataFolder(parameters.data_folder_use(), Clock())
         self._reserve_bytes = parameters.disk_reserve_bytes
         self._trace = rospy.Publisher(TRACE_TOPIC, Trace, queue_size=100)
-        self._metadata = rospy.Publisher(METADATA_TOPIC, String, queue_size=1, latch=True)
-        self._log = rospy.Publisher(LOG_TOPIC, String, queue_size=100)
+        metadata = rospy.Publisher(METADATA_TOPIC, String, queue_size=1, latch=True)
+        log = rospy.Publisher(LOG_TOPIC, String, queue_size=100)
+        self._publishers = {one.resolved_name: one for one in (self._trace, metadata, log)}
         self._bags = BagProcesses(free_bytes, self._reserve_bytes)
         self._key_warning = key_warning(parameters.signer())
         self._processing = DataProcessing(
@@ -91,9 +93,8 @@ class ProcessingNode:
                 check_data=self._folder.check,
                 topics=SurveyTopics(
                     Trace._full_text,
-                    *map(
-                        rospy.resolve_name, (TRACE_TOPIC, METADATA_TOPIC, LOG_TOPIC, REPLAY_TOPIC)
-                    ),
+                    *self._publishers,
+                    rospy.resolve_name(REPLAY_TOPIC),
                 ),
                 free_bytes=free_bytes,
                 now_ns=time.time_ns,
@@ -101,9 +102,7 @@ class ProcessingNode:
                 revision=software_revision(__version__, Path(__file__).resolve().parent),
                 end_status=end_status,
                 bags=self._bags,
-                on_opened=lambda text: _publish(self._metadata, String(text)),
-                on_stored=lambda one: _publish(self._trace, preserialized(Trace, one.data)),
-                on_logged=lambda one: _publish(self._log, preserialized(String, one.data)),
+                publish=self._publish,
             )
         )
         self._processing.start()
@@ -163,7 +162,7 @@ class ProcessingNode:
 
     def _wait_for_publishers(self) -> None:
         warning = "recording begins without a publisher of %s"
-        wait_for_nodes(self._recorder.unconnected, warning)
+        wait_for_nodes(lambda: self._recorder.unconnected(), warning)
 
     def _unheard(self) -> List[str]:
         topic = self._trace.resolved_name
@@ -297,13 +296,14 @@ class ProcessingNode:
             return OK, Message("no survey is open"), values
         return OK, Message("{count} traces stored", count=state.stored_traces), values
 
-
-def _publish(publisher: rospy.Publisher, message: Any) -> None:
-    try:
-        publisher.publish(message)
-    except rospy.ROSException as error:
-        # ROS is shutting down; what was stored is durable, as the answer states.
-        rospy.logwarn("%s: stored but not published: %s", publisher.name, error)
+    def _publish(self, message: RecordedMessage) -> None:
+        publisher = self._publishers[message.topic]
+        try:
+            kind = Trace if message.datatype == trace_message.DATATYPE else String
+            publisher.publish(preserialized(kind, message.data))
+        except rospy.ROSException as error:
+            # ROS is shutting down; what was stored is durable, as the answer states.
+            rospy.logwarn("%s: stored but not published: %s", publisher.name, error)
 
 
 def main() -> None:

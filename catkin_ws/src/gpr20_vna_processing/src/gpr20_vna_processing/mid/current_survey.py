@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from contextlib import ExitStack
 from pathlib import Path
-from typing import Callable, Collection, Dict, Optional, Sequence, Tuple
+from typing import Collection, Dict, Optional, Sequence, Tuple
 
 from gpr20_common.message import Message
 from gpr20_common.terminal_text import printable
@@ -127,8 +127,7 @@ class CurrentSurvey:
                 recording = storage.open_recording(path, description)
             log = SurveyLog(folder, [plan], whole=False)
             survey = OpenSurvey(folder, log, recording, storage)
-            # The log last: a folder with one is whole.
-            self._take(survey, log.records, now_ns, log.write)
+            self._take(survey, log.records, now_ns)
             self._lock = lock.pop_all()
         return folder
 
@@ -161,8 +160,6 @@ class CurrentSurvey:
             failure = Message("the folder {path} could not be locked", path=printable(folder))
             with storing(failure, folder):
                 lock.enter_context(locked(folder))
-            # Again, because the process that held the lock may have closed the survey meanwhile.
-            folder, _ = find_survey(self._storage.data, name)
             repaired = Reopening(folder, self._storage.topics, self._signer).repair(now_ns)
             survey = OpenSurvey(
                 folder, repaired.log, repaired.recording, self._storage, repaired.stored
@@ -187,43 +184,20 @@ class CurrentSurvey:
                 again[trace.index] = trace
         survey.newest = max(newest, *again, -1)
         for index in sorted(again):
-            self._storage.on_stored(self._storage.topics.trace(again[index], now_ns))
+            self._storage.publish(self._storage.topics.trace(again[index], now_ns))
         return reopened
 
-    def _take(
-        self,
-        survey: OpenSurvey,
-        added: Sequence[LogRecord],
-        now_ns: int,
-        write_log: Callable[[], None] = lambda: None,
-    ) -> None:
-        """Begin to record a survey whose files are whole but for what comes now.
-
-        Args:
-            survey: The survey.
-            added: The records of its log that its recording does not hold yet.
-            now_ns: The present moment [ns since 1970, UTC].
-            write_log: Writes the log of a new survey.
-        """
-        text = survey_metadata.encode(survey.description).decode("ascii")
-        path = survey.folder / survey_folder.LOG_FILE
-        topics = self._storage.topics
+    def _take(self, survey: OpenSurvey, added: Sequence[LogRecord], now_ns: int) -> None:
+        """Begin to record a survey; `added` are the records of its log that are not recorded."""
         # From now on messages queue up behind this job; those before are in the snapshot.
         latched = self._thread.begin_recording(now_ns)
         try:
-            replay = topics.replay(survey.description, survey.folder, now_ns)
-            log = [topics.log(record, now_ns) for record in added]
-            survey.record([replay, topics.metadata(text, now_ns), *log, *latched])
-            survey.commit()
-            survey.write_description()
-            with storing(Message("{path} could not be written", path=printable(path)), path):
-                write_log()
+            survey.begin(added, latched, now_ns)
         except Exception:
             self._thread.end_recording()
             survey.abandon()
             raise
         self.current = survey
-        self._storage.on_opened(text)
 
     def _check_can_open(self, needed_bytes: int, now_ns: int) -> None:
         if self.current is not None:
@@ -272,8 +246,6 @@ class CurrentSurvey:
             end = [self._storage.end_status(status)]
         survey.record(end)
         survey.close(outcome, reason, now_ns)
-        # If a shut down leaves no time for it, the survey is not sealed, but can be resumed.
-        survey.write_manifest()
         self.unsigned = try_to_sign(self._signer, survey.folder)
         self._release(survey)
         self._storage.bags.make(survey.folder)

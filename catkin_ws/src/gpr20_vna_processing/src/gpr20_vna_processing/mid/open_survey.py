@@ -64,15 +64,7 @@ class OpenSurvey:
         storage: Storage,
         stored: Mapping[int, TraceFile] = NOTHING_STORED,
     ) -> None:
-        """Take over the files.
-
-        Args:
-            folder: The survey's folder.
-            log: The survey's log, with its plan.
-            recording: Where every message goes; it holds the traces that are stored.
-            storage: Makes messages, and publishes them when they are durable.
-            stored: The traces that are stored already, by their index.
-        """
+        """Take over the log, the recording, and the traces that both forms hold, by their index."""
         self.folder = folder
         self._log = log
         self.opened_as = log.description
@@ -97,6 +89,34 @@ class OpenSurvey:
     def pending(self) -> Tuple[Trace, ...]:
         """The traces that have a durable file, but were not published."""
         return tuple(one.trace for one in self._pending.values())
+
+    def begin(
+        self, added: Sequence[LogRecord], latched: Sequence[RecordedMessage], now_ns: int
+    ) -> None:
+        """Record how the survey begins, and write survey.json and the log of a new one.
+
+        Args:
+            added: The records of its log that its recording does not hold yet.
+            latched: The last messages of latched topics.
+            now_ns: The present moment [ns since 1970, UTC].
+
+        Raises:
+            StorageFailedError: The disk refused; the survey must be abandoned.
+        """
+        topics = self._storage.topics
+        text = survey_metadata.encode(self.description).decode("ascii")
+        metadata = topics.metadata(text, now_ns)
+        log = [topics.log(record, now_ns) for record in added]
+        self.record(
+            [topics.replay(self.description, self.folder, now_ns), metadata, *log, *latched]
+        )
+        self.commit()
+        with self._writing(survey_folder.SURVEY_FILE):
+            self._log.write_description()
+        with self._writing(survey_folder.LOG_FILE):
+            if not self._log.is_whole:
+                self._log.write()  # last: a folder with a log is whole
+        self._storage.publish(metadata)
 
     def is_called(self, name: str) -> bool:
         """Return whether a name is its id, or that of its folder."""
@@ -127,7 +147,7 @@ class OpenSurvey:
                 where it failed.
         """
         self._check_not_closing()
-        self._check_survey(trace)
+        self._check_names(trace)
         self._keep_collected_small()
         path = self._traces / survey_folder.trace_file_name(trace)
         if trace.index in self._files:
@@ -147,18 +167,14 @@ class OpenSurvey:
         return path
 
     def resume(self, time_ns: int) -> None:
-        """Note that the survey is resumed, and record what the recording still lacks.
-
-        A call that is repeated adds nothing: the client asks again before its first trace.
-
-        Args:
-            time_ns: When that is [ns since 1970, UTC].
+        """Note that the survey is resumed [ns since 1970, UTC], and commit; may be repeated.
 
         Raises:
             SurveyRefusedError: The survey is being closed.
             StorageFailedError: The disk refused.
         """
         self._check_not_closing()
+        # The client may ask again before its first trace.
         values, last = {"stored_traces": self.stored_traces}, self._log.last
         if last.kind != Kind.RESUME.value or last.values != values:
             self._add_fact(Kind.RESUME, values, time_ns)
@@ -216,20 +232,16 @@ class OpenSurvey:
             if not pending.is_recorded:
                 self._recording.write_alone(pending.message)
                 pending.is_recorded = True
-        with self._storing():
+        with self._writing(self._recording.name):
             self._recording.commit()
         while self._pending:
             stored = self._pending.pop(next(iter(self._pending)))
             self.stored_traces += 1
             self.newest = max(self.newest, stored.trace.index)
-            self._storage.on_stored(stored.message)
+            self._storage.publish(stored.message)
 
     def change(self, change: Change, time_ns: int) -> Dict[str, Any]:
-        """Add what a change says, if anything; return what the log says when it is durable.
-
-        Args:
-            change: What is to be added.
-            time_ns: When that is [ns since 1970, UTC].
+        """Add what a change says now [ns], if anything; return what the log says when durable.
 
         Raises:
             SurveyRefusedError: The survey is being closed, or the change is not possible.
@@ -242,7 +254,7 @@ class OpenSurvey:
         return self.description
 
     def close(self, outcome: str, reason: Message, time_ns: int) -> None:
-        """Finish the recording and write how the survey ended; may be repeated.
+        """Finish the recording, write how the survey ended, and its manifest; may be repeated.
 
         Args:
             outcome: One word.
@@ -256,13 +268,16 @@ class OpenSurvey:
         if not self._is_finished:
             self.commit()
             self._ending = True
-            with self._storing():
+            with self._writing(self._recording.name):
                 self._recording.finish()
             self._is_finished = True
         if path.name not in self._sums and path.exists():
             # Read once: the log and the manifest name its checksum.
             with storing(Message("{path} could not be read", path=printable(path)), path):
                 self._sums[path.name] = sum_of_file(path)
+        # Those of the traces are known since they were written, which makes this fast.
+        traces = {manifest.trace_name(one.name): one.sum for one in self._files.values()}
+        sums = {**traces, **self._sums}
         ending = {
             "ended": utc_time.iso_text(time_ns // utc_time.NS_PER_US),
             "outcome": outcome,
@@ -270,28 +285,11 @@ class OpenSurvey:
             survey_metadata.REASON_MESSAGE: survey_metadata.message_record(reason),
             survey_metadata.FAULT_CODE: reason.fault_code,
             "stored_traces": self.stored_traces,
-            manifest.CONTENT: manifest.content_sum(self._content_sums()),
+            manifest.CONTENT: manifest.content_sum(sums),
         }
         self._add(Kind.END, ending, time_ns)
-        self.write_description()
-
-    def write_description(self) -> None:
-        """Write survey.json, for readers at a glance.
-
-        Raises:
-            StorageFailedError: The disk refused.
-        """
         with self._writing(survey_folder.SURVEY_FILE):
             self._log.write_description()
-
-    def write_manifest(self) -> None:
-        """Write the checksums of all files of a survey that was closed; may be repeated.
-
-        Those of the traces are known since they were written, which makes this fast.
-
-        Raises:
-            StorageFailedError: The disk refused; the survey is still open.
-        """
         with self._writing(manifest.MANIFEST_FILE):
             # Last: a survey with a manifest has ended, and nothing changes any more.
             manifest.write_manifest(
@@ -299,8 +297,8 @@ class OpenSurvey:
                 self.survey_id,
                 self._log.last,
                 self._storage.revision,
-                self.description["ended"],
-                self._content_sums(),
+                ending["ended"],
+                sums,
             )
 
     def in_place(self) -> bool:
@@ -316,7 +314,7 @@ class OpenSurvey:
         """Add a fact to the log, to the recording and to what is published."""
         message = self._storage.topics.log(self._add(kind, values, time_ns), time_ns)
         self.record([message])
-        self._storage.on_logged(message)
+        self._storage.publish(message)
 
     def _add(self, kind: Kind, values: Dict[str, Any], time_ns: int) -> LogRecord:
         record = self._log.next(kind, values, utc_time.iso_text(time_ns // utc_time.NS_PER_US))
@@ -326,15 +324,6 @@ class OpenSurvey:
     def _writing(self, name: str) -> ContextManager[None]:
         path = self.folder / name
         return storing(Message("{path} could not be written", path=printable(path)), path)
-
-    def _storing(self) -> ContextManager[None]:
-        path = self.folder / self._recording.name
-        failure = Message("the recording could not be written", details=printable(path))
-        return storing(failure, path)
-
-    def _content_sums(self) -> Dict[str, FileSum]:
-        traces = {manifest.trace_name(one.name): one.sum for one in self._files.values()}
-        return {**traces, **self._sums}
 
     def _keep_collected_small(self) -> None:
         # Memory must not grow while the disk is full.
@@ -348,7 +337,7 @@ class OpenSurvey:
                 fault=faults.CLOSING,
             )
 
-    def _check_survey(self, trace: Trace) -> None:
+    def _check_names(self, trace: Trace) -> None:
         if trace.survey_id != self.survey_id:
             raise TraceRefusedError(
                 Message(

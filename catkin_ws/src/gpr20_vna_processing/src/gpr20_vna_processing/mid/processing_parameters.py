@@ -96,11 +96,12 @@ class ProcessingParameters:
         number_between("disk_reserve_mb", self.disk_reserve_mb, 0.0, 1e9, "MB")
         for name in ("message_queue_mb", "timeout_s", "long_timeout_s", "commit_period_s"):
             positive_number(name, getattr(self, name))
-        if self.signing_key and not _is_absolute(self.signing_key):
+        key = self.signing_key
+        if key and not (key.isprintable() and key.startswith(("/", "~/"))):
             raise InvalidValueError(
                 Message(
                     "signing_key is {path}; it must be an absolute path",
-                    path=repr(self.signing_key),
+                    path=repr(key),
                 ),
                 fault=CONFIGURATION,
             )
@@ -142,10 +143,3 @@ class ProcessingParameters:
             self.data_disk,
             self.readable_by.folder_mode,
         )
-
-
-def _is_absolute(path: str) -> bool:
-    try:
-        return path.isprintable() and Path(path).expanduser().is_absolute()
-    except RuntimeError:
-        return False  # ~USER without such a user

@@ -58,12 +58,9 @@ class Storage:
     end_status: Callable[[SurveyEnd], RecordedMessage]
     """Makes the last message of `control_status` in the recording."""
     bags: BagProcesses
-    on_opened: Callable[[str], None] = lambda _text: None
-    """Called with the JSON description of a survey that was opened; must not raise."""
-    on_stored: Callable[[RecordedMessage], None] = lambda _message: None
-    """Likewise with the message of every trace when it is durable."""
-    on_logged: Callable[[RecordedMessage], None] = lambda _message: None
-    """Likewise with that of every record of a survey's log."""
+    publish: Callable[[RecordedMessage], None] = lambda _message: None
+    """Called with the message of every survey that was opened, and of every trace and record of the
+    log when it is durable; must not raise."""
     open_recording: Callable[[Path, Dict[str, Any]], McapFile] = new_mcap
     """Begins the recording of a new survey, by its description."""
 
