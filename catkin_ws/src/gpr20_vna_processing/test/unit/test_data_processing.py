@@ -105,7 +105,7 @@ def test_a_trace_that_contradicts_a_stored_one_is_refused(kit, memory):
     for other, *expected in [
         (make_trace(0, x_coord_mm=50.0000001), "trace.already_stored", 0),
         (make_trace(0, sample_id="another"), "trace.already_stored", "another"),
-        (make_trace(1, sample_id="sample-0"), "trace.not_allowed", "sample-0", 0, 1),
+        (make_trace(1, sample_id="sample-0"), "trace.already_stored", "sample-0", 0, 1),
         (make_trace(1, survey_id=OTHER_SURVEY), "survey.other_open", SURVEY, OTHER_SURVEY),
     ]:
         with raises_fault(*expected, error=TraceRefusedError):

@@ -188,7 +188,7 @@ def test_an_imported_survey_is_not_continued_and_nothing_in_it_changes(kit, tmp_
     folder = imported_folder(tmp_path)
     (folder / "traces" / "000003_X0060.00_Y0000.00_Z+000.00.json").unlink()
     before = {one: one.read_bytes() for one in folder.rglob("*") if one.is_file()}
-    with raises_fault(faults.IMPORTED):
+    with raises_fault(faults.COMPLETE):
         kit.processing.reopen_survey(folder.name)
     assert {one: one.read_bytes() for one in folder.rglob("*") if one.is_file()} == before
 

@@ -6,7 +6,7 @@ from contextlib import ExitStack
 from pathlib import Path
 from typing import Collection, Dict, Optional, Sequence, Tuple
 
-from gpr20_common.message import Message
+from gpr20_common.message import Message, verbatim
 from gpr20_common.terminal_text import printable
 from gpr20_survey.errors import StorageFailedError, SurveyRefusedError, storing
 from gpr20_survey.files import durable_files
@@ -26,7 +26,7 @@ from gpr20_survey.trace.trace import Trace
 from gpr20_vna_processing import faults
 from gpr20_vna_processing.low.bag_processes import bag_bytes
 from gpr20_vna_processing.mid import new_survey
-from gpr20_vna_processing.mid.facts import OF_MARKERS, OF_THE_OPEN_SURVEY, check_one_of
+from gpr20_vna_processing.mid.facts import OF_MARKERS, check_one_of
 from gpr20_vna_processing.mid.open_survey import OpenSurvey
 from gpr20_vna_processing.mid.processing_records import (
     OUTCOMES,
@@ -39,6 +39,7 @@ from gpr20_vna_processing.mid.reopening import Reopening
 from gpr20_vna_processing.mid.storage_thread import StorageThread
 
 MAX_REASON_BYTES = 16384
+NO_REASON = verbatim("")
 
 
 class CurrentSurvey:
@@ -98,9 +99,6 @@ class CurrentSurvey:
             metadata_json: JSON object that goes into the plan.
             needed_bytes: Estimate of the whole survey [bytes].
 
-        Returns:
-            The survey's folder.
-
         Raises:
             SurveyRefusedError: A value is not allowed, the clock is wrong, the disk is too small
                 or another survey is open.
@@ -132,10 +130,7 @@ class CurrentSurvey:
         return folder
 
     def reopen(self, name: str) -> ReopenedSurvey:
-        """Open a survey that was cut off or ended early, repaired; may be repeated.
-
-        Args:
-            name: The survey's id, or the name of its folder.
+        """Open a survey that was cut off or ended early, by id or folder, repaired.
 
         Raises:
             SurveyRefusedError: There is no such survey, it is complete, another is open, or
@@ -171,7 +166,7 @@ class CurrentSurvey:
     def _reopened(
         self, survey: OpenSurvey, now_ns: int, repairs: Tuple[Message, ...]
     ) -> ReopenedSurvey:
-        """Publish the traces that are stored, but may not have been published; return the answer.
+        """Publish the traces that are stored, but may not have been published.
 
         Subscribers recognize a repeated trace by its `sample_id`.
         """
@@ -213,8 +208,16 @@ class CurrentSurvey:
         new_survey.check_clock(now_ns)
         new_survey.check_space(self._storage, needed_bytes)
 
+    def store(self, trace: Trace) -> Path:
+        """See `OpenSurvey.store`."""
+        return self.opened().store(trace, self._storage.now_ns())
+
     def close(
-        self, survey_id: str, outcome: str, reason: Message, end: Sequence[RecordedMessage] = ()
+        self,
+        survey_id: str,
+        outcome: str,
+        reason: Message = NO_REASON,
+        end: Sequence[RecordedMessage] = (),
     ) -> ClosedSurvey:
         """Finish the recording and write how the survey ended; may be repeated.
 
@@ -268,7 +271,7 @@ class CurrentSurvey:
 
         Args:
             survey: The survey's id, or the name of its folder; empty: the open one.
-            kind: What the fact is.
+            kind: What the fact is; a report is of the open survey only.
             change: What is to be added.
 
         Raises:
@@ -277,7 +280,7 @@ class CurrentSurvey:
             StorageFailedError: The disk refused; the call may be repeated.
         """
         now_ns, current = self._storage.now_ns(), self.current
-        of_open = not survey or kind in OF_THE_OPEN_SURVEY
+        of_open = not survey or kind is Kind.REPORT
         if of_open or (current is not None and current.is_called(survey)):
             opened = self.opened(survey)
             folder, stored = opened.folder, opened.stored_traces
@@ -303,9 +306,6 @@ class CurrentSurvey:
         """Close the open survey as interrupted, unless it is this one; it stays resumable.
 
         If another survey is to be opened, the client that filled this one left it open.
-
-        Args:
-            survey: Id of the survey that is to be opened, or the name of its folder.
 
         Returns:
             The name of the folder of the survey that was closed; empty if none was.

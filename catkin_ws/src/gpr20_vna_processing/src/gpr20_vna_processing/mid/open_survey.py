@@ -3,18 +3,12 @@
 from __future__ import annotations
 
 import json
-from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, ContextManager, Dict, List, Mapping, Sequence, Tuple
+from typing import Any, ContextManager, Dict, List, Mapping, Sequence, Set, Tuple
 
 from gpr20_common.message import Message
 from gpr20_common.terminal_text import printable
-from gpr20_survey.errors import (
-    StorageFailedError,
-    SurveyRefusedError,
-    TraceRefusedError,
-    storing,
-)
+from gpr20_survey.errors import SurveyRefusedError, TraceRefusedError, storing
 from gpr20_survey.files import durable_files
 from gpr20_survey.files.file_sums import FileSum, sum_of_file
 from gpr20_survey.folder import manifest, survey_folder, survey_metadata
@@ -29,20 +23,10 @@ from gpr20_survey.trace import trace_json, utc_time
 from gpr20_survey.trace.trace import Trace
 from gpr20_vna_processing import faults
 from gpr20_vna_processing.mid.processing_records import Storage
-from gpr20_vna_processing.mid.recording_repair import read_again
+from gpr20_vna_processing.mid.stored_traces import read_again
 
 COMMIT_BYTES = 1 << 20
 NOTHING_STORED: Mapping[int, TraceFile] = {}
-
-
-@dataclass
-class _PendingTrace:
-    """A trace whose JSON file is durable, but not yet the recording that holds it."""
-
-    trace: Trace
-    message: RecordedMessage
-    is_recorded: bool = False
-    """Whether the recording was given the message."""
 
 
 class OpenSurvey:
@@ -73,7 +57,9 @@ class OpenSurvey:
         self.newest = -1
         self._files = dict(stored)  # of each index whose JSON file is durable
         self._indices = {file.sample_id: index for index, file in stored.items()}
-        self._pending: Dict[int, _PendingTrace] = {}  # of them those not durable in the recording
+        # Of them those that are not durable in the recording, and those that it was given.
+        self._pending: Dict[int, Tuple[Trace, RecordedMessage]] = {}
+        self._collected: Set[int] = set()
         self._ending = False  # the recording accepts nothing more
         self._is_finished = False
         self._sums: Dict[str, FileSum] = {}  # of the finished recording
@@ -88,7 +74,7 @@ class OpenSurvey:
     @property
     def pending(self) -> Tuple[Trace, ...]:
         """The traces that have a durable file, but were not published."""
-        return tuple(one.trace for one in self._pending.values())
+        return tuple(trace for trace, _message in self._pending.values())
 
     def begin(
         self, added: Sequence[LogRecord], latched: Sequence[RecordedMessage], now_ns: int
@@ -130,7 +116,7 @@ class OpenSurvey:
     def store(self, trace: Trace, time_ns: int) -> Path:
         """Store a trace in its JSON file and the recording; return when both are durable.
 
-        A trace that is stored already with the same content is not written again.
+        One that is stored already with the same content is stored once.
 
         Args:
             trace: The trace.
@@ -143,24 +129,21 @@ class OpenSurvey:
             TraceRefusedError: The trace is of another survey, or its index or sample_id
                 are taken by another.
             SurveyRefusedError: The survey is being closed.
-            StorageFailedError: The disk refused; storing the same trace again continues
-                where it failed.
+            StorageFailedError: The disk refused; the same trace again continues where it failed.
         """
         self._check_not_closing()
-        self._check_names(trace)
+        self._check_own(trace)
         self._keep_collected_small()
         path = self._traces / survey_folder.trace_file_name(trace)
-        if trace.index in self._files:
-            self._check_same(trace, path)
-        else:
-            content = trace_json.encode(trace)
-            failure = Message(
-                "{trace} could not be written", trace=trace.label, details=printable(path)
-            )
-            with storing(failure, path):
-                durable_files.write_new_file(path, content)
-            message = self._storage.topics.trace(trace, time_ns)
-            self._pending[trace.index] = _PendingTrace(trace, message)
+        content = trace_json.encode(trace)
+        failure = Message(
+            "{trace} could not be written", trace=trace.label, details=printable(path)
+        )
+        with storing(failure, path):
+            # Again, if it is stored already: somebody may have removed the file.
+            durable_files.write_new_file(path, content)
+        if trace.index not in self._files:
+            self._pending[trace.index] = trace, self._storage.topics.trace(trace, time_ns)
             self._files[trace.index] = TraceFile.of(trace, content)
             self._indices[trace.sample_id] = trace.index
         self.commit()
@@ -228,17 +211,19 @@ class OpenSurvey:
         Raises:
             StorageFailedError: The disk refused.
         """
-        for pending in self._pending.values():
-            if not pending.is_recorded:
-                self._recording.write_alone(pending.message)
-                pending.is_recorded = True
+        for index, (_trace, message) in self._pending.items():
+            if index not in self._collected:
+                self._recording.write_alone(message)
+                self._collected.add(index)
         with self._writing(self._recording.name):
             self._recording.commit()
+        self._collected.clear()
         while self._pending:
-            stored = self._pending.pop(next(iter(self._pending)))
+            index = next(iter(self._pending))
+            _trace, message = self._pending.pop(index)
             self.stored_traces += 1
-            self.newest = max(self.newest, stored.trace.index)
-            self._storage.publish(stored.message)
+            self.newest = max(self.newest, index)
+            self._storage.publish(message)
 
     def change(self, change: Change, time_ns: int) -> Dict[str, Any]:
         """Add what a change says now [ns], if anything; return what the log says when durable.
@@ -337,7 +322,7 @@ class OpenSurvey:
                 fault=faults.CLOSING,
             )
 
-    def _check_names(self, trace: Trace) -> None:
+    def _check_own(self, trace: Trace) -> None:
         if trace.survey_id != self.survey_id:
             raise TraceRefusedError(
                 Message(
@@ -349,40 +334,18 @@ class OpenSurvey:
                 fault=faults.OTHER_OPEN,
             )
         index = self._indices.get(trace.sample_id, trace.index)
-        if index != trace.index:
-            raise TraceRefusedError(
-                Message(
-                    "sample {sample} is already stored with index {stored_index}, not {index}; "
-                    "every sample needs its own id",
-                    sample=trace.sample_id,
-                    stored_index=index,
-                    index=trace.index,
-                )
-            )
-
-    @property
-    def _traces(self) -> Path:
-        return self.folder / survey_folder.TRACES_FOLDER
-
-    def _check_same(self, trace: Trace, path: Path) -> None:
-        if not self.has_stored(trace):
+        if index != trace.index or (index in self._files and not self.has_stored(trace)):
             raise TraceRefusedError(
                 Message(
                     "{trace} is refused: index {index} is already stored with other content in "
                     "{folder}, which was left alone",
                     trace=trace.label,
-                    index=trace.index,
+                    index=index,
                     folder=printable(self._traces),
                 ),
                 fault=faults.TRACE_ALREADY_STORED,
             )
-        if not path.is_file():
-            raise StorageFailedError(
-                Message(
-                    "{trace} is already stored, but its file is missing from {folder}; stop and "
-                    "resume the survey: its recordings hold the trace",
-                    trace=trace.label,
-                    folder=printable(self._traces),
-                ),
-                fault=faults.FILE_MISSING,
-            )
+
+    @property
+    def _traces(self) -> Path:
+        return self.folder / survey_folder.TRACES_FOLDER

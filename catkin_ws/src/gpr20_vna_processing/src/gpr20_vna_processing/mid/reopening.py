@@ -12,7 +12,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
-from typing import Callable, Dict, List, NamedTuple, Optional, Tuple
+from typing import Callable, Dict, Iterator, List, NamedTuple, Optional, Tuple
 
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message, in_a_row
@@ -29,15 +29,16 @@ from gpr20_survey.folder.survey_log import SurveyLog
 from gpr20_survey.folder.trace_files import TraceFile
 from gpr20_survey.plan.imported import is_imported
 from gpr20_survey.plan.plan_fit import PlanFit
-from gpr20_survey.recording.mcap_writer import McapFile
+from gpr20_survey.recording.mcap_writer import McapFile, new_mcap
+from gpr20_survey.recording.recording import RecordedMessage
 from gpr20_survey.recording.survey_topics import SurveyTopics
-from gpr20_survey.trace import trace_json, utc_time
+from gpr20_survey.trace import trace_json, trace_message, utc_time
 from gpr20_survey.trace.trace import Trace
 from gpr20_vna_processing import faults
-from gpr20_vna_processing.mid.recording_repair import write_again
-from gpr20_vna_processing.mid.stored_traces import StoredTraces
+from gpr20_vna_processing.mid.stored_traces import StoredTraces, read_again
 
-SHOWN = 5  # traces that do not fit that are named
+SHOWN = 5  # traces that do not fit, or faults of the recording, that are named
+COPIED_BYTES = 4 << 20  # what a copy holds in memory between two commits
 
 
 class RepairedSurvey(NamedTuple):
@@ -59,11 +60,6 @@ class Reopening:
 
     def __init__(self, folder: Path, topics: SurveyTopics, signer: Optional[Signer] = None) -> None:
         """Read every file of the survey; nothing is changed.
-
-        Args:
-            folder: The survey's folder.
-            topics: Makes messages of traces.
-            signer: Signed the survey, if its surveys are signed.
 
         Raises:
             SurveyRefusedError: The survey ended complete, or cannot continue: its traces do not
@@ -87,7 +83,7 @@ class Reopening:
                         "continued",
                         folder=printable(folder),
                     ),
-                    fault=faults.IMPORTED,
+                    fault=faults.COMPLETE,
                 )
             records, survey_id = self._recovered.found.records, self._recovered.survey_id
             self._start = records[0].values
@@ -102,10 +98,7 @@ class Reopening:
         self._check_can_continue()
 
     def repair(self, now_ns: int) -> RepairedSurvey:
-        """Make all files whole and open the recording at its end.
-
-        Args:
-            now_ns: The present moment [ns since 1970, UTC].
+        """Make all files whole and open the recording at its end; it is `now_ns` since 1970, UTC.
 
         Raises:
             StorageFailedError: The disk refused; the call may be repeated.
@@ -123,7 +116,7 @@ class Reopening:
                 self._set_aside(self._folder / manifest.MANIFEST_FILE, self._manifest_damage)
             log = open_log(self._folder, self._with_unproven(), now)
             log.add(log.next(Kind.RESUME, {"stored_traces": len(stored.truth)}, now))
-            recording = write_again(self._folder, stored, self._topics, self._start, self._repairs)
+            recording = self._write_recording()
             try:
                 # Last: until now it shows which files were changed before.
                 durable_files.remove_file(self._folder / SIGNATURE_FILE)
@@ -157,18 +150,9 @@ class Reopening:
     def _check_can_continue(self) -> None:
         stored, description = self._stored, self._recovered.description
         folder, count = printable(self._folder), len(self._stored.truth)
-        if stored.foreign and not stored.truth:
-            raise SurveyRefusedError(
-                Message(
-                    "the log in {folder} is that of survey {survey}, but every readable trace "
-                    "there belongs to another; put the right files of the log, {files}, there",
-                    folder=folder,
-                    survey=self._recovered.survey_id,
-                    files=", ".join(survey_folder.LOG_FILES),
-                ),
-                fault=faults.OTHER_DESCRIPTION,
-            )
         misfits = stored.misfits
+        if stored.foreign and not stored.truth:
+            misfits = [Message("every readable trace belongs to another survey")]
         if misfits:
             raise SurveyRefusedError(
                 Message(
@@ -211,22 +195,74 @@ class Reopening:
             file = TraceFile.of(trace, content)
             durable_files.write_new_file(self._traces / file.name, content)
             self._stored.files.files[trace.index] = file
+            written = Message("wrote {file} again from the recordings", file=file.name)
+            self._repairs.append(written.with_fault(REPAIRED))
+
+    def _write_recording(self) -> McapFile:
+        """Replace the MCAP; return it, open at its end.
+
+        It is copied, because the index of the whole file is in the memory of its writer. The bag is
+        removed: it is made of the recording when the survey ends again.
+        """
+        path = self._folder / survey_folder.MCAP_FILE
+        temporary = durable_files.temporary_path(path)
+        recording = new_mcap(temporary, self._start)
+        try:
+            for message in self._messages():
+                if message.datatype == trace_message.DATATYPE:
+                    recording.write_alone(message)
+                else:
+                    recording.write(message)
+                if recording.collected_bytes > COPIED_BYTES:
+                    recording.commit()
+            recording.commit()
+            self._keep_damaged(path)
+            durable_files.remove_file(self._folder / survey_folder.BAG_FILE)
+            recording.take_place_of(path)
+        except BaseException:
+            recording.abandon()
+            temporary.unlink(missing_ok=True)  # it may have filled the disk
+            raise
+        return recording
+
+    def _messages(self) -> Iterator[RecordedMessage]:
+        """Yield every trace that is right once, and all other messages."""
+        truth, prints = self._stored.truth, self._stored.mcap.prints
+        yield from self._stored.mcap.messages(truth)
+        missing = sorted(index for index, one in truth.items() if prints.get(index) != one)
+        for index in missing:
+            path = self._traces / self._stored.files.files[index].name
+            trace = read_again(path, self._recovered.survey_id)
+            yield self._topics.trace(trace, trace.timestamp_us * utc_time.NS_PER_US)
+        if missing:
+            file = survey_folder.MCAP_FILE
             self._repairs.append(
-                Message("wrote {file} again from the recordings", file=file.name).with_fault(
-                    REPAIRED
-                )
+                Message("added {count} traces to {file}", count=len(missing), file=file)
             )
+
+    def _keep_damaged(self, mcap: Path) -> None:
+        """Keep an MCAP that is not whole in `damaged/`, and the bag: each may hold more."""
+        found = self._stored.mcap.faults
+        if not mcap.exists():
+            found = [Message("{file} is missing", file=mcap.name)]
+        for path in (mcap, self._folder / survey_folder.BAG_FILE):
+            if found and path.exists():
+                durable_files.keep_aside(path, self._folder / survey_folder.DAMAGED_FOLDER)
+        if found:
+            rebuilt = Message(
+                "rebuilt {file}: {faults}", file=mcap.name, faults=in_a_row(found[:SHOWN])
+            )
+            self._repairs.append(rebuilt.with_fault(REPAIRED))
 
     def _set_aside(self, path: Path, reason: Message) -> None:
         target = durable_files.move_aside(path, self._folder / survey_folder.DAMAGED_FOLDER)
-        self._repairs.append(
-            Message(
-                "moved {file} to {folder}/: {reason}",
-                file=printable(path.name),
-                folder=target.parent.name,
-                reason=reason,
-            ).with_fault(REPAIRED)
+        moved = Message(
+            "moved {file} to {folder}/: {reason}",
+            file=printable(path.name),
+            folder=target.parent.name,
+            reason=reason,
         )
+        self._repairs.append(moved.with_fault(REPAIRED))
 
 
 def _misfits_by(recovered: RecoveredSurvey) -> Callable[[Trace], List[Message]]:

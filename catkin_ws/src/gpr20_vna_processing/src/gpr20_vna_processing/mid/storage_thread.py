@@ -35,14 +35,6 @@ class _Job(NamedTuple):
     work: Callable[[], Any]
     outcome: Future
 
-    def execute(self) -> None:
-        if not self.outcome.set_running_or_notify_cancel():
-            return
-        try:
-            self.outcome.set_result(self.work())
-        except BaseException as error:  # passed to the caller that waits
-            self.outcome.set_exception(error)
-
 
 class StorageThread:
     """Does jobs one after the other and writes messages between them.
@@ -62,9 +54,8 @@ class StorageThread:
         """Build the thread without starting it.
 
         Args:
-            write_messages: Writes what was offered since its last call; called on the
-                thread several times in a period, with nothing if there was nothing. It must
-                not raise.
+            write_messages: Writes what was offered since its last call; called several times in a
+                period, with nothing if there was nothing. It must not raise.
             most_bytes: How large the messages that wait may be together [bytes].
             period_s: Messages are written within this time [s].
         """
@@ -175,10 +166,13 @@ class StorageThread:
         while True:
             messages, job, ended = self._next()
             self._write_messages(messages)
-            if job is not None:
-                job.execute()
-            elif ended:
+            if job is None and ended:
                 return
+            if job is not None and job.outcome.set_running_or_notify_cancel():
+                try:
+                    job.outcome.set_result(job.work())
+                except BaseException as error:  # passed to the caller that waits
+                    job.outcome.set_exception(error)
 
     def _next(self) -> Tuple[List[RecordedMessage], Optional[_Job], bool]:
         with self._changed:

@@ -6,7 +6,8 @@ from pathlib import Path
 from typing import Callable, Collection, Dict, Iterator, List, Mapping, Optional, Set
 
 from gpr20_common.message import Message
-from gpr20_survey.errors import ForeignTraceError, TraceRefusedError
+from gpr20_common.terminal_text import printable
+from gpr20_survey.errors import ForeignTraceError, StorageFailedError, TraceRefusedError
 from gpr20_survey.files import file_sums
 from gpr20_survey.folder import manifest, survey_folder, trace_files
 from gpr20_survey.folder.manifest import Manifest
@@ -16,6 +17,7 @@ from gpr20_survey.recording.recording import RecordedMessage
 from gpr20_survey.recording.survey_topics import recorded_log, recorded_trace
 from gpr20_survey.trace import trace_json, trace_message
 from gpr20_survey.trace.trace import Trace
+from gpr20_vna_processing import faults
 
 
 class RecordedTraces:
@@ -29,12 +31,7 @@ class RecordedTraces:
     """
 
     def __init__(self, path: Path, survey_id: str, on_trace: Callable[[Trace], None]) -> None:
-        """Read the whole recording.
-
-        Args:
-            path: The MCAP.
-            survey_id: Whose traces there must be.
-            on_trace: Called with every whole trace.
+        """Read the whole recording; `on_trace` is called with every whole trace of the survey.
 
         Raises:
             OSError: The file cannot be read.
@@ -54,12 +51,9 @@ class RecordedTraces:
                 trace = self._trace_of(message)
             except TraceRefusedError as error:
                 self.foreign += isinstance(error, ForeignTraceError)
+                reason = error.message
                 found.append(
-                    Message(
-                        "{file} holds a damaged trace: {reason}",
-                        file=path.name,
-                        reason=error.message,
-                    )
+                    Message("{file} holds a damaged trace: {reason}", file=path.name, reason=reason)
                 )
                 continue
             if trace is not None:
@@ -69,11 +63,7 @@ class RecordedTraces:
         self.faults = [*self._stored.faults, *found]
 
     def messages(self, right: Mapping[int, bytes]) -> Iterator[RecordedMessage]:
-        """Yield all messages but the traces that are not right.
-
-        Args:
-            right: Fingerprint of each trace that is.
-        """
+        """Yield all messages but the traces that are not right, by their fingerprints."""
         places = {
             place for index, place in self._places.items() if right.get(index) == self.prints[index]
         }
@@ -236,3 +226,23 @@ class StoredTraces:
 
 def _differs(name: str) -> Message:
     return Message("{file} differs from the manifest", file=name)
+
+
+def read_again(path: Path, survey_id: str) -> Trace:
+    """Return the trace of a file that was whole before.
+
+    Raises:
+        StorageFailedError: It is not any more.
+        OSError: The file cannot be read.
+    """
+    try:
+        return trace_files.read_trace(path, survey_id)
+    except TraceRefusedError as error:
+        raise StorageFailedError(
+            Message(
+                "{path} changed while it was read: {reason}; try again",
+                path=printable(path),
+                reason=error.message,
+            ),
+            fault=faults.CHANGED,
+        ) from error
