@@ -28,7 +28,7 @@ from gpr20_survey.trace import trace_message, utc_time
 from gpr20_survey.trace.trace import Trace
 from gpr20_vna_processing.mid.data_processing import DataProcessing
 from gpr20_vna_processing.mid.processing_parameters import ProcessingParameters
-from gpr20_vna_processing.mid.processing_records import AddedFact, Storage, SurveyEnd
+from gpr20_vna_processing.mid.processing_records import ChangedSurvey, Storage, SurveyEnd
 
 OTHER_SURVEY = "7c9e6679-7425-40de-944b-e07fc1f90ae7"
 NOW_NS = 1_790_000_100_000_000_001
@@ -191,15 +191,15 @@ class Kit:
             survey_id, **{**arguments, "needed_bytes": 1000, **changes}
         )
 
-    def annotate(self, survey: str, annotation: Annotation) -> AddedFact:
+    def annotate(self, survey: str, annotation: Annotation) -> ChangedSurvey:
         """Replace the annotation of a survey."""
         return self._add_fact(survey, Kind.ANNOTATION, annotation.values())
 
-    def add_marker(self, survey: str, marker: Marker) -> AddedFact:
+    def add_marker(self, survey: str, marker: Marker) -> ChangedSurvey:
         """Add a marker to a survey."""
         return self._add_fact(survey, Kind.MARKER, marker.request())
 
-    def remove_marker(self, survey: str, marker_id: str, author: str) -> AddedFact:
+    def remove_marker(self, survey: str, marker_id: str, author: str) -> ChangedSurvey:
         """Remove a marker of a survey."""
         values = {"marker_id": marker_id, "author": author}
         return self._add_fact(survey, Kind.MARKER_REMOVED, values)
@@ -208,7 +208,7 @@ class Kit:
         """Add a report to the open survey; return how many traces are stored."""
         return self.processing.add_fact(survey, "report", report_json).stored_traces
 
-    def _add_fact(self, survey: str, kind: Kind, values: Dict[str, Any]) -> AddedFact:
+    def _add_fact(self, survey: str, kind: Kind, values: Dict[str, Any]) -> ChangedSurvey:
         return self.processing.add_fact(survey, kind.value, json.dumps(values))
 
     def finish(self, traces: Iterable[Trace], stored: Container[int]) -> None:

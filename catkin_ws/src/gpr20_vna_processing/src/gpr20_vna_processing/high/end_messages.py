@@ -21,13 +21,8 @@ LARGEST_BYTES = 16 << 20
 def end_messages(request: Any, time_ns: int) -> List[RecordedMessage]:
     """Return the last messages that a request to close a survey holds, the status last.
 
-    Args:
-        request: Of the service `close_survey`.
-        time_ns: When it came [ns since 1970, UTC].
-
-    Returns:
-        Nothing if the status is of another survey or states another outcome: then the storage
-        states the end.
+    There are none if the status is of another survey or states another outcome: then the storage
+    states the end.
     """
     status = request.status
     _sentence, states = OUTCOMES.get(request.outcome, ("", ()))

@@ -28,17 +28,8 @@ from gpr20_common.mid.hardware import NO_HARDWARE
 from gpr20_common.os_reason import os_reason
 from gpr20_common.sent_message import received_message
 from gpr20_common.terminal_text import printable
+from gpr20_msgs import srv
 from gpr20_msgs.msg import SurveySummary, Trace
-from gpr20_msgs.srv import (
-    AddFact,
-    CloseSurvey,
-    ListSurveys,
-    OpenSurvey,
-    ReadSurvey,
-    ReadTraces,
-    ReopenSurvey,
-    StoreData,
-)
 from gpr20_survey.errors import ProcessingError
 from gpr20_survey.faults import STORAGE_UNREADABLE
 from gpr20_survey.files.durable_files import free_bytes
@@ -46,14 +37,9 @@ from gpr20_survey.files.file_system import existing_folder
 from gpr20_survey.folder.data_folder import DataFolder
 from gpr20_survey.folder.signature import key_warning
 from gpr20_survey.plan.sensors import SENSORS, Sensors
+from gpr20_survey.recording import survey_topics
 from gpr20_survey.recording.recording import RecordedMessage
 from gpr20_survey.recording.replay_message import REPLAY_TOPIC
-from gpr20_survey.recording.survey_topics import (
-    LOG_TOPIC,
-    METADATA_TOPIC,
-    TRACE_TOPIC,
-    SurveyTopics,
-)
 from gpr20_survey.results.reopened_survey import reopened_fields
 from gpr20_survey.results.survey_summary import summary_fields
 from gpr20_survey.trace import trace_message
@@ -81,9 +67,9 @@ class ProcessingNode:
         self._data = parameters.data_folder()
         self._folder = DataFolder(parameters.data_folder_use(), Clock())
         self._reserve_bytes = parameters.disk_reserve_bytes
-        self._trace = rospy.Publisher(TRACE_TOPIC, Trace, queue_size=100)
-        metadata = rospy.Publisher(METADATA_TOPIC, String, queue_size=1, latch=True)
-        log = rospy.Publisher(LOG_TOPIC, String, queue_size=100)
+        self._trace = rospy.Publisher(survey_topics.TRACE_TOPIC, Trace, queue_size=100)
+        metadata = rospy.Publisher(survey_topics.METADATA_TOPIC, String, queue_size=1, latch=True)
+        log = rospy.Publisher(survey_topics.LOG_TOPIC, String, queue_size=100)
         self._publishers = {one.resolved_name: one for one in (self._trace, metadata, log)}
         self._bags = BagProcesses(free_bytes, self._reserve_bytes)
         self._key_warning = key_warning(parameters.signer())
@@ -91,9 +77,11 @@ class ProcessingNode:
             Storage(
                 parameters,
                 check_data=self._folder.check,
-                topics=SurveyTopics(
+                topics=survey_topics.SurveyTopics(
                     Trace._full_text,
-                    *self._publishers,
+                    self._trace.resolved_name,
+                    metadata.resolved_name,
+                    log.resolved_name,
                     rospy.resolve_name(REPLAY_TOPIC),
                 ),
                 free_bytes=free_bytes,
@@ -111,14 +99,14 @@ class ProcessingNode:
         self._recorder = TopicRecorder(topics, self._processing.record, time.time_ns)
         self._surveys = StoredSurveys(self._data)
         self._services = [
-            advertise("open_survey", OpenSurvey, self._open_survey),
-            advertise("reopen_survey", ReopenSurvey, self._reopen_survey),
-            advertise("add_fact", AddFact, self._add_fact),
-            advertise("store_data", StoreData, self._store_data),
-            advertise("close_survey", CloseSurvey, self._close_survey),
-            advertise("list_surveys", ListSurveys, self._list_surveys),
-            advertise("read_survey", ReadSurvey, self._read_survey),
-            advertise("read_traces", ReadTraces, self._read_traces),
+            advertise("open_survey", srv.OpenSurvey, self._open_survey),
+            advertise("reopen_survey", srv.ReopenSurvey, self._reopen_survey),
+            advertise("add_fact", srv.AddFact, self._add_fact),
+            advertise("store_data", srv.StoreData, self._store_data),
+            advertise("close_survey", srv.CloseSurvey, self._close_survey),
+            advertise("list_surveys", srv.ListSurveys, self._list_surveys),
+            advertise("read_survey", srv.ReadSurvey, self._read_survey),
+            advertise("read_traces", srv.ReadTraces, self._read_traces),
         ]
         self._diagnostics = Diagnostics("storage", self._health)
         self._description = publish_description(NODE, NO_HARDWARE, parameters)
@@ -137,7 +125,7 @@ class ProcessingNode:
             survey=request.survey_id,
             folder=printable(folder),
         )
-        return success(OpenSurvey, message, path=str(folder), interrupted=interrupted)
+        return success(srv.OpenSurvey, message, path=str(folder), interrupted=interrupted)
 
     def _reopen_survey(self, request: Any) -> Any:
         interrupted = self._interrupt_other(request.interrupt_open, request.survey)
@@ -145,18 +133,16 @@ class ProcessingNode:
         # Reopening publishes the last trace again, maybe as the first act of this process.
         wait_for_nodes(self._unheard, "a subscriber of %s is not connected")
         reopened = self._processing.reopen_survey(request.survey)
-        reopened = replace(reopened, interrupted=interrupted)
-        stored = len(reopened.stored_indices)
         recent = [deserialized(Trace, trace_message.encode(one)) for one in reopened.recent]
         message = Message(
             "survey {survey} is open again with {stored} traces stored",
             survey=reopened.survey_id,
-            stored=stored,
+            stored=len(reopened.stored_indices),
         )
         return success(
-            ReopenSurvey,
+            srv.ReopenSurvey,
             in_a_row([message, *reopened.repairs[:MAX_REPAIRS_SHOWN]]),
-            **reopened_fields(reopened),
+            **reopened_fields(replace(reopened, interrupted=interrupted)),
             recent=recent,
         )
 
@@ -175,7 +161,7 @@ class ProcessingNode:
         added = self._processing.add_fact(request.survey, request.kind, request.values_json)
         message = Message("the log of survey {survey} has the fact", survey=added.survey_id)
         return success(
-            AddFact,
+            srv.AddFact,
             message,
             path=str(added.folder),
             survey_id=added.survey_id,
@@ -188,9 +174,7 @@ class ProcessingNode:
         trace = trace_message.decode(serialized(request))
         path = self._processing.store(trace)
         return success(
-            StoreData,
-            Message("{trace} is stored", trace=trace.label),
-            path=str(path),
+            srv.StoreData, Message("{trace} is stored", trace=trace.label), path=str(path)
         )
 
     def _close_survey(self, request: Any) -> Any:
@@ -206,16 +190,13 @@ class ProcessingNode:
         if unsigned is not None:
             message = in_a_row([message, unsigned])
         return success(
-            CloseSurvey,
-            message,
-            path=str(closed.folder),
-            stored_traces=closed.stored_traces,
+            srv.CloseSurvey, message, path=str(closed.folder), stored_traces=closed.stored_traces
         )
 
     def _list_surveys(self, request: Any) -> Any:
         surveys, more = self._surveys.list(request.before, request.max_surveys)
         return success(
-            ListSurveys,
+            srv.ListSurveys,
             Message("{count} surveys", count=len(surveys)),
             surveys=[SurveySummary(**summary_fields(one)) for one in surveys],
             more=more,
@@ -224,7 +205,7 @@ class ProcessingNode:
     def _read_survey(self, request: Any) -> Any:
         survey = self._surveys.survey(request.survey)
         return success(
-            ReadSurvey,
+            srv.ReadSurvey,
             Message("{count} traces stored", count=len(survey.stored_indices)),
             survey_id=survey.survey_id,
             metadata_json=json.dumps(survey.description),
@@ -239,7 +220,7 @@ class ProcessingNode:
             unreadable=len(unreadable),
         )
         return success(
-            ReadTraces,
+            srv.ReadTraces,
             message,
             **block_fields(block),
             unreadable=[f"{index}: {reason}" for index, reason in unreadable.items()],
@@ -276,7 +257,7 @@ class ProcessingNode:
             "free disk [MB]": free_mb,
             "stores waiting": state.queues.jobs,
             "messages waiting": state.queues.messages,
-            "messages dropped": state.queues.dropped + state.unrecorded,
+            "messages dropped": state.unrecorded,
             "last error": state.last_error or "",
         }
         if state.failing and state.last_error is not None:
@@ -286,7 +267,7 @@ class ProcessingNode:
                 "only {free_mb:.0f} MB are free on the disk; make space", free_mb=free_mb
             )
             return WARN, message.with_fault(DISK_FULL).as_warning(), values
-        if state.queues.dropped or state.unrecorded:
+        if state.unrecorded:
             message = Message("messages of other topics were dropped; the disk is too slow")
             return WARN, message.with_fault(DISK_SLOW).as_warning(), values
         warning = state.unsigned or self._key_warning or self._bags.problem()

@@ -36,12 +36,7 @@ class BagProcesses:
     """
 
     def __init__(self, free_bytes: Callable[[Path], int], disk_reserve_bytes: int) -> None:
-        """Start the thread that waits for the processes.
-
-        Args:
-            free_bytes: What may still be written below a folder [bytes].
-            disk_reserve_bytes: What a bag must leave free [bytes].
-        """
+        """Begin with none; each must leave a reserve of the bytes that are free below a folder."""
         self._free_bytes = free_bytes
         self._disk_reserve_bytes = disk_reserve_bytes
         self._pool = ThreadPoolExecutor(1, "bags")

@@ -28,13 +28,7 @@ from gpr20_vna_processing.low.bag_processes import bag_bytes
 from gpr20_vna_processing.mid import new_survey
 from gpr20_vna_processing.mid.facts import OF_MARKERS, check_one_of
 from gpr20_vna_processing.mid.open_survey import OpenSurvey
-from gpr20_vna_processing.mid.processing_records import (
-    OUTCOMES,
-    AddedFact,
-    ClosedSurvey,
-    Storage,
-    SurveyEnd,
-)
+from gpr20_vna_processing.mid.processing_records import OUTCOMES, ChangedSurvey, Storage, SurveyEnd
 from gpr20_vna_processing.mid.reopening import Reopening
 from gpr20_vna_processing.mid.storage_thread import StorageThread
 
@@ -97,7 +91,7 @@ class CurrentSurvey:
             survey_id: UUID of the survey.
             started_us: When it started [us since 1970, UTC].
             metadata_json: JSON object that goes into the plan.
-            needed_bytes: Estimate of the whole survey [bytes].
+            needed_bytes: Estimate of the whole survey.
 
         Raises:
             SurveyRefusedError: A value is not allowed, the clock is wrong, the disk is too small
@@ -109,8 +103,8 @@ class CurrentSurvey:
         description = new_survey.describe(survey_id, started_us, metadata_json, storage.revision)
         if self.current is not None and self.current.opened_as == description:
             return folder  # the answer to the first call may have been lost
-        now_ns = storage.now_ns()
-        self._check_can_open(needed_bytes, now_ns)
+        now_ns = self._check_can_open()
+        new_survey.check_space(storage, needed_bytes)
         # Its time is that of the survey: an opening that is repeated makes the same record.
         plan = LogRecord.after(None, Kind.PLAN, description, description["started"])
         with ExitStack() as lock:
@@ -137,16 +131,15 @@ class CurrentSurvey:
                 another process writes it.
             StorageFailedError: The disk refused; the call may be repeated.
         """
-        now_ns = self._storage.now_ns()
         survey = self.current
         if survey is not None and not survey.in_place():
             # Its files were moved, removed or replaced: those on the disk are what counts.
             self._abandon(survey)
         elif survey is not None and survey.is_called(name):
             # The client that filled it is gone, or has not received the first answer.
-            survey.resume(now_ns)
-            return self._reopened(survey, now_ns, ())
-        self._check_can_open(0, now_ns)
+            survey.resume(self._storage.now_ns())
+            return self._reopened(survey, ())
+        now_ns = self._check_can_open()
         folder, _ = find_survey(self._storage.data, name)
         # For a copy of the recording now, and for its bag in the end.
         new_survey.check_space(self._storage, bag_bytes(folder))
@@ -161,11 +154,9 @@ class CurrentSurvey:
             )
             self._take(survey, repaired.added, now_ns)
             self._lock = lock.pop_all()
-        return self._reopened(survey, now_ns, repaired.repairs)
+        return self._reopened(survey, repaired.repairs)
 
-    def _reopened(
-        self, survey: OpenSurvey, now_ns: int, repairs: Tuple[Message, ...]
-    ) -> ReopenedSurvey:
+    def _reopened(self, survey: OpenSurvey, repairs: Tuple[Message, ...]) -> ReopenedSurvey:
         """Publish the traces that are stored, but may not have been published.
 
         Subscribers recognize a repeated trace by its `sample_id`.
@@ -179,7 +170,8 @@ class CurrentSurvey:
                 again[trace.index] = trace
         survey.newest = max(newest, *again, -1)
         for index in sorted(again):
-            self._storage.publish(self._storage.topics.trace(again[index], now_ns))
+            message = self._storage.topics.trace(again[index], self._storage.now_ns())
+            self._storage.publish(message)
         return reopened
 
     def _take(self, survey: OpenSurvey, added: Sequence[LogRecord], now_ns: int) -> None:
@@ -194,7 +186,8 @@ class CurrentSurvey:
             raise
         self.current = survey
 
-    def _check_can_open(self, needed_bytes: int, now_ns: int) -> None:
+    def _check_can_open(self) -> int:
+        """Return the present moment [ns since 1970, UTC]."""
         if self.current is not None:
             raise SurveyRefusedError(
                 Message(
@@ -205,8 +198,8 @@ class CurrentSurvey:
                 ),
                 fault=faults.OTHER_OPEN,
             )
-        new_survey.check_clock(now_ns)
-        new_survey.check_space(self._storage, needed_bytes)
+        self._storage.check_data()
+        return new_survey.checked_time(self._storage.now_ns())
 
     def store(self, trace: Trace) -> Path:
         """See `OpenSurvey.store`."""
@@ -218,14 +211,14 @@ class CurrentSurvey:
         outcome: str,
         reason: Message = NO_REASON,
         end: Sequence[RecordedMessage] = (),
-    ) -> ClosedSurvey:
+    ) -> ChangedSurvey:
         """Finish the recording and write how the survey ended; may be repeated.
 
         Args:
             survey_id: UUID of the survey.
             outcome: One of OUTCOMES.
             reason: Why it ended.
-            end: Its last messages; none: a status that states outcome and reason.
+            end: Its last messages; none: the storage states outcome and reason.
 
         Raises:
             SurveyRefusedError: A value is not allowed, or the survey is not open.
@@ -241,7 +234,7 @@ class CurrentSurvey:
                 return before  # the answer to the first call may have been lost
         survey = self.opened(survey_id)
         now_ns = self._storage.now_ns()
-        if not end:
+        if not end:  # its client is gone, or did not say it
             sentence, (state, *_) = OUTCOMES[outcome]
             message = Message("{outcome}: {reason}", outcome=sentence, reason=reason)
             simulated = survey.description.get("simulated") is True
@@ -252,9 +245,9 @@ class CurrentSurvey:
         self.unsigned = try_to_sign(self._signer, survey.folder)
         self._release(survey)
         self._storage.bags.make(survey.folder)
-        return ClosedSurvey(survey_id, survey.folder, survey.stored_traces)
+        return ChangedSurvey(survey_id, survey.folder, survey.stored_traces)
 
-    def _ended_survey(self, survey_id: str, outcome: str) -> Optional[ClosedSurvey]:
+    def _ended_survey(self, survey_id: str, outcome: str) -> Optional[ChangedSurvey]:
         try:
             folder, found = find_survey(self._storage.data, survey_id)
         except SurveyRefusedError:
@@ -264,9 +257,9 @@ class CurrentSurvey:
         closed = (folder / manifest.MANIFEST_FILE).is_file()
         if not closed or description.get("outcome") != outcome:
             return None
-        return ClosedSurvey(survey_id, folder, description.get("stored_traces", 0))
+        return ChangedSurvey(survey_id, folder, description.get("stored_traces", 0))
 
-    def add_fact(self, survey: str, kind: Kind, change: Change) -> AddedFact:
+    def add_fact(self, survey: str, kind: Kind, change: Change) -> ChangedSurvey:
         """Add a fact to the log of a survey, whether it is open or not; may be repeated.
 
         Args:
@@ -290,14 +283,10 @@ class CurrentSurvey:
             now = utc_time.iso_text(now_ns // utc_time.NS_PER_US)
             description = add_to_survey(folder, change, now)
         markers = description.get(MARKERS, []) if kind in OF_MARKERS else ()
-        return AddedFact(description["survey_id"], folder, stored, markers)
+        return ChangedSurvey(description["survey_id"], folder, stored, markers)
 
     def shut_down(self) -> None:
-        """Close the open survey, if any, as one that can be resumed.
-
-        Raises:
-            StorageFailedError: The disk refused; the survey is still open.
-        """
+        """Close the open survey, if any, as one that can be resumed."""
         if self.current is not None:
             reason = Message("the storage was shut down").with_fault(faults.SHUT_DOWN)
             self.close(self.current.survey_id, INTERRUPTED, reason)

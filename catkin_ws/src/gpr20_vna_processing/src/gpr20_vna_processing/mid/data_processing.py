@@ -15,7 +15,7 @@ from gpr20_survey.trace import utc_time
 from gpr20_vna_processing.mid.current_survey import CurrentSurvey
 from gpr20_vna_processing.mid.facts import requested_fact
 from gpr20_vna_processing.mid.processing_parameters import BYTES_PER_MB
-from gpr20_vna_processing.mid.processing_records import AddedFact, ProcessingState, Storage
+from gpr20_vna_processing.mid.processing_records import ChangedSurvey, ProcessingState, Storage
 from gpr20_vna_processing.mid.storage_thread import StorageThread
 
 
@@ -61,7 +61,7 @@ class DataProcessing:
     interrupt_other = _on_thread(CurrentSurvey.interrupt_other)
     reopen_survey = _on_thread(CurrentSurvey.reopen)
 
-    def add_fact(self, survey: str, kind: str, values_json: str) -> AddedFact:
+    def add_fact(self, survey: str, kind: str, values_json: str) -> ChangedSurvey:
         """See `requested_fact` and `CurrentSurvey.add_fact`."""
         now = utc_time.iso_text(self._storage.now_ns() // utc_time.NS_PER_US)
         wanted, change = requested_fact(kind, values_json, now)
@@ -82,14 +82,15 @@ class DataProcessing:
         """Return what the operator should know."""
         survey = self._survey.current
         last_error, failing = self._last
+        queues = self._thread.state()
         return ProcessingState(
             survey_id=survey.survey_id if survey else "",
             folder=str(survey.folder) if survey else "",
             stored_traces=survey.stored_traces if survey else 0,
-            unrecorded=self._unrecorded,
+            unrecorded=queues.dropped + self._unrecorded,
             last_error=last_error,
             failing=failing,
-            queues=self._thread.state(),
+            queues=queues,
             unsigned=self._survey.unsigned,
         )
 

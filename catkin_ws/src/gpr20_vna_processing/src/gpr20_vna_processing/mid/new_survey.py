@@ -11,7 +11,7 @@ from gpr20_common.terminal_text import printable
 from gpr20_survey.errors import SurveyRefusedError, storing
 from gpr20_survey.faults import CLOCK_WRONG
 from gpr20_survey.files import durable_files
-from gpr20_survey.files.regular_file import open_regular
+from gpr20_survey.files.regular_file import read_regular
 from gpr20_survey.folder import survey_folder, survey_metadata
 from gpr20_survey.folder.log_content import START
 from gpr20_survey.folder.log_record import LogRecord
@@ -25,13 +25,7 @@ BEGUN = (*survey_folder.LOG_FILES, survey_folder.SURVEY_FILE, survey_folder.MCAP
 
 
 def describe(survey_id: str, started_us: int, metadata_json: str, revision: str) -> Dict[str, Any]:
-    """Return the description of a survey that begins.
-
-    Args:
-        survey_id: UUID of the survey.
-        started_us: When it started [us since 1970, UTC].
-        metadata_json: JSON object.
-        revision: Version of the suite.
+    """Return the description of a survey that begins [us since 1970, UTC].
 
     Raises:
         SurveyRefusedError: The metadata are not allowed.
@@ -46,11 +40,11 @@ def describe(survey_id: str, started_us: int, metadata_json: str, revision: str)
     return survey_metadata.combine(survey_metadata.parse_metadata(metadata_json), own)
 
 
-def check_clock(now_ns: int) -> None:
-    """Refuse to record while the computer does not know the time.
+def checked_time(now_ns: int) -> int:
+    """Return the time [ns since 1970, UTC], if the computer knows it.
 
     Raises:
-        SurveyRefusedError: The time [ns since 1970, UTC] cannot be right.
+        SurveyRefusedError: It cannot be right.
     """
     now_us = now_ns // utc_time.NS_PER_US
     if not utc_time.is_plausible(now_us):
@@ -62,22 +56,19 @@ def check_clock(now_ns: int) -> None:
             ),
             fault=CLOCK_WRONG,
         )
+    return now_ns
 
 
 def check_space(storage: Storage, needed_bytes: int) -> None:
-    """Refuse a data folder that is not the right one, and a survey that does not fit on its disk.
-
-    The bags of surveys that have ended, which are being made, take space too.
+    """Refuse a survey that does not fit on the disk, beside the bags that are not made yet.
 
     Raises:
-        SurveyRefusedError: It is another folder, or the disk has too little space.
-        StorageFailedError: The data folder cannot be made, read or written to.
+        SurveyRefusedError: The disk has too little space.
+        StorageFailedError: The data folder cannot be read.
     """
-    storage.check_data()
     data, reserve_bytes = storage.data, storage.parameters.disk_reserve_bytes
-    with storing(
-        Message("the data folder {path} could not be written to", path=printable(data)), data
-    ):
+    failure = Message("the data folder {path} could not be written to", path=printable(data))
+    with storing(failure, data):
         free = storage.free_bytes(data) - storage.bags.outstanding_bytes()
     if needed_bytes + reserve_bytes > free:
         raise SurveyRefusedError(
@@ -96,10 +87,6 @@ def check_space(storage: Storage, needed_bytes: int) -> None:
 def empty_folder(folder: Path, plan: LogRecord) -> None:
     """Remove what an opening of the same survey that failed has left; make the traces' folder.
 
-    Args:
-        folder: The survey's folder, locked.
-        plan: The first record of its log.
-
     Raises:
         SurveyRefusedError: The folder holds anything else.
         OSError: The disk refused.
@@ -112,7 +99,7 @@ def empty_folder(folder: Path, plan: LogRecord) -> None:
     if (
         is_filled
         or not names <= {*BEGUN, traces.name}
-        or any(_content(path) != plan.line() for path in logs)
+        or any(read_regular(path) != plan.line() for path in logs)
     ):
         raise SurveyRefusedError(
             Message(
@@ -125,8 +112,3 @@ def empty_folder(folder: Path, plan: LogRecord) -> None:
     for name in BEGUN:
         durable_files.remove_file(folder / name)
     durable_files.ensure_folder(traces)
-
-
-def _content(path: Path) -> bytes:
-    with open(open_regular(path), "rb") as stream:
-        return stream.read(2 * survey_metadata.MAX_BYTES)

@@ -85,9 +85,6 @@ class OpenSurvey:
             added: The records of its log that its recording does not hold yet.
             latched: The last messages of latched topics.
             now_ns: The present moment [ns since 1970, UTC].
-
-        Raises:
-            StorageFailedError: The disk refused; the survey must be abandoned.
         """
         topics = self._storage.topics
         text = survey_metadata.encode(self.description).decode("ascii")
@@ -150,12 +147,7 @@ class OpenSurvey:
         return path
 
     def resume(self, time_ns: int) -> None:
-        """Note that the survey is resumed [ns since 1970, UTC], and commit; may be repeated.
-
-        Raises:
-            SurveyRefusedError: The survey is being closed.
-            StorageFailedError: The disk refused.
-        """
+        """Note that the survey is resumed [ns since 1970, UTC], and commit; may be repeated."""
         self._check_not_closing()
         # The client may ask again before its first trace.
         values, last = {"stored_traces": self.stored_traces}, self._log.last
@@ -164,11 +156,7 @@ class OpenSurvey:
         self.commit()
 
     def reopened(self, repairs: Tuple[Message, ...]) -> ReopenedSurvey:
-        """Return the answer for a survey that was opened again.
-
-        Raises:
-            StorageFailedError: A trace cannot be read any more.
-        """
+        """Return the answer for a survey that was opened again."""
         description = self.description
         report = description.get("report")
         failure = Message("the survey in {folder} could not be read", folder=printable(self.folder))
@@ -195,22 +183,14 @@ class OpenSurvey:
         return [self._traces / self._files[index].name for index in [*first, *newest]]
 
     def record(self, messages: Sequence[RecordedMessage]) -> None:
-        """Record messages of other topics.
-
-        Raises:
-            StorageFailedError: The disk refuses; the messages were not recorded.
-        """
+        """Record messages of other topics; StorageFailedError: the disk refuses them."""
         self._keep_collected_small()
         if not self._ending:
             for message in messages:
                 self._recording.write(message)
 
     def commit(self) -> None:
-        """Make everything recorded so far durable, and publish the traces among it.
-
-        Raises:
-            StorageFailedError: The disk refused.
-        """
+        """Make everything recorded so far durable, and publish the traces among it."""
         for index, (_trace, message) in self._pending.items():
             if index not in self._collected:
                 self._recording.write_alone(message)
@@ -239,12 +219,7 @@ class OpenSurvey:
         return self.description
 
     def close(self, outcome: str, reason: Message, time_ns: int) -> None:
-        """Finish the recording, write how the survey ended, and its manifest; may be repeated.
-
-        Args:
-            outcome: One word.
-            reason: Why.
-            time_ns: When [ns since 1970, UTC].
+        """Finish the recording, write how the survey ended [ns], and its manifest; may be repeated.
 
         Raises:
             StorageFailedError: The disk refused; the survey is still open.
@@ -263,7 +238,7 @@ class OpenSurvey:
         # Those of the traces are known since they were written, which makes this fast.
         traces = {manifest.trace_name(one.name): one.sum for one in self._files.values()}
         sums = {**traces, **self._sums}
-        ending = {
+        ending: Dict[str, Any] = {
             "ended": utc_time.iso_text(time_ns // utc_time.NS_PER_US),
             "outcome": outcome,
             "reason": str(reason),

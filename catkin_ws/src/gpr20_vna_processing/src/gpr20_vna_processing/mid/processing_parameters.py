@@ -18,22 +18,14 @@ from gpr20_survey.folder.data_folder import DataFolderUse
 from gpr20_survey.folder.signature import Signer
 
 BYTES_PER_MB = 1_000_000
-AXIS_TOPICS = tuple(
-    f"{axis}_axis/{name}"
-    for axis in ("x", "y", "z")
-    for name in (
-        "current_coord",
-        "axis/goal",
-        "axis/result",
-        "axis/status",
-        "axis/cancel",
-        "axis_driver/description",
-    )
+OF_AN_AXIS = (
+    *("current_coord", "axis/goal", "axis/result", "axis/status", "axis/cancel"),
+    "axis_driver/description",
 )
 # Names of ROS, relative or absolute; a private one would be below the storage's own name.
 TOPIC = re.compile(r"/?[A-Za-z]\w*(/[A-Za-z]\w*)*", re.ASCII)
 DEFAULT_TOPICS = (
-    *AXIS_TOPICS,
+    *(f"{axis}_axis/{name}" for axis in "xyz" for name in OF_AN_AXIS),
     "height_sensor/description",
     "measured_height",
     "vna_acquisition/description",
@@ -99,10 +91,7 @@ class ProcessingParameters:
         key = self.signing_key
         if key and not (key.isprintable() and key.startswith(("/", "~/"))):
             raise InvalidValueError(
-                Message(
-                    "signing_key is {path}; it must be an absolute path",
-                    path=repr(key),
-                ),
+                Message("signing_key is {path}; it must be an absolute path", path=repr(key)),
                 fault=CONFIGURATION,
             )
         for topic in self.all_topics:
@@ -137,9 +126,5 @@ class ProcessingParameters:
 
     def data_folder_use(self) -> DataFolderUse:
         """Return how the folder of the surveys is used."""
-        return DataFolderUse(
-            self.data_folder(),
-            state_folder(os.environ),
-            self.data_disk,
-            self.readable_by.folder_mode,
-        )
+        state, mode = state_folder(os.environ), self.readable_by.folder_mode
+        return DataFolderUse(self.data_folder(), state, self.data_disk, mode)

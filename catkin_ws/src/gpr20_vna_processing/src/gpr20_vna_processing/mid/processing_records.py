@@ -22,10 +22,7 @@ OUTCOMES: Dict[str, Tuple[Message, Tuple[SurveyState, ...]]] = {
     "stopped": (Message("Stopped"), (SurveyState.STOPPED,)),
     "failed": (Message("Failed"), (SurveyState.FAILED,)),
     # Without every trace, as a failed one; a main control that ends says that it has stopped.
-    INTERRUPTED: (
-        Message("Interrupted before its end"),
-        (SurveyState.FAILED, SurveyState.STOPPED),
-    ),
+    INTERRUPTED: (Message("Interrupted before its end"), (SurveyState.FAILED, SurveyState.STOPPED)),
 }
 """How surveys end: the sentence and the states of the last status, the first by the storage."""
 
@@ -70,29 +67,18 @@ class Storage:
         return self.parameters.data_folder()
 
 
-@dataclass(frozen=True)
-class ClosedSurvey:
-    """How a survey ended on the disk."""
+class ChangedSurvey(NamedTuple):
+    """A survey that was closed, or whose log has a fact."""
 
     survey_id: str
     folder: Path
-    stored_traces: int
-
-
-@dataclass(frozen=True)
-class AddedFact:
-    """A survey whose log has a fact."""
-
-    survey_id: str
-    folder: Path
-    stored_traces: int
-    """Those of the open survey; 0: the fact is of another one."""
-    markers: Sequence[Mapping[str, Any]]
+    stored_traces: int = 0
+    """0 if the fact is of another survey than the open one."""
+    markers: Sequence[Mapping[str, Any]] = ()
     """Of a fact of markers: all that survey.json has, removed ones too."""
 
 
-@dataclass(frozen=True)
-class ProcessingState:
+class ProcessingState(NamedTuple):
     """What the operator should know about the storage."""
 
     survey_id: str
@@ -100,11 +86,12 @@ class ProcessingState:
     folder: str
     stored_traces: int
     unrecorded: int
-    """Messages of other topics that are not recorded, without those the queue dropped."""
+    """Messages of other topics that are not recorded: the disk was too slow, or refused them."""
     last_error: Optional[Message]
     """What was refused or failed last; None once something succeeded again."""
     failing: bool
     """Whether the disk refused what was written last."""
     queues: QueueState
+    """How much waits for the disk."""
     unsigned: Optional[Message]
     """Why the survey that was changed last is not signed, although there is a key."""

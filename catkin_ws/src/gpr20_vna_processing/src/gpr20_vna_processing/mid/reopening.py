@@ -72,9 +72,8 @@ class Reopening:
         # Whether a robot with a key has not signed it as it is.
         self._is_foreign = signer is not None and not signer.has_signed(folder)
         self._is_signed = is_signed(folder)
-        with storing(
-            Message("the survey in {folder} could not be read", folder=printable(folder)), folder
-        ):
+        failure = Message("the survey in {folder} could not be read", folder=printable(folder))
+        with storing(failure, folder):
             self._recovered = recover(folder, asking_manifest=True)
             if is_imported(self._recovered.description):
                 raise SurveyRefusedError(
@@ -98,16 +97,15 @@ class Reopening:
         self._check_can_continue()
 
     def repair(self, now_ns: int) -> RepairedSurvey:
-        """Make all files whole and open the recording at its end; it is `now_ns` since 1970, UTC.
+        """Make all files whole and open the recording at its end; may be repeated.
 
         Raises:
-            StorageFailedError: The disk refused; the call may be repeated.
+            StorageFailedError: The disk refused.
         """
         stored, now = self._stored, utc_time.iso_text(now_ns // utc_time.NS_PER_US)
-        with storing(
-            Message("the survey in {folder} could not be repaired", folder=printable(self._folder)),
-            self._folder,
-        ):
+        place = printable(self._folder)
+        failure = Message("the survey in {folder} could not be repaired", folder=place)
+        with storing(failure, self._folder):
             self._repairs += stored.changes()
             self._remove_torn()
             durable_files.ensure_folder(self._traces)

@@ -55,7 +55,7 @@ class StorageThread:
 
         Args:
             write_messages: Writes what was offered since its last call; called several times in a
-                period, with nothing if there was nothing. It must not raise.
+                period [s], with nothing if there was nothing. It must not raise.
             most_bytes: How large the messages that wait may be together [bytes].
             period_s: Messages are written within this time [s].
         """
@@ -128,14 +128,10 @@ class StorageThread:
                 self._changed.notify_all()
 
     def do(self, work: Callable[[], Result], timeout_s: float) -> Result:
-        """Do work on the thread, after all that was queued before, and return its result.
-
-        Args:
-            work: What to do; what it raises is raised here.
-            timeout_s: Time limit for waiting in the queue and for the work [s].
+        """Do work on the thread, after all that was queued before; return or raise what it does.
 
         Raises:
-            StorageFailedError: The disk was too slow, or the thread has ended.
+            StorageFailedError: The disk was too slow [s], or the thread has ended.
         """
         job = _Job(work, Future())
         with self._changed:
@@ -149,10 +145,9 @@ class StorageThread:
         try:
             return job.outcome.result(timeout_s)
         except FutureTimeoutError:
+            state = Message("the write may still succeed, and repeating it is safe")
             if job.outcome.cancel():
                 state = Message("nothing was written")
-            else:
-                state = Message("the write may still succeed, and repeating it is safe")
             raise StorageFailedError(
                 Message(
                     "the disk did not finish within {limit_s:g} s; {state}; check the disk",

@@ -16,7 +16,7 @@ from gpr20_common.message import Message
 from gpr20_common.mid.checks import number_between
 from gpr20_common.os_reason import os_reason
 from gpr20_common.terminal_text import printable
-from gpr20_survey.errors import ProcessingError, SurveyRefusedError, TraceRefusedError
+from gpr20_survey.errors import SurveyRefusedError, TraceRefusedError, storing
 from gpr20_survey.folder import survey_folder, trace_files
 from gpr20_survey.folder.log_content import LOG
 from gpr20_survey.folder.log_record import Kind
@@ -70,15 +70,11 @@ class StoredSurveys:
         self._one_at_a_time = threading.Lock()
 
     def list(self, before: str, max_surveys: int) -> Tuple[List[SurveySummary], bool]:
-        """Return the newest surveys, and whether older ones are left.
-
-        Args:
-            before: Name of a folder; only older surveys are listed. Empty: all.
-            max_surveys: How many at most.
+        """Return the newest surveys, before that of a folder if one is named, and if more are left.
 
         Raises:
             SurveyRefusedError: An argument is not allowed.
-            ProcessingError: The data folder cannot be read.
+            StorageFailedError: The data folder cannot be read.
         """
         number_between("max_surveys", max_surveys, 1, MAX_SURVEYS_PER_PAGE)
         if before and not survey_folder.FOLDER_NAME.fullmatch(before):
@@ -95,14 +91,11 @@ class StoredSurveys:
         return page, len(names) > max_surveys
 
     def survey(self, survey: str) -> StoredSurvey:
-        """Return what is known of one survey.
-
-        Args:
-            survey: Its id, or the name of its folder.
+        """Return what is known of one survey, by its id or the name of its folder.
 
         Raises:
             SurveyRefusedError: There is none, or its log cannot be read.
-            ProcessingError: Its folder cannot be read.
+            StorageFailedError: Its folder cannot be read.
         """
         folder, found = find_survey(self._data, survey)
         description = {key: one for key, one in found.description.items() if key != "report"}
@@ -122,7 +115,7 @@ class StoredSurveys:
 
         Raises:
             SurveyRefusedError: There is no such survey, or there are too many indices.
-            ProcessingError: Its folder cannot be read.
+            StorageFailedError: Its folder cannot be read.
         """
         number_between("indices", len(indices), 1, MAX_TRACES_PER_READ)
         folder, found = find_survey(self._data, survey)
@@ -154,23 +147,14 @@ class StoredSurveys:
         return ReadTraces(TraceBlock.of(survey_id, traces), unreadable)
 
     def _folders(self) -> List[str]:
-        try:
-            return [
-                one.name
-                for one in os.scandir(str(self._data))
-                if one.is_dir(follow_symlinks=False)
-                and survey_folder.FOLDER_NAME.fullmatch(one.name)
+        failure = Message("the data folder {path} cannot be read", path=printable(self._data))
+        with storing(failure, self._data):
+            if not self._data.exists():
+                return []  # made with the first survey
+            folders = [
+                one for one in os.scandir(str(self._data)) if one.is_dir(follow_symlinks=False)
             ]
-        except FileNotFoundError:
-            return []  # made with the first survey
-        except OSError as error:
-            raise ProcessingError(
-                Message(
-                    "the data folder {path} cannot be read: {reason}; check the disk",
-                    path=printable(self._data),
-                    reason=os_reason(error),
-                )
-            ) from error
+        return [one.name for one in folders if survey_folder.FOLDER_NAME.fullmatch(one.name)]
 
 
 def _from_file(folder: Path, survey_id: str, name: Optional[str]) -> Trace:
@@ -191,11 +175,7 @@ def _known(look: Any, folder: Path) -> Any:
 
 
 def _settled_version(folder: Path) -> Optional[Tuple[Tuple[int, ...], ...]]:
-    """Return what differs if a folder of a survey, or its content, was changed.
-
-    Returns:
-        None: it changed so shortly ago that another change may not show.
-    """
+    """Return what differs if a survey was changed; None if another change might not show."""
     now_ns = time.time_ns()
     version: List[Tuple[int, ...]] = []
     names = (survey_folder.TRACES_FOLDER, survey_folder.LOG_FILE, survey_folder.MCAP_FILE)

@@ -31,11 +31,7 @@ class RecordedTraces:
     """
 
     def __init__(self, path: Path, survey_id: str, on_trace: Callable[[Trace], None]) -> None:
-        """Read the whole recording; `on_trace` is called with every whole trace of the survey.
-
-        Raises:
-            OSError: The file cannot be read.
-        """
+        """Read the whole recording; `on_trace` is called with every whole trace of the survey."""
         self._stored = StoredMcap(path)
         self._survey_id = survey_id
         self._places: Dict[int, int] = {}  # of the message of each index
@@ -51,10 +47,8 @@ class RecordedTraces:
                 trace = self._trace_of(message)
             except TraceRefusedError as error:
                 self.foreign += isinstance(error, ForeignTraceError)
-                reason = error.message
-                found.append(
-                    Message("{file} holds a damaged trace: {reason}", file=path.name, reason=reason)
-                )
+                damage = {"file": path.name, "reason": error.message}
+                found.append(Message("{file} holds a damaged trace: {reason}", **damage))
                 continue
             if trace is not None:
                 self.prints[trace.index] = trace.fingerprint()
@@ -123,9 +117,6 @@ class StoredTraces:
             is_binding: Whether a file that differs from it is damaged: after a reopening files
                 change.
             misfits: Returns what of a trace is not as it was planned.
-
-        Raises:
-            OSError: The disk cannot be read.
         """
         self._folder = folder
         self._traces = folder / survey_folder.TRACES_FOLDER
@@ -229,12 +220,7 @@ def _differs(name: str) -> Message:
 
 
 def read_again(path: Path, survey_id: str) -> Trace:
-    """Return the trace of a file that was whole before.
-
-    Raises:
-        StorageFailedError: It is not any more.
-        OSError: The file cannot be read.
-    """
+    """Return the trace of a file that was whole before; StorageFailedError: it is not any more."""
     try:
         return trace_files.read_trace(path, survey_id)
     except TraceRefusedError as error:

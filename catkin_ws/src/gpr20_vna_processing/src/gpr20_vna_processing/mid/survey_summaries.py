@@ -11,9 +11,8 @@ from typing import Any, Dict, List, Mapping, Optional, Sequence, Tuple
 import numpy as np
 
 from gpr20_common.message import Message
-from gpr20_common.os_reason import os_reason
 from gpr20_common.terminal_text import printable
-from gpr20_survey.errors import ProcessingError
+from gpr20_survey.errors import ProcessingError, storing
 from gpr20_survey.folder import survey_folder, survey_metadata
 from gpr20_survey.folder.log_content import UNCONFIRMED
 from gpr20_survey.folder.manifest import MANIFEST_FILE
@@ -48,12 +47,14 @@ def summary_of(folder: Path) -> SurveySummary:
     # The report of a survey that was cut off may be older than its last traces.
     cut_off = outcome in ("", survey_metadata.INTERRUPTED)
     verdict = None if cut_off else reported_verdict(values.get("report"))
-    sentence = import_sentence(values) if imported else verdict and verdict.message
+    sentence = None if verdict is None else verdict.message
+    if imported:
+        sentence = import_sentence(values)
     unconfirmed = values.get(UNCONFIRMED)
     if unconfirmed:
         sentence = unconfirmed_message(unconfirmed)
     annotation = values.get(ANNOTATION)
-    written = annotation if isinstance(annotation, dict) else {}
+    written: Dict[str, Any] = annotation if isinstance(annotation, dict) else {}
     return SurveySummary(
         folder=folder.name,
         survey_id=values["survey_id"],
@@ -69,7 +70,9 @@ def summary_of(folder: Path) -> SurveySummary:
         # Data of unknown origin are never shown as those of real ground.
         simulated=values.get("simulated") is not False,
         refines=refines_of(values),
-        **{name: _text(written.get(name)) for name in ("name", "site", "operator")},
+        name=_text(written.get("name")),
+        site=_text(written.get("site")),
+        operator=_text(written.get("operator")),
         thumbnail=thumbnail_of(area, stored),
         fault_code=_text(values.get(survey_metadata.FAULT_CODE)),
     )
@@ -79,32 +82,20 @@ def trace_names(folder: Path) -> Dict[int, str]:
     """Return the name of the JSON file of each stored trace by its index, ascending.
 
     Raises:
-        ProcessingError: The survey's folder cannot be read.
+        StorageFailedError: The survey's folder cannot be read.
     """
     found: Dict[int, str] = {}
-    try:
+    failure = Message("the traces in {folder} cannot be read", folder=printable(folder))
+    with storing(failure, folder):
         for entry in os.scandir(str(folder / survey_folder.TRACES_FOLDER)):
             match = TRACE_FILE.fullmatch(entry.name)
             if match and entry.is_file(follow_symlinks=False):
                 found[int(match.group(1))] = entry.name
-    except OSError as error:
-        raise ProcessingError(
-            Message(
-                "the traces in {folder} cannot be read: {reason}",
-                folder=printable(folder),
-                reason=os_reason(error),
-            )
-        ) from error
     return dict(sorted(found.items()))
 
 
 def thumbnail_of(area: Any, stored: Sequence[int]) -> Thumbnail:
-    """Return the thumbnail of a survey; an empty one if its parameters cannot be read.
-
-    Args:
-        area: The parameters of its survey.json, as they were read.
-        stored: Places in the plan of the stored traces.
-    """
+    """Return the thumbnail of a survey with some stored traces; empty without right parameters."""
     if not isinstance(area, Mapping):
         return NO_THUMBNAIL
     ends: List[Any] = [area.get(f"{one}_{end}_mm") for one in "xy" for end in ("start", "stop")]
@@ -138,9 +129,9 @@ def _counts_of(area: Any) -> Optional[Tuple[int, int, int]]:
         return None
     rotations = area.get("polarizations_deg")
     turns = len(rotations) if isinstance(rotations, list) else 0
-    counts = (area.get("x_points"), area.get("y_points"), turns)
-    is_plan = all(type(one) is int and 0 < one <= MOST_PLANNED for one in counts)
-    return counts if is_plan and np.prod(counts, dtype=float) <= MOST_PLANNED else None
+    counts: Any = (area.get("x_points"), area.get("y_points"), turns)
+    is_plan = all(type(one) is int and one > 0 for one in counts)
+    return counts if is_plan and math.prod(counts) <= MOST_PLANNED else None
 
 
 def _share(points: int, cells: int) -> np.ndarray:

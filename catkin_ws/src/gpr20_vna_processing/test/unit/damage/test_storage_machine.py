@@ -37,7 +37,7 @@ from gpr20_survey.recording.mcap_reader import StoredMcap
 from gpr20_survey.recording.survey_topics import recorded_trace
 from gpr20_vna_processing.mid.facts import KINDS
 from gpr20_vna_processing.mid.processing_parameters import ProcessingParameters
-from gpr20_vna_processing.mid.processing_records import AddedFact
+from gpr20_vna_processing.mid.processing_records import ChangedSurvey
 
 # Nothing is written between requests, so that each example can be repeated.
 LIMITS = ProcessingParameters(timeout_s=20.0, commit_period_s=1000.0)
@@ -237,7 +237,7 @@ class StorageMachine(RuleBasedStateMachine):
         answer = self.request(
             lambda: self.kit.processing.add_fact(survey, fact[0], text), allowed, failure
         )
-        if isinstance(answer, AddedFact) and fact not in known.facts:
+        if isinstance(answer, ChangedSurvey) and fact not in known.facts:
             known.facts.append(fact)
 
     def values_of(self, kind, known):

@@ -26,9 +26,9 @@ from trace_examples import SURVEY
 from gpr20_analysis.read.verification import verify_survey
 from gpr20_analysis.read.verification_result import COMPLETE
 from gpr20_survey.errors import StorageFailedError
+from gpr20_survey.files import regular_file
 from gpr20_survey.folder import log_reading
 from gpr20_survey.folder.annotating import add_to_survey
-from gpr20_vna_processing.mid import new_survey
 
 STORED = 6
 DATA_END = struct.pack("<BQ", 0x0F, 4)
@@ -189,10 +189,10 @@ def test_a_log_that_the_disk_does_not_show_is_not_called_another_survey(tmp_path
     folder = Kit(tmp_path / "first").open(metadata_json=METADATA)
     shutil.copytree(str(folder), str(tmp_path / "second" / folder.name))
 
-    def refuse(_path):
+    def refuse(_path, **_options):
         raise OSError(errno.EIO, "Input/output error")
 
-    for module in (log_reading, new_survey):
+    for module in (log_reading, regular_file):
         monkeypatch.setattr(module, "open_regular", refuse)
     with pytest.raises(StorageFailedError):
         Kit(tmp_path / "second").open(metadata_json=METADATA)
