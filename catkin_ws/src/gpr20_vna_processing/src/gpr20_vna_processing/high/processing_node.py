@@ -96,7 +96,7 @@ class ProcessingNode:
         self._processing.start()
         rospy.on_shutdown(self._shut_down)
         topics = (*parameters.all_topics, *sensors.topics)
-        self._recorder = TopicRecorder(topics, self._processing.record, time.time_ns)
+        self._recorder = TopicRecorder(topics, self._processing.record)
         self._surveys = StoredSurveys(self._data)
         self._services = [
             advertise("open_survey", srv.OpenSurvey, self._open_survey),

@@ -29,15 +29,9 @@ PLAYER = re.compile(r"play_\d+")
 class TopicRecorder:
     """Passes every message of some topics on as the bytes that came, but those of a player."""
 
-    def __init__(
-        self,
-        topics: Iterable[str],
-        record: Callable[[RecordedMessage], None],
-        now_ns: Callable[[], int],
-    ) -> None:
+    def __init__(self, topics: Iterable[str], record: Callable[[RecordedMessage], None]) -> None:
         """Subscribe to topics, relative to the node's namespace or absolute."""
         self._record = record
-        self._now_ns = now_ns
         self._players: Set[str] = set()
         # The storage records these itself, exactly once.
         stored = (TRACE_TOPIC, METADATA_TOPIC, LOG_TOPIC, REPLAY_TOPIC)
@@ -80,7 +74,7 @@ class TopicRecorder:
                 md5sum=header["md5sum"],
                 definition=header["message_definition"],
                 data=message._buff,
-                time_ns=self._now_ns(),
+                time_ns=time.time_ns(),
                 latching=header.get("latching") == "1",
             )
         )

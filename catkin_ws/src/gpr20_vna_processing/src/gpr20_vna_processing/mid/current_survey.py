@@ -214,11 +214,7 @@ class CurrentSurvey:
     ) -> ChangedSurvey:
         """Finish the recording and write how the survey ended; may be repeated.
 
-        Args:
-            survey_id: UUID of the survey.
-            outcome: One of OUTCOMES.
-            reason: Why it ended.
-            end: Its last messages; none: the storage states outcome and reason.
+        Without last messages the storage states the outcome, one of OUTCOMES, and the reason.
 
         Raises:
             SurveyRefusedError: A value is not allowed, or the survey is not open.
@@ -260,12 +256,9 @@ class CurrentSurvey:
         return ChangedSurvey(survey_id, folder, description.get("stored_traces", 0))
 
     def add_fact(self, survey: str, kind: Kind, change: Change) -> ChangedSurvey:
-        """Add a fact to the log of a survey, whether it is open or not; may be repeated.
+        """Add a fact to the log of a survey, by its id or folder; may be repeated.
 
-        Args:
-            survey: The survey's id, or the name of its folder; empty: the open one.
-            kind: What the fact is; a report is of the open survey only.
-            change: What is to be added.
+        It is the open one without a name, and for a report.
 
         Raises:
             SurveyRefusedError: There is no such survey, what is noted of it is damaged, another
@@ -292,12 +285,9 @@ class CurrentSurvey:
             self.close(self.current.survey_id, INTERRUPTED, reason)
 
     def interrupt_other(self, survey: str) -> str:
-        """Close the open survey as interrupted, unless it is this one; it stays resumable.
+        """Close the open survey, unless it is this one, as interrupted; return its folder's name.
 
         If another survey is to be opened, the client that filled this one left it open.
-
-        Returns:
-            The name of the folder of the survey that was closed; empty if none was.
 
         Raises:
             StorageFailedError: The disk refused; the survey is still open.

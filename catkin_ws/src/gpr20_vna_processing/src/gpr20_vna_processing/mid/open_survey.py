@@ -81,10 +81,7 @@ class OpenSurvey:
     ) -> None:
         """Record how the survey begins, and write survey.json and the log of a new one.
 
-        Args:
-            added: The records of its log that its recording does not hold yet.
-            latched: The last messages of latched topics.
-            now_ns: The present moment [ns since 1970, UTC].
+        That is the records of its log that are not recorded yet, and the last latched messages.
         """
         topics = self._storage.topics
         text = survey_metadata.encode(self.description).decode("ascii")
@@ -111,13 +108,9 @@ class OpenSurvey:
         return file is not None and file.fingerprint == trace.fingerprint()
 
     def store(self, trace: Trace, time_ns: int) -> Path:
-        """Store a trace in its JSON file and the recording; return when both are durable.
+        """Store a trace that came now [ns] in its JSON file and the recording, durably.
 
         One that is stored already with the same content is stored once.
-
-        Args:
-            trace: The trace.
-            time_ns: When it came [ns since 1970, UTC].
 
         Returns:
             The JSON file.

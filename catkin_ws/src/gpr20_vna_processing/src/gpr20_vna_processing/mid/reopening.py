@@ -149,7 +149,7 @@ class Reopening:
         stored, description = self._stored, self._recovered.description
         folder, count = printable(self._folder), len(self._stored.truth)
         misfits = stored.misfits
-        if stored.foreign and not stored.truth:
+        if stored.files.foreign + stored.mcap.foreign and not stored.truth:
             misfits = [Message("every readable trace belongs to another survey")]
         if misfits:
             raise SurveyRefusedError(
@@ -187,7 +187,7 @@ class Reopening:
     def _repair_traces(self) -> None:
         for path, reason in self._stored.files.damaged:
             self._set_aside(path, reason)
-        lost = self._stored.lost()
+        lost = self._stored.truth.keys() - self._stored.files.files.keys()
         for trace in self._stored.mcap.traces(lost) if lost else ():
             content = trace_json.encode(trace)
             file = TraceFile.of(trace, content)

@@ -33,7 +33,6 @@ class RecordedTraces:
     def __init__(self, path: Path, survey_id: str, on_trace: Callable[[Trace], None]) -> None:
         """Read the whole recording; `on_trace` is called with every whole trace of the survey."""
         self._stored = StoredMcap(path)
-        self._survey_id = survey_id
         self._places: Dict[int, int] = {}  # of the message of each index
         self.prints: Dict[int, bytes] = {}
         self.log: Set[str] = set()
@@ -44,7 +43,9 @@ class RecordedTraces:
             if record is not None:
                 self.log.add(record.sha256)
             try:
-                trace = self._trace_of(message)
+                trace = recorded_trace(message)
+                if trace is not None:
+                    self._check_own(trace, survey_id)
             except TraceRefusedError as error:
                 self.foreign += isinstance(error, ForeignTraceError)
                 damage = {"file": path.name, "reason": error.message}
@@ -72,19 +73,13 @@ class RecordedTraces:
             if trace is not None:
                 yield trace
 
-    def _trace_of(self, message: RecordedMessage) -> Optional[Trace]:
-        trace = recorded_trace(message)
-        if trace is None:
-            return None
-        if trace.survey_id != self._survey_id:
+    def _check_own(self, trace: Trace, survey_id: str) -> None:
+        if trace.survey_id != survey_id:
             raise ForeignTraceError(
-                Message(
-                    "{trace} belongs to survey {survey}", trace=trace.label, survey=trace.survey_id
-                )
+                Message("the trace belongs to survey {survey}", survey=trace.survey_id)
             )
         if trace.index in self.prints:
             raise TraceRefusedError(Message("trace {index} is there twice", index=trace.index))
-        return trace
 
 
 class StoredTraces:
@@ -140,15 +135,6 @@ class StoredTraces:
         """What of the stored traces is not as it was planned."""
         prints = (self.truth[index] for index in sorted(self.truth))
         return [found for one in prints for found in self._misfits.get(one, [])]
-
-    @property
-    def foreign(self) -> int:
-        """How many whole traces of another survey there are."""
-        return self.files.foreign + self.mcap.foreign
-
-    def lost(self) -> Collection[int]:
-        """Return the indices of the traces that are stored, but have no right JSON file."""
-        return self.truth.keys() - self.files.files.keys()
 
     def intact(self) -> bool:
         """Return whether every file is as it was when the survey was closed."""
