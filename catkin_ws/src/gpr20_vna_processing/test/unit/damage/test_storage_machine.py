@@ -1,25 +1,23 @@
 """Random requests to the storage while its disk is full, loses its power or its process is killed.
 
 Whatever happens: each trace that was acknowledged is in its JSON file and in the MCAP, each that is
-stored is published once by a process, nothing else is stored, each fact that was acknowledged is in
-the log once, and every survey can be finished.
+stored is published once by a process, nothing else is stored, and every survey can be finished.
+`tools/fault_suite` adds facts too.
 """
 
 from __future__ import annotations
 
 import contextlib
-import json
 import shutil
 import tempfile
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, Dict, List, Set, Tuple
+from typing import Dict, Set
 
 from failing_disk import FailingDisk, Failure
 from hypothesis import settings
 from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, initialize, invariant, rule
-from log_examples import NOW
 from planned_survey import METADATA, POINTS, planned_trace
 from reopening_kit import assert_whole
 from run_seed import draws
@@ -29,15 +27,10 @@ from trace_examples import STARTED_US, SURVEY, read_json
 from gpr20_analysis.read.verification import verify_survey
 from gpr20_analysis.read.verification_result import COMPLETE
 from gpr20_survey.errors import ProcessingError, StorageFailedError
-from gpr20_survey.folder.recovery import recover
 from gpr20_survey.folder.survey_folder import MCAP_FILE, SURVEY_FILE, survey_folder
-from gpr20_survey.plan.annotation import Annotation
-from gpr20_survey.plan.markers import Marker
 from gpr20_survey.recording.mcap_reader import StoredMcap
 from gpr20_survey.recording.survey_topics import recorded_trace
-from gpr20_vna_processing.mid.facts import KINDS
 from gpr20_vna_processing.mid.processing_parameters import ProcessingParameters
-from gpr20_vna_processing.mid.processing_records import ChangedSurvey
 
 # Nothing is written between requests, so that each example can be repeated.
 LIMITS = ProcessingParameters(timeout_s=20.0, commit_period_s=1000.0)
@@ -62,17 +55,14 @@ class Known:
     stored: Dict[int, object] = field(default_factory=dict)
     uncertain: Set[int] = field(default_factory=set)
     """Traces that were sent and not acknowledged."""
-    facts: List[Tuple[str, Dict[str, Any]]] = field(default_factory=list)
     outcome: str = ""
     may_have_ended: bool = False
     """Whether a close was begun that was not acknowledged."""
-    spoiled: bool = False
-    """Whether somebody removed a recording, and it was not reopened since."""
 
     @property
     def has_content(self) -> bool:
-        """Whether anything was stored or noted since it was opened, for certain."""
-        return bool(self.stored or self.facts or self.outcome)
+        """Whether anything was stored since it was opened, for certain."""
+        return bool(self.stored or self.outcome)
 
 
 class StorageMachine(RuleBasedStateMachine):
@@ -94,7 +84,7 @@ class StorageMachine(RuleBasedStateMachine):
     def begin_process(self):
         self.kit = Kit(self.data, limits=LIMITS)
         self.current = ""
-        self.opened_new = self.spoiled = self.closing = False
+        self.opened_new = self.closing = False
 
     def teardown(self):
         try:
@@ -124,7 +114,7 @@ class StorageMachine(RuleBasedStateMachine):
                 answer = work()
                 assert "" in allowed, f"not refused, but may only be: {allowed}"
             except StorageFailedError as error:
-                assert self.disk.has_failed or self.spoiled, error
+                assert self.disk.has_failed, error
                 answer = None
             except ProcessingError as error:
                 answer = error.message.fault_code
@@ -144,7 +134,7 @@ class StorageMachine(RuleBasedStateMachine):
         shutil.rmtree(str(self.data))
         self.data = place
         for survey, known in self.known.items():
-            if known.is_open and not known.spoiled:
+            if known.is_open:
                 mcap = StoredMcap(self.folder_of(survey) / MCAP_FILE)
                 found = [recorded_trace(message) for message in mcap.messages()]
                 prints = {one.fingerprint() for one in found if one is not None}
@@ -219,41 +209,6 @@ class StorageMachine(RuleBasedStateMachine):
         elif path is None and index not in known.stored:
             known.uncertain.add(index)
 
-    @rule(survey=SURVEYS, kind=st.sampled_from(KINDS), again=st.booleans(), failure=FAILURES)
-    def add_fact(self, survey, kind, again, failure):
-        """Add a fact to a survey, open or not, or ask for the last one again."""
-        known = self.known[survey]
-        fact = (kind, self.values_of(kind, known))
-        if again and known.facts:
-            fact = known.facts[-1]
-        if fact[1] is None or not known.is_open:
-            return
-        allowed = [""]
-        if survey == self.current and self.closing:
-            allowed.append("survey.closing")
-        elif survey != self.current and fact[0] == "report":
-            allowed = ["survey.other_open"] if self.current else ["survey.none_open"]
-        text = json.dumps(fact[1])
-        answer = self.request(
-            lambda: self.kit.processing.add_fact(survey, fact[0], text), allowed, failure
-        )
-        if isinstance(answer, ChangedSurvey) and fact not in known.facts:
-            known.facts.append(fact)
-
-    def values_of(self, kind, known):
-        """Return a fact with a number that no other one has; None: there is no such fact now."""
-        number = self.requests
-        marker = Marker(f"00000000-0000-4000-8000-{number:012x}", float(number), 20.0)
-        present = [values for kind, values in known.facts if kind == "marker"]
-        return {
-            "annotation": Annotation(notes=str(number)).values(),
-            "report": {"number": number},
-            "marker": marker.request(),
-            "marker_removed": {"marker_id": present[-1]["marker_id"], "author": ""}
-            if present
-            else None,
-        }.get(kind, {"time": NOW, "number": number})
-
     @rule(survey=SURVEYS, outcome=st.sampled_from(["finished", "stopped"]), failure=FAILURES)
     def close(self, survey, outcome, failure):
         known = self.known[survey]
@@ -293,17 +248,13 @@ class StorageMachine(RuleBasedStateMachine):
             self.closing = bool(self.current)
         else:
             assert answer == self.folder_of(before).name
-            if self.known[before].spoiled:
-                self.known[before].may_have_ended = True
-                self.spoiled = self.closing = False
-            else:
-                self.note_end(before, "interrupted")
+            self.note_end(before, "interrupted")
 
     @rule(survey=SURVEYS, by_folder=st.booleans(), failure=FAILURES)
     def reopen(self, survey, by_folder, failure):
         known = self.known[survey]
         complete = len(known.stored.keys() | known.uncertain) == len(POINTS)
-        if self.spoiled or known.may_have_ended:
+        if known.may_have_ended:
             allowed = ["", "survey.other_open", "survey.closing", "survey.complete"]
         elif self.current:
             allowed = ["survey.other_open"] if self.current != survey else [""]
@@ -318,12 +269,11 @@ class StorageMachine(RuleBasedStateMachine):
         process, before = self.kit, self.current
         answer = self.request(lambda: self.kit.processing.reopen_survey(name), allowed, failure)
         if answer is None and survey == before:
-            self.spoiled = self.spoiled and bool(self.current)
             known.may_have_ended = known.may_have_ended or not self.current
         if answer is None or isinstance(answer, str):
             return
         known.is_open, known.outcome = True, ""
-        known.may_have_ended = known.spoiled = False
+        known.may_have_ended = False
         stored = set(answer.stored_indices)
         assert known.stored.keys() <= stored <= known.stored.keys() | known.uncertain
         known.stored.update({index: TRACES[survey][index] for index in stored})
@@ -331,26 +281,18 @@ class StorageMachine(RuleBasedStateMachine):
         published = {(one.survey_id, one.index) for one in process.stored} | self.published
         assert {(survey, index) for index in stored} <= published
         if self.current:
-            self.opened_new = self.opened_new and before == survey and not self.spoiled
-            self.spoiled = self.closing = False
-
-    @rule()
-    def spoil(self):
-        """Remove the recording of the open survey: its next commit fails."""
-        if self.current and not self.closing:
-            (self.folder_of(self.current) / MCAP_FILE).unlink(missing_ok=True)
-            self.spoiled = self.known[self.current].spoiled = True
+            self.opened_new = self.opened_new and before == survey
+            self.closing = False
 
     @rule()
     def restart(self):
         """End the process as its supervisor does, and begin another."""
-        if not self.spoiled:
-            self.note_published()
-            survey = self.current
-            self.kit.processing.shut_down()
-            if survey:
-                self.note_end(survey, "interrupted")
-            self.begin_process()
+        self.note_published()
+        survey = self.current
+        self.kit.processing.shut_down()
+        if survey:
+            self.note_end(survey, "interrupted")
+        self.begin_process()
 
     @rule(failure=POWER_CUTS)
     def lose_power(self, failure):
@@ -363,21 +305,6 @@ class StorageMachine(RuleBasedStateMachine):
                 folder = self.folder_of(survey)
                 files = {int(one.name[:6]) for one in folder.glob("traces/*.json")}
                 assert known.stored.keys() <= files <= known.stored.keys() | known.uncertain
-                self.check_facts(known.facts, recover(folder))
-
-    def check_facts(self, facts, recovered):
-        """Each fact that was acknowledged is in the log once; of some kinds the last one counts."""
-        description = recovered.description
-        logged = [(one.kind, one.values) for one in recovered.found.records]
-        for kind, values in facts:
-            if kind == "report":
-                assert description["report"]["number"] >= values["number"]
-            elif kind == "annotation":
-                assert int(description["annotation"]["notes"]) >= int(values["notes"])
-            else:
-                key = "marker_id" if kind in ("marker", "marker_removed") else "number"
-                same = [one for other, one in logged if other == kind and one[key] == values[key]]
-                assert len(same) == 1, (kind, values)
 
     def finish(self, survey):
         """Store what is missing and finish; then the survey is complete for every reader."""
