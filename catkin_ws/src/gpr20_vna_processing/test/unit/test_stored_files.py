@@ -14,7 +14,6 @@ from run_seed import SEED, draws
 from storage_kit import OTHER_SURVEY, Kit, text_message
 from trace_examples import SURVEY, make_trace
 
-from gpr20_survey.recording import mcap_reader
 from gpr20_survey.trace.trace_block import SAMPLE, TraceBlock
 from gpr20_vna_processing.mid import stored_surveys
 from gpr20_vna_processing.mid.stored_surveys import StoredSurveys
@@ -155,11 +154,3 @@ def test_traces_with_other_frequencies_are_left_to_another_request(tmp_path):
     assert surveys.traces(SURVEY, range(6)).block.indices.tolist() == [0, 2, 3, 5]
     assert surveys.traces(SURVEY, [1, 2, 4]).block.indices.tolist() == [1, 4]
     kit.processing.shut_down()
-
-
-def test_a_chunk_that_says_it_is_huge_does_not_fill_the_memory(tmp_path, monkeypatch):
-    folder = stored_survey(tmp_path, PLANNED, end=False)
-    monkeypatch.setattr(mcap_reader, "MAX_RECORD_BYTES", 100)
-    found = StoredSurveys(folder.parent).traces(SURVEY, PLANNED)
-    assert found.block.indices.tolist() == list(PLANNED)
-    assert_as_stored(found.block)

@@ -177,14 +177,6 @@ def test_an_entry_that_was_torn_while_it_was_added_leaves_a_sealed_survey_intact
         assert verify_survey(folder).status == COMPLETE
 
 
-def test_a_survey_of_whose_log_the_second_file_was_not_made_goes_on(copies):
-    folder = copies("cut off")
-    (folder / FILES[1]).unlink()
-    resume(folder)
-    found = verify_survey(folder)
-    assert (found.status, found.faults, found.unconfirmed) == (COMPLETE, [], ())
-
-
 def test_a_log_that_the_disk_does_not_show_is_not_called_another_survey(tmp_path, monkeypatch):
     folder = Kit(tmp_path / "first").open(metadata_json=METADATA)
     shutil.copytree(str(folder), str(tmp_path / "second" / folder.name))
