@@ -146,9 +146,6 @@ def test_only_ids_and_folder_names_are_looked_up(tmp_path_factory, text):
     for action in (lambda: archive.traces(text, [0]), lambda: archive.survey(text)):
         with pytest.raises(ProcessingError):
             action()
-    if text:
-        with pytest.raises(ProcessingError):
-            archive.list(text, 1)
 
 
 @each_case("count", [0, 1001])

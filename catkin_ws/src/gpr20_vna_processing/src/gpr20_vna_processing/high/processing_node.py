@@ -55,8 +55,7 @@ from gpr20_vna_processing.mid.stored_surveys import StoredSurveys
 
 NODE = "vna_processing"
 MAX_REPAIRS_SHOWN = 10
-# Of the 15 s that roslaunch gives a node to end.
-BAGS_LIMIT_S = 8.0
+BAGS_LIMIT_S = 8.0  # of the 15 s that roslaunch gives a node to end
 
 
 class ProcessingNode:

@@ -87,11 +87,7 @@ class CurrentSurvey:
     def open(self, survey_id: str, started_us: int, metadata_json: str, needed_bytes: int) -> Path:
         """Make the folder of a survey and begin its recording; may be repeated.
 
-        Args:
-            survey_id: UUID of the survey.
-            started_us: When it started [us since 1970, UTC].
-            metadata_json: JSON object that goes into the plan.
-            needed_bytes: Estimate of the whole survey.
+        Its plan has the metadata; its time is in us since 1970, UTC.
 
         Raises:
             SurveyRefusedError: A value is not allowed, the clock is wrong, the disk is too small
@@ -148,13 +144,11 @@ class CurrentSurvey:
             failure = Message("the folder {path} could not be locked", path=printable(folder))
             with storing(failure, folder):
                 lock.enter_context(locked(folder))
-            repaired = Reopening(folder, self._storage.topics, self._signer).repair(now_ns)
-            survey = OpenSurvey(
-                folder, repaired.log, repaired.recording, self._storage, repaired.stored
-            )
-            self._take(survey, repaired.added, now_ns)
+            reopening = Reopening(folder, self._storage, self._signer)
+            survey, added, repairs = reopening.repair(now_ns)
+            self._take(survey, added, now_ns)
             self._lock = lock.pop_all()
-        return self._reopened(survey, repaired.repairs)
+        return self._reopened(survey, repairs)
 
     def _reopened(self, survey: OpenSurvey, repairs: Tuple[Message, ...]) -> ReopenedSurvey:
         """Publish the traces that are stored, but may not have been published.

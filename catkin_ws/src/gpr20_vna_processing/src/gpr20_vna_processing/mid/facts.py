@@ -23,12 +23,9 @@ ANNOTATION_KEYS = ("operator", "site", "notes", "position", *OPTIONAL_KEYS)
 
 
 def requested_fact(kind: str, values_json: str, now: str) -> Tuple[Kind, Change]:
-    """Return what a request adds to the log of a survey.
+    """Return what a request adds to the log of a survey now, which is ISO 8601 text.
 
-    Args:
-        kind: One of `KINDS`: the others are written by the storage alone.
-        values_json: JSON object with the fact.
-        now: The present moment, as ISO 8601 text.
+    Its kind is one of `KINDS`: the others are written by the storage alone.
 
     Raises:
         SurveyRefusedError: The kind is another one, or there is no such object.

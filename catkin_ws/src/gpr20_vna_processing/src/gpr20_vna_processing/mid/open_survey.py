@@ -108,12 +108,9 @@ class OpenSurvey:
         return file is not None and file.fingerprint == trace.fingerprint()
 
     def store(self, trace: Trace, time_ns: int) -> Path:
-        """Store a trace that came now [ns] in its JSON file and the recording, durably.
+        """Store a trace that came now [ns] in its JSON file, which is returned, and the recording.
 
         One that is stored already with the same content is stored once.
-
-        Returns:
-            The JSON file.
 
         Raises:
             TraceRefusedError: The trace is of another survey, or its index or sample_id

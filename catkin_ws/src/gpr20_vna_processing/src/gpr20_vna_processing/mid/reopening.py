@@ -12,7 +12,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
-from typing import Callable, Dict, Iterator, List, NamedTuple, Optional, Tuple
+from typing import Callable, Iterator, List, Optional, Sequence, Tuple
 
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message, in_a_row
@@ -25,40 +25,26 @@ from gpr20_survey.folder.log_record import Kind, LogRecord
 from gpr20_survey.folder.manifest import SIGNATURE_FILE, Manifest
 from gpr20_survey.folder.recovery import RecoveredSurvey, open_log, recover, repairs_of
 from gpr20_survey.folder.signature import Signer, is_signed
-from gpr20_survey.folder.survey_log import SurveyLog
 from gpr20_survey.folder.trace_files import TraceFile
 from gpr20_survey.plan.imported import is_imported
 from gpr20_survey.plan.plan_fit import PlanFit
 from gpr20_survey.recording.mcap_writer import McapFile, new_mcap
 from gpr20_survey.recording.recording import RecordedMessage
-from gpr20_survey.recording.survey_topics import SurveyTopics
 from gpr20_survey.trace import trace_json, trace_message, utc_time
 from gpr20_survey.trace.trace import Trace
 from gpr20_vna_processing import faults
+from gpr20_vna_processing.mid.open_survey import OpenSurvey
+from gpr20_vna_processing.mid.processing_records import Storage
 from gpr20_vna_processing.mid.stored_traces import StoredTraces, read_again
 
 SHOWN = 5  # traces that do not fit, or faults of the recording, that are named
 COPIED_BYTES = 4 << 20  # what a copy holds in memory between two commits
 
 
-class RepairedSurvey(NamedTuple):
-    """A survey whose files are whole again."""
-
-    log: SurveyLog
-    added: Tuple[LogRecord, ...]
-    """The records of the log that the recording lacks: those of now, and after the last commit."""
-    recording: McapFile
-    """Open at its end."""
-    stored: Dict[int, TraceFile]
-    """The trace of each index that is stored."""
-    repairs: Tuple[Message, ...]
-    """What was repaired."""
-
-
 class Reopening:
     """Repairs the files of one survey."""
 
-    def __init__(self, folder: Path, topics: SurveyTopics, signer: Optional[Signer] = None) -> None:
+    def __init__(self, folder: Path, storage: Storage, signer: Optional[Signer]) -> None:
         """Read every file of the survey; nothing is changed.
 
         Raises:
@@ -68,7 +54,7 @@ class Reopening:
         """
         self._folder = folder
         self._traces = folder / survey_folder.TRACES_FOLDER
-        self._topics = topics
+        self._storage = storage
         # Whether a robot with a key has not signed it as it is.
         self._is_foreign = signer is not None and not signer.has_signed(folder)
         self._is_signed = is_signed(folder)
@@ -96,8 +82,12 @@ class Reopening:
             self._stored = StoredTraces(folder, survey_id, self._sealed, is_binding, misfits)
         self._check_can_continue()
 
-    def repair(self, now_ns: int) -> RepairedSurvey:
-        """Make all files whole and open the recording at its end; may be repeated.
+    def repair(self, now_ns: int) -> Tuple[OpenSurvey, Sequence[LogRecord], Tuple[Message, ...]]:
+        """Make all files whole, and open the recording at its end; may be repeated.
+
+        Returns:
+            The survey, the records of its log that the recording lacks (those of now, and those
+            after its last commit), and what was repaired.
 
         Raises:
             StorageFailedError: The disk refused.
@@ -122,8 +112,9 @@ class Reopening:
             except OSError:
                 recording.abandon()
                 raise
-        added = tuple(one for one in log.records if one.sha256 not in stored.mcap.log)
-        return RepairedSurvey(log, added, recording, stored.files.files, tuple(self._repairs))
+        survey = OpenSurvey(self._folder, log, recording, self._storage, stored.files.files)
+        added = [one for one in log.records if one.sha256 not in stored.mcap.log]
+        return survey, added, tuple(self._repairs)
 
     def _with_unproven(self) -> RecoveredSurvey:
         """Name what the recording, the manifest and its signature will vouch for from now on.
@@ -231,7 +222,7 @@ class Reopening:
         for index in missing:
             path = self._traces / self._stored.files.files[index].name
             trace = read_again(path, self._recovered.survey_id)
-            yield self._topics.trace(trace, trace.timestamp_us * utc_time.NS_PER_US)
+            yield self._storage.topics.trace(trace, trace.timestamp_us * utc_time.NS_PER_US)
         if missing:
             file = survey_folder.MCAP_FILE
             self._repairs.append(

@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 import threading
 import time
-from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
 from typing import Any, Dict, List, Mapping, NamedTuple, Optional, Sequence, Tuple
@@ -16,7 +15,7 @@ from gpr20_common.message import Message
 from gpr20_common.mid.checks import number_between
 from gpr20_common.os_reason import os_reason
 from gpr20_common.terminal_text import printable
-from gpr20_survey.errors import SurveyRefusedError, TraceRefusedError, storing
+from gpr20_survey.errors import TraceRefusedError, storing
 from gpr20_survey.folder import survey_folder, trace_files
 from gpr20_survey.folder.log_content import LOG
 from gpr20_survey.folder.log_record import Kind
@@ -33,15 +32,13 @@ MAX_TRACES_PER_READ = 1000
 MAX_POINTS = 501_000
 # Another client waits meanwhile; a small computer needs 10 s for 1000 JSON files.
 MAX_READING_S = 2.0
-MOST_KEPT = 1000
-"""Summaries."""
+MOST_SUMMARIES = 1000
 # The system marks changes only every few milliseconds, some file systems every two seconds: of
 # files that changed less than this ago another change may not show.
 SETTLED_NS = 3 * 10**9
 
 
-@dataclass(frozen=True)
-class StoredSurvey:
+class StoredSurvey(NamedTuple):
     """What was to be measured, and what is stored."""
 
     survey_id: str
@@ -65,7 +62,7 @@ class StoredSurveys:
 
     def __init__(self, data: Path) -> None:
         self._data = data
-        self._summaries = lru_cache(MOST_KEPT)(lambda folder, _version: summary_of(folder))
+        self._summaries = lru_cache(MOST_SUMMARIES)(lambda folder, _version: summary_of(folder))
         self._places = lru_cache(1)(lambda folder, _version: _places_in(folder))
         self._one_at_a_time = threading.Lock()
 
@@ -73,19 +70,10 @@ class StoredSurveys:
         """Return the newest surveys, before that of a folder if one is named, and if more are left.
 
         Raises:
-            SurveyRefusedError: An argument is not allowed.
+            InvalidValueError: That are too many.
             StorageFailedError: The data folder cannot be read.
         """
         number_between("max_surveys", max_surveys, 1, MAX_SURVEYS_PER_PAGE)
-        if before and not survey_folder.FOLDER_NAME.fullmatch(before):
-            raise SurveyRefusedError(
-                Message(
-                    "before is {before}; it must be empty or the name of a survey's folder, such "
-                    "as {example}",
-                    before=repr(before[:64]),
-                    example=survey_folder.EXAMPLE_FOLDER,
-                )
-            )
         names = sorted((one for one in self._folders() if not before or one < before), reverse=True)
         page = [_known(self._summaries, self._data / one) for one in names[:max_surveys]]
         return page, len(names) > max_surveys
@@ -106,12 +94,8 @@ class StoredSurveys:
     def traces(self, survey: str, indices: Sequence[int]) -> ReadTraces:
         """Return stored traces that have the frequencies of the first of them.
 
-        Each is read from the MCAP, or from its JSON file if the MCAP has no whole one.
-
-        Args:
-            survey: Its id, or the name of its folder.
-            indices: Their places in the plan. The first one is in the result; others may be
-                absent from it, to be requested again.
+        Each is read from the MCAP, or from its JSON file if the MCAP has no whole one. The one of
+        the first index is in the result; others may be absent from it, to be requested again.
 
         Raises:
             SurveyRefusedError: There is no such survey, or there are too many indices.

@@ -103,14 +103,13 @@ class StoredTraces:
         is_binding: bool,
         misfits: Callable[[Trace], List[Message]],
     ) -> None:
-        """Read the MCAP and every JSON file.
+        """Read the MCAP and every JSON file of a survey.
 
         Args:
             folder: The survey's folder.
             survey_id: Whose traces there must be.
             sealed: The manifest, if there is a whole one.
-            is_binding: Whether a file that differs from it is damaged: after a reopening files
-                change.
+            is_binding: Whether a file that differs from it is damaged: it was not reopened since.
             misfits: Returns what of a trace is not as it was planned.
         """
         self._folder = folder
