@@ -198,6 +198,8 @@ class Worker(ForkProcess):
         elif step.call is Call.STORE:
             processing.record(text_message("/t", f"before {step.trace}"))
             processing.store(TRACES[step.trace])
+            if [one.index for one in self._kit.stored].count(step.trace) != 1:
+                raise AssertionError(f"trace {step.trace} was not published once")
         elif step.fact is not None:
             add_fact(processing, step.fact)
         elif step.call is Call.SHUT_DOWN:

@@ -46,7 +46,7 @@ from gpr20_vna_acquisition.mid.request_deadline import RequestDeadline
 from gpr20_vna_acquisition.mid.vna_driver import VNADriver
 from gpr20_vna_acquisition.mid.vna_parameters import VnaParameters
 from gpr20_vna_processing.mid.data_processing import DataProcessing
-from gpr20_vna_processing.mid.processing_records import Limits
+from gpr20_vna_processing.mid.processing_parameters import ProcessingParameters
 from gpr20_vna_processing.mid.processing_records import Storage as StorageParts
 
 # 18 points, and few frequencies.
@@ -178,10 +178,9 @@ class RobotInProcess:
             axis.driver.close(LIMIT_S)
 
     def _build_storage(self) -> DataProcessing:
-        data = self.data
         parts = StorageParts(
-            data=data,
-            check_data=lambda: ensure_folders(data, 0o750),
+            ProcessingParameters(data=str(self.data)),
+            check_data=lambda: ensure_folders(self.data, 0o750),
             topics=SurveyTopics(),
             free_bytes=lambda _path: self.world.free_bytes,
             now_ns=lambda: time.time_ns(),  # as it is set by then
@@ -190,7 +189,7 @@ class RobotInProcess:
             end_status=end_status,
             bags=NO_BAGS,
         )
-        processing = DataProcessing(parts, Limits())
+        processing = DataProcessing(parts)
         processing.start()
         return processing
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import time
+from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any, Callable, Container, Dict, Iterable, List, Optional
@@ -16,17 +17,17 @@ from gpr20_common.low.clock import Clock
 from gpr20_survey.files.access import Readers
 from gpr20_survey.files.durable_files import ensure_folders
 from gpr20_survey.folder.log_record import Kind
-from gpr20_survey.folder.signature import Signer
 from gpr20_survey.plan.annotation import Annotation
 from gpr20_survey.plan.markers import Marker
 from gpr20_survey.recording.bag import make_bag
 from gpr20_survey.recording.mcap_writer import McapFile
 from gpr20_survey.recording.recording import RecordedMessage
-from gpr20_survey.recording.survey_topics import SurveyTopics, recorded_trace
+from gpr20_survey.recording.survey_topics import SurveyTopics, recorded_log, recorded_trace
 from gpr20_survey.trace import trace_message
 from gpr20_survey.trace.trace import Trace
 from gpr20_vna_processing.mid.data_processing import DataProcessing
-from gpr20_vna_processing.mid.processing_records import AddedFact, Limits, Storage, SurveyEnd
+from gpr20_vna_processing.mid.processing_parameters import ProcessingParameters
+from gpr20_vna_processing.mid.processing_records import ChangedSurvey, Storage, SurveyEnd
 
 OTHER_SURVEY = "7c9e6679-7425-40de-944b-e07fc1f90ae7"
 NOW_NS = 1_790_000_100_000_000_001
@@ -36,8 +37,8 @@ NO_BAGS: Any = SimpleNamespace(
     make=lambda _: None,
     cancel=lambda _: None,
     outstanding_bytes=lambda: 0,
-    problem=lambda: None,
 )
+LIMITS = ProcessingParameters(timeout_s=10.0, commit_period_s=0.05)
 
 TYPES = get_typestore(Stores.ROS1_NOETIC)
 TYPES.register(get_types_from_msg(trace_message.DEFINITION, "gpr20_msgs/msg/Trace"))
@@ -142,11 +143,11 @@ class Kit:
         self,
         data: Path,
         open_recording: Callable[..., Any] = McapFile,
-        limits: Limits = Limits(timeout_s=10.0, period_s=0.05),  # noqa: B008, RUF100
+        limits: ProcessingParameters = LIMITS,
         free_bytes: int = FREE_BYTES,
         now_ns: int = NOW_NS,
         readers: Readers = Readers.GROUP,
-        signer: Optional[Signer] = None,
+        signing_key: str = "",
         check_data: Optional[Callable[[], None]] = None,
         bags: Any = NO_BAGS,
     ) -> None:
@@ -154,9 +155,10 @@ class Kit:
         self.opened: List[str] = []
         self.logged: List[RecordedMessage] = []
         self.now_ns = now_ns
+        parameters = replace(limits, data=str(data), readable_by=readers, signing_key=signing_key)
         self.processing = DataProcessing(
             Storage(
-                data=data,
+                parameters,
                 check_data=check_data or (lambda: ensure_folders(data, readers.folder_mode)),
                 open_recording=open_recording,
                 topics=SurveyTopics(),
@@ -164,22 +166,21 @@ class Kit:
                 now_ns=lambda: self.now_ns,
                 clock=Clock(),
                 revision="1.2.3",
-                readers=readers,
-                signer=signer,
                 end_status=end_status,
-                on_opened=self.opened.append,
-                on_stored=self._note_stored,
-                on_logged=self.logged.append,
+                publish=self._note,
                 bags=bags,
-            ),
-            limits,
+            )
         )
         self.processing.start()
 
-    def _note_stored(self, message: RecordedMessage) -> None:
+    def _note(self, message: RecordedMessage) -> None:
         trace = recorded_trace(message)
-        assert trace is not None
-        self.stored.append(trace)
+        if trace is not None:
+            self.stored.append(trace)
+        elif recorded_log(message) is not None:
+            self.logged.append(message)
+        else:
+            self.opened.append(message.data[4:].decode())
 
     def open(self, survey_id: str = SURVEY, **changes: Any) -> Path:
         """Open a survey."""
@@ -188,15 +189,15 @@ class Kit:
             survey_id, **{**arguments, "needed_bytes": 1000, **changes}
         )
 
-    def annotate(self, survey: str, annotation: Annotation) -> AddedFact:
+    def annotate(self, survey: str, annotation: Annotation) -> ChangedSurvey:
         """Replace the annotation of a survey."""
         return self._add_fact(survey, Kind.ANNOTATION, annotation.values())
 
-    def add_marker(self, survey: str, marker: Marker) -> AddedFact:
+    def add_marker(self, survey: str, marker: Marker) -> ChangedSurvey:
         """Add a marker to a survey."""
         return self._add_fact(survey, Kind.MARKER, marker.request())
 
-    def remove_marker(self, survey: str, marker_id: str, author: str) -> AddedFact:
+    def remove_marker(self, survey: str, marker_id: str, author: str) -> ChangedSurvey:
         """Remove a marker of a survey."""
         values = {"marker_id": marker_id, "author": author}
         return self._add_fact(survey, Kind.MARKER_REMOVED, values)
@@ -205,7 +206,7 @@ class Kit:
         """Add a report to the open survey; return how many traces are stored."""
         return self.processing.add_fact(survey, "report", report_json).stored_traces
 
-    def _add_fact(self, survey: str, kind: Kind, values: Dict[str, Any]) -> AddedFact:
+    def _add_fact(self, survey: str, kind: Kind, values: Dict[str, Any]) -> ChangedSurvey:
         return self.processing.add_fact(survey, kind.value, json.dumps(values))
 
     def finish(self, traces: Iterable[Trace], stored: Container[int]) -> None:

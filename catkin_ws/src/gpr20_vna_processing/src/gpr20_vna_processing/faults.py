@@ -6,10 +6,6 @@ from gpr20_common import remedies
 from gpr20_common.message import Fault, Message, Severity
 from gpr20_survey.faults import DESCRIPTION_LOST
 
-_STOP_AND_RESUME = Message(
-    "Press STOP, then resume the survey: that checks and repairs what is stored."
-)
-
 OTHER_OPEN = Fault("survey.other_open", remedies.OTHER_SURVEY)
 NONE_OPEN = Fault("survey.none_open", Message("Start a survey, or resume one."))
 CLOSING = Fault(
@@ -20,11 +16,8 @@ FOLDER_EXISTS = Fault(
     Message("Choose another survey id: the window does so when you start again."),
 )
 COMPLETE = Fault("survey.complete", remedies.NEW_SURVEY, severity=Severity.NOTE, can_continue=False)
-IMPORTED = Fault("survey.imported", remedies.NEW_SURVEY, severity=Severity.NOTE, can_continue=False)
 TRACES_NOT_PLANNED = Fault("survey.traces_not_planned", DESCRIPTION_LOST.remedy, can_continue=False)
-OTHER_DESCRIPTION = Fault("survey.other_description", DESCRIPTION_LOST.remedy, can_continue=False)
 TRACE_ALREADY_STORED = Fault("trace.already_stored", remedies.KEEP_SURVEY)
-FILE_MISSING = Fault("trace.file_missing", _STOP_AND_RESUME)
 
 DISK_SLOW = Fault(
     "disk.slow",

@@ -18,7 +18,7 @@ from trace_examples import SURVEY, assert_same_numbers, read_json
 
 from gpr20_survey.folder.recovery import read_description
 from gpr20_survey.plan.markers import markers_of
-from gpr20_vna_processing.mid.processing_records import Limits
+from gpr20_vna_processing.mid.processing_parameters import ProcessingParameters
 
 TRACES = [planned_trace(index) for index in range(len(POINTS))]
 STORED = {"finished": len(POINTS), "stopped": 6, "interrupted": 6, "cut off": 6}
@@ -38,7 +38,8 @@ def make(place: Path, ending: str) -> Made:
     What a kill leaves of one that was cut off is what is on the disk then.
     """
     # On a busy computer it would record the last marker before it is cut off.
-    kit = Kit(place / "open", limits=Limits(timeout_s=10.0, period_s=3600.0))
+    limits = ProcessingParameters(timeout_s=10.0, commit_period_s=3600.0)
+    kit = Kit(place / "open", limits=limits)
     folder = kit.open(metadata_json=METADATA)
     kit.add_marker(SURVEY, marker(1))
     kit.annotate(SURVEY, EXAMPLE)

@@ -20,8 +20,8 @@ from gpr20_common.sent_message import received_message
 from gpr20_survey.errors import StorageFailedError, SurveyRefusedError, TraceRefusedError
 from gpr20_survey.faults import OTHER_DATA_FOLDER
 from gpr20_survey.folder.recovery import recover
-from gpr20_vna_processing.mid.latched_topics import LARGEST_BYTES
-from gpr20_vna_processing.mid.processing_records import Limits
+from gpr20_vna_processing.mid.processing_parameters import ProcessingParameters
+from gpr20_vna_processing.mid.storage_thread import LARGEST_LATCHED_BYTES
 
 LOST_ZERO = Fault("axis.lost_zero", Message("Home the axis."), can_continue=False)
 DISK_FULL = OSError(errno.ENOSPC, "No space left on device")
@@ -105,7 +105,7 @@ def test_a_trace_that_contradicts_a_stored_one_is_refused(kit, memory):
     for other, *expected in [
         (make_trace(0, x_coord_mm=50.0000001), "trace.already_stored", 0),
         (make_trace(0, sample_id="another"), "trace.already_stored", "another"),
-        (make_trace(1, sample_id="sample-0"), "trace.not_allowed", "sample-0", 0, 1),
+        (make_trace(1, sample_id="sample-0"), "trace.already_stored", "sample-0", 0, 1),
         (make_trace(1, survey_id=OTHER_SURVEY), "survey.other_open", SURVEY, OTHER_SURVEY),
     ]:
         with raises_fault(*expected, error=TraceRefusedError):
@@ -139,7 +139,7 @@ def test_other_topics_are_dropped_not_kept_while_the_disk_is_full(kit, memory):
 def test_latched_topics_published_before_the_survey_are_recorded(kit, memory):
     kit.processing.record(text_message("/status", "old", latching=True))
     kit.processing.record(text_message("/status", "idle", latching=True))
-    kit.processing.record(text_message("/status", "x" * LARGEST_BYTES, latching=True))
+    kit.processing.record(text_message("/status", "x" * LARGEST_LATCHED_BYTES, latching=True))
     kit.processing.record(text_message("/plain", "before"))
     kit.open()
     assert memory.texts("/status") == ["idle"]
@@ -187,7 +187,7 @@ def test_traces_that_cannot_be_recorded_do_not_fill_the_memory(kit, memory):
 
 
 def test_a_survey_that_is_larger_than_the_disk_is_refused(tmp_path):
-    limits = Limits(disk_reserve_bytes=400_000_000)
+    limits = ProcessingParameters(disk_reserve_mb=400.0)
     kit = Kit(tmp_path, lambda *_: MemoryRecording(), limits=limits, free_bytes=1_000_000_000)
     with raises_fault("disk.full", 601, 400, 1000, error=SurveyRefusedError):
         kit.open(needed_bytes=601_000_000)

@@ -217,22 +217,6 @@ def test_hostile_values_of_every_kind_are_refused_with_a_reason_and_change_nothi
     assert (folder / "log.jsonl").read_bytes() == before
 
 
-@each_case("survey", ["../x", "/etc", "x" * 9999, OTHER_SURVEY, "\x00", "20260921T141320_7c9e6679"])
-def test_a_survey_that_is_not_there_takes_nothing(kit, survey):
-    for kind, values in (("marker", ONE.request()), ("pause", {"time": NOW}), ("report", {})):
-        with pytest.raises(SurveyRefusedError) as refused:
-            kit.processing.add_fact(survey, kind, json.dumps(values))
-        assert refused.value.message.fault_code
-    with raises_fault("survey.none_open", error=SurveyRefusedError):
-        kit.add_marker("", ONE)
-
-
-def test_metadata_bring_no_markers_and_no_wrong_annotation(kit):
-    for metadata in ({"annotation": {"operator": "a\nb"}}, {"markers": []}):
-        with pytest.raises(SurveyRefusedError):
-            print(kit.open(metadata_json=json.dumps(metadata)))
-
-
 def test_a_missing_manifest_is_not_made_again_by_a_fact(kit, closed):
     (closed / "manifest.json").unlink()
     kit.annotate(SURVEY, EXAMPLE)

@@ -128,16 +128,3 @@ def test_the_first_type_of_a_topic_has_its_name_and_others_have_their_own(tmp_pa
     copy.commit()
     names = [one.topic for one in StoredMcap(tmp_path / "b.mcap").messages()]
     assert names == ["/status", "/status_01234567"] * 2 + ["/status_01234567"]
-
-
-def test_two_damaged_traces_are_passed_over_and_the_next_is_read(snapshots, tmp_path):
-    changed = bytearray((snapshots / "end" / "survey.mcap").read_bytes())
-    lengths = [len((snapshots / f"{index}" / "survey.mcap").read_bytes()) for index in range(4)]
-    for middle in ((lengths[0] + lengths[1]) // 2, (lengths[1] + lengths[2]) // 2):
-        changed[middle : middle + 40] = bytes(40)
-    (tmp_path / "changed").write_bytes(changed)
-    prints, faults = read(tmp_path / "changed")
-    assert faults
-    assert prints == {index: PRINTS[index] for index in prints}
-    assert {0, 3} <= prints.keys()
-    assert not {1, 2} <= prints.keys()

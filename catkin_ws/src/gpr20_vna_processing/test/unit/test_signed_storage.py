@@ -11,7 +11,7 @@ from gpr20_survey.folder.annotating import Fact, add_to_survey
 from gpr20_survey.folder.log_record import Kind
 from gpr20_survey.folder.manifest import MANIFEST_FILE as SEAL
 from gpr20_survey.folder.recovery import read_description
-from gpr20_survey.folder.signature import SIGNATURE_FILE, Signer
+from gpr20_survey.folder.signature import SIGNATURE_FILE
 from gpr20_survey.plan.annotation import Annotation
 
 NOW = "2026-11-25T00:00:00.000000Z"
@@ -29,7 +29,7 @@ def signers(tmp_path):
 
 @pytest.fixture
 def kit(tmp_path, signers):
-    kit = Kit(tmp_path / "data", signer=Signer(tmp_path / "key"))
+    kit = Kit(tmp_path / "data", signing_key=str(tmp_path / "key"))
     yield kit
     kit.processing.shut_down()
 

@@ -25,6 +25,7 @@ class Disk:
         self.threads = []
         size = text_message("/t", "a").size_bytes + MESSAGE_BYTES
         self.thread = StorageThread(self.write, messages * size, period_s)
+        self.thread.begin_recording(1)
         self.thread.start()
 
     def write(self, messages) -> None:

@@ -13,8 +13,8 @@ from storage_kit import OTHER_SURVEY, Kit, text_message
 from trace_examples import SURVEY, make_trace
 
 from gpr20_survey.trace.trace_block import SAMPLE, TraceBlock
-from gpr20_vna_processing.mid import stored_files
-from gpr20_vna_processing.mid.stored_files import TraceReader
+from gpr20_vna_processing.mid import stored_surveys
+from gpr20_vna_processing.mid.stored_surveys import StoredSurveys
 
 PLANNED = range(40)
 
@@ -65,7 +65,7 @@ def test_what_is_stored_is_read_and_what_is_not_is_named(
     last = random.Random(seed).sample(sorted(stored), min(later, len(stored)))
     order = [*sorted(stored.difference(last)), *last]
     folder = stored_survey(tmp_path_factory.mktemp("data"), order, end)
-    found = TraceReader().read(folder, SURVEY, sorted(wanted))
+    found = StoredSurveys(folder.parent).traces(SURVEY, sorted(wanted))
     assert set(found.block.indices.tolist()) == stored & wanted
     assert set(found.unreadable) == wanted - stored
     assert_as_stored(found.block)
@@ -74,7 +74,7 @@ def test_what_is_stored_is_read_and_what_is_not_is_named(
 def test_a_trace_of_which_nothing_is_whole_is_named_and_the_others_are_read(tmp_path):
     folder = stored_survey(tmp_path, PLANNED)
     json_file(folder, 6).write_bytes(b"{")
-    assert TraceReader().read(folder, SURVEY, [6]).block.indices.tolist() == [6]
+    assert StoredSurveys(folder.parent).traces(SURVEY, [6]).block.indices.tolist() == [6]
     (folder / "survey.mcap").unlink()
     torn, unreadable = json_file(folder, 2), json_file(folder, 3)
     torn.write_bytes(torn.read_bytes()[:-20])
@@ -82,7 +82,7 @@ def test_a_trace_of_which_nothing_is_whole_is_named_and_the_others_are_read(tmp_
     unreadable.mkdir()
     foreign = json_file(folder, 4)
     foreign.write_bytes(foreign.read_bytes().replace(SURVEY.encode(), OTHER_SURVEY.encode()))
-    found = TraceReader().read(folder, SURVEY, [1, 2, 3, 4, 5])
+    found = StoredSurveys(folder.parent).traces(SURVEY, [1, 2, 3, 4, 5])
     assert found.block.indices.tolist() == [1, 5]
     assert list(found.unreadable) == [2, 3, 4]
     assert found.unreadable[2].fault_code == "trace.damaged"
@@ -90,33 +90,39 @@ def test_a_trace_of_which_nothing_is_whole_is_named_and_the_others_are_read(tmp_
 
 
 def test_a_survey_is_read_while_it_is_measured(tmp_path):
-    kit, reader = Kit(tmp_path), TraceReader()
-    folder = kit.open()
+    kit, surveys = Kit(tmp_path), StoredSurveys(tmp_path)
+    kit.open()
     for index in range(30):
         kit.processing.store(trace_of(index))
-        found = reader.read(folder, SURVEY, range(index + 1))
+        found = surveys.traces(SURVEY, range(index + 1))
         assert found.block.indices.tolist() == list(range(index + 1)), index
     kit.processing.close_survey(SURVEY, "finished")
-    assert_as_stored(reader.read(folder, SURVEY, range(30)).block)
+    assert_as_stored(surveys.traces(SURVEY, range(30)).block)
     kit.processing.shut_down()
 
 
 def test_an_answer_is_bounded_by_its_points_and_by_its_time(tmp_path, monkeypatch):
     folder = stored_survey(tmp_path, PLANNED)
-    monkeypatch.setattr(stored_files, "MAX_POINTS", 23)
-    assert TraceReader().read(folder, SURVEY, PLANNED).block.indices.tolist() == [0, 1, 2, 3, 4]
-    monkeypatch.setattr(stored_files, "MAX_READING_S", -1.0)
-    assert TraceReader().read(folder, SURVEY, [7, 8]).block.indices.tolist() == [7]
+    monkeypatch.setattr(stored_surveys, "MAX_POINTS", 23)
+    assert StoredSurveys(folder.parent).traces(SURVEY, PLANNED).block.indices.tolist() == [
+        0,
+        1,
+        2,
+        3,
+        4,
+    ]
+    monkeypatch.setattr(stored_surveys, "MAX_READING_S", -1.0)
+    assert StoredSurveys(folder.parent).traces(SURVEY, [7, 8]).block.indices.tolist() == [7]
 
 
 def test_traces_with_other_frequencies_are_left_to_another_request(tmp_path):
     kit = Kit(tmp_path)
-    folder = kit.open()
+    kit.open()
     for index in range(6):
         kit.processing.store(
             trace_of(index, frequency_hz=np.linspace(6e8, 6e9 + 1e6 * (index % 3 == 1), 5))
         )
-    reader = TraceReader()
-    assert reader.read(folder, SURVEY, range(6)).block.indices.tolist() == [0, 2, 3, 5]
-    assert reader.read(folder, SURVEY, [1, 2, 4]).block.indices.tolist() == [1, 4]
+    surveys = StoredSurveys(tmp_path)
+    assert surveys.traces(SURVEY, range(6)).block.indices.tolist() == [0, 2, 3, 5]
+    assert surveys.traces(SURVEY, [1, 2, 4]).block.indices.tolist() == [1, 4]
     kit.processing.shut_down()

@@ -16,7 +16,7 @@ from gpr20_operator.jobs.job import Service
 from gpr20_operator.jobs.pictures import Exported, StoredSurvey
 from gpr20_survey.plan.annotation import Annotation
 from gpr20_survey.results.candidates import Flag
-from gpr20_vna_processing.mid.survey_archive import SurveyArchive
+from gpr20_vna_processing.mid.stored_surveys import StoredSurveys
 from gpr20_web.calls import Call, Person
 from gpr20_web.mid.surveys_page import SurveysPage
 from gpr20_web.roles import Role
@@ -30,7 +30,7 @@ class Services:
     """What the robot's services do, without ROS."""
 
     def __init__(self, kit: Kit, data) -> None:
-        self._processing, self._archive = kit.processing, SurveyArchive(data)
+        self._processing, self._archive = kit.processing, StoredSurveys(data)
         self.asked, self.cancelled = [], []
         self.focus = lambda survey: focused(PLACES, survey)
         self.export = lambda survey, _fields: Exported((f"{survey}_report.pdf",), b"%PDF")

@@ -25,8 +25,7 @@ from gpr20_survey.folder.signature import key_warning
 from gpr20_survey.plan.sensors import SENSORS
 from gpr20_survey.trace.calibration import CalibrationStatus
 from gpr20_vna_acquisition.mid.vna_parameters import MS2026C
-from gpr20_vna_processing.mid.processing_parameters import ProcessingParameters
-from gpr20_vna_processing.mid.processing_records import BYTES_PER_MB
+from gpr20_vna_processing.mid.processing_parameters import BYTES_PER_MB, ProcessingParameters
 
 STORAGE_FILE, ANALYZER_FILE, HEIGHT_FILE = "storage.yaml", "analyzer.yaml", "height.yaml"
 WIRING_FILE = "wiring.yaml"

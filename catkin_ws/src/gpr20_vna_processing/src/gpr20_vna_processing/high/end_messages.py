@@ -7,18 +7,13 @@ from typing import Any, List
 import rospy
 
 from gpr20_common.high.raw_message import serialized
-from gpr20_common.message import Message
 from gpr20_common.sent_message import message_fields
 from gpr20_msgs.msg import ControlStatus
-from gpr20_survey import faults
-from gpr20_survey.errors import SurveyRefusedError
 from gpr20_survey.recording.recording import RecordedMessage
 from gpr20_survey.trace import utc_time
-from gpr20_vna_processing.mid.survey_end import SurveyEnd, may_end_with
+from gpr20_vna_processing.mid.processing_records import OUTCOMES, SurveyEnd
 
 STATUS_TOPIC = "control_status"
-PROGRESS_TOPIC = "control_survey_data"
-COVERAGE_TOPIC = "survey_coverage"
 # A coverage with a reason for each of the most samples that a survey may have is smaller.
 LARGEST_BYTES = 16 << 20
 
@@ -26,25 +21,22 @@ LARGEST_BYTES = 16 << 20
 def end_messages(request: Any, time_ns: int) -> List[RecordedMessage]:
     """Return the last messages that a request to close a survey holds, the status last.
 
-    Args:
-        request: Of the service `close_survey`.
-        time_ns: When it came [ns since 1970, UTC].
-
-    Raises:
-        SurveyRefusedError: The status is of another survey or states another outcome.
+    There are none if the status is of another survey or states another outcome: then the storage
+    states the end.
     """
     status = request.status
-    if status.survey_id:
-        _check_status(request)
+    _sentence, states = OUTCOMES.get(request.outcome, ("", ()))
+    if status.survey_id != request.survey_id or status.code not in states:
+        return []
     given = (
-        (PROGRESS_TOPIC, request.progress, False),
-        (COVERAGE_TOPIC, request.coverage, True),
+        ("control_survey_data", request.progress, False),
+        ("survey_coverage", request.coverage, True),
         (STATUS_TOPIC, status, True),
     )
     messages = [
         _recorded(topic, message, time_ns, latching)
         for topic, message, latching in given
-        if status.survey_id and message.survey_id == request.survey_id
+        if message.survey_id == request.survey_id
     ]
     return [one for one in messages if len(one.data) <= LARGEST_BYTES]
 
@@ -57,20 +49,6 @@ def end_status(end: SurveyEnd) -> RecordedMessage:
     status.survey_id = end.survey_id
     status.simulated = end.simulated
     return _recorded(STATUS_TOPIC, status, end.time_ns, latching=True)
-
-
-def _check_status(request: Any) -> None:
-    status = request.status
-    if status.survey_id != request.survey_id or not may_end_with(request.outcome, status.code):
-        raise SurveyRefusedError(
-            Message(
-                "the last status does not state that survey {survey} is {outcome}",
-                survey=request.survey_id[:64],
-                outcome=request.outcome[:64],
-                details=f"{status.survey_id[:64]}, code {status.code}",
-            ),
-            fault=faults.NOT_CLOSED,
-        )
 
 
 def _recorded(topic: str, message: Any, time_ns: int, latching: bool) -> RecordedMessage:

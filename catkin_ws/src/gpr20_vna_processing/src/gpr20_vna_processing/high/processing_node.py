@@ -26,89 +26,78 @@ from gpr20_common.mid.node_software import software_revision
 from gpr20_common.os_reason import os_reason
 from gpr20_common.sent_message import fields_of, received_message
 from gpr20_common.terminal_text import printable
-from gpr20_msgs.msg import Replay, Trace
-from gpr20_msgs.srv import (
-    AddFact,
-    CloseSurvey,
-    OpenSurvey,
-    ReopenSurvey,
-    ReopenSurveyResponse,
-    StoreData,
-)
+from gpr20_msgs import srv
+from gpr20_msgs.msg import Replay, SurveySummary, Trace
 from gpr20_survey.errors import ProcessingError
 from gpr20_survey.files.durable_files import free_bytes
 from gpr20_survey.files.file_system import existing_folder
 from gpr20_survey.folder.data_folder import DataFolder
 from gpr20_survey.folder.signature import key_warning
 from gpr20_survey.plan.sensors import SENSORS, Sensors
-from gpr20_survey.recording.survey_topics import (
-    LOG_TOPIC,
-    METADATA_TOPIC,
-    TRACE_TOPIC,
-    SurveyTopics,
-)
+from gpr20_survey.recording import survey_topics
+from gpr20_survey.recording.recording import RecordedMessage
+from gpr20_survey.results.survey_summary import summary_fields
 from gpr20_survey.trace import trace_message
+from gpr20_survey.trace.trace_block import block_fields
 from gpr20_vna_processing.faults import DISK_SLOW
-from gpr20_vna_processing.high.archive_services import ArchiveServices
 from gpr20_vna_processing.high.end_messages import end_messages, end_status
 from gpr20_vna_processing.high.topic_recorder import TopicRecorder, wait_for_nodes
 from gpr20_vna_processing.low.bag_processes import BagProcesses
 from gpr20_vna_processing.mid.data_processing import DataProcessing
-from gpr20_vna_processing.mid.processing_parameters import ProcessingParameters
-from gpr20_vna_processing.mid.processing_records import BYTES_PER_MB, Storage
-from gpr20_vna_processing.mid.survey_archive import SurveyArchive
+from gpr20_vna_processing.mid.processing_parameters import BYTES_PER_MB, ProcessingParameters
+from gpr20_vna_processing.mid.processing_records import Storage
+from gpr20_vna_processing.mid.stored_surveys import StoredSurveys
 
 NODE = "vna_processing"
 MAX_REPAIRS_SHOWN = 10
-# Of the 15 s that roslaunch gives a node to end.
-BAGS_LIMIT_S = 8.0
+BAGS_LIMIT_S = 8.0  # of the 15 s that roslaunch gives a node to end
 
 
 class ProcessingNode:
-    """Turns requests into calls of DataProcessing and its answers into messages."""
+    """Turns requests into calls of DataProcessing and StoredSurveys, and answers into messages."""
 
     def __init__(self, parameters: ProcessingParameters, sensors: Sensors) -> None:
         """Connect everything; nothing is recorded before `open_survey`."""
         self._data = parameters.data_folder()
         self._folder = DataFolder(parameters.data_folder_use(), Clock())
-        self._limits = parameters.limits()
-        self._trace = rospy.Publisher(TRACE_TOPIC, Trace, queue_size=100)
-        self._metadata = rospy.Publisher(METADATA_TOPIC, String, queue_size=1, latch=True)
-        self._log = rospy.Publisher(LOG_TOPIC, String, queue_size=100)
-        self._bags = BagProcesses(free_bytes, self._limits.disk_reserve_bytes)
-        signer = parameters.signer()
-        self._key_warning = key_warning(signer)
+        self._reserve_bytes = parameters.disk_reserve_bytes
+        self._trace = rospy.Publisher(survey_topics.TRACE_TOPIC, Trace, queue_size=100)
+        metadata = rospy.Publisher(survey_topics.METADATA_TOPIC, String, queue_size=1, latch=True)
+        log = rospy.Publisher(survey_topics.LOG_TOPIC, String, queue_size=100)
+        self._publishers = {one.resolved_name: one for one in (self._trace, metadata, log)}
+        self._bags = BagProcesses(free_bytes, self._reserve_bytes)
+        self._key_warning = key_warning(parameters.signer())
         self._processing = DataProcessing(
             Storage(
-                data=self._data,
+                parameters,
                 check_data=self._folder.check,
-                topics=SurveyTopics(Trace._full_text, Replay._full_text, rospy.resolve_name),
+                topics=survey_topics.SurveyTopics(
+                    Trace._full_text, Replay._full_text, rospy.resolve_name
+                ),
                 free_bytes=free_bytes,
                 now_ns=time.time_ns,
                 clock=Clock(),
                 revision=software_revision(__version__, Path(__file__).resolve().parent),
-                readers=parameters.readable_by,
-                signer=signer,
                 end_status=end_status,
-                on_opened=lambda text: _publish(self._metadata, String(text)),
-                on_stored=lambda one: _publish(self._trace, preserialized(Trace, one.data)),
-                on_logged=lambda one: _publish(self._log, preserialized(String, one.data)),
                 bags=self._bags,
-            ),
-            self._limits,
+                publish=self._publish,
+            )
         )
         self._processing.start()
         rospy.on_shutdown(self._shut_down)
         topics = (*parameters.all_topics, *sensors.topics)
-        self._recorder = TopicRecorder(topics, self._processing.record, time.time_ns)
+        self._recorder = TopicRecorder(topics, self._processing.record)
+        self._surveys = StoredSurveys(self._data)
         self._services = [
-            advertise("open_survey", OpenSurvey, self._open_survey),
-            advertise("reopen_survey", ReopenSurvey, self._reopen_survey),
-            advertise("add_fact", AddFact, self._add_fact),
-            advertise("store_data", StoreData, self._store_data),
-            advertise("close_survey", CloseSurvey, self._close_survey),
+            advertise("open_survey", srv.OpenSurvey, self._open_survey),
+            advertise("reopen_survey", srv.ReopenSurvey, self._reopen_survey),
+            advertise("add_fact", srv.AddFact, self._add_fact),
+            advertise("store_data", srv.StoreData, self._store_data),
+            advertise("close_survey", srv.CloseSurvey, self._close_survey),
+            advertise("list_surveys", srv.ListSurveys, self._list_surveys),
+            advertise("read_survey", srv.ReadSurvey, self._read_survey),
+            advertise("read_traces", srv.ReadTraces, self._read_traces),
         ]
-        self._archive = ArchiveServices(SurveyArchive(self._data))
         self._diagnostics = Diagnostics("storage", self._health)
         self._description = publish_description(NODE, NO_HARDWARE, parameters)
 
@@ -126,7 +115,7 @@ class ProcessingNode:
             survey=request.survey_id,
             folder=printable(folder),
         )
-        return success(OpenSurvey, message, path=str(folder), interrupted=interrupted)
+        return success(srv.OpenSurvey, message, path=str(folder), interrupted=interrupted)
 
     def _reopen_survey(self, request: Any) -> Any:
         interrupted = self._interrupt_other(request.interrupt_open, request.survey)
@@ -134,18 +123,17 @@ class ProcessingNode:
         # Reopening publishes the last trace again, maybe as the first act of this process.
         wait_for_nodes(self._unheard, "a subscriber of %s is not connected")
         reopened = self._processing.reopen_survey(request.survey)
-        reopened = replace(reopened, interrupted=interrupted)
-        stored = len(reopened.stored_indices)
         recent = [deserialized(Trace, trace_message.encode(one)) for one in reopened.recent]
         message = Message(
             "survey {survey} is open again with {stored} traces stored",
             survey=reopened.survey_id,
-            stored=stored,
+            stored=len(reopened.stored_indices),
         )
+        again = replace(reopened, interrupted=interrupted)
         return success(
-            ReopenSurvey,
+            srv.ReopenSurvey,
             in_a_row([message, *reopened.repairs[:MAX_REPAIRS_SHOWN]]),
-            **{**fields_of(reopened, ReopenSurveyResponse), "recent": recent},
+            **{**fields_of(again, srv.ReopenSurveyResponse), "recent": recent},
         )
 
     def _wait_for_publishers(self) -> None:
@@ -163,7 +151,7 @@ class ProcessingNode:
         added = self._processing.add_fact(request.survey, request.kind, request.values_json)
         message = Message("the log of survey {survey} has the fact", survey=added.survey_id)
         return success(
-            AddFact,
+            srv.AddFact,
             message,
             path=str(added.folder),
             survey_id=added.survey_id,
@@ -176,9 +164,7 @@ class ProcessingNode:
         trace = trace_message.decode(serialized(request))
         path = self._processing.store(trace)
         return success(
-            StoreData,
-            Message("{trace} is stored", trace=trace.label),
-            path=str(path),
+            srv.StoreData, Message("{trace} is stored", trace=trace.label), path=str(path)
         )
 
     def _close_survey(self, request: Any) -> Any:
@@ -194,10 +180,41 @@ class ProcessingNode:
         if unsigned is not None:
             message = in_a_row([message, unsigned])
         return success(
-            CloseSurvey,
+            srv.CloseSurvey, message, path=str(closed.folder), stored_traces=closed.stored_traces
+        )
+
+    def _list_surveys(self, request: Any) -> Any:
+        surveys, more = self._surveys.list(request.before, request.max_surveys)
+        return success(
+            srv.ListSurveys,
+            Message("{count} surveys", count=len(surveys)),
+            surveys=[SurveySummary(**summary_fields(one, SurveySummary)) for one in surveys],
+            more=more,
+        )
+
+    def _read_survey(self, request: Any) -> Any:
+        survey = self._surveys.survey(request.survey)
+        return success(
+            srv.ReadSurvey,
+            Message("{count} traces stored", count=len(survey.stored_indices)),
+            survey_id=survey.survey_id,
+            metadata_json=json.dumps(survey.description),
+            stored_indices=survey.stored_indices,
+        )
+
+    def _read_traces(self, request: Any) -> Any:
+        block, unreadable = self._surveys.traces(request.survey, request.indices)
+        message = Message(
+            "{count} traces, {unreadable} files cannot be read",
+            count=len(block.indices),
+            unreadable=len(unreadable),
+        )
+        return success(
+            srv.ReadTraces,
             message,
-            path=str(closed.folder),
-            stored_traces=closed.stored_traces,
+            **block_fields(block),
+            unreadable=[f"{index}: {reason}" for index, reason in unreadable.items()],
+            unreadable_json=[reason.to_json() for reason in unreadable.values()],
         )
 
     def _shut_down(self) -> None:
@@ -214,7 +231,8 @@ class ProcessingNode:
             # Without a size: it would be that of another disk.
             return ERROR, problem, {"open survey": state.survey_id, "folder": state.folder}
         try:
-            free_mb = self._free_mb()
+            # The data folder may not be there before the first survey.
+            free_mb = free_bytes(existing_folder(self._data)) / BYTES_PER_MB
         except OSError as error:
             message = Message(
                 "the free space on the disk of {path} is unknown: {reason}",
@@ -229,37 +247,34 @@ class ProcessingNode:
             "free disk [MB]": free_mb,
             "stores waiting": state.queues.jobs,
             "messages waiting": state.queues.messages,
-            "messages dropped": state.queues.dropped + state.unrecorded,
+            "messages dropped": state.unrecorded,
             "last error": state.last_error or "",
         }
         if state.failing and state.last_error is not None:
             return ERROR, state.last_error, values
-        if free_mb * BYTES_PER_MB < self._limits.disk_reserve_bytes:
+        if free_mb * BYTES_PER_MB < self._reserve_bytes:
             message = Message(
                 "only {free_mb:.0f} MB are free on the disk; make space", free_mb=free_mb
             )
             return WARN, message.with_fault(DISK_FULL).as_warning(), values
-        if state.queues.dropped or state.unrecorded:
+        if state.unrecorded:
             message = Message("messages of other topics were dropped; the disk is too slow")
             return WARN, message.with_fault(DISK_SLOW).as_warning(), values
-        warning = state.unsigned or self._key_warning or state.bag_problem
+        warning = state.unsigned or self._key_warning or self._bags.problem()
         if warning is not None:
             return WARN, warning, values
         if not state.survey_id:
             return OK, Message("no survey is open"), values
         return OK, Message("{count} traces stored", count=state.stored_traces), values
 
-    def _free_mb(self) -> float:
-        # The data folder may not be there before the first survey.
-        return free_bytes(existing_folder(self._data)) / BYTES_PER_MB
-
-
-def _publish(publisher: rospy.Publisher, message: Any) -> None:
-    try:
-        publisher.publish(message)
-    except rospy.ROSException as error:
-        # ROS is shutting down; what was stored is durable, as the answer states.
-        rospy.logwarn("%s: stored but not published: %s", publisher.name, error)
+    def _publish(self, message: RecordedMessage) -> None:
+        publisher = self._publishers[message.topic]
+        try:
+            kind = Trace if message.datatype == trace_message.DATATYPE else String
+            publisher.publish(preserialized(kind, message.data))
+        except rospy.ROSException as error:
+            # ROS is shutting down; what was stored is durable, as the answer states.
+            rospy.logwarn("%s: stored but not published: %s", publisher.name, error)
 
 
 def main() -> None:

@@ -19,7 +19,8 @@ from gpr20_survey.recording.survey_topics import (
     TRACE_TOPIC,
 )
 
-# Topics that make an axis move or stop.
+# Topics that make an axis move or stop have another name in the recording: playing it on the master
+# of a robot must not move the robot.
 COMMANDS = ("/axis/goal", "/axis/cancel")
 COMMAND_SUFFIX = "_recorded"
 # Connections to nodes that were just started are made within this time [s].
@@ -32,29 +33,18 @@ PLAYER = re.compile(r"play_\d+")
 class TopicRecorder:
     """Passes every message of some topics on as the bytes that came, but those of a player."""
 
-    def __init__(
-        self,
-        topics: Iterable[str],
-        record: Callable[[RecordedMessage], None],
-        now_ns: Callable[[], int],
-    ) -> None:
-        """Subscribe.
-
-        Args:
-            topics: Names, relative to the node's namespace or absolute.
-            record: Takes each message; must not wait.
-            now_ns: Time of day [ns since 1970, UTC].
-        """
+    def __init__(self, topics: Iterable[str], record: Callable[[RecordedMessage], None]) -> None:
+        """Subscribe to topics, relative to the node's namespace or absolute."""
         self._record = record
-        self._now_ns = now_ns
         self._players: Set[str] = set()
         # The storage records these itself, exactly once.
         stored = (TRACE_TOPIC, METADATA_TOPIC, LOG_TOPIC, REPLAY_TOPIC)
         own = {rospy.resolve_name(name) for name in stored}
         names = {rospy.resolve_name(topic) for topic in topics} - own
+        recorded = {one: one + COMMAND_SUFFIX * one.endswith(COMMANDS) for one in sorted(names)}
         self._subscribers = [
-            rospy.Subscriber(name, rospy.AnyMsg, self._received, callback_args=recorded_name(name))
-            for name in sorted(names)
+            rospy.Subscriber(name, rospy.AnyMsg, self._received, callback_args=recorded[name])
+            for name in recorded
         ]
 
     def unconnected(self) -> List[str]:
@@ -63,8 +53,7 @@ class TopicRecorder:
         What it sends before is in no recording.
 
         Raises:
-            rosgraph.MasterException: The master refuses to answer.
-            OSError: The master does not answer.
+            rosgraph.MasterException: The master refuses to answer; OSError: it does not answer.
         """
         published, _subscribed, _services = rosgraph.Master(rospy.get_name()).getSystemState()
         publishers = Counter({topic: len(nodes) for topic, nodes in published})
@@ -89,27 +78,17 @@ class TopicRecorder:
                 md5sum=header["md5sum"],
                 definition=header["message_definition"],
                 data=message._buff,
-                time_ns=self._now_ns(),
+                time_ns=time.time_ns(),
                 latching=header.get("latching") == "1",
             )
         )
 
 
-def recorded_name(topic: str) -> str:
-    """Return the name under which a topic is recorded: its own, unless it commands an axis.
-
-    Playing a recording on the master of a robot must not move the robot.
-    """
-    return topic + COMMAND_SUFFIX if topic.endswith(COMMANDS) else topic
-
-
 def wait_for_nodes(unconnected: Callable[[], List[str]], warning: str) -> None:
-    """Wait until the nodes of topics are connected, or the time is over; those may be dead.
+    """Wait until no topic lacks the connection to a node, or the time is over; it may be dead.
 
-    Args:
-        unconnected: Returns the topics that lack a node; it may ask the master, which may be away:
-            storing does not depend on it, and missing positions do not refuse a survey.
-        warning: What that means, for the log, with a place for the topics.
+    The master, which is asked, may be away: storing does not depend on it, and missing positions do
+    not refuse a survey.
     """
     deadline_s = time.monotonic() + CONNECTION_LIMIT_S
     try:

@@ -5,9 +5,9 @@ from __future__ import annotations
 import subprocess
 import sys
 import threading
-from collections import deque
+from concurrent.futures import Future, ThreadPoolExecutor, wait
 from pathlib import Path
-from typing import Callable, Deque, Optional, Tuple
+from typing import Callable, Dict, Optional, Tuple
 
 from gpr20_common.faults import DISK_FULL
 from gpr20_common.message import Message
@@ -36,45 +36,39 @@ class BagProcesses:
     """
 
     def __init__(self, free_bytes: Callable[[Path], int], disk_reserve_bytes: int) -> None:
-        """Start the thread that waits for the processes.
-
-        Args:
-            free_bytes: What may still be written below a folder [bytes].
-            disk_reserve_bytes: What a bag must leave free [bytes].
-        """
+        """Begin with none; each must leave a reserve of the bytes that are free below a folder."""
         self._free_bytes = free_bytes
         self._disk_reserve_bytes = disk_reserve_bytes
-        self._changed = threading.Condition()  # guards all below
-        self._folders: Deque[Path] = deque()  # the bag of the first one is being made
-        self._child: Optional[subprocess.Popen] = None
-        self._stopping = False
+        self._pool = ThreadPoolExecutor(1, "bags")
+        self._lock = threading.Lock()  # guards all below
+        self._bags: Dict[Path, Future] = {}  # those that are not made yet
+        self._child: Optional[Tuple[Path, subprocess.Popen]] = None
         self._failed: Optional[Tuple[Path, Message]] = None  # a survey, and why it has no bag
-        threading.Thread(target=self._run, name="bags", daemon=True).start()
 
     def make(self, folder: Path) -> None:
         """Make the bag of a survey that has ended, soon; do not wait."""
-        with self._changed:
-            self._folders.append(folder)
-            self._changed.notify_all()
+        with self._lock:
+            self._bags[folder] = self._pool.submit(self._make, folder)
 
     def cancel(self, folder: Path) -> None:
         """Make no bag of a survey that is resumed."""
-        with self._changed:
-            is_first = folder in list(self._folders)[:1]
-            self._folders = deque(one for one in self._folders if one != folder)
+        with self._lock:
+            bag = self._bags.pop(folder, None)
             if self._failed is not None and self._failed[0] == folder:
                 self._failed = None
-            if is_first:
-                self._end_child()
+            if self._child is not None and self._child[0] == folder:
+                self._child[1].terminate()
+        if bag is not None and not bag.cancel():
+            wait([bag], END_LIMIT_S)
 
     def outstanding_bytes(self) -> int:
         """Return how much the bags that are not made yet will take on the disk [bytes]."""
-        with self._changed:
-            return sum(map(bag_bytes, self._folders))
+        with self._lock:
+            return sum(map(bag_bytes, self._bags))
 
     def problem(self) -> Optional[Message]:
         """Return which bag could not be made, and why; None once it is there."""
-        with self._changed:
+        with self._lock:
             failed = self._failed
         if failed is None or (failed[0] / BAG_FILE).exists():
             return None
@@ -89,45 +83,33 @@ class BagProcesses:
 
     def stop(self, limit_s: float) -> None:
         """Wait for the bags that are not made yet [s], and end what makes one then."""
-        with self._changed:
-            self._changed.wait_for(lambda: not self._folders, limit_s)
-            self._stopping = True
-            self._folders.clear()
-            self._changed.notify_all()
-            self._end_child()
+        with self._lock:
+            bags = dict(self._bags)
+        wait(bags.values(), limit_s)
+        for folder in bags:
+            self.cancel(folder)
+        self._pool.shutdown(wait=False)
 
-    def _end_child(self) -> None:
-        if self._child is not None:
-            self._child.terminate()
-            self._changed.wait_for(lambda: self._child is None, END_LIMIT_S)
+    def _make(self, folder: Path) -> None:
+        failure = self._failure(folder)
+        with self._lock:
+            self._child = None
+            if self._bags.pop(folder, None) is not None and failure is not None:
+                self._failed = folder, failure
 
-    def _run(self) -> None:
-        while True:
-            with self._changed:
-                self._changed.wait_for(lambda: self._folders or self._stopping)
-                if self._stopping:
-                    return
-                folder = self._folders[0]
-            reason = self._make(folder)
-            with self._changed:
-                self._child = None
-                if self._folders and self._folders[0] is folder:  # it was not cancelled
-                    self._folders.popleft()
-                    self._failed = self._failed if reason is None else (folder, reason)
-                self._changed.notify_all()
-
-    def _make(self, folder: Path) -> Optional[Message]:
+    def _failure(self, folder: Path) -> Optional[Message]:
         """Make a bag; return why that failed."""
         try:
             if self._free_bytes(folder) < bag_bytes(folder) + self._disk_reserve_bytes:
                 return Message("the disk has too little space").with_fault(DISK_FULL)
-            with self._changed:
-                if not (self._folders and self._folders[0] is folder):
-                    return None
+            with self._lock:
+                if folder not in self._bags:
+                    return None  # it was cancelled
                 # In a session of its own: Ctrl-C is for the node, which waits.
-                child = self._child = subprocess.Popen(
+                child = subprocess.Popen(
                     [*PROGRAM, str(folder)], stdout=subprocess.PIPE, start_new_session=True
                 )
+                self._child = folder, child
         except OSError as error:
             return os_reason(error)
         said = child.communicate()[0].decode("utf-8", "replace")

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import threading
-from pathlib import Path
-from typing import Any, Callable, Optional, Sequence
+import functools
+from typing import Any, Callable, Optional, Sequence, Tuple
 
 from gpr20_common.errors import Gpr20Error
 from gpr20_common.faults import INTERNAL
@@ -12,99 +11,61 @@ from gpr20_common.low.thread_fault import log_fault
 from gpr20_common.message import Message, verbatim
 from gpr20_survey.errors import ProcessingError, StorageFailedError
 from gpr20_survey.recording.recording import RecordedMessage
-from gpr20_survey.results.reopened_survey import ReopenedSurvey
 from gpr20_survey.trace import utc_time
-from gpr20_survey.trace.trace import Trace
 from gpr20_vna_processing.mid.current_survey import CurrentSurvey
 from gpr20_vna_processing.mid.facts import requested_fact
-from gpr20_vna_processing.mid.latched_topics import LatchedTopics
-from gpr20_vna_processing.mid.processing_records import (
-    AddedFact,
-    ClosedSurvey,
-    Limits,
-    ProcessingState,
-    Storage,
-)
+from gpr20_vna_processing.mid.processing_parameters import BYTES_PER_MB
+from gpr20_vna_processing.mid.processing_records import ChangedSurvey, ProcessingState, Storage
 from gpr20_vna_processing.mid.storage_thread import StorageThread
 
-NO_REASON = verbatim("")
+
+def _on_thread(method: Callable[..., Any], is_long: bool = True) -> Callable[..., Any]:
+    """Return a method of DataProcessing that calls that of its CurrentSurvey on the thread."""
+
+    @functools.wraps(method)
+    def call(self: DataProcessing, *given: Any, **named: Any) -> Any:
+        return self._do(lambda: method(self._survey, *given, **named), is_long)
+
+    return call
 
 
 class DataProcessing:
     """Has at most one survey open and makes its traces durable.
 
     Its methods may be called from any thread; all files are written by the StorageThread.
+
+    Attributes:
+        start: Starts that thread.
+        record: Records a message of another topic; drops it, counted, if the disk is too slow.
     """
 
-    def __init__(self, storage: Storage, limits: Limits) -> None:
-        """Build the storage; `start` begins its thread."""
+    def __init__(self, storage: Storage) -> None:
+        """Build the storage without starting it."""
         self._storage = storage
-        self._limits = limits
-        self._thread = StorageThread(self._write_messages, limits.queue_bytes, limits.period_s)
-        self._latched = LatchedTopics()
+        self._limits = storage.parameters
+        queue_bytes = round(self._limits.message_queue_mb * BYTES_PER_MB)
+        period_s = self._limits.commit_period_s
+        self._thread = StorageThread(self._write_messages, queue_bytes, period_s)
+        self.start = self._thread.start
+        self.record = self._thread.offer
         # Changed on the storage thread only.
-        self._survey = CurrentSurvey(storage, limits.disk_reserve_bytes, self._latched)
+        self._survey = CurrentSurvey(storage, self._thread)
         self._unrecorded = 0
         self._commit_due_s = 0.0
-        self._lock = threading.Lock()  # guards the two below
-        self._last_error: Optional[Message] = None
-        self._failing = False
+        # What was refused or failed last, if nothing succeeded since, and whether the disk refused.
+        self._last: Tuple[Optional[Message], bool] = (None, False)
 
-    def start(self) -> None:
-        """Start the storage thread."""
-        self._thread.start()
+    open_survey = _on_thread(CurrentSurvey.open, is_long=False)
+    store = _on_thread(CurrentSurvey.store, is_long=False)
+    close_survey = _on_thread(CurrentSurvey.close)
+    interrupt_other = _on_thread(CurrentSurvey.interrupt_other)
+    reopen_survey = _on_thread(CurrentSurvey.reopen)
 
-    def open_survey(
-        self, survey_id: str, started_us: int, metadata_json: str, needed_bytes: int
-    ) -> Path:
-        """See `CurrentSurvey.open`."""
-        given = (survey_id, started_us, metadata_json, needed_bytes)
-        return self._do(lambda: self._survey.open(*given))
-
-    def interrupt_other(self, survey: str) -> str:
-        """See `CurrentSurvey.interrupt_other`."""
-        return self._do_long(lambda: self._survey.interrupt_other(survey))
-
-    def reopen_survey(self, survey: str) -> ReopenedSurvey:
-        """See `CurrentSurvey.reopen`."""
-        return self._do_long(lambda: self._survey.reopen(survey))
-
-    def add_fact(self, survey: str, kind: str, values_json: str) -> AddedFact:
-        """Add a fact to the log of the open survey or of a past one, durably; may be repeated.
-
-        Args:
-            survey: The survey's id, or the name of its folder; empty: the open one.
-            kind: One of `facts.KINDS`; a report is of the open survey only.
-            values_json: JSON object with the fact.
-
-        Raises:
-            SurveyRefusedError: A value is not allowed, there is no such survey, or what is
-                noted of it is damaged.
-            InvalidValueError: A value is not allowed.
-            StorageFailedError: The disk refused; the log has its former facts.
-        """
+    def add_fact(self, survey: str, kind: str, values_json: str) -> ChangedSurvey:
+        """See `requested_fact` and `CurrentSurvey.add_fact`."""
         now = utc_time.iso_text(self._storage.now_ns() // utc_time.NS_PER_US)
         wanted, change = requested_fact(kind, values_json, now)
-        return self._do_long(lambda: self._survey.add_fact(survey, wanted, change))
-
-    def store(self, trace: Trace) -> Path:
-        """See `OpenSurvey.store`."""
-        return self._do(lambda: self._survey.opened().store(trace, self._storage.now_ns()))
-
-    def record(self, message: RecordedMessage) -> None:
-        """Record a message of another topic; drop it, counted, if the disk is too slow."""
-        if self._latched.note(message):
-            self._thread.offer(message)
-
-    def close_survey(
-        self,
-        survey_id: str,
-        outcome: str,
-        reason: Message = NO_REASON,
-        end: Sequence[RecordedMessage] = (),
-    ) -> ClosedSurvey:
-        """See `CurrentSurvey.close`."""
-        return self._do_long(lambda: self._survey.close(survey_id, outcome, reason, end))
+        return self._do(lambda: self._survey.add_fact(survey, wanted, change))
 
     def shut_down(self) -> None:
         """Finish the recording of a survey that is still open and end the thread.
@@ -113,72 +74,59 @@ class DataProcessing:
             StorageFailedError: The disk refused or was too slow.
         """
         try:
-            self._do(self._survey.shut_down)
+            self._do(self._survey.shut_down, is_long=False)
         finally:
             self._thread.stop(self._limits.timeout_s)
 
     def state(self) -> ProcessingState:
         """Return what the operator should know."""
         survey = self._survey.current
-        with self._lock:
-            last_error, failing = self._last_error, self._failing
+        last_error, failing = self._last
+        queues = self._thread.state()
         return ProcessingState(
             survey_id=survey.survey_id if survey else "",
             folder=str(survey.folder) if survey else "",
             stored_traces=survey.stored_traces if survey else 0,
-            unrecorded=self._unrecorded,
+            unrecorded=queues.dropped + self._unrecorded,
             last_error=last_error,
             failing=failing,
-            queues=self._thread.state(),
+            queues=queues,
             unsigned=self._survey.unsigned,
-            bag_problem=self._storage.bags.problem(),
         )
 
-    def _do_long(self, work: Callable[[], Any]) -> Any:
-        return self._do(work, self._limits.long_timeout_s)
-
-    def _do(self, work: Callable[[], Any], timeout_s: Optional[float] = None) -> Any:
+    def _do(self, work: Callable[[], Any], is_long: bool = True) -> Any:
+        limits = self._limits
         try:
-            result = self._thread.do(work, timeout_s or self._limits.timeout_s)
+            result = self._thread.do(work, limits.long_timeout_s if is_long else limits.timeout_s)
         except ProcessingError as error:
-            self._note(error.message, failing=isinstance(error, StorageFailedError))
+            self._last = error.message, isinstance(error, StorageFailedError)
             raise
-        self._note(None, failing=False)
+        self._last = None, False
         return result
-
-    def _note(self, error: Optional[Message], failing: bool) -> None:
-        with self._lock:
-            self._last_error, self._failing = error, failing
 
     def _write_messages(self, messages: Sequence[RecordedMessage]) -> None:
         survey = self._survey.current
         if survey is None:
             return
-        # No caller waits for an answer here: the diagnostics show errors to the operator.
-        try:
-            survey.record(messages)
-        except Exception as error:
+        if not self._succeeds(lambda: survey.record(messages)):
             self._unrecorded += len(messages)
-            self._note_unanswered(error)
         now_s = self._storage.clock.now_s()
-        if now_s < self._commit_due_s:
-            return
-        self._commit_due_s = now_s + self._limits.period_s
+        if now_s >= self._commit_due_s:
+            self._commit_due_s = now_s + self._limits.commit_period_s
+            self._succeeds(survey.commit)
+
+    def _succeeds(self, work: Callable[[], None]) -> bool:
+        """Do work for which no caller waits: the diagnostics show its errors to the operator."""
         try:
-            survey.commit()
+            work()
+        except Gpr20Error as error:
+            self._last = error.message, True
         except Exception as error:
-            self._note_unanswered(error)
-
-    def _note_unanswered(self, error: Exception) -> None:
-        """Note the error of the moment, for which no caller waits."""
-        reason = _reason(error)
-        # Once: the same happens several times a second.
-        if not isinstance(error, Gpr20Error) and reason != self._last_error:
-            log_fault("storage")
-        self._note(reason, failing=True)
-
-
-def _reason(error: Exception) -> Message:
-    if isinstance(error, Gpr20Error):
-        return error.message
-    return verbatim(str(error)).with_fault(INTERNAL)
+            reason = verbatim(str(error)).with_fault(INTERNAL)
+            # Once: the same happens several times a second.
+            if reason != self._last[0]:
+                log_fault("storage")
+            self._last = reason, True
+        else:
+            return True
+        return False

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, Callable, Dict, Optional, Sequence, Tuple
+from typing import Any, Collection, Dict, Optional, Tuple
 
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message
@@ -15,22 +15,17 @@ from gpr20_survey.plan.annotation import ANNOTATION, from_values, keeping_headin
 from gpr20_survey.plan.markers import REQUEST_KEYS, Marker, new_marker, removed_marker
 from gpr20_survey.results.found import FORMAT, found_of
 from gpr20_survey.trace import utc_time
-from gpr20_vna_processing.mid.refusals import check_one_of
 
-OF_THE_OPEN_SURVEY = (Kind.REPORT,)
 OF_MARKERS = (Kind.MARKER, Kind.MARKER_REMOVED)
-REMOVAL_KEYS = ("marker_id", "author")
+KINDS = tuple(one.value for one in (Kind.ANNOTATION, *OF_MARKERS, Kind.REPORT, *NOTES))
 OPTIONAL_KEYS = ("name", "heading_deg")
 ANNOTATION_KEYS = ("operator", "site", "notes", "position", *OPTIONAL_KEYS)
 
 
 def requested_fact(kind: str, values_json: str, now: str) -> Tuple[Kind, Change]:
-    """Return what a request adds to the log of a survey.
+    """Return what a request adds to the log of a survey now, which is ISO 8601 text.
 
-    Args:
-        kind: One of `KINDS`: the others are written by the storage alone.
-        values_json: JSON object with the fact.
-        now: The present moment, as ISO 8601 text.
+    Its kind is one of `KINDS`: the others are written by the storage alone.
 
     Raises:
         SurveyRefusedError: The kind is another one, or there is no such object.
@@ -40,42 +35,35 @@ def requested_fact(kind: str, values_json: str, now: str) -> Tuple[Kind, Change]
     found = Kind(kind)
     most = MAX_REPORT_BYTES if found is Kind.REPORT else MAX_BYTES
     values = parse_object(values_json, "values_json", most)
-    return found, _CHANGES.get(found, _note)(found, values, now)
-
-
-def _annotation(kind: Kind, values: Dict[str, Any], _now: str) -> Change:
-    # It replaces the former one: what is left out by mistake would be lost.
-    _check_keys(kind, {**dict.fromkeys(OPTIONAL_KEYS), **values}, ANNOTATION_KEYS)
-    annotation = from_values(values)
-
-    def change(description: Dict[str, Any]) -> Optional[Fact]:
+    if found is Kind.REPORT:
+        return found, lambda description: _unless_entry(description, "report", Fact(found, values))
+    if found is Kind.ANNOTATION:
+        # It replaces the former one: what is left out by mistake would be lost.
+        _check_keys(kind, {**dict.fromkeys(OPTIONAL_KEYS), **values}, ANNOTATION_KEYS)
+        annotation = from_values(values)
         # Its heading is that of the former one at this position.
-        fact = Fact(kind, keeping_heading(annotation, description).values())
-        return _unless_entry(description, ANNOTATION, fact)
-
-    return change
-
-
-def _report(kind: Kind, values: Dict[str, Any], _now: str) -> Change:
-    return lambda description: _unless_entry(description, "report", Fact(kind, values))
-
-
-def _marker(kind: Kind, values: Dict[str, Any], now: str) -> Change:
-    _check_keys(kind, values, REQUEST_KEYS)
-    marker = record_from(Marker, values, kind.value)
-    return lambda description: _fact(kind, new_marker(description, marker, now))
-
-
-def _removal(kind: Kind, values: Dict[str, Any], now: str) -> Change:
-    _check_keys(kind, values, REMOVAL_KEYS)
-    # Which checks the values.
-    marker = record_from(Marker, {**values, "x_mm": 0.0, "y_mm": 0.0}, kind.value)
-    gone = (marker.marker_id, marker.author, now)
-    return lambda description: _fact(kind, removed_marker(description, *gone))
+        return found, lambda description: _unless_entry(
+            description,
+            ANNOTATION,
+            Fact(found, keeping_heading(annotation, description).values()),
+        )
+    if found is Kind.MARKER:
+        _check_keys(kind, values, REQUEST_KEYS)
+        marker = record_from(Marker, values, kind)
+        return found, lambda description: _fact(found, new_marker(description, marker, now))
+    if found is Kind.MARKER_REMOVED:
+        _check_keys(kind, values, ("marker_id", "author"))
+        # Which checks the values.
+        gone = record_from(Marker, {**values, "x_mm": 0.0, "y_mm": 0.0}, kind)
+        return found, lambda description: _fact(
+            found, removed_marker(description, gone.marker_id, gone.author, now)
+        )
+    _check_note(found, values)
+    return found, lambda _description: Fact(found, values)
 
 
-def _note(kind: Kind, values: Dict[str, Any], _now: str) -> Change:
-    """Return a note, which is known by its own time when its request is repeated."""
+def _check_note(kind: Kind, values: Dict[str, Any]) -> None:
+    """Check a note, which is known by its own time when its request is repeated."""
     time = values.get("time")
     if not isinstance(time, str):
         raise SurveyRefusedError(
@@ -86,25 +74,11 @@ def _note(kind: Kind, values: Dict[str, Any], _now: str) -> Change:
             )
         )
     utc_time.parse_iso(time)
-    if kind is Kind.FOUND and values.get("format") == FORMAT:  # readers leave out others
-        _check_found(values)
-    return lambda _description: Fact(kind, values)
-
-
-def _check_found(values: Dict[str, Any]) -> None:
-    if found_of(values).photo:
+    # Readers leave out other formats.
+    if kind is Kind.FOUND and values.get("format") == FORMAT and found_of(values).photo:
         raise InvalidValueError(
             Message("photo must be empty; gpr20 found --photo stores one with its record")
         )
-
-
-_CHANGES: Dict[Kind, Callable[[Kind, Dict[str, Any], str], Change]] = {
-    Kind.ANNOTATION: _annotation,
-    Kind.MARKER: _marker,
-    Kind.MARKER_REMOVED: _removal,
-    Kind.REPORT: _report,
-}
-KINDS = tuple(one.value for one in (*_CHANGES, *NOTES))
 
 
 def _fact(kind: Kind, values: Optional[Dict[str, Any]]) -> Optional[Fact]:
@@ -117,12 +91,27 @@ def _unless_entry(description: Dict[str, Any], key: str, fact: Optional[Fact]) -
     return None if same else fact
 
 
-def _check_keys(kind: Kind, values: Dict[str, Any], keys: Sequence[str]) -> None:
+def _check_keys(kind: str, values: Dict[str, Any], keys: Collection[str]) -> None:
     if set(values) != set(keys):
         raise InvalidValueError(
             Message(
-                "{name} must be an object with the keys {keys}",
-                name=kind.value,
-                keys=", ".join(keys),
+                "{name} must be an object with the keys {keys}", name=kind, keys=", ".join(keys)
+            )
+        )
+
+
+def check_one_of(place: str, value: str, allowed: Collection[str]) -> None:
+    """Check a word of a request.
+
+    Raises:
+        SurveyRefusedError: It is not one of those allowed.
+    """
+    if value not in allowed:
+        raise SurveyRefusedError(
+            Message(
+                "{place} is {value}; it must be one of {allowed}",
+                place=place,
+                value=repr(value[:64]),
+                allowed=", ".join(allowed),
             )
         )

@@ -10,25 +10,22 @@ from gpr20_common.message import Message
 from gpr20_common.terminal_text import printable
 from gpr20_survey.errors import SurveyRefusedError, storing
 from gpr20_survey.faults import CLOCK_WRONG
-from gpr20_survey.files import durable_files, file_sums
-from gpr20_survey.files.access import Readers
+from gpr20_survey.files import durable_files
+from gpr20_survey.files.regular_file import read_regular
 from gpr20_survey.folder import survey_folder, survey_metadata
-from gpr20_survey.folder.log_record import Kind, LogRecord
-from gpr20_survey.folder.survey_log import read_log
+from gpr20_survey.folder.log_record import LogRecord
 from gpr20_survey.folder.survey_metadata import START
 from gpr20_survey.trace import utc_time
 from gpr20_vna_processing import faults
-from gpr20_vna_processing.mid.processing_records import BYTES_PER_MB, Storage
+from gpr20_vna_processing.mid.processing_parameters import BYTES_PER_MB
+from gpr20_vna_processing.mid.processing_records import Storage
+
+# In the order in which they are removed: a folder with a log holds a survey.
+BEGUN = (*survey_folder.LOG_FILES, survey_folder.SURVEY_FILE, survey_folder.MCAP_FILE)
 
 
 def describe(survey_id: str, started_us: int, metadata_json: str, revision: str) -> Dict[str, Any]:
-    """Return the description of a survey that begins.
-
-    Args:
-        survey_id: UUID of the survey.
-        started_us: When it started [us since 1970, UTC].
-        metadata_json: JSON object.
-        revision: Version of the suite.
+    """Return the description of a survey that begins [us since 1970, UTC].
 
     Raises:
         SurveyRefusedError: The metadata are not allowed.
@@ -43,11 +40,11 @@ def describe(survey_id: str, started_us: int, metadata_json: str, revision: str)
     return survey_metadata.combine(survey_metadata.parse_metadata(metadata_json), own)
 
 
-def check_clock(now_ns: int) -> None:
-    """Refuse to record while the computer does not know the time.
+def checked_time(now_ns: int) -> int:
+    """Return the time [ns since 1970, UTC], if the computer knows it.
 
     Raises:
-        SurveyRefusedError: The time [ns since 1970, UTC] cannot be right.
+        SurveyRefusedError: It cannot be right.
     """
     now_us = now_ns // utc_time.NS_PER_US
     if not utc_time.is_plausible(now_us):
@@ -59,22 +56,19 @@ def check_clock(now_ns: int) -> None:
             ),
             fault=CLOCK_WRONG,
         )
+    return now_ns
 
 
-def check_space(storage: Storage, needed_bytes: int, reserve_bytes: int) -> None:
-    """Refuse a data folder that is not the right one, and a survey that does not fit on its disk.
-
-    The bags of surveys that have ended, which are being made, take space too.
+def check_space(storage: Storage, needed_bytes: int) -> None:
+    """Refuse a survey that does not fit on the disk, beside the bags that are not made yet.
 
     Raises:
-        SurveyRefusedError: It is another folder, or the disk has too little space.
-        StorageFailedError: The data folder cannot be made, read or written to.
+        SurveyRefusedError: The disk has too little space.
+        StorageFailedError: The data folder cannot be read.
     """
-    storage.check_data()
-    data = storage.data
-    with storing(
-        Message("the data folder {path} could not be written to", path=printable(data)), data
-    ):
+    data, reserve_bytes = storage.data, storage.parameters.disk_reserve_bytes
+    failure = Message("the data folder {path} could not be written to", path=printable(data))
+    with storing(failure, data):
         free = storage.free_bytes(data) - storage.bags.outstanding_bytes()
     if needed_bytes + reserve_bytes > free:
         raise SurveyRefusedError(
@@ -90,88 +84,31 @@ def check_space(storage: Storage, needed_bytes: int, reserve_bytes: int) -> None
         )
 
 
-def plan_record(description: Dict[str, Any]) -> LogRecord:
-    """Return the first record of a survey's log.
-
-    Its time is that of the survey: an opening that is repeated makes the same record.
-    """
-    return LogRecord.after(None, Kind.PLAN, description, description["started"])
-
-
-def make_folder(folder: Path, plan: LogRecord, readers: Readers) -> None:
-    """Make the folder of a survey, or take one whose survey could not be opened.
-
-    Args:
-        folder: The survey's folder.
-        plan: The first record of its log.
-        readers: Who may read the survey.
+def empty_folder(folder: Path, plan: LogRecord) -> None:
+    """Remove what an opening of the same survey that failed has left; make the traces' folder.
 
     Raises:
-        SurveyRefusedError: The folder holds a survey.
+        SurveyRefusedError: The folder holds anything else.
         OSError: The disk refused.
     """
-    try:
-        durable_files.make_new_folder(folder, readers.folder_mode)
-    except FileExistsError:
-        if not _is_unopened(folder, plan):
-            raise _exists(folder) from None
-
-
-def make_empty(folder: Path, plan: LogRecord) -> None:
-    """Remove what an opening that failed has left, and make the folder of the traces.
-
-    Args:
-        folder: The survey's folder, locked.
-        plan: The first record of its log.
-
-    Raises:
-        SurveyRefusedError: The folder holds a survey.
-        OSError: The disk refused.
-    """
-    if not _is_unopened(folder, plan):
-        raise _exists(folder)
-    durable_files.remove_temporaries(folder)
-    for name in _BEGUN:
-        durable_files.remove_file(folder / name)
-    durable_files.ensure_folder(folder / survey_folder.TRACES_FOLDER)
-
-
-# In the order in which they are removed: a folder with a log holds a survey.
-_BEGUN = (
-    *survey_folder.LOG_FILES,
-    survey_folder.SURVEY_FILE,
-    survey_folder.MCAP_FILE,
-)
-
-
-def _is_unopened(folder: Path, plan: LogRecord) -> bool:
-    """Return whether a folder holds nothing but what opening this survey makes.
-
-    The disk may have refused after the log, which comes last, had its name.
-    """
-    known = {*_BEGUN, survey_folder.TRACES_FOLDER}
     traces = folder / survey_folder.TRACES_FOLDER
     names = {one.name for one in folder.iterdir() if not durable_files.is_temporary(one.name)}
-    empty = not traces.exists() or not any(traces.iterdir())
-    return names <= known and empty and _holds_only(folder, plan)
-
-
-def _holds_only(folder: Path, plan: LogRecord) -> bool:
-    if not any((folder / name).exists() for name in survey_folder.LOG_FILES):
-        return True
-    found = read_log(folder)
-    # The second file of the log may not be there yet.
-    damaged = [folder / name for name in found.damaged if (folder / name).exists()]
-    for path in filter(Path.is_file, damaged):
-        file_sums.sum_of_file(path)  # a disk that refuses shows nothing; the call may be repeated
-    return found.records == (plan,) and not damaged and not found.lost
-
-
-def _exists(folder: Path) -> SurveyRefusedError:
-    return SurveyRefusedError(
-        Message(
-            "{folder} exists already; every survey needs its own id and folder",
-            folder=printable(folder),
-        ),
-        fault=faults.FOLDER_EXISTS,
-    )
+    is_filled = traces.exists() and any(traces.iterdir())
+    # The disk may have refused after the log, which comes last, had its name.
+    logs = [folder / name for name in names.intersection(survey_folder.LOG_FILES)]
+    if (
+        is_filled
+        or not names <= {*BEGUN, traces.name}
+        or any(read_regular(path) != plan.line() for path in logs)
+    ):
+        raise SurveyRefusedError(
+            Message(
+                "{folder} exists already; every survey needs its own id and folder",
+                folder=printable(folder),
+            ),
+            fault=faults.FOLDER_EXISTS,
+        )
+    durable_files.remove_temporaries(folder)
+    for name in BEGUN:
+        durable_files.remove_file(folder / name)
+    durable_files.ensure_folder(traces)

@@ -16,24 +16,16 @@ from gpr20_common.mid.checks import number_between, positive_number
 from gpr20_survey.files.access import Readers
 from gpr20_survey.folder.data_folder import DataFolderUse
 from gpr20_survey.folder.signature import Signer
-from gpr20_vna_processing.mid.processing_records import BYTES_PER_MB, Limits
 
-AXIS_TOPICS = tuple(
-    f"{axis}_axis/{name}"
-    for axis in ("x", "y", "z")
-    for name in (
-        "current_coord",
-        "axis/goal",
-        "axis/result",
-        "axis/status",
-        "axis/cancel",
-        "axis_driver/description",
-    )
+BYTES_PER_MB = 1_000_000
+OF_AN_AXIS = (
+    *("current_coord", "axis/goal", "axis/result", "axis/status", "axis/cancel"),
+    "axis_driver/description",
 )
 # Names of ROS, relative or absolute; a private one would be below the storage's own name.
 TOPIC = re.compile(r"/?[A-Za-z]\w*(/[A-Za-z]\w*)*", re.ASCII)
 DEFAULT_TOPICS = (
-    *AXIS_TOPICS,
+    *(f"{axis}_axis/{name}" for axis in "xyz" for name in OF_AN_AXIS),
     "height_sensor/description",
     "measured_height",
     "vna_acquisition/description",
@@ -96,12 +88,10 @@ class ProcessingParameters:
         number_between("disk_reserve_mb", self.disk_reserve_mb, 0.0, 1e9, "MB")
         for name in ("message_queue_mb", "timeout_s", "long_timeout_s", "commit_period_s"):
             positive_number(name, getattr(self, name))
-        if self.signing_key and not _is_absolute(self.signing_key):
+        key = self.signing_key
+        if key and not (key.isprintable() and key.startswith(("/", "~/"))):
             raise InvalidValueError(
-                Message(
-                    "signing_key is {path}; it must be an absolute path",
-                    path=repr(self.signing_key),
-                ),
+                Message("signing_key is {path}; it must be an absolute path", path=repr(key)),
                 fault=CONFIGURATION,
             )
         for topic in self.all_topics:
@@ -121,6 +111,11 @@ class ProcessingParameters:
         """Every topic to record, once."""
         return tuple(dict.fromkeys((*self.recorded_topics, *self.extra_recorded_topics)))
 
+    @property
+    def disk_reserve_bytes(self) -> int:
+        """What must stay free on the disk [bytes]."""
+        return round(self.disk_reserve_mb * BYTES_PER_MB)
+
     def data_folder(self) -> Path:
         """Return where surveys are stored."""
         return data_folder(self.data, os.environ)
@@ -131,26 +126,5 @@ class ProcessingParameters:
 
     def data_folder_use(self) -> DataFolderUse:
         """Return how the folder of the surveys is used."""
-        return DataFolderUse(
-            self.data_folder(),
-            state_folder(os.environ),
-            self.data_disk,
-            self.readable_by.folder_mode,
-        )
-
-    def limits(self) -> Limits:
-        """Return the bounds of the storage."""
-        return Limits(
-            queue_bytes=round(self.message_queue_mb * BYTES_PER_MB),
-            disk_reserve_bytes=round(self.disk_reserve_mb * BYTES_PER_MB),
-            timeout_s=self.timeout_s,
-            long_timeout_s=self.long_timeout_s,
-            period_s=self.commit_period_s,
-        )
-
-
-def _is_absolute(path: str) -> bool:
-    try:
-        return path.isprintable() and Path(path).expanduser().is_absolute()
-    except RuntimeError:
-        return False  # ~USER without such a user
+        state, mode = state_folder(os.environ), self.readable_by.folder_mode
+        return DataFolderUse(self.data_folder(), state, self.data_disk, mode)

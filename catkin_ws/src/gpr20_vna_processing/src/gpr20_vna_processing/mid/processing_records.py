@@ -4,27 +4,46 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Callable, Mapping, Optional, Sequence
+from typing import Any, Callable, Mapping, NamedTuple, Optional, Sequence, Tuple
 
 from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message
-from gpr20_survey.files.access import Readers
-from gpr20_survey.folder.signature import Signer
+from gpr20_survey.folder.survey_metadata import INTERRUPTED
+from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_survey.recording.mcap_writer import McapFile
 from gpr20_survey.recording.recording import RecordedMessage
 from gpr20_survey.recording.survey_topics import SurveyTopics
 from gpr20_vna_processing.low.bag_processes import BagProcesses
+from gpr20_vna_processing.mid.processing_parameters import ProcessingParameters
 from gpr20_vna_processing.mid.storage_thread import QueueState
-from gpr20_vna_processing.mid.survey_end import SurveyEnd
 
-BYTES_PER_MB = 1_000_000
+OUTCOMES: Dict[str, Tuple[Message, Tuple[SurveyState, ...]]] = {
+    "finished": (Message("Finished"), (SurveyState.FINISHED,)),
+    "stopped": (Message("Stopped"), (SurveyState.STOPPED,)),
+    "failed": (Message("Failed"), (SurveyState.FAILED,)),
+    # Without every trace, as a failed one; a main control that ends says that it has stopped.
+    INTERRUPTED: (Message("Interrupted before its end"), (SurveyState.FAILED, SurveyState.STOPPED)),
+}
+"""How surveys end: the sentence and the states of the last status, the first by the storage."""
+
+
+class SurveyEnd(NamedTuple):
+    """The last status of a survey that nobody but the storage knows to have ended."""
+
+    survey_id: str
+    state: SurveyState
+    message: Message
+    simulated: bool
+    """Whether its data show no real ground."""
+    time_ns: int
+    """When it ended [ns since 1970, UTC]."""
 
 
 @dataclass(frozen=True)
 class Storage:
     """What the storage uses; passed in so that tests can replace each part."""
 
-    data: Path
+    parameters: ProcessingParameters
     check_data: Callable[[], None]
     """Refuses a data folder that is not the one that was used before; makes it at first."""
     topics: SurveyTopics
@@ -36,56 +55,30 @@ class Storage:
     end_status: Callable[[SurveyEnd], RecordedMessage]
     """Makes the last message of `control_status` in the recording."""
     bags: BagProcesses
-    readers: Readers = Readers.GROUP
-    """Who may read a new survey."""
-    on_opened: Callable[[str], None] = lambda _text: None
-    """Called with the JSON description of a survey that was opened; must not raise."""
-    on_stored: Callable[[RecordedMessage], None] = lambda _message: None
-    """Likewise with the message of every trace when it is durable."""
-    on_logged: Callable[[RecordedMessage], None] = lambda _message: None
-    """Likewise with that of every record of a survey's log."""
-    signer: Optional[Signer] = None
-    """Signs a survey whenever its manifest was written; None: surveys are not signed."""
+    publish: Callable[[RecordedMessage], None] = lambda _message: None
+    """Called with the message of every survey that was opened, and of every trace and record of the
+    log when it is durable; must not raise."""
     open_recording: Callable[[Path], McapFile] = McapFile
     """Begins the recording of a new survey."""
 
-
-@dataclass(frozen=True)
-class Limits:
-    """How long and how much the storage waits."""
-
-    queue_bytes: int = 16 * BYTES_PER_MB
-    """How large the messages that wait for the disk may be together."""
-    disk_reserve_bytes: int = 500 * BYTES_PER_MB
-    timeout_s: float = 60.0
-    long_timeout_s: float = 600.0
-    """For requests that read the whole survey: reopening and closing it."""
-    period_s: float = 2.0
+    @property
+    def data(self) -> Path:
+        """Folder of the surveys."""
+        return self.parameters.data_folder()
 
 
-@dataclass(frozen=True)
-class ClosedSurvey:
-    """How a survey ended on the disk."""
-
-    survey_id: str
-    folder: Path
-    stored_traces: int
-
-
-@dataclass(frozen=True)
-class AddedFact:
-    """A survey whose log has a fact."""
+class ChangedSurvey(NamedTuple):
+    """A survey that was closed, or whose log has a fact."""
 
     survey_id: str
     folder: Path
     stored_traces: int = 0
-    """Those of the open survey; 0: the fact is of another one."""
+    """0 if the fact is of another survey than the open one."""
     markers: Sequence[Mapping[str, Any]] = ()
     """Of a fact of markers: all that survey.json has, removed ones too."""
 
 
-@dataclass(frozen=True)
-class ProcessingState:
+class ProcessingState(NamedTuple):
     """What the operator should know about the storage."""
 
     survey_id: str
@@ -93,13 +86,12 @@ class ProcessingState:
     folder: str
     stored_traces: int
     unrecorded: int
-    """Messages of other topics that are not recorded, without those the queue dropped."""
+    """Messages of other topics that are not recorded: the disk was too slow, or refused them."""
     last_error: Optional[Message]
     """What was refused or failed last; None once something succeeded again."""
     failing: bool
     """Whether the disk refused what was written last."""
     queues: QueueState
-    unsigned: Optional[Message] = None
+    """How much waits for the disk."""
+    unsigned: Optional[Message]
     """Why the survey that was changed last is not signed, although there is a key."""
-    bag_problem: Optional[Message] = None
-    """Which bag could not be made, and why."""

@@ -10,17 +10,14 @@ is compared with the files first, and removed last.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
-from typing import Any, Callable, Dict, List, Optional, Tuple
+from typing import Callable, Iterator, List, Optional, Sequence, Tuple
 
 from gpr20_common.errors import InvalidValueError
-from gpr20_common.message import Message
+from gpr20_common.message import Message, in_a_row
 from gpr20_common.terminal_text import printable
-from gpr20_survey.errors import (
-    ManifestDamagedError,
-    storing,
-)
+from gpr20_survey.errors import ManifestDamagedError, SurveyRefusedError, storing
 from gpr20_survey.faults import REPAIRED
 from gpr20_survey.files import durable_files
 from gpr20_survey.folder import manifest, survey_folder
@@ -28,47 +25,27 @@ from gpr20_survey.folder.log_record import Kind, LogRecord
 from gpr20_survey.folder.manifest import SIGNATURE_FILE, Manifest
 from gpr20_survey.folder.recovery import RecoveredSurvey, open_log, recover, repairs_of
 from gpr20_survey.folder.signature import Signer, is_signed
-from gpr20_survey.folder.survey_log import SurveyLog
 from gpr20_survey.folder.trace_files import TraceFile
 from gpr20_survey.plan.imported import is_imported
 from gpr20_survey.plan.recorded_plan import PlanFit
 from gpr20_survey.recording.mcap_writer import McapFile
-from gpr20_survey.recording.survey_topics import SurveyTopics, recorded_trace
-from gpr20_survey.results.reopened_survey import FIRST_TRACES, RECENT_TRACES
-from gpr20_survey.trace import trace_json, utc_time
+from gpr20_survey.recording.recording import RecordedMessage
+from gpr20_survey.trace import trace_json, trace_message, utc_time
 from gpr20_survey.trace.trace import Trace
-from gpr20_vna_processing.mid import refusals
-from gpr20_vna_processing.mid.recording_repair import read_again, write_again
-from gpr20_vna_processing.mid.stored_traces import RecordedTraces, StoredTraces
+from gpr20_vna_processing import faults
+from gpr20_vna_processing.mid.open_survey import OpenSurvey
+from gpr20_vna_processing.mid.processing_records import Storage
+from gpr20_vna_processing.mid.stored_traces import StoredTraces, read_again
 
-
-@dataclass(frozen=True)
-class RepairedSurvey:
-    """A survey whose files are whole again."""
-
-    log: SurveyLog
-    added: Tuple[LogRecord, ...]
-    """The records of the log that the recording lacks."""
-    recording: McapFile
-    """Open at its end."""
-    stored: Dict[int, TraceFile]
-    """The trace of each index that is stored."""
-    recent: Tuple[Trace, ...]
-    """The first traces of the plan, and those that were stored last, the latest last."""
-    repairs: Tuple[Message, ...]
-    """What was repaired."""
+SHOWN = 5  # traces that do not fit, or faults of the recording, that are named
+COPIED_BYTES = 4 << 20  # what a copy holds in memory between two commits
 
 
 class Reopening:
     """Repairs the files of one survey."""
 
-    def __init__(self, folder: Path, topics: SurveyTopics, signer: Optional[Signer] = None) -> None:
+    def __init__(self, folder: Path, storage: Storage, signer: Optional[Signer]) -> None:
         """Read every file of the survey; nothing is changed.
-
-        Args:
-            folder: The survey's folder.
-            topics: Makes messages of traces.
-            signer: Signed the survey, if its surveys are signed.
 
         Raises:
             SurveyRefusedError: The survey ended complete, or cannot continue: its traces do not
@@ -77,56 +54,55 @@ class Reopening:
         """
         self._folder = folder
         self._traces = folder / survey_folder.TRACES_FOLDER
-        self._damaged = folder / survey_folder.DAMAGED_FOLDER
-        self._topics = topics
-        self._was_signed = signer is not None and signer.has_signed(folder)
+        self._storage = storage
+        # Whether a robot with a key has not signed it as it is.
+        self._is_foreign = signer is not None and not signer.has_signed(folder)
         self._is_signed = is_signed(folder)
-        self._has_key = signer is not None
-        with storing(
-            Message("the survey in {folder} could not be read", folder=printable(folder)), folder
-        ):
+        failure = Message("the survey in {folder} could not be read", folder=printable(folder))
+        with storing(failure, folder):
             self._recovered = recover(folder, asking_manifest=True)
-            description = self._recovered.description
-            if is_imported(description):
-                raise refusals.imported(folder)
+            if is_imported(self._recovered.description):
+                raise SurveyRefusedError(
+                    Message(
+                        "the survey in {folder} was imported; it has no plan that could be "
+                        "continued",
+                        folder=printable(folder),
+                    ),
+                    fault=faults.COMPLETE,
+                )
+            records, survey_id = self._recovered.found.records, self._recovered.survey_id
             self._repairs = repairs_of(self._recovered)
-            self._start = self._recovered.found.records[0].values
-            survey_id = self._recovered.survey_id
             self._sealed, self._manifest_damage = _read_manifest(folder, survey_id)
-            misfits = _misfits(description)
-            mcap = RecordedTraces(folder / survey_folder.MCAP_FILE, survey_id, misfits)
-            self._stored = StoredTraces(
-                folder, mcap, survey_id, self._sealed, self._is_binding(), misfits
-            )
-        self._refuse(description)
-        self._files = self._stored.files.files
+            is_binding = self._sealed is not None and self._sealed.is_binding(records)
+            # Whether the log is that of the manifest, if there is one.
+            self._is_covered = self._sealed is None or self._sealed.covers(records)
+            misfits = _misfits_by(self._recovered)
+            self._stored = StoredTraces(folder, survey_id, self._sealed, is_binding, misfits)
+        self._check_can_continue()
 
-    def repair(self, now_us: int) -> RepairedSurvey:
-        """Make all files whole and open the recording at its end.
+    def repair(self, now_ns: int) -> Tuple[OpenSurvey, Sequence[LogRecord], Tuple[Message, ...]]:
+        """Make all files whole, and open the recording at its end; may be repeated.
 
-        Args:
-            now_us: The present moment [us since 1970, UTC].
+        Returns:
+            The survey, the records of its log that the recording lacks (those of now, and those
+            after its last commit), and what was repaired.
 
         Raises:
-            StorageFailedError: The disk refused; the call may be repeated.
+            StorageFailedError: The disk refused.
         """
-        with storing(
-            Message("the survey in {folder} could not be repaired", folder=printable(self._folder)),
-            self._folder,
-        ):
-            now = utc_time.iso_text(now_us)
-            self._repairs += self._stored.changes()
+        stored, now = self._stored, utc_time.iso_text(now_ns // utc_time.NS_PER_US)
+        place = printable(self._folder)
+        failure = Message("the survey in {folder} could not be repaired", folder=place)
+        with storing(failure, self._folder):
+            self._repairs += stored.changes()
             self._remove_torn()
             durable_files.ensure_folder(self._traces)
             self._repair_traces()
             if self._manifest_damage is not None:
                 self._set_aside(self._folder / manifest.MANIFEST_FILE, self._manifest_damage)
             log = open_log(self._folder, self._with_unproven(), now)
-            log.add(log.next(Kind.RESUME, {"stored_traces": len(self._stored.truth)}, now))
-            recent = self._recent()
-            recording = write_again(
-                self._folder, self._stored, self._topics, self._start, self._repairs
-            )
+            log.add(log.next(Kind.RESUME, {"stored_traces": len(stored.truth)}, now))
+            recording = self._write_recording()
             try:
                 # Last: until now it shows which files were changed before.
                 durable_files.remove_file(self._folder / SIGNATURE_FILE)
@@ -134,19 +110,9 @@ class Reopening:
             except OSError:
                 recording.abandon()
                 raise
-        return RepairedSurvey(
-            log,
-            self._not_recorded(log),
-            recording,
-            self._files,
-            recent,
-            tuple(self._repairs),
-        )
-
-    def _not_recorded(self, log: SurveyLog) -> Tuple[LogRecord, ...]:
-        """Return those added now, and those that came after the last commit or the end."""
-        recorded = self._stored.mcap.log
-        return tuple(one for one in log.records if one.sha256 not in recorded)
+        survey = OpenSurvey(self._folder, log, recording, self._storage, stored.files.files)
+        added = [one for one in log.records if one.sha256 not in stored.mcap.log]
+        return survey, added, tuple(self._repairs)
 
     def _with_unproven(self) -> RecoveredSurvey:
         """Name what the recording, the manifest and its signature will vouch for from now on.
@@ -160,41 +126,44 @@ class Reopening:
             }
             for name in self._stored.contradicted
         }
-        if self._has_key and not self._was_signed and self._should_be_signed():
-            entries["signature"] = {"reason": "it was not that of this robot and this manifest"}
-        if not self._is_covered() and not self._recovered.found.lost:
-            entries["log"] = {"reason": "it did not end as the manifest said"}
-        unconfirmed = {**self._recovered.unconfirmed, **entries}
-        return replace(self._recovered, unconfirmed=unconfirmed)
-
-    def _should_be_signed(self) -> bool:
-        """Return whether a robot with a key signs such a survey: it was closed, or still is."""
         has_ended = self._recovered.description.get("ended") is not None
-        return has_ended or self._is_signed or self._sealed is not None
+        # A robot with a key signs a survey that was closed, or still is.
+        if self._is_foreign and (has_ended or self._is_signed or self._sealed is not None):
+            entries["signature"] = {"reason": "it was not that of this robot and this manifest"}
+        if not self._is_covered and not self._recovered.found.lost:
+            entries["log"] = {"reason": "it did not end as the manifest said"}
+        return replace(self._recovered, unconfirmed={**self._recovered.unconfirmed, **entries})
 
-    def _is_covered(self) -> bool:
-        """Return whether the log is that of the manifest, if there is one."""
-        return self._sealed is None or self._sealed.covers(self._recovered.found.records)
-
-    def _is_binding(self) -> bool:
-        return self._sealed is not None and self._sealed.is_binding(self._recovered.found.records)
-
-    def _refuse(self, description: Dict[str, Any]) -> None:
-        """Refuse a survey that cannot or need not continue.
-
-        Raises:
-            SurveyRefusedError: It cannot or need not.
-        """
-        stored = self._stored
-        if stored.foreign and not stored.truth:
-            raise refusals.only_foreign_traces(self._folder, description["survey_id"])
-        if stored.misfits:
-            raise refusals.traces_not_planned(self._folder, stored.misfits)
+    def _check_can_continue(self) -> None:
+        stored, description = self._stored, self._recovered.description
+        folder, count = printable(self._folder), len(self._stored.truth)
+        misfits = stored.misfits
+        if stored.files.foreign + stored.mcap.foreign and not stored.truth:
+            misfits = [Message("every readable trace belongs to another survey")]
+        if misfits:
+            raise SurveyRefusedError(
+                Message(
+                    "the survey in {folder} cannot be resumed: {misfits}; restore its log from a "
+                    "copy of the folder, or start a new survey; nothing was changed",
+                    folder=folder,
+                    misfits=in_a_row(misfits[:SHOWN]),
+                    details=f"{len(misfits)} differences",
+                ),
+                fault=faults.TRACES_NOT_PLANNED,
+            )
         planned = description.get("planned_traces", description.get("stored_traces"))
-        finished = description.get("outcome") == "finished" and len(stored.truth) == planned
-        is_whole = self._recovered.found.is_whole and self._is_covered()
+        finished = description.get("outcome") == "finished" and count == planned
+        is_whole = self._recovered.found.is_whole and self._is_covered
         if finished and is_whole and stored.intact():
-            raise refusals.survey_complete(self._folder, len(stored.truth))
+            raise SurveyRefusedError(
+                Message(
+                    "the survey in {folder} is finished and complete with {stored} traces; "
+                    "nothing is left to measure, start a new survey",
+                    folder=folder,
+                    stored=count,
+                ),
+                fault=faults.COMPLETE,
+            )
 
     def _remove_torn(self) -> None:
         folders = [one for one in (self._folder, self._traces) if one.is_dir()]
@@ -207,49 +176,85 @@ class Reopening:
     def _repair_traces(self) -> None:
         for path, reason in self._stored.files.damaged:
             self._set_aside(path, reason)
-        lost = self._stored.truth.keys() - self._files.keys()
-        if not lost:
-            return
-        mcap = self._stored.mcap
-        right = mcap.places(self._stored.truth)
-        for place, message in enumerate(mcap.stored.messages()):
-            if place in right:
-                trace = recorded_trace(message)
-                if trace is not None and trace.index in lost:
-                    self._restore(trace)
+        lost = self._stored.truth.keys() - self._stored.files.files.keys()
+        for trace in self._stored.mcap.traces(lost) if lost else ():
+            content = trace_json.encode(trace)
+            file = TraceFile.of(trace, content)
+            durable_files.write_new_file(self._traces / file.name, content)
+            self._stored.files.files[trace.index] = file
+            written = Message("wrote {file} again from the recordings", file=file.name)
+            self._repairs.append(written.with_fault(REPAIRED))
+
+    def _write_recording(self) -> McapFile:
+        """Replace the MCAP; return it, open at its end.
+
+        It is copied, because the index of the whole file is in the memory of its writer. The bag is
+        removed: it is made of the recording when the survey ends again.
+        """
+        path = self._folder / survey_folder.MCAP_FILE
+        temporary = durable_files.temporary_path(path)
+        recording = McapFile(temporary)
+        try:
+            for message in self._messages():
+                if message.datatype == trace_message.DATATYPE:
+                    recording.write_alone(message)
+                else:
+                    recording.write(message)
+                if recording.collected_bytes > COPIED_BYTES:
+                    recording.commit()
+            recording.commit()
+            self._keep_damaged(path)
+            durable_files.remove_file(self._folder / survey_folder.BAG_FILE)
+            recording.take_place_of(path)
+        except BaseException:
+            recording.abandon()
+            temporary.unlink(missing_ok=True)  # it may have filled the disk
+            raise
+        return recording
+
+    def _messages(self) -> Iterator[RecordedMessage]:
+        """Yield every trace that is right once, and all other messages."""
+        truth, prints = self._stored.truth, self._stored.mcap.prints
+        yield from self._stored.mcap.messages(truth)
+        missing = sorted(index for index, one in truth.items() if prints.get(index) != one)
+        for index in missing:
+            path = self._traces / self._stored.files.files[index].name
+            trace = read_again(path, self._recovered.survey_id)
+            yield self._storage.topics.trace(trace, trace.timestamp_us * utc_time.NS_PER_US)
+        if missing:
+            file = survey_folder.MCAP_FILE
+            self._repairs.append(
+                Message("added {count} traces to {file}", count=len(missing), file=file)
+            )
+
+    def _keep_damaged(self, mcap: Path) -> None:
+        """Keep an MCAP that is not whole in `damaged/`, and the bag: each may hold more."""
+        found = self._stored.mcap.faults
+        if not mcap.exists():
+            found = [Message("{file} is missing", file=mcap.name)]
+        for path in (mcap, self._folder / survey_folder.BAG_FILE):
+            if found and path.exists():
+                durable_files.keep_aside(path, self._folder / survey_folder.DAMAGED_FOLDER)
+        if found:
+            rebuilt = Message(
+                "rebuilt {file}: {faults}", file=mcap.name, faults=in_a_row(found[:SHOWN])
+            )
+            self._repairs.append(rebuilt.with_fault(REPAIRED))
 
     def _set_aside(self, path: Path, reason: Message) -> None:
-        target = durable_files.move_aside(path, self._damaged)
-        self._repairs.append(
-            Message(
-                "moved {file} to {folder}/: {reason}",
-                file=printable(path.name),
-                folder=target.parent.name,
-                reason=reason,
-            ).with_fault(REPAIRED)
+        target = durable_files.move_aside(path, self._folder / survey_folder.DAMAGED_FOLDER)
+        moved = Message(
+            "moved {file} to {folder}/: {reason}",
+            file=printable(path.name),
+            folder=target.parent.name,
+            reason=reason,
         )
-
-    def _restore(self, trace: Trace) -> None:
-        content = trace_json.encode(trace)
-        file = TraceFile.of(trace, content)
-        durable_files.write_new_file(self._traces / file.name, content)
-        self._files[trace.index] = file
-        self._repairs.append(
-            Message("wrote {file} again from the recordings", file=file.name).with_fault(REPAIRED)
-        )
-
-    def _recent(self) -> Tuple[Trace, ...]:
-        # By their places in the plan: the clock may have been set back.
-        ordered = sorted(self._files)
-        newest = ordered[-RECENT_TRACES:]
-        first = [one for one in ordered if one < FIRST_TRACES and one not in newest]
-        paths = [self._traces / self._files[index].name for index in [*first, *newest]]
-        return tuple(read_again(path, self._recovered.survey_id) for path in paths)
+        self._repairs.append(moved.with_fault(REPAIRED))
 
 
-def _misfits(description: Dict[str, Any]) -> Callable[[Trace], List[Message]]:
+def _misfits_by(recovered: RecoveredSurvey) -> Callable[[Trace], List[Message]]:
     try:
-        return PlanFit(description).misfits
+        return PlanFit(recovered.description).misfits
     except InvalidValueError:
         return lambda _trace: []  # surveys of other clients need not have a plan
 

@@ -6,8 +6,8 @@ import threading
 from collections import deque
 from concurrent.futures import Future
 from concurrent.futures import TimeoutError as FutureTimeoutError
-from dataclasses import dataclass
-from typing import Any, Callable, Deque, List, NamedTuple, Optional, Sequence, Tuple, TypeVar
+from dataclasses import replace
+from typing import Any, Callable, Deque, Dict, List, NamedTuple, Optional, Sequence, Tuple, TypeVar
 
 from gpr20_common.message import Message
 from gpr20_survey.errors import StorageFailedError
@@ -19,10 +19,11 @@ Result = TypeVar("Result")
 MESSAGE_BYTES = 1000
 # How often messages are written in a period.
 WRITES_IN_PERIOD = 8
+# Limit of one message that is kept for later recordings; a status has a thousandth of it.
+LARGEST_LATCHED_BYTES = 1 << 20
 
 
-@dataclass(frozen=True)
-class QueueState:
+class QueueState(NamedTuple):
     """How much waits for the disk, and how much did not fit."""
 
     jobs: int
@@ -34,14 +35,6 @@ class _Job(NamedTuple):
     work: Callable[[], Any]
     outcome: Future
 
-    def execute(self) -> None:
-        if not self.outcome.set_running_or_notify_cancel():
-            return
-        try:
-            self.outcome.set_result(self.work())
-        except BaseException as error:  # passed to the caller that waits
-            self.outcome.set_exception(error)
-
 
 class StorageThread:
     """Does jobs one after the other and writes messages between them.
@@ -49,7 +42,7 @@ class StorageThread:
     A job is never dropped: its caller waits until it is done, so that no more wait than there are
     callers. Messages are dropped, and counted, when their queue is full. They wait for the next
     job, for more of them, or for a part of the period: writing each by itself would wake the
-    thread a hundred times a second.
+    thread a hundred times a second. While nothing is recorded they do not wait at all.
     """
 
     def __init__(
@@ -61,20 +54,21 @@ class StorageThread:
         """Build the thread without starting it.
 
         Args:
-            write_messages: Writes what was offered since its last call; called on the
-                thread several times in a period, with nothing if there was nothing. It must
-                not raise.
+            write_messages: Writes what was offered since its last call; called several times in a
+                period [s], with nothing if there was nothing. It must not raise.
             most_bytes: How large the messages that wait may be together [bytes].
             period_s: Messages are written within this time [s].
         """
         self._write_messages = write_messages
         self._most_bytes = most_bytes
         self._period_s = period_s
-        self._changed = threading.Condition()
+        self._changed = threading.Condition()  # guards all below
         self._jobs: Deque[_Job] = deque()
         self._messages: List[RecordedMessage] = []
         self._message_bytes = 0
         self._dropped = 0
+        self._recording = False
+        self._latched: Dict[str, RecordedMessage] = {}  # the last one of each topic
         self._stopping = False
         self._thread = threading.Thread(target=self._run, name="storage", daemon=True)
 
@@ -106,10 +100,25 @@ class StorageThread:
         with self._changed:
             return QueueState(len(self._jobs), len(self._messages), self._dropped)
 
+    def begin_recording(self, time_ns: int) -> List[RecordedMessage]:
+        """Queue messages from now on; return the last ones of latched topics, as of now [ns]."""
+        with self._changed:
+            self._recording = True
+            return [replace(one, time_ns=time_ns) for one in self._latched.values()]
+
+    def end_recording(self) -> None:
+        """Queue no more messages."""
+        with self._changed:
+            self._recording = False
+
     def offer(self, message: RecordedMessage) -> None:
         """Queue a message, never waiting; it is dropped if there are too many."""
         size = message.size_bytes + MESSAGE_BYTES
         with self._changed:
+            if message.latching and message.size_bytes <= LARGEST_LATCHED_BYTES:
+                self._latched[message.topic] = message
+            if not self._recording:
+                return
             if self._stopping or self._message_bytes + size > self._most_bytes:
                 self._dropped += 1
                 return
@@ -119,14 +128,10 @@ class StorageThread:
                 self._changed.notify_all()
 
     def do(self, work: Callable[[], Result], timeout_s: float) -> Result:
-        """Do work on the thread, after all that was queued before, and return its result.
-
-        Args:
-            work: What to do; what it raises is raised here.
-            timeout_s: Time limit for waiting in the queue and for the work [s].
+        """Do work on the thread, after all that was queued before; return or raise what it does.
 
         Raises:
-            StorageFailedError: The disk was too slow, or the thread has ended.
+            StorageFailedError: The disk was too slow [s], or the thread has ended.
         """
         job = _Job(work, Future())
         with self._changed:
@@ -140,10 +145,9 @@ class StorageThread:
         try:
             return job.outcome.result(timeout_s)
         except FutureTimeoutError:
+            state = Message("the write may still succeed, and repeating it is safe")
             if job.outcome.cancel():
                 state = Message("nothing was written")
-            else:
-                state = Message("the write may still succeed, and repeating it is safe")
             raise StorageFailedError(
                 Message(
                     "the disk did not finish within {limit_s:g} s; {state}; check the disk",
@@ -157,10 +161,13 @@ class StorageThread:
         while True:
             messages, job, ended = self._next()
             self._write_messages(messages)
-            if job is not None:
-                job.execute()
-            elif ended:
+            if job is None and ended:
                 return
+            if job is not None and job.outcome.set_running_or_notify_cancel():
+                try:
+                    job.outcome.set_result(job.work())
+                except BaseException as error:  # passed to the caller that waits
+                    job.outcome.set_exception(error)
 
     def _next(self) -> Tuple[List[RecordedMessage], Optional[_Job], bool]:
         with self._changed:

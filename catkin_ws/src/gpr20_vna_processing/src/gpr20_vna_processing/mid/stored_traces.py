@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import AbstractSet, Callable, Dict, List, Mapping, Optional, Set
+from typing import Callable, Collection, Dict, Iterator, List, Mapping, Optional, Set
 
 from gpr20_common.message import Message
-from gpr20_survey.errors import ForeignTraceError, TraceRefusedError
+from gpr20_common.terminal_text import printable
+from gpr20_survey.errors import ForeignTraceError, StorageFailedError, TraceRefusedError
 from gpr20_survey.files import file_sums
 from gpr20_survey.folder import manifest, survey_folder, trace_files
 from gpr20_survey.folder.manifest import Manifest
@@ -14,85 +15,71 @@ from gpr20_survey.folder.trace_files import TraceFile
 from gpr20_survey.recording.mcap_reader import StoredMcap
 from gpr20_survey.recording.recording import RecordedMessage
 from gpr20_survey.recording.survey_topics import recorded_log, recorded_trace
-from gpr20_survey.trace import trace_json
+from gpr20_survey.trace import trace_json, trace_message
 from gpr20_survey.trace.trace import Trace
-
-Misfits = Callable[[Trace], List[Message]]
-"""Returns what of a trace is not as it was planned."""
+from gpr20_vna_processing import faults
 
 
 class RecordedTraces:
-    """The traces of a survey's MCAP, whose chunks have checksums; nothing is changed."""
+    """The traces of a survey's MCAP, whose chunks have checksums; nothing is changed.
 
-    def __init__(self, path: Path, survey_id: str, misfits: Misfits) -> None:
-        """Read the whole recording.
+    Attributes:
+        prints: Fingerprint of the trace of each index.
+        log: The checksums of the records of the survey's log.
+        foreign: How many whole traces of another survey it holds.
+        faults: What is damaged; a trace that is missing is not a fault.
+    """
 
-        Args:
-            path: The MCAP.
-            survey_id: Whose traces there must be.
-            misfits: Compares a trace with the plan.
-
-        Raises:
-            OSError: The file cannot be read.
-        """
-        self.stored = StoredMcap(path)
-        self.prints: Dict[int, bytes] = {}
-        """Fingerprint of the trace of each index."""
-        self.wrong: Dict[int, List[Message]] = {}
-        """What of each trace is not as it was planned."""
-        self.log: Set[str] = set()
-        """The checksums of the records of the survey's log."""
-        self.foreign = 0
-        """How many whole traces of another survey it holds."""
-        self._survey_id = survey_id
-        self._misfits = misfits
+    def __init__(self, path: Path, survey_id: str, on_trace: Callable[[Trace], None]) -> None:
+        """Read the whole recording; `on_trace` is called with every whole trace of the survey."""
+        self._stored = StoredMcap(path)
         self._places: Dict[int, int] = {}  # of the message of each index
+        self.prints: Dict[int, bytes] = {}
+        self.log: Set[str] = set()
+        self.foreign = 0
         found: List[Message] = []
-        for place, message in enumerate(self.stored.messages()):
+        for place, message in enumerate(self._stored.messages()):
             record = recorded_log(message)
             if record is not None:
                 self.log.add(record.sha256)
             try:
-                self._note(place, message)
+                trace = recorded_trace(message)
+                if trace is not None:
+                    self._check_own(trace, survey_id)
             except TraceRefusedError as error:
                 self.foreign += isinstance(error, ForeignTraceError)
-                found.append(
-                    Message(
-                        "{file} holds a damaged trace: {reason}",
-                        file=path.name,
-                        reason=error.message,
-                    )
-                )
-        self.faults = [*self.stored.faults, *found]
-        """What is damaged; a trace that is missing is not a fault."""
+                damage = {"file": path.name, "reason": error.message}
+                found.append(Message("{file} holds a damaged trace: {reason}", **damage))
+                continue
+            if trace is not None:
+                self.prints[trace.index] = trace.fingerprint()
+                self._places[trace.index] = place
+                on_trace(trace)
+        self.faults = [*self._stored.faults, *found]
 
-    def places(self, truth: Mapping[int, bytes]) -> Set[int]:
-        """Return which messages of the recording are traces that are right.
-
-        Args:
-            truth: Fingerprint of each trace that is stored.
-        """
-        return {
-            place for index, place in self._places.items() if truth.get(index) == self.prints[index]
+    def messages(self, right: Mapping[int, bytes]) -> Iterator[RecordedMessage]:
+        """Yield all messages but the traces that are not right, by their fingerprints."""
+        places = {
+            place for index, place in self._places.items() if right.get(index) == self.prints[index]
         }
+        for place, message in enumerate(self._stored.messages()):
+            if place in places or message.datatype != trace_message.DATATYPE:
+                yield message
 
-    def _note(self, place: int, message: RecordedMessage) -> None:
-        trace = recorded_trace(message)
-        if trace is None:
-            return
-        if trace.survey_id != self._survey_id:
+    def traces(self, indices: Collection[int]) -> Iterator[Trace]:
+        """Yield the traces of some indices that it holds, in its order."""
+        for message in self.messages({index: self.prints[index] for index in indices}):
+            trace = recorded_trace(message)
+            if trace is not None:
+                yield trace
+
+    def _check_own(self, trace: Trace, survey_id: str) -> None:
+        if trace.survey_id != survey_id:
             raise ForeignTraceError(
-                Message(
-                    "{trace} belongs to survey {survey}", trace=trace.label, survey=trace.survey_id
-                )
+                Message("the trace belongs to survey {survey}", survey=trace.survey_id)
             )
         if trace.index in self.prints:
             raise TraceRefusedError(Message("trace {index} is there twice", index=trace.index))
-        self.prints[trace.index] = trace.fingerprint()
-        self._places[trace.index] = place
-        misfits = self._misfits(trace)
-        if misfits:
-            self.wrong[trace.index] = misfits
 
 
 class StoredTraces:
@@ -100,51 +87,53 @@ class StoredTraces:
 
     The first form whose checksum holds is right: the JSON file, then the MCAP; but neither, where
     the manifest has another checksum of the file. The bag is made of the MCAP and is not asked.
+
+    Attributes:
+        mcap: The traces of the MCAP.
+        files: The JSON files that are right, and those that are not.
+        contradicted: Names of the files whose traces the MCAP holds with other numbers.
+        truth: Fingerprint of each trace that is stored.
     """
 
     def __init__(
         self,
         folder: Path,
-        mcap: RecordedTraces,
         survey_id: str,
         sealed: Optional[Manifest],
         is_binding: bool,
-        misfits: Misfits,
+        misfits: Callable[[Trace], List[Message]],
     ) -> None:
-        """Read every JSON file.
+        """Read the MCAP and every JSON file of a survey.
 
         Args:
             folder: The survey's folder.
-            mcap: The traces of its MCAP.
             survey_id: Whose traces there must be.
             sealed: The manifest, if there is a whole one.
-            is_binding: Whether a file that differs from it is damaged: after a reopening files
-                change.
-            misfits: Compares a trace with the plan.
-
-        Raises:
-            OSError: The disk cannot be read.
+            is_binding: Whether a file that differs from it is damaged: it was not reopened since.
+            misfits: Returns what of a trace is not as it was planned.
         """
         self._folder = folder
+        self._traces = folder / survey_folder.TRACES_FOLDER
         self._sealed = sealed
         self._binding = sealed if is_binding else None
-        self._misfits = misfits
-        self.mcap = mcap
-        self._wrong: Dict[int, List[Message]] = {}  # misfits of each JSON file
-        traces = folder / survey_folder.TRACES_FOLDER
-        self.files = trace_files.read_all(traces, survey_id, on_trace=self._compare)
+        self._misfits: Dict[bytes, List[Message]] = {}  # by the fingerprint of the trace
+
+        def compare(trace: Trace) -> None:
+            found = misfits(trace)
+            if found:
+                self._misfits[trace.fingerprint()] = found
+
+        self.mcap = RecordedTraces(folder / survey_folder.MCAP_FILE, survey_id, compare)
+        self.files = trace_files.read_all(self._traces, survey_id, on_trace=compare)
         self.contradicted: List[str] = []
-        """Names of the files whose traces the MCAP holds with other numbers."""
         self.truth: Dict[int, bytes] = {}
-        """Fingerprint of each trace that is stored."""
-        self._decide(traces)
-        self.misfits = self._misfits_of_truth()
-        """What of the stored traces is not as it was planned."""
+        self._decide()
 
     @property
-    def foreign(self) -> int:
-        """How many whole traces of another survey there are."""
-        return self.files.foreign + self.mcap.foreign
+    def misfits(self) -> List[Message]:
+        """What of the stored traces is not as it was planned."""
+        prints = (self.truth[index] for index in sorted(self.truth))
+        return [found for one in prints for found in self._misfits.get(one, [])]
 
     def intact(self) -> bool:
         """Return whether every file is as it was when the survey was closed."""
@@ -170,15 +159,11 @@ class StoredTraces:
             and not binding.matches(name, file_sums.sum_if_readable(self._folder / name))
         ]
 
-    def _compare(self, trace: Trace) -> None:
-        misfits = self._misfits(trace)
-        if misfits:
-            self._wrong[trace.index] = misfits
-
-    def _decide(self, traces: Path) -> None:
+    def _decide(self) -> None:
         for index, file in list(self.files.files.items()):
             if self._is_refuted(file):
-                self._refuse(traces, index, _differs(file.name))
+                del self.files.files[index]
+                self.files.damaged.append((self._traces / file.name, _differs(file.name)))
                 continue
             self.truth[index] = file.fingerprint
             recorded = self.mcap.prints.get(index)
@@ -192,16 +177,8 @@ class StoredTraces:
                 )
         lost = self.mcap.prints.keys() - self.truth.keys()
         self.truth.update({index: self.mcap.prints[index] for index in lost})
-        if lost and self._sealed is not None:
-            self._refuse_recorded(lost)
-
-    def _refuse_recorded(self, indexes: AbstractSet[int]) -> None:
-        """Refuse the traces that the MCAP alone holds, but of which the manifest has other ones."""
-        places = self.mcap.places({index: self.truth[index] for index in indexes})
-        for place, message in enumerate(self.mcap.stored.messages()):
-            trace = recorded_trace(message) if place in places else None
-            if trace is None:
-                continue
+        # The manifest may have others than those that the MCAP alone holds.
+        for trace in self.mcap.traces(lost) if lost and self._sealed is not None else ():
             file = TraceFile.of(trace, trace_json.encode(trace))
             if self._is_refuted(file):
                 del self.truth[trace.index]
@@ -211,13 +188,6 @@ class StoredTraces:
         self.contradicted.append(name)
         # As a fault of the recording, which is therefore kept.
         self.mcap.faults.append(reason)
-
-    def _misfits_of_truth(self) -> List[Message]:
-        found: List[Message] = []
-        for index in sorted(self.truth):
-            wrong = self._wrong if index in self.files.files else self.mcap.wrong
-            found += wrong.get(index, [])
-        return found
 
     def _is_listed(self, file: TraceFile) -> bool:
         name = manifest.trace_name(file.name)
@@ -229,9 +199,21 @@ class StoredTraces:
             return False
         return self._binding is not None or manifest.trace_name(file.name) in self._sealed.files
 
-    def _refuse(self, traces: Path, index: int, reason: Message) -> None:
-        self.files.damaged.append((traces / self.files.files.pop(index).name, reason))
-
 
 def _differs(name: str) -> Message:
     return Message("{file} differs from the manifest", file=name)
+
+
+def read_again(path: Path, survey_id: str) -> Trace:
+    """Return the trace of a file that was whole before; StorageFailedError: it is not any more."""
+    try:
+        return trace_files.read_trace(path, survey_id)
+    except TraceRefusedError as error:
+        raise StorageFailedError(
+            Message(
+                "{path} changed while it was read: {reason}; try again",
+                path=printable(path),
+                reason=error.message,
+            ),
+            fault=faults.CHANGED,
+        ) from error

@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+import math
+import os
+import re
 from pathlib import Path
-from typing import Any, Dict, List, Mapping, NamedTuple, Optional, Sequence
+from typing import Any, Dict, List, Mapping, Optional, Sequence, Tuple
 
 import numpy as np
 
-from gpr20_survey.errors import ProcessingError
+from gpr20_common.message import Message
+from gpr20_common.terminal_text import printable
+from gpr20_survey.errors import ProcessingError, storing
 from gpr20_survey.folder import survey_folder, survey_metadata
 from gpr20_survey.folder.log_content import UNCONFIRMED
 from gpr20_survey.folder.manifest import MANIFEST_FILE
@@ -17,21 +22,11 @@ from gpr20_survey.plan.coverage import reported_verdict
 from gpr20_survey.plan.imported import import_sentence, is_imported, measured_area
 from gpr20_survey.plan.recorded_plan import refines_of
 from gpr20_survey.results.survey_summary import NO_THUMBNAIL, SurveySummary, Thumbnail
-from gpr20_vna_processing.mid.stored_files import trace_names
 
 MOST_CELLS = 24
 MOST_PLANNED = 1 << 24
 LARGEST_MM = 1e6
-
-
-class _Plan(NamedTuple):
-    x_points: int
-    y_points: int
-    turns: int
-
-    @property
-    def traces(self) -> int:
-        return self.x_points * self.y_points * self.turns
+TRACE_FILE = re.compile(r"([0-9]{6})_X[-0-9.]+_Y[-0-9.]+_Z[-+0-9.]+\.json")
 
 
 def summary_of(folder: Path) -> SurveySummary:
@@ -45,8 +40,8 @@ def summary_of(folder: Path) -> SurveySummary:
     except ProcessingError as error:
         return SurveySummary(folder.name, problem=error.message)
     area, imported = measured_area(values), is_imported(values)
-    plan = None if imported else _plan_of(area)
-    planned = 0 if plan is None else plan.traces
+    counts = None if imported else _counts_of(area)
+    planned = math.prod(counts) if counts else 0
     outcome = _text(values.get("outcome"))
     # The report of a survey that was cut off may be older than its last traces.
     cut_off = outcome in ("", survey_metadata.INTERRUPTED)
@@ -57,6 +52,8 @@ def summary_of(folder: Path) -> SurveySummary:
     unconfirmed = values.get(UNCONFIRMED)
     if unconfirmed:
         sentence = unconfirmed_message(unconfirmed)
+    annotation = values.get(ANNOTATION)
+    written: Dict[str, Any] = annotation if isinstance(annotation, dict) else {}
     return SurveySummary(
         folder=folder.name,
         survey_id=values["survey_id"],
@@ -72,31 +69,45 @@ def summary_of(folder: Path) -> SurveySummary:
         # Data of unknown origin are never shown as those of real ground.
         simulated=values.get("simulated") is not False,
         refines=refines_of(values),
-        **_people(values.get(ANNOTATION)),
+        name=_text(written.get("name")),
+        site=_text(written.get("site")),
+        operator=_text(written.get("operator")),
         thumbnail=thumbnail_of(area, stored),
         fault_code=_text(values.get(survey_metadata.FAULT_CODE)),
     )
 
 
-def thumbnail_of(area: Any, stored: Sequence[int]) -> Thumbnail:
-    """Return the thumbnail of a survey; an empty one if its parameters cannot be read.
+def trace_names(folder: Path) -> Dict[int, str]:
+    """Return the name of the JSON file of each stored trace by its index, ascending.
 
-    Args:
-        area: The parameters of its survey.json, as they were read.
-        stored: Places in the plan of the stored traces.
+    Raises:
+        StorageFailedError: The survey's folder cannot be read.
     """
+    found: Dict[int, str] = {}
+    failure = Message("the traces in {folder} cannot be read", folder=printable(folder))
+    with storing(failure, folder):
+        for entry in os.scandir(str(folder / survey_folder.TRACES_FOLDER)):
+            match = TRACE_FILE.fullmatch(entry.name)
+            if match and entry.is_file(follow_symlinks=False):
+                found[int(match.group(1))] = entry.name
+    return dict(sorted(found.items()))
+
+
+def thumbnail_of(area: Any, stored: Sequence[int]) -> Thumbnail:
+    """Return the thumbnail of a survey with some stored traces; empty without right parameters."""
     if not isinstance(area, Mapping):
         return NO_THUMBNAIL
     ends: List[Any] = [area.get(f"{one}_{end}_mm") for one in "xy" for end in ("start", "stop")]
-    if not all(map(_is_place, ends)):
+    # Compared before it is converted: a whole number of JSON may have hundreds of digits.
+    if not all(type(one) in (int, float) and abs(one) <= LARGEST_MM for one in ends):
         return NO_THUMBNAIL
     x_start_mm, x_stop_mm, y_start_mm, y_stop_mm = ends
     size_mm = abs(x_stop_mm - x_start_mm), abs(y_stop_mm - y_start_mm)
-    plan = _plan_of(area)
-    if plan is None:
+    counts = _counts_of(area)
+    if counts is None:
         return Thumbnail(*size_mm)
-    x_points, y_points, turns = plan
-    indices = np.asarray([one for one in stored if one < plan.traces], np.int64)
+    x_points, y_points, turns = counts
+    indices = np.asarray([one for one in stored if one < math.prod(counts)], np.int64)
     row, column = np.divmod(indices // turns, x_points)
     # Every second row is measured in the other direction.
     backwards = (row % 2 == 1) != (x_start_mm > x_stop_mm)
@@ -111,33 +122,20 @@ def thumbnail_of(area: Any, stored: Sequence[int]) -> Thumbnail:
     return Thumbnail(*size_mm, columns, rows, percent.astype(np.uint8).tobytes())
 
 
-def _plan_of(area: Any) -> Optional[_Plan]:
-    """Return how many stops and rotations parameters have; None if they cannot be read."""
+def _counts_of(area: Any) -> Optional[Tuple[int, int, int]]:
+    """Return how many columns, rows and rotations parameters have; None if they are unreadable."""
     if not isinstance(area, Mapping):
         return None
     rotations = area.get("polarizations_deg")
-    turns = len(rotations) if isinstance(rotations, list) else None
-    counts = (area.get("x_points"), area.get("y_points"), turns)
-    if not all(type(one) is int and 0 < one <= MOST_PLANNED for one in counts):
-        return None
-    plan = _Plan(*counts)  # type: ignore[arg-type]
-    return plan if plan.traces <= MOST_PLANNED else None
+    turns = len(rotations) if isinstance(rotations, list) else 0
+    counts: Any = (area.get("x_points"), area.get("y_points"), turns)
+    is_plan = all(type(one) is int and one > 0 for one in counts)
+    return counts if is_plan and math.prod(counts) <= MOST_PLANNED else None
 
 
 def _share(points: int, cells: int) -> np.ndarray:
     """Return how many of the points belong to each cell."""
     return np.bincount(np.arange(points) * cells // points, minlength=cells)
-
-
-def _is_place(value: Any) -> bool:
-    # Compared before it is converted: a whole number of JSON may have hundreds of digits.
-    return type(value) in (int, float) and abs(value) <= LARGEST_MM
-
-
-def _people(annotation: Any) -> Dict[str, Any]:
-    """Return what people wrote that a list is searched for."""
-    written = annotation if isinstance(annotation, dict) else {}
-    return {name: _text(written.get(name)) for name in ("name", "site", "operator")}
 
 
 def _text(value: Any) -> str:

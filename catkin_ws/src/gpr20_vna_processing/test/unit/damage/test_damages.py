@@ -40,7 +40,7 @@ from gpr20_survey.folder.log_record import Kind
 from gpr20_survey.folder.recovery import open_log, read_description, recover
 from gpr20_survey.plan.annotation import annotation_of
 from gpr20_survey.trace import trace_json
-from gpr20_vna_processing.mid.survey_archive import SurveyArchive
+from gpr20_vna_processing.mid.stored_surveys import StoredSurveys
 
 VIEW, SEAL = "survey.json", "manifest.json"
 LOG, COPY = "log.jsonl", "log.copy.jsonl"
@@ -247,9 +247,9 @@ def check_loaded(folder, damage):
     count = STORED[damage.ending]
     if isinstance(damage.loaded, str):
         with raises_fault(damage.loaded):
-            SurveyArchive(folder.parent).traces(SURVEY, range(count))
+            StoredSurveys(folder.parent).traces(SURVEY, range(count))
         return
-    found = SurveyArchive(folder.parent).traces(SURVEY, range(count))
+    found = StoredSurveys(folder.parent).traces(SURVEY, range(count))
     indices = found.block.indices.tolist()
     assert indices == [*(range(count) if damage.loaded is None else damage.loaded)]
     assert sorted([*indices, *found.unreadable]) == [*range(count)]

@@ -1,6 +1,5 @@
 """A disk that is full, and files that others may read or not."""
 
-import contextlib
 import os
 import shutil
 import stat
@@ -9,20 +8,17 @@ import subprocess
 import pytest
 from fault_kit import raises_fault
 from log_examples import NOW, add_marker
-from planned_survey import METADATA
-from reopening_kit import TRACES, assert_whole, trace_file
+from reopening_kit import assert_whole, trace_file
 from storage_kit import Kit, with_bag
 from trace_examples import SURVEY, make_trace, read_json
 
-from gpr20_analysis.read.verification import verify_survey
-from gpr20_analysis.read.verification_result import COMPLETE
 from gpr20_survey.errors import StorageFailedError
 from gpr20_survey.files.access import Readers
 from gpr20_survey.files.durable_files import is_temporary
 from gpr20_survey.folder.annotating import add_to_survey
-from gpr20_vna_processing.mid.processing_records import Limits
+from gpr20_vna_processing.mid.processing_parameters import ProcessingParameters
 
-LIMITS = Limits(timeout_s=60.0, period_s=0.05, disk_reserve_bytes=0)
+LIMITS = ProcessingParameters(timeout_s=60.0, commit_period_s=0.05, disk_reserve_mb=0.0)
 
 
 @pytest.fixture
@@ -60,24 +56,6 @@ def test_a_survey_goes_on_after_space_was_made_on_a_full_disk(small_disk):
     kit.processing.close_survey(SURVEY, "finished")
     kit.processing.shut_down()
     assert_whole(folder, [make_trace(index) for index in range(refused + 10)])
-
-
-@pytest.mark.needs("mounts")
-def test_a_full_disk_leaves_no_half_bag_and_a_survey_that_is_complete(small_disk):
-    kit = Kit(small_disk / "data", limits=LIMITS)
-    folder = kit.open(metadata_json=METADATA)
-    kit.finish(TRACES, ())
-    kit.processing.shut_down()
-    ballast = small_disk / "ballast"
-    with contextlib.suppress(OSError):
-        ballast.write_bytes(b"\0" * 2_000_000)
-    with raises_fault("disk.full", error=StorageFailedError):
-        with_bag(folder)
-    assert not list(folder.glob("*survey.bag*"))
-    found = verify_survey(folder)
-    assert (found.status, found.faults) == (COMPLETE, [])
-    ballast.unlink()
-    assert_whole(with_bag(folder), TRACES)
 
 
 def modes(top):

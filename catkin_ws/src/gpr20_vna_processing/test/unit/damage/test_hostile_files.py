@@ -27,7 +27,7 @@ from gpr20_survey.files import durable_files
 from gpr20_survey.folder.log_record import Kind, LogRecord
 from gpr20_survey.folder.recovery import recover
 from gpr20_survey.folder.survey_folder import LOG_FILES
-from gpr20_vna_processing.mid.survey_archive import SurveyArchive
+from gpr20_vna_processing.mid.stored_surveys import StoredSurveys
 
 MEMORY_BYTES = 100 << 20
 HUGE_BYTES = 160 << 20
@@ -122,7 +122,7 @@ def test_a_pipe_in_the_place_of_a_file_is_not_waited_for(kit, folder, part):
     path = path_of(folder, part)
     path.unlink()
     put_pipe(path)
-    assert refusal_of(lambda: SurveyArchive(folder.parent).traces(SURVEY, range(3))) is None
+    assert refusal_of(lambda: StoredSurveys(folder.parent).traces(SURVEY, range(3))) is None
     assert refusal_of(lambda: kit.add_marker(SURVEY, marker(3))) is None
     refused = refusal_of(lambda: kit.processing.reopen_survey(SURVEY))
     if part == "survey.mcap":
@@ -130,7 +130,7 @@ def test_a_pipe_in_the_place_of_a_file_is_not_waited_for(kit, folder, part):
     else:
         assert refused is None  # another file holds the same
         assert path.is_file() or part == "survey.bag"  # made when the survey ends
-    assert refusal_of(lambda: SurveyArchive(folder.parent).list("", 10)) is None
+    assert refusal_of(lambda: StoredSurveys(folder.parent).list("", 10)) is None
 
 
 @contextlib.contextmanager
@@ -150,8 +150,8 @@ def little_memory():
 def test_a_huge_file_does_not_fill_the_memory(kit, folder, part):
     os.truncate(str(path_of(folder, part)), HUGE_BYTES)  # without taking the space
     with little_memory():
-        refusal_of(lambda: SurveyArchive(folder.parent).list("", 10))
-        refusal_of(lambda: SurveyArchive(folder.parent).traces(SURVEY, range(10)))
+        refusal_of(lambda: StoredSurveys(folder.parent).list("", 10))
+        refusal_of(lambda: StoredSurveys(folder.parent).traces(SURVEY, range(10)))
         refusal_of(lambda: kit.processing.reopen_survey(SURVEY))
 
 
@@ -162,7 +162,7 @@ def test_a_record_that_says_it_is_huge_does_not_fill_the_memory(kit, folder):
         file.write(struct.pack("<BQ", 0x0C, HUGE_BYTES))
         file.truncate(2 * HUGE_BYTES)
     with little_memory():
-        refusal_of(lambda: SurveyArchive(folder.parent).traces(SURVEY, range(3)))
+        refusal_of(lambda: StoredSurveys(folder.parent).traces(SURVEY, range(3)))
         refused = refusal_of(lambda: kit.processing.reopen_survey(SURVEY))
     # A file that is mostly a hole is not read; the JSON files hold the traces.
     assert refused.message.fault_code == "storage.not_a_file"
@@ -182,9 +182,9 @@ def test_no_description_writes_outside_its_folder_or_ends_the_storage(copies, de
         (folder / name).write_bytes(plan.line())
     try:
         refusal_of(lambda: kit.processing.reopen_survey(SURVEY))
-        refusal_of(lambda: SurveyArchive(data).list("", 10))
-        refusal_of(lambda: SurveyArchive(data).survey(SURVEY))
-        refusal_of(lambda: SurveyArchive(data).traces(SURVEY, range(10)))
+        refusal_of(lambda: StoredSurveys(data).list("", 10))
+        refusal_of(lambda: StoredSurveys(data).survey(SURVEY))
+        refusal_of(lambda: StoredSurveys(data).traces(SURVEY, range(10)))
         assert (list(data.iterdir()), list(top.iterdir())) == ([folder], [data])
         assert trace_file(folder, 0).is_file()
     finally:

@@ -11,7 +11,6 @@ import shutil
 
 import pytest
 from annotation_examples import EXAMPLE
-from case_kit import each_case
 from fault_kit import raises_fault
 from log_examples import marker
 from mcap.reader import make_reader
@@ -93,21 +92,6 @@ def test_a_survey_that_was_cut_off_goes_on_where_it_was(kit, folder, by_folder):
         messages = [(one.topic, raw.data) for _, one, raw in make_reader(stream).iter_messages()]
     in_bag = [(one.topic, one.data) for one in bag_messages(folder / "survey.bag")]
     assert sorted(in_bag) == sorted(messages)
-
-
-@each_case(
-    "name, code",
-    [
-        *((name, "survey.unknown") for name in ("", "..", "../before", "/etc")),
-        ("20260921T141320_0f8fad5b/..", "survey.unknown"),
-        (OTHER_SURVEY, "survey.unknown"),
-        (SURVEY[:8] + OTHER_SURVEY[8:], "survey.unknown"),
-    ],
-)
-def test_only_surveys_in_the_data_folder_can_be_reopened(kit, name, code):
-    with raises_fault(code, error=SurveyRefusedError):
-        kit.processing.reopen_survey(name)
-    assert kit.processing.state().survey_id == ""
 
 
 def test_reopening_the_open_survey_answers_what_is_stored_by_now(kit, folder):

@@ -26,7 +26,7 @@ from trace_examples import SURVEY
 from gpr20_analysis.read.verification import verify_survey
 from gpr20_analysis.read.verification_result import COMPLETE
 from gpr20_survey.errors import StorageFailedError
-from gpr20_survey.files import file_sums
+from gpr20_survey.files import regular_file
 from gpr20_survey.folder import survey_log
 from gpr20_survey.folder.annotating import add_to_survey
 
@@ -177,24 +177,17 @@ def test_an_entry_that_was_torn_while_it_was_added_leaves_a_sealed_survey_intact
         assert verify_survey(folder).status == COMPLETE
 
 
-def test_a_survey_of_whose_log_the_second_file_was_not_made_goes_on(copies):
-    folder = copies("cut off")
-    (folder / FILES[1]).unlink()
-    resume(folder)
-    found = verify_survey(folder)
-    assert (found.status, found.faults, found.unconfirmed) == (COMPLETE, [], ())
-
-
 def test_a_log_that_the_disk_does_not_show_is_not_called_another_survey(tmp_path, monkeypatch):
-    Kit(tmp_path).open(metadata_json=METADATA)
+    folder = Kit(tmp_path / "first").open(metadata_json=METADATA)
+    shutil.copytree(str(folder), str(tmp_path / "second" / folder.name))
 
-    def refuse(_path):
+    def refuse(_path, **_options):
         raise OSError(errno.EIO, "Input/output error")
 
-    for module in (survey_log, file_sums):
+    for module in (survey_log, regular_file):
         monkeypatch.setattr(module, "open_regular", refuse)
     with pytest.raises(StorageFailedError):
-        Kit(tmp_path).open(metadata_json=METADATA)
+        Kit(tmp_path / "second").open(metadata_json=METADATA)
 
 
 def test_a_folder_that_holds_anything_else_is_not_emptied_by_an_opening(copies):
