@@ -30,7 +30,7 @@ from gpr20_operator.ground.grid import Stop
 from gpr20_operator.ground.level_scale import MIN_SPAN_DB, LevelScale, SteadyScale
 from gpr20_operator.ground.records import Axis, Colours, Place, RadarSettings
 from gpr20_operator.ground.sources import EchoSource, depths_m
-from gpr20_survey.plan.coverage import SampleState
+from gpr20_survey.plan.survey_state import SampleState
 from gpr20_survey.radar.noise import noise_threshold_db
 from gpr20_survey.trace.trace_block import TraceBlock
 
