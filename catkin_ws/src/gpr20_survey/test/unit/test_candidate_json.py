@@ -12,7 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from gpr20_common.errors import InvalidValueError
-from gpr20_survey.plan.coverage import reported_verdict
+from gpr20_survey.plan.survey_state import reported_verdict
 from gpr20_survey.results.area_position import AreaPosition
 from gpr20_survey.results.candidates import Flag, json_text, list_from
 from gpr20_survey.results.hidden_target import Target, Targets, target_of

@@ -14,7 +14,7 @@ from PyQt5.QtTest import QTest
 from view_kit import SURVEY, TRAVEL, description, make_grid
 
 from gpr20_common.message import verbatim
-from gpr20_main_control.mid.survey.coverage import Coverage
+from gpr20_main_control.mid.survey.survey_coverage import Coverage
 from gpr20_operator import faults
 from gpr20_operator.errors import SurveyNotReadableError
 from gpr20_operator.ground.cells import TILES, Cell
@@ -27,8 +27,8 @@ from gpr20_operator.ground.coverage import (
 from gpr20_operator.ground.geometry import Area
 from gpr20_operator.ground.grid import Stop, grid_from_description
 from gpr20_operator.ground.marks import GroundMark
-from gpr20_survey.plan.coverage import SampleState
 from gpr20_survey.plan.survey_points import survey_points
+from gpr20_survey.plan.survey_state import SampleState
 from gpr20_user_interface.look.look import Look, Mark
 from gpr20_user_interface.widgets.ground_picture import Frame, GroundPicture
 

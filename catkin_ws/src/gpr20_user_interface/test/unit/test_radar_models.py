@@ -36,7 +36,7 @@ from gpr20_operator.ground.noise import (
 )
 from gpr20_operator.ground.records import Axis, Colours, Place, RadarSettings
 from gpr20_operator.ground.sources import EchoSource, depths_m
-from gpr20_survey.plan.coverage import SampleState
+from gpr20_survey.plan.survey_state import SampleState
 from gpr20_survey.trace.trace_block import TraceBlock
 
 LINEAR = RadarSettings(in_db=False, remove_background=False)

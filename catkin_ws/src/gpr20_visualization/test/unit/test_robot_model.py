@@ -2,6 +2,7 @@
 
 import json
 import math
+import re
 from pathlib import Path
 from xml.etree import ElementTree
 
@@ -72,7 +73,7 @@ NODES = {
     *(f"{name}: state" for name in ("main_control", "imaging", "visualization", "simulator")),
     *("user_interface: state", "web: state"),
 }
-FRAMES = {value for name, value in vars(frames).items() if name.isupper()}
+FRAMES = {value for name, value in vars(frames).items() if re.search("^MAP$|_LINK$", name)}
 # What the layout and the configuration show, without the slash of the layout's absolute names.
 SHOWN = {
     *("b_scan", "survey_area", "stops", "candidate_markers", "measured_height"),

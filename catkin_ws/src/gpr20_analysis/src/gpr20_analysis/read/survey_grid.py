@@ -13,8 +13,6 @@ from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message
 from gpr20_survey.plan.imported import ImportedGrid
 from gpr20_survey.plan.recorded_plan import PlanFit
-from gpr20_survey.plan.survey_points import SurveyPoint
-from gpr20_survey.trace.trace import Trace
 
 DECIMALS = 4  # of a millimetre: a hundredth of a motor step
 EVEN = 0.1  # tolerance of even spacing, as a share of it; a motor step at 0.1 mm spacing
@@ -123,11 +121,8 @@ def _filled(values: Tuple[float, ...], name: str, notes: List[Message]) -> Tuple
     return tuple(filled)
 
 
-class Plan:
-    """The planned samples of a survey, computed from its description.
-
-    Of an imported survey, which has no plan, the places of its grid.
-    """
+class Plan(PlanFit):
+    """The planned samples of a survey, or the places of the grid of an imported one."""
 
     def __init__(self, description: Dict[str, Any]) -> None:
         """Compute the plan.
@@ -136,24 +131,11 @@ class Plan:
             AnalysisError: Parameters or axes are missing or invalid.
         """
         try:
-            self._fit = PlanFit(description)
+            super().__init__(description)
         except InvalidValueError as error:
             raise AnalysisError(
                 Message("the plan is unknown: {reason}", reason=error.message),
                 fault=faults.SURVEY_DAMAGED,
             ) from error
-        self.points: List[SurveyPoint] = self._fit.points
         self.positions = np.array([(one.z_deg, one.y_mm, one.x_mm) for one in self.points])
         """Rotation [deg], y and x [mm] of each, (samples, 3)."""
-
-    def misplaced(self, trace: Trace) -> List[Message]:
-        """Return how the place and the number of frequencies of a trace differ from the plan."""
-        return self._fit.misplaced(trace)
-
-    def misfits(self, trace: Trace) -> List[Message]:
-        """Return all differences between a trace and the plan for its index."""
-        return self._fit.misfits(trace)
-
-    def changed_settings(self, trace: Trace) -> List[Message]:
-        """Return how the analyzer's settings differ from those at the start of the survey."""
-        return self._fit.changed_settings(trace)

@@ -10,7 +10,7 @@ import rospy
 from gpr20_common.message import Message
 from gpr20_common.sent_message import message_fields
 from gpr20_main_control.mid.devices.robot import Robot
-from gpr20_main_control.mid.survey.coverage import Coverage
+from gpr20_main_control.mid.survey.survey_coverage import Coverage
 from gpr20_main_control.mid.survey.survey_status import Status
 from gpr20_msgs.msg import (
     ControlStatus,

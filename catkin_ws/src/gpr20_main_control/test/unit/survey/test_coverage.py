@@ -14,11 +14,11 @@ from gpr20_common.message import Fault, Message
 from gpr20_common.sent_message import received_message
 from gpr20_main_control import faults
 from gpr20_main_control.errors import SurveyError
-from gpr20_main_control.mid.survey.coverage import Coverage
 from gpr20_main_control.mid.survey.known_point import compare
+from gpr20_main_control.mid.survey.survey_coverage import Coverage
 from gpr20_main_control.mid.survey.survey_report import AnalyzerRecord, SurveyReport
 from gpr20_main_control.mid.survey.zero_record import ZeroRecord
-from gpr20_survey.plan.coverage import COVERAGE_LETTERS, SampleState, reported_verdict
+from gpr20_survey.plan.survey_state import COVERAGE_LETTERS, SampleState, reported_verdict
 
 NO_ANSWER = Message("no answer")
 

@@ -10,7 +10,7 @@ from gpr20_common.message import Message
 from gpr20_common.sent_message import message_from, received_message
 from gpr20_main_control import faults
 from gpr20_main_control.high.survey_topics import SurveyTopics
-from gpr20_main_control.mid.survey.coverage import Coverage
+from gpr20_main_control.mid.survey.survey_coverage import Coverage
 from gpr20_main_control.mid.survey.survey_status import Status
 from gpr20_survey.plan.survey_points import SurveyPoint
 from gpr20_survey.plan.survey_state import SurveyState as State

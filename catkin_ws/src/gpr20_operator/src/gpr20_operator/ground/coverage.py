@@ -12,8 +12,8 @@ from gpr20_common.message import Message
 from gpr20_operator import faults
 from gpr20_operator.errors import SurveyNotReadableError
 from gpr20_operator.ground.grid import Cell, Stop, SurveyGrid
-from gpr20_survey.plan.coverage import SampleState
 from gpr20_survey.plan.survey_parameters import MAX_TRACES
+from gpr20_survey.plan.survey_state import SampleState
 
 
 class StopState(enum.IntEnum):

@@ -8,7 +8,7 @@ import json
 import math
 import re
 from dataclasses import asdict, dataclass
-from typing import Any, List, Tuple, Union
+from typing import Any, Iterator, List, Tuple, Union
 
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message, in_a_row
@@ -176,40 +176,80 @@ def check(parameters: SurveyParameters, travel: RobotTravel) -> None:
 
 
 def find_problems(parameters: SurveyParameters, travel: RobotTravel) -> List[Problem]:
-    """Return everything that is not allowed, in the order of the parameters."""
+    """Return everything that is not allowed; empty if all is."""
     p, within = parameters, number_between
     hz = (MIN_FREQUENCY_HZ, MAX_FREQUENCY_HZ, "Hz")
     points, stops = (MIN_FREQUENCY_POINTS, MAX_FREQUENCY_POINTS), (MIN_GRID_POINTS, MAX_TRACES)
-    x, y = (p.x_start_mm, p.x_stop_mm, p.x_points), (p.y_start_mm, p.y_stop_mm, p.y_points)
     x_mm, y_mm = (*coordinate_limits_mm(travel.x), "mm"), (*coordinate_limits_mm(travel.y), "mm")
+    traces = p.total_points if min(p.x_points, p.y_points) >= MIN_GRID_POINTS else 1
     checks: List[Tuple[Any, ...]] = [
         ("vna_address", check_address, p.vna_address),
         ("start_frequency_hz", within, Message("start frequency"), p.start_frequency_hz, *hz),
         ("stop_frequency_hz", within, Message("stop frequency"), p.stop_frequency_hz, *hz),
-        (Relation.FREQUENCY_ORDER, _ascending_frequencies, p),
         ("frequency_points", within, Message("frequency points"), p.frequency_points, *points),
-        (Relation.FREQUENCY_SPACING, _frequency_spacing, p),
         ("if_bandwidth_hz", _if_bandwidth, p.if_bandwidth_hz),
         ("averages", within, Message("averages"), p.averages, 0, MAX_AVERAGES),
         ("output_power", _output_power, p.output_power),
         ("x_start_mm", within, Message("x start"), p.x_start_mm, *x_mm),
         ("x_stop_mm", within, Message("x stop"), p.x_stop_mm, *x_mm),
         ("x_points", within, Message("x points"), p.x_points, *stops),
-        (Relation.X_SPACING, _spacing, "x", *x, travel.x.step),
         ("y_start_mm", within, Message("y start"), p.y_start_mm, *y_mm),
         ("y_stop_mm", within, Message("y stop"), p.y_stop_mm, *y_mm),
         ("y_points", within, Message("y points"), p.y_points, *stops),
-        (Relation.Y_SPACING, _spacing, "y", *y, travel.y.step),
         ("polarizations_deg", _polarizations, p.polarizations_deg, travel.z),
-        (Relation.SIZE, _size, p),
+        (Relation.SIZE, within, Message("number of traces"), traces, 1, MAX_TRACES),
     ]
-    found = []
+    found: List[Tuple[Union[str, Relation], Message]] = list(_broken_relations(p, travel))
     for of, check_one, *values in checks:
         try:
             check_one(*values)
         except InvalidValueError as error:
-            found.append(Problem(of, error.message.with_fault(faults.PLAN_NOT_ALLOWED)))
-    return found
+            found.append((of, error.message))
+    return [Problem(of, one.with_fault(faults.PLAN_NOT_ALLOWED)) for of, one in found]
+
+
+def _broken_relations(
+    p: SurveyParameters, travel: RobotTravel
+) -> Iterator[Tuple[Relation, Message]]:
+    # A number that is not finite, or too small, is refused by itself.
+    if p.start_frequency_hz >= p.stop_frequency_hz:
+        yield (
+            Relation.FREQUENCY_ORDER,
+            Message(
+                "start frequency is {start} Hz; it must be below the stop frequency, {stop} Hz",
+                start=f"{p.start_frequency_hz:.12g}",
+                stop=f"{p.stop_frequency_hz:.12g}",
+            ),
+        )
+    gaps = p.frequency_points - 1
+    spacing_hz = (p.stop_frequency_hz - p.start_frequency_hz) / gaps if gaps > 0 else math.inf
+    if 0.0 < spacing_hz < MIN_FREQUENCY_SPACING_HZ:
+        yield (
+            Relation.FREQUENCY_SPACING,
+            Message(
+                "start frequency, stop frequency and points give frequencies {spacing} Hz apart; "
+                "they must be at least {least:g} Hz apart",
+                spacing=f"{spacing_hz:.6g}",
+                least=MIN_FREQUENCY_SPACING_HZ,
+            ),
+        )
+    for axis, relation, span_mm, points, step_mm in (
+        ("x", Relation.X_SPACING, p.x_stop_mm - p.x_start_mm, p.x_points, travel.x.step),
+        ("y", Relation.Y_SPACING, p.y_stop_mm - p.y_start_mm, p.y_points, travel.y.step),
+    ):
+        # Two stops on the same motor step would be the same place measured twice.
+        if points >= MIN_GRID_POINTS and abs(span_mm) / (points - 1) < step_mm:
+            yield (
+                relation,
+                Message(
+                    "{axis} start, stop and points give {points} stops {spacing_mm:.6g} mm apart; "
+                    "they must be at least one motor step, {step_mm:g} mm, apart",
+                    axis=axis,
+                    points=points,
+                    spacing_mm=abs(span_mm) / (points - 1),
+                    step_mm=step_mm,
+                ),
+            )
 
 
 def coordinate_limits_mm(travel: Travel) -> Tuple[float, float]:
@@ -228,34 +268,6 @@ def check_address(address: str) -> None:
         instrument_address(Message("VNA address"), address)
 
 
-def _ascending_frequencies(p: SurveyParameters) -> None:
-    if p.start_frequency_hz >= p.stop_frequency_hz:
-        raise InvalidValueError(
-            Message(
-                "start frequency is {start} Hz; it must be below the stop frequency, {stop} Hz",
-                start=f"{p.start_frequency_hz:.12g}",
-                stop=f"{p.stop_frequency_hz:.12g}",
-            )
-        )
-
-
-def _frequency_spacing(p: SurveyParameters) -> None:
-    if p.frequency_points < MIN_FREQUENCY_POINTS:
-        return
-    span_hz = p.stop_frequency_hz - p.start_frequency_hz
-    spacing_hz = span_hz / (p.frequency_points - 1)
-    # A span that is not finite or not above zero is reported with its frequencies.
-    if math.isfinite(spacing_hz) and 0.0 < spacing_hz < MIN_FREQUENCY_SPACING_HZ:
-        raise InvalidValueError(
-            Message(
-                "start frequency, stop frequency and points give frequencies {spacing} Hz apart; "
-                "they must be at least {least:g} Hz apart",
-                spacing=f"{spacing_hz:.6g}",
-                least=MIN_FREQUENCY_SPACING_HZ,
-            )
-        )
-
-
 def _if_bandwidth(bandwidth_hz: float) -> None:
     if bandwidth_hz != 0.0:
         number_between(
@@ -270,25 +282,6 @@ def _output_power(power: str) -> None:
                 "output power is {power}; use up to 16 letters, digits, signs and points, such as "
                 "LOW or HIGH",
                 power=repr(power[:64]),
-            )
-        )
-
-
-def _spacing(axis: str, start_mm: float, stop_mm: float, points: int, step_mm: float) -> None:
-    if points < MIN_GRID_POINTS:
-        return
-    spacing_mm = abs(stop_mm - start_mm) / (points - 1)
-    # Two stops on the same motor step would be the same place measured twice. A span that
-    # is not finite is reported with its coordinate.
-    if math.isfinite(spacing_mm) and spacing_mm < step_mm:
-        raise InvalidValueError(
-            Message(
-                "{axis} start, stop and points give {points} stops {spacing_mm:.6g} mm apart; "
-                "they must be at least one motor step, {step_mm:g} mm, apart",
-                axis=axis,
-                points=points,
-                spacing_mm=spacing_mm,
-                step_mm=step_mm,
             )
         )
 
@@ -314,8 +307,3 @@ def _polarizations(rotations_deg: Tuple[float, ...], travel: Travel) -> None:
                 step_deg=travel.step,
             )
         )
-
-
-def _size(p: SurveyParameters) -> None:
-    if p.x_points >= MIN_GRID_POINTS and p.y_points >= MIN_GRID_POINTS:
-        number_between(Message("number of traces"), p.total_points, 1, MAX_TRACES)

@@ -16,7 +16,7 @@ from gpr20_main_control.mid.devices.aux_sensors import AuxSensors
 from gpr20_main_control.mid.devices.axis_leases import LeasedAxis
 from gpr20_main_control.mid.devices.described_robot import DescribedRobot
 from gpr20_main_control.mid.devices.node_liveness import NodeLiveness
-from gpr20_main_control.mid.survey.coverage import Coverage
+from gpr20_main_control.mid.survey.survey_coverage import Coverage
 from gpr20_main_control.mid.survey.survey_notes import Note
 from gpr20_main_control.mid.survey.survey_status import Status
 from gpr20_main_control.mid.waits import SerialCalls, Workers

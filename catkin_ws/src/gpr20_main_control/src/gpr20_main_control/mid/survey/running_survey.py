@@ -10,8 +10,8 @@ from gpr20_main_control import faults
 from gpr20_main_control.mid.devices.axis_leases import AxisLeases
 from gpr20_main_control.mid.devices.positioner import Positioner
 from gpr20_main_control.mid.devices.robot import Robot
-from gpr20_main_control.mid.survey.coverage import Coverage
 from gpr20_main_control.mid.survey.drift_record import DriftLimits
+from gpr20_main_control.mid.survey.survey_coverage import Coverage
 from gpr20_main_control.mid.survey.survey_notes import SurveyNotes
 from gpr20_main_control.mid.survey.survey_plan import SurveyPlan
 from gpr20_main_control.mid.survey.survey_report import (

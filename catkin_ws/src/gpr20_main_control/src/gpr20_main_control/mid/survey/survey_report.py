@@ -12,11 +12,11 @@ from gpr20_common.message import Message
 from gpr20_common.mid.codec import plain, record_from
 from gpr20_main_control import faults
 from gpr20_main_control.errors import OtherAnalyzerError, SurveyError
-from gpr20_main_control.mid.survey.coverage import Coverage
 from gpr20_main_control.mid.survey.known_point import RepeatMeasurement
+from gpr20_main_control.mid.survey.survey_coverage import Coverage
 from gpr20_main_control.mid.survey.zero_record import ZeroRecord
 from gpr20_survey.folder.survey_metadata import FAULT_CODE, REASON_MESSAGE, message_record
-from gpr20_survey.plan.coverage import COMPLETE, COVERAGE_LETTERS
+from gpr20_survey.plan.survey_state import COVERAGE_LETTERS
 from gpr20_survey.plan.zero_history import ZEROS, UsedZeros
 from gpr20_survey.trace.utc_time import iso_text
 
@@ -224,7 +224,7 @@ class SurveyReport:
         reasons = sorted(self.coverage.reasons.items())
         return json.dumps(
             {
-                COMPLETE: verdict.complete,
+                "complete": verdict.complete,
                 "verdict": str(verdict.message),
                 "verdict_message": message_record(verdict.message),
                 "coverage": "".join(COVERAGE_LETTERS[state] for state in self.coverage.states),

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Callable, Dict, FrozenSet, Optional
 
 from gpr20_common.errors import Gpr20Error
 from gpr20_common.message import Message, in_a_row
-from gpr20_main_control.mid.survey.coverage import Coverage
+from gpr20_main_control.mid.survey.survey_coverage import Coverage
 from gpr20_survey.plan.survey_parameters import SurveyParameters
 from gpr20_survey.plan.survey_points import SurveyPoint
 from gpr20_survey.plan.survey_state import SurveyState

@@ -6,7 +6,7 @@ import re
 from typing import Callable, Dict, Iterable, List, Set, Tuple
 
 from gpr20_common.message import Message
-from gpr20_survey.plan.coverage import SampleState, Verdict, verdict
+from gpr20_survey.plan.survey_state import SampleState, Verdict, verdict
 
 RUN = re.compile(rb"(.)\1*", re.DOTALL)
 
