@@ -116,8 +116,9 @@ def store_survey(data, simulated=True, traces=3):
     survey_id = str(uuid.uuid4())
     folder = data / f"20260921T141320_{survey_id[:8]}"
     (folder / "traces").mkdir(parents=True)
-    values = {"format": "gpr20-survey/1", "survey_id": survey_id, "simulated": simulated}
-    plan = LogRecord.after(None, Kind.PLAN, values, "2026-09-21T14:13:20+00:00")
+    started = "2026-09-21T14:13:20.000000+00:00"
+    values = {"format": "gpr20-survey/1", "survey_id": survey_id, "started": started}
+    plan = LogRecord.after(None, Kind.PLAN, {**values, "simulated": simulated}, started)
     SurveyLog(folder, [plan], whole=False).write()
     for index in range(traces):
         (folder / "traces" / f"{index:06d}.json").write_bytes(b"0123456789" * 5000)
