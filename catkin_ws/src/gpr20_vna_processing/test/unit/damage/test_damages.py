@@ -231,7 +231,7 @@ DAMAGES = {
         STOPPED, gone(TRACE, MCAP), [TRACE, MCAP], [], [MCAP], WITHOUT_2, WITHOUT_2
     ),
     "all traces": Damage(STOPPED, gone("traces"), ["traces/"], repaired=[TRACE],
-                         loaded="disk.refuses"),
+                         loaded="storage.folder_moved"),
     # The MCAP: what cannot be read of it is in the JSON files.
     "mcap gone": Damage(CUT_OFF, gone(MCAP), [MCAP]),
     "mcap flipped": Damage(STOPPED, flipped(MCAP, place=0.6), [MCAP], [MCAP]),

@@ -181,7 +181,7 @@ def test_a_log_that_the_disk_does_not_show_is_not_called_another_survey(tmp_path
     folder = Kit(tmp_path / "first").open(metadata_json=METADATA)
     shutil.copytree(str(folder), str(tmp_path / "second" / folder.name))
 
-    def refuse(_path, **_options):
+    def refuse(*_arguments, **_options):
         raise OSError(errno.EIO, "Input/output error")
 
     for module in (survey_log, regular_file):
