@@ -110,10 +110,9 @@ class ProcessingNode:
             request.metadata_json,
             request.needed_bytes,
         )
+        place = printable(folder)
         message = Message(
-            "survey {survey} is open in {folder}",
-            survey=request.survey_id,
-            folder=printable(folder),
+            "survey {survey} is open in {folder}", survey=request.survey_id, folder=place
         )
         return success(srv.OpenSurvey, message, path=str(folder), interrupted=interrupted)
 

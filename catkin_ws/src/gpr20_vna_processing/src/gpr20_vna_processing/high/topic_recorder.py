@@ -50,10 +50,7 @@ class TopicRecorder:
     def unconnected(self) -> List[str]:
         """Return the topics of which a publisher that the master knows is not connected yet.
 
-        What it sends before is in no recording.
-
-        Raises:
-            rosgraph.MasterException: The master refuses to answer; OSError: it does not answer.
+        What it sends before is in no recording. MasterException, OSError: the master is away.
         """
         published, _subscribed, _services = rosgraph.Master(rospy.get_name()).getSystemState()
         publishers = Counter({topic: len(nodes) for topic, nodes in published})

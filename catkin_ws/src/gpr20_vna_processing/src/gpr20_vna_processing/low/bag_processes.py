@@ -9,8 +9,9 @@ from concurrent.futures import Future, ThreadPoolExecutor, wait
 from pathlib import Path
 from typing import Callable, Dict, Optional, Tuple
 
-from gpr20_common.faults import DISK_FULL
-from gpr20_common.message import Message
+from gpr20_common.faults import DISK_FULL, INTERNAL
+from gpr20_common.low.thread_fault import log_fault
+from gpr20_common.message import Message, verbatim
 from gpr20_common.os_reason import os_reason
 from gpr20_common.sent_message import received_message
 from gpr20_common.terminal_text import printable
@@ -41,19 +42,22 @@ class BagProcesses:
         self._disk_reserve_bytes = disk_reserve_bytes
         self._pool = ThreadPoolExecutor(1, "bags")
         self._lock = threading.Lock()  # guards all below
-        self._bags: Dict[Path, Future] = {}  # those that are not made yet
+        # Those that are not made yet, each with what says that it was cancelled.
+        self._bags: Dict[Path, Tuple[Future, threading.Event]] = {}
         self._child: Optional[Tuple[Path, subprocess.Popen]] = None
         self._failed: Optional[Tuple[Path, Message]] = None  # a survey, and why it has no bag
 
     def make(self, folder: Path) -> None:
         """Make the bag of a survey that has ended, soon; do not wait."""
         with self._lock:
-            self._bags[folder] = self._pool.submit(self._make, folder)
+            cancelled = threading.Event()
+            self._bags[folder] = self._pool.submit(self._make, folder, cancelled), cancelled
 
     def cancel(self, folder: Path) -> None:
         """Make no bag of a survey that is resumed."""
         with self._lock:
-            bag = self._bags.pop(folder, None)
+            bag, cancelled = self._bags.pop(folder, (None, threading.Event()))
+            cancelled.set()
             if self._failed is not None and self._failed[0] == folder:
                 self._failed = None
             if self._child is not None and self._child[0] == folder:
@@ -84,27 +88,32 @@ class BagProcesses:
     def stop(self, limit_s: float) -> None:
         """Wait for the bags that are not made yet [s], and end what makes one then."""
         with self._lock:
-            bags = dict(self._bags)
+            bags = {folder: bag for folder, (bag, _cancelled) in self._bags.items()}
         wait(bags.values(), limit_s)
         for folder in bags:
             self.cancel(folder)
         self._pool.shutdown(wait=False)
 
-    def _make(self, folder: Path) -> None:
-        failure = self._failure(folder)
+    def _make(self, folder: Path, cancelled: threading.Event) -> None:
+        try:
+            failure = self._failure(folder, cancelled)
+        except Exception as error:  # which the pool would keep
+            log_fault("bags")
+            failure = verbatim(str(error)).with_fault(INTERNAL)
         with self._lock:
             self._child = None
-            if self._bags.pop(folder, None) is not None and failure is not None:
-                self._failed = folder, failure
+            if not cancelled.is_set():
+                self._bags.pop(folder, None)
+                self._failed = self._failed if failure is None else (folder, failure)
 
-    def _failure(self, folder: Path) -> Optional[Message]:
+    def _failure(self, folder: Path, cancelled: threading.Event) -> Optional[Message]:
         """Make a bag; return why that failed."""
         try:
             if self._free_bytes(folder) < bag_bytes(folder) + self._disk_reserve_bytes:
                 return Message("the disk has too little space").with_fault(DISK_FULL)
             with self._lock:
-                if folder not in self._bags:
-                    return None  # it was cancelled
+                if cancelled.is_set():
+                    return None
                 # In a session of its own: Ctrl-C is for the node, which waits.
                 child = subprocess.Popen(
                     [*PROGRAM, str(folder)], stdout=subprocess.PIPE, start_new_session=True

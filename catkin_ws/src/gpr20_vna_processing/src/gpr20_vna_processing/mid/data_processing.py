@@ -122,11 +122,11 @@ class DataProcessing:
         except Gpr20Error as error:
             self._last = error.message, True
         except Exception as error:
-            reason = verbatim(str(error)).with_fault(INTERNAL)
+            failure = verbatim(str(error)).with_fault(INTERNAL)
             # Once: the same happens several times a second.
-            if reason != self._last[0]:
+            if failure != self._last[0]:
                 log_fault("storage")
-            self._last = reason, True
+            self._last = failure, True
         else:
             return True
         return False

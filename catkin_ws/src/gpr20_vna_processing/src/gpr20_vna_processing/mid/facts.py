@@ -101,11 +101,7 @@ def _check_keys(kind: str, values: Dict[str, Any], keys: Collection[str]) -> Non
 
 
 def check_one_of(place: str, value: str, allowed: Collection[str]) -> None:
-    """Check a word of a request.
-
-    Raises:
-        SurveyRefusedError: It is not one of those allowed.
-    """
+    """Check a word of a request; SurveyRefusedError: it is not one of those allowed."""
     if value not in allowed:
         raise SurveyRefusedError(
             Message(

@@ -92,6 +92,5 @@ class ProcessingState(NamedTuple):
     failing: bool
     """Whether the disk refused what was written last."""
     queues: QueueState
-    """How much waits for the disk."""
     unsigned: Optional[Message]
     """Why the survey that was changed last is not signed, although there is a key."""
