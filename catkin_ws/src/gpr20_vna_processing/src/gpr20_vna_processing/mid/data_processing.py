@@ -123,8 +123,9 @@ class DataProcessing:
             self._last = error.message, True
         except Exception as error:
             failure = verbatim(str(error)).with_fault(INTERNAL)
+            former, _ = self._last
             # Once: the same happens several times a second.
-            if failure != self._last[0]:
+            if failure != former:
                 log_fault("storage")
             self._last = failure, True
         else:
