@@ -19,7 +19,7 @@ from gpr20_common.message import Message, verbatim
 
 Record = TypeVar("Record")
 UNKNOWN_KEY = "unexpected_keyword_argument"
-SHOWN = 64  # characters of a value
+SHOWN = 200  # characters of a value
 NUMBER, WHOLE, GROUP = Message("a number"), Message("a whole number"), Message("a group of values")
 WANTED = {
     **{"bool_type": Message("true or false"), "string_type": Message("a text")},
