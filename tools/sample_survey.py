@@ -9,8 +9,7 @@ from mcap.reader import make_reader
 from robot_kit import simulated_robot
 
 from gpr20_analysis import verify_survey
-from gpr20_survey.recording.mcap_writer import McapFile
-from gpr20_survey.recording.recording import RecordedMessage
+from gpr20_survey.recording.mcap_writer import McapFile, RecordedMessage
 
 SCENES = Path(__file__).resolve().parents[1] / "catkin_ws" / "src" / "gpr20_simulator" / "scenes"
 SCENE = SCENES / "imaging_targets.yaml"

@@ -20,9 +20,8 @@ from gpr20_survey.folder.log_record import Kind
 from gpr20_survey.plan.annotation import Annotation
 from gpr20_survey.plan.markers import Marker
 from gpr20_survey.recording.bag import make_bag
-from gpr20_survey.recording.mcap_writer import McapFile
-from gpr20_survey.recording.recording import RecordedMessage
-from gpr20_survey.recording.survey_topics import SurveyTopics, recorded_log, recorded_trace
+from gpr20_survey.recording.mcap_writer import McapFile, RecordedMessage
+from gpr20_survey.recording.survey_topics import SurveyTopics, recorded_log
 from gpr20_survey.trace import trace_message
 from gpr20_survey.trace.trace import Trace
 from gpr20_vna_processing.mid.data_processing import DataProcessing
@@ -86,8 +85,7 @@ def end_status(end: SurveyEnd) -> RecordedMessage:
 class MemoryRecording:
     """A recording whose disk can be full."""
 
-    def __init__(self, name: str = "memory") -> None:
-        self.name = name
+    def __init__(self) -> None:
         self.collected: List[RecordedMessage] = []
         self.durable: List[RecordedMessage] = []
         self.error: Any = None
@@ -174,9 +172,8 @@ class Kit:
         self.processing.start()
 
     def _note(self, message: RecordedMessage) -> None:
-        trace = recorded_trace(message)
-        if trace is not None:
-            self.stored.append(trace)
+        if message.datatype == trace_message.DATATYPE:
+            self.stored.append(trace_message.decode(message.data, message.md5sum))
         elif recorded_log(message) is not None:
             self.logged.append(message)
         else:

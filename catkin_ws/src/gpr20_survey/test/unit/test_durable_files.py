@@ -11,8 +11,8 @@ from case_kit import each_case
 
 from gpr20_survey.errors import ProcessingError
 from gpr20_survey.files import durable_files
-from gpr20_survey.files.append_only_file import AppendOnlyFile
 from gpr20_survey.files.folder_zip import PIECE_BYTES, FolderChangedError, zip_parts
+from gpr20_survey.recording.mcap_writer import McapFile, RecordedMessage
 
 
 def full_disk(*_arguments):
@@ -62,7 +62,7 @@ def test_a_file_and_its_name_are_on_the_disk_before_the_call_returns(tmp_path, m
     assert seen == [[], [tmp_path / "a.json"]]
 
 
-@each_case("make", [durable_files.make_new_folder, AppendOnlyFile])
+@each_case("make", [durable_files.make_new_folder, McapFile])
 def test_the_name_of_a_new_folder_or_recording_is_durable(tmp_path, monkeypatch, make):
     synced = []
     monkeypatch.setattr(
@@ -73,15 +73,19 @@ def test_the_name_of_a_new_folder_or_recording_is_durable(tmp_path, monkeypatch,
 
 
 def test_a_failed_commit_is_repeated_whole(tmp_path, monkeypatch):
-    file = AppendOnlyFile(tmp_path / "f")
-    file.write(b"abc")
+    first, second, third = (
+        RecordedMessage("/t", "a/T", 32 * "0", "", data, 1) for data in (b"abc", b"defghi", b"jk")
+    )
+    (tmp_path / "g").mkdir()
+    file, other = McapFile(tmp_path / "f"), McapFile(tmp_path / "g" / "f")
+    file.write(first)
     assert (tmp_path / "f").read_bytes() == b""
     file.commit()
-    file.write(b"defghi")
-    real_pwrite = os.pwrite
+    file.write(second)
+    real_pwrite, before = os.pwrite, os.stat(tmp_path / "f").st_size
 
     def half_then_full(descriptor, data, offset):
-        if offset > 3:
+        if offset > before:
             full_disk()
         return real_pwrite(descriptor, data[:2], offset)
 
@@ -89,13 +93,19 @@ def test_a_failed_commit_is_repeated_whole(tmp_path, monkeypatch):
         patch.setattr(os, "pwrite", half_then_full)
         with pytest.raises(OSError, match="No space"):
             file.commit()
-    assert file.collected_bytes == 6
-    file.write(b"jk")
+    assert os.stat(tmp_path / "f").st_size == before + 2
+    assert file.collected_bytes > 2
+    for one in (first, second, third):
+        other.write(one)
+        other.commit()
     file.commit()
-    assert (tmp_path / "f").read_bytes() == b"abcdefghijk"
-    file.release()
+    file.write(third)
+    file.commit()
+    assert file.collected_bytes == 0
+    assert (tmp_path / "f").read_bytes() == (tmp_path / "g" / "f").read_bytes()
+    file.finish()
     with pytest.raises(FileExistsError):
-        AppendOnlyFile(tmp_path / "f")
+        McapFile(tmp_path / "f")
 
 
 @pytest.fixture

@@ -101,7 +101,7 @@ def test_a_wrong_parameter_is_refused_with_its_value_and_its_limits(field, value
 
 
 def test_settings_that_are_left_out_are_those_of_the_instrument():
-    assert not PARAMETERS.sweep_settings.analyzer.is_known
+    assert PARAMETERS.sweep_settings.analyzer == AnalyzerSettings()
     own = replace(PARAMETERS, if_bandwidth_hz=1e3, averages=4, output_power="LOW")
     assert find_problems(own, TRAVEL) == []
     assert own.sweep_settings.analyzer == AnalyzerSettings(1e3, 4, "LOW")

@@ -157,7 +157,7 @@ def test_an_arrow_changes_a_number_by_its_step_or_chooses_among_the_values_of_th
 
 def test_empty_settings_of_the_vna_leave_it_as_it_is():
     result = check(if_bandwidth_hz=" ", averages="", output_power="")
-    assert not result.parameters.sweep_settings.analyzer.is_known
+    assert result.parameters.sweep_settings.analyzer == AnalyzerSettings()
     result = check(if_bandwidth_hz="1000", averages="16", output_power="LOW")
     assert result.parameters.sweep_settings.analyzer == AnalyzerSettings(1000.0, 16, "LOW")
 

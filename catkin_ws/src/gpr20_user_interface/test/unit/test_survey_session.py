@@ -28,6 +28,7 @@ from gpr20_operator.words import duration
 from gpr20_survey.plan.annotation import EMPTY
 from gpr20_survey.plan.survey_parameters import find_problems
 from gpr20_survey.plan.survey_state import SurveyState
+from gpr20_survey.trace.sweep_settings import AnalyzerSettings
 from gpr20_user_interface.terminal.displays import BarDisplay, PlainDisplay, is_confirmed, remaining
 from gpr20_user_interface.terminal.follower import (
     ExitStatus,
@@ -55,7 +56,7 @@ def test_defaults_are_a_survey_that_can_be_run():
     options = parse_arguments([])
     assert find_problems(options.parameters, DOCUMENTED_TRAVEL) == []
     assert options.parameters.vna_address == ""
-    assert not options.parameters.sweep_settings.analyzer.is_known
+    assert options.parameters.sweep_settings.analyzer == AnalyzerSettings()
     assert options.permittivity == 0.0 and options.annotation == EMPTY
     assert (options.mode, options.on_pause, options.bar) == (Mode.START, OnPause.EXIT, Bar.AUTO)
 

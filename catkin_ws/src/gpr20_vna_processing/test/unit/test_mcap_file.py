@@ -16,9 +16,8 @@ from trace_examples import STARTED_US, SURVEY, assert_same_numbers, make_trace
 
 from gpr20_survey.errors import TraceRefusedError
 from gpr20_survey.recording.mcap_reader import StoredMcap
-from gpr20_survey.recording.mcap_writer import McapFile
-from gpr20_survey.recording.recording import RecordedMessage
-from gpr20_survey.recording.survey_topics import recorded_trace
+from gpr20_survey.recording.mcap_writer import McapFile, RecordedMessage
+from gpr20_survey.trace import trace_message
 
 TRACES = [make_trace(index, timestamp_us=STARTED_US + 10**6 * (index + 2)) for index in range(4)]
 PRINTS = {trace.index: trace.fingerprint() for trace in TRACES}
@@ -58,15 +57,15 @@ def read(path):
     """Return the prints of the traces that a file holds, and what is wrong in it."""
     mcap = StoredMcap(path)
     prints, wrong = {}, 0
-    for message in mcap.messages():
+    for message in mcap.messages(trace_message.DATATYPE):
         try:
-            trace = recorded_trace(message)
+            trace = trace_message.decode(message.data, message.md5sum)
         except TraceRefusedError:
             wrong += 1
             continue
-        if trace is not None and trace.index in prints:
+        if trace.index in prints:
             wrong += 1
-        elif trace is not None:
+        else:
             prints[trace.index] = trace.fingerprint()
     return prints, [*mcap.faults, *["damaged trace"] * wrong]
 

@@ -20,7 +20,7 @@ from gpr20_analysis.read.doubts import recording_doubts
 from gpr20_analysis.read.recordings import Lost, all_messages, recording_of
 from gpr20_analysis.sentences import DOUBTS, kept_doubts, with_sentences
 from gpr20_common.message import Message
-from gpr20_survey.recording.recording import RecordedMessage
+from gpr20_survey.recording.mcap_writer import RecordedMessage
 from gpr20_survey.recording.survey_topics import is_metadata_topic
 
 METADATA, MCAP = "metadata.yaml", ".mcap"

@@ -18,7 +18,7 @@ from gpr20_common.high.connection_keeper import subscriber_count
 from gpr20_common.high.raw_message import preserialized
 from gpr20_common.low.clock import Clock
 from gpr20_msgs.msg import Trace
-from gpr20_survey.recording.recording import RecordedMessage
+from gpr20_survey.recording.mcap_writer import RecordedMessage
 from gpr20_survey.recording.survey_topics import TRACE_TOPIC
 from gpr20_survey.trace import trace_message
 

@@ -28,7 +28,7 @@ from gpr20_survey.folder.recovery import unconfirmed_message
 from gpr20_survey.plan.imported import TIMES_KNOWN, import_of, import_sentence, is_imported
 from gpr20_survey.plan.zero_history import UNPROVEN, unproven_zeros
 from gpr20_survey.trace import utc_time
-from gpr20_survey.trace.calibration import MEANINGS, CalibrationStatus
+from gpr20_survey.trace.calibration import CalibrationStatus
 
 Described = Mapping[str, Any]
 REASONS, LISTED = 2, 5
@@ -110,7 +110,7 @@ def _calibration(description: Described) -> Iterator[Message]:
         if type(status) is int and one == status:
             yield Message(
                 "calibration of the VNA at the start of the survey: {meaning}",
-                meaning=MEANINGS[one],
+                meaning=one.meaning,
             ).with_fault(faults.CALIBRATION)
 
 

@@ -165,11 +165,15 @@ class RecordingCheck:
         return prints
 
     def _name_lost(self, known: Set[str]) -> None:
-        """Name the entries of the log that the recording alone holds."""
+        """Name the entries of the log that the recording alone holds, if the log does not."""
+        named = self._found.unconfirmed
         with contextlib.suppress(OSError):  # that it cannot be read is said already
             for message in self._mcap.messages(TEXT_TYPE):
                 record = recorded_log(message)
-                if record is not None and record.sha256 not in known:
+                if record is None or record.sha256 in known:
+                    continue
+                name = f"record {record.number}"
+                if name not in named and f"{name}, {record.sha256[:8]}" not in named:
                     text = Message(
                         "entry {number} of the log, of kind {kind}, is in {file} alone",
                         number=record.number,
@@ -177,9 +181,7 @@ class RecordingCheck:
                         file=MCAP_FILE,
                     )
                     self._found.note(text)
-                    name = f"record {record.number}"  # as the log names it, if it knows
-                    names = dict.fromkeys((*self._found.unconfirmed, name))
-                    self._found.unconfirmed = tuple(names)
+                    self._found.unconfirmed += (name,)
 
     def _faults(self) -> List[Message]:
         """Return what is damaged in the file; that it is cut off is one of an ended survey."""

@@ -26,8 +26,7 @@ from gpr20_survey.files.regular_file import open_regular
 from gpr20_survey.folder import survey_folder
 from gpr20_survey.folder.log_record import LogRecord
 from gpr20_survey.recording.mcap_reader import TORN, StoredMcap, recorded_message
-from gpr20_survey.recording.mcap_writer import LIBRARY
-from gpr20_survey.recording.recording import RecordedMessage
+from gpr20_survey.recording.mcap_writer import LIBRARY, RecordedMessage
 from gpr20_survey.recording.survey_topics import TEXT_TYPE, is_metadata_topic, recorded_log
 from gpr20_survey.trace import trace_message, utc_time
 

@@ -14,7 +14,7 @@ from gpr20_analysis.read.recordings import MCAP, mcap_length_s, mcap_messages
 from gpr20_analysis.read.sources import SurveySource, open_source
 from gpr20_common.message import in_a_row
 from gpr20_survey.folder import survey_folder, survey_metadata
-from gpr20_survey.recording.recording import RecordedMessage
+from gpr20_survey.recording.mcap_writer import RecordedMessage
 from gpr20_survey.recording.survey_topics import (
     METADATA_TOPIC,
     REPLAY_TYPE,

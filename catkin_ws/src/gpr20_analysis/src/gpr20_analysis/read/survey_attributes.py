@@ -67,7 +67,8 @@ def survey_attributes(
 
 def known_settings(samples: Sequence[Sample]) -> List[Tuple[AnalyzerSettings, int]]:
     """Return the settings that are known, and of how many samples, those of most first."""
-    return Counter(one.analyzer for one in samples if one.analyzer.is_known).most_common()
+    known = (one.analyzer for one in samples if one.analyzer != AnalyzerSettings())
+    return Counter(known).most_common()
 
 
 def area_position(attributes: Mapping[str, Any]) -> Optional[AreaPosition]:

@@ -26,7 +26,7 @@ from gpr20_common.sent_message import received_message
 from gpr20_survey.folder.survey_metadata import REASON_MESSAGE
 from gpr20_survey.plan.markers import MARKERS
 from gpr20_survey.plan.recorded_plan import REFINES
-from gpr20_survey.trace.calibration import MEANINGS
+from gpr20_survey.trace.calibration import CalibrationStatus
 
 MM, GHZ, MHZ = 1e-3, 1e9, 1e6
 SIMULATED = Message("SIMULATED: the data show no real ground")
@@ -47,7 +47,7 @@ RECORDED = {
 }
 POSITION = Message("WGS 84 position")
 HEADING_OF_Y = Message("heading of Y")
-CALIBRATIONS = {str(one): one for one in MEANINGS.values()}
+CALIBRATIONS = {str(one.meaning): one.meaning for one in CalibrationStatus}
 OUTCOMES = {
     "finished": Message("finished"),
     "stopped": Message("stopped"),

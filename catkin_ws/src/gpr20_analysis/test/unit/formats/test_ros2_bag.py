@@ -22,8 +22,7 @@ from trace_examples import MESSAGES
 from gpr20_analysis.commands.main import main
 from gpr20_analysis.sample.sample_survey import sample_survey
 from gpr20_survey.recording.bag import write_bag
-from gpr20_survey.recording.mcap_writer import McapFile
-from gpr20_survey.recording.recording import RecordedMessage
+from gpr20_survey.recording.mcap_writer import McapFile, RecordedMessage
 
 SAMPLE = sample_survey()
 DRAWS = draws(6)

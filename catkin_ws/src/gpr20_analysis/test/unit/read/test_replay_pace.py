@@ -6,7 +6,7 @@ from fault_kit import raises_fault
 from gpr20_analysis import faults
 from gpr20_analysis.read.playback import Pace, Playback
 from gpr20_analysis.read.replay import Due, from_start
-from gpr20_survey.recording.recording import RecordedMessage
+from gpr20_survey.recording.mcap_writer import RecordedMessage
 
 
 class JumpingClock:

@@ -32,7 +32,7 @@ from gpr20_survey.folder.annotating import Fact, add_to_survey
 from gpr20_survey.folder.log_record import Kind
 from gpr20_survey.folder.survey_folder import BAG_FILE, MCAP_FILE
 from gpr20_survey.recording.mcap_reader import StoredMcap
-from gpr20_survey.recording.recording import RecordedMessage
+from gpr20_survey.recording.mcap_writer import RecordedMessage
 from gpr20_survey.trace import utc_time
 
 SHOWN = 3  # faults of a recording that are named

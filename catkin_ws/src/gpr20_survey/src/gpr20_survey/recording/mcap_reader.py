@@ -24,8 +24,7 @@ from mcap.stream_reader import breakup_chunk
 
 from gpr20_common.message import Message
 from gpr20_survey.files.regular_file import open_regular
-from gpr20_survey.recording.mcap_writer import MAGIC
-from gpr20_survey.recording.recording import RecordedMessage
+from gpr20_survey.recording.mcap_writer import MAGIC, RecordedMessage
 
 # More than any record of the storage: a message and a chunk together have less than a third.
 MAX_RECORD_BYTES = 64 << 20
@@ -193,13 +192,8 @@ def _mapped(path: Path) -> Any:
     Raises:
         OSError: The file cannot be read.
     """
-    try:
-        descriptor = open_regular(path)
-    except FileNotFoundError:
-        return b""
-    try:
-        size = os.fstat(descriptor).st_size
+    with contextlib.suppress(FileNotFoundError), open(open_regular(path), "rb") as stream:
+        size = os.fstat(stream.fileno()).st_size
         # A slice of a map is bytes, which is all that the readers need.
-        return mmap.mmap(descriptor, size, prot=mmap.PROT_READ) if size else b""
-    finally:
-        os.close(descriptor)
+        return mmap.mmap(stream.fileno(), size, prot=mmap.PROT_READ) if size else b""
+    return b""

@@ -2,29 +2,65 @@
 
 from __future__ import annotations
 
-from collections import Counter
+import io
+import os
+from dataclasses import dataclass
 from pathlib import Path
-from typing import IO, Dict, Tuple, cast
+from typing import Dict, Tuple
 
 from mcap.well_known import MessageEncoding, Profile, SchemaEncoding
 from mcap.writer import MCAP0_MAGIC, Writer
 
-from gpr20_survey.files.append_only_file import AppendOnlyFile
-from gpr20_survey.recording.recording import RecordedMessage
+from gpr20_common.message import Message
+from gpr20_survey.errors import FileReplacedError
+from gpr20_survey.files import access
+from gpr20_survey.files.durable_files import put_in_place, sync_path
 
 MAGIC = MCAP0_MAGIC
 LIBRARY = "gpr20_vna_processing"
 
 
+@dataclass(frozen=True)
+class RecordedMessage:
+    """A serialized ROS 1 message as recordings hold it, and what a reader needs to decode it."""
+
+    topic: str
+    """Absolute name of the topic."""
+    datatype: str
+    """Such as "std_msgs/String"."""
+    md5sum: str
+    definition: str
+    """Full text of the message type with all types it contains."""
+    data: bytes
+    time_ns: int
+    """When it was received [ns since 1970, UTC]."""
+    latching: bool = False
+    """Whether the publisher sends its last message to late subscribers."""
+
+    @property
+    def size_bytes(self) -> int:
+        """How much memory it takes in all [bytes]."""
+        return len(self.data) + len(self.definition) + len(self.topic)
+
+
+class _Collected(io.BytesIO):
+    """What waits for a commit; its places are those in the file."""
+
+    committed = 0  # length of what is durable before it [bytes]
+
+    def tell(self) -> int:
+        return self.committed + super().tell()
+
+
 class McapFile:
     """Writes messages into an MCAP file of profile ros1 (zstd, with checksums).
 
-    `write` and `write_alone` only collect; nothing is promised before `commit` returns. After a
-    commit that failed everything collected is still there and the next one writes it again.
+    `write` and `write_alone` only collect; nothing is promised before `commit` returns. The
+    library writes into the memory and never to the disk: after a commit that failed everything
+    collected is still there, and the next one writes the same bytes again to the same place.
 
     A record of an MCAP file begins with its length, so a file cut anywhere is read up to the cut.
-    The library writes into the memory of an `AppendOnlyFile` and never to the disk: what the
-    disk refuses is written again by the next commit. It holds the index of the whole file.
+    The library holds the index of the whole file.
 
     A topic has one type. A survey may be resumed with another version of the software, whose
     messages have other definitions; players make one publisher per topic, with the type of its
@@ -38,36 +74,43 @@ class McapFile:
         Raises:
             OSError: The file exists or the disk refused.
         """
-        self._file = AppendOnlyFile(path)
-        self._writer = Writer(cast(IO[bytes], self._file), enable_data_crcs=True)
+        self._path = path
+        self._descriptor = access.open_new(path, os.O_CREAT | os.O_EXCL | os.O_RDWR)
+        sync_path(path.parent)
+        self._collected = _Collected()
+        self._writer = Writer(self._collected, enable_data_crcs=True)
         self._finishing = False  # the index is collected, nothing else may follow
         self._types: Dict[str, str] = {}  # checksum of the type of each topic
         self._schemas: Dict[Tuple[str, str], int] = {}
         self._channels: Dict[Tuple[str, str], int] = {}
-        self._counts: Counter[int] = Counter()
         self._writer.start(Profile.ROS1, LIBRARY)
-
-    @property
-    def name(self) -> str:
-        """File name, for messages."""
-        return self._file.path.name
 
     @property
     def collected_bytes(self) -> int:
         """How much waits for a commit, without the chunk in progress [bytes]."""
-        return self._file.collected_bytes
+        return self._collected.tell() - self._collected.committed
 
     def in_place(self) -> bool:
         """Return whether the file that is written still has its name."""
-        return self._file.in_place()
+        try:
+            there = os.stat(str(self._path), follow_symlinks=False)
+        except OSError:
+            return False
+        return os.path.samestat(there, os.fstat(self._descriptor))
+
+    def take_place_of(self, path: Path) -> None:
+        """Give the file the name of another, which it replaces; return when that is durable.
+
+        Raises:
+            OSError: The disk refused.
+        """
+        put_in_place(self._path, path)
+        self._path = path
 
     def write(self, message: RecordedMessage) -> None:
         """Collect a message."""
-        channel = self._channel_of(message)
-        self._counts[channel] += 1
-        self._writer.add_message(
-            channel, message.time_ns, message.data, message.time_ns, self._counts[channel]
-        )
+        channel, time_ns = self._channel_of(message), message.time_ns
+        self._writer.add_message(channel, time_ns, message.data, time_ns)
 
     def write_alone(self, message: RecordedMessage) -> None:
         """Collect a message in a chunk of its own: damage to others does not touch it."""
@@ -84,15 +127,7 @@ class McapFile:
         """
         if not self._finishing:
             self._writer.flush()
-            self._file.commit()
-
-    def take_place_of(self, path: Path) -> None:
-        """Give the file the name of another, which it replaces; return when that is durable.
-
-        Raises:
-            OSError: The disk refused.
-        """
-        self._file.take_place_of(path)
+            self._commit()
 
     def finish(self) -> None:
         """Write the summary and close the file.
@@ -104,12 +139,34 @@ class McapFile:
         if not self._finishing:
             self._writer.finish()
             self._finishing = True
-        self._file.commit()
-        self._file.release()
+        self._commit()
+        self.abandon()
 
     def abandon(self) -> None:
         """Close the file as it is on the disk; what was not committed is lost."""
-        self._file.release()
+        if self._descriptor >= 0:
+            os.close(self._descriptor)
+            self._descriptor = -1
+
+    def _commit(self) -> None:
+        offset, rest = self._collected.committed, memoryview(self._collected.getvalue())
+        if not rest:
+            return
+        while rest:
+            written = os.pwrite(self._descriptor, rest, offset)
+            rest, offset = rest[written:], offset + written
+        os.fsync(self._descriptor)
+        if not self.in_place():
+            raise FileReplacedError(
+                Message(
+                    "it was moved, removed or replaced while it was written; if the survey's "
+                    "folder was moved or renamed, put it back, then resume the survey",
+                ),
+                self._path,
+            )
+        self._collected.committed = offset
+        self._collected.seek(0)
+        self._collected.truncate()
 
     def _channel_of(self, message: RecordedMessage) -> int:
         topic, md5sum = message.topic, message.md5sum

@@ -12,7 +12,7 @@ from pathlib import PurePath
 from typing import Any, Callable, Mapping, Optional
 
 from gpr20_survey.folder.log_record import LogRecord, record_of_line
-from gpr20_survey.recording.recording import RecordedMessage
+from gpr20_survey.recording.mcap_writer import RecordedMessage
 from gpr20_survey.trace import trace_message
 from gpr20_survey.trace.trace import Trace
 from gpr20_survey.trace.trace_form import pack_text
@@ -23,9 +23,9 @@ LOG_TOPIC = "survey_log"
 REPLAY_TOPIC = "replay"
 TEXT_TYPE = "std_msgs/String"
 TEXT = (TEXT_TYPE, "992ce8a1687cec8c8bd883ec73ca41d1", "string data\n")
+TRACE = (trace_message.DATATYPE, trace_message.MD5SUM, trace_message.DEFINITION)
 REPLAY_TYPE = "gpr20_msgs/Replay"
 REPLAY_MD5SUM = "d7879b9021dbe8893e0328198f6f53d5"
-# Where ROS, with its comments, is not installed.
 REPLAY_DEFINITION = """\
 uint8 PLAYING=0
 uint8 PAUSED=1
@@ -38,6 +38,7 @@ float64 rate
 float64 position_s
 float64 length_s
 """
+REPLAY = (REPLAY_TYPE, REPLAY_MD5SUM, REPLAY_DEFINITION)
 # state, rate, position [s], length [s]: playing, and the rest unknown.
 _IN_A_RECORDING = struct.pack("<B3d", 0, 0.0, 0.0, 0.0)
 
@@ -46,18 +47,13 @@ _IN_A_RECORDING = struct.pack("<B3d", 0, 0.0, 0.0, 0.0)
 class SurveyTopics:
     """Makes the messages of these topics; the bytes that are published are recorded."""
 
-    trace_definition: str = trace_message.DEFINITION
-    """Full text of the message type gpr20_msgs/Trace."""
-    replay_definition: str = REPLAY_DEFINITION
-    """Likewise of gpr20_msgs/Replay."""
     resolve: Callable[[str], str] = lambda name: f"/{name}"
     """Returns the absolute name of a topic."""
 
     def trace(self, trace: Trace, time_ns: int) -> RecordedMessage:
         """Return a trace as a message, received at a moment [ns since 1970, UTC]."""
-        kind = (trace_message.DATATYPE, trace_message.MD5SUM, self.trace_definition)
         return RecordedMessage(
-            self.resolve(TRACE_TOPIC), *kind, trace_message.encode(trace), time_ns
+            self.resolve(TRACE_TOPIC), *TRACE, trace_message.encode(trace), time_ns
         )
 
     def metadata(self, text: str, time_ns: int) -> RecordedMessage:
@@ -76,10 +72,9 @@ class SurveyTopics:
 
         It is recorded only, so that it is published when the recording is played.
         """
-        kind = (REPLAY_TYPE, REPLAY_MD5SUM, self.replay_definition)
         named = (*(str(description.get(key, "")) for key in ("survey_id", "started")), folder.name)
         data = b"".join([*map(pack_text, named), _IN_A_RECORDING])
-        return RecordedMessage(self.resolve(REPLAY_TOPIC), *kind, data, time_ns, True)
+        return RecordedMessage(self.resolve(REPLAY_TOPIC), *REPLAY, data, time_ns, True)
 
 
 def is_metadata_topic(topic: str) -> bool:
@@ -95,14 +90,3 @@ def recorded_log(message: RecordedMessage) -> Optional[LogRecord]:
     if message.datatype != TEXT_TYPE or message.topic.rsplit("/", 1)[-1] != LOG_TOPIC:
         return None
     return record_of_line(message.data[4:])
-
-
-def recorded_trace(message: RecordedMessage) -> Optional[Trace]:
-    """Return the trace of a recorded message, or None if it is no trace.
-
-    Raises:
-        TraceRefusedError: It is a trace, but cannot be read or holds a wrong value.
-    """
-    if message.datatype != trace_message.DATATYPE:
-        return None
-    return trace_message.decode(message.data, message.md5sum)

@@ -15,7 +15,7 @@ MAX_UNIT_CHARACTERS = 32
 VNA_TEMPERATURE = "vna_temperature"
 AUX_NAME = re.compile(r"[a-z][a-z0-9_]{0,63}")
 _NAMED = Message("1 to 64 of a-z, 0-9 and _, the first a letter")
-_NAME = forms.matching(AUX_NAME, _NAMED, CONFIGURATION)
+_NAME = forms.Rule(AUX_NAME.fullmatch, _NAMED, CONFIGURATION)
 AUX_UNIT = forms.printable(MAX_UNIT_CHARACTERS, CONFIGURATION)
 
 

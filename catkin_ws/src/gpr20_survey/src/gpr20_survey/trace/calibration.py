@@ -24,18 +24,17 @@ class CalibrationStatus(enum.IntEnum):
     @property
     def meaning(self) -> Message:
         """The state of the calibration, for people."""
-        return MEANINGS[self]
-
-
-MEANINGS = {
-    CalibrationStatus.NONE: Message("no calibration"),
-    CalibrationStatus.HIGH: Message("calibrated, accuracy high"),
-    CalibrationStatus.MODERATE_POWER: Message("moderate, power level changed since calibration"),
-    CalibrationStatus.MODERATE_TEMPERATURE: Message(
-        "moderate, temperature changed by more than 5 degrees since calibration"
-    ),
-    CalibrationStatus.LOW: Message(
-        "low, temperature changed by more than 10 degrees since calibration"
-    ),
-    CalibrationStatus.NOT_REPORTED: Message("not reported by this analyzer"),
-}
+        return {
+            CalibrationStatus.NONE: Message("no calibration"),
+            CalibrationStatus.HIGH: Message("calibrated, accuracy high"),
+            CalibrationStatus.MODERATE_POWER: Message(
+                "moderate, power level changed since calibration"
+            ),
+            CalibrationStatus.MODERATE_TEMPERATURE: Message(
+                "moderate, temperature changed by more than 5 degrees since calibration"
+            ),
+            CalibrationStatus.LOW: Message(
+                "low, temperature changed by more than 10 degrees since calibration"
+            ),
+            CalibrationStatus.NOT_REPORTED: Message("not reported by this analyzer"),
+        }[self]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Tuple
+from typing import Iterator, Tuple
 
 import numpy as np
 
@@ -50,7 +50,8 @@ class Sweep:
     def __post_init__(self) -> None:
         forms.check(SWEEP_FIELDS, vars(self))
         forms.check(SETTINGS, vars(self.analyzer))
-        self._check_numbers()
+        for mistake in self._mistakes():
+            forms.refuse(mistake, faults.WRONG_SWEEP)
         if self.sweep_ended_us < self.sweep_started_us:
             reason = Message(
                 "sweep_ended {ended} lies before sweep_started {started}",
@@ -64,33 +65,25 @@ class Sweep:
         """How long the sweep took [s]."""
         return (self.sweep_ended_us - self.sweep_started_us) * 1e-6
 
-    def _check_numbers(self) -> None:
+    def _mistakes(self) -> Iterator[Message]:
         points, hz = len(self.frequency_hz), self.frequency_hz
         if not MIN_POINTS <= points <= MAX_POINTS:
-            forms.refuse(
-                Message(
-                    "there are {points} points; there must be {lower} to {upper}",
-                    points=points,
-                    lower=MIN_POINTS,
-                    upper=MAX_POINTS,
-                ),
-                faults.WRONG_SWEEP,
+            yield Message(
+                "there are {points} points; there must be {lower} to {upper}",
+                points=points,
+                lower=MIN_POINTS,
+                upper=MAX_POINTS,
             )
         for name in ("frequency_hz", "s21_real", "s21_imag"):
             values = getattr(self, name)
             named = {"name": name, "count": values.size, "points": points}
             if values.dtype != np.float64 or values.shape != (points,):
-                reason = Message("{name} has {count} values for {points} frequencies", **named)
-                forms.refuse(reason, faults.WRONG_SWEEP)
+                yield Message("{name} has {count} values for {points} frequencies", **named)
             if not np.isfinite(values).all():
                 named["count"] = np.count_nonzero(~np.isfinite(values))
-                reason = Message("{name} contains {count} NaN or infinite values", **named)
-                forms.refuse(reason, faults.WRONG_SWEEP)
+                yield Message("{name} contains {count} NaN or infinite values", **named)
         if hz[0] <= 0.0 or not (hz[1:] > hz[:-1]).all():
-            forms.refuse(
-                Message("frequency_hz must be above zero and ascend from each point to the next"),
-                faults.WRONG_SWEEP,
-            )
+            yield Message("frequency_hz must be above zero and ascend from each point to the next")
 
 
 SETTINGS, SWEEP_FIELDS = forms.fields_of(AnalyzerSettings), forms.fields_of(Sweep)

@@ -37,11 +37,6 @@ class AnalyzerSettings:
     )
 
     @property
-    def is_known(self) -> bool:
-        """Whether any of the three has a value."""
-        return self != AnalyzerSettings()
-
-    @property
     def message(self) -> Message:
         """The three values, for people."""
         unknown = Message("unknown")

@@ -23,9 +23,9 @@ MAX_COORDINATE = 10_000.0  # [mm or deg], more than any axis of this robot
 
 SURVEY_ID = re.compile(r"[0-9a-f]{8}-[0-9a-f]{4}-[0-9a-f]{4}-[0-9a-f]{4}-[0-9a-f]{12}")
 SAMPLE_ID = re.compile(r"[A-Za-z0-9][A-Za-z0-9._:-]{0,127}")
-_UUID = forms.matching(SURVEY_ID, Message("a UUID in lower case with hyphens"))
-_NAME = forms.matching(
-    SAMPLE_ID,
+_UUID = forms.Rule(SURVEY_ID.fullmatch, Message("a UUID in lower case with hyphens"))
+_NAME = forms.Rule(
+    SAMPLE_ID.fullmatch,
     Message(
         "1 to 128 letters, digits, dots, colons, hyphens or underscores, the first a letter or "
         "digit"

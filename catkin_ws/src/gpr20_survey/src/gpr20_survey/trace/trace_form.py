@@ -9,7 +9,6 @@ from __future__ import annotations
 import dataclasses
 import io
 import math
-import re
 import struct
 from dataclasses import dataclass
 from typing import Any, Callable, Dict, Iterable, List, Mapping, NoReturn, Optional, Tuple, Type
@@ -29,15 +28,9 @@ _NUMBER = struct.Struct("<d")
 
 @dataclass(frozen=True)
 class Rule:
-    """What the values of a field must be, beyond their type.
+    """What the values of a field must be, beyond their type."""
 
-    Attributes:
-        holds: Returns whether a value is allowed.
-        allowed: What is allowed, for people.
-        fault: What a trace with another value reports.
-    """
-
-    holds: Callable[[Any], bool]
+    holds: Callable[[Any], Any]
     allowed: Message
     fault: Fault = faults.TRACE_NOT_ALLOWED
 
@@ -56,13 +49,6 @@ def printable(most: int, fault: Fault = faults.TRACE_NOT_ALLOWED) -> Rule:
     """Return the rule of a text of so many printable characters."""
     allowed = Message("printable and have at most {most} characters", most=most)
     return Rule(lambda value: len(value) <= most and value.isprintable(), allowed, fault)
-
-
-def matching(
-    pattern: re.Pattern, allowed: Message, fault: Fault = faults.TRACE_NOT_ALLOWED
-) -> Rule:
-    """Return the rule of a text that is all of a pattern."""
-    return Rule(lambda text: pattern.fullmatch(text) is not None, allowed, fault)
 
 
 FINITE = Rule(math.isfinite, Message("finite"), faults.SENSOR_NOT_FINITE)
@@ -108,14 +94,10 @@ class Reader(io.BytesIO):
 
 @dataclass(frozen=True)
 class Form:
-    """One type of values.
+    """One type of values, by its name in ROS: how they get into messages and JSON, and back.
 
     Attributes:
-        ros: Its name in the definition of a message.
-        pack: Returns the bytes of a value in a message.
-        unpack: Takes a value from a message.
         json: Type of its values in JSON, for `gpr20_common.mid.codec`.
-        as_json: Returns a value for JSON.
         of_json: Returns the value of one from JSON; raises InvalidValueError.
         rule: What its values must be where no other rule is declared.
         parts: The fields of each value, if it is a message of its own.
@@ -137,9 +119,7 @@ class TraceField:
 
     Attributes:
         attribute: Its name in this software.
-        form: Type of its values.
-        meaning: What it is.
-        unit: Its unit; empty if there is none.
+        unit: Empty if there is none.
         unknown: The value that says that it is not known, null in JSON; None: it is always known.
         rule: What a value must be that is known.
     """

@@ -21,7 +21,7 @@ _OTHER = "\n" + 80 * "=" + "\nMSG: "
 
 
 def _lines(fields: Iterable[forms.TraceField]) -> str:
-    return "".join(f"{one.form.ros} {one.name}\n" for one in fields)
+    return "".join(f"{one.form.ros} {one.name}  # {one.meaning}\n" for one in fields)
 
 
 def _md5sum(fields: Iterable[forms.TraceField], first: str = "") -> str:
@@ -37,7 +37,7 @@ DEFINITION = (
     f"{_OTHER}std_msgs/Header\n{_HEADER}"
     f"{_OTHER}gpr20_msgs/AuxValue\n{_lines(forms.fields_of(AuxValue))}"
 )
-"""Definition of the message with its types, where ROS with its comments is not installed."""
+"""Definition of the message with its types, as it is recorded; the comments have no checksum."""
 
 
 def encode(trace: Trace) -> bytes:

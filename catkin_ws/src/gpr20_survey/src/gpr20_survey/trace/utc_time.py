@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import datetime
 
 from gpr20_common.errors import InvalidValueError
@@ -39,13 +40,10 @@ def parse_iso(text: str) -> int:
     Raises:
         InvalidValueError: The text is anything else.
     """
-    try:
-        moment = datetime.datetime.fromisoformat(text)
-        time_us = (moment - _EPOCH) // _US
-    except (ValueError, TypeError):  # the latter without its end
-        time_us = -1
-    if time_us >= 0 and iso_text(time_us) == text:
-        return time_us
+    with contextlib.suppress(ValueError, TypeError):  # the latter without its end
+        time_us = (datetime.datetime.fromisoformat(text) - _EPOCH) // _US
+        if time_us >= 0 and iso_text(time_us) == text:
+            return time_us
     raise InvalidValueError(
         Message(
             "{text} is not a time such as {example}",

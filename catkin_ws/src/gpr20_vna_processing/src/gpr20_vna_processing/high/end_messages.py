@@ -9,7 +9,7 @@ import rospy
 from gpr20_common.high.raw_message import serialized
 from gpr20_common.sent_message import message_fields
 from gpr20_msgs.msg import ControlStatus
-from gpr20_survey.recording.recording import RecordedMessage
+from gpr20_survey.recording.mcap_writer import RecordedMessage
 from gpr20_survey.trace import utc_time
 from gpr20_vna_processing.mid.processing_records import OUTCOMES, SurveyEnd
 

@@ -27,7 +27,7 @@ from gpr20_common.os_reason import os_reason
 from gpr20_common.sent_message import fields_of, received_message
 from gpr20_common.terminal_text import printable
 from gpr20_msgs import srv
-from gpr20_msgs.msg import Replay, SurveySummary, Trace
+from gpr20_msgs.msg import SurveySummary, Trace
 from gpr20_survey.errors import ProcessingError
 from gpr20_survey.files.durable_files import free_bytes
 from gpr20_survey.files.file_system import existing_folder
@@ -35,7 +35,7 @@ from gpr20_survey.folder.data_folder import DataFolder
 from gpr20_survey.folder.signature import key_warning
 from gpr20_survey.plan.sensors import SENSORS, Sensors
 from gpr20_survey.recording import survey_topics
-from gpr20_survey.recording.recording import RecordedMessage
+from gpr20_survey.recording.mcap_writer import RecordedMessage
 from gpr20_survey.results.survey_summary import summary_fields
 from gpr20_survey.trace import trace_message
 from gpr20_survey.trace.trace_block import block_fields
@@ -75,9 +75,7 @@ class ProcessingNode:
             Storage(
                 parameters,
                 check_data=self._folder.check,
-                topics=survey_topics.SurveyTopics(
-                    Trace._full_text, Replay._full_text, rospy.resolve_name
-                ),
+                topics=survey_topics.SurveyTopics(rospy.resolve_name),
                 free_bytes=free_bytes,
                 now_ns=time.time_ns,
                 clock=Clock(),

@@ -11,7 +11,7 @@ import rosgraph
 import rospy
 
 from gpr20_common.high.raw_message import connection_header
-from gpr20_survey.recording.recording import RecordedMessage
+from gpr20_survey.recording.mcap_writer import RecordedMessage
 from gpr20_survey.recording.survey_topics import (
     LOG_TOPIC,
     METADATA_TOPIC,

@@ -10,7 +10,7 @@ from gpr20_common.faults import INTERNAL
 from gpr20_common.low.thread_fault import log_fault
 from gpr20_common.message import Message, verbatim
 from gpr20_survey.errors import ProcessingError, StorageFailedError
-from gpr20_survey.recording.recording import RecordedMessage
+from gpr20_survey.recording.mcap_writer import RecordedMessage
 from gpr20_survey.trace import utc_time
 from gpr20_vna_processing.mid.current_survey import CurrentSurvey
 from gpr20_vna_processing.mid.facts import requested_fact

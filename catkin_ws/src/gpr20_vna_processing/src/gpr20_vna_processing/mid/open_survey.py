@@ -16,8 +16,7 @@ from gpr20_survey.folder.annotating import Change
 from gpr20_survey.folder.log_record import Kind, LogRecord
 from gpr20_survey.folder.survey_log import SurveyLog
 from gpr20_survey.folder.trace_files import TraceFile
-from gpr20_survey.recording.mcap_writer import McapFile
-from gpr20_survey.recording.recording import RecordedMessage
+from gpr20_survey.recording.mcap_writer import McapFile, RecordedMessage
 from gpr20_survey.results.reopened_survey import FIRST_TRACES, RECENT_TRACES, ReopenedSurvey
 from gpr20_survey.trace import trace_json, utc_time
 from gpr20_survey.trace.trace import Trace
@@ -185,7 +184,7 @@ class OpenSurvey:
             if index not in self._collected:
                 self._recording.write_alone(message)
                 self._collected.add(index)
-        with self._writing(self._recording.name):
+        with self._writing(survey_folder.MCAP_FILE):
             self._recording.commit()
         self._collected.clear()
         while self._pending:
@@ -214,11 +213,11 @@ class OpenSurvey:
         Raises:
             StorageFailedError: The disk refused; the survey is still open.
         """
-        path = self.folder / self._recording.name
+        path = self.folder / survey_folder.MCAP_FILE
         if not self._is_finished:
             self.commit()
             self._ending = True
-            with self._writing(self._recording.name):
+            with self._writing(survey_folder.MCAP_FILE):
                 self._recording.finish()
             self._is_finished = True
         if path.name not in self._sums and path.exists():

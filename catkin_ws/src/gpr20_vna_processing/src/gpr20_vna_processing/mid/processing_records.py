@@ -10,8 +10,7 @@ from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message
 from gpr20_survey.folder.survey_metadata import INTERRUPTED
 from gpr20_survey.plan.survey_state import SurveyState
-from gpr20_survey.recording.mcap_writer import McapFile
-from gpr20_survey.recording.recording import RecordedMessage
+from gpr20_survey.recording.mcap_writer import McapFile, RecordedMessage
 from gpr20_survey.recording.survey_topics import SurveyTopics
 from gpr20_vna_processing.low.bag_processes import BagProcesses
 from gpr20_vna_processing.mid.processing_parameters import ProcessingParameters

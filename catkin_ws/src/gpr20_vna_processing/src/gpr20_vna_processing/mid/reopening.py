@@ -28,8 +28,7 @@ from gpr20_survey.folder.signature import Signer, is_signed
 from gpr20_survey.folder.trace_files import TraceFile
 from gpr20_survey.plan.imported import is_imported
 from gpr20_survey.plan.recorded_plan import PlanFit
-from gpr20_survey.recording.mcap_writer import McapFile
-from gpr20_survey.recording.recording import RecordedMessage
+from gpr20_survey.recording.mcap_writer import McapFile, RecordedMessage
 from gpr20_survey.trace import trace_json, trace_message, utc_time
 from gpr20_survey.trace.trace import Trace
 from gpr20_vna_processing import faults

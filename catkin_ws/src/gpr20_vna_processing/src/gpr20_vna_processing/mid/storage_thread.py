@@ -11,7 +11,7 @@ from typing import Any, Callable, Deque, Dict, List, NamedTuple, Optional, Seque
 
 from gpr20_common.message import Message
 from gpr20_survey.errors import StorageFailedError
-from gpr20_survey.recording.recording import RecordedMessage
+from gpr20_survey.recording.mcap_writer import RecordedMessage
 from gpr20_vna_processing import faults
 
 Result = TypeVar("Result")

@@ -13,8 +13,8 @@ from gpr20_survey.folder import manifest, survey_folder, trace_files
 from gpr20_survey.folder.manifest import Manifest
 from gpr20_survey.folder.trace_files import TraceFile
 from gpr20_survey.recording.mcap_reader import StoredMcap
-from gpr20_survey.recording.recording import RecordedMessage
-from gpr20_survey.recording.survey_topics import recorded_log, recorded_trace
+from gpr20_survey.recording.mcap_writer import RecordedMessage
+from gpr20_survey.recording.survey_topics import recorded_log
 from gpr20_survey.trace import trace_json, trace_message
 from gpr20_survey.trace.trace import Trace
 from gpr20_vna_processing import faults
@@ -42,19 +42,19 @@ class RecordedTraces:
             record = recorded_log(message)
             if record is not None:
                 self.log.add(record.sha256)
+            if message.datatype != trace_message.DATATYPE:
+                continue
             try:
-                trace = recorded_trace(message)
-                if trace is not None:
-                    self._check_own(trace, survey_id)
+                trace = trace_message.decode(message.data, message.md5sum)
+                self._check_own(trace, survey_id)
             except TraceRefusedError as error:
                 self.foreign += isinstance(error, ForeignTraceError)
                 damage = {"file": path.name, "reason": error.message}
                 found.append(Message("{file} holds a damaged trace: {reason}", **damage))
                 continue
-            if trace is not None:
-                self.prints[trace.index] = trace.fingerprint()
-                self._places[trace.index] = place
-                on_trace(trace)
+            self.prints[trace.index] = trace.fingerprint()
+            self._places[trace.index] = place
+            on_trace(trace)
         self.faults = [*self._stored.faults, *found]
 
     def messages(self, right: Mapping[int, bytes]) -> Iterator[RecordedMessage]:
@@ -69,9 +69,8 @@ class RecordedTraces:
     def traces(self, indices: Collection[int]) -> Iterator[Trace]:
         """Yield the traces of some indices that it holds, in its order."""
         for message in self.messages({index: self.prints[index] for index in indices}):
-            trace = recorded_trace(message)
-            if trace is not None:
-                yield trace
+            if message.datatype == trace_message.DATATYPE:
+                yield trace_message.decode(message.data, message.md5sum)
 
     def _check_own(self, trace: Trace, survey_id: str) -> None:
         if trace.survey_id != survey_id:

@@ -291,6 +291,7 @@ def check_finished(folder, damage):
     found = verify_survey(folder)
     assert (found.status, found.faults) == (INCOMPLETE if damage.doubts else COMPLETE, [])
     assert len(found.unconfirmed) == len(damage.doubts)
+    assert "survey.mcap alone" not in said(found.notes)
     for name in damage.doubts:
         assert any(one.startswith(name) for one in found.unconfirmed)
     assert noted(folder) == texts(*damage.markers)

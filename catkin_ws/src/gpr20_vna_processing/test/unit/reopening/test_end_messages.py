@@ -45,5 +45,5 @@ def test_the_types_and_bytes_of_traces_and_texts_are_those_of_ros():
     assert (Trace._md5sum, Trace._type) == (trace_message.MD5SUM, trace_message.DATATYPE)
     text = survey_topics.TEXT
     assert text == (String._type, String._md5sum, String._full_text)
-    topics = survey_topics.SurveyTopics(Trace._full_text)
+    topics = survey_topics.SurveyTopics()
     assert topics.metadata("grüße", 1).data == serialized(String("grüße"))

@@ -29,7 +29,7 @@ from gpr20_survey.plan.survey_points import SurveyPoint, survey_points
 from gpr20_survey.plan.zero_history import Proof, UsedZeros
 from gpr20_survey.results.reopened_survey import ReopenedSurvey
 from gpr20_survey.trace.ms2026c import sweep_duration_s
-from gpr20_survey.trace.sweep_settings import SweepSettings
+from gpr20_survey.trace.sweep_settings import AnalyzerSettings, SweepSettings
 from gpr20_survey.trace.trace import Trace
 
 # Keys of the description.
@@ -86,7 +86,7 @@ class SurveyPlan:
         if self.reopened is None:
             return wanted
         recorded = recorded_settings(json.loads(self.reopened.metadata_json))
-        return replace(wanted, analyzer=recorded) if recorded.is_known else wanted
+        return replace(wanted, analyzer=recorded) if recorded != AnalyzerSettings() else wanted
 
     @property
     def analyzers(self) -> Sequence[UsedAnalyzer]:
