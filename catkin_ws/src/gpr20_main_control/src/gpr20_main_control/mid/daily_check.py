@@ -8,7 +8,6 @@ from pathlib import Path
 from typing import Any, Callable, Dict, List, Mapping, Tuple
 
 from gpr20_common.errors import InvalidValueError
-from gpr20_common.low.clock import Clock
 from gpr20_common.low.data_folder import data_folder
 from gpr20_common.message import Message
 from gpr20_common.mid.codec import plain
@@ -179,7 +178,7 @@ def compare_with_history(
         SurveyRefusedError: It is not the data folder that was used before.
         OSError: The disk refused.
     """
-    DataFolder(use, Clock()).check()
+    DataFolder(use).check()
     path = use.path / HISTORY
     lines = [object_of(line) for line in lines_backwards(path)]
     damaged = lines.count({})

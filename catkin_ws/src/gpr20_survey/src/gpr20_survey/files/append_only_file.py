@@ -7,8 +7,7 @@ from pathlib import Path
 
 from gpr20_common.message import Message
 from gpr20_survey.errors import FileReplacedError
-from gpr20_survey.files import access
-from gpr20_survey.files.durable_files import put_in_place, sync_path
+from gpr20_survey.files.durable_files import open_new, put_in_place, sync_path
 
 
 class AppendOnlyFile:
@@ -22,7 +21,7 @@ class AppendOnlyFile:
         self.path = path
         self._committed = 0  # length of what was written [bytes]
         self._collected = bytearray()
-        self._descriptor = access.open_new(path, os.O_CREAT | os.O_EXCL | os.O_RDWR)
+        self._descriptor = open_new(path, os.O_CREAT | os.O_EXCL | os.O_RDWR)
         sync_path(path.parent)
 
     @property

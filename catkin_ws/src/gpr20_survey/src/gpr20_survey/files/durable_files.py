@@ -1,10 +1,15 @@
 """Small files that are on the disk either whole or not at all.
 
 Each function returns when what it did is durable, and raises OSError if the disk refuses.
+
+The folder of a survey is made with the mode that the robot's parameters give. Whatever is made in
+a folder later follows that folder, so a survey's files always have one mode, also when it is
+resumed with other parameters. The umask has no influence.
 """
 
 from __future__ import annotations
 
+import enum
 import itertools
 import os
 import secrets
@@ -13,12 +18,47 @@ import stat
 from pathlib import Path
 from typing import Optional
 
-from gpr20_survey.files import access
 from gpr20_survey.files.regular_file import read_regular
 
 # Readers take `*.json`; a file that was never finished has neither this start nor this end.
 TEMPORARY_PREFIX = "."
 TEMPORARY_SUFFIX = ".tmp"
+# What may be taken over from a folder: never the right of everyone to write.
+FILE_MODES, FOLDER_MODES = 0o664, 0o775
+
+
+class Readers(enum.Enum):
+    """Who may read a survey; only its owner may write."""
+
+    OWNER = "owner"
+    GROUP = "group"
+    ALL = "all"
+
+    @property
+    def folder_mode(self) -> int:
+        """Mode of a folder."""
+        return {Readers.OWNER: 0o700, Readers.GROUP: 0o750, Readers.ALL: 0o755}[self]
+
+
+def open_new(path: Path, flags: int, mode: Optional[int] = None) -> int:
+    """Return the descriptor of a file that is made, with O_CREAT among the flags, if it is missing.
+
+    Its mode is that of its folder, if none is given.
+    """
+    mode = file_mode_for(path.parent) if mode is None else mode
+    descriptor = os.open(str(path), flags | os.O_CLOEXEC | os.O_NOFOLLOW, mode)
+    try:
+        if flags & os.O_CREAT and stat.S_IMODE(os.fstat(descriptor).st_mode) != mode:
+            os.fchmod(descriptor, mode)
+    except OSError:
+        os.close(descriptor)
+        raise
+    return descriptor
+
+
+def file_mode_for(folder: Path) -> int:
+    """Return the mode of a new file in a folder."""
+    return folder.stat().st_mode & FILE_MODES
 
 
 def free_bytes(folder: Path) -> int:
@@ -92,7 +132,7 @@ def write_in_new_folder(path: Path, data: bytes) -> None:
 
     Its name is durable after `sync_path` of the folder; after an error it may be there in part.
     """
-    descriptor = access.open_new(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL)
+    descriptor = open_new(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL)
     with open(descriptor, "wb") as stream:
         stream.write(data)
         stream.flush()
@@ -119,7 +159,7 @@ def make_new_folder(path: Path, mode: Optional[int] = None) -> None:
     Raises:
         FileExistsError: The folder exists.
     """
-    mode = path.parent.stat().st_mode & access.FOLDER_MODES if mode is None else mode
+    mode = path.parent.stat().st_mode & FOLDER_MODES if mode is None else mode
     path.mkdir(mode)
     made = stat.S_IMODE(path.stat().st_mode)
     if made & 0o777 != mode & 0o777:

@@ -8,8 +8,7 @@ import os
 from pathlib import Path
 from typing import Any, Dict, Iterator, Mapping, Optional
 
-from gpr20_survey.files import access
-from gpr20_survey.files.durable_files import ensure_folder, sync_path
+from gpr20_survey.files.durable_files import ensure_folder, open_new, sync_path
 from gpr20_survey.files.regular_file import read_regular
 
 
@@ -31,7 +30,7 @@ def add_line(path: Path, values: Mapping[str, Any], mode: Optional[int] = None) 
     """
     line = json.dumps(values, allow_nan=False).encode() + b"\n"
     ensure_folder(path.parent)
-    descriptor = access.open_new(path, os.O_RDWR | os.O_CREAT | os.O_APPEND, mode)
+    descriptor = open_new(path, os.O_RDWR | os.O_CREAT | os.O_APPEND, mode)
     with os.fdopen(descriptor, "r+b", buffering=0) as file:
         end = file.seek(0, os.SEEK_END)
         # A line that a crash has cut is left as it is, and damages no other.

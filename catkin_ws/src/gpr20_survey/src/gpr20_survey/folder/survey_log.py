@@ -17,7 +17,7 @@ from pathlib import Path
 from typing import Any, Dict, List, NamedTuple, Optional, Sequence, Set, Tuple
 
 from gpr20_survey.errors import SurveyRefusedError
-from gpr20_survey.files import access, durable_files
+from gpr20_survey.files import durable_files
 from gpr20_survey.files.regular_file import open_regular
 from gpr20_survey.folder import survey_metadata
 from gpr20_survey.folder.log_content import add_to
@@ -314,7 +314,7 @@ def _note(kind: str, values: Dict[str, Any]) -> str:
 
 
 def _append(path: Path, line: bytes) -> None:
-    descriptor = access.open_new(path, os.O_RDWR | os.O_APPEND)
+    descriptor = durable_files.open_new(path, os.O_RDWR | os.O_APPEND)
     try:
         if os.write(descriptor, line) != len(line):
             raise OSError(f"{path}: the disk took a part of the line")
