@@ -1,19 +1,20 @@
-"""What a survey's folder says of its survey, and what of that nothing vouches for."""
+"""What a survey's folder says of its survey, what nothing vouches for, and how facts are added."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Dict, List, Mapping, Optional, Tuple
+from typing import Any, Callable, Dict, List, Mapping, NamedTuple, Optional, Tuple
 
 from gpr20_common.message import Message
 from gpr20_common.terminal_text import printable
 from gpr20_survey import faults
 from gpr20_survey.errors import ManifestDamagedError, SurveyRefusedError, storing
 from gpr20_survey.files import durable_files
+from gpr20_survey.files.folder_lock import SHORT_WAIT_S, locked
 from gpr20_survey.folder import manifest, survey_folder
-from gpr20_survey.folder.log_content import UNCONFIRMED, description_of
-from gpr20_survey.folder.log_record import Kind, LogHead
+from gpr20_survey.folder.log_record import UNCONFIRMED, Kind, description_of
+from gpr20_survey.folder.manifest import Manifest
 from gpr20_survey.folder.survey_log import FoundLog, SurveyLog, read_log
 from gpr20_survey.folder.survey_metadata import FORMAT
 from gpr20_survey.trace import utc_time
@@ -28,6 +29,10 @@ class RecoveredSurvey:
     found: FoundLog
     unconfirmed: Dict[str, Any]
     """Names of entries that nothing vouches for, with the reason, which the log lacks yet."""
+    manifest: Optional[Manifest] = None
+    """None: there is none, it is damaged, or nobody asked for it."""
+    manifest_damage: Optional[Message] = None
+    """What is wrong with it."""
 
     @property
     def survey_id(self) -> str:
@@ -49,15 +54,21 @@ def recover(folder: Path, asking_manifest: bool = False) -> RecoveredSurvey:
 
     Args:
         folder: The survey's folder.
-        asking_manifest: Whether a log that is whole, but ends before its manifest was written,
-            counts as damaged. That takes longer.
+        asking_manifest: Whether the manifest is read although the log is whole: if that ends
+            before its manifest was written, it counts as damaged. That takes longer.
 
     Raises:
         SurveyRefusedError: Nothing in it describes the survey.
     """
-    found = read_log(folder)
+    found, sealed, damage = read_log(folder), None, None
     if asking_manifest or not found.is_whole:
-        found = read_log(folder, _sealed_head(folder))
+        try:
+            sealed = manifest.read_manifest(folder)
+            found = read_log(folder, sealed.log)
+        except FileNotFoundError:
+            pass
+        except ManifestDamagedError as error:
+            damage = error.message
     first = found.records[0] if found.records else None
     if first is None or first.kind != Kind.PLAN or first.number != 0:
         raise SurveyRefusedError(
@@ -89,14 +100,10 @@ def recover(folder: Path, asking_manifest: bool = False) -> RecoveredSurvey:
     unconfirmed = found.lost_entries()
     if unconfirmed:
         description[UNCONFIRMED] = {**description.get(UNCONFIRMED, {}), **unconfirmed}
-    return RecoveredSurvey(description, found, unconfirmed)
-
-
-def _sealed_head(folder: Path) -> Optional[LogHead]:
-    try:
-        return manifest.read_manifest(folder).log
-    except (OSError, ManifestDamagedError):
-        return None
+    if sealed is not None and sealed.survey_id != description["survey_id"]:
+        damage = Message("it is the manifest of survey {survey}", survey=sealed.survey_id)
+        sealed = None
+    return RecoveredSurvey(description, found, unconfirmed, sealed, damage)
 
 
 def open_log(folder: Path, recovered: RecoveredSurvey, now: str) -> SurveyLog:
@@ -178,3 +185,75 @@ def find_survey(data: Path, survey: str) -> Tuple[Path, RecoveredSurvey]:
             survey=survey[:64],
         )
     raise SurveyRefusedError(reason, fault=faults.UNKNOWN_SURVEY)
+
+
+class Fact(NamedTuple):
+    """What is to be added to the log of a survey."""
+
+    kind: Kind
+    values: Dict[str, Any]
+
+
+Change = Callable[[Dict[str, Any]], Optional[Fact]]
+"""Takes what the log says of the survey and returns what is added; None: it says that already."""
+
+
+def add_to_survey(
+    folder: Path, change: Change, now: str, wait_s: float = SHORT_WAIT_S
+) -> Dict[str, Any]:
+    """Add a fact to a survey that nobody writes; return what its log says when it is durable.
+
+    A file of the log that is damaged is written again from the other one.
+
+    Args:
+        folder: The survey's folder.
+        change: What is added.
+        now: The present moment, as ISO 8601 text.
+        wait_s: How long to wait for another process that adds one [s].
+
+    Raises:
+        SurveyRefusedError: Nothing describes the survey, part of its log is lost, its manifest is
+            damaged, another process writes it, or `change` refused.
+        StorageFailedError: The disk refused; the call may be repeated.
+    """
+    survey_folder.check_no_links(folder)
+    failure = Message("{path} could not be written", path=printable(folder))
+    with storing(failure, folder), locked(folder, wait_s):
+        recovered = recover(folder, asking_manifest=True)
+        _check(folder, recovered)
+        fact = change(recovered.description)
+        log = open_log(folder, recovered, now)
+        if fact is not None and not log.has_note(*fact):
+            log.add(log.next(fact.kind, fact.values, now))
+        elif not log.is_whole:
+            log.write()
+    return log.description
+
+
+def _check(folder: Path, recovered: RecoveredSurvey) -> None:
+    """Refuse a survey of which something is lost: what was said of it must be looked at first."""
+    count = len(recovered.found.lost) + len(recovered.found.strangers)
+    if count:
+        raise SurveyRefusedError(
+            Message(
+                "{count} entries of the log of the survey in {folder} are damaged in both files, "
+                "or of another log; nothing was changed; `gpr20 repair`, or resuming the survey, "
+                "names what is lost",
+                count=count,
+                folder=printable(folder),
+            ),
+            fault=faults.DESCRIPTION_DAMAGED,
+        )
+    sealed, reason = recovered.manifest, recovered.manifest_damage
+    if sealed is not None and not sealed.covers(recovered.found.records):
+        reason = Message("the log of the survey does not end as the manifest says")
+    if reason is None:
+        return  # there may be none: it was cut off, or reopened
+    raise SurveyRefusedError(
+        Message(
+            "{path} is damaged: {reason}; gpr20 repair writes it again if all else is right",
+            path=printable(folder / manifest.MANIFEST_FILE),
+            reason=reason,
+        ),
+        fault=faults.MANIFEST_DAMAGED,
+    )

@@ -20,8 +20,7 @@ from gpr20_survey.errors import SurveyRefusedError
 from gpr20_survey.files import durable_files
 from gpr20_survey.files.regular_file import open_regular
 from gpr20_survey.folder import survey_metadata
-from gpr20_survey.folder.log_content import add_to
-from gpr20_survey.folder.log_record import NOTES, Kind, LogHead, LogRecord, record_of_line
+from gpr20_survey.folder.log_record import NOTES, Kind, LogHead, LogRecord, add_to, record_of_line
 from gpr20_survey.folder.survey_folder import DAMAGED_FOLDER, LOG_FILE, LOG_FILES, SURVEY_FILE
 
 MAX_LOG_BYTES = 64 << 20

@@ -28,8 +28,8 @@ from gpr20_survey.files import durable_files
 from gpr20_survey.files.file_sums import sum_of_file
 from gpr20_survey.files.regular_file import open_regular
 from gpr20_survey.folder import survey_folder
-from gpr20_survey.folder.annotating import Fact, add_to_survey
 from gpr20_survey.folder.log_record import Kind
+from gpr20_survey.folder.recovery import Fact, add_to_survey
 from gpr20_survey.folder.survey_folder import BAG_FILE, MCAP_FILE
 from gpr20_survey.recording.mcap_reader import StoredMcap
 from gpr20_survey.recording.recording import RecordedMessage

@@ -12,8 +12,8 @@ from gpr20_survey.errors import SurveyRefusedError, TraceRefusedError, storing
 from gpr20_survey.files import durable_files
 from gpr20_survey.files.file_sums import FileSum, sum_of_file
 from gpr20_survey.folder import manifest, survey_folder, survey_metadata
-from gpr20_survey.folder.annotating import Change
 from gpr20_survey.folder.log_record import Kind, LogRecord
+from gpr20_survey.folder.recovery import Change
 from gpr20_survey.folder.survey_log import SurveyLog
 from gpr20_survey.folder.trace_files import TraceFile
 from gpr20_survey.recording.mcap_writer import McapFile
