@@ -23,8 +23,7 @@ from gpr20_survey.faults import (
     NOT_PERMITTED,
     OTHER_DATA_FOLDER,
 )
-from gpr20_survey.files.durable_files import keep_aside
-from gpr20_survey.files.json_lines import add_line
+from gpr20_survey.files.durable_files import add_line, keep_aside
 from gpr20_survey.folder.data_folder import (
     MARKER_FILE,
     ROOT,

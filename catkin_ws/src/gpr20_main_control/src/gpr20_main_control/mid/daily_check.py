@@ -21,7 +21,7 @@ from gpr20_main_control.mid.check_verdict import (
 )
 from gpr20_main_control.mid.devices.robot import Analyzer
 from gpr20_survey.faults import CHECK_ORDER
-from gpr20_survey.files.json_lines import add_line, lines_backwards, object_of
+from gpr20_survey.files.durable_files import add_line, lines_backwards, object_of
 from gpr20_survey.folder.data_folder import DataFolder, DataFolderUse
 from gpr20_survey.results.daily_check import INSTRUCTIONS, Part
 from gpr20_survey.trace.sweep import Sweep

@@ -6,7 +6,8 @@ import os
 from pathlib import Path
 
 from gpr20_common.message import Message
-from gpr20_survey.errors import FileReplacedError
+from gpr20_survey import faults
+from gpr20_survey.errors import IrregularFileError
 from gpr20_survey.files.durable_files import open_new, put_in_place, sync_path
 
 
@@ -58,7 +59,7 @@ class AppendOnlyFile:
         """Write what was collected; return when it is durable.
 
         Raises:
-            FileReplacedError: The file was moved, removed or replaced.
+            IrregularFileError: The file was moved, removed or replaced.
             OSError: The disk refused; everything collected remains for the next commit.
         """
         if not self._collected:
@@ -69,12 +70,13 @@ class AppendOnlyFile:
             rest, offset = rest[written:], offset + written
         os.fsync(self._descriptor)
         if not self.in_place():
-            raise FileReplacedError(
+            raise IrregularFileError(
                 Message(
                     "it was moved, removed or replaced while it was written; if the survey's "
                     "folder was moved or renamed, put it back, then resume the survey",
                 ),
                 self.path,
+                fault=faults.FOLDER_MOVED,
             )
         self._committed = offset
         self._collected.clear()

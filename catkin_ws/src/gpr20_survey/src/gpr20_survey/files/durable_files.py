@@ -1,4 +1,4 @@
-"""Small files that are on the disk either whole or not at all.
+"""Small files that are on the disk either whole or not at all, and lines that are added to one.
 
 Each function returns when what it did is durable, and raises OSError if the disk refuses.
 
@@ -9,14 +9,16 @@ resumed with other parameters. The umask has no influence.
 
 from __future__ import annotations
 
+import contextlib
 import enum
 import itertools
+import json
 import os
 import secrets
 import shutil
 import stat
 from pathlib import Path
-from typing import Optional
+from typing import Any, Dict, Iterator, Mapping, Optional
 
 from gpr20_survey.files.regular_file import read_regular
 
@@ -225,3 +227,50 @@ def remove_file(path: Path) -> None:
     if os.path.lexists(str(path)):
         path.unlink()
         sync_path(path.parent)
+
+
+def lines_backwards(*paths: Path) -> Iterator[bytes]:
+    """Yield the lines of those files that exist, the last line of the first file first."""
+    for path in paths:
+        with contextlib.suppress(FileNotFoundError):
+            yield from reversed(read_regular(path).splitlines())
+
+
+def add_line(path: Path, values: Mapping[str, Any], mode: Optional[int] = None) -> None:
+    """Add an object to a file and return when it is durable.
+
+    File and folder are made if they are missing, the file with this mode or that of its folder.
+
+    Raises:
+        OSError: The disk refused; a part of the line may be there.
+        ValueError: A number is not finite.
+    """
+    ensure_folder(path.parent)
+    line = json.dumps(values, allow_nan=False).encode() + b"\n"
+    append_line(path, line, os.O_CREAT, mode)
+    sync_path(path.parent)
+
+
+def append_line(path: Path, line: bytes, flags: int = 0, mode: Optional[int] = None) -> None:
+    """Add a line to a file and return when it is durable; only with O_CREAT it may be missing.
+
+    Raises:
+        OSError: The disk refused; a part of the line may be there.
+    """
+    descriptor = open_new(path, os.O_RDWR | os.O_APPEND | flags, mode)
+    with os.fdopen(descriptor, "r+b", buffering=0) as file:
+        end = file.seek(0, os.SEEK_END)
+        # A line that a crash has cut is left as it is, and damages no other.
+        if end and os.pread(descriptor, 1, end - 1) != b"\n":
+            line = b"\n" + line
+        if file.write(line) != len(line):
+            raise OSError(f"{path}: the disk took a part of the line")
+        os.fsync(descriptor)
+
+
+def object_of(line: bytes) -> Dict[str, Any]:
+    """Return the object of a line; it is empty if the line has none."""
+    found = None
+    with contextlib.suppress(ValueError):
+        found = json.loads(line)
+    return found if isinstance(found, dict) else {}

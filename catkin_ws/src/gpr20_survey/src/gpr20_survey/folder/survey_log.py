@@ -265,7 +265,7 @@ class SurveyLog:
         if self.is_whole:
             self.is_whole = False
             for name in LOG_FILES:
-                _append(self._folder / name, line)
+                durable_files.append_line(self._folder / name, line)
             self.is_whole = True
         else:
             self._write([*self._records, record])
@@ -310,13 +310,3 @@ class SurveyLog:
 
 def _note(kind: str, values: Dict[str, Any]) -> str:
     return json.dumps([kind, values], sort_keys=True)
-
-
-def _append(path: Path, line: bytes) -> None:
-    descriptor = durable_files.open_new(path, os.O_RDWR | os.O_APPEND)
-    try:
-        if os.write(descriptor, line) != len(line):
-            raise OSError(f"{path}: the disk took a part of the line")
-        os.fsync(descriptor)
-    finally:
-        os.close(descriptor)

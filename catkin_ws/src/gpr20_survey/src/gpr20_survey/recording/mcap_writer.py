@@ -79,7 +79,7 @@ class McapFile:
         """Write everything collected to the disk; return when it is there for good.
 
         Raises:
-            FileReplacedError: The file was moved, removed or replaced.
+            IrregularFileError: The file was moved, removed or replaced.
             OSError: The disk refused; everything collected remains for the next commit.
         """
         if not self._finishing:
@@ -98,7 +98,7 @@ class McapFile:
         """Write the summary and close the file.
 
         Raises:
-            FileReplacedError: The file was moved, removed or replaced.
+            IrregularFileError: The file was moved, removed or replaced.
             OSError: The disk refused; the call may be repeated.
         """
         if not self._finishing:
