@@ -152,11 +152,9 @@ def _write_temporary(path: Path, data: bytes) -> Path:
 
 
 def make_new_folder(path: Path, mode: Optional[int] = None) -> None:
-    """Make a folder that must not exist yet.
+    """Make a folder that must not exist yet; without a mode it gets that of the folder above.
 
-    Args:
-        path: The folder.
-        mode: Its mode; None: that of the folder above. A group that it inherits from there is kept.
+    A group that it inherits from there is kept.
 
     Raises:
         FileExistsError: The folder exists.

@@ -52,10 +52,8 @@ def read_description(folder: Path) -> Dict[str, Any]:
 def recover(folder: Path, asking_manifest: bool = False) -> RecoveredSurvey:
     """Return what a folder says of its survey; nothing is changed.
 
-    Args:
-        folder: The survey's folder.
-        asking_manifest: Whether the manifest is read although the log is whole: if that ends
-            before its manifest was written, it counts as damaged. That takes longer.
+    With `asking_manifest` the manifest is read although the log is whole: a log that ends before
+    its manifest was written counts as damaged then. That takes longer.
 
     Raises:
         SurveyRefusedError: Nothing in it describes the survey.
@@ -110,12 +108,7 @@ def open_log(folder: Path, recovered: RecoveredSurvey, now: str) -> SurveyLog:
     """Return the log of a survey, whose folder must be locked; the next record makes it whole.
 
     A file that was damaged is kept in `damaged/`. What nothing vouches for is named in the log,
-    for ever.
-
-    Args:
-        folder: The survey's folder.
-        recovered: What was found in it.
-        now: The present moment, as ISO 8601 text.
+    for ever, with the present moment as ISO 8601 text.
 
     Raises:
         OSError: The disk refused; the call may be repeated.
@@ -156,11 +149,7 @@ def unconfirmed_message(entries: Mapping[str, Any]) -> Message:
 
 
 def find_survey(data: Path, survey: str) -> Tuple[Path, RecoveredSurvey]:
-    """Return the folder of a survey, and what it says of its survey.
-
-    Args:
-        data: The data folder.
-        survey: The survey's id, or the name of its folder.
+    """Return a survey's folder, by its name or the survey's id, and what it says of its survey.
 
     Raises:
         SurveyRefusedError: There is none, nothing in its folder describes it, or part of it is a
@@ -203,13 +192,8 @@ def add_to_survey(
 ) -> Dict[str, Any]:
     """Add a fact to a survey that nobody writes; return what its log says when it is durable.
 
-    A file of the log that is damaged is written again from the other one.
-
-    Args:
-        folder: The survey's folder.
-        change: What is added.
-        now: The present moment, as ISO 8601 text.
-        wait_s: How long to wait for another process that adds one [s].
+    A file of the log that is damaged is written again from the other one. `now` is ISO 8601 text;
+    for another process that adds a fact it waits a while [s].
 
     Raises:
         SurveyRefusedError: Nothing describes the survey, part of its log is lost, its manifest is

@@ -80,12 +80,7 @@ class _Form(NamedTuple):
 
 
 def read_log(folder: Path, sealed: Optional[LogHead] = None) -> FoundLog:
-    """Return the log of a survey; nothing is changed.
-
-    Args:
-        folder: The survey's folder.
-        sealed: A record that the log had, by its manifest.
-    """
+    """Return the log of a survey, which had a record by its manifest; nothing is changed."""
     contents = [_content(folder / name) for name in LOG_FILES]
     first = _form(contents[0] or b"")
     forms = [first, first if contents[1] == contents[0] else _form(contents[1] or b"")]
@@ -198,21 +193,14 @@ def _is_behind(content: Optional[bytes], whole: bytes, lines: Sequence[bytes]) -
 class SurveyLog:
     """Adds records to the log of a survey whose folder is locked.
 
-    A fact costs the same however long the log is.
+    A fact costs the same however long the log is. If the log is not whole, which is both files with
+    exactly the records so far, the next record that is added writes them again. No record gets the
+    number of one that was lost.
     """
 
     def __init__(
         self, folder: Path, records: Sequence[LogRecord], whole: bool, lost: Sequence[int] = ()
     ) -> None:
-        """Take the records that are right.
-
-        Args:
-            folder: The survey's folder.
-            records: The records so far.
-            whole: Whether both files hold exactly these; otherwise the next record that is added
-                writes them again.
-            lost: Numbers of records that were lost; no other record gets them.
-        """
         self._folder = folder
         self.is_whole = whole
         self._lost = max(lost, default=-1)

@@ -39,17 +39,10 @@ _BRACKET = re.compile(r"[\[{]|[\]}]")
 def parse_object(
     text: str, name: str, max_bytes: int = MAX_BYTES, max_depth: int = MAX_DEPTH
 ) -> Dict[str, Any]:
-    """Return a JSON object that came from outside.
-
-    Args:
-        text: The JSON.
-        name: What it is, for the message.
-        max_bytes: How long it may be [bytes].
-        max_depth: How deep it may be nested.
+    """Return a JSON object that came from outside; messages call it by the name.
 
     Raises:
-        SurveyRefusedError: The text is too long, not strict JSON, nested too deeply or no
-            object.
+        SurveyRefusedError: The text is too long, not strict JSON, nested too deeply or no object.
     """
     check_size(len(text.encode("utf-8", "surrogatepass")), name, max_bytes)
     # Before parsing: the parser recurses, and Python 3.8 may end the whole process when the
