@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import re
 import signal
@@ -12,7 +13,7 @@ import pytest
 from robot_kit import WATCHDOG, LaunchedRobot, free_port
 from user_shell import ROOT, printed_by
 
-from gpr20_survey.files.data_marker import FolderMemory, read_marker
+from gpr20_survey.folder.data_folder import memory_file, read_marker
 
 LIMIT_S = 120.0
 
@@ -50,7 +51,8 @@ def test_the_user_of_the_services_can_accept_another_data_folder(tmp_path):
     }
     printed_by(ROOT / "deploy/gpr20-run", "config", "accept_data", **own)
     identity = read_marker(tmp_path / "data").identity
-    assert FolderMemory(tmp_path / "state").identity_at(tmp_path / "data") == identity
+    memory = memory_file(tmp_path / "state", tmp_path / "data")
+    assert json.loads(memory.read_text())["identity"] == identity
 
 
 def test_nodes_that_outlive_their_roslaunch_are_named_with_the_command_that_ends_them(robot):

@@ -24,9 +24,8 @@ from gpr20_analysis.errors import AnalysisError
 from gpr20_analysis.read.verification import verify_survey
 from gpr20_analysis.read.verification_result import COMPLETE, DAMAGED
 from gpr20_survey.errors import ProcessingError
-from gpr20_survey.folder.annotating import Fact
 from gpr20_survey.folder.log_record import NOTES, Kind
-from gpr20_survey.folder.recovery import recover
+from gpr20_survey.folder.recovery import Fact, recover
 
 PLACE = ("x_coord_mm", "y_coord_mm", "z_coord_deg")
 # Others may be there as often as they were asked: a worker asks again after an error.

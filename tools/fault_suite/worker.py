@@ -22,8 +22,8 @@ from storage_kit import Kit, text_message
 from trace_examples import SURVEY
 
 from gpr20_survey.errors import ProcessingError, StorageFailedError
-from gpr20_survey.folder.annotating import Fact
 from gpr20_survey.folder.log_record import Kind
+from gpr20_survey.folder.recovery import Fact
 from gpr20_vna_processing.mid.data_processing import DataProcessing
 
 TRACES = dict(enumerate(map(planned_trace, range(len(POINTS)))))

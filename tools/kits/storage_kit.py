@@ -14,8 +14,7 @@ from trace_examples import STARTED_US, SURVEY
 
 from gpr20_analysis.read.recordings import Lost, all_messages
 from gpr20_common.low.clock import Clock
-from gpr20_survey.files.access import Readers
-from gpr20_survey.files.durable_files import ensure_folders
+from gpr20_survey.files.durable_files import Readers, ensure_folders
 from gpr20_survey.folder.log_record import Kind
 from gpr20_survey.plan.annotation import Annotation
 from gpr20_survey.plan.markers import Marker

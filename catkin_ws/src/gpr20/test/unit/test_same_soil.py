@@ -31,10 +31,8 @@ from gpr20_simulator.mid.world.ground import Ground
 from gpr20_simulator.mid.world.medium import AntennaPosition
 from gpr20_simulator.mid.world.scene import Antennas, Noise, Scene, Shape, Soil, Target
 from gpr20_survey.faults import UNCONFIRMED
-from gpr20_survey.folder.annotating import Fact, add_to_survey
-from gpr20_survey.folder.log_content import LOG
-from gpr20_survey.folder.log_record import Kind
-from gpr20_survey.folder.recovery import recover
+from gpr20_survey.folder.log_record import LOG, Kind
+from gpr20_survey.folder.recovery import Fact, add_to_survey, recover
 from gpr20_survey.folder.soil_note import KIND, PLANNED, soil_values
 from gpr20_survey.folder.survey_folder import MCAP_FILE
 from gpr20_survey.plan.survey_parameters import SurveyParameters

@@ -18,7 +18,6 @@ from unittest import mock
 import pytest
 from test_probes import tree
 
-from gpr20_common.low.clock import Clock
 from gpr20_common.message import Fault, Message
 from gpr20_doctor.mid import machine_probe
 from gpr20_doctor.mid.finding import Level
@@ -80,7 +79,7 @@ class Computer:
             place.mkdir()
             self.mount(place)
         state = folder / "state"
-        DataFolder(DataFolderUse(self.data, state), Clock()).check()
+        DataFolder(DataFolderUse(self.data, state)).check()
 
     def write(self, name, text):
         tree(self.root, **{name: text})

@@ -9,7 +9,6 @@ from unittest import mock
 
 import pytest
 
-from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message
 from gpr20_doctor.low import network, pi, programs, system
 from gpr20_doctor.mid import machine_probe
@@ -264,7 +263,7 @@ def test_a_data_folder_that_is_gone_is_named_and_its_place_is_not_written_to(tmp
     data, environment = tmp_path / "data", {"GPR20_STATE": str(tmp_path / "state")}
     request = MachineRequest(HardwareUse.ELSEWHERE, environment, data=data)
     assert probe_machine(request).disk.known == KnownFolder("", False)
-    folder = DataFolder(DataFolderUse(data, tmp_path / "state"), Clock())
+    folder = DataFolder(DataFolderUse(data, tmp_path / "state"))
     folder.check()
     assert probe_machine(request).disk.known == folder.identify()
     data.rename(tmp_path / "moved")

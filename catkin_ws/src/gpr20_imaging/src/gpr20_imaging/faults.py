@@ -29,9 +29,6 @@ NO_REQUEST = Fault(
 )
 BUSY = Fault("imaging.busy", remedies.TRY_LATER)
 NOTHING_CHOSEN = Fault("imaging.nothing_chosen", Message("Choose at least one kind of file."))
-SURVEY_CHANGES = Fault(
-    "imaging.survey_changes", Message("Wait until the survey has ended, then export it.")
-)
 STICK_FAILED = Fault(
     "imaging.stick_failed",
     Message("Plug the USB stick in again, or use another one. Then export again."),

@@ -19,7 +19,7 @@ from gpr20_imaging.low.cancellation import Cancellation
 from gpr20_imaging.low.usb_volumes import UsbVolumes
 from gpr20_imaging.mid.export_kind import ExportKind
 from gpr20_imaging.mid.exporting import FOLDER, Exporter, ExportRequest
-from gpr20_survey.faults import NOT_A_FILE
+from gpr20_survey.faults import FOLDER_CHANGED, NOT_A_FILE
 
 REPORT, ZIP = ExportKind.REPORT_HTML, ExportKind.SURVEY_ZIP
 
@@ -294,7 +294,7 @@ def test_a_survey_that_cannot_be_read_or_changes_is_no_fault_of_the_stick(
             export(ZIP)
         (folder / "survey.bag").unlink()
     at_write(monkeypatch, lambda: (folder / "survey.json").write_text("{}"))
-    with raises_fault(faults.SURVEY_CHANGES, error=ExportFailedError):
+    with raises_fault(FOLDER_CHANGED, error=ImagingError):
         export(ZIP)
     assert files_of(stick) == []
 

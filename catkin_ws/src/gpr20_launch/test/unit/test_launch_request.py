@@ -23,8 +23,7 @@ from gpr20_survey.faults import (
     NOT_PERMITTED,
     OTHER_DATA_FOLDER,
 )
-from gpr20_survey.files.data_marker import read_marker
-from gpr20_survey.files.file_system import file_system_of
+from gpr20_survey.folder.data_folder import file_system_of, read_marker
 from gpr20_vna_acquisition.mid.conformance.bench import Status
 from gpr20_vna_acquisition.mid.conformance.record import store
 from gpr20_vna_acquisition.mid.conformance.suite import Result

@@ -13,7 +13,6 @@ from hypothesis import given
 from hypothesis import strategies as st
 from robot_check_examples import BUILT, checked
 
-from gpr20_common.low.clock import Clock
 from gpr20_common.mid.codec import record_from
 from gpr20_doctor.mid.bundle import CONFIGURATION
 from gpr20_launch import faults
@@ -255,7 +254,7 @@ def test_another_data_folder_is_used_after_somebody_has_accepted_it(
     monkeypatch.setenv("GPR20_CONFIG", str(tmp_path))
     monkeypatch.setenv("GPR20_STATE", str(tmp_path / "state"))
     (tmp_path / "storage.yaml").write_text(f"data: {tmp_path}/data")
-    folder = DataFolder(DataFolderUse(tmp_path / "data", tmp_path / "state"), Clock())
+    folder = DataFolder(DataFolderUse(tmp_path / "data", tmp_path / "state"))
     folder.check()
     former = folder.identify().identity
     (tmp_path / "data").rename(tmp_path / "moved")

@@ -6,11 +6,11 @@ import contextlib
 import errno
 import os
 from pathlib import Path
-from typing import Iterator
+from typing import Iterator, Optional
 
 from gpr20_common.errors import Gpr20Error
 from gpr20_common.faults import DISK_REFUSES
-from gpr20_common.message import Message
+from gpr20_common.message import Fault, Message
 from gpr20_common.os_reason import os_reason
 from gpr20_common.terminal_text import printable
 from gpr20_survey import faults
@@ -56,23 +56,15 @@ class SigningError(ProcessingError):
     fault = faults.NOT_SIGNED
 
 
-class _FileError(ProcessingError, OSError):
-    def __init__(self, message: Message, path: Path) -> None:
-        super().__init__(message)
-        self.filename = str(path)
-        self.strerror = message.sentence()
-
-
-class FileReplacedError(_FileError):
-    """The name of an open file now belongs to another file: what is written is lost."""
-
-    fault = faults.FOLDER_MOVED
-
-
-class IrregularFileError(_FileError):
-    """A link, a folder, a pipe or the like is where a file should be."""
+class IrregularFileError(ProcessingError, OSError):
+    """A link, a folder, a pipe, or another file than it was, is where a file should be."""
 
     fault = faults.NOT_A_FILE
+
+    def __init__(self, message: Message, path: Path, fault: Optional[Fault] = None) -> None:
+        super().__init__(message, fault)
+        self.filename = str(path)
+        self.strerror = message.sentence()
 
 
 _FAULTS = {

@@ -172,4 +172,6 @@ NOT_HOMED = Fault("axis.not_homed", remedies.HOME_AXIS)
 HEIGHT_NOT_MEASURED = Fault(
     "height.not_measured", Message("A survey measures it; or measure it on ROBOT."), Severity.NOTE
 )
-FOLDER_CHANGED = Fault("storage.folder_changed", remedies.TRY_LATER)
+FOLDER_CHANGED = Fault(
+    "storage.folder_changed", Message("Wait until the survey has ended, then export it.")
+)

@@ -14,9 +14,8 @@ from failing_disk import CALLS
 from trace_examples import STARTED_US, SURVEY
 
 from gpr20_survey.folder import manifest, survey_metadata
-from gpr20_survey.folder.annotating import Change, Fact
 from gpr20_survey.folder.log_record import Kind, LogRecord
-from gpr20_survey.folder.recovery import RecoveredSurvey
+from gpr20_survey.folder.recovery import Change, Fact, RecoveredSurvey
 from gpr20_survey.folder.survey_log import SurveyLog
 from gpr20_survey.folder.survey_metadata import START
 from gpr20_survey.plan.annotation import annotation_of

@@ -16,7 +16,6 @@ from case_kit import each_case
 from fault_kit import raises_fault
 
 from gpr20_common.faults import DISK_REFUSES
-from gpr20_common.low.clock import Clock
 from gpr20_survey.errors import StorageFailedError, SurveyRefusedError
 from gpr20_survey.faults import (
     FILE_SYSTEM_UNSUITABLE,
@@ -24,22 +23,20 @@ from gpr20_survey.faults import (
     NOT_PERMITTED,
     OTHER_DATA_FOLDER,
 )
-from gpr20_survey.files.data_marker import MARKER_FILE, FolderMemory, read_marker, write_marker
-from gpr20_survey.files.durable_files import keep_aside
-from gpr20_survey.files.file_system import ROOT, FileSystem, file_system_of
-from gpr20_survey.files.json_lines import add_line
-from gpr20_survey.folder.data_folder import RETRY_S, DataFolder, DataFolderUse
+from gpr20_survey.files.durable_files import add_line, keep_aside
+from gpr20_survey.folder.data_folder import (
+    MARKER_FILE,
+    ROOT,
+    DataFolder,
+    DataFolderUse,
+    FileSystem,
+    file_system_of,
+    memory_file,
+    read_marker,
+    write_marker,
+)
 
 MEMORY_DISK = ("-t", "tmpfs", "-o", "size=4m", "tmpfs")
-
-
-class SteppedClock(Clock):
-    """Goes on when a test says so."""
-
-    time_s = 0.0
-
-    def now_s(self):
-        return self.time_s
 
 
 @pytest.fixture
@@ -49,7 +46,7 @@ def use(tmp_path):
 
 @pytest.fixture
 def folder(use):
-    return DataFolder(use, SteppedClock())
+    return DataFolder(use)
 
 
 def content(path):
@@ -77,13 +74,13 @@ def test_the_first_use_makes_and_marks_the_folder_and_every_later_one_knows_it(u
     folder.check()
     known = folder.identify()
     assert known.remembered and known.identity == read_marker(use.path).identity
-    DataFolder(use, Clock()).check()
+    DataFolder(use).check()
     assert folder.identify() == known and folder.problem() is None
     assert content(use.path) == [MARKER_FILE]
     # Each path is remembered for itself; a folder of before this version gets a marker.
     other = replace(use, path=use.path.with_name("other"))
     (other.path / "20260921T141320_0f8fad5b").mkdir(parents=True)
-    DataFolder(other, Clock()).check()
+    DataFolder(other).check()
     assert read_marker(other.path).identity not in ("", known.identity)
 
 
@@ -116,17 +113,17 @@ def test_another_folder_in_its_place_is_refused_until_somebody_accepts_it(
     if change is not None:
         change(use.path)
         shown = {other: (former, "7c9e6679"), copy: ("copy",)}.get(change, ())
-        for one in (folder, DataFolder(use, Clock())):
+        for one in (folder, DataFolder(use)):
             is_refused(use, one, OTHER_DATA_FOLDER, *shown)
     identity = folder.accept()
-    DataFolder(use, Clock()).check()
+    DataFolder(use).check()
     assert folder.identify().identity == identity == folder.accept()
     assert change is not copy or identity != former
 
 
 def test_a_damaged_memory_does_not_count_as_a_first_use(use, folder):
     folder.check()
-    FolderMemory(use.state).file_of(use.path).write_text("{")
+    memory_file(use.state, use.path).write_text("{")
     shutil.rmtree(use.path)
     is_refused(use, folder, OTHER_DATA_FOLDER)
 
@@ -137,7 +134,7 @@ def test_with_a_data_disk_nothing_is_stored_on_that_of_the_system_or_in_memory(t
     if not (system.is_same(file_system_of(ROOT)) or system.kind == "tmpfs"):
         return
     use = DataFolderUse(place / "gpr20_no_such_folder", tmp_path, own_disk=True)
-    folder = DataFolder(use, Clock())
+    folder = DataFolder(use)
     for action in (folder.check, folder.accept, folder.identify):
         with raises_fault(NO_DATA_DISK, use.path, error=SurveyRefusedError):
             action()
@@ -160,17 +157,13 @@ def test_a_file_system_without_links_or_locks_is_refused_and_nothing_is_left(
 
     place = tmp_path / f"{name}{number}"
     place.mkdir()
-    clock = SteppedClock()
-    folder = DataFolder(DataFolderUse(place / "data", tmp_path / "state"), clock)
+    folder = DataFolder(DataFolderUse(place / "data", tmp_path / "state"))
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(module, name, refuse)
         with raises_fault(FILE_SYSTEM_UNSUITABLE, place, error=SurveyRefusedError):
             folder.check()
         assert problem_code(folder) == FILE_SYSTEM_UNSUITABLE.code
         assert content(place) == []
-    # It is not tried each second, but again after a while.
-    assert problem_code(folder) == FILE_SYSTEM_UNSUITABLE.code
-    clock.time_s += RETRY_S
     assert problem_code(folder) is None
     folder.check()
     # Nor are the diagnostics a write each second.
@@ -190,7 +183,7 @@ def test_nothing_makes_the_data_folder_again_below_which_it_writes(tmp_path):
 
 
 def test_the_first_uses_of_two_programs_agree_about_the_marker(use, folder, monkeypatch):
-    second = DataFolder(use, Clock())
+    second = DataFolder(use)
     real = write_marker
 
     def second_first(path, marker, replace=False):
@@ -273,7 +266,7 @@ def test_a_disk_that_becomes_read_only_is_refused_at_once(use, folder):
         remount = ["mount", "-o", "remount,ro", str(disk)]
         subprocess.run(remount, check=True, timeout=20)
         is_refused(use, folder, DISK_REFUSES)
-    fresh = DataFolder(replace(use, path=disk / "fresh"), Clock())
+    fresh = DataFolder(replace(use, path=disk / "fresh"))
     with mounted(disk, *MEMORY_DISK, "-o", "ro"):
         with raises_fault(DISK_REFUSES, error=StorageFailedError):
             fresh.check()

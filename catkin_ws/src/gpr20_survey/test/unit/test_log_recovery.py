@@ -25,9 +25,8 @@ from run_seed import SEED, draws
 
 from gpr20_survey.errors import SurveyRefusedError
 from gpr20_survey.folder import manifest
-from gpr20_survey.folder.annotating import add_to_survey
 from gpr20_survey.folder.log_record import Kind
-from gpr20_survey.folder.recovery import open_log, recover
+from gpr20_survey.folder.recovery import add_to_survey, open_log, recover
 from gpr20_survey.plan.markers import markers_of
 
 

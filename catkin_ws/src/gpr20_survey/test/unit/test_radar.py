@@ -9,8 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from run_seed import draws
 
-from gpr20_survey.folder.log_content import LOG, description_of
-from gpr20_survey.folder.log_record import Kind, LogRecord
+from gpr20_survey.folder.log_record import LOG, Kind, LogRecord, description_of
 from gpr20_survey.folder.soil_note import (
     ENTERED,
     KIND,

@@ -25,16 +25,15 @@ from run_seed import SEED, draws
 
 from gpr20_survey.errors import SurveyRefusedError
 from gpr20_survey.folder import manifest, survey_log
-from gpr20_survey.folder.annotating import add_to_survey
-from gpr20_survey.folder.log_content import description_of
 from gpr20_survey.folder.log_record import (
     MAX_NUMBER,
     Kind,
     LogHead,
     LogRecord,
+    description_of,
     record_of_line,
 )
-from gpr20_survey.folder.recovery import recover
+from gpr20_survey.folder.recovery import add_to_survey, recover
 from gpr20_survey.folder.survey_log import read_log
 
 JSON = st.recursive(

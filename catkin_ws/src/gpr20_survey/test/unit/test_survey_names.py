@@ -51,12 +51,7 @@ def test_a_trace_file_is_named_by_index_and_coordinates():
 )
 def test_metadata_that_are_no_sane_object_are_refused(text, shown):
     with raises_fault("storage.request_refused", *shown, error=SurveyRefusedError):
-        survey_metadata.parse_metadata(text)
-
-
-def test_metadata_may_not_contradict_the_storage():
-    with raises_fault("storage.request_refused", "started", error=SurveyRefusedError):
-        survey_metadata.combine({"started": "yesterday"}, {"started": "today"})
+        survey_metadata.parse_object(text, "metadata_json")
 
 
 def test_odd_texts_survive_in_strict_ascii_json():

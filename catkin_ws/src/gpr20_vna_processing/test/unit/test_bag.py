@@ -23,7 +23,7 @@ from gpr20_analysis.commands.main import main
 from gpr20_analysis.read.verification import verify_survey
 from gpr20_analysis.read.verification_result import COMPLETE, DAMAGED
 from gpr20_survey.errors import StorageFailedError, SurveyRefusedError
-from gpr20_survey.folder.annotating import add_to_survey
+from gpr20_survey.folder.recovery import add_to_survey
 from gpr20_survey.recording.mcap_reader import StoredMcap
 from gpr20_vna_processing.low import bag_processes
 from gpr20_vna_processing.low.bag_processes import BAG_TO_MCAP, BagProcesses

@@ -13,13 +13,14 @@ from storage_kit import (
     text_message,
     wait_until,
 )
-from trace_examples import SURVEY, assert_same_numbers, make_trace, read_json
+from trace_examples import STARTED_US, SURVEY, assert_same_numbers, make_trace, read_json
 
 from gpr20_common.message import Fault, Message, in_a_row, verbatim
 from gpr20_common.sent_message import received_message
 from gpr20_survey.errors import StorageFailedError, SurveyRefusedError, TraceRefusedError
 from gpr20_survey.faults import OTHER_DATA_FOLDER
 from gpr20_survey.folder.recovery import recover
+from gpr20_vna_processing.mid.new_survey import describe
 from gpr20_vna_processing.mid.processing_parameters import ProcessingParameters
 from gpr20_vna_processing.mid.storage_thread import LARGEST_LATCHED_BYTES
 
@@ -225,6 +226,12 @@ def test_a_computer_without_a_clock_opens_no_survey(tmp_path):
     with raises_fault("clock.wrong", 1970, error=SurveyRefusedError):
         kit.open()
     kit.processing.shut_down()
+
+
+def test_metadata_may_not_contradict_the_storage():
+    for key, value in (("started", "yesterday"), ("report", {})):
+        with raises_fault("storage.request_refused", key, error=SurveyRefusedError):
+            describe(SURVEY, STARTED_US, json.dumps({key: value}), "1.0.0")
 
 
 def test_neither_a_new_nor_an_old_survey_is_opened_in_another_data_folder(tmp_path):

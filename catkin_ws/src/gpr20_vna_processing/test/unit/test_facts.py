@@ -26,8 +26,7 @@ from gpr20_analysis.read.verification import verify_survey
 from gpr20_analysis.read.verification_result import COMPLETE, DAMAGED, INCOMPLETE
 from gpr20_common.errors import Gpr20Error
 from gpr20_survey.errors import SurveyRefusedError
-from gpr20_survey.folder.annotating import add_to_survey
-from gpr20_survey.folder.recovery import read_description, recover
+from gpr20_survey.folder.recovery import add_to_survey, read_description, recover
 from gpr20_survey.plan.annotation import EMPTY, Annotation, Wgs84Position, annotation_of
 from gpr20_survey.plan.markers import (
     MAX_MARKERS,

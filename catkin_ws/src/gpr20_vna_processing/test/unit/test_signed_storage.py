@@ -7,10 +7,9 @@ from storage_kit import Kit
 from trace_examples import SURVEY
 
 from gpr20_analysis.read.signature_check import Signature, check_signature
-from gpr20_survey.folder.annotating import Fact, add_to_survey
 from gpr20_survey.folder.log_record import Kind
 from gpr20_survey.folder.manifest import MANIFEST_FILE as SEAL
-from gpr20_survey.folder.recovery import read_description
+from gpr20_survey.folder.recovery import Fact, add_to_survey, read_description
 from gpr20_survey.folder.signature import SIGNATURE_FILE
 from gpr20_survey.plan.annotation import Annotation
 

@@ -15,9 +15,8 @@ from gpr20_analysis.report.summary import HEADING_OF_Y, POSITION, RECORDED, head
 from gpr20_common.catalogue import Catalogue
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message, verbatim
-from gpr20_survey.folder.annotating import Fact, add_to_survey
 from gpr20_survey.folder.log_record import Kind
-from gpr20_survey.folder.recovery import read_description
+from gpr20_survey.folder.recovery import Fact, add_to_survey, read_description
 from gpr20_survey.plan.annotation import (
     Annotation,
     Wgs84Position,

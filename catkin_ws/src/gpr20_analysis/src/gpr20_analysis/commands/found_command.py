@@ -18,9 +18,8 @@ from gpr20_common.message import Message
 from gpr20_common.terminal_text import say
 from gpr20_survey.files import durable_files
 from gpr20_survey.files.regular_file import read_regular
-from gpr20_survey.folder.annotating import Fact, add_to_survey
 from gpr20_survey.folder.log_record import Kind
-from gpr20_survey.folder.recovery import read_description, recover
+from gpr20_survey.folder.recovery import Fact, add_to_survey, read_description, recover
 from gpr20_survey.results.candidates import list_from
 from gpr20_survey.results.found import PHOTOS, Found, What, present
 from gpr20_survey.trace import utc_time

@@ -44,7 +44,7 @@ def run(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
         survey_folder.check_no_links(folder)
         recovered = recover(folder, asking_manifest=True)
         log = recovered.found
-        found = check_manifest(folder, recovered.survey_id, log)
+        found = check_manifest(folder, recovered)
         if found.manifest is None or not found.is_binding:
             raise AnalysisError(
                 Message("the survey is not closed, or its manifest is damaged"),

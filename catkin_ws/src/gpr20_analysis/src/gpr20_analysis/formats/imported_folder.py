@@ -27,7 +27,7 @@ from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message
 from gpr20_common.terminal_text import printable
 from gpr20_survey.errors import SurveyRefusedError, TraceRefusedError
-from gpr20_survey.files import access, durable_files
+from gpr20_survey.files import durable_files
 from gpr20_survey.files.file_sums import FileSum, regular_files, sum_of, sum_of_file
 from gpr20_survey.folder import manifest, survey_folder, survey_metadata
 from gpr20_survey.folder.log_record import Kind
@@ -127,7 +127,7 @@ def write_imported_folder(
         folder = data / content.name
         with atomic_output(folder, content.bytes_needed) as place:
             # That of a temporary folder would let nobody else read the survey.
-            durable_files.make_new_folder(place, data.stat().st_mode & access.FOLDER_MODES)
+            durable_files.make_new_folder(place, data.stat().st_mode & durable_files.FOLDER_MODES)
             content.write(place, progress)
         durable_files.sync_path(data)
     except (InvalidValueError, SurveyRefusedError, TraceRefusedError) as error:

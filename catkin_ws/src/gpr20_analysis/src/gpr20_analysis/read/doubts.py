@@ -22,8 +22,7 @@ from gpr20_analysis.sentences import carried_doubts, first_of
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message
 from gpr20_common.sent_message import received_message
-from gpr20_survey.folder.log_content import UNCONFIRMED, log_values
-from gpr20_survey.folder.log_record import Kind
+from gpr20_survey.folder.log_record import UNCONFIRMED, Kind, log_values
 from gpr20_survey.folder.recovery import unconfirmed_message
 from gpr20_survey.plan.imported import TIMES_KNOWN, import_of, import_sentence, is_imported
 from gpr20_survey.plan.zero_history import UNPROVEN, unproven_zeros

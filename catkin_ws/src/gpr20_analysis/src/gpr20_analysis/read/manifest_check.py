@@ -9,11 +9,11 @@ from typing import Any, Iterator, List, Mapping, Optional, Sequence
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message
 from gpr20_common.os_reason import os_reason
-from gpr20_survey.errors import ManifestDamagedError
 from gpr20_survey.files.file_sums import FileSum, sum_if_readable, sum_of_file
 from gpr20_survey.folder import manifest, survey_folder
 from gpr20_survey.folder.log_record import Kind, LogRecord
 from gpr20_survey.folder.manifest import Manifest
+from gpr20_survey.folder.recovery import RecoveredSurvey
 from gpr20_survey.folder.survey_log import FoundLog
 from gpr20_survey.results.found import FORMAT, PHOTOS, Found, found_of
 
@@ -36,23 +36,15 @@ class ManifestCheck:
     """Differences between the survey and a binding manifest."""
 
 
-def check_manifest(folder: Path, survey_id: str, log: FoundLog) -> ManifestCheck:
-    """Compare a survey's files with its manifest.
-
-    Args:
-        folder: The survey's folder.
-        survey_id: UUID of the survey.
-        log: Its log.
+def check_manifest(folder: Path, recovered: RecoveredSurvey) -> ManifestCheck:
+    """Compare a survey's files with its manifest, as it was recovered with the survey.
 
     Raises:
         OSError: The disk cannot be read.
     """
-    try:
-        sealed = manifest.read_manifest(folder, survey_id)
-    except FileNotFoundError:
-        return ManifestCheck()
-    except ManifestDamagedError as error:
-        return ManifestCheck(damage=error.message)
+    sealed, log = recovered.manifest, recovered.found
+    if sealed is None:
+        return ManifestCheck(damage=recovered.manifest_damage)
     if not sealed.is_binding(log.records):
         return ManifestCheck(sealed)
     differences = [*_differences(folder, sealed), *_other_log(sealed, log)]

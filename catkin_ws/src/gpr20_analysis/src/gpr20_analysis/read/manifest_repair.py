@@ -87,7 +87,7 @@ def _repair(
     folder: Path, recovered: RecoveredSurvey, revision: str, now: str, progress: Progress
 ) -> RepairResult:
     log = recovered.found
-    found = manifest_check.check_manifest(folder, recovered.survey_id, log)
+    found = manifest_check.check_manifest(folder, recovered)
     is_valid = found.is_binding and not found.differences
     if is_valid and log.is_whole and not recovered.unconfirmed:
         return RepairResult(Repair.NOT_NEEDED)

@@ -16,8 +16,7 @@ from gpr20_common.os_reason import os_reason
 from gpr20_survey.errors import SurveyRefusedError, TraceRefusedError
 from gpr20_survey.files.regular_file import check_regular
 from gpr20_survey.folder import survey_folder, survey_metadata, trace_files
-from gpr20_survey.folder.log_content import LOG, add_to
-from gpr20_survey.folder.log_record import Kind, LogRecord
+from gpr20_survey.folder.log_record import LOG, Kind, LogRecord, add_to
 from gpr20_survey.folder.recovery import recover
 from gpr20_survey.trace import trace_message
 from gpr20_survey.trace.trace import Trace

@@ -19,8 +19,7 @@ from gpr20_common.message import Message
 from gpr20_survey.errors import SurveyRefusedError
 from gpr20_survey.files.folder_lock import writer_of
 from gpr20_survey.folder import survey_folder, survey_metadata, trace_files
-from gpr20_survey.folder.log_content import UNCONFIRMED
-from gpr20_survey.folder.log_record import Kind
+from gpr20_survey.folder.log_record import UNCONFIRMED, Kind
 from gpr20_survey.folder.manifest import Manifest
 from gpr20_survey.folder.recovery import RecoveredSurvey, recover
 from gpr20_survey.plan.imported import import_of, import_sentence, is_imported
@@ -139,7 +138,7 @@ class _Verifier:
         return self._found
 
     def _check_manifest(self) -> None:
-        found = manifest_check.check_manifest(self._folder, self._survey_id, self._recovered.found)
+        found = manifest_check.check_manifest(self._folder, self._recovered)
         self._found.sealed = found.is_binding
         self._found.faults += found.differences
         if found.damage is not None:

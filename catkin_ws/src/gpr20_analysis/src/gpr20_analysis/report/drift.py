@@ -10,8 +10,7 @@ import xarray as xr
 
 from gpr20_analysis.dataset import description_of, objects_of
 from gpr20_common.message import Message
-from gpr20_survey.folder.log_content import log_values
-from gpr20_survey.folder.log_record import Kind
+from gpr20_survey.folder.log_record import Kind, log_values
 
 Entry = Mapping[str, Any]
 # A survey of two days, each hour at two rotations.

@@ -17,10 +17,9 @@ from gpr20_analysis.formats.dataset_files import read_dataset
 from gpr20_analysis.read.load import load_survey
 from gpr20_analysis.read.manifest_check import found_in
 from gpr20_analysis.verify import main as gpr20_verify
-from gpr20_survey.folder import annotating
-from gpr20_survey.folder.annotating import Fact
+from gpr20_survey.folder import recovery
 from gpr20_survey.folder.log_record import Kind
-from gpr20_survey.folder.recovery import read_description, recover
+from gpr20_survey.folder.recovery import Fact, read_description, recover
 from gpr20_survey.plan.annotation import Annotation, Wgs84Position, annotation_of
 from gpr20_survey.plan.markers import Marker
 from gpr20_survey.results.candidates import NO_CLEARANCE, json_text
@@ -146,7 +145,7 @@ def test_csv_and_geojson_hold_metres_and_degrees_where_these_are_known(marked, t
     if known:
         placed = Annotation(position=EXAMPLE.position, heading_deg=0.0)
         fact = Fact(Kind.ANNOTATION, placed.values())
-        annotating.add_to_survey(marked, lambda _description: fact, NOW)
+        recovery.add_to_survey(marked, lambda _description: fact, NOW)
     table, collection = tmp_path / "m.csv", tmp_path / "m.geojson"
     assert main(["markers", str(marked), "-o", str(table), "-o", str(collection)]) == 0
     assert main(["markers", str(marked), "-o", str(tmp_path / "m.gpkg")]) == 3
@@ -265,7 +264,7 @@ def test_a_record_of_a_later_version_is_left_out_and_a_damaged_one_is_a_fault(fo
     (one,) = read_found(folder)
     for values, status in (({"format": "gpr20-found/9"}, 0), ({**one.values(), "who": ""}, 2)):
         fact = Fact(Kind.FOUND, values)
-        annotating.add_to_survey(folder, lambda _description, fact=fact: fact, one.time)
+        recovery.add_to_survey(folder, lambda _description, fact=fact: fact, one.time)
         assert gpr20_verify([str(folder)]) == status
         if status == 0:
             assert read_found(folder) == [one]

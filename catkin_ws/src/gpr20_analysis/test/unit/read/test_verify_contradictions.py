@@ -24,7 +24,7 @@ from gpr20_analysis.read.verification import verify_survey
 from gpr20_analysis.verify import main as gpr20_verify
 from gpr20_survey.faults import LOCKED
 from gpr20_survey.files.folder_lock import locked
-from gpr20_survey.folder import annotating
+from gpr20_survey.folder import recovery
 from gpr20_survey.folder.log_record import Kind
 from gpr20_survey.folder.recovery import read_description, recover
 from gpr20_survey.plan.annotation import annotation_of
@@ -110,7 +110,7 @@ STORED = 5
 def test_a_survey_that_is_being_written_is_said_to_be_so_and_not_annotated(
     tmp_path, capsys, refusals, monkeypatch
 ):
-    monkeypatch.setattr(annotating, "locked", lambda folder, _wait_s: locked(folder))
+    monkeypatch.setattr(recovery, "locked", lambda folder, _wait_s: locked(folder))
 
     def look(processing):
         (folder,) = (tmp_path / "data").iterdir()

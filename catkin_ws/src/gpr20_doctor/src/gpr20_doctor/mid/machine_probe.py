@@ -11,7 +11,6 @@ from pathlib import Path
 from typing import Callable, Dict, List, Mapping, Optional, Sequence, Tuple, TypeVar, Union
 from urllib.parse import urlsplit
 
-from gpr20_common.low.clock import Clock
 from gpr20_common.low.data_folder import state_folder
 from gpr20_common.message import Message, verbatim
 from gpr20_common.mid.node_software import own_software
@@ -24,8 +23,13 @@ from gpr20_doctor.mid.machine_request import MachineRequest
 from gpr20_survey.axes.axis_parameters import PULSE_PRIORITY
 from gpr20_survey.errors import ProcessingError
 from gpr20_survey.files.durable_files import free_bytes
-from gpr20_survey.files.file_system import existing_folder, file_system_of
-from gpr20_survey.folder.data_folder import DataFolder, DataFolderUse, KnownFolder
+from gpr20_survey.folder.data_folder import (
+    DataFolder,
+    DataFolderUse,
+    KnownFolder,
+    existing_folder,
+    file_system_of,
+)
 from gpr20_survey.plan.survey_cost import needed_bytes
 from gpr20_survey.trace.ms2026c import MAX_FREQUENCY_POINTS
 
@@ -189,7 +193,7 @@ def _disk(folder: Path, request: MachineRequest) -> Union[facts.DiskFacts, Unkno
 
 
 def _identify(use: DataFolderUse, thorough: bool) -> Union[KnownFolder, Message]:
-    folder = DataFolder(use, Clock())
+    folder = DataFolder(use)
     try:
         known = folder.identify()
         if thorough:

@@ -5,9 +5,10 @@ from __future__ import annotations
 import errno
 import re
 import tempfile
+import zipfile
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Callable, List, Optional, Sequence, Tuple
+from typing import Any, Callable, List, Optional, Sequence, Tuple
 
 from gpr20_common.faults import NOT_ALLOWED
 from gpr20_common.message import Message
@@ -20,12 +21,15 @@ from gpr20_imaging.low.cancellation import Cancellation
 from gpr20_imaging.low.stick_files import StickFolder
 from gpr20_imaging.low.usb_volumes import UsbVolumes
 from gpr20_imaging.mid.export_kind import ExportKind
-from gpr20_imaging.mid.survey_zip import write_zip
+from gpr20_survey.errors import ProcessingError
+from gpr20_survey.files.folder_zip import add_folder
 from gpr20_survey.folder.survey_folder import FOLDER_NAME
 from gpr20_survey.results.volume import Volume
 
 FOLDER = "GPR20"
 MARGIN_BYTES = 1 << 20
+# Of a ZIP file the fastest: traces are text of half the size then, and sticks are slow.
+LEVEL = 1
 SIMULATED_MARK = "_SIMULATED"
 _ENDINGS = "|".join(re.escape(kind.ending) for kind in ExportKind)
 _NAME = re.compile(f"{FOLDER_NAME.pattern}({SIMULATED_MARK})?_({_ENDINGS})")
@@ -166,7 +170,7 @@ class Exporter:
                 self._report(Message("copying {what} to the USB stick", what=kind.message))
                 with folder.new_file(request.name(kind), cancellation) as target:
                     if path is None:
-                        write_zip(request.folder, target)
+                        _write_zip(request.folder, target)
                     else:
                         stick_files.copy_file(path, target)
                     # Before it gets its name: this may be a folder of the disk by now.
@@ -215,3 +219,12 @@ class Exporter:
                 reason=os_reason(error),
             )
         )
+
+
+def _write_zip(folder: Path, target: Any) -> None:
+    try:
+        with zipfile.ZipFile(target, "w", zipfile.ZIP_DEFLATED, compresslevel=LEVEL) as archive:
+            for _ in add_folder(archive, folder):
+                pass
+    except ProcessingError as error:
+        raise ImagingError(error.message) from error

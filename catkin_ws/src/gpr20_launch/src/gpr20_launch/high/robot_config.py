@@ -12,7 +12,6 @@ from typing import Callable, Dict, Iterable, Mapping, Sequence
 import rosgraph
 
 from gpr20_common.errors import Gpr20Error
-from gpr20_common.low.clock import Clock
 from gpr20_common.low.yaml_file import read_yaml
 from gpr20_common.message import Message
 from gpr20_common.os_reason import os_reason
@@ -177,6 +176,6 @@ def _make_key(folder: Path, _given: argparse.Namespace) -> int:
 
 def _accept_data(folder: Path, given: argparse.Namespace) -> int:
     use = storage_parameters(read_configuration(folder, built_axes()), given.data).data_folder_use()
-    identity = DataFolder(use, Clock()).accept()
+    identity = DataFolder(use).accept()
     say(f"{use.path}: accepted as the data folder {identity}")
     return 0

@@ -7,7 +7,6 @@ from pathlib import Path
 from typing import Dict, Tuple
 
 from gpr20_common.errors import Gpr20Error
-from gpr20_common.low.clock import Clock
 from gpr20_common.low.data_folder import DEFAULT_FOLDER
 from gpr20_common.message import Message
 from gpr20_common.mid.codec import record_from
@@ -140,7 +139,7 @@ class LaunchRequest:
     def _data_folder(self, sections: Sections) -> Path:
         use = storage_parameters(sections, self.data).data_folder_use()
         try:
-            DataFolder(use, Clock()).check()
+            DataFolder(use).check()
         except ProcessingError as error:
             raise LaunchRefusedError(
                 Message("no survey can be stored: {reason}", reason=error.message)

@@ -8,7 +8,6 @@ from pathlib import Path
 from typing import Dict, Iterator, Mapping, Optional, Tuple
 
 from gpr20_common.errors import Gpr20Error
-from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message
 from gpr20_common.mid.checks import ipv4_address
 from gpr20_common.terminal_text import printable
@@ -19,8 +18,7 @@ from gpr20_launch.mid.robot_files import AXES_FILE, Reading
 from gpr20_launch.mid.wiring import TASKS, WITH_ROBOT
 from gpr20_survey.errors import ProcessingError
 from gpr20_survey.files.durable_files import free_bytes
-from gpr20_survey.files.file_system import IN_MEMORY, existing_folder, file_system_of
-from gpr20_survey.folder.data_folder import DataFolder
+from gpr20_survey.folder.data_folder import IN_MEMORY, DataFolder, existing_folder, file_system_of
 from gpr20_survey.folder.signature import key_warning
 from gpr20_survey.plan.sensors import SENSORS
 from gpr20_survey.trace.calibration import CalibrationStatus
@@ -166,7 +164,7 @@ def _disk(
 ) -> Iterator[Problem]:
     use = parameters.data_folder_use()
     try:
-        DataFolder(use, Clock()).identify()
+        DataFolder(use).identify()
     except ProcessingError as error:
         yield Problem(error.message, *where, printable(use.path))
         return

@@ -8,7 +8,6 @@ from pathlib import Path
 from typing import Any, Callable, Dict, List, Mapping, Tuple
 
 from gpr20_common.errors import InvalidValueError
-from gpr20_common.low.clock import Clock
 from gpr20_common.low.data_folder import data_folder
 from gpr20_common.message import Message
 from gpr20_common.mid.codec import plain
@@ -22,7 +21,7 @@ from gpr20_main_control.mid.check_verdict import (
 )
 from gpr20_main_control.mid.devices.robot import Analyzer
 from gpr20_survey.faults import CHECK_ORDER
-from gpr20_survey.files.json_lines import add_line, lines_backwards, object_of
+from gpr20_survey.files.durable_files import add_line, lines_backwards, object_of
 from gpr20_survey.folder.data_folder import DataFolder, DataFolderUse
 from gpr20_survey.results.daily_check import INSTRUCTIONS, Part
 from gpr20_survey.trace.sweep import Sweep
@@ -179,7 +178,7 @@ def compare_with_history(
         SurveyRefusedError: It is not the data folder that was used before.
         OSError: The disk refused.
     """
-    DataFolder(use, Clock()).check()
+    DataFolder(use).check()
     path = use.path / HISTORY
     lines = [object_of(line) for line in lines_backwards(path)]
     damaged = lines.count({})

@@ -16,8 +16,7 @@ from gpr20_operator.jobs.job import Job, JobState, Service
 from gpr20_operator.jobs.pictures import NOT_KNOWN, Imaging, StoredSurvey
 from gpr20_operator.jobs.stick import StickExport
 from gpr20_operator.words import local_time
-from gpr20_survey.folder.log_content import log_values
-from gpr20_survey.folder.log_record import Kind
+from gpr20_survey.folder.log_record import Kind, log_values
 from gpr20_survey.folder.soil_note import KIND as SOIL_KIND
 from gpr20_survey.folder.soil_note import soil_values
 from gpr20_survey.folder.survey_metadata import MAX_FILE_BYTES, parse_object

@@ -1,24 +1,66 @@
-"""Small files that are on the disk either whole or not at all.
+"""Small files that are on the disk either whole or not at all, and lines that are added to one.
 
 Each function returns when what it did is durable, and raises OSError if the disk refuses.
+
+The folder of a survey is made with the mode that the robot's parameters give. Whatever is made in
+a folder later follows that folder, so a survey's files always have one mode, also when it is
+resumed with other parameters. The umask has no influence.
 """
 
 from __future__ import annotations
 
+import contextlib
+import enum
 import itertools
+import json
 import os
 import secrets
 import shutil
 import stat
 from pathlib import Path
-from typing import Optional
+from typing import Any, Dict, Iterator, Mapping, Optional
 
-from gpr20_survey.files import access
 from gpr20_survey.files.regular_file import read_regular
 
 # Readers take `*.json`; a file that was never finished has neither this start nor this end.
 TEMPORARY_PREFIX = "."
 TEMPORARY_SUFFIX = ".tmp"
+# What may be taken over from a folder: never the right of everyone to write.
+FILE_MODES, FOLDER_MODES = 0o664, 0o775
+
+
+class Readers(enum.Enum):
+    """Who may read a survey; only its owner may write."""
+
+    OWNER = "owner"
+    GROUP = "group"
+    ALL = "all"
+
+    @property
+    def folder_mode(self) -> int:
+        """Mode of a folder."""
+        return {Readers.OWNER: 0o700, Readers.GROUP: 0o750, Readers.ALL: 0o755}[self]
+
+
+def open_new(path: Path, flags: int, mode: Optional[int] = None) -> int:
+    """Return the descriptor of a file that is made, with O_CREAT among the flags, if it is missing.
+
+    Its mode is that of its folder, if none is given.
+    """
+    mode = file_mode_for(path.parent) if mode is None else mode
+    descriptor = os.open(str(path), flags | os.O_CLOEXEC | os.O_NOFOLLOW, mode)
+    try:
+        if flags & os.O_CREAT and stat.S_IMODE(os.fstat(descriptor).st_mode) != mode:
+            os.fchmod(descriptor, mode)
+    except OSError:
+        os.close(descriptor)
+        raise
+    return descriptor
+
+
+def file_mode_for(folder: Path) -> int:
+    """Return the mode of a new file in a folder."""
+    return folder.stat().st_mode & FILE_MODES
 
 
 def free_bytes(folder: Path) -> int:
@@ -92,7 +134,7 @@ def write_in_new_folder(path: Path, data: bytes) -> None:
 
     Its name is durable after `sync_path` of the folder; after an error it may be there in part.
     """
-    descriptor = access.open_new(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL)
+    descriptor = open_new(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL)
     with open(descriptor, "wb") as stream:
         stream.write(data)
         stream.flush()
@@ -110,16 +152,14 @@ def _write_temporary(path: Path, data: bytes) -> Path:
 
 
 def make_new_folder(path: Path, mode: Optional[int] = None) -> None:
-    """Make a folder that must not exist yet.
+    """Make a folder that must not exist yet; without a mode it gets that of the folder above.
 
-    Args:
-        path: The folder.
-        mode: Its mode; None: that of the folder above. A group that it inherits from there is kept.
+    A group that it inherits from there is kept.
 
     Raises:
         FileExistsError: The folder exists.
     """
-    mode = path.parent.stat().st_mode & access.FOLDER_MODES if mode is None else mode
+    mode = path.parent.stat().st_mode & FOLDER_MODES if mode is None else mode
     path.mkdir(mode)
     made = stat.S_IMODE(path.stat().st_mode)
     if made & 0o777 != mode & 0o777:
@@ -185,3 +225,50 @@ def remove_file(path: Path) -> None:
     if os.path.lexists(str(path)):
         path.unlink()
         sync_path(path.parent)
+
+
+def lines_backwards(*paths: Path) -> Iterator[bytes]:
+    """Yield the lines of those files that exist, the last line of the first file first."""
+    for path in paths:
+        with contextlib.suppress(FileNotFoundError):
+            yield from reversed(read_regular(path).splitlines())
+
+
+def add_line(path: Path, values: Mapping[str, Any], mode: Optional[int] = None) -> None:
+    """Add an object to a file and return when it is durable.
+
+    File and folder are made if they are missing, the file with this mode or that of its folder.
+
+    Raises:
+        OSError: The disk refused; a part of the line may be there.
+        ValueError: A number is not finite.
+    """
+    ensure_folder(path.parent)
+    line = json.dumps(values, allow_nan=False).encode() + b"\n"
+    append_line(path, line, os.O_CREAT, mode)
+    sync_path(path.parent)
+
+
+def append_line(path: Path, line: bytes, flags: int = 0, mode: Optional[int] = None) -> None:
+    """Add a line to a file and return when it is durable; only with O_CREAT it may be missing.
+
+    Raises:
+        OSError: The disk refused; a part of the line may be there.
+    """
+    descriptor = open_new(path, os.O_RDWR | os.O_APPEND | flags, mode)
+    with os.fdopen(descriptor, "r+b", buffering=0) as file:
+        end = file.seek(0, os.SEEK_END)
+        # A line that a crash has cut is left as it is, and damages no other.
+        if end and os.pread(descriptor, 1, end - 1) != b"\n":
+            line = b"\n" + line
+        if file.write(line) != len(line):
+            raise OSError(f"{path}: the disk took a part of the line")
+        os.fsync(descriptor)
+
+
+def object_of(line: bytes) -> Dict[str, Any]:
+    """Return the object of a line; it is empty if the line has none."""
+    found = None
+    with contextlib.suppress(ValueError):
+        found = json.loads(line)
+    return found if isinstance(found, dict) else {}

@@ -18,12 +18,6 @@ from gpr20_survey.files.regular_file import open_regular
 PIECE_BYTES = 1 << 18
 
 
-class FolderChangedError(ProcessingError):
-    """A folder was changed while it was read."""
-
-    fault = faults.FOLDER_CHANGED
-
-
 class _Collected(bytearray):
     """Takes what a ZIP file writes; without `tell` and `seek` it writes in one pass."""
 
@@ -54,8 +48,7 @@ def add_folder(archive: zipfile.ZipFile, folder: Path) -> Iterator[None]:
     """Add all files of a folder to an archive; yield after each piece of them.
 
     Raises:
-        FolderChangedError: The folder was changed meanwhile.
-        ProcessingError: A file cannot be read, or is a link.
+        ProcessingError: A file cannot be read, is a link, or the folder was changed meanwhile.
     """
     before = _versions(folder)
     for name in before:
@@ -74,8 +67,9 @@ def add_folder(archive: zipfile.ZipFile, folder: Path) -> Iterator[None]:
                 file.write(piece)
                 yield
     if _versions(folder) != before:
-        raise FolderChangedError(
-            Message("{folder} was changed while it was read", folder=folder.name)
+        raise ProcessingError(
+            Message("{folder} was changed while it was read", folder=folder.name),
+            fault=faults.FOLDER_CHANGED,
         )
 
 

@@ -1,4 +1,4 @@
-"""One line of a survey's log: a fact that does not change any more."""
+"""The lines of a survey's log, facts that do not change any more, and what they say together."""
 
 from __future__ import annotations
 
@@ -6,15 +6,26 @@ import enum
 import hashlib
 import json
 from dataclasses import dataclass, replace
-from typing import Any, Dict, NamedTuple, Optional
+from typing import Any, Dict, List, Mapping, NamedTuple, Optional, Sequence
 
 from gpr20_survey.errors import SurveyRefusedError
-from gpr20_survey.folder.survey_metadata import MAX_FILE_BYTES, MAX_FILE_DEPTH, parse_object
+from gpr20_survey.folder.survey_metadata import (
+    MAX_FILE_BYTES,
+    MAX_FILE_DEPTH,
+    NOT_ENDED,
+    parse_object,
+)
+from gpr20_survey.plan.annotation import ANNOTATION
+from gpr20_survey.plan.markers import MARKERS
 
 NO_RECORD = ""
 """What the first record has instead of the checksum of the record before it."""
 MAX_NUMBER = 1_000_000
 """Of a record: the numbers up to that of the last one are counted."""
+LOG = "log"
+"""Key of a description under which a reader gets records of the log beside it."""
+UNCONFIRMED = "unconfirmed"
+"""Key of a description: entries that nothing vouches for, by their names, with the reason."""
 
 
 class Kind(str, enum.Enum):
@@ -135,3 +146,41 @@ def record_of_line(line: bytes) -> Optional[LogRecord]:
 
 def _compact(value: Any) -> bytes:
     return json.dumps(value, allow_nan=False, separators=(",", ":")).encode("ascii")
+
+
+def description_of(records: Sequence[LogRecord]) -> Dict[str, Any]:
+    """Return what records say, in their order; the first one is the plan."""
+    description: Dict[str, Any] = {}
+    for record in records:
+        add_to(description, record)
+    return description
+
+
+def add_to(description: Dict[str, Any], record: LogRecord) -> None:
+    """Change a description by one record; those of other kinds than below change nothing."""
+    kind, values = record.kind, record.values
+    if kind == Kind.END or (kind == Kind.PLAN and record.number == 0):
+        description.update(values)
+    elif kind in (Kind.ANNOTATION, Kind.REPORT):
+        description[ANNOTATION if kind == Kind.ANNOTATION else "report"] = values
+    elif kind == Kind.MARKER:
+        description[MARKERS] = [*description.get(MARKERS, []), values]
+    elif kind == Kind.MARKER_REMOVED:
+        description[MARKERS] = [
+            {**one, **values} if one.get("marker_id") == values.get("marker_id") else one
+            for one in description.get(MARKERS, [])
+        ]
+    elif kind == Kind.RESUME:
+        resumed = [*description.get("resumed", []), record.time]
+        description.update({**NOT_ENDED, **values, "resumed": resumed})
+    elif kind == Kind.UNCONFIRMED:
+        entries = values.get("entries", {})
+        description[UNCONFIRMED] = {**description.get(UNCONFIRMED, {}), **entries}
+
+
+def log_values(values: Mapping[str, Any], kind: Kind) -> List[Dict[str, Any]]:
+    """Return the facts of a kind, of the records that a reader gets with a description."""
+    log = values.get(LOG)
+    entries = [one for one in log if isinstance(one, dict)] if isinstance(log, list) else []
+    found = [one.get("values") for one in entries if one.get("kind") == kind.value]
+    return [one for one in found if isinstance(one, dict)]

@@ -118,24 +118,19 @@ def decode(content: bytes) -> Manifest:
     return manifest
 
 
-def read_manifest(folder: Path, survey_id: str = "") -> Manifest:
-    """Return the manifest in a folder, which must be of this survey if one is named.
+def read_manifest(folder: Path) -> Manifest:
+    """Return the manifest in a folder.
 
     Raises:
-        ManifestDamagedError: It is not as it was written, cannot be read, or is another survey's.
+        ManifestDamagedError: It is not as it was written, or cannot be read.
         FileNotFoundError: There is none.
     """
     try:
-        found = decode(read_regular(folder / MANIFEST_FILE, follow_link=False))
+        return decode(read_regular(folder / MANIFEST_FILE, follow_link=False))
     except FileNotFoundError:
         raise
     except OSError as error:
         raise ManifestDamagedError(os_reason(error)) from error
-    if survey_id not in ("", found.survey_id):
-        raise ManifestDamagedError(
-            Message("it is the manifest of survey {survey}", survey=found.survey_id)
-        )
-    return found
 
 
 def write_manifest(

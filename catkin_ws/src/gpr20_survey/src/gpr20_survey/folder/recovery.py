@@ -1,19 +1,20 @@
-"""What a survey's folder says of its survey, and what of that nothing vouches for."""
+"""What a survey's folder says of its survey, what nothing vouches for, and how facts are added."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Dict, List, Mapping, Optional, Tuple
+from typing import Any, Callable, Dict, List, Mapping, NamedTuple, Optional, Tuple
 
 from gpr20_common.message import Message
 from gpr20_common.terminal_text import printable
 from gpr20_survey import faults
 from gpr20_survey.errors import ManifestDamagedError, SurveyRefusedError, storing
 from gpr20_survey.files import durable_files
+from gpr20_survey.files.folder_lock import SHORT_WAIT_S, locked
 from gpr20_survey.folder import manifest, survey_folder
-from gpr20_survey.folder.log_content import UNCONFIRMED, description_of
-from gpr20_survey.folder.log_record import Kind, LogHead
+from gpr20_survey.folder.log_record import UNCONFIRMED, Kind, description_of
+from gpr20_survey.folder.manifest import Manifest
 from gpr20_survey.folder.survey_log import FoundLog, SurveyLog, read_log
 from gpr20_survey.folder.survey_metadata import FORMAT
 from gpr20_survey.trace import utc_time
@@ -28,6 +29,10 @@ class RecoveredSurvey:
     found: FoundLog
     unconfirmed: Dict[str, Any]
     """Names of entries that nothing vouches for, with the reason, which the log lacks yet."""
+    manifest: Optional[Manifest] = None
+    """None: there is none, it is damaged, or nobody asked for it."""
+    manifest_damage: Optional[Message] = None
+    """What is wrong with it."""
 
     @property
     def survey_id(self) -> str:
@@ -47,17 +52,21 @@ def read_description(folder: Path) -> Dict[str, Any]:
 def recover(folder: Path, asking_manifest: bool = False) -> RecoveredSurvey:
     """Return what a folder says of its survey; nothing is changed.
 
-    Args:
-        folder: The survey's folder.
-        asking_manifest: Whether a log that is whole, but ends before its manifest was written,
-            counts as damaged. That takes longer.
+    With `asking_manifest` the manifest is read although the log is whole: a log that ends before
+    its manifest was written counts as damaged then. That takes longer.
 
     Raises:
         SurveyRefusedError: Nothing in it describes the survey.
     """
-    found = read_log(folder)
+    found, sealed, damage = read_log(folder), None, None
     if asking_manifest or not found.is_whole:
-        found = read_log(folder, _sealed_head(folder))
+        try:
+            sealed = manifest.read_manifest(folder)
+            found = read_log(folder, sealed.log)
+        except FileNotFoundError:
+            pass
+        except ManifestDamagedError as error:
+            damage = error.message
     first = found.records[0] if found.records else None
     if first is None or first.kind != Kind.PLAN or first.number != 0:
         raise SurveyRefusedError(
@@ -89,26 +98,17 @@ def recover(folder: Path, asking_manifest: bool = False) -> RecoveredSurvey:
     unconfirmed = found.lost_entries()
     if unconfirmed:
         description[UNCONFIRMED] = {**description.get(UNCONFIRMED, {}), **unconfirmed}
-    return RecoveredSurvey(description, found, unconfirmed)
-
-
-def _sealed_head(folder: Path) -> Optional[LogHead]:
-    try:
-        return manifest.read_manifest(folder).log
-    except (OSError, ManifestDamagedError):
-        return None
+    if sealed is not None and sealed.survey_id != description["survey_id"]:
+        damage = Message("it is the manifest of survey {survey}", survey=sealed.survey_id)
+        sealed = None
+    return RecoveredSurvey(description, found, unconfirmed, sealed, damage)
 
 
 def open_log(folder: Path, recovered: RecoveredSurvey, now: str) -> SurveyLog:
     """Return the log of a survey, whose folder must be locked; the next record makes it whole.
 
     A file that was damaged is kept in `damaged/`. What nothing vouches for is named in the log,
-    for ever.
-
-    Args:
-        folder: The survey's folder.
-        recovered: What was found in it.
-        now: The present moment, as ISO 8601 text.
+    for ever, with the present moment as ISO 8601 text.
 
     Raises:
         OSError: The disk refused; the call may be repeated.
@@ -149,11 +149,7 @@ def unconfirmed_message(entries: Mapping[str, Any]) -> Message:
 
 
 def find_survey(data: Path, survey: str) -> Tuple[Path, RecoveredSurvey]:
-    """Return the folder of a survey, and what it says of its survey.
-
-    Args:
-        data: The data folder.
-        survey: The survey's id, or the name of its folder.
+    """Return a survey's folder, by its name or the survey's id, and what it says of its survey.
 
     Raises:
         SurveyRefusedError: There is none, nothing in its folder describes it, or part of it is a
@@ -178,3 +174,70 @@ def find_survey(data: Path, survey: str) -> Tuple[Path, RecoveredSurvey]:
             survey=survey[:64],
         )
     raise SurveyRefusedError(reason, fault=faults.UNKNOWN_SURVEY)
+
+
+class Fact(NamedTuple):
+    """What is to be added to the log of a survey."""
+
+    kind: Kind
+    values: Dict[str, Any]
+
+
+Change = Callable[[Dict[str, Any]], Optional[Fact]]
+"""Takes what the log says of the survey and returns what is added; None: it says that already."""
+
+
+def add_to_survey(
+    folder: Path, change: Change, now: str, wait_s: float = SHORT_WAIT_S
+) -> Dict[str, Any]:
+    """Add a fact to a survey that nobody writes; return what its log says when it is durable.
+
+    A file of the log that is damaged is written again from the other one. `now` is ISO 8601 text;
+    for another process that adds a fact it waits a while [s].
+
+    Raises:
+        SurveyRefusedError: Nothing describes the survey, part of its log is lost, its manifest is
+            damaged, another process writes it, or `change` refused.
+        StorageFailedError: The disk refused; the call may be repeated.
+    """
+    survey_folder.check_no_links(folder)
+    failure = Message("{path} could not be written", path=printable(folder))
+    with storing(failure, folder), locked(folder, wait_s):
+        recovered = recover(folder, asking_manifest=True)
+        _check(folder, recovered)
+        fact = change(recovered.description)
+        log = open_log(folder, recovered, now)
+        if fact is not None and not log.has_note(*fact):
+            log.add(log.next(fact.kind, fact.values, now))
+        elif not log.is_whole:
+            log.write()
+    return log.description
+
+
+def _check(folder: Path, recovered: RecoveredSurvey) -> None:
+    """Refuse a survey of which something is lost: what was said of it must be looked at first."""
+    count = len(recovered.found.lost) + len(recovered.found.strangers)
+    if count:
+        raise SurveyRefusedError(
+            Message(
+                "{count} entries of the log of the survey in {folder} are damaged in both files, "
+                "or of another log; nothing was changed; `gpr20 repair`, or resuming the survey, "
+                "names what is lost",
+                count=count,
+                folder=printable(folder),
+            ),
+            fault=faults.DESCRIPTION_DAMAGED,
+        )
+    sealed, reason = recovered.manifest, recovered.manifest_damage
+    if sealed is not None and not sealed.covers(recovered.found.records):
+        reason = Message("the log of the survey does not end as the manifest says")
+    if reason is None:
+        return  # there may be none: it was cut off, or reopened
+    raise SurveyRefusedError(
+        Message(
+            "{path} is damaged: {reason}; gpr20 repair writes it again if all else is right",
+            path=printable(folder / manifest.MANIFEST_FILE),
+            reason=reason,
+        ),
+        fault=faults.MANIFEST_DAMAGED,
+    )

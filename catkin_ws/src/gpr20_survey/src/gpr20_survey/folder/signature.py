@@ -30,11 +30,7 @@ _FINGERPRINT = re.compile(r"SHA256:[A-Za-z0-9+/]{43}")
 
 
 class Signer:
-    """Signs surveys with a private key without a passphrase.
-
-    Args:
-        key: The file of the key.
-    """
+    """Signs surveys with a private key without a passphrase, in a file."""
 
     def __init__(self, key: Path) -> None:
         self._key = key.expanduser().absolute()

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from typing import Any, Dict, Mapping, NamedTuple, Optional
 
-from gpr20_survey.folder.log_content import log_values
-from gpr20_survey.folder.log_record import Kind
+from gpr20_survey.folder.log_record import Kind, log_values
 from gpr20_survey.radar.soils import LARGEST_PERMITTIVITY, MIN_PERMITTIVITY
 from gpr20_survey.trace import utc_time
 

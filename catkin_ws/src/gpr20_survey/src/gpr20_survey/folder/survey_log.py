@@ -17,11 +17,10 @@ from pathlib import Path
 from typing import Any, Dict, List, NamedTuple, Optional, Sequence, Set, Tuple
 
 from gpr20_survey.errors import SurveyRefusedError
-from gpr20_survey.files import access, durable_files
+from gpr20_survey.files import durable_files
 from gpr20_survey.files.regular_file import open_regular
 from gpr20_survey.folder import survey_metadata
-from gpr20_survey.folder.log_content import add_to
-from gpr20_survey.folder.log_record import NOTES, Kind, LogHead, LogRecord, record_of_line
+from gpr20_survey.folder.log_record import NOTES, Kind, LogHead, LogRecord, add_to, record_of_line
 from gpr20_survey.folder.survey_folder import DAMAGED_FOLDER, LOG_FILE, LOG_FILES, SURVEY_FILE
 
 MAX_LOG_BYTES = 64 << 20
@@ -81,12 +80,7 @@ class _Form(NamedTuple):
 
 
 def read_log(folder: Path, sealed: Optional[LogHead] = None) -> FoundLog:
-    """Return the log of a survey; nothing is changed.
-
-    Args:
-        folder: The survey's folder.
-        sealed: A record that the log had, by its manifest.
-    """
+    """Return the log of a survey, which had a record by its manifest; nothing is changed."""
     contents = [_content(folder / name) for name in LOG_FILES]
     first = _form(contents[0] or b"")
     forms = [first, first if contents[1] == contents[0] else _form(contents[1] or b"")]
@@ -199,21 +193,14 @@ def _is_behind(content: Optional[bytes], whole: bytes, lines: Sequence[bytes]) -
 class SurveyLog:
     """Adds records to the log of a survey whose folder is locked.
 
-    A fact costs the same however long the log is.
+    A fact costs the same however long the log is. If the log is not whole, which is both files with
+    exactly the records so far, the next record that is added writes them again. No record gets the
+    number of one that was lost.
     """
 
     def __init__(
         self, folder: Path, records: Sequence[LogRecord], whole: bool, lost: Sequence[int] = ()
     ) -> None:
-        """Take the records that are right.
-
-        Args:
-            folder: The survey's folder.
-            records: The records so far.
-            whole: Whether both files hold exactly these; otherwise the next record that is added
-                writes them again.
-            lost: Numbers of records that were lost; no other record gets them.
-        """
         self._folder = folder
         self.is_whole = whole
         self._lost = max(lost, default=-1)
@@ -266,7 +253,7 @@ class SurveyLog:
         if self.is_whole:
             self.is_whole = False
             for name in LOG_FILES:
-                _append(self._folder / name, line)
+                durable_files.append_line(self._folder / name, line)
             self.is_whole = True
         else:
             self._write([*self._records, record])
@@ -311,13 +298,3 @@ class SurveyLog:
 
 def _note(kind: str, values: Dict[str, Any]) -> str:
     return json.dumps([kind, values], sort_keys=True)
-
-
-def _append(path: Path, line: bytes) -> None:
-    descriptor = access.open_new(path, os.O_RDWR | os.O_APPEND)
-    try:
-        if os.write(descriptor, line) != len(line):
-            raise OSError(f"{path}: the disk took a part of the line")
-        os.fsync(descriptor)
-    finally:
-        os.close(descriptor)

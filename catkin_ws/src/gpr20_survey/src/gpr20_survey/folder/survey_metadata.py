@@ -6,11 +6,8 @@ import json
 import re
 from typing import Any, Dict, NoReturn
 
-from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message, verbatim
 from gpr20_survey.errors import SurveyRefusedError
-from gpr20_survey.plan.annotation import annotation_of
-from gpr20_survey.plan.markers import MARKERS
 
 FORMAT = "gpr20-survey/1"
 REASON_MESSAGE = "reason_message"  # template, values and fault of the reason
@@ -34,10 +31,6 @@ NOT_ENDED: Dict[str, Any] = {
 }
 START: Dict[str, Any] = {**NOT_ENDED, "stored_traces": 0}
 """What a plan says of the end."""
-# What comes after the start, and the records themselves.
-_LOGGED_KEYS = ("resumed", "report", MARKERS, "log", "unconfirmed", "content_sha256")
-_OWN_KEYS = {"format", "survey_id", "started", "software_revision", *START, *_LOGGED_KEYS}
-
 # A whole text, or the end of one that does not end.
 _TEXT = re.compile(r'"[^"\\]*(?:\\.[^"\\]*)*"?', re.DOTALL)
 _BRACKET = re.compile(r"[\[{]|[\]}]")
@@ -46,17 +39,10 @@ _BRACKET = re.compile(r"[\[{]|[\]}]")
 def parse_object(
     text: str, name: str, max_bytes: int = MAX_BYTES, max_depth: int = MAX_DEPTH
 ) -> Dict[str, Any]:
-    """Return a JSON object that came from outside.
-
-    Args:
-        text: The JSON.
-        name: What it is, for the message.
-        max_bytes: How long it may be [bytes].
-        max_depth: How deep it may be nested.
+    """Return a JSON object that came from outside; messages call it by the name.
 
     Raises:
-        SurveyRefusedError: The text is too long, not strict JSON, nested too deeply or no
-            object.
+        SurveyRefusedError: The text is too long, not strict JSON, nested too deeply or no object.
     """
     check_size(len(text.encode("utf-8", "surrogatepass")), name, max_bytes)
     # Before parsing: the parser recurses, and Python 3.8 may end the whole process when the
@@ -89,46 +75,6 @@ def parse_object(
 
 def _refuse_constant(name: str) -> NoReturn:
     raise ValueError(f"{name} is not allowed in JSON")
-
-
-def parse_metadata(text: str) -> Dict[str, Any]:
-    """Return the JSON object that describes a survey.
-
-    Raises:
-        SurveyRefusedError: It is not allowed; see `parse_object`. Or its annotation is not.
-    """
-    values = parse_object(text, "metadata_json")
-    try:
-        annotation_of(values)
-    except InvalidValueError as error:
-        raise SurveyRefusedError(
-            Message("the annotation in metadata_json is refused: {reason}", reason=error.message)
-        ) from error
-    return values
-
-
-def combine(metadata: Dict[str, Any], own: Dict[str, Any]) -> Dict[str, Any]:
-    """Return the metadata with the storage's own entries.
-
-    Raises:
-        SurveyRefusedError: The metadata contradict one of the storage's own entries, or have one
-            that comes later.
-    """
-    for key, value in metadata.items():
-        if key in _LOGGED_KEYS or own.get(key, value) != value:
-            raise SurveyRefusedError(
-                Message(
-                    "metadata_json holds '{key}', which the storage writes itself; leave it out",
-                    key=key,
-                    details=repr(str(value)[:64]),
-                )
-            )
-    return {**own, **metadata}
-
-
-def metadata_of(description: Dict[str, Any]) -> Dict[str, Any]:
-    """Return the part of the description that was given to `open_survey`."""
-    return {key: value for key, value in description.items() if key not in _OWN_KEYS}
 
 
 def check_size(size: int, name: str, max_bytes: int) -> None:

@@ -78,13 +78,9 @@ def _checked(trace: Trace, path: Path, survey_id: Optional[str]) -> Trace:
 def read_all(
     folder: Path, survey_id: str, shown: Shown = iter, on_trace: Optional[OnTrace] = None
 ) -> TraceFiles:
-    """Read every trace of a survey in the folder of its traces.
+    """Read every trace of a survey in the folder of its traces; `on_trace` gets each whole one.
 
-    Args:
-        folder: The folder.
-        survey_id: Whose they must be.
-        shown: Returns the files one by one, and may show the progress.
-        on_trace: Called with every whole trace.
+    `shown` returns the files one by one, and may show the progress.
 
     Raises:
         OSError: The folder cannot be read.

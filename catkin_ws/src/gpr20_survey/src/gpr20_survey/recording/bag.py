@@ -24,12 +24,12 @@ from gpr20_common.message import Message, in_a_row
 from gpr20_common.terminal_text import printable, say
 from gpr20_survey import faults
 from gpr20_survey.errors import SurveyRefusedError, storing
-from gpr20_survey.files import access, durable_files
+from gpr20_survey.files import durable_files
 from gpr20_survey.files.file_sums import sum_of_file
 from gpr20_survey.files.regular_file import open_regular
 from gpr20_survey.folder import survey_folder
-from gpr20_survey.folder.annotating import Fact, add_to_survey
 from gpr20_survey.folder.log_record import Kind
+from gpr20_survey.folder.recovery import Fact, add_to_survey
 from gpr20_survey.folder.survey_folder import BAG_FILE, MCAP_FILE
 from gpr20_survey.recording.mcap_reader import StoredMcap
 from gpr20_survey.recording.mcap_writer import RecordedMessage
@@ -76,7 +76,7 @@ def write_bag(messages: Iterable[RecordedMessage], path: Path) -> int:
     connections: Dict[Tuple[str, str], Any] = {}
     count = 0
     with _Writer(path) as bag:
-        os.chmod(str(path), access.file_mode_for(path.parent))
+        os.chmod(str(path), durable_files.file_mode_for(path.parent))
         for message in messages:
             key = (message.topic, message.md5sum)
             if key not in connections:

@@ -12,9 +12,9 @@ from mcap.well_known import MessageEncoding, Profile, SchemaEncoding
 from mcap.writer import MCAP0_MAGIC, Writer
 
 from gpr20_common.message import Message
-from gpr20_survey.errors import FileReplacedError
-from gpr20_survey.files import access
-from gpr20_survey.files.durable_files import put_in_place, sync_path
+from gpr20_survey import faults
+from gpr20_survey.errors import IrregularFileError
+from gpr20_survey.files.durable_files import open_new, put_in_place, sync_path
 
 MAGIC = MCAP0_MAGIC
 LIBRARY = "gpr20_vna_processing"
@@ -75,7 +75,7 @@ class McapFile:
             OSError: The file exists or the disk refused.
         """
         self._path = path
-        self._descriptor = access.open_new(path, os.O_CREAT | os.O_EXCL | os.O_RDWR)
+        self._descriptor = open_new(path, os.O_CREAT | os.O_EXCL | os.O_RDWR)
         sync_path(path.parent)
         self._collected = _Collected()
         self._writer = Writer(self._collected, enable_data_crcs=True)
@@ -122,7 +122,7 @@ class McapFile:
         """Write everything collected to the disk; return when it is there for good.
 
         Raises:
-            FileReplacedError: The file was moved, removed or replaced.
+            IrregularFileError: The file was moved, removed or replaced.
             OSError: The disk refused; everything collected remains for the next commit.
         """
         if not self._finishing:
@@ -133,7 +133,7 @@ class McapFile:
         """Write the summary and close the file.
 
         Raises:
-            FileReplacedError: The file was moved, removed or replaced.
+            IrregularFileError: The file was moved, removed or replaced.
             OSError: The disk refused; the call may be repeated.
         """
         if not self._finishing:
@@ -157,12 +157,13 @@ class McapFile:
             rest, offset = rest[written:], offset + written
         os.fsync(self._descriptor)
         if not self.in_place():
-            raise FileReplacedError(
+            raise IrregularFileError(
                 Message(
                     "it was moved, removed or replaced while it was written; if the survey's "
                     "folder was moved or renamed, put it back, then resume the survey",
                 ),
                 self._path,
+                fault=faults.FOLDER_MOVED,
             )
         self._collected.committed = offset
         self._collected.seek(0)

@@ -30,8 +30,7 @@ from gpr20_msgs import srv
 from gpr20_msgs.msg import SurveySummary, Trace
 from gpr20_survey.errors import ProcessingError
 from gpr20_survey.files.durable_files import free_bytes
-from gpr20_survey.files.file_system import existing_folder
-from gpr20_survey.folder.data_folder import DataFolder
+from gpr20_survey.folder.data_folder import DataFolder, existing_folder
 from gpr20_survey.folder.signature import key_warning
 from gpr20_survey.plan.sensors import SENSORS, Sensors
 from gpr20_survey.recording import survey_topics
@@ -59,7 +58,7 @@ class ProcessingNode:
     def __init__(self, parameters: ProcessingParameters, sensors: Sensors) -> None:
         """Connect everything; nothing is recorded before `open_survey`."""
         self._data = parameters.data_folder()
-        self._folder = DataFolder(parameters.data_folder_use(), Clock())
+        self._folder = DataFolder(parameters.data_folder_use())
         self._reserve_bytes = parameters.disk_reserve_bytes
         self._trace = rospy.Publisher(survey_topics.TRACE_TOPIC, Trace, queue_size=100)
         metadata = rospy.Publisher(survey_topics.METADATA_TOPIC, String, queue_size=1, latch=True)

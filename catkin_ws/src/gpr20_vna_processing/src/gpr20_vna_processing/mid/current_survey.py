@@ -12,9 +12,8 @@ from gpr20_survey.errors import StorageFailedError, SurveyRefusedError, storing
 from gpr20_survey.files import durable_files
 from gpr20_survey.files.folder_lock import locked
 from gpr20_survey.folder import manifest, survey_folder, survey_metadata
-from gpr20_survey.folder.annotating import Change, add_to_survey
 from gpr20_survey.folder.log_record import Kind, LogRecord
-from gpr20_survey.folder.recovery import find_survey
+from gpr20_survey.folder.recovery import Change, add_to_survey, find_survey
 from gpr20_survey.folder.signature import try_to_sign
 from gpr20_survey.folder.survey_log import SurveyLog
 from gpr20_survey.folder.survey_metadata import INTERRUPTED

@@ -8,8 +8,8 @@ from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message
 from gpr20_common.mid.codec import record_from
 from gpr20_survey.errors import SurveyRefusedError
-from gpr20_survey.folder.annotating import Change, Fact
 from gpr20_survey.folder.log_record import NOTES, Kind
+from gpr20_survey.folder.recovery import Change, Fact
 from gpr20_survey.folder.survey_metadata import MAX_BYTES, MAX_REPORT_BYTES, parse_object
 from gpr20_survey.plan.annotation import ANNOTATION, from_values, keeping_heading
 from gpr20_survey.plan.markers import REQUEST_KEYS, Marker, new_marker, removed_marker

@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any, Dict
 
+from gpr20_common.errors import InvalidValueError
 from gpr20_common.faults import DISK_FULL
 from gpr20_common.message import Message
 from gpr20_common.terminal_text import printable
@@ -12,9 +13,12 @@ from gpr20_survey.errors import SurveyRefusedError, storing
 from gpr20_survey.faults import CLOCK_WRONG
 from gpr20_survey.files import durable_files
 from gpr20_survey.files.regular_file import read_regular
-from gpr20_survey.folder import survey_folder, survey_metadata
-from gpr20_survey.folder.log_record import LogRecord
-from gpr20_survey.folder.survey_metadata import START
+from gpr20_survey.folder import survey_folder
+from gpr20_survey.folder.log_record import LOG, UNCONFIRMED, LogRecord
+from gpr20_survey.folder.manifest import CONTENT
+from gpr20_survey.folder.survey_metadata import FORMAT, START, parse_object
+from gpr20_survey.plan.annotation import annotation_of
+from gpr20_survey.plan.markers import MARKERS
 from gpr20_survey.trace import utc_time
 from gpr20_vna_processing import faults
 from gpr20_vna_processing.mid.processing_parameters import BYTES_PER_MB
@@ -22,6 +26,9 @@ from gpr20_vna_processing.mid.processing_records import Storage
 
 # In the order in which they are removed: a folder with a log holds a survey.
 BEGUN = (*survey_folder.LOG_FILES, survey_folder.SURVEY_FILE, survey_folder.MCAP_FILE)
+# What comes into a description after the start, and the records of the log themselves.
+LOGGED_KEYS = ("resumed", "report", MARKERS, LOG, UNCONFIRMED, CONTENT)
+OWN_KEYS = {"format", "survey_id", "started", "software_revision", *START, *LOGGED_KEYS}
 
 
 def describe(survey_id: str, started_us: int, metadata_json: str, revision: str) -> Dict[str, Any]:
@@ -31,13 +38,34 @@ def describe(survey_id: str, started_us: int, metadata_json: str, revision: str)
         SurveyRefusedError: The metadata are not allowed.
     """
     own = {
-        "format": survey_metadata.FORMAT,
+        "format": FORMAT,
         "survey_id": survey_id,
         "started": utc_time.iso_text(started_us),
         **START,
         "software_revision": revision,
     }
-    return survey_metadata.combine(survey_metadata.parse_metadata(metadata_json), own)
+    metadata = parse_object(metadata_json, "metadata_json")
+    try:
+        annotation_of(metadata)
+    except InvalidValueError as error:
+        raise SurveyRefusedError(
+            Message("the annotation in metadata_json is refused: {reason}", reason=error.message)
+        ) from error
+    for key, value in metadata.items():
+        if key in LOGGED_KEYS or own.get(key, value) != value:
+            raise SurveyRefusedError(
+                Message(
+                    "metadata_json holds '{key}', which the storage writes itself; leave it out",
+                    key=key,
+                    details=repr(str(value)[:64]),
+                )
+            )
+    return {**own, **metadata}
+
+
+def metadata_of(description: Dict[str, Any]) -> Dict[str, Any]:
+    """Return the part of the description of a survey that was given when it began."""
+    return {key: value for key, value in description.items() if key not in OWN_KEYS}
 
 
 def checked_time(now_ns: int) -> int:

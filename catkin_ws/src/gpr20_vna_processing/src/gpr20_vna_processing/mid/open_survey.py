@@ -12,8 +12,8 @@ from gpr20_survey.errors import SurveyRefusedError, TraceRefusedError, storing
 from gpr20_survey.files import durable_files
 from gpr20_survey.files.file_sums import FileSum, sum_of_file
 from gpr20_survey.folder import manifest, survey_folder, survey_metadata
-from gpr20_survey.folder.annotating import Change
 from gpr20_survey.folder.log_record import Kind, LogRecord
+from gpr20_survey.folder.recovery import Change
 from gpr20_survey.folder.survey_log import SurveyLog
 from gpr20_survey.folder.trace_files import TraceFile
 from gpr20_survey.recording.mcap_writer import McapFile, RecordedMessage
@@ -21,6 +21,7 @@ from gpr20_survey.results.reopened_survey import FIRST_TRACES, RECENT_TRACES, Re
 from gpr20_survey.trace import trace_json, utc_time
 from gpr20_survey.trace.trace import Trace
 from gpr20_vna_processing import faults
+from gpr20_vna_processing.mid.new_survey import metadata_of
 from gpr20_vna_processing.mid.processing_records import Storage
 from gpr20_vna_processing.mid.stored_traces import read_again
 
@@ -154,7 +155,7 @@ class OpenSurvey:
         return ReopenedSurvey(
             survey_id=self.survey_id,
             path=str(self.folder),
-            metadata_json=json.dumps(survey_metadata.metadata_of(description)),
+            metadata_json=json.dumps(metadata_of(description)),
             report_json="" if report is None else json.dumps(report),
             stored_indices=tuple(self._stored()),
             recent=recent,

@@ -13,7 +13,7 @@ from gpr20_common.faults import CONFIGURATION
 from gpr20_common.low.data_folder import data_folder, state_folder
 from gpr20_common.message import Message
 from gpr20_common.mid.checks import number_between, positive_number
-from gpr20_survey.files.access import Readers
+from gpr20_survey.files.durable_files import Readers
 from gpr20_survey.folder.data_folder import DataFolderUse
 from gpr20_survey.folder.signature import Signer
 

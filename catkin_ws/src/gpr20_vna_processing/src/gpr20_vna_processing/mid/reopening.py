@@ -17,12 +17,12 @@ from typing import Callable, Iterator, List, Optional, Sequence, Tuple
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message, in_a_row
 from gpr20_common.terminal_text import printable
-from gpr20_survey.errors import ManifestDamagedError, SurveyRefusedError, storing
+from gpr20_survey.errors import SurveyRefusedError, storing
 from gpr20_survey.faults import REPAIRED
 from gpr20_survey.files import durable_files
 from gpr20_survey.folder import manifest, survey_folder
 from gpr20_survey.folder.log_record import Kind, LogRecord
-from gpr20_survey.folder.manifest import SIGNATURE_FILE, Manifest
+from gpr20_survey.folder.manifest import SIGNATURE_FILE
 from gpr20_survey.folder.recovery import RecoveredSurvey, open_log, recover, repairs_of
 from gpr20_survey.folder.signature import Signer, is_signed
 from gpr20_survey.folder.trace_files import TraceFile
@@ -71,7 +71,7 @@ class Reopening:
                 )
             records, survey_id = self._recovered.found.records, self._recovered.survey_id
             self._repairs = repairs_of(self._recovered)
-            self._sealed, self._manifest_damage = _read_manifest(folder, survey_id)
+            self._sealed = self._recovered.manifest
             is_binding = self._sealed is not None and self._sealed.is_binding(records)
             # Whether the log is that of the manifest, if there is one.
             self._is_covered = self._sealed is None or self._sealed.covers(records)
@@ -97,8 +97,9 @@ class Reopening:
             self._remove_torn()
             durable_files.ensure_folder(self._traces)
             self._repair_traces()
-            if self._manifest_damage is not None:
-                self._set_aside(self._folder / manifest.MANIFEST_FILE, self._manifest_damage)
+            damage = self._recovered.manifest_damage
+            if damage is not None:
+                self._set_aside(self._folder / manifest.MANIFEST_FILE, damage)
             log = open_log(self._folder, self._with_unproven(), now)
             log.add(log.next(Kind.RESUME, {"stored_traces": len(stored.truth)}, now))
             recording = self._write_recording()
@@ -256,13 +257,3 @@ def _misfits_by(recovered: RecoveredSurvey) -> Callable[[Trace], List[Message]]:
         return PlanFit(recovered.description).misfits
     except InvalidValueError:
         return lambda _trace: []  # surveys of other clients need not have a plan
-
-
-def _read_manifest(folder: Path, survey_id: str) -> Tuple[Optional[Manifest], Optional[Message]]:
-    """Return the manifest of a survey, or what is wrong with it."""
-    try:
-        return manifest.read_manifest(folder, survey_id), None
-    except FileNotFoundError:
-        return None, None
-    except ManifestDamagedError as error:
-        return None, error.message

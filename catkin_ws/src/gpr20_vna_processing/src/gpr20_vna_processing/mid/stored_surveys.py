@@ -18,8 +18,7 @@ from gpr20_common.os_reason import os_reason
 from gpr20_common.terminal_text import printable
 from gpr20_survey.errors import TraceRefusedError, storing
 from gpr20_survey.folder import survey_folder, trace_files
-from gpr20_survey.folder.log_content import LOG
-from gpr20_survey.folder.log_record import Kind
+from gpr20_survey.folder.log_record import LOG, Kind
 from gpr20_survey.folder.recovery import find_survey
 from gpr20_survey.recording.mcap_reader import StoredMcap
 from gpr20_survey.results.survey_summary import SurveySummary

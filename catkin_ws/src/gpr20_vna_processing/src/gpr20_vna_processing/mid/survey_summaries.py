@@ -14,7 +14,7 @@ from gpr20_common.message import Message
 from gpr20_common.terminal_text import printable
 from gpr20_survey.errors import ProcessingError, storing
 from gpr20_survey.folder import survey_folder, survey_metadata
-from gpr20_survey.folder.log_content import UNCONFIRMED
+from gpr20_survey.folder.log_record import UNCONFIRMED
 from gpr20_survey.folder.manifest import MANIFEST_FILE
 from gpr20_survey.folder.recovery import read_description, unconfirmed_message
 from gpr20_survey.plan.annotation import ANNOTATION

@@ -35,9 +35,8 @@ from gpr20_analysis.read.verification import verify_survey
 from gpr20_analysis.read.verification_result import COMPLETE, DAMAGED, INCOMPLETE
 from gpr20_survey.errors import SurveyRefusedError
 from gpr20_survey.folder import trace_files
-from gpr20_survey.folder.annotating import add_to_survey
 from gpr20_survey.folder.log_record import Kind
-from gpr20_survey.folder.recovery import open_log, read_description, recover
+from gpr20_survey.folder.recovery import add_to_survey, open_log, read_description, recover
 from gpr20_survey.plan.annotation import annotation_of
 from gpr20_survey.trace import trace_json
 from gpr20_vna_processing.mid.stored_surveys import StoredSurveys

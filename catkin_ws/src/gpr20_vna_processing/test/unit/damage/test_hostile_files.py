@@ -92,7 +92,7 @@ def put_file(path):
 
 
 def checked(folder):
-    return check_manifest(folder, SURVEY, recover(folder).found)
+    return check_manifest(folder, recover(folder, asking_manifest=True))
 
 
 @pytest.mark.parametrize(

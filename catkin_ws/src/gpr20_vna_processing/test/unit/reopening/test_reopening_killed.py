@@ -28,7 +28,7 @@ from gpr20_analysis.read.verification_result import COMPLETE
 from gpr20_survey.errors import StorageFailedError
 from gpr20_survey.files import regular_file
 from gpr20_survey.folder import survey_log
-from gpr20_survey.folder.annotating import add_to_survey
+from gpr20_survey.folder.recovery import add_to_survey
 
 STORED = 6
 DATA_END = struct.pack("<BQ", 0x0F, 4)

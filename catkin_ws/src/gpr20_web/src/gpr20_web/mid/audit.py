@@ -12,8 +12,7 @@ from typing import Any, Callable, Dict, List, Mapping, Tuple
 from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message
 from gpr20_common.os_reason import os_reason
-from gpr20_survey.files.durable_files import ensure_folders, put_in_place
-from gpr20_survey.files.json_lines import add_line, lines_backwards, object_of
+from gpr20_survey.files import durable_files
 from gpr20_survey.trace.utc_time import iso_text
 from gpr20_web.calls import Call, Route
 from gpr20_web.errors import AuditFileError, BadRequestError
@@ -124,11 +123,11 @@ class Audit:
         # Those that are being written may come twice.
         waiting = [json.dumps(one).encode() for one in reversed(self._lines.waiting)]
         try:
-            for line in chain(waiting, lines_backwards(self._path, self._former)):
+            for line in chain(waiting, durable_files.lines_backwards(self._path, self._former)):
                 if not is_older:
                     is_older = mark in line
                 elif raw in line.lower():
-                    entry = object_of(line)
+                    entry = durable_files.object_of(line)
                     if isinstance(entry.get("id"), int) and _has(entry, text.casefold()):
                         found[entry["id"]] = entry
                         if len(found) == count:
@@ -145,10 +144,10 @@ class Audit:
         self._notes.close(limit_s)
 
     def _write(self, entry: Entry) -> None:
-        ensure_folders(self._path.parent, 0o700)
+        durable_files.ensure_folders(self._path.parent, 0o700)
         if self._path.exists() and self._path.stat().st_size > self._most_bytes:
-            put_in_place(self._path, self._former)
-        add_line(self._path, entry, 0o600)
+            durable_files.put_in_place(self._path, self._former)
+        durable_files.add_line(self._path, entry, 0o600)
 
 
 class AuditPage(WebPage):
