@@ -106,15 +106,15 @@ def summaries(draw):
         *(draw(COUNTS), draw(COUNTS), draw(MESSAGES)),
         *(draw(st.booleans()), draw(st.booleans()), draw(MESSAGES)),
         *(draw(WORDS), draw(WORDS)),
-        survey_summary.Thumbnail(*sizes, columns, rows, percent),
+        *(*sizes, columns, rows, percent),
         *(draw(WORDS) for _ in range(3)),
     )
 
 
 @given(summaries())
 def test_a_summary(summary):
-    message = SurveySummary(**survey_summary.summary_fields(summary, SurveySummary))
-    assert survey_summary.summary_from(sent(message)) == summary
+    message = SurveySummary(**fields_of(summary, SurveySummary))
+    assert record_of(survey_summary.SurveySummary, sent(message)) == summary
 
 
 @given(
