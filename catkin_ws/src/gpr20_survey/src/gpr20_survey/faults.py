@@ -36,8 +36,7 @@ DESCRIPTION_LOST = Fault(
     ),
     can_continue=False,
 )
-OTHER_FORMAT = Fault("survey.other_format", remedies.KEEP_SURVEY)
-PLAN_UNREADABLE = Fault("survey.plan_unreadable", remedies.KEEP_SURVEY, replaces=True)
+DESCRIPTION_UNREADABLE = Fault("survey.unreadable", remedies.KEEP_SURVEY, replaces=True)
 MANIFEST_DAMAGED = Fault(
     "survey.manifest_damaged",
     Message(
@@ -56,16 +55,11 @@ UNCONFIRMED = Fault(
     Message("Compare the survey's parameters with what you planned before you use its traces."),
     severity=Severity.WARNING,
 )
-MARKERS_DAMAGED = Fault("marker.damaged", remedies.KEEP_SURVEY, replaces=True)
 
 # Requests.
 REQUEST_REFUSED = Fault("storage.request_refused", remedies.CORRECT_VALUE)
 UNKNOWN_SURVEY = Fault("survey.unknown", remedies.OTHER_NAME)
 MARKER_REFUSED = Fault("marker.refused", Message("Look at the markers on Ground, then try again."))
-TOO_MANY_MARKERS = Fault(
-    "marker.too_many",
-    Message("Look at the markers on Ground. Write further places into the notes of the survey."),
-)
 
 # Files and the disk.
 NOT_PERMITTED = Fault(

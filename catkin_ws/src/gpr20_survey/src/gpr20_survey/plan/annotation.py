@@ -121,20 +121,6 @@ def annotation_of(description: Mapping[str, Any]) -> Annotation:
     return from_values(description[ANNOTATION]) if ANNOTATION in description else Annotation()
 
 
-def keeping_heading(annotation: Annotation, description: Mapping[str, Any]) -> Annotation:
-    """Return an annotation with the heading that a survey has, unless it has one itself.
-
-    Clients that do not know a heading leave it out. It is kept as long as the position stays.
-    """
-    try:
-        former = annotation_of(description)
-    except InvalidValueError:
-        return annotation  # it is replaced because it is wrong
-    if annotation.heading_deg is not None or former.position != annotation.position:
-        return annotation
-    return replace(annotation, heading_deg=former.heading_deg)
-
-
 def position_from_text(text: str) -> Wgs84Position:
     """Return the position of a text such as "4.60283, -74.06514" or "4,60283; -74,06514".
 

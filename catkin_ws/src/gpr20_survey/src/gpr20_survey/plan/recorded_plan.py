@@ -196,4 +196,4 @@ def _reading() -> Iterator[None]:
         yield
     except InvalidValueError as error:
         # Nobody can correct the plan of a survey that was measured.
-        raise InvalidValueError(error.message, fault=faults.PLAN_UNREADABLE) from error
+        raise InvalidValueError(error.message, fault=faults.DESCRIPTION_UNREADABLE) from error
