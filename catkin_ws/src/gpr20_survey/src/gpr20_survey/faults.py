@@ -125,11 +125,6 @@ SIGNING_KEY = Fault(
     Severity.WARNING,
     replaces=True,
 )
-NO_SSH_KEYGEN = Fault(
-    "survey.no_ssh_keygen",
-    Message("Install the package openssh-client, or do as the message says."),
-    Severity.WARNING,
-)
 SIGNERS_FILE = Fault(
     "survey.signers_file",
     Message("Check the path of the signers file: one line for each robot whose key you accept."),

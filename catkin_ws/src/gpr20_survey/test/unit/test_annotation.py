@@ -19,7 +19,6 @@ from gpr20_survey.plan.annotation import (
     Wgs84Position,
     annotation_of,
     from_fields,
-    from_values,
     position_from_text,
 )
 from gpr20_survey.results.found import Found, What, found_of, present
@@ -59,7 +58,7 @@ def test_a_survey_without_an_annotation_has_an_empty_one():
 )
 def test_an_entry_of_survey_json_that_is_none_is_refused(values):
     with pytest.raises(InvalidValueError):
-        from_values(values)
+        annotation_of({"annotation": values})
 
 
 def test_empty_fields_take_the_defaults_but_name_and_notes_have_none():

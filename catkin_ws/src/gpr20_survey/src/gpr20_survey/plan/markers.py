@@ -54,7 +54,6 @@ class Marker:
 
     @property
     def is_present(self) -> bool:
-        """Whether nobody has removed it."""
         return not self.removed
 
     def request(self) -> Dict[str, Any]:

@@ -50,8 +50,6 @@ class Travel:
 
 @dataclass(frozen=True)
 class RobotTravel:
-    """What the three axes can do."""
-
     x: Travel
     y: Travel
     z: Travel
@@ -93,7 +91,6 @@ class SurveyParameters:
 
     @property
     def sweep_settings(self) -> SweepSettings:
-        """What each sweep covers, and how it is measured."""
         return SweepSettings(
             self.start_frequency_hz,
             self.stop_frequency_hz,
@@ -160,7 +157,6 @@ class Problem:
 
     @property
     def to_correct(self) -> Tuple[str, ...]:
-        """The parameters that are to be corrected."""
         return self.of.value if isinstance(self.of, Relation) else (self.of,)
 
 

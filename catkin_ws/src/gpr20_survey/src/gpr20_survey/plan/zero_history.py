@@ -34,7 +34,6 @@ class UsedZeros:
     """Zeros of a part of a survey.
 
     Attributes:
-        zeros: Of x, y and z; empty if the axes do not know them.
         from_index: Index of the first trace that was to be measured with them.
         time: When the survey began to use them, ISO 8601.
         proof: How it is known that they are where the former ones were.

@@ -34,7 +34,6 @@ class AnalyzerTest:
 
 
 def analyzer_test_fields(test: AnalyzerTest) -> Dict[str, Any]:
-    """Return the fields of a test."""
     found = dict(vars(test))
     failure = found.pop("failure")
     said = message_fields(failure or Message("The VNA works."))
@@ -42,6 +41,5 @@ def analyzer_test_fields(test: AnalyzerTest) -> Dict[str, Any]:
 
 
 def analyzer_test_of(answer: Any) -> AnalyzerTest:
-    """Return the test of an answer."""
     failure = None if answer.success else message_from(answer)
     return record_of(AnalyzerTest, answer, failure=failure)

@@ -6,13 +6,10 @@ The analysis writes it as JSON, which every screen reads.
 from __future__ import annotations
 
 import json
-from dataclasses import dataclass, replace
-from functools import partial
-from typing import List, Optional, Tuple
+from dataclasses import dataclass
+from typing import Any, List, Optional, Tuple
 
 import numpy as np
-from pydantic import PlainValidator
-from typing_extensions import Annotated
 
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message, verbatim
@@ -23,8 +20,9 @@ from gpr20_survey.results.hidden_target import Target
 
 FORMAT = "gpr20-hiding/1"
 MM_PER_M = 1e3
-Numbers = Annotated[np.ndarray, PlainValidator(partial(np.asarray, dtype=float))]
-Counts = Annotated[np.ndarray, PlainValidator(partial(np.asarray, dtype=int))]
+FLOATS = ("x_m", "y_m", "depth_m", "lowest", "highest", "within_m")
+TABLES = {**dict.fromkeys(FLOATS, float), **dict.fromkeys(("tried", "found"), int)}
+"""What is an array, and of what."""
 SINGLE_CELL_M = 0.05
 FEWEST = 6
 """Targets near a place; with fewer it counts as one where the target could hide."""
@@ -35,8 +33,8 @@ ONLY_THIS = Message(
 
 
 @dataclass(frozen=True)
-class HidingMap:
-    """The share of targets that were found around places of a survey.
+class HidingFacts:
+    """What a map says beside its tables.
 
     Attributes:
         target: What was put into the spectra of the survey.
@@ -50,15 +48,6 @@ class HidingMap:
         by_whole_m: Depths at which the answers were not enough alike, so that the whole detector
             searched all targets [m].
         position: Where the area is on the earth; None: not known.
-        x_m: X of the places, ascending [m].
-        y_m: Y of the places, ascending [m].
-        depth_m: Depths of the target's top, ascending [m].
-        tried: How many targets were put near each place (depth, y, x).
-        found: How many of them the detector found.
-        lowest: Lower end of the 95 % interval of the share.
-        highest: Upper end.
-        within_m: The targets of every place are at most so far from it, at each depth [m].
-        notes: What else a person should know.
     """
 
     survey_id: str
@@ -73,14 +62,29 @@ class HidingMap:
     agreed: int
     by_whole_m: Tuple[float, ...]
     position: Optional[AreaPosition]
-    x_m: Numbers
-    y_m: Numbers
-    depth_m: Numbers
-    tried: Counts
-    found: Counts
-    lowest: Numbers
-    highest: Numbers
-    within_m: Numbers
+
+
+@dataclass(frozen=True)
+class HidingMap(HidingFacts):
+    """The share of targets that were found around places of a survey, with its 95 % interval.
+
+    The axes ascend; the depth is that of the target's top.
+
+    Attributes:
+        tried: How many targets were put near each place (depth, y, x).
+        found: How many of them the detector found.
+        within_m: The targets of every place are at most so far from it, at each depth [m].
+        notes: What else a person should know.
+    """
+
+    x_m: np.ndarray
+    y_m: np.ndarray
+    depth_m: np.ndarray
+    tried: np.ndarray
+    found: np.ndarray
+    lowest: np.ndarray
+    highest: np.ndarray
+    within_m: np.ndarray
     notes: Tuple[Message, ...] = ()
 
     def __post_init__(self) -> None:
@@ -199,8 +203,9 @@ def hiding_from(text: str) -> HidingMap:
         if values["format"] != FORMAT:
             raise ValueError(f"the format is {values['format']!r}")
         notes = tuple(verbatim(str(one)) for one in values["notes"])
-        found = record_from(HidingMap, {**values, "notes": []}, "", others=True)
+        facts = record_from(HidingFacts, values, "", others=True)
+        tables: Any = {name: np.asarray(values[name], kind) for name, kind in TABLES.items()}
+        return HidingMap(**vars(facts), **tables, notes=notes)
     except (ValueError, KeyError, TypeError, RecursionError) as error:
         message = Message("the map of hidden targets is not complete or not valid", details=error)
         raise InvalidValueError(message) from error
-    return replace(found, notes=notes)

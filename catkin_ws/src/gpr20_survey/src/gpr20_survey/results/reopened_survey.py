@@ -19,7 +19,6 @@ class ReopenedSurvey:
     """A survey that was cut off or ended early, open again: what reopen_survey answers.
 
     Attributes:
-        survey_id: UUID.
         path: Its folder, on the computer of the storage.
         metadata_json: As it was recorded at its start.
         report_json: Its last report; empty if none exists.

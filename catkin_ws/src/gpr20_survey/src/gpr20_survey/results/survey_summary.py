@@ -13,7 +13,6 @@ class SurveySummary:
     """One survey of the data folder.
 
     Attributes:
-        folder: Name of its folder.
         survey_id: UUID; empty if survey.json cannot be read.
         started: ISO 8601, UTC; empty if survey.json cannot be read.
         outcome: How it ended, as in survey.json; empty: it runs, or was cut off.
@@ -22,7 +21,6 @@ class SurveySummary:
         verdict: On the coverage, from the survey's end; None if there is none.
         complete: Whether it is finished, with all planned traces.
         simulated: Whether the data show no real ground.
-        problem: Why survey.json cannot be read; None if it can.
         refines: Id of the survey that it measures more finely; empty: none.
         width_mm: Of its area, along X; 0 if it is not known.
         height_mm: Along Y.

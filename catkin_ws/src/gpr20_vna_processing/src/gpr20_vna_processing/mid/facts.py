@@ -13,7 +13,7 @@ from gpr20_survey.errors import SurveyRefusedError
 from gpr20_survey.folder.annotating import Change, Fact
 from gpr20_survey.folder.log_record import NOTES, Kind
 from gpr20_survey.folder.survey_metadata import MAX_BYTES, MAX_REPORT_BYTES, parse_object
-from gpr20_survey.plan.annotation import ANNOTATION, Annotation, annotation_of, from_values
+from gpr20_survey.plan.annotation import ANNOTATION, Annotation, annotation_of
 from gpr20_survey.plan.markers import MAX_MARKERS, REQUEST_KEYS, Marker, markers_of
 from gpr20_survey.results.found import FORMAT, found_of
 from gpr20_survey.trace import utc_time
@@ -42,7 +42,7 @@ def requested_fact(kind: str, values_json: str, now: str) -> Tuple[Kind, Change]
     if found is Kind.ANNOTATION:
         # It replaces the former one: what is left out by mistake would be lost.
         _check_keys(kind, {**dict.fromkeys(OPTIONAL_KEYS), **values}, ANNOTATION_KEYS)
-        annotation = from_values(values)
+        annotation = record_from(Annotation, values, ANNOTATION)
         # Its heading is that of the former one at this position.
         return found, lambda description: _unless_entry(
             description,
