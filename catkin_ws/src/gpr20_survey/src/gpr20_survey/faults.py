@@ -45,10 +45,6 @@ MANIFEST_DAMAGED = Fault(
     ),
     replaces=True,
 )
-NOT_CLOSED = Fault(
-    "survey.not_closed",
-    Message("Resume the survey and let it end, or press STOP: only then can it be changed."),
-)
 REPAIRED = Fault("survey.repaired", remedies.KEEP_SURVEY, severity=Severity.WARNING, replaces=True)
 UNCONFIRMED = Fault(
     "survey.unconfirmed",
@@ -123,11 +119,6 @@ SIGNING_KEY = Fault(
         "with rosrun gpr20_launch robot_config key. Then sign the survey with gpr20 sign."
     ),
     Severity.WARNING,
-    replaces=True,
-)
-SIGNERS_FILE = Fault(
-    "survey.signers_file",
-    Message("Check the path of the signers file: one line for each robot whose key you accept."),
     replaces=True,
 )
 

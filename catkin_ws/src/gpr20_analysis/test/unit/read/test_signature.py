@@ -273,5 +273,5 @@ def test_a_signers_file_that_cannot_be_read_is_refused(tmp_path, folder, keys, c
     path = tmp_path / f"signers {change.__name__}"
     shutil.copyfile(keys / "signers", path)
     change(path)
-    with raises_fault(faults.SIGNERS_FILE, path):
+    with raises_fault("analysis.signers_file", path):
         check_signature(folder, path)

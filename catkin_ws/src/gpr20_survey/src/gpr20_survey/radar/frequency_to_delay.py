@@ -71,10 +71,7 @@ class FrequencyToDelay:
     The carrier (centre frequency) is taken out, which changes no magnitude, so that the echoes
     vary slowly and can be interpolated.
 
-    Args:
-        frequency_hz: Ascending frequencies [Hz], at least two.
-        step_s: Delay between two samples [s].
-        samples: Number of delays, from 0.
+    The frequencies ascend and are at least two; the delays begin at 0.
     """
 
     def __init__(self, frequency_hz: np.ndarray, step_s: float, samples: int) -> None:

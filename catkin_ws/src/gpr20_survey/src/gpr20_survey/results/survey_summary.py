@@ -10,24 +10,9 @@ from gpr20_common.message import Message
 
 @dataclass(frozen=True)
 class SurveySummary:
-    """One survey of the data folder.
+    """One survey of the data folder; an outcome, verdict or problem may be empty or None.
 
-    Attributes:
-        survey_id: UUID; empty if survey.json cannot be read.
-        started: ISO 8601, UTC; empty if survey.json cannot be read.
-        outcome: How it ended, as in survey.json; empty: it runs, or was cut off.
-        stored_traces: Number of files in its folder of traces.
-        planned_traces: According to its parameters; 0 if they cannot be read.
-        verdict: On the coverage, from the survey's end; None if there is none.
-        complete: Whether it is finished, with all planned traces.
-        simulated: Whether the data show no real ground.
-        refines: Id of the survey that it measures more finely; empty: none.
-        width_mm: Of its area, along X; 0 if it is not known.
-        height_mm: Along Y.
-        map_columns: Of the map of what is stored; 0: there is none.
-        map_percent: Stored share of each cell [%], row by row, X and Y ascending; 100 only
-            if all are stored, 0 only if none is.
-        fault_code: Of why it ended; empty: nothing went wrong, or it is not known.
+    A cell of the map is 100 [%] only if all of it is stored, and 0 only if none is.
     """
 
     folder: str
