@@ -188,7 +188,7 @@ CONTRADICTIONS = (
     ({"stored_traces": 18}, "records 18 stored traces, but 7 are readable"),
     ({"outcome": "finished"}, "the outcome finished, but"),
     ({"report": {"complete": True}}, "the report in the log is complete, but"),
-    ({"axes": {}}, "the plan in the log of the survey is not valid"),
+    ({"axes": {}}, "axes/x is missing"),
     ({"parameters": {**PARAMETERS, "x_points": "3"}}, "x_points"),
 )
 
