@@ -21,11 +21,11 @@ from gpr20_analysis.candidates.table import (
     candidate_row,
     tail_sentences,
 )
+from gpr20_analysis.high import candidate_topics
 from gpr20_analysis.report import pictures
 from gpr20_analysis.sentences import ENGLISH
 from gpr20_operator.ground import texts as ground_texts
 from gpr20_operator.jobs.result_texts import headline, why_line
-from gpr20_survey.high import candidate_topics
 from gpr20_survey.results.area_position import AreaPosition
 from gpr20_survey.results.candidates import Flag, json_text, list_from
 

@@ -129,6 +129,11 @@ FILES_DIFFER = Fault(
     Message("Keep a copy of the survey's folder, then resume the survey: that repairs its files."),
     replaces=True,
 )
+SIGNERS_FILE = Fault(
+    "analysis.signers_file",
+    Message("Check the path of the signers file: one line for each robot whose key you accept."),
+    replaces=True,
+)
 NOT_CLOSED = Fault(
     "analysis.survey_not_closed",
     Message("Resume the survey and let it end, or stop it: that writes the manifest."),

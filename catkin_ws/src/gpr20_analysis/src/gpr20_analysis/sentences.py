@@ -59,26 +59,12 @@ def with_sentences(attributes: Mapping[str, Any], **lists: Iterable[Message]) ->
 
 
 def survey_remarks(survey: xr.Dataset, language: str = "en") -> List[str]:
-    """Return what is damaged, missing, doubted or noted in a survey, as commands print it.
-
-    Args:
-        survey: The survey.
-        language: Code of the language.
-
-    Returns:
-        One line for each.
-    """
+    """Return what is damaged, missing, doubted or noted in a survey, as commands print it."""
     return remark_lines(survey, read_catalogue(language_from_code(language)))
 
 
 def remark_lines(survey: xr.Dataset, catalogue: Catalogue, path: str = "") -> List[str]:
-    """Return what `survey_remarks` does: all doubts, and of other lists the first sentences.
-
-    Args:
-        survey: The survey.
-        catalogue: Language of the lines.
-        path: Where it was read from, if each line says that.
-    """
+    """Return what `survey_remarks` does: all doubts, and of other lists the first sentences."""
     lines = []
     for name in LIST_ATTRIBUTES:
         found = sentences_of(survey, name)

@@ -36,8 +36,7 @@ DESCRIPTION_LOST = Fault(
     ),
     can_continue=False,
 )
-OTHER_FORMAT = Fault("survey.other_format", remedies.KEEP_SURVEY)
-PLAN_UNREADABLE = Fault("survey.plan_unreadable", remedies.KEEP_SURVEY, replaces=True)
+DESCRIPTION_UNREADABLE = Fault("survey.unreadable", remedies.KEEP_SURVEY, replaces=True)
 MANIFEST_DAMAGED = Fault(
     "survey.manifest_damaged",
     Message(
@@ -46,26 +45,17 @@ MANIFEST_DAMAGED = Fault(
     ),
     replaces=True,
 )
-NOT_CLOSED = Fault(
-    "survey.not_closed",
-    Message("Resume the survey and let it end, or press STOP: only then can it be changed."),
-)
 REPAIRED = Fault("survey.repaired", remedies.KEEP_SURVEY, severity=Severity.WARNING, replaces=True)
 UNCONFIRMED = Fault(
     "survey.unconfirmed",
     Message("Compare the survey's parameters with what you planned before you use its traces."),
     severity=Severity.WARNING,
 )
-MARKERS_DAMAGED = Fault("marker.damaged", remedies.KEEP_SURVEY, replaces=True)
 
 # Requests.
 REQUEST_REFUSED = Fault("storage.request_refused", remedies.CORRECT_VALUE)
 UNKNOWN_SURVEY = Fault("survey.unknown", remedies.OTHER_NAME)
 MARKER_REFUSED = Fault("marker.refused", Message("Look at the markers on Ground, then try again."))
-TOO_MANY_MARKERS = Fault(
-    "marker.too_many",
-    Message("Look at the markers on Ground. Write further places into the notes of the survey."),
-)
 
 # Files and the disk.
 NOT_PERMITTED = Fault(
@@ -129,16 +119,6 @@ SIGNING_KEY = Fault(
         "with rosrun gpr20_launch robot_config key. Then sign the survey with gpr20 sign."
     ),
     Severity.WARNING,
-    replaces=True,
-)
-NO_SSH_KEYGEN = Fault(
-    "survey.no_ssh_keygen",
-    Message("Install the package openssh-client, or do as the message says."),
-    Severity.WARNING,
-)
-SIGNERS_FILE = Fault(
-    "survey.signers_file",
-    Message("Check the path of the signers file: one line for each robot whose key you accept."),
     replaces=True,
 )
 

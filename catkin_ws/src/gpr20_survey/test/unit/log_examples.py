@@ -6,6 +6,7 @@ import hashlib
 import json
 import os
 import random
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any, Callable, Dict, List, Optional
 
@@ -19,7 +20,7 @@ from gpr20_survey.folder.recovery import Change, Fact, RecoveredSurvey
 from gpr20_survey.folder.survey_log import SurveyLog
 from gpr20_survey.folder.survey_metadata import START
 from gpr20_survey.plan.annotation import annotation_of
-from gpr20_survey.plan.markers import Marker, markers_of, new_marker, removed_marker
+from gpr20_survey.plan.markers import Marker, markers_of
 from gpr20_survey.trace import utc_time
 
 NOW = "2026-11-21T05:10:00.000000+00:00"
@@ -44,10 +45,14 @@ def marker(number: int) -> Marker:
     )
 
 
+def new_marker(number: int) -> Fact:
+    return Fact(Kind.MARKER, asdict(replace(marker(number), time=NOW)))
+
+
 def add_marker(number: int) -> Change:
     def change(description: Dict[str, Any]) -> Optional[Fact]:
-        values = new_marker(description, marker(number), NOW)
-        return None if values is None else Fact(Kind.MARKER, values)
+        known = {one.marker_id for one in markers_of(description)}
+        return None if marker(number).marker_id in known else new_marker(number)
 
     return change
 
@@ -55,14 +60,8 @@ def add_marker(number: int) -> Change:
 def facts() -> List[Fact]:
     """Return what is noted of the survey after its plan, in this order."""
     made = [Fact(Kind.REPORT, {"verdict": "none"}), Fact(Kind.ANNOTATION, EXAMPLE.values())]
-    described: Dict[str, Any] = {}
-    for number in (1, 2, 3):
-        values = new_marker(described, marker(number), NOW)
-        assert values is not None
-        described["markers"] = [*described.get("markers", []), values]
-        made.append(Fact(Kind.MARKER, values))
-    removed = removed_marker(described, marker(2).marker_id, "Luis", NOW)
-    assert removed is not None
+    made += [new_marker(number) for number in (1, 2, 3)]
+    removed = {"marker_id": marker(2).marker_id, "removed": NOW, "removed_by": "Luis"}
     return [
         *made,
         Fact(Kind.REPORT, {"verdict": "some", "coverage": "m-"}),

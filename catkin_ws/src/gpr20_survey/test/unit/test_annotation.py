@@ -19,8 +19,6 @@ from gpr20_survey.plan.annotation import (
     Wgs84Position,
     annotation_of,
     from_fields,
-    from_values,
-    keeping_heading,
     position_from_text,
 )
 from gpr20_survey.results.found import Found, What, found_of, present
@@ -60,7 +58,7 @@ def test_a_survey_without_an_annotation_has_an_empty_one():
 )
 def test_an_entry_of_survey_json_that_is_none_is_refused(values):
     with pytest.raises(InvalidValueError):
-        from_values(values)
+        annotation_of({"annotation": values})
 
 
 def test_empty_fields_take_the_defaults_but_name_and_notes_have_none():
@@ -72,14 +70,10 @@ def test_empty_fields_take_the_defaults_but_name_and_notes_have_none():
 
 
 @given(annotations, st.floats(0.0, 360.0))
-def test_a_heading_is_stored_and_stays_with_its_position(annotation, heading_deg):
+def test_a_heading_is_stored(annotation, heading_deg):
     headed = replace(annotation, heading_deg=heading_deg)
     description = json.loads(survey_metadata.encode({"annotation": headed.values()}))
     assert annotation_of(description) == headed
-    assert keeping_heading(annotation, description) == headed
-    moved = replace(annotation, position=Wgs84Position(1.0, 2.5))
-    kept = keeping_heading(moved, description)
-    assert kept == (replace(moved, heading_deg=heading_deg) if moved == annotation else moved)
 
 
 @each_case("text", ["4.5,-74.25", "4.5; -74.25", "4,5; -74,25", " 4.50 , -74.250 ", "4,5;-74.25"])

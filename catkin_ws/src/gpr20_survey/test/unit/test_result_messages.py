@@ -15,6 +15,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from trace_examples import make_trace
 
+from gpr20_analysis.high.candidate_topics import list_message
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.high.raw_message import deserialized, serialized
 from gpr20_common.message import Message
@@ -22,7 +23,6 @@ from gpr20_common.sent_message import fields_of, record_of
 from gpr20_msgs.msg import Candidate, SurveySummary
 from gpr20_msgs.srv import FocusSurveyResponse, ReopenSurveyResponse, TestAnalyzerResponse
 from gpr20_survey.faults import WRONG_SWEEP
-from gpr20_survey.high.candidate_topics import list_message
 from gpr20_survey.results import survey_summary
 from gpr20_survey.results.analyzer_test import (
     AnalyzerTest,
@@ -106,15 +106,15 @@ def summaries(draw):
         *(draw(COUNTS), draw(COUNTS), draw(MESSAGES)),
         *(draw(st.booleans()), draw(st.booleans()), draw(MESSAGES)),
         *(draw(WORDS), draw(WORDS)),
-        survey_summary.Thumbnail(*sizes, columns, rows, percent),
+        *(*sizes, columns, rows, percent),
         *(draw(WORDS) for _ in range(3)),
     )
 
 
 @given(summaries())
 def test_a_summary(summary):
-    message = SurveySummary(**survey_summary.summary_fields(summary, SurveySummary))
-    assert survey_summary.summary_from(sent(message)) == summary
+    message = SurveySummary(**fields_of(summary, SurveySummary))
+    assert record_of(survey_summary.SurveySummary, sent(message)) == summary
 
 
 @given(

@@ -15,7 +15,7 @@ from gpr20_operator.jobs.pictures import StoredSurvey
 from gpr20_operator.plan.spec import Tile
 from gpr20_operator.robot.events import Answer, Request, RobotDefaults
 from gpr20_survey.folder.log_record import Kind
-from gpr20_survey.plan.annotation import EMPTY, Annotation, Site, from_values
+from gpr20_survey.plan.annotation import EMPTY, Annotation, Site, annotation_of
 from gpr20_survey.plan.survey_state import SurveyState
 
 
@@ -48,7 +48,7 @@ def read(window, node, survey, annotation):
 def asked(node):
     facts = node.of("fact")
     assert all(kind is Kind.ANNOTATION for _survey, kind, _values in facts)
-    return [(survey, from_values(values)) for survey, _kind, values in facts]
+    return [(survey, annotation_of({"annotation": values})) for survey, _kind, values in facts]
 
 
 def write(sheet, name, text):

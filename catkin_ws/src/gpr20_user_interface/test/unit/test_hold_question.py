@@ -30,7 +30,6 @@ from gpr20_survey.faults import OTHER_ZEROS
 from gpr20_survey.plan.annotation import EMPTY, Annotation
 from gpr20_survey.plan.survey_cost import SurveyCost
 from gpr20_survey.plan.survey_state import SurveyState
-from gpr20_survey.results.survey_summary import Thumbnail
 
 PARAMETERS = default_parameters()
 FIGURES = preview(PARAMETERS, 4.0)
@@ -85,7 +84,7 @@ def test_resume_says_what_is_stored_and_how_long_it_takes():
 
 
 def test_a_past_survey_is_named_before_it_is_resumed():
-    survey = past_survey(name="field 3", thumbnail=Thumbnail(300.0, 250.0))
+    survey = past_survey(name="field 3", width_mm=300.0, height_mm=250.0)
     assert rows(resume_past_question(FOLDER, survey)) == {
         "Survey": "field 3",
         "Started": local_time(survey.started, survey.folder),

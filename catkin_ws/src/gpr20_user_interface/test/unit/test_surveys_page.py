@@ -17,10 +17,10 @@ from gpr20_operator.ground.past_surveys import Listed, PastSurveys, searchable, 
 from gpr20_operator.ground.trace_events import SurveyDescribed, SurveysListed
 from gpr20_operator.words import local_time
 from gpr20_survey.plan.survey_state import SurveyState
-from gpr20_survey.results.survey_summary import Thumbnail
+from gpr20_survey.results.survey_summary import SurveySummary
 from gpr20_user_interface.look.look import Look, Theme
 from gpr20_user_interface.look.translation import shown_text
-from gpr20_user_interface.pages.surveys.survey_list import thumbnail_picture
+from gpr20_user_interface.pages.surveys.survey_list import map_picture
 from gpr20_user_interface.window.rail import TabName
 
 RUNS, ENDED = (
@@ -114,13 +114,14 @@ def test_what_is_wrong_with_an_incomplete_survey_is_said():
     assert title_of(past_survey(name=" a\nb\tc\n")) == "a b c"
 
 
-def test_the_thumbnail_shows_what_is_stored_with_y_upwards(window):
-    part = Thumbnail(300.0, 200.0, 2, 2, bytes((100, 50, 0, 0)))
-    picture = thumbnail_picture(part, 56, Look()).toImage()
-    empty = dataclasses.replace(part, percent=bytes(4))
-    assert thumbnail_picture(empty, 56, Look()).toImage() != picture
+def test_the_map_of_a_survey_shows_what_is_stored_with_y_upwards(window):
+    sizes = {"width_mm": 300.0, "height_mm": 200.0, "map_columns": 2, "map_rows": 2}
+    part = SurveySummary("a", **sizes, map_percent=bytes((100, 50, 0, 0)))
+    picture = map_picture(part, 56, Look()).toImage()
+    empty = dataclasses.replace(part, map_percent=bytes(4))
+    assert map_picture(empty, 56, Look()).toImage() != picture
     assert picture.pixelColor(14, 38) != picture.pixelColor(14, 18)
-    assert thumbnail_picture(part, 56, Look(Theme.NIGHT)).toImage() != picture
+    assert map_picture(part, 56, Look(Theme.NIGHT)).toImage() != picture
 
 
 def test_older_surveys_are_read_as_the_list_is_scrolled(window, listed, storage):

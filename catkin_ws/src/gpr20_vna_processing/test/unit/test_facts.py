@@ -28,15 +28,8 @@ from gpr20_common.errors import Gpr20Error
 from gpr20_survey.errors import SurveyRefusedError
 from gpr20_survey.folder.recovery import add_to_survey, read_description, recover
 from gpr20_survey.plan.annotation import EMPTY, Annotation, Wgs84Position, annotation_of
-from gpr20_survey.plan.markers import (
-    MAX_MARKERS,
-    Marker,
-    markers_of,
-    new_marker,
-    present_markers,
-    removed_marker,
-)
-from gpr20_vna_processing.mid.facts import KINDS
+from gpr20_survey.plan.markers import MAX_MARKERS, Marker, markers_of, present_markers
+from gpr20_vna_processing.mid.facts import KINDS, keeping_heading, requested_fact
 
 AT_START = Annotation("Ana", "El Carmen", "at the start")
 WITH_ANNOTATION = json.dumps({**json.loads(METADATA), "annotation": AT_START.values()})
@@ -227,12 +220,22 @@ def test_a_missing_manifest_is_not_made_again_by_a_fact(kit, closed):
 def test_damaged_markers_are_recognized_and_their_number_is_limited():
     more = {**asdict(ONE), "more": 1}
     for wrong in (5, {}, [5], [{"x_mm": 1}], [more], [asdict(ONE)] * 2):
-        with raises_fault("marker.damaged"):
+        with raises_fault("survey.unreadable"):
             print(wrong, markers_of({"markers": wrong}))
     full = {"markers": [asdict(marker(number)) for number in range(MAX_MARKERS)]}
-    with raises_fault("marker.too_many", error=SurveyRefusedError):
-        new_marker(full, marker(MAX_MARKERS), NOW)
-    assert removed_marker(full, marker(5).marker_id, "", NOW) is not None
+    _kind, add = requested_fact("marker", json.dumps(marker(MAX_MARKERS).request()), NOW)
+    with raises_fault("marker.refused", MAX_MARKERS, error=SurveyRefusedError):
+        add(full)
+    gone = json.dumps({**GONE, "marker_id": marker(5).marker_id})
+    assert requested_fact("marker_removed", gone, NOW)[1](full) is not None
+
+
+def test_a_heading_stays_with_its_position():
+    headed = replace(EXAMPLE, heading_deg=12.5)
+    description = {"annotation": headed.values()}
+    assert keeping_heading(EXAMPLE, description) == headed
+    moved = replace(EXAMPLE, position=Wgs84Position(1.0, 2.5))
+    assert keeping_heading(moved, description) == moved
 
 
 def test_a_survey_that_another_process_writes_takes_facts_from_its_storage_alone(kits, copies):

@@ -25,11 +25,10 @@ from gpr20_survey.folder.soil_note import soil_of_survey, soil_values
 from gpr20_survey.plan.annotation import Annotation
 from gpr20_survey.plan.survey_parameters import RobotTravel, SurveyParameters, Travel
 from gpr20_survey.plan.survey_points import survey_points
-from gpr20_survey.results.survey_summary import NO_THUMBNAIL
 from gpr20_vna_processing import faults
 from gpr20_vna_processing.mid import stored_surveys
 from gpr20_vna_processing.mid.stored_surveys import StoredSurveys
-from gpr20_vna_processing.mid.survey_summaries import MOST_CELLS, summary_of, thumbnail_of
+from gpr20_vna_processing.mid.survey_summaries import MOST_CELLS, map_of, summary_of
 
 PLAN = {"x_points": 3, "y_points": 3, "polarizations_deg": [0.0, 90.0]}
 METADATA = json.dumps({"simulated": True, "parameters": PLAN})
@@ -166,9 +165,8 @@ def test_an_imported_survey_is_listed_with_its_source_and_area_and_read_and_anno
     assert (survey.stored_traces, survey.planned_traces) == (18, 0)
     assert not survey.complete and not survey.simulated
     assert "line 7.dzt" in str(survey.verdict)
-    area = survey.thumbnail
-    assert (area.width_mm, area.height_mm, area.columns, area.rows) == (100.0, 200.0, 6, 3)
-    assert set(area.percent) == {100}
+    assert (survey.width_mm, survey.height_mm) == (100.0, 200.0)
+    assert (survey.map_columns, survey.map_rows, set(survey.map_percent)) == (6, 3, {100})
     assert archive.survey(folder.name).stored_indices == tuple(range(18))
     found = archive.traces(folder.name, range(4, 11))
     assert found.block.indices.tolist() == list(range(4, 11)) and not found.unreadable
@@ -203,14 +201,15 @@ def test_every_stored_trace_counts_where_it_was_measured(ends, x_points):
     points = survey_points(SurveyParameters(**area), TRAVEL)
     cell_of = [number * MOST_CELLS // x_points for number in range(x_points)]
     for point in random.Random(SEED).sample(points, draws(20)):
-        found = thumbnail_of(area, [point.index])
-        assert (found.width_mm, found.height_mm) == (300.0, 300.0)
+        found = map_of(area, [point.index])
+        assert (found["width_mm"], found["height_mm"]) == (300.0, 300.0)
         cells = np.zeros((3, MOST_CELLS), np.uint8)
         column = cell_of[round((point.x_mm - 10.0) / 300.0 * (x_points - 1))]
         share = 100 // (2 * cell_of.count(column))
         cells[round((point.y_mm - 10.0) / 150.0), column] = max(share, 1)
-        assert (found.rows, found.columns, found.percent) == (*cells.shape, cells.tobytes())
-    assert set(thumbnail_of(area, range(len(points))).percent) == {100}
+        assert (found["map_rows"], found["map_columns"]) == cells.shape
+        assert found["map_percent"] == cells.tobytes()
+    assert set(map_of(area, range(len(points)))["map_percent"]) == {100}
 
 
 def test_parameters_that_are_none_make_no_map():
@@ -218,10 +217,9 @@ def test_parameters_that_are_none_make_no_map():
     whole = {**AREA, **ends, "x_points": 3}
     ends_mm = [{**whole, "x_start_mm": one} for one in (float("nan"), 10**400, True, "1")]
     for wrong in (None, [], {}, *ends_mm):
-        assert thumbnail_of(wrong, [0]) == NO_THUMBNAIL, wrong
+        assert map_of(wrong, [0]) == {}, wrong
     for wrong in ({"x_points": 10**9}, {"y_points": "3"}, {"polarizations_deg": 2}):
-        found = thumbnail_of({**whole, **wrong}, [0])
-        assert (found.columns, found.percent) == (0, b""), wrong
+        assert set(map_of({**whole, **wrong}, [0])) == {"width_mm", "height_mm"}, wrong
 
 
 def test_a_summary_is_made_again_only_after_a_change(kit, archive, monkeypatch):

@@ -51,11 +51,6 @@ def write_candidates(found: CandidateList, path: Path) -> None:
 def require_place(path: Path, position: Optional[AreaPosition], endings: Iterable[str]) -> None:
     """Check that a survey that is written as GeoJSON has a place on the earth.
 
-    Args:
-        path: The file.
-        position: Where the survey's area is; None: not known.
-        endings: Of all files that can be written.
-
     Raises:
         ExportError: It has none.
     """
@@ -74,10 +69,6 @@ def require_place(path: Path, position: Optional[AreaPosition], endings: Iterabl
 
 def write_with_checksum(path: Path, write: Callable[[Path], None]) -> None:
     """Write a file, and beside it its checksum for `sha256sum -c`.
-
-    Args:
-        path: The file.
-        write: Writes its content at the given place.
 
     Raises:
         ExportError: The output cannot be written.

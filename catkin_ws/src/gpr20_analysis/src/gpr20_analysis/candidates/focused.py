@@ -43,9 +43,6 @@ def focus(survey: xr.Dataset, permittivity: Optional[float]) -> FocusedImage:
         survey: Dataset of `load_survey`; samples may be missing.
         permittivity: Relative permittivity of the ground; None: what the survey says.
 
-    Returns:
-        The image, at the positions of the survey.
-
     Raises:
         AnalysisError: There are too few traces, or no image can be made of them.
     """

@@ -46,9 +46,6 @@ def survey_markers(survey: xr.Dataset, removed: bool = False) -> MarkerList:
         survey: Dataset of a survey.
         removed: Whether markers that were removed are listed too.
 
-    Returns:
-        The markers.
-
     Raises:
         AnalysisError: The markers in the log are damaged.
     """

@@ -54,15 +54,7 @@ def head_sentences(found: CandidateList) -> List[Message]:
 
 
 def tail_sentences(found: CandidateList, shown: Sequence[Candidate]) -> List[Message]:
-    """Return what comes after the table: how the candidates were found, and what is not shown.
-
-    Args:
-        found: The list.
-        shown: The candidates of the table.
-
-    Returns:
-        The sentences.
-    """
+    """Return what comes after the table: how the candidates were found, and what is not shown."""
     total, primary = found.total, found.primary
     lowest, highest = found.permittivity_lowest, found.permittivity_highest
     extent = Message("area: {area_m2:.3g} m2", area_m2=found.area_m2)
@@ -126,17 +118,7 @@ def candidate_lines(
     catalogue: Catalogue = ENGLISH,
     most_doubtful: Optional[int] = MOST_DOUBTFUL,
 ) -> List[str]:
-    """Return a list of candidates as lines of text, without the notes on the survey.
-
-    Args:
-        found: The list.
-        catalogue: Language of the lines.
-        most_doubtful: Most doubtful candidates; None: all that are listed. The others are always
-            shown.
-
-    Returns:
-        The lines.
-    """
+    """Return a list of candidates as lines of text, without the notes on the survey."""
     shown = found.shown(most_doubtful)
     # The brightest may be doubtful, but comes before others that are not.
     primary = max((row for row, one in enumerate(shown, 1) if not one.is_doubtful), default=0)

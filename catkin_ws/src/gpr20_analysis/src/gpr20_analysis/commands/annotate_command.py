@@ -88,10 +88,6 @@ def _changes(chosen: argparse.Namespace) -> Dict[str, Any]:
 def refuse_open(folder: Path, description: Dict[str, Any]) -> None:
     """Refuse to change a survey that has not ended.
 
-    Args:
-        folder: The survey's folder.
-        description: What its log says.
-
     Raises:
         AnalysisError: It has not ended.
     """

@@ -69,7 +69,7 @@ def _require_master() -> None:
     try:
         import rosgraph
 
-        import gpr20_survey.high.candidate_topics  # noqa: F401
+        import gpr20_analysis.high.candidate_topics  # noqa: F401
     except ImportError as error:
         raise MissingLibraryError(
             Message("--publish needs ROS; source catkin_ws/devel/setup.bash first", details=error),
@@ -88,7 +88,7 @@ def _require_master() -> None:
 def _publish(found: CandidateList) -> None:
     import rospy
 
-    from gpr20_survey.high.candidate_topics import CandidateTopics
+    from gpr20_analysis.high.candidate_topics import CandidateTopics
 
     # A robot beside it records the markers; without a /clock their time would be 0.
     rospy.init_node("candidates", anonymous=True, disable_rostime=True)

@@ -12,10 +12,10 @@ from gpr20_analysis.imaging.image_options import check_range
 from gpr20_analysis.processing.antenna_delay import recorded_delay_s
 from gpr20_analysis.processing.chain import recipe_of
 from gpr20_analysis.processing.surface_echo import SurfaceFit, fit_delay
+from gpr20_analysis.read.survey_attributes import DELAY_KEY
 from gpr20_common.catalogue import Catalogue
 from gpr20_common.message import Message
 from gpr20_common.terminal_text import say
-from gpr20_survey.plan.recorded_plan import DELAY_KEY
 from gpr20_survey.radar.depth import one_way_path_m
 
 NS_PER_S = 1e9

@@ -36,9 +36,6 @@ def message_of(error: BaseException, command: str) -> Message:
     Args:
         error: Ended the command.
         command: What was called, such as "gpr20 info x".
-
-    Returns:
-        The message, with its fault.
     """
     if isinstance(error, Gpr20Error):
         file = error.filename if isinstance(error, OSError) else None

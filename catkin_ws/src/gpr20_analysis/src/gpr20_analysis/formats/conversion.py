@@ -199,9 +199,6 @@ def import_survey(
         channel: Number of the channel, from 1; None: the only one.
         interval_s: Time between samples [s]; None: as recorded.
 
-    Returns:
-        The Dataset.
-
     Raises:
         AnalysisError: It does not have this format, is damaged, or differs from its checksums; or
             the format cannot use an option.

@@ -28,12 +28,5 @@ def csv_cell(value: Any) -> Any:
 
 
 def cell_text(cell: str) -> str:
-    """Return the text of a cell that a CSV file of gpr20 holds, without what protects it.
-
-    Args:
-        cell: As `csv.reader` returns it.
-
-    Returns:
-        The text as it was before it was written.
-    """
+    """Return the text of a cell that a CSV file of gpr20 holds, without what protects it."""
     return _PLACE.sub(lambda found: found.group()[1:], cell)

@@ -64,10 +64,6 @@ class Detector:
 class Searched:
     """A survey that was searched, in which targets can be looked for.
 
-    Args:
-        survey: The survey as measured.
-        detector: The detector.
-
     Attributes:
         found: The candidates of the survey.
 

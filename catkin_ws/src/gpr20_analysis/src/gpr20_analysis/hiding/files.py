@@ -61,12 +61,6 @@ def check_hiding_path(path: Path) -> None:
 def read_hiding(path: Path) -> HidingMap:
     """Return the map in a JSON file that `gpr20 hiding` wrote.
 
-    Args:
-        path: The file.
-
-    Returns:
-        The map.
-
     Raises:
         UnreadableFileError: It is no such file.
         OSError: It cannot be read.

@@ -210,13 +210,7 @@ class Runs:
 
 
 def search_all(runs: Runs, options: HidingOptions, progress: Progress) -> Results:
-    """Search all targets, at each depth by the faster way if both have the same answers.
-
-    Args:
-        runs: The survey and the target.
-        options: How many targets, and where.
-        progress: Shows the progress.
-    """
+    """Search all targets, at each depth by the faster way if both have the same answers."""
     depths, rounds = options.depth_m, range(options.rounds)
     checks = [(one, number) for one in depths for number in rounds[:CHECKS]]
     jobs = [(one, number) for one in depths for number in rounds]

@@ -58,9 +58,6 @@ def map_hidden(
             transmission.
         progress: Shows the progress.
 
-    Returns:
-        The map.
-
     Raises:
         WrongDatasetError: The survey was changed, or its surface echo is not clear.
     """
@@ -83,9 +80,6 @@ def map_hidden_in_field(
         survey: The survey as measured.
         permittivity: Relative permittivity of the ground; None: what the survey says.
         target: What is put into the spectra.
-
-    Returns:
-        The map.
 
     Raises:
         AnalysisError: The survey cannot be imaged, or its surface echo is not clear.

@@ -53,9 +53,6 @@ def permittivity_line(image: xr.Dataset) -> Message:
 
     Args:
         image: Dataset with `image`.
-
-    Returns:
-        The sentence.
     """
     value = float(image.attrs["permittivity"])
     lowest, highest = permittivity_range(image)

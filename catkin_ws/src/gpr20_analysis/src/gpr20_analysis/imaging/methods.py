@@ -89,9 +89,6 @@ def imaging_method(name: str) -> Method:
     Args:
         name: Its name; also that of a method of another installed package.
 
-    Returns:
-        The method.
-
     Raises:
         MissingLibraryError: Its package is not installed.
         AnalysisError: There is none, or its package cannot be used.

@@ -21,13 +21,6 @@ FOUND = "#9ecae1"
 def hiding_figure(found: HidingMap, catalogue: Catalogue = ENGLISH) -> Figure:
     """Draw from which depth on a target could hide, and the share that is found at each depth.
 
-    Args:
-        found: The map.
-        catalogue: Language of the texts.
-
-    Returns:
-        The figure.
-
     Raises:
         ValueError: The map has no places.
     """

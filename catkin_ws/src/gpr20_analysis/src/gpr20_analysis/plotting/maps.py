@@ -46,13 +46,6 @@ STATES = (
 def coverage_figure(survey: xr.Dataset, catalogue: Catalogue = ENGLISH) -> Figure:
     """Draw a map of the quality of each sample, one for each polarization.
 
-    Args:
-        survey: Dataset of a survey.
-        catalogue: Language of the texts.
-
-    Returns:
-        The figure.
-
     Raises:
         WrongDatasetError: The data have no `quality`.
     """
@@ -81,13 +74,6 @@ def coverage_figure(survey: xr.Dataset, catalogue: Catalogue = ENGLISH) -> Figur
 
 def height_figure(survey: xr.Dataset, catalogue: Catalogue = ENGLISH) -> Figure:
     """Draw a map of the recorded antenna height, one for each polarization.
-
-    Args:
-        survey: Dataset of a survey.
-        catalogue: Language of the texts.
-
-    Returns:
-        The figure.
 
     Raises:
         WrongDatasetError: The data have no `height`.

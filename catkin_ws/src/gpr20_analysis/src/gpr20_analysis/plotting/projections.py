@@ -46,9 +46,6 @@ def projection_figure(
         candidates: The candidates, of which the first are marked.
         catalogue: Language of the texts.
 
-    Returns:
-        The figure.
-
     Raises:
         WrongDatasetError: There is no image.
     """
@@ -110,9 +107,6 @@ def candidate_map_figure(
         image: Dataset with `image`.
         candidates: The candidates, of which the first are marked with their ids.
         catalogue: Language of the texts.
-
-    Returns:
-        The figure.
 
     Raises:
         WrongDatasetError: There is no image.

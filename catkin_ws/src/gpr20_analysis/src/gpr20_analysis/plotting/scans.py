@@ -69,9 +69,6 @@ def a_scan_figure(
             `math.inf`: all delays.
         catalogue: Language of the texts.
 
-    Returns:
-        The figure.
-
     Raises:
         WrongDatasetError: There are no A-scans, or the sample has no data.
     """
@@ -120,9 +117,6 @@ def b_scan_figure(
         last_s: Last delay [s]; None: that of an echo from a depth of 0.3 m; `math.inf`: all delays.
         permittivity: Relative permittivity of the soil; adds an axis of depth if heights are known.
         catalogue: Language of the texts.
-
-    Returns:
-        The figure.
 
     Raises:
         WrongDatasetError: There are no A-scans.
@@ -195,9 +189,6 @@ def c_scan_figure(data: xr.Dataset, at: float, catalogue: Catalogue = ENGLISH) -
         data: Dataset with `image` or `a_scan`.
         at: Depth [m] or delay [s]; the nearest one is drawn.
         catalogue: Language of the texts.
-
-    Returns:
-        The figure.
 
     Raises:
         WrongDatasetError: There is neither an image nor A-scans.

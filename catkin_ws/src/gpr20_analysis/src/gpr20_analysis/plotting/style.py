@@ -56,9 +56,6 @@ def new_figure(
         title: Title of the figure.
         catalogue: Language of the notes.
         rows: Height in rows of panels.
-
-    Returns:
-        The figure.
     """
     notes = [shown(one, catalogue) for one in remarks_of(data)]
     return NotedFigure((WIDTH_IN * columns + COLOUR_BAR_IN, HEIGHT_IN * rows), title, notes)

@@ -206,9 +206,6 @@ def _delay_s(model: AntennaModel) -> float:
 def require_measured(survey: xr.Dataset) -> None:
     """Check that no step has changed the spectra of a survey.
 
-    Args:
-        survey: The survey.
-
     Raises:
         WrongDatasetError: One has.
     """

@@ -10,7 +10,7 @@ import contextlib
 import json
 import math
 from pathlib import Path
-from typing import Any, Iterator, List, Mapping, Sequence
+from typing import Any, Iterable, Iterator, List, Mapping, Sequence, Set, Tuple
 
 from gpr20_analysis import faults
 from gpr20_analysis.dataset import mapping_of, objects_of
@@ -21,11 +21,13 @@ from gpr20_analysis.read.trace_table import Sample
 from gpr20_analysis.sentences import carried_doubts, first_of
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message
+from gpr20_common.mid.codec import record_from
 from gpr20_common.sent_message import received_message
+from gpr20_survey.axes.axis_id import Zeros
 from gpr20_survey.folder.log_record import UNCONFIRMED, Kind, log_values
 from gpr20_survey.folder.recovery import unconfirmed_message
 from gpr20_survey.plan.imported import TIMES_KNOWN, import_of, import_sentence, is_imported
-from gpr20_survey.plan.zero_history import UNPROVEN, unproven_zeros
+from gpr20_survey.plan.zero_history import UNPROVEN, ZEROS, Proof, UsedZeros
 from gpr20_survey.trace import utc_time
 from gpr20_survey.trace.calibration import CalibrationStatus
 
@@ -144,6 +146,26 @@ def _settings(description: Described, samples: Sequence[Sample]) -> Iterator[Mes
             other_count=sum(number for _one, number in found[1:]),
             other=other.message,
         ).with_fault(faults.SETTINGS_CHANGED)
+
+
+def unproven_zeros(report: Any, measured: Iterable[Zeros]) -> Set[Zeros]:
+    """Return the zeros of traces that nothing proves to be those of the traces before.
+
+    Args:
+        report: As it was read; anything may stand there.
+        measured: The zeros of the traces, in the order of their indices.
+    """
+    kind: Any = Tuple[UsedZeros, ...]
+    used: Tuple[UsedZeros, ...] = ()
+    with contextlib.suppress(InvalidValueError):
+        listed = report.get(ZEROS) if isinstance(report, Mapping) else ()
+        used = record_from(kind, listed, ZEROS)
+    known = [one for one in measured if one]
+    proven = {one.zeros for one in used if one.proof is not Proof.ACCEPTED}
+    # Without a list, the zeros of the first trace are those of the survey.
+    if not used and known:
+        proven.add(known[0])
+    return set(known) - proven
 
 
 def _clock(description: Described, samples: Sequence[Sample]) -> Iterator[Message]:

@@ -19,11 +19,7 @@ Version = Tuple[int, int]
 
 
 class GrowingSurvey:
-    """The traces of one survey's folder, kept between two readings.
-
-    Args:
-        folder: The survey's folder.
-    """
+    """The traces of one survey's folder, kept between two readings."""
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder

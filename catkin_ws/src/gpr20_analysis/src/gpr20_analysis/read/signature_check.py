@@ -14,7 +14,6 @@ from gpr20_common.os_reason import os_reason
 from gpr20_common.sent_message import message_fields
 from gpr20_common.terminal_text import printable
 from gpr20_survey.errors import IrregularFileError, ManifestDamagedError, SigningError
-from gpr20_survey.faults import SIGNERS_FILE
 from gpr20_survey.files import ssh_keygen
 from gpr20_survey.files.regular_file import read_regular
 from gpr20_survey.folder import manifest
@@ -120,7 +119,7 @@ def check_signature(folder: Path, signers: Path) -> Signed:
                 file=printable(signers),
                 reason=os_reason(error),
             ),
-            fault=SIGNERS_FILE,
+            fault=faults.SIGNERS_FILE,
         ) from error
     try:
         content, fingerprint = signed_manifest(folder)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from dataclasses import asdict
+from dataclasses import asdict, dataclass
 from typing import TYPE_CHECKING, Any, Callable, Dict, List, Mapping, Optional, Sequence, Tuple
 
 import numpy as np
@@ -11,9 +11,10 @@ import numpy as np
 from gpr20_analysis.dataset import AUX_PREFIX
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message
+from gpr20_common.mid.codec import bounded, record_from
 from gpr20_survey.plan.annotation import annotation_of
 from gpr20_survey.plan.markers import MARKERS, present_markers
-from gpr20_survey.plan.recorded_plan import recorded_delay_ns
+from gpr20_survey.plan.recorded_plan import ANTENNA_DELAYS_NS
 from gpr20_survey.results.area_position import AreaPosition
 from gpr20_survey.trace.aux_value import AuxValue
 from gpr20_survey.trace.sweep_settings import AnalyzerSettings
@@ -33,6 +34,7 @@ ANTENNA_SEPARATION = "antenna_separation_m"
 """Distance between the antennas [m]; images use it unless another one is given."""
 WIDEST_SEPARATION_M = 2.0
 S_PER_NS = 1e-9
+DELAY_SECTION, DELAY_KEY = "analyzer", "antenna_delay_ns"
 # xarray reads numbers of these units as times.
 TIME_UNITS = {
     **{"days": "d", "hours": "h", "minutes": "min", "seconds": "s"},
@@ -154,8 +156,14 @@ def _markers(description: Mapping[str, Any]) -> Dict[str, Any]:
     return {MARKERS: count} if count else {}
 
 
+@dataclass(frozen=True)
+class _Analyzer:
+    antenna_delay_ns: float = bounded(*ANTENNA_DELAYS_NS, 0.0)
+
+
 def _delay(description: Mapping[str, Any]) -> Dict[str, Any]:
-    delay_ns = recorded_delay_ns(description)
+    section = description.get(DELAY_SECTION, {})
+    delay_ns = record_from(_Analyzer, section, DELAY_SECTION, others=True).antenna_delay_ns
     return {ANTENNA_DELAY: delay_ns * S_PER_NS} if delay_ns else {}
 
 

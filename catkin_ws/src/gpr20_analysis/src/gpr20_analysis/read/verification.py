@@ -68,9 +68,6 @@ def verify_survey(
         use_manifest: False: check it as if it had no manifest, so everything else is compared.
         repairing: Whether the caller holds the folder's lock and writes the log again.
 
-    Returns:
-        What was found, with the verdict.
-
     Raises:
         AnalysisError: It is not the folder of a survey.
         OSError: The disk cannot be read.

@@ -109,9 +109,6 @@ def report_of(
         catalogue: Its catalogue.
         progress: Shows the progress.
         hiding: Where a mine could hide.
-
-    Returns:
-        The report.
     """
     name = survey.attrs.get("survey_id", survey.attrs.get("source", ""))
     simulated = bool(survey.attrs.get("simulated"))

@@ -111,7 +111,7 @@ def test_what_differs_and_what_is_not_closed_is_not_signed(folder, keys, tmp_pat
     assert contents(folder) == before
     (folder / "survey.json").write_bytes(b"{}")
     assert main(["sign", str(folder), key]) == 3
-    codes = [survey_faults.SIGNING_KEY, survey_faults.SIGNERS_FILE]
+    codes = [survey_faults.SIGNING_KEY, faults.SIGNERS_FILE]
     codes += [faults.NOT_CLOSED, faults.FILES_DIFFER]
     assert refusals == [one.code for one in codes]
 

@@ -6,6 +6,7 @@ from typing import Any
 
 import rospy
 
+from gpr20_analysis.high.candidate_topics import CandidateTopics
 from gpr20_common.high.description import publish_description
 from gpr20_common.high.diagnostics import OK, WARN, Diagnostics, Health
 from gpr20_common.high.node import run_device
@@ -34,7 +35,6 @@ from gpr20_msgs.srv import (
     MapHiddenResponse,
 )
 from gpr20_survey.axes.axis_id import BASE_LINK
-from gpr20_survey.high.candidate_topics import CandidateTopics
 from gpr20_survey.results.candidates import json_text
 from gpr20_survey.results.focused_image import focus_fields
 from gpr20_survey.results.hiding_map import hiding_json

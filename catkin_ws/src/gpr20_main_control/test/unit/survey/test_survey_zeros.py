@@ -5,13 +5,13 @@ from __future__ import annotations
 import numpy as np
 from cut_off_surveys import stored_trace
 
+from gpr20_analysis.read.doubts import unproven_zeros
 from gpr20_main_control import faults
 from gpr20_main_control.mid.survey.engine import Accepted
 from gpr20_main_control.mid.survey.known_point import compare_known_point, known_traces
 from gpr20_survey.axes.axis_id import ZeroEpoch
 from gpr20_survey.faults import OTHER_ZEROS
 from gpr20_survey.plan.survey_state import SurveyState as State
-from gpr20_survey.plan.zero_history import unproven_zeros
 
 ACCEPT = Accepted(zeros=True)
 

@@ -9,7 +9,7 @@ from typing import Any, Dict, Mapping, Sequence
 from gpr20_common.errors import Gpr20Error
 from gpr20_common.message import Message
 from gpr20_common.mid.codec import record_from
-from gpr20_common.sent_message import message_from, received_message
+from gpr20_common.sent_message import message_from, received_message, record_of
 from gpr20_doctor.high.node_reports import descriptions
 from gpr20_msgs.msg import Annotation as AnnotationMessage
 from gpr20_msgs.msg import ControlStatus, Replay, RobotConfiguration, SurveyCoverage, SurveyData
@@ -36,7 +36,7 @@ from gpr20_survey.plan.survey_parameters import (
     SurveySettings,
 )
 from gpr20_survey.plan.survey_state import SurveyState
-from gpr20_survey.results.survey_summary import summary_from
+from gpr20_survey.results.survey_summary import SurveySummary
 from gpr20_survey.trace.trace_block import block_from
 
 LIMITS_UNKNOWN = Message("the limits of the axes are not known").with_fault(faults.LIMITS_UNKNOWN)
@@ -112,7 +112,7 @@ def traces_read(first_index: int, response: Any) -> TracesRead:
 
 def surveys_listed(before: str, response: Any) -> SurveysListed:
     """Convert the answer of `list_surveys`."""
-    surveys = tuple(summary_from(one) for one in response.surveys)
+    surveys = tuple(record_of(SurveySummary, one) for one in response.surveys)
     return SurveysListed(before, surveys, response.more)
 
 

@@ -61,7 +61,7 @@ def check_plan(
     # What cannot be read has its default, which must not be judged, nor what follows from it.
     for found in find_problems(candidate, travel):
         if found.of not in unreadable and not (unreadable and isinstance(found.of, Relation)):
-            for name in found.to_correct:
+            for name in found.of.value if isinstance(found.of, Relation) else (found.of,):
                 problems.setdefault(name, _correction(SPECS[name], found.of, travel))
     in_order = {one.name: problems[one.name] for one in PLAN if one.name in problems}
     return PlanCheck(None if in_order else candidate, values.get("permittivity"), in_order)

@@ -88,9 +88,8 @@ def resume_past_question(folder: str, survey: Optional[SurveySummary]) -> HoldQu
             (Message("Started"), verbatim(local_time(survey.started, survey.folder))),
             (Message("Stored"), _counted(survey.stored_traces, survey.planned_traces)),
         )
-        area = survey.thumbnail
-        if area.width_mm or area.height_mm:
-            rows += ((Message("Area"), size_text(area.width_mm, area.height_mm)),)
+        if survey.width_mm or survey.height_mm:
+            rows += ((Message("Area"), size_text(survey.width_mm, survey.height_mm)),)
     rows += ((Message("Plan"), Message("that of the survey, not the one on this page")),)
     return HoldQuestion(Message("Resume this survey?"), rows, HANDS_CLEAR, HOLD_TO_RESUME)
 

@@ -26,7 +26,6 @@ class AxisId(enum.Enum):
 
     @property
     def unit(self) -> str:
-        """Unit of the coordinates: mm or deg."""
         return "deg" if self is AxisId.Z else "mm"
 
 

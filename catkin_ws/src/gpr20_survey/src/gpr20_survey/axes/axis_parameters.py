@@ -209,7 +209,6 @@ class AxisParameters:
 
     @property
     def unit(self) -> str:
-        """Unit of the coordinates: mm or deg."""
         return "mm" if self.type == LINEAR else "deg"
 
     @property
@@ -228,5 +227,4 @@ class AxisParameters:
 
     @property
     def travel_steps(self) -> int:
-        """Length of the axis [motor steps]."""
         return self.distance_steps(self.max_coord - self.min_coord)

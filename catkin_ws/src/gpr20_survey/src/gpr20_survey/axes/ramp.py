@@ -11,13 +11,7 @@ ROUNDING = 1.0e-9
 
 @dataclass(frozen=True)
 class Ramp:
-    """Pauses of half a step period, changing by at most `delta_s` from step to step.
-
-    Attributes:
-        min_pause_s: Shortest pause [s], at top speed.
-        max_pause_s: Longest pause [s], at the first and the last step.
-        delta_s: Change of the pause per step [s].
-    """
+    """Pauses of half a step period, changing by at most `delta_s` from step to step."""
 
     min_pause_s: float
     max_pause_s: float

@@ -91,6 +91,9 @@ def use_key(path: Path, arguments: Sequence[str], content: bytes = b"") -> str:
 
 def _cannot_run(reason: Message) -> SigningError:
     return SigningError(
-        Message("{program} cannot be run: {reason}", program=PROGRAM, reason=reason),
-        fault=faults.NO_SSH_KEYGEN,
+        Message(
+            "{program} of the package openssh-client cannot be run: {reason}",
+            program=PROGRAM,
+            reason=reason,
+        )
     )

@@ -93,7 +93,7 @@ def recover(folder: Path, asking_manifest: bool = False) -> RecoveredSurvey:
                 format=FORMAT,
                 details=error,
             ),
-            fault=faults.OTHER_FORMAT,
+            fault=faults.DESCRIPTION_UNREADABLE,
         ) from error
     unconfirmed = found.lost_entries()
     if unconfirmed:

@@ -103,36 +103,13 @@ def from_fields(fields: Any) -> Annotation:
     return Annotation(fields.operator, fields.site, fields.notes, position, name=fields.name)
 
 
-def from_values(values: Any) -> Annotation:
-    """Return the annotation of an entry of the description.
-
-    Raises:
-        InvalidValueError: It is not one.
-    """
-    return record_from(Annotation, values, ANNOTATION)
-
-
 def annotation_of(description: Mapping[str, Any]) -> Annotation:
     """Return the annotation of a survey; empty if it has none.
 
     Raises:
         InvalidValueError: It has one that is not allowed.
     """
-    return from_values(description[ANNOTATION]) if ANNOTATION in description else Annotation()
-
-
-def keeping_heading(annotation: Annotation, description: Mapping[str, Any]) -> Annotation:
-    """Return an annotation with the heading that a survey has, unless it has one itself.
-
-    Clients that do not know a heading leave it out. It is kept as long as the position stays.
-    """
-    try:
-        former = annotation_of(description)
-    except InvalidValueError:
-        return annotation  # it is replaced because it is wrong
-    if annotation.heading_deg is not None or former.position != annotation.position:
-        return annotation
-    return replace(annotation, heading_deg=former.heading_deg)
+    return record_from(Annotation, description.get(ANNOTATION, {}), ANNOTATION)
 
 
 def position_from_text(text: str) -> Wgs84Position:
@@ -210,7 +187,6 @@ class Site:
 
     @property
     def annotation(self) -> Annotation:
-        """What is proposed for each survey."""
         position = None
         if self.latitude_deg is not None and self.longitude_deg is not None:
             position = Wgs84Position(self.latitude_deg, self.longitude_deg)

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass
 from typing import Any, Dict, Mapping, Optional, Tuple
 
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message
 from gpr20_common.mid.codec import bounded, record_from
 from gpr20_survey import faults
-from gpr20_survey.errors import SurveyRefusedError
 from gpr20_survey.plan.annotation import MAX_NAME_CHARACTERS, OPERATOR, check_text
 from gpr20_survey.trace.trace import MAX_COORDINATE, SURVEY_ID
 
@@ -55,7 +54,6 @@ class Marker:
 
     @property
     def is_present(self) -> bool:
-        """Whether nobody has removed it."""
         return not self.removed
 
     def request(self) -> Dict[str, Any]:
@@ -81,7 +79,7 @@ def markers_of(description: Mapping[str, Any]) -> Tuple[Marker, ...]:
     except InvalidValueError as error:
         raise InvalidValueError(
             Message("the markers in the log are damaged", details=error),
-            fault=faults.MARKERS_DAMAGED,
+            fault=faults.DESCRIPTION_UNREADABLE,
         ) from error
     return found
 
@@ -89,48 +87,3 @@ def markers_of(description: Mapping[str, Any]) -> Tuple[Marker, ...]:
 def present_markers(description: Mapping[str, Any]) -> Tuple[Marker, ...]:
     """Return the markers of a survey that were not removed; see `markers_of`."""
     return tuple(one for one in markers_of(description) if one.is_present)
-
-
-def new_marker(
-    description: Mapping[str, Any], marker: Marker, now: str
-) -> Optional[Dict[str, Any]]:
-    """Return the entry of one more marker at a time [ISO 8601]; None if the survey has it.
-
-    Raises:
-        InvalidValueError: The markers of the survey are damaged.
-        SurveyRefusedError: Its id is taken by another marker, or the survey has too many.
-    """
-    present = markers_of(description)
-    for one in present:
-        if one.marker_id == marker.marker_id:
-            if one.same_request(marker):
-                return None  # the answer to the first call may have been lost
-            raise SurveyRefusedError(
-                Message("another marker has the id {marker}", marker=marker.marker_id),
-                fault=faults.MARKER_REFUSED,
-            )
-    if len(present) >= MAX_MARKERS:
-        raise SurveyRefusedError(
-            Message("the survey has {count} markers; it can have no more", count=len(present)),
-            fault=faults.TOO_MANY_MARKERS,
-        )
-    return asdict(replace(marker, time=now))
-
-
-def removed_marker(
-    description: Mapping[str, Any], marker_id: str, author: str, now: str
-) -> Optional[Dict[str, Any]]:
-    """Return what changes in the entry of a marker that is removed; None if it is already.
-
-    Raises:
-        InvalidValueError: The markers of the survey are damaged.
-        SurveyRefusedError: The survey never had such a marker.
-    """
-    former = [one for one in markers_of(description) if one.marker_id == marker_id]
-    if not former:
-        raise SurveyRefusedError(
-            Message("the survey has no marker {marker}", marker=repr(marker_id[:64])),
-            fault=faults.MARKER_REFUSED,
-        )
-    change = {"marker_id": marker_id, "removed": now, "removed_by": author}
-    return change if former[0].is_present else None

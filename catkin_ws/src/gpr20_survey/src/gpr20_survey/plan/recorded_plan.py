@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import contextlib
 from dataclasses import astuple, dataclass
-from typing import Any, Iterator, List, Mapping, Optional, Tuple
+from typing import Any, List, Mapping, Optional, Tuple
 
 import numpy as np
 
@@ -21,7 +20,6 @@ from gpr20_survey.trace.trace import SURVEY_ID, Trace
 
 REFINES = "refines"
 """Key of the description; only in a survey that measures a part of another one more finely."""
-DELAY_SECTION, DELAY_KEY = "analyzer", "antenna_delay_ns"
 ANTENNA_DELAYS_NS = (-100.0, 100.0)
 """Smallest and largest delay of cables and antennas [ns]; 100 ns are 20 m of cable."""
 # Some analyzers list their frequencies in single precision [Hz].
@@ -42,34 +40,21 @@ class _Axes:
     z: _Axis
 
 
-@dataclass(frozen=True)
-class _Analyzer:
-    antenna_delay_ns: float = bounded(*ANTENNA_DELAYS_NS, 0.0)
-
-
 def recorded_plan(description: Mapping[str, Any]) -> Tuple[SurveyParameters, RobotTravel]:
     """Return the parameters of a survey and the travel of its axes.
 
     Raises:
         InvalidValueError: Parameters or axes are missing or not allowed.
     """
-    with _reading():
+    try:
         axes = record_from(_Axes, description.get("axes"), "axes", others=True)
         travel = RobotTravel(*(Travel(*astuple(one)) for one in (axes.x, axes.y, axes.z)))
         parameters = record_from(SurveyParameters, description.get("parameters"), "parameters")
         check(parameters, travel)
-        return parameters, travel
-
-
-def recorded_delay_ns(description: Mapping[str, Any]) -> float:
-    """Return the delay of cables and antennas [ns]; 0 if none was recorded.
-
-    Raises:
-        InvalidValueError: It is not a number within its range.
-    """
-    with _reading():
-        section = description.get(DELAY_SECTION, {})
-        return record_from(_Analyzer, section, DELAY_SECTION, others=True).antenna_delay_ns
+    except InvalidValueError as error:
+        # Nobody can correct the plan of a survey that was measured.
+        raise InvalidValueError(error.message, fault=faults.DESCRIPTION_UNREADABLE) from error
+    return parameters, travel
 
 
 def recorded_settings(description: Mapping[str, Any]) -> AnalyzerSettings:
@@ -188,12 +173,3 @@ def _other_settings(trace: Trace, wanted: AnalyzerSettings) -> List[Message]:
             wanted=wanted.message,
         )
     ]
-
-
-@contextlib.contextmanager
-def _reading() -> Iterator[None]:
-    try:
-        yield
-    except InvalidValueError as error:
-        # Nobody can correct the plan of a survey that was measured.
-        raise InvalidValueError(error.message, fault=faults.PLAN_UNREADABLE) from error

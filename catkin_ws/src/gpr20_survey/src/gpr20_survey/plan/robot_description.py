@@ -56,7 +56,6 @@ class NodeDescription:
         return cls(fields.node, hardware, json.loads(fields.configuration_json), software)
 
     def fields(self) -> Dict[str, Any]:
-        """Return the fields of the ROS message."""
         return {
             "node": self.node,
             "hardware": self.hardware.name,
@@ -77,7 +76,6 @@ class RobotConfig:
 
     @property
     def travel(self) -> RobotTravel:
-        """What the axes can do."""
         axes = [self.axes[axis_id] for axis_id in AxisId]
         return RobotTravel(*(Travel(one.min_coord, one.max_coord, one.step_size) for one in axes))
 

@@ -90,7 +90,6 @@ class Sensor:
             )
 
     def is_plausible(self, value: float) -> bool:
-        """Return whether a value lies within the range."""
         return (self.low is None or value >= self.low) and (self.high is None or value <= self.high)
 
 
@@ -122,5 +121,4 @@ class Sensors:
 
     @property
     def topics(self) -> Tuple[str, ...]:
-        """The topics to record."""
         return tuple(one.topic for one in self.sensors)

@@ -50,8 +50,6 @@ class Travel:
 
 @dataclass(frozen=True)
 class RobotTravel:
-    """What the three axes can do."""
-
     x: Travel
     y: Travel
     z: Travel
@@ -93,7 +91,6 @@ class SurveyParameters:
 
     @property
     def sweep_settings(self) -> SweepSettings:
-        """What each sweep covers, and how it is measured."""
         return SweepSettings(
             self.start_frequency_hz,
             self.stop_frequency_hz,
@@ -158,11 +155,6 @@ class Problem:
     of: Union[str, Relation]
     message: Message
 
-    @property
-    def to_correct(self) -> Tuple[str, ...]:
-        """The parameters that are to be corrected."""
-        return self.of.value if isinstance(self.of, Relation) else (self.of,)
-
 
 def check(parameters: SurveyParameters, travel: RobotTravel) -> None:
     """Refuse parameters that the robot cannot or should not carry out.
@@ -181,13 +173,16 @@ def find_problems(parameters: SurveyParameters, travel: RobotTravel) -> List[Pro
     hz = (MIN_FREQUENCY_HZ, MAX_FREQUENCY_HZ, "Hz")
     points, stops = (MIN_FREQUENCY_POINTS, MAX_FREQUENCY_POINTS), (MIN_GRID_POINTS, MAX_TRACES)
     x_mm, y_mm = (*coordinate_limits_mm(travel.x), "mm"), (*coordinate_limits_mm(travel.y), "mm")
+    bandwidths_hz = (MIN_IF_BANDWIDTH_HZ, MAX_IF_BANDWIDTH_HZ, "Hz")
+    # 0: as the instrument has it.
+    bandwidth_hz = p.if_bandwidth_hz or MIN_IF_BANDWIDTH_HZ
     traces = p.total_points if min(p.x_points, p.y_points) >= MIN_GRID_POINTS else 1
     checks: List[Tuple[Any, ...]] = [
         ("vna_address", check_address, p.vna_address),
         ("start_frequency_hz", within, Message("start frequency"), p.start_frequency_hz, *hz),
         ("stop_frequency_hz", within, Message("stop frequency"), p.stop_frequency_hz, *hz),
         ("frequency_points", within, Message("frequency points"), p.frequency_points, *points),
-        ("if_bandwidth_hz", _if_bandwidth, p.if_bandwidth_hz),
+        ("if_bandwidth_hz", within, Message("IF bandwidth"), bandwidth_hz, *bandwidths_hz),
         ("averages", within, Message("averages"), p.averages, 0, MAX_AVERAGES),
         ("output_power", _output_power, p.output_power),
         ("x_start_mm", within, Message("x start"), p.x_start_mm, *x_mm),
@@ -266,13 +261,6 @@ def check_address(address: str) -> None:
     # Empty: that of the robot's configuration.
     if address:
         instrument_address(Message("VNA address"), address)
-
-
-def _if_bandwidth(bandwidth_hz: float) -> None:
-    if bandwidth_hz != 0.0:
-        number_between(
-            Message("IF bandwidth"), bandwidth_hz, MIN_IF_BANDWIDTH_HZ, MAX_IF_BANDWIDTH_HZ, "Hz"
-        )
 
 
 def _output_power(power: str) -> None:

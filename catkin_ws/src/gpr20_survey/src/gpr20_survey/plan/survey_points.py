@@ -20,7 +20,6 @@ class SurveyPoint:
 
 
 def survey_points(parameters: SurveyParameters, travel: RobotTravel) -> List[SurveyPoint]:
-    """Return the points of a survey in the order of their visit."""
     xs = grid(parameters.x_start_mm, parameters.x_stop_mm, parameters.x_points, travel.x)
     ys = grid(parameters.y_start_mm, parameters.y_stop_mm, parameters.y_points, travel.y)
     return visits(xs, ys, [on_step(one, travel.z) for one in parameters.polarizations_deg])

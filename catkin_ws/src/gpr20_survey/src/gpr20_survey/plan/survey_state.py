@@ -31,7 +31,6 @@ class SurveyState(enum.IntEnum):
 
     @property
     def label(self) -> Message:
-        """Its name, for people."""
         return _LABELS[self]
 
 

@@ -2,14 +2,11 @@
 
 from __future__ import annotations
 
-import contextlib
 import enum
 from dataclasses import dataclass
-from typing import Any, Iterable, Mapping, Set, Tuple
 
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message
-from gpr20_common.mid.codec import record_from
 from gpr20_survey.axes.axis_id import Zeros, are_zeros
 
 # The entry of the report.
@@ -34,7 +31,6 @@ class UsedZeros:
     """Zeros of a part of a survey.
 
     Attributes:
-        zeros: Of x, y and z; empty if the axes do not know them.
         from_index: Index of the first trace that was to be measured with them.
         time: When the survey began to use them, ISO 8601.
         proof: How it is known that they are where the former ones were.
@@ -48,23 +44,3 @@ class UsedZeros:
     def __post_init__(self) -> None:
         if not are_zeros(self.zeros):
             raise InvalidValueError(Message("zeros are not those of three axes"))
-
-
-def unproven_zeros(report: Any, measured: Iterable[Zeros]) -> Set[Zeros]:
-    """Return the zeros of traces that nothing proves to be those of the traces before.
-
-    Args:
-        report: As it was read; anything may stand there.
-        measured: The zeros of the traces, in the order of their indices.
-    """
-    kind: Any = Tuple[UsedZeros, ...]
-    used: Tuple[UsedZeros, ...] = ()
-    with contextlib.suppress(InvalidValueError):
-        listed = report.get(ZEROS) if isinstance(report, Mapping) else ()
-        used = record_from(kind, listed, ZEROS)
-    known = [one for one in measured if one]
-    proven = {one.zeros for one in used if one.proof is not Proof.ACCEPTED}
-    # Without a list, the zeros of the first trace are those of the survey.
-    if not used and known:
-        proven.add(known[0])
-    return set(known) - proven

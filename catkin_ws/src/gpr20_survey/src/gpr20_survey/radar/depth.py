@@ -24,10 +24,6 @@ def one_way_path_m(delay_s: Values, permittivity: float = 1.0) -> Values:
     """Return how far away an echo of a delay comes from in air, or in ground [m].
 
     Of 1 / frequency step it is the unambiguous range, of 1 / bandwidth the resolution.
-
-    Args:
-        delay_s: Two-way delay [s].
-        permittivity: Relative permittivity.
     """
     seconds: Any = delay_s
     return seconds * SPEED_OF_LIGHT_M_S / 2.0 / math.sqrt(permittivity)
@@ -36,10 +32,7 @@ def one_way_path_m(delay_s: Values, permittivity: float = 1.0) -> Values:
 def delay_of_depth(depth_m: Number, height_m: Number, permittivity: float) -> Number:
     """Return the two-way delay [s] of an echo straight below the antennas.
 
-    Args:
-        depth_m: Depth below the surface [m]; above it, where it is negative, the wave runs in air.
-        height_m: Height of the antennas above the surface [m].
-        permittivity: Relative permittivity of the ground.
+    Above the surface, where the depth is negative, the wave runs in air.
     """
     slowness = np.where(np.asarray(depth_m) < 0.0, 1.0, math.sqrt(permittivity))
     return two_way_delay_s(height_m + depth_m * slowness)

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import enum
 import math
+from typing import Callable, Dict
 
 import numpy as np
 
@@ -32,11 +33,7 @@ class Window(enum.Enum):
     def weights(self, count: int) -> np.ndarray:
         """Return symmetric weights with a maximum of about 1."""
         # A symmetric Hann window is 0 at both ends, which would discard two frequencies.
-        turn = np.linspace(-np.pi, np.pi, count + 2)[1:-1]
-        weights: np.ndarray = sum(
-            share * np.cos(number * turn) for number, share in enumerate(COSINES[self])
-        )
-        return weights
+        return WEIGHTS[self](count + 2)[1:-1]
 
     def shares(self, count: int) -> np.ndarray:
         """Return the weights divided by their sum."""
@@ -44,12 +41,11 @@ class Window(enum.Enum):
         return weights / weights.sum()
 
 
-# Shares of the cosines. scipy.signal has these windows too, but its import takes half a second.
-COSINES = {
-    Window.NONE: (1.0,),
-    Window.HANN: (0.5, 0.5),
-    Window.HAMMING: (0.54, 0.46),
-    Window.BLACKMAN: (0.42, 0.5, 0.08),
+WEIGHTS: Dict[Window, Callable[[int], np.ndarray]] = {
+    Window.NONE: np.ones,
+    Window.HANN: np.hanning,
+    Window.HAMMING: np.hamming,
+    Window.BLACKMAN: np.blackman,
 }
 
 
@@ -75,10 +71,7 @@ class FrequencyToDelay:
     The carrier (centre frequency) is taken out, which changes no magnitude, so that the echoes
     vary slowly and can be interpolated.
 
-    Args:
-        frequency_hz: Ascending frequencies [Hz], at least two.
-        step_s: Delay between two samples [s].
-        samples: Number of delays, from 0.
+    The frequencies ascend and are at least two; the delays begin at 0.
     """
 
     def __init__(self, frequency_hz: np.ndarray, step_s: float, samples: int) -> None:

@@ -20,12 +20,7 @@ def one_way_delay_s(
     """Return the one-way delay of the refracted path [s].
 
     By Fermat's principle an error of the angle affects the delay only to the second order.
-
-    Args:
-        height_m: Height of the antenna above the surface [m], more than 0.
-        depth_m: Depth of the point below the surface [m], 0 or more.
-        distance_m: Horizontal distance of the point [m], 0 or more.
-        permittivity: Relative permittivity of the soil, 1 or more.
+    The height above the surface must be more than 0, depth and horizontal distance 0 or more.
     """
     height_m, depth_m, distance_m = np.broadcast_arrays(height_m, depth_m, distance_m)
     tangent = tangent_in_air(height_m, depth_m, distance_m, permittivity)

@@ -24,14 +24,7 @@ LARGEST_PERMITTIVITY = 100.0
 
 @dataclass(frozen=True)
 class Soil:
-    """A kind of ground.
-
-    Args:
-        name: What the operator calls it.
-        permittivity: Relative permittivity.
-        lowest: Lowest usual value.
-        highest: Highest usual value.
-    """
+    """A kind of ground, with its relative permittivity and the range that is usual."""
 
     name: Message
     permittivity: float

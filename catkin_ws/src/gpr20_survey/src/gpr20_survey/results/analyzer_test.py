@@ -11,17 +11,10 @@ from gpr20_common.sent_message import message_fields, message_from, record_of
 
 @dataclass(frozen=True)
 class AnalyzerTest:
-    """What a test of the analyzer has found, up to its first failure.
+    """What a test of the analyzer has found, up to its first failure; None: it had none.
 
-    Attributes:
-        address: Where the analyzer was looked for.
-        identity: What it says it is; empty: no connection.
-        calibration: Name of its `CalibrationStatus`; empty: not read, or not accepted. Another
-            version of the software may know more of them.
-        points: Frequencies of the sweep; 0: there was none.
-        sweep_duration_s: From the trigger to the end of the sweep [s].
-        level_db: Median of S21 [dB].
-        failure: Why the test ended early; None: it did not.
+    The calibration is the name of a `CalibrationStatus`; another version of the software may know
+    more of them.
     """
 
     address: str
@@ -34,7 +27,6 @@ class AnalyzerTest:
 
 
 def analyzer_test_fields(test: AnalyzerTest) -> Dict[str, Any]:
-    """Return the fields of a test."""
     found = dict(vars(test))
     failure = found.pop("failure")
     said = message_fields(failure or Message("The VNA works."))
@@ -42,6 +34,5 @@ def analyzer_test_fields(test: AnalyzerTest) -> Dict[str, Any]:
 
 
 def analyzer_test_of(answer: Any) -> AnalyzerTest:
-    """Return the test of an answer."""
     failure = None if answer.success else message_from(answer)
     return record_of(AnalyzerTest, answer, failure=failure)

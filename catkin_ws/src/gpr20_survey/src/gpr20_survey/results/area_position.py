@@ -15,12 +15,9 @@ ECCENTRICITY_2 = 0.00669437999014
 
 @dataclass(frozen=True)
 class AreaPosition:
-    """Where the survey's area is on the earth.
+    """WGS 84 position of the origin of X and Y, north and east positive.
 
-    Attributes:
-        latitude_deg: WGS 84 latitude of the origin of X and Y [deg], north positive.
-        longitude_deg: WGS 84 longitude of the origin [deg], east positive.
-        heading_deg: Direction of +Y, clockwise from north [deg]; +X is 90 degrees to its right.
+    The heading is the direction of +Y, clockwise from north; +X is 90 degrees to its right.
     """
 
     latitude_deg: float = bounded(-90.0, 90.0)

@@ -73,11 +73,6 @@ class Candidate:
 
     Attributes:
         id: Name within its list: "C01" is the first.
-        x_m: Place along X [m].
-        y_m: Place along Y [m].
-        depth_m: Depth below the surface [m].
-        x_uncertainty_m: Uncertainty along X [m].
-        y_uncertainty_m: Uncertainty along Y [m].
         depth_uncertainty_m: Uncertainty of the depth from permittivity, picking and height [m].
         above_clutter_db: Level above the standard magnitude of the clutter around it [dB].
         false_alarms_per_m2: How many echoes of this ground's own clutter are as strong [1/m2]; None
@@ -86,7 +81,6 @@ class Candidate:
             first [deg]; None for a combination of polarizations.
         polarization_ratio_db: Level at the first rotation above that at the second [dB]; None if
             only one polarization was measured.
-        flags: What to know before believing it.
     """
 
     id: str = field(metadata={"pattern": f"^{CANDIDATE_ID}$"})
@@ -109,17 +103,14 @@ class Candidate:
 
     @property
     def x_mm(self) -> float:
-        """Place along X [mm]."""
         return MM_PER_M * self.x_m
 
     @property
     def y_mm(self) -> float:
-        """Place along Y [mm]."""
         return MM_PER_M * self.y_m
 
     @property
     def depth_mm(self) -> float:
-        """Depth below the surface [mm]."""
         return MM_PER_M * self.depth_m
 
     @property
@@ -129,7 +120,6 @@ class Candidate:
 
     @property
     def labels(self) -> Tuple[Message, ...]:
-        """Its flags, as people read them."""
         return tuple(LABELS[flag] for flag in self.flags)
 
     @property
@@ -166,11 +156,6 @@ class CandidateList:
 
     Attributes:
         survey_id: Identifier of the survey; empty if the data have none.
-        simulated: Whether the survey was made by the simulated robot.
-        method: Imaging method.
-        permittivity: Relative permittivity of the image.
-        permittivity_lowest: Lowest possible value.
-        permittivity_highest: Highest possible value.
         area_m2: Surveyed area [m^2]; that of a single line is a strip below it.
         false_alarms_per_m2: How many echoes of this ground's own clutter are as strong as the
             weakest candidate that is not doubtful [1/m^2]; None if that could not be measured.
@@ -178,11 +163,9 @@ class CandidateList:
         false_alarms_highest: Its upper end.
         omitted: Number of candidates beyond the longest list, the last ones; each has a flag of
             `OMITTED`.
-        candidates: The candidates.
         notes: What was left out or may be wrong.
         position: Place of the origin of X and Y on the earth and direction of Y; None if the survey
             has no position or no heading.
-        omitted_primary: Number of omitted candidates that are not doubtful.
         permittivity_source: Where the permittivity is from; empty: not known.
         length_m: Length of a single line [m]; None for an area.
     """
@@ -249,7 +232,6 @@ def json_text(found: CandidateList) -> str:
 
 
 def list_record(found: CandidateList) -> Dict[str, Any]:
-    """Return what is said about the whole list."""
     values = plain(replace(found, candidates=(), notes=()))
     del values["candidates"], values["length_m"]
     return {

@@ -19,14 +19,11 @@ AXES = ("x_mm", "y_mm", "depth_mm")
 class FocusedImage:
     """An image of a survey, or of the part that is stored so far, and the candidates in it.
 
+    Its axes ascend.
+
     Attributes:
-        traces: How many traces it was made of.
-        x_mm: X of the columns, ascending.
-        y_mm: Y of the rows, ascending.
-        depth_mm: Depth of the layers below the surface, ascending.
         levels_db: Level of the brighter polarization, float32 of shape (depth, Y, X), above the
             noise of its place [dB]; NaN where nothing was measured.
-        found: The candidates.
     """
 
     traces: int

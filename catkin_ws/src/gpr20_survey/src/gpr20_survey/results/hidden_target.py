@@ -22,8 +22,6 @@ class Target:
     """A level disc of plastic, or a ball of metal.
 
     Attributes:
-        name: What it is called on the command line.
-        diameter_m: Its diameter [m].
         height_m: Its height [m]; of a ball its diameter.
         permittivity: Its relative permittivity; None: it is metal.
     """
@@ -41,12 +39,10 @@ class Target:
 
     @property
     def is_metal(self) -> bool:
-        """Whether it is a ball of metal."""
         return self.permittivity is None
 
     @property
     def sentence(self) -> Message:
-        """What it is, for people."""
         diameter_mm, height_mm = MM_PER_M * self.diameter_m, MM_PER_M * self.height_m
         if self.is_metal:
             return Message("a metal ball of {diameter_mm:g} mm", diameter_mm=diameter_mm)

@@ -6,8 +6,8 @@ The analysis writes it as JSON, which every screen reads.
 from __future__ import annotations
 
 import json
-from dataclasses import dataclass, fields
-from typing import Any, Dict, List, Optional, Tuple
+from dataclasses import dataclass
+from typing import Any, List, Optional, Tuple
 
 import numpy as np
 
@@ -20,8 +20,8 @@ from gpr20_survey.results.hidden_target import Target
 
 FORMAT = "gpr20-hiding/1"
 MM_PER_M = 1e3
-AXES, COUNTS, LIMITS = ("depth_m", "y_m", "x_m"), ("tried", "found"), ("lowest", "highest")
-TABLES = {**dict.fromkeys((*AXES, *LIMITS, "within_m"), float), **dict.fromkeys(COUNTS, int)}
+FLOATS = ("x_m", "y_m", "depth_m", "lowest", "highest", "within_m")
+TABLES = {**dict.fromkeys(FLOATS, float), **dict.fromkeys(("tried", "found"), int)}
 """What is an array, and of what."""
 SINGLE_CELL_M = 0.05
 FEWEST = 6
@@ -37,14 +37,11 @@ class HidingFacts:
     """What a map says beside its tables.
 
     Attributes:
-        survey_id: The survey.
-        simulated: Whether it is simulated.
-        target: What was put into its spectra.
+        target: What was put into the spectra of the survey.
         needed: The share that must be found, else the target could hide.
         permittivity: Relative permittivity of the soil.
         permittivity_range: Its lowest and highest likely value.
-        loss_tangent: Loss tangent of the soil.
-        seed: Seed of the places that were tried.
+        seed: Of the places that were tried.
         checked: How many targets were searched by adding them to the image of the survey, and by
             the whole detector.
         agreed: For how many of them both had the same answer.
@@ -69,16 +66,13 @@ class HidingFacts:
 
 @dataclass(frozen=True)
 class HidingMap(HidingFacts):
-    """The share of targets that were found around places of a survey.
+    """The share of targets that were found around places of a survey, with its 95 % interval.
+
+    The axes ascend; the depth is that of the target's top.
 
     Attributes:
-        x_m: X of the places, ascending [m].
-        y_m: Y of the places, ascending [m].
-        depth_m: Depths of the target's top, ascending [m].
         tried: How many targets were put near each place (depth, y, x).
         found: How many of them the detector found.
-        lowest: Lower end of the 95 % interval of the share.
-        highest: Upper end.
         within_m: The targets of every place are at most so far from it, at each depth [m].
         notes: What else a person should know.
     """
@@ -92,6 +86,18 @@ class HidingMap(HidingFacts):
     highest: np.ndarray
     within_m: np.ndarray
     notes: Tuple[Message, ...] = ()
+
+    def __post_init__(self) -> None:
+        axes = (self.depth_m, self.y_m, self.x_m)
+        tables = (self.tried, self.found, self.lowest, self.highest)
+        shape = tuple(one.size for one in axes)
+        ascending = all(one.ndim == 1 and one.size and np.all(np.diff(one) > 0.0) for one in axes)
+        if not ascending or any(one.shape != shape for one in tables):
+            raise ValueError("axes and tables contradict each other")
+        if self.within_m.shape != shape[:1] or not np.all(self.within_m >= 0.0):
+            raise ValueError("within_m is wrong")
+        if np.any(self.found < 0) or np.any(self.found > self.tried):
+            raise ValueError("more were found than tried")
 
     @property
     def share(self) -> np.ndarray:
@@ -170,34 +176,20 @@ class HidingMap(HidingFacts):
             "{name} could hide from {missed_mm:.0f} mm on", name=name, missed_mm=missed_mm
         )
 
-    def check(self) -> None:
-        """Raise a ValueError if axes, tables and counts contradict each other."""
-        axes = [getattr(self, name) for name in AXES]
-        tables = [getattr(self, name) for name in (*COUNTS, *LIMITS)]
-        shape = tuple(one.size for one in axes)
-        ascending = all(one.ndim == 1 and one.size and np.all(np.diff(one) > 0.0) for one in axes)
-        if not ascending or any(one.shape != shape for one in tables):
-            raise ValueError("axes and tables contradict each other")
-        if self.within_m.shape != shape[:1] or not np.all(self.within_m >= 0.0):
-            raise ValueError("within_m is wrong")
-        if np.any(self.found < 0) or np.any(self.found > self.tried):
-            raise ValueError("more were found than tried")
-
-
-FACTS = tuple(one.name for one in fields(HidingFacts))
-
 
 def hiding_json(found: HidingMap) -> str:
     """Return a map as JSON."""
-    values: Dict[str, Any] = {
+    values = {
+        name: one.tolist() if isinstance(one, np.ndarray) else one
+        for name, one in vars(found).items()
+    }
+    record = {
         "format": FORMAT,
         "warning": str(ONLY_THIS),
-        **plain({name: getattr(found, name) for name in FACTS}),
+        **plain({**values, "notes": [str(note) for note in found.notes]}),
         "coordinates": "X, Y and depth of the top in metres, in the survey's area",
-        **{name: getattr(found, name).tolist() for name in TABLES},
-        "notes": [str(note) for note in found.notes],
     }
-    return json.dumps(values, ensure_ascii=False, allow_nan=False)
+    return json.dumps(record, ensure_ascii=False)
 
 
 def hiding_from(text: str) -> HidingMap:
@@ -210,12 +202,10 @@ def hiding_from(text: str) -> HidingMap:
         values = json.loads(text)
         if values["format"] != FORMAT:
             raise ValueError(f"the format is {values['format']!r}")
-        facts = record_from(HidingFacts, {name: values[name] for name in FACTS}, "")
-        tables: Any = {name: np.asarray(values[name], kind) for name, kind in TABLES.items()}
         notes = tuple(verbatim(str(one)) for one in values["notes"])
-        found = HidingMap(**vars(facts), **tables, notes=notes)
-        found.check()
+        facts = record_from(HidingFacts, values, "", others=True)
+        tables: Any = {name: np.asarray(values[name], kind) for name, kind in TABLES.items()}
+        return HidingMap(**vars(facts), **tables, notes=notes)
     except (ValueError, KeyError, TypeError, RecursionError) as error:
         message = Message("the map of hidden targets is not complete or not valid", details=error)
         raise InvalidValueError(message) from error
-    return found

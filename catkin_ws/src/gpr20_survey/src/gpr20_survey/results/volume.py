@@ -10,12 +10,8 @@ class Volume:
     """A mounted USB stick, or another removable volume; but for the device it is sent as it is.
 
     Attributes:
-        path: Where it is mounted, on the computer of the storage.
-        name: Its label, or that of its device.
-        free_bytes: What can be written [bytes].
-        writable: Whether the node may write to it.
-        device: Number of the device; another stick at the same place has another one. 0: not known,
-            as on other computers.
+        device: Its number; another stick at the same place has another one. 0: not known, as on
+            other computers.
     """
 
     path: str

@@ -35,7 +35,6 @@ from gpr20_survey.folder.signature import key_warning
 from gpr20_survey.plan.sensors import SENSORS, Sensors
 from gpr20_survey.recording import survey_topics
 from gpr20_survey.recording.mcap_writer import RecordedMessage
-from gpr20_survey.results.survey_summary import summary_fields
 from gpr20_survey.trace import trace_message
 from gpr20_survey.trace.trace_block import block_fields
 from gpr20_vna_processing.faults import DISK_SLOW
@@ -188,7 +187,7 @@ class ProcessingNode:
         return success(
             srv.ListSurveys,
             Message("{count} surveys", count=len(surveys)),
-            surveys=[SurveySummary(**summary_fields(one, SurveySummary)) for one in surveys],
+            surveys=[SurveySummary(**fields_of(one, SurveySummary)) for one in surveys],
             more=more,
         )
 

@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
-from typing import Any, Collection, Dict, Optional, Tuple
+from dataclasses import asdict, replace
+from typing import Any, Collection, Dict, Mapping, Optional, Tuple
 
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message
 from gpr20_common.mid.codec import record_from
+from gpr20_survey import faults
 from gpr20_survey.errors import SurveyRefusedError
 from gpr20_survey.folder.log_record import NOTES, Kind
 from gpr20_survey.folder.recovery import Change, Fact
 from gpr20_survey.folder.survey_metadata import MAX_BYTES, MAX_REPORT_BYTES, parse_object
-from gpr20_survey.plan.annotation import ANNOTATION, from_values, keeping_heading
-from gpr20_survey.plan.markers import REQUEST_KEYS, Marker, new_marker, removed_marker
+from gpr20_survey.plan.annotation import ANNOTATION, Annotation, annotation_of
+from gpr20_survey.plan.markers import MAX_MARKERS, REQUEST_KEYS, Marker, markers_of
 from gpr20_survey.results.found import FORMAT, found_of
 from gpr20_survey.trace import utc_time
 
@@ -40,7 +42,7 @@ def requested_fact(kind: str, values_json: str, now: str) -> Tuple[Kind, Change]
     if found is Kind.ANNOTATION:
         # It replaces the former one: what is left out by mistake would be lost.
         _check_keys(kind, {**dict.fromkeys(OPTIONAL_KEYS), **values}, ANNOTATION_KEYS)
-        annotation = from_values(values)
+        annotation = record_from(Annotation, values, ANNOTATION)
         # Its heading is that of the former one at this position.
         return found, lambda description: _unless_entry(
             description,
@@ -50,14 +52,12 @@ def requested_fact(kind: str, values_json: str, now: str) -> Tuple[Kind, Change]
     if found is Kind.MARKER:
         _check_keys(kind, values, REQUEST_KEYS)
         marker = record_from(Marker, values, kind)
-        return found, lambda description: _fact(found, new_marker(description, marker, now))
+        return found, lambda description: _new_marker(description, marker, now)
     if found is Kind.MARKER_REMOVED:
         _check_keys(kind, values, ("marker_id", "author"))
         # Which checks the values.
         gone = record_from(Marker, {**values, "x_mm": 0.0, "y_mm": 0.0}, kind)
-        return found, lambda description: _fact(
-            found, removed_marker(description, gone.marker_id, gone.author, now)
-        )
+        return found, lambda description: _removed_marker(description, gone, now)
     _check_note(found, values)
     return found, lambda _description: Fact(found, values)
 
@@ -81,8 +81,44 @@ def _check_note(kind: Kind, values: Dict[str, Any]) -> None:
         )
 
 
-def _fact(kind: Kind, values: Optional[Dict[str, Any]]) -> Optional[Fact]:
-    return None if values is None else Fact(kind, values)
+def keeping_heading(annotation: Annotation, description: Mapping[str, Any]) -> Annotation:
+    """Return an annotation with the heading that a survey has, unless it has one itself.
+
+    Clients that do not know a heading leave it out. It is kept as long as the position stays.
+    """
+    try:
+        former = annotation_of(description)
+    except InvalidValueError:
+        return annotation  # it is replaced because it is wrong
+    if annotation.heading_deg is not None or former.position != annotation.position:
+        return annotation
+    return replace(annotation, heading_deg=former.heading_deg)
+
+
+def _new_marker(description: Dict[str, Any], marker: Marker, now: str) -> Optional[Fact]:
+    present = markers_of(description)
+    for one in present:
+        if one.marker_id == marker.marker_id:
+            if one.same_request(marker):
+                return None  # the answer to the first call may have been lost
+            reason = Message("another marker has the id {marker}", marker=marker.marker_id)
+            raise SurveyRefusedError(reason, fault=faults.MARKER_REFUSED)
+    if len(present) >= MAX_MARKERS:
+        reason = Message(
+            "the survey has {count} markers; write further places into its notes",
+            count=len(present),
+        )
+        raise SurveyRefusedError(reason, fault=faults.MARKER_REFUSED)
+    return Fact(Kind.MARKER, asdict(replace(marker, time=now)))
+
+
+def _removed_marker(description: Dict[str, Any], gone: Marker, now: str) -> Optional[Fact]:
+    former = [one for one in markers_of(description) if one.marker_id == gone.marker_id]
+    if not former:
+        reason = Message("the survey has no marker {marker}", marker=gone.marker_id)
+        raise SurveyRefusedError(reason, fault=faults.MARKER_REFUSED)
+    change = {"marker_id": gone.marker_id, "removed": now, "removed_by": gone.author}
+    return Fact(Kind.MARKER_REMOVED, change) if former[0].is_present else None
 
 
 def _unless_entry(description: Dict[str, Any], key: str, fact: Optional[Fact]) -> Optional[Fact]:

@@ -17,7 +17,7 @@ from gpr20_survey.folder.recovery import Change
 from gpr20_survey.folder.survey_log import SurveyLog
 from gpr20_survey.folder.trace_files import TraceFile
 from gpr20_survey.recording.mcap_writer import McapFile, RecordedMessage
-from gpr20_survey.results.reopened_survey import FIRST_TRACES, RECENT_TRACES, ReopenedSurvey
+from gpr20_survey.results.reopened_survey import ReopenedSurvey
 from gpr20_survey.trace import trace_json, utc_time
 from gpr20_survey.trace.trace import Trace
 from gpr20_vna_processing import faults
@@ -25,6 +25,10 @@ from gpr20_vna_processing.mid.new_survey import metadata_of
 from gpr20_vna_processing.mid.processing_records import Storage
 from gpr20_vna_processing.mid.stored_traces import read_again
 
+# As many contain a whole stop of a survey with up to four rotations.
+RECENT_TRACES = 8
+# The first stop, with which the drift is compared.
+FIRST_TRACES = 4
 COMMIT_BYTES = 1 << 20
 NOTHING_STORED: Mapping[int, TraceFile] = {}
 

@@ -21,7 +21,7 @@ from gpr20_survey.plan.annotation import ANNOTATION
 from gpr20_survey.plan.imported import import_sentence, is_imported, measured_area
 from gpr20_survey.plan.recorded_plan import refines_of
 from gpr20_survey.plan.survey_state import reported_verdict
-from gpr20_survey.results.survey_summary import NO_THUMBNAIL, SurveySummary, Thumbnail
+from gpr20_survey.results.survey_summary import SurveySummary
 
 MOST_CELLS = 24
 MOST_PLANNED = 1 << 24
@@ -72,8 +72,8 @@ def summary_of(folder: Path) -> SurveySummary:
         name=_text(written.get("name")),
         site=_text(written.get("site")),
         operator=_text(written.get("operator")),
-        thumbnail=thumbnail_of(area, stored),
         fault_code=_text(values.get(survey_metadata.FAULT_CODE)),
+        **map_of(area, stored),
     )
 
 
@@ -93,19 +93,19 @@ def trace_names(folder: Path) -> Dict[int, str]:
     return dict(sorted(found.items()))
 
 
-def thumbnail_of(area: Any, stored: Sequence[int]) -> Thumbnail:
-    """Return the thumbnail of a survey with some stored traces; empty without right parameters."""
+def map_of(area: Any, stored: Sequence[int]) -> Dict[str, Any]:
+    """Return the size of a survey and the map of its stored traces, as fields of its summary."""
     if not isinstance(area, Mapping):
-        return NO_THUMBNAIL
+        return {}
     ends: List[Any] = [area.get(f"{one}_{end}_mm") for one in "xy" for end in ("start", "stop")]
     # Compared before it is converted: a whole number of JSON may have hundreds of digits.
     if not all(type(one) in (int, float) and abs(one) <= LARGEST_MM for one in ends):
-        return NO_THUMBNAIL
+        return {}
     x_start_mm, x_stop_mm, y_start_mm, y_stop_mm = ends
-    size_mm = abs(x_stop_mm - x_start_mm), abs(y_stop_mm - y_start_mm)
+    size = {"width_mm": abs(x_stop_mm - x_start_mm), "height_mm": abs(y_stop_mm - y_start_mm)}
     counts = _counts_of(area)
     if counts is None:
-        return Thumbnail(*size_mm)
+        return size
     x_points, y_points, turns = counts
     indices = np.asarray([one for one in stored if one < math.prod(counts)], np.int64)
     row, column = np.divmod(indices // turns, x_points)
@@ -119,7 +119,8 @@ def thumbnail_of(area: Any, stored: Sequence[int]) -> Thumbnail:
     np.add.at(found, (row * rows // y_points, column * columns // x_points), 1)
     planned = np.outer(_share(y_points, rows), _share(x_points, columns)) * turns
     percent = np.clip(found * 100 // planned, (found > 0).astype(np.int64), 100)
-    return Thumbnail(*size_mm, columns, rows, percent.astype(np.uint8).tobytes())
+    map_percent = percent.astype(np.uint8).tobytes()
+    return {**size, "map_columns": columns, "map_rows": rows, "map_percent": map_percent}
 
 
 def _counts_of(area: Any) -> Optional[Tuple[int, int, int]]:

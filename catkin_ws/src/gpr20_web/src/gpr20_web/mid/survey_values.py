@@ -37,9 +37,9 @@ def row_of(past: PastSurveys, survey: SurveySummary, text: Text) -> Dict[str, An
 
 def lines_of(past: PastSurveys, survey: SurveySummary, text: Text) -> List[str]:
     """Return the size of a survey, and how it ended."""
-    area, count = survey.thumbnail, survey.stored_traces
+    count = survey.stored_traces
     lines = (
-        size_text(round(area.width_mm), round(area.height_mm)) if area.width_mm else None,
+        size_text(round(survey.width_mm), round(survey.height_mm)) if survey.width_mm else None,
         Message("{count} traces", count=count) if survey.problem is None else None,
         past.ending(survey),
         present_verdict(survey),

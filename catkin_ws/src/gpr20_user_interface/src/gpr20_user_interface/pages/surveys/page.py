@@ -236,9 +236,8 @@ class SurveysPage(TranslatedWidget, Page):
     def _lines(self, survey: SurveySummary) -> List[str]:
         if survey.problem is not None:
             return [survey.folder, sentence_text(survey.problem)]
-        area = survey.thumbnail
         lines = [
-            f"{area.width_mm:.0f} x {area.height_mm:.0f} mm" if area.width_mm else "",
+            f"{survey.width_mm:.0f} x {survey.height_mm:.0f} mm" if survey.width_mm else "",
             self.tr("{count} traces").format(count=survey.stored_traces),
             sentence_text(self._surveys.ending(survey)),
         ]

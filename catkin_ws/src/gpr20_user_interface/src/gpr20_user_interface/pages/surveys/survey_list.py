@@ -11,7 +11,7 @@ from PyQt5.QtWidgets import QStyledItemDelegate, QStyleOptionViewItem
 from gpr20_common.message import Message
 from gpr20_operator.ground.past_surveys import Ending, PastSurveys, title_of
 from gpr20_operator.words import local_time
-from gpr20_survey.results.survey_summary import SurveySummary, Thumbnail
+from gpr20_survey.results.survey_summary import SurveySummary
 from gpr20_user_interface.look.icons import sign
 from gpr20_user_interface.look.look import GAP_PX, Look, Mark, TextColours, look_of
 from gpr20_user_interface.look.translation import shown_text
@@ -69,7 +69,7 @@ class SurveysModel(QAbstractListModel):
 
 
 class SurveyRow(QStyledItemDelegate):
-    """Paints a row: thumbnail, name and time, how the survey ended, where and by whom.
+    """Paints a row: map, name and time, how the survey ended, where and by whom.
 
     Args:
         surveys: Know how each ended.
@@ -97,7 +97,7 @@ class SurveyRow(QStyledItemDelegate):
         painter.fillRect(row, QColor(pair.ground))
         painter.setPen(QColor(look.colour(Mark.GRID)))
         painter.drawLine(row.bottomLeft(), row.bottomRight())
-        picture = thumbnail_picture(survey.thumbnail, size, look)
+        picture = map_picture(survey, size, look)
         painter.drawPixmap(round(row.left()) + gap, round(row.center().y() - size / 2.0), picture)
         painter.setPen(QColor(pair.ink))
         words = row.adjusted(2 * gap + size, gap / 2.0, -gap, -gap / 2.0)
@@ -141,42 +141,42 @@ def _write_line(painter: QPainter, area: QRectF, text: str) -> None:
     painter.drawText(area, LEFT, shown)
 
 
-def thumbnail_picture(area: Thumbnail, size_px: int, look: Look) -> QPixmap:
+def map_picture(survey: SurveySummary, size_px: int, look: Look) -> QPixmap:
     """Return the map of a survey: full where all is stored, hatched where a part is.
 
     Args:
-        area: Of the survey.
+        survey: Its summary.
         size_px: Of the longer side.
         look: Colours.
     """
-    key = f"survey {area!r} {size_px} {look.theme}"
+    size_mm, shape = (survey.width_mm, survey.height_mm), (survey.map_columns, survey.map_rows)
+    key = f"survey {size_mm} {shape} {survey.map_percent!r} {size_px} {look.theme}"
     known = QPixmapCache.find(key)
     if known is not None:
         return known
     picture = QPixmap(size_px, size_px)
     picture.fill(Qt.GlobalColor.transparent)
-    is_mapped = 0 < area.columns * area.rows == len(area.percent)
-    if is_mapped and area.width_mm > 0.0 and area.height_mm > 0.0:
+    if 0 < shape[0] * shape[1] == len(survey.map_percent) and min(size_mm) > 0.0:
         painter = QPainter(picture)
-        _paint_map(painter, area, size_px, look)
+        _paint_map(painter, survey, size_px, look)
         painter.end()
     QPixmapCache.insert(key, picture)
     return picture
 
 
-def _paint_map(painter: QPainter, area: Thumbnail, size_px: int, look: Look) -> None:
-    scale = size_px / max(area.width_mm, area.height_mm)
-    width, height = area.width_mm * scale, area.height_mm * scale
+def _paint_map(painter: QPainter, survey: SurveySummary, size_px: int, look: Look) -> None:
+    scale = size_px / max(survey.width_mm, survey.height_mm)
+    width, height = survey.width_mm * scale, survey.height_mm * scale
     left, top = (size_px - width) / 2.0, (size_px - height) / 2.0
     painter.fillRect(QRectF(left, top, width, height), QColor(look.colour(Mark.PAPER)))
     part = QBrush(QColor(look.colour(Mark.STOP_PARTLY)), Qt.BrushStyle.Dense4Pattern)
     whole = QBrush(QColor(look.colour(Mark.STOP_DONE)))
-    cell_width, cell_height = width / area.columns, height / area.rows
-    for place, percent in enumerate(area.percent):
+    cell_width, cell_height = width / survey.map_columns, height / survey.map_rows
+    for place, percent in enumerate(survey.map_percent):
         if percent:
-            row, column = divmod(place, area.columns)
+            row, column = divmod(place, survey.map_columns)
             # Y points upwards.
-            x, y = left + cell_width * column, top + cell_height * (area.rows - 1 - row)
+            x, y = left + cell_width * column, top + cell_height * (survey.map_rows - 1 - row)
             cell = QRectF(x, y, cell_width + 0.5, cell_height + 0.5)
             painter.fillRect(cell, whole if percent == 100 else part)
     painter.setPen(QColor(look.colour(Mark.BORDER)))
