@@ -30,7 +30,6 @@ from gpr20_operator.robot.events import Answer, AxisStopAnswer, Request
 from gpr20_operator.robot.robots import RobotReported, RobotsFound
 from gpr20_operator.robot.senders import Senders
 from gpr20_survey.axes.axis_id import AxisId
-from gpr20_survey.errors import TraceRefusedError
 from gpr20_survey.plan.annotation import from_fields
 
 REMEDY = Message("Free some space on the disk.")
@@ -61,13 +60,6 @@ def test_why_something_of_a_survey_failed_has_its_fault_and_remedy_or_its_text()
     assert (failed.verdict, failed.fault_code) == (None, "axis.lost_zero")
     for one in (runs.failures[4], runs.verdict, read.unreadable[3], failed.problem):
         assert (one.fault_code, one.remedy) == ("disk.full", REMEDY)
-
-
-def test_traces_that_contradict_themselves_are_refused():
-    response = ReadTracesResponse(frequency_hz=[1e9, 2e9], indices=[3], s21=bytes(15))
-    with pytest.raises(TraceRefusedError) as refusal:
-        conversions.traces_read(3, response)
-    assert refusal.value.message.fault_code == "trace.damaged"
 
 
 @given(annotations)

@@ -52,7 +52,7 @@ class RecordedSurvey(NamedTuple):
 
     @classmethod
     def of(cls, description: Mapping[str, Any], folder: Path) -> RecordedSurvey:
-        """Return the survey of a folder, by the content of its survey.json."""
+        """Return the survey of a folder, by what its log says."""
         survey_id, started = (str(description.get(key, "")) for key in ("survey_id", "started"))
         return cls(survey_id, started, folder.name)
 
@@ -112,7 +112,7 @@ def recorded(survey: Path) -> Iterator[Due]:
     """Yield the messages of a survey in order of time.
 
     Of a folder its MCAP file is read, which holds every topic of the graph. Without one, or from
-    JSON files alone, only survey.json, if it is there, and the traces are yielded. Bags are
+    JSON files alone, only what its log says, if there is one, and the traces are yielded. Bags are
     replayed by `rosbag play`.
 
     Raises:

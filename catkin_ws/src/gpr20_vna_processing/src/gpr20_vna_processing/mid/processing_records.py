@@ -74,7 +74,7 @@ class ChangedSurvey(NamedTuple):
     stored_traces: int = 0
     """0 if the fact is of another survey than the open one."""
     markers: Sequence[Mapping[str, Any]] = ()
-    """Of a fact of markers: all that survey.json has, removed ones too."""
+    """Of a fact of markers: all of the survey, removed ones too."""
 
 
 class ProcessingState(NamedTuple):
@@ -92,4 +92,4 @@ class ProcessingState(NamedTuple):
     """Whether the disk refused what was written last."""
     queues: QueueState
     unsigned: Optional[Message]
-    """Why the survey that was changed last is not signed, although there is a key."""
+    """Why the survey that was closed last is not signed, although there is a key."""
