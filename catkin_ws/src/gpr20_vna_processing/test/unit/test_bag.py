@@ -216,7 +216,10 @@ def test_a_survey_starts_only_if_there_is_space_for_the_bags_that_are_not_made_y
         kit.open(needed_bytes=1001)
     other = kit.open(needed_bytes=1000)
     kit.processing.shut_down()
-    # A survey that is resumed gets none.
+    # One that cannot be resumed gets its bag, a survey that is resumed none.
+    with raises_fault("survey.complete", error=SurveyRefusedError):
+        Kit(folder.parent, bags=bags).processing.reopen_survey(SURVEY)
+    assert bags.outstanding_bytes() > outstanding
     for one in (folder, other):
         bags.cancel(one)
     assert bags.outstanding_bytes() == 0 and bags.problem() is None
