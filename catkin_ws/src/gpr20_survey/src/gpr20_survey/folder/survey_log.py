@@ -16,17 +16,17 @@ from itertools import takewhile
 from pathlib import Path
 from typing import Any, Dict, List, NamedTuple, Optional, Sequence, Set, Tuple
 
-from gpr20_survey.errors import SurveyRefusedError
+from gpr20_common.terminal_text import printable
 from gpr20_survey.files import durable_files
 from gpr20_survey.files.regular_file import open_regular
 from gpr20_survey.folder import survey_metadata
 from gpr20_survey.folder.log_record import NOTES, Kind, LogHead, LogRecord, add_to, record_of_line
 from gpr20_survey.folder.survey_folder import DAMAGED_FOLDER, LOG_FILE, LOG_FILES, SURVEY_FILE
 
-MAX_LOG_BYTES = 64 << 20
-# For the records without which a survey cannot be opened and closed.
-RESERVED_BYTES = 1 << 20
-NEEDED = (Kind.PLAN, Kind.RESUME, Kind.UNCONFIRMED, Kind.END)
+MAX_LOG_BYTES = 63 << 20
+# Records that are added to a full log too: without them no survey is opened, closed and sealed.
+NEEDED = (Kind.PLAN, Kind.RESUME, Kind.UNCONFIRMED, Kind.END, Kind.BAG, Kind.SEAL)
+READ_BYTES = 256 << 20  # far more than those make of a full log
 MAX_NAMED = 1000
 LOST = (
     "its checksum is wrong in both files of the log, or it is missing; what is left of it is in "
@@ -80,7 +80,11 @@ class _Form(NamedTuple):
 
 
 def read_log(folder: Path, sealed: Optional[LogHead] = None) -> FoundLog:
-    """Return the log of a survey, which had a record by its manifest; nothing is changed."""
+    """Return the log of a survey, which had a record by its manifest; nothing is changed.
+
+    Raises:
+        SurveyRefusedError: A file is larger than any log.
+    """
     contents = [_content(folder / name) for name in LOG_FILES]
     first = _form(contents[0] or b"")
     forms = [first, first if contents[1] == contents[0] else _form(contents[1] or b"")]
@@ -113,9 +117,10 @@ def _content(path: Path) -> Optional[bytes]:
     try:
         with open(open_regular(path), "rb") as stream:
             # Before it is read, so that a huge file takes no memory.
-            survey_metadata.check_size(os.fstat(stream.fileno()).st_size, path.name, MAX_LOG_BYTES)
+            size = os.fstat(stream.fileno()).st_size
+            survey_metadata.check_size(size, printable(path), READ_BYTES)
             return stream.read()
-    except (OSError, SurveyRefusedError):
+    except OSError:
         return None
 
 
@@ -248,8 +253,7 @@ class SurveyLog:
         """
         line = record.line()
         if record.kind not in NEEDED:
-            most = MAX_LOG_BYTES - RESERVED_BYTES
-            survey_metadata.check_size(self._bytes + len(line), LOG_FILE, most)
+            survey_metadata.check_size(self._bytes + len(line), LOG_FILE, MAX_LOG_BYTES)
         if self.is_whole:
             self.is_whole = False
             for name in LOG_FILES:
