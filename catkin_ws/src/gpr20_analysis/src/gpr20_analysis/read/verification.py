@@ -159,23 +159,8 @@ class _Verifier:
         else:
             self._note_manifest(found.manifest)
             self._check_content(found.manifest)
-            self._check_end_of_log(found.manifest)
         self._note_damaged()
         self._note_name()
-
-    def _check_end_of_log(self, sealed: Manifest) -> None:
-        log = self._recovered.found
-        # When the manifest was written, both files had that entry.
-        if log.records[-1].number <= sealed.log.number:
-            self._found.faults += [
-                Message(
-                    "{file} lacks entry {number} of the log, which the manifest names: resuming "
-                    "the survey, or gpr20 repair, writes it again",
-                    file=one,
-                    number=sealed.log.number,
-                )
-                for one in log.behind
-            ]
 
     def _note_manifest(self, sealed: Manifest) -> None:
         for one in self._recovered.found.records:
@@ -289,8 +274,8 @@ class _Verifier:
             ]
             self._found.notes += [
                 Message(
-                    "{file} lacks the last entry of the log, as after a power cut; the next change "
-                    "of the survey adds it",
+                    "{file} lacks entries at the end of the log, as after a power cut; the next "
+                    "change of the survey adds them",
                     file=one,
                 )
                 for one in log.behind

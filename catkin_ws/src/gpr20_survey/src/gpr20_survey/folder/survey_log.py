@@ -50,7 +50,7 @@ class FoundLog:
     damaged: Tuple[str, ...]
     """Names of the files that are damaged or missing."""
     behind: Tuple[str, ...]
-    """Names of the files that lack the last record, as after a power cut while it was added."""
+    """Names of the files that lack records at their end, as after power cuts."""
 
     @property
     def is_whole(self) -> bool:
@@ -101,8 +101,11 @@ def read_log(folder: Path, sealed: Optional[LogHead] = None) -> FoundLog:
     lines = [one.line() for one in found]
     whole = b"".join(lines)
     differ = {name: one for name, one in zip(LOG_FILES, contents) if one != whole}
-    # Where something is lost, a torn end is no trace of a power cut.
-    behind = [name for name, one in differ.items() if not lost and _is_behind(one, whole, lines)]
+    # Where something is lost, a torn end is no trace of a power cut. Both files held the plan, and
+    # what the manifest names.
+    sure = 0 if sealed is None else sealed.number
+    least = sum(len(line) for one, line in zip(found, lines) if one.number <= sure)
+    behind = [name for name, one in differ.items() if not lost and _is_behind(one, whole, least)]
     return FoundLog(
         tuple(found),
         lost,
@@ -181,18 +184,15 @@ def _lost_numbers(found: Sequence[LogRecord], end: int) -> List[int]:
     return [number for number in range(last + 1) if number not in known]
 
 
-def _is_behind(content: Optional[bytes], whole: bytes, lines: Sequence[bytes]) -> bool:
-    """Return whether a power cut alone explains a file: its last line is not whole.
+def _is_behind(content: Optional[bytes], whole: bytes, least: int) -> bool:
+    """Return whether kills and power cuts alone explain a file: it lacks entries at its end.
 
-    That is the last record, or one that was not acknowledged. Of a line a power cut leaves the
-    beginning, or zeros in its place.
+    Its first bytes, at least so many, cannot be missing. Of a line that was being added a power cut
+    leaves the beginning, or zeros in its place.
     """
-    last = lines[-1] if lines else b""
-    before = whole[: len(whole) - len(last)]
-    if content is None or not content.startswith(before):
-        return False
-    rest = content[len(before) :].rstrip(b"\0")
-    return last.startswith(rest) or (rest.startswith(last) and b"\n" not in rest[len(last) :])
+    rest = (content or b"").rstrip(b"\0")
+    more = rest[len(whole) :]
+    return len(rest) >= least and whole + more == rest + whole[len(rest) :] and b"\n" not in more
 
 
 class SurveyLog:
