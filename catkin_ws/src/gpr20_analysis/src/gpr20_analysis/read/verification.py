@@ -129,8 +129,9 @@ class _Verifier:
             self._folder, self._survey_id, self._indexed, self._found, self._progress
         )
         recording.check(files.prints, self._recovered.found.records)
-        if self._found.imported is None and not self._found.writer:
-            check_bag(self._folder, self._recovered.found.records, self._indexed, self._found)
+        if not self._found.writer:
+            has_bag = self._indexed and self._found.imported is None
+            check_bag(self._folder, self._recovered.found.records, has_bag, self._found)
         self._check_description(len(files.prints))
         return self._found
 
