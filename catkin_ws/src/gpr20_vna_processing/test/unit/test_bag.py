@@ -7,6 +7,7 @@ import itertools
 import random
 import shutil
 import sys
+from dataclasses import replace
 
 import mcap.writer
 import pytest
@@ -16,7 +17,7 @@ from log_examples import DONE, KILLED, NOW, add_marker, ended_at_call
 from reopening_kit import TRACES, resume, traces_in_bag, tree
 from run_seed import SEED, draws
 from stock_readers import bag_traces, counts_in_bag, mcap_traces
-from storage_kit import Kit, bag_messages, wait_until, with_bag
+from storage_kit import Kit, bag_messages, text_message, wait_until, with_bag
 from trace_examples import SURVEY, assert_same_numbers
 
 from gpr20_analysis.commands.main import main
@@ -24,9 +25,11 @@ from gpr20_analysis.read.verification import verify_survey
 from gpr20_analysis.read.verification_result import COMPLETE, DAMAGED, INCOMPLETE
 from gpr20_survey.errors import StorageFailedError, SurveyRefusedError
 from gpr20_survey.folder.recovery import add_to_survey
+from gpr20_survey.recording.bag import write_bag
 from gpr20_survey.recording.mcap_reader import StoredMcap
+from gpr20_survey.recording.mcap_writer import McapFile
 from gpr20_vna_processing.low import bag_processes
-from gpr20_vna_processing.low.bag_processes import BAG_TO_MCAP, BagProcesses
+from gpr20_vna_processing.low.bag_processes import BagProcesses, bag_bytes
 
 FREE_BYTES = 10**12
 LIMIT_S = 60.0  # far more than a process needs
@@ -218,6 +221,27 @@ def test_the_storage_makes_the_bag_beside_the_next_survey(tmp_path, bags):
     assert (folder / "survey.bag").exists() and bags.problem() is None
 
 
+@pytest.mark.parametrize("is_noise", [True, False])
+@pytest.mark.parametrize("length", [0, 4000, 100_000])
+@pytest.mark.parametrize("topics", [1, 300])
+def test_a_bag_takes_no_more_space_than_is_counted_and_not_much_less(
+    tmp_path, is_noise, length, topics
+):
+    chance, count = random.Random(SEED), 400
+    recording = McapFile(tmp_path / "survey.mcap")
+    for number in range(count):
+        noise = chance.getrandbits(8 * length + 1) >> 1 if is_noise else 0
+        message = text_message(f"/{number % topics}", "")
+        message = replace(message, data=noise.to_bytes(length, "big"), definition="#" * 4000)
+        recording.write_alone(message) if number % 3 else recording.write(message)
+    recording.commit()
+    torn = bag_bytes(tmp_path)
+    recording.finish()
+    write_bag(StoredMcap(tmp_path / "survey.mcap").messages(), tmp_path / "survey.bag")
+    size = (tmp_path / "survey.bag").stat().st_size
+    assert size <= torn <= bag_bytes(tmp_path) < 1.01 * count * (length + 500) + (5 << 20)
+
+
 NEVER = (sys.executable, "-c", "import signal; signal.pause()")
 
 
@@ -227,7 +251,7 @@ def test_a_survey_starts_only_if_there_is_space_for_the_bags_that_are_not_made_y
     monkeypatch.setattr(bag_processes, "PROGRAM", NEVER)
     bags.make(folder)
     outstanding = bags.outstanding_bytes()
-    assert outstanding == BAG_TO_MCAP * (folder / "survey.mcap").stat().st_size
+    assert outstanding == bag_bytes(folder) > 0
     kit = Kit(tmp_path / "new", bags=bags, free_bytes=500_001_000 + outstanding)
     with raises_fault("disk.full", error=SurveyRefusedError):
         kit.open(needed_bytes=1001)
