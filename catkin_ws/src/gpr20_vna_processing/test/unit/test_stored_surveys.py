@@ -3,6 +3,7 @@
 import json
 import os
 import random
+import shutil
 
 import numpy as np
 import pytest
@@ -11,7 +12,7 @@ from fault_kit import raises_fault
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from imported_kit import imported_folder
-from log_examples import FILES, NOW
+from log_examples import FILES, NOW, marker
 from run_seed import SEED, draws
 from storage_kit import OTHER_SURVEY
 from trace_examples import STARTED_US, SURVEY, make_trace
@@ -74,6 +75,24 @@ def test_what_was_planned_stored_found_and_decided_is_told_without_the_report(ki
     assert [one["kind"] for one in log] == ["decision", "found"]
     assert log[1]["values"] == {"what": "scrap", "time": NOW}
     assert soil_of_survey({"log": log}) == (4.0, "entered later")
+
+
+def test_an_id_that_two_folders_hold_is_refused_with_their_names(kit, archive):
+    folder = fill(kit)
+    kit.processing.close_survey(SURVEY, "stopped")
+    copy = folder.with_name(f"20200101T000000_{SURVEY[:8]}")
+    shutil.copytree(str(folder), str(copy))
+    for request in (
+        lambda: archive.survey(SURVEY),
+        lambda: archive.traces(SURVEY, [0]),
+        lambda: kit.add_marker(SURVEY, marker(1)),
+        lambda: kit.processing.reopen_survey(SURVEY),
+    ):
+        with raises_fault("survey.unknown", f"{copy.name}, {folder.name}"):
+            request()
+    assert kit.add_marker(folder.name, marker(1)).folder == folder
+    assert not archive.traces(copy.name, [0]).unreadable
+    assert kit.processing.reopen_survey(folder.name).path == str(folder)
 
 
 def test_the_list_tells_the_verdict_the_fault_and_what_is_missing(kit, archive):

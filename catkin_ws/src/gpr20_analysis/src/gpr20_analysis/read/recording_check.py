@@ -27,6 +27,8 @@ def check_bag(
 ) -> None:
     """Compare survey.bag with the checksum in the log; without a bag the survey is complete.
 
+    Nothing vouches for one that the log does not name.
+
     Args:
         folder: The survey's folder.
         records: Its log.
@@ -55,6 +57,7 @@ def check_bag(
                 **named,
             )
         )
+        found.unconfirmed += (BAG_FILE,)
     elif present != expected:
         found.fault(
             Message(

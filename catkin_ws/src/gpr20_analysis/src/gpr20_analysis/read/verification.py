@@ -129,8 +129,9 @@ class _Verifier:
             self._folder, self._survey_id, self._indexed, self._found, self._progress
         )
         recording.check(files.prints, self._recovered.found.records)
-        if self._found.imported is None and not self._found.writer:
-            check_bag(self._folder, self._recovered.found.records, self._indexed, self._found)
+        if not self._found.writer:
+            has_bag = self._indexed and self._found.imported is None
+            check_bag(self._folder, self._recovered.found.records, has_bag, self._found)
         self._check_description(len(files.prints))
         return self._found
 
@@ -159,23 +160,8 @@ class _Verifier:
         else:
             self._note_manifest(found.manifest)
             self._check_content(found.manifest)
-            self._check_end_of_log(found.manifest)
         self._note_damaged()
         self._note_name()
-
-    def _check_end_of_log(self, sealed: Manifest) -> None:
-        log = self._recovered.found
-        # When the manifest was written, both files had that entry.
-        if log.records[-1].number <= sealed.log.number:
-            self._found.faults += [
-                Message(
-                    "{file} lacks entry {number} of the log, which the manifest names: resuming "
-                    "the survey, or gpr20 repair, writes it again",
-                    file=one,
-                    number=sealed.log.number,
-                )
-                for one in log.behind
-            ]
 
     def _note_manifest(self, sealed: Manifest) -> None:
         for one in self._recovered.found.records:
@@ -289,8 +275,8 @@ class _Verifier:
             ]
             self._found.notes += [
                 Message(
-                    "{file} lacks the last entry of the log, as after a power cut; the next change "
-                    "of the survey adds it",
+                    "{file} lacks entries at the end of the log, as after a power cut; the next "
+                    "change of the survey adds them",
                     file=one,
                 )
                 for one in log.behind

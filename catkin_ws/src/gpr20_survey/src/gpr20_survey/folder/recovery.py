@@ -152,13 +152,14 @@ def find_survey(data: Path, survey: str) -> Tuple[Path, RecoveredSurvey]:
     """Return a survey's folder, by its name or the survey's id, and what it says of its survey.
 
     Raises:
-        SurveyRefusedError: There is none, nothing in its folder describes it, or part of it is a
-            symbolic link.
+        SurveyRefusedError: There is none, nothing in its folder describes it, part of it is a
+            symbolic link, or several folders hold the survey of an id.
         StorageFailedError: A file cannot be read.
     """
     reason = Message(
         "there is no survey {survey} in {folder}", survey=repr(survey[:64]), folder=printable(data)
     )
+    every = []
     for folder in survey_folder.candidate_folders(data, survey):
         survey_folder.check_no_links(folder)
         failure = Message("the survey in {folder} could not be read", folder=printable(folder))
@@ -166,12 +167,20 @@ def find_survey(data: Path, survey: str) -> Tuple[Path, RecoveredSurvey]:
             found = recover(folder)
         survey_id = found.survey_id
         if survey in (folder.name, survey_id) and folder.name.endswith(f"_{survey_id[:8]}"):
-            return folder, found
+            every.append((folder, found))
         reason = Message(
             "{folder} holds survey {found}, not {survey}",
             folder=printable(folder),
             found=survey_id,
             survey=survey[:64],
+        )
+    if len(every) == 1:
+        return every[0]
+    if every:
+        reason = Message(
+            "survey {survey} is in {folders}; give the name of the folder that is meant",
+            survey=survey,
+            folders=", ".join(folder.name for folder, _found in every),
         )
     raise SurveyRefusedError(reason, fault=faults.UNKNOWN_SURVEY)
 

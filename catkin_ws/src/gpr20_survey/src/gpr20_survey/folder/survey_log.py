@@ -16,17 +16,17 @@ from itertools import takewhile
 from pathlib import Path
 from typing import Any, Dict, List, NamedTuple, Optional, Sequence, Set, Tuple
 
-from gpr20_survey.errors import SurveyRefusedError
+from gpr20_common.terminal_text import printable
 from gpr20_survey.files import durable_files
 from gpr20_survey.files.regular_file import open_regular
 from gpr20_survey.folder import survey_metadata
 from gpr20_survey.folder.log_record import NOTES, Kind, LogHead, LogRecord, add_to, record_of_line
 from gpr20_survey.folder.survey_folder import DAMAGED_FOLDER, LOG_FILE, LOG_FILES, SURVEY_FILE
 
-MAX_LOG_BYTES = 64 << 20
-# For the records without which a survey cannot be opened and closed.
-RESERVED_BYTES = 1 << 20
-NEEDED = (Kind.PLAN, Kind.RESUME, Kind.UNCONFIRMED, Kind.END)
+MAX_LOG_BYTES = 63 << 20
+# Records that are added to a full log too: without them no survey is opened, closed and sealed.
+NEEDED = (Kind.PLAN, Kind.RESUME, Kind.UNCONFIRMED, Kind.END, Kind.BAG, Kind.SEAL)
+READ_BYTES = 256 << 20  # far more than those make of a full log
 MAX_NAMED = 1000
 LOST = (
     "its checksum is wrong in both files of the log, or it is missing; what is left of it is in "
@@ -50,7 +50,7 @@ class FoundLog:
     damaged: Tuple[str, ...]
     """Names of the files that are damaged or missing."""
     behind: Tuple[str, ...]
-    """Names of the files that lack the last record, as after a power cut while it was added."""
+    """Names of the files that lack records at their end, as after power cuts."""
 
     @property
     def is_whole(self) -> bool:
@@ -80,7 +80,11 @@ class _Form(NamedTuple):
 
 
 def read_log(folder: Path, sealed: Optional[LogHead] = None) -> FoundLog:
-    """Return the log of a survey, which had a record by its manifest; nothing is changed."""
+    """Return the log of a survey, which had a record by its manifest; nothing is changed.
+
+    Raises:
+        SurveyRefusedError: A file is larger than any log.
+    """
     contents = [_content(folder / name) for name in LOG_FILES]
     first = _form(contents[0] or b"")
     forms = [first, first if contents[1] == contents[0] else _form(contents[1] or b"")]
@@ -97,8 +101,11 @@ def read_log(folder: Path, sealed: Optional[LogHead] = None) -> FoundLog:
     lines = [one.line() for one in found]
     whole = b"".join(lines)
     differ = {name: one for name, one in zip(LOG_FILES, contents) if one != whole}
-    # Where something is lost, a torn end is no trace of a power cut.
-    behind = [name for name, one in differ.items() if not lost and _is_behind(one, whole, lines)]
+    # Where something is lost, a torn end is no trace of a power cut. Both files held the plan, and
+    # what the manifest names.
+    sure = 0 if sealed is None else sealed.number
+    least = sum(len(line) for one, line in zip(found, lines) if one.number <= sure)
+    behind = [name for name, one in differ.items() if not lost and _is_behind(one, whole, least)]
     return FoundLog(
         tuple(found),
         lost,
@@ -113,9 +120,10 @@ def _content(path: Path) -> Optional[bytes]:
     try:
         with open(open_regular(path), "rb") as stream:
             # Before it is read, so that a huge file takes no memory.
-            survey_metadata.check_size(os.fstat(stream.fileno()).st_size, path.name, MAX_LOG_BYTES)
+            size = os.fstat(stream.fileno()).st_size
+            survey_metadata.check_size(size, printable(path), READ_BYTES)
             return stream.read()
-    except (OSError, SurveyRefusedError):
+    except OSError:
         return None
 
 
@@ -176,18 +184,15 @@ def _lost_numbers(found: Sequence[LogRecord], end: int) -> List[int]:
     return [number for number in range(last + 1) if number not in known]
 
 
-def _is_behind(content: Optional[bytes], whole: bytes, lines: Sequence[bytes]) -> bool:
-    """Return whether a power cut alone explains a file: its last line is not whole.
+def _is_behind(content: Optional[bytes], whole: bytes, least: int) -> bool:
+    """Return whether kills and power cuts alone explain a file: it lacks entries at its end.
 
-    That is the last record, or one that was not acknowledged. Of a line a power cut leaves the
-    beginning, or zeros in its place.
+    Its first bytes, at least so many, cannot be missing. Of a line that was being added a power cut
+    leaves the beginning, or zeros in its place.
     """
-    last = lines[-1] if lines else b""
-    before = whole[: len(whole) - len(last)]
-    if content is None or not content.startswith(before):
-        return False
-    rest = content[len(before) :].rstrip(b"\0")
-    return last.startswith(rest) or (rest.startswith(last) and b"\n" not in rest[len(last) :])
+    rest = (content or b"").rstrip(b"\0")
+    more = rest[len(whole) :]
+    return len(rest) >= least and whole + more == rest + whole[len(rest) :] and b"\n" not in more
 
 
 class SurveyLog:
@@ -248,8 +253,7 @@ class SurveyLog:
         """
         line = record.line()
         if record.kind not in NEEDED:
-            most = MAX_LOG_BYTES - RESERVED_BYTES
-            survey_metadata.check_size(self._bytes + len(line), LOG_FILE, most)
+            survey_metadata.check_size(self._bytes + len(line), LOG_FILE, MAX_LOG_BYTES)
         if self.is_whole:
             self.is_whole = False
             for name in LOG_FILES:

@@ -37,6 +37,12 @@ END_BYTES = FOOTER.size + len(MAGIC)
 DATA_END = struct.Struct("<BQ4s")
 # Opcode and length of a record.
 RECORD = struct.Struct("<BQ")
+# The same and times and size without compression of a chunk.
+CHUNK_HEAD = struct.Struct("<BQQQQ")
+# What a bag has beside its chunks: the definition of each topic's type, twice; of each message the
+# place in the index, in a record for each topic and chunk.
+BAG_HEAD_BYTES = 4 << 20
+BAG_TO_INDEX = 8
 BETWEEN = (Opcode.HEADER, Opcode.ATTACHMENT, Opcode.MESSAGE_INDEX)
 
 Kind = Tuple[str, str, str, str]
@@ -94,6 +100,22 @@ class StoredMcap:
         """Return whether the file has its end."""
         content = _mapped(self.path)
         return len(content) > len(MAGIC) + END_BYTES and content[-len(MAGIC) :] == MAGIC
+
+    def bag_bytes(self) -> int:
+        """Return how much a bag of all messages takes at most [bytes]; 0 without a file.
+
+        Nobody knows how well lz4 packs them, so it counts as if it did not.
+        """
+        content, place = _mapped(self.path), len(MAGIC)
+        size = BAG_HEAD_BYTES * bool(content)
+        while place + CHUNK_HEAD.size <= len(content):
+            opcode, length, _start, _end, unpacked = CHUNK_HEAD.unpack_from(content, place)
+            place += RECORD.size + length
+            counted = min(length, len(content))  # damaged sizes must not refuse every survey
+            if opcode == Opcode.CHUNK:
+                counted = min(unpacked, MAX_RECORD_BYTES) * 129 // 128
+            size += counted * (BAG_TO_INDEX if opcode == Opcode.MESSAGE_INDEX else 1)
+        return max(size, len(content))
 
     def _messages(self, opcode: int, data: bytes, datatype: str) -> List[RecordedMessage]:
         if opcode in BETWEEN:

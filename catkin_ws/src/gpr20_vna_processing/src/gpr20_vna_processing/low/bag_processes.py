@@ -16,18 +16,16 @@ from gpr20_common.os_reason import os_reason
 from gpr20_common.sent_message import received_message
 from gpr20_common.terminal_text import printable
 from gpr20_survey.folder.survey_folder import BAG_FILE, MCAP_FILE
+from gpr20_survey.recording.mcap_reader import StoredMcap
 from gpr20_vna_processing.faults import BAG_MISSING
 
 PROGRAM = ("nice", "-n", "19", sys.executable, "-m", "gpr20_survey.recording.bag")
 END_LIMIT_S = 3.0
-BAG_TO_MCAP = 2
-"""How much larger a bag is than its MCAP, at most: lz4 packs less than zstd."""
 
 
 def bag_bytes(folder: Path) -> int:
     """Return how much the bag of a survey takes at most [bytes]; 0 without a recording."""
-    path = folder / MCAP_FILE
-    return BAG_TO_MCAP * path.lstat().st_size if path.is_file() else 0
+    return StoredMcap(folder / MCAP_FILE).bag_bytes()
 
 
 class BagProcesses:

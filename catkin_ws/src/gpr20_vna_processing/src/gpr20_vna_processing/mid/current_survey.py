@@ -34,6 +34,7 @@ from gpr20_vna_processing.mid.storage_thread import StorageThread
 MAX_REASON_BYTES = 16384
 # Traces of the open survey wait meanwhile.
 LOCK_WAIT_S = 0.3
+BAG_WAIT_S = 1.0
 NO_REASON = verbatim("")
 
 
@@ -140,12 +141,14 @@ class CurrentSurvey:
         folder, _ = find_survey(self._storage.data, name)
         # For a copy of the recording now, and for its bag in the end.
         new_survey.check_space(self._storage, bag_bytes(folder))
-        self._storage.bags.cancel(folder)
         with ExitStack() as lock:
             failure = Message("the folder {path} could not be locked", path=printable(folder))
             with storing(failure, folder):
-                lock.enter_context(locked(folder))
+                # The process that makes its bag may be adding that to its log.
+                lock.enter_context(locked(folder, BAG_WAIT_S))
             reopening = Reopening(folder, self._storage, self._signer)
+            # Only now: a survey that is not resumed keeps its bag.
+            self._storage.bags.cancel(folder)
             survey, added, repairs = reopening.repair(now_ns)
             self._take(survey, added, now_ns)
             self._lock = lock.pop_all()
@@ -219,10 +222,9 @@ class CurrentSurvey:
         size = len(str(reason).encode("utf-8", "surrogatepass"))
         survey_metadata.check_size(size, "reason", MAX_REASON_BYTES)
         survey_folder.check_survey_id(survey_id)
-        if self.current is None:
-            before = self._ended_survey(survey_id, outcome)
-            if before is not None:
-                return before  # the answer to the first call may have been lost
+        before = self._ended_survey(survey_id, outcome) if self.current is None else None
+        if before is not None:
+            return before  # the answer to the first call may have been lost
         survey = self.opened(survey_id)
         now_ns = self._storage.now_ns()
         if not end:  # its client is gone, or did not say it

@@ -6,6 +6,7 @@ for ever. `test_random_damage.py` draws other damages.
 
 from __future__ import annotations
 
+import itertools
 import shutil
 from dataclasses import dataclass, replace
 from typing import Callable, Collection, Optional, Sequence, Union
@@ -14,7 +15,7 @@ import pytest
 from annotation_examples import EXAMPLE
 from case_kit import each_case
 from fault_kit import raises_fault
-from log_examples import NOW, add_marker, change_digit
+from log_examples import DONE, KILLED, NOW, add_marker, change_digit, ended_at_call
 from planned_survey import METADATA
 from reopening_kit import (
     REPORT,
@@ -385,3 +386,21 @@ def test_what_was_never_finished_is_removed_and_is_never_data(copies):
     assert not any(path.exists() for path in torn)
     assert reopened.stored_indices == SIX
     assert_whole(folder, TRACES)
+
+
+def test_kills_in_a_row_while_facts_are_added_are_no_damage(copies, tmp_path):
+    """The copy of the log lacks two entries then."""
+    first = copies("finished")
+    number = 0
+    while recover(first).found.behind != (COPY,):
+        number += 1
+        assert ended_at_call(number, lambda: add_to_survey(first, add_marker(3), NOW)) == KILLED
+    for number in itertools.count(1):
+        folder = tmp_path / str(number) / first.name
+        shutil.copytree(str(first), str(folder))
+        ending = ended_at_call(number, lambda at=folder: add_to_survey(at, add_marker(4), NOW))
+        found = verify_survey(folder)
+        assert (found.status, found.faults) == (COMPLETE, []), number
+        if ending == DONE:
+            break
+    assert number > 5
