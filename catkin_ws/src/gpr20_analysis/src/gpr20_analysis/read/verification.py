@@ -159,7 +159,6 @@ class _Verifier:
         else:
             self._note_manifest(found.manifest)
             self._check_content(found.manifest)
-            self._check_end_of_log(found.manifest)
         self._note_damaged()
         self._note_name()
 
@@ -295,6 +294,8 @@ class _Verifier:
                 )
                 for one in log.behind
             ]
+            if self._recovered.manifest is not None:
+                self._check_end_of_log(self._recovered.manifest)
         self._found.unconfirmed = tuple(self._description.get(UNCONFIRMED, {}))
 
     def _check_description(self, readable: int) -> None:

@@ -142,6 +142,24 @@ def test_a_manifest_is_left_alone_or_written_again_and_the_damaged_one_kept(copi
     assert rewritten.time in " ".join(map(str, verify_survey(copied).notes))
 
 
+@pytest.mark.parametrize("name", FILES)
+@pytest.mark.parametrize("cut", [5, None])
+def test_a_file_of_the_log_that_lacks_the_last_entry_of_the_manifest_is_written_again(
+    stopped_without_bag, name, cut
+):
+    path = stopped_without_bag / name
+    whole = path.read_bytes()
+    path.write_bytes(whole[: -cut if cut else whole.rindex(b"\n", 0, -1) + 1])
+    assert verify_survey(stopped_without_bag).status == DAMAGED
+    assert main(["repair", str(stopped_without_bag)]) == NOT_COMPLETE
+    assert path.read_bytes() == whole
+
+
+@pytest.fixture
+def stopped_without_bag(tmp_path):
+    return make_survey(tmp_path, 4, "stopped")
+
+
 @pytest.mark.parametrize(
     ("name", "keep"), [("survey.mcap", True), ("survey.mcap", False), ("trace", False)]
 )
