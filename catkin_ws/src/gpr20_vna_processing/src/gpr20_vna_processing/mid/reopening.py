@@ -18,7 +18,7 @@ from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message, in_a_row
 from gpr20_common.terminal_text import printable
 from gpr20_survey.errors import SurveyRefusedError, storing
-from gpr20_survey.faults import REPAIRED
+from gpr20_survey.faults import REPAIRED, TRACE_OTHER_VERSION
 from gpr20_survey.files import durable_files
 from gpr20_survey.folder import manifest, survey_folder
 from gpr20_survey.folder.log_record import Kind, LogRecord
@@ -48,7 +48,7 @@ class Reopening:
 
         Raises:
             SurveyRefusedError: The survey ended complete, or cannot continue: its traces do not
-                fit its plan, or nothing shows what the plan was.
+                fit its plan, or are of another version, or nothing shows what the plan was.
             StorageFailedError: The disk cannot be read.
         """
         self._folder = folder
@@ -137,6 +137,16 @@ class Reopening:
     def _check_can_continue(self) -> None:
         stored, description = self._stored, self._recovered.description
         folder, count = printable(self._folder), len(self._stored.truth)
+        unread = [*(reason for _path, reason in stored.files.damaged), *stored.mcap.faults]
+        for reason in unread:
+            if reason.fault_code == TRACE_OTHER_VERSION.code:  # it is no damage
+                raise SurveyRefusedError(
+                    Message(
+                        "the survey in {folder} cannot be resumed: {reason}; nothing was changed",
+                        folder=folder,
+                        reason=reason,
+                    )
+                )
         misfits = stored.misfits
         if stored.files.foreign + stored.mcap.foreign and not stored.truth:
             misfits = [Message("every readable trace belongs to another survey")]

@@ -49,8 +49,8 @@ class RecordedTraces:
                 self._check_own(trace, survey_id)
             except TraceRefusedError as error:
                 self.foreign += isinstance(error, ForeignTraceError)
-                damage = {"file": path.name, "reason": error.message}
-                found.append(Message("{file} holds a damaged trace: {reason}", **damage))
+                reason = error.message
+                found.append(Message("{file}: {reason}", file=path.name, reason=reason))
                 continue
             self.prints[trace.index] = trace.fingerprint()
             self._places[trace.index] = place
