@@ -32,12 +32,7 @@ MAX_BYTES = 512 << 20  # a million traces
 HEAD_BYTES = 1 << 10  # more than there is before the files
 CONTENT = "content_sha256"
 """Key of the description: what `content_sum` gives when the survey ends."""
-NOT_LISTED = (
-    MANIFEST_FILE,
-    SIGNATURE_FILE,
-    *survey_folder.LOG_FILES,
-    survey_folder.BAG_FILE,
-)
+NOT_LISTED = (MANIFEST_FILE, SIGNATURE_FILE, *survey_folder.LOG_FILES, survey_folder.BAG_FILE)
 
 
 @dataclass(frozen=True)
@@ -108,13 +103,9 @@ def decode(content: bytes) -> Manifest:
     # One of this version in which only that byte changed is damaged.
     is_own = own_format == FORMAT or own_sum == _own_sum({"format": FORMAT, **values})
     if not is_own and OTHER_FORMAT.fullmatch(str(own_format)):
+        named = {"file": MANIFEST_FILE, "found": repr(own_format)[:64], "expected": repr(FORMAT)}
         raise SurveyRefusedError(
-            Message(
-                "the format of {file} is {found}; this software reads {expected}",
-                file=MANIFEST_FILE,
-                found=repr(own_format)[:64],
-                expected=repr(FORMAT),
-            ),
+            Message("the format of {file} is {found}; this software reads {expected}", **named),
             fault=faults.TRACE_OTHER_VERSION,
         )
     try:
@@ -149,10 +140,7 @@ def read_manifest(folder: Path) -> Manifest:
 
 
 def may_cover(folder: Path, records: Sequence[LogRecord]) -> bool:
-    """Return whether the log is that of the manifest, by its first lines alone, or there is none.
-
-    Nothing checks these lines: where they name no record, the whole manifest decides.
-    """
+    """Return whether the first lines of the manifest name one of these, or there is none."""
     try:
         head = read_regular(folder / MANIFEST_FILE, follow_link=False)[:HEAD_BYTES]
     except OSError:

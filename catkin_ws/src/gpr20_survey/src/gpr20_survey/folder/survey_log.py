@@ -81,10 +81,7 @@ class _Form(NamedTuple):
 
 
 def read_log(folder: Path, sealed: Optional[Manifest] = None) -> FoundLog:
-    """Return the log of a survey, which had a record by its manifest; nothing is changed.
-
-    The manifest of another survey says nothing.
-    """
+    """Return the log of a survey, which had a record by its own manifest; nothing is changed."""
     contents = [_content(folder / name) for name in LOG_FILES]
     first = _form(contents[0] or b"")
     forms = [first, first if contents[1] == contents[0] else _form(contents[1] or b"")]

@@ -22,7 +22,6 @@ from gpr20_survey.faults import REPAIRED, TRACE_OTHER_VERSION
 from gpr20_survey.files import durable_files
 from gpr20_survey.folder import manifest, survey_folder
 from gpr20_survey.folder.log_record import Kind, LogRecord
-from gpr20_survey.folder.manifest import SIGNATURE_FILE
 from gpr20_survey.folder.recovery import RecoveredSurvey, open_log, recover, repairs_of
 from gpr20_survey.folder.signature import Signer, is_signed
 from gpr20_survey.folder.trace_files import TraceFile
@@ -105,7 +104,7 @@ class Reopening:
             recording = self._write_recording()
             try:
                 # Last: until now it shows which files were changed before.
-                durable_files.remove_file(self._folder / SIGNATURE_FILE)
+                durable_files.remove_file(self._folder / manifest.SIGNATURE_FILE)
                 durable_files.remove_file(self._folder / manifest.MANIFEST_FILE)
             except OSError:
                 recording.abandon()

@@ -167,13 +167,11 @@ class StoredTraces:
             self.truth[index] = file.fingerprint
             recorded = self.mcap.prints.get(index)
             if not self._is_listed(file) and recorded not in (None, file.fingerprint):
-                self._contradict(
-                    file.name,
-                    Message(
-                        "{file} and survey.mcap hold different numbers with right checksums",
-                        file=file.name,
-                    ),
+                reason = Message(
+                    "{file} and survey.mcap hold different numbers with right checksums",
+                    file=file.name,
                 )
+                self._contradict(file.name, reason)
         lost = self.mcap.prints.keys() - self.truth.keys()
         self.truth.update({index: self.mcap.prints[index] for index in lost})
         # The manifest may have others than those that the MCAP alone holds.
