@@ -13,7 +13,7 @@ from gpr20_common.message import Message
 from gpr20_common.os_reason import os_reason
 from gpr20_common.sent_message import message_fields
 from gpr20_common.terminal_text import printable
-from gpr20_survey.errors import IrregularFileError, ManifestDamagedError, SigningError
+from gpr20_survey.errors import IrregularFileError, ProcessingError, SigningError
 from gpr20_survey.files import ssh_keygen
 from gpr20_survey.files.regular_file import read_regular
 from gpr20_survey.folder import manifest
@@ -156,7 +156,7 @@ def _with_log(folder: Path, content: bytes, signer: str, fingerprint: str) -> Si
     """Return what is known of a valid signature by what was added to the log since."""
     try:
         since = manifest.decode(content).since(read_log(folder).records)
-    except ManifestDamagedError as error:
+    except ProcessingError as error:
         return _wrong(error.message)
     kinds = {one.kind for one in since}
     if Kind.RESUME.value in kinds:

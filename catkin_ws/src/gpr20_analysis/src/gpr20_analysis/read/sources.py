@@ -120,6 +120,15 @@ class RecordingSource:
             return None
         try:
             found = survey_metadata.parse_object(metadata, f"survey.json in {self.name}")
+            if found.get("format") != survey_metadata.FORMAT:
+                raise SurveyRefusedError(
+                    Message(
+                        "the format of {file} is {found}; this software reads {expected}",
+                        file=f"survey.json in {self.name}",
+                        found=repr(found.get("format"))[:64],
+                        expected=repr(survey_metadata.FORMAT),
+                    )
+                )
             for record in self._recording.log:
                 add_to(found, record)
             return whole_description(found, self._recording.log)

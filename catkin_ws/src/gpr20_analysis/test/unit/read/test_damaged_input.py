@@ -4,6 +4,7 @@ import json
 import re
 import shutil
 import tempfile
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -23,6 +24,8 @@ from gpr20_analysis.read.load import load_survey
 from gpr20_analysis.read.sources import read_trace
 from gpr20_survey.faults import TRACE_DAMAGED
 from gpr20_survey.folder.survey_folder import LOG_FILES
+from gpr20_survey.recording.mcap_reader import StoredMcap
+from gpr20_survey.recording.mcap_writer import McapFile
 
 pytestmark = pytest.mark.usefixtures("blank_figures")
 
@@ -255,6 +258,16 @@ def test_a_bag_of_another_recorder_is_read_by_its_index(recorded_folder, tmp_pat
         survey, good = load_survey(tmp_path / name), load_survey(recorded_folder)
         np.testing.assert_array_equal(survey.s21.values, good.s21.values)
         assert survey.attrs["survey_id"] == SURVEY
+
+
+def test_a_recording_of_a_survey_of_another_version_is_refused_with_its_number(copied, tmp_path):
+    file = McapFile(tmp_path / "later.mcap")
+    for one in StoredMcap(copied / "survey.mcap").messages():
+        data = one.data.replace(b"gpr20-survey/1", b"gpr20-survey/2")
+        file.write(replace(one, data=data) if one.topic.endswith("metadata") else one)
+    file.finish()
+    with raises_fault(faults.SURVEY_DAMAGED, "gpr20-survey/2"):
+        load_survey(tmp_path / "later.mcap")
 
 
 @pytest.mark.parametrize("name", ["survey.bag", "survey.bag.active"])

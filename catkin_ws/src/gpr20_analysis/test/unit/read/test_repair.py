@@ -9,7 +9,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
-from log_examples import FILES, change_digit, marker
+from log_examples import FILES, change_digit, marker, with_own_sum
 from storage_kit import Kit
 from survey_kit import (
     POINTS,
@@ -26,8 +26,9 @@ from gpr20_analysis.read.manifest_repair import OTHERS, VOUCHED
 from gpr20_analysis.read.verification import verify_survey
 from gpr20_survey.faults import UNCONFIRMED
 from gpr20_survey.folder import manifest
-from gpr20_survey.folder.log_record import Kind
+from gpr20_survey.folder.log_record import Kind, LogHead
 from gpr20_survey.folder.recovery import read_description, recover
+from gpr20_survey.folder.survey_metadata import encode
 from gpr20_survey.plan.annotation import Annotation
 from gpr20_survey.plan.markers import markers_of
 
@@ -140,6 +141,52 @@ def test_a_manifest_is_left_alone_or_written_again_and_the_damaged_one_kept(copi
     rewritten = recover(copied).found.records[-1]
     assert rewritten.kind == Kind.SEAL.value and rewritten.values["reason"]
     assert rewritten.time in " ".join(map(str, verify_survey(copied).notes))
+
+
+def test_the_manifest_of_another_survey_is_replaced_and_vouches_for_nothing(copied):
+    path, before = copied / "manifest.json", files(copied)
+    foreign = replace(manifest.read_manifest(copied), survey_id=SURVEY[::-1])
+    foreign = replace(foreign, log=LogHead(40, "0" * 64))
+    path.write_bytes(foreign.encode())
+    (fault,) = verify_survey(copied).faults
+    assert SURVEY[::-1] in str(fault)
+    assert main(["repair", str(copied)]) == DONE
+    assert is_added_to(copied, {**before, "damaged/manifest.json": foreign.encode()})
+    assert verify_survey(copied).status == DONE
+
+
+@pytest.mark.parametrize(("is_own", "code"), [(True, DONE), (False, 3)])
+def test_a_manifest_of_another_version_is_refused_but_not_one_whose_digit_flipped(
+    copied, capsys, is_own, code
+):
+    path = copied / "manifest.json"
+    values = json.loads(path.read_text())
+    own_sum = values.pop("sha256")
+    values["format"] = "gpr20-manifest/3"
+    changed = encode({**values, "sha256": own_sum}) if is_own else with_own_sum(values)
+    path.write_bytes(changed)
+    assert verify_survey(copied).status == DAMAGED
+    assert main(["repair", str(copied)]) == code
+    assert ("gpr20-manifest/3" in capsys.readouterr().err) != is_own
+    assert (path.read_bytes() == changed) != is_own
+
+
+@pytest.mark.parametrize("name", FILES)
+@pytest.mark.parametrize("cut", [5, None])
+def test_a_file_of_the_log_that_lacks_the_last_entry_of_the_manifest_is_written_again(
+    stopped_without_bag, name, cut
+):
+    path = stopped_without_bag / name
+    whole = path.read_bytes()
+    path.write_bytes(whole[: -cut if cut else whole.rindex(b"\n", 0, -1) + 1])
+    assert verify_survey(stopped_without_bag).status == DAMAGED
+    assert main(["repair", str(stopped_without_bag)]) == NOT_COMPLETE
+    assert path.read_bytes() == whole
+
+
+@pytest.fixture
+def stopped_without_bag(tmp_path):
+    return make_survey(tmp_path, 4, "stopped")
 
 
 @pytest.mark.parametrize(

@@ -7,6 +7,7 @@ survey.bag, which is made of survey.mcap, is named in the log when it is there.
 from __future__ import annotations
 
 import hashlib
+import re
 from dataclasses import dataclass, replace
 from pathlib import Path
 from types import MappingProxyType
@@ -26,15 +27,12 @@ from gpr20_survey.results.found import PHOTOS
 MANIFEST_FILE = "manifest.json"
 SIGNATURE_FILE = f"{MANIFEST_FILE}.sig"
 FORMAT = "gpr20-manifest/1"
+OTHER_FORMAT = re.compile(r"gpr20-manifest/[0-9]+")
 MAX_BYTES = 512 << 20  # a million traces
+HEAD_BYTES = 1 << 10  # more than there is before the files
 CONTENT = "content_sha256"
 """Key of the description: what `content_sum` gives when the survey ends."""
-NOT_LISTED = (
-    MANIFEST_FILE,
-    SIGNATURE_FILE,
-    *survey_folder.LOG_FILES,
-    survey_folder.BAG_FILE,
-)
+NOT_LISTED = (MANIFEST_FILE, SIGNATURE_FILE, *survey_folder.LOG_FILES, survey_folder.BAG_FILE)
 
 
 @dataclass(frozen=True)
@@ -82,8 +80,11 @@ class Manifest:
             "log": self.log._asdict(),
             "files": {name: one and one._asdict() for name, one in self.files.items()},
         }
-        own_sum = hashlib.sha256(survey_metadata.encode(values)).hexdigest()
-        return survey_metadata.encode({**values, "sha256": own_sum})
+        return survey_metadata.encode({**values, "sha256": _own_sum(values)})
+
+
+def _own_sum(values: Dict[str, Any]) -> str:
+    return hashlib.sha256(survey_metadata.encode(values)).hexdigest()
 
 
 def decode(content: bytes) -> Manifest:
@@ -91,17 +92,21 @@ def decode(content: bytes) -> Manifest:
 
     Raises:
         ManifestDamagedError: It is not as it was written.
+        SurveyRefusedError: It is of another version.
     """
     text = content.decode("ascii", "replace")
     try:
         values = survey_metadata.parse_object(text, MANIFEST_FILE, MAX_BYTES)
     except SurveyRefusedError as error:
         raise ManifestDamagedError(error.message, fault=faults.MANIFEST_DAMAGED) from error
-    own_format, _sum = values.pop("format", None), values.pop("sha256", None)
-    if own_format != FORMAT:
-        found = repr(own_format)[:64]
-        raise ManifestDamagedError(
-            Message("its format is {found}; it must be {format}", found=found, format=FORMAT)
+    own_format, own_sum = values.pop("format", None), values.pop("sha256", None)
+    # One of this version in which only that byte changed is damaged.
+    is_own = own_format == FORMAT or own_sum == _own_sum({"format": FORMAT, **values})
+    if not is_own and OTHER_FORMAT.fullmatch(str(own_format)):
+        named = {"file": MANIFEST_FILE, "found": repr(own_format)[:64], "expected": repr(FORMAT)}
+        raise SurveyRefusedError(
+            Message("the format of {file} is {found}; this software reads {expected}", **named),
+            fault=faults.TRACE_OTHER_VERSION,
         )
     try:
         log, files = LogHead(**values.pop("log")), values.pop("files").items()
@@ -123,6 +128,7 @@ def read_manifest(folder: Path) -> Manifest:
 
     Raises:
         ManifestDamagedError: It is not as it was written, or cannot be read.
+        SurveyRefusedError: It is of another version.
         FileNotFoundError: There is none.
     """
     try:
@@ -131,6 +137,15 @@ def read_manifest(folder: Path) -> Manifest:
         raise
     except OSError as error:
         raise ManifestDamagedError(os_reason(error)) from error
+
+
+def may_cover(folder: Path, records: Sequence[LogRecord]) -> bool:
+    """Return whether the first lines of the manifest name one of these, or there is none."""
+    try:
+        head = read_regular(folder / MANIFEST_FILE, follow_link=False)[:HEAD_BYTES]
+    except OSError:
+        return True
+    return any(one.sha256.encode() in head for one in reversed(records))
 
 
 def write_manifest(

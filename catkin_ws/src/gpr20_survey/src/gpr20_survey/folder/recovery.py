@@ -52,17 +52,17 @@ def read_description(folder: Path) -> Dict[str, Any]:
 def recover(folder: Path, asking_manifest: bool = False) -> RecoveredSurvey:
     """Return what a folder says of its survey; nothing is changed.
 
-    With `asking_manifest` the manifest is read although the log is whole: a log that ends before
-    its manifest was written counts as damaged then. That takes longer.
+    A log that ends before its manifest was written counts as damaged. With `asking_manifest` the
+    whole manifest is read although the log has the entry that it names, which takes longer.
 
     Raises:
-        SurveyRefusedError: Nothing in it describes the survey.
+        SurveyRefusedError: Nothing in it describes the survey, or it is of another version.
     """
     found, sealed, damage = read_log(folder), None, None
-    if asking_manifest or not found.is_whole:
+    if asking_manifest or not found.is_whole or not manifest.may_cover(folder, found.records):
         try:
             sealed = manifest.read_manifest(folder)
-            found = read_log(folder, sealed.log)
+            found = read_log(folder, sealed)
         except FileNotFoundError:
             pass
         except ManifestDamagedError as error:

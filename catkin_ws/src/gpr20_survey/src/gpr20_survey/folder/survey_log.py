@@ -21,6 +21,7 @@ from gpr20_survey.files import durable_files
 from gpr20_survey.files.regular_file import open_regular
 from gpr20_survey.folder import survey_metadata
 from gpr20_survey.folder.log_record import NOTES, Kind, LogHead, LogRecord, add_to, record_of_line
+from gpr20_survey.folder.manifest import Manifest
 from gpr20_survey.folder.survey_folder import DAMAGED_FOLDER, LOG_FILE, LOG_FILES, SURVEY_FILE
 
 MAX_LOG_BYTES = 63 << 20
@@ -79,8 +80,8 @@ class _Form(NamedTuple):
     """Whether it ends with a whole line, and has no other ones."""
 
 
-def read_log(folder: Path, sealed: Optional[LogHead] = None) -> FoundLog:
-    """Return the log of a survey, which had a record by its manifest; nothing is changed.
+def read_log(folder: Path, sealed: Optional[Manifest] = None) -> FoundLog:
+    """Return the log of a survey, which had a record by its own manifest; nothing is changed.
 
     Raises:
         SurveyRefusedError: A file is larger than any log.
@@ -89,10 +90,11 @@ def read_log(folder: Path, sealed: Optional[LogHead] = None) -> FoundLog:
     first = _form(contents[0] or b"")
     forms = [first, first if contents[1] == contents[0] else _form(contents[1] or b"")]
     found = _own_chain(forms, folder.name, sealed)
+    is_own = bool(found) and found[0].values.get("survey_id") == getattr(sealed, "survey_id", "")
     strangers = {LogHead.of(one): one for form in forms for one in form.records}
     for record in found:
         del strangers[LogHead.of(record)]
-    ends = [-1 if sealed is None else sealed.number]
+    ends = [sealed.log.number if sealed is not None and is_own else -1]
     for own, other in (forms, forms[::-1]):
         # Of a line that was torn while it was added nothing was acknowledged, if the other file,
         # which a power cut leaves alone, shows that it was.
@@ -142,14 +144,14 @@ def _form(content: bytes) -> _Form:
     return _Form(records, end, is_torn, is_sound)
 
 
-def _own_chain(forms: Sequence[_Form], folder: str, sealed: Optional[LogHead]) -> List[LogRecord]:
+def _own_chain(forms: Sequence[_Form], folder: str, sealed: Optional[Manifest]) -> List[LogRecord]:
     """Return the records that name each other; of several chains that which belongs here."""
 
     def merit(records: Sequence[LogRecord]) -> Tuple[bool, bool, int, int]:
         survey = records[0].values.get("survey_id") if records and not records[0].number else None
         links = sum(one.sha256 == other.previous for one, other in zip(records, records[1:]))
         is_own = folder.endswith(f"_{str(survey)[:8]}")
-        has_sealed = sealed is not None and sealed in map(LogHead.of, records)
+        has_sealed = sealed is not None and sealed.covers(records)
         return has_sealed, is_own, links, len(records)
 
     best_last = sorted((one.records for one in forms), key=merit)

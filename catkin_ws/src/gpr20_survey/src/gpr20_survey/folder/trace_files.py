@@ -97,13 +97,10 @@ def read_all(
                 raise _damaged(
                     Message("index {index} is already in {file}", index=index, file=other)
                 )
-            if samples.setdefault(sample, index) != index:
+            first = samples.setdefault(sample, index)
+            if first != index:
                 raise _damaged(
-                    Message(
-                        "sample {sample} already has index {index}",
-                        sample=sample,
-                        index=samples[sample],
-                    )
+                    Message("sample {sample} already has index {index}", sample=sample, index=first)
                 )
         except OSError as error:
             found.damaged.append((path, os_reason(error)))

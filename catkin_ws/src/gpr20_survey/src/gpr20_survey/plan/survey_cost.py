@@ -5,7 +5,7 @@ from __future__ import annotations
 import functools
 from dataclasses import dataclass
 from itertools import takewhile
-from typing import Callable, Dict, List, Sequence, Tuple
+from typing import Callable, List, Sequence, Tuple
 
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.axes.axis_parameters import AxisParameters
@@ -80,7 +80,11 @@ def planned_times(
     # The height is measured while vibrations settle.
     point_s = max(settings.settle_s, settings.height_s) + sweep_s
     visit_s = point_s + (VISIT_SWEEPS - 1) * sweep_s
-    move_s = _move_durations(config.axes)
+
+    @functools.lru_cache(maxsize=CACHED_DISTANCES)
+    def move_s(axis_id: AxisId, distance: float) -> float:
+        return axis_move_duration_s(config.axes[axis_id], distance)
+
     # The move to the first point begins at the zero of the axes.
     path = [SurveyPoint(-1, 0.0, 0.0, 0.0), *points]
     durations_s = [one_s + point_s for one_s in _moves_s(path, move_s)]
@@ -139,11 +143,3 @@ def axis_move_duration_s(parameters: AxisParameters, distance: float) -> float:
     """Return how long an axis needs for a distance [mm or deg]."""
     ramp = Ramp(parameters.min_step, parameters.max_step, parameters.delta_step)
     return ramp.duration_s(parameters.distance_steps(abs(distance)))
-
-
-def _move_durations(axes: Dict[AxisId, AxisParameters]) -> MoveDuration:
-    @functools.lru_cache(maxsize=CACHED_DISTANCES)
-    def duration_s(axis_id: AxisId, distance: float) -> float:
-        return axis_move_duration_s(axes[axis_id], distance)
-
-    return duration_s

@@ -208,43 +208,37 @@ def _broken_relations(
 ) -> Iterator[Tuple[Relation, Message]]:
     # A number that is not finite, or too small, is refused by itself.
     if p.start_frequency_hz >= p.stop_frequency_hz:
-        yield (
-            Relation.FREQUENCY_ORDER,
-            Message(
-                "start frequency is {start} Hz; it must be below the stop frequency, {stop} Hz",
-                start=f"{p.start_frequency_hz:.12g}",
-                stop=f"{p.stop_frequency_hz:.12g}",
-            ),
+        reason = Message(
+            "start frequency is {start} Hz; it must be below the stop frequency, {stop} Hz",
+            start=f"{p.start_frequency_hz:.12g}",
+            stop=f"{p.stop_frequency_hz:.12g}",
         )
+        yield Relation.FREQUENCY_ORDER, reason
     gaps = p.frequency_points - 1
     spacing_hz = (p.stop_frequency_hz - p.start_frequency_hz) / gaps if gaps > 0 else math.inf
     if 0.0 < spacing_hz < MIN_FREQUENCY_SPACING_HZ:
-        yield (
-            Relation.FREQUENCY_SPACING,
-            Message(
-                "start frequency, stop frequency and points give frequencies {spacing} Hz apart; "
-                "they must be at least {least:g} Hz apart",
-                spacing=f"{spacing_hz:.6g}",
-                least=MIN_FREQUENCY_SPACING_HZ,
-            ),
+        reason = Message(
+            "start frequency, stop frequency and points give frequencies {spacing} Hz apart; "
+            "they must be at least {least:g} Hz apart",
+            spacing=f"{spacing_hz:.6g}",
+            least=MIN_FREQUENCY_SPACING_HZ,
         )
+        yield Relation.FREQUENCY_SPACING, reason
     for axis, relation, span_mm, points, step_mm in (
         ("x", Relation.X_SPACING, p.x_stop_mm - p.x_start_mm, p.x_points, travel.x.step),
         ("y", Relation.Y_SPACING, p.y_stop_mm - p.y_start_mm, p.y_points, travel.y.step),
     ):
         # Two stops on the same motor step would be the same place measured twice.
         if points >= MIN_GRID_POINTS and abs(span_mm) / (points - 1) < step_mm:
-            yield (
-                relation,
-                Message(
-                    "{axis} start, stop and points give {points} stops {spacing_mm:.6g} mm apart; "
-                    "they must be at least one motor step, {step_mm:g} mm, apart",
-                    axis=axis,
-                    points=points,
-                    spacing_mm=abs(span_mm) / (points - 1),
-                    step_mm=step_mm,
-                ),
+            reason = Message(
+                "{axis} start, stop and points give {points} stops {spacing_mm:.6g} mm apart; "
+                "they must be at least one motor step, {step_mm:g} mm, apart",
+                axis=axis,
+                points=points,
+                spacing_mm=abs(span_mm) / (points - 1),
+                step_mm=step_mm,
             )
+            yield relation, reason
 
 
 def coordinate_limits_mm(travel: Travel) -> Tuple[float, float]:

@@ -160,7 +160,7 @@ class McapFile:
             raise IrregularFileError(
                 Message(
                     "it was moved, removed or replaced while it was written; if the survey's "
-                    "folder was moved or renamed, put it back, then resume the survey",
+                    "folder was moved or renamed, put it back, then resume the survey"
                 ),
                 self._path,
                 fault=faults.FOLDER_MOVED,

@@ -21,6 +21,7 @@ TRACE_TOPIC = "trace"
 METADATA_TOPIC = "survey_metadata"
 LOG_TOPIC = "survey_log"
 REPLAY_TOPIC = "replay"
+OWN_TOPICS = (TRACE_TOPIC, METADATA_TOPIC, LOG_TOPIC, REPLAY_TOPIC)
 TEXT_TYPE = "std_msgs/String"
 TEXT = (TEXT_TYPE, "992ce8a1687cec8c8bd883ec73ca41d1", "string data\n")
 TRACE = (trace_message.DATATYPE, trace_message.MD5SUM, trace_message.DEFINITION)

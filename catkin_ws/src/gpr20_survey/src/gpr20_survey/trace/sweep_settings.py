@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -74,8 +74,5 @@ class SweepSettings:
 
     def fulfils(self, wanted: SweepSettings) -> bool:
         """Return the same of all that is wanted."""
-        return (self.start_frequency_hz, self.stop_frequency_hz, self.points) == (
-            wanted.start_frequency_hz,
-            wanted.stop_frequency_hz,
-            wanted.points,
-        ) and self.analyzer.fulfils(wanted.analyzer)
+        is_fulfilled = self.analyzer.fulfils(wanted.analyzer)
+        return is_fulfilled and replace(self, analyzer=wanted.analyzer) == wanted

@@ -167,8 +167,7 @@ def json_record(name: str, fields: Iterable[TraceField]) -> Type[Any]:
     """Return the dataclass as which `gpr20_common.mid.codec` reads these fields."""
     kinds = ((one, one.form.json) for one in fields)
     return dataclasses.make_dataclass(
-        name,
-        [(one.name, kind if one.unknown is None else Optional[kind]) for one, kind in kinds],
+        name, [(one.name, kind if one.unknown is None else Optional[kind]) for one, kind in kinds]
     )
 
 

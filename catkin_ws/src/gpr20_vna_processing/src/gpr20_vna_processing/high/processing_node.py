@@ -62,11 +62,7 @@ class ProcessingNode:
         self._trace = rospy.Publisher(survey_topics.TRACE_TOPIC, Trace, queue_size=100)
         metadata = rospy.Publisher(survey_topics.METADATA_TOPIC, String, queue_size=1, latch=True)
         log = rospy.Publisher(survey_topics.LOG_TOPIC, String, queue_size=100)
-        self._publishers = {
-            rospy.resolve_name(survey_topics.TRACE_TOPIC): self._trace,
-            rospy.resolve_name(survey_topics.METADATA_TOPIC): metadata,
-            rospy.resolve_name(survey_topics.LOG_TOPIC): log,
-        }
+        self._publishers = {one.resolved_name: one for one in (self._trace, metadata, log)}
         self._bags = BagProcesses(free_bytes, self._reserve_bytes)
         self._key_warning = key_warning(parameters.signer())
         self._processing = DataProcessing(
@@ -162,9 +158,8 @@ class ProcessingNode:
         # The request holds nothing but the trace, so their bytes are the same.
         trace = trace_message.decode(serialized(request))
         path = self._processing.store(trace)
-        return success(
-            srv.StoreData, Message("{trace} is stored", trace=trace.label), path=str(path)
-        )
+        message = Message("{trace} is stored", trace=trace.label)
+        return success(srv.StoreData, message, path=str(path))
 
     def _close_survey(self, request: Any) -> Any:
         reason = received_message(request.reason, request.reason_json)

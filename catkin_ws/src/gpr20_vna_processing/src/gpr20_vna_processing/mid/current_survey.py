@@ -16,7 +16,6 @@ from gpr20_survey.folder.log_record import Kind, LogRecord
 from gpr20_survey.folder.recovery import Change, add_to_survey, find_survey
 from gpr20_survey.folder.signature import try_to_sign
 from gpr20_survey.folder.survey_log import SurveyLog
-from gpr20_survey.folder.survey_metadata import INTERRUPTED
 from gpr20_survey.plan.markers import MARKERS
 from gpr20_survey.recording.mcap_writer import RecordedMessage
 from gpr20_survey.results.reopened_survey import ReopenedSurvey
@@ -105,10 +104,8 @@ class CurrentSurvey:
         new_survey.check_space(storage, needed_bytes)
         # Its time is that of the survey: an opening that is repeated makes the same record.
         plan = LogRecord.after(None, Kind.PLAN, description, description["started"])
+        failure = Message("the survey's folder {path} could not be made", path=printable(folder))
         with ExitStack() as lock:
-            failure = Message(
-                "the survey's folder {path} could not be made", path=printable(folder)
-            )
             with storing(failure, folder):
                 durable_files.ensure_folder(folder, storage.parameters.readable_by.folder_mode)
                 lock.enter_context(locked(folder))
@@ -279,7 +276,7 @@ class CurrentSurvey:
         """Close the open survey, if any, as one that can be resumed."""
         if self.current is not None:
             reason = Message("the storage was shut down").with_fault(faults.SHUT_DOWN)
-            self.close(self.current.survey_id, INTERRUPTED, reason)
+            self.close(self.current.survey_id, survey_metadata.INTERRUPTED, reason)
 
     def interrupt_other(self, survey: str) -> str:
         """Close the open survey, unless it is this one, as interrupted; return its folder's name.
@@ -294,7 +291,9 @@ class CurrentSurvey:
             return ""
         reason = Message("left open by the control, which began {survey}", survey=survey[:64])
         try:
-            self.close(opened.survey_id, INTERRUPTED, reason.with_fault(faults.LEFT_OPEN))
+            self.close(
+                opened.survey_id, survey_metadata.INTERRUPTED, reason.with_fault(faults.LEFT_OPEN)
+            )
         except StorageFailedError:
             if opened.in_place():
                 raise

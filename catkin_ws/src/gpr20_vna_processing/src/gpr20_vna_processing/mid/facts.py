@@ -45,9 +45,7 @@ def requested_fact(kind: str, values_json: str, now: str) -> Tuple[Kind, Change]
         annotation = record_from(Annotation, values, ANNOTATION)
         # Its heading is that of the former one at this position.
         return found, lambda description: _unless_entry(
-            description,
-            ANNOTATION,
-            Fact(found, keeping_heading(annotation, description).values()),
+            description, ANNOTATION, Fact(found, keeping_heading(annotation, description).values())
         )
     if found is Kind.MARKER:
         _check_keys(kind, values, REQUEST_KEYS)
@@ -121,10 +119,9 @@ def _removed_marker(description: Dict[str, Any], gone: Marker, now: str) -> Opti
     return Fact(Kind.MARKER_REMOVED, change) if former[0].is_present else None
 
 
-def _unless_entry(description: Dict[str, Any], key: str, fact: Optional[Fact]) -> Optional[Fact]:
+def _unless_entry(description: Dict[str, Any], key: str, fact: Fact) -> Optional[Fact]:
     """Return a fact that replaces an entry of the description; None if it is that entry already."""
-    same = fact is not None and key in description and description[key] == fact.values
-    return None if same else fact
+    return None if description.get(key) == fact.values else fact
 
 
 def _check_keys(kind: str, values: Dict[str, Any], keys: Collection[str]) -> None:

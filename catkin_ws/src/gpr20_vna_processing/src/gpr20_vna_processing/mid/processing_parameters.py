@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import re
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Optional, Tuple
@@ -16,14 +15,13 @@ from gpr20_common.mid.checks import number_between, positive_number
 from gpr20_survey.files.durable_files import Readers
 from gpr20_survey.folder.data_folder import DataFolderUse
 from gpr20_survey.folder.signature import Signer
+from gpr20_survey.plan.sensors import TOPIC
 
 BYTES_PER_MB = 1_000_000
 OF_AN_AXIS = (
     *("current_coord", "axis/goal", "axis/result", "axis/status", "axis/cancel"),
     "axis_driver/description",
 )
-# Names of ROS, relative or absolute; a private one would be below the storage's own name.
-TOPIC = re.compile(r"/?[A-Za-z]\w*(/[A-Za-z]\w*)*", re.ASCII)
 DEFAULT_TOPICS = (
     *(f"{axis}_axis/{name}" for axis in "xyz" for name in OF_AN_AXIS),
     "height_sensor/description",

@@ -18,11 +18,10 @@ from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message, in_a_row
 from gpr20_common.terminal_text import printable
 from gpr20_survey.errors import SurveyRefusedError, storing
-from gpr20_survey.faults import REPAIRED
+from gpr20_survey.faults import REPAIRED, TRACE_OTHER_VERSION
 from gpr20_survey.files import durable_files
 from gpr20_survey.folder import manifest, survey_folder
 from gpr20_survey.folder.log_record import Kind, LogRecord
-from gpr20_survey.folder.manifest import SIGNATURE_FILE
 from gpr20_survey.folder.recovery import RecoveredSurvey, open_log, recover, repairs_of
 from gpr20_survey.folder.signature import Signer, is_signed
 from gpr20_survey.folder.trace_files import TraceFile
@@ -48,7 +47,7 @@ class Reopening:
 
         Raises:
             SurveyRefusedError: The survey ended complete, or cannot continue: its traces do not
-                fit its plan, or nothing shows what the plan was.
+                fit its plan, or are of another version, or nothing shows what the plan was.
             StorageFailedError: The disk cannot be read.
         """
         self._folder = folder
@@ -105,7 +104,7 @@ class Reopening:
             recording = self._write_recording()
             try:
                 # Last: until now it shows which files were changed before.
-                durable_files.remove_file(self._folder / SIGNATURE_FILE)
+                durable_files.remove_file(self._folder / manifest.SIGNATURE_FILE)
                 durable_files.remove_file(self._folder / manifest.MANIFEST_FILE)
             except OSError:
                 recording.abandon()
@@ -137,6 +136,16 @@ class Reopening:
     def _check_can_continue(self) -> None:
         stored, description = self._stored, self._recovered.description
         folder, count = printable(self._folder), len(self._stored.truth)
+        unread = [*(reason for _path, reason in stored.files.damaged), *stored.mcap.faults]
+        for reason in unread:
+            if reason.fault_code == TRACE_OTHER_VERSION.code:  # it is no damage
+                raise SurveyRefusedError(
+                    Message(
+                        "the survey in {folder} cannot be resumed: {reason}; nothing was changed",
+                        folder=folder,
+                        reason=reason,
+                    )
+                )
         misfits = stored.misfits
         if stored.files.foreign + stored.mcap.foreign and not stored.truth:
             misfits = [Message("every readable trace belongs to another survey")]

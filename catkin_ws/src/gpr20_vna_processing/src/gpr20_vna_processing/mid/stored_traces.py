@@ -49,8 +49,8 @@ class RecordedTraces:
                 self._check_own(trace, survey_id)
             except TraceRefusedError as error:
                 self.foreign += isinstance(error, ForeignTraceError)
-                damage = {"file": path.name, "reason": error.message}
-                found.append(Message("{file} holds a damaged trace: {reason}", **damage))
+                reason = error.message
+                found.append(Message("{file}: {reason}", file=path.name, reason=reason))
                 continue
             self.prints[trace.index] = trace.fingerprint()
             self._places[trace.index] = place
@@ -167,13 +167,11 @@ class StoredTraces:
             self.truth[index] = file.fingerprint
             recorded = self.mcap.prints.get(index)
             if not self._is_listed(file) and recorded not in (None, file.fingerprint):
-                self._contradict(
-                    file.name,
-                    Message(
-                        "{file} and survey.mcap hold different numbers with right checksums",
-                        file=file.name,
-                    ),
+                reason = Message(
+                    "{file} and survey.mcap hold different numbers with right checksums",
+                    file=file.name,
                 )
+                self._contradict(file.name, reason)
         lost = self.mcap.prints.keys() - self.truth.keys()
         self.truth.update({index: self.mcap.prints[index] for index in lost})
         # The manifest may have others than those that the MCAP alone holds.

@@ -7,6 +7,7 @@ for ever. `test_random_damage.py` draws other damages.
 from __future__ import annotations
 
 import itertools
+import json
 import shutil
 from dataclasses import dataclass, replace
 from typing import Callable, Collection, Optional, Sequence, Union
@@ -15,7 +16,15 @@ import pytest
 from annotation_examples import EXAMPLE
 from case_kit import each_case
 from fault_kit import raises_fault
-from log_examples import DONE, KILLED, NOW, add_marker, change_digit, ended_at_call
+from log_examples import (
+    DONE,
+    KILLED,
+    NOW,
+    add_marker,
+    change_digit,
+    ended_at_call,
+    with_own_sum,
+)
 from planned_survey import METADATA
 from reopening_kit import (
     REPORT,
@@ -29,17 +38,20 @@ from reopening_kit import (
     trace_file,
     tree,
 )
-from storage_kit import Kit
+from storage_kit import OTHER_SURVEY, Kit
 from trace_examples import SURVEY
 
+from gpr20_analysis.read.load import load_survey
 from gpr20_analysis.read.verification import verify_survey
 from gpr20_analysis.read.verification_result import COMPLETE, DAMAGED, INCOMPLETE
 from gpr20_survey.errors import SurveyRefusedError
-from gpr20_survey.folder import trace_files
-from gpr20_survey.folder.log_record import Kind
+from gpr20_survey.folder import manifest, trace_files
+from gpr20_survey.folder.log_record import Kind, LogHead
 from gpr20_survey.folder.recovery import add_to_survey, open_log, read_description, recover
 from gpr20_survey.plan.annotation import annotation_of
-from gpr20_survey.trace import trace_json
+from gpr20_survey.recording.mcap_reader import StoredMcap
+from gpr20_survey.recording.mcap_writer import McapFile
+from gpr20_survey.trace import trace_json, trace_message
 from gpr20_vna_processing.mid.stored_surveys import StoredSurveys
 
 VIEW, SEAL = "survey.json", "manifest.json"
@@ -140,6 +152,39 @@ def other_trace(folder, _older):
     path.write_bytes(trace_json.encode(replace(trace, antennae_height_m=0.7)))
 
 
+def foreign_manifest(folder, _older):
+    """Put the manifest of another survey, whose log is longer, in the place of its own."""
+    sealed, head = manifest.read_manifest(folder), LogHead(40, "0" * 64)
+    foreign = replace(sealed, survey_id=OTHER_SURVEY, log=head)
+    (folder / SEAL).write_bytes(foreign.encode())
+
+
+def later_manifest(whole):
+    values = json.loads(whole)
+    del values["sha256"]
+    return with_own_sum({**values, "format": "gpr20-manifest/2"})
+
+
+def later_trace(whole):
+    covered = whole[: whole.rindex(b', "sha256"')] + b"}"
+    return trace_json.sealed(covered.replace(b"gpr20-trace/1", b"gpr20-trace/2"))
+
+
+def later_mcap(make):
+    """Give each trace of the MCAP, and its type, another version."""
+
+    def change(folder, _older):
+        messages = list(StoredMcap(folder / MCAP).messages())
+        (folder / MCAP).unlink()
+        file = McapFile(folder / MCAP)
+        for one in messages:
+            file.write_alone(make(one) if one.datatype == trace_message.DATATYPE else one)
+        file.commit()
+        file.abandon()
+
+    return change
+
+
 @dataclass(frozen=True)
 class Damage:
     """A damage, and what follows.
@@ -149,7 +194,7 @@ class Damage:
         change: Damages its folder.
         names: What verify names: files and others.
         kept: Files that are kept in `damaged/` as they were.
-        repaired: What the repairs name; None: what verify names.
+        repaired: What the repairs, or the refusal, name; None: what verify names.
         loaded: The traces that are read, or the code of the refusal; None: all that are stored.
         stored: The traces that are there when it is reopened; None: all that were.
         refused: The code with which reopening it is refused.
@@ -170,7 +215,7 @@ class Damage:
 
 
 STOPPED, CUT_OFF, FINISHED, INTERRUPTED = "stopped", "cut off", "finished", "interrupted"
-LOST = "survey.description_lost"
+LOST, OTHER_VERSION = "survey.description_lost", "trace.other_version"
 LINE_AND_MORE = content(LOG, lambda whole: whole[:-3] + b"#}\n")
 DAMAGES = {
     # survey.json decides nothing; the manifest shows that it was changed.
@@ -216,6 +261,26 @@ DAMAGES = {
     # The manifest.
     "manifest flipped": Damage(STOPPED, flipped(SEAL), [SEAL], [SEAL]),
     "manifest gone": Damage(FINISHED, gone(SEAL), [SEAL], repaired=[]),
+    "manifest of another survey": Damage(
+        STOPPED, foreign_manifest, [SEAL, OTHER_SURVEY], [SEAL]
+    ),
+    # Another version is no damage.
+    "later manifest": Damage(
+        STOPPED, content(SEAL, later_manifest), [SEAL], repaired=["gpr20-manifest/2"],
+        refused=OTHER_VERSION,
+    ),
+    "later trace": Damage(
+        CUT_OFF, content(TRACE, later_trace), [TRACE], repaired=["gpr20-trace/2"],
+        refused=OTHER_VERSION,
+    ),
+    "later traces in the mcap": Damage(
+        CUT_OFF, later_mcap(lambda one: replace(one, data=one.data.replace(b"ace/1", b"ace/2"))),
+        [MCAP], repaired=["gpr20-trace/2"], refused=OTHER_VERSION,
+    ),
+    "later type of traces in the mcap": Damage(
+        CUT_OFF, later_mcap(lambda one: replace(one, md5sum="2" * 32)), [MCAP],
+        repaired=["2" * 32], refused=OTHER_VERSION,
+    ),
     # Traces.
     "trace gone": Damage(STOPPED, gone(TRACE), [TRACE]),
     "digit of a trace": Damage(CUT_OFF, flipped(TRACE, b'"s21_real": [0.1'), [TRACE], [TRACE]),
@@ -264,6 +329,12 @@ def check_verified(folder, damage):
     for name in damage.names:
         assert name.replace(TRACE, TRACE_NAME) in said(found.faults)
     assert found.status == (DAMAGED if damage.names or damage.refused else INCOMPLETE)
+    # What nothing vouches for is said wherever the survey is read.
+    if found.unconfirmed:
+        shown = load_survey(folder, accept_damaged=True).attrs["doubts"]
+        (listed,), _more = StoredSurveys(folder.parent).list("", 1)
+        for name in found.unconfirmed:
+            assert name in said(shown) and name in str(listed.verdict)
 
 
 def check_reopened(folder, damage, damaged):
@@ -311,7 +382,7 @@ def test_damage_is_named_and_costs_nothing_that_another_form_holds(copies, surve
     assert tree(folder) == damaged
     if damage.refused:
         kit = Kit(folder.parent)
-        with raises_fault(damage.refused, error=SurveyRefusedError):
+        with raises_fault(damage.refused, *(damage.repaired or ()), error=SurveyRefusedError):
             kit.processing.reopen_survey(folder.name)
         kit.processing.shut_down()
         assert tree(folder) == damaged
@@ -349,7 +420,7 @@ def test_a_manifest_refutes_a_trace_also_while_the_survey_is_being_reopened(copi
     assert_whole(folder, TRACES)
 
 
-@each_case("change", [digit(LOG, COPY), flipped(SEAL), other_history])
+@each_case("change", [digit(LOG, COPY), flipped(SEAL), foreign_manifest, other_history])
 def test_nothing_is_added_to_a_survey_of_which_something_is_lost_or_damaged(
     copies, surveys, change
 ):
