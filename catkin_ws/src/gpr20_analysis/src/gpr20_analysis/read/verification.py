@@ -281,8 +281,6 @@ class _Verifier:
                 )
                 for one in log.behind
             ]
-            if self._recovered.manifest is not None:
-                self._check_end_of_log(self._recovered.manifest)
         self._found.unconfirmed = tuple(self._description.get(UNCONFIRMED, {}))
 
     def _check_description(self, readable: int) -> None:

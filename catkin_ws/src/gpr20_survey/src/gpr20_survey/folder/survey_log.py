@@ -94,7 +94,8 @@ def read_log(folder: Path, sealed: Optional[Manifest] = None) -> FoundLog:
     strangers = {LogHead.of(one): one for form in forms for one in form.records}
     for record in found:
         del strangers[LogHead.of(record)]
-    ends = [sealed.log.number if sealed is not None and is_own else -1]
+    named = sealed.log.number if sealed is not None and is_own else -1
+    ends = [named]
     for own, other in (forms, forms[::-1]):
         # Of a line that was torn while it was added nothing was acknowledged, if the other file,
         # which a power cut leaves alone, shows that it was.
@@ -105,8 +106,7 @@ def read_log(folder: Path, sealed: Optional[Manifest] = None) -> FoundLog:
     differ = {name: one for name, one in zip(LOG_FILES, contents) if one != whole}
     # Where something is lost, a torn end is no trace of a power cut. Both files held the plan, and
     # what the manifest names.
-    sure = 0 if sealed is None else sealed.number
-    least = sum(len(line) for one, line in zip(found, lines) if one.number <= sure)
+    least = sum(len(line) for one, line in zip(found, lines) if one.number <= max(named, 0))
     behind = [name for name, one in differ.items() if not lost and _is_behind(one, whole, least)]
     return FoundLog(
         tuple(found),
