@@ -11,13 +11,8 @@ import rosgraph
 import rospy
 
 from gpr20_common.high.raw_message import connection_header
+from gpr20_survey.recording import survey_topics as own_topics
 from gpr20_survey.recording.mcap_writer import RecordedMessage
-from gpr20_survey.recording.survey_topics import (
-    LOG_TOPIC,
-    METADATA_TOPIC,
-    REPLAY_TOPIC,
-    TRACE_TOPIC,
-)
 
 # Topics that make an axis move or stop have another name in the recording: playing it on the master
 # of a robot must not move the robot.
@@ -38,8 +33,8 @@ class TopicRecorder:
         self._record = record
         self._players: Set[str] = set()
         # The storage records these itself, exactly once.
-        stored = (TRACE_TOPIC, METADATA_TOPIC, LOG_TOPIC, REPLAY_TOPIC)
-        own = {rospy.resolve_name(name) for name in stored}
+        logged = (own_topics.METADATA_TOPIC, own_topics.LOG_TOPIC, own_topics.REPLAY_TOPIC)
+        own = {rospy.resolve_name(name) for name in (own_topics.TRACE_TOPIC, *logged)}
         names = {rospy.resolve_name(topic) for topic in topics} - own
         recorded = {one: one + COMMAND_SUFFIX * one.endswith(COMMANDS) for one in sorted(names)}
         self._subscribers = [

@@ -121,10 +121,9 @@ def _removed_marker(description: Dict[str, Any], gone: Marker, now: str) -> Opti
     return Fact(Kind.MARKER_REMOVED, change) if former[0].is_present else None
 
 
-def _unless_entry(description: Dict[str, Any], key: str, fact: Optional[Fact]) -> Optional[Fact]:
+def _unless_entry(description: Dict[str, Any], key: str, fact: Fact) -> Optional[Fact]:
     """Return a fact that replaces an entry of the description; None if it is that entry already."""
-    same = fact is not None and key in description and description[key] == fact.values
-    return None if same else fact
+    return None if description.get(key) == fact.values else fact
 
 
 def _check_keys(kind: str, values: Dict[str, Any], keys: Collection[str]) -> None:

@@ -91,9 +91,8 @@ class OpenSurvey:
         text = survey_metadata.encode(self.description).decode("ascii")
         metadata = topics.metadata(text, now_ns)
         log = [topics.log(record, now_ns) for record in added]
-        self.record(
-            [topics.replay(self.description, self.folder, now_ns), metadata, *log, *latched]
-        )
+        replay = topics.replay(self.description, self.folder, now_ns)
+        self.record([replay, metadata, *log, *latched])
         self.commit()
         with self._writing(survey_folder.SURVEY_FILE):
             self._log.write_description()
