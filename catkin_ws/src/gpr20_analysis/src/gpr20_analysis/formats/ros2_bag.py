@@ -17,11 +17,10 @@ from gpr20_analysis.errors import UnreadableFileError
 from gpr20_analysis.formats.format import ExportFormat, RecordingExport, only_recordings
 from gpr20_analysis.progress import Progress
 from gpr20_analysis.read.doubts import recording_doubts
-from gpr20_analysis.read.recordings import Lost, all_messages, recording_of
+from gpr20_analysis.read.recordings import Lost, all_messages, is_metadata_topic, recording_of
 from gpr20_analysis.sentences import DOUBTS, kept_doubts, with_sentences
 from gpr20_common.message import Message
 from gpr20_survey.recording.mcap_writer import RecordedMessage
-from gpr20_survey.recording.survey_topics import is_metadata_topic
 
 METADATA, MCAP = "metadata.yaml", ".mcap"
 # The last version whose names of qualities are numbers, which readers of every release know.

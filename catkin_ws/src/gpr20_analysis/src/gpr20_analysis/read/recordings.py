@@ -25,9 +25,9 @@ from gpr20_common.os_reason import os_reason
 from gpr20_survey.files.regular_file import open_regular
 from gpr20_survey.folder import survey_folder
 from gpr20_survey.folder.log_record import LogRecord
-from gpr20_survey.recording.mcap_reader import TORN, StoredMcap, recorded_message
+from gpr20_survey.recording.mcap_reader import TORN, StoredMcap, type_of
 from gpr20_survey.recording.mcap_writer import LIBRARY, RecordedMessage
-from gpr20_survey.recording.survey_topics import TEXT_TYPE, is_metadata_topic, recorded_log
+from gpr20_survey.recording.survey_topics import METADATA_TOPIC, TEXT_TYPE, recorded_log
 from gpr20_survey.trace import trace_message, utc_time
 
 BAG, MCAP = ".bag", ".mcap"
@@ -62,6 +62,11 @@ class OpenRecording:
     log: Sequence[LogRecord]
     """What was added to the survey's log while it was recorded, as far as it can be read."""
     notes: List[Message]
+
+
+def is_metadata_topic(topic: str) -> bool:
+    """Return whether a topic holds the survey's metadata, whatever the robot's namespace."""
+    return topic.rsplit("/", 1)[-1] == METADATA_TOPIC
 
 
 def is_bag(path: Path) -> bool:
@@ -173,7 +178,8 @@ def mcap_messages(path: Path, follow_link: bool) -> Iterator[RecordedMessage]:
     with _failing_as_unreadable(path), _opened(path, follow_link) as stream:
         for schema, channel, message in make_reader(stream, validate_crcs=True).iter_messages():
             if schema is not None:
-                yield recorded_message(schema, channel, message)
+                own, latching = type_of(schema, channel)
+                yield RecordedMessage(*own, message.data, message.log_time, latching)
 
 
 def mcap_length_s(path: Path, follow_link: bool) -> float:

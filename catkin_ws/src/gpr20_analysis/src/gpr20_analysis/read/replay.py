@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any, Dict, Iterable, Iterator, Mapping, NamedTuple, Optional, Union
 
 from gpr20_analysis.errors import DamagedSurveyError
-from gpr20_analysis.read.recordings import MCAP, mcap_length_s, mcap_messages
+from gpr20_analysis.read.recordings import MCAP, is_metadata_topic, mcap_length_s, mcap_messages
 from gpr20_analysis.read.sources import SurveySource, open_source
 from gpr20_common.message import in_a_row
 from gpr20_survey.folder import survey_folder, survey_metadata
@@ -19,7 +19,6 @@ from gpr20_survey.recording.survey_topics import (
     METADATA_TOPIC,
     REPLAY_TYPE,
     SurveyTopics,
-    is_metadata_topic,
 )
 from gpr20_survey.trace import trace_message, utc_time
 from gpr20_survey.trace.trace import Trace

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import zipfile
 from pathlib import Path
-from typing import Any, ContextManager, Dict, Iterator, Tuple
+from typing import ContextManager, Dict, Iterator, Tuple
 
 from gpr20_common.message import Message
 from gpr20_common.terminal_text import printable
@@ -16,32 +16,6 @@ from gpr20_survey.files.regular_file import open_regular
 
 # Small, so that who stores on this disk at the same time is not kept waiting.
 PIECE_BYTES = 1 << 18
-
-
-class _Collected(bytearray):
-    """Takes what a ZIP file writes; without `tell` and `seek` it writes in one pass."""
-
-    def write(self, data: bytes) -> int:
-        self += data
-        return len(data)
-
-    def flush(self) -> None:
-        """Do nothing: everything is here."""
-
-
-def zip_parts(folder: Path) -> Iterator[bytes]:
-    """Yield a ZIP file of a folder as it is made, stored without compression.
-
-    Raises:
-        ProcessingError: See `add_folder`; what was yielded so far is no ZIP file.
-    """
-    parts: Any = _Collected()
-    with zipfile.ZipFile(parts, "w", zipfile.ZIP_STORED) as archive:
-        for _ in add_folder(archive, folder):
-            if len(parts) >= PIECE_BYTES:
-                yield bytes(parts)
-                parts.clear()
-    yield bytes(parts)
 
 
 def add_folder(archive: zipfile.ZipFile, folder: Path) -> Iterator[None]:

@@ -37,12 +37,10 @@ END_BYTES = FOOTER.size + len(MAGIC)
 DATA_END = struct.Struct("<BQ4s")
 # Opcode and length of a record.
 RECORD = struct.Struct("<BQ")
-# The same and times and size without compression of a chunk.
+# Of a chunk also two times and its size without compression.
 CHUNK_HEAD = struct.Struct("<BQQQQ")
-# What a bag has beside its chunks: the definition of each topic's type, twice; of each message the
-# place in the index, in a record for each topic and chunk.
-BAG_HEAD_BYTES = 4 << 20
-BAG_TO_INDEX = 8
+# At most what a bag has beside its messages: definitions of types, and an index.
+BAG_HEAD_BYTES, BAG_TO_INDEX = 4 << 20, 8
 BETWEEN = (Opcode.HEADER, Opcode.ATTACHMENT, Opcode.MESSAGE_INDEX)
 
 Kind = Tuple[str, str, str, str]
@@ -102,10 +100,7 @@ class StoredMcap:
         return len(content) > len(MAGIC) + END_BYTES and content[-len(MAGIC) :] == MAGIC
 
     def bag_bytes(self) -> int:
-        """Return how much a bag of all messages takes at most [bytes]; 0 without a file.
-
-        Nobody knows how well lz4 packs them, so it counts as if it did not.
-        """
+        """Return what a bag takes at most [bytes], as if lz4 did not pack it; 0 without a file."""
         content, place = _mapped(self.path), len(MAGIC)
         size = BAG_HEAD_BYTES * bool(content)
         while place + CHUNK_HEAD.size <= len(content):
@@ -127,7 +122,7 @@ class StoredMcap:
             if isinstance(record, Schema):
                 self._schemas[record.id] = record
             elif isinstance(record, Channel):
-                self._types[record.id] = _type_of(self._schemas[record.schema_id], record)
+                self._types[record.id] = type_of(self._schemas[record.schema_id], record)
             elif isinstance(record, McapMessage):
                 own, latching = self._types[record.channel_id]
                 if datatype in ("", own[1]):
@@ -152,13 +147,7 @@ class StoredMcap:
         self.faults.append(Message("{file} is damaged", file=self.path.name, details=details))
 
 
-def recorded_message(schema: Schema, channel: Channel, message: McapMessage) -> RecordedMessage:
-    """Return a message that the library has read."""
-    own, latching = _type_of(schema, channel)
-    return RecordedMessage(*own, message.data, message.log_time, latching)
-
-
-def _type_of(schema: Schema, channel: Channel) -> Tuple[Kind, bool]:
+def type_of(schema: Schema, channel: Channel) -> Tuple[Kind, bool]:
     """Return what stands before the data of a channel's messages, and whether it latches."""
     md5sum = channel.metadata.get("md5sum", "")
     own = (channel.topic, schema.name, md5sum, schema.data.decode())

@@ -78,11 +78,6 @@ class SurveyTopics:
         return RecordedMessage(self.resolve(REPLAY_TOPIC), *REPLAY, data, time_ns, True)
 
 
-def is_metadata_topic(topic: str) -> bool:
-    """Return whether a topic holds the survey's metadata, whatever the robot's namespace."""
-    return topic.rsplit("/", 1)[-1] == METADATA_TOPIC
-
-
 def recorded_log(message: RecordedMessage) -> Optional[LogRecord]:
     """Return the record of the survey's log in a message, or None if it holds none that is right.
 

@@ -98,8 +98,7 @@ class ProcessingNode:
         self._description = publish_description(NODE, NO_HARDWARE, parameters)
 
     def _open_survey(self, request: Any) -> Any:
-        interrupted = self._interrupt_other(request.interrupt_open, request.survey_id)
-        self._wait_for_publishers()
+        interrupted = self._before_opening(request, request.survey_id)
         folder = self._processing.open_survey(
             request.survey_id,
             microseconds(request.started),
@@ -113,8 +112,7 @@ class ProcessingNode:
         return success(srv.OpenSurvey, message, path=str(folder), interrupted=interrupted)
 
     def _reopen_survey(self, request: Any) -> Any:
-        interrupted = self._interrupt_other(request.interrupt_open, request.survey)
-        self._wait_for_publishers()
+        interrupted = self._before_opening(request, request.survey)
         # Reopening publishes the last trace again, maybe as the first act of this process.
         wait_for_nodes(self._unheard, "a subscriber of %s is not connected")
         reopened = self._processing.reopen_survey(request.survey)
@@ -131,16 +129,15 @@ class ProcessingNode:
             **{**fields_of(again, srv.ReopenSurveyResponse), "recent": recent},
         )
 
-    def _wait_for_publishers(self) -> None:
+    def _before_opening(self, request: Any, survey: str) -> str:
+        interrupted = self._processing.interrupt_other(survey) if request.interrupt_open else ""
         warning = "recording begins without a publisher of %s"
         wait_for_nodes(lambda: self._recorder.unconnected(), warning)
+        return interrupted
 
     def _unheard(self) -> List[str]:
         topic = self._trace.resolved_name
         return [topic] if self._trace.get_num_connections() < subscriber_count(topic) else []
-
-    def _interrupt_other(self, wanted: bool, survey: str) -> str:
-        return self._processing.interrupt_other(survey) if wanted else ""
 
     def _add_fact(self, request: Any) -> Any:
         added = self._processing.add_fact(request.survey, request.kind, request.values_json)

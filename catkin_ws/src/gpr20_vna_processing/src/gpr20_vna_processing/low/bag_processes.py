@@ -24,8 +24,11 @@ END_LIMIT_S = 3.0
 
 
 def bag_bytes(folder: Path) -> int:
-    """Return how much the bag of a survey takes at most [bytes]; 0 without a recording."""
-    return StoredMcap(folder / MCAP_FILE).bag_bytes()
+    """Return how much the bag of a survey takes at most [bytes]; 0: nothing can be read."""
+    try:
+        return StoredMcap(folder / MCAP_FILE).bag_bytes()
+    except OSError:
+        return 0
 
 
 class BagProcesses:

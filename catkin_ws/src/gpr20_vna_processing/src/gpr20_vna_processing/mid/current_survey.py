@@ -33,7 +33,7 @@ from gpr20_vna_processing.mid.storage_thread import StorageThread
 MAX_REASON_BYTES = 16384
 # Traces of the open survey wait meanwhile.
 LOCK_WAIT_S = 0.3
-BAG_WAIT_S = 1.0
+BAG_WAIT_S = 1.0  # while the process that makes a bag adds it to the log
 NO_REASON = verbatim("")
 
 
@@ -110,8 +110,7 @@ class CurrentSurvey:
                 durable_files.ensure_folder(folder, storage.parameters.readable_by.folder_mode)
                 lock.enter_context(locked(folder))
                 new_survey.empty_folder(folder, plan)
-                path = folder / survey_folder.MCAP_FILE
-                recording = storage.open_recording(path)
+                recording = storage.open_recording(folder / survey_folder.MCAP_FILE)
             log = SurveyLog(folder, [plan], whole=False)
             survey = OpenSurvey(folder, log, recording, storage)
             self._take(survey, log.records, now_ns)
@@ -141,7 +140,6 @@ class CurrentSurvey:
         with ExitStack() as lock:
             failure = Message("the folder {path} could not be locked", path=printable(folder))
             with storing(failure, folder):
-                # The process that makes its bag may be adding that to its log.
                 lock.enter_context(locked(folder, BAG_WAIT_S))
             reopening = Reopening(folder, self._storage, self._signer)
             # Only now: a survey that is not resumed keeps its bag.

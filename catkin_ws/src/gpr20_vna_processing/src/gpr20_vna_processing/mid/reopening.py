@@ -232,9 +232,8 @@ class Reopening:
             yield self._storage.topics.trace(trace, trace.timestamp_us * utc_time.NS_PER_US)
         if missing:
             file = survey_folder.MCAP_FILE
-            self._repairs.append(
-                Message("added {count} traces to {file}", count=len(missing), file=file)
-            )
+            added = Message("added {count} traces to {file}", count=len(missing), file=file)
+            self._repairs.append(added)
 
     def _keep_damaged(self, mcap: Path) -> None:
         """Keep an MCAP that is not whole in `damaged/`, and the bag: each may hold more."""

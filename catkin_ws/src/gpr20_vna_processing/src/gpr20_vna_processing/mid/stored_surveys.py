@@ -134,10 +134,9 @@ class StoredSurveys:
         with storing(failure, self._data):
             if not self._data.exists():
                 return []  # made with the first survey
-            folders = [
-                one for one in os.scandir(str(self._data)) if one.is_dir(follow_symlinks=False)
-            ]
-        return [one.name for one in folders if survey_folder.FOLDER_NAME.fullmatch(one.name)]
+            found = os.scandir(str(self._data))
+            names = [one.name for one in found if one.is_dir(follow_symlinks=False)]
+        return [one for one in names if survey_folder.FOLDER_NAME.fullmatch(one)]
 
 
 def _from_file(folder: Path, survey_id: str, name: Optional[str]) -> Trace:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import zipfile
 from pathlib import Path
 from typing import IO, Any, Dict, Iterator, Mapping
 
@@ -10,7 +11,7 @@ from gpr20_common.message import Message
 from gpr20_survey.errors import storing
 from gpr20_survey.files.file_sums import regular_files
 from gpr20_survey.files.folder_lock import writer_of
-from gpr20_survey.files.folder_zip import PIECE_BYTES, zip_parts
+from gpr20_survey.files.folder_zip import PIECE_BYTES, add_folder
 from gpr20_survey.files.regular_file import open_regular
 from gpr20_survey.folder import survey_folder
 from gpr20_survey.folder.manifest import MANIFEST_FILE
@@ -30,6 +31,32 @@ FILES: Mapping[str, str] = {
 }
 """Media types of the forms; nothing else of a folder can be named."""
 UNREADABLE = Message("the survey could not be read")
+
+
+class _Collected(bytearray):
+    """Takes what a ZIP file writes; without `tell` and `seek` it writes in one pass."""
+
+    def write(self, data: bytes) -> int:
+        self += data
+        return len(data)
+
+    def flush(self) -> None:
+        """Do nothing: everything is here."""
+
+
+def zip_parts(folder: Path) -> Iterator[bytes]:
+    """Yield a ZIP file of a folder as it is made, stored without compression.
+
+    Raises:
+        ProcessingError: See `add_folder`; what was yielded so far is no ZIP file.
+    """
+    parts: Any = _Collected()
+    with zipfile.ZipFile(parts, "w", zipfile.ZIP_STORED) as archive:
+        for _ in add_folder(archive, folder):
+            if len(parts) >= PIECE_BYTES:
+                yield bytes(parts)
+                parts.clear()
+    yield bytes(parts)
 
 
 def folder_of(data: Path, name: str) -> Path:
