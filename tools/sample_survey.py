@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shutil
 import sys
 from pathlib import Path
 
@@ -58,7 +59,9 @@ def main() -> None:
         print(verification.verdict)
         if verification.status:
             raise SystemExit(verification.status)
-        copy_traces(folder / "survey.mcap", output)
+        copied = robot.data / "sample.mcap"
+        copy_traces(folder / "survey.mcap", copied)
+        shutil.move(str(copied), str(output))
     print(output, output.stat().st_size)
 
 
