@@ -19,8 +19,7 @@ from gpr20_survey.folder.survey_log import SurveyLog
 from gpr20_survey.folder.survey_metadata import START
 from gpr20_survey.plan.survey_parameters import RobotTravel, SurveyParameters, Travel
 from gpr20_survey.plan.survey_points import survey_points
-from gpr20_survey.recording.bag import write_bag
-from gpr20_survey.recording.mcap_reader import StoredMcap
+from gpr20_survey.recording.bag import make_bag
 from gpr20_survey.recording.mcap_writer import McapFile
 from gpr20_survey.recording.survey_topics import SurveyTopics
 from gpr20_survey.trace import trace_json
@@ -72,8 +71,6 @@ def make(folder: Path, x_points: int, y_points: int, frequency_points: int = 501
             recording.commit()
     recording.commit()
     recording.finish()
-    recorded = StoredMcap(folder / survey_folder.MCAP_FILE).messages()
-    write_bag(recorded, folder / survey_folder.BAG_FILE)
     log = SurveyLog(folder, [], whole=False)
     end = {key: description[key] for key in ENDING}
     plan = {key: value for key, value in description.items() if key not in ENDING}
@@ -82,6 +79,7 @@ def make(folder: Path, x_points: int, y_points: int, frequency_points: int = 501
     log.write_description()
     ended = str(description["ended"])
     manifest.write_manifest(folder, SURVEY_ID, log.last, "benchmark", ended)
+    make_bag(folder)
     return len(points)
 
 

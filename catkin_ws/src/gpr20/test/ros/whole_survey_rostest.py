@@ -323,7 +323,10 @@ class WholeSurveyTest(unittest.TestCase):
         alarming = [
             f"{one.name}: {one.msg}"
             for one in self.heard.messages["/rosout"]
-            if one.level >= Log.WARN and "refused" not in one.msg
+            if one.level >= Log.WARN
+            and "refused" not in one.msg
+            # A client that ended while it connected, as rospy says.
+            and "before handshake header received" not in one.msg
         ]
         self.assertEqual(alarming, [])
 

@@ -62,7 +62,8 @@ class ProcessingNode:
         self._trace = rospy.Publisher(survey_topics.TRACE_TOPIC, Trace, queue_size=100)
         metadata = rospy.Publisher(survey_topics.METADATA_TOPIC, String, queue_size=1, latch=True)
         log = rospy.Publisher(survey_topics.LOG_TOPIC, String, queue_size=100)
-        self._publishers = {one.resolved_name: one for one in (self._trace, metadata, log)}
+        own = zip(survey_topics.OWN_TOPICS, (self._trace, metadata, log))
+        self._publishers = {rospy.resolve_name(name): one for name, one in own}
         self._bags = BagProcesses(free_bytes, self._reserve_bytes)
         self._key_warning = key_warning(parameters.signer())
         self._processing = DataProcessing(
