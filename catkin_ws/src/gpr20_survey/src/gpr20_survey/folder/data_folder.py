@@ -333,7 +333,11 @@ class DataFolder:
             expected = None if remembered is None else remembered.identity
             marker = read_marker(self._path)
         except _DamagedError as error:
-            wrong = Message("{file} is damaged", file=str(error))
+            wrong = Message(
+                "{file} is damaged or of another version; if this is the folder of the surveys, "
+                "run rosrun gpr20_launch robot_config accept_data",
+                file=str(error),
+            )
         else:
             if marker is None and expected is None:
                 return KnownFolder("", remembered=False)
