@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Iterator, List
 
 # What words for people are called, and the errors whose text is such words.
-WORDS = {"details", "failure", "message", "message_json", "problem", "reason", "refusal", "remark"}
+WORDS = {"details", "failure", "message", "problem", "reason", "refusal", "remark"}
 WORDS |= {"sentence", "strerror", "summary", "template", "verdict", "warning"}
 ERRORS = {"err", "error", "exc", "exception", "failed", "fault", "refused"}
 SEARCHES = {"startswith", "endswith", "find", "index", "count", "partition", "split"}

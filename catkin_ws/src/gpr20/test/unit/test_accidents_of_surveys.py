@@ -110,7 +110,7 @@ def check_said(robot, fault):
     status = check_state(robot, SurveyState.FINISHED)
     assert status.full_message.fault_code == fault.code
     (warning,) = description_in(robot)["report"]["warnings"]
-    assert warning["warning_message"]["fault"]["code"] == fault.code
+    assert warning["warning_message"]["code"] == fault.code
     stored = check_complete(robot)
     assert len([one for one in stored if "clock" in " ".join(one["quality"])]) <= 1
     assert all(one["sweep_started"] < one["sweep_ended"] for one in stored)

@@ -27,8 +27,8 @@ from stored_surveys import check_complete, check_pause, check_state, description
 from gpr20_axis_driver.mid.robot_hardware import RobotHardware
 from gpr20_common.errors import Gpr20Error
 from gpr20_common.faults import INTERNAL, NOT_ALLOWED
+from gpr20_common.high.answers import message_from
 from gpr20_common.mid.hardware import Hardware
-from gpr20_common.sent_message import message_from
 from gpr20_height_sensor.high.height_node import HeightNode
 from gpr20_height_sensor.high.height_node import build_robot_node as build_height_sensor
 from gpr20_height_sensor.mid.height_parameters import HeightParameters
@@ -88,12 +88,12 @@ def test_a_survey_is_planned_started_and_continued_by_messages(world, robot, gra
     refused = graph.ask("set_survey_parameters", parameters=as_message(x_start_mm=math.nan))
     assert not refused.success and "x start is nan mm" in refused.message
     assert message_from(refused).sentence() == refused.message
-    assert graph.ask("start_survey").fault_code == faults.NO_PLAN.code
+    assert graph.ask("start_survey").fault.code == faults.NO_PLAN.code
     own = graph.ask("set_survey_parameters", parameters=as_message())
     assert (own.success, own.total_points) == (True, 18)
     other = graph.ask("set_survey_parameters", client="/other", parameters=as_message(x_points=4))
     refused = graph.ask("start_survey", plan_id=own.plan_id)
-    assert refused.fault_code == faults.OTHER_PLAN.code and "/other" in refused.message
+    assert refused.fault.code == faults.OTHER_PLAN.code and "/other" in refused.message
     own = graph.ask("set_survey_parameters", parameters=as_message())
     assert own.plan_id != other.plan_id
     robot.calls.at("sweep", 4, lambda: [world.fault("OTHER_SERIAL"), world.fault("DROP", count=1)])
@@ -114,8 +114,8 @@ def test_a_survey_is_planned_started_and_continued_by_messages(world, robot, gra
     assert resumed.success, resumed.message
     check_state(robot, SurveyState.FINISHED)
     check_complete(robot)
-    assert graph.ask("stop_survey").fault_code == faults.NONE_RUNNING.code
-    assert graph.ask("pause_survey").fault_code == faults.NONE_MEASURING.code
+    assert graph.ask("stop_survey").fault.code == faults.NONE_RUNNING.code
+    assert graph.ask("pause_survey").fault.code == faults.NONE_MEASURING.code
 
 
 @pytest.mark.parametrize("_round", range(ROUNDS))
@@ -158,7 +158,7 @@ def test_axes_are_homed_and_jogged_within_their_range(world, graph):
     ):
         steps = world.state.steps(AxisId(axis))
         answer = graph.ask("service_move", axis=axis, action=action, distance=distance)
-        assert answer.fault_code == (fault.code if fault else ""), answer.message
+        assert answer.fault.code == (fault.code if fault else ""), answer.message
         assert (world.state.steps(AxisId(axis)) == steps) is bool(fault or action == SET_ZERO)
     assert (world.state.steps(AxisId.X), world.state.steps(AxisId.Z)) == (0, 6)
 
@@ -167,7 +167,7 @@ def test_the_analyzer_is_tested(graph):
     tested = graph.ask("test_analyzer")
     assert tested.success and "SIMULATED" in tested.identity and tested.calibration == "HIGH"
     assert tested.points == 101 and math.isfinite(tested.level_db) and tested.sweep_duration_s > 0.0
-    assert graph.ask("test_analyzer", address="here").fault_code == NOT_ALLOWED.code
+    assert graph.ask("test_analyzer", address="here").fault.code == NOT_ALLOWED.code
 
 
 def test_a_robot_without_its_hardware_is_an_error_and_never_simulated(monkeypatch):
@@ -296,7 +296,7 @@ def ask_all_about(graph, name):
             what = f"{name} {'.'.join(path)} = {value!r:.80}: {answer.message:.200}"
             assert answer.success or len(answer.message.split()) > 4, what
             assert len(answer.message) < LONGEST_ANSWER, what
-            assert answer.fault_code != INTERNAL.code, what
+            assert answer.fault.code != INTERNAL.code, what
             if name == "open_survey" and answer.success:
                 closing = {"survey_id": answer.message.split()[1], "outcome": "stopped"}
                 assert graph.ask("close_survey", reason="a test", **closing).success, what

@@ -33,12 +33,10 @@ FILE_CHANGED = Fault(
 RECORDING_DAMAGED = Fault(
     "analysis.recording_damaged",
     Message("Use the survey's folder instead: gpr20 verify says which of its forms is whole."),
-    replaces=True,
 )
 SURVEY_DAMAGED = Fault(
     "analysis.survey_damaged",
     Message("Keep the survey's folder as it is, and copy it. Then look with gpr20 verify."),
-    replaces=True,
 )
 # What verify says of a survey, when it has looked.
 NOT_INTACT = Fault(
@@ -47,15 +45,13 @@ NOT_INTACT = Fault(
         "Keep the survey's folder as it is, and copy it. Then resume the survey: that checks and "
         "repairs what is stored."
     ),
-    replaces=True,
 )
 IMPORT_NOT_INTACT = Fault(
     "analysis.import_not_intact",
     Message("Import the source again, and use that survey in place of this one."),
-    replaces=True,
 )
 # Why something of a survey may not be believed: the kinds of its doubts.
-_doubt = partial(Fault, severity=Severity.WARNING, replaces=True)
+_doubt = partial(Fault, severity=Severity.WARNING)
 ZEROS_UNPROVEN = _doubt(
     "analysis.zeros_unproven",
     Message(
@@ -94,7 +90,6 @@ NOT_COMPLETE = Fault(
 MANIFEST = Fault(
     "analysis.manifest",
     Message("Run gpr20 repair: it writes the manifest again if everything else agrees."),
-    replaces=True,
 )
 WRONG_SIGNATURE = Fault(
     "analysis.wrong_signature",
@@ -102,7 +97,6 @@ WRONG_SIGNATURE = Fault(
         "Do not use the survey: ask for another copy of it, and compare both. Keep this one as it "
         "is."
     ),
-    replaces=True,
 )
 UNKNOWN_SIGNER = Fault(
     "analysis.unknown_signer",
@@ -127,12 +121,10 @@ UNSIGNED = Fault(
 FILES_DIFFER = Fault(
     "analysis.files_differ",
     Message("Keep a copy of the survey's folder, then resume the survey: that repairs its files."),
-    replaces=True,
 )
 SIGNERS_FILE = Fault(
     "analysis.signers_file",
     Message("Check the path of the signers file: one line for each robot whose key you accept."),
-    replaces=True,
 )
 NOT_CLOSED = Fault(
     "analysis.survey_not_closed",
@@ -183,7 +175,6 @@ NO_SURFACE_ECHO = Fault(
     Message(
         "Give the delay of cables and antennas with --delay; it is measured over a metal plate."
     ),
-    replaces=True,
 )
 PLATE = Fault(
     "analysis.plate",
@@ -208,7 +199,6 @@ OUTPUT = Fault("analysis.output", Message("Choose another place or name for the 
 FORMAT = Fault(
     "analysis.format",
     Message("Choose a format that can hold the data, or change the data as the message says."),
-    replaces=True,
 )
 NO_POSITION = Fault(
     "analysis.no_position",
@@ -237,7 +227,6 @@ SURVEY_RUNS = Fault(
 RECIPE = Fault(
     "analysis.recipe",
     Message("Correct the step or recipe; gpr20 process --help lists steps and parameters."),
-    replaces=True,
 )
 STEP_VERSION = Fault(
     "analysis.step_version", Message("Install the version of the step that the message names.")

@@ -42,7 +42,7 @@ def sentences_of(data: xr.Dataset, name: str) -> List[Message]:
     A sentence without a template, such as one from an older file, stays in English.
     """
     recorded = _recorded(data.attrs)
-    return [received_message(str(one), recorded.get(one, "")) for one in data.attrs.get(name, [])]
+    return [received_message(str(one), recorded.get(one)) for one in data.attrs.get(name, [])]
 
 
 def with_sentences(attributes: Mapping[str, Any], **lists: Iterable[Message]) -> Dict[str, Any]:
@@ -50,7 +50,7 @@ def with_sentences(attributes: Mapping[str, Any], **lists: Iterable[Message]) ->
     changed = dict(attributes)
     recorded = _recorded(changed)
     for name, messages in lists.items():
-        sentences = [(str(one), one.to_json()) for one in messages]
+        sentences = [(str(one), one.record()) for one in messages]
         changed[name] = [text for text, _ in sentences]
         recorded.update(sentences)
     if recorded:
@@ -85,13 +85,13 @@ def sentence_of(data: xr.Dataset, name: str) -> Optional[Message]:
         return None
     recorded = _recorded(data.attrs)
     text = str(data.attrs[name])
-    return received_message(text, recorded.get(text, ""))
+    return received_message(text, recorded.get(text))
 
 
 def with_sentence(attributes: Mapping[str, Any], name: str, message: Message) -> Dict[str, Any]:
     """Return attributes with one that is a sentence."""
     recorded = _recorded(attributes)
-    recorded[str(message)] = message.to_json()
+    recorded[str(message)] = message.record()
     return {**attributes, name: str(message), MESSAGES: json.dumps(recorded)}
 
 
@@ -116,7 +116,7 @@ def kept_doubts(doubts: Iterable[Message]) -> List[str]:
 def carried_doubts(values: Mapping[str, Any]) -> List[Message]:
     """Return the doubts that a file of another format holds under `doubts`."""
     lines = (line.partition(" ") for line in str(values.get(DOUBTS, "")).splitlines())
-    return [received_message(text, "", code) for code, _, text in lines]
+    return [received_message(text, {"code": code}) for code, _, text in lines]
 
 
 def with_decisions(data: xr.Dataset, *decisions: Message) -> xr.Dataset:
@@ -144,12 +144,10 @@ def shown(message: Message, catalogue: Catalogue = ENGLISH) -> str:
     return f"{sentence} ({details})" if details else sentence
 
 
-def _recorded(attributes: Mapping[str, Any]) -> Dict[str, str]:
+def _recorded(attributes: Mapping[str, Any]) -> Dict[str, Any]:
     # A file without checksum may hold anything; without templates the sentences stay English.
     try:
         recorded = json.loads(attributes.get(MESSAGES, "{}"))
     except (ValueError, TypeError, RecursionError):
         return {}
-    if not isinstance(recorded, dict):
-        return {}
-    return {text: one for text, one in recorded.items() if isinstance(one, str)}
+    return recorded if isinstance(recorded, dict) else {}

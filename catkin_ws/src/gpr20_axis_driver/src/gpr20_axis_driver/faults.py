@@ -56,7 +56,6 @@ PINS_NOT_LOW = Fault(
         "then the motors' power on, and home the axis."
     ),
     may_move=True,
-    replaces=True,
 )
 DRIVER_HUNG = Fault("axis.driver_hung", remedies.LESS_LOAD)
 NO_REALTIME = Fault(

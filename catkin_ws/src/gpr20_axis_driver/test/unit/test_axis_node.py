@@ -16,10 +16,10 @@ from graph_in_process import Graph
 from gpr20_axis_driver import faults
 from gpr20_axis_driver.high import axis_node, axis_programs
 from gpr20_axis_driver.high.goals import ENDED, LISTED_GOALS, GoalServer
+from gpr20_common.high.answers import message_from
 from gpr20_common.high.diagnostics import ERROR, OK, WARN
 from gpr20_common.message import Severity
 from gpr20_common.mid.hardware import Hardware
-from gpr20_common.sent_message import message_from
 from gpr20_msgs.msg import AxisGoal
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.faults import CONTROL_SILENT, NOT_HOMED
@@ -112,8 +112,8 @@ def homed(node):
 
 
 def fault_of(answer):
-    assert not answer.success and message_from(answer).fault_code == answer.fault_code
-    return answer.fault_code
+    assert not answer.success and message_from(answer).fault_code == answer.fault.code
+    return answer.fault.code
 
 
 def test_a_goal_before_homing_is_aborted_and_the_diagnostics_warn_of_it(node):

@@ -5,7 +5,7 @@ from __future__ import annotations
 import enum
 import json
 import re
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field, replace
 from typing import Any, Callable, Dict, Iterable, Iterator, Mapping, Optional, Tuple, Union
 
 # Between sentences in a row, such as two reasons for one refusal.
@@ -34,7 +34,6 @@ class Fault:
         severity: How much it matters.
         may_move: Something of the robot may still move.
         can_continue: The survey can continue when the cause is gone.
-        replaces: It decides, and not the faults inside its sentence.
     """
 
     code: str
@@ -42,25 +41,18 @@ class Fault:
     severity: Severity = Severity.FAULT
     may_move: bool = False
     can_continue: bool = True
-    replaces: bool = False
 
     def __post_init__(self) -> None:
         if not CODE_FORMAT.fullmatch(self.code):
             raise ValueError(f"the code {self.code!r} of a fault must have the form area.what")
 
-    @property
-    def gravity(self) -> int:
-        return list(Severity).index(self.severity)
-
     def record(self) -> Dict[str, Any]:
-        """Return it as JSON holds it; what has its usual value is left out."""
-        record: Dict[str, Any] = {"code": self.code, "severity": self.severity.value}
-        for name in ("may_move", "can_continue", "replaces"):
-            if getattr(self, name) != getattr(Fault, name):
-                record[name] = getattr(self, name)
-        if self.remedy is not None:
-            record["remedy"] = self.remedy.record()
-        return record
+        record: Dict[str, Any] = {**vars(self), "severity": self.severity.value}
+        remedy = record.pop("remedy")
+        if remedy is None:
+            return record
+        said = {f"remedy_{name}": value for name, value in remedy.record().items()}
+        return {**record, "remedy": str(remedy), **said}
 
 
 @dataclass(frozen=True, init=False)
@@ -90,7 +82,7 @@ class Message:
             KeyError, ValueError: A field has no value, or one that does not fit its format.
         """
         known = {name: _value(one) for name, one in values.items()}
-        self._set(template=template, values=known, details=str(details), fault=None)
+        self.__dict__.update(template=template, values=known, details=str(details), fault=None)
         # A fault in a template shows where it is written and not where it is read.
         self.sentence()
 
@@ -122,27 +114,39 @@ class Message:
 
     @property
     def cause(self) -> Optional[Fault]:
-        """The fault that decides; None if neither this sentence nor one inside reports one.
+        """What this sentence and those inside it report together; None: nothing.
 
-        It is the innermost that has a remedy, unless one around it replaces it or is graver. Of
-        several beside each other it is the most urgent, and the first of those.
+        Code and remedy are those of the innermost fault that has a remedy, else of the innermost.
+        What may move comes first, and a note, about which nobody has to do anything, last; of
+        several beside each other the gravest, then the first. The rest is that of the gravest.
         """
-        own = self.fault
-        if own is not None and own.replaces:
-            return own
-        inside = [one for one in (inner.cause for inner in self._inner()) if one is not None]
-        deciding = _most_urgent(one for one in inside if one.remedy is not None)
-        if own is None or own.remedy is None:
-            return deciding or own or _most_urgent(inside)
-        return own if deciding is None or deciding.gravity < own.gravity else deciding
+        reported = tuple(self._reported())
+        if not reported:
+            return None
+        _depth, found = max(reported, key=_deciding)
+        knows = found.remedy is not None and found.may_move == self.may_move
+        return replace(
+            found,
+            remedy=found.remedy if knows or not self.may_move else MOTORS_OFF,
+            severity=max((one.severity for one in self.faults), key=_GRAVITY.index),
+            may_move=self.may_move,
+            can_continue=self.can_continue,
+        )
 
     @property
     def faults(self) -> Tuple[Fault, ...]:
-        """The faults that this sentence and those inside it report; none inside a replaced one."""
-        own = () if self.fault is None else (self.fault,)
-        if own and own[0].replaces:
-            return own
-        return own + tuple(fault for inner in self._inner() for fault in inner.faults)
+        """The faults that this sentence and those inside it report, each by itself."""
+        return tuple(fault for _depth, fault in self._reported())
+
+    def _reported(self, depth: int = 0) -> Iterator[Tuple[int, Fault]]:
+        if self.fault is not None:
+            yield depth, self.fault
+        for inner in self.inner():
+            yield from inner._reported(depth + 1)
+
+    @property
+    def severity(self) -> Optional[Severity]:
+        return None if self.cause is None else self.cause.severity
 
     @property
     def fault_code(self) -> str:
@@ -152,54 +156,57 @@ class Message:
     def remedy(self) -> Optional[Message]:
         return None if self.cause is None else self.cause.remedy
 
-    @property
-    def failure(self) -> Optional[Message]:
-        """What did not succeed: the outermost sentences that report that, without those around.
+    def reporting_only(self, fault: Fault) -> Message:
+        """Return the sentence with this fault and none inside; what may move still does."""
 
-        None if the sentence reports at most notes and warnings.
-        """
-        failing = tuple(self._failing())
-        if len(failing) > 1:
-            return in_a_row(failing)
-        return failing[0] if failing else None
+        def silent(value: Any) -> Any:
+            if isinstance(value, tuple):
+                return tuple(map(silent, value))
+            if not isinstance(value, Message):
+                return value
+            values = {name: silent(one) for name, one in value.values.items()}
+            return value._with(values=values, fault=None)
+
+        if self.may_move and not fault.may_move:
+            fault = replace(fault, may_move=True, remedy=MOTORS_OFF)
+        return silent(self).with_fault(fault)
 
     def as_warning(self) -> Message:
         """Return the same sentence for something that the robot continues in spite of."""
         cause = self.cause
         if cause is None:
             return self
-        return self.with_fault(
-            Fault(cause.code, cause.remedy, Severity.WARNING, self.may_move, replaces=True)
-        )
+        return self.reporting_only(replace(cause, severity=Severity.WARNING, can_continue=True))
 
     @property
     def may_move(self) -> bool:
-        # What moves does so whatever the first step is.
-        return any(one.fault.may_move for one in self.nested() if one.fault is not None)
+        return any(fault.may_move for fault in self.faults)
 
     @property
     def can_continue(self) -> bool:
         return all(fault.can_continue for fault in self.faults)
 
     def to_json(self) -> str:
-        """Return template, values, details and fault as JSON, as they travel on the ROS graph."""
         return json.dumps(self.record(), ensure_ascii=False)
 
     def record(self) -> Dict[str, Any]:
-        """Return it as JSON holds it; what is empty is left out."""
+        """Return it as JSON holds it, with what it reports in the names of gpr20_msgs/Fault.
 
+        Of a sentence inside it that is what it reports itself.
+        """
+        return self._record(self.cause)
+
+    def _record(self, fault: Optional[Fault]) -> Dict[str, Any]:
         def sent(value: Value) -> Any:
             if isinstance(value, tuple):
                 return [sent(one) for one in value]
-            return value.record() if isinstance(value, Message) else value
+            return value._record(value.fault) if isinstance(value, Message) else value
 
         values = {name: sent(value) for name, value in self.values.items()}
-        record: Dict[str, Any] = {"template": self.template, "values": values}
+        record: Dict[str, Any] = {"sentence": self.template, "values": values}
         if self.details:
             record["details"] = self.details
-        if self.fault is not None:
-            record["fault"] = self.fault.record()
-        return record
+        return record if fault is None else {**record, **fault.record()}
 
     def __str__(self) -> str:
         """Return the complete English text, as logs and `rostopic echo` show it."""
@@ -211,30 +218,23 @@ class Message:
 
     def nested(self) -> Iterator[Message]:
         yield self
-        for inner in self._inner():
+        for inner in self.inner():
             yield from inner.nested()
 
-    def _inner(self) -> Iterator[Message]:
+    def inner(self) -> Iterator[Message]:
         for value in self.values.values():
             for one in value if isinstance(value, tuple) else (value,):
                 if isinstance(one, Message):
                     yield one
 
-    def _failing(self) -> Iterator[Message]:
-        if self.fault is not None and self.fault.severity is Severity.FAULT:
-            yield self
-        elif self.fault is None or not self.fault.replaces:
-            for inner in self._inner():
-                yield from inner._failing()
-
     def _with(self, **changed: Any) -> Message:
         copy = object.__new__(Message)
-        copy._set(**{**{one.name: getattr(self, one.name) for one in fields(self)}, **changed})
+        copy.__dict__.update(self.__dict__, **changed)
         return copy
 
-    def _set(self, **attributes: Any) -> None:
-        for name, value in attributes.items():
-            object.__setattr__(self, name, value)
+
+_GRAVITY = list(Severity)
+MOTORS_OFF = Message("Switch off the motors' power now. Keep your hands clear.")
 
 
 def verbatim(text: str) -> Message:
@@ -247,8 +247,10 @@ def in_a_row(messages: Iterable[Message]) -> Message:
     return Message("{sentences}", sentences=tuple(messages))
 
 
-def _most_urgent(faults: Iterable[Fault]) -> Optional[Fault]:
-    return max(faults, key=lambda one: (one.may_move, one.gravity), default=None)
+def _deciding(reported: Tuple[int, Fault]) -> Tuple[bool, bool, bool, int, int]:
+    depth, fault = reported
+    has_remedy, is_note = fault.remedy is not None, fault.severity is Severity.NOTE
+    return has_remedy, fault.may_move, not is_note, depth, _GRAVITY.index(fault.severity)
 
 
 def _value(value: Any) -> Value:

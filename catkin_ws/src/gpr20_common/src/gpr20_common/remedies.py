@@ -5,11 +5,9 @@ A remedy is one or two sentences for somebody who stands beside the robot.
 
 from __future__ import annotations
 
-from typing import Optional
-
+from gpr20_common.message import MOTORS_OFF as MOTORS_OFF
 from gpr20_common.message import Message
 
-MOTORS_OFF = Message("Switch off the motors' power now. Keep your hands clear.")
 HOME_AXIS = Message("Home the axis on ROBOT; a survey that is started or resumed homes it too.")
 CHECK_ENDSTOP = Message(
     "Switch off the motors' power. Look for anything that blocks the carriage, and check the "
@@ -61,14 +59,3 @@ REPORT = Message(
     "the same version."
 )
 CHECK_STATUS = Message("Look on ROBOT for the part that is red, and touch it.")
-
-
-def first_step(message: Message) -> Optional[Message]:
-    """Return what to do first about what a message reports; None if nobody knows it.
-
-    The motors come first if something may move, unless the fault that decides knows better.
-    """
-    cause = message.cause
-    if message.may_move and not (cause and cause.may_move and cause.remedy):
-        return MOTORS_OFF
-    return message.remedy

@@ -2,7 +2,7 @@
 
 import json
 import pickle
-from types import SimpleNamespace
+from dataclasses import replace
 
 import pytest
 from case_kit import each_case
@@ -13,27 +13,29 @@ from gpr20_common import faults
 from gpr20_common.errors import Gpr20Error, InvalidValueError, NodeGoneError
 from gpr20_common.message import (
     CODE_FORMAT,
+    MOTORS_OFF,
     Fault,
     Message,
     Severity,
     in_a_row,
     verbatim,
 )
-from gpr20_common.sent_message import (
-    MAX_CHARACTERS,
-    message_fields,
-    message_from,
-    received_message,
-)
+from gpr20_common.sent_message import MAX_CHARACTERS, UNKNOWN_CODE, received_message
+
+pytest.importorskip("gpr20_msgs.msg")
+
+from gpr20_common.high.answers import message_fields, message_from
+from gpr20_msgs.msg import Fault as FaultMessage
+from gpr20_msgs.srv import CommandResponse
 
 LOOK, PLUG = Message("Look at the display."), Message("Plug in the {what}.", what="cable")
 OUTER, INNER = Fault("survey.paused", LOOK), Fault("vna.no_link", PLUG)
 UNKNOWN = Fault("vna.odd")
 
 codes = st.from_regex(CODE_FORMAT, fullmatch=True).filter(str.isascii)
-remedies_of_any_kind = st.none() | st.builds(verbatim, st.text(max_size=20))
+remedies_of_any_kind = st.none() | st.builds(verbatim, st.text(min_size=1, max_size=20))
 any_fault = st.builds(
-    Fault, codes, remedies_of_any_kind, st.sampled_from(Severity), *[st.booleans()] * 3
+    Fault, codes, remedies_of_any_kind, st.sampled_from(Severity), *[st.booleans()] * 2
 )
 values = st.text() | st.integers() | st.floats(allow_nan=False) | st.booleans()
 any_message = st.recursive(
@@ -63,7 +65,7 @@ def reporting(fault):
 NOTE = Fault("axis.stopped", LOOK, Severity.NOTE)
 SILENT_NOTE = Fault("survey.stopped", severity=Severity.NOTE)
 MOVING = Fault("axis.moving", LOOK, may_move=True, can_continue=False)
-COVER = Fault("axis.spi", replaces=True)
+LOST = Fault("survey.lost", can_continue=False)
 WEAK, MOVES = (
     Fault(code, LOOK, Severity.WARNING, may_move=moves)
     for code, moves in (("vna.weak", False), ("axis.moves", True))
@@ -76,44 +78,57 @@ WEAK, MOVES = (
         # The innermost with a remedy.
         (around(around(reporting(INNER), OUTER)), INNER),
         (around(reporting(UNKNOWN), OUTER), OUTER),
-        # One without is better than none, and the outer one names what failed.
-        (around(reporting(UNKNOWN), Fault("survey.odd")), Fault("survey.odd")),
+        # Else the innermost.
+        (around(reporting(UNKNOWN), Fault("survey.odd")), UNKNOWN),
         (around(reporting(None)), None),
-        # One that replaces those inside.
-        (around(reporting(INNER), COVER), COVER),
-        (around(around(reporting(INNER), COVER), OUTER), OUTER),
-        # Of those beside each other the most urgent, and then the first.
+        # One that a sentence reports in place of those inside.
+        (around(reporting(INNER)).reporting_only(OUTER), OUTER),
+        (around(around(in_a_row([reporting(INNER)])).reporting_only(UNKNOWN), OUTER), OUTER),
+        # Of those beside each other what moves, then the gravest, and then the first.
         (in_a_row([reporting(OUTER), reporting(INNER)]), OUTER),
         (in_a_row([reporting(INNER), reporting(OUTER)]), INNER),
         (in_a_row([reporting(SILENT_NOTE), reporting(UNKNOWN)]), UNKNOWN),
         *(
-            (in_a_row([reporting(one) for one in order]), MOVES)
+            (in_a_row([reporting(one) for one in order]), replace(MOVES, severity=Severity.FAULT))
             for order in ((MOVES, INNER, WEAK, NOTE), (NOTE, WEAK, INNER, MOVES))
         ),
-        # A note never over a graver one around it.
+        # A note gives way to a remedy around it.
         (around(reporting(NOTE), INNER), INNER),
-        (around(reporting(NOTE), UNKNOWN), NOTE),
+        # The rest is that of the gravest.
+        (around(reporting(NOTE), UNKNOWN), replace(NOTE, severity=Severity.FAULT)),
+        (around(reporting(INNER), LOST), replace(INNER, can_continue=False)),
     ],
 )
 def test_what_decides(message, cause):
     assert message.cause == cause
     assert message.fault_code == ("" if cause is None else cause.code)
-    assert cause is None or cause in message.faults
+    if cause is not None:
+        assert (message.severity, message.remedy) == (cause.severity, cause.remedy)
+        assert (message.may_move, message.can_continue) == (cause.may_move, cause.can_continue)
 
 
 def test_what_moves_still_moves_whatever_is_said_around_it():
-    cover = Fault("axis.spi", LOOK, replaces=True)
-    message = around(around(reporting(MOVING), cover), OUTER)
-    assert (message.cause, message.faults, message.may_move) == (cover, (OUTER, cover), True)
+    message = around(around(in_a_row([reporting(MOVING)]))).reporting_only(OUTER)
+    assert (message.fault_code, message.may_move) == (OUTER.code, True)
     message = around(in_a_row([reporting(INNER), reporting(MOVING)]), OUTER)
     assert message.may_move and not around(reporting(None)).may_move
 
 
+def test_the_power_comes_first_where_something_may_move_and_the_remedy_is_for_something_else():
+    hot = Fault("later.hot", may_move=True)
+    for message in (
+        reporting(hot),
+        around(reporting(INNER), hot),
+        around(reporting(MOVING)).reporting_only(OUTER),
+    ):
+        assert message.remedy == MOTORS_OFF, message
+    assert around(reporting(MOVING), OUTER).remedy == LOOK
+    assert around(reporting(INNER), MOVING).remedy == LOOK
+
+
 def test_a_warning_keeps_code_remedy_and_motion_of_the_cause():
     warning = around(reporting(MOVING), OUTER).as_warning()
-    assert warning.cause == Fault(
-        "axis.moving", LOOK, Severity.WARNING, may_move=True, replaces=True
-    )
+    assert warning.cause == Fault("axis.moving", LOOK, Severity.WARNING, may_move=True)
     assert warning.may_move and warning == around(reporting(MOVING))
     assert reporting(None).as_warning().cause is None
 
@@ -127,22 +142,46 @@ def test_a_code_has_the_form_area_what(code):
 # How it travels.
 
 
+def answer(message):
+    return CommandResponse(**message_fields(message))
+
+
 @given(any_message)
-def test_a_message_keeps_its_faults_on_the_graph_and_in_a_file(message):
-    fields = message_fields(message)
-    assert fields["fault_code"] == message.fault_code
-    back = message_from(SimpleNamespace(**fields))
-    assert str(back) == str(message) and back.fault_code == message.fault_code
-    if len(message.to_json()) <= MAX_CHARACTERS:
-        assert received_message("", message.to_json()) == message
-        assert json.loads(back.to_json()) == json.loads(message.to_json())
-        assert (back.cause, back.faults) == (message.cause, message.faults)
+def test_a_message_keeps_what_it_reports_on_the_graph_and_in_a_file(message):
+    for back in (message_from(answer(message)), received_message(str(message), message.record())):
+        assert (str(back), back.cause) == (str(message), message.cause)
+        if len(message.to_json()) <= MAX_CHARACTERS:
+            assert (back, back.record()) == (message, json.loads(message.to_json()))
     sent = pickle.loads(pickle.dumps(message))  # noqa: S301
     assert sent == message and sent.faults == message.faults
 
 
+def test_an_answer_has_all_for_clients_that_know_neither_code_nor_catalogue():
+    sent = answer(around(reporting(MOVING), OUTER).with_details("errno 5"))
+    fault = sent.fault
+    assert sent.message == "paused: no answer (errno 5)"
+    assert (fault.code, fault.severity) == ("axis.moving", "fault")
+    assert (fault.may_move, fault.can_continue) == (True, False)
+    assert (fault.sentence, fault.details) == ("paused: {reason}", "errno 5")
+    assert json.loads(fault.values)["reason"]["sentence"] == "no answer"
+    assert fault.remedy == fault.remedy_sentence == str(LOOK)
+    # Of a success only the sentence.
+    fault = answer(Message("done")).fault
+    assert (fault.sentence, fault.code, fault.severity, fault.remedy) == ("done", "", "", "")
+    assert fault.can_continue and not fault.may_move
+
+
+def test_an_answer_of_another_program_may_have_texts_alone():
+    received = message_from(CommandResponse(message="stuck"))
+    assert (received, received.cause) == (verbatim("stuck"), None)
+    fault = FaultMessage(code="later.stuck", remedy="Pull {it}.", can_continue=True)
+    received = message_from(CommandResponse(message="stuck {", fault=fault))
+    assert str(received) == "stuck {"
+    assert received.cause == Fault("later.stuck", verbatim("Pull {it}."))
+
+
 def sent_with(fault, **more):
-    return json.dumps({"template": "no answer", "values": {}, "fault": fault, **more})
+    return {"sentence": "no answer", "values": {}, **fault, **more}
 
 
 @each_case("severity", ["critical", None, {"level": "note"}])
@@ -154,86 +193,94 @@ def test_keys_and_values_of_a_later_version_count_as_usual_and_a_severity_as_a_f
 
 @each_case("odd", ["false", 0, None])
 def test_a_flag_that_is_neither_true_nor_false_counts_as_the_graver_one(odd):
-    record = {"code": "vna.x", "may_move": odd, "can_continue": odd, "replaces": odd}
+    record = {"code": "vna.x", "may_move": odd, "can_continue": odd}
     fault = received_message("", sent_with(record)).fault
-    assert (fault.may_move, fault.can_continue, fault.replaces) == (True, False, False)
+    assert (fault.may_move, fault.can_continue) == (True, False)
 
 
 @each_case(
     "fault",
     [
-        *(None, "vna.x", {}, {"code": 3}, {"code": "no code"}),
-        *({"code": "vna.x", "remedy": odd} for odd in (None, {"values": {}})),
-        {"code": "vna.x", "remedy": {"template": "{x.__class__}", "values": {"x": 1}}},
-        {"code": "vna.x", "remedy": {"template": "{x}", "values": {"x": "\udcff"}}},
+        *({"code": odd} for odd in (3, None, "no code", {"x": 1})),
+        {"code": "vna.x", "remedy_sentence": 7},
+        {"code": "vna.x", "remedy_sentence": "{x.__class__}", "remedy_values": {"x": 1}},
+        {"code": "vna.x", "remedy_sentence": "{x}", "remedy_values": {"x": "\udcff"}},
     ],
 )
 def test_a_damaged_fault_leaves_the_sentence_and_counts_as_grave(fault):
-    message = received_message("as sent", sent_with(fault), "vna.no_link")
-    assert message.template in ("no answer", "{text}")
+    message = received_message("as sent", sent_with(fault))
+    assert message.template == "no answer"
     assert message.cause.severity is Severity.FAULT and message.cause.remedy is None
-    assert message.fault_code in ("vna.x", "vna.no_link")
+    assert message.fault_code == fault["code"] if fault["code"] == "vna.x" else UNKNOWN_CODE
 
 
-@each_case("template", ["{place.real}", "{0}", "\ud800"])
+def test_a_remedy_that_cannot_be_read_is_its_english_text():
+    sent = {"code": "vna.x", "remedy": "Plug it in.", "remedy_sentence": "{x.__class__}"}
+    assert received_message("", sent).remedy == verbatim("Plug it in.")
+
+
+@each_case("template", ["{place.real}", "{0}", "\ud800", "", 7])
 def test_a_sentence_that_cannot_be_shown_keeps_its_fault(template):
-    inner = json.loads(reporting(MOVING).to_json())
-    text = json.dumps({"template": template, "values": {"place": 3, "reason": inner}})
-    message = received_message("as sent", text, "axis.moving")
-    assert message == verbatim("as sent") and message.remedy == LOOK
-    assert message.may_move and not message.can_continue and message.fault_code == "axis.moving"
+    sent = {**reporting(MOVING).record(), "sentence": template, "values": {"place": 3}}
+    message = received_message("as sent", sent)
+    assert message == verbatim("as sent") and message.cause == MOVING
 
 
 @each_case("unreadable", ["", "{", "null", "7", "[" * 5000])
-def test_the_code_counts_where_the_json_cannot_be_read(unreadable):
-    message = received_message("as sent", unreadable, "axis.lost_zero")
-    assert str(message) == "as sent" and message.cause == Fault("axis.lost_zero")
+def test_the_fault_counts_where_the_values_cannot_be_read(unreadable):
+    sent = answer(Message("{x}", x=7).with_fault(MOVING))
+    sent.fault.values = unreadable
+    received = message_from(sent)
+    assert received == verbatim("7") and received.cause == MOVING
 
 
 def test_a_huge_message_leaves_the_text_and_the_fault():
     huge = Message("{x}", x="a" * MAX_CHARACTERS).with_fault(MOVING)
-    message = message_from(SimpleNamespace(**message_fields(huge)))
-    assert message == verbatim(str(huge)) and message.may_move
-    assert (message.fault_code, message.remedy) == (MOVING.code, LOOK)
+    for message in (message_from(answer(huge)), received_message(str(huge), huge.to_json())):
+        assert message == verbatim(str(huge)) and message.cause == MOVING
 
 
 @each_case(
     "text, sent",
     [
-        ("x" * 1_000_000, ""),
-        ("as sent", json.dumps({"template": "{a}" * 3000, "values": {"a": "y" * 5000}})),
-        ("y" * 1_000_000, json.dumps({"template": "x" * 20_000, "values": {}})),
+        ("x" * 1_000_000, {}),
+        ("as sent", {"sentence": "{a}" * 3000, "values": {"a": "y" * 5000}}),
+        ("y" * 1_000_000, {"sentence": "x" * 20_000, "values": {}}),
     ],
 )
 def test_a_text_that_no_window_could_show_is_cut_and_its_fault_is_kept(text, sent):
-    record = {**json.loads(sent or "{}"), "fault": {"code": "axis.moving", "may_move": True}}
-    message = received_message(text, json.dumps(record) if sent else "", "axis.moving")
+    message = received_message(text, {**sent, "code": "axis.moving", "may_move": True})
     assert len(str(message)) <= MAX_CHARACTERS + 1 and str(message)[:7] == text[:7]
-    assert message.fault_code == "axis.moving" and message.may_move == bool(sent)
+    assert message.fault_code == "axis.moving" and message.may_move
 
 
-KEYS = st.sampled_from(["template", "values", "details", "fault", "code", "remedy", "severity"])
+KEYS = st.sampled_from(
+    ["sentence", "values", "details", "code", "remedy", "remedy_sentence", "severity"]
+)
 hostile = st.recursive(
     st.none() | st.booleans() | st.integers() | st.floats() | st.text() | codes,
     lambda inner: (
         st.lists(inner, max_size=3)
         | st.dictionaries(KEYS | st.text(), inner)
         | st.fixed_dictionaries({"code": codes | inner, "remedy": inner})
-        | st.fixed_dictionaries({"template": st.text(), "values": st.just({}), "fault": inner})
+        | st.fixed_dictionaries({"sentence": st.text(), "values": st.just({}), "code": inner})
     ),
 )
 
 
-@given(hostile, st.text(), codes | st.text())
-def test_whatever_arrives_as_a_fault_can_be_shown_and_sent_again(record, text, code):
-    for sent in (sent_with(record), json.dumps(record), text):
-        message = received_message(text, sent, code)
-        assert str(message) == text or json.loads(sent)["template"] == message.template
+@given(hostile, st.text())
+def test_whatever_arrives_as_a_message_can_be_shown_and_sent_again(record, text):
+    for sent in (
+        record,
+        sent_with({"code": record}),
+        sent_with({"code": "vna.x", "remedy": record, "remedy_sentence": record}),
+        text,
+    ):
+        message = received_message(text, sent)
+        assert str(message) == text or sent["sentence"] == message.template
         assert message.fault_code == "" or CODE_FORMAT.fullmatch(message.fault_code)
-        if message.cause is not None and message.cause.remedy is not None:
-            str(message.cause.remedy).encode()
-        again = message_from(SimpleNamespace(**message_fields(message)))
-        assert again.fault_code == message.fault_code
+        str(message.remedy).encode()
+        assert received_message(str(message), message.to_json()).cause == message.cause
 
 
 # Errors.
@@ -288,14 +335,14 @@ def test_a_template_without_all_its_values_fails_where_it_is_written():
 
 
 def sent(template, **values):
-    return json.dumps({"template": template, "values": values})
+    return {"sentence": template, "values": values}
 
 
 def doubled(times):
-    record = {"template": "a" * 100, "values": {}}
+    record = {"sentence": "a" * 100, "values": {}}
     for _ in range(times):
-        record = {"template": "{x}{x}", "values": {"x": record}}
-    return json.dumps(record)
+        record = {"sentence": "{x}{x}", "values": {"x": record}}
+    return record
 
 
 def nested(depth):
@@ -318,7 +365,7 @@ TEMPLATES = ["{x:>99999999999}", "{x.__class__}", "{x[0]}", "{x!r:>9999999}", "{
         *(sent(f"height {field}", x=10**400) for field in ("{x:g}", "{x:f}", "{x:%}")),
         # It cannot be sent again, or is nested too deeply to be shown.
         *(sent("\ud800"), sent("{x}", x="\udcff"), nested(200)),
-        '{"template": "x", "values": {}, "details": "\\ud800"}',
+        '{"sentence": "x", "values": {}, "details": "\\ud800"}',
     ],
 )
 def test_a_message_that_cannot_be_shown_safely_leaves_the_text(received):
@@ -328,15 +375,3 @@ def test_a_message_that_cannot_be_shown_safely_leaves_the_text(received):
 def test_text_that_looks_like_a_template_stays_as_it_is():
     assert str(verbatim("{x} {")) == "{x} {"
     assert str(Message("paused: {reason}", reason="{lost} and {0}")) == "paused: {lost} and {0}"
-
-
-FULL = Message("full").with_fault(Fault("disk.full", Message("make space"), can_continue=False))
-ASKED = Message("asked for").with_fault(Fault("survey.asked", severity=Severity.NOTE))
-
-
-def test_what_did_not_succeed_is_the_outermost_sentence_that_says_so():
-    outer = Message("not stored: {reason}", reason=FULL).with_fault(Fault("trace.not_stored"))
-    assert Message("paused: {reason}", reason=outer).failure == outer
-    assert in_a_row([ASKED, FULL, outer]).failure == in_a_row([FULL, outer])
-    assert Message("{text}, {asked}", text=verbatim("x"), asked=ASKED).failure is None
-    assert Message("warning: {warning}", warning=outer.as_warning()).failure is None

@@ -15,8 +15,8 @@ from vanishing_peer import come_back, vanish
 
 from gpr20_common import faults
 from gpr20_common.errors import InvalidValueError
+from gpr20_common.high.answers import message_from
 from gpr20_common.message import Message
-from gpr20_common.sent_message import message_from
 
 pytest.importorskip("rospy")
 pytest.importorskip("gpr20_msgs.srv")
@@ -263,4 +263,4 @@ def test_an_error_becomes_an_answer_with_its_fault(ask, error, fault):
 
     answer = ask(handler)
     assert not answer.success and str(error) in answer.message
-    assert answer.fault_code == fault.code and message_from(answer).cause == fault
+    assert answer.fault.code == fault.code and message_from(answer).cause == fault

@@ -48,7 +48,6 @@ NOT_RESTARTED = Fault(
     "node.not_restarted",
     Message("Start all parts of the robot again, from one installation."),
     Severity.WARNING,
-    replaces=True,
 )
 WATCHDOG_HANGS = Fault("doctor.watchdog_hangs", remedies.RESTART_ROBOT)
 NODE_HANGS = Fault(

@@ -38,6 +38,5 @@ SPI_REFUSED = Fault(
         "Ask the person who maintains the robot to enable SPI and to allow the robot's user to use "
         "it."
     ),
-    replaces=True,
 )
 SHUTTING_DOWN = Fault("height.shutting_down", remedies.WAIT_FOR_PART)

@@ -14,9 +14,9 @@ sys.path.append(str(Path(__file__).resolve().parents[3] / "gpr20/test/unit"))
 from graph_in_process import Graph
 from sensor_msgs.msg import Range
 
+from gpr20_common.high.answers import message_from
 from gpr20_common.high.diagnostics import ERROR, OK, WARN
 from gpr20_common.mid.hardware import Hardware
-from gpr20_common.sent_message import message_from
 from gpr20_height_sensor import faults
 from gpr20_height_sensor.high import height_node
 from gpr20_survey.faults import HEIGHT_NOT_MEASURED
@@ -64,7 +64,7 @@ def test_no_height_is_no_number_and_says_why_also_in_the_topic_and_the_diagnosti
     assert built.health()[0] == WARN
     answer = built.ask("get_height")
     assert not answer.success and math.isnan(answer.height_m) and math.isnan(answer.spread_m)
-    assert answer.fault_code == message_from(answer).fault_code == fault.code
+    assert answer.fault.code == message_from(answer).fault_code == fault.code
     assert answer.voltage_v == pytest.approx(3.3 * code / 1024)
     built.ticks[0]()
     assert math.isnan(built.published["measured_height"][-1].range)

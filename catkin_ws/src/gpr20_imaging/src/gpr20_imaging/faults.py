@@ -32,7 +32,6 @@ NOTHING_CHOSEN = Fault("imaging.nothing_chosen", Message("Choose at least one ki
 STICK_FAILED = Fault(
     "imaging.stick_failed",
     Message("Plug the USB stick in again, or use another one. Then export again."),
-    replaces=True,
 )
 STICK_GONE = Fault(
     "imaging.stick_gone", Message("Plug the USB stick in, wait a moment and choose it again.")

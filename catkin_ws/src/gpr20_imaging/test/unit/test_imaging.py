@@ -334,7 +334,7 @@ def test_the_nodes_answers_are_those_of_the_imaging(
     on_stick = requests.ExportSurveyRequest(**wanted, volume=str(stick))
     exported = services["export_survey"](on_stick)
     # The log of the survey does not say so, and why.
-    assert len(exported.files) == 1 and exported.fault_code == REFUSAL.fault_code
+    assert len(exported.files) == 1 and exported.fault.code == REFUSAL.fault_code
     assert published["imaging_progress"].request_id == "a"
     with raises_fault(faults.NO_REQUEST):
         services["cancel_imaging"](requests.CancelImagingRequest(request_id="a"))

@@ -7,12 +7,10 @@ from gpr20_common.message import Fault, Message, Severity
 WRONG_VALUE = Fault(
     "config.wrong_value",
     Message("Correct the file that the message names, then launch the robot again."),
-    replaces=True,
 )
 UNREADABLE = Fault(
     "config.unreadable",
     Message("Check that the file that the message names is there and that this user may read it."),
-    replaces=True,
 )
 UNKNOWN_FILE = Fault(
     "config.unknown_file",
@@ -28,7 +26,6 @@ UNUSABLE_EXTENSION = Fault(
         "Install the package of the class that the message names, or correct its name and options "
         "in the configuration."
     ),
-    replaces=True,
 )
 UNCHECKED_ANALYZER = Fault(
     "config.unchecked_analyzer",

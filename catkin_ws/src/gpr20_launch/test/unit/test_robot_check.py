@@ -160,7 +160,7 @@ def test_command_launch_and_programs_get_the_same(tmp_path, run, case):
     assert status == int(refused) and text in printed and str(one.message.remedy) in printed
     status, printed, _ = run("robot_config", "check", "--json", folder)
     (record,) = json.loads(printed)
-    received = received_message("", json.dumps(record))
+    received = received_message("", record)
     assert status == int(refused)
     assert (received, received.cause) == (one.message, one.message.cause)
     assert (record["file"], record["key"], tuple(record["uses"])) == (one.file, one.key, one.uses)

@@ -33,17 +33,13 @@ NODE_NOT_BACK = Fault(
         "Look on ROBOT which part is red, and check its power and its cables. If it stays "
         "red, switch the robot off and on."
     ),
-    replaces=True,
 )
-NODE_LOST_OFTEN = Fault("survey.part_lost_often", remedies.RESTART_ROBOT, replaces=True)
-WAITING_FOR_PART = Fault(
-    "survey.waiting_for_part", remedies.WAIT_FOR_PART, Severity.WARNING, replaces=True
-)
+NODE_LOST_OFTEN = Fault("survey.part_lost_often", remedies.RESTART_ROBOT)
+WAITING_FOR_PART = Fault("survey.waiting_for_part", remedies.WAIT_FOR_PART, Severity.WARNING)
 TAKES_LONG = Fault(
     "survey.takes_long",
     Message("Wait until the time that is shown: the survey continues by itself."),
     Severity.WARNING,
-    replaces=True,
 )
 
 # Requests that are not possible now.

@@ -16,7 +16,7 @@ import rospkg
 import rospy
 import rostest
 
-from gpr20_common.sent_message import message_from
+from gpr20_common.high.answers import message_from
 from gpr20_msgs.msg import ControlStatus
 
 # The client of the whole graph's tests is the client of these, too.

@@ -60,7 +60,7 @@ def reports(message, fault, *shown):
 
 def warning_of(entry):
     """Return the message of a warning in survey.json."""
-    return received_message(entry["warning"], json.dumps(entry["warning_message"]))
+    return received_message(entry["warning"], entry["warning_message"])
 
 
 class FastClock(Clock):

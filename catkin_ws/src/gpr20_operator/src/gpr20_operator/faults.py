@@ -34,12 +34,10 @@ CONTROL_RESTARTED = Fault(
     "window.control_restarted",
     Message("Keep your hands clear: the axes may still move. When they rest, resume the survey."),
     may_move=True,
-    replaces=True,
 )
 INTERRUPTED = Fault(
     "window.interrupted",
     Message("Resume the survey on SURVEY, or plan another one."),
-    replaces=True,
 )
 CONTROL_LATE = Fault(
     "window.control_late",
@@ -55,15 +53,12 @@ STANDS_STILL = Fault(
     ),
     Severity.WARNING,
 )
-STOP_UNCONFIRMED = Fault(
-    "window.stop_unconfirmed", remedies.MOTORS_OFF, may_move=True, replaces=True
-)
+STOP_UNCONFIRMED = Fault("window.stop_unconfirmed", remedies.MOTORS_OFF, may_move=True)
 ROBOT_MOVES = Fault(
     "window.robot_moves",
     Message("Keep your hands clear. STOP stops every axis, whoever moves it."),
     Severity.WARNING,
     may_move=True,
-    replaces=True,
 )
 NOT_STARTED = Fault(
     "window.not_started",
@@ -94,14 +89,12 @@ PROFILE_NAME = Fault("window.profile_name", remedies.CORRECT_VALUE)
 PROFILE_UNREADABLE = Fault(
     "window.profile_unreadable",
     Message("Enter the values by hand and save the profile again."),
-    replaces=True,
 )
 PROFILE_NOT_STORED = Fault("window.profile_not_stored", remedies.CHECK_DISK)
 SETTINGS_DAMAGED = Fault(
     "window.settings_damaged",
     Message("Check the values on the screen before you use them: they are the defaults."),
     Severity.WARNING,
-    replaces=True,
 )
 SETTINGS_NOT_STORED = Fault("window.settings_not_stored", remedies.CHECK_DISK)
 

@@ -16,7 +16,6 @@ NO_CAPTURE_FOLDER = Fault(
 WRONG_SCENE = Fault(
     "simulator.wrong_scene",
     Message("Correct the scene, as the message says, and launch the robot again."),
-    replaces=True,
 )
 UNKNOWN_FAULT = Fault(
     "simulator.unknown_fault",
@@ -32,7 +31,6 @@ NO_STATE = Fault(
         "End every launch of a simulated robot, remove the file that the message names, and launch "
         "the robot again."
     ),
-    replaces=True,
 )
 PORT_TAKEN = Fault("simulator.port_taken", Message("Free the port, or choose another one."))
 VNA_NOT_STARTED = Fault(

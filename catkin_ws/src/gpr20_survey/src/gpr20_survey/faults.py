@@ -7,7 +7,7 @@ from gpr20_common.message import Fault, Message, Severity
 
 # Plan and configuration.
 PLAN_NOT_ALLOWED = Fault("plan.not_allowed", remedies.CORRECT_PLAN)
-OTHER_PARAMETERS = Fault("node.other_parameters", remedies.SAME_VERSION, replaces=True)
+OTHER_PARAMETERS = Fault("node.other_parameters", remedies.SAME_VERSION)
 MIXED_PARTS = Fault("launch.mixed_parts", Message("End every launch of the robot, then start one."))
 CLOCK_WRONG = Fault("clock.wrong", remedies.SET_CLOCK)
 
@@ -19,7 +19,7 @@ SENSOR_NOT_FINITE = Fault(
 TRACE_NOT_ALLOWED = Fault("trace.not_allowed", remedies.REPORT)
 
 # What is stored of a survey.
-TRACE_DAMAGED = Fault("trace.damaged", remedies.KEEP_SURVEY, replaces=True)
+TRACE_DAMAGED = Fault("trace.damaged", remedies.KEEP_SURVEY)
 TRACE_OTHER_VERSION = Fault(
     "trace.other_version",
     Message(
@@ -36,16 +36,15 @@ DESCRIPTION_LOST = Fault(
     ),
     can_continue=False,
 )
-DESCRIPTION_UNREADABLE = Fault("survey.unreadable", remedies.KEEP_SURVEY, replaces=True)
+DESCRIPTION_UNREADABLE = Fault("survey.unreadable", remedies.KEEP_SURVEY)
 MANIFEST_DAMAGED = Fault(
     "survey.manifest_damaged",
     Message(
         "Let an analyst check the survey's folder with gpr20 verify, then write the manifest "
         "again with gpr20 repair."
     ),
-    replaces=True,
 )
-REPAIRED = Fault("survey.repaired", remedies.KEEP_SURVEY, severity=Severity.WARNING, replaces=True)
+REPAIRED = Fault("survey.repaired", remedies.KEEP_SURVEY, severity=Severity.WARNING)
 UNCONFIRMED = Fault(
     "survey.unconfirmed",
     Message("Compare the survey's parameters with what you planned before you use its traces."),
@@ -119,7 +118,6 @@ SIGNING_KEY = Fault(
         "with rosrun gpr20_launch robot_config key. Then sign the survey with gpr20 sign."
     ),
     Severity.WARNING,
-    replaces=True,
 )
 
 # The calibration of the VNA: its driver and the doctor report it.

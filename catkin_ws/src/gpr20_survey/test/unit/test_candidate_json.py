@@ -28,7 +28,7 @@ LIST = json.loads(json_text(EXAMPLE))
 # They say again, for people and other programs, what the others say.
 SAID_AGAIN = {"simulated_warning", "coordinates"}
 OF_EACH_SAID_AGAIN = {"doubtful", "longitude_deg", "latitude_deg"}
-NEEDED = sorted(LIST.keys() - SAID_AGAIN - {"notes_json"})
+NEEDED = sorted(LIST.keys() - SAID_AGAIN - {"note_faults"})
 NEEDED_OF_EACH = sorted(LIST["candidates"][0].keys() - OF_EACH_SAID_AGAIN)
 MAY_BE_NONE = (
     "false_alarms_per_m2",

@@ -22,7 +22,9 @@ from view_kit import (
 )
 
 from gpr20_common import remedies
+from gpr20_common.high.answers import fault_of
 from gpr20_common.message import Fault, Message, in_a_row, verbatim
+from gpr20_common.sent_message import received_message
 from gpr20_doctor.mid.robot_facts import AxisPosition
 from gpr20_msgs.msg import ControlStatus
 from gpr20_operator.high.conversions import control_state
@@ -93,8 +95,8 @@ def test_a_lost_contact_opens_a_card_only_where_something_may_move():
 
 def test_what_may_still_move_comes_first_whatever_else_is_known():
     hot = verbatim("hot").with_fault(Fault("later.laser_hot", may_move=True))
-    outer = Fault("later.outer", remedies.NEW_SURVEY, replaces=True)
-    replaced = Message("{inner}", inner=MOVING).with_fault(outer)
+    outer = Fault("later.outer", remedies.NEW_SURVEY)
+    replaced = Message("{inner}", inner=MOVING).reporting_only(outer)
     for message in (hot, replaced, in_a_row([ASKED_STOP, FULL, MOVING])):
         for code in (SurveyState.PAUSED, SurveyState.STOPPED, SurveyState.FAILED):
             assert fault_notice(said(code, message)).first == remedies.MOTORS_OFF, message
@@ -103,16 +105,17 @@ def test_what_may_still_move_comes_first_whatever_else_is_known():
     assert not notice.resumable and notice.text == in_a_row([FULL, MOVING])
     # One that knows what to do keeps its own remedy.
     known = verbatim("x").with_fault(Fault("later.move", remedies.CHECK_ENDSTOP, may_move=True))
-    assert remedies.first_step(known) == remedies.CHECK_ENDSTOP
+    assert known.remedy == remedies.CHECK_ENDSTOP
 
 
 def test_the_outermost_sentence_with_a_fault_is_shown_with_the_innermost_remedy():
     outer = Message("trace 7 is not stored: {reason}", reason=FULL).with_fault(
         Fault("storage.not_stored", remedies.CHECK_DISK)
     )
-    for message, text in ((warned(Message(PAUSED, reason=FULL)), FULL), (outer, outer)):
+    for reason in (FULL, outer):
+        message = warned(Message(PAUSED, reason=reason))
         notice = fault_notice(said(SurveyState.PAUSED, message))
-        assert notice.text == text and notice.first == remedies.MAKE_SPACE
+        assert notice.text == reason and notice.first == remedies.MAKE_SPACE
         assert {"disk.full", "errno 28"} <= set(notice.details)
         assert notice.resumable and notice.then is not None
 
@@ -148,27 +151,24 @@ def test_each_fault_opens_its_card_once():
 
 # What a later version may send: a sentence, a code, a severity and a remedy that are not known.
 LATER = {
-    "template": "the {thing} is warped",
+    "sentence": "the {thing} is warped",
     "values": {"thing": "mast"},
-    "fault": {
-        "code": "mast.warped",
-        "severity": "disaster",
-        "remedy": {"template": "Straighten the {thing}.", "values": {"thing": "mast"}},
-    },
+    "code": "mast.warped",
+    "severity": "disaster",
+    "remedy": "Straighten the mast.",
+    "remedy_sentence": "Straighten the {thing}.",
+    "remedy_values": {"thing": "mast"},
 }
 
 
-def received(code, fault=None, **fields):
-    reason = {**LATER, "fault": {**LATER["fault"], **(fault or {})}}
-    sent = {
-        "message": "Paused: the mast is warped.",
-        "message_json": json.dumps(
-            {"template": "Held: {reason}.", "values": {"reason": reason}, "new key": 1}
-        ),
-        "fault_code": "mast.warped",
-        **fields,
-    }
-    return control_state(ControlStatus(code=int(code), survey_id="id", **sent))
+def received(state, sentence=None, **fault):
+    text = "Paused: the mast is warped."
+    sent = fault_of(received_message(text, LATER))
+    sent.severity, sent.sentence = LATER["severity"], "Held: {reason}."
+    sent.values = json.dumps({"reason": LATER, "new key": 1}) if sentence is None else sentence
+    for name, value in fault.items():
+        setattr(sent, name, value)
+    return control_state(ControlStatus(code=int(state), survey_id="id", message=text, fault=sent))
 
 
 def test_a_fault_that_this_version_does_not_know_has_what_travelled_with_it():
@@ -177,22 +177,24 @@ def test_a_fault_that_this_version_does_not_know_has_what_travelled_with_it():
     assert str(notice.first) == "Straighten the mast."
     assert "mast.warped" in notice.details
     for one in (True, False):
-        assert fault_notice(received(SurveyState.PAUSED, {"can_continue": one})).resumable is one
-        assert received(SurveyState.STOPPED, {"may_move": one}).axis_may_move is one
+        assert fault_notice(received(SurveyState.PAUSED, can_continue=one)).resumable is one
+        assert received(SurveyState.STOPPED, may_move=one).axis_may_move is one
+    # Hands off, whatever the remedy is.
+    assert fault_notice(received(SurveyState.PAUSED, may_move=True)).first is not None
 
 
 def test_what_cannot_be_read_is_a_fault_with_its_text():
-    before = json.dumps({"template": PAUSED, "values": {"reason": "the mast is warped"}})
-    sent = [(one, "mast.warped") for one in ("", "{", "[]", "x" * 20_000)]
-    for message_json, code in (*sent, (before, "")):  # the last one of a version without faults
-        now = received(SurveyState.PAUSED, message_json=message_json, fault_code=code)
-        notice = fault_notice(now)
-        assert now.is_fault and notice.resumable, message_json
-        assert "the mast is warped" in str(notice.text)
-        assert notice.first == remedies.CHECK_STATUS
-        assert code == "" or code in notice.details
-        ended = received(SurveyState.STOPPED, message_json=message_json, fault_code=code)
-        assert ended.is_fault == (code != "") and ended.axis_may_move, message_json
+    for values in ("", "{", "[]", "x" * 20_000):
+        for code in ("mast.warped", ""):
+            told = {"code": code, "remedy": "", "remedy_sentence": ""}
+            now = received(SurveyState.PAUSED, values, **told)
+            notice = fault_notice(now)
+            assert now.is_fault and notice.resumable, values
+            assert "the mast is warped" in str(notice.text)
+            assert notice.first == remedies.CHECK_STATUS
+            assert code == "" or code in notice.details
+            ended = received(SurveyState.STOPPED, values, **told)
+            assert ended.is_fault == (code != "") and ended.axis_may_move, values
 
 
 ACCEPTED = Answer(Request.STOP, True, verbatim("stopping"))

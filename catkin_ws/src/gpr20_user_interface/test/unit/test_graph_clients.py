@@ -14,6 +14,7 @@ from fault_kit import raises_fault
 from hypothesis import given
 from topics_kit import LIMIT_S, Graph, taken
 
+from gpr20_common.high.answers import fault_of
 from gpr20_common.high.raw_message import deserialized, serialized
 from gpr20_common.high.service_client import ServiceClient, ServiceUnavailableError
 from gpr20_common.message import Fault, Message, verbatim
@@ -34,7 +35,7 @@ from gpr20_survey.plan.annotation import from_fields
 
 REMEDY = Message("Free some space on the disk.")
 FULL = Message("the disk is full", details="errno 28").with_fault(Fault("disk.full", REMEDY))
-TEXT, SENT = str(FULL), FULL.to_json()
+TEXT, SENT = str(FULL), fault_of(FULL)
 
 
 def test_why_something_of_a_survey_failed_has_its_fault_and_remedy_or_its_text():
@@ -43,19 +44,19 @@ def test_why_something_of_a_survey_failed_has_its_fault_and_remedy_or_its_text()
         run_starts=[0],
         run_states=[3],
         failures=[f"4: {TEXT}", "7: no template: as it is"],
-        failures_json=[SENT, ""],
+        failure_faults=[SENT, fault_of(None)],
         verdict=TEXT,
-        verdict_json=SENT,
+        verdict_fault=SENT,
     )
     runs = conversions.coverage_runs(coverage)
     assert runs.failures == {4: FULL, 7: verbatim("no template: as it is")}
     response = ReadTracesResponse(
-        survey_id="id", unreadable=[f"3: {TEXT}", "5: torn"], unreadable_json=[SENT]
+        survey_id="id", unreadable=[f"3: {TEXT}", "5: torn"], unreadable_faults=[SENT]
     )
     read = conversions.traces_read(3, response)
     assert (read.first_index, read.block.survey_id, read.block.indices.size) == (3, "id", 0)
     assert read.unreadable == {3: FULL, 5: verbatim("torn")}
-    summary = SurveySummary(problem=TEXT, problem_json=SENT, fault_code="axis.lost_zero")
+    summary = SurveySummary(problem=TEXT, problem_fault=SENT, fault_code="axis.lost_zero")
     (failed,) = conversions.surveys_listed("", ListSurveysResponse(surveys=[summary])).surveys
     assert (failed.verdict, failed.fault_code) == (None, "axis.lost_zero")
     for one in (runs.failures[4], runs.verdict, read.unreadable[3], failed.problem):

@@ -15,9 +15,10 @@ from result_kit import BLUE
 from topics_kit import LIMIT_S, taken
 from view_kit import SURVEY
 
+from gpr20_common.high.answers import message_fields
 from gpr20_common.high.service_client import ServiceUnavailableError
 from gpr20_common.message import Message, verbatim
-from gpr20_common.sent_message import message_fields
+from gpr20_main_control.high.main_control_node import analyzer_test_fields
 from gpr20_operator import faults
 from gpr20_operator.ground.additions import (
     AdditionsFailed,
@@ -33,7 +34,7 @@ from gpr20_operator.robot.senders import Senders
 from gpr20_operator.robot.service_model import HeightTested
 from gpr20_survey.folder.log_record import Kind
 from gpr20_survey.plan.markers import Marker
-from gpr20_survey.results.analyzer_test import AnalyzerTest, analyzer_test_fields
+from gpr20_survey.results.analyzer_test import AnalyzerTest
 from gpr20_survey.results.focused_image import focus_fields
 from gpr20_survey.results.hiding_map import hiding_json
 

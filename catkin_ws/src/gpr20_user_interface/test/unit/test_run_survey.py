@@ -14,9 +14,9 @@ pytest.importorskip("rospy")
 import rospy
 from topics_kit import Graph
 
+from gpr20_common.high.answers import message_fields
 from gpr20_common.high.service_client import ServiceClient
 from gpr20_common.message import Message, verbatim
-from gpr20_common.sent_message import message_fields
 from gpr20_msgs.msg import ControlStatus, SurveyData
 from gpr20_operator import faults
 from gpr20_operator.errors import MasterUnavailableError

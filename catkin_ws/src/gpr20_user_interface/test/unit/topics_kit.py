@@ -4,8 +4,8 @@ import queue
 import threading
 from types import SimpleNamespace
 
+from gpr20_common.high.answers import message_fields
 from gpr20_common.message import verbatim
-from gpr20_common.sent_message import message_fields
 
 LIMIT_S = 30.0
 

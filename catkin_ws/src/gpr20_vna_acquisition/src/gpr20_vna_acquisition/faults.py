@@ -40,7 +40,6 @@ ANSWERS_AGAIN = Fault(
     "vna.answers_again",
     Message("Nothing to do now. If it happens again, check the VNA's cable at both ends."),
     Severity.WARNING,
-    replaces=True,
 )
 # The instrument.
 WRONG_INSTRUMENT = Fault("vna.wrong_instrument", _RIGHT_VNA)

@@ -16,8 +16,8 @@ import rostest
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 
 from gpr20_common.faults import NOT_ALLOWED
-from gpr20_common.message import Severity
-from gpr20_common.sent_message import message_from, received_message
+from gpr20_common.high.answers import message_from
+from gpr20_common.sent_message import received_message
 from gpr20_msgs.srv import (
     ConfirmData,
     Connection,
@@ -119,7 +119,7 @@ class VnaAcquisitionTest(unittest.TestCase):
 
     def assert_refused(self, answer, fault, *shown):
         self.assertFalse(answer.success)
-        self.assertEqual(answer.fault_code, fault.code, answer.message)
+        self.assertEqual(answer.fault.code, fault.code, answer.message)
         self.assertEqual(message_from(answer).cause, fault)
         for value in shown:
             self.assertIn(str(value), answer.message)
@@ -127,8 +127,7 @@ class VnaAcquisitionTest(unittest.TestCase):
     def test_nothing_works_before_its_time(self):
         self.succeed("connection", False, "")
         values = self.reports.wait("vna_acquisition", lambda _, values: values["address"] == "")
-        self.assertEqual(values["fault_code"], faults.UNUSED.code)
-        self.assertIs(received_message("", values["message_json"]).cause.severity, Severity.NOTE)
+        self.assertEqual(received_message("", values["fault"]).cause, faults.UNUSED)
         for name, *arguments in (
             ("get_data", False), ("get_freq",), ("confirm_data", 1), ("get_calibration_status",),
         ):  # fmt: skip
@@ -150,7 +149,7 @@ class VnaAcquisitionTest(unittest.TestCase):
         calibration = self.succeed("get_calibration_status")
         self.assertTrue(calibration.accepted)
         self.assertEqual(
-            (calibration.status, calibration.message, calibration.fault_code),
+            (calibration.status, calibration.message, calibration.fault.code),
             (GetCalibrationStatusResponse.HIGH, "HIGH", ""),
         )
         found_hz = list(self.succeed("get_freq").frequency_hz)
@@ -192,7 +191,7 @@ class VnaAcquisitionTest(unittest.TestCase):
         # The probe answers with one large number, which is remarked.
         self.assertGreaterEqual(len(data.quality), 2)
         values = self.reports.wait("vna_acquisition", lambda status, _: status.level == WARN)
-        self.assertEqual(values["fault_code"], faults.STRONG.code)
+        self.assertEqual(received_message("", values["fault"]).fault_code, faults.STRONG.code)
         self.assertIn("MS2026C", values["identity"])
         self.assertGreaterEqual(float(values["last sweep [s]"]), POINTS * 350e-6)
 
@@ -201,7 +200,7 @@ class VnaAcquisitionTest(unittest.TestCase):
         self.fault("link_gone")
         self.reports.wait("simulator", lambda one, _: one.level == WARN and "GONE" in one.message)
         values = self.reports.wait("vna_acquisition", lambda status, _: status.level == ERROR)
-        message = received_message("", values["message_json"])
+        message = received_message("", values["fault"])
         self.assertEqual(message.values["address"], ADDRESS)
         self.assertEqual(values["linked"], "False")
         self.fault("none")

@@ -32,7 +32,6 @@ SHUTTING_DOWN = Fault("storage.shutting_down", remedies.WAIT_FOR_PART)
 CHANGED = Fault(
     "storage.changed",
     Message("Make sure that no other program writes into the survey's folder, then try again."),
-    replaces=True,
 )
 
 # Why a survey ended without its client.

@@ -25,6 +25,7 @@ from mcap_ros1.decoder import DecoderFactory
 from roscpp.srv import GetLoggers
 from std_msgs.msg import String
 
+from gpr20_common.high.answers import fault_of
 from gpr20_common.high.raw_message import deserialized
 from gpr20_common.message import Fault, Message
 from gpr20_msgs.msg import ControlStatus, CurrentCoordinate, Trace
@@ -170,6 +171,7 @@ class StoreSurveyTest(unittest.TestCase):
         def is_said() -> bool:
             own = [one for array in list(found) for one in array.status if node in one.name]
             values = [{pair.key: pair.value for pair in one.values} for one in own[-1:]]
+            values = [{**one, **json.loads(one["fault"])} for one in values]
             return any(expected.items() <= one.items() for one in values)
 
         self.wait_until(is_said, f"the diagnostics do not say {expected}")
@@ -203,7 +205,7 @@ class StoreSurveyTest(unittest.TestCase):
         closed = self.done(self.close())
         self.assertEqual((closed.stored_traces, closed.path), (TRACES, opened.path))
         self.assertEqual(
-            json.loads(closed.message_json)["values"],
+            json.loads(closed.fault.values),
             {"survey": self.survey_id, "stored": TRACES},
         )
         self.check_read(Path(opened.path).name)
@@ -256,20 +258,20 @@ class StoreSurveyTest(unittest.TestCase):
         self.assertNotIn("/robot1/x_axis/current_coord", recordings(opened.path)[0])
 
     def test_2_what_is_wrong_is_answered_with_its_fault_and_leaves_no_trace(self) -> None:
-        self.assertEqual(self.store(0).fault_code, "survey.none_open")
+        self.assertEqual(self.store(0).fault.code, "survey.none_open")
         opened = self.done(self.open())
         answer = self.store(0, sweep_ended=rospy.Time(0))
-        self.assertEqual((answer.success, answer.fault_code), (False, "clock.wrong"))
+        self.assertEqual((answer.success, answer.fault.code), (False, "clock.wrong"))
         self.assertEqual(os.listdir(opened.path + "/traces"), [])
         reason = Message("the zero is lost").with_fault(Fault("axis.lost_zero"))
-        closed = self.done(self.close("failed", reason_json=reason.to_json()))
+        closed = self.done(self.close("failed", reason_fault=fault_of(reason)))
         self.assertEqual(closed.stored_traces, 0)
         survey = description_in(opened.path)
         self.assertEqual((survey["reason"], survey["fault_code"]), (str(reason), "axis.lost_zero"))
         for found in recordings(opened.path):
             self.assertNotIn("/robot1/trace", found)
             last = found["/robot1/control_status"][-1]
-            self.assertEqual((last.code, last.fault_code), (ControlStatus.FAILED, "axis.lost_zero"))
+            self.assertEqual((last.code, last.fault.code), (ControlStatus.FAILED, "axis.lost_zero"))
 
     def test_3_a_node_that_was_killed_continues_the_survey(self) -> None:
         data = tempfile.mkdtemp()
@@ -284,7 +286,7 @@ class StoreSurveyTest(unittest.TestCase):
         report = self.survey_id, "report", '{"verdict": "INCOMPLETE"}'
         for _ in range(2):  # the second is the repetition of a call whose answer was lost
             self.assertEqual(self.done(add_fact(*report)).stored_traces, 3)
-        self.assertEqual(add_fact("", "end", "{}").fault_code, "storage.request_refused")
+        self.assertEqual(add_fact("", "end", "{}").fault.code, "storage.request_refused")
         self.wait_until(lambda: logged, "the report is not published")
         self.assertEqual(json.loads(logged[0].data)["values"], {"verdict": "INCOMPLETE"})
         self.wait_until(lambda: len(live) == 3, "traces are missing on the topic")
@@ -342,7 +344,7 @@ class StoreSurveyTest(unittest.TestCase):
         """A data folder that is gone is told, and never made again."""
         found = self.collect("/diagnostics", DiagnosticArray)
         os.rename(data, data + "_moved")
-        self.wait_for_health(found, "robot3/", fault_code="storage.other_data_folder")
+        self.wait_for_health(found, "robot3/", code="storage.other_data_folder")
         self.assertFalse(self.open(survey_id=str(uuid.uuid4())).success)
         self.assertFalse(os.path.exists(data))
         os.rename(data + "_moved", data)

@@ -158,7 +158,7 @@ def test_closing_writes_how_the_survey_ended_with_its_fault(kit, memory, x_mm):
     survey = read_json(folder / "survey.json")
     assert (closed.stored_traces, closed.folder, survey["stored_traces"]) == (1, folder, 1)
     assert (survey["outcome"], survey["fault_code"]) == ("failed", "axis.lost_zero")
-    kept = received_message(survey["reason"], json.dumps(survey["reason_message"]))
+    kept = received_message(survey["reason"], survey["reason_message"])
     assert (str(kept), kept.cause) == (survey["reason"], LOST_ZERO)
     assert survey["ended"] == "2026-09-21T14:15:00.000000+00:00"
     assert memory.finished

@@ -10,9 +10,9 @@ pytest.importorskip("rospy")
 from map_kit import MARKER
 from view_kit import SURVEY
 
+from gpr20_common.high.answers import message_fields
 from gpr20_common.high.service_client import ServiceUnavailableError
 from gpr20_common.message import Fault, verbatim
-from gpr20_common.sent_message import message_fields
 from gpr20_operator.high import request_client
 from gpr20_operator.jobs.job import Service
 from gpr20_operator.robot.senders import Senders

@@ -29,7 +29,7 @@ from gpr20_analysis.formats.conversion import EXPORTS
 from gpr20_analysis.sentences import shown
 from gpr20_common.catalogue import Catalogue
 from gpr20_common.message import Message
-from gpr20_common.sent_message import message_fields
+from gpr20_common.sent_message import json_fields
 from gpr20_common.terminal_text import say
 from gpr20_survey.folder.survey_folder import LOG_FILE, TRACES_FOLDER
 
@@ -239,7 +239,7 @@ def _record(job: Job, outcome: Outcome) -> Dict[str, Any]:
         "remarks": list(outcome.remarks),
     }
     if outcome.error:
-        record["error"] = message_fields(outcome.error)
+        record["error"] = json_fields(outcome.error)
     return record
 
 

@@ -22,7 +22,7 @@ from gpr20_common.low.catalogue_file import (
     languages,
     read_catalogue,
 )
-from gpr20_common.sent_message import message_fields
+from gpr20_common.sent_message import json_fields
 from gpr20_common.terminal_text import say
 
 
@@ -46,7 +46,7 @@ def main(arguments: Optional[List[str]] = None) -> int:
     for step in first_steps(reason):
         say(shown(step), file=sys.stderr)
     if getattr(chosen, "json", False):
-        print(json.dumps({"error": message_fields(reason)}))
+        print(json.dumps({"error": json_fields(reason)}))
     return REFUSED
 
 

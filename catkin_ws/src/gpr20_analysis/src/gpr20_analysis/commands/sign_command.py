@@ -58,8 +58,7 @@ def run(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
                 Message(
                     "what differs from the manifest is not signed: {differences}",
                     differences=in_a_row([*found.differences, *damaged][:SHOWN]),
-                ),
-                fault=faults.FILES_DIFFER,
+                ).reporting_only(faults.FILES_DIFFER)
             )
         found.manifest.write_for(folder, log.records[-1])
         signer.sign(folder)

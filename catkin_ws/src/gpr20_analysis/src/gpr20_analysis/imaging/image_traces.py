@@ -151,8 +151,7 @@ def traces_of(survey: xr.Dataset, options: ImageOptions) -> Tuple[List[Traces], 
                 "{note}; with that a buried reference gives a wrong permittivity: give the delay "
                 "with --delay, or the distance of the antennas with --separation",
                 note=of_surface[0],
-            ),
-            fault=faults.NO_SURFACE_ECHO,
+            ).reporting_only(faults.NO_SURFACE_ECHO)
         )
     return traces, [*notes, *of_surface]
 

@@ -247,7 +247,9 @@ def read_recipe(path: Path) -> object:
         return read_yaml(path)
     except YamlFileError as error:
         raise RecipeError(
-            Message("{path} is not a recipe: {reason}", path=path, reason=error.message)
+            Message(
+                "{path} is not a recipe: {reason}", path=path, reason=error.message
+            ).reporting_only(RecipeError.fault)
         ) from error
 
 

@@ -101,8 +101,9 @@ def fit_delay(
             reasons.append(error.message)
     if not fits:
         raise WrongDatasetError(
-            Message("the echo of the surface is not clear: {reason}", reason=reasons[0]),
-            fault=faults.NO_SURFACE_ECHO,
+            Message(
+                "the echo of the surface is not clear: {reason}", reason=reasons[0]
+            ).reporting_only(faults.NO_SURFACE_ECHO)
         )
     return _combined(fits, FEWEST_OVER_PLATE if plate else FEWEST_TRACES)
 

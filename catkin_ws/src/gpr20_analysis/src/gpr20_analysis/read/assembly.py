@@ -102,7 +102,7 @@ def _refusal(name: str, faults: List[Damage]) -> Message:
         "recording of the survey is readable, or leave these samples out with --accept-damaged",
         source=name,
         faults=first_of([fault.message for fault in faults], FAULTS_LISTED),
-    )
+    ).reporting_only(DamagedSurveyError.fault)
 
 
 class _Assembly:

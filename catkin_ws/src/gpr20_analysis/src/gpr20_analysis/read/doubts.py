@@ -7,7 +7,6 @@ candidates. Each doubt reports a fault, whose code says of which kind it is.
 from __future__ import annotations
 
 import contextlib
-import json
 import math
 from pathlib import Path
 from typing import Any, Iterable, Iterator, List, Mapping, Sequence, Set, Tuple
@@ -173,13 +172,13 @@ def _clock(description: Described, samples: Sequence[Sample]) -> Iterator[Messag
     if reasons:
         yield Message(
             "times may be wrong: {reasons}", reasons=first_of(reasons, REASONS)
-        ).with_fault(faults.CLOCK)
+        ).reporting_only(faults.CLOCK)
 
 
 def _noted_of_clock(description: Described) -> Iterator[Message]:
     """Yield what the robot noted of its clock, or an import of the times of its source."""
     for values in log_values(description, Kind.CLOCK):
-        yield received_message(str(values.get("text")), json.dumps(values.get("message")))
+        yield received_message(str(values.get("text")), values.get("message"))
     if is_imported(description) and import_of(description).get(TIMES_KNOWN) is not True:
         yield Message("the source names no times since 2020: the traces have that of the import")
 

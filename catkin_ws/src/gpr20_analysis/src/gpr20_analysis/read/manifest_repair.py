@@ -134,8 +134,7 @@ def _refuse(found: ManifestCheck, has_ended: bool) -> None:
                 "the manifest is whole, but files differ from it: {differences}; resume the "
                 "survey, which repairs its files, or restore them from a copy",
                 differences=in_a_row(found.differences[:SHOWN]),
-            ),
-            fault=faults.FILES_DIFFER,
+            ).reporting_only(faults.FILES_DIFFER)
         )
     if found.manifest is not None or not has_ended:
         raise AnalysisError(

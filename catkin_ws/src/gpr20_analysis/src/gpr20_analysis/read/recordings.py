@@ -125,7 +125,9 @@ def open_recording(path: Path) -> OpenRecording:
     def traces() -> Iterator[RecordedMessage]:
         yield from messages
         if lost.faults:
-            raise UnreadableFileError(in_a_row(lost.faults), fault=faults.RECORDING_DAMAGED)
+            raise UnreadableFileError(
+                in_a_row(lost.faults).reporting_only(faults.RECORDING_DAMAGED)
+            )
 
     texts = _messages(path, Lost(), TEXT_TYPE)
     log = [one for one in map(recorded_log, texts) if one is not None]
@@ -173,7 +175,9 @@ def mcap_messages(path: Path, follow_link: bool) -> Iterator[RecordedMessage]:
         with _failing_as_unreadable(path):
             yield from stored.messages()
         if stored.faults:
-            raise UnreadableFileError(in_a_row(stored.faults), fault=faults.RECORDING_DAMAGED)
+            raise UnreadableFileError(
+                in_a_row(stored.faults).reporting_only(faults.RECORDING_DAMAGED)
+            )
         return
     with _failing_as_unreadable(path), _opened(path, follow_link) as stream:
         for schema, channel, message in make_reader(stream, validate_crcs=True).iter_messages():

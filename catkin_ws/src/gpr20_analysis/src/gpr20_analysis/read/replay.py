@@ -135,7 +135,8 @@ def recorded(survey: Path) -> Iterator[Due]:
             yield Due(time_ns, topics.metadata(text, time_ns))
         yield Due(time_ns, trace)
     if source.faults:
-        raise DamagedSurveyError(in_a_row(fault.message for fault in source.faults))
+        found = in_a_row(fault.message for fault in source.faults)
+        raise DamagedSurveyError(found.reporting_only(DamagedSurveyError.fault))
 
 
 def from_start(items: Iterable[Due], start_s: float) -> Iterator[Due]:

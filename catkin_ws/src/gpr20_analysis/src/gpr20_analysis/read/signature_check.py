@@ -11,7 +11,7 @@ from gpr20_analysis import faults
 from gpr20_analysis.read.verification_result import COMPLETE, DAMAGED, INCOMPLETE
 from gpr20_common.message import Message
 from gpr20_common.os_reason import os_reason
-from gpr20_common.sent_message import message_fields
+from gpr20_common.sent_message import json_fields
 from gpr20_common.terminal_text import printable
 from gpr20_survey.errors import IrregularFileError, ProcessingError, SigningError
 from gpr20_survey.files import ssh_keygen
@@ -75,7 +75,7 @@ class Signed:
             "state": self.state and self.state.value,
             "signer": self.signer,
             "fingerprint": self.fingerprint,
-            **message_fields(self.message),
+            **json_fields(self.message),
         }
 
 
@@ -186,4 +186,4 @@ def _principals(signature: Path, signers: Path) -> Iterator[str]:
 
 def _wrong(reason: Message) -> Signed:
     text = Message("WRONG SIGNATURE: {reason}", reason=reason)
-    return Signed(text.with_fault(faults.WRONG_SIGNATURE), Signature.WRONG)
+    return Signed(text.reporting_only(faults.WRONG_SIGNATURE), Signature.WRONG)

@@ -145,7 +145,7 @@ class _Verifier:
                     "manifest.json is damaged: {reason}; {remedy}",
                     reason=found.damage,
                     remedy=REMEDY,
-                ).with_fault(faults.MANIFEST)
+                ).reporting_only(faults.MANIFEST)
             )
         elif found.manifest is None and self._found.closed:
             self._found.fault(

@@ -7,7 +7,7 @@ from typing import Any, Dict, List, Optional, Tuple
 
 from gpr20_analysis import faults
 from gpr20_common.message import Message
-from gpr20_common.sent_message import message_fields
+from gpr20_common.sent_message import json_fields
 from gpr20_survey.faults import LOCKED, UNCONFIRMED
 
 COMPLETE, INCOMPLETE, DAMAGED = 0, 1, 2
@@ -62,13 +62,13 @@ class Verification:
             "closed": self.closed,
             "unconfirmed": list(self.unconfirmed),
             "being_written": bool(self.writer),
-            "verdict": message_fields(self.verdict),
+            "verdict": json_fields(self.verdict),
             "faults": [
-                message_fields(one if one.cause else one.with_fault(faults.NOT_INTACT))
+                json_fields(one if one.cause else one.with_fault(faults.NOT_INTACT))
                 for one in self.faults
             ],
-            "doubts": [message_fields(one) for one in self.doubts],
-            "notes": [message_fields(one) for one in self.notes],
+            "doubts": [json_fields(one) for one in self.doubts],
+            "notes": [json_fields(one) for one in self.notes],
         }
 
     @property

@@ -115,7 +115,7 @@ def summary_of(survey: xr.Dataset) -> List[Row]:
 def _recorded(name: str, value: object, described: Mapping[str, Any]) -> Message:
     text = verbatim(str(value))
     if name == "reason":
-        return received_message(str(value), json.dumps(described.get(REASON_MESSAGE)))
+        return received_message(str(value), described.get(REASON_MESSAGE))
     return OUTCOMES.get(str(value), text) if name == "outcome" else text
 
 
@@ -123,7 +123,7 @@ def _verdict(described: Mapping[str, Any]) -> Optional[Message]:
     report = mapping_of(described, "report")
     if not report.get("verdict"):
         return None
-    return received_message(str(report["verdict"]), json.dumps(report.get("verdict_message")))
+    return received_message(str(report["verdict"]), report.get("verdict_message"))
 
 
 def warnings_of(survey: xr.Dataset) -> List[Message]:

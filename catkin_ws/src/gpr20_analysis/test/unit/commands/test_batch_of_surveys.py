@@ -81,7 +81,7 @@ def test_one_failure_stops_no_other_and_a_second_run_makes_what_is_missing(
     status, (torn, whole) = batch(*arguments)
     assert status == 1
     assert (torn["state"], torn["result"]) == ("failed", None)
-    assert torn["error"]["fault_code"] == faults.FILE_DAMAGED.code
+    assert torn["error"]["fault"]["code"] == faults.FILE_DAMAGED.code
     assert (whole["state"], whole["result"]) == ("done", str(into / "whole.csv"))
     made = (into / "whole.csv").stat().st_mtime_ns
     write_noise(data / "torn.nc", 7)
@@ -102,7 +102,7 @@ def test_a_result_of_another_command_or_an_earlier_state_is_not_taken_for_this_o
     assert batch(*arguments, IMAGE)[0] == 0
     assert batch(*arguments, "process --step window")[1][0]["state"] == "failed"
     status, (other,) = batch(*arguments, IMAGE.replace("4", "9", 1))
-    assert (status, other["error"]["fault_code"]) == (1, faults.OPTION.code)
+    assert (status, other["error"]["fault"]["code"]) == (1, faults.OPTION.code)
     assert [one["state"] for one in batch(*arguments, IMAGE)[1]] == ["exists"]
     write_noise(survey, 7)
     assert batch(*arguments, IMAGE)[0] == 1
@@ -132,7 +132,7 @@ def test_a_survey_that_kills_each_worker_is_named_and_the_others_are_done(survey
         status, records = batch(*arguments)
     assert status == 1
     assert [one["state"] for one in records] == ["done"] * (len(COLUMNS) - 1) + ["failed"]
-    assert records[-1]["error"]["fault_code"] == faults.WORKER_KILLED.code
+    assert records[-1]["error"]["fault"]["code"] == faults.WORKER_KILLED.code
 
 
 @pytest.fixture

@@ -42,8 +42,8 @@ def test_an_error_says_which_command_and_what_and_a_remedy_once(finished, tmp_pa
     printed = capsys.readouterr()
     assert len(printed.err.splitlines()) == 1
     error = json.loads(printed.out)["error"]
-    assert error["fault_code"] == faults.OUTPUT.code
-    message = received_message("", error["message_json"])
+    assert error["fault"]["code"] == faults.OUTPUT.code
+    message = received_message("", error["fault"])
     assert message.cause == faults.OUTPUT and str(message) == error["message"]
 
 

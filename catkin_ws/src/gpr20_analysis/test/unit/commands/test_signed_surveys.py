@@ -41,7 +41,7 @@ def verify(keys, capsys):
         record = json.loads(capsys.readouterr().out)
         assert record["status"] == status
         found = record["signature"]
-        return status, found["state"], found["fault_code"]
+        return status, found["state"], found["fault"].get("code", "")
 
     return verified
 

@@ -229,13 +229,13 @@ def test_programs_get_the_result_as_json_with_codes(finished, stopped, copied, c
     ):
         assert main([str(folder), "--json"]) == status
         answer = json.loads(capsys.readouterr().out)
-        assert (answer["status"], answer["verdict"]["fault_code"]) == (status, code)
-        assert all(one["fault_code"] and one["message"] for one in answer["faults"])
+        assert (answer["status"], answer["verdict"]["fault"].get("code", "")) == (status, code)
+        assert all(one["fault"]["code"] and one["message"] for one in answer["faults"])
         assert bool(answer["faults"]) == (status == 2)
     for none in (copied.parent, copied / "missing"):
         assert main([str(none), "--json"]) == 3
         answer = json.loads(capsys.readouterr().out)
-        assert answer["error"]["fault_code"] == faults.NO_INPUT.code
+        assert answer["error"]["fault"]["code"] == faults.NO_INPUT.code
 
 
 def test_many_faults_are_counted_and_told_on_request(copied, capsys):

@@ -66,7 +66,7 @@ def test_missing_samples_are_the_first_thing_that_is_said(tmp_path):
 
 @pytest.mark.usefixtures("blank_figures")
 def test_warnings_of_the_robot_are_shown_in_the_language_of_the_reader(tmp_path, capsys):
-    message = {"template": "Set back by {step_s:.1f} s.", "values": {"step_s": 120.0}}
+    message = {"sentence": "Set back by {step_s:.1f} s.", "values": {"step_s": 120.0}}
     warning = {"time": "2026-09-21T14:13:20+00:00", "warning": "set back", "warning_message": None}
     recorded = {"warnings": [warning, {**warning, "warning_message": message}, 7]}
     folder = make_survey(tmp_path, ALL, "finished")

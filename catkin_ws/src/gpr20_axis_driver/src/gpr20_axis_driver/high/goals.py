@@ -13,10 +13,10 @@ from actionlib_msgs.msg import GoalStatus
 
 from gpr20_axis_driver import faults
 from gpr20_axis_driver.axis_exceptions import AxisException
+from gpr20_common.high.answers import message_fields
 from gpr20_common.high.raw_message import connection_header
 from gpr20_common.low.tcp_keepalive import keep_alive, silence_s
 from gpr20_common.message import Message
-from gpr20_common.sent_message import message_fields
 
 # How long a client's computer may leave probes unanswered: three probes, one second each.
 SILENCE_LIMIT_S = 3.5

@@ -167,7 +167,7 @@ class PulseClient:
                     "{reason}; its pins could not be set low: {pins_reason}",
                     reason=reason,
                     pins_reason=error.message,
-                ).with_fault(faults.PINS_NOT_LOW)
+                ).reporting_only(faults.PINS_NOT_LOW)
 
 
 class _Progress:

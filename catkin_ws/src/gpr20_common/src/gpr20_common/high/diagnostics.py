@@ -19,8 +19,8 @@ OK, WARN, ERROR = 0, 1, 2
 
 # Level, one sentence, and named values.
 Health = Tuple[int, Message, Dict[str, Any]]
-# Names of the values that hold the sentence, and the code of its fault.
-MESSAGE_JSON, FAULT_CODE = "message_json", "fault_code"
+# Name of the value that holds the sentence with its fault, as JSON.
+FAULT = "fault"
 
 PERIOD_S = 1.0
 # For so long an exception that nobody expected, in any thread, is said [s].
@@ -64,8 +64,7 @@ class Diagnostics:
             failed = Message("internal error in {service}; see the log", service=self._faults.part)
             level, message = ERROR, failed.with_fault(INTERNAL)
         status.summary(level, str(message))
-        status.add(MESSAGE_JSON, message.to_json())
-        status.add(FAULT_CODE, message.fault_code)
+        status.add(FAULT, message.to_json())
         for name, value in values.items():
             status.add(name, str(value))
         return status

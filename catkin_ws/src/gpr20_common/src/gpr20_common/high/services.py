@@ -8,9 +8,9 @@ import rospy
 
 from gpr20_common.errors import Gpr20Error
 from gpr20_common.faults import INTERNAL
+from gpr20_common.high.answers import message_fields
 from gpr20_common.low.thread_fault import log_fault
 from gpr20_common.message import Message
-from gpr20_common.sent_message import message_fields
 
 
 def advertise(name: str, service_class: Any, handler: Callable[[Any], Any]) -> rospy.Service:

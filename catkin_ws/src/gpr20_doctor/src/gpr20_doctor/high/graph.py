@@ -9,19 +9,25 @@ from diagnostic_msgs.msg import DiagnosticArray
 from sensor_msgs.msg import Range
 from std_msgs.msg import Bool
 
+from gpr20_common.high.answers import message_from
 from gpr20_common.high.service_client import ServiceClient, ServiceUnavailableError
 from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message
-from gpr20_common.sent_message import message_from
 from gpr20_doctor import faults
-from gpr20_doctor.high.node_reports import axis_position, descriptions, height_m, node_healths
+from gpr20_doctor.high.node_reports import (
+    analyzer_test_of,
+    axis_position,
+    descriptions,
+    height_m,
+    node_healths,
+)
 from gpr20_doctor.low.masters import NodeState, launched_nodes, node_states
 from gpr20_doctor.mid.listener import Listener
 from gpr20_msgs.msg import ControlStatus, CurrentCoordinate, RobotConfiguration
 from gpr20_msgs.srv import GetHeight, TestAnalyzer
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.plan.survey_state import RUNNING, SurveyState
-from gpr20_survey.results.analyzer_test import AnalyzerTest, analyzer_test_of
+from gpr20_survey.results.analyzer_test import AnalyzerTest
 
 NODE = "doctor"
 

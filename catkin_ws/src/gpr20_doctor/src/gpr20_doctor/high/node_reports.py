@@ -8,12 +8,14 @@ from typing import Any, Dict, List
 from diagnostic_msgs.msg import DiagnosticArray
 from sensor_msgs.msg import Range
 
-from gpr20_common.high.diagnostics import FAULT_CODE, MESSAGE_JSON
+from gpr20_common.high.answers import message_from, record_of
+from gpr20_common.high.diagnostics import FAULT
 from gpr20_common.sent_message import received_message
 from gpr20_doctor.mid.node_health import HealthLevel, NodeHealth
 from gpr20_doctor.mid.robot_facts import AxisPosition
 from gpr20_msgs.msg import CurrentCoordinate, RobotConfiguration
 from gpr20_survey.plan.robot_description import NodeDescription
+from gpr20_survey.results.analyzer_test import AnalyzerTest
 
 
 def node_healths(message: DiagnosticArray, namespace: str) -> List[NodeHealth]:
@@ -33,8 +35,7 @@ def node_healths(message: DiagnosticArray, namespace: str) -> List[NodeHealth]:
         values = {pair.key: pair.value for pair in status.values}
         level = _level(status.level)
         own_name = name[len(prefix) :].strip("/")
-        code = values.pop(FAULT_CODE, "")
-        text = received_message(status.message, values.pop(MESSAGE_JSON, ""), code)
+        text = received_message(status.message, values.pop(FAULT, ""))
         found.append(NodeHealth(own_name, level, text, values))
     return found
 
@@ -59,6 +60,12 @@ def height_m(message: Range) -> float:
     """Convert `measured_height` [m]; a value outside the sensor's range is none (REP 117)."""
     within = message.min_range <= message.range <= message.max_range
     return float(message.range) if within else math.nan
+
+
+def analyzer_test_of(answer: Any) -> AnalyzerTest:
+    """Convert an answer of `test_analyzer`."""
+    failure = None if answer.success else message_from(answer)
+    return record_of(AnalyzerTest, answer, failure=failure)
 
 
 def _level(level: Any) -> HealthLevel:

@@ -104,7 +104,7 @@ def problems(
     records = json.loads(answer_of(command, CHECK_LIMIT_S, CHECK_STATUSES, environment))
     if not isinstance(records, list):
         raise ValueError("robot_config answered no list")
-    return tuple(received_message(UNREADABLE, json.dumps(one)) for one in records)
+    return tuple(received_message(UNREADABLE, one) for one in records)
 
 
 def configured(folder: Path, file: str, key: str) -> Any:

@@ -127,7 +127,7 @@ def check_versions(facts: RobotFacts) -> Iterator[Finding]:
         mixed = next((nodes for nodes in hosts if software_difference(nodes)), {})
         text = Message("Versions: {difference}", difference=difference, service=service_of(mixed))
         fault = faults.NOT_RESTARTED if mixed else SOFTWARE_DIFFERS
-        yield Finding.of("versions", text, fault)
+        yield Finding.of_fault("versions", text.reporting_only(fault))
     elif silent is not None:
         text = Message("{part} does not say which software it runs.", part=node_title(silent))
         yield Finding("versions", Level.UNKNOWN, text, SAME_VERSION)

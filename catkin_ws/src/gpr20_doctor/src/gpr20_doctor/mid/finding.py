@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from typing import Optional
 
 from gpr20_common.message import Fault, Message
-from gpr20_common.remedies import first_step
 
 
 class Level(enum.IntEnum):
@@ -80,7 +79,7 @@ class Finding:
         """
         cause = text.cause
         assert cause is not None
-        return cls(check, Level[cause.severity.name], text, remedy or first_step(text))
+        return cls(check, Level[cause.severity.name], text, remedy or cause.remedy)
 
 
 @dataclass(frozen=True)

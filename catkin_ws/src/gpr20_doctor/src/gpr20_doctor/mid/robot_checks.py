@@ -10,7 +10,6 @@ from typing import Callable, Dict, Iterable, Iterator, Optional, Tuple
 
 from gpr20_common.faults import DISK_FULL, NODE_SILENT
 from gpr20_common.message import Fault, Message, Severity, verbatim
-from gpr20_common.remedies import first_step
 from gpr20_doctor import faults
 from gpr20_doctor.low.masters import NodeState
 from gpr20_doctor.mid.contact_checks import (
@@ -234,7 +233,7 @@ def _part(node: NodeHealth, listening_s: float, state: Optional[NodeState]) -> F
     text = Message("{name}: {state}", name=name, state=node.message)
     if node.level is HealthLevel.ERROR:
         failed = text.with_fault(faults.PART_FAILED)
-        return Finding.of_fault(node.name, failed, first_step(node.message))
+        return Finding.of_fault(node.name, failed, node.message.remedy)
     if cause is not None and (cause.severity is Severity.NOTE or cause.code == NOT_HOMED.code):
         return Finding(node.name, Level.NOTE, text, cause.remedy or faults.PART_WARNS.remedy)
     return Finding.of(node.name, text, faults.PART_WARNS, mild=True)

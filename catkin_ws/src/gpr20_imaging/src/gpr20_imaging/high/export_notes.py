@@ -5,10 +5,10 @@ from __future__ import annotations
 import json
 from typing import Optional, Sequence
 
+from gpr20_common.high.answers import message_from
 from gpr20_common.high.service_client import ServiceClient, ServiceUnavailableError
 from gpr20_common.low.clock import time_of_day_us
 from gpr20_common.message import Message
-from gpr20_common.sent_message import message_from
 from gpr20_msgs.srv import AddFact
 from gpr20_survey.folder.log_record import Kind
 from gpr20_survey.trace.utc_time import iso_text

@@ -217,7 +217,7 @@ class Exporter:
                 "the USB stick {name} could not be written: {reason}",
                 name=volume.name,
                 reason=os_reason(error),
-            )
+            ).reporting_only(faults.STICK_FAILED)
         )
 
 

@@ -128,7 +128,7 @@ def _fill(folder: Path, texts: Mapping[str, str], known: Sequence[Problem] = ())
     found = (*known, *check_robot(use, built_robot()))
     _say(folder, found)
     # What a person must check by hand is no failure of this command.
-    return int(any(one.refuses and one.message.cause is not faults.NOT_CHECKED for one in found))
+    return int(any(one.refuses and one.message.cause != faults.NOT_CHECKED for one in found))
 
 
 def _import(folder: Path, given: argparse.Namespace) -> int:

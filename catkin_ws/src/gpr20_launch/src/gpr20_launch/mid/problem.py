@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Dict, Tuple, Union
@@ -40,7 +39,7 @@ class Problem:
     def record(self) -> Dict[str, Any]:
         """Return the sentence as it travels, and the rest beside it."""
         own = {name: getattr(self, name) for name in ("file", "key", "value", "allowed")}
-        return {**json.loads(self.message.to_json()), **own, "uses": list(self.uses)}
+        return {**self.message.record(), **own, "uses": list(self.uses)}
 
 
 def problem(
@@ -64,6 +63,6 @@ def problem(
         value=printable(str(value)),
         reason=reason,
         allowed=allowed,
-    ).with_fault(fault)
+    ).reporting_only(fault)
     text = text.as_warning() if doubtful else text
     return Problem(text, str(file), key, str(value), str(allowed), uses)

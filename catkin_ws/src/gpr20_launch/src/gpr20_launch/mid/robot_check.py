@@ -58,7 +58,7 @@ def check_robot(use: Use, built: BuiltRobot) -> Tuple[Problem, ...]:
         found.extend(_check(use, built))
     except OSError as error:
         text = Message("{file}: {reason}", file=printable(use.folder), reason=os_reason(error))
-        found.append(Problem(text.with_fault(faults.UNREADABLE), str(use.folder)))
+        found.append(Problem(text.reporting_only(faults.UNREADABLE), str(use.folder)))
     return tuple(sorted(found, key=lambda one: not one.refuses))
 
 
@@ -72,7 +72,7 @@ def _check(use: Use, built: BuiltRobot) -> Iterator[Problem]:
         yield Problem(text.with_fault(faults.NO_FOLDER).as_warning(), str(use.folder))
     reading = Reading(use.folder, built.axes)
     pins = tuple(check_pins(reading))
-    shared = [use for one in pins if one.message.cause is faults.PIN_CONFLICT for use in one.uses]
+    shared = [use for one in pins if one.message.cause == faults.PIN_CONFLICT for use in one.uses]
     for one in reading.problems:
         # The parameters of an axis refuse a pin with a second use in it, but not that of others.
         if not any(use.partition(" (")[0] == f"{AXES_FILE} {one.key}" for use in shared):
@@ -95,11 +95,13 @@ def _extensions(reading: Reading, use: Use, built: BuiltRobot) -> Iterator[Probl
         try:
             check(*given)
         except Gpr20Error as error:
-            reason = error.message.with_fault(None)
             text = Message(
-                "{file}, {place}: {reason}", file=printable(file), place=key, reason=reason
+                "{file}, {place}: {reason}",
+                file=printable(file),
+                place=key,
+                reason=error.message,
             )
-            yield Problem(text.with_fault(fault), str(file), key)
+            yield Problem(text.reporting_only(fault), str(file), key)
 
     unusable = faults.UNUSABLE_EXTENSION
     for axis, own in reading.axes().items():

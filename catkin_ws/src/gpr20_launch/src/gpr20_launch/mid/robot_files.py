@@ -285,7 +285,7 @@ class Reading:
             text = Message("{file}: {reason}", file=path, reason=reason)
         shown = "" if value is None else repr(value)
         self.unsure.add((path.name, key))
-        self.problems.append(Problem(text.with_fault(fault), str(path), key, shown, allowed))
+        self.problems.append(Problem(text.reporting_only(fault), str(path), key, shown, allowed))
 
 
 def read_configuration(folder: Path, built_axes: Path) -> Sections:

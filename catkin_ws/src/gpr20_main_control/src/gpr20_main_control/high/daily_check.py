@@ -14,6 +14,7 @@ import rospy
 
 from gpr20_common.catalogue import Catalogue
 from gpr20_common.errors import Gpr20Error
+from gpr20_common.high.answers import message_from
 from gpr20_common.low.catalogue_file import (
     language_from_code,
     language_from_environment,
@@ -23,7 +24,6 @@ from gpr20_common.low.catalogue_file import (
 from gpr20_common.low.clock import time_of_day_us
 from gpr20_common.low.data_folder import data_folder, state_folder
 from gpr20_common.message import Message
-from gpr20_common.sent_message import message_from
 from gpr20_common.terminal_text import say
 from gpr20_doctor.high.node_reports import descriptions
 from gpr20_doctor.low.masters import MasterState, state_of

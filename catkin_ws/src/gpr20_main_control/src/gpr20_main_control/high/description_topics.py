@@ -8,9 +8,9 @@ from typing import Any, Callable, List
 
 import rospy
 
+from gpr20_common.high.answers import message_fields
 from gpr20_common.high.description import TOPIC
 from gpr20_common.high.raw_message import connection_header
-from gpr20_common.sent_message import message_fields
 from gpr20_main_control.mid.devices.described_robot import DescribedRobot
 from gpr20_msgs.msg import NodeDescription as NodeDescriptionMessage
 from gpr20_msgs.msg import RobotConfiguration

@@ -9,6 +9,7 @@ import rosgraph
 import rospy
 
 from gpr20_common.high import diagnostics
+from gpr20_common.high.answers import message_fields
 from gpr20_common.high.description import show_parameters
 from gpr20_common.high.node import read_parameters, run_node
 from gpr20_common.high.periodic import Periodic
@@ -19,7 +20,6 @@ from gpr20_common.message import Message
 from gpr20_common.mid.codec import plain
 from gpr20_common.mid.hardware import NO_HARDWARE
 from gpr20_common.mid.node_software import own_software
-from gpr20_common.sent_message import message_fields
 from gpr20_main_control.errors import OtherAnalyzerError
 from gpr20_main_control.high.description_topics import DescriptionTopics
 from gpr20_main_control.high.ros_axis import RosAxis
@@ -72,7 +72,7 @@ from gpr20_survey.plan.survey_parameters import (
 )
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_survey.radar.soils import requested_permittivity
-from gpr20_survey.results.analyzer_test import analyzer_test_fields
+from gpr20_survey.results.analyzer_test import AnalyzerTest
 
 COORDINATE_RATE_HZ = 10.0
 PROGRESS_RATE_HZ = 2.0
@@ -182,6 +182,14 @@ class MainControlNode:
         elif status.state is SurveyState.PAUSED or status.missing is not None:
             level = diagnostics.WARN
         return level, status.full_message, values
+
+
+def analyzer_test_fields(test: AnalyzerTest) -> Dict[str, Any]:
+    """Return the fields of an answer of `test_analyzer`."""
+    found = dict(vars(test))
+    failure = found.pop("failure")
+    said = message_fields(failure or Message("The VNA works."))
+    return {"success": failure is None, **said, **found}
 
 
 def _caller(request: Any) -> str:

@@ -9,11 +9,11 @@ from typing import Any, Callable, List, Optional, Set
 import actionlib
 import rospy
 
+from gpr20_common.high.answers import message_from
 from gpr20_common.high.raw_message import connection_header, microseconds
 from gpr20_common.high.service_client import ServiceClient, ServiceUnavailableError
 from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message, verbatim
-from gpr20_common.sent_message import message_from
 from gpr20_main_control import faults
 from gpr20_main_control.errors import DeviceError, NodeLostError
 from gpr20_main_control.mid.devices.axis_leases import Lease

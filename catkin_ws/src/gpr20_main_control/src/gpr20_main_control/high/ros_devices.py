@@ -9,10 +9,10 @@ from typing import Any
 import numpy as np
 
 from gpr20_common.faults import NODE_SILENT
+from gpr20_common.high.answers import fault_of, message_from, record_of
 from gpr20_common.high.raw_message import microseconds, preserialized, ros_time, serialized
 from gpr20_common.high.service_client import ServiceClient, ServiceUnavailableError
 from gpr20_common.message import Message
-from gpr20_common.sent_message import message_from, record_of
 from gpr20_main_control.errors import DeviceError, UnconfirmedError
 from gpr20_main_control.high.survey_topics import (
     SurveyTopics,
@@ -298,7 +298,7 @@ class RosStorage:
             survey_id=survey_id,
             outcome=end.outcome,
             reason=str(end.reason),
-            reason_json=end.reason.to_json(),
+            reason_fault=fault_of(end.reason),
             status=self._topics.status_message(end.status),
             progress=progress,
             coverage=coverage,

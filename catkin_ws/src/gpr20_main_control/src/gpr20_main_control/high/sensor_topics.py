@@ -8,7 +8,7 @@ import rospy
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 
 from gpr20_common.errors import InvalidValueError
-from gpr20_common.high.diagnostics import FAULT_CODE, MESSAGE_JSON, PERIOD_S
+from gpr20_common.high.diagnostics import FAULT, PERIOD_S
 from gpr20_common.high.periodic import Periodic
 from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message
@@ -74,8 +74,7 @@ def _status(measured: Measured) -> DiagnosticStatus:
         level = DiagnosticStatus.ERROR if sensor.required else DiagnosticStatus.WARN
         message = message if sensor.required else message.as_warning()
     values = {
-        MESSAGE_JSON: message.to_json(),
-        FAULT_CODE: message.fault_code,
+        FAULT: message.to_json(),
         "value": "" if measured.value is None else repr(measured.value),
         "unit": sensor.unit,
         "age [s]": "" if measured.age_s is None else f"{measured.age_s:.1f}",

@@ -7,8 +7,8 @@ from typing import Optional, Tuple
 
 import rospy
 
+from gpr20_common.high.answers import fault_of, message_fields
 from gpr20_common.message import Message
-from gpr20_common.sent_message import message_fields
 from gpr20_main_control.mid.devices.robot import Robot
 from gpr20_main_control.mid.survey.survey_coverage import Coverage
 from gpr20_main_control.mid.survey.survey_status import Status
@@ -165,7 +165,7 @@ def coverage_message(coverage: Coverage, survey_id: str) -> SurveyCoverage:
     message.run_starts = [start for start, _state in runs]
     message.run_states = bytes(state for _start, state in runs)
     message.failures = [f"{index}: {reason}" for index, reason in reasons]
-    message.failures_json = [reason.to_json() for _index, reason in reasons]
+    message.failure_faults = [fault_of(reason) for _index, reason in reasons]
     message.verdict = str(verdict)
-    message.verdict_json = verdict.to_json()
+    message.verdict_fault = fault_of(verdict)
     return message

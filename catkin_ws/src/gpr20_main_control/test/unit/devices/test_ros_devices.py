@@ -13,11 +13,11 @@ from fault_kit import raises_fault
 
 from gpr20_common.faults import NODE_SILENT
 from gpr20_common.high import service_client
+from gpr20_common.high.answers import message_fields
 from gpr20_common.high.raw_message import serialized
 from gpr20_common.high.service_client import ServiceClient, ServiceUnavailableError
 from gpr20_common.low.clock import Clock
 from gpr20_common.message import Fault, Message, Severity
-from gpr20_common.sent_message import message_fields
 from gpr20_main_control import faults
 from gpr20_main_control.errors import DeviceError, NodeLostError
 from gpr20_main_control.high import ros_axis

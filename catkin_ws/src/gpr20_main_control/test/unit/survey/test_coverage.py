@@ -108,10 +108,10 @@ def test_a_report_has_its_sentences_as_text_and_as_template_with_values(number):
     json.dumps(report, allow_nan=False)
     verdict = coverage.verdict().message
     assert (report["complete"], report["verdict"]) == (False, str(verdict))
-    assert received_message("", json.dumps(report["verdict_message"])) == verdict
+    assert received_message("", report["verdict_message"]) == verdict
     (failed,) = report["failed"]
     assert (failed["index"], failed["fault_code"]) == (1, "vna.points")
-    restored = received_message("", json.dumps(failed["reason_message"]))
+    restored = received_message("", failed["reason_message"])
     assert str(restored) == failed["reason"] == f"the level is {number:.1f} dB"
 
 

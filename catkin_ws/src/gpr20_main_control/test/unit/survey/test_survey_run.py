@@ -102,7 +102,7 @@ def test_a_pause_its_end_and_what_the_operator_accepted_are_noted_in_their_order
     bench.complete()
     notes = bench.storage.notes
     assert [one.kind for one in notes] == [Kind.EPOCH, Kind.PAUSE, Kind.DECISION, Kind.CONTINUE]
-    assert notes[1].values["message"]["fault"]["code"] == faults.PAUSED_ON_REQUEST.code
+    assert notes[1].values["message"]["code"] == faults.PAUSED_ON_REQUEST.code
     assert notes[2].values["zeros"] is True
     assert all(one.values["time"] for one in notes)
 

@@ -6,8 +6,8 @@ pytest.importorskip("gpr20_msgs.msg")
 
 from graph_in_process import Graph
 
+from gpr20_common.high.answers import message_from, received
 from gpr20_common.message import Message
-from gpr20_common.sent_message import message_from, received_message
 from gpr20_main_control import faults
 from gpr20_main_control.high.survey_topics import SurveyTopics
 from gpr20_main_control.mid.survey.survey_coverage import Coverage
@@ -40,8 +40,8 @@ def test_a_status_has_its_message_with_the_warning_and_the_code_of_its_json(
     (published,) = graph.published["control_status"]
     assert published.message == str(status.full_message)
     assert message_from(published) == status.full_message
-    assert received_message("", published.message_json).fault_code == published.fault_code
-    assert published.fault_code == (fault.code if fault else missing.code if missing else "")
+    assert message_from(published).fault_code == published.fault.code
+    assert published.fault.code == (fault.code if fault else missing.code if missing else "")
     assert published.simulated is True
 
 
@@ -51,10 +51,10 @@ def test_the_coverage_has_its_verdict_and_its_failures_as_templates_with_values(
     coverage.note_failed(1, reason)
     topics.publish_coverage(coverage, "id")
     (published,) = graph.published["survey_coverage"]
-    assert [received_message("", one) for one in published.failures_json] == [reason]
+    assert [received("", one) for one in published.failure_faults] == [reason]
     verdict = coverage.verdict().message
     assert published.verdict == str(verdict)
-    assert received_message("", published.verdict_json) == verdict
+    assert received("", published.verdict_fault) == verdict
 
 
 def test_a_change_publishes_only_what_has_changed(graph, topics):

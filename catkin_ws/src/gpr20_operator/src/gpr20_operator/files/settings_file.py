@@ -88,7 +88,7 @@ class SettingsFile:
                 "the settings {path} cannot be read: {reason}; the defaults are used",
                 path=self._path,
                 reason=reason,
-            )
+            ).reporting_only(faults.SETTINGS_DAMAGED)
         )
 
 

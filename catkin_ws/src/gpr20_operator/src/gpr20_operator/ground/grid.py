@@ -194,8 +194,9 @@ def grid_from_description(text: str) -> SurveyGrid:
         found = imported_grid(values)
     except (InvalidValueError, SurveyRefusedError) as error:
         raise SurveyNotReadableError(
-            Message("the survey's plan cannot be read: {reason}", reason=error.message),
-            fault=faults.PLAN_UNREADABLE,
+            Message(
+                "the survey's plan cannot be read: {reason}", reason=error.message
+            ).reporting_only(faults.PLAN_UNREADABLE)
         ) from error
     places = np.array(found.x_mm), np.array(found.y_mm), found.polarization_deg
     tolerances = (TOLERANCE, TOLERANCE, TOLERANCE)

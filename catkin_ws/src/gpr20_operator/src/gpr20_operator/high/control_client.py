@@ -12,11 +12,11 @@ import rosgraph
 import rospy
 from sensor_msgs.msg import Range
 
+from gpr20_common.high.answers import message_from
 from gpr20_common.high.periodic import Periodic
 from gpr20_common.high.service_client import ServiceClient, ServiceUnavailableError
 from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message
-from gpr20_common.sent_message import message_from
 from gpr20_doctor.high.node_reports import axis_position, height_m
 from gpr20_msgs.msg import (
     ControlStatus,

@@ -3,16 +3,24 @@
 from __future__ import annotations
 
 import dataclasses
+import itertools
 import json
 from typing import Any, Dict, Mapping, Sequence
 
 from gpr20_common.errors import Gpr20Error
+from gpr20_common.high.answers import fault_of, message_from, received, record_of
 from gpr20_common.message import Message
 from gpr20_common.mid.codec import record_from
-from gpr20_common.sent_message import message_from, received_message, record_of
 from gpr20_doctor.high.node_reports import descriptions
 from gpr20_msgs.msg import Annotation as AnnotationMessage
-from gpr20_msgs.msg import ControlStatus, Replay, RobotConfiguration, SurveyCoverage, SurveyData
+from gpr20_msgs.msg import (
+    ControlStatus,
+    Fault,
+    Replay,
+    RobotConfiguration,
+    SurveyCoverage,
+    SurveyData,
+)
 from gpr20_msgs.msg import SurveyParameters as SurveyParametersMessage
 from gpr20_operator import faults
 from gpr20_operator.ground.additions import MarkersStored
@@ -89,13 +97,13 @@ def progress(message: SurveyData) -> Progress:
 
 def coverage_runs(message: SurveyCoverage) -> CoverageRuns:
     """Convert `survey_coverage`."""
-    verdict = received_message(message.verdict, message.verdict_json)
+    verdict = received(message.verdict, message.verdict_fault)
     return CoverageRuns(
         survey_id=message.survey_id,
         planned=message.planned,
         starts=tuple(message.run_starts),
         states=tuple(bytearray(message.run_states)),
-        failures=_reasons(message.failures, message.failures_json),
+        failures=_reasons(message.failures, message.failure_faults),
         verdict=verdict if message.verdict else None,
     )
 
@@ -106,7 +114,7 @@ def traces_read(first_index: int, response: Any) -> TracesRead:
     Raises:
         TraceRefusedError: A trace is not as it should be.
     """
-    unreadable = _reasons(response.unreadable, response.unreadable_json)
+    unreadable = _reasons(response.unreadable, response.unreadable_faults)
     return TracesRead(first_index, block_from(response), unreadable)
 
 
@@ -132,14 +140,13 @@ def markers_stored(response: Any) -> MarkersStored:
     return MarkersStored(response.survey_id, present_markers(description))
 
 
-def _reasons(texts: Sequence[str], messages_json: Sequence[str]) -> Dict[int, Message]:
+def _reasons(texts: Sequence[str], faults_of: Sequence[Fault]) -> Dict[int, Message]:
     """Return the reasons of traces by their index, from lines "index: reason"."""
     found = {}
-    for number, line in enumerate(texts):
+    for line, fault in itertools.zip_longest(texts, faults_of[: len(texts)]):
         index, _separator, text = line.partition(": ")
         if index.isdigit():
-            message_json = messages_json[number] if number < len(messages_json) else ""
-            found[int(index)] = received_message(text, message_json)
+            found[int(index)] = received(text, fault or fault_of(None))
     return found
 
 

@@ -8,9 +8,10 @@ from typing import Any, Callable, Dict, NamedTuple, Optional
 import rospy
 
 from gpr20_common.errors import Gpr20Error
+from gpr20_common.high.answers import message_from, record_of
 from gpr20_common.high.service_client import ServiceClient, ServiceUnavailableError
 from gpr20_common.message import Message
-from gpr20_common.sent_message import message_from, record_of
+from gpr20_doctor.high.node_reports import analyzer_test_of
 from gpr20_msgs import srv
 from gpr20_msgs.msg import ImagingProgress
 from gpr20_operator.high.conversions import fact_fields, surveys_listed
@@ -27,7 +28,6 @@ from gpr20_operator.jobs.job import Delivery, Service, Ticket
 from gpr20_operator.jobs.pictures import Exported, Sticks, StoredSurvey
 from gpr20_operator.robot.senders import Senders
 from gpr20_operator.robot.service_model import HeightTested
-from gpr20_survey.results.analyzer_test import analyzer_test_of
 from gpr20_survey.results.focused_image import image_from
 from gpr20_survey.results.hiding_map import hiding_from
 from gpr20_survey.results.volume import Volume

@@ -9,9 +9,9 @@ from typing import Any, Callable
 import rosgraph
 import rospy
 
+from gpr20_common.high.answers import message_from
 from gpr20_common.high.service_client import ServiceClient, ServiceUnavailableError
 from gpr20_common.low.clock import Clock
-from gpr20_common.sent_message import message_from
 from gpr20_msgs.srv import Command
 from gpr20_operator.high.ros_events import CONTROL_SILENT, in_background, no_answer
 from gpr20_operator.robot.events import Answer, AxisStopAnswer, Request

@@ -11,7 +11,7 @@ import rospy
 from diagnostic_msgs.msg import DiagnosticArray
 from std_msgs.msg import Bool
 
-from gpr20_common.sent_message import message_from
+from gpr20_common.high.answers import message_from
 from gpr20_doctor.mid.machine_facts import MachineFacts
 from gpr20_doctor.mid.machine_probe import probe_machine
 from gpr20_doctor.mid.machine_request import ThisMachine

@@ -9,11 +9,11 @@ import rospy
 from diagnostic_msgs.msg import DiagnosticArray
 
 from gpr20_common.errors import Gpr20Error
+from gpr20_common.high.answers import message_from
 from gpr20_common.high.raw_message import connection_header
 from gpr20_common.high.service_client import ServiceClient, ServiceUnavailableError
 from gpr20_common.low.thread_fault import faults_logged
 from gpr20_common.message import Message
-from gpr20_common.sent_message import message_from
 from gpr20_doctor.high.node_reports import node_healths
 from gpr20_doctor.mid.node_health import EXPECTED_NODES, NodeHealth
 from gpr20_operator import faults

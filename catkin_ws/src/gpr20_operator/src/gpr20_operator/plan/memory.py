@@ -65,7 +65,9 @@ def _are_known(texts: Mapping[str, str], names: Collection[str]) -> bool:
 
 def _damaged(reason: Message) -> SettingsError:
     return SettingsError(
-        Message("the remembered plan is damaged ({reason}); the defaults are used", reason=reason)
+        Message(
+            "the remembered plan is damaged ({reason}); the defaults are used", reason=reason
+        ).reporting_only(SettingsError.fault)
     )
 
 

@@ -62,7 +62,7 @@ class Profiles:
             raise _unreadable(path, os_reason(error)) from error
         except InvalidValueError as error:
             text = Message("{reason}; save the profile again", reason=error.message)
-            raise ProfileError(text) from error
+            raise ProfileError(text.reporting_only(faults.PROFILE_UNREADABLE)) from error
 
     def save(self, name: str, parameters: SurveyParameters) -> None:
         """Store parameters under a name, durably; they replace those that were there."""
@@ -108,5 +108,5 @@ def _unreadable(path: Path, reason: Message) -> ProfileError:
     return ProfileError(
         Message(
             "the profile {path} cannot be read: {reason}; save it again", path=path, reason=reason
-        )
+        ).reporting_only(faults.PROFILE_UNREADABLE)
     )

@@ -12,7 +12,6 @@ from dataclasses import dataclass
 from typing import Callable, Dict, NamedTuple, Optional, Tuple
 
 from gpr20_common.message import Message, Severity, in_a_row
-from gpr20_common.remedies import first_step
 from gpr20_operator import faults
 from gpr20_operator.robot.events import AxisReport, Request
 from gpr20_operator.robot.job import percent_of, progress_of
@@ -48,7 +47,7 @@ class Condition:
     @property
     def remedy(self) -> Optional[Message]:
         """What to do first; None: nothing."""
-        return first_step(self.message)
+        return self.message.remedy
 
     @property
     def asked(self) -> Optional[Message]:
@@ -133,7 +132,7 @@ def _motion(snapshot: Snapshot) -> Optional[Condition]:
         motion = Message("{motion}. {alarm}", motion=motion, alarm=gone.message)
     failed = gone is not None or (snapshot.state is not None and snapshot.state.is_fault)
     level = JobLevel.FAULT if failed else JobLevel.ATTENTION
-    return Condition(level, MOVES, motion.with_fault(faults.ROBOT_MOVES))
+    return Condition(level, MOVES, motion.reporting_only(faults.ROBOT_MOVES))
 
 
 def _is_survey(snapshot: Snapshot, axis: AxisReport) -> bool:
@@ -231,7 +230,7 @@ def _part(snapshot: Snapshot) -> Optional[Message]:
 def _warning(snapshot: Snapshot) -> Optional[Message]:
     """Return what the state warns of, or waits for; a note is neither."""
     message = None if snapshot.state is None else snapshot.state.message
-    if message is None or all(one.severity is Severity.NOTE for one in message.faults):
+    if message is None or message.severity in (None, Severity.NOTE):
         return None
     return message
 

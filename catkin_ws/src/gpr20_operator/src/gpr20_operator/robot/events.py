@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import enum
 from dataclasses import dataclass, field
-from typing import Mapping, Optional
+from typing import Iterator, Mapping, Optional
 
-from gpr20_common.message import Message, Severity
+from gpr20_common.message import Message, Severity, in_a_row
 from gpr20_doctor.mid.robot_facts import AxisPosition
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.plan.annotation import Site
@@ -73,12 +73,15 @@ class ControlState:
     @property
     def reason(self) -> Message:
         """What it says without the words around it that name the state."""
-        return self.message.failure or self.message
+        failed = tuple(_failed(self.message))
+        if len(failed) > 1:
+            return in_a_row(failed)
+        return failed[0] if failed else self.message
 
     @property
     def is_fault(self) -> bool:
         """Whether a survey is paused or has ended because of a fault."""
-        failed = self.message.failure is not None
+        failed = self.message.severity is Severity.FAULT
         if self.code is SurveyState.PAUSED:
             # A text that does not say that the pause was asked for, as one of another version,
             # is a fault; a warning alone does not say it.
@@ -98,6 +101,15 @@ class ControlState:
             cause.severity is Severity.FAULT and cause.remedy is None
         )
         return self.message.may_move or not known
+
+
+def _failed(message: Message) -> Iterator[Message]:
+    """Yield the outermost sentences inside a message that report a failure."""
+    for one in message.inner():
+        if one.fault is not None and one.fault.severity is Severity.FAULT:
+            yield one
+        else:
+            yield from _failed(one)
 
 
 @dataclass(frozen=True)

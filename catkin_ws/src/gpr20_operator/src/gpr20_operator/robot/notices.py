@@ -102,7 +102,7 @@ def fault_notice(state: ControlState) -> Notice:
 
 def remedy(reason: Message) -> Message:
     """Return what to do first about a fault, whatever it is."""
-    return remedies.first_step(reason) or remedies.CHECK_STATUS
+    return reason.remedy or remedies.CHECK_STATUS
 
 
 def analyzer_notice(reason: Message, identity: str) -> Notice:
@@ -172,7 +172,7 @@ def node_notice(node: NodeHealth) -> Notice:
     first = None
     if node.level in (HealthLevel.WARN, HealthLevel.ERROR):
         failed = node.level is HealthLevel.ERROR
-        first = remedy(node.message) if failed else remedies.first_step(node.message)
+        first = remedy(node.message) if failed else node.message.remedy
     values = (f"{name}: {value}" for name, value in node.values.items())
     details = (*_details(node.message), f"node: {node.name}", *values)
     return Notice(title, node_text(node), first, details=details)

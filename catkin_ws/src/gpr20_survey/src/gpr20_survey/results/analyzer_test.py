@@ -1,12 +1,11 @@
-"""What a test of the analyzer has found, as fields of the answer of test_analyzer, and back."""
+"""What a test of the analyzer has found."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, Dict, Optional
+from typing import Optional
 
 from gpr20_common.message import Message
-from gpr20_common.sent_message import message_fields, message_from, record_of
 
 
 @dataclass(frozen=True)
@@ -24,15 +23,3 @@ class AnalyzerTest:
     sweep_duration_s: float = 0.0
     level_db: float = 0.0
     failure: Optional[Message] = None
-
-
-def analyzer_test_fields(test: AnalyzerTest) -> Dict[str, Any]:
-    found = dict(vars(test))
-    failure = found.pop("failure")
-    said = message_fields(failure or Message("The VNA works."))
-    return {"success": failure is None, **said, **found}
-
-
-def analyzer_test_of(answer: Any) -> AnalyzerTest:
-    failure = None if answer.success else message_from(answer)
-    return record_of(AnalyzerTest, answer, failure=failure)

@@ -214,14 +214,14 @@ class _Head:
 
     Attributes:
         warning: What has none is a list of another kind.
-        notes_json: The notes with template and fault; lists of other programs have only texts.
+        note_faults: The notes with template and fault; lists of other programs have only texts.
     """
 
     format: str
     warning: str = field(metadata={"min_length": 1})
     listed: int
     notes: Tuple[str, ...]
-    notes_json: Tuple[str, ...] = ()
+    note_faults: Tuple[Any, ...] = ()
 
 
 def json_text(found: CandidateList) -> str:
@@ -243,7 +243,7 @@ def list_record(found: CandidateList) -> Dict[str, Any]:
         "coordinates": "X, Y and depth in metres, in the survey's area",
         "notes": [str(note) for note in found.notes],
         # With template and fault, for other programs of the robot.
-        "notes_json": [note.to_json() for note in found.notes],
+        "note_faults": [note.record() for note in found.notes],
     }
 
 
@@ -269,13 +269,13 @@ def list_from(text: str, survey_id: Optional[str] = None) -> CandidateList:
         values = json.loads(text)
         head = record_from(_Head, values, "", others=True)
         found = record_from(CandidateList, {**values, "notes": []}, "", others=True)
-        notes_json = head.notes_json or [""] * len(head.notes)
+        note_faults = head.note_faults or [None] * len(head.notes)
         for name, right in {
             f"format {head.format}": head.format == FORMAT,
             "listed": head.listed == len(found.candidates),
             "id": len({one.id for one in found.candidates}) == len(found.candidates),
             "omitted_primary": found.omitted_primary <= found.omitted,
-            "notes_json": len(head.notes) == len(notes_json),
+            "note_faults": len(head.notes) == len(note_faults),
             "survey_id": survey_id in (None, found.survey_id),
         }.items():
             if not right:
@@ -283,4 +283,4 @@ def list_from(text: str, survey_id: Optional[str] = None) -> CandidateList:
     except (ValueError, RecursionError) as error:
         message = Message("the list of candidates is not complete or not valid", details=error)
         raise InvalidValueError(message) from error
-    return replace(found, notes=tuple(map(received_message, head.notes, notes_json)))
+    return replace(found, notes=tuple(map(received_message, head.notes, note_faults)))

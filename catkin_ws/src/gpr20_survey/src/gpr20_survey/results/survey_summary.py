@@ -1,4 +1,4 @@
-"""What a list of surveys says about one of them, with the fields of gpr20_msgs/SurveySummary."""
+"""One survey of the data folder, with the fields of gpr20_msgs/SurveySummary."""
 
 from __future__ import annotations
 

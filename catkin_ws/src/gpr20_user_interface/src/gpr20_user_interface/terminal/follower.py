@@ -337,7 +337,7 @@ class SurveyFollower:
             "off if people are near it.",
             limit_s=limit_s,
             answer=refusal,
-        ).with_fault(faults.STOP_UNCONFIRMED)
+        ).reporting_only(faults.STOP_UNCONFIRMED)
 
     def _replaced(self, state: ControlState) -> Message:
         return Message(
@@ -347,4 +347,4 @@ class SurveyFollower:
             survey=self.survey_id,
             state=state.code.label,
             message=state.message,
-        ).with_fault(faults.CONTROL_RESTARTED)
+        ).reporting_only(faults.CONTROL_RESTARTED)

@@ -7,7 +7,7 @@ import shlex
 from typing import Callable, List, Optional, Sequence, Union
 
 from gpr20_common import remedies
-from gpr20_common.message import Message
+from gpr20_common.message import Message, Severity
 from gpr20_operator.robot.events import (
     Accepted,
     Answer,
@@ -197,11 +197,10 @@ def _accepted(plan: Accepted) -> Message:
 
 def first_step(message: Message) -> Message:
     """Return what to do first about a fault, with its code."""
-    reason = message.failure or message
     return Message(
         "Do this first: {remedy}",
-        remedy=remedies.first_step(reason) or remedies.CHECK_STATUS,
-        details=reason.fault_code,
+        remedy=message.remedy or remedies.CHECK_STATUS,
+        details=message.fault_code,
     )
 
 
@@ -210,8 +209,8 @@ def outcome_lines(
 ) -> List[Message]:
     """Return the last lines of the client; stored: whether a trace of the survey is."""
     lines = [_HEADLINES[outcome.status], outcome.message]
-    unknown = outcome.status in _UNSUCCESSFUL and not outcome.message.faults
-    if unknown or outcome.message.failure is not None:
+    unknown = outcome.status in _UNSUCCESSFUL and not outcome.message.fault_code
+    if unknown or outcome.message.severity is Severity.FAULT:
         lines.append(first_step(outcome.message))
     if survey_id:
         lines.append(Message("Survey id: {survey}", survey=survey_id))

@@ -9,6 +9,7 @@ from typing import Callable, Optional
 import rospy
 
 from gpr20_common.high import diagnostics
+from gpr20_common.high.answers import message_fields
 from gpr20_common.high.description import publish_description
 from gpr20_common.high.node import run_device
 from gpr20_common.high.periodic import Periodic
@@ -17,7 +18,6 @@ from gpr20_common.high.services import advertise
 from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message, verbatim
 from gpr20_common.mid.hardware import Hardware
-from gpr20_common.sent_message import message_fields
 from gpr20_msgs import srv
 from gpr20_survey.trace.sweep_settings import AnalyzerSettings, SweepSettings
 from gpr20_vna_acquisition import faults
@@ -148,7 +148,7 @@ class VNANode:
         if state.former_trouble:
             answers = Message(
                 "answers again; the last fault: {reason}", reason=state.former_trouble
-            ).with_fault(faults.ANSWERS_AGAIN)
+            ).reporting_only(faults.ANSWERS_AGAIN)
             return diagnostics.WARN, answers, values
         if state.last_quality:
             return diagnostics.WARN, state.last_quality[0].as_warning(), values

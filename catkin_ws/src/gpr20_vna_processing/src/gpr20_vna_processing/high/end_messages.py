@@ -6,8 +6,8 @@ from typing import Any, List
 
 import rospy
 
+from gpr20_common.high.answers import message_fields
 from gpr20_common.high.raw_message import serialized
-from gpr20_common.sent_message import message_fields
 from gpr20_msgs.msg import ControlStatus
 from gpr20_survey.recording.mcap_writer import RecordedMessage
 from gpr20_survey.trace import utc_time

@@ -13,6 +13,7 @@ from std_msgs.msg import String
 
 from gpr20_common import __version__
 from gpr20_common.faults import DISK_FULL, DISK_REFUSES
+from gpr20_common.high.answers import fault_of, fields_of, received
 from gpr20_common.high.connection_keeper import subscriber_count
 from gpr20_common.high.description import publish_description
 from gpr20_common.high.diagnostics import ERROR, OK, WARN, Diagnostics, Health
@@ -24,7 +25,6 @@ from gpr20_common.message import Message, in_a_row
 from gpr20_common.mid.hardware import NO_HARDWARE
 from gpr20_common.mid.node_software import software_revision
 from gpr20_common.os_reason import os_reason
-from gpr20_common.sent_message import fields_of, received_message
 from gpr20_common.terminal_text import printable
 from gpr20_msgs import srv
 from gpr20_msgs.msg import SurveySummary, Trace
@@ -160,7 +160,7 @@ class ProcessingNode:
         return success(srv.StoreData, message, path=str(path))
 
     def _close_survey(self, request: Any) -> Any:
-        reason = received_message(request.reason, request.reason_json)
+        reason = received(request.reason, request.reason_fault)
         end = end_messages(request, time.time_ns())
         closed = self._processing.close_survey(request.survey_id, request.outcome, reason, end)
         message = Message(
@@ -206,7 +206,7 @@ class ProcessingNode:
             message,
             **block_fields(block),
             unreadable=[f"{index}: {reason}" for index, reason in unreadable.items()],
-            unreadable_json=[reason.to_json() for reason in unreadable.values()],
+            unreadable_faults=[*map(fault_of, unreadable.values())],
         )
 
     def _shut_down(self) -> None:

@@ -247,7 +247,7 @@ class Reopening:
             rebuilt = Message(
                 "rebuilt {file}: {faults}", file=mcap.name, faults=in_a_row(found[:SHOWN])
             )
-            self._repairs.append(rebuilt.with_fault(REPAIRED))
+            self._repairs.append(rebuilt.reporting_only(REPAIRED))
 
     def _set_aside(self, path: Path, reason: Message) -> None:
         target = durable_files.move_aside(path, self._folder / survey_folder.DAMAGED_FOLDER)
@@ -257,7 +257,7 @@ class Reopening:
             folder=target.parent.name,
             reason=reason,
         )
-        self._repairs.append(moved.with_fault(REPAIRED))
+        self._repairs.append(moved.reporting_only(REPAIRED))
 
 
 def _misfits_by(recovered: RecoveredSurvey) -> Callable[[Trace], List[Message]]:

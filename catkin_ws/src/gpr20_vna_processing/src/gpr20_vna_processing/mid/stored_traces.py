@@ -211,6 +211,5 @@ def read_again(path: Path, survey_id: str) -> Trace:
                 "{path} changed while it was read: {reason}; try again",
                 path=printable(path),
                 reason=error.message,
-            ),
-            fault=faults.CHANGED,
+            ).reporting_only(faults.CHANGED)
         ) from error

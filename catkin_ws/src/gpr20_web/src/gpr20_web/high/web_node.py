@@ -11,6 +11,7 @@ from typing import Any, Mapping, Optional
 
 import rospy
 
+from gpr20_common.high.answers import message_from
 from gpr20_common.high.description import publish_description
 from gpr20_common.high.diagnostics import OK, WARN, Diagnostics, Health
 from gpr20_common.high.node import read_parameters, run_device
@@ -21,7 +22,6 @@ from gpr20_common.low.data_folder import data_folder
 from gpr20_common.low.thread_fault import faults_logged
 from gpr20_common.message import Message, in_a_row
 from gpr20_common.mid.hardware import NO_HARDWARE
-from gpr20_common.sent_message import message_from
 from gpr20_msgs.msg import WebStatus
 from gpr20_msgs.srv import AddFact
 from gpr20_operator.high.control_client import ControlClient

@@ -86,7 +86,7 @@ class Recovery:
             Message(
                 "Waiting: {reason}. The survey continues by itself when every part answers.",
                 reason=lost,
-            ).with_fault(faults.WAITING_FOR_PART)
+            ).reporting_only(faults.WAITING_FOR_PART)
         )
         self._positioner.wait_for_rest(REST_LIMIT_S)
         self._count_recovery(lost)
@@ -98,8 +98,7 @@ class Recovery:
                         "{reason}; no answer within {limit_s:g} s",
                         reason=lost,
                         limit_s=self._return_limit_s,
-                    ),
-                    fault=faults.NODE_NOT_BACK,
+                    ).reporting_only(faults.NODE_NOT_BACK)
                 )
             self._clock.wait_s(self._interruption.stop, POLL_S)
             self._interruption.check_stop()
@@ -114,8 +113,7 @@ class Recovery:
                     "{reason}; this happened {count} times without a stored trace in between",
                     reason=lost,
                     count=MOST_RECOVERIES + 1,
-                ),
-                fault=faults.NODE_LOST_OFTEN,
+                ).reporting_only(faults.NODE_LOST_OFTEN)
             )
         self._recoveries += 1
 

@@ -157,7 +157,7 @@ class SurveyArchive:
             check: Ends the wait.
         """
         survey_id = self._plan.survey_id
-        cause = (message.failure or message).cause
+        cause = message.cause
         is_failure = cause is not None and cause.severity is not Severity.WARNING
         if outcome != "finished" and not reason.fault_code and is_failure:
             reason = reason.with_fault(cause)

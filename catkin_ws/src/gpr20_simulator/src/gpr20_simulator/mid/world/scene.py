@@ -279,13 +279,17 @@ def read_scene(path: str) -> Scene:
     except (OSError, YamlFileError) as error:
         reason = os_reason(error) if isinstance(error, OSError) else error.message
         raise SceneError(
-            Message("the scene file {path} cannot be read: {reason}", path=path, reason=reason)
+            Message(
+                "the scene file {path} cannot be read: {reason}", path=path, reason=reason
+            ).reporting_only(SceneError.fault)
         ) from error
     try:
         return record_from(Scene, values, "scene")
     except InvalidValueError as error:
         raise SceneError(
-            Message("the scene file {path}: {reason}", path=path, reason=error.message)
+            Message(
+                "the scene file {path}: {reason}", path=path, reason=error.message
+            ).reporting_only(SceneError.fault)
         ) from error
 
 

@@ -14,7 +14,6 @@ from PyQt5.QtWidgets import (
     QWidget,
 )
 
-from gpr20_common import remedies
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message
 from gpr20_operator.jobs import result_texts as texts
@@ -45,8 +44,7 @@ DEPTHS = Message("0 to {deepest:g} mm; empty: not known", deepest=MAX_DEPTH_MM)
 
 def with_remedy(problem: Message) -> str:
     """Return a problem, and what to do first."""
-    first = remedies.first_step(problem)
-    return "\n".join(sentence_text(one) for one in (problem, first) if one is not None)
+    return "\n".join(sentence_text(one) for one in (problem, problem.remedy) if one is not None)
 
 
 class ResultSheet(Overlay):

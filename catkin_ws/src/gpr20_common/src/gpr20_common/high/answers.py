@@ -1,0 +1,58 @@
+"""Messages in answers, results and topics: an English text and, beside it, a gpr20_msgs/Fault."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import fields
+from typing import Any, Dict, Optional, Type, TypeVar
+
+from gpr20_common.message import Message
+from gpr20_common.sent_message import received_message
+from gpr20_msgs.msg import Fault
+
+Record = TypeVar("Record")
+
+
+def message_fields(message: Message) -> Dict[str, Any]:
+    """Return the fields that hold a sentence in a ROS message, a response or a result."""
+    return {"message": str(message), "fault": fault_of(message)}
+
+
+def message_from(answer: Any) -> Message:
+    return received(answer.message, answer.fault)
+
+
+def fault_of(message: Optional[Message]) -> Fault:
+    """Return what stands beside the text of a message; of None it is empty."""
+    record = {} if message is None else message.record()
+    values = {name: json.dumps(record.get(name, {})) for name in ("values", "remedy_values")}
+    return Fault(**{"can_continue": True, **record, **values})
+
+
+def received(text: str, fault: Fault) -> Message:
+    """Return the message of a text and what stands beside it."""
+    return received_message(text, {name: getattr(fault, name) for name in fault.__slots__})
+
+
+def fields_of(record: Any, kind: Any) -> Dict[str, Any]:
+    """Return those fields of a dataclass that a kind of ROS message has too.
+
+    A sentence, or None, becomes its English text and, in the field NAME_fault, what stands beside.
+    """
+    found = {}
+    for name in (one.name for one in fields(record) if one.name in kind.__slots__):
+        value = found[name] = getattr(record, name)
+        if f"{name}_fault" in kind.__slots__:
+            found[name] = "" if value is None else str(value)
+            found[f"{name}_fault"] = fault_of(value)
+    return found
+
+
+def record_of(kind: Type[Record], message: Any, **others: Any) -> Record:
+    """Return the dataclass of a message with the fields of `fields_of`, and of other values."""
+    found: Dict[str, Any] = {}
+    for name in (one.name for one in fields(kind) if hasattr(message, one.name)):  # type: ignore[arg-type]
+        value = found[name] = getattr(message, name)
+        if hasattr(message, f"{name}_fault"):
+            found[name] = received(value, getattr(message, f"{name}_fault")) if value else None
+    return kind(**{**found, **others})
