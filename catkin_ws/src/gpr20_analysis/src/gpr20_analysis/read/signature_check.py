@@ -118,8 +118,7 @@ def check_signature(folder: Path, signers: Path) -> Signed:
                 "the signers file {file} cannot be read: {reason}",
                 file=printable(signers),
                 reason=os_reason(error),
-            ),
-            fault=faults.SIGNERS_FILE,
+            ).reporting_only(faults.SIGNERS_FILE)
         ) from error
     try:
         content, fingerprint = signed_manifest(folder)
