@@ -121,7 +121,7 @@ class SecondLaunchTest(unittest.TestCase):
                 self.assertIn("give this one its own namespace", said)
                 self.assertEqual(node_pid(name), before[name])
         self.client.finished()
-        self.assertNotIn("survey.part_lost", [one.fault.code for one in self.client.statuses])
+        self.assertNotIn("robot.part_silent", [one.fault.code for one in self.client.statuses])
         publisher.unregister()
 
     def test_2_an_unknown_robot_is_told_with_those_that_are_known(self):

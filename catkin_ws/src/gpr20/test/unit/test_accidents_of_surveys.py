@@ -27,6 +27,7 @@ from gpr20_axis_driver.axis_exceptions import AxisOwnedError
 from gpr20_main_control import faults
 from gpr20_main_control.mid.survey import storage_queue
 from gpr20_survey.axes.axis_id import AxisId
+from gpr20_survey.faults import CLOCK_WRONG
 from gpr20_survey.folder.log_record import Kind
 from gpr20_survey.folder.recovery import recover
 from gpr20_survey.plan.survey_state import SurveyState
@@ -122,9 +123,9 @@ def test_a_clock_that_is_set_while_a_survey_is_paused_is_said_then(robot, set_cl
     robot.begin()
     check_state(robot, SurveyState.PAUSED)
     set_clock(-HOUR_S)
-    robot.wait(lambda: robot.status.status.full_message.fault_code == faults.CLOCK_SET.code)
+    robot.wait(lambda: robot.status.status.full_message.fault_code == CLOCK_WRONG.as_warning().code)
     robot.go_on()
-    check_said(robot, faults.CLOCK_SET)
+    check_said(robot, CLOCK_WRONG.as_warning())
 
 
 def test_a_clock_that_is_behind_the_traces_of_a_stopped_survey_is_said(robot, set_clock):
@@ -133,7 +134,7 @@ def test_a_clock_that_is_behind_the_traces_of_a_stopped_survey_is_said(robot, se
     check_state(robot, SurveyState.STOPPED)
     set_clock(-DAY_S)
     robot.go_on(survey=survey_id)
-    check_said(robot, faults.CLOCK_BEHIND)
+    check_said(robot, CLOCK_WRONG.as_warning())
 
 
 # The antennas.

@@ -136,7 +136,7 @@ def test_a_hand_at_the_front_panel_makes_the_robot_go_back(world, robot):
     changed = [
         str(one.full_message)
         for one in robot.history
-        if one.full_message.fault_code == "vna.settings_changed"
+        if one.full_message.fault_code == "vna.settings"
     ]
     for fault, setting in HANDS.items():
         assert [one for one in changed if setting in one], f"{fault}: nobody was informed"

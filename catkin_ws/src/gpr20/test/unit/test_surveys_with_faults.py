@@ -20,9 +20,9 @@ def test_an_endstop_that_closes_in_a_move_and_stays_closed_at_homing(world, robo
     # The second row leads towards the endstop of x.
     robot.calls.at("sweep", 8, lambda: world.fault("STUCK_CLOSED", device="endstop_x"))
     robot.begin(x_stop_mm=FAR_MM)
-    check_pause(robot, "axis.endstop_pressed")
+    check_pause(robot, "axis.endstop")
     robot.go_on()
-    check_pause(robot, "axis.endstop_stuck")
+    check_pause(robot, "axis.endstop")
     world.fault("NONE", device="endstop_x")
     check_resumed(robot)
     # The axis has its zero back: it is where it reports to be.
@@ -32,17 +32,17 @@ def test_an_endstop_that_closes_in_a_move_and_stays_closed_at_homing(world, robo
 @pytest.mark.parametrize(
     "device, fault, code, values",
     [
-        ("vna", "HANG", "vna.no_link", ["127.0.0.1"]),
-        ("vna", "DROP", "vna.no_link", ["127.0.0.1"]),
+        ("vna", "HANG", "vna.no_answer", ["127.0.0.1"]),
+        ("vna", "DROP", "vna.no_answer", ["127.0.0.1"]),
         ("vna", "SILENT", "vna.no_answer", ["127.0.0.1"]),
         ("vna", "LATE", "vna.no_answer", ["127.0.0.1"]),
-        ("vna", "TRUNCATE", "vna.bad_data", []),
-        ("vna", "NAN", "vna.bad_data", []),
+        ("vna", "TRUNCATE", "vna.failed", []),
+        ("vna", "NAN", "vna.failed", []),
         ("vna", "GARBAGE", "vna.wrong_instrument", ["MS2026C"]),
-        ("vna", "STALE", "vna.old_data", []),
-        ("vna", "ENDLESS_DIGITS", "vna.bad_data", []),
-        ("adc", "STUCK", "height.sensor_off", []),
-        ("adc", "OUT_OF_RANGE", "height.out_of_range", ["0.1", "0.8"]),
+        ("vna", "STALE", "vna.failed", []),
+        ("vna", "ENDLESS_DIGITS", "vna.failed", []),
+        ("adc", "STUCK", "sensor.failed", []),
+        ("adc", "OUT_OF_RANGE", "height.no_ground", ["0.1", "0.8"]),
     ],
     ids=str,
 )
@@ -61,7 +61,7 @@ def test_settings_that_are_refused_from_the_start_fail_the_survey_before_it_move
     world.fault("REFUSE_SETTINGS")
     robot.begin()
     message = check_state(robot, SurveyState.FAILED).message
-    assert message.fault_code == "vna.setting_refused", message
+    assert message.fault_code == "vna.settings", message
     # It has 201 points since it was switched on.
     assert "201" in str(message) and "51" in str(message)
     assert world.position() == before

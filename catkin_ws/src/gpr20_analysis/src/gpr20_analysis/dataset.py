@@ -207,5 +207,5 @@ def require_complete(survey: xr.Dataset, purpose: Message) -> None:
                 samples=first_of(absent, NAMED),
                 purpose=purpose,
             ),
-            fault=faults.SAMPLES_MISSING,
+            fault=faults.INPUT,
         )

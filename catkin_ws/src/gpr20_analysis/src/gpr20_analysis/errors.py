@@ -7,13 +7,15 @@ from typing import Iterable
 
 from gpr20_analysis import faults
 from gpr20_common.errors import Gpr20Error
+from gpr20_common.faults import NOT_ALLOWED
 from gpr20_common.message import Message
+from gpr20_survey.faults import DAMAGED
 
 
 class AnalysisError(Gpr20Error):
     """Base of every error of the analysis."""
 
-    fault = faults.OPTION
+    fault = NOT_ALLOWED
 
 
 class UnreadableFileError(AnalysisError, ValueError):
@@ -25,7 +27,7 @@ class UnreadableFileError(AnalysisError, ValueError):
 class DamagedSurveyError(AnalysisError, ValueError):
     """Samples of a survey are damaged or missing; the message names them."""
 
-    fault = faults.SURVEY_DAMAGED
+    fault = DAMAGED
 
 
 class WrongDatasetError(AnalysisError, ValueError):
@@ -43,19 +45,19 @@ class TooLargeError(AnalysisError, MemoryError):
 class ExportError(AnalysisError, ValueError):
     """An output cannot be written, or the format cannot hold the survey."""
 
-    fault = faults.OUTPUT
+    fault = NOT_ALLOWED
 
 
 class MissingLibraryError(AnalysisError, ImportError):
     """An optional library is not installed."""
 
-    fault = faults.LIBRARY
+    fault = faults.STEPS
 
 
 class RecipeError(AnalysisError, ValueError):
     """A chain of steps is malformed, or a step or parameter is unknown."""
 
-    fault = faults.RECIPE
+    fault = faults.STEPS
 
 
 def library_missing(library: str, extra: str = "", package: str = "gpr20_analysis") -> Message:

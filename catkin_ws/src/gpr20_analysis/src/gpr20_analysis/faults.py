@@ -6,52 +6,16 @@ from functools import partial
 
 from gpr20_common.message import Fault, Message, Severity
 
-OPTION = Fault(
-    "analysis.option",
-    Message("Correct the option or value that the message names, and run the command again."),
-)
-NO_INPUT = Fault(
-    "analysis.no_input",
-    Message("Check the path: give the survey's folder, its recording, or files to import."),
-)
-NO_TRACES = Fault("analysis.no_traces", Message("Resume the survey, or choose another one."))
-IMPORT_FIRST = Fault(
-    "analysis.import_first", Message("Import the files with gpr20 import, then use the result.")
-)
-FILE_CONTENT = Fault(
-    "analysis.file_content",
-    Message("Check how the files were made, and correct what the message names."),
-)
-FILE_DAMAGED = Fault(
-    "analysis.file_damaged",
-    Message("Do not use the file. Copy it again from where it was made, or create it again."),
-)
-FILE_CHANGED = Fault(
-    "analysis.file_changed",
-    Message("Do not use the files unless you know who changed them: create them again."),
-)
-RECORDING_DAMAGED = Fault(
-    "analysis.recording_damaged",
-    Message("Use the survey's folder instead: gpr20 verify says which of its forms is whole."),
-)
-SURVEY_DAMAGED = Fault(
-    "analysis.survey_damaged",
-    Message("Keep the survey's folder as it is, and copy it. Then look with gpr20 verify."),
-)
-# What verify says of a survey, when it has looked.
-NOT_INTACT = Fault(
-    "analysis.survey_not_intact",
-    Message(
-        "Keep the survey's folder as it is, and copy it. Then resume the survey: that checks and "
-        "repairs what is stored."
-    ),
-)
-IMPORT_NOT_INTACT = Fault(
-    "analysis.import_not_intact",
-    Message("Import the source again, and use that survey in place of this one."),
-)
-# Why something of a survey may not be believed: the kinds of its doubts.
 _doubt = partial(Fault, severity=Severity.WARNING)
+CALIBRATION = _doubt(
+    "analysis.calibration",
+    Message("Do not rely on levels and depths: measure a known target before you use them."),
+)
+CLOCK = _doubt("analysis.clock", Message("Use the order of the traces in place of their times."))
+DRIFTED = _doubt(
+    "analysis.drifted",
+    Message("Look at the visits of the first stop in the report before you compare distant rows."),
+)
 ZEROS_UNPROVEN = _doubt(
     "analysis.zeros_unproven",
     Message(
@@ -63,19 +27,10 @@ SWEEP_REPEATED = _doubt(
     "analysis.sweep_repeated",
     Message("Do not rely on the ground below these traces: one of two equal ones is a copy."),
 )
-CALIBRATION = _doubt(
-    "analysis.calibration",
-    Message("Do not rely on levels and depths: measure a known target before you use them."),
-)
-DRIFTED = _doubt(
-    "analysis.drifted",
-    Message("Look at the visits of the first stop in the report before you compare distant rows."),
-)
 SETTINGS_CHANGED = _doubt(
     "analysis.settings_changed",
     Message("Look for an edge in the image where the settings changed before you trust it there."),
 )
-CLOCK = _doubt("analysis.clock", Message("Use the order of the traces in place of their times."))
 IMPORTED = _doubt(
     "analysis.imported",
     Message("Compare the area with what was to be searched: nothing else says what is missing."),
@@ -86,24 +41,6 @@ NOT_COMPLETE = Fault(
         "Resume the survey and let it end: where a trace is missing, the ground was not searched."
     ),
     Severity.WARNING,
-)
-MANIFEST = Fault(
-    "analysis.manifest",
-    Message("Run gpr20 repair: it writes the manifest again if everything else agrees."),
-)
-WRONG_SIGNATURE = Fault(
-    "analysis.wrong_signature",
-    Message(
-        "Do not use the survey: ask for another copy of it, and compare both. Keep this one as it "
-        "is."
-    ),
-)
-UNKNOWN_SIGNER = Fault(
-    "analysis.unknown_signer",
-    Message(
-        "Ask those who maintain the robot for the line of its key, and compare the key's "
-        "fingerprint with them. Do not take the line from the survey's sender alone."
-    ),
 )
 CHANGED_SINCE_SIGNED = Fault(
     "analysis.changed_since_signed",
@@ -118,134 +55,62 @@ UNSIGNED = Fault(
     Message("Ask for the survey as the robot signed it, or verify it without --signers."),
     Severity.WARNING,
 )
-FILES_DIFFER = Fault(
-    "analysis.files_differ",
-    Message("Keep a copy of the survey's folder, then resume the survey: that repairs its files."),
-)
-SIGNERS_FILE = Fault(
-    "analysis.signers_file",
-    Message("Check the path of the signers file: one line for each robot whose key you accept."),
-)
-NOT_CLOSED = Fault(
-    "analysis.survey_not_closed",
-    Message("Resume the survey and let it end, or stop it: that writes the manifest."),
-)
-SAMPLES_MISSING = Fault(
-    "analysis.samples_missing",
-    Message("Resume the survey to measure what is missing, or choose how to do without."),
-)
-NO_HEIGHT = Fault(
-    "analysis.no_height", Message("Give one antenna height with --height, or apply the step fill.")
-)
-NO_GRID = Fault(
-    "analysis.no_grid", Message("Give the survey's folder: its log describes the grid.")
-)
-STEPS = Fault("analysis.steps", Message("Check the steps that were applied, and their order."))
-METHOD = Fault(
-    "analysis.method",
-    Message("Choose another method: --method back-projection has the fewest conditions."),
-)
-BAND_TOO_NARROW = Fault(
-    "analysis.band_too_narrow", Message("Use more of the band, or measure with a wider one.")
-)
-SWEEP = Fault(
-    "analysis.sweep",
-    Message("Use data of a sweep with two or more frequencies at equal steps."),
-)
-REFERENCE = Fault(
-    "analysis.reference",
-    Message("Measure a reference towards the sky, with the sweep and rotations of the survey."),
-)
-NO_SAMPLES = Fault(
-    "analysis.no_samples",
-    Message("Measure more points, or look with gpr20 info and check the steps."),
-)
-TOO_DEEP = Fault(
-    "analysis.too_deep", Message("Choose a smaller depth, or measure with more frequencies.")
-)
-TOO_FEW_LINES = Fault(
-    "analysis.too_few_lines",
+UNKNOWN_SIGNER = Fault(
+    "analysis.unknown_signer",
     Message(
-        "Wait until the survey has measured more lines. Image a single line with gpr20 candidates."
-    ),
-    Severity.NOTE,
-)
-NO_SURFACE_ECHO = Fault(
-    "analysis.no_surface_echo",
-    Message(
-        "Give the delay of cables and antennas with --delay; it is measured over a metal plate."
+        "Ask those who maintain the robot for the line of its key, and compare the key's "
+        "fingerprint with them. Do not take the line from the survey's sender alone."
     ),
 )
-PLATE = Fault(
-    "analysis.plate",
+WRONG_SIGNATURE = Fault(
+    "analysis.wrong_signature",
     Message(
-        "Measure the metal plate at four or more heights, as the guide to calibration says, and "
-        "run gpr20 antenna again."
+        "Do not use the survey: ask for another copy of it, and compare both. Keep this one as it "
+        "is."
     ),
 )
-NO_PERMITTIVITY = Fault(
-    "analysis.no_permittivity",
-    Message("Give the permittivity of the ground: measure it, or take that of similar ground."),
+FILE_DAMAGED = Fault(
+    "analysis.file_damaged",
+    Message("Do not use the file. Copy it again from where it was made, or create it again."),
+)
+NOT_INTACT = Fault(
+    "analysis.survey_not_intact",
+    Message(
+        "Keep the survey's folder as it is, and copy it. Then resume the survey: that checks and "
+        "repairs what is stored."
+    ),
+)
+INPUT = Fault(
+    "analysis.input",
+    Message("Give other data, as the message says; gpr20 info tells what a survey or file holds."),
+)
+STEPS = Fault(
+    "analysis.steps",
+    Message(
+        "Correct the step, the recipe or the installed package that the message names. gpr20 "
+        "process --help lists the steps."
+    ),
 )
 TOO_LARGE = Fault(
     "analysis.too_large",
-    Message("Use a part of the survey or a coarser image, or a computer with more memory."),
+    Message(
+        "Use a part of the survey, a coarser image or fewer workers, or a computer with more "
+        "memory."
+    ),
 )
-DISK = Fault(
-    "analysis.disk",
-    Message("Check the file that the message names, its disk, and that you may read and write it."),
+NO_ROS = Fault(
+    "analysis.no_ros",
+    Message("Source catkin_ws/devel/setup.bash and start roscore, then try again."),
 )
-OUTPUT = Fault("analysis.output", Message("Choose another place or name for the output."))
-FORMAT = Fault(
-    "analysis.format",
-    Message("Choose a format that can hold the data, or change the data as the message says."),
+NO_SCREEN = Fault("analysis.no_screen", Message("Run the command on a computer with a desktop."))
+PROGRAM = Fault(
+    "analysis.program_error",
+    Message("Keep the message and the command, and report them to those who maintain GPR-20."),
 )
-NO_POSITION = Fault(
-    "analysis.no_position",
-    Message("Set the survey's position with gpr20 annotate, or choose another format."),
-)
-LIBRARY = Fault("analysis.library_missing", Message("Install the library that the message names."))
-NO_WORKSPACE = Fault(
-    "analysis.no_workspace", Message("Source catkin_ws/devel/setup.bash, then try again.")
-)
-NO_ROS_MASTER = Fault("analysis.no_ros_master", Message("Start roscore, then try again."))
 ROBOT_RUNS = Fault(
     "replay.robot_runs",
     Message("End the other replay or the robot, or replay in another namespace."),
 )
-CLUSTER = Fault(
-    "analysis.cluster",
-    Message("Start the dask scheduler and its workers, or leave --scheduler out."),
-)
-WORKER_KILLED = Fault(
-    "analysis.worker_killed",
-    Message("Run the same command again with fewer workers, or where there is more memory."),
-)
-SURVEY_RUNS = Fault(
-    "analysis.survey_runs", Message("End the survey on the robot first, or use its window.")
-)
-RECIPE = Fault(
-    "analysis.recipe",
-    Message("Correct the step or recipe; gpr20 process --help lists steps and parameters."),
-)
-STEP_VERSION = Fault(
-    "analysis.step_version", Message("Install the version of the step that the message names.")
-)
-OWN_STEP = Fault(
-    "analysis.own_step",
-    Message("Correct the program of the step that the message names, or leave the step out."),
-)
-# Commands were the first that packages could add.
-ADDITION = Fault(
-    "analysis.own_command",
-    Message("Correct or remove the installed package that the message names."),
-)
-INTERRUPTED = Fault(
-    "analysis.interrupted",
-    Message("Nothing to do: run the command again when you want its result."),
-    Severity.NOTE,
-)
-PROGRAM = Fault(
-    "analysis.program_error",
-    Message("Keep the message and the command, and report them to those who maintain GPR-20."),
+PICKS_CHANGED = Fault(
+    "viewer.picks_changed", Message("Export the picks now, then open the survey again.")
 )

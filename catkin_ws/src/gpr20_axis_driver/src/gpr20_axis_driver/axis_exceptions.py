@@ -4,7 +4,15 @@ from __future__ import annotations
 
 from gpr20_axis_driver import faults
 from gpr20_common.errors import Gpr20Error
-from gpr20_survey.faults import CONTROL_SILENT, NOT_HOMED
+from gpr20_common.faults import (
+    ASKED_FOR,
+    CONFIGURATION,
+    IN_USE,
+    NOT_ALLOWED,
+    NOT_SET_UP,
+    OVERLOADED,
+)
+from gpr20_survey.faults import CONTROL_SILENT, ENDSTOP, NOT_HOMED, ZERO_UNKNOWN
 
 
 class AxisException(Gpr20Error):
@@ -16,7 +24,7 @@ class AxisException(Gpr20Error):
 class TravelError(AxisException, ValueError):
     """A target lies outside the axis."""
 
-    fault = faults.OUTSIDE_TRAVEL
+    fault = NOT_ALLOWED
 
 
 class NotHomedError(AxisException, RuntimeError):
@@ -28,13 +36,13 @@ class NotHomedError(AxisException, RuntimeError):
 class AxisBusyError(AxisException, RuntimeError):
     """The axis is still carrying out another motion."""
 
-    fault = faults.BUSY
+    fault = IN_USE
 
 
 class AxisOwnedError(AxisException, PermissionError):
     """Another node owns the axis."""
 
-    fault = faults.OWNED
+    fault = IN_USE
 
 
 class LeaseLapsedError(AxisException, RuntimeError):
@@ -46,46 +54,46 @@ class LeaseLapsedError(AxisException, RuntimeError):
 class EndstopError(AxisException, OSError):
     """The endstop did not behave as a working one does."""
 
-    fault = faults.ENDSTOP_STUCK
+    fault = ENDSTOP
 
 
 class MotionStopped(AxisException):
     """The motion was ended on request before it was complete."""
 
-    fault = faults.STOPPED
+    fault = ASKED_FOR
 
 
 class PositionLostError(AxisException, RuntimeError):
     """Steps may have been lost, so the position is not trusted any more."""
 
-    fault = faults.POSITION_LOST
+    fault = NOT_HOMED
 
 
 class NodeHungError(AxisException, RuntimeError):
     """The motion was ended because the node could not have stopped it."""
 
-    fault = faults.DRIVER_HUNG
+    fault = OVERLOADED
 
 
 class ZeroUnknownError(AxisException, RuntimeError):
     """The zero of an axis without endstop is unknown."""
 
-    fault = faults.ZERO_UNKNOWN
+    fault = ZERO_UNKNOWN
 
 
 class StepCounterError(AxisException, OSError):
     """The file of an axis's step count cannot be used."""
 
-    fault = faults.STEP_COUNT_NOT_STORED
+    fault = CONFIGURATION
 
 
 class PulseProcessError(AxisException, OSError):
     """The pulse process could not be started, or has ended."""
 
-    fault = faults.PULSES_ENDED
+    fault = faults.FAILED
 
 
 class PinLibraryError(AxisException, OSError):
     """The pins of this computer cannot be used."""
 
-    fault = faults.NO_PIN_LIBRARY
+    fault = NOT_SET_UP

@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Optional, Protocol
 
-from gpr20_axis_driver import faults
 from gpr20_axis_driver.axis_exceptions import AxisException
 from gpr20_survey.axes.axis_parameters import AxisParameters
+from gpr20_survey.faults import AXIS_MAY_MOVE
 
 # The longest that any method of a controller may take [s].
 CALL_LIMIT_S = 3.0
@@ -16,7 +16,7 @@ CALL_LIMIT_S = 3.0
 class ControllerError(AxisException, OSError):
     """The controller does not answer, or reports a fault: the position is no longer known."""
 
-    fault = faults.CONTROLLER_FAILED
+    fault = AXIS_MAY_MOVE
 
 
 @dataclass(frozen=True)

@@ -11,14 +11,14 @@ from actionlib_msgs.msg import GoalID, GoalStatus
 from actionlib_msgs.msg import GoalStatusArray as Status
 from axis_under_test import LIMIT_S, Axis, end_client, start_client, vanish, wait_until
 
-from gpr20_axis_driver import faults
+from gpr20_common.faults import ASKED_FOR, IN_USE
 from gpr20_common.high.answers import message_from
 from gpr20_msgs.msg import AxisActionGoal, AxisActionResult
 from gpr20_survey.axes.axis_id import AxisId
 
 # So far that a move there is still under way when a slow computer stops it: 9 s.
 FAR_MM = 600.0
-REFUSED = (GoalStatus.REJECTED, faults.OWNED.code)
+REFUSED = (GoalStatus.REJECTED, IN_USE.code)
 
 
 class AxisTest(unittest.TestCase):
@@ -52,7 +52,7 @@ class AxisTest(unittest.TestCase):
         self.x.begin_move(FAR_MM)
         self.x.client.cancel_goal()
         state, result = self.x.finish()
-        self.assertEqual((state, result.fault.code), (GoalStatus.PREEMPTED, faults.STOPPED.code))
+        self.assertEqual((state, result.fault.code), (GoalStatus.PREEMPTED, ASKED_FOR.code))
         self.assertEqual(round(result.coordinate * 100), self.x.steps)
         self.assert_at_rest_before(FAR_MM)
 
@@ -62,7 +62,7 @@ class AxisTest(unittest.TestCase):
         state, _result = self.x.move(1.0)
         self.assertEqual((state, self.x.steps), (GoalStatus.SUCCEEDED, 100))
         state, result = first.finish()
-        self.assertEqual((state, result.fault.code), (GoalStatus.PREEMPTED, faults.STOPPED.code))
+        self.assertEqual((state, result.fault.code), (GoalStatus.PREEMPTED, ASKED_FOR.code))
 
     def test_6a_a_goal_that_was_cancelled_before_it_came_is_answered_with_a_code(self):
         results = []
@@ -74,7 +74,7 @@ class AxisTest(unittest.TestCase):
         wait_until(lambda: "cancelled" in str(rospy.wait_for_message("x_axis/axis/status", Status)))
         goals.publish(AxisActionGoal(goal_id=GoalID(id="cancelled")))
         wait_until(lambda: any(one.status.goal_id.id == "cancelled" for one in results))
-        self.assertEqual(results[-1].result.fault.code, faults.NOT_BEGUN.code)
+        self.assertEqual(results[-1].result.fault.code, IN_USE.code)
 
     def test_7_the_stop_service_ends_a_move_and_a_homing(self):
         self.x.begin_move(FAR_MM)
@@ -88,8 +88,8 @@ class AxisTest(unittest.TestCase):
         refused_state, refused = self.x.move(1.0)
         self.x.call("stop")
         homing.join(LIMIT_S)
-        self.assertEqual((refused_state, refused.fault.code), (GoalStatus.ABORTED, "axis.busy"))
-        self.assertEqual(answers[0].fault.code, faults.STOPPED.code)
+        self.assertEqual((refused_state, refused.fault.code), (GoalStatus.ABORTED, "robot.in_use"))
+        self.assertEqual(answers[0].fault.code, ASKED_FOR.code)
         self.assert_at_rest_before(FAR_MM)
         self.assertFalse(self.x.last.homed)
         self.x.home()
@@ -103,7 +103,7 @@ class AxisTest(unittest.TestCase):
             self.assertEqual((state, result.fault.code), REFUSED)
             self.assertEqual(message_from(result).values["owner"], self.x.last.owner)
             for axis, service in ((self.x, "homing"), (self.z, "set_zero")):
-                self.assertEqual(axis.call(service).fault.code, faults.OWNED.code)
+                self.assertEqual(axis.call(service).fault.code, IN_USE.code)
             self.assertTrue(self.x.call("stop").success)
         finally:
             for client in clients:

@@ -10,7 +10,6 @@ from case_kit import each_case
 from fault_kit import raises_fault
 from run_seed import draws
 
-from gpr20_axis_driver import faults
 from gpr20_axis_driver.axis_exceptions import (
     AxisBusyError,
     EndstopError,
@@ -19,6 +18,8 @@ from gpr20_axis_driver.axis_exceptions import (
     TravelError,
 )
 from gpr20_axis_driver.motion import never
+from gpr20_common.faults import ASKED_FOR, IN_USE, NOT_ALLOWED
+from gpr20_survey.faults import ENDSTOP
 
 
 @pytest.fixture
@@ -35,13 +36,13 @@ def stop_after(pulses, machine):
 
 @each_case("target", [-0.01, 650.01, math.nan, math.inf, -math.inf])
 def test_a_target_outside_the_axis_is_refused_and_moves_nothing(axis, target):
-    with raises_fault(faults.OUTSIDE_TRAVEL, 0, 650, "mm", error=TravelError):
+    with raises_fault(NOT_ALLOWED, 0, 650, "mm", error=TravelError):
         axis.driver.move_to_coordinate(target, never)
     assert axis.machine.pulses == []
 
 
 def test_a_stopped_move_slows_down_and_keeps_an_exact_coordinate(axis):
-    with raises_fault(faults.STOPPED, "10 mm", error=MotionStopped):
+    with raises_fault(ASKED_FOR, "10 mm", error=MotionStopped):
         axis.driver.move_to_coordinate(10.0, stop_after(200, axis.machine))
     assert axis.machine.steps == 200 + 35
     assert axis.driver.current_coord == 2.35
@@ -76,7 +77,7 @@ def test_the_endstop_pressed_during_a_move_ends_it_and_clears_homed(axis, target
         axis.machine.stuck = abs(axis.machine.steps - 2000) >= 500 or None
         return False
 
-    with raises_fault(faults.ENDSTOP_PRESSED, pressed, error=EndstopError):
+    with raises_fault(ENDSTOP, pressed, error=EndstopError):
         axis.driver.move_to_coordinate(target, press_after_5_mm)
     assert not axis.driver.homing_done
     with pytest.raises(NotHomedError):
@@ -86,7 +87,7 @@ def test_the_endstop_pressed_during_a_move_ends_it_and_clears_homed(axis, target
 def test_a_second_motion_is_refused_while_one_is_under_way_and_works_after_a_failure(axis):
     def try_another():
         for motion in (lambda: axis.driver.move_to_coordinate(1.0, never), axis.driver.homing):
-            with raises_fault(faults.BUSY, error=AxisBusyError):
+            with raises_fault(IN_USE, error=AxisBusyError):
                 motion()
         raise RuntimeError("a fault in the middle of a move")
 

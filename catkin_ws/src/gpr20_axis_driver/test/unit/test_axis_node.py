@@ -13,16 +13,16 @@ sys.path.append(str(Path(__file__).resolve().parents[3] / "gpr20/test/unit"))
 from axis_machine import SHORT, Z_PARAMETERS, Axis
 from graph_in_process import Graph
 
-from gpr20_axis_driver import faults
 from gpr20_axis_driver.high import axis_node, axis_programs
 from gpr20_axis_driver.high.goals import ENDED, LISTED_GOALS, GoalServer
+from gpr20_common.faults import ASKED_FOR, IN_USE, OVERLOADED
 from gpr20_common.high.answers import message_from
 from gpr20_common.high.diagnostics import ERROR, OK, WARN
 from gpr20_common.message import Severity
 from gpr20_common.mid.hardware import Hardware
 from gpr20_msgs.msg import AxisGoal
 from gpr20_survey.axes.axis_id import AxisId
-from gpr20_survey.faults import CONTROL_SILENT, NOT_HOMED
+from gpr20_survey.faults import CONTROL_SILENT, ENDSTOP, NOT_HOMED
 
 CONTROL, OTHER = "/main_control", "/rostopic_7"
 FAR_MM = 20.0
@@ -162,13 +162,13 @@ def shut_down(node):
 @pytest.mark.parametrize(
     "ends, fault",
     [
-        ((cancel,), faults.STOPPED),
-        ((stop,), faults.STOPPED),
-        ((shut_down,), faults.STOPPED),
+        ((cancel,), ASKED_FOR),
+        ((stop,), ASKED_FOR),
+        ((shut_down,), ASKED_FOR),
         ((lose_contact,), CONTROL_SILENT),
         ((lapse,), CONTROL_SILENT),
         # A requested stop counts, even if the contact was lost as well.
-        ((lose_contact, lapse, stop), faults.STOPPED),
+        ((lose_contact, lapse, stop), ASKED_FOR),
     ],
 )
 def test_what_ends_a_move_lets_it_ramp_down_to_an_exact_coordinate(homed, ends, fault):
@@ -180,7 +180,7 @@ def test_what_ends_a_move_lets_it_ramp_down_to_an_exact_coordinate(homed, ends, 
     assert homed.rests_exactly and homed.coordinates[-1].homed
 
 
-@pytest.mark.parametrize("end, fault", [(stop, faults.STOPPED), (lose_contact, CONTROL_SILENT)])
+@pytest.mark.parametrize("end, fault", [(stop, ASKED_FOR), (lose_contact, CONTROL_SILENT)])
 def test_what_ends_a_homing_leaves_the_axis_not_homed_and_nothing_is_wrong_with_it(
     homed, end, fault
 ):
@@ -188,7 +188,7 @@ def test_what_ends_a_homing_leaves_the_axis_not_homed_and_nothing_is_wrong_with_
     homed.in_motion(lambda: end(homed))
     answer = homed.call("homing")
     assert fault_of(answer) == fault.code
-    if fault is faults.STOPPED:
+    if fault is ASKED_FOR:
         assert message_from(answer).cause.severity is Severity.NOTE
     assert homed.axis.machine.steps > 1000 and not homed.coordinates[-1].homed
     level, message, _values = homed.health()
@@ -204,7 +204,7 @@ def test_while_a_node_has_the_axis_nobody_else_moves_it_or_sets_its_zero(monkeyp
     assert lease.success and lease.limit_s == Z_PARAMETERS.lease_limit_s
     for service in ("homing", "set_zero", "lease"):
         answer = node.call(service, OTHER)
-        assert fault_of(answer) == faults.OWNED.code
+        assert fault_of(answer) == IN_USE.code
         assert message_from(answer).values["owner"] == CONTROL
     assert node.axis.driver.position.zero == zero and node.axis.machine.pulses == []
     assert node.call("lease", lease=lease.lease).lease == lease.lease
@@ -245,7 +245,7 @@ def test_the_endstop_is_shown_with_every_touch_of_it(homed):
     # The switch was closed for a few milliseconds only.
     assert lamps == [True, False, False]
     homed.axis.machine.stuck = True
-    assert fault_of(homed.call("homing")) == faults.ENDSTOP_STUCK.code
+    assert fault_of(homed.call("homing")) == ENDSTOP.code
     homed.tick()
     assert lamps[-1] is True
 
@@ -254,7 +254,7 @@ def test_late_pulses_and_refused_scheduling_are_warnings(homed):
     homed.in_motion(lambda: 0.01)
     homed.move(FAR_MM)
     level, message, values = homed.health()
-    assert (level, message.fault_code) == (WARN, faults.PULSES_SLOWED.code)
+    assert (level, message.fault_code) == (WARN, OVERLOADED.as_warning().code)
     assert values["edges that slowed it down"] == 1
     homed.axis.pulses.unpunctual = True
     assert (homed.health()[0], homed.health()[1].fault_code) == (WARN, "")
@@ -264,7 +264,7 @@ def test_when_the_node_ends_the_pins_are_low_and_nothing_moves_any_more(homed):
     for hook in homed.graph.hooks:
         hook()
     assert homed.axis.machine.directions == {}
-    assert fault_of(homed.move(1.0)[1]) == faults.BUSY.code
+    assert fault_of(homed.move(1.0)[1]) == IN_USE.code
 
 
 def test_goals_that_ended_do_not_fill_the_status():

@@ -10,7 +10,6 @@ from axis_machine import X_PARAMETERS, Z_PARAMETERS, Axis
 from fault_kit import raises_fault
 from run_seed import draws
 
-from gpr20_axis_driver import faults
 from gpr20_axis_driver.axis_exceptions import (
     AxisBusyError,
     EndstopError,
@@ -18,6 +17,7 @@ from gpr20_axis_driver.axis_exceptions import (
 )
 from gpr20_axis_driver.motion import never
 from gpr20_survey.axes.axis_id import UNKNOWN_ZERO
+from gpr20_survey.faults import NOT_HOMED
 
 LIMIT_S = 30.0
 
@@ -101,5 +101,5 @@ def test_the_zero_is_not_set_in_the_middle_of_a_turn():
 
 
 def test_an_axis_with_an_endstop_takes_its_zero_from_there_alone():
-    with raises_fault(faults.ENDSTOP_SETS_ZERO, error=EndstopError):
+    with raises_fault(NOT_HOMED, error=EndstopError):
         Axis(X_PARAMETERS).driver.set_zero()

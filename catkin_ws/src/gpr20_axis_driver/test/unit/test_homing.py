@@ -5,10 +5,10 @@ from axis_machine import SHORT, X_PARAMETERS, Axis
 from case_kit import each_case
 from fault_kit import raises_fault
 
-from gpr20_axis_driver import faults
 from gpr20_axis_driver.axis_exceptions import EndstopError, MotionStopped
 from gpr20_axis_driver.mid.axis_driver import AxisDriver
 from gpr20_axis_driver.motion import never
+from gpr20_survey.faults import ENDSTOP
 
 
 @each_case("start_steps", [500, -99, -100, -150])
@@ -31,7 +31,7 @@ def homing_steps_with_an_open_endstop(axis, *shown):
     """Home while the endstop never closes; return how many steps were made."""
     axis.machine.stuck = False
     before = len(axis.machine.pulses)
-    with raises_fault(faults.ENDSTOP_NOT_REACHED, *shown, error=EndstopError):
+    with raises_fault(ENDSTOP, *shown, error=EndstopError):
         axis.driver.homing(never)
     assert not axis.driver.homing_done
     return len(axis.machine.pulses) - before
@@ -68,7 +68,7 @@ def test_after_a_pressed_endstop_in_a_move_nothing_is_known():
     axis = Axis(SHORT)
     axis.driver.homing(never)
     axis.machine.stuck = True
-    with raises_fault(faults.ENDSTOP_PRESSED, error=EndstopError):
+    with raises_fault(ENDSTOP, error=EndstopError):
         axis.driver.move_to_coordinate(5.0, never)
     assert homing_steps_with_an_open_endstop(axis) == 2200
 
@@ -76,7 +76,7 @@ def test_after_a_pressed_endstop_in_a_move_nothing_is_known():
 def test_a_motor_that_does_not_turn_is_not_taken_for_success():
     axis = Axis(X_PARAMETERS, start_steps=-100)
     axis.machine.lose_steps = True
-    with raises_fault(faults.ENDSTOP_STUCK, error=EndstopError):
+    with raises_fault(ENDSTOP, error=EndstopError):
         axis.driver.homing(never)
 
 
@@ -92,7 +92,7 @@ def stays_pressed(machine):
 
 @each_case(
     "second_touch, fault",
-    [(switches_elsewhere, faults.ENDSTOP_INACCURATE), (stays_pressed, faults.ENDSTOP_STUCK)],
+    [(switches_elsewhere, ENDSTOP), (stays_pressed, ENDSTOP)],
 )
 def test_an_endstop_that_does_not_switch_at_the_same_place_again_is_an_error(second_touch, fault):
     axis = Axis(X_PARAMETERS)

@@ -14,7 +14,6 @@ from hypothesis import strategies as st
 from recorded_pigpio import RecordedPigpio
 from run_seed import SEED, draws
 
-from gpr20_axis_driver import faults
 from gpr20_axis_driver.axis_exceptions import (
     MotionStopped,
     PinLibraryError,
@@ -25,6 +24,7 @@ from gpr20_axis_driver.low.pigpio_waves import GPIO_OF_BOARD, lock_wave_transmit
 from gpr20_axis_driver.mid.axis_driver import AxisDriver
 from gpr20_axis_driver.mid.wave_runner import WaveRunner
 from gpr20_axis_driver.motion import Ending, Motion, never
+from gpr20_common.faults import CONFIGURATION
 from gpr20_survey.axes.axis_parameters import BOARD_PINS
 from gpr20_survey.axes.ramp import Ramp
 
@@ -169,9 +169,9 @@ def test_the_endstop_pressed_in_a_move_ends_it(axis):
 def test_a_daemon_that_dies_or_does_not_run_is_an_error_that_names_it(axis):
     axis.driver.homing(never)
     axis.daemon.running = False
-    with raises_fault(faults.PIGPIO_FAILED, error=PulseProcessError):
+    with raises_fault(CONFIGURATION, error=PulseProcessError):
         axis.driver.move_to_coordinate(1.0, never)
-    with raises_fault(faults.PIGPIO_FAILED, error=PinLibraryError):
+    with raises_fault(CONFIGURATION, error=PinLibraryError):
         WaveRunner(axis.daemon, axis.lock, Z_PARAMETERS, SteppedClock(), Count())
 
 
@@ -179,7 +179,7 @@ def test_only_one_axis_gets_the_transmitter_and_closing_leaves_it_free_and_the_p
     axis, tmp_path
 ):
     axis.driver.homing(never)
-    with raises_fault(faults.PIGPIO_TAKEN, error=PinLibraryError):
+    with raises_fault(CONFIGURATION, error=PinLibraryError):
         lock_wave_transmitter(tmp_path / "lock")
     axis.runner.close()
     assert axis.daemon.levels == {DIR: 0, STEP: 0}

@@ -28,9 +28,11 @@ from gpr20_axis_driver.axis_exceptions import (
 from gpr20_axis_driver.low import pulse_process
 from gpr20_axis_driver.mid import pulse_client
 from gpr20_axis_driver.motion import never
+from gpr20_common.faults import CONFIGURATION, MAY_MOVE, OVERLOADED
 from gpr20_common.message import Message
 from gpr20_simulator.low.shared_state import EndstopFault, open_shared_state
 from gpr20_survey.axes.axis_id import AxisId
+from gpr20_survey.faults import ZERO_UNKNOWN
 
 README = Path(__file__).parents[2] / "README.md"
 
@@ -136,7 +138,7 @@ def test_a_node_that_hangs_ends_its_move_and_keeps_an_exact_coordinate(placed):
     assert hung.wait(LIMIT_S)
     wait_until(lambda: time.monotonic_ns() - placed.world.last_pulse_ns(AxisId.X) > 5e8)
     go_on.set()
-    assert move.error().message.fault_code == faults.DRIVER_HUNG.code
+    assert move.error().message.fault_code == OVERLOADED.code
     assert placed.true_steps == placed.pulses.steps < 30_000
     assert placed.driver.homing_done
 
@@ -153,7 +155,7 @@ def test_when_the_pulse_process_dies_in_a_move_the_pins_are_low_and_the_axis_is_
     os.kill(before, number)
     error = move.error()
     assert isinstance(error, PulseProcessError)
-    assert error.message.fault_code == faults.PULSES_ENDED.code
+    assert error.message.fault_code == faults.FAILED.code
     assert axis.pins_low and not exists(before)
     assert not axis.driver.homing_done and not axis.pulses.trusted
     axis.driver.homing(never)
@@ -165,12 +167,12 @@ def test_when_the_pins_of_a_dead_process_cannot_be_set_low_the_axis_may_move(mak
     axis = make(AxisId.Z)
 
     def refuse(*_arguments):
-        raise AxisException(Message("no pins"), fault=faults.PIGPIO_FAILED)
+        raise AxisException(Message("no pins"), fault=CONFIGURATION)
 
     monkeypatch.setattr(type(axis.pulses._hardware), "open", refuse)
     os.kill(axis.pulses.process_id, signal.SIGKILL)
     wait_until(lambda: axis.pulses.failure and "no pins" in str(axis.pulses.failure))
-    assert axis.pulses.failure.fault_code == faults.PINS_NOT_LOW.code
+    assert axis.pulses.failure.fault_code == MAY_MOVE.code
     assert axis.pulses.failure.may_move
 
 
@@ -201,7 +203,7 @@ def test_when_node_and_pulse_process_are_killed_in_a_turn_homing_is_refused(make
     wait_until(lambda: axis.true_steps > 10)
     os.kill(axis.pulses.process_id, signal.SIGKILL)
     assert isinstance(move.error(), PulseProcessError)
-    with raises_fault(faults.ZERO_UNKNOWN, "set_zero", error=ZeroUnknownError):
+    with raises_fault(ZERO_UNKNOWN, "set_zero", error=ZeroUnknownError):
         axis.driver.homing(never)
     axis.driver.set_zero()
     assert axis.driver.homing_done
@@ -219,7 +221,7 @@ def test_a_process_that_is_halted_in_a_move_ends_it_and_the_position_is_not_trus
     os.kill(axis.pulses.process_id, signal.SIGCONT)
     error = move.error()
     assert isinstance(error, PositionLostError)
-    assert error.message.fault_code == faults.ZERO_UNKNOWN.code
+    assert error.message.fault_code == ZERO_UNKNOWN.code
     assert axis.true_steps - halted <= 1
     assert not axis.driver.homing_done
 
@@ -235,7 +237,7 @@ def test_a_process_that_hangs_is_ended_and_the_move_with_it(make, monkeypatch):
     os.kill(process_id, signal.SIGSTOP)
     error = move.error()
     assert isinstance(error, PulseProcessError)
-    assert error.message.fault_code == faults.PULSES_STALLED.code
+    assert error.message.fault_code == faults.PULSE_LATE.code
     assert not exists(process_id)
     assert axis.pins_low
 

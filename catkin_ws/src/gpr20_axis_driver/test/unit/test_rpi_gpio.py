@@ -15,7 +15,6 @@ from recorded_rpi_gpio import (
     RecordedRpiGpio,
 )
 
-from gpr20_axis_driver import faults
 from gpr20_axis_driver.axis_exceptions import EndstopError
 from gpr20_axis_driver.low.pins import StepperInterface
 from gpr20_axis_driver.mid.axis_driver import AxisDriver
@@ -28,6 +27,7 @@ from gpr20_simulator.mid.world.scene import X_AXIS
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.axes.axis_parameters import Level
 from gpr20_survey.axes.ramp import Ramp
+from gpr20_survey.faults import ENDSTOP
 
 SLOW = Ramp(0.005, 0.005, 0.001)
 
@@ -130,13 +130,13 @@ class WiredAxis:
             None,
         ),
         # Pulled to the level that means pressed.
-        ({"endstop_active": Level.HIGH}, {"endstop_active": "high"}, faults.ENDSTOP_STUCK),
-        ({"endstop_active": Level.HIGH}, {}, faults.ENDSTOP_NOT_REACHED),
-        ({"direction_inverted": True}, {}, faults.ENDSTOP_NOT_REACHED),
+        ({"endstop_active": Level.HIGH}, {"endstop_active": "high"}, ENDSTOP),
+        ({"endstop_active": Level.HIGH}, {}, ENDSTOP),
+        ({"direction_inverted": True}, {}, ENDSTOP),
         (
             {"enable_pin": 18},
             {"enable_pin": 18, "enable_active": "high"},
-            faults.ENDSTOP_NOT_REACHED,
+            ENDSTOP,
         ),
     ],
 )

@@ -44,10 +44,10 @@ class InvalidValueError(Gpr20Error, ValueError):
 class NodeSilentError(Gpr20Error, OSError):
     """A node does not answer."""
 
-    fault = faults.NODE_SILENT
+    fault = faults.PART_SILENT
 
 
 class NodeGoneError(NodeSilentError):
     """A node has ended: nothing listens at its address, or the master does not know it."""
 
-    fault = faults.NODE_GONE
+    fault = faults.PART_SILENT

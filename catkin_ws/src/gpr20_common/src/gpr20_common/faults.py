@@ -1,13 +1,83 @@
-"""The faults that every package can report."""
+"""The faults that several packages report, each with what a person does first about it.
+
+A remedy is one or two sentences for somebody who stands beside the robot. What a person or a
+program has to do differently is another code; so one code has one remedy, and the sentence that
+reports it names the part, the file or the value.
+"""
 
 from __future__ import annotations
 
-from gpr20_common import remedies
-from gpr20_common.message import Fault, Message, Severity
+from gpr20_common.message import MOTORS_OFF, Fault, Message, Severity
 
-INTERNAL = Fault("robot.internal_error", remedies.RESTART_ROBOT)
-CONFIGURATION = Fault("config.value_not_allowed", remedies.CHECK_CONFIGURATION)
-NOT_ALLOWED = Fault("value.not_allowed", remedies.CORRECT_VALUE)
+# The robot and its parts.
+INTERNAL = Fault(
+    "robot.internal_error",
+    Message(
+        "Switch the robot off and on. If it happens again, keep the log and report it to the "
+        "programmers."
+    ),
+)
+PART_SILENT = Fault(
+    "robot.part_silent",
+    Message(
+        "Wait one minute: the robot restarts the part by itself. If it is still red on ROBOT, "
+        "switch the robot off and on."
+    ),
+)
+PART_LOST = Fault(
+    "robot.part_lost",
+    Message(
+        "Keep your hands clear: the axes may still move. Wait one minute: the robot restarts the "
+        "part by itself. If it does not, switch off the motors' power, then the robot off and on."
+    ),
+    may_move=True,
+)
+LOOK = Message("Look on ROBOT for the part that is red, and touch it.")
+PART_RED = Fault("robot.part_red", LOOK)
+MAY_MOVE = Fault("robot.may_move", MOTORS_OFF, may_move=True)
+NOT_RUNNING = Fault(
+    "robot.not_running",
+    Message(
+        "Start the robot's software and, with two computers, check the cable between them. If it "
+        "runs, check ROS_MASTER_URI and the namespace."
+    ),
+)
+OTHER_LAUNCH = Fault(
+    "robot.other_launch", Message("End every launch of the robot, then start one.")
+)
+VERSIONS_DIFFER = Fault(
+    "robot.versions_differ",
+    Message(
+        "Ask the person who maintains the robot to install the same version on all its computers."
+    ),
+)
+OVERLOADED = Fault(
+    "robot.overloaded",
+    Message("End other programs on the robot's computer, and check that it is not hot."),
+)
+IN_USE = Fault("robot.in_use", Message("Wait until what is in progress has ended, or press STOP."))
+BUSY = Fault("robot.busy", Message("Wait one minute, then try again."))
+ASKED_FOR = Fault("robot.asked_for", Message("Nothing to do: it was asked for."), Severity.NOTE)
+
+# Configuration, values and the computer.
+CONFIGURATION = Fault(
+    "config.wrong",
+    Message(
+        "Ask the person who maintains the robot to correct what the message names, then start "
+        "the robot again."
+    ),
+)
+NOT_ALLOWED = Fault(
+    "value.not_allowed", Message("Correct the value that the message names, then try again.")
+)
+NOT_SET_UP = Fault(
+    "computer.not_set_up",
+    Message(
+        "Ask the person who maintains the robot to set up what the message names, with "
+        "scripts/setup.sh --robot or as docs/install.md says. On another computer, launch with "
+        "robot:=simulated."
+    ),
+)
 FILE_DAMAGED = Fault(
     "file.damaged",
     Message(
@@ -15,20 +85,18 @@ FILE_DAMAGED = Fault(
         "put back a copy of it that worked."
     ),
 )
-TRANSLATION_UNREADABLE = Fault(
-    "language.unreadable",
+DISK_FULL = Fault(
+    "disk.full",
+    Message("Make space on the disk: copy old surveys to a USB stick and delete them."),
+)
+DISK_REFUSES = Fault(
+    "disk.refuses",
     Message(
-        "Choose another language, and ask the person who maintains the robot to correct or remove "
-        "the file that the message names."
+        "Check that the disk is plugged in, not full and not write-protected, and that the user "
+        "may read and write there."
     ),
 )
-EXTENSION_UNUSABLE = Fault("config.extension_unusable", remedies.CHECK_CONFIGURATION)
-PRIVATE_PARAMETERS = Fault("config.private_parameters", remedies.CHECK_CONFIGURATION)
-CONFIGURATION_GONE = Fault("launch.configuration_gone", remedies.RESTART_ROBOT)
-SOFTWARE_DIFFERS = Fault("node.software_differs", remedies.SAME_VERSION, Severity.WARNING)
-SERVICE_UNAVAILABLE = Fault("service.unavailable", remedies.WAIT_FOR_PART)
-SERVICE_SILENT = Fault("service.silent", remedies.WAIT_FOR_PART)
-NODE_SILENT = Fault("node.silent", remedies.WAIT_FOR_PART)
-NODE_GONE = Fault("node.gone", remedies.WAIT_FOR_PART)
-DISK_FULL = Fault("disk.full", remedies.MAKE_SPACE)
-DISK_REFUSES = Fault("disk.refuses", remedies.CHECK_DISK)
+DISK_SLOW = Fault(
+    "disk.slow",
+    Message("End other programs that use the disk. If that is not enough, use a faster disk."),
+)

@@ -46,6 +46,12 @@ class Fault:
         if not CODE_FORMAT.fullmatch(self.code):
             raise ValueError(f"the code {self.code!r} of a fault must have the form area.what")
 
+    def as_warning(self) -> Fault:
+        return replace(self, severity=Severity.WARNING)
+
+    def as_note(self) -> Fault:
+        return replace(self, severity=Severity.NOTE)
+
     def record(self) -> Dict[str, Any]:
         record: Dict[str, Any] = {**vars(self), "severity": self.severity.value}
         remedy = record.pop("remedy")

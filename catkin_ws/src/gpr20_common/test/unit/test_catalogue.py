@@ -39,7 +39,7 @@ def test_a_catalogue_that_cannot_be_read_is_refused(tmp_path, content):
     path = tmp_path / "xx.po"
     if content is not None:
         path.write_bytes(content)
-    with raises_fault(faults.TRANSLATION_UNREADABLE, path):
+    with raises_fault(faults.FILE_DAMAGED, path):
         read_translations(path)
 
 

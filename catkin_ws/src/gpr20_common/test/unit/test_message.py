@@ -29,7 +29,7 @@ from gpr20_msgs.msg import Fault as FaultMessage
 from gpr20_msgs.srv import CommandResponse
 
 LOOK, PLUG = Message("Look at the display."), Message("Plug in the {what}.", what="cable")
-OUTER, INNER = Fault("survey.paused", LOOK), Fault("vna.no_link", PLUG)
+OUTER, INNER = Fault("survey.paused", LOOK), Fault("vna.no_answer", PLUG)
 UNKNOWN = Fault("vna.odd")
 
 codes = st.from_regex(CODE_FORMAT, fullmatch=True).filter(str.isascii)
@@ -62,13 +62,13 @@ def reporting(fault):
     return Message("no answer").with_fault(fault)
 
 
-NOTE = Fault("axis.stopped", LOOK, Severity.NOTE)
+NOTE = Fault("robot.asked_for", LOOK, Severity.NOTE)
 SILENT_NOTE = Fault("survey.stopped", severity=Severity.NOTE)
 MOVING = Fault("axis.moving", LOOK, may_move=True, can_continue=False)
 LOST = Fault("survey.lost", can_continue=False)
 WEAK, MOVES = (
     Fault(code, LOOK, Severity.WARNING, may_move=moves)
-    for code, moves in (("vna.weak", False), ("axis.moves", True))
+    for code, moves in (("vna.doubtful", False), ("axis.moves", True))
 )
 
 
@@ -296,7 +296,7 @@ def test_an_error_has_the_fault_of_its_class_or_a_finer_one():
     assert OwnError(reporting(UNKNOWN)).message.fault == UNKNOWN
     assert OwnError(reporting(UNKNOWN), fault=OUTER).message.fault == OUTER
     assert Gpr20Error(Message("x")).message.fault == faults.INTERNAL
-    assert NodeGoneError(Message("x")).message.fault == faults.NODE_GONE
+    assert NodeGoneError(Message("x")).message.fault == faults.PART_SILENT
 
 
 # Sentences.

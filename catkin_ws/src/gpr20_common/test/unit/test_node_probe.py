@@ -70,7 +70,7 @@ def test_a_node_that_lives_tells_its_process_and_is_not_silent_because_the_maste
 
 
 def test_a_node_that_the_master_does_not_know_is_silent(graph):
-    with raises_fault(faults.NODE_GONE, "/x", "unknown node", error=NodeGoneError):
+    with raises_fault(faults.PART_SILENT, "/x", "unknown node", error=NodeGoneError):
         graph.probe("/x").process()
 
 
@@ -82,7 +82,7 @@ def test_a_node_that_takes_the_place_of_one_that_died_is_found(graph, is_silent_
     if is_silent_first:
         first.close()
         for _ in range(2):
-            with raises_fault(faults.NODE_GONE, "/x", error=NodeGoneError):
+            with raises_fault(faults.PART_SILENT, "/x", error=NodeGoneError):
                 probe.process()
     second = graph.add("/x", 2)
     if not is_silent_first:
@@ -94,7 +94,7 @@ def test_a_node_that_takes_the_place_of_one_that_died_is_found(graph, is_silent_
 def test_a_node_that_hangs_is_silent_after_the_limit(graph):
     with socket.create_server(("127.0.0.1", 0)) as hanging:
         graph.uris["/x"] = f"http://127.0.0.1:{hanging.getsockname()[1]}/"
-        with raises_fault(faults.NODE_SILENT, "timed out", error=NodeSilentError) as late:
+        with raises_fault(faults.PART_SILENT, "timed out", error=NodeSilentError) as late:
             graph.probe("/x").process()
     assert not isinstance(late.value, NodeGoneError)
 
@@ -128,7 +128,7 @@ def connections_of(node, probe):
 def test_another_answer_is_no_answer(graph, answer):
     node = Server(getPid=lambda _caller: answer)
     graph.uris["/x"] = node.uri
-    with raises_fault(faults.NODE_SILENT, "/x", error=NodeSilentError):
+    with raises_fault(faults.PART_SILENT, "/x", error=NodeSilentError):
         graph.probe("/x").process()
     node.close()
 
@@ -138,6 +138,6 @@ def test_a_node_that_answers_in_no_language_of_ours_is_silent(graph):
         graph.uris["/x"] = f"http://127.0.0.1:{listener.getsockname()[1]}/"
         probing = threading.Thread(target=lambda: listener.accept()[0].sendall(b"no HTTP\r\n\r\n"))
         probing.start()
-        with raises_fault(faults.NODE_SILENT, "/x", error=NodeSilentError):
+        with raises_fault(faults.PART_SILENT, "/x", error=NodeSilentError):
             graph.probe("/x").process()
         probing.join()

@@ -142,7 +142,7 @@ def test_a_call_that_is_given_up_before_it_is_connected_is_never_made(graph, mon
     # An earlier test of the same process may have ended its node.
     monkeypatch.setattr(rospy, "is_shutdown", lambda: False)
     graph.node.greeting.clear()
-    with raises_fault(faults.SERVICE_SILENT, "homing", 0.3, error=ServiceUnavailableError):
+    with raises_fault(faults.PART_SILENT, "homing", 0.3, error=ServiceUnavailableError):
         call(ServiceClient("homing", AddFact), "a", SHORT_S)
     assert graph.node.ended.wait(LIMIT_S)
     assert graph.node.connections and graph.node.requests == []
@@ -151,7 +151,7 @@ def test_a_call_that_is_given_up_before_it_is_connected_is_never_made(graph, mon
 def test_a_request_whose_delivery_counts_reaches_a_node_that_no_longer_hangs(graph):
     graph.node.greeting.clear()
     client = ServiceClient("stop_survey", AddFact, discard_late=False)
-    with raises_fault(faults.SERVICE_SILENT):
+    with raises_fault(faults.PART_SILENT):
         call(client, "a", SHORT_S / 3)
     graph.node.greeting.set()
     deadline_s = time.monotonic() + LIMIT_S
@@ -166,7 +166,7 @@ def test_a_request_that_was_given_up_in_a_broken_link_is_not_delivered_when_it_i
     assert call(client, "a") == "node a"
     (end,) = graph.node.connections
     vanish(end)
-    with raises_fault(faults.SERVICE_SILENT):
+    with raises_fault(faults.PART_SILENT):
         call(client, "b", SHORT_S)
     come_back(end)
     assert call(client, "c") == "node c"

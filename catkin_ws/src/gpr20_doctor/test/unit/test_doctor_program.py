@@ -147,7 +147,7 @@ def test_a_master_that_hangs_is_told_from_one_that_is_missing_or_not_reached(
         assert masters.robots_at(silent) == ()
         assert masters.launched_nodes(silent) == masters.node_ports(silent) == frozenset()
     status, found, _said = run(hanging, "--quick")
-    assert (status, found["master"]["fault_code"]) == (2, "doctor.master_hangs")
+    assert (status, found["master"]["fault_code"]) == (2, "robot.master_lost")
     assert found["master"]["remedy"].startswith("Switch off the motors' power.")
 
 
@@ -162,11 +162,11 @@ def test_a_node_is_there_hangs_is_not_reached_or_has_ended(master, hanging, monk
 
 def test_the_advice_leads_to_where_the_robot_is(run, master, monkeypatch):
     status, found, _said = run(master.uri, "--quick", "--ns", "other", "--wait", "0")
-    assert (status, found["master"]["fault_code"]) == (2, "doctor.other_namespace")
+    assert (status, found["master"]["fault_code"]) == (2, "robot.not_running")
     assert re.search(r"gpr20 doctor --ns field\.", found["master"]["remedy"])
     monkeypatch.setattr(doctor.system, "DEFAULT_PORT", master.port)
     status, found, _said = run(closed_uri(), "--quick")
-    assert (status, found["master"]["fault_code"]) == (2, "doctor.master_elsewhere")
+    assert (status, found["master"]["fault_code"]) == (2, "robot.not_running")
     assert found["parts"]["level"] == "UNKNOWN"
     assert f"export ROS_MASTER_URI=http://localhost:{master.port}" in found["master"]["remedy"]
 
@@ -270,13 +270,13 @@ def test_what_is_published_becomes_facts_and_findings(run, join, monkeypatch):
     assert facts.clock_offsets_s["height_sensor"] == pytest.approx(75.0)
     assert set(facts.software) == set(EXPECTED_NODES)
     found = {one.check: one.text for one in findings(facts, None) if one.level is Level.WARNING}
-    assert found["clocks"].fault_code == "clock.computers_differ"
-    assert found["versions"].fault_code == "node.software_differs"
+    assert found["clocks"].fault_code == "clock.wrong"
+    assert found["versions"].fault_code == "robot.versions_differ"
     monkeypatch.setattr(own.listener, "wait", lambda _limit_s: None)
     monkeypatch.setattr(doctor, "Graph", lambda _namespace, _master: own)
     status, found, _said = run(own._master, "--ns", "field")
     assert status == 1 and found["master"]["level"] == "OK"
-    assert found["versions"]["fault_code"] == "node.software_differs"
+    assert found["versions"]["fault_code"] == "robot.versions_differ"
     heard["/field/robot_configuration"](RobotConfiguration(known=False, message="mixed"))
     assert str(own.listener.facts().configuration_problem) == "mixed"
 
@@ -300,4 +300,4 @@ def test_vna_and_height_are_tested_by_the_robot_itself_and_never_beside_a_survey
     found = doctor._test(own)
     assert set(services.called) == called
     assert (found is None) == (not called)
-    assert found is None or found.failure.fault_code == "doctor.no_vna_result"
+    assert found is None or found.failure.fault_code == "vna.no_answer"

@@ -93,13 +93,13 @@ def test_a_table_that_was_flushed_is_found_and_the_advice_ends_it(machine):
     ) as listener:
         try:
             level, code, text, advice = machine.look()
-            assert (level, code) == ("FAULT", "network.firewall_open")
+            assert (level, code) == ("FAULT", "network.firewall")
             machine.follow(advice)
             assert machine.look()[0] == "OK"
             # What `systemctl restart nftables` does. The table of the settings is as it was.
             machine.run("nft", "flush", "ruleset")
             level, code, text, advice = machine.look()
-            assert (level, code) == ("FAULT", "network.firewall_open")
+            assert (level, code) == ("FAULT", "network.firewall")
             assert "11311" in text
             machine.follow(advice)
             assert machine.look()[0] == "OK"
@@ -112,7 +112,7 @@ def test_a_table_that_was_flushed_is_found_and_the_advice_ends_it(machine):
 def test_a_firewall_that_is_switched_off_is_found_and_the_advice_ends_it(machine):
     machine.set("off")
     level, code, _text, advice = machine.look()
-    assert (level, code) == ("FAULT", "network.firewall_off")
+    assert (level, code) == ("FAULT", "network.firewall")
     assert f"GPR20_FIREWALL=on into {machine.settings}" in advice
     machine.set("on")
     machine.follow(advice)

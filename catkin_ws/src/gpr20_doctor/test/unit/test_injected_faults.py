@@ -185,48 +185,44 @@ def listens_on(address):
 ALONE = FOLLOWS.format(offset="0", leap="Not synchronised")
 LATE = FOLLOWS.format(offset="2.0", leap="Normal")
 MISTAKE = Message("axes.yaml, x/dir_pin and y/dir_pin use the same pin").with_fault(
-    Fault("config.wrong_value", Message("Correct the file that the message names."))
+    Fault("config.wrong", Message("Correct the file that the message names."))
 )
 STATES = {
     "two axes use one pin": State(
-        *("config.wrong_value", "Correct the file"),
+        *("config.wrong", "Correct the file"),
         *swap("problems", f"[{MISTAKE.to_json()}]", "[]"),
     ),
     "the SPI bus is off": State(
-        "computer.spi_off", "raspi-config", lambda one: (one.root / "dev/spidev0.0").unlink()
+        "computer.not_set_up", "raspi-config", lambda one: (one.root / "dev/spidev0.0").unlink()
     ),
-    "chrony follows nobody": State("clock.not_followed", "cable", *swap("chrony", ALONE, NORMAL)),
-    "the clock is 2 s off": State("clock.off", "makestep", swap("chrony", LATE, "")[0]),
-    "the clock starts in 1970": State("clock.behind", "sudo date -s", date(86400.0), date(4e9)),
+    "chrony follows nobody": State("clock.wrong", "cable", *swap("chrony", ALONE, NORMAL)),
+    "the clock is 2 s off": State("clock.wrong", "makestep", swap("chrony", LATE, "")[0]),
+    "the clock starts in 1970": State("clock.wrong", "sudo date -s", date(86400.0), date(4e9)),
     "a program was ended for lack of memory": State(
-        *("computer.memory_ran_out", "restart the computer"),
+        *("robot.overloaded", "restart the computer"),
         *swap("proc/vmstat", "oom_kill 2\n", "oom_kill 0\n"),
     ),
-    "the disk of the logs is read-only": State(
-        "computer.volume_read_only", "remount,rw", remount_read_only
-    ),
-    "the disk of the logs is full": State("computer.volume_full", "Delete", fill, clear),
-    "the disk of the logs takes no more files": State(
-        "computer.volume_full", "Delete", crowd, clear
-    ),
+    "the disk of the logs is read-only": State("disk.refuses", "remount,rw", remount_read_only),
+    "the disk of the logs is full": State("disk.full", "Delete", fill, clear),
+    "the disk of the logs takes no more files": State("disk.full", "Delete", crowd, clear),
     "another disk is mounted in place of the surveys": State(
         *("storage.other_data_folder", "mount the disk"),
         *(lambda one: one.mount(one.data), unmount),
     ),
-    "the VNA is off": State("vna.unreachable", "switched on", lambda one: one.vna.close(), listen),
+    "the VNA is off": State("vna.no_answer", "switched on", lambda one: one.vna.close(), listen),
     "the two addresses are those of other computers": State(
-        *("network.address_missing", "etc/gpr20/environment"),
+        *("network.address", "etc/gpr20/environment"),
         *(addresses("192.0.2.5", "192.0.2.6"), addresses("127.0.0.1", "127.0.0.2")),
     ),
     "an address of the robot's parts is gone": State(
-        *("network.address_gone", "Check the link"),
+        *("network.address", "Check the link"),
         *process(50, "node __name:=x", "ROS_IP=192.0.2.7"),
     ),
     "the launch of a part has ended": State(
-        "doctor.left_over", "kill 60", *process(60, "node __name:=x __log:=/l")
+        "robot.internal_error", "kill 60", *process(60, "node __name:=x __log:=/l")
     ),
     "ROS_IP is that of another computer": State(
-        *("network.address_wrong", "gpr20-run doctor"),
+        *("network.address", "gpr20-run doctor"),
         *(listens_on("192.0.2.9"), listens_on("127.0.0.1")),
     ),
 }

@@ -8,9 +8,9 @@ from case_kit import each_case
 from hypothesis import strategies as st
 
 from gpr20_common import faults as common_faults
+from gpr20_common.faults import NOT_RUNNING, OTHER_LAUNCH
 from gpr20_common.message import Fault, Message, Severity, verbatim
 from gpr20_common.mid.node_software import NodeSoftware
-from gpr20_doctor import faults
 from gpr20_doctor.low.masters import MasterState, NodeState
 from gpr20_doctor.mid.advice import advised
 from gpr20_doctor.mid.finding import Level
@@ -20,6 +20,7 @@ from gpr20_doctor.mid.place import Place
 from gpr20_doctor.mid.robot_facts import AxisPosition, EndstopSeen, Evidence, RobotFacts
 from gpr20_survey import faults as survey_faults
 from gpr20_survey.axes.axis_id import AxisId
+from gpr20_survey.faults import CLOCK_WRONG, ENDSTOP, NO_GROUND, NOT_CALIBRATED, WRONG_VNA
 from gpr20_survey.results.analyzer_test import AnalyzerTest
 from gpr20_survey.trace.calibration import CalibrationStatus
 
@@ -109,21 +110,21 @@ def free_mb(text):
     return report(STORAGE, values={"free disk [MB]": text})
 
 
-NO_CONTACT, FULL = common_faults.NODE_SILENT, common_faults.DISK_FULL
-DIFFERS = common_faults.SOFTWARE_DIFFERS
+NO_CONTACT, FULL = common_faults.PART_SILENT, common_faults.DISK_FULL
+DIFFERS = common_faults.VERSIONS_DIFFER.as_warning()
 WITH_FAULT = [
-    ({"master_alive": False}, Level.FAULT, "ROS master", faults.NO_MASTER),
+    ({"master_alive": False}, Level.FAULT, "ROS master", NOT_RUNNING),
     ({"control_alive": False}, Level.FAULT, "no contact with the main control", NO_CONTACT),
     (report(HEIGHT, STALE), Level.FAULT, "does not report", NO_CONTACT),
-    ({"height_m": 1.9}, Level.WARNING, "height of the antennas is 1.9", faults.HEIGHT_UNUSUAL),
-    (FOREIGN, Level.FAULT, "not both simulated", faults.IDENTITY_WRONG),
+    ({"height_m": 1.9}, Level.WARNING, "height of the antennas is 1.9", NO_GROUND.as_warning()),
+    (FOREIGN, Level.FAULT, "not both simulated", WRONG_VNA),
     (free_mb("100"), Level.FAULT, "0.1 GB", FULL),
     (free_mb("4000"), Level.WARNING, "4.0 GB", FULL),
-    ({"endstops": CLOSED}, Level.FAULT, "X axis is closed at 200 mm", faults.ENDSTOP_CLOSED),
-    (NOWHERE, Level.WARNING, "closed; it is not homed", faults.ENDSTOP_DOUBTFUL),
-    (LATE, Level.WARNING, "VNA driver differs", faults.CLOCKS_DIFFER),
+    ({"endstops": CLOSED}, Level.FAULT, "X axis is closed at 200 mm", ENDSTOP),
+    (NOWHERE, Level.WARNING, "closed; it is not homed", ENDSTOP.as_warning()),
+    (LATE, Level.WARNING, "VNA driver differs", CLOCK_WRONG.as_warning()),
     ({"software": OTHER}, Level.WARNING, "(abc) on pc; 0.1.0 (def) on pi", DIFFERS),
-    ({"software": LEFT}, Level.WARNING, "(def) on robot", faults.NOT_RESTARTED),
+    ({"software": LEFT}, Level.WARNING, "(def) on robot", OTHER_LAUNCH.as_warning()),
 ]
 OTHERS = [
     ({"configuration_problem": Message("parts are mixed")}, Level.FAULT, "No survey can"),
@@ -171,7 +172,7 @@ def test_a_calibration_has_level_code_and_remedy_of_its_fault(status):
     assert (one.level is Level.FAULT) == (status is CalibrationStatus.NONE)
     assert (fault == survey_faults.NOT_CALIBRATED) == (status is CalibrationStatus.NONE)
     unknown = status is CalibrationStatus.NOT_REPORTED
-    assert (fault == faults.CALIBRATION_UNKNOWN) == unknown
+    assert (fault == NOT_CALIBRATED.as_warning()) == unknown
 
 
 def test_a_height_that_is_missing_has_a_remedy_and_a_fault_of_the_sensor_is_said_once():
@@ -185,7 +186,7 @@ def test_a_height_that_is_missing_has_a_remedy_and_a_fault_of_the_sensor_is_said
 
 HERE = Place(service="gpr20-robot", two_computers=True)
 GONE, HANGS = NodeState.GONE, NodeState.HANGS
-MISSING, RESTART = "doctor.parts_missing", "sudo systemctl restart "
+MISSING, RESTART = "robot.not_running", "sudo systemctl restart "
 
 
 def unheard(state, **found):
@@ -195,18 +196,18 @@ def unheard(state, **found):
 
 M, ELSEWHERE = MasterState, {"elsewhere": (("http://x:1", "/a"),)}
 SILENT = [
-    (unheard(M.NOT_THERE), "doctor.no_master", "On the other computer run: sudo sys"),
-    (unheard(M.HANGS), "doctor.master_hangs", "Switch off the motors' power. On the"),
-    (unheard(M.UNREACHABLE), "doctor.master_unreachable", "the cable between them"),
-    (unheard(M.NOT_THERE, local_nodes=3), "doctor.master_ended", "the motors' power"),
+    (unheard(M.NOT_THERE), "robot.not_running", "On the other computer run: sudo sys"),
+    (unheard(M.HANGS), "robot.master_lost", "Switch off the motors' power. On the"),
+    (unheard(M.UNREACHABLE), "robot.not_running", "the cable between them"),
+    (unheard(M.NOT_THERE, local_nodes=3), "robot.master_lost", "the motors' power"),
     (
         unheard(M.ANSWERS, robots=("/b", "/c")),
-        "doctor.other_namespace",
+        "robot.not_running",
         "Run: gpr20 doctor --ns b.",
     ),
-    (unheard(M.NOT_THERE, **ELSEWHERE), "doctor.master_elsewhere", "ROS_MASTER_URI=http://x:1."),
-    (unheard(M.HANGS, **ELSEWHERE), "doctor.master_hangs", "Switch off the motors' power."),
-    (unheard(M.ANSWERS), "doctor.no_robot", "sudo systemctl restart gpr20-robot"),
+    (unheard(M.NOT_THERE, **ELSEWHERE), "robot.not_running", "ROS_MASTER_URI=http://x:1."),
+    (unheard(M.HANGS, **ELSEWHERE), "robot.master_lost", "Switch off the motors' power."),
+    (unheard(M.ANSWERS), "robot.not_running", "sudo systemctl restart gpr20-robot"),
 ]
 
 
@@ -221,11 +222,11 @@ def test_a_robot_that_is_not_heard_has_one_fault_with_its_reason(robot, code, ad
 @each_case(
     "silent, code, words, advice",
     [
-        ({HEIGHT: HANGS}, "doctor.node_hangs", "Height sensor hangs", "Wait one minute"),
+        ({HEIGHT: HANGS}, "robot.part_lost", "Height sensor hangs", "Wait one minute"),
         ({HEIGHT: GONE, X_AXIS: GONE}, MISSING, "X axis; Height sensor", f"{RESTART}gpr20-robot."),
-        ({VNA: NodeState.UNREACHED}, "network.address_gone", "they listen: VNA", "Check the link"),
+        ({VNA: NodeState.UNREACHED}, "network.address", "they listen: VNA", "Check the link"),
         ({VNA: GONE}, MISSING, "Not running: VNA driver", f"other computer run: {RESTART}gpr20-se"),
-        ({HEIGHT: NodeState.ANSWERS}, "node.silent", "does not report", "Wait one minute"),
+        ({HEIGHT: NodeState.ANSWERS}, "robot.part_silent", "does not report", "Wait one minute"),
     ],
 )
 def test_a_silent_part_is_judged_by_what_it_answers(silent, code, words, advice):

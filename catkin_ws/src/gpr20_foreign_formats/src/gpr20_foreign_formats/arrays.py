@@ -66,7 +66,7 @@ class _Arrays:
             beside=_beside(self.path).name,
             names=", ".join(self.names)[:400],
         )
-        return UnreadableFileError(text, fault=faults.FILE_CONTENT)
+        return UnreadableFileError(text, fault=faults.INPUT)
 
     def array(self, key: str, name: str, types: str, allowed: Message) -> np.ndarray:
         if name not in self.names:

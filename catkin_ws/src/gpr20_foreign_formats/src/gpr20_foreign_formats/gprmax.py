@@ -18,6 +18,7 @@ from gpr20_analysis.processing.display import DISPLAY_ONLY
 from gpr20_analysis.progress import Progress, no_progress
 from gpr20_analysis.read.survey_attributes import ANTENNA_SEPARATION
 from gpr20_analysis.sentences import sentences_of, with_sentence, with_sentences
+from gpr20_common.faults import NOT_ALLOWED
 from gpr20_common.message import Message
 from gpr20_foreign_formats.gprmax_merged import MERGED, ROTATION_DEG, merged_fields, time_step_s
 from gpr20_foreign_formats.gprmax_source import NONE, Signal, check_strength, source_of
@@ -80,7 +81,7 @@ def read_gprmax(
             Message(
                 "{folder} contains no files {pattern}", folder=path, pattern=", ".join(PATTERNS)
             ),
-            fault=faults.NO_INPUT,
+            fault=faults.INPUT,
         )
     given = source_of(source) if source is not None else None
     traces = [one for file in progress(paths, len(paths)) for one in _read(file, spacing_m)]
@@ -95,7 +96,7 @@ def read_gprmax(
                 highest_hz=0.5 / slowest_s,
                 stop_hz=band.stop_hz,
             ),
-            fault=faults.OPTION,
+            fault=NOT_ALLOWED,
         )
     spectra = [_spectrum(trace, given, source == NONE, band.frequency_hz) for trace in traces]
     data = on_grid(
@@ -133,7 +134,7 @@ def _spectrum(
                 file=trace.name,
                 none=NONE,
             ),
-            fault=faults.OPTION,
+            fault=NOT_ALLOWED,
         )
     return spectrum / check_strength(source, frequency_hz, trace.name)
 
@@ -172,7 +173,7 @@ def _trace(file: Any, name: str) -> _Trace:
                 sources=sources,
                 receivers=receivers,
             ),
-            fault=faults.FILE_CONTENT,
+            fault=faults.INPUT,
         )
     receiver, source = file["rxs/rx1"], file["srcs/src1"]
     step_s, count = time_step_s(file, name), int(file.attrs["Iterations"])
@@ -188,7 +189,7 @@ def _trace(file: Any, name: str) -> _Trace:
                     shape=" x ".join(map(str, field.shape)),
                     count=count,
                 ),
-                fault=faults.FILE_CONTENT,
+                fault=faults.INPUT,
             )
     along = _component(file, fields, name)
     middle_mm = (np.array(receiver.attrs["Position"]) + source.attrs["Position"]) / 2.0
@@ -217,7 +218,7 @@ def _component(file: Any, fields: Dict[str, Any], name: str) -> str:
                 file=name,
                 field=along or "Ex, Ey",
             ),
-            fault=faults.FILE_CONTENT,
+            fault=faults.INPUT,
         )
     return along
 
@@ -229,7 +230,7 @@ def _excitation(file: Any, step_s: float, name: str) -> Optional[Signal]:
     values = np.asarray(excitation["samples"][()], np.float64)
     if values.ndim != 1 or not np.isfinite(values).all():
         raise UnreadableFileError(
-            Message("{file}: the source signal is not valid", file=name), fault=faults.FILE_CONTENT
+            Message("{file}: the source signal is not valid", file=name), fault=faults.INPUT
         )
     interval_s = float(excitation.attrs.get("SampleInterval", step_s))
     return Signal(values, interval_s, _offset_s(excitation))

@@ -49,7 +49,7 @@ def merged_fields(
             shape=" x ".join(map(str, shape)) or "-",
             count=count,
         )
-        raise UnreadableFileError(text, fault=faults.FILE_CONTENT)
+        raise UnreadableFileError(text, fault=faults.INPUT)
     # With Python's integers, which do not overflow.
     size = BYTES_PER_SAMPLE * int(shape[0]) * int(shape[1]) * len(fields)
     lazy.require_bytes(size, Message("reading {file}", file=path.name))
@@ -60,7 +60,7 @@ def merged_fields(
     if not 0.0 < sum(strongest.values()) < np.inf:
         raise UnreadableFileError(
             Message("{file}: the fields along X and Y are zero or contain NaN", file=path.name),
-            fault=faults.FILE_CONTENT,
+            fault=faults.INPUT,
         )
     step_s = time_step_s(file, path.name)
     places_mm = np.arange(shape[1])[:, np.newaxis] * _step_mm(file, path, spacing_m, shape[1])

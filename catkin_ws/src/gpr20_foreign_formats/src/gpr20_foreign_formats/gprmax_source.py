@@ -10,6 +10,7 @@ import numpy as np
 
 from gpr20_analysis import faults
 from gpr20_analysis.errors import AnalysisError, UnreadableFileError
+from gpr20_common.faults import NOT_ALLOWED
 from gpr20_common.message import Message
 
 NONE = "none"
@@ -116,7 +117,7 @@ def check_strength(source: Signal, frequency_hz: np.ndarray, name: str) -> np.nd
     if not (largest > 0.0 and strong.all()):
         if not largest > 0.0:
             raise UnreadableFileError(
-                Message("the source signal of {file} is zero", file=name), fault=faults.FILE_CONTENT
+                Message("the source signal of {file} is zero", file=name), fault=faults.INPUT
             )
         usable_hz = frequency_hz[strong]
         raise UnreadableFileError(
@@ -131,7 +132,7 @@ def check_strength(source: Signal, frequency_hz: np.ndarray, name: str) -> np.nd
                 first_hz=usable_hz[0],
                 last_hz=usable_hz[-1],
             ),
-            fault=faults.OPTION,
+            fault=NOT_ALLOWED,
         )
     return spectrum
 
@@ -156,7 +157,7 @@ def _from_file(path: Path) -> Signal:
     except ValueError as error:
         raise UnreadableFileError(
             Message("{file} does not contain times and values", file=path.name, details=error),
-            fault=faults.FILE_CONTENT,
+            fault=faults.INPUT,
         ) from error
     if table.shape[0] < 2 or table.shape[1] != 2 or not np.isfinite(table).all():
         raise UnreadableFileError(
@@ -167,13 +168,13 @@ def _from_file(path: Path) -> Signal:
                 lines=table.shape[0],
                 columns=table.shape[1],
             ),
-            fault=faults.FILE_CONTENT,
+            fault=faults.INPUT,
         )
     steps_s = np.diff(table[:, 0])
     step_s = float(steps_s.mean())
     if not (step_s > 0.0 and np.allclose(steps_s, step_s, rtol=1e-2, atol=0.0)):
         raise UnreadableFileError(
             Message("the times in {file} are not evenly spaced and ascending", file=path.name),
-            fault=faults.FILE_CONTENT,
+            fault=faults.INPUT,
         )
     return Signal(table[:, 1], step_s, float(table[0, 0]))

@@ -89,7 +89,7 @@ def write_group_csv(survey: xr.Dataset, folder: Path, progress: Progress = no_pr
                 "{count} samples have no antenna height, which the file names of this format need",
                 count=np.count_nonzero(~np.isfinite(height_mm[usable])),
             ),
-            fault=faults.FORMAT,
+            fault=faults.INPUT,
         )
     head, tail = head_of(kind, is_simulated(survey)), axis_part(axis, kind)
     x_text, y_text = (place_texts(survey[one].values * MM_PER_M) for one in (dataset.X, dataset.Y))
@@ -140,7 +140,7 @@ def read_group_csv(
                 "into a separate folder",
                 folder=folder,
             ),
-            fault=faults.FILE_CONTENT,
+            fault=faults.INPUT,
         )
     kind = next(one for one, paths in found.items() if paths)
     names = {path: parsed(path.name, kind) for path in found[kind]}
@@ -154,7 +154,7 @@ def read_group_csv(
                 kind=Message("frequencies") if kind == VNA else Message("times"),
                 sweeps=sorted(sweeps),
             ),
-            fault=faults.FILE_CONTENT,
+            fault=faults.INPUT,
         )
     start, stop, points = sweeps.pop()
     notes = [Message("heights and positions are rounded as in the file names")]

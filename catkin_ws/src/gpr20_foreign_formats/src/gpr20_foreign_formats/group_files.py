@@ -72,7 +72,7 @@ def letters(survey: xr.Dataset) -> Dict[str, int]:
                     "0 (X) and 90 (Y); select these with the step polarization",
                     rotations=", ".join(f"{one:g}" for one in survey[dataset.POLARIZATION].values),
                 ),
-                fault=faults.FORMAT,
+                fault=faults.INPUT,
             )
         found[letter] = index
     return found
@@ -100,7 +100,7 @@ def files_of_samples(
     if not own:
         raise AnalysisError(
             Message("{folder} contains no files {pattern}", folder=folder, pattern=example),
-            fault=faults.NO_INPUT,
+            fault=faults.INPUT,
         )
     read = {*beside, *(one.name for one in own)}
     others = [
@@ -116,7 +116,7 @@ def files_of_samples(
                 files=listed(ALIKE, alike),
                 example=example,
             ),
-            fault=faults.FILE_CONTENT,
+            fault=faults.INPUT,
         )
     return own, [listed(OTHERS, others)] if others else []
 
@@ -188,7 +188,7 @@ class CheckedTraces:
             UnreadableFileError: All traces are 0.
         """
         if self._zero and not self._good:
-            raise UnreadableFileError(listed(ZERO, self._zero), fault=faults.FILE_CONTENT)
+            raise UnreadableFileError(listed(ZERO, self._zero), fault=faults.INPUT)
         kinds = (
             (ZERO, self._zero),
             (SAME, self._same),

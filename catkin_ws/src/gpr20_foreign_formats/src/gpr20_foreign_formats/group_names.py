@@ -76,7 +76,7 @@ def parsed(name: str, kind: str) -> GroupName:
             Message(
                 "the name {file} must have the form {example}", file=name, example=EXAMPLES[kind]
             ),
-            fault=faults.FILE_CONTENT,
+            fault=faults.INPUT,
         )
     simulated, x_mm, y_mm, letter, start, stop, points, height = found.groups()
     texts = {"X [mm]": x_mm, "Y [mm]": y_mm, "H [mm]": height, "points": points}
@@ -122,7 +122,7 @@ def place_texts(values_mm: np.ndarray) -> List[str]:
     if len(set(texts)) < len(texts):
         raise ExportError(
             Message("positions closer than 0.01 mm have the same file name in this format"),
-            fault=faults.FORMAT,
+            fault=faults.INPUT,
         )
     return texts
 

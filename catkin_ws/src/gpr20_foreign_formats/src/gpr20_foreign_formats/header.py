@@ -37,7 +37,7 @@ class Header:
             found=str(self.entries.get(key, "-"))[:SHOWN],
             allowed=allowed,
         )
-        return UnreadableFileError(text, fault=faults.FILE_CONTENT)
+        return UnreadableFileError(text, fault=faults.INPUT)
 
     def number(self, key: str, lowest: float, highest: float, default: object = None) -> float:
         """Return a number; the default if there is no such entry.
@@ -130,5 +130,5 @@ def sibling(path: Path, *endings: str) -> Path:
             file=path.name,
             name=" / ".join(path.stem + one for one in endings),
         )
-        raise UnreadableFileError(text, fault=faults.NO_INPUT)
+        raise UnreadableFileError(text, fault=faults.INPUT)
     return found[0]

@@ -32,7 +32,6 @@ from typing import List, Tuple
 import numpy as np
 import scipy.fft
 
-from gpr20_analysis import faults
 from gpr20_analysis.dataset import MM_PER_M
 from gpr20_analysis.errors import WrongDatasetError
 from gpr20_analysis.imaging.methods import Method, Positions, Volume
@@ -40,6 +39,7 @@ from gpr20_analysis.imaging.phase_shift import grid_step_m
 from gpr20_analysis.imaging.records import Focus, Traces
 from gpr20_analysis.processing.sweep import FrequencyGrid
 from gpr20_analysis.progress import Progress
+from gpr20_common.faults import NOT_ALLOWED
 from gpr20_common.message import Message
 from gpr20_survey.radar.frequency_to_delay import Window
 
@@ -118,7 +118,7 @@ def kirchhoff_image(
                 last_m=focus.depth_m[-1],
                 step_m=step_m,
             ),
-            fault=faults.OPTION,
+            fault=NOT_ALLOWED,
         )
     height_m = float(np.mean(traces.height_m))
     image = np.ones((len(depth_m), *traces.height_m.shape))

@@ -118,7 +118,7 @@ def _read(file: Any, name: str) -> xr.Dataset:
     if missing:
         raise UnreadableFileError(
             Message("{file} has no group {names}", file=name, names=", ".join(missing)),
-            fault=faults.FILE_CONTENT,
+            fault=faults.INPUT,
         )
     notes: List[Message] = []
     decisions = [ORDER_DECIDED, DECIDED]

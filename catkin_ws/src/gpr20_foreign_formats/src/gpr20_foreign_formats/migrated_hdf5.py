@@ -41,7 +41,7 @@ def write_migrated(image: xr.Dataset, path: Path, title: str) -> None:
     if values.sizes[POLARIZATION] != 1:
         raise ExportError(
             Message("a file of a migrated image holds one polarization; write each to its own"),
-            fault=faults.FORMAT,
+            fault=faults.INPUT,
         )
     axes = {"x": image[X].values, "y": image[Y].values, "z": image[DEPTH].values}
     for name, axis in axes.items():
@@ -112,7 +112,7 @@ def _read(file: Any, name: str, checked: bool) -> xr.Dataset:
                 found=" x ".join(map(str, values.shape)),
                 expected=" x ".join(map(str, shape)),
             ),
-            fault=faults.FILE_CONTENT,
+            fault=faults.INPUT,
         )
     rotation_deg = float(file.attrs.get(ROTATION, np.nan))
     x_m, y_m, depth_m = axes

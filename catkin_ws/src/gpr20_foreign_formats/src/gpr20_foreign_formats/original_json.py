@@ -144,7 +144,7 @@ def read_original(
                     file=path.name,
                     first=paths[0].name,
                 ),
-                fault=faults.FILE_CONTENT,
+                fault=faults.INPUT,
             )
     surveys = sorted({sample["survey_id"] for sample in samples})
     if len(surveys) > 1:
@@ -156,7 +156,7 @@ def read_original(
                 count=len(surveys),
                 ids=", ".join(surveys[:LISTED]),
             ),
-            fault=faults.FILE_CONTENT,
+            fault=faults.INPUT,
         )
     traces = CheckedTraces()
     spectra = [

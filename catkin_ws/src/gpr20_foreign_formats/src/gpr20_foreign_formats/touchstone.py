@@ -53,7 +53,7 @@ def read_touchstone(folder: Path, options: ImportOptions, progress: Progress) ->
     if not paths:
         raise UnreadableFileError(
             Message("{folder} contains no files {pattern}", folder=folder, pattern="*.s1p, *.s2p"),
-            fault=faults.NO_INPUT,
+            fault=faults.INPUT,
         )
     if len({one.suffix.lower() for one in paths}) > 1:
         mixed = Message(
@@ -61,7 +61,7 @@ def read_touchstone(folder: Path, options: ImportOptions, progress: Progress) ->
             "others to another folder",
             folder=folder,
         )
-        raise UnreadableFileError(mixed, fault=faults.FILE_CONTENT)
+        raise UnreadableFileError(mixed, fault=faults.INPUT)
     # Parts that are no numbers and those that are alternate.
     paths.sort(key=lambda one: [
         int(part) if part.isdecimal() else part for part in re.split(r"(\d+)", one.name)
@@ -79,7 +79,7 @@ def read_touchstone(folder: Path, options: ImportOptions, progress: Progress) ->
                 Message(
                     "{file} has other frequencies than {first}", file=path.name, first=paths[0].name
                 ),
-                fault=faults.FILE_CONTENT,
+                fault=faults.INPUT,
             )
     comments = [comment for _, _, comment in read]
     heights = [HEIGHT.search(comment) for comment in comments]

@@ -9,7 +9,7 @@ from typing import Any, Callable, Dict, List, Optional, Union
 import numpy as np
 import xarray as xr
 
-from gpr20_analysis import dataset, faults
+from gpr20_analysis import dataset
 from gpr20_analysis.errors import AnalysisError
 from gpr20_analysis.formats.common import on_grid
 from gpr20_analysis.formats.format import ImportFormat, ImportOptions
@@ -19,6 +19,7 @@ from gpr20_analysis.processing.display import DISPLAY_ONLY
 from gpr20_analysis.read import survey_attributes
 from gpr20_analysis.read.survey_grid import MAX_CELLS_PER_TRACE
 from gpr20_analysis.sentences import with_notes, with_sentence
+from gpr20_common.faults import NOT_ALLOWED
 from gpr20_common.message import Message
 from gpr20_foreign_formats.header import Header
 
@@ -145,7 +146,7 @@ def needs_spacing(path: Path, reason: Message) -> AnalysisError:
             file=path.name,
             reason=reason,
         ),
-        fault=faults.OPTION,
+        fault=NOT_ALLOWED,
     )
 
 

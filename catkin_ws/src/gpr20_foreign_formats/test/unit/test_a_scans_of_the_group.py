@@ -99,15 +99,15 @@ def test_times_that_do_not_fit_the_names_are_refused(survey, tmp_path):
     path = tmp_path / "t" / "time"
     lines = path.read_text().splitlines()
     for wrong, fault in (
-        (lines[:-1], faults.FILE_CONTENT),
-        ([*lines[:5], "1e-9", *lines[6:]], faults.FILE_CONTENT),
+        (lines[:-1], faults.INPUT),
+        ([*lines[:5], "1e-9", *lines[6:]], faults.INPUT),
         (["x", "y"], faults.FILE_DAMAGED),
     ):
         path.write_text("\n".join(wrong) + "\n")
         with raises_fault(fault, "time"):
             group_csv.read_group_csv(tmp_path / "t")
     group_csv.write_group_csv(survey, tmp_path / "t")  # over frequency, beside those over time
-    with raises_fault(faults.FILE_CONTENT):
+    with raises_fault(faults.INPUT):
         group_csv.read_group_csv(tmp_path / "t")
 
 

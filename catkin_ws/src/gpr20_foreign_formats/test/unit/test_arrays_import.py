@@ -98,7 +98,7 @@ def test_files_of_other_formats_are_not_taken(tmp_path):
     assert IMPORTS.find("arrays").whole(tmp_path / "d.npz") == tmp_path / "d.npz"
 
 
-CONTENT = faults.FILE_CONTENT
+CONTENT = faults.INPUT
 AXES = ("rotation_deg", "y_m", "x_m", "frequency_hz")
 STEPS = {"rotation_deg": 30.0, "y_m": 0.1, "x_m": 0.02, "frequency_hz": 1e8}
 

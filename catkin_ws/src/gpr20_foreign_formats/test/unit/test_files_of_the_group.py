@@ -69,14 +69,14 @@ def test_samples_of_the_original_project_keep_its_keys(folder, tmp_path):
 
 
 def test_heights_that_are_not_known_cannot_be_said_in_the_groups_names(survey, tmp_path):
-    with raises_fault(faults.FORMAT):
+    with raises_fault(faults.INPUT):
         group_csv.write_group_csv(survey.assign(height=survey.height * np.nan), tmp_path / "c")
 
 
 def test_files_of_the_group_with_mixed_sweeps_are_refused(survey, tmp_path):
     group_csv.write_group_csv(survey, tmp_path)
     group_csv.write_group_csv(survey.isel(frequency=slice(0, 3)), tmp_path)
-    with raises_fault(faults.FILE_CONTENT) as caught:
+    with raises_fault(faults.INPUT) as caught:
         group_csv.read_group_csv(tmp_path)
     assert "sweeps" in caught.value.message.values
 
@@ -96,13 +96,13 @@ def test_a_merged_file_that_contradicts_itself_is_refused(survey, tmp_path, dama
     content = bytearray(path.read_bytes())
     content[len(content) // 2] ^= 0x10
     path.write_bytes(content)
-    with raises_fault(faults.FILE_CHANGED):
+    with raises_fault(faults.FILE_DAMAGED):
         merged_hdf5.read_merged(path)
     content[len(content) // 2] ^= 0x10
     path.write_bytes(content[:-80])  # as the group's own files, which have no checksum
     with h5py.File(path, "r+") as file:
         damage(file)
-    with raises_fault(faults.FILE_CONTENT):
+    with raises_fault(faults.INPUT):
         merged_hdf5.read_merged(path)
 
 
@@ -167,7 +167,7 @@ def test_a_migrated_image_of_the_group_is_read_with_its_doubts(tmp_path):
 )
 def test_simulated_survives_every_format(survey, tmp_path, form, name, inside):
     written = export_survey(survey, tmp_path / name, form)
-    with raises_fault(faults.IMPORT_FIRST, f"--format {form}"):
+    with raises_fault(faults.INPUT, f"--format {form}"):
         load_survey(tmp_path / name)
     for path in written:
         for one in sorted(path.glob(inside)) if inside else [path]:

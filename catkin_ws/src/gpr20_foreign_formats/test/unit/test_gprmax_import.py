@@ -9,6 +9,7 @@ from gpr20_analysis import faults
 from gpr20_analysis.commands.main import main
 from gpr20_analysis.formats.format import Band
 from gpr20_analysis.read.load import load_survey
+from gpr20_common.faults import NOT_ALLOWED
 from gpr20_foreign_formats.gprmax import read_gprmax
 from gpr20_foreign_formats.gprmax_source import WAVEFORMS, source_of
 
@@ -92,7 +93,7 @@ def test_two_simulations_of_one_place_by_their_polarization_are_two_samples(tmp_
 def test_a_band_that_the_source_or_the_time_step_does_not_reach_is_refused(tmp_path):
     make_gprmax(tmp_path / "a.h5", version=4)
     for stop_hz in (12e9, 30e9):
-        with raises_fault(faults.OPTION):
+        with raises_fault(NOT_ALLOWED):
             read_gprmax(tmp_path, Band(1e9, stop_hz, 101), 0.1)
 
 
@@ -109,18 +110,18 @@ def test_files_that_are_no_single_whole_a_scan_are_refused(tmp_path, change, sho
     make_gprmax(tmp_path / "a.h5", version=4)
     with h5py.File(tmp_path / "a.h5", "r+") as file:
         change(file)
-    with raises_fault(faults.FILE_CONTENT, shown):
+    with raises_fault(faults.INPUT, shown):
         read_gprmax(tmp_path, Band(1e9, 3e9, 101), 0.1)
 
 
 @pytest.mark.parametrize("text", ["ricker:x", "ricker:0", "sinc:1e9", "nowhere.txt"])
 def test_a_source_that_is_none_is_refused_with_what_there_is(text):
-    with raises_fault(faults.OPTION):
+    with raises_fault(NOT_ALLOWED):
         source_of(text)
 
 
 @pytest.mark.parametrize("content", ["", "1 2 3\n1 2 3\n", "0 1\n1 2\n7 3\n", "0 1\n1 nan\n"])
 def test_a_file_that_is_no_source_is_refused(tmp_path, content):
     (tmp_path / "s.txt").write_text(content)
-    with raises_fault(faults.FILE_CONTENT):
+    with raises_fault(faults.INPUT):
         source_of(str(tmp_path / "s.txt"))

@@ -32,6 +32,7 @@ from gpr20_analysis import faults
 from gpr20_analysis.commands.main import main
 from gpr20_analysis.errors import AnalysisError
 from gpr20_analysis.processing.to_frequency import to_frequency
+from gpr20_common.faults import NOT_ALLOWED
 
 MOST_BYTES = 64 << 20
 HEADERS = {"dzt": (0, 128), "segy": (3200, 3840), "dt1": (0, 128)}
@@ -183,7 +184,7 @@ def test_a_file_that_is_wrong_is_refused_with_the_value_and_the_way_out(
 ):
     (form,) = (one for one, kind in KINDS.items() if kind[0] == name)
     write(tmp_path / name)
-    codes = (faults.FILE_CONTENT, faults.OPTION, faults.FILE_DAMAGED, faults.SWEEP)
+    codes = (faults.INPUT, NOT_ALLOWED, faults.FILE_DAMAGED, faults.INPUT)
     with raises_fault(codes, *shown, error=AnalysisError):
         read(tmp_path / name, form, **KINDS[form][2])
 
@@ -195,11 +196,11 @@ def test_traces_that_were_taken_by_time_or_turn_need_a_spacing(tmp_path):
     write_dt1(tmp_path / "l.dt1", x=[0, 1, 1, 2, 3, 4])
     for form in ("dzt", "rd3", "segy", "dt1"):
         path = tmp_path / KINDS[form][0]
-        with raises_fault(faults.OPTION, path.name, "--spacing"):
+        with raises_fault(NOT_ALLOWED, path.name, "--spacing"):
             read(path, form)
         np.testing.assert_allclose(read(path, form, spacing_m=0.5).x, np.arange(6) / 2)
         for spacing_m in (0.0, -0.1, np.nan, np.inf):
-            with raises_fault(faults.FILE_CONTENT, "--spacing"):
+            with raises_fault(faults.INPUT, "--spacing"):
                 read(path, form, spacing_m=spacing_m)
 
 
@@ -208,7 +209,7 @@ def test_a_file_without_its_partner_is_refused_with_the_name_of_it(tmp_path, for
     name, write, _, victims = KINDS[form]
     write(tmp_path / name)
     (tmp_path / victims[1]).unlink()
-    with raises_fault(faults.NO_INPUT, "beside it"):
+    with raises_fault(faults.INPUT, "beside it"):
         read(tmp_path / name, form)
 
 

@@ -28,6 +28,7 @@ from gpr20_analysis import faults, import_survey
 from gpr20_analysis.commands.main import main
 from gpr20_analysis.read.load import load_survey
 from gpr20_analysis.sample.real_line import REAL_LINE_FILE
+from gpr20_common.faults import NOT_ALLOWED
 
 BAR_M = 0.015
 X_M = np.arange(TRACES) * SPACING_M
@@ -64,7 +65,7 @@ def test_a_channel_of_several_is_chosen_wherever_the_data_begin(tmp_path, data):
     for number, values in enumerate(channels):
         check_line(read(tmp_path / "a.dzt", "dzt", channel=number + 1), values / 2.0**15)
     for channel in (None, 0, 3):
-        with raises_fault(faults.OPTION, "2 channels", "--channel"):
+        with raises_fault(NOT_ALLOWED, "2 channels", "--channel"):
             read(tmp_path / "a.dzt", "dzt", channel=channel)
 
 
@@ -182,7 +183,7 @@ def test_places_in_names_of_touchstone_files_are_ordered_as_numbers(tmp_path):
 
 def test_touchstone_files_without_places_are_a_line_in_the_order_of_their_numbers(tmp_path):
     write_touchstone(tmp_path / "t", ["scan2.S1P", "scan10.S1P", "scan1.S1P"])
-    with raises_fault(faults.OPTION, "scan1.S1P", "--spacing"):
+    with raises_fault(NOT_ALLOWED, "scan1.S1P", "--spacing"):
         read(tmp_path / "t", "touchstone")
     found = read(tmp_path / "t", "touchstone", spacing_m=0.05, separation_m=0.0)
     np.testing.assert_allclose(found.x, [0.0, 0.05, 0.1])
@@ -202,7 +203,7 @@ def test_a_merged_file_of_gprmax_has_the_steps_of_its_receiver(tmp_path, steps, 
     given = read(tmp_path / "m.h5", "gprmax", **SPECTRA, spacing_m=0.1)
     np.testing.assert_allclose(given.x, np.arange(TRACES) * 0.1)
     write_merged(tmp_path / "3.out", steps=None)
-    with raises_fault(faults.OPTION, "3.out", "--spacing"):
+    with raises_fault(NOT_ALLOWED, "3.out", "--spacing"):
         read(tmp_path / "3.out", "gprmax", **SPECTRA)
 
 
@@ -235,7 +236,7 @@ def test_the_files_are_recognized(tmp_path, form):
     # Instruments write capital letters, gprMax small ones.
     path = tmp_path / (name if form == "gprmax" else name.upper())
     write(path)
-    with raises_fault(faults.IMPORT_FIRST, f"--format {form}"):
+    with raises_fault(faults.INPUT, f"--format {form}"):
         load_survey(path)
 
 
@@ -248,5 +249,5 @@ def test_the_files_are_recognized(tmp_path, form):
     ],
 )
 def test_an_option_that_a_format_cannot_use_is_refused(tmp_path, form, options, shown):
-    with raises_fault(faults.OPTION, form, shown):
+    with raises_fault(NOT_ALLOWED, form, shown):
         import_survey(tmp_path, form, **options)

@@ -11,11 +11,11 @@ from fault_kit import raises_fault
 from ground_kit import point, scene, survey_of
 from noise_kit import errors_in_uncertainties
 
-from gpr20_analysis import faults
 from gpr20_analysis.imaging.image import image_survey
 from gpr20_analysis.imaging.image_options import ImageOptions
 from gpr20_analysis.imaging.records import Ground
 from gpr20_analysis.processing.background import Background, remove_background
+from gpr20_common.faults import NOT_ALLOWED
 from gpr20_foreign_formats.kirchhoff import KIRCHHOFF, KIRCHHOFF_2D
 
 SPEED_M_S = 3e8
@@ -109,17 +109,17 @@ def test_the_image_is_that_of_the_published_algorithm(seed, sweep):
 
 def test_what_the_method_cannot_image_is_refused():
     for fault, options in (
-        (faults.OPTION, {"grid_step_m": 0.01}),
-        (faults.METHOD, {"ground": Ground.UNEVEN}),
+        (NOT_ALLOWED, {"grid_step_m": 0.01}),
+        (NOT_ALLOWED, {"ground": Ground.UNEVEN}),
     ):
         with raises_fault(fault):
             ImageOptions(KIRCHHOFF_2D, 4.0, **options)
     x_mm = np.array([0.0, 20.0, 47.0, 60.0])
     survey = survey_of(scene([]), x_mm, x_mm, np.linspace(6e8, 6e9, 51), (0.0,))
-    with raises_fault(faults.METHOD):
+    with raises_fault(NOT_ALLOWED):
         image_survey(survey, ImageOptions(KIRCHHOFF, 4.0))
     line = survey_of(scene([]), np.arange(9) * 20.0, [0.0], np.linspace(6e8, 6e9, 51), (0.0,))
-    with raises_fault(faults.METHOD, "1 position along y"):
+    with raises_fault(NOT_ALLOWED, "1 position along y"):
         image_survey(line, ImageOptions(KIRCHHOFF, 4.0))
 
 

@@ -96,7 +96,7 @@ def test_shifted_data_come_back_from_other_programs_formats_for_display_only(tmp
 
 
 def refused(path, form, name):
-    with raises_fault(faults.FILE_CHANGED, name):
+    with raises_fault(faults.FILE_DAMAGED, name):
         import_survey(path, form)
 
 
@@ -132,5 +132,5 @@ def test_an_export_of_which_a_file_or_its_checksums_changed_is_refused(tmp_path,
 def test_shifted_data_are_not_exported_to_formats_that_cannot_say_so(tmp_path):
     shifted = process_survey(random_survey(2), "time_zero")
     for form, name in FORMATS.items():
-        with raises_fault(faults.FORMAT):
+        with raises_fault(faults.INPUT):
             export_survey(shifted, tmp_path / name, form)

@@ -3,19 +3,20 @@
 from __future__ import annotations
 
 from gpr20_common.errors import Gpr20Error
-from gpr20_height_sensor import faults
+from gpr20_common.faults import PART_SILENT
+from gpr20_survey.faults import NO_GROUND, SENSOR_FAILED
 
 
 class HeightError(Gpr20Error):
     """The height could not be measured."""
 
-    fault = faults.SENSOR_OFF
+    fault = SENSOR_FAILED
 
 
 class SpiError(HeightError, OSError):
     """The SPI bus cannot be used, or the converter on it does not answer properly."""
 
-    fault = faults.CONVERTER_FAILED
+    fault = SENSOR_FAILED
 
 
 class SensorStuckError(HeightError):
@@ -24,22 +25,22 @@ class SensorStuckError(HeightError):
     The sensor is off, unplugged or broken.
     """
 
-    fault = faults.SENSOR_OFF
+    fault = SENSOR_FAILED
 
 
 class SensorRangeError(HeightError, ValueError):
     """The ground is nearer or farther than the sensor can measure."""
 
-    fault = faults.OUT_OF_RANGE
+    fault = NO_GROUND
 
 
 class SensorNoiseError(HeightError):
     """The readings scatter too much."""
 
-    fault = faults.NOISY
+    fault = SENSOR_FAILED
 
 
 class HeightStoppedError(HeightError):
     """The measurement was ended because the node is shutting down."""
 
-    fault = faults.SHUTTING_DOWN
+    fault = PART_SILENT

@@ -17,9 +17,8 @@ from sensor_msgs.msg import Range
 from gpr20_common.high.answers import message_from
 from gpr20_common.high.diagnostics import ERROR, OK, WARN
 from gpr20_common.mid.hardware import Hardware
-from gpr20_height_sensor import faults
 from gpr20_height_sensor.high import height_node
-from gpr20_survey.faults import HEIGHT_NOT_MEASURED
+from gpr20_survey.faults import HEIGHT_NOT_MEASURED, NO_GROUND, SENSOR_FAILED
 
 
 @pytest.fixture
@@ -53,9 +52,7 @@ def test_a_height_is_answered_with_its_time_spread_and_voltage_and_published_in_
     assert (message.min_range, message.max_range) == pytest.approx((0.10, 0.80))
 
 
-@pytest.mark.parametrize(
-    "code, fault", [(1023, faults.SENSOR_OFF), (code_at(1.6), faults.OUT_OF_RANGE)]
-)
+@pytest.mark.parametrize("code, fault", [(1023, SENSOR_FAILED), (code_at(1.6), NO_GROUND)])
 def test_no_height_is_no_number_and_says_why_also_in_the_topic_and_the_diagnostics(
     node, code, fault
 ):

@@ -11,7 +11,7 @@ import pytest
 from fault_kit import raises_fault
 from imaging_kit import store_survey
 
-from gpr20_common.faults import NOT_ALLOWED
+from gpr20_common.faults import FILE_DAMAGED, IN_USE, NOT_ALLOWED, NOT_SET_UP
 from gpr20_imaging import faults
 from gpr20_imaging.errors import CancelledError, ExportFailedError, ImagingError
 from gpr20_imaging.low import stick_files, usb_volumes
@@ -19,7 +19,6 @@ from gpr20_imaging.low.cancellation import Cancellation
 from gpr20_imaging.low.usb_volumes import UsbVolumes
 from gpr20_imaging.mid.export_kind import ExportKind
 from gpr20_imaging.mid.exporting import FOLDER, Exporter, ExportRequest
-from gpr20_survey.faults import FOLDER_CHANGED, NOT_A_FILE
 
 REPORT, ZIP = ExportKind.REPORT_HTML, ExportKind.SURVEY_ZIP
 
@@ -126,9 +125,9 @@ def test_without_a_stick_one_file_of_the_analysis_is_in_the_answer(exporter, fol
 @pytest.mark.parametrize(
     ("number", "fault"),
     [
-        (errno.ENOSPC, faults.STICK_FULL),
-        (errno.EIO, faults.STICK_FAILED),
-        (errno.EFBIG, faults.STICK_FORMAT),
+        (errno.ENOSPC, faults.STICK),
+        (errno.EIO, faults.STICK),
+        (errno.EFBIG, faults.STICK),
     ],
 )
 def test_no_file_has_its_name_when_the_stick_fails(export, stick, monkeypatch, number, fault):
@@ -161,14 +160,14 @@ def test_a_file_system_that_becomes_full_or_goes_away_keeps_only_whole_files(
     folder, exporter, small_stick, monkeypatch
 ):
     (folder / "survey.bag").write_bytes(os.urandom(5_000_000))
-    with raises_fault(faults.STICK_FULL, small_stick.name, error=ExportFailedError):
+    with raises_fault(faults.STICK, small_stick.name, error=ExportFailedError):
         exporter.export(request_for(folder, small_stick, REPORT, ZIP), Cancellation())
     left = files_of(small_stick)
     assert [one.split("SIMULATED_")[1] for one in left] == ["report.html", "report.html.sha256"]
     unmount = ["umount", "--lazy", str(small_stick)]
     at_copy(monkeypatch, after=lambda: subprocess.run(unmount, check=True))
     # It is still listed, as another device: that of the folder below.
-    with raises_fault(faults.STICK_GONE, small_stick):
+    with raises_fault(faults.STICK, small_stick):
         exporter.export(request_for(folder, small_stick, REPORT), Cancellation())
     assert files_of(small_stick) == []
     subprocess.run(["mount", "-t", "tmpfs", "tmpfs", str(small_stick)], check=True)
@@ -181,11 +180,11 @@ def test_a_full_stick_is_refused_first_and_a_removed_one_leaves_no_file_on_the_d
     full = os.statvfs_result((*real[:4], 1, *real[5:]))
     with monkeypatch.context() as patched:
         patched.setattr(os, "statvfs", lambda _path: full)
-        with raises_fault(faults.STICK_FULL, stick.name, error=ExportFailedError):
+        with raises_fault(faults.STICK, stick.name, error=ExportFailedError):
             export(REPORT)
     assert files_of(stick) == []
     at_copy(monkeypatch, after=sticks.pull_out)
-    with raises_fault(faults.STICK_GONE, stick):
+    with raises_fault(faults.STICK, stick):
         export(REPORT)
     assert files_of(stick) == []
 
@@ -228,7 +227,7 @@ def test_a_folder_of_exports_that_is_none_of_the_stick_is_refused(
         (computer / name).write_text("of the computer")
     before = contents(computer)
     PUT[put](stick / FOLDER, computer)
-    with raises_fault(faults.STICK_FOLDER, stick.name, error=ExportFailedError):
+    with raises_fault(faults.STICK, stick.name, error=ExportFailedError):
         export(*ExportKind)
     assert contents(computer) == before
     assert [one.name for one in stick.iterdir()] == [FOLDER]
@@ -280,7 +279,7 @@ def test_what_is_not_on_the_stick_after_all_is_no_success(
 ):
     path = stick / FOLDER / (request_for(folder, stick).name(ZIP) + ending)
     monkeypatch.setattr(stick_files.StickFolder, "sync", lambda _self: SPOIL[spoil](path))
-    with raises_fault(faults.STICK_FAILED, stick.name, error=ExportFailedError):
+    with raises_fault(faults.STICK, stick.name, error=ExportFailedError):
         export(ZIP)
 
 
@@ -290,11 +289,11 @@ def test_a_survey_that_cannot_be_read_or_changes_is_no_fault_of_the_stick(
     (tmp_path / "file").write_text("elsewhere")
     for put in ("a link", "a pipe"):
         PUT[put](folder / "survey.bag", tmp_path / "file")
-        with raises_fault(NOT_A_FILE, "survey.bag", error=ImagingError):
+        with raises_fault(FILE_DAMAGED, "survey.bag", error=ImagingError):
             export(ZIP)
         (folder / "survey.bag").unlink()
     at_write(monkeypatch, lambda: (folder / "survey.json").write_text("{}"))
-    with raises_fault(FOLDER_CHANGED, error=ImagingError):
+    with raises_fault(IN_USE, error=ImagingError):
         export(ZIP)
     assert files_of(stick) == []
 
@@ -339,18 +338,18 @@ def test_a_stick_that_was_removed_or_replaced_is_noticed(sticks, stick):
     volume = sticks.volumes.find(str(stick))
     sticks.volumes.check_present(volume)
     other = type(volume)(volume.path, "BLUE", 1, True, volume.device + 1)
-    with raises_fault(faults.STICK_GONE):
+    with raises_fault(faults.STICK):
         sticks.volumes.check_present(other)
     sticks.pull_out()
-    with raises_fault(faults.STICK_GONE):
+    with raises_fault(faults.STICK):
         sticks.volumes.check_present(volume)
 
 
 def test_a_broken_list_is_an_error(monkeypatch):
     assert isinstance(UsbVolumes(usb_volumes.list_block_devices).mounted(), list)
     for text in ("", "[]", '{"blockdevices": [1]}', '{"blockdevices": 3}'):
-        with raises_fault(faults.NO_STICK_LIST):
+        with raises_fault(NOT_SET_UP):
             UsbVolumes(lambda text=text: text).mounted()
     monkeypatch.setattr(usb_volumes, "COMMAND", ("no-such-lsblk",))
-    with raises_fault(faults.NO_STICK_LIST):
+    with raises_fault(NOT_SET_UP):
         usb_volumes.list_block_devices()

@@ -20,7 +20,7 @@ import gpr20_analysis
 from gpr20_analysis import faults as analysis_faults
 from gpr20_analysis.sample.sample_survey import sample_survey
 from gpr20_common.errors import Gpr20Error
-from gpr20_common.faults import DISK_FULL, NOT_ALLOWED
+from gpr20_common.faults import ASKED_FOR, BUSY, DISK_FULL, NOT_ALLOWED
 from gpr20_imaging import faults
 from gpr20_imaging.errors import CancelledError
 from gpr20_imaging.low import analysis_process, child_process
@@ -93,7 +93,7 @@ def test_the_child_has_the_lowest_priority_and_bounded_memory(imaging, survey, m
 
 def test_a_child_that_died_or_was_killed_between_requests_is_replaced(imaging, survey, analysis):
     analysis.mode = "die"
-    with raises_fault(faults.TOO_MUCH, "Killed by a test"):
+    with raises_fault(faults.OTHER_COMPUTER, "Killed by a test"):
         imaging.focus("a", survey.name, 4.0)
     analysis.mode = ""
     first = imaging.focus("a", survey.name, 4.0).traces
@@ -107,7 +107,7 @@ def test_a_child_that_takes_too_long_is_ended(imaging, survey, analysis, monkeyp
     imaging.focus("a", survey.name, 4.0)  # The child has started: that takes long under load.
     analysis.mode = "hang"
     monkeypatch.setattr(analysis_process, "FOCUS_LIMIT_S", 3.0)
-    with raises_fault(faults.TOO_MUCH, 3):
+    with raises_fault(faults.OTHER_COMPUTER, 3):
         imaging.focus("a", survey.name, 4.0)
     assert not is_running(wait_for(analysis.started))
 
@@ -148,8 +148,8 @@ def test_without_the_analysis_the_node_says_what_is_missing(tmp_path, sticks, su
     # Every workspace has the analysis, also where its libraries are not installed.
     monkeypatch.setattr(analysis_process, "NEEDED", ("json", "no_such_library"))
     imaging = Imaging(tmp_path / "data", AnalysisProcess(), sticks.volumes, lambda *_: None)
-    assert imaging.missing.fault == faults.NOT_INSTALLED
-    with raises_fault(faults.NOT_INSTALLED, imaging.computer):
+    assert imaging.missing.fault == faults.OTHER_COMPUTER
+    with raises_fault(faults.OTHER_COMPUTER, imaging.computer):
         imaging.focus("a", survey.name, 4.0)
     # The data themselves need no analysis.
     stick = sticks.plug_in()
@@ -174,7 +174,7 @@ def test_a_request_that_runs_can_be_cancelled(imaging, survey, analysis):
     asking.join(LIMIT_S)
     assert len(failures) == 1
     assert not is_running(child)
-    with raises_fault(faults.NO_REQUEST):
+    with raises_fault(ASKED_FOR):
         imaging.cancel("slow")
 
 
@@ -202,7 +202,7 @@ def test_requests_are_carried_out_one_at_a_time_are_bounded_and_can_be_cancelled
         one.start()
         while jobs.waiting < number:
             time.sleep(0.01)
-    with raises_fault(faults.BUSY):
+    with raises_fault(BUSY):
         jobs.run("y", work)
     assert jobs.cancel("last")
     go.set()
@@ -289,9 +289,9 @@ def test_where_a_mine_could_hide_is_that_of_the_analysis(process, tmp_path):
 
 
 def test_a_reason_comes_with_its_fault(process, tmp_path):
-    with raises_fault(analysis_faults.NO_INPUT, tmp_path / "nowhere"):
+    with raises_fault(analysis_faults.INPUT, tmp_path / "nowhere"):
         process.find_candidates(tmp_path / "nowhere", None, "en", Cancellation())
-    with raises_fault(analysis_faults.NO_TRACES):
+    with raises_fault(analysis_faults.INPUT):
         folder = tmp_path / "20260921T141320_0f8fad5b"
         (folder / "traces").mkdir(parents=True)
         (folder / "log.jsonl").write_text("{}")
@@ -336,7 +336,7 @@ def test_the_nodes_answers_are_those_of_the_imaging(
     # The log of the survey does not say so, and why.
     assert len(exported.files) == 1 and exported.fault.code == REFUSAL.fault_code
     assert published["imaging_progress"].request_id == "a"
-    with raises_fault(faults.NO_REQUEST):
+    with raises_fault(ASKED_FOR):
         services["cancel_imaging"](requests.CancelImagingRequest(request_id="a"))
     assert node._diagnostics()[0] == node_module.OK
     node._imaging.close()

@@ -3,28 +3,28 @@
 from __future__ import annotations
 
 from gpr20_common.errors import Gpr20Error
-from gpr20_launch import faults
+from gpr20_common.faults import CONFIGURATION, NOT_ALLOWED
 
 
 class ConfigurationError(Gpr20Error, ValueError):
     """A file of the robot's configuration is wrong."""
 
-    fault = faults.WRONG_VALUE
+    fault = CONFIGURATION
 
 
 class LaunchRefusedError(Gpr20Error, RuntimeError):
     """A robot cannot be launched as requested."""
 
-    fault = faults.WRONG_ARGUMENT
+    fault = NOT_ALLOWED
 
 
 class OldLaunchError(Gpr20Error, ValueError):
     """A launch file of the original software cannot be imported."""
 
-    fault = faults.OLD_LAUNCH
+    fault = NOT_ALLOWED
 
 
 class OldElementError(Gpr20Error, ValueError):
     """An element of such a file cannot be understood without the computer of the original."""
 
-    fault = faults.OLD_UNREAD
+    fault = CONFIGURATION

@@ -7,22 +7,15 @@ import pytest
 from case_kit import each_case
 from fault_kit import raises_fault
 
-from gpr20_common.faults import NOT_ALLOWED
+from gpr20_common.faults import CONFIGURATION, DISK_REFUSES, FILE_DAMAGED, NOT_ALLOWED
 from gpr20_common.message import verbatim
 from gpr20_common.mid.codec import record_from
 from gpr20_launch import faults
 from gpr20_launch.errors import LaunchRefusedError
 from gpr20_launch.mid.launch_request import REAL, ROBOT, SERVER, SIMULATED, SURVEY, LaunchRequest
 from gpr20_launch.mid.machine_warnings import machine_warnings
-from gpr20_simulator.faults import WRONG_SCENE
 from gpr20_simulator.mid.simulator_parameters import SimulatorParameters
-from gpr20_survey.faults import (
-    FOLDER_MOVED,
-    NO_DATA_DISK,
-    NOT_A_FILE,
-    NOT_PERMITTED,
-    OTHER_DATA_FOLDER,
-)
+from gpr20_survey.faults import FOLDER_MOVED, NO_DATA_DISK, OTHER_DATA_FOLDER
 from gpr20_survey.folder.data_folder import file_system_of, read_marker
 from gpr20_vna_acquisition.mid.conformance.bench import Status
 from gpr20_vna_acquisition.mid.conformance.record import store
@@ -58,7 +51,7 @@ def test_whether_the_window_covers_the_screen_is_auto_true_or_false():
     parameters = SimulatorParameters(scene=str(SCENE))
     for given in ("auto", "true", "false"):
         LaunchRequest("robot", "gpr20", "", "", parameters, given)
-    with raises_fault(faults.WRONG_ARGUMENT, "yes", "auto, true, false"):
+    with raises_fault(NOT_ALLOWED, "yes", "auto, true, false"):
         LaunchRequest("robot", "gpr20", "", "", parameters, "yes")
 
 
@@ -113,11 +106,11 @@ def test_the_argument_comes_before_the_file_and_the_file_before_the_environment(
 @each_case(
     "arguments, fault, shown",
     [
-        ({"robot": "gpr21"}, faults.WRONG_ARGUMENT, "gpr21"),
-        ({"robot": "gpr20", "time_scale": 2.0}, faults.WRONG_ARGUMENT, ":=2"),
-        ({"config": str(SCENE)}, faults.NO_FOLDER, SCENE),
-        ({"config": "/nowhere"}, faults.NO_FOLDER, "/nowhere"),
-        ({"scene": "/nowhere.yaml"}, WRONG_SCENE, "/nowhere.yaml"),
+        ({"robot": "gpr21"}, NOT_ALLOWED, "gpr21"),
+        ({"robot": "gpr20", "time_scale": 2.0}, NOT_ALLOWED, ":=2"),
+        ({"config": str(SCENE)}, CONFIGURATION, SCENE),
+        ({"config": "/nowhere"}, CONFIGURATION, "/nowhere"),
+        ({"scene": "/nowhere.yaml"}, NOT_ALLOWED, "/nowhere.yaml"),
         ({"time_scale": 0.0}, NOT_ALLOWED, "time_scale"),
         ({"seconds_per_point": -1.0}, NOT_ALLOWED, "-1 s"),
     ],
@@ -132,7 +125,7 @@ def test_a_data_folder_that_cannot_be_written_is_refused_where_it_is_needed(home
     read_only = home / "read only"
     read_only.mkdir(mode=0o500)
     for folder in (home / "a file", Path("/proc/surveys") if os.geteuid() == 0 else read_only):
-        refusals = (NOT_A_FILE, NOT_PERMITTED, FOLDER_MOVED)
+        refusals = (FILE_DAMAGED, DISK_REFUSES, FOLDER_MOVED)
         with raises_fault(refusals, folder, error=LaunchRefusedError):
             request(data=str(folder)).sections(AXES)
         assert "data" not in request("robot", data=str(folder)).sections(AXES)["storage"]
@@ -205,7 +198,7 @@ def test_a_class_for_the_analyzer_that_never_passed_its_check_is_warned_of(tmp_p
         found = warnings(part, robot, tmp_path, sections, str(tmp_path))
         return [one.text.fault_code for one in found]
 
-    code = faults.UNCHECKED_ANALYZER.code
+    code = faults.NOT_CHECKED.as_warning().code
     assert code in codes() and code in codes(part=SERVER)
     assert code not in codes(part=ROBOT) + codes(robot=SIMULATED) + codes(analyzer={})
     for status in (Status.FAILED, Status.PASSED):

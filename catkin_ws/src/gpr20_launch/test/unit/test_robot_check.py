@@ -8,6 +8,7 @@ import pytest
 from case_kit import each_case
 from robot_check_examples import PROFILES, VNA, checked, write
 
+from gpr20_common.faults import CONFIGURATION, NOT_ALLOWED
 from gpr20_common.sent_message import received_message
 from gpr20_launch import faults
 from gpr20_launch.mid import place_checks
@@ -208,7 +209,7 @@ def test_a_class_of_analyzer_checks_its_options(tmp_path, monkeypatch):
     write(tmp_path / "robot", {"analyzer": text})
     monkeypatch.syspath_prepend(str(tmp_path))
     (one,) = checked(tmp_path / "robot", part="server")
-    assert one.message.fault_code == faults.UNUSABLE_EXTENSION.code
+    assert one.message.fault_code == CONFIGURATION.code
     assert "port is -1" in str(one.message)
 
 
@@ -273,7 +274,7 @@ def test_two_computers_and_the_analyzer_have_addresses_of_their_own(
 ):
     write(tmp_path / "robot", {})
     (one,) = checked(tmp_path / "robot", environment)
-    assert (one.message.fault_code, one.key) == (faults.ADDRESS.code, key)
+    assert (one.message.fault_code, one.key) == (CONFIGURATION.code, key)
     assert one.refuses == refused and shown in str(one.message)
     assert checked(tmp_path / "robot", environment, real=False) == ()
 
@@ -293,9 +294,9 @@ def test_the_data_folder_of_the_launch_counts_and_only_where_surveys_are_stored(
 def test_what_cannot_be_read_is_not_taken_for_the_defaults(tmp_path):
     (tmp_path / "file").write_text("")
     (one,) = checked(tmp_path / "file", part="robot")
-    assert one.message.fault_code == faults.UNREADABLE.code and one.refuses
+    assert one.message.fault_code == CONFIGURATION.code and one.refuses
     (one,) = checked(tmp_path / "none", part="robot")
-    assert one.message.fault_code == faults.NO_FOLDER.code and not one.refuses
+    assert one.message.fault_code == CONFIGURATION.code and not one.refuses
     # A robot that needs no values of its own needs no folder.
     assert checked(tmp_path / "home/.gpr20/robot", part="robot") == ()
 
@@ -324,7 +325,7 @@ def test_a_profile_is_correct_but_for_what_a_person_must_check(tmp_path, run, pr
     # Beside other files it would have no effect.
     before = {path: path.read_bytes() for path in folder.iterdir()}
     status, _, said = run("robot_config", "create", "--profile", profile, folder)
-    assert status == 1 and "axes.yaml" in said and faults.FILES_EXIST.remedy.template in said
+    assert status == 1 and "axes.yaml" in said and NOT_ALLOWED.remedy.template in said
     assert {path: path.read_bytes() for path in folder.iterdir()} == before
     # Without its list of checks, nobody has made them.
     (folder / "wiring.yaml").unlink()

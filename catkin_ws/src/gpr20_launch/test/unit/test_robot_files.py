@@ -13,9 +13,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 from robot_check_examples import BUILT, checked
 
+from gpr20_common.faults import CONFIGURATION
 from gpr20_common.mid.codec import record_from
-from gpr20_doctor.mid.bundle import CONFIGURATION
-from gpr20_launch import faults
+from gpr20_doctor.mid import bundle
 from gpr20_launch.errors import ConfigurationError
 from gpr20_launch.mid.robot_files import AXES_FILE, FILES, read_configuration
 from gpr20_launch.mid.templates import templates
@@ -53,7 +53,7 @@ def test_without_files_everything_has_its_default(tmp_path):
         for section, kind in file.sections:
             assert record_from(kind, sections[section], section) == kind()
     # The bundle for help has every file.
-    assert sorted(CONFIGURATION) == sorted({*FILES, AXES_FILE})
+    assert sorted(bundle.CONFIGURATION) == sorted({*FILES, AXES_FILE})
 
 
 def test_a_template_is_correct_and_shows_every_key_with_its_default(tmp_path):
@@ -95,7 +95,7 @@ def test_a_template_is_correct_and_shows_every_key_with_its_default(tmp_path):
 )
 def test_what_is_wrong_is_named_with_its_file(tmp_path, file, text, shown):
     path = tmp_path / f"{file}.yaml"
-    with raises_fault(faults.WRONG_VALUE, path, *shown, error=ConfigurationError):
+    with raises_fault(CONFIGURATION, path, *shown, error=ConfigurationError):
         read(tmp_path, **{file: text})
     path.unlink()
 
@@ -118,14 +118,14 @@ def test_a_file_of_another_name_is_refused_and_what_editors_leave_is_not_read(tm
     assert read(tmp_path) == read(tmp_path / "none")
     for name in ("Axes.yaml", "axes.yml", "hight.yaml"):
         (tmp_path / name).write_text("")
-        with raises_fault(faults.UNKNOWN_FILE, tmp_path / name, error=ConfigurationError):
+        with raises_fault(CONFIGURATION, tmp_path / name, error=ConfigurationError):
             read(tmp_path)
         (tmp_path / name).unlink()
     # A link that leads nowhere does not mean the defaults.
     (tmp_path / "axes.yaml").symlink_to("/nowhere/axes.yaml")
     (tmp_path / "linked").symlink_to("/nowhere")
     for folder in (tmp_path, tmp_path / "linked"):
-        with raises_fault(faults.UNREADABLE, folder, error=ConfigurationError):
+        with raises_fault(CONFIGURATION, folder, error=ConfigurationError):
             read_configuration(folder, AXES)
 
 

@@ -5,9 +5,9 @@ from __future__ import annotations
 from typing import Optional
 
 from gpr20_common.errors import Gpr20Error
-from gpr20_common.faults import INTERNAL
+from gpr20_common.faults import IN_USE, INTERNAL, PART_RED, PART_SILENT
 from gpr20_common.message import Fault, Message
-from gpr20_main_control import faults
+from gpr20_survey.faults import STOPPED, VNA_FAILED, VNA_REPLACED
 
 # The storage refuses to close a survey for a reason of more than 4096 characters.
 MAX_DETAILS = 1000
@@ -16,25 +16,25 @@ MAX_DETAILS = 1000
 class SurveyError(Gpr20Error):
     """A survey was refused or failed."""
 
-    fault = faults.SURVEY_FAILED
+    fault = PART_RED
 
 
 class RequestRefusedError(SurveyError, RuntimeError):
     """A request is not possible in the present state."""
 
-    fault = faults.SURVEY_IN_PROGRESS
+    fault = IN_USE
 
 
 class DeviceError(SurveyError, OSError):
     """A part of the robot failed; the survey pauses and can be resumed."""
 
-    fault = faults.DEVICE_FAILED
+    fault = PART_RED
 
 
 class NodeLostError(DeviceError):
     """There is no contact with a node, or it was restarted; the survey waits until it is back."""
 
-    fault = faults.NODE_LOST
+    fault = PART_SILENT
 
 
 class UnconfirmedError(DeviceError):
@@ -44,7 +44,7 @@ class UnconfirmedError(DeviceError):
         repeat: Whether the same point should be measured again at once.
     """
 
-    fault = faults.SWEEP_UNCONFIRMED
+    fault = VNA_FAILED
 
     def __init__(self, message: Message, repeat: bool) -> None:
         super().__init__(message)
@@ -58,7 +58,7 @@ class OtherAnalyzerError(DeviceError):
         identity: That of the present analyzer, if the survey was measured with another one.
     """
 
-    fault = faults.OTHER_VNA
+    fault = VNA_REPLACED
 
     def __init__(self, message: Message, identity: str, fault: Optional[Fault] = None) -> None:
         super().__init__(message, fault)
@@ -68,13 +68,13 @@ class OtherAnalyzerError(DeviceError):
 class StopRequested(SurveyError):
     """A stop of the survey was requested."""
 
-    fault = faults.STOPPED_ON_REQUEST
+    fault = STOPPED
 
 
 class ShutDownRequested(StopRequested):
     """The main control ends, usually with the whole robot."""
 
-    fault = faults.ROBOT_SHUT_DOWN
+    fault = STOPPED
 
 
 def message_of(error: Exception) -> Message:

@@ -6,8 +6,8 @@ import pytest
 from fake_robot import ManualClock
 from run_seed import draws
 
-from gpr20_main_control import faults
 from gpr20_main_control.mid.survey.running_survey import LARGEST_CORRECTION_S, ClockSteps
+from gpr20_survey.faults import CLOCK_WRONG
 
 DRAWS = draws(50)
 
@@ -36,7 +36,10 @@ def test_a_clock_that_is_set_is_said_once_with_the_step():
     bench.clock.set_s += 86400.0
     bench.steps.check()
     assert bench.next_trace() is None
-    assert bench.said == [(faults.CLOCK_SET.code, 3600.0), (faults.CLOCK_SET.code, 86400.0)]
+    assert bench.said == [
+        (CLOCK_WRONG.as_warning().code, 3600.0),
+        (CLOCK_WRONG.as_warning().code, 86400.0),
+    ]
 
 
 def test_a_small_step_is_said_if_it_orders_two_traces_wrongly():
@@ -46,7 +49,7 @@ def test_a_small_step_is_said_if_it_orders_two_traces_wrongly():
     assert bench.next_trace() is None
     bench.clock.set_s -= 1.5
     bench.next_trace()
-    assert bench.said == [(faults.CLOCK_BEHIND.code, 0.5)]
+    assert bench.said == [(CLOCK_WRONG.as_warning().code, 0.5)]
 
 
 def test_nothing_is_said_of_a_clock_that_is_corrected_by_little_in_any_order():

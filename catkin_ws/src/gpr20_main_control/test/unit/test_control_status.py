@@ -6,16 +6,16 @@ from dataclasses import replace
 import pytest
 from fake_robot import LIMIT_S, Bench, ManualClock, reports, warning_of
 
-from gpr20_common.faults import INTERNAL
+from gpr20_common.faults import INTERNAL, PART_RED, PART_SILENT
 from gpr20_common.message import Message, Severity
 from gpr20_common.mid.node_software import NodeSoftware
-from gpr20_main_control import faults
 from gpr20_main_control.errors import (
     DeviceError,
     SurveyError,
     UnconfirmedError,
     message_of,
 )
+from gpr20_survey.faults import CLOCK_WRONG, TAKES_LONG, VNA_FAILED
 from gpr20_survey.plan.survey_state import SurveyState as State
 
 VNA = "vna_acquisition"
@@ -51,8 +51,8 @@ def test_a_survey_that_continues_never_shows_a_fault(bench):
     shown = [status.full_message for status in bench.history]
     assert {one for message in shown for one in severities(message)} == {Severity.WARNING}
     codes = {fault.code for message in shown for fault in message.faults}
-    assert {faults.CLOCK_SET.code, faults.SWEEP_UNCONFIRMED.code} <= codes
-    assert faults.WAITING_FOR_PART.code in codes
+    assert {CLOCK_WRONG.as_warning().code, VNA_FAILED.code} <= codes
+    assert PART_SILENT.as_warning().code in codes
     warnings = [warning_of(one) for one in bench.storage.reports[-1]["warnings"]]
     assert len(warnings) == 3
     assert {one.cause.severity for one in warnings} == {Severity.WARNING}
@@ -71,7 +71,7 @@ def test_a_stop_and_a_shutdown_are_notes():
 def test_an_error_has_its_own_message_and_a_fault_in_the_software_a_short_one():
     message = Message("the {axis} axis failed", axis="x")
     assert message_of(DeviceError(message)) == message
-    assert message_of(SurveyError(message)).fault_code == faults.SURVEY_FAILED.code
+    assert message_of(SurveyError(message)).fault_code == PART_RED.code
     internal = message_of(RuntimeError("x" * 100_000))
     assert internal.fault_code == INTERNAL.code
     # Short enough to close a survey.
@@ -84,7 +84,7 @@ def test_an_error_has_its_own_message_and_a_fault_in_the_software_a_short_one():
 def waits_for(bench, *shown):
     """Whether the status says that it waits, and what for: shown are the names and the point."""
     message = bench.board.status.full_message
-    return reports(message, faults.TAKES_LONG) and all(one in str(message) for one in shown)
+    return reports(message, TAKES_LONG) and all(one in str(message) for one in shown)
 
 
 @pytest.mark.parametrize(

@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 from run_seed import draws
 from survey_examples import AXES
 
+from gpr20_common.faults import ASKED_FOR, IN_USE, PART_SILENT
 from gpr20_common.message import Message
 from gpr20_main_control import faults
 from gpr20_main_control.errors import DeviceError, RequestRefusedError
@@ -18,6 +19,7 @@ from gpr20_main_control.mid.devices.robot import MoveOutcome
 from gpr20_main_control.mid.service import AxisAction, AxisMove, jog_target
 from gpr20_main_control.mid.waits import Workers
 from gpr20_survey.axes.axis_id import AxisId
+from gpr20_survey.faults import NOT_HOMED, ZERO_UNKNOWN
 from gpr20_survey.plan.survey_state import SurveyState as State
 
 X, Y, Z = AxisId.X, AxisId.Y, AxisId.Z
@@ -45,7 +47,7 @@ def test_one_axis_is_homed_also_if_it_is_homed_already_and_the_analyzer_is_lost(
 
 
 def test_a_jog_before_homing_is_refused(bench):
-    refusals = ((X, faults.SERVICE_HOME_FIRST), (Z, faults.SERVICE_SET_ZERO))
+    refusals = ((X, NOT_HOMED), (Z, ZERO_UNKNOWN))
     for axis, fault in refusals:
         with raises_fault(fault, error=RequestRefusedError):
             jog(bench, axis, 1.0)
@@ -83,7 +85,7 @@ def test_there_is_no_service_while_a_survey_has_not_ended(bench):
         lambda: bench.control.test_analyzer(""),
         lambda: bench.control.daily_check(0),
     ):
-        with raises_fault(faults.SURVEY_IN_PROGRESS, error=RequestRefusedError):
+        with raises_fault(IN_USE, error=RequestRefusedError):
             request()
     assert bench.x.moves == moves
     assert len(bench.analyzer.connections) == connections
@@ -116,10 +118,10 @@ def test_a_stop_ends_a_homing(bench):
     homing = in_background(lambda: home(bench, Y))
     assert begun.wait(LIMIT_S)
     bench.control.stop()
-    assert reports(homing.exception(LIMIT_S).message, faults.SERVICE_STOPPED_UNHOMED, "y")
+    assert reports(homing.exception(LIMIT_S).message, NOT_HOMED.as_note(), "y")
 
 
-@pytest.mark.parametrize("stopped, fault", [("control", faults.SERVICE_STOPPED), ("x", None)])
+@pytest.mark.parametrize("stopped, fault", [("control", ASKED_FOR), ("x", None)])
 def test_a_stop_ends_a_jog_beside_which_no_survey_starts(bench, stopped, fault):
     home(bench, X)
     begin_move = bench.x.begin_move
@@ -132,10 +134,10 @@ def test_a_stop_ends_a_jog_beside_which_no_survey_starts(bench, stopped, fault):
     bench.x.stop = come_to_rest
     jogging = in_background(lambda: jog(bench, X, 1.0))
     assert bench.x.begun.wait(LIMIT_S)
-    with raises_fault(faults.SERVICE_IN_PROGRESS, error=RequestRefusedError):
+    with raises_fault(IN_USE, error=RequestRefusedError):
         bench.start()
     getattr(bench, stopped).stop()
-    assert reports(jogging.exception(LIMIT_S).message, fault or faults.MOVE_FAILED)
+    assert reports(jogging.exception(LIMIT_S).message, fault or faults.BLOCKED)
 
 
 def refuse(_limit_s):
@@ -150,7 +152,7 @@ def test_a_failed_axis_is_stopped_and_reported_and_a_silent_one_is_not_jogged(be
     assert bench.x.stops and bench.activities[-1] is None
     home(bench, X)
     bench.x.silent = True
-    with raises_fault(faults.NODE_LOST, "x", error=DeviceError):
+    with raises_fault(PART_SILENT, "x", error=DeviceError):
         jog(bench, X, 1.0)
     assert bench.x.moves == []
 
@@ -177,10 +179,10 @@ def test_a_test_of_the_analyzer_beside_which_no_survey_starts_can_be_stopped(ben
     argument = {"test_analyzer": "", "daily_check": 0}[call]
     testing = in_background(lambda: results.append(getattr(bench.control, call)(argument)))
     assert sweeping.wait(LIMIT_S)
-    with raises_fault(faults.SERVICE_IN_PROGRESS, error=RequestRefusedError):
+    with raises_fault(IN_USE, error=RequestRefusedError):
         bench.start()
     bench.control.stop()
     error = testing.exception(LIMIT_S)
     may_sweep.set()
     message = error.message if call == "daily_check" else results[0].failure
-    assert message.fault_code == faults.TEST_STOPPED.code
+    assert message.fault_code == ASKED_FOR.code

@@ -3,19 +3,21 @@
 from __future__ import annotations
 
 from gpr20_common.errors import Gpr20Error
+from gpr20_common.faults import NOT_ALLOWED, NOT_RUNNING
 from gpr20_operator import faults
+from gpr20_survey.faults import DAMAGED
 
 
 class UserInterfaceError(Gpr20Error):
     """The root of every error of this package."""
 
-    fault = faults.NO_CONTROL
+    fault = NOT_RUNNING
 
 
 class MasterUnavailableError(UserInterfaceError, OSError):
     """There is no ROS master to ask."""
 
-    fault = faults.NO_MASTER
+    fault = NOT_RUNNING
 
 
 class DisplayUnavailableError(UserInterfaceError, OSError):
@@ -27,22 +29,22 @@ class DisplayUnavailableError(UserInterfaceError, OSError):
 class ParametersRefusedError(UserInterfaceError, ValueError):
     """The parameters of the survey are not allowed; the message names each."""
 
-    fault = faults.PARAMETERS_REFUSED
+    fault = NOT_ALLOWED
 
 
 class SurveyNotReadableError(UserInterfaceError, ValueError):
     """A survey, or a part of it, cannot be shown; the message gives the reason."""
 
-    fault = faults.SURVEY_UNREADABLE
+    fault = DAMAGED
 
 
 class ProfileError(UserInterfaceError, ValueError):
     """A profile of parameters cannot be read or written, or its name is not allowed."""
 
-    fault = faults.PROFILE_UNREADABLE
+    fault = faults.SETTINGS_LOST
 
 
 class SettingsError(UserInterfaceError, ValueError):
     """The settings of the window cannot be read or written; the message gives the reason."""
 
-    fault = faults.SETTINGS_DAMAGED
+    fault = faults.SETTINGS_LOST.as_warning()

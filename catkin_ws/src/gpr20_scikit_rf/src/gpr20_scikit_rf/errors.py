@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from gpr20_scikit_rf import faults
+from gpr20_common.faults import CONFIGURATION
 from gpr20_vna_acquisition.errors import VnaError
 
 
 class VnaLibraryError(VnaError, ImportError):
     """A library that this kind of analyzer needs is not installed, or too old."""
 
-    fault = faults.LIBRARY_UNUSABLE
+    fault = CONFIGURATION

@@ -16,15 +16,22 @@ from fault_kit import raises_fault
 from scpi_analyzers import ANALYZERS, ScpiAnalyzer, ScpiServer, wait_until
 
 from gpr20_common import faults as common_faults
+from gpr20_common.faults import CONFIGURATION
 from gpr20_common.low.clock import Clock
 from gpr20_scikit_rf import ScikitRfAnalyzer
-from gpr20_scikit_rf import faults as own_faults
 from gpr20_scikit_rf.low.visa_link import VisaLibrary, VisaLimits
 from gpr20_simulator.low.message_device import ClearSupport, NetworkFault, Outcome
 from gpr20_simulator.low.vxi11_server import Vxi11Server
+from gpr20_survey.faults import (
+    NOT_CALIBRATED,
+    VNA_DOUBTFUL,
+    VNA_FAILED,
+    VNA_SETTINGS,
+    VNA_SILENT,
+    WRONG_VNA,
+)
 from gpr20_survey.trace.calibration import CalibrationStatus
 from gpr20_survey.trace.sweep_settings import AnalyzerSettings, SweepSettings
-from gpr20_vna_acquisition import faults
 from gpr20_vna_acquisition.errors import (
     VnaClosedError,
     VnaConnectionError,
@@ -149,7 +156,7 @@ def test_each_sweep_was_triggered_after_the_request(bench):
 
 def test_settings_are_read_back(bench):
     bench.vna.ignored.add(bench.vna.points_header)
-    with raises_fault(faults.SETTING_REFUSED, 201, 51):
+    with raises_fault(VNA_SETTINGS, 201, 51):
         bench.configured()
 
 
@@ -167,20 +174,20 @@ def test_what_is_changed_by_hand_is_noticed(bench):
     bench.configured()
     header = bench.vna.points_header.replace("SWE:POIN", "FREQ:STOP")
     bench.vna.values[header] = "5E9"
-    with raises_fault(faults.SETTINGS_CHANGED, 5000000000, 6000000000):
+    with raises_fault(VNA_SETTINGS, 5000000000, 6000000000):
         bench.analyzer.confirm()
     # An instrument that sweeps by itself gives no trace.
     bench.analyzer.configure(SWEEP)
     header, value = bench.vna.continuous
     bench.vna.values[header] = value
-    with raises_fault(faults.SETTINGS_CHANGED):
+    with raises_fault(VNA_SETTINGS):
         bench.analyzer.sweep()
 
 
 def test_old_data_are_refused(bench):
     bench.vna.old_data = True
     bench.configured()
-    with raises_fault(faults.OLD_DATA):
+    with raises_fault(VNA_FAILED):
         bench.analyzer.sweep()
 
 
@@ -188,14 +195,14 @@ def test_an_end_that_is_reported_too_early_is_refused(bench):
     bench.vna.sweep_s = 0.2
     bench.configured()
     bench.vna.early_end = True
-    with raises_fault(own_faults.SWEEP_TOO_EARLY, error=VnaSweepError):
+    with raises_fault(VNA_FAILED, error=VnaSweepError):
         bench.analyzer.sweep()
 
 
 def test_an_instrument_that_never_waits_for_its_sweep_is_refused_at_once(pna):
     pna.vna.early_end = True
     pna.vna.sweep_s = 0.2
-    with raises_fault(own_faults.SWEEP_TOO_EARLY, error=VnaSettingError):
+    with raises_fault(VNA_FAILED, error=VnaSettingError):
         pna.configured()
 
 
@@ -211,7 +218,7 @@ def test_its_calibration_is_not_reported(bench):
     bench.configured()
     assert bench.analyzer.calibration() is CalibrationStatus.NOT_REPORTED
     (remark,) = bench.analyzer.remarks
-    assert remark.fault == own_faults.CALIBRATION_UNSURE and "the start frequency" in str(remark)
+    assert remark.fault == VNA_DOUBTFUL and "the start frequency" in str(remark)
 
 
 def test_a_configured_query_tells_whether_it_is_calibrated(make):
@@ -225,7 +232,7 @@ def test_a_configured_query_tells_whether_it_is_calibrated(make):
     ):
         assert bench.analyzer.calibration() is status
     answers[query] = b"perhaps\n"
-    with raises_fault(own_faults.NOT_UNDERSTOOD, "'PERHAPS'", query):
+    with raises_fault(CONFIGURATION, "'PERHAPS'", query):
         bench.analyzer.calibration()
 
 
@@ -239,7 +246,7 @@ def test_a_calibration_that_is_lost_when_a_setting_is_written_is_said(make):
         command(header, *value)
 
     bench.vna.command = losing
-    with raises_fault(faults.CALIBRATION_LOST):
+    with raises_fault(NOT_CALIBRATED):
         bench.configured()
 
 
@@ -256,7 +263,7 @@ def test_another_instrument_and_another_kind_of_address_are_refused(pna):
     with raises_fault(common_faults.NOT_ALLOWED, "192.168.1.10"):
         pna.analyzer.connect("192.168.1.10")
     pna.vna.model = "SA9000"
-    with raises_fault(faults.WRONG_INSTRUMENT, "SA9000"):
+    with raises_fault(WRONG_VNA, "SA9000"):
         pna.linked()
     pna.server.stop()
     with pytest.raises(VnaConnectionError):
@@ -268,7 +275,7 @@ def test_no_answer_is_an_error_and_a_new_link_works(make, name):
     bench = make(name, **IMPATIENT)
     for query in ("*IDN?", "*OPC?", ""):
         bench.vna.silent = {query}
-        with raises_fault(faults.NO_LINK):
+        with raises_fault(VNA_SILENT):
             bench.configured()
     bench.vna.silent = set()
     bench.configured()
@@ -297,7 +304,7 @@ def test_numbers_that_are_not_finite_are_refused(bench):
     bench.configured()
     data = bench.vna.data
     bench.vna.data = lambda: np.append(data()[:-1], np.nan)
-    with raises_fault(faults.BAD_DATA):
+    with raises_fault(VNA_FAILED):
         bench.analyzer.sweep()
 
 
@@ -312,7 +319,7 @@ def test_numbers_that_are_not_finite_are_refused(bench):
 def test_impossible_values_are_refused(make, name, query, answer):
     bench = make(name)
     bench.vna.answers[query] = answer
-    with raises_fault(faults.BAD_DATA):
+    with raises_fault(VNA_FAILED):
         bench.configured()
 
 
@@ -321,7 +328,7 @@ def test_an_answer_without_end_is_given_up(make):
     pna.configured()
     pna.vna.endless = "CALC1:PAR:SEL?"
     before = threading.active_count()
-    with raises_fault(faults.NO_LINK):
+    with raises_fault(VNA_SILENT):
         pna.analyzer.sweep()
     wait_until(lambda: threading.active_count() < before)
 
@@ -348,15 +355,15 @@ def test_a_sweep_that_is_waited_for_ends_with_its_request_or_a_shutdown(make, en
 def test_the_driver_takes_confirmed_traces(bench):
     driver = bench.driven()
     driver.get_trace()
-    assert own_faults.CALIBRATION_UNSURE in {one.fault for one in driver.state.last_quality}
+    assert VNA_DOUBTFUL in {one.fault for one in driver.state.last_quality}
     number, _sweep = driver.take_sweep()
     assert driver.confirm(number).remarks == ()
-    assert own_faults.CALIBRATION_UNSURE not in {one.fault for one in driver.state.last_quality}
+    assert VNA_DOUBTFUL not in {one.fault for one in driver.state.last_quality}
     # It repeats a sweep over a new link.
     bench.vna.drop_at = "*OPC?"
     sweep = driver.get_trace()
     # Some sessions notice only by the time limit that the link is gone.
-    lost = {faults.NO_LINK.code, faults.SWEEP_NOT_ENDED.code}
+    lost = {VNA_SILENT.code, VNA_SETTINGS.code}
     assert lost & {one.fault_code for one in driver.state.last_quality}
     assert sweep.s21_real[0] == bench.vna.sweeps
     driver.disconnect_from_vna()
@@ -365,7 +372,7 @@ def test_the_driver_takes_confirmed_traces(bench):
 
 def test_without_leave_of_the_configuration_no_trace_is_taken(make):
     driver = make("keysight.PNA", accepted_calibrations=(CalibrationStatus.HIGH,)).driven()
-    with raises_fault(faults.CALIBRATION_UNREPORTED, 5):
+    with raises_fault(NOT_CALIBRATED, 5):
         driver.get_trace()
 
 
@@ -403,10 +410,10 @@ def test_a_session_over_vxi11_begins_with_empty_buffers(make):
 def test_a_library_or_class_that_is_missing_is_named(pna, monkeypatch):
     limits = VisaLimits(1.0, 1.0, clear=False)
     for name, needs in (("keysight.PNA", "skrf.vi.vna.of_tomorrow"), ("keysight.None", "")):
-        with raises_fault(own_faults.LIBRARY_UNUSABLE, name):
+        with raises_fault(CONFIGURATION, name):
             VisaLibrary(name, "@py", limits, needs)
-    with raises_fault(own_faults.LIBRARY_UNUSABLE, "'/none.so'"):
+    with raises_fault(CONFIGURATION, "'/none.so'"):
         VisaLibrary("keysight.PNA", "/none.so", limits, "")
     monkeypatch.setitem(sys.modules, "pyvisa", None)
-    with raises_fault(own_faults.LIBRARY_UNUSABLE, "setup.sh --scikit-rf"):
+    with raises_fault(CONFIGURATION, "setup.sh --scikit-rf"):
         make_foreign_analyzer(pna.parameters, pna.deadline)

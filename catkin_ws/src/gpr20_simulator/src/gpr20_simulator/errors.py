@@ -3,28 +3,28 @@
 from __future__ import annotations
 
 from gpr20_common.errors import Gpr20Error
-from gpr20_simulator import faults
+from gpr20_common.faults import NOT_ALLOWED
 
 
 class SimulatorError(Gpr20Error):
     """Something about the simulated robot was refused or failed."""
 
-    fault = faults.NO_CAPTURE_FOLDER
+    fault = NOT_ALLOWED
 
 
 class SceneError(SimulatorError, ValueError):
     """A scene file is missing, is not YAML or holds a key or value that is not allowed."""
 
-    fault = faults.WRONG_SCENE
+    fault = NOT_ALLOWED
 
 
 class FaultError(SimulatorError, ValueError):
     """A fault was asked for that does not exist."""
 
-    fault = faults.UNKNOWN_FAULT
+    fault = NOT_ALLOWED
 
 
 class MediumError(SimulatorError, ValueError):
     """The medium in front of the antennas was asked for by an unknown name."""
 
-    fault = faults.UNKNOWN_MEDIUM
+    fault = NOT_ALLOWED

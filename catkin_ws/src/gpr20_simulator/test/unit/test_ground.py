@@ -14,8 +14,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy import optimize
 
+from gpr20_common.faults import NOT_ALLOWED
 from gpr20_simulator.errors import SceneError
-from gpr20_simulator.faults import WRONG_SCENE
 from gpr20_simulator.mid.world.ground import Ground, scatterers_of, sum_of_exponentials
 from gpr20_simulator.mid.world.medium import (
     AntennaPosition,
@@ -300,5 +300,5 @@ def test_keys_left_out_keep_their_defaults(tmp_path):
     ],
 )
 def test_wrong_scene_says_which_key_and_what_is_allowed(tmp_path, text, shown):
-    with raises_fault(WRONG_SCENE, *shown, error=SceneError):
+    with raises_fault(NOT_ALLOWED, *shown, error=SceneError):
         scene_from(tmp_path, text)

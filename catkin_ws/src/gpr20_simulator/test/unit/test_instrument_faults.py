@@ -11,8 +11,8 @@ from hypothesis import strategies as st
 from vna_bench import SWEEP_S, Bench, new_bench, real_numbers, swept, timed_bench
 from vxi11_wire import wait_until
 
+from gpr20_common.faults import NOT_ALLOWED
 from gpr20_simulator.errors import FaultError, SceneError
-from gpr20_simulator.faults import UNKNOWN_FAULT
 from gpr20_simulator.low.capture import CaptureFolder
 from gpr20_simulator.low.message_device import NetworkFault
 from gpr20_simulator.low.shared_state import open_shared_state
@@ -85,7 +85,7 @@ def test_timed_fault_lasts_as_many_seconds_as_counted(switch, board, now_s):
     ],
 )
 def test_what_does_not_exist_is_refused_with_what_does(switch, device, fault, count, shown):
-    with raises_fault(UNKNOWN_FAULT, *shown, error=FaultError):
+    with raises_fault(NOT_ALLOWED, *shown, error=FaultError):
         switch.set(device, fault, count)
     assert switch.names() == ""
 

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Iterator, Optional
 
 from gpr20_common.errors import Gpr20Error
-from gpr20_common.faults import DISK_REFUSES
+from gpr20_common.faults import DISK_REFUSES, FILE_DAMAGED, INTERNAL, NOT_ALLOWED
 from gpr20_common.message import Fault, Message
 from gpr20_common.os_reason import os_reason
 from gpr20_common.terminal_text import printable
@@ -25,19 +25,19 @@ class ProcessingError(Gpr20Error):
 class TraceRefusedError(ProcessingError, ValueError):
     """A trace is not allowed as it is; nothing was stored."""
 
-    fault = faults.TRACE_NOT_ALLOWED
+    fault = INTERNAL
 
 
 class ForeignTraceError(TraceRefusedError):
     """A trace belongs to another survey."""
 
-    fault = faults.TRACE_DAMAGED
+    fault = faults.DAMAGED
 
 
 class SurveyRefusedError(ProcessingError, ValueError):
     """A survey cannot be opened or closed as requested; nothing was changed."""
 
-    fault = faults.REQUEST_REFUSED
+    fault = NOT_ALLOWED
 
 
 class ManifestDamagedError(ProcessingError, ValueError):
@@ -59,7 +59,7 @@ class SigningError(ProcessingError):
 class IrregularFileError(ProcessingError, OSError):
     """A link, a folder, a pipe, or another file than it was, is where a file should be."""
 
-    fault = faults.NOT_A_FILE
+    fault = FILE_DAMAGED
 
     def __init__(self, message: Message, path: Path, fault: Optional[Fault] = None) -> None:
         super().__init__(message, fault)
@@ -68,12 +68,12 @@ class IrregularFileError(ProcessingError, OSError):
 
 
 _FAULTS = {
-    errno.EACCES: faults.NOT_PERMITTED,
-    errno.EPERM: faults.NOT_PERMITTED,
+    errno.EACCES: DISK_REFUSES,
+    errno.EPERM: DISK_REFUSES,
     errno.EEXIST: faults.FILE_EXISTS,
     errno.ENOENT: faults.FOLDER_MOVED,
-    errno.EISDIR: faults.NOT_A_FILE,
-    errno.ENOTDIR: faults.NOT_A_FILE,
+    errno.EISDIR: FILE_DAMAGED,
+    errno.ENOTDIR: FILE_DAMAGED,
 }
 
 

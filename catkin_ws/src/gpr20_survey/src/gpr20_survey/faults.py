@@ -1,83 +1,106 @@
-"""The faults of surveys and their files, and those of devices by which other packages decide."""
+"""The faults of surveys and their files, and those of devices that several packages report.
+
+As in `gpr20_common.faults`, one code has one remedy.
+"""
 
 from __future__ import annotations
 
-from gpr20_common import remedies
+from dataclasses import replace
+
 from gpr20_common.message import Fault, Message, Severity
 
-# Plan and configuration.
-PLAN_NOT_ALLOWED = Fault("plan.not_allowed", remedies.CORRECT_PLAN)
-OTHER_PARAMETERS = Fault("node.other_parameters", remedies.SAME_VERSION)
-MIXED_PARTS = Fault("launch.mixed_parts", Message("End every launch of the robot, then start one."))
-CLOCK_WRONG = Fault("clock.wrong", remedies.SET_CLOCK)
-
-# A trace that is measured.
-WRONG_SWEEP = Fault("vna.wrong_sweep", remedies.CHECK_VNA)
-SENSOR_NOT_FINITE = Fault(
-    "sensor.not_finite", Message("Check the sensor that the message names, and its plug.")
+# Plan and request.
+PLAN_NOT_ALLOWED = Fault("plan.not_allowed", Message("Correct the value in the plan."))
+NO_PLAN = Fault(
+    "survey.no_plan", Message("Look at the plan on SURVEY, then start the survey again.")
 )
-TRACE_NOT_ALLOWED = Fault("trace.not_allowed", remedies.REPORT)
-
-# What is stored of a survey.
-TRACE_DAMAGED = Fault("trace.damaged", remedies.KEEP_SURVEY)
-TRACE_OTHER_VERSION = Fault(
-    "trace.other_version",
-    Message(
-        "Keep the survey's folder. Read it with the version of the software that recorded it, or "
-        "a later one."
-    ),
+UNKNOWN_SURVEY = Fault(
+    "survey.unknown", Message("Check the name, and choose what the list in ARCHIVE shows.")
 )
-DESCRIPTION_DAMAGED = Fault("survey.description_damaged", remedies.RESUME_SURVEY)
-DESCRIPTION_LOST = Fault(
-    "survey.description_lost",
+NONE_OPEN = Fault(
+    "survey.none_open", Message("Start a survey, or choose one in ARCHIVE to resume.")
+)
+TAKES_LONG = Fault(
+    "survey.takes_long",
+    Message("Wait: what takes long continues by itself. STOP ends it at any time."),
+    Severity.WARNING,
+)
+CLOCK_WRONG = Fault(
+    "clock.wrong",
+    Message("Set the clock of the robot's computer, but not during a survey."),
+)
+MARKER_REFUSED = Fault("marker.refused", Message("Look at the markers on Ground, then try again."))
+CHECK_ORDER = Fault(
+    "service.check_order", Message("Begin the daily check again, with the empty sweep.")
+)
+
+# A survey that is interrupted, and its files.
+CAN_RESUME = Fault(
+    "survey.can_resume",
+    Message("Resume the survey: that checks and repairs what is stored, and measures the rest."),
+)
+STOPPED = replace(CAN_RESUME, severity=Severity.NOTE)
+COMPLETE = Fault(
+    "survey.complete",
+    Message("Plan a new survey: this one cannot be continued."),
+    Severity.NOTE,
+    can_continue=False,
+)
+DAMAGED = Fault(
+    "survey.damaged",
+    Message("Keep the survey's folder as it is and let an analyst check it with gpr20 verify."),
+)
+LOG_LOST = Fault(
+    "survey.log_lost",
     Message(
         "Keep the survey's folder as it is. Put log.jsonl back from a copy of it; without a "
         "copy, let an analyst check the folder."
     ),
     can_continue=False,
 )
-DESCRIPTION_UNREADABLE = Fault("survey.unreadable", remedies.KEEP_SURVEY)
 MANIFEST_DAMAGED = Fault(
     "survey.manifest_damaged",
+    Message("Let an analyst check the survey's folder with gpr20 verify, then with gpr20 repair."),
+)
+OTHER_VERSION = Fault(
+    "survey.other_version",
     Message(
-        "Let an analyst check the survey's folder with gpr20 verify, then write the manifest "
-        "again with gpr20 repair."
+        "Keep the survey's folder. Read it with the version of the software that recorded it, or "
+        "a later one."
     ),
 )
-REPAIRED = Fault("survey.repaired", remedies.KEEP_SURVEY, severity=Severity.WARNING)
 UNCONFIRMED = Fault(
     "survey.unconfirmed",
     Message("Compare the survey's parameters with what you planned before you use its traces."),
-    severity=Severity.WARNING,
+    Severity.WARNING,
 )
-
-# Requests.
-REQUEST_REFUSED = Fault("storage.request_refused", remedies.CORRECT_VALUE)
-UNKNOWN_SURVEY = Fault("survey.unknown", remedies.OTHER_NAME)
-MARKER_REFUSED = Fault("marker.refused", Message("Look at the markers on Ground, then try again."))
-
-# Files and the disk.
-NOT_PERMITTED = Fault(
-    "storage.not_permitted",
+NOT_SIGNED = Fault(
+    "survey.not_signed",
     Message(
-        "Ask the person who maintains the robot to check to whom the data folder belongs, and "
-        "its disk."
+        "Keep the survey: it is stored. Ask the person who maintains the robot to correct or "
+        "make the signing key (rosrun gpr20_launch robot_config key) and to sign the survey with "
+        "gpr20 sign."
     ),
+    Severity.WARNING,
 )
-FILE_EXISTS = Fault(
-    "storage.file_exists",
-    Message("Move the file that the message names out of the survey's folder, then try again."),
-)
-NOT_A_FILE = Fault(
-    "storage.not_a_file",
-    Message(
-        "Ask the person who maintains the robot to move away what the message names, and to put "
-        "the file itself there."
-    ),
+LOCKED = Fault(
+    "survey.locked",
+    Message("End the other program that writes into the survey's folder, then try again."),
 )
 FOLDER_MOVED = Fault(
     "storage.folder_moved",
     Message("Put the survey's folder back to its place and name, then resume the survey."),
+)
+FILE_EXISTS = Fault(
+    "storage.file_exists",
+    Message("Move away the file that the message names, then try again."),
+)
+NO_DATA_DISK = Fault(
+    "storage.no_data_disk",
+    Message(
+        "Plug in and mount the disk of the surveys, then try again. A robot without one has no "
+        "data_disk in storage.yaml."
+    ),
 )
 OTHER_DATA_FOLDER = Fault(
     "storage.other_data_folder",
@@ -87,45 +110,35 @@ OTHER_DATA_FOLDER = Fault(
         "robot: rosrun gpr20_launch robot_config accept_data"
     ),
 )
-NO_DATA_DISK = Fault(
-    "storage.no_data_disk",
-    Message(
-        "Plug in and mount the disk of the surveys, then try again. A robot without one has no "
-        "data_disk in storage.yaml."
-    ),
-)
 FILE_SYSTEM_UNSUITABLE = Fault(
     "storage.file_system_unsuitable",
     Message("Use another disk for the surveys, or format it with ext4, which deletes all on it."),
 )
-LOCKED = Fault(
-    "survey.locked", Message("Another program writes this survey: end the survey there first.")
-)
 
-# The signature of a survey: without it a survey is whole, but nobody vouches for it.
-NOT_SIGNED = Fault(
-    "survey.not_signed",
+# The axes. A survey waits for a control that is silent, and the window asks about other zeros.
+NOT_HOMED = Fault(
+    "axis.not_homed",
+    Message("Home the axis on ROBOT; a survey that is started or resumed homes it too."),
+)
+ZERO_UNKNOWN = Fault(
+    "axis.zero_unknown",
+    Message("Turn the antennas to their mark and set the zero of the axis on ROBOT."),
+)
+ENDSTOP = Fault(
+    "axis.endstop",
     Message(
-        "Keep the survey: it is stored. Ask the person who maintains the robot to look at the "
-        "signing key, and to sign the survey with gpr20 sign."
+        "Switch off the motors' power. Look for anything that blocks the carriage, and check the "
+        "endstop switch, the cables and the belt. Switch the power on again and home the axis."
     ),
-    Severity.WARNING,
 )
-SIGNING_KEY = Fault(
-    "survey.signing_key",
+AXIS_MAY_MOVE = Fault(
+    "axis.may_move",
     Message(
-        "Correct the file of the key as the message says, or move it away and make another key "
-        "with rosrun gpr20_launch robot_config key. Then sign the survey with gpr20 sign."
+        "Keep your hands clear: the axis may still move. Switch off the motors' power, check the "
+        "carriage, the motor, its cables and its controller, then home the axis."
     ),
-    Severity.WARNING,
+    may_move=True,
 )
-
-# The calibration of the VNA: its driver and the doctor report it.
-_CALIBRATE = Message("Calibrate the VNA with the cables of the antennas.")
-NOT_CALIBRATED = Fault("vna.not_calibrated", _CALIBRATE)
-CALIBRATION_AGED = Fault("vna.calibration_aged", _CALIBRATE, Severity.WARNING)
-
-# The main control lets a survey wait and continue: nobody asked for these stops.
 CONTROL_SILENT = Fault(
     "axis.control_silent",
     Message(
@@ -133,10 +146,6 @@ CONTROL_SILENT = Fault(
         "end other programs on the server, and check the network cable between it and the robot."
     ),
 )
-CHECK_ORDER = Fault(
-    "service.check_order", Message("Begin the daily check again, with the empty sweep.")
-)
-# The window asks the operator about it.
 OTHER_ZEROS = Fault(
     "survey.other_zeros",
     Message(
@@ -145,11 +154,58 @@ OTHER_ZEROS = Fault(
         "its traces since then are marked."
     ),
 )
-# The doctor only notes these two: a survey homes and measures by itself.
-NOT_HOMED = Fault("axis.not_homed", remedies.HOME_AXIS)
+
+# The height and other sensors.
 HEIGHT_NOT_MEASURED = Fault(
     "height.not_measured", Message("A survey measures it; or measure it on ROBOT."), Severity.NOTE
 )
-FOLDER_CHANGED = Fault(
-    "storage.folder_changed", Message("Wait until the survey has ended, then export it.")
+NO_GROUND = Fault(
+    "height.no_ground",
+    Message(
+        "Check the height of the antennas and the plug of the height sensor. Remove grass or "
+        "objects below it, so that it sees the ground."
+    ),
+)
+SENSOR_FAILED = Fault(
+    "sensor.failed",
+    Message("Check the sensor that the message names: its place, its plug, its cable and supply."),
+)
+
+# The VNA.
+VNA_SILENT = Fault(
+    "vna.no_answer",
+    Message("Check that the VNA is switched on and that its cable is plugged in at both ends."),
+)
+VNA_FAILED = Fault(
+    "vna.failed",
+    Message(
+        "Look at the VNA's display. If it looks wrong, switch the VNA off and on and wait until it "
+        "has started."
+    ),
+)
+VNA_SETTINGS = Fault(
+    "vna.settings",
+    Message(
+        "Set the VNA to VNA mode and a linear sweep, without smoothing and trace math. Do not "
+        "touch its keys during a survey."
+    ),
+)
+VNA_DOUBTFUL = Fault(
+    "vna.doubtful",
+    Message("Check on the VNA's display what the message names."),
+    Severity.WARNING,
+)
+VNA_REPLACED = Fault(
+    "vna.replaced",
+    Message(
+        "Connect the VNA with which the survey began. Or resume the survey, and accept the other "
+        "VNA when you are asked."
+    ),
+)
+WRONG_VNA = Fault(
+    "vna.wrong_instrument",
+    Message("Check that the right VNA is connected, and its address in the plan."),
+)
+NOT_CALIBRATED = Fault(
+    "vna.not_calibrated", Message("Calibrate the VNA with the cables of the antennas.")
 )

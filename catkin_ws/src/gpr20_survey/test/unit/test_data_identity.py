@@ -17,12 +17,7 @@ from fault_kit import raises_fault
 
 from gpr20_common.faults import DISK_REFUSES
 from gpr20_survey.errors import StorageFailedError, SurveyRefusedError
-from gpr20_survey.faults import (
-    FILE_SYSTEM_UNSUITABLE,
-    NO_DATA_DISK,
-    NOT_PERMITTED,
-    OTHER_DATA_FOLDER,
-)
+from gpr20_survey.faults import FILE_SYSTEM_UNSUITABLE, NO_DATA_DISK, OTHER_DATA_FOLDER
 from gpr20_survey.files.durable_files import add_line, keep_aside
 from gpr20_survey.folder.data_folder import (
     MARKER_FILE,
@@ -223,7 +218,7 @@ def test_the_mount_table_and_udev_say_which_file_system_it_is(tmp_path):
 def test_a_folder_that_this_user_may_not_write_to_is_refused(use, folder):
     folder.check()
     use.path.chmod(0o500)
-    with raises_fault(NOT_PERMITTED, error=StorageFailedError):
+    with raises_fault(DISK_REFUSES, error=StorageFailedError):
         folder.check()
     use.path.chmod(0o700)
 

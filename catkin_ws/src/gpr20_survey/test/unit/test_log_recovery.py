@@ -111,7 +111,7 @@ def test_a_record_damaged_in_both_files_is_named_for_ever_and_never_used(folder,
         if one["kind"] == "marker" and one["values"]["marker_id"] == marker(number).marker_id
     )
     assert recover(folder).found.lost == (wanted,)
-    with raises_fault("survey.description_damaged", error=SurveyRefusedError):
+    with raises_fault("survey.can_resume", error=SurveyRefusedError):
         add_to_survey(folder, add_marker(7), NOW)
     # As often as it is opened again.
     for _ in range(3):
@@ -135,7 +135,7 @@ def test_no_damage_of_both_files_hides_or_invents_a_record(folder):
         try:
             found = recover(folder)
         except SurveyRefusedError as error:
-            assert error.message.fault_code == "survey.description_lost"
+            assert error.message.fault_code == "survey.log_lost"
             continue
         assert not found.found.is_whole
         present = {one.number for one in found.found.records}

@@ -24,7 +24,7 @@ from gpr20_doctor.high.node_reports import analyzer_test_of
 from gpr20_main_control.high.main_control_node import analyzer_test_fields
 from gpr20_msgs.msg import Candidate, SurveySummary
 from gpr20_msgs.srv import FocusSurveyResponse, ReopenSurveyResponse, TestAnalyzerResponse
-from gpr20_survey.faults import WRONG_SWEEP
+from gpr20_survey.faults import VNA_FAILED
 from gpr20_survey.results import survey_summary
 from gpr20_survey.results.analyzer_test import AnalyzerTest
 from gpr20_survey.results.candidates import json_text
@@ -123,10 +123,10 @@ def test_a_test_of_the_analyzer(test):
 
 
 def test_why_a_test_of_the_analyzer_failed():
-    failure = Message("no VNA").with_fault(WRONG_SWEEP)
+    failure = Message("no VNA").with_fault(VNA_FAILED)
     fields = analyzer_test_fields(AnalyzerTest("a", failure=failure))
     received = analyzer_test_of(sent(TestAnalyzerResponse(**fields))).failure
-    assert (received, received.cause) == (failure, WRONG_SWEEP)
+    assert (received, received.cause) == (failure, VNA_FAILED)
 
 
 @given(

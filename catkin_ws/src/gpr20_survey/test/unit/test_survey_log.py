@@ -103,7 +103,7 @@ def test_both_files_have_the_same_lines_and_survey_json_shows_what_they_say(tmp_
 def test_a_log_that_is_full_takes_what_a_survey_needs_and_stays_readable(tmp_path, monkeypatch):
     log = write_log(tmp_path)
     monkeypatch.setattr(survey_log, "MAX_LOG_BYTES", 40_000)
-    with raises_fault("storage.request_refused", 40_000, error=SurveyRefusedError):
+    with raises_fault("value.not_allowed", 40_000, error=SurveyRefusedError):
         for _ in range(1000):
             log.add(log.next(Kind.PAUSE, {"reason": "x" * 4000}, NOW))
     assert read_log(tmp_path).is_whole and read_log(tmp_path).records == log.records
@@ -117,7 +117,7 @@ def test_a_log_that_is_too_large_to_be_read_is_named_and_not_missing(tmp_path, m
     write_log(tmp_path)
     monkeypatch.setattr(survey_log, "READ_BYTES", 2 * (tmp_path / name).stat().st_size)
     (tmp_path / name).write_bytes(3 * (tmp_path / name).read_bytes())
-    with raises_fault("storage.request_refused", tmp_path / name, error=SurveyRefusedError):
+    with raises_fault("value.not_allowed", tmp_path / name, error=SurveyRefusedError):
         recover(tmp_path)
 
 

@@ -22,7 +22,7 @@ DATA = Path("/data")
     ["", "../../etc", SURVEY.upper(), f"{SURVEY}\n", f"{SURVEY[:-1]}\u0660", f"{{{SURVEY}}}"],
 )
 def test_an_id_that_is_no_uuid_never_becomes_a_path(survey_id):
-    with raises_fault("storage.request_refused", error=SurveyRefusedError):
+    with raises_fault("value.not_allowed", error=SurveyRefusedError):
         survey_folder.survey_folder(DATA, survey_id, STARTED_US)
 
 
@@ -50,7 +50,7 @@ def test_a_trace_file_is_named_by_index_and_coordinates():
     ],
 )
 def test_metadata_that_are_no_sane_object_are_refused(text, shown):
-    with raises_fault("storage.request_refused", *shown, error=SurveyRefusedError):
+    with raises_fault("value.not_allowed", *shown, error=SurveyRefusedError):
         survey_metadata.parse_object(text, "metadata_json")
 
 

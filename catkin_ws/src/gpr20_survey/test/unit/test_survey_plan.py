@@ -155,25 +155,25 @@ def test_the_message_names_a_key_or_value_that_is_wrong(key, value):
     with pytest.raises(InvalidValueError) as caught:
         made(**{key: value})
     message = caught.value.message
-    assert message.fault_code in ("config.value_not_allowed", "value.not_allowed")
+    assert message.fault_code in ("config.wrong", "value.not_allowed")
     assert key in str(message) or SOIL["name"] in str(message)
 
 
 @each_case("key", SOIL)
 def test_a_key_that_is_missing_is_named(key):
     values = {name: value for name, value in SOIL.items() if name != key}
-    with raises_fault("config.value_not_allowed", f"sensors[0]/{key}", error=InvalidValueError):
+    with raises_fault("config.wrong", f"sensors[0]/{key}", error=InvalidValueError):
         record_from(Sensors, {"sensors": [values]}, "")
 
 
 def test_names_are_unique_and_sensors_few():
     assert made(field="a[12].b.c[3]").field == "a[12].b.c[3]"
-    with raises_fault("config.value_not_allowed", "soil", error=InvalidValueError):
+    with raises_fault("config.wrong", "soil", error=InvalidValueError):
         record_from(Sensors, {"sensors": [SOIL, SOIL]}, "")
     many = [{**SOIL, "name": f"s{number}"} for number in range(33)]
-    with raises_fault("config.value_not_allowed", "soil", error=InvalidValueError):
+    with raises_fault("config.wrong", "soil", error=InvalidValueError):
         made(low=1.0, high=1.0)
-    with raises_fault("config.value_not_allowed", 33, 31, error=InvalidValueError):
+    with raises_fault("config.wrong", 33, 31, error=InvalidValueError):
         record_from(Sensors, {"sensors": many}, "")
 
 

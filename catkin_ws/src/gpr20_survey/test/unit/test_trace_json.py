@@ -86,14 +86,14 @@ def decoded(values):
 )
 def test_what_no_trace_has_is_refused_by_its_entry_though_its_checksum_is_right(changes, key):
     values = {name: one for name, one in {**VALUES, **changes}.items() if one is not ABSENT}
-    with raises_fault(("trace.damaged", "trace.other_version"), key, error=TraceRefusedError):
+    with raises_fault(("survey.damaged", "survey.other_version"), key, error=TraceRefusedError):
         trace_json.decode(trace_json.sealed(json.dumps(values).encode()))
 
 
 def test_another_format_is_refused_with_the_one_that_is_read_whatever_it_holds():
     for values in ({**VALUES, "more": 1}, {}):
         other = json.dumps({**values, "format": "gpr20-trace/2"}).encode()
-        with raises_fault("trace.other_version", "gpr20-trace/2", "gpr20-trace/1"):
+        with raises_fault("survey.other_version", "gpr20-trace/2", "gpr20-trace/1"):
             trace_json.decode(trace_json.sealed(other))
 
 
@@ -119,14 +119,14 @@ def test_a_file_ends_with_the_checksum_of_all_bytes_before_it():
     covered = content[: content.rindex(b', "sha256"')]
     assert json.loads(content)["sha256"] == hashlib.sha256(covered).hexdigest()
     for wrong in (covered + b"}\n", content[:-1], content[:-9], content + b"\n", b"", b"}"):
-        with raises_fault("trace.damaged", "checksum", error=TraceRefusedError):
+        with raises_fault("survey.damaged", "checksum", error=TraceRefusedError):
             trace_json.decode(wrong)
 
 
 @each_case("text", [b"{}}", b"[" * 100_000, b'"\xff"}', b"[]", b"3}", b"}"])
 def test_what_is_no_json_object_is_refused_however_right_its_checksum(text):
     for start in (b"", b'{"format": "gpr20-trace/1", '):
-        with raises_fault(("trace.damaged", "trace.other_version"), error=TraceRefusedError):
+        with raises_fault(("survey.damaged", "survey.other_version"), error=TraceRefusedError):
             trace_json.decode(trace_json.sealed(start + text))
 
 
@@ -167,22 +167,22 @@ SWEEPS = [
     "changes, expected",
     [
         *(
-            ({name: value}, ("trace.not_allowed", name))
+            ({name: value}, ("robot.internal_error", name))
             for name, values in NOT_ALLOWED.items()
             for value in values
         ),
-        *(({"quality": one}, ("trace.not_allowed",)) for one in (("a\x00",), ("\ud800",))),
-        *(({"quality": one}, ("trace.not_allowed",)) for one in (("a" * 201,), ("a",) * 33)),
-        ({"antennae_height_m": -INF}, ("sensor.not_finite",)),
-        *(({"aux": (AuxValue("soil", one, "", STARTED_US),)}, ("sensor.not_finite", "soil", one))
+        *(({"quality": one}, ("robot.internal_error",)) for one in (("a\x00",), ("\ud800",))),
+        *(({"quality": one}, ("robot.internal_error",)) for one in (("a" * 201,), ("a",) * 33)),
+        ({"antennae_height_m": -INF}, ("sensor.failed",)),
+        *(({"aux": (AuxValue("soil", one, "", STARTED_US),)}, ("sensor.failed", "soil", one))
           for one in (NAN, INF, -INF)),
-        *((dict.fromkeys(POINTS, np.arange(1.0, count + 1.0)), ("vna.wrong_sweep", count))
+        *((dict.fromkeys(POINTS, np.arange(1.0, count + 1.0)), ("vna.failed", count))
           for count in (0, 1, 4002)),
-        *(({name: one}, ("vna.wrong_sweep", *shown)) for name, one, shown in SWEEPS),
+        *(({name: one}, ("vna.failed", *shown)) for name, one, shown in SWEEPS),
         *(({f"{name}_us": 0}, ("clock.wrong", name, 1970))
           for name in ("timestamp", "sweep_started", "sweep_ended")),
         ({"sweep_ended_us": STARTED_US}, ("clock.wrong",)),
-        *(({"analyzer": AnalyzerSettings(*one)}, ("vna.wrong_sweep", name))
+        *(({"analyzer": AnalyzerSettings(*one)}, ("vna.failed", name))
           for one, name in ANALYZERS),
     ],
 )  # fmt: skip

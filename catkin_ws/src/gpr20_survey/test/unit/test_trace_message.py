@@ -102,7 +102,7 @@ def test_every_trace_comes_back_to_the_last_bit_and_no_flipped_byte_of_its_file(
     assert_same_numbers(trace, message)
     assert_same_numbers(trace, json.loads(content))
     assert bytes(TYPES.serialize_ros1(message, TYPE)) == data
-    with raises_fault("trace.damaged", "checksum", error=TraceRefusedError):
+    with raises_fault("survey.damaged", "checksum", error=TraceRefusedError):
         trace_json.decode(flipped(chance, content))
     # Other settings make another trace.
     changed, same = dataclasses.replace(trace, analyzer=other), other == trace.analyzer
@@ -148,7 +148,7 @@ def test_the_header_has_the_time_the_frame_and_the_index_of_the_trace():
 @given(st.binary(min_size=1, max_size=400), st.floats(0.0, 1.0, exclude_max=True))
 def test_a_message_that_is_cut_longer_of_another_version_or_any_bytes_is_refused(rest, share):
     whole = trace_message.encode(make_trace())
-    with raises_fault("trace.other_version", "0" * 32, trace_message.MD5SUM):
+    with raises_fault("survey.other_version", "0" * 32, trace_message.MD5SUM):
         trace_message.decode(whole, "0" * 32)
     for wrong in (whole[: int(share * len(whole))], whole + rest, rest):
         with pytest.raises(TraceRefusedError):

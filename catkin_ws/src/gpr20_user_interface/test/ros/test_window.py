@@ -178,7 +178,7 @@ class Window(unittest.TestCase):
         held = self.wait_for_traces(held["visited"])
 
         os.kill(node_pid("/main_control"), signal.SIGKILL)
-        self.wait_for(lambda one: one["condition"] == "window.interrupted", "the loss is said")
+        self.wait_for(lambda one: one["condition"] == "survey.can_resume", "the loss is said")
         self.open_surveys()
         wait_until(self.is_chosen, "the first survey is chosen")
         self.hold_for("past.resume")
@@ -188,7 +188,7 @@ class Window(unittest.TestCase):
         self.wait_for_traces(held["visited"])
         window.tap("top_bar.stop")
         shown = self.wait_for_title("STOPPED")
-        self.assertIn("survey.stopped_on_request", shown["codes"])
+        self.assertIn("survey.can_resume", shown["codes"])
         self.wait_for(lambda one: not one["pending"], "STOP is answered")
 
     def open_surveys(self) -> None:
@@ -307,7 +307,7 @@ class Window(unittest.TestCase):
             self.wait_for(lambda one: not one["moving"], "every axis rests")
             wait_until(lambda: self.window.find("notice")["visible"], "the answers are shown")
         self.window.tap("notice.close_button")
-        self.wait_for(lambda one: one["condition"] == "window.master_lost", "the loss is said")
+        self.wait_for(lambda one: one["condition"] == "robot.master_lost", "the loss is said")
 
     def test_5_the_next_master_is_joined(self) -> None:
         with socket.socket() as one:
@@ -321,7 +321,7 @@ class Window(unittest.TestCase):
                 graph = rosgraph.Master(rospy.get_name(), f"http://127.0.0.1:{port}")
                 wait_until(graph.is_online, "the next master is there")
                 self.link.port = port
-                self.wait_for(lambda one: one["condition"] != "window.master_lost", "it is back")
+                self.wait_for(lambda one: one["condition"] != "robot.master_lost", "it is back")
                 wait_until(
                     lambda: "/control_status" in dict(graph.getSystemState()[1]),
                     "the window has joined it",

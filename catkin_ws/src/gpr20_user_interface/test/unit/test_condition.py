@@ -19,11 +19,10 @@ from view_kit import (
     state_of,
 )
 
-from gpr20_common import remedies
+from gpr20_common.faults import BUSY, PART_SILENT
 from gpr20_common.message import Fault, Message, Severity, verbatim
 from gpr20_doctor.mid.node_health import EXPECTED_NODES, HealthLevel, NodeHealth, node_title
 from gpr20_doctor.mid.robot_facts import AxisPosition
-from gpr20_operator import faults
 from gpr20_operator.robot.condition import JobLevel, condition_of, left_of
 from gpr20_operator.robot.events import AxisReport, Progress, Request
 from gpr20_operator.robot.health import NOT_NEEDED, STALE_S, HealthReport, HealthTracker
@@ -33,7 +32,7 @@ from gpr20_survey.plan.survey_state import RUNNING, SurveyState
 
 S, L = SurveyState, JobLevel
 WAITING = Message("Waiting for the VNA: a sweep").with_fault(
-    Fault("survey.takes_long", remedies.TRY_LATER, Severity.WARNING)
+    Fault("survey.takes_long", BUSY.remedy, Severity.WARNING)
 )
 LATE = said(S.SURVEYING, CLOCK.as_warning())
 HOMING, STOP = verbatim("homing"), frozenset({Request.STOP})
@@ -200,7 +199,7 @@ def test_a_part_that_a_survey_needs_is_named_within_five_seconds(silent, clock):
         assert second != 9 or condition_of(model.snapshot()).level is L.WORKING
     shown = condition_of(model.snapshot())
     assert str(node_title(silent)) in str(shown.message)
-    assert (shown.level, shown.message.fault_code) == (L.ATTENTION, faults.PART_SILENT.code)
+    assert (shown.level, shown.message.fault_code) == (L.ATTENTION, PART_SILENT.code)
 
 
 def test_nodes_have_the_time_to_report_once_and_some_need_not(clock):

@@ -21,7 +21,7 @@ from view_kit import (
     snapshot,
 )
 
-from gpr20_common import remedies
+from gpr20_common.faults import DISK_FULL, DISK_REFUSES, MAY_MOVE, PART_RED
 from gpr20_common.high.answers import fault_of
 from gpr20_common.message import Fault, Message, in_a_row, verbatim
 from gpr20_common.sent_message import received_message
@@ -38,6 +38,7 @@ from gpr20_operator.robot.notices import (
 from gpr20_operator.robot.snapshot import STALE_S, Snapshot
 from gpr20_operator.robot.stop_confirmation import ANSWER_S, EFFECT_S, REST_S, StopConfirmation
 from gpr20_survey.axes.axis_id import AxisId
+from gpr20_survey.faults import COMPLETE, ENDSTOP, NOT_HOMED
 from gpr20_survey.plan.survey_state import ENDED, SurveyState
 
 
@@ -76,7 +77,7 @@ def test_resume_is_not_offered_for_a_survey_that_cannot_continue():
     for code in (SurveyState.PAUSED, SurveyState.FAILED):
         assert not fault_notice(said(code, Message(PAUSED, reason=LOST))).resumable
     notice = refusal_notice(Refused.RESUME, Message("{reason}", reason=LOST))
-    assert notice.first == remedies.NEW_SURVEY and notice.then is None
+    assert notice.first == COMPLETE.remedy and notice.then is None
     assert refusal_notice(Refused.RESUME, FULL).then is not None
 
 
@@ -95,27 +96,27 @@ def test_a_lost_contact_opens_a_card_only_where_something_may_move():
 
 def test_what_may_still_move_comes_first_whatever_else_is_known():
     hot = verbatim("hot").with_fault(Fault("later.laser_hot", may_move=True))
-    outer = Fault("later.outer", remedies.NEW_SURVEY)
+    outer = Fault("later.outer", COMPLETE.remedy)
     replaced = Message("{inner}", inner=MOVING).reporting_only(outer)
     for message in (hot, replaced, in_a_row([ASKED_STOP, FULL, MOVING])):
         for code in (SurveyState.PAUSED, SurveyState.STOPPED, SurveyState.FAILED):
-            assert fault_notice(said(code, message)).first == remedies.MOTORS_OFF, message
-        assert refusal_notice(Refused.START, message).first == remedies.MOTORS_OFF, message
+            assert fault_notice(said(code, message)).first == MAY_MOVE.remedy, message
+        assert refusal_notice(Refused.START, message).first == MAY_MOVE.remedy, message
     notice = fault_notice(said(SurveyState.STOPPED, in_a_row([ASKED_STOP, FULL, MOVING])))
     assert not notice.resumable and notice.text == in_a_row([FULL, MOVING])
     # One that knows what to do keeps its own remedy.
-    known = verbatim("x").with_fault(Fault("later.move", remedies.CHECK_ENDSTOP, may_move=True))
-    assert known.remedy == remedies.CHECK_ENDSTOP
+    known = verbatim("x").with_fault(Fault("later.move", ENDSTOP.remedy, may_move=True))
+    assert known.remedy == ENDSTOP.remedy
 
 
 def test_the_outermost_sentence_with_a_fault_is_shown_with_the_innermost_remedy():
     outer = Message("trace 7 is not stored: {reason}", reason=FULL).with_fault(
-        Fault("storage.not_stored", remedies.CHECK_DISK)
+        Fault("storage.not_stored", DISK_REFUSES.remedy)
     )
     for reason in (FULL, outer):
         message = warned(Message(PAUSED, reason=reason))
         notice = fault_notice(said(SurveyState.PAUSED, message))
-        assert notice.text == reason and notice.first == remedies.MAKE_SPACE
+        assert notice.text == reason and notice.first == DISK_FULL.remedy
         assert {"disk.full", "errno 28"} <= set(notice.details)
         assert notice.resumable and notice.then is not None
 
@@ -133,7 +134,7 @@ def test_each_fault_opens_its_card_once():
     on = said(SurveyState.SURVEYING, verbatim("on"))
     fault, other = paused(FULL), paused(MOVING)
     again = said(SurveyState.PAUSED, warned(fault.message))
-    same_words = paused(MOVING.with_fault(Fault("axis.stuck", remedies.HOME_AXIS)))
+    same_words = paused(MOVING.with_fault(Fault("axis.stuck", NOT_HOMED.remedy)))
     watch = walk(((fault, True), (fault, False), (again, False), (other, True), (same_words, True)))
     walk(((other, True), (on, False)), watch)
     assert watch.is_over
@@ -191,7 +192,7 @@ def test_what_cannot_be_read_is_a_fault_with_its_text():
             notice = fault_notice(now)
             assert now.is_fault and notice.resumable, values
             assert "the mast is warped" in str(notice.text)
-            assert notice.first == remedies.CHECK_STATUS
+            assert notice.first == PART_RED.remedy
             assert code == "" or code in notice.details
             ended = received(SurveyState.STOPPED, values, **told)
             assert ended.is_fault == (code != "") and ended.axis_may_move, values

@@ -14,6 +14,7 @@ from fault_kit import raises_fault
 from hypothesis import given
 from topics_kit import LIMIT_S, Graph, taken
 
+from gpr20_common.faults import ASKED_FOR, NOT_RUNNING, PART_SILENT
 from gpr20_common.high.answers import fault_of
 from gpr20_common.high.raw_message import deserialized, serialized
 from gpr20_common.high.service_client import ServiceClient, ServiceUnavailableError
@@ -21,7 +22,6 @@ from gpr20_common.message import Fault, Message, verbatim
 from gpr20_msgs.msg import Annotation as AnnotationMessage
 from gpr20_msgs.msg import ControlStatus, SurveyCoverage, SurveySummary
 from gpr20_msgs.srv import Command, ListSurveysResponse, ReadTracesResponse
-from gpr20_operator import faults
 from gpr20_operator.errors import MasterUnavailableError
 from gpr20_operator.files.newest import Newest
 from gpr20_operator.high import conversions, master, robot_stop, robots_client, ros_events
@@ -176,7 +176,7 @@ def test_a_stop_that_the_main_control_did_not_hear_is_repeated_until_it_does(
     stop.press()
     answers = [one for one in taken(events, 5) if isinstance(one, Answer)]
     assert [(one.success, one.contact) for one in answers] == [(False, False), (True, True)]
-    assert answers[0].message.cause == faults.PART_SILENT
+    assert answers[0].message.cause == PART_SILENT
     asked = [name for name, _fields in taken(services.asked, 9)]
     assert asked.count("stop_survey") == 6 and services.asked.empty()
 
@@ -235,11 +235,11 @@ def test_a_graph_is_joined_within_the_limits_or_the_reason_is_said(monkeypatch):
     monkeypatch.setattr(master.rospy, "init_node", lambda *_, **__: None)
     master.join_graph("a_node", 5.0, lambda: False, WaitingClock())
     monkeypatch.setattr(master.rospy, "init_node", lambda *_, **__: hung.wait(LIMIT_S))
-    with raises_fault(faults.NO_MASTER, error=MasterUnavailableError):
+    with raises_fault(NOT_RUNNING, error=MasterUnavailableError):
         master.join_graph("a_node", 5.0, lambda: False, WaitingClock())
     hung.set()
     monkeypatch.setattr(master.rosgraph, "is_master_online", lambda: False)
-    for cancelled, fault in ((bool, faults.NO_MASTER), (lambda: True, faults.NOT_STARTED)):
+    for cancelled, fault in ((bool, NOT_RUNNING), (lambda: True, ASKED_FOR)):
         with raises_fault(fault, error=MasterUnavailableError):
             master.join_graph("a_node", 5.0, cancelled, WaitingClock())
 

@@ -13,9 +13,9 @@ from PyQt5.QtCore import QPoint, QPointF, Qt
 from PyQt5.QtTest import QTest
 from view_kit import SURVEY, TRAVEL, description, make_grid
 
+from gpr20_common.faults import VERSIONS_DIFFER
 from gpr20_common.message import verbatim
 from gpr20_main_control.mid.survey.survey_coverage import Coverage
-from gpr20_operator import faults
 from gpr20_operator.errors import SurveyNotReadableError
 from gpr20_operator.ground.cells import TILES, Cell
 from gpr20_operator.ground.coverage import (
@@ -279,7 +279,7 @@ def test_coverage_is_shown_on_the_plan_of_its_survey_whichever_comes_first():
     model.set_grid(make_grid(survey_id="7c9e6679-7425-40de-944b-e07fc1f90ae7"))
     assert (model.stop_states, model.counts(), model.verdict) == (None, None, None)
     model.set_grid(make_grid())
-    with raises_fault(faults.COVERAGE_WRONG, 41):
+    with raises_fault(VERSIONS_DIFFER, 41):
         model.set_coverage(runs_of(Coverage(41)))
 
 

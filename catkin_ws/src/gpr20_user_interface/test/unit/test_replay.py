@@ -131,12 +131,12 @@ def test_a_player_on_the_topics_of_a_robot_is_named_in_the_band_and_logged_once(
     shown = model.snapshot()
     condition = condition_of(shown)
     assert condition.level is JobLevel.ATTENTION and str(condition.title) == "SURVEYING"
-    assert condition.message.fault_code == "window.replay_beside"
+    assert condition.message.fault_code == "window.replay"
     assert shown.can_pause
     clock.advance(3.5)
     graph.send("/main_control", *message("state", int(SurveyState.SURVEYING)))
     model.handle(events[-1])
-    assert condition_of(model.snapshot()).message.fault_code != "window.replay_beside"
+    assert condition_of(model.snapshot()).message.fault_code != "window.replay"
     logged = [one for one in caplog.records if "/play_1" in one.getMessage()]
     assert len(logged) == 1
 

@@ -15,11 +15,11 @@ from result_kit import BLUE
 from topics_kit import LIMIT_S, taken
 from view_kit import SURVEY
 
+from gpr20_common.faults import PART_SILENT
 from gpr20_common.high.answers import message_fields
 from gpr20_common.high.service_client import ServiceUnavailableError
 from gpr20_common.message import Message, verbatim
 from gpr20_main_control.high.main_control_node import analyzer_test_fields
-from gpr20_operator import faults
 from gpr20_operator.ground.additions import (
     AdditionsFailed,
     AdditionsRead,
@@ -129,7 +129,7 @@ def test_a_service_that_is_silent_or_refuses_is_a_failure_with_a_reason(
     answers[service.value] = [ServiceUnavailableError(Message("no answer"))]
     job.ask(survey=SURVEY, **fields)
     deliver(events)
-    assert job.problem.cause == faults.PART_SILENT and job.problem.remedy is not None
+    assert job.problem.cause == PART_SILENT and job.problem.remedy is not None
     if service in (Service.HEIGHT, Service.ANALYZER):
         return
     answers[service.value] = [REFUSED]
@@ -213,7 +213,7 @@ def test_silence_and_refusals_are_failures_with_a_reason(answer, services, what)
     services.usual = ServiceUnavailableError(Message("no answer"))
     silent = answer(what)
     assert isinstance(silent, FAILED[what])
-    assert silent.reason.cause == faults.PART_SILENT and silent.reason.remedy is not None
+    assert silent.reason.cause == PART_SILENT and silent.reason.remedy is not None
     services.usual = REFUSED
     refused = answer(what)
     assert isinstance(refused, FAILED[what])

@@ -14,11 +14,11 @@ pytest.importorskip("rospy")
 import rospy
 from topics_kit import Graph
 
+from gpr20_common.faults import NOT_RUNNING
 from gpr20_common.high.answers import message_fields
 from gpr20_common.high.service_client import ServiceClient
 from gpr20_common.message import Message, verbatim
 from gpr20_msgs.msg import ControlStatus, SurveyData
-from gpr20_operator import faults
 from gpr20_operator.errors import MasterUnavailableError
 from gpr20_operator.high import conversions, ros_events
 from gpr20_survey.plan.annotation import Annotation, Wgs84Position, from_fields
@@ -221,7 +221,7 @@ def test_a_refusal_is_told_and_nothing_is_started(run, control, monkeypatch):
     monkeypatch.setattr(run_survey, "join_graph", join)
     status, written = run(*SMALL)
     assert status == 1 and not control.requests
-    assert "http://127.0.0.1:9" in written and faults.NO_MASTER.code in written
+    assert "http://127.0.0.1:9" in written and NOT_RUNNING.code in written
 
 
 def send_when_it_surveys(control, *numbers):

@@ -15,6 +15,7 @@ from view_kit import make_grid, past_survey, snapshot
 from window_helpers import click, show, until
 
 from gpr20_common.catalogue import Language
+from gpr20_common.faults import DISK_REFUSES, NOT_ALLOWED
 from gpr20_common.low.catalogue_file import VARIABLE, languages, read_catalogue
 from gpr20_common.message import Message
 from gpr20_common.mid.codec import plain
@@ -58,12 +59,12 @@ def test_a_damaged_file_is_refused_with_its_name(path):
     path.parent.mkdir()
     for text in ("", "[1]", "{1: 2}", "a: [", "\x00", "#" * (MAX_BYTES + 1)):
         path.write_text(text)
-        with raises_fault(faults.SETTINGS_DAMAGED, "window.yaml"):
+        with raises_fault(faults.SETTINGS_LOST.as_warning(), "window.yaml"):
             SettingsFile(path).read()
     for make in (os.mkdir, os.mkfifo):
         path.rmdir() if path.is_dir() else path.unlink()
         make(str(path))
-        with raises_fault(faults.SETTINGS_DAMAGED, "window.yaml"):
+        with raises_fault(faults.SETTINGS_LOST.as_warning(), "window.yaml"):
             SettingsFile(path).read()
     # Nor does random damage raise anything else.
     path.unlink()
@@ -88,7 +89,7 @@ def test_a_damaged_file_never_gives_settings_that_nobody_chose():
         values = values_of(WindowSettings())
         name = draw.choice(list(values))
         values[name] = draw.choice(junk)
-        with raises_fault(faults.SETTINGS_DAMAGED):
+        with raises_fault(faults.SETTINGS_LOST.as_warning()):
             settings_from(values)
 
 
@@ -255,7 +256,7 @@ def test_a_plan_is_there_after_a_restart_or_its_loss_is_reported(path):
     broken = plan_memory(path / "no folder", failures)
     broken.save(PLAN)
     assert broken.wait(30.0)
-    assert failures[0].reason.fault_code == faults.SETTINGS_NOT_STORED.code
+    assert failures[0].reason.fault_code == DISK_REFUSES.code
 
 
 def test_a_damaged_plan_gives_the_defaults_and_says_so(path):
@@ -270,7 +271,7 @@ def test_a_damaged_plan_gives_the_defaults_and_says_so(path):
         SettingsFile(path).write({**plain(PLAN), **changes})
         damaged = plan_memory(path)
         assert damaged.load() == RememberedPlan(), changes
-        assert damaged.problem.fault_code == faults.SETTINGS_DAMAGED.code
+        assert damaged.problem.fault_code == faults.SETTINGS_LOST.as_warning().code
 
 
 def test_the_next_survey_gets_the_next_name():
@@ -309,16 +310,16 @@ def test_profile_is_loaded_as_it_was_saved_and_gone_when_it_was_removed(profiles
     assert profiles.load("field 1") == default_parameters()
     profiles.remove("field 1")
     assert profiles.names() == []
-    with raises_fault(faults.PROFILE_NOT_STORED, "field 1.yaml"):
+    with raises_fault(DISK_REFUSES, "field 1.yaml"):
         profiles.remove("field 1")
 
 
 def test_name_that_could_leave_the_folder_or_confuse_is_refused(profiles):
     for name in ("", " a", "a ", "../a", "a.b", ".a", "-a", "ä", "a\n", "a" * 33, "a\0"):
         for act in (profiles.load, profiles.remove):
-            with raises_fault(faults.PROFILE_NAME, repr(name)):
+            with raises_fault(NOT_ALLOWED, repr(name)):
                 act(name)
-        with raises_fault(faults.PROFILE_NAME, repr(name)):
+        with raises_fault(NOT_ALLOWED, repr(name)):
             profiles.save(name, default_parameters())
 
 
@@ -335,5 +336,5 @@ def test_file_that_is_no_profile_is_refused_with_its_fault(profiles, tmp_path):
         (other_type, "x_points"),
     ):
         path.write_text(text)
-        with raises_fault(faults.PROFILE_UNREADABLE, shown, error=ProfileError):
+        with raises_fault(faults.SETTINGS_LOST, shown, error=ProfileError):
             profiles.load("a")

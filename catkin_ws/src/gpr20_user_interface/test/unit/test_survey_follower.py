@@ -1,7 +1,7 @@
 import pytest
 
+from gpr20_common.faults import MAY_MOVE, NOT_RUNNING, PART_LOST
 from gpr20_common.message import verbatim
-from gpr20_operator import faults
 from gpr20_operator.robot.events import (
     Answer,
     ControlState,
@@ -140,11 +140,11 @@ def test_a_survey_that_is_accepted_with_another_vna_is_followed(clock):
 def test_absent_main_control_is_waited_for_within_the_limit(robot, clock):
     assert robot.wait(10).status is None
     assert robot.wait(0.5).status is ExitStatus.REFUSED
-    assert robot.follower.outcome.message.fault == faults.NO_CONTROL
+    assert robot.follower.outcome.message.fault == NOT_RUNNING
     # Nor a survey of which nothing is said.
     robot = Robot(clock).say(state("IDLE", ""), STARTED).wait(11, progress(""))
     assert robot.status is ExitStatus.FAILED
-    assert robot.follower.outcome.message.fault == faults.CONTROL_LOST
+    assert robot.follower.outcome.message.fault == PART_LOST
 
 
 def test_lost_main_control_is_noticed_even_while_stopping(clock):
@@ -194,7 +194,7 @@ def test_main_control_that_forgot_the_survey_ends_the_watch(clock):
         robot = Robot(clock).say(*BEGIN, other)
         assert robot.status is ExitStatus.FAILED
         assert "ours" in robot.words
-        assert robot.follower.outcome.message.fault_code == faults.CONTROL_RESTARTED.code
+        assert robot.follower.outcome.message.fault_code == PART_LOST.code
 
 
 def test_stop_is_asked_for_and_believed_only_when_main_control_says_it(clock):
@@ -216,7 +216,7 @@ def test_refused_stop_is_tried_again_until_the_limit(surveying):
     assert surveying.status is ExitStatus.FAILED
     assert "busy" in surveying.words
     assert surveying.follower.outcome.message.may_move
-    assert surveying.follower.outcome.message.remedy == faults.STOP_UNCONFIRMED.remedy
+    assert surveying.follower.outcome.message.remedy == MAY_MOVE.remedy
 
 
 def test_stop_before_the_answer_to_start_is_repeated_after_it(robot):
@@ -236,7 +236,7 @@ def test_stop_before_anything_runs_needs_no_confirmation(clock):
     # A START that never answers.
     robot = Robot(clock).say(state("IDLE", ""), StopRequested("Ctrl-C")).wait(61, progress(""))
     assert robot.status is ExitStatus.FAILED
-    assert robot.follower.outcome.message.fault == faults.STOP_UNCONFIRMED
+    assert robot.follower.outcome.message.fault == MAY_MOVE
 
 
 def test_attaching_needs_a_survey_that_runs_and_asks_for_nothing(clock):

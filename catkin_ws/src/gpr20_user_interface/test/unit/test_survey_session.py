@@ -13,8 +13,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from view_kit import ASKED_PAUSE, FULL, LOST, state_of
 
-from gpr20_common import remedies
 from gpr20_common.catalogue import Catalogue, Language
+from gpr20_common.faults import DISK_FULL
 from gpr20_common.low.catalogue_file import read_catalogue
 from gpr20_common.message import Message, verbatim
 from gpr20_operator.robot.events import (
@@ -243,7 +243,7 @@ def test_the_last_words_have_remedy_and_code_of_a_fault():
     paused = Outcome(ExitStatus.PAUSED, Message("Paused: {reason}.", reason=FULL))
     (step,) = [line for line in outcome_lines(paused, "", False) if line.details]
     assert step == first_step(FULL)
-    assert step.values["remedy"] == remedies.MAKE_SPACE and step.details == "disk.full"
+    assert step.values["remedy"] == DISK_FULL.remedy and step.details == "disk.full"
     asked = Outcome(ExitStatus.PAUSED, ASKED_PAUSE)
     assert not any("remedy" in line.values for line in outcome_lines(asked, "", False))
 

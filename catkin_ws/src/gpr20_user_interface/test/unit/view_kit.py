@@ -7,7 +7,7 @@ import math
 import numpy as np
 from survey_examples import PARAMETERS, TRAVEL
 
-from gpr20_common import remedies
+from gpr20_common.faults import DISK_FULL, MAY_MOVE
 from gpr20_common.message import Fault, Message, Severity, verbatim
 from gpr20_doctor.mid.robot_facts import AxisPosition
 from gpr20_operator.errors import SurveyNotReadableError
@@ -16,6 +16,7 @@ from gpr20_operator.ground.sources import EchoSource
 from gpr20_operator.robot.events import AxisReport, ControlState, RobotDefaults
 from gpr20_operator.robot.snapshot import Snapshot
 from gpr20_survey.axes.axis_id import AxisId
+from gpr20_survey.faults import CLOCK_WRONG, COMPLETE
 from gpr20_survey.plan.annotation import Site
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_survey.radar.depth import delay_of_depth
@@ -32,19 +33,13 @@ FREQUENCY_HZ = np.linspace(0.6e9, 6.0e9, 501)
 NOW_US = 1_795_000_000_000_000
 # Why a survey pauses or ends.
 FULL = Message("the disk is full", details="errno 28").with_fault(
-    Fault("disk.full", remedies.MAKE_SPACE)
+    Fault("disk.full", DISK_FULL.remedy)
 )
-MOVING = Message("a motor runs").with_fault(
-    Fault("axis.still_moving", remedies.MOTORS_OFF, may_move=True)
-)
-ASKED_PAUSE = Message("asked for").with_fault(
-    Fault("survey.paused_on_request", severity=Severity.NOTE)
-)
-ASKED_STOP = Message("asked for").with_fault(
-    Fault("survey.stopped_on_request", severity=Severity.NOTE)
-)
-LOST = Message("lost").with_fault(Fault("survey.lost", remedies.NEW_SURVEY, can_continue=False))
-CLOCK = Message("the clock is late").with_fault(Fault("clock.late", remedies.SET_CLOCK))
+MOVING = Message("a motor runs").with_fault(Fault("robot.may_move", MAY_MOVE.remedy, may_move=True))
+ASKED_PAUSE = Message("asked for").with_fault(Fault("survey.can_resume", severity=Severity.NOTE))
+ASKED_STOP = Message("asked for").with_fault(Fault("survey.can_resume", severity=Severity.NOTE))
+LOST = Message("lost").with_fault(Fault("survey.lost", COMPLETE.remedy, can_continue=False))
+CLOCK = Message("the clock is late").with_fault(Fault("clock.late", CLOCK_WRONG.remedy))
 PAUSED = "Paused: {reason}. Fix the fault and resume, or stop."
 # Whenever STOP is pressed, they have said so after it.
 RESTING = tuple(AxisReport(axis, AxisPosition(0.0, True, False), "", math.inf) for axis in AxisId)

@@ -8,9 +8,9 @@ from typing import List, Optional, Tuple
 
 from gpr20_analysis.dataset import MM_PER_M
 from gpr20_analysis.errors import AnalysisError
+from gpr20_common.faults import NOT_ALLOWED
 from gpr20_common.message import Message
 from gpr20_survey.radar.soils import LARGEST_PERMITTIVITY, MIN_PERMITTIVITY
-from gpr20_viewer import faults
 
 NO_CLEARANCE_BY_PICKS = Message(
     "This is a list of picks, no clearance: ground without a pick is not free of mines."
@@ -25,7 +25,7 @@ MOST_NOTE_CHARACTERS = 2000
 class PickRefusedError(AnalysisError, ValueError):
     """A pick cannot be made or changed like this."""
 
-    fault = faults.PICK
+    fault = NOT_ALLOWED
 
 
 @dataclass(frozen=True)

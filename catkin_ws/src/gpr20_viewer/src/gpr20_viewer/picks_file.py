@@ -9,16 +9,16 @@ from dataclasses import asdict, dataclass, fields
 from pathlib import Path
 from typing import Any, Dict, List, Optional, Tuple
 
-from gpr20_analysis import faults as analysis_faults
 from gpr20_analysis.atomic_output import atomic_output
 from gpr20_analysis.errors import AnalysisError, ExportError, wrong_ending
+from gpr20_analysis.faults import PICKS_CHANGED
 from gpr20_analysis.formats.csv_cells import csv_cell
+from gpr20_common.faults import NOT_ALLOWED
 from gpr20_common.message import Message
 from gpr20_common.mid.codec import plain, record_from
 from gpr20_survey.files.durable_files import replace_file, sync_path, write_new_file
 from gpr20_survey.folder import survey_folder
 from gpr20_survey.folder.manifest import MANIFEST_FILE
-from gpr20_viewer import faults
 from gpr20_viewer.identity import SurveyIdentity
 from gpr20_viewer.picks import NO_CLEARANCE_BY_PICKS, Pick, PickEditor, Picks
 
@@ -87,7 +87,7 @@ class StoredPicks:
 class PicksFileError(AnalysisError, ValueError):
     """A file of picks cannot be used for this survey."""
 
-    fault = faults.PICKS_FILE
+    fault = NOT_ALLOWED
 
 
 def picks_path(survey: Path) -> Path:
@@ -178,7 +178,7 @@ class PicksFile:
                     "them, then open the survey again",
                     path=self.path,
                 ),
-                fault=faults.PICKS_CHANGED,
+                fault=PICKS_CHANGED,
             )
         stored = StoredPicks(
             FORMAT,
@@ -208,7 +208,7 @@ class PicksFile:
         if inside is not None or path.expanduser().resolve() == self.path:
             raise PicksFileError(
                 Message("{path} is kept for the survey; export to another place", path=path),
-                fault=analysis_faults.OUTPUT,
+                fault=NOT_ALLOWED,
             )
         export_picks(editor.picks, self._identity, path)
 

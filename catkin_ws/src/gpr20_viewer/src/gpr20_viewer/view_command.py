@@ -13,11 +13,11 @@ from gpr20_analysis.candidates.search import find_candidates
 from gpr20_analysis.commands import hiding_command, image_command, inputs
 from gpr20_analysis.commands.command import Command
 from gpr20_analysis.errors import AnalysisError, MissingLibraryError, library_missing
+from gpr20_analysis.faults import NO_SCREEN
 from gpr20_analysis.imaging.methods import DEFAULT_STEPS
 from gpr20_common.catalogue import Catalogue
 from gpr20_common.message import Message
 from gpr20_survey.results.candidates import CandidateList
-from gpr20_viewer import faults
 from gpr20_viewer.picks_file import picks_path
 from gpr20_viewer.session import ViewSession
 
@@ -77,7 +77,7 @@ def _check_screen() -> None:
     if sys.platform.startswith("linux") and not any(os.environ.get(name) for name in SCREENS):
         raise AnalysisError(
             Message("there is no screen here"),
-            fault=faults.NO_SCREEN,
+            fault=NO_SCREEN,
         )
 
 

@@ -126,7 +126,7 @@ def test_the_separation_that_a_survey_records_is_used_unless_another_is_given():
 def test_what_cannot_be_shown_is_refused(monkeypatch):
     nowhere = small().assign_attrs({"antenna_separation_m": np.nan})
     for survey, fault, shown in (
-        (nowhere, faults.FILE_CONTENT, "nan"),
+        (nowhere, faults.INPUT, "nan"),
         (process_survey(small(), "time"), faults.STEPS, "'s21'"),
     ):
         with raises_fault(fault, shown):
@@ -140,7 +140,7 @@ def test_missing_samples_are_refused_unless_left_out_and_marked():
     survey = small()
     survey.s21[0, 4, 4] = np.nan
     survey.quality[0, 4, 4] = int(Quality.MISSING)
-    with raises_fault(faults.SAMPLES_MISSING):
+    with raises_fault(faults.INPUT):
         ViewSession(survey, FIXED)
     session = ViewSession(survey, replace(FIXED, leave_out_missing=True))
     assert session.without_data(0).tolist() == [[PLACES_MM[4] / 1e3, PLACES_MM[4] / 1e3]]

@@ -16,10 +16,10 @@ from run_seed import draws
 from survey_kit import make_survey
 
 from gpr20_analysis import cell_text
-from gpr20_analysis.faults import OUTPUT
+from gpr20_analysis.faults import PICKS_CHANGED
 from gpr20_analysis.read.load import load_survey
 from gpr20_analysis.read.verification import verify_survey
-from gpr20_viewer import faults
+from gpr20_common.faults import NOT_ALLOWED
 from gpr20_viewer.identity import SurveyIdentity
 from gpr20_viewer.picks import Pick, PickEditor, PickRefusedError
 from gpr20_viewer.picks_file import CSV, JSON, PicksFile, PicksFileError, picks_path
@@ -70,7 +70,7 @@ def test_undo_goes_back_through_every_state():
 
 
 def test_a_bounced_click_makes_one_pick_and_no_name_is_used_again(editor):
-    with raises_fault(faults.PICK, "P1"):
+    with raises_fault(NOT_ALLOWED, "P1"):
         editor.add(pick(0.102, y_m=0.198))
     assert len(editor.picks) == 1
     editor.add(pick(polarization_deg=90.0))
@@ -104,7 +104,7 @@ def test_picks_of_another_survey_are_refused_and_kept(path):
     before = path.read_bytes()
     nameless = replace(IDENTITY, survey_id="")
     for other in (replace(IDENTITY, survey_id="another"), nameless):
-        with raises_fault(faults.PICKS_FILE):
+        with raises_fault(NOT_ALLOWED):
             PicksFile(path, other).load()
     assert path.read_bytes() == before
     continued = PicksFile(path, replace(IDENTITY, sha256="b" * 64))
@@ -113,7 +113,7 @@ def test_picks_of_another_survey_are_refused_and_kept(path):
     path.unlink()
     PicksFile(path, nameless).save(PickEditor())
     PicksFile(path, nameless).load()
-    with raises_fault(faults.PICKS_FILE):
+    with raises_fault(NOT_ALLOWED):
         PicksFile(path, replace(nameless, sha256="b" * 64)).load()
 
 
@@ -123,7 +123,7 @@ def test_a_file_that_another_program_changed_is_not_overwritten(path):
     theirs, _ = second.load()
     mine.add(pick(0.3))
     first.save(mine)
-    with raises_fault(faults.PICKS_CHANGED):
+    with raises_fault(PICKS_CHANGED):
         second.save(theirs)
     assert PicksFile(path, IDENTITY).load()[0].picks == mine.picks
 
@@ -186,7 +186,7 @@ def test_picks_of_a_sealed_survey_are_beside_its_folder(tmp_path, editor):
     assert identity == SurveyIdentity.of(load_survey(folder / "survey.mcap"))
     PicksFile(beside, identity).save(editor)
     for inside in (folder / "picks.json", folder / "traces" / "picks.json", link / "a.json"):
-        with raises_fault(faults.PICKS_FILE):
+        with raises_fault(NOT_ALLOWED):
             PicksFile(inside, identity)
     with pytest.raises(PicksFileError):
         PicksFile(beside, identity).export(editor, folder / "picks.csv")
@@ -209,5 +209,5 @@ def test_exported_picks_say_what_they_are(tmp_path, path, editor):
         assert one["simulated"] == "SIMULATED" and "no clearance" in one["notice"]
         assert one["survey_id"] == IDENTITY.survey_id
     for wrong in (tmp_path / "out.xls", path):
-        with raises_fault(OUTPUT):
+        with raises_fault(NOT_ALLOWED):
             file.export(editor, wrong)

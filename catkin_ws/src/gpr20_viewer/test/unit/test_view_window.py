@@ -23,11 +23,12 @@ from gpr20_analysis import faults
 from gpr20_analysis.commands.command import DAMAGED, DONE, REFUSED
 from gpr20_analysis.commands.main import main
 from gpr20_analysis.dataset import Quality
+from gpr20_analysis.faults import NO_SCREEN
 from gpr20_analysis.formats.dataset_files import write_dataset
 from gpr20_analysis.imaging.image_options import ImageOptions
+from gpr20_common.faults import ASKED_FOR
 from gpr20_survey.results.candidates import Candidate, CandidateList
 from gpr20_viewer import view_command
-from gpr20_viewer.faults import NO_SCREEN
 from gpr20_viewer.identity import SurveyIdentity
 from gpr20_viewer.picks_file import PicksFile
 from gpr20_viewer.positions import Place
@@ -320,7 +321,7 @@ def test_the_command_shows_the_window_until_it_is_closed_or_interrupted(
     assert '"author": "Ana"' in picks
     when_computed(lambda _window: os.kill(os.getpid(), signal.SIGINT))
     assert main(arguments) == REFUSED
-    assert refusals[-1:] == [faults.INTERRUPTED.code]
+    assert refusals[-1:] == [ASKED_FOR.code]
 
 
 def test_a_damaged_survey_a_missing_library_or_no_screen_is_refused(
@@ -335,10 +336,10 @@ def test_a_damaged_survey_a_missing_library_or_no_screen_is_refused(
         for name in view_command.SCREENS:
             context.delenv(name, raising=False)
         assert main(arguments) == REFUSED
-    assert refusals[-2:] == [faults.LIBRARY.code, NO_SCREEN.code]
+    assert refusals[-2:] == [faults.STEPS.code, NO_SCREEN.code]
     write_dataset(holed, file)
     assert main(arguments) == REFUSED
     assert main([*arguments, "--accept-damaged"]) == REFUSED
-    assert refusals[-1:] == [faults.SAMPLES_MISSING.code]
+    assert refusals[-1:] == [faults.INPUT.code]
     when_computed(lambda window: window.close())
     assert main([*arguments, "--accept-damaged", "--leave-out-missing"]) == DAMAGED

@@ -10,10 +10,10 @@ import pytest
 import yaml
 from fault_kit import raises_fault
 
+from gpr20_common.faults import CONFIGURATION
 from gpr20_common.low.yaml_file import read_yaml
 from gpr20_survey.axes import axis_id as frames
 from gpr20_visualization.errors import RobotModelError
-from gpr20_visualization.faults import WRONG_DESCRIPTION
 from gpr20_visualization.mid.axis_position import JOINTS, X_JOINT, Y_JOINT, Z_JOINT, joint_positions
 from gpr20_visualization.mid.robot_model import RobotModel, from_angles, rotated
 
@@ -63,7 +63,7 @@ def test_angles_turn_about_x_then_y_then_z():
 
 def test_refuses_what_is_not_a_description_of_the_robot():
     for text in ("no XML", "<robot/>", "<robot><joint name='a' type='fixed'/></robot>"):
-        with raises_fault(WRONG_DESCRIPTION, error=RobotModelError):
+        with raises_fault(CONFIGURATION, error=RobotModelError):
             RobotModel.of(text, JOINTS)
 
 

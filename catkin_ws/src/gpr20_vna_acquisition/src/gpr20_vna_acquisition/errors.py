@@ -3,14 +3,22 @@
 from __future__ import annotations
 
 from gpr20_common.errors import Gpr20Error
-from gpr20_survey.faults import NOT_CALIBRATED
+from gpr20_common.faults import PART_SILENT
+from gpr20_survey.faults import (
+    NOT_CALIBRATED,
+    VNA_FAILED,
+    VNA_REPLACED,
+    VNA_SETTINGS,
+    VNA_SILENT,
+    WRONG_VNA,
+)
 from gpr20_vna_acquisition import faults
 
 
 class VnaError(Gpr20Error):
     """The network analyzer refused or failed to carry out a request."""
 
-    fault = faults.FAILED
+    fault = VNA_FAILED
 
 
 class VnaConnectionError(VnaError, OSError):
@@ -20,25 +28,25 @@ class VnaConnectionError(VnaError, OSError):
     dead; the next exchange needs a new one.
     """
 
-    fault = faults.NO_LINK
+    fault = VNA_SILENT
 
 
 class VnaNoAnswerError(VnaConnectionError):
     """A query got no answer in time."""
 
-    fault = faults.NO_ANSWER
+    fault = VNA_SILENT
 
 
 class VnaIdentityError(VnaError):
     """Something answers at the address, but it is not the expected instrument."""
 
-    fault = faults.WRONG_INSTRUMENT
+    fault = WRONG_VNA
 
 
 class VnaReplacedError(VnaIdentityError):
     """An instrument of the right kind answers, but not the one that was connected."""
 
-    fault = faults.REPLACED
+    fault = VNA_REPLACED
 
 
 class VnaNotReadyError(VnaError, RuntimeError):
@@ -50,7 +58,7 @@ class VnaNotReadyError(VnaError, RuntimeError):
 class VnaSettingError(VnaError):
     """The instrument did not accept a setting, or no longer has it."""
 
-    fault = faults.SETTING_REFUSED
+    fault = VNA_SETTINGS
 
 
 class VnaCalibrationError(VnaError):
@@ -62,28 +70,28 @@ class VnaCalibrationError(VnaError):
 class VnaSweepError(VnaError, OSError):
     """A sweep did not end in time, or every attempt failed."""
 
-    fault = faults.FAILED
+    fault = VNA_FAILED
 
 
 class VnaTimeoutError(VnaError, TimeoutError):
     """A request, with all its retries, exceeded its time limit."""
 
-    fault = faults.TOO_SLOW
+    fault = VNA_SILENT
 
 
 class VnaClosedError(VnaError, RuntimeError):
     """The driver is shutting down."""
 
-    fault = faults.SHUTTING_DOWN
+    fault = PART_SILENT
 
 
 class VnaDataError(VnaError, ValueError):
     """An answer of the instrument is invalid."""
 
-    fault = faults.BAD_DATA
+    fault = VNA_FAILED
 
 
 class VnaOldDataError(VnaDataError):
     """Data, or a part of them, are those of a sweep before."""
 
-    fault = faults.OLD_DATA
+    fault = VNA_FAILED

@@ -33,6 +33,7 @@ from gpr20_simulator.low.shared_state import open_shared_state
 from gpr20_simulator.mid.world.medium import probed_position_mm, probed_rotation_deg, probed_sweep
 from gpr20_simulator.srv import SetFault
 from gpr20_survey.axes.axis_id import AxisId
+from gpr20_survey.faults import CAN_RESUME, VNA_DOUBTFUL, VNA_FAILED
 from gpr20_vna_acquisition import faults
 
 SERVICES = {
@@ -127,7 +128,9 @@ class VnaAcquisitionTest(unittest.TestCase):
     def test_nothing_works_before_its_time(self):
         self.succeed("connection", False, "")
         values = self.reports.wait("vna_acquisition", lambda _, values: values["address"] == "")
-        self.assertEqual(received_message("", values["fault"]).cause, faults.UNUSED)
+        self.assertEqual(
+            received_message("", values["fault"]).cause, faults.NOT_CONNECTED.as_note()
+        )
         for name, *arguments in (
             ("get_data", False), ("get_freq",), ("confirm_data", 1), ("get_calibration_status",),
         ):  # fmt: skip
@@ -136,7 +139,7 @@ class VnaAcquisitionTest(unittest.TestCase):
         self.assert_refused(answer, NOT_ALLOWED, "'1.2.3.256'")
         identity = self.succeed("connection", True, ADDRESS).identity
         self.assertTrue(identity.startswith("Anritsu,MS2026C/2,SIMULATED"), identity)
-        self.assert_refused(self.call("get_data", False), faults.NOT_CONFIGURED)
+        self.assert_refused(self.call("get_data", False), faults.NOT_CONNECTED)
 
     def test_set_up_answers_what_the_instrument_took_and_how_long_a_sweep_takes(self):
         answer = self.set_up_sweep()
@@ -161,7 +164,7 @@ class VnaAcquisitionTest(unittest.TestCase):
         made = (data.if_bandwidth_hz, data.averages, data.output_power)
         self.assertEqual(made, (10_000.0, 1, "HIGH"))
         self.fault("nan")
-        self.assert_refused(self.call("get_data", False), faults.BAD_DATA)
+        self.assert_refused(self.call("get_data", False), VNA_FAILED)
 
     def test_each_request_gets_one_new_sweep_of_the_place_where_the_carriage_is(self):
         self.set_up_sweep()
@@ -186,12 +189,12 @@ class VnaAcquisitionTest(unittest.TestCase):
             self.succeed("confirm_data", data.number)
         self.assertEqual(numbers, sorted(set(numbers)))
         again = self.call("confirm_data", data.number)
-        self.assert_refused(again, faults.SWEEP_UNCONFIRMED, data.number)
+        self.assert_refused(again, CAN_RESUME, data.number)
         self.assertTrue(again.repeat)
         # The probe answers with one large number, which is remarked.
         self.assertGreaterEqual(len(data.quality), 2)
         values = self.reports.wait("vna_acquisition", lambda status, _: status.level == WARN)
-        self.assertEqual(received_message("", values["fault"]).fault_code, faults.STRONG.code)
+        self.assertEqual(received_message("", values["fault"]).fault_code, VNA_DOUBTFUL.code)
         self.assertIn("MS2026C", values["identity"])
         self.assertGreaterEqual(float(values["last sweep [s]"]), POINTS * 350e-6)
 

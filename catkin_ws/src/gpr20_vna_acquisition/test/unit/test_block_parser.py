@@ -12,7 +12,7 @@ from fault_kit import raises_fault
 from hypothesis import given
 from hypothesis import strategies as st
 
-from gpr20_vna_acquisition import faults
+from gpr20_survey.faults import VNA_FAILED
 from gpr20_vna_acquisition.errors import VnaDataError
 from gpr20_vna_acquisition.mid.block_parser import (
     TransferFormat,
@@ -79,7 +79,7 @@ def test_refuses_a_broken_block_and_another_count():
 
 @pytest.mark.parametrize("bad", [float("nan"), float("-inf")])
 def test_refuses_numbers_that_are_not_finite(bad):
-    with raises_fault(faults.BAD_DATA, 1, 2):
+    with raises_fault(VNA_FAILED, 1, 2):
         parse_numbers(block(real32(1.0, bad)), REAL32, 2)
 
 

@@ -14,9 +14,9 @@ from freshness_kit import Cell, cells, drawn
 from hypothesis import given
 from hypothesis import strategies as st
 
+from gpr20_survey.faults import PLAN_NOT_ALLOWED, VNA_FAILED
 from gpr20_survey.trace.sweep import Sweep
 from gpr20_survey.trace.sweep_settings import AnalyzerSettings
-from gpr20_vna_acquisition import faults
 from gpr20_vna_acquisition.errors import VnaOldDataError, VnaSweepError
 from gpr20_vna_acquisition.mid.sweep_timing import REMEMBERED, SweepEnd, SweepTiming
 
@@ -93,14 +93,14 @@ def test_an_average_that_cannot_be_begun_again_is_refused():
     take = bench.vna.take
     bench.vna.take = lambda message: [take(one) for one in message.split(";") if "CLE" not in one]
     bench.vna.averaged = 4
-    with raises_fault(faults.NOT_AVERAGING, 4):
+    with raises_fault(PLAN_NOT_ALLOWED, 4):
         bench.configured()
 
 
 def test_a_display_that_stays_as_it_is_while_the_bit_never_clears_is_named_by_its_old_data():
     bench = Bench(attempts=2)
     bench.vna.sweep_s, bench.vna.stale_bit_s = 1e6, 1e9
-    with raises_fault(faults.OLD_DATA, error=VnaSweepError):
+    with raises_fault(VNA_FAILED, error=VnaSweepError):
         bench.configured()
 
 
@@ -111,7 +111,7 @@ def test_data_of_which_a_part_is_old_are_an_error_even_if_the_bit_was_seen_clear
     partly_old = bench.vna.points_data()
     partly_old[first:last] = [99.0 + one for one in partly_old[first:last]]
     bench.vna.spoil = lambda answer: bench.vna.block(partly_old)
-    with raises_fault(faults.OLD_DATA, error=VnaSweepError):
+    with raises_fault(VNA_FAILED, error=VnaSweepError):
         bench.driver.get_trace()
 
 
@@ -209,7 +209,7 @@ def test_data_that_change_after_they_were_read_are_not_confirmed_and_measured_ag
     confirmed(bench)
     number, _sweep = bench.driver.take_sweep()
     bench.vna.spoil = lambda answer: bench.vna.block([1.0] * 22)
-    with raises_fault(faults.OLD_DATA, error=VnaOldDataError):
+    with raises_fault(VNA_FAILED, error=VnaOldDataError):
         bench.driver.confirm(number)
     bench.vna.spoil = lambda answer: answer
     confirmed(bench)

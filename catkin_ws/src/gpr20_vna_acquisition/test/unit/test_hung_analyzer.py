@@ -11,9 +11,10 @@ from case_kit import each_case
 from fault_kit import raises_fault
 from toy_vna import ADDRESS, MAKER, MODEL, ToyInstrument
 
+from gpr20_common.faults import BUSY, INTERNAL
 from gpr20_common.low.clock import Clock
+from gpr20_survey.faults import VNA_SILENT
 from gpr20_survey.trace.sweep_settings import SweepSettings
-from gpr20_vna_acquisition import faults
 from gpr20_vna_acquisition.errors import VnaError, VnaTimeoutError
 from gpr20_vna_acquisition.mid import analyzer_instance, foreign_analyzer
 from gpr20_vna_acquisition.mid.foreign_analyzer import make_foreign_analyzer
@@ -26,7 +27,7 @@ SWEEP = SweepSettings(600e6, 6e9, 51)
 LIMIT_S = 30.0
 # Limits that nobody waits for.
 PATIENT = {"request_timeout_s": 600.0, "sweep_timeout_s": 600.0, "answer_timeout_s": 600.0}
-GIVEN_UP = (faults.TOO_SLOW.code, faults.NO_ANSWER.code)
+GIVEN_UP = (VNA_SILENT.code, VNA_SILENT.code)
 
 
 class Bench:
@@ -138,7 +139,7 @@ def test_what_an_abandoned_call_returns_late_never_counts(make):
     bench.parameters.analyzer_options["blocks"] = ""
     number, _sweep = bench.set_up().driver.take_sweep()
     first.freed.set()
-    with raises_fault(faults.SUPERSEDED, error=VnaTimeoutError):
+    with raises_fault(BUSY, error=VnaTimeoutError):
         while True:
             first.deadline.pause_s(0.001)
     assert bench.driver.trace_duration_s < 1.0
@@ -168,7 +169,7 @@ def test_calls_that_never_end_are_bounded(make, monkeypatch):
     for _ in range(2):
         failure_of(bench.driver.connect_to_vna, ADDRESS)
     stuck = failure_of(bench.driver.connect_to_vna, ADDRESS)
-    assert stuck.message.cause == faults.CLASS_STUCK
+    assert stuck.message.cause == INTERNAL
     assert len(bench.instrument.made) == 2
     # They do end.
     bench.parameters.analyzer_options["blocks"] = ""

@@ -15,8 +15,8 @@ from hypothesis import strategies as st
 
 from gpr20_common import faults as common_faults
 from gpr20_common.mid.codec import record_from
+from gpr20_survey.faults import NOT_CALIBRATED, VNA_DOUBTFUL, VNA_SETTINGS
 from gpr20_survey.trace.sweep_settings import AnalyzerSettings, SweepSettings
-from gpr20_vna_acquisition import faults
 from gpr20_vna_acquisition.errors import VnaNotReadyError
 from gpr20_vna_acquisition.mid.settings import HOLD, check_frequencies
 from gpr20_vna_acquisition.mid.vna_parameters import VnaParameters
@@ -89,7 +89,7 @@ def test_another_grid_is_refused_and_its_own_in_single_precision_accepted():
         SweepSettings(600e6, 6.00001e9, 501).frequencies_hz(),
         np.geomspace(600e6, 6e9, 501),
     ):
-        with raises_fault(faults.NOT_LINEAR):
+        with raises_fault(VNA_SETTINGS):
             print(grid_hz, check_frequencies(grid_hz, sweep))
 
 
@@ -130,7 +130,7 @@ def test_a_calibration_that_a_setting_ends_is_reported_once_and_survives_the_nex
     bench = Bench()
     bench.driver.connect_to_vna(ADDRESS)
     bench.lose_calibration_at(":SENS:FREQ:STAR ")
-    with raises_fault(faults.CALIBRATION_LOST):
+    with raises_fault(NOT_CALIBRATED):
         bench.driver.set_frequency_sweep(SWEEP)
     with pytest.raises(VnaNotReadyError):
         bench.driver.get_trace()
@@ -144,7 +144,7 @@ def test_an_instrument_that_loses_its_calibration_when_it_is_held_says_so():
     bench = Bench().configured()
     bench.driver.disconnect_from_vna()
     bench.lose_calibration_at(":INIT:CONT OFF")
-    with raises_fault(faults.CALIBRATION_LOST, HOLD.name):
+    with raises_fault(NOT_CALIBRATED, HOLD.name):
         bench.configured()
 
 
@@ -165,7 +165,7 @@ def test_a_query_without_an_answer_is_learned_once_and_remarked(query, code):
     assert bench.vna.sent.count(query) == (1 if code else 2)
     bench.driver.get_trace()
     (remark,) = bench.driver.state.last_quality
-    assert remark.fault == faults.SETTING_UNREPORTED
+    assert remark.fault == VNA_DOUBTFUL
     del bench.vna.sent[:]
     assert bench.driver.get_trace().quality == ()
     assert query not in bench.vna.sent

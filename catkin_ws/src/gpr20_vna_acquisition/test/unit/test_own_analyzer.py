@@ -13,7 +13,7 @@ from tutorial_code import code_blocks
 from gpr20_common import faults as common_faults
 from gpr20_common.low.clock import Clock
 from gpr20_common.mid.codec import record_from
-from gpr20_vna_acquisition import faults
+from gpr20_survey.faults import VNA_SILENT
 from gpr20_vna_acquisition.errors import VnaConnectionError
 from gpr20_vna_acquisition.low.tcp_relay import ADDRESS, TcpRelay
 from gpr20_vna_acquisition.mid.conformance import relay_checks
@@ -56,7 +56,7 @@ def test_the_configuration_of_the_page_is_accepted():
 )
 def test_a_class_that_cannot_be_used_is_refused_with_the_reason(analyzer, options, shown):
     parameters = VnaParameters(analyzer=analyzer, analyzer_options=options)
-    with raises_fault(common_faults.EXTENSION_UNUSABLE, shown):
+    with raises_fault(common_faults.CONFIGURATION, shown):
         make_foreign_analyzer(parameters, RequestDeadline(Clock()))
 
 
@@ -85,7 +85,7 @@ def test_an_exception_of_any_kind_counts_as_a_broken_link():
     deadline.begin(10.0)
     analyzer = ForeignAnalyzer(lambda _lent: BrokenAnalyzer(), VnaParameters(), deadline)
     for action in (analyzer.identify, analyzer.sweep, analyzer.confirm, analyzer.calibration):
-        with raises_fault(faults.NO_LINK, "ZeroDivisionError", error=VnaConnectionError):
+        with raises_fault(VNA_SILENT, "ZeroDivisionError", error=VnaConnectionError):
             action()
     analyzer.release()
     analyzer.disconnect()

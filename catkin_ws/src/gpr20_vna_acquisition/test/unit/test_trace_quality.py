@@ -16,11 +16,10 @@ from hypothesis.extra import numpy as arrays
 
 from gpr20_common.message import Message, verbatim
 from gpr20_common.sent_message import received_message
-from gpr20_survey.faults import CALIBRATION_AGED, NOT_CALIBRATED
+from gpr20_survey.faults import NOT_CALIBRATED, VNA_DOUBTFUL, VNA_FAILED
 from gpr20_survey.trace.calibration import CalibrationStatus
 from gpr20_survey.trace.sweep import MAX_REMARK_CHARACTERS, Sweep
 from gpr20_survey.trace.sweep_settings import AnalyzerSettings
-from gpr20_vna_acquisition import faults
 from gpr20_vna_acquisition.errors import VnaConnectionError, VnaDataError
 from gpr20_vna_acquisition.mid.trace_quality import (
     MOST_REASONS,
@@ -68,7 +67,7 @@ def test_a_usual_trace_has_no_remarks():
 
 @each_case(
     "level_db, fault, limit_db",
-    [(-95.0, faults.WEAK, LIMITS.min_level_db), (6.0, faults.STRONG, LIMITS.max_level_db)],
+    [(-95.0, VNA_DOUBTFUL, LIMITS.min_level_db), (6.0, VNA_DOUBTFUL, LIMITS.max_level_db)],
 )
 def test_a_level_beyond_its_limits_is_told_with_both_numbers(level_db, fault, limit_db):
     (remark,) = judged(trace(level_db))
@@ -79,7 +78,7 @@ def test_a_level_beyond_its_limits_is_told_with_both_numbers(level_db, fault, li
 @each_case("first, count", [(0, 8), (40, 20), (POINTS - 8, 8), (0, POINTS)])
 def test_points_that_do_not_change_are_told_wherever_they_are(first, count):
     (remark,) = judged(trace(flat=slice(first, first + count)))
-    assert remark.fault == faults.FLAT
+    assert remark.fault == VNA_FAILED.as_warning()
     assert {remark.values["same"], remark.values["points"]} == {count, POINTS}
 
 
@@ -87,7 +86,7 @@ def test_points_that_do_not_change_are_told_wherever_they_are(first, count):
     "status, fault",
     [
         (CalibrationStatus.NONE, NOT_CALIBRATED),
-        (CalibrationStatus.LOW, CALIBRATION_AGED),
+        (CalibrationStatus.LOW, NOT_CALIBRATED.as_warning()),
     ],
 )
 def test_a_calibration_that_is_not_of_high_accuracy_is_told(status, fault):
@@ -122,7 +121,7 @@ def test_any_finite_data_can_be_judged_and_every_remark_stored(data, calibration
 
 
 def test_a_trace_of_zeros_is_refused():
-    with raises_fault(faults.BAD_DATA):
+    with raises_fault(VNA_FAILED):
         refuse_impossible(sweep_of(np.zeros(POINTS), np.zeros(POINTS)))
     for part in ("s21_real", "s21_imag"):
         # One part may be zero.
@@ -133,7 +132,7 @@ def test_a_trace_of_zeros_is_refused():
 
 def test_an_imaginary_part_that_copies_the_real_one_is_refused():
     real = trace().s21_real
-    with raises_fault(faults.BAD_DATA):
+    with raises_fault(VNA_FAILED):
         refuse_impossible(sweep_of(real, real.copy()))
 
 
@@ -175,7 +174,7 @@ def test_a_sweep_that_takes_longer_than_its_like_says_so():
     bench.vna.sweep_s = 0.5
     bench.driver.get_trace()
     (remark,) = bench.driver.state.last_quality
-    assert remark.fault == faults.UNUSUAL_DURATION
+    assert remark.fault == VNA_DOUBTFUL
     # One that is set up anew has a usual duration of its own.
     bench.configured()
     assert bench.driver.get_trace().quality == ()

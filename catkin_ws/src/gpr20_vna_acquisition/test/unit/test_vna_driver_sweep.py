@@ -10,7 +10,7 @@ from case_kit import each_case
 from driver_bench import ADDRESS, OTHER_IDENTITY, STARTED_US, SWEEP, Bench
 from fault_kit import raises_fault
 
-from gpr20_vna_acquisition import faults
+from gpr20_survey.faults import CAN_RESUME, VNA_FAILED, VNA_REPLACED, VNA_SETTINGS
 from gpr20_vna_acquisition.errors import (
     VnaNotReadyError,
     VnaReplacedError,
@@ -63,7 +63,7 @@ def test_after_so_many_spoilt_answers_the_sweep_fails_with_the_reason():
     bench = Bench(attempts=3).configured()
     bench.vna.spoil = lambda answer: answer[:-9]
     del bench.vna.sent[:]
-    with raises_fault(faults.BAD_DATA, 3, error=VnaSweepError):
+    with raises_fault(VNA_FAILED, 3, error=VnaSweepError):
         bench.driver.get_trace()
     assert bench.vna.sent.count(":INIT:IMM") == 3
     bench.vna.spoil = lambda answer: answer
@@ -75,7 +75,7 @@ def test_the_same_data_twice_are_refused():
     bench.driver.get_trace()
     old = bench.vna.block(bench.vna.points_data())
     bench.vna.spoil = lambda answer: old
-    with raises_fault(faults.OLD_DATA):
+    with raises_fault(VNA_FAILED):
         bench.driver.get_trace()
     # Once, it is repeated with a new sweep.
     stale = [old]
@@ -100,7 +100,7 @@ def test_another_serial_number_fails_the_request_at_once_until_it_is_connected(b
     bench.vna.identity = OTHER_IDENTITY
     bench.lose_link_once()
     begun_s = bench.clock.time_s
-    with raises_fault(faults.REPLACED, 7654321, 1234567):
+    with raises_fault(VNA_REPLACED, 7654321, 1234567):
         bench.driver.get_trace()
     assert bench.clock.time_s - begun_s < 1.0 and bench.vna.open_links == 0
     assert "7654321" in bench.driver.connect_to_vna(ADDRESS)
@@ -115,9 +115,9 @@ def test_another_instrument_on_the_same_link_is_noticed(says_its_serial_number):
     number = bench.configured().taken
     bench.vna.preamble["SN"] = "7654321"
     bench.vna.identity = OTHER_IDENTITY
-    with raises_fault(faults.REPLACED, 7654321, 1234567, error=VnaReplacedError):
+    with raises_fault(VNA_REPLACED, 7654321, 1234567, error=VnaReplacedError):
         bench.driver.confirm(number)
-    with raises_fault(faults.REPLACED, 7654321, 1234567):
+    with raises_fault(VNA_REPLACED, 7654321, 1234567):
         bench.driver.take_sweep()
 
 
@@ -161,7 +161,7 @@ def test_a_sweep_is_not_confirmed_after_a_change_by_hand(header, is_broken):
     bench.vna.settings[header] = HAND[header]
     if is_broken:
         bench.lose_link_once()
-    with raises_fault(faults.SETTINGS_CHANGED):
+    with raises_fault(VNA_SETTINGS):
         bench.driver.confirm(number)
     assert bench.vna.settings[header] == HAND[header], "nothing may be written to prove a sweep"
     number, again = bench.driver.take_sweep()
@@ -186,7 +186,7 @@ def test_what_a_preamble_does_not_say_is_asked_for(name, asked):
     assert asked in bench.vna.sent
     number = bench.taken
     bench.vna.settings[asked[:-1]] = "17"
-    with raises_fault(faults.SETTINGS_CHANGED, error=VnaSettingError):
+    with raises_fault(VNA_SETTINGS, error=VnaSettingError):
         bench.driver.confirm(number)
 
 
@@ -194,12 +194,12 @@ def test_what_a_preamble_does_not_say_is_asked_for(name, asked):
 def test_a_trace_that_the_instrument_processes_is_refused(name, value):
     bench = Bench()
     bench.vna.preamble[name] = value
-    with raises_fault(faults.PROCESSED, error=VnaSettingError):
+    with raises_fault(VNA_SETTINGS, error=VnaSettingError):
         bench.configured()
     bench.vna.preamble[name] = "0"
     number = bench.configured().taken
     bench.vna.preamble[name] = value
-    with raises_fault(faults.SETTINGS_CHANGED, name, error=VnaSettingError):
+    with raises_fault(VNA_SETTINGS, name, error=VnaSettingError):
         bench.driver.confirm(number)
 
 
@@ -217,7 +217,7 @@ def test_the_temperature_of_the_instrument_is_in_quarters_of_a_degree(bench):
 
 def test_only_the_last_sweep_can_be_confirmed(bench):
     first, second = bench.taken, bench.taken
-    with raises_fault(faults.SWEEP_UNCONFIRMED, first):
+    with raises_fault(CAN_RESUME, first):
         bench.driver.confirm(first)
     with pytest.raises(VnaNotReadyError):
         bench.driver.confirm(second)
@@ -243,7 +243,7 @@ def test_what_happens_before_the_confirmation_does_not_hide_a_change_by_hand(mea
     bench.vna.settings[":SENS:SWE:IFBW"] = "100"
     number = bench.taken
     meanwhile(bench.driver)
-    with raises_fault(faults.SWEEP_UNCONFIRMED, number):
+    with raises_fault(CAN_RESUME, number):
         bench.driver.confirm(number)
 
 
@@ -258,7 +258,7 @@ def test_the_check_of_an_idle_link_neither_hides_a_change_nor_hinders_the_confir
     if not is_changed:
         assert bench.driver.confirm(number).remarks == ()
         return
-    with raises_fault(faults.SETTINGS_CHANGED):
+    with raises_fault(VNA_SETTINGS):
         bench.driver.confirm(number)
 
 

@@ -286,7 +286,7 @@ class StoreSurveyTest(unittest.TestCase):
         report = self.survey_id, "report", '{"verdict": "INCOMPLETE"}'
         for _ in range(2):  # the second is the repetition of a call whose answer was lost
             self.assertEqual(self.done(add_fact(*report)).stored_traces, 3)
-        self.assertEqual(add_fact("", "end", "{}").fault.code, "storage.request_refused")
+        self.assertEqual(add_fact("", "end", "{}").fault.code, "value.not_allowed")
         self.wait_until(lambda: logged, "the report is not published")
         self.assertEqual(json.loads(logged[0].data)["values"], {"verdict": "INCOMPLETE"})
         self.wait_until(lambda: len(live) == 3, "traces are missing on the topic")

@@ -72,7 +72,7 @@ def test_a_survey_has_its_folder_and_says_so_once(kit, memory):
     assert kit.open(metadata_json='{"parameters": {"x_points": 3}}') == folder
     assert [json.loads(one) for one in kit.opened] == [survey]
     assert memory.texts("/survey_metadata") == kit.opened
-    with raises_fault("survey.other_open", error=SurveyRefusedError):
+    with raises_fault("robot.in_use", error=SurveyRefusedError):
         kit.open(metadata_json='{"other": 1}')
 
 
@@ -104,10 +104,10 @@ def test_a_trace_that_contradicts_a_stored_one_is_refused(kit, memory):
     path = kit.processing.store(make_trace(0))
     content = path.read_bytes()
     for other, *expected in [
-        (make_trace(0, x_coord_mm=50.0000001), "trace.already_stored", 0),
-        (make_trace(0, sample_id="another"), "trace.already_stored", "another"),
-        (make_trace(1, sample_id="sample-0"), "trace.already_stored", "sample-0", 0, 1),
-        (make_trace(1, survey_id=OTHER_SURVEY), "survey.other_open", SURVEY, OTHER_SURVEY),
+        (make_trace(0, x_coord_mm=50.0000001), "survey.damaged", 0),
+        (make_trace(0, sample_id="another"), "survey.damaged", "another"),
+        (make_trace(1, sample_id="sample-0"), "survey.damaged", "sample-0", 0, 1),
+        (make_trace(1, survey_id=OTHER_SURVEY), "robot.in_use", SURVEY, OTHER_SURVEY),
     ]:
         with raises_fault(*expected, error=TraceRefusedError):
             print(kit.processing.store(other))
@@ -167,10 +167,10 @@ def test_closing_writes_how_the_survey_ended_with_its_fault(kit, memory, x_mm):
 def test_a_wrong_close_is_refused(kit):
     kit.open()
     for arguments, *expected in [
-        ((OTHER_SURVEY, "finished"), "survey.other_open", SURVEY, OTHER_SURVEY),
-        ((SURVEY, "complete"), "storage.request_refused", "complete", "finished"),
-        ((SURVEY, "stopped", verbatim("x" * 20_000)), "storage.request_refused", 20_000, 16_384),
-        (("..", "stopped"), "storage.request_refused", ".."),
+        ((OTHER_SURVEY, "finished"), "robot.in_use", SURVEY, OTHER_SURVEY),
+        ((SURVEY, "complete"), "value.not_allowed", "complete", "finished"),
+        ((SURVEY, "stopped", verbatim("x" * 20_000)), "value.not_allowed", 20_000, 16_384),
+        (("..", "stopped"), "value.not_allowed", ".."),
     ]:
         with raises_fault(*expected, error=SurveyRefusedError):
             print(kit.processing.close_survey(*arguments))
@@ -230,7 +230,7 @@ def test_a_computer_without_a_clock_opens_no_survey(tmp_path):
 
 def test_metadata_may_not_contradict_the_storage():
     for key, value in (("started", "yesterday"), ("report", {})):
-        with raises_fault("storage.request_refused", key, error=SurveyRefusedError):
+        with raises_fault("value.not_allowed", key, error=SurveyRefusedError):
             describe(SURVEY, STARTED_US, json.dumps({key: value}), "1.0.0")
 
 

@@ -94,7 +94,7 @@ def test_a_closed_survey_takes_facts_and_stays_intact(kit, closed, by_folder):
     kit.add_marker(name, ONE)
     marked = kit.add_marker(name, OTHER)
     assert marked.stored_traces == 0
-    with raises_fault("survey.other_open", error=SurveyRefusedError):
+    with raises_fault("robot.in_use", error=SurveyRefusedError):
         kit.report(name, "{}")
     kit.processing.close_survey(OTHER_SURVEY, "stopped")
     assert read_description(closed)["markers"] == list(marked.markers)
@@ -220,7 +220,7 @@ def test_a_missing_manifest_is_not_made_again_by_a_fact(kit, closed):
 def test_damaged_markers_are_recognized_and_their_number_is_limited():
     more = {**asdict(ONE), "more": 1}
     for wrong in (5, {}, [5], [{"x_mm": 1}], [more], [asdict(ONE)] * 2):
-        with raises_fault("survey.unreadable"):
+        with raises_fault("survey.damaged"):
             print(wrong, markers_of({"markers": wrong}))
     full = {"markers": [asdict(marker(number)) for number in range(MAX_MARKERS)]}
     _kind, add = requested_fact("marker", json.dumps(marker(MAX_MARKERS).request()), NOW)

@@ -65,7 +65,7 @@ def test_a_key_that_is_gone_does_not_keep_a_survey_open(kit, tmp_path, signers):
     (tmp_path / "key").unlink()
     folder = stopped(kit)
     assert check_signature(folder, signers).state is Signature.UNSIGNED
-    assert kit.processing.state().unsigned.fault_code == "survey.signing_key"
+    assert kit.processing.state().unsigned.fault_code == "survey.not_signed"
 
 
 @pytest.mark.parametrize("lost", [(SEAL,), (SIGNATURE_FILE,), (SEAL, SIGNATURE_FILE), "{}"])

@@ -129,6 +129,6 @@ def test_stopping_does_what_waits_and_refuses_what_comes(disks):
     disk.offer("last")
     disk.thread.stop(TIME_LIMIT_S)
     assert len(disk.written) == 1
-    with raises_fault("storage.shutting_down", error=StorageFailedError):
+    with raises_fault("robot.part_silent", error=StorageFailedError):
         disk.thread.do(lambda: 1, TIME_LIMIT_S)
     assert disk.offer("too late") == 1

@@ -85,7 +85,7 @@ def test_a_trace_of_which_nothing_is_whole_is_named_and_the_others_are_read(tmp_
     found = StoredSurveys(folder.parent).traces(SURVEY, [1, 2, 3, 4, 5])
     assert found.block.indices.tolist() == [1, 5]
     assert list(found.unreadable) == [2, 3, 4]
-    assert found.unreadable[2].fault_code == "trace.damaged"
+    assert found.unreadable[2].fault_code == "survey.damaged"
     assert all(map(str, found.unreadable.values()))
 
 

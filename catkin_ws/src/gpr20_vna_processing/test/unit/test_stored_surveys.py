@@ -20,13 +20,13 @@ from trace_examples import STARTED_US, SURVEY, make_trace
 from gpr20_analysis.read.verification import verify_survey
 from gpr20_common.message import Fault, Message
 from gpr20_survey.errors import ProcessingError, SurveyRefusedError
+from gpr20_survey.faults import COMPLETE
 from gpr20_survey.folder.log_record import Kind, LogRecord
 from gpr20_survey.folder.recovery import read_description
 from gpr20_survey.folder.soil_note import soil_of_survey, soil_values
 from gpr20_survey.plan.annotation import Annotation
 from gpr20_survey.plan.survey_parameters import RobotTravel, SurveyParameters, Travel
 from gpr20_survey.plan.survey_points import survey_points
-from gpr20_vna_processing import faults
 from gpr20_vna_processing.mid import stored_surveys
 from gpr20_vna_processing.mid.stored_surveys import StoredSurveys
 from gpr20_vna_processing.mid.survey_summaries import MOST_CELLS, map_of, summary_of
@@ -137,7 +137,7 @@ def test_a_folder_that_cannot_be_read_is_listed_with_its_problem(tmp_path, archi
     (tmp_path / NAME / "survey.json").write_text("{")
     (tmp_path / "notes").mkdir()
     assert only(archive).folder == NAME
-    assert only(archive).problem.fault_code == "survey.description_lost"
+    assert only(archive).problem.fault_code == "survey.log_lost"
 
 
 @pytest.mark.parametrize("name", ["survey.json", "traces", "000002_*"])
@@ -149,9 +149,9 @@ def test_links_out_of_the_data_folder_are_not_followed(kit, archive, tmp_path, n
     if "*" in name:
         assert archive.survey(SURVEY).stored_indices == (0, 1, 3, 4)
         return
-    with raises_fault("storage.not_a_file", name, error=SurveyRefusedError):
+    with raises_fault("file.damaged", name, error=SurveyRefusedError):
         archive.traces(SURVEY, [0])
-    assert only(archive).problem.fault_code == "storage.not_a_file"
+    assert only(archive).problem.fault_code == "file.damaged"
 
 
 @settings(max_examples=draws(12))
@@ -198,7 +198,7 @@ def test_an_imported_survey_is_not_continued_and_nothing_in_it_changes(kit, tmp_
     folder = imported_folder(tmp_path)
     (folder / "traces" / "000003_X0060.00_Y0000.00_Z+000.00.json").unlink()
     before = {one: one.read_bytes() for one in folder.rglob("*") if one.is_file()}
-    with raises_fault(faults.COMPLETE):
+    with raises_fault(COMPLETE):
         kit.processing.reopen_survey(folder.name)
     assert {one: one.read_bytes() for one in folder.rglob("*") if one.is_file()} == before
 

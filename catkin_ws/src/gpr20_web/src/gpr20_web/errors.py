@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import ClassVar
 
 from gpr20_common.errors import Gpr20Error
+from gpr20_common.faults import BUSY, CONFIGURATION, FILE_DAMAGED, NOT_ALLOWED
 from gpr20_web import faults
 
 
@@ -50,7 +51,7 @@ class NotFoundError(WebError, LookupError):
     """There is nothing of this name."""
 
     status = 404
-    fault = faults.NOT_FOUND
+    fault = faults.BAD_REQUEST
 
 
 class NotNowError(WebError, RuntimeError):
@@ -64,53 +65,53 @@ class TooManyLoginsError(WebError, PermissionError):
     """Logins failed too often; the next one is taken later."""
 
     status = 429
-    fault = faults.TOO_MANY_LOGINS
+    fault = faults.WRONG_LOGIN
 
 
 class AccountError(WebError, ValueError):
     """A name, password or role is not allowed, or there is no such account."""
 
-    fault = faults.ACCOUNT
+    fault = NOT_ALLOWED
 
 
 class AccountsFileError(WebError, OSError):
     """The file of the accounts cannot be read or written."""
 
     status = 503
-    fault = faults.ACCOUNTS_FILE
+    fault = FILE_DAMAGED
 
 
 class FolderError(WebError, OSError):
     """The folder of the page cannot be made, or is not its own."""
 
     status = 503
-    fault = faults.FOLDER
+    fault = CONFIGURATION
 
 
 class CertificateError(WebError, OSError):
     """Key and certificate cannot be made or read."""
 
-    fault = faults.CERTIFICATE
+    fault = CONFIGURATION
 
 
 class PortTakenError(WebError, OSError):
     """The page cannot listen at its address."""
 
-    fault = faults.PORT_TAKEN
+    fault = CONFIGURATION
 
 
 class BusyError(WebError, RuntimeError):
     """Too many requests wait."""
 
     status = 503
-    fault = faults.BUSY
+    fault = BUSY
 
 
 class AuditFileError(WebError, OSError):
     """The file that says who did what cannot be read."""
 
     status = 503
-    fault = faults.AUDIT_FILE
+    fault = FILE_DAMAGED
 
 
 class NotSentError(WebError, OSError):

@@ -18,8 +18,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from web_kit import CHEAP, OTHER_PASSWORD, PASSWORD, make_accounts
 
+from gpr20_common.faults import NOT_ALLOWED
 from gpr20_survey.files.folder_lock import locked
-from gpr20_web import faults
 from gpr20_web.errors import AccountError, AccountsFileError, WrongLoginError
 from gpr20_web.low import account_file
 from gpr20_web.low.account_file import checked_name, role_of
@@ -114,14 +114,14 @@ def test_a_file_that_another_program_holds_is_named(
 
 @each_case("name", ["", "a", ".a", "-a", "_a", "a b", "a/b", "ñu", "a" * 41, "a\n"])
 def test_names_that_could_be_something_else_are_refused(accounts: Accounts, name: str) -> None:
-    with raises_fault(faults.ACCOUNT, repr(name), "2 to 40 letters", error=AccountError):
+    with raises_fault(NOT_ALLOWED, repr(name), "2 to 40 letters", error=AccountError):
         accounts.add(name, Role.VIEW, PASSWORD)
 
 
 def test_roles_are_known_words_and_nobody_is_none() -> None:
     assert [role_of(one) for one in ("view", "operate", "admin")] == list(Role)[1:]
     for word in ("nobody", "Admin", "", None, 3, []):
-        with raises_fault(faults.ACCOUNT, repr(word), error=AccountError):
+        with raises_fault(NOT_ALLOWED, repr(word), error=AccountError):
             role_of(word)
 
 

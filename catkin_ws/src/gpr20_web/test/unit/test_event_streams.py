@@ -161,5 +161,5 @@ async def test_one_person_cannot_take_all_streams_and_a_browser_keeps_connection
         streams.add(Browser(), Stream(dict), person(session=str(number)))
     with pytest.raises(BusyError, match="30 of one account, 64 in all") as refused:
         streams.add(Browser(), Stream(dict), person())
-    assert refused.value.message.fault_code == "web.too_many_pages"
+    assert refused.value.message.fault_code == "web.bad_request"
     streams.add(Browser(), Stream(dict), person("ben"))

@@ -152,7 +152,7 @@ def test_an_address_that_apprise_does_not_know_is_left_out_and_reported_without_
     assert len(receiver.got) == 1
     receiver.got.clear()
     (warning,) = reported
-    assert warning.fault_code == "web.notify"
+    assert warning.fault_code == "config.wrong"
     assert "address 1" in str(warning) and "secret-word" not in str(warning)
 
 

@@ -187,7 +187,7 @@ def test_a_damaged_file_is_reported_and_everybody_logs_in_again(
     token = world.sessions.begin(world.ana)
     world.file.write_text(content.replace("BOOT", json.dumps(session_file.BOOT.read_text())))
     world.restart()
-    assert [one.fault_code for one in world.reported] == ["web.folder"]
+    assert [one.fault_code for one in world.reported] == ["config.wrong"]
     assert not world.is_in(token)
     token = world.sessions.begin(world.ana)
     world.restart()

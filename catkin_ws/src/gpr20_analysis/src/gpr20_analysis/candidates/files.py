@@ -11,11 +11,11 @@ import json
 from pathlib import Path
 from typing import Any, Callable, Dict, Iterable, List, Optional, Tuple
 
-from gpr20_analysis import faults
 from gpr20_analysis.atomic_output import atomic_output
 from gpr20_analysis.candidates.geopackage import Layer, write_geopackage
 from gpr20_analysis.errors import ExportError, wrong_ending
 from gpr20_analysis.formats.csv_cells import csv_cell
+from gpr20_common.faults import NOT_ALLOWED
 from gpr20_common.message import Message
 from gpr20_survey.files.file_sums import sum_of_file
 from gpr20_survey.results.area_position import AreaPosition
@@ -63,7 +63,7 @@ def require_place(path: Path, position: Optional[AreaPosition], endings: Iterabl
                 command="gpr20 annotate --position --heading",
                 others=", ".join(one for one in endings if one != GEOJSON),
             ),
-            fault=faults.NO_POSITION,
+            fault=NOT_ALLOWED,
         )
 
 

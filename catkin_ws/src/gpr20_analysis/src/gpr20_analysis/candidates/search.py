@@ -9,7 +9,6 @@ from typing import Dict, List, Optional, Sequence
 import numpy as np
 import xarray as xr
 
-from gpr20_analysis import faults
 from gpr20_analysis.candidates.false_alarms import STRIP_M, FalseAlarms, surveyed_m2
 from gpr20_analysis.dataset import DEPTH, ECHOES, IMAGE, POLARIZATION, X, Y, is_line, require
 from gpr20_analysis.errors import WrongDatasetError
@@ -18,6 +17,7 @@ from gpr20_analysis.imaging.image_output import permittivity_range
 from gpr20_analysis.imaging.permittivity.known_permittivity import depth_shares
 from gpr20_analysis.read.survey_attributes import area_position
 from gpr20_analysis.sentences import DOUBTS, NOTES, sentences_of
+from gpr20_common.faults import NOT_ALLOWED
 from gpr20_common.message import Message
 from gpr20_survey.results.candidates import DOUBTFUL, OMITTED, Candidate, CandidateList, Flag
 
@@ -71,7 +71,7 @@ class CandidateOptions:
                     lowest=1e-3,
                     highest=1e3,
                 ),
-                fault=faults.OPTION,
+                fault=NOT_ALLOWED,
             )
         if not 1 <= self.most <= 100_000:
             raise WrongDatasetError(
@@ -80,7 +80,7 @@ class CandidateOptions:
                     most=self.most,
                     highest=100_000,
                 ),
-                fault=faults.OPTION,
+                fault=NOT_ALLOWED,
             )
 
 
@@ -167,7 +167,7 @@ def _alarms_of(clean_ground: xr.Dataset, image: xr.Dataset) -> FalseAlarms:
                 "the image of clean ground was made in another way; make both with the same sweep, "
                 "rotations, permittivity and method"
             ),
-            fault=faults.OPTION,
+            fault=NOT_ALLOWED,
         )
     area_m2 = surveyed_m2(clean_ground[X].values, clean_ground[Y].values)
     return FalseAlarms(weak_db, area_m2)

@@ -14,6 +14,7 @@ from gpr20_analysis.errors import AnalysisError, not_there
 from gpr20_analysis.report.summary import HEADING_OF_Y, POSITION, RECORDED, heading_text
 from gpr20_common.catalogue import Catalogue
 from gpr20_common.errors import InvalidValueError
+from gpr20_common.faults import IN_USE
 from gpr20_common.message import Message, verbatim
 from gpr20_survey.folder.log_record import Kind
 from gpr20_survey.folder.recovery import Fact, add_to_survey, read_description
@@ -57,7 +58,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
     """Change what is given, print the whole annotation and return the exit status."""
     if not chosen.survey.is_dir():
-        raise AnalysisError(not_there(chosen.survey), fault=faults.NO_INPUT)
+        raise AnalysisError(not_there(chosen.survey), fault=faults.INPUT)
     description = read_description(chosen.survey)
     changes = _changes(chosen)
     if changes:
@@ -98,7 +99,7 @@ def refuse_open(folder: Path, description: Dict[str, Any]) -> None:
                 "robot's window, or resume and stop the survey first",
                 folder=folder,
             ),
-            fault=faults.SURVEY_RUNS,
+            fault=IN_USE,
         )
 
 

@@ -8,7 +8,6 @@ from typing import List
 
 import xarray as xr
 
-from gpr20_analysis import faults
 from gpr20_analysis.commands import inputs, outputs
 from gpr20_analysis.commands.command import DONE, Command
 from gpr20_analysis.dataset import HEIGHT, MM_PER_M
@@ -18,6 +17,7 @@ from gpr20_analysis.imaging.image_options import check_range
 from gpr20_analysis.processing.antenna_step import MISFIT, PLATE_HEIGHT, antenna_of
 from gpr20_analysis.read.load import load_survey
 from gpr20_common.catalogue import Catalogue
+from gpr20_common.faults import NOT_ALLOWED
 from gpr20_common.message import Message
 from gpr20_common.terminal_text import say
 
@@ -66,7 +66,7 @@ def _heights_m(chosen: argparse.Namespace) -> List[float]:
                 count=len(chosen.height),
                 surveys=len(chosen.plates),
             ),
-            fault=faults.OPTION,
+            fault=NOT_ALLOWED,
         )
     for height_m in chosen.height:
         check_range("--height", height_m, 0.001, 10.0, "m")

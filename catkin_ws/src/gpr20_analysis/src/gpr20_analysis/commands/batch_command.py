@@ -10,7 +10,6 @@ import shlex
 from pathlib import Path
 from typing import Any, Dict, Iterator, List, Sequence, Tuple
 
-from gpr20_analysis import faults
 from gpr20_analysis.atomic_output import BESIDE
 from gpr20_analysis.commands import inputs
 from gpr20_analysis.commands.batch_work import (
@@ -28,6 +27,7 @@ from gpr20_analysis.errors import AnalysisError
 from gpr20_analysis.formats.conversion import EXPORTS
 from gpr20_analysis.sentences import shown
 from gpr20_common.catalogue import Catalogue
+from gpr20_common.faults import NOT_ALLOWED
 from gpr20_common.message import Message
 from gpr20_common.sent_message import json_fields
 from gpr20_common.terminal_text import say
@@ -221,7 +221,7 @@ def _call(chosen: argparse.Namespace) -> Tuple[str, argparse.Namespace]:
 
 
 def _refused(message: Message) -> AnalysisError:
-    return AnalysisError(message, fault=faults.OPTION)
+    return AnalysisError(message, fault=NOT_ALLOWED)
 
 
 def _state(outcome: Outcome) -> str:

@@ -28,6 +28,7 @@ from gpr20_analysis.commands.failure import message_of
 from gpr20_analysis.errors import AnalysisError
 from gpr20_analysis.lazy import available_bytes
 from gpr20_analysis.threads import processors
+from gpr20_common.faults import NOT_ALLOWED
 from gpr20_common.low.catalogue_file import language_from_code, read_catalogue
 from gpr20_common.message import Message
 
@@ -103,7 +104,7 @@ def earlier(job: Job) -> Optional[Outcome]:
             "{result} is there, but not known to be of this command and this state of the survey; "
             "give --overwrite or another --into",
             result=job.result,
-        ).with_fault(faults.OPTION),
+        ).with_fault(NOT_ALLOWED),
     )
 
 
@@ -147,7 +148,7 @@ def connected(address: Optional[str], workers: int) -> Iterator[Client]:
                 limit_s=TIME_LIMIT_S,
                 details=error,
             ),
-            fault=faults.CLUSTER,
+            fault=NOT_ALLOWED,
         ) from error
     with client:
         if not client.nthreads():
@@ -157,7 +158,7 @@ def connected(address: Optional[str], workers: int) -> Iterator[Client]:
                     "'dask worker {address}'",
                     address=address,
                 ),
-                fault=faults.CLUSTER,
+                fault=NOT_ALLOWED,
             )
         yield client
 
@@ -199,7 +200,7 @@ def outcomes(
                     "the dask scheduler or its workers have ended, and this survey is not done; "
                     "repeat the same command, which keeps what is done",
                     details=type(error).__name__,
-                ).with_fault(faults.CLUSTER if client.cluster is None else faults.WORKER_KILLED)
+                ).with_fault(NOT_ALLOWED if client.cluster is None else faults.TOO_LARGE)
                 yield from ((job, Outcome(REFUSED, 0.0, error=reason)) for job in left.values())
                 return
 
@@ -262,5 +263,5 @@ def _lost(error: BaseException, job: Job) -> Outcome:
         reason = Message(
             "every worker that computed this survey was killed, probably for lack of memory",
             details=error,
-        ).with_fault(faults.WORKER_KILLED)
+        ).with_fault(faults.TOO_LARGE)
     return Outcome(REFUSED, 0.0, error=reason)

@@ -73,7 +73,7 @@ def _require_master() -> None:
     except ImportError as error:
         raise MissingLibraryError(
             Message("--publish needs ROS; source catkin_ws/devel/setup.bash first", details=error),
-            fault=faults.NO_WORKSPACE,
+            fault=faults.NO_ROS,
         ) from error
     if not rosgraph.is_master_online():
         raise AnalysisError(
@@ -81,7 +81,7 @@ def _require_master() -> None:
                 "no ROS master answers at {address}; start roscore",
                 address=rosgraph.get_master_uri(),
             ),
-            fault=faults.NO_ROS_MASTER,
+            fault=faults.NO_ROS,
         )
 
 

@@ -71,7 +71,7 @@ ENGLISH = {"annotate", "antenna", "delay", "export", "found", "import", "process
 COMMANDS = ExtensionPoint(
     "gpr20.commands",
     Message("the command"),
-    fault=faults.ADDITION,
+    fault=faults.STEPS,
     own=SUMMARIES,
     wings={"view": "gpr20_viewer"},
     kind=Command,

@@ -41,7 +41,7 @@ def _needs_workspace(error: ImportError) -> MissingLibraryError:
             "the doctor needs ROS and the workspace; source catkin_ws/devel/setup.bash first",
             details=error,
         ),
-        fault=faults.NO_WORKSPACE,
+        fault=faults.NO_ROS,
     )
 
 

@@ -64,7 +64,7 @@ def run(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
                     "the format {format} needs an output: give a file or folder behind the survey",
                     format=chosen.format,
                 ),
-                fault=faults.FORMAT,
+                fault=faults.INPUT,
             )
         return _say(form.in_survey(chosen.survey), chosen.survey, catalogue)
     check_ending(chosen.output, chosen.format)

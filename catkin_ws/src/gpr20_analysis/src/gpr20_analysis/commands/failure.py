@@ -7,8 +7,10 @@ from typing import List
 from gpr20_analysis import faults
 from gpr20_analysis.errors import library_missing
 from gpr20_common.errors import Gpr20Error
+from gpr20_common.faults import ASKED_FOR, DISK_REFUSES, IN_USE, NOT_ALLOWED
 from gpr20_common.message import Message
 from gpr20_common.os_reason import os_reason
+from gpr20_survey.faults import CAN_RESUME
 
 EXTRAS = {"distributed": "batch", "matplotlib": "plots", "reportlab": "pdf"}
 """Optional libraries that whole commands need, and the extra of each."""
@@ -19,12 +21,12 @@ TRACEBACK = "GPR20_TRACEBACK"
 STEP_IS_SAID = frozenset(
     one.code
     for one in (
-        *(faults.OPTION, faults.IMPORT_FIRST, faults.FILE_CONTENT, faults.METHOD, faults.FORMAT),
-        *(faults.NO_PERMITTIVITY, faults.NO_HEIGHT, faults.NO_GRID, faults.TOO_LARGE),
-        *(faults.OUTPUT, faults.NO_POSITION, faults.LIBRARY, faults.NO_WORKSPACE),
-        *(faults.TOO_DEEP,),
-        *(faults.NO_ROS_MASTER, faults.ROBOT_RUNS, faults.SURVEY_RUNS),
-        *(faults.NOT_CLOSED, faults.STEP_VERSION, faults.PROGRAM, faults.INTERRUPTED),
+        *(NOT_ALLOWED, faults.INPUT, faults.INPUT, NOT_ALLOWED, faults.INPUT),
+        *(NOT_ALLOWED, NOT_ALLOWED, faults.INPUT, faults.TOO_LARGE),
+        *(NOT_ALLOWED, NOT_ALLOWED, faults.STEPS, faults.NO_ROS),
+        *(NOT_ALLOWED,),
+        *(faults.NO_ROS, faults.ROBOT_RUNS, IN_USE),
+        *(CAN_RESUME, faults.STEPS, faults.PROGRAM, ASKED_FOR),
     )
 )
 """Codes of the faults whose sentences all say themselves what to do; it is not said twice."""
@@ -43,11 +45,11 @@ def message_of(error: BaseException, command: str) -> Message:
             Message("{file}: {reason}", file=file, reason=error.message) if file else error.message
         )
     if isinstance(error, KeyboardInterrupt):
-        return Message("interrupted; no partial output is left").with_fault(faults.INTERRUPTED)
+        return Message("interrupted; no partial output is left").with_fault(ASKED_FOR)
     if isinstance(error, ModuleNotFoundError):
         name = error.name or ""
         missing = library_missing(name, EXTRAS.get(name.split(".")[0], ""))
-        return missing.with_fault(faults.LIBRARY)
+        return missing.with_fault(faults.STEPS)
     if isinstance(error, MemoryError):
         message = Message("not enough memory; use fewer samples", details=error)
         return message.with_fault(faults.TOO_LARGE)
@@ -55,7 +57,7 @@ def message_of(error: BaseException, command: str) -> Message:
         reason = os_reason(error)
         if error.filename:
             reason = Message("{file}: {reason}", file=error.filename, reason=reason)
-        return reason if reason.cause else reason.with_fault(faults.DISK)
+        return reason if reason.cause else reason.with_fault(DISK_REFUSES)
     return Message(
         "program error {error}; please report it with the output of {command}",
         error=f"{type(error).__name__}: {error}",

@@ -82,7 +82,7 @@ def _candidate(chosen: argparse.Namespace) -> Dict[str, Any]:
             return {"x_mm": one.x_mm, "y_mm": one.y_mm, "candidate": one.id, "list_sha256": own}
     ids = ", ".join(one.id for one in listed)
     other = Message("there is no candidate {id}; write {ids}", id=chosen.candidate, ids=ids)
-    raise AnalysisError(other, fault=faults.NO_INPUT)
+    raise AnalysisError(other, fault=faults.INPUT)
 
 
 COMMAND = Command(

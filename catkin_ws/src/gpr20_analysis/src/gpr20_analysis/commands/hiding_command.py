@@ -11,7 +11,6 @@ from typing import Optional
 import numpy as np
 import xarray as xr
 
-from gpr20_analysis import faults
 from gpr20_analysis.atomic_output import atomic_output
 from gpr20_analysis.candidates.files import output_paths
 from gpr20_analysis.commands import image_command, inputs, outputs
@@ -28,6 +27,7 @@ from gpr20_analysis.processing.chain import apply_steps
 from gpr20_analysis.read.load import load_survey
 from gpr20_analysis.sentences import shown
 from gpr20_common.catalogue import Catalogue
+from gpr20_common.faults import NOT_ALLOWED
 from gpr20_common.message import Message
 from gpr20_common.terminal_text import say
 from gpr20_survey.results.hidden_target import Targets, target_of
@@ -125,7 +125,7 @@ def hiding_of(chosen: argparse.Namespace, survey: xr.Dataset) -> Optional[Hiding
                 other=found.survey_id or "-",
                 survey=survey_id or "-",
             ),
-            fault=faults.OPTION,
+            fault=NOT_ALLOWED,
         )
     return found
 

@@ -10,7 +10,6 @@ from typing import List, Optional, Sequence, Tuple
 import numpy as np
 import xarray as xr
 
-from gpr20_analysis import faults
 from gpr20_analysis.atomic_output import atomic_output
 from gpr20_analysis.candidates.search import CandidateOptions, find_candidates
 from gpr20_analysis.candidates.table import candidate_lines
@@ -40,6 +39,7 @@ from gpr20_analysis.read.load import load_survey
 from gpr20_analysis.read.survey_attributes import S_PER_NS
 from gpr20_analysis.sentences import DOUBTS, NOTES, labelled, shown
 from gpr20_common.catalogue import Catalogue
+from gpr20_common.faults import NOT_ALLOWED
 from gpr20_common.message import Message
 from gpr20_common.terminal_text import say
 from gpr20_survey.radar.frequency_to_delay import Window
@@ -229,7 +229,7 @@ def options_of(chosen: argparse.Namespace) -> ImageOptions:
                 count=max(count, 0.0),
                 most=MOST_DEPTHS,
             ),
-            fault=faults.OPTION,
+            fault=NOT_ALLOWED,
         )
     return ImageOptions(
         method=imaging_method(chosen.method),

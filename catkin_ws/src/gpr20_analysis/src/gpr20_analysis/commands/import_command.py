@@ -79,7 +79,7 @@ def run(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
         written = [outputs.dataset_output(chosen.output)]
         outputs.check(written, [chosen.input], chosen.overwrite)
     if not chosen.input.exists():
-        raise AnalysisError(not_there(chosen.input), fault=faults.NO_INPUT)
+        raise AnalysisError(not_there(chosen.input), fault=faults.INPUT)
     band = _band(chosen)
     survey = import_survey(
         chosen.input,

@@ -59,7 +59,7 @@ def load(chosen: argparse.Namespace, catalogue: Catalogue) -> xr.Dataset:
                 "{path} is a model of antennas and no survey; use it with --antenna",
                 path=chosen.survey,
             ),
-            fault=faults.NO_INPUT,
+            fault=faults.INPUT,
         )
     print_warnings(survey, catalogue)
     return survey

@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING, Dict, Optional, Tuple
 import numpy as np
 import xarray as xr
 
-from gpr20_analysis import faults
 from gpr20_analysis.atomic_output import atomic_output
 from gpr20_analysis.commands import inputs, outputs
 from gpr20_analysis.commands.command import Command
@@ -20,6 +19,7 @@ from gpr20_analysis.errors import ExportError, WrongDatasetError, wrong_ending
 from gpr20_analysis.imaging.image_options import ImageOptions
 from gpr20_analysis.processing.delay import to_time
 from gpr20_common.catalogue import Catalogue
+from gpr20_common.faults import NOT_ALLOWED
 from gpr20_common.message import Message
 
 if TYPE_CHECKING:
@@ -95,7 +95,7 @@ def _check_options(chosen: argparse.Namespace) -> None:
                     option=option.replace("_", "-"),
                     allowed=", ".join(f"--{name}".replace("_", "-") for name in own) or "-",
                 ),
-                fault=faults.OPTION,
+                fault=NOT_ALLOWED,
             )
 
 
@@ -144,14 +144,14 @@ def _c_scan(data: xr.Dataset, chosen: argparse.Namespace, catalogue: Catalogue) 
     if IMAGE in data:
         if chosen.delay is not None:
             raise WrongDatasetError(
-                Message("--delay is for surveys; an image needs --depth"), fault=faults.OPTION
+                Message("--delay is for surveys; an image needs --depth"), fault=NOT_ALLOWED
             )
         depth_m = _level(data, DEPTH, chosen.depth, MM_PER_M, "mm")
         return scans.c_scan_figure(data, depth_m, catalogue)
     if chosen.depth is not None:
         raise WrongDatasetError(
             Message("--depth is for images; make one with gpr20 image, or use --delay"),
-            fault=faults.OPTION,
+            fault=NOT_ALLOWED,
         )
     in_time = data if A_SCAN in data else to_time(data)
     delay_s = _level(in_time, DELAY, chosen.delay, NS_PER_S, "ns")
@@ -165,7 +165,7 @@ def _place(data: xr.Dataset, axis: str, given_mm: float) -> float:
     if not lowest_m <= given_mm / MM_PER_M <= highest_m:
         raise WrongDatasetError(
             _outside(axis, given_mm, lowest_m * MM_PER_M, highest_m * MM_PER_M, "mm"),
-            fault=faults.OPTION,
+            fault=NOT_ALLOWED,
         )
     return given_mm / MM_PER_M
 
@@ -180,7 +180,7 @@ def _last_s(in_time: xr.Dataset, chosen: argparse.Namespace) -> Optional[float]:
     if not chosen.until >= float(in_time[DELAY][1]) * NS_PER_S:
         raise WrongDatasetError(
             Message("--until {last_ns:g} ns is too short, no trace is left", last_ns=chosen.until),
-            fault=faults.OPTION,
+            fault=NOT_ALLOWED,
         )
     return float(chosen.until) / NS_PER_S
 
@@ -189,12 +189,12 @@ def _level(data: xr.Dataset, axis: str, given: Optional[float], scale: float, un
     """Return a depth or delay in SI units; it must be within the data."""
     if given is None:
         raise WrongDatasetError(
-            Message("this figure needs --{option}", option=axis), fault=faults.OPTION
+            Message("this figure needs --{option}", option=axis), fault=NOT_ALLOWED
         )
     lowest, highest = (float(end) * scale for end in data[axis].values[[0, -1]])
     # Written so that NaN is refused too.
     if not lowest <= given <= highest:
-        raise WrongDatasetError(_outside(axis, given, lowest, highest, unit), fault=faults.OPTION)
+        raise WrongDatasetError(_outside(axis, given, lowest, highest, unit), fault=NOT_ALLOWED)
     return given / scale
 
 
@@ -222,7 +222,7 @@ def _turn(data: xr.Dataset, rotation_deg: float) -> int:
                 rotation_deg=rotation_deg,
                 rotations=", ".join(f"{turn:g}" for turn in turns),
             ),
-            fault=faults.OPTION,
+            fault=NOT_ALLOWED,
         )
     return int(near[0])
 

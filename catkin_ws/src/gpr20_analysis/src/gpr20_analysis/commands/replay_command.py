@@ -61,7 +61,7 @@ def run(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
     """Publish the survey; return the exit status."""
     pace = Pace(chosen.rate, chosen.longest_pause, chosen.start, chosen.paused)
     if not chosen.survey.exists():
-        raise AnalysisError(not_there(chosen.survey), fault=faults.NO_INPUT)
+        raise AnalysisError(not_there(chosen.survey), fault=faults.INPUT)
     replayed = describe(chosen.survey)
     try:
         import rosgraph
@@ -73,7 +73,7 @@ def run(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
     except ImportError as error:
         raise MissingLibraryError(
             Message("a replay needs ROS; source catkin_ws/devel/setup.bash first", details=error),
-            fault=faults.NO_WORKSPACE,
+            fault=faults.NO_ROS,
         ) from error
     if not rosgraph.is_master_online():
         raise AnalysisError(
@@ -82,7 +82,7 @@ def run(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
                 "replay.launch",
                 address=rosgraph.get_master_uri(),
             ),
-            fault=faults.NO_ROS_MASTER,
+            fault=faults.NO_ROS,
         )
     namespace = _namespace(chosen.ns)
     refuse_beside_others(f"{namespace}{name}" for name in TOPICS_OF_A_ROBOT)

@@ -14,6 +14,7 @@ from gpr20_analysis.sentences import shown
 from gpr20_common.catalogue import Catalogue
 from gpr20_common.message import Message, in_a_row
 from gpr20_common.terminal_text import say
+from gpr20_survey.faults import CAN_RESUME
 from gpr20_survey.files.folder_lock import SHORT_WAIT_S, locked
 from gpr20_survey.folder import survey_folder
 from gpr20_survey.folder.recovery import recover
@@ -48,7 +49,7 @@ def run(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
         if found.manifest is None or not found.is_binding:
             raise AnalysisError(
                 Message("the survey is not closed, or its manifest is damaged"),
-                fault=faults.NOT_CLOSED,
+                fault=CAN_RESUME,
             )
         if found.differences or not log.is_whole:
             damaged = [
@@ -58,7 +59,7 @@ def run(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
                 Message(
                     "what differs from the manifest is not signed: {differences}",
                     differences=in_a_row([*found.differences, *damaged][:SHOWN]),
-                ).reporting_only(faults.FILES_DIFFER)
+                ).reporting_only(faults.NOT_INTACT)
             )
         found.manifest.write_for(folder, log.records[-1])
         signer.sign(folder)

@@ -61,7 +61,7 @@ def has_checksum(path: Path) -> bool:
                 "{path} is damaged: its SHA-256 has changed; create it again from the survey",
                 path=path,
             ),
-            fault=faults.FILE_CHANGED,
+            fault=faults.FILE_DAMAGED,
         )
     return True
 
@@ -82,7 +82,7 @@ def _check_folder(path: Path) -> bool:
                 count=len(wrong),
                 file=min(wrong),
             ),
-            fault=faults.FILE_CHANGED,
+            fault=faults.FILE_DAMAGED,
         )
     return True
 

@@ -70,7 +70,7 @@ def as_dataset(found: Imported) -> xr.Dataset:
                 height_m=wrong[0],
                 highest_m=HIGHEST_M,
             ),
-            fault=faults.FILE_CONTENT,
+            fault=faults.INPUT,
         )
     shape = found.values.shape[:3]
     # A sample of only NaN is missing; one with some NaN is damaged.
@@ -156,7 +156,7 @@ def on_grid(
     if len(set(cells)) < len(cells):
         raise UnreadableFileError(
             Message("{source} has two samples at the same position and rotation", source=source),
-            fault=faults.FILE_CONTENT,
+            fault=faults.INPUT,
         )
     axis = delay_s if frequency_hz is None else frequency_hz
     if axis is None:
@@ -219,6 +219,6 @@ def even_step(values: np.ndarray, name: Union[str, Message], unit: str) -> float
                 largest=steps.max(),
                 unit=unit,
             ),
-            fault=faults.FORMAT,
+            fault=faults.INPUT,
         )
     return float((values[-1] - values[0]) / (len(values) - 1))

@@ -56,7 +56,7 @@ def _write_dataset(survey: xr.Dataset, path: Path, _: Progress) -> Message:
 EXPORTS = ExtensionPoint(
     "gpr20_analysis.exports",
     Message("the format"),
-    fault=faults.ADDITION,
+    fault=faults.STEPS,
     own={
         "netcdf": ExportFormat(_write_dataset, NETCDF, has_own_checksum=True),
         "zarr": ExportFormat(_write_dataset, ZARR, has_own_checksum=True),
@@ -115,7 +115,7 @@ def export_survey(
                 "so depths would be wrong after an import; export the data without this step",
                 format=form,
             ),
-            fault=faults.FORMAT,
+            fault=faults.INPUT,
         )
     writer = export_format(form)
     written = {}

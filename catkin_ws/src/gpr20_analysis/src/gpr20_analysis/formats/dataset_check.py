@@ -10,7 +10,7 @@ import xarray as xr
 from gpr20_analysis import dataset
 from gpr20_analysis.dataset import Quality
 from gpr20_analysis.errors import DamagedSurveyError, UnreadableFileError
-from gpr20_analysis.faults import FILE_CONTENT, FILE_DAMAGED
+from gpr20_analysis.faults import FILE_DAMAGED, INPUT
 from gpr20_analysis.read.doubts import survey_doubts
 from gpr20_analysis.sentences import first_of, sentences_of, with_doubts, with_sentences
 from gpr20_common.message import Message
@@ -48,7 +48,7 @@ def checked(data: xr.Dataset, name: str, accept_damaged: bool = False) -> xr.Dat
                 needed=", ".join(VALUES),
                 names=", ".join(sorted(map(str, data.data_vars))) or "-",
             ),
-            fault=FILE_CONTENT,
+            fault=INPUT,
         )
     for one in held:
         dims = tuple(data[one].dims)
@@ -62,7 +62,7 @@ def checked(data: xr.Dataset, name: str, accept_damaged: bool = False) -> xr.Dat
                     found=", ".join(f"{dim} {size}" for dim, size in data[one].sizes.items()),
                     needed=", ".join(VALUES[one]),
                 ),
-                fault=FILE_CONTENT,
+                fault=INPUT,
             )
         _check_axes(data, one, name)
     whole = [one for one in held if one in (dataset.IMAGE, dataset.ANTENNA)]
@@ -83,7 +83,7 @@ def _check_axes(data: xr.Dataset, one: str, name: str) -> None:
         if values is None or values.dtype.kind not in "fiu":
             raise UnreadableFileError(
                 Message("{file} has no coordinate '{axis}'", file=name, axis=axis),
-                fault=FILE_CONTENT,
+                fault=INPUT,
             )
         if axis in ASCENDING and not (
             np.isfinite(values).all() and (np.diff(values.astype(np.float64)) > 0).all()
@@ -108,7 +108,7 @@ def _check_samples(data: xr.Dataset, one: str, name: str, accept_damaged: bool) 
                     variable=variable,
                     values=one,
                 ),
-                fault=FILE_CONTENT,
+                fault=INPUT,
             )
     quality = data[dataset.QUALITY].transpose(*dataset.SAMPLE_DIMS)
     if quality.dtype.kind not in "ui":
@@ -118,7 +118,7 @@ def _check_samples(data: xr.Dataset, one: str, name: str, accept_damaged: bool) 
                 file=name,
                 type=quality.dtype,
             ),
-            fault=FILE_CONTENT,
+            fault=INPUT,
         )
     last = VALUES[one][-1]
     whole = (abs(data[one]) < np.inf).all(last).transpose(*dataset.SAMPLE_DIMS).values

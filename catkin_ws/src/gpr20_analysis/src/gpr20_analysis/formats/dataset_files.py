@@ -107,7 +107,7 @@ def read_dataset(path: Path, lazy_bytes: Optional[int] = None) -> xr.Dataset:
         OSError: It cannot be read.
     """
     if not path.exists():
-        raise AnalysisError(not_there(path), fault=faults.NO_INPUT)
+        raise AnalysisError(not_there(path), fault=faults.INPUT)
     if path.is_dir():
         for name in regular_files(path):
             check_regular(path / name)

@@ -61,7 +61,7 @@ def only_recordings(form: str) -> Writer:
                 "have; use `gpr20 export` with the survey's folder or recording",
                 format=form,
             ),
-            fault=faults.FORMAT,
+            fault=faults.INPUT,
         )
 
     return refuse
@@ -172,7 +172,7 @@ class ImageFormat:
 IMPORTS = ExtensionPoint(
     "gpr20_analysis.imports",
     Message("the format"),
-    fault=faults.ADDITION,
+    fault=faults.STEPS,
     wings=dict.fromkeys(
         (
             *("group-csv", "merged-hdf5", "gprmax", "original-json", "arrays"),
@@ -186,7 +186,7 @@ IMPORTS = ExtensionPoint(
 IMAGE_FORMATS = ExtensionPoint(
     "gpr20_analysis.image_formats",
     Message("the image format"),
-    fault=faults.ADDITION,
+    fault=faults.STEPS,
     wings={"h5": WING},
     kind=ImageFormat,
 )

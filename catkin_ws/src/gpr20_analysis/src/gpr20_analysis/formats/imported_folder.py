@@ -138,7 +138,7 @@ def write_imported_folder(
 def _refused(reason: Message) -> ExportError:
     return ExportError(
         Message("a survey's folder cannot hold the data: {reason}; write a .nc", reason=reason),
-        fault=faults.FORMAT,
+        fault=faults.INPUT,
     )
 
 

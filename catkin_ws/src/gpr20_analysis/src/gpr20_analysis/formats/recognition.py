@@ -22,7 +22,7 @@ def refuse_device(path: Path) -> None:
     if path.exists() and not (path.is_file() or path.is_dir()):
         raise AnalysisError(
             Message("{path} is neither a file nor a folder, so it is not a survey", path=path),
-            fault=faults.NO_INPUT,
+            fault=faults.INPUT,
         )
 
 
@@ -44,5 +44,5 @@ def refuse_importable(path: Path) -> None:
                 format=form,
                 command=command,
             ),
-            fault=faults.IMPORT_FIRST,
+            fault=faults.INPUT,
         )

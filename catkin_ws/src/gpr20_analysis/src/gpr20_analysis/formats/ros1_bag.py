@@ -53,7 +53,7 @@ def _mcap_of(survey: Path) -> StoredMcap:
     if path.suffix != MCAP or is_foreign(path):
         raise AnalysisError(
             Message("{path} is no MCAP file of a survey, from which a bag is made", path=path),
-            fault=faults.NO_INPUT,
+            fault=faults.INPUT,
         )
     return StoredMcap(path.resolve())
 

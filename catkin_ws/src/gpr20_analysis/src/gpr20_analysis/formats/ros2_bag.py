@@ -67,7 +67,7 @@ def export_recording(survey: Path, path: Path, progress: Progress) -> RecordingE
         if not bag.counts:
             raise UnreadableFileError(
                 Message("{file} has no message that can be read", file=recording.name),
-                fault=faults.RECORDING_DAMAGED,
+                fault=faults.FILE_DAMAGED,
             )
     content = Message(
         "{count} messages of {topics} topics",

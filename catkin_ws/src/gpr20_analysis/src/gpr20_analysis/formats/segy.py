@@ -66,13 +66,13 @@ def write_segy(survey: xr.Dataset, path: Path, progress: Progress = no_progress)
     if survey.sizes[dataset.POLARIZATION] != 1:
         raise ExportError(
             Message("a SEG-Y file holds one polarization; write each to a separate file"),
-            fault=faults.FORMAT,
+            fault=faults.INPUT,
         )
     survey = survey.isel({dataset.POLARIZATION: 0})
     if dataset.S21 not in survey and dataset.A_SCAN not in survey:
         raise ExportError(
             Message("the data contain neither spectra nor A-scans, so they cannot be exported"),
-            fault=faults.FORMAT,
+            fault=faults.INPUT,
         )
     if dataset.A_SCAN in survey:
         delay_s = survey[dataset.DELAY].values
@@ -89,7 +89,7 @@ def write_segy(survey: xr.Dataset, path: Path, progress: Progress = no_progress)
                 count=len(delay_s),
                 step_ps=interval_ps,
             ),
-            fault=faults.FORMAT,
+            fault=faults.INPUT,
         )
     _check_places(survey)
     spec = segyio.spec()
@@ -121,7 +121,7 @@ def _check_places(survey: xr.Dataset) -> None:
                     furthest_m=furthest_m,
                     most_m=FURTHEST_M,
                 ),
-                fault=faults.FORMAT,
+                fault=faults.INPUT,
             )
 
 

@@ -91,7 +91,7 @@ def checked_facts(export: Path) -> Optional[Facts]:
                 sums=path.name,
                 file=min(wrong) or export.name,
             ),
-            fault=faults.FILE_CHANGED,
+            fault=faults.FILE_DAMAGED,
         )
     try:
         return Facts.from_json(json.loads(lines[0][len(FACTS) :]))
@@ -106,7 +106,7 @@ def _damaged(path: Path) -> UnreadableFileError:
             "delete {file} to import them without a check",
             file=path.name,
         ),
-        fault=faults.FILE_CHANGED,
+        fault=faults.FILE_DAMAGED,
     )
 
 

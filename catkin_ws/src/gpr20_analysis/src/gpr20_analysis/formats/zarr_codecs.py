@@ -47,7 +47,7 @@ def refuse_unsafe_codecs(folder: Path) -> None:
                             codec=repr(codec),
                             allowed="blosc, gzip, zlib, zstd",
                         ),
-                        fault=faults.FILE_CONTENT,
+                        fault=faults.INPUT,
                     )
 
 

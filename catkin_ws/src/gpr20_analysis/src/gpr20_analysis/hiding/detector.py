@@ -15,7 +15,6 @@ from typing import Callable, List, Optional, Tuple
 import numpy as np
 import xarray as xr
 
-from gpr20_analysis import faults
 from gpr20_analysis.candidates.search import DEFAULT_OPTIONS, CandidateOptions, find_candidates
 from gpr20_analysis.dataset import DEPTH, ECHOES, IMAGE, POLARIZATION, S21, X, Y
 from gpr20_analysis.errors import WrongDatasetError
@@ -23,6 +22,7 @@ from gpr20_analysis.imaging.clutter import local_clutter
 from gpr20_analysis.imaging.echoes import between_voxels_m
 from gpr20_analysis.imaging.image import ECHO_VALUES, REST, image_survey
 from gpr20_analysis.imaging.image_options import ImageOptions
+from gpr20_common.faults import NOT_ALLOWED
 from gpr20_common.message import Message
 from gpr20_survey.radar.frequency_to_delay import decibels
 from gpr20_survey.results.candidates import Candidate, CandidateList
@@ -79,7 +79,7 @@ class Searched:
                     "them; use another --method",
                     method=detector.options.method.name,
                 ),
-                fault=faults.METHOD,
+                fault=NOT_ALLOWED,
             )
         self._detector, self._processed = detector, detector.process(survey)
         image = image_survey(self._processed, detector.options, with_rest=True)

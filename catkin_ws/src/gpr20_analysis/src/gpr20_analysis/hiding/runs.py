@@ -13,7 +13,6 @@ from typing import Dict, List, NamedTuple, Optional, Sequence, Tuple
 import numpy as np
 import xarray as xr
 
-from gpr20_analysis import faults
 from gpr20_analysis.candidates.false_alarms import surveyed_m2
 from gpr20_analysis.dataset import HEIGHT, X, Y, usable
 from gpr20_analysis.errors import WrongDatasetError
@@ -24,6 +23,7 @@ from gpr20_analysis.hiding.transmission import SurfaceReference, of_model
 from gpr20_analysis.processing.sweep import FrequencyGrid
 from gpr20_analysis.progress import Progress, in_stages
 from gpr20_analysis.threads import on_threads
+from gpr20_common.faults import NOT_ALLOWED
 from gpr20_common.message import Message
 from gpr20_survey.radar.depth import SPEED_OF_LIGHT_M_S
 from gpr20_survey.results.hidden_target import Target
@@ -79,7 +79,7 @@ class HidingOptions:
         }
         for sentence, is_right in right.items():
             if not is_right:
-                raise WrongDatasetError(sentence, fault=faults.OPTION)
+                raise WrongDatasetError(sentence, fault=NOT_ALLOWED)
 
 
 _Job = Tuple[float, int]

@@ -7,7 +7,6 @@ from typing import Optional, Tuple
 import numpy as np
 import xarray as xr
 
-from gpr20_analysis import faults
 from gpr20_analysis.dataset import (
     ANTENNA,
     ANTENNA_DIMS,
@@ -22,6 +21,7 @@ from gpr20_analysis.processing.antenna_delay import recorded_delay_s
 from gpr20_analysis.processing.delay import known_height
 from gpr20_analysis.processing.surface_echo import fit_delay
 from gpr20_analysis.processing.sweep import FrequencyGrid, a_scans
+from gpr20_common.faults import NOT_ALLOWED
 from gpr20_common.message import Message
 from gpr20_survey.radar.depth import SPEED_OF_LIGHT_M_S
 
@@ -111,7 +111,7 @@ def _check_separate(air_s: float, sweep: FrequencyGrid) -> None:
                 height_mm=MM_PER_M * 0.5 * air_s * SPEED_OF_LIGHT_M_S,
                 least_mm=MM_PER_M * 0.5 * least_s * SPEED_OF_LIGHT_M_S,
             ),
-            fault=faults.NO_SURFACE_ECHO,
+            fault=NOT_ALLOWED,
         )
 
 

@@ -35,6 +35,7 @@ from gpr20_analysis.processing.antenna_delay import delay_to_remove_s, recorded_
 from gpr20_analysis.processing.sweep import FrequencyGrid
 from gpr20_analysis.progress import Progress, in_stages, no_progress
 from gpr20_analysis.sentences import with_notes
+from gpr20_common.faults import NOT_ALLOWED
 from gpr20_common.message import Message
 from gpr20_survey.radar.depth import delay_of_depth, one_way_path_m
 from gpr20_survey.radar.frequency_to_delay import decibels
@@ -170,7 +171,7 @@ def _check_unambiguous(traces: Sequence[Traces], focus: Focus) -> None:
                 step_mhz=traces[0].sweep.step_hz / 1e6,
                 unambiguous_ns=unambiguous_s * 1e9,
             ),
-            fault=faults.TOO_DEEP,
+            fault=NOT_ALLOWED,
         )
     band_hz = traces[0].sweep.step_hz * traces[0].sweep.count
     if longest_s * band_hz < 1.0:
@@ -182,7 +183,7 @@ def _check_unambiguous(traces: Sequence[Traces], focus: Focus) -> None:
                 resolution_ns=1e9 / band_hz,
                 longest_ns=longest_s * 1e9,
             ),
-            fault=faults.BAND_TOO_NARROW,
+            fault=faults.INPUT,
         )
 
 

@@ -7,7 +7,6 @@ from typing import Optional, Tuple
 
 import numpy as np
 
-from gpr20_analysis import faults
 from gpr20_analysis.dataset import MM_PER_M
 from gpr20_analysis.errors import WrongDatasetError
 from gpr20_analysis.imaging.methods import Method
@@ -15,6 +14,7 @@ from gpr20_analysis.imaging.permittivity.buried_reference import BuriedReference
 from gpr20_analysis.imaging.permittivity.known_permittivity import GIVEN_UNCERTAINTY
 from gpr20_analysis.imaging.records import Ground
 from gpr20_analysis.processing.antenna_delay import check_delay
+from gpr20_common.faults import NOT_ALLOWED
 from gpr20_common.message import Message
 from gpr20_survey.radar.frequency_to_delay import Window
 from gpr20_survey.radar.soils import LARGEST_PERMITTIVITY, MIN_PERMITTIVITY, Soils
@@ -75,7 +75,7 @@ class ImageOptions:
                     "the depths are {depths} m; they must be two or more, ascending, not negative",
                     depths=", ".join(f"{one:g}" for one in depth_m[:5]) or "-",
                 ),
-                fault=faults.OPTION,
+                fault=NOT_ALLOWED,
             )
         check_range(
             Message("the permittivity"),
@@ -92,7 +92,7 @@ class ImageOptions:
                     "the permittivity is given more than once; use one of --permittivity, --soil "
                     "and --buried"
                 ),
-                fault=faults.OPTION,
+                fault=NOT_ALLOWED,
             )
         if self.buried is not None:
             name = Message("the depth of the buried reference")
@@ -113,7 +113,7 @@ class ImageOptions:
                     method=self.method.name,
                     other=Method.PHASE_SHIFT.name,
                 ),
-                fault=faults.OPTION,
+                fault=NOT_ALLOWED,
             )
         if self.ground is Ground.UNEVEN and not self.method.exact_paths:
             raise WrongDatasetError(
@@ -123,7 +123,7 @@ class ImageOptions:
                     method=self.method.name,
                     other=Method.BACK_PROJECTION.name,
                 ),
-                fault=faults.METHOD,
+                fault=NOT_ALLOWED,
             )
 
 
@@ -145,5 +145,5 @@ def check_range(
                 lower=f"{lowest:g}",
                 upper=f"{highest:g} {unit}".rstrip(),
             ),
-            fault=faults.OPTION,
+            fault=NOT_ALLOWED,
         )

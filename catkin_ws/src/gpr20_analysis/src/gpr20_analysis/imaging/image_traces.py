@@ -33,6 +33,7 @@ from gpr20_analysis.processing.samples import FILLED
 from gpr20_analysis.processing.surface_echo import SURFACE_DELAY
 from gpr20_analysis.processing.sweep import FrequencyGrid
 from gpr20_analysis.sentences import first_of, sentence_of
+from gpr20_common.faults import NOT_ALLOWED
 from gpr20_common.message import Message
 from gpr20_survey.radar.depth import one_way_path_m
 
@@ -141,7 +142,7 @@ def traces_of(survey: xr.Dataset, options: ImageOptions) -> Tuple[List[Traces], 
                     "the steps: the background of a single trace is the trace itself",
                     rotation_deg=one.rotation_deg,
                 ),
-                fault=faults.NO_SAMPLES,
+                fault=faults.INPUT,
             )
     notes = [*_notes(survey, present), *_uneven_notes(height_m, options)]
     of_surface = surface_notes(survey, options, delay_s)
@@ -151,7 +152,7 @@ def traces_of(survey: xr.Dataset, options: ImageOptions) -> Tuple[List[Traces], 
                 "{note}; with that a buried reference gives a wrong permittivity: give the delay "
                 "with --delay, or the distance of the antennas with --separation",
                 note=of_surface[0],
-            ).reporting_only(faults.NO_SURFACE_ECHO)
+            ).reporting_only(NOT_ALLOWED)
         )
     return traces, [*notes, *of_surface]
 
@@ -162,7 +163,7 @@ def _heights(survey: xr.Dataset, options: ImageOptions, present: np.ndarray) -> 
     height_m = known_height(survey).values
     if not np.any(present):
         raise WrongDatasetError(
-            Message("no sample is usable, so there is nothing to image"), fault=faults.NO_SAMPLES
+            Message("no sample is usable, so there is nothing to image"), fault=faults.INPUT
         )
     # A sample that is left out adds nothing, so its height does not matter.
     return np.where(present, height_m, float(np.mean(height_m[present])))
@@ -181,7 +182,7 @@ def _check_relief(height_m: np.ndarray, options: ImageOptions) -> None:
             range_mm=MM_PER_M * float(np.ptp(height_m)),
             deviation_mm=MM_PER_M * deviation_m,
         ),
-        fault=faults.METHOD,
+        fault=NOT_ALLOWED,
     )
 
 

@@ -75,7 +75,7 @@ Method.BACK_PROJECTION = Method("back-projection", _back_projection, exact_paths
 METHODS = ExtensionPoint(
     "gpr20_analysis.imaging_methods",
     Message("the method"),
-    fault=faults.ADDITION,
+    fault=faults.STEPS,
     own={one.name: one for one in (Method.PHASE_SHIFT, Method.BACK_PROJECTION)},
     wings=dict.fromkeys(("kirchhoff", "kirchhoff-2d"), "gpr20_foreign_formats"),
     kind=Method,

@@ -20,7 +20,6 @@ from typing import Iterator, Optional, Tuple, Union
 import numpy as np
 import scipy.fft
 
-from gpr20_analysis import faults
 from gpr20_analysis.dataset import MM_PER_M
 from gpr20_analysis.errors import WrongDatasetError
 from gpr20_analysis.imaging.a_scans import gated_sweep
@@ -28,6 +27,7 @@ from gpr20_analysis.imaging.image_grid import interpolated
 from gpr20_analysis.imaging.one_height import transform_at_one_height, unit_phasor
 from gpr20_analysis.imaging.records import Focus, Traces
 from gpr20_analysis.processing.sweep import FrequencyGrid
+from gpr20_common.faults import NOT_ALLOWED
 from gpr20_common.message import Message
 from gpr20_survey.radar.depth import SPEED_OF_LIGHT_M_S
 from gpr20_survey.radar.refraction import one_way_delay_s
@@ -177,7 +177,7 @@ def grid_step_m(position_m: np.ndarray, axis: str) -> float:
                 count=len(position_m),
                 axis=axis,
             ),
-            fault=faults.METHOD,
+            fault=NOT_ALLOWED,
         )
     step_m = (position_m[-1] - position_m[0]) / (len(position_m) - 1)
     off_m = np.max(np.abs(position_m - position_m[0] - step_m * np.arange(len(position_m))))
@@ -190,7 +190,7 @@ def grid_step_m(position_m: np.ndarray, axis: str) -> float:
                 off_mm=off_m * MM_PER_M,
                 step_mm=step_m * MM_PER_M,
             ),
-            fault=faults.METHOD,
+            fault=NOT_ALLOWED,
         )
     return float(step_m)
 

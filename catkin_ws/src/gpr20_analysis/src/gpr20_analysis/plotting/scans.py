@@ -11,7 +11,6 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
-from gpr20_analysis import faults
 from gpr20_analysis.dataset import (
     A_SCAN,
     DELAY,
@@ -38,6 +37,7 @@ from gpr20_analysis.plotting.style import (
 )
 from gpr20_analysis.sentences import ENGLISH
 from gpr20_common.catalogue import Catalogue
+from gpr20_common.faults import NOT_ALLOWED
 from gpr20_common.message import Message
 from gpr20_survey.radar.depth import one_way_path_m
 
@@ -78,7 +78,7 @@ def a_scan_figure(
     if not bool(np.isfinite(trace).any()):
         raise WrongDatasetError(
             Message("no sample at x {x_m:g} m, y {y_m:g} m has data", x_m=x_m, y_m=y_m),
-            fault=faults.OPTION,
+            fault=NOT_ALLOWED,
         )
     x_mm, y_mm = float(in_mm(trace[X])), float(in_mm(trace[Y]))
     title = catalogue.tr("A-scan at x {x_mm:g} mm, y {y_mm:g} mm", x_mm=x_mm, y_mm=y_mm)

@@ -14,6 +14,7 @@ from gpr20_analysis.read.survey_attributes import (
     ANTENNA_SEPARATION,
     WIDEST_SEPARATION_M,
 )
+from gpr20_common.faults import NOT_ALLOWED
 from gpr20_common.message import Message
 
 REMOVED = "antenna_delay_removed_s"
@@ -42,7 +43,7 @@ def recorded_separation_m(survey: xr.Dataset) -> float:
     if not (isinstance(found, (int, float)) and 0.0 <= found <= WIDEST_SEPARATION_M):
         raise WrongDatasetError(
             Message("the survey says that its antennas are {found} m apart", found=str(found)),
-            fault=faults.FILE_CONTENT,
+            fault=faults.INPUT,
         )
     return float(found)
 
@@ -66,7 +67,7 @@ def delay_to_remove_s(survey: xr.Dataset, given_s: Optional[float]) -> float:
                 "delay; use one of them",
                 delay_ns=survey.attrs[REMOVED] * 1e9,
             ),
-            fault=faults.OPTION,
+            fault=NOT_ALLOWED,
         )
     return given_s
 
@@ -87,5 +88,5 @@ def check_delay(delay_s: float) -> None:
                 lower_ns=-LONGEST_DELAY_S * 1e9,
                 upper_ns=LONGEST_DELAY_S * 1e9,
             ),
-            fault=faults.OPTION,
+            fault=NOT_ALLOWED,
         )

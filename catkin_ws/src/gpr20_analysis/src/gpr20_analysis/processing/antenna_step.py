@@ -78,7 +78,7 @@ def antenna_of(plates: Sequence[xr.Dataset], separation_m: float = 0.0) -> xr.Da
                 fewest=FEWEST_HEIGHTS,
                 range_mm=MM_PER_M * LEAST_RANGE_M,
             ),
-            fault=faults.PLATE,
+            fault=faults.INPUT,
         )
     for one in plates[1:]:
         _check_sweep(one, plates[0])
@@ -87,7 +87,7 @@ def antenna_of(plates: Sequence[xr.Dataset], separation_m: float = 0.0) -> xr.Da
     for number in np.flatnonzero(~np.isfinite(means).all(axis=(0, 2))):
         raise WrongDatasetError(
             Message("survey {number} of the plate has a rotation without data", number=number + 1),
-            fault=faults.PLATE,
+            fault=faults.INPUT,
         )
     models = [fit_antenna(one, path_m, plates[0][FREQUENCY].values) for one in means]
     for model in models:
@@ -100,7 +100,7 @@ def antenna_of(plates: Sequence[xr.Dataset], separation_m: float = 0.0) -> xr.Da
                     misfit=100.0 * model.misfit,
                     limit=100.0 * MOST_MISFIT,
                 ),
-                fault=faults.PLATE,
+                fault=faults.INPUT,
             )
     terms = np.stack([np.stack([one.internal, one.transmission, one.feedback]) for one in models])
     return xr.Dataset(
@@ -133,7 +133,7 @@ def without_antenna(survey: xr.Dataset, model: xr.Dataset) -> xr.Dataset:
     if not {ANTENNA, CENTRE, MISFIT, SEPARATION} <= {*model.variables, *model.attrs}:
         raise WrongDatasetError(
             Message("the file that was given as model is none: make one with gpr20 antenna"),
-            fault=faults.PLATE,
+            fault=faults.INPUT,
         )
     terms = require(model, ANTENNA, ANTENNA_DIMS)
     require_measured(survey)
@@ -234,7 +234,7 @@ def _height_m(plate: xr.Dataset) -> float:
                 spread_mm=MM_PER_M * spread_m,
                 limit_mm=MM_PER_M * MOST_SPREAD_M,
             ),
-            fault=faults.PLATE,
+            fault=faults.INPUT,
         )
     return float(heights_m.mean())
 
@@ -252,5 +252,5 @@ def _check_sweep(data: xr.Dataset, other: xr.Dataset) -> None:
                     own=f"{len(own)} from {own[0]:g} to {own[-1]:g}",
                     others=f"{len(others)} from {others[0]:g} to {others[-1]:g}",
                 ),
-                fault=faults.PLATE,
+                fault=faults.INPUT,
             )

@@ -22,6 +22,7 @@ from gpr20_analysis.dataset import (
 )
 from gpr20_analysis.errors import WrongDatasetError
 from gpr20_analysis.processing.surface_background import with_surface
+from gpr20_common.faults import NOT_ALLOWED
 from gpr20_common.message import Message
 
 # Of the sweep's step.
@@ -67,7 +68,7 @@ def subtract_coupling(survey: xr.Dataset, reference: xr.Dataset) -> xr.Dataset:
                 "the reference is the survey itself, so echoes of the ground would be subtracted "
                 "too; use a survey measured towards the sky, or the step background"
             ),
-            fault=faults.REFERENCE,
+            fault=faults.INPUT,
         )
     measured = require(survey, S21, S21_DIMS)
     empty = require(reference, S21, S21_DIMS).mean([Y, X], skipna=True).compute()
@@ -81,7 +82,7 @@ def subtract_coupling(survey: xr.Dataset, reference: xr.Dataset) -> xr.Dataset:
                 reference=_range(theirs),
                 survey=_range(ours),
             ),
-            fault=faults.REFERENCE,
+            fault=faults.INPUT,
         )
     for turn in survey[POLARIZATION].values:
         off_deg = np.abs(reference[POLARIZATION].values - turn)
@@ -92,13 +93,13 @@ def subtract_coupling(survey: xr.Dataset, reference: xr.Dataset) -> xr.Dataset:
                     rotation_deg=turn,
                     rotations=", ".join(f"{one:g}" for one in reference[POLARIZATION].values),
                 ),
-                fault=faults.REFERENCE,
+                fault=faults.INPUT,
             )
     matched = empty.sel({POLARIZATION: survey[POLARIZATION].values}, method="nearest")
     if not bool(np.all(np.isfinite(matched.values))):
         raise WrongDatasetError(
             Message("the reference has no usable sample at one of the rotations"),
-            fault=faults.REFERENCE,
+            fault=faults.INPUT,
         )
     return survey.assign({S21: measured - matched.values[:, None, None, :]})
 
@@ -175,7 +176,7 @@ def _without_moving(measured: xr.DataArray, width: int) -> xr.DataArray:
                 "the width of the moving window is {width}; it must be odd and at least 3",
                 width=width,
             ),
-            fault=faults.OPTION,
+            fault=NOT_ALLOWED,
         )
     # From the last position, so much reaches the first.
     down, across = (min(width, 2 * measured.sizes[axis] - 1) for axis in (Y, X))
@@ -207,7 +208,7 @@ def _without_strongest(measured: xr.DataArray, rank: int) -> xr.DataArray:
                 traces=traces,
                 frequencies=frequencies,
             ),
-            fault=faults.OPTION,
+            fault=NOT_ALLOWED,
         )
     return xr.concat(
         [_projected(measured.isel({POLARIZATION: [turn]}), rank) for turn in range(len(measured))],

@@ -113,7 +113,7 @@ def _check_origin(step: Step, recorded: object) -> None:
                 origin=step.function.origin or "gpr20_analysis",
                 key=ORIGIN,
             ),
-            fault=faults.STEP_VERSION,
+            fault=faults.STEPS,
         )
 
 

@@ -6,7 +6,7 @@ import numpy as np
 import scipy.fft
 import xarray as xr
 
-from gpr20_analysis import faults, lazy
+from gpr20_analysis import lazy
 from gpr20_analysis.dataset import (
     A_SCAN,
     ATTRIBUTES,
@@ -25,6 +25,7 @@ from gpr20_analysis.processing.antenna_delay import REMOVED, check_delay, record
 from gpr20_analysis.processing.sweep import FrequencyGrid, a_scans, even_delays_s
 from gpr20_analysis.processing.to_frequency import SPECTRUM, Spectrum
 from gpr20_analysis.read.survey_attributes import ANTENNA_DELAY
+from gpr20_common.faults import NOT_ALLOWED
 from gpr20_common.message import Message
 from gpr20_survey.radar.depth import two_way_delay_s
 from gpr20_survey.radar.frequency_to_delay import Window, phase_advance
@@ -53,7 +54,7 @@ def to_time(survey: xr.Dataset, window: Window = Window.HANN, padding: float = 4
     if not padding >= 1.0:
         raise WrongDatasetError(
             Message("the padding is {padding:g}; it must be 1 or more", padding=padding),
-            fault=faults.OPTION,
+            fault=NOT_ALLOWED,
         )
     measured = lazy.in_rows(require(survey, S21, S21_DIMS))
     sweep = FrequencyGrid.of(survey)
@@ -164,6 +165,6 @@ def known_height(survey: xr.Dataset) -> xr.DataArray:
                 count=int(lacking.sum()),
                 position=positions_of(survey, lacking.values)[0],
             ),
-            fault=faults.NO_HEIGHT,
+            fault=NOT_ALLOWED,
         )
     return height_m

@@ -24,6 +24,7 @@ from gpr20_analysis.dataset import (
     require_complete,
 )
 from gpr20_analysis.errors import WrongDatasetError
+from gpr20_common.faults import NOT_ALLOWED
 from gpr20_common.message import Message
 from gpr20_survey.radar.depth import SPEED_OF_LIGHT_M_S
 
@@ -58,7 +59,7 @@ def dewow(survey: xr.Dataset, window_s: float = 2e-9) -> xr.Dataset:
             Message(
                 "the window of dewow is {window_s:g} s; it must be more than 0", window_s=window_s
             ),
-            fault=faults.OPTION,
+            fault=NOT_ALLOWED,
         )
     if S21 in survey:
         measured = lazy.in_rows(require(survey, S21, S21_DIMS))
@@ -76,7 +77,7 @@ def dewow(survey: xr.Dataset, window_s: float = 2e-9) -> xr.Dataset:
                 window_s=window_s,
                 step_s=step_s,
             ),
-            fault=faults.OPTION,
+            fault=NOT_ALLOWED,
         )
     filtered = xr.apply_ufunc(
         lambda values: values - _running_mean(values, width),
@@ -133,7 +134,7 @@ def filter_dips(
                 most=most_deg,
                 taper=taper_deg,
             ),
-            fault=faults.OPTION,
+            fault=NOT_ALLOWED,
         )
     measured = require(survey, S21, S21_DIMS)
     require_complete(survey, Message("the f-k filter"))

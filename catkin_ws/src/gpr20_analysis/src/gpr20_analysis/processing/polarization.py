@@ -7,10 +7,10 @@ import enum
 import numpy as np
 import xarray as xr
 
-from gpr20_analysis import faults
 from gpr20_analysis.dataset import A_SCAN, HEIGHT, POLARIZATION, QUALITY, S21, SAMPLE_DIMS
 from gpr20_analysis.errors import WrongDatasetError
 from gpr20_analysis.sentences import with_sentence
+from gpr20_common.faults import NOT_ALLOWED
 from gpr20_common.message import Message
 
 ROTATION_TOLERANCE_DEG = 0.5
@@ -42,7 +42,7 @@ def select_polarization(survey: xr.Dataset, rotation_deg: float) -> xr.Dataset:
                 rotation_deg=rotation_deg,
                 rotations=", ".join(f"{turn:g}" for turn in turns),
             ),
-            fault=faults.OPTION,
+            fault=NOT_ALLOWED,
         )
     return survey.isel({POLARIZATION: near[:1]})
 

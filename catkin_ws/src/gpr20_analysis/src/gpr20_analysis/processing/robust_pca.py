@@ -8,9 +8,10 @@ import numpy as np
 import scipy.fft
 import xarray as xr
 
-from gpr20_analysis import faults, lazy
+from gpr20_analysis import lazy
 from gpr20_analysis.dataset import S21, S21_DIMS, require, require_complete
 from gpr20_analysis.errors import WrongDatasetError
+from gpr20_common.faults import NOT_ALLOWED
 from gpr20_common.message import Message
 
 MOST_ITERATIONS = 200
@@ -46,7 +47,7 @@ def remove_low_rank(survey: xr.Dataset, sparsity: float = 1.0) -> xr.Dataset:
                 "the sparsity of the step rpca is {sparsity:g}; it must be more than 0",
                 sparsity=sparsity,
             ),
-            fault=faults.OPTION,
+            fault=NOT_ALLOWED,
         )
     measured = require(survey, S21, S21_DIMS)
     require_complete(survey, Message("robust PCA"))

@@ -19,6 +19,7 @@ from gpr20_analysis.dataset import (
 )
 from gpr20_analysis.errors import DamagedSurveyError, WrongDatasetError
 from gpr20_analysis.sentences import with_notes
+from gpr20_common.faults import NOT_ALLOWED
 from gpr20_common.message import Message
 
 FILLED = "filled"
@@ -43,7 +44,7 @@ def fill_missing(survey: xr.Dataset, most: float = MOST_FILLED) -> xr.Dataset:
     if not 0.0 <= most <= 1.0:
         raise WrongDatasetError(
             Message("the share that may be filled is {share:g}; it must be 0 to 1", share=most),
-            fault=faults.OPTION,
+            fault=NOT_ALLOWED,
         )
     measured = lazy.in_rows(require(survey, S21, S21_DIMS))
     height_m = require(survey, HEIGHT, SAMPLE_DIMS).values.copy()
@@ -59,7 +60,7 @@ def fill_missing(survey: xr.Dataset, most: float = MOST_FILLED) -> xr.Dataset:
                 total=absent.size,
                 share=most,
             ),
-            fault=faults.SAMPLES_MISSING,
+            fault=faults.INPUT,
         )
     _check_neighbours(present)
     known = present & np.isfinite(height_m)
@@ -101,7 +102,7 @@ def _check_neighbours(present: np.ndarray) -> None:
                 column=column,
                 polarization=turn,
             ),
-            fault=faults.SAMPLES_MISSING,
+            fault=faults.INPUT,
         )
 
 

@@ -103,7 +103,7 @@ class StepFunction:
                     origin=self.origin,
                     reason=f"{type(error).__name__}: {error}",
                 ),
-                fault=faults.OWN_STEP,
+                fault=faults.STEPS,
             ) from error
         self._check(survey, result)
         return result.assign_attrs({**survey.attrs, **result.attrs, **_kept(survey)})
@@ -117,7 +117,7 @@ class StepFunction:
                     origin=self.origin,
                     type=type(result).__name__,
                 ),
-                fault=faults.OWN_STEP,
+                fault=faults.STEPS,
             )
         lost = [
             name
@@ -138,7 +138,7 @@ class StepFunction:
                     origin=self.origin,
                     names=", ".join(lost),
                 ),
-                fault=faults.OWN_STEP,
+                fault=faults.STEPS,
             )
 
 
@@ -147,7 +147,7 @@ STEPS = ExtensionPoint(
     Message("the step"),
     own={name: StepFunction(name, call) for name, call in FUNCTIONS.items()},
     error=RecipeError,
-    fault=faults.OWN_STEP,
+    fault=faults.STEPS,
 )
 """By this, other packages add steps."""
 
@@ -201,7 +201,7 @@ def _exists(name: str, origin: str) -> RecipeError:
             step=name,
             origin=origin,
         ),
-        fault=faults.OWN_STEP,
+        fault=faults.STEPS,
     )
 
 
@@ -210,7 +210,7 @@ def _steps_of_file(path: Path) -> Dict[str, StepFunction]:
     spec = importlib.util.spec_from_file_location(name, path)
     if spec is None or spec.loader is None:
         raise RecipeError(
-            Message("{path} is not a Python file (.py)", path=path), fault=faults.OWN_STEP
+            Message("{path} is not a Python file (.py)", path=path), fault=faults.STEPS
         )
     module = importlib.util.module_from_spec(spec)
     try:
@@ -224,7 +224,7 @@ def _steps_of_file(path: Path) -> Dict[str, StepFunction]:
                 path=path,
                 reason=f"{type(error).__name__}: {error}",
             ),
-            fault=faults.OWN_STEP,
+            fault=faults.STEPS,
         ) from error
     functions = {
         key: one
@@ -239,7 +239,7 @@ def _checked(name: str, function: Any, origin: str) -> StepFunction:
     if not callable(function):
         raise RecipeError(
             Message("step '{step}' ({origin}) is not a function", step=name, origin=origin),
-            fault=faults.OWN_STEP,
+            fault=faults.STEPS,
         )
     found = StepFunction(name, function, f"{origin}, sha256 {_sum_of(function)}")
     for key, (kind, _default) in found.parameters.items():
@@ -253,7 +253,7 @@ def _checked(name: str, function: Any, origin: str) -> StepFunction:
                     origin=origin,
                     allowed=PARAMETER_TYPES,
                 ),
-                fault=faults.OWN_STEP,
+                fault=faults.STEPS,
             )
     return found
 

@@ -14,12 +14,12 @@ from typing import List, Optional
 import numpy as np
 import xarray as xr
 
-from gpr20_analysis import faults
 from gpr20_analysis.dataset import HEIGHT, S21, S21_DIMS, SAMPLE_DIMS, X, Y, require, usable
 from gpr20_analysis.errors import WrongDatasetError
 from gpr20_analysis.processing.aligned_echo import SurfaceEcho
 from gpr20_analysis.processing.delay import ADVANCE
 from gpr20_analysis.processing.sweep import FrequencyGrid
+from gpr20_common.faults import NOT_ALLOWED
 from gpr20_common.message import Message
 
 SURFACE_DELAY = "surface_delay_s"
@@ -103,7 +103,7 @@ def fit_delay(
         raise WrongDatasetError(
             Message(
                 "the echo of the surface is not clear: {reason}", reason=reasons[0]
-            ).reporting_only(faults.NO_SURFACE_ECHO)
+            ).reporting_only(NOT_ALLOWED)
         )
     return _combined(fits, FEWEST_OVER_PLATE if plate else FEWEST_TRACES)
 
@@ -131,7 +131,7 @@ def _combined(fits: List[SurfaceEcho], fewest: int) -> SurfaceFit:
                 count=found.size,
                 fewest=fewest,
             ),
-            fault=faults.NO_SURFACE_ECHO,
+            fault=NOT_ALLOWED,
         )
     if count < LEAST_SHARE * found.size:
         raise WrongDatasetError(
@@ -141,7 +141,7 @@ def _combined(fits: List[SurfaceEcho], fewest: int) -> SurfaceFit:
                 count=count,
                 total=found.size,
             ),
-            fault=faults.NO_SURFACE_ECHO,
+            fault=NOT_ALLOWED,
         )
     delay_s = float(np.median(delays_s[found]))
     residual_s = SIGMA_OF_MAD * float(np.median(np.abs(delays_s[found] - delay_s)))

@@ -11,6 +11,7 @@ import xarray as xr
 from gpr20_analysis import faults
 from gpr20_analysis.dataset import FREQUENCY, S21
 from gpr20_analysis.errors import WrongDatasetError
+from gpr20_common.faults import NOT_ALLOWED
 from gpr20_common.message import Message
 from gpr20_survey.radar.frequency_to_delay import Window
 
@@ -60,7 +61,7 @@ class FrequencyGrid:
                     "the sweep has {count} frequencies; two or more finite ones are needed",
                     count=frequency_hz.size,
                 ),
-                fault=faults.SWEEP,
+                fault=faults.INPUT,
             )
         step_hz = (frequency_hz[-1] - frequency_hz[0]) / (frequency_hz.size - 1)
         ideal_hz = frequency_hz[0] + step_hz * np.arange(frequency_hz.size)
@@ -74,7 +75,7 @@ class FrequencyGrid:
                     off_hz=off_hz,
                     step_hz=step_hz,
                 ),
-                fault=faults.SWEEP,
+                fault=faults.INPUT,
             )
         return cls(float(frequency_hz[0]), float(step_hz), int(frequency_hz.size))
 
@@ -135,6 +136,6 @@ def select_band(survey: xr.Dataset, start_hz: float, stop_hz: float) -> xr.Datas
                 first_hz=frequency_hz[0],
                 last_hz=frequency_hz[-1],
             ),
-            fault=faults.OPTION,
+            fault=NOT_ALLOWED,
         )
     return survey.isel({FREQUENCY: kept})

@@ -9,13 +9,14 @@ import numpy as np
 import scipy.fft
 import xarray as xr
 
-from gpr20_analysis import faults, lazy
+from gpr20_analysis import lazy
 from gpr20_analysis.dataset import FREQUENCY, S21, S21_DIMS, SAMPLE_DIMS, require, usable
 from gpr20_analysis.errors import WrongDatasetError
 from gpr20_analysis.processing.antenna_delay import recorded_delay_s
 from gpr20_analysis.processing.delay import ADVANCE, advanced, known_height
 from gpr20_analysis.processing.sweep import FrequencyGrid, a_scans
 from gpr20_analysis.sentences import with_notes
+from gpr20_common.faults import NOT_ALLOWED
 from gpr20_common.message import Message
 from gpr20_survey.radar.depth import two_way_delay_s
 from gpr20_survey.radar.frequency_to_delay import delay_kernel, phase_advance
@@ -75,7 +76,7 @@ def pick_time_zero(
                 within_s=within_s,
                 share=share,
             ),
-            fault=faults.OPTION,
+            fault=NOT_ALLOWED,
         )
     if arrival is Arrival.FIRST:
         sweep = FrequencyGrid.of(survey)
@@ -125,7 +126,7 @@ def correct_topography(survey: xr.Dataset, permittivity: float) -> xr.Dataset:
                 lower=f"{MIN_PERMITTIVITY:g}",
                 upper=f"{LARGEST_PERMITTIVITY:g}",
             ),
-            fault=faults.OPTION,
+            fault=NOT_ALLOWED,
         )
     height_m = known_height(survey)
     relief_m = height_m - float(height_m.where(usable(survey)).min())

@@ -23,6 +23,7 @@ from gpr20_analysis.dataset import (
 from gpr20_analysis.errors import WrongDatasetError
 from gpr20_analysis.processing.sweep import FrequencyGrid
 from gpr20_analysis.sentences import with_notes
+from gpr20_common.faults import NOT_ALLOWED
 from gpr20_common.message import Message
 from gpr20_survey.radar.frequency_to_delay import Window, phase_advance
 
@@ -138,7 +139,7 @@ def _step_s(delay_s: np.ndarray) -> float:
     if len(delay_s) < 2 or np.ptp(np.diff(delay_s)) > EVEN * step_s:
         raise WrongDatasetError(
             Message("the times of the A-scans are not evenly spaced; two or more are needed"),
-            fault=faults.SWEEP,
+            fault=faults.INPUT,
         )
     return float(step_s)
 
@@ -155,7 +156,7 @@ def _given(start_hz: float, stop_hz: float, points: int, step_s: float) -> Frequ
                 points=points,
                 highest_hz=1.0 / step_s,
             ),
-            fault=faults.OPTION,
+            fault=NOT_ALLOWED,
         )
     return FrequencyGrid(start_hz, (stop_hz - start_hz) / (points - 1), points)
 
@@ -167,7 +168,7 @@ def _found(a_scans: xr.DataArray, survey: xr.Dataset, step_s: float) -> Frequenc
     if level is None or not np.any(level):
         raise WrongDatasetError(
             Message("every A-scan is zero or missing, so there is no spectrum"),
-            fault=faults.NO_SAMPLES,
+            fault=faults.INPUT,
         )
     # The upper half are the negative frequencies; those of a complex trace may be weaker.
     positive = level[: count // 2]
@@ -176,7 +177,7 @@ def _found(a_scans: xr.DataArray, survey: xr.Dataset, step_s: float) -> Frequenc
     if last <= first:
         raise WrongDatasetError(
             Message("the A-scans contain a single frequency, which resolves no delay"),
-            fault=faults.SWEEP,
+            fault=faults.INPUT,
         )
     step_hz = 1.0 / (count * step_s)
     return FrequencyGrid(first * step_hz, step_hz, last - first + 1)

@@ -23,6 +23,7 @@ from gpr20_common.message import Message
 from gpr20_common.mid.codec import record_from
 from gpr20_common.sent_message import received_message
 from gpr20_survey.axes.axis_id import Zeros
+from gpr20_survey.faults import DAMAGED
 from gpr20_survey.folder.log_record import UNCONFIRMED, Kind, log_values
 from gpr20_survey.folder.recovery import unconfirmed_message
 from gpr20_survey.plan.imported import TIMES_KNOWN, import_of, import_sentence, is_imported
@@ -88,7 +89,7 @@ def _unconfirmed(description: Described, damaged: int) -> Iterator[Message]:
     if damaged:
         yield Message(
             "{count} parts of the survey are damaged and left out", count=damaged
-        ).with_fault(faults.SURVEY_DAMAGED)
+        ).with_fault(DAMAGED)
     entries = mapping_of(description, UNCONFIRMED)
     if entries:
         yield unconfirmed_message(entries)

@@ -14,6 +14,7 @@ from gpr20_analysis.read import manifest_check
 from gpr20_analysis.read.manifest_check import ManifestCheck
 from gpr20_analysis.read.verification import check_survey_folder, verify_survey
 from gpr20_common.message import Message, in_a_row
+from gpr20_survey.faults import CAN_RESUME
 from gpr20_survey.files import durable_files
 from gpr20_survey.files.file_sums import sum_of_file
 from gpr20_survey.files.folder_lock import SHORT_WAIT_S, locked
@@ -134,10 +135,10 @@ def _refuse(found: ManifestCheck, has_ended: bool) -> None:
                 "the manifest is whole, but files differ from it: {differences}; resume the "
                 "survey, which repairs its files, or restore them from a copy",
                 differences=in_a_row(found.differences[:SHOWN]),
-            ).reporting_only(faults.FILES_DIFFER)
+            ).reporting_only(faults.NOT_INTACT)
         )
     if found.manifest is not None or not has_ended:
         raise AnalysisError(
             Message("the survey is not closed; resume it and stop it, which writes the manifest"),
-            fault=faults.NOT_CLOSED,
+            fault=CAN_RESUME,
         )

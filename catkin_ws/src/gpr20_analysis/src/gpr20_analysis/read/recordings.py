@@ -95,7 +95,7 @@ def recording_of(survey: Path) -> Path:
         AnalysisError: There is none.
     """
     if not survey.exists():
-        raise AnalysisError(not_there(survey), fault=faults.NO_INPUT)
+        raise AnalysisError(not_there(survey), fault=faults.INPUT)
     names = (survey_folder.MCAP_FILE, survey_folder.BAG_FILE)
     found = [survey / name for name in names] if survey.is_dir() else [survey]
     for path in found:
@@ -108,7 +108,7 @@ def recording_of(survey: Path) -> Path:
             path=survey,
             names=" or ".join(names),
         ),
-        fault=faults.NO_INPUT,
+        fault=faults.INPUT,
     )
 
 
@@ -125,9 +125,7 @@ def open_recording(path: Path) -> OpenRecording:
     def traces() -> Iterator[RecordedMessage]:
         yield from messages
         if lost.faults:
-            raise UnreadableFileError(
-                in_a_row(lost.faults).reporting_only(faults.RECORDING_DAMAGED)
-            )
+            raise UnreadableFileError(in_a_row(lost.faults).reporting_only(faults.FILE_DAMAGED))
 
     texts = _messages(path, Lost(), TEXT_TYPE)
     log = [one for one in map(recorded_log, texts) if one is not None]
@@ -154,7 +152,7 @@ def all_messages(path: Path, lost: Lost) -> Iterator[RecordedMessage]:
                 file=path.name,
                 profile=header.profile,
             ),
-            fault=faults.FILE_CONTENT,
+            fault=faults.INPUT,
         )
     return _messages(path, lost)
 
@@ -175,9 +173,7 @@ def mcap_messages(path: Path, follow_link: bool) -> Iterator[RecordedMessage]:
         with _failing_as_unreadable(path):
             yield from stored.messages()
         if stored.faults:
-            raise UnreadableFileError(
-                in_a_row(stored.faults).reporting_only(faults.RECORDING_DAMAGED)
-            )
+            raise UnreadableFileError(in_a_row(stored.faults).reporting_only(faults.FILE_DAMAGED))
         return
     with _failing_as_unreadable(path), _opened(path, follow_link) as stream:
         for schema, channel, message in make_reader(stream, validate_crcs=True).iter_messages():
@@ -285,7 +281,7 @@ def _check_magic(path: Path, stream: BinaryIO, magic: bytes, kind: str) -> None:
             Message(
                 "{file} is not a {kind} file: it begins differently", file=path.name, kind=kind
             ),
-            fault=faults.RECORDING_DAMAGED,
+            fault=faults.FILE_DAMAGED,
         )
 
 
@@ -314,7 +310,7 @@ def _open_bag(path: Path) -> Iterator[Reader]:
                         file=path.name,
                         details=error,
                     ),
-                    fault=faults.RECORDING_DAMAGED,
+                    fault=faults.FILE_DAMAGED,
                 ) from error
         try:
             yield reader
@@ -332,11 +328,11 @@ def _failing_as_unreadable(path: Path) -> Iterator[None]:
     except OSError as error:
         raise UnreadableFileError(
             Message("{file}: {reason}", file=path.name, reason=os_reason(error)),
-            fault=faults.RECORDING_DAMAGED,
+            fault=faults.FILE_DAMAGED,
         ) from error
     except Exception as error:
         # The libraries unpack without checks: damaged bytes raise exceptions of any kind.
         raise UnreadableFileError(
             Message("{file} is damaged", file=path.name, details=repr(error)),
-            fault=faults.RECORDING_DAMAGED,
+            fault=faults.FILE_DAMAGED,
         ) from error

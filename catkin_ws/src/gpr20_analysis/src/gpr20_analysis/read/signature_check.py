@@ -118,7 +118,7 @@ def check_signature(folder: Path, signers: Path) -> Signed:
                 "the signers file {file} cannot be read: {reason}",
                 file=printable(signers),
                 reason=os_reason(error),
-            ).reporting_only(faults.SIGNERS_FILE)
+            ).reporting_only(faults.UNKNOWN_SIGNER)
         ) from error
     try:
         content, fingerprint = signed_manifest(folder)

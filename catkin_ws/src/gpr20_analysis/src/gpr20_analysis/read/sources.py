@@ -164,7 +164,7 @@ def open_source(path: Path, read: Callable[[Path], Trace] = read_trace) -> Surve
     if path.is_dir():
         return _folder_source(path, read)
     if not path.exists():
-        raise AnalysisError(not_there(path), fault=faults.NO_INPUT)
+        raise AnalysisError(not_there(path), fault=faults.INPUT)
     if recordings.is_recording(path):
         return RecordingSource(path)
     if path.suffix == ".json":
@@ -175,7 +175,7 @@ def open_source(path: Path, read: Callable[[Path], Trace] = read_trace) -> Surve
             "its .mcap; `gpr20 import` reads other formats",
             path=path,
         ),
-        fault=faults.NO_INPUT,
+        fault=faults.INPUT,
     )
 
 
@@ -201,7 +201,7 @@ def _folder_source(folder: Path, read: Callable[[Path], Trace]) -> JsonSource:
     if not files and is_described:
         raise AnalysisError(
             Message("{folder} holds a survey without traces", folder=folder),
-            fault=faults.NO_TRACES,
+            fault=faults.INPUT,
         )
     if not files:
         raise AnalysisError(
@@ -211,7 +211,7 @@ def _folder_source(folder: Path, read: Callable[[Path], Trace]) -> JsonSource:
                 folder=folder,
                 traces=survey_folder.TRACES_FOLDER,
             ),
-            fault=faults.NO_INPUT,
+            fault=faults.INPUT,
         )
     source = JsonSource(folder.name, files, description, read)
     source.faults += damage

@@ -11,6 +11,7 @@ from gpr20_analysis import faults
 from gpr20_analysis.errors import AnalysisError, DamagedSurveyError
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message
+from gpr20_survey.faults import DAMAGED
 from gpr20_survey.plan.imported import ImportedGrid
 from gpr20_survey.plan.recorded_plan import PlanFit
 
@@ -76,7 +77,7 @@ def grid_of(positions: np.ndarray, notes: List[Message]) -> SurveyGrid:
                 columns=len(grid.x_mm),
                 rows=len(grid.y_mm),
             ),
-            fault=faults.NO_GRID,
+            fault=faults.INPUT,
         )
     return grid
 
@@ -135,7 +136,7 @@ class Plan(PlanFit):
         except InvalidValueError as error:
             raise AnalysisError(
                 Message("the plan is unknown: {reason}", reason=error.message),
-                fault=faults.SURVEY_DAMAGED,
+                fault=DAMAGED,
             ) from error
         self.positions = np.array([(one.z_deg, one.y_mm, one.x_mm) for one in self.points])
         """Rotation [deg], y and x [mm] of each, (samples, 3)."""

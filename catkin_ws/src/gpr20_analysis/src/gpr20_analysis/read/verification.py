@@ -17,6 +17,7 @@ from gpr20_analysis.read.trace_table import Sample
 from gpr20_analysis.read.verification_result import Verification
 from gpr20_common.message import Message
 from gpr20_survey.errors import SurveyRefusedError
+from gpr20_survey.faults import MANIFEST_DAMAGED
 from gpr20_survey.files.folder_lock import writer_of
 from gpr20_survey.folder import survey_folder, survey_metadata, trace_files
 from gpr20_survey.folder.log_record import UNCONFIRMED, Kind
@@ -50,7 +51,7 @@ def check_survey_folder(folder: Path) -> None:
                 folder=folder,
                 names=", ".join(FILES),
             ),
-            fault=faults.NO_INPUT,
+            fault=faults.INPUT,
         )
 
 
@@ -145,7 +146,7 @@ class _Verifier:
                     "manifest.json is damaged: {reason}; {remedy}",
                     reason=found.damage,
                     remedy=REMEDY,
-                ).reporting_only(faults.MANIFEST)
+                ).reporting_only(MANIFEST_DAMAGED)
             )
         elif found.manifest is None and self._found.closed:
             self._found.fault(
@@ -153,7 +154,7 @@ class _Verifier:
                     "manifest.json is missing, so changes to files cannot be detected: it was "
                     "removed, or the survey was cut off while it was closed; {remedy}",
                     remedy=REMEDY,
-                ).with_fault(faults.MANIFEST)
+                ).with_fault(MANIFEST_DAMAGED)
             )
         elif found.manifest is None:
             self._found.note(Message("the survey was not closed, so there is no manifest"))

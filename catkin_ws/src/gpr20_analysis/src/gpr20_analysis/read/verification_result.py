@@ -93,7 +93,7 @@ class Verification:
         if self.faults:
             first = self.faults[0].fault
             if first is None or any(one.fault != first for one in self.faults):
-                first = faults.NOT_INTACT if self.imported is None else faults.IMPORT_NOT_INTACT
+                first = faults.NOT_INTACT if self.imported is None else faults.FILE_DAMAGED
             return Message(
                 "DAMAGED or contradictory ({count} faults): {counted}",
                 count=len(self.faults),

@@ -245,5 +245,5 @@ def _b_scans(
 def _no_other_survey(path: str) -> xr.Dataset:
     raise AnalysisError(
         Message("a report cannot subtract another survey, but a step names {path}", path=path),
-        fault=faults.RECIPE,
+        fault=faults.STEPS,
     )

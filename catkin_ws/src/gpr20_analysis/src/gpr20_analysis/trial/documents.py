@@ -111,7 +111,7 @@ def _decoded(path: Path, form: str) -> Dict[str, Any]:
         changed = Message(
             "{file} was changed, or is no {form}", file=path, form=form, details=error
         )
-        raise UnreadableFileError(changed, fault=faults.FILE_CHANGED) from error
+        raise UnreadableFileError(changed, fault=faults.FILE_DAMAGED) from error
 
 
 def salt_of(truth: Path) -> bytes:
@@ -122,7 +122,7 @@ def salt_of(truth: Path) -> bytes:
     salt = read_regular(path)
     if not _SALT_CONTENT.fullmatch(salt):
         other = Message("{file} is not 64 hexadecimal digits and a line feed; delete it", file=path)
-        raise UnreadableFileError(other, fault=faults.FILE_CONTENT)
+        raise UnreadableFileError(other, fault=faults.INPUT)
     return salt
 
 
@@ -136,7 +136,7 @@ def read_truth(path: Path, plan: Plan) -> List[Target]:
     salt, truth = read_regular(path.with_name(path.name + SALT)), read_regular(path)
     if not _SALT_CONTENT.fullmatch(salt) or promise_of(salt, truth) != plan.truth_sha256:
         changed = Message("{file} or its salt was changed, or is of another trial", file=path)
-        raise UnreadableFileError(changed, fault=faults.FILE_CHANGED)
+        raise UnreadableFileError(changed, fault=faults.FILE_DAMAGED)
     return read_targets(truth, path.name, plan.lanes, plan.strata)
 
 
@@ -153,7 +153,7 @@ def read_candidates(path: Path) -> Seal:
                 **{"file": path, "unknown": ", ".join(unknown), "names": ", ".join(MARK_COLUMNS)},
                 command="gpr20 candidates",
             )
-            raise UnreadableFileError(only, fault=faults.FILE_CONTENT)
+            raise UnreadableFileError(only, fault=faults.INPUT)
         marks = tuple(Mark(one["id"], one["x_m"], one["y_m"], -at) for at, one in enumerate(rows))
         return Seal(marks, own)
     try:

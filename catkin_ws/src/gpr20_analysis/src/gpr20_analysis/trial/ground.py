@@ -115,7 +115,7 @@ def read_table(content: bytes, file: str, columns: Mapping[str, Optional[Limits]
         found = [(reader.line_num, cells) for cells in reader if any(cells.values())]
     except (UnicodeDecodeError, csv.Error) as error:
         other = Message("save {file} as CSV in UTF-8", file=file, details=error)
-        raise UnreadableFileError(other, fault=faults.FILE_CONTENT) from error
+        raise UnreadableFileError(other, fault=faults.INPUT) from error
     heading = reader.fieldnames or []
     if not set(columns) <= set(heading) or len(set(heading)) < len(heading):
         names = ", ".join(columns)
@@ -153,7 +153,7 @@ def _row(file: str, line: int, cells: Row, columns: Mapping[str, Optional[Limits
 
 def _refused(file: str, line: int, reason: Message) -> UnreadableFileError:
     message = Message("{file}, line {line}: {reason}", file=file, line=line, reason=reason)
-    return UnreadableFileError(message, fault=faults.FILE_CONTENT)
+    return UnreadableFileError(message, fault=faults.INPUT)
 
 
 def read_lanes(content: bytes, file: str) -> Dict[str, Lane]:
@@ -180,7 +180,7 @@ def read_targets(
                 **{"file": file, "target": row["target"], "lane": row["lane"]},
                 lanes=", ".join(lanes),
             )
-            raise UnreadableFileError(outside, fault=faults.FILE_CONTENT)
+            raise UnreadableFileError(outside, fault=faults.INPUT)
         targets.append(Target(row["target"], row["lane"], place_m, row))
     return targets
 

@@ -94,7 +94,7 @@ def score_trial(plan: Plan, targets: Sequence[Target], seals: Sequence[Seal]) ->
                 "the list of {method} for lane {lane} is of another plan, or given twice",
                 **{"method": seal.method, "lane": seal.lane},
             )
-            raise AnalysisError(other, fault=faults.FILE_CHANGED)
+            raise AnalysisError(other, fault=faults.FILE_DAMAGED)
         for one in (one.seal for one in lanes.values()):
             # A table of a heading alone may be that of several lanes.
             if one.list_sha256 == seal.list_sha256 and (seal.marks or seal.survey_id):
@@ -103,7 +103,7 @@ def score_trial(plan: Plan, targets: Sequence[Target], seals: Sequence[Seal]) ->
                     first=f"{one.method}, {one.lane}",
                     second=f"{seal.method}, {seal.lane}",
                 )
-                raise AnalysisError(same, fault=faults.FILE_CHANGED)
+                raise AnalysisError(same, fault=faults.FILE_DAMAGED)
         lane = plan.lanes[seal.lane]
         own = [one for one in targets if one.lane == seal.lane]
         area_m2 = lane.area_outside([one.place_m for one in own], plan.halo_m)

@@ -14,12 +14,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 from noise_kit import survey
 
-from gpr20_analysis import faults
 from gpr20_analysis.candidates.files import write_candidates
 from gpr20_analysis.candidates.search import find_candidates
 from gpr20_analysis.commands.command import DONE, REFUSED
 from gpr20_analysis.commands.main import main
 from gpr20_analysis.formats.dataset_files import write_dataset
+from gpr20_common.faults import NOT_ALLOWED
 from gpr20_common.message import Message
 from gpr20_survey.results.area_position import AreaPosition
 from gpr20_survey.results.candidates import NO_CLEARANCE, SIMULATED
@@ -82,7 +82,7 @@ def test_without_a_place_gpkg_is_in_metres_and_geojson_is_refused(tmp_path):
     with sqlite3.connect(str(path)) as database:
         assert database.execute("PRAGMA integrity_check").fetchall() == [("ok",)]
         assert database.execute("PRAGMA foreign_key_check").fetchall() == []
-    with raises_fault(faults.NO_POSITION):
+    with raises_fault(NOT_ALLOWED):
         write_candidates(listed, tmp_path / "list.geojson")
     assert not (tmp_path / "list.geojson").exists()
 

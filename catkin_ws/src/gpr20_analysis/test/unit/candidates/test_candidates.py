@@ -10,7 +10,6 @@ from random_scenes_kit import Clutter, random_noise
 from recorded_worlds import LINES, line, truths
 from run_seed import LONG, draws
 
-from gpr20_analysis import faults
 from gpr20_analysis.candidates.false_alarms import FalseAlarms, surveyed_m2
 from gpr20_analysis.candidates.search import CandidateOptions, find_candidates
 from gpr20_analysis.candidates.table import (
@@ -27,6 +26,7 @@ from gpr20_analysis.imaging.image_options import ImageOptions
 from gpr20_analysis.imaging.methods import DEFAULT_STEPS
 from gpr20_analysis.processing.chain import process_survey
 from gpr20_common.catalogue import Language
+from gpr20_common.faults import NOT_ALLOWED
 from gpr20_common.low.catalogue_file import read_catalogue
 from gpr20_survey.results.candidates import NO_CLEARANCE, Flag
 
@@ -311,7 +311,7 @@ def test_clean_ground_that_was_imaged_in_another_way_is_refused(tmp_path, capsys
     image = image_survey(survey, ImageOptions(permittivity=5.0))
     other = image_survey(survey, ImageOptions(permittivity=16.0))
     for clean in (other, image.assign_attrs(method="back-projection")):
-        with raises_fault(faults.OPTION):
+        with raises_fault(NOT_ALLOWED):
             find_candidates(image, clean_ground=clean)
     write_dataset(survey, tmp_path / "survey.nc")
     write_dataset(image, tmp_path / "clean.nc")

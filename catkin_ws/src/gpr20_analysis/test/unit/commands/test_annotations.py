@@ -11,12 +11,13 @@ from candidate_examples import candidate, candidate_list
 from storage_kit import Kit
 from survey_kit import POINTS, SURVEY, describe_again, make_survey
 
-from gpr20_analysis import faults, survey_markers
+from gpr20_analysis import survey_markers
 from gpr20_analysis.commands.main import main
 from gpr20_analysis.formats.dataset_files import read_dataset
 from gpr20_analysis.read.load import load_survey
 from gpr20_analysis.read.manifest_check import found_in
 from gpr20_analysis.verify import main as gpr20_verify
+from gpr20_common.faults import IN_USE
 from gpr20_survey.folder import recovery
 from gpr20_survey.folder.log_record import Kind
 from gpr20_survey.folder.recovery import Fact, read_description, recover
@@ -113,7 +114,7 @@ def test_a_damaged_annotation_or_list_of_markers_does_not_hide_the_survey(folder
 def test_a_survey_that_has_not_ended_is_refused(tmp_path, listed, refusals):
     folder = make_survey(tmp_path, 3, None)
     assert annotate(folder, *OPTIONS) == note(folder, listed, "C01", "scrap") == 3
-    assert refusals == [faults.SURVEY_RUNS.code] * 2
+    assert refusals == [IN_USE.code] * 2
     assert annotate(folder) == 0
 
 

@@ -18,6 +18,7 @@ from gpr20_analysis import faults
 from gpr20_analysis.commands import batch_work
 from gpr20_analysis.commands.main import main
 from gpr20_analysis.formats.dataset_files import write_dataset
+from gpr20_common.faults import NOT_ALLOWED
 
 COLUMNS = (6, 7, 8, 9) if LONG else (6, 9)
 IMAGE = "image --permittivity 4 --depth 0 0.05 0.01 --method back-projection"
@@ -102,7 +103,7 @@ def test_a_result_of_another_command_or_an_earlier_state_is_not_taken_for_this_o
     assert batch(*arguments, IMAGE)[0] == 0
     assert batch(*arguments, "process --step window")[1][0]["state"] == "failed"
     status, (other,) = batch(*arguments, IMAGE.replace("4", "9", 1))
-    assert (status, other["error"]["fault"]["code"]) == (1, faults.OPTION.code)
+    assert (status, other["error"]["fault"]["code"]) == (1, NOT_ALLOWED.code)
     assert [one["state"] for one in batch(*arguments, IMAGE)[1]] == ["exists"]
     write_noise(survey, 7)
     assert batch(*arguments, IMAGE)[0] == 1
@@ -132,7 +133,7 @@ def test_a_survey_that_kills_each_worker_is_named_and_the_others_are_done(survey
         status, records = batch(*arguments)
     assert status == 1
     assert [one["state"] for one in records] == ["done"] * (len(COLUMNS) - 1) + ["failed"]
-    assert records[-1]["error"]["fault"]["code"] == faults.WORKER_KILLED.code
+    assert records[-1]["error"]["fault"]["code"] == faults.TOO_LARGE.code
 
 
 @pytest.fixture
@@ -155,7 +156,7 @@ def test_every_survey_ends_when_no_worker_is_left_or_the_scheduler_goes_away(
     with monkeypatch.context() as patched, Client(cluster.scheduler_address) as client:
         patched.setattr(batch_work, "IDLE_LIMIT_S", 0.0)
         found = dict(lost_surveys(client, tmp_path))
-    assert found == dict.fromkeys("ab", faults.CLUSTER.code)
+    assert found == dict.fromkeys("ab", NOT_ALLOWED.code)
     waited = batch_work.wait
 
     def wait(*arguments, **named):
@@ -165,7 +166,7 @@ def test_every_survey_ends_when_no_worker_is_left_or_the_scheduler_goes_away(
     monkeypatch.setattr(batch_work, "wait", wait)
     with Client(cluster.scheduler_address, timeout=0.5) as client:
         found = dict(lost_surveys(client, tmp_path))
-    assert found == dict.fromkeys("ab", faults.CLUSTER.code)
+    assert found == dict.fromkeys("ab", NOT_ALLOWED.code)
 
 
 def test_a_worker_that_was_given_up_is_replaced(tmp_path, monkeypatch):
@@ -178,7 +179,7 @@ def test_a_worker_that_was_given_up_is_replaced(tmp_path, monkeypatch):
         job = batch_work.Job("a", tmp_path / "a", "report", call, "")
         ((found, outcome),) = batch_work.outcomes(client, [job], tmp_path)
     assert found is job
-    assert outcome.error.fault_code not in ("", faults.WORKER_KILLED.code)
+    assert outcome.error.fault_code not in ("", faults.TOO_LARGE.code)
 
 
 def test_an_interrupted_batch_leaves_results_but_no_parts_and_no_processes(surveys, tmp_path):
@@ -201,7 +202,7 @@ def test_an_address_where_nobody_answers_is_told(surveys, tmp_path, refusals, mo
     monkeypatch.setattr("gpr20_analysis.commands.batch_work.TIME_LIMIT_S", 0.5)
     arguments = ["batch", *surveys, "--into", str(tmp_path), "--scheduler", "tcp://127.0.0.1:9"]
     assert main(arguments) == 3
-    assert refusals == [faults.CLUSTER.code]
+    assert refusals == [NOT_ALLOWED.code]
 
 
 @pytest.mark.parametrize(
@@ -217,5 +218,5 @@ def test_an_address_where_nobody_answers_is_told(surveys, tmp_path, refusals, mo
 )
 def test_what_cannot_be_done_for_many_surveys_is_refused(tmp_path, refusals, arguments):
     assert main(["batch", *arguments, "--into", str(tmp_path / "into")]) == 3
-    assert refusals == [faults.OPTION.code]
+    assert refusals == [NOT_ALLOWED.code]
     assert not list(tmp_path.iterdir())

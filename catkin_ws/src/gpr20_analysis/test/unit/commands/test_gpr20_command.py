@@ -16,6 +16,7 @@ from gpr20_analysis.commands import info_command
 from gpr20_analysis.commands.command import SUMMARIES
 from gpr20_analysis.commands.main import main
 from gpr20_analysis.sentences import sentences_of
+from gpr20_common.faults import NOT_ALLOWED
 from gpr20_common.message import verbatim
 from gpr20_common.sent_message import received_message
 from gpr20_common.terminal_text import is_shown
@@ -37,14 +38,14 @@ def test_an_error_says_which_command_and_what_and_a_remedy_once(finished, tmp_pa
     assert main(["info", str(tmp_path / "nowhere")]) == 3
     error = capsys.readouterr().err
     assert error.startswith("gpr20 info: ") and "nowhere" in error
-    assert error.splitlines()[1] == f"First: {faults.NO_INPUT.remedy}"
+    assert error.splitlines()[1] == f"First: {faults.INPUT.remedy}"
     assert main(["report", str(finished), "-o", str(tmp_path / "x.txt"), "--json"]) == 3
     printed = capsys.readouterr()
     assert len(printed.err.splitlines()) == 1
     error = json.loads(printed.out)["error"]
-    assert error["fault"]["code"] == faults.OUTPUT.code
+    assert error["fault"]["code"] == NOT_ALLOWED.code
     message = received_message("", error["fault"])
-    assert message.cause == faults.OUTPUT and str(message) == error["message"]
+    assert message.cause == NOT_ALLOWED and str(message) == error["message"]
 
 
 @pytest.mark.parametrize(("stored", "status"), [(ALL, 0), (ALL - 3, 1)])

@@ -12,7 +12,6 @@ from fault_kit import raises_fault
 from ground_kit import point, scene, survey_of
 from survey_kit import POINTS
 
-from gpr20_analysis import faults
 from gpr20_analysis.atomic_output import BESIDE, atomic_output
 from gpr20_analysis.commands import process_command
 from gpr20_analysis.commands.command import DONE, REFUSED
@@ -20,6 +19,7 @@ from gpr20_analysis.commands.main import main
 from gpr20_analysis.formats.common import Imported, as_dataset
 from gpr20_analysis.formats.dataset_files import read_dataset, write_dataset
 from gpr20_analysis.read.load import load_survey
+from gpr20_common.faults import NOT_ALLOWED
 
 ALL = len(POINTS)
 IMAGE = ("--permittivity", "4", "--depth", "0", "0.02", "0.005", "--height", "0.03")
@@ -55,14 +55,14 @@ def test_what_exists_is_replaced_only_when_asked_for_and_never_in_a_survey(
     precious.write_text("precious")
     assert call(tmp_path) == 3
     error = capsys.readouterr().err
-    assert Path(there).parts[0] in error and refusals == [faults.OUTPUT.code]
+    assert Path(there).parts[0] in error and refusals == [NOT_ALLOWED.code]
     assert precious.read_text() == "precious"
     assert call(tmp_path, "--overwrite") == 0
     assert (tmp_path / Path(there).parts[0]).exists()
     assert not precious.exists() or precious.read_bytes() != b"precious"
     before = sorted(finished.rglob("*"))
     assert call(finished, "--overwrite") == 3
-    assert refusals == 2 * [faults.OUTPUT.code]
+    assert refusals == 2 * [NOT_ALLOWED.code]
     assert sorted(finished.rglob("*")) == before
 
 
@@ -88,8 +88,8 @@ def test_what_is_read_and_what_is_no_folder_is_not_written_and_no_name_twice(
     (tmp_path / "file").write_text("")
     output = str(tmp_path / "file" / "x.nc")
     assert main(["process", str(finished), "--step", "background", "-o", output]) == 3
-    assert refusals == [faults.OUTPUT.code] * 3
-    refused = raises_fault(faults.OUTPUT, "/proc/x.nc")
+    assert refusals == [NOT_ALLOWED.code] * 3
+    refused = raises_fault(NOT_ALLOWED, "/proc/x.nc")
     with refused, atomic_output(Path("/proc/x.nc")) as place:
         place.write_text("")
 

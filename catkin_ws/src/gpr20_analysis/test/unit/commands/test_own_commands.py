@@ -31,6 +31,7 @@ from gpr20_analysis.processing.chain import (
 from gpr20_analysis.processing.step_functions import StepLibrary
 from gpr20_analysis.read.load import load_survey
 from gpr20_analysis.sample.sample_survey import sample_survey
+from gpr20_common.faults import NOT_ALLOWED
 
 DOCS = Path(__file__).parents[6] / "docs/extend"
 PAGES = {"my_commands": "command", "my_formats": "format", "my_methods": "imaging_method"}
@@ -102,13 +103,13 @@ def test_a_command_of_a_page_runs_and_is_listed_without_an_import(site, sample, 
 
 def test_no_package_replaces_what_gpr20_or_another_package_has(site, refusals, capsys):
     install(site, "[gpr20.commands]\ncorners = other:CORNERS\nverify = none:X\n", "other")
-    assert main(["corners", "x"]) == command.REFUSED and refusals == [faults.ADDITION.code]
+    assert main(["corners", "x"]) == command.REFUSED and refusals == [faults.STEPS.code]
     error = capsys.readouterr().err
     assert "my-commands 1.0, my_commands:" in error and "other 1.0, other:CORNERS" in error
     assert main(["verify", "--help"]) == main(["--help"]) == command.DONE
     install(site, "[gpr20_analysis.exports]\ncsv = more:X\nnumpy = more:X\n", "more")
     assert EXPORTS.find("csv") is EXPORTS.own["csv"] and EXPORTS.names().count("csv") == 1
-    with raises_fault(faults.ADDITION, "my-formats 1.0, my_formats:EXPORT", "more 1.0, more:X"):
+    with raises_fault(faults.STEPS, "my-formats 1.0, my_formats:EXPORT", "more 1.0, more:X"):
         export_format("numpy")
 
 
@@ -123,7 +124,7 @@ def test_a_command_that_cannot_be_used_is_refused_with_the_reason(
     site, refusals, capsys, code, shown
 ):
     (site / "my_commands.py").write_text(code)
-    assert main(["corners", "x"]) == command.REFUSED and refusals == [faults.ADDITION.code]
+    assert main(["corners", "x"]) == command.REFUSED and refusals == [faults.STEPS.code]
     error = capsys.readouterr().err
     assert "my-commands 1.0, my_commands:CORNERS" in error and shown in error
     assert "Traceback" not in error and len(error.splitlines()) <= 2
@@ -143,7 +144,7 @@ def test_a_command_that_cannot_be_used_is_refused_with_the_reason(
 def test_a_command_names_the_absent_package(without_others, sample, refusals, capsys, arguments):
     for name in ("there", "image.h5"):
         Path(name).write_text("")
-    assert main(list(arguments)) == 3 and refusals == [faults.LIBRARY.code]
+    assert main(list(arguments)) == 3 and refusals == [faults.STEPS.code]
     package = command.COMMANDS.wings.get(arguments[0], "gpr20_foreign_formats")
     assert f"catkin_ws/src/{package}" in capsys.readouterr().err
 
@@ -155,13 +156,13 @@ def test_a_format_of_a_page_writes_and_reads_a_survey(site, sample):
     np.testing.assert_array_equal(found.s21, sample.s21)
     assert found.attrs["simulated"] == sample.attrs["simulated"] == 1
     assert main(["export", "survey.mcap", "it.npz", "--format", "numpy"]) == 0
-    with raises_fault(faults.IMPORT_FIRST, "gpr20 import it.npz survey.nc --format numpy"):
+    with raises_fault(faults.INPUT, "gpr20 import it.npz survey.nc --format numpy"):
         load_survey("it.npz")
     (site / "my_formats.py").write_text("EXPORT = 'netcdf'\n")
     sys.modules.pop("my_formats")
-    with raises_fault(faults.ADDITION, "my-formats 1.0, my_formats:EXPORT", "str"):
+    with raises_fault(faults.STEPS, "my-formats 1.0, my_formats:EXPORT", "str"):
         export_format("numpy")
-    with raises_fault(faults.ADDITION, "my-formats 1.0, my_formats:IMPORT", "AttributeError"):
+    with raises_fault(faults.STEPS, "my-formats 1.0, my_formats:IMPORT", "AttributeError"):
         IMPORTS.find("numpy")
     assert load_survey("survey.mcap").attrs["simulated"] == 1
 
@@ -171,7 +172,7 @@ def test_a_method_of_a_package_makes_an_image(site, sample):
     assert main(call) == 0
     image = load_survey("image.nc")
     assert image.attrs["method"] == "columns" and np.abs(image.image).max() > 0.0
-    with raises_fault(faults.OPTION):
+    with raises_fault(NOT_ALLOWED):
         imaging_method("no_such_method")
 
 
@@ -197,13 +198,13 @@ def test_a_recipe_names_an_installed_step_and_its_version(site, sample):
     again = apply_steps(sample, steps_from_recipe(json.loads(result.attrs["processing"])), never)
     assert again.identical(result)
     recipe = [{"step": "notch", "center_hz": 1e9, "origin": "my-steps 0.9, my_steps:notch"}]
-    with raises_fault(faults.STEP_VERSION, "my-steps 0.9", "my-steps 1.0"):
+    with raises_fault(faults.STEPS, "my-steps 0.9", "my-steps 1.0"):
         steps_from_recipe(recipe)
     for name in ("my_steps:notch", "os:system", "my_steps.notch"):
-        with raises_fault(faults.RECIPE):
+        with raises_fault(faults.STEPS):
             steps_from_recipe([{"step": name, "center_hz": 1e9}])
     install(site, "[gpr20_analysis.steps]\nnotch = other:notch\n", "other")
-    with raises_fault(faults.OWN_STEP, "my-steps 1.0, my_steps:notch", "other 1.0, other:notch"):
+    with raises_fault(faults.STEPS, "my-steps 1.0, my_steps:notch", "other 1.0, other:notch"):
         step_from_text("notch:center_hz=1.8e9")
 
 
@@ -222,7 +223,7 @@ def own_step(folder, code):
     ],
 )
 def test_a_step_that_cannot_be_used_is_refused_with_the_reason(tmp_path, code, text, shown):
-    with raises_fault(faults.OWN_STEP, shown):
+    with raises_fault(faults.STEPS, shown):
         step_from_text(text, own_step(tmp_path, code))
 
 
@@ -237,7 +238,7 @@ def test_a_step_that_cannot_be_used_is_refused_with_the_reason(tmp_path, code, t
 )
 def test_a_step_that_does_not_keep_the_survey_is_an_error(tmp_path, sample, body, shown):
     step = step_from_text("own", own_step(tmp_path, f"def own(survey): return {body}\n"))
-    with raises_fault(faults.OWN_STEP, shown):
+    with raises_fault(faults.STEPS, shown):
         apply_steps(sample, [step], never)
 
 

@@ -15,10 +15,10 @@ import numpy as np
 import pytest
 
 import gpr20_analysis
-from gpr20_analysis import faults
 from gpr20_analysis.commands.main import main
 from gpr20_analysis.read.load import load_survey
 from gpr20_analysis.sample.real_line import real_line
+from gpr20_common.faults import NOT_ALLOWED
 
 ROOT = Path(__file__).resolve().parents[6]
 DOCUMENT = ROOT / "docs/reference/api.md"
@@ -82,7 +82,7 @@ def test_the_command_writes_a_copy_and_replaces_nothing(tmp_path, refusals):
     assert output.read_bytes() == gpr20_analysis.sample_survey().read_bytes()
     for wrong in (output, tmp_path / "sample.nc", tmp_path / "sample"):
         assert main(["sample", str(wrong)]) == 3
-    assert refusals == [faults.OUTPUT.code] * 3
+    assert refusals == [NOT_ALLOWED.code] * 3
     assert main(["sample", str(output), "--overwrite"]) == 0
 
 

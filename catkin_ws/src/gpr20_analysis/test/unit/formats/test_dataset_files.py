@@ -114,14 +114,14 @@ def trapped(tmp_path):
 
 def test_pickled_objects_are_refused_unread(trapped, tmp_path):
     path, trace = trapped
-    with raises_fault(faults.FILE_CONTENT, "needs the codec 'pickle', which is not known"):
+    with raises_fault(faults.INPUT, "needs the codec 'pickle', which is not known"):
         read_dataset(path)
     assert not trace.exists()
     # Metadata behind a link are checked too.
     linked = tmp_path / "linked.zarr"
     linked.mkdir()
     (linked / "a").symlink_to(path / "a", target_is_directory=True)
-    with raises_fault(faults.FILE_CONTENT):
+    with raises_fault(faults.INPUT):
         refuse_unsafe_codecs(linked)
 
 
@@ -132,7 +132,7 @@ def test_a_codec_that_is_not_known_is_refused_wherever_it_is_named(tmp_path):
         {"compressor": {}},
     ):
         (tmp_path / "zarr.json").write_text(json.dumps(metadata))
-        with raises_fault(faults.FILE_CONTENT):
+        with raises_fault(faults.INPUT):
             refuse_unsafe_codecs(tmp_path)
 
 

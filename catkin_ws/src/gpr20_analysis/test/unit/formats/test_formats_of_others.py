@@ -191,6 +191,6 @@ def test_a_scans_over_time_are_written_unchanged(tmp_path):
 def test_positions_that_do_not_fit_are_refused_before_anything_is_written(tmp_path):
     survey = random_survey(1, one_polarization=True)
     far = survey.assign_coords(y=survey.y - 5e6)
-    with raises_fault(faults.FORMAT, "y", "200000 m"):
+    with raises_fault(faults.INPUT, "y", "200000 m"):
         export_survey(far, tmp_path / "far.sgy", "segy")
     assert not list(tmp_path.iterdir())

@@ -83,7 +83,7 @@ def test_a_missing_trace_is_named_and_the_survey_is_to_be_imported_again(tmp_pat
     (trace,) = (folder / "traces").glob("000003_*")
     trace.unlink()
     found = verify_survey(folder)
-    assert found.verdict.fault_code == faults.IMPORT_NOT_INTACT.code
+    assert found.verdict.fault_code == faults.FILE_DAMAGED.code
     survey = load_survey(folder)
     assert survey.attrs["missing"] == ["missing: x 60 mm, y 0 mm, 0 deg"]
 

@@ -28,6 +28,7 @@ from gpr20_analysis.imaging.records import Ground
 from gpr20_analysis.processing.chain import process_survey
 from gpr20_analysis.read.load import load_survey
 from gpr20_analysis.sample.sample_survey import sample_survey
+from gpr20_common.faults import NOT_ALLOWED
 from gpr20_survey.results.area_position import AreaPosition
 from gpr20_survey.results.hidden_target import Target, Targets
 
@@ -119,10 +120,10 @@ def test_what_gives_no_map_is_refused(ground):
     near = survey_of(scene([point(240.0, 240.0, 0.08)], height_m=0.03), FEW_MM, FEW_MM, FEW_HZ)
     for fault, survey, own in (
         (faults.STEPS, process_survey(ground, *DEFAULT_STEPS), detector()),
-        (faults.METHOD, ground, detector(method=squared)),
+        (NOT_ALLOWED, ground, detector(method=squared)),
         # A model of the antennas is needed.
-        (faults.NO_SURFACE_ECHO, ground.assign(s21=noise(ground, 1.0)), detector()),
-        (faults.NO_SURFACE_ECHO, near, detector()),
+        (NOT_ALLOWED, ground.assign(s21=noise(ground, 1.0)), detector()),
+        (NOT_ALLOWED, near, detector()),
     ):
         with raises_fault(fault):
             map_hidden(survey, own, DISC, SMALL)
@@ -144,7 +145,7 @@ def test_options_that_are_not_allowed_are_refused():
         *({"depth_m": one} for one in depths_m),
         *({"rounds": 0}, {"needed": float("nan")}, {"loss_tangent": -0.1}, {"seed": -1}),
     ):
-        with raises_fault(faults.OPTION):
+        with raises_fault(NOT_ALLOWED):
             HidingOptions(**wrong)
 
 
@@ -197,7 +198,7 @@ def test_geopackage_has_a_polygon_around_each_place(written, stored_map):
 
 
 def test_geojson_needs_a_place_on_the_earth_and_is_there(stored_map, tmp_path):
-    with raises_fault(faults.NO_POSITION):
+    with raises_fault(NOT_ALLOWED):
         write_hiding(stored_map, tmp_path / "a.geojson")
     placed = replace(stored_map, position=AreaPosition(4.6, -74.1, 90.0))
     write_hiding(placed, tmp_path / "a.geojson")
@@ -222,7 +223,7 @@ def test_report_shows_the_map_of_its_survey_only(sample_file, written, tmp_path,
     other.write_text(json.dumps({**values, "survey_id": "another"}))
     assert main([*given, str(other), "--overwrite"]) == REFUSED
     assert main([*given, str(written / "a.gpkg"), "--overwrite"]) == REFUSED
-    assert refusals == [faults.OPTION.code, faults.FILE_DAMAGED.code]
+    assert refusals == [NOT_ALLOWED.code, faults.FILE_DAMAGED.code]
 
 
 def test_wrong_files_and_endings_are_refused(stored_map, tmp_path):

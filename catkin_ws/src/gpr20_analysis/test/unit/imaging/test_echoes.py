@@ -14,13 +14,13 @@ from recorded_worlds import LINES, line, real_line, truths
 from run_seed import LONG, draws
 from survey_kit import POINTS, make_survey, planned_trace
 
-from gpr20_analysis import faults
 from gpr20_analysis.candidates.focused import FEWEST_LINES, focus
 from gpr20_analysis.candidates.search import find_candidates
 from gpr20_analysis.dataset import Quality
 from gpr20_analysis.imaging.methods import Method
 from gpr20_analysis.read.growing_survey import GrowingSurvey
 from gpr20_analysis.read.load import load_survey
+from gpr20_common.faults import IN_USE
 from gpr20_survey.folder.survey_folder import trace_file_name
 from gpr20_survey.trace import trace_json
 
@@ -191,7 +191,7 @@ def test_noise_alone_has_the_level_of_noise_also_half_way(area_survey, measured)
 
 
 def test_too_few_lines_are_refused(area_survey):
-    with raises_fault(faults.TOO_FEW_LINES, FEWEST_LINES, 2):
+    with raises_fault(IN_USE.as_note(), FEWEST_LINES, 2):
         focus(without(area_survey, slice(2, None)), 5.0)
 
 

@@ -7,7 +7,6 @@ from ground_kit import point, scene, survey_of
 from recorded_worlds import AREAS, LINES, UNIANDES, area, line, real_line, truths
 from run_seed import LONG
 
-from gpr20_analysis import faults
 from gpr20_analysis.candidates.search import find_candidates
 from gpr20_analysis.errors import WrongDatasetError
 from gpr20_analysis.imaging.image import image_survey
@@ -17,6 +16,7 @@ from gpr20_analysis.imaging.methods import DEFAULT_STEPS
 from gpr20_analysis.imaging.permittivity.buried_reference import BuriedReference
 from gpr20_analysis.imaging.records import Ground
 from gpr20_analysis.processing.chain import process_survey
+from gpr20_common.faults import NOT_ALLOWED
 from gpr20_survey.radar.soils import ANY_SOIL, Soils
 
 PLACE_MM = np.linspace(100.0, 300.0, 9)
@@ -68,7 +68,7 @@ def holds(survey, truth, body, y_m=0.0):
     try:
         image = image_survey(process_survey(survey, *DEFAULT_STEPS), options, with_echoes=False)
     except WrongDatasetError as error:
-        assert error.message.fault is faults.NO_PERMITTIVITY
+        assert error.message.fault is NOT_ALLOWED
         return None
     assert image.attrs["permittivity_source"] == "measured with a buried reference"
     lowest, highest = (image.attrs[f"permittivity_{end}"] for end in ("lowest", "highest"))
@@ -105,7 +105,7 @@ def test_a_reference_where_nothing_is_outside_or_without_ground_beside_it_is_ref
     for rows, columns in ((1, 1), (1, 5), (5, 1), (5, 5)):
         cases.append((whole.isel(y=slice(rows), x=slice(columns)), 0.0, 0.0))
     for survey, x_m, y_m in cases:
-        with raises_fault(faults.NO_PERMITTIVITY):
+        with raises_fault(NOT_ALLOWED):
             image_survey(survey, ImageOptions(buried=BuriedReference(x_m, y_m, 0.1)))
 
 
@@ -116,7 +116,7 @@ def test_more_than_one_source_and_what_cannot_be_is_refused():
         *({"buried": BuriedReference(0.1, 0.1, one)} for one in (0.0, 1.5, np.nan)),
         *({"permittivity": 4.0, "permittivity_uncertainty": one} for one in (0.009, 0.91, np.nan)),
     ):
-        with raises_fault(faults.OPTION):
+        with raises_fault(NOT_ALLOWED):
             ImageOptions(**wrong)
 
 

@@ -16,6 +16,7 @@ from gpr20_analysis.processing.display import Gain, apply_gain, envelope
 from gpr20_analysis.processing.filters import Along, dewow, filter_dips
 from gpr20_analysis.processing.robust_pca import principal_component_pursuit, remove_low_rank
 from gpr20_analysis.processing.time_zero import Arrival, correct_topography, pick_time_zero
+from gpr20_common.faults import NOT_ALLOWED
 from gpr20_survey.radar.frequency_to_delay import Window
 
 PLACES_MM = np.linspace(120.0, 360.0, 13)
@@ -72,19 +73,19 @@ def test_what_makes_no_sense_is_refused(monkeypatch):
     moved = correct_topography(set_time_zero(empty), 4.0)
     wrong_fans = ({"least_deg": -1.0}, {"least_deg": 40.0, "most_deg": 30.0}, {"most_deg": 91.0})
     for fault, refused in (
-        *((faults.OPTION, lambda one=one: filter_dips(empty, **one)) for one in wrong_fans),
-        (faults.OPTION, lambda: filter_dips(empty, taper_deg=46.0)),
+        *((NOT_ALLOWED, lambda one=one: filter_dips(empty, **one)) for one in wrong_fans),
+        (NOT_ALLOWED, lambda: filter_dips(empty, taper_deg=46.0)),
         (faults.STEPS, lambda: filter_dips(empty.isel(x=[0, 1, 3, 4]))),
-        (faults.SAMPLES_MISSING, lambda: filter_dips(holed(survey()))),
-        (faults.OPTION, lambda: dewow(empty, float("nan"))),
-        (faults.OPTION, lambda: dewow(to_time(empty), 1e-13)),
-        (faults.OPTION, lambda: remove_low_rank(empty, 0.0)),
-        (faults.SAMPLES_MISSING, lambda: remove_low_rank(holed(survey()))),
+        (faults.INPUT, lambda: filter_dips(holed(survey()))),
+        (NOT_ALLOWED, lambda: dewow(empty, float("nan"))),
+        (NOT_ALLOWED, lambda: dewow(to_time(empty), 1e-13)),
+        (NOT_ALLOWED, lambda: remove_low_rank(empty, 0.0)),
+        (faults.INPUT, lambda: remove_low_rank(holed(survey()))),
         (faults.STEPS, lambda: remove_low_rank(empty.isel(x=[0], y=[0]))),
         (faults.STEPS, lambda: pick_time_zero(moved)),
-        (faults.OPTION, lambda: pick_time_zero(empty, share=0.0)),
+        (NOT_ALLOWED, lambda: pick_time_zero(empty, share=0.0)),
         (faults.STEPS, lambda: correct_topography(moved, 4.0)),
-        (faults.OPTION, lambda: correct_topography(set_time_zero(empty), 0.5)),
+        (NOT_ALLOWED, lambda: correct_topography(set_time_zero(empty), 0.5)),
         (faults.STEPS, lambda: envelope(empty)),
         (faults.STEPS, lambda: image_survey(envelope(to_time(empty)), ImageOptions())),
     ):

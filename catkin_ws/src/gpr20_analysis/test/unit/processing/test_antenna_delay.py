@@ -22,6 +22,7 @@ from gpr20_analysis.processing.chain import process_survey
 from gpr20_analysis.processing.delay import remove_delay, set_time_zero, to_time
 from gpr20_analysis.processing.surface_echo import fit_delay
 from gpr20_analysis.read.load import load_survey
+from gpr20_common.faults import NOT_ALLOWED
 from gpr20_simulator.mid.world.scene import Noise
 
 PLACES_MM = np.linspace(140.0, 340.0, 11)
@@ -63,7 +64,7 @@ def test_a_delay_is_fitted_noted_and_corrected():
         image = image_survey(right, ImageOptions(permittivity=4.0, height_m=height_m))
         assert len(surface_notes(image)) == noted, height_m
     for data, options in ((cleaned, {}), (right, {"height_m": 0.25})):
-        with raises_fault(faults.NO_SURFACE_ECHO):
+        with raises_fault(NOT_ALLOWED):
             image_survey(data, ImageOptions(buried=buried, **options))
     apart = survey(separation_m=0.12)
     assert abs(fit_delay(apart, 0.12).delay_s - DELAY_S) < 10e-12
@@ -81,13 +82,13 @@ def test_the_recorded_delay_is_removed_by_default_and_only_once():
         np.testing.assert_allclose(image.image.values, expected, atol=1e-3 * abs(expected).max())
         assert not surface_notes(image)
     assert not surface_notes(image_survey(zero, options))
-    with raises_fault(faults.OPTION):
+    with raises_fault(NOT_ALLOWED):
         image_survey(step, replace(options, delay_s=DELAY_S))
     for one in (step, zero):
         with raises_fault(faults.STEPS):
             remove_delay(one, DELAY_S)
     for refused in (lambda: ImageOptions(delay_s=1e-6), lambda: remove_delay(survey(), np.nan)):
-        with raises_fault(faults.OPTION, "-100 and 100 ns"):
+        with raises_fault(NOT_ALLOWED, "-100 and 100 ns"):
             refused()
 
 
@@ -136,7 +137,7 @@ def test_coupling_far_above_the_surface_is_told_apart_by_differing_heights():
     assert fit.by_movement
     assert abs(fit.delay_s - DELAY_S) < 10e-12
     # Without that it is refused: the coupling must not be taken for the surface.
-    with raises_fault(faults.NO_SURFACE_ECHO):
+    with raises_fault(NOT_ALLOWED):
         fit_delay(survey(coupling_level_db=-5.0))
 
 
@@ -145,9 +146,9 @@ def test_a_metal_plate_at_a_known_height_gives_the_delay():
     wrong = plate.assign(height=plate.height * np.nan)
     few = wrong.isel(y=[0], x=slice(0, 5))
     assert abs(fit_delay(few, height_m=0.15, plate=True).delay_s - DELAY_S) < 10e-12
-    with raises_fault(faults.NO_SURFACE_ECHO):
+    with raises_fault(NOT_ALLOWED):
         fit_delay(few, height_m=0.15)
-    with raises_fault(faults.NO_SURFACE_ECHO):
+    with raises_fault(NOT_ALLOWED):
         fit_delay(survey(coupling_level_db=-35.0), plate=True)
 
 
@@ -157,11 +158,11 @@ def test_other_surveys_that_cannot_give_it_are_refused():
     for fault, wrong in (
         (faults.STEPS, set_time_zero(one)),
         (faults.STEPS, to_time(one)),
-        (faults.NO_SURFACE_ECHO, process_survey(one, "background:method=mean")),
-        (faults.NO_SURFACE_ECHO, one.assign(s21=one.s21 * 0.0 + noise)),
-        (faults.NO_SURFACE_ECHO, one.isel(frequency=slice(0, 10))),
-        (faults.NO_SURFACE_ECHO, one.assign(height=one.height * np.nan)),
-        (faults.NO_SURFACE_ECHO, survey(surface_gain_db=-200.0, targets=())),
+        (NOT_ALLOWED, process_survey(one, "background:method=mean")),
+        (NOT_ALLOWED, one.assign(s21=one.s21 * 0.0 + noise)),
+        (NOT_ALLOWED, one.isel(frequency=slice(0, 10))),
+        (NOT_ALLOWED, one.assign(height=one.height * np.nan)),
+        (NOT_ALLOWED, survey(surface_gain_db=-200.0, targets=())),
     ):
         with raises_fault(fault):
             fit_delay(wrong)

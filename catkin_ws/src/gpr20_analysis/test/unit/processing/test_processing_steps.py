@@ -39,6 +39,7 @@ from gpr20_analysis.processing.polarization import (
 from gpr20_analysis.processing.samples import fill_missing
 from gpr20_analysis.processing.step_functions import FUNCTIONS
 from gpr20_analysis.processing.sweep import FrequencyGrid, select_band
+from gpr20_common.faults import NOT_ALLOWED
 from gpr20_survey.radar.frequency_to_delay import Window
 
 PLACES_MM = np.linspace(120.0, 360.0, 13)
@@ -121,13 +122,13 @@ def test_parameters_and_references_that_do_not_suit_are_refused():
     np.testing.assert_allclose(band.frequency.values, [1.14e9, 1.194e9, 1.248e9])
     named = measured.assign_attrs(survey_id="7c9e6679-7425-40de-944b-e07fc1f90ae7")
     for fault, refused in (
-        (faults.OPTION, lambda: select_band(measured, 7e9, 8e9)),
-        (faults.OPTION, lambda: remove_background(measured, Background.SVD, rank=101)),
-        (faults.OPTION, lambda: remove_background(measured, Background.MOVING, width=4)),
-        (faults.OPTION, lambda: to_time(measured, padding=0.5)),
-        (faults.OPTION, lambda: select_polarization(measured, 45.0)),
-        (faults.REFERENCE, lambda: subtract_coupling(named, named)),
-        (faults.REFERENCE, lambda: subtract_coupling(named, measured.isel(frequency=slice(50)))),
+        (NOT_ALLOWED, lambda: select_band(measured, 7e9, 8e9)),
+        (NOT_ALLOWED, lambda: remove_background(measured, Background.SVD, rank=101)),
+        (NOT_ALLOWED, lambda: remove_background(measured, Background.MOVING, width=4)),
+        (NOT_ALLOWED, lambda: to_time(measured, padding=0.5)),
+        (NOT_ALLOWED, lambda: select_polarization(measured, 45.0)),
+        (faults.INPUT, lambda: subtract_coupling(named, named)),
+        (faults.INPUT, lambda: subtract_coupling(named, measured.isel(frequency=slice(50)))),
     ):
         with raises_fault(fault):
             refused()
@@ -231,7 +232,7 @@ NO_STEPS = (
 
 def test_steps_that_make_no_sense_are_refused_with_what_is_allowed():
     for text, shown in NO_STEPS:
-        with raises_fault(faults.RECIPE, shown):
+        with raises_fault(faults.STEPS, shown):
             step_from_text(text)
     for recipe in ("", "[]", "step: background", "- {rank: 1}"):
         with pytest.raises(RecipeError):
@@ -323,5 +324,5 @@ def test_a_sample_without_neighbours_is_not_filled_in_a_lazy_survey_either():
     survey = noise_survey(6)
     survey.s21.values[0, :2, :2] = np.nan
     survey.quality.values[0, :2, :2] = int(Quality.MISSING)
-    with raises_fault(faults.SAMPLES_MISSING, "row 0, column 0 of polarization 0"):
+    with raises_fault(faults.INPUT, "row 0, column 0 of polarization 0"):
         fill_missing(lazy(survey), most=0.5)

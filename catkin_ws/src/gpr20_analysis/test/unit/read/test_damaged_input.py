@@ -22,7 +22,7 @@ from gpr20_analysis.errors import AnalysisError
 from gpr20_analysis.formats.dataset_files import write_dataset
 from gpr20_analysis.read.load import load_survey
 from gpr20_analysis.read.sources import read_trace
-from gpr20_survey.faults import TRACE_DAMAGED
+from gpr20_survey import faults as survey_faults
 from gpr20_survey.folder.survey_folder import LOG_FILES
 from gpr20_survey.recording.mcap_reader import StoredMcap
 from gpr20_survey.recording.mcap_writer import McapFile
@@ -89,7 +89,7 @@ def test_a_damaged_file_is_refused_by_name_and_marked_once_accepted(copied, fini
     DAMAGES[damage](copied)
     # Files alone do not tell which places were planned.
     for part in (copied,) if damage == "elsewhere" else (copied, copied / "traces"):
-        with raises_fault(faults.SURVEY_DAMAGED) as caught:
+        with raises_fault(survey_faults.DAMAGED) as caught:
             load_survey(part)
         assert re.search(rf"\b{VICTIM}\b|{VICTIM:06d}_", str(caught.value))
     survey, good = load_survey(copied, accept_damaged=True), load_survey(finished)
@@ -118,11 +118,11 @@ def test_one_trace_or_place_twice_and_frequencies_that_no_half_shares_are_refuse
     for index in range(1, ALL):
         change(halves, index, frequency_hz=np.linspace(1e9, 6e9, 5).tolist())
     for part in (twice, twice / "traces", place / "traces"):
-        with raises_fault(faults.SURVEY_DAMAGED):
+        with raises_fault(survey_faults.DAMAGED):
             load_survey(part)
     survey = load_survey(place / "traces", accept_damaged=True)
     assert not np.isin(survey["index"].values, [VICTIM, VICTIM + 1]).any()
-    with raises_fault(faults.SURVEY_DAMAGED):
+    with raises_fault(survey_faults.DAMAGED):
         load_survey(halves, accept_damaged=True)
 
 
@@ -135,7 +135,7 @@ def test_positions_on_no_grid_are_refused(copied):
         values.update(x_coord_mm=x_mm, y_coord_mm=y_mm)
         name = f"{index:06d}_X{x_mm:07.2f}_Y{y_mm:07.2f}_Z{values['z_coord_deg']:+07.2f}.json"
         write_trace_file(copied / "traces" / name, values)
-    with raises_fault(faults.NO_GRID):
+    with raises_fault(faults.INPUT):
         load_survey(copied / "traces")
 
 
@@ -148,7 +148,7 @@ def test_a_description_is_read_from_either_file_of_the_log_and_refused_without(c
         (copied / name).write_bytes(content)
     for name in LOG_FILES:
         (copied / name).write_text("{")
-    with raises_fault(faults.SURVEY_DAMAGED):
+    with raises_fault(survey_faults.DAMAGED):
         load_survey(copied)
 
 
@@ -163,7 +163,7 @@ def run(command, source, tmp_path, *more):
 
 def test_every_command_refuses_damaged_files_until_they_are_accepted(copied, tmp_path, capsys):
     truncate(copied)
-    with raises_fault(TRACE_DAMAGED):
+    with raises_fault(survey_faults.DAMAGED):
         read_trace(trace_file(copied))
     for command in COMMANDS:
         assert run(command, copied, tmp_path) == (REFUSED, []), command
@@ -209,7 +209,7 @@ def test_a_dataset_that_was_changed_or_cut_short_is_refused(finished, tmp_path, 
         changed[int(len(content) * place)] ^= 0x10
         path.write_bytes(changed)
         assert main(["info", str(path)]) == REFUSED
-    assert refusals == [faults.FILE_CHANGED.code] * 5
+    assert refusals == [faults.FILE_DAMAGED.code] * 5
     survey = load_survey(finished)
     for order in (slice(None, None, -1), np.random.default_rng(1).permutation(5)):
         write_dataset(survey.isel(frequency=order), tmp_path / "s.nc")
@@ -266,7 +266,7 @@ def test_a_recording_of_a_survey_of_another_version_is_refused_with_its_number(c
         data = one.data.replace(b"gpr20-survey/1", b"gpr20-survey/2")
         file.write(replace(one, data=data) if one.topic.endswith("metadata") else one)
     file.finish()
-    with raises_fault(faults.SURVEY_DAMAGED, "gpr20-survey/2"):
+    with raises_fault(survey_faults.DAMAGED, "gpr20-survey/2"):
         load_survey(tmp_path / "later.mcap")
 
 

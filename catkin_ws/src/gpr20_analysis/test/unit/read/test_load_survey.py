@@ -25,6 +25,7 @@ from gpr20_analysis.read.load import load_survey
 from gpr20_analysis.read.survey_grid import grid_of
 from gpr20_analysis.report.sections import _sensors
 from gpr20_analysis.sentences import ENGLISH
+from gpr20_common.faults import NOT_ALLOWED
 from gpr20_survey.axes.axis_id import ZeroEpoch
 from gpr20_survey.trace.aux_value import AuxValue
 from gpr20_survey.trace.sweep_settings import AnalyzerSettings
@@ -153,7 +154,7 @@ def test_the_temporary_file_goes_with_the_survey(folder, tmp_path, monkeypatch):
 
 def test_an_image_that_cannot_be_is_refused_before_it_is_computed(folder, refusals, monkeypatch):
     assert main(["image", str(folder), "--permittivity", "4"]) == 3
-    assert refusals == [faults.TOO_DEEP.code]
+    assert refusals == [NOT_ALLOWED.code]
     assert available_bytes() > 1 << 20
     monkeypatch.setattr("resource.getrlimit", lambda kind: (4096, 4096))
     assert available_bytes() == 4096
@@ -167,7 +168,7 @@ def test_what_is_no_survey_is_refused_by_name(tmp_path):
     (tmp_path / "empty").mkdir()
     (tmp_path / "text.txt").write_text("no survey")
     for name in ("nothing", "empty", "text.txt"):
-        with raises_fault(faults.NO_INPUT, name):
+        with raises_fault(faults.INPUT, name):
             load_survey(tmp_path / name)
 
 

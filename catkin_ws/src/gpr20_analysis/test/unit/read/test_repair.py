@@ -19,12 +19,11 @@ from survey_kit import (
     planned_trace,
 )
 
-from gpr20_analysis import faults
 from gpr20_analysis.commands.main import main
 from gpr20_analysis.read.manifest_check import DATA
 from gpr20_analysis.read.manifest_repair import OTHERS, VOUCHED
 from gpr20_analysis.read.verification import verify_survey
-from gpr20_survey.faults import UNCONFIRMED
+from gpr20_survey.faults import CAN_RESUME, MANIFEST_DAMAGED, UNCONFIRMED
 from gpr20_survey.folder import manifest
 from gpr20_survey.folder.log_record import Kind, LogHead
 from gpr20_survey.folder.recovery import read_description, recover
@@ -133,7 +132,7 @@ def test_a_manifest_is_left_alone_or_written_again_and_the_damaged_one_kept(copi
     content[len(content) // 3] ^= 8
     path.write_bytes(content)
     found = verify_survey(copied)
-    assert found.status == 2 and found.faults[0].fault_code == faults.MANIFEST.code
+    assert found.status == 2 and found.faults[0].fault_code == MANIFEST_DAMAGED.code
     capsys.readouterr()
     assert main(["repair", str(copied)]) == 0
     assert str(VOUCHED) in capsys.readouterr().out
@@ -232,4 +231,4 @@ def test_data_that_were_replaced_with_the_manifest_are_found(copied, replaced):
 def test_a_survey_that_is_not_closed_is_refused(tmp_path, refusals):
     folder = make_survey(tmp_path, 4, None)
     assert main(["repair", str(folder)]) == 3
-    assert refusals == [faults.NOT_CLOSED.code]
+    assert refusals == [CAN_RESUME.code]

@@ -3,9 +3,9 @@
 import pytest
 from fault_kit import raises_fault
 
-from gpr20_analysis import faults
 from gpr20_analysis.read.playback import Pace, Playback
 from gpr20_analysis.read.replay import Due, from_start
+from gpr20_common.faults import NOT_ALLOWED
 from gpr20_survey.recording.mcap_writer import RecordedMessage
 
 
@@ -43,7 +43,7 @@ def test_a_rate_or_a_start_that_is_none_is_refused():
     nan, infinite = float("nan"), float("inf")
     wrong = [{"rate": one} for one in (0.0, -1.0, nan, infinite)]
     for one in [*wrong, *({"start_s": start_s} for start_s in (-1.0, nan, infinite))]:
-        with raises_fault(faults.OPTION):
+        with raises_fault(NOT_ALLOWED):
             Pace(**one)
 
 

@@ -221,11 +221,11 @@ def test_a_key_that_cannot_be_used_is_named_and_the_survey_stays_as_it_is(
     seal(folder, "2.0.0")
     KEYS[case](key)
     for action in (lambda: Signer(key).sign(folder), Signer(key).check):
-        with raises_fault(faults.SIGNING_KEY, key, error=SigningError):
+        with raises_fault(faults.NOT_SIGNED, key, error=SigningError):
             action()
     for warning in (try_to_sign(Signer(key), folder), key_warning(Signer(key))):
         assert warning.cause.severity is Severity.WARNING and warning.cause.can_continue
-        assert warning.fault_code == faults.SIGNING_KEY.code and warning.remedy is not None
+        assert warning.fault_code == faults.NOT_SIGNED.code and warning.remedy is not None
     assert (folder / SIGNATURE_FILE).read_bytes() == before
     assert found(folder, signers) is Signature.WRONG
 
@@ -273,5 +273,5 @@ def test_a_signers_file_that_cannot_be_read_is_refused(tmp_path, folder, keys, c
     path = tmp_path / f"signers {change.__name__}"
     shutil.copyfile(keys / "signers", path)
     change(path)
-    with raises_fault("analysis.signers_file", path):
+    with raises_fault("analysis.unknown_signer", path):
         check_signature(folder, path)

@@ -21,7 +21,7 @@ from trace_examples import SURVEY
 from gpr20_analysis import faults
 from gpr20_analysis.read.verification import verify_survey
 from gpr20_analysis.verify import main
-from gpr20_survey.faults import DESCRIPTION_LOST
+from gpr20_survey.faults import LOG_LOST
 from gpr20_survey.folder.log_record import Kind
 from gpr20_survey.folder.recovery import open_log, recover
 from gpr20_survey.folder.survey_folder import LOG_FILES
@@ -138,7 +138,7 @@ def test_where_both_logs_are_lost_nobody_is_told_to_resume(copied):
         content = (copied / name).read_bytes()
         (copied / name).write_bytes(content.replace(b"\n", b"\r\n"))
     verdict = verify_survey(copied).verdict
-    assert verdict.fault_code == DESCRIPTION_LOST.code
+    assert verdict.fault_code == LOG_LOST.code
     assert "Put log.jsonl back from a copy of it" in str(verdict.remedy)
 
 
@@ -235,7 +235,7 @@ def test_programs_get_the_result_as_json_with_codes(finished, stopped, copied, c
     for none in (copied.parent, copied / "missing"):
         assert main([str(none), "--json"]) == 3
         answer = json.loads(capsys.readouterr().out)
-        assert answer["error"]["fault"]["code"] == faults.NO_INPUT.code
+        assert answer["error"]["fault"]["code"] == faults.INPUT.code
 
 
 def test_many_faults_are_counted_and_told_on_request(copied, capsys):

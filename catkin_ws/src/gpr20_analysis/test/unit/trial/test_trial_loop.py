@@ -75,7 +75,7 @@ def test_a_changed_byte_is_refused_each_time(trial, refusals, which):
     for one in changed:
         path.write_bytes(one)
         assert trial.score("-o", str(report)) == 3
-    assert refusals == [faults.FILE_CHANGED.code] * len(changed) and not report.exists()
+    assert refusals == [faults.FILE_DAMAGED.code] * len(changed) and not report.exists()
     path.write_bytes(content)
     assert trial.score() == 0
 
@@ -135,7 +135,7 @@ def test_a_list_that_was_sealed_for_two_lanes_is_refused(trial, refusals):
     trial.sealed = [trial.folder / "a.json", trial.folder / "b.json"]
     for sealed, lane in zip(trial.sealed, ("L1", "L2")):
         assert trial.seal_file(listed, sealed, lane) == 0
-    assert trial.score() == 3 and refusals == [faults.FILE_CHANGED.code]
+    assert trial.score() == 3 and refusals == [faults.FILE_DAMAGED.code]
 
 
 def test_a_list_of_gpr20_candidates_is_sealed_with_its_hash_and_what_it_shows(trial, capsys):

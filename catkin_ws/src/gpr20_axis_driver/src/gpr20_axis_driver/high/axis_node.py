@@ -10,12 +10,12 @@ from typing import Callable, Iterator, Optional, Tuple
 import rospy
 from std_msgs.msg import Bool
 
-from gpr20_axis_driver import faults
 from gpr20_axis_driver.axis_exceptions import AxisException, MotionStopped
 from gpr20_axis_driver.high.goals import ClientContact, GoalServer
 from gpr20_axis_driver.mid.axis_driver import AxisDriver
 from gpr20_axis_driver.mid.axis_lease import AxisLease
 from gpr20_axis_driver.motion import AxisMotions
+from gpr20_common.faults import OVERLOADED
 from gpr20_common.high import diagnostics
 from gpr20_common.high.answers import message_fields
 from gpr20_common.high.description import publish_description
@@ -296,7 +296,7 @@ class AxisNode:
                 edges=lateness.slowed,
                 late_ms=lateness.max_s * 1e3,
             )
-            return diagnostics.WARN, slowed.with_fault(faults.PULSES_SLOWED)
+            return diagnostics.WARN, slowed.with_fault(OVERLOADED.as_warning())
         return diagnostics.OK, Message("homed")
 
     def _shut_down(self) -> None:

@@ -6,7 +6,6 @@ from typing import Callable
 
 import rospy
 
-from gpr20_axis_driver import faults
 from gpr20_axis_driver.high.axis_node import AxisNode
 from gpr20_axis_driver.mid.axis_driver import AxisDriver
 from gpr20_axis_driver.mid.controllers import controller_driver, open_controller
@@ -14,6 +13,7 @@ from gpr20_axis_driver.mid.pulse_client import PulseClient
 from gpr20_axis_driver.mid.robot_hardware import RobotHardware
 from gpr20_axis_driver.motion import AxisHardware
 from gpr20_common.errors import InvalidValueError
+from gpr20_common.faults import CONFIGURATION
 from gpr20_common.high.node import read_parameters, run_node
 from gpr20_common.message import Message
 from gpr20_common.mid.hardware import Hardware
@@ -36,7 +36,7 @@ def own_axis() -> AxisId:
             "the namespace of {node} does not name an axis; start it in x_axis, y_axis or z_axis",
             node=rospy.get_name(),
         ),
-        fault=faults.NO_AXIS_NAME,
+        fault=CONFIGURATION,
     )
 
 

@@ -11,8 +11,8 @@ import actionlib
 import rospy
 from actionlib_msgs.msg import GoalStatus
 
-from gpr20_axis_driver import faults
 from gpr20_axis_driver.axis_exceptions import AxisException
+from gpr20_common.faults import IN_USE
 from gpr20_common.high.answers import message_fields
 from gpr20_common.high.raw_message import connection_header
 from gpr20_common.low.tcp_keepalive import keep_alive, silence_s
@@ -25,9 +25,7 @@ STATUS_LIMIT_S = 1.0
 # How many goals that have ended are still listed in the status. A client sends its next goal when
 # it has the result of the one before, so it no longer waits for these.
 LISTED_GOALS = 4
-NOT_BEGUN = Message("a stop or another motion came before this motion began").with_fault(
-    faults.NOT_BEGUN
-)
+NOT_BEGUN = Message("a stop or another motion came before this motion began").with_fault(IN_USE)
 ENDED = frozenset(
     (
         GoalStatus.SUCCEEDED,

@@ -13,8 +13,8 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import IO, Any, Iterator, List, Optional, Sequence
 
-from gpr20_axis_driver import faults
 from gpr20_axis_driver.axis_exceptions import PinLibraryError, PulseProcessError
+from gpr20_common.faults import CONFIGURATION
 from gpr20_common.message import Message
 from gpr20_survey.axes.axis_parameters import AxisParameters, Level, Pull
 
@@ -66,7 +66,7 @@ def lock_wave_transmitter(path: Path) -> IO[bytes]:
                 "another axis already uses pigpio, which can serve only one axis; set backend to "
                 "pigpio for one axis and rpi_gpio for the others"
             ),
-            fault=faults.PIGPIO_TAKEN,
+            fault=CONFIGURATION,
         ) from None
     return file
 
@@ -98,7 +98,7 @@ class StepWaves:
                     "the daemon pigpiod does not answer; start it (systemctl start pigpiod) or set "
                     "backend to rpi_gpio"
                 ),
-                fault=faults.PIGPIO_FAILED,
+                fault=CONFIGURATION,
             )
         with self._errors():
             self._set_up()
@@ -191,7 +191,7 @@ class StepWaves:
                     "pigpio failed; check that the daemon pigpiod runs, then home the axis",
                     details=error,
                 ),
-                fault=faults.PIGPIO_FAILED,
+                fault=CONFIGURATION,
             ) from error
 
 

@@ -23,6 +23,7 @@ from gpr20_axis_driver.low.scheduling import ORDINARY, Scheduling, realtime_sche
 from gpr20_axis_driver.low.step_counter import StepCounter
 from gpr20_axis_driver.motion import AxisHardware, Motion, MotionReport
 from gpr20_common.errors import Gpr20Error
+from gpr20_common.faults import OVERLOADED
 from gpr20_common.message import Message
 
 START_LIMIT_S = 20.0
@@ -146,7 +147,7 @@ class PulseProcess:
                     "this computer's load and restart the axis driver",
                     limit_s=START_LIMIT_S,
                 ),
-                fault=faults.PULSES_NOT_READY,
+                fault=OVERLOADED,
             )
         try:
             answer = self._connection.recv()
@@ -174,7 +175,7 @@ class PulseProcess:
         return Message(
             "the pulse process of this axis ended unexpectedly; see the log and home the axis",
             details=how,
-        ).with_fault(faults.PULSES_ENDED)
+        ).with_fault(faults.FAILED)
 
 
 def serve(connection: Connection, counter: StepCounter, parent: int) -> None:

@@ -8,7 +8,7 @@ import os
 from dataclasses import dataclass
 from typing import List
 
-from gpr20_axis_driver import faults
+from gpr20_common.faults import NOT_SET_UP
 from gpr20_common.message import Message
 from gpr20_survey.axes.axis_parameters import PULSE_PRIORITY
 
@@ -60,7 +60,7 @@ def realtime_scheduling() -> Scheduling:
             "pulses are made without real-time scheduling and can be late; allow rtprio and "
             "memlock in /etc/security/limits.d",
             details=f"refused: {', '.join(refused)}",
-        ).with_fault(faults.NO_REALTIME)
+        ).with_fault(NOT_SET_UP.as_warning())
         return Scheduling(False, without)
     granted = Message("real-time scheduling", details=f"SCHED_FIFO {PULSE_PRIORITY}, memory locked")
     return Scheduling(True, granted)

@@ -15,11 +15,12 @@ from enum import IntEnum
 from pathlib import Path
 from typing import Optional
 
-from gpr20_axis_driver import faults
 from gpr20_axis_driver.axis_exceptions import StepCounterError
+from gpr20_common.faults import OTHER_LAUNCH
 from gpr20_common.message import Message
 from gpr20_common.os_reason import os_reason
 from gpr20_survey.axes.axis_id import ZeroEpoch
+from gpr20_survey.faults import ZERO_UNKNOWN
 
 LAYOUT = 0x47505241_00000001
 WORD_BYTES = 8
@@ -223,7 +224,7 @@ def _not_ours(path: Path) -> StepCounterError:
             path=path,
             details="service set_zero",
         ),
-        fault=faults.STEP_COUNT_UNKNOWN,
+        fault=ZERO_UNKNOWN,
     )
 
 
@@ -240,7 +241,7 @@ def _lock(path: Path, descriptor: int, limit_s: float) -> None:
                         "another process drives this axis; end the other driver of this axis first",
                         details=f"it has locked {path}",
                     ),
-                    fault=faults.DRIVEN_BY_OTHER,
+                    fault=OTHER_LAUNCH,
                 ) from None
         time.sleep(LOCK_POLL_S)
 

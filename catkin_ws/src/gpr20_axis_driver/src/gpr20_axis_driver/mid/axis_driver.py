@@ -31,6 +31,7 @@ from gpr20_common.message import Message
 from gpr20_survey.axes.axis_id import ZeroEpoch
 from gpr20_survey.axes.axis_parameters import AxisParameters
 from gpr20_survey.axes.ramp import Ramp
+from gpr20_survey.faults import ENDSTOP, NOT_HOMED, ZERO_UNKNOWN
 
 SET_ZERO = Message(
     "turn the antennas to their mark and set the zero of this axis", details="service set_zero"
@@ -188,7 +189,7 @@ class AxisDriver:
         if self._parameters.finds_zero:
             raise EndstopError(
                 Message("the endstop determines the zero of this axis; home the axis"),
-                fault=faults.ENDSTOP_SETS_ZERO,
+                fault=NOT_HOMED,
             )
         with self._exclusive_motion():
             self._motions.revive()
@@ -283,7 +284,7 @@ class AxisDriver:
                     coordinate=self.current_coord,
                     unit=unit,
                 ),
-                fault=faults.ENDSTOP_PRESSED,
+                fault=ENDSTOP,
             )
         if ending is Ending.STOPPED:
             raise MotionStopped(
@@ -312,6 +313,6 @@ class AxisDriver:
                     unit=self._parameters.unit,
                     advice=HOME_WITH_LESS_LOAD if finds_zero else SET_ZERO,
                 ),
-                fault=faults.PULSE_LATE if finds_zero else faults.ZERO_UNKNOWN,
+                fault=faults.PULSE_LATE if finds_zero else ZERO_UNKNOWN,
             )
         return report

@@ -7,7 +7,6 @@ import threading
 import time
 from typing import Callable, List, Optional
 
-from gpr20_axis_driver import faults
 from gpr20_axis_driver.axis_exceptions import (
     AxisException,
     EndstopError,
@@ -26,6 +25,7 @@ from gpr20_common.message import Message
 from gpr20_survey.axes.axis_id import UNKNOWN_ZERO, ZeroEpoch
 from gpr20_survey.axes.axis_parameters import HOMING_BACKOFFS, AxisParameters
 from gpr20_survey.axes.ramp import Ramp
+from gpr20_survey.faults import AXIS_MAY_MOVE, ENDSTOP, NOT_HOMED
 
 MOVING_PERIOD_S = 0.02
 RESTING_PERIOD_S = 0.1
@@ -36,7 +36,7 @@ SILENT = Message(
     "the controller of this axis did not answer for {limit_s:g} s; check its power and cable, and "
     "home the axis",
     limit_s=CALL_LIMIT_S,
-).with_fault(faults.CONTROLLER_SILENT)
+).with_fault(AXIS_MAY_MOVE)
 
 
 class _Limits:
@@ -174,7 +174,7 @@ class ControllerMotions:
                     "the controller did not find the zero of this axis; check the endstop, its "
                     "cable and the motor, and home the axis"
                 ),
-                fault=faults.ENDSTOP_NOT_REACHED,
+                fault=ENDSTOP,
             )
 
     @property
@@ -190,7 +190,7 @@ class ControllerMotions:
         """Refuse: only a controller knows where its axis is."""
         raise EndstopError(
             Message("the controller determines the zero of this axis; home the axis"),
-            fault=faults.ENDSTOP_SETS_ZERO,
+            fault=NOT_HOMED,
         )
 
     def distrust(self) -> None:
@@ -303,7 +303,7 @@ class ControllerMotions:
         late = Message(
             "the controller of this axis did not end a motion in time; check the motor and the "
             "endstop, and home the axis"
-        ).with_fault(faults.MOTION_NOT_ENDED)
+        ).with_fault(AXIS_MAY_MOVE)
         with contextlib.suppress(ControllerError):
             self._call(self._controller.stop)
         self._set_failure(late)
@@ -342,7 +342,7 @@ class ControllerMotions:
         if lost:
             raise ControllerError(
                 Message("the controller has lost the zero of this axis; home the axis"),
-                fault=faults.POSITION_LOST,
+                fault=NOT_HOMED,
             )
 
     def _set_failure(self, reason: Optional[Message]) -> None:
@@ -358,7 +358,7 @@ class ControllerMotions:
             target=self._parameters.coordinate_of(target),
             coordinate=self._parameters.coordinate_of(self.steps),
             unit=unit,
-        ).with_fault(faults.POSITION_LOST)
+        ).with_fault(NOT_HOMED)
 
     def _reason(self, error: Exception) -> Message:
         if isinstance(error, AxisException):
@@ -366,4 +366,4 @@ class ControllerMotions:
         return Message(
             "the controller of this axis failed; see the log and home the axis",
             details=f"{type(error).__name__}: {error}",
-        ).with_fault(faults.CONTROLLER_FAILED)
+        ).with_fault(AXIS_MAY_MOVE)

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from typing import Callable, Optional
 
-from gpr20_axis_driver import faults
 from gpr20_axis_driver.axis_exceptions import EndstopError, MotionStopped
 from gpr20_axis_driver.motion import Ending, Motion, MotionReport, StopRequested, Until
 from gpr20_common.message import Message
 from gpr20_survey.axes.axis_parameters import HOMING_BACKOFFS, AxisParameters
 from gpr20_survey.axes.ramp import Ramp
+from gpr20_survey.faults import ENDSTOP
 
 RunMotion = Callable[[Motion, StopRequested], MotionReport]
 
@@ -64,7 +64,7 @@ class Homing:
                     backoff=self._backoff_steps * self._step_size,
                     unit=self._unit,
                 ),
-                fault=faults.ENDSTOP_INACCURATE,
+                fault=ENDSTOP,
             )
         self._back_off(stop)
 
@@ -89,7 +89,7 @@ class Homing:
                     coordinate=known_steps * self._step_size,
                     unit=self._unit,
                 ),
-                fault=faults.ENDSTOP_NOT_REACHED,
+                fault=ENDSTOP,
             )
         if not report.endstop_pressed:
             raise EndstopError(
@@ -100,7 +100,7 @@ class Homing:
                     distance=most_steps * self._step_size,
                     unit=self._unit,
                 ),
-                fault=faults.ENDSTOP_NOT_REACHED,
+                fault=ENDSTOP,
             )
         return report.steps_made
 

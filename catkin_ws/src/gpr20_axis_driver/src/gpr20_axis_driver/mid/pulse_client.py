@@ -11,6 +11,7 @@ from gpr20_axis_driver.axis_exceptions import AxisException, NodeHungError, Puls
 from gpr20_axis_driver.low.pulse_process import SILENT_PARENT_S, PulseProcess
 from gpr20_axis_driver.low.step_counter import StepCounter, open_step_counter
 from gpr20_axis_driver.motion import AxisHardware, Ending, Motion, MotionReport, StopRequested
+from gpr20_common.faults import MAY_MOVE
 from gpr20_common.message import Message
 from gpr20_survey.axes.axis_id import ZeroEpoch
 
@@ -167,7 +168,7 @@ class PulseClient:
                     "{reason}; its pins could not be set low: {pins_reason}",
                     reason=reason,
                     pins_reason=error.message,
-                ).reporting_only(faults.PINS_NOT_LOW)
+                ).reporting_only(MAY_MOVE)
 
 
 class _Progress:
@@ -196,5 +197,5 @@ class _Progress:
                     "reduce this computer's load and home the axis",
                     time_s=real_s,
                 ),
-                fault=faults.PULSES_STALLED,
+                fault=faults.PULSE_LATE,
             )

@@ -61,7 +61,7 @@ def read_parameters(parameter_class: Type[Parameters], section: str) -> Paramete
                 "end the launch and start it again",
                 details=f"{name}: {text!r}",
             ),
-            fault=faults.CONFIGURATION_GONE,
+            fault=faults.INTERNAL,
         ) from error
     return record_from(parameter_class, sections.get(section, {}), section)
 
@@ -184,5 +184,5 @@ def _refuse_private_parameters() -> None:
                 names=", ".join(names),
                 node=rospy.get_name(),
             ),
-            fault=faults.PRIVATE_PARAMETERS,
+            fault=faults.CONFIGURATION,
         )

@@ -46,7 +46,7 @@ GIVEN_UP = "the call was given up"
 class ServiceUnavailableError(Gpr20Error, OSError):
     """A service is not there, died while it was asked, or did not answer in time."""
 
-    fault = faults.SERVICE_UNAVAILABLE
+    fault = faults.PART_SILENT
 
 
 class ServiceConnection:
@@ -169,7 +169,7 @@ class ServiceClient:
                     service=self.name,
                     limit_s=timeout_s,
                 ),
-                fault=faults.SERVICE_SILENT,
+                fault=faults.PART_SILENT,
             ) from error
         except FAILURES as error:
             raise ServiceUnavailableError(

@@ -98,7 +98,7 @@ def read_translations(path: Path) -> Mapping[str, str]:
     except (OSError, ValueError) as error:
         raise InvalidValueError(
             Message("the translations {path} cannot be read", path=path, details=error),
-            fault=faults.TRANSLATION_UNREADABLE,
+            fault=faults.FILE_DAMAGED,
         ) from error
     return {
         entry.msgid: entry.msgstr

@@ -51,7 +51,7 @@ def load_extension(
                 module=module,
                 reason=f"{type(error).__name__}: {error}",
             ),
-            fault=faults.EXTENSION_UNUSABLE,
+            fault=faults.CONFIGURATION,
         ) from error
     missing = [one for one in sorted(vars(protocol)) if one[0] != "_" and not hasattr(found, one)]
     if not inspect.isclass(found):
@@ -65,7 +65,7 @@ def load_extension(
                 protocol=protocol.__name__,
                 missing=", ".join(missing),
             ),
-            fault=faults.EXTENSION_UNUSABLE,
+            fault=faults.CONFIGURATION,
         )
     try:
         inspect.signature(found).bind(*range(arguments), **options)
@@ -83,5 +83,5 @@ def options_refused(key: str, extension: type, reason: str) -> InvalidValueError
             class_name=extension.__name__,
             reason=reason,
         ),
-        fault=faults.EXTENSION_UNUSABLE,
+        fault=faults.CONFIGURATION,
     )

@@ -77,4 +77,4 @@ def software_difference(nodes: Mapping[str, NodeSoftware]) -> Optional[Message]:
         for name, group in sorted(groups.items())
     )
     text = Message("the parts of the robot run different software: {groups}", groups=found)
-    return text.with_fault(faults.SOFTWARE_DIFFERS)
+    return text.with_fault(faults.VERSIONS_DIFFER.as_warning())

@@ -13,7 +13,6 @@ from gpr20_common.high.answers import message_from
 from gpr20_common.high.service_client import ServiceClient, ServiceUnavailableError
 from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message
-from gpr20_doctor import faults
 from gpr20_doctor.high.node_reports import (
     analyzer_test_of,
     axis_position,
@@ -26,6 +25,7 @@ from gpr20_doctor.mid.listener import Listener
 from gpr20_msgs.msg import ControlStatus, CurrentCoordinate, RobotConfiguration
 from gpr20_msgs.srv import GetHeight, TestAnalyzer
 from gpr20_survey.axes.axis_id import AxisId
+from gpr20_survey.faults import VNA_SILENT
 from gpr20_survey.plan.survey_state import RUNNING, SurveyState
 from gpr20_survey.results.analyzer_test import AnalyzerTest
 
@@ -85,7 +85,7 @@ class Graph:
                 "connected",
                 limit_s=limit_s,
                 details=error,
-            ).with_fault(faults.NO_VNA_RESULT)
+            ).with_fault(VNA_SILENT)
             return AnalyzerTest("", failure=late)
         return analyzer_test_of(answer)
 

@@ -9,12 +9,20 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Dict, Optional
 
+from gpr20_common.faults import (
+    DISK_FULL,
+    DISK_REFUSES,
+    INTERNAL,
+    NOT_RUNNING,
+    NOT_SET_UP,
+    OTHER_LAUNCH,
+)
 from gpr20_common.message import Message, Value
 from gpr20_common.terminal_text import printable
 from gpr20_doctor import faults
 from gpr20_doctor.mid.finding import Finding
 from gpr20_doctor.mid.place import ROBOT, SERVER, Place
-from gpr20_survey.faults import OTHER_DATA_FOLDER
+from gpr20_survey.faults import NO_GROUND, OTHER_DATA_FOLDER
 
 LAUNCHES = {ROBOT: "robot.launch", SERVER: "server.launch"}
 ALL_IN_ONE = "survey.launch"
@@ -24,49 +32,49 @@ _MOTORS_THEN_RESTART = Message("Switch off the motors' power. {restart}", restar
 _LISTEN_AS_SERVICES = Message("Run it as the services do: gpr20-run doctor")
 
 ADVICE: Dict[str, Message] = {
-    faults.NO_MASTER.code: _RESTART,
-    faults.NO_ROBOT.code: _RESTART,
-    faults.MASTER_ENDED.code: _MOTORS_THEN_RESTART,
-    faults.MASTER_HANGS.code: _MOTORS_THEN_RESTART,
-    faults.MASTER_UNREACHABLE.code: Message(
+    NOT_RUNNING.code: _RESTART,
+    NOT_RUNNING.code: _RESTART,
+    faults.MASTER_LOST.code: _MOTORS_THEN_RESTART,
+    faults.MASTER_LOST.code: _MOTORS_THEN_RESTART,
+    NOT_RUNNING.code: Message(
         "Check that the other computer is switched on, the cable between them, and the address "
         "({where}).",
         where="GPR20_SERVER, ROS_MASTER_URI",
     ),
-    faults.MASTER_ELSEWHERE.code: Message(
+    NOT_RUNNING.code: Message(
         "Run: export ROS_MASTER_URI={first}. Then run the doctor again.", first=""
     ),
-    faults.OTHER_NAMESPACE.code: Message(
+    NOT_RUNNING.code: Message(
         "Run: gpr20 doctor --ns {robot}. For every program in this terminal: export "
         "ROS_NAMESPACE={robot}",
         robot="",
     ),
-    faults.PARTS_MISSING.code: Message(
+    NOT_RUNNING.code: Message(
         "Wait one minute: what ends is started again by itself. If it stays: {restart}", restart=""
     ),
-    faults.LEFT_OVER.code: Message(
+    INTERNAL.as_warning().code: Message(
         "Run: kill {numbers}. A survey that runs is stopped and can be resumed. Then start the "
         "robot again. {restart}",
         numbers="",
         restart="",
     ),
-    faults.NOT_RESTARTED.code: _THEN_RESTART,
-    faults.ADDRESS_GONE.code: _THEN_RESTART,
-    faults.HEIGHT_UNUSUAL.code: Message(
+    OTHER_LAUNCH.as_warning().code: _THEN_RESTART,
+    faults.ADDRESS.code: _THEN_RESTART,
+    NO_GROUND.as_warning().code: Message(
         "Look below the sensor, and check the offset in {height_file}.", height_file=""
     ),
-    faults.GROUP_MISSING.code: Message(
+    NOT_SET_UP.as_warning().code: Message(
         "Run: sudo groupadd --system {group}. Then restart the computer.", group=""
     ),
-    faults.NOT_IN_GROUP.code: Message(
+    NOT_SET_UP.as_warning().code: Message(
         "Run: sudo usermod -aG {group} {user}. Then log out and in.", group="", user=""
     ),
-    faults.VOLUME_READ_ONLY.code: Message(
+    DISK_REFUSES.code: Message(
         "Run: sudo mount -o remount,rw {point}. If that fails or it happens again, replace the "
         "card or disk.",
         point="",
     ),
-    faults.VOLUME_FULL.code: Message(
+    DISK_FULL.code: Message(
         "Delete what is not needed on {point}; to see what is large, run: sudo du -xh {point} | "
         "sort -h | tail",
         point="",
@@ -78,18 +86,18 @@ WITH_PACKAGES: Dict[str, Message] = {
         "Plug in and mount the disk of the surveys, then try again. Only if the folder is to be "
         "used from now on, run: sudo -u gpr20 gpr20-run config accept_data"
     ),
-    faults.ADDRESS_MISSING.code: Message(
+    faults.ADDRESS.code: Message(
         "Check the link, and GPR20_ROBOT and GPR20_SERVER in {where}. Then run: sudo systemctl "
         "restart gpr20-firewall",
         where="",
     ),
-    faults.ADDRESS_WRONG.code: _LISTEN_AS_SERVICES,
-    faults.NETWORK_OPEN.code: _LISTEN_AS_SERVICES,
-    faults.FIREWALL_OPEN.code: Message("Run: sudo {program} load", program=""),
-    faults.FIREWALL_OFF.code: Message(
+    faults.ADDRESS.code: _LISTEN_AS_SERVICES,
+    faults.ADDRESS.as_warning().code: _LISTEN_AS_SERVICES,
+    faults.FIREWALL.code: Message("Run: sudo {program} load", program=""),
+    faults.FIREWALL.code: Message(
         "Write GPR20_FIREWALL=on into {where}. Run: sudo {program} load", where="", program=""
     ),
-    faults.GROUP_MISSING.code: Message(
+    NOT_SET_UP.as_warning().code: Message(
         "Run: sudo apt install --reinstall gpr20-robot. Then restart the computer."
     ),
 }

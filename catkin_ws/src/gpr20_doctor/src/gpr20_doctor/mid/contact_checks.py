@@ -4,10 +4,9 @@ from __future__ import annotations
 
 from typing import Iterable, Iterator, Mapping
 
-from gpr20_common.faults import NODE_SILENT, SOFTWARE_DIFFERS
+from gpr20_common.faults import NOT_RUNNING, OTHER_LAUNCH, PART_SILENT, VERSIONS_DIFFER
 from gpr20_common.message import Message
 from gpr20_common.mid.node_software import NodeSoftware, software_difference
-from gpr20_common.remedies import SAME_VERSION
 from gpr20_doctor import faults
 from gpr20_doctor.low.masters import MasterState, NodeState
 from gpr20_doctor.mid.finding import Finding, Level
@@ -37,7 +36,7 @@ def check_contact(facts: RobotFacts) -> Iterator[Finding]:
         yield Finding.of("master", Message("Contact with the robot"))
     if not facts.control_alive and facts.evidence.nodes.get(MAIN_CONTROL) not in SILENT:
         text = Message("There is no contact with the main control.")
-        yield Finding.of("control", text, NODE_SILENT)
+        yield Finding.of("control", text, PART_SILENT)
 
 
 def _why_unheard(master: str, evidence: Evidence) -> Message:
@@ -49,13 +48,13 @@ def _why_unheard(master: str, evidence: Evidence) -> Message:
             namespace=evidence.namespace,
             robots=", ".join(evidence.robots),
             robot=evidence.robots[0].strip("/") or "/",
-        ).with_fault(faults.OTHER_NAMESPACE)
+        ).with_fault(NOT_RUNNING)
     # That of a master that hangs may move: it comes first.
     if evidence.elsewhere and evidence.master is not MasterState.HANGS:
-        return _elsewhere(master, evidence).with_fault(faults.MASTER_ELSEWHERE)
+        return _elsewhere(master, evidence).with_fault(NOT_RUNNING)
     if evidence.master is MasterState.ANSWERS:
         text = Message("The ROS master answers, but it has no robot.", details=master)
-        return text.with_fault(faults.NO_ROBOT)
+        return text.with_fault(NOT_RUNNING)
     return _no_master(master, evidence)
 
 
@@ -78,19 +77,19 @@ def _no_master(master: str, evidence: Evidence) -> Message:
         text = Message(
             "The ROS master hangs: it does not answer. The robot may still move.", **values
         )
-        return text.with_fault(faults.MASTER_HANGS)
+        return text.with_fault(faults.MASTER_LOST)
     if evidence.master is MasterState.UNREACHABLE:
         text = Message("The computer of the ROS master is not reached.", details=master)
-        return text.with_fault(faults.MASTER_UNREACHABLE)
+        return text.with_fault(NOT_RUNNING)
     if evidence.local_nodes:
         return Message(
             "The ROS master has ended, but {count} parts of the robot still run on this computer. "
             "The robot may still move.",
             count=evidence.local_nodes,
             **values,
-        ).with_fault(faults.MASTER_ENDED)
+        ).with_fault(faults.MASTER_LOST)
     text = Message("The ROS master does not answer.", **values)
-    return text.with_fault(faults.NO_MASTER)
+    return text.with_fault(NOT_RUNNING)
 
 
 def check_unheard(facts: RobotFacts) -> Iterator[Finding]:
@@ -126,14 +125,14 @@ def check_versions(facts: RobotFacts) -> Iterator[Finding]:
         hosts = [_on(host, software) for host in sorted({one.host for one in software.values()})]
         mixed = next((nodes for nodes in hosts if software_difference(nodes)), {})
         text = Message("Versions: {difference}", difference=difference, service=service_of(mixed))
-        fault = faults.NOT_RESTARTED if mixed else SOFTWARE_DIFFERS
+        fault = OTHER_LAUNCH.as_warning() if mixed else VERSIONS_DIFFER.as_warning()
         yield Finding.of_fault("versions", text.reporting_only(fault))
     elif silent is not None:
         text = Message("{part} does not say which software it runs.", part=node_title(silent))
-        yield Finding("versions", Level.UNKNOWN, text, SAME_VERSION)
+        yield Finding("versions", Level.UNKNOWN, text, VERSIONS_DIFFER.remedy)
     elif missing:
         text = Message("Not known: the software of {parts}", parts=tuple(map(node_title, missing)))
-        yield Finding("versions", Level.UNKNOWN, text, SAME_VERSION)
+        yield Finding("versions", Level.UNKNOWN, text, VERSIONS_DIFFER.remedy)
     else:
         name = next(iter(software.values())).name
         text = Message("Software {software} on every part", software=name)
@@ -153,7 +152,7 @@ def check_installed(facts: RobotFacts, installed: NodeSoftware) -> Iterator[Find
             installed=installed.name,
             service=service_of(here),
         )
-        fault = faults.NOT_RESTARTED if here else SOFTWARE_DIFFERS
+        fault = OTHER_LAUNCH.as_warning() if here else VERSIONS_DIFFER.as_warning()
         yield Finding.of("installed", text, fault)
 
 

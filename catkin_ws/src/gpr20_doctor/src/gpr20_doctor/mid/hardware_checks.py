@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import Dict, Iterator, Sequence
 
+from gpr20_common.faults import NOT_SET_UP
 from gpr20_common.message import Message
-from gpr20_doctor import faults
 from gpr20_doctor.low.pi import PIN_MODULES, DeviceFile, Groups, Pins, Realtime
 from gpr20_doctor.mid.finding import Finding, Level, not_known
 from gpr20_doctor.mid.machine_facts import HardwareUse, MachineFacts
@@ -62,13 +62,16 @@ def _groups(groups: object, needed: Sequence[str]) -> Iterator[Finding]:
 def _missing_group(groups: Groups, name: str) -> Finding:
     values = {"user": groups.user, "group": name}
     if name not in groups.existing:
-        text, fault = Message("This computer has no group {group}.", **values), faults.GROUP_MISSING
+        text, fault = (
+            Message("This computer has no group {group}.", **values),
+            NOT_SET_UP.as_warning(),
+        )
     elif name in groups.listed:
         text = Message("{user} is in the group {group} from the next login on.", **values)
-        fault = faults.GROUP_AT_NEXT_LOGIN
+        fault = NOT_SET_UP.as_warning()
     else:
         text = Message("{user} is not in the group {group}.", **values)
-        fault = faults.NOT_IN_GROUP
+        fault = NOT_SET_UP.as_warning()
     return Finding.of("groups", text, fault)
 
 
@@ -78,10 +81,10 @@ def _spi(device: object) -> Finding:
     path, fault = str(device.path), None
     if not device.exists:
         text = Message("The SPI bus is off: there is no {path}.", path=path)
-        fault = faults.SPI_OFF
+        fault = NOT_SET_UP
     elif not device.usable:
         text = Message("The SPI bus {path} cannot be read and written.", path=path)
-        fault = faults.SPI_NO_ACCESS
+        fault = NOT_SET_UP
     else:
         text = Message("SPI bus {path}", path=path)
     return Finding.of("spi", text, fault)
@@ -97,16 +100,16 @@ def _gpio(gpio: object) -> Finding:
             "The library {library} for the pins is not installed.",
             library=PIN_MODULES.get(wanted, "RPi.GPIO"),
         )
-        fault = faults.PIN_LIBRARY_MISSING
+        fault = NOT_SET_UP
     elif wanted == PIGPIO and gpio.daemon:
         text = Message("Pins: the pigpio daemon answers")
     elif wanted == PIGPIO:
-        text, fault = Message("The pigpio daemon does not answer."), faults.PIGPIO_SILENT
+        text, fault = Message("The pigpio daemon does not answer."), NOT_SET_UP
     elif usable:
         text = Message("Pins: {path} can be used", path=usable[0])
     else:
         text = Message("The pins cannot be used: no access to /dev/gpiomem or /dev/gpiochip.")
-        fault = faults.PINS_NO_ACCESS
+        fault = NOT_SET_UP
     return Finding.of("gpio", text, fault)
 
 
@@ -126,4 +129,4 @@ def _realtime(limits: object) -> Finding:
         )
     else:
         return Finding.of("realtime", Message("Real-time priority and locked memory"))
-    return Finding.of("realtime", text, faults.REALTIME_LIMITED)
+    return Finding.of("realtime", text, NOT_SET_UP.as_warning())

@@ -8,6 +8,7 @@ from __future__ import annotations
 import math
 from typing import Callable, Iterable, Iterator, Tuple
 
+from gpr20_common.faults import DISK_SLOW, INTERNAL, OVERLOADED
 from gpr20_common.message import Message
 from gpr20_common.terminal_text import printable
 from gpr20_doctor import faults
@@ -24,6 +25,7 @@ from gpr20_doctor.mid.system_checks import (
     check_memory,
     check_volumes,
 )
+from gpr20_survey.faults import CLOCK_WRONG, VNA_SILENT
 
 BYTES_PER_GB = 1e9
 WARM_C = 70.0
@@ -57,7 +59,7 @@ def check_addresses(facts: MachineFacts) -> Iterator[Finding]:
             "they cannot be reached.",
             addresses=", ".join(gone),
         )
-        yield Finding.of("addresses", text, faults.ADDRESS_GONE)
+        yield Finding.of("addresses", text, faults.ADDRESS)
 
 
 def check_launch(facts: MachineFacts) -> Iterator[Finding]:
@@ -69,7 +71,7 @@ def check_launch(facts: MachineFacts) -> Iterator[Finding]:
             count=len(facts.left_over),
             numbers=" ".join(map(str, sorted(facts.left_over))),
         )
-        yield Finding.of("launch", text, faults.LEFT_OVER)
+        yield Finding.of("launch", text, INTERNAL.as_warning())
 
 
 def check_watchdog(facts: MachineFacts) -> Iterator[Finding]:
@@ -77,10 +79,10 @@ def check_watchdog(facts: MachineFacts) -> Iterator[Finding]:
     name = Message("Watchdog")
     if HALTED.intersection(facts.watchdogs):
         text = Message("{name} hangs: it runs, but does not answer.", name=name)
-        yield Finding.of("watchdog", text, faults.WATCHDOG_HANGS)
+        yield Finding.of("watchdog", text, INTERNAL)
     elif "" in facts.watchdogs:
         text = Message("No watchdog runs here: a part of the robot that hangs is not restarted.")
-        yield Finding("watchdog", Level.UNKNOWN, text, faults.LEFT_OVER.remedy)
+        yield Finding("watchdog", Level.UNKNOWN, text, INTERNAL.as_warning().remedy)
     elif facts.watchdogs:
         yield Finding.of("watchdog", name)
 
@@ -96,7 +98,7 @@ def check_temperature(facts: MachineFacts) -> Iterator[Finding]:
         yield not_known("temperature", Message("the processor's temperature"), temperature_c)
         return
     text = Message("Temperature of the processor: {celsius:.0f} °C", celsius=temperature_c)
-    fault = faults.COMPUTER_HOT if temperature_c >= WARM_C else None
+    fault = OVERLOADED if temperature_c >= WARM_C else None
     yield Finding.of("temperature", text, fault, mild=temperature_c < HOT_C)
 
 
@@ -148,10 +150,10 @@ def check_clock(facts: MachineFacts) -> Iterator[Finding]:
         yield not_known("clock", Message("the offset of the clock"), clock, remedy)
     elif not clock.synchronized:
         text = Message("chrony does not follow the other computer's clock.")
-        yield Finding.of("clock", text, faults.CLOCK_NOT_FOLLOWED)
+        yield Finding.of("clock", text, CLOCK_WRONG.as_warning())
     elif abs(clock.offset_s) > CLOCK_LIMIT_S:
         text = Message("This clock is off by {offset_s:.3f} s.", offset_s=clock.offset_s)
-        yield Finding.of("clock", text, faults.CLOCK_OFF)
+        yield Finding.of("clock", text, CLOCK_WRONG.as_warning())
     else:
         text = Message("Clock: off by {offset_ms:.2f} ms", offset_ms=1e3 * clock.offset_s)
         yield Finding.of("clock", text)
@@ -174,7 +176,7 @@ def check_vna_port(facts: MachineFacts) -> Iterator[Finding]:
             reason=vna.failure,
             details=f"TCP port {vna.port}",
         )
-        yield Finding.of("vna_port", text, faults.VNA_UNREACHABLE)
+        yield Finding.of("vna_port", text, VNA_SILENT)
     else:
         text = Message("The VNA at {address} can be reached.", address=vna.address)
         yield Finding.of("vna_port", text)
@@ -190,12 +192,12 @@ def _one_machine(addresses: AddressFacts) -> Finding:
             "started here cannot be reached.",
             address=address,
         )
-        return Finding.of("addresses", text, faults.ADDRESS_WRONG)
+        return Finding.of("addresses", text, faults.ADDRESS)
     text = Message(
         "ROS listens on {address}: everybody in the network can move the robot.",
         address=address or "*",
     )
-    return Finding.of("addresses", text, faults.NETWORK_OPEN)
+    return Finding.of("addresses", text, faults.ADDRESS.as_warning())
 
 
 def _two_machines(addresses: AddressFacts) -> Finding:
@@ -204,14 +206,14 @@ def _two_machines(addresses: AddressFacts) -> Finding:
         text = Message(
             "This computer has none of the addresses {configured}.", configured=configured
         )
-        return Finding.of("addresses", text, faults.ADDRESS_MISSING)
+        return Finding.of("addresses", text, faults.ADDRESS)
     if addresses.ros_address not in addresses.own:
         text = Message(
             "ROS listens on {address}, but this computer is {own}.",
             address=addresses.ros_address or "*",
             own=addresses.own[0],
         )
-        return Finding.of("addresses", text, faults.ADDRESS_WRONG)
+        return Finding.of("addresses", text, faults.ADDRESS)
     text = Message("Two computers: this one is {own}.", own=addresses.own[0])
     return Finding.of("addresses", text)
 
@@ -242,13 +244,13 @@ def _disk_speed(trace_s: object) -> Finding:
         return not_known("disk_speed", Message("the speed of the disk"), trace_s)
     if math.isinf(trace_s):
         text = Message("The disk did not store a large trace in time.")
-        return Finding.of("disk_speed", text, faults.DISK_TOO_SLOW)
+        return Finding.of("disk_speed", text, DISK_SLOW)
     text = Message(
         "Disk: a large trace is stored in {trace_s:.2f} s; a survey needs {limit_s:g} s or less",
         trace_s=trace_s,
         limit_s=TRACE_LIMIT_S,
     )
-    fault = faults.DISK_TOO_SLOW if trace_s > TRACE_LIMIT_S else None
+    fault = DISK_SLOW if trace_s > TRACE_LIMIT_S else None
     return Finding.of("disk_speed", text, fault, mild=True)
 
 

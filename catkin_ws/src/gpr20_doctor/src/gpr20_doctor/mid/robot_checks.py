@@ -8,7 +8,15 @@ from __future__ import annotations
 import math
 from typing import Callable, Dict, Iterable, Iterator, Optional, Tuple
 
-from gpr20_common.faults import DISK_FULL, NODE_SILENT
+from gpr20_common.faults import (
+    CONFIGURATION,
+    DISK_FULL,
+    INTERNAL,
+    NOT_RUNNING,
+    PART_LOST,
+    PART_RED,
+    PART_SILENT,
+)
 from gpr20_common.message import Fault, Message, Severity, verbatim
 from gpr20_doctor import faults
 from gpr20_doctor.low.masters import NodeState
@@ -23,7 +31,16 @@ from gpr20_doctor.mid.finding import Finding, Level
 from gpr20_doctor.mid.node_health import HealthLevel, NodeHealth, axis_node, node_title
 from gpr20_doctor.mid.robot_facts import AxisPosition, EndstopSeen, RobotFacts
 from gpr20_survey.axes.axis_id import AxisId
-from gpr20_survey.faults import CALIBRATION_AGED, HEIGHT_NOT_MEASURED, NOT_CALIBRATED, NOT_HOMED
+from gpr20_survey.faults import (
+    CLOCK_WRONG,
+    ENDSTOP,
+    HEIGHT_NOT_MEASURED,
+    NO_GROUND,
+    NOT_CALIBRATED,
+    NOT_HOMED,
+    VNA_SILENT,
+    WRONG_VNA,
+)
 from gpr20_survey.plan.robot_description import (
     ANALYZER,
     HEIGHT_SENSOR,
@@ -35,10 +52,10 @@ from gpr20_survey.trace.calibration import CalibrationStatus
 TEST = Message("A survey reads it; or test the VNA on ROBOT.")
 CALIBRATION_FAULTS: Dict[CalibrationStatus, Fault] = {
     CalibrationStatus.NONE: NOT_CALIBRATED,
-    CalibrationStatus.MODERATE_POWER: CALIBRATION_AGED,
-    CalibrationStatus.MODERATE_TEMPERATURE: CALIBRATION_AGED,
-    CalibrationStatus.LOW: CALIBRATION_AGED,
-    CalibrationStatus.NOT_REPORTED: faults.CALIBRATION_UNKNOWN,
+    CalibrationStatus.MODERATE_POWER: NOT_CALIBRATED.as_warning(),
+    CalibrationStatus.MODERATE_TEMPERATURE: NOT_CALIBRATED.as_warning(),
+    CalibrationStatus.LOW: NOT_CALIBRATED.as_warning(),
+    CalibrationStatus.NOT_REPORTED: NOT_CALIBRATED.as_warning(),
 }
 
 
@@ -47,7 +64,7 @@ def check_analyzer(facts: RobotFacts) -> Iterator[Finding]:
     test = facts.analyzer
     if test is not None and test.failure is not None:
         text = Message("Test of the VNA: {reason}", reason=test.failure)
-        yield Finding.of("vna", text, faults.VNA_TEST_FAILED)
+        yield Finding.of("vna", text, VNA_SILENT)
     known = facts.reported(ANALYZER) if test is None else test
     identity, calibration = ("", "") if known is None else (known.identity, known.calibration)
     if identity:
@@ -64,7 +81,7 @@ def _calibration(name: str) -> Finding:
     state = verbatim(name) if status is None else status.meaning
     text = Message("Calibration of the VNA: {state}", state=state)
     if status is None:
-        return Finding("calibration", Level.UNKNOWN, text, faults.CALIBRATION_UNKNOWN.remedy)
+        return Finding("calibration", Level.UNKNOWN, text, NOT_CALIBRATED.as_warning().remedy)
     return Finding.of("calibration", text, CALIBRATION_FAULTS.get(status))
 
 
@@ -75,7 +92,7 @@ def _identity(identity: str, simulated: bool) -> Finding:
         "The VNA {identity} and the robot are not both simulated or both real.",
         identity=identity,
     )
-    return Finding.of("identity", text, faults.IDENTITY_WRONG)
+    return Finding.of("identity", text, WRONG_VNA)
 
 
 # A node reports once a second; who has just begun to listen has not heard all of them [s].
@@ -98,7 +115,7 @@ def check_configuration(facts: RobotFacts) -> Iterator[Finding]:
     if facts.configuration_problem is not None:
         reason = facts.configuration_problem
         text = Message("No survey can start: {reason}", reason=reason)
-        yield Finding.of("configuration", text, faults.CONFIGURATION_REFUSED)
+        yield Finding.of("configuration", text, CONFIGURATION)
     elif not facts.configured:
         text = Message("The robot's configuration is not known yet.")
         yield Finding("configuration", Level.UNKNOWN, text, WAIT)
@@ -118,11 +135,11 @@ def check_parts(facts: RobotFacts) -> Iterator[Finding]:
     if gone:
         values = {"parts": tuple(map(node_title, gone)), "service": service_of(gone)}
         text = Message("Not running: {parts}", **values)
-        yield Finding.of("missing", text, faults.PARTS_MISSING)
+        yield Finding.of("missing", text, NOT_RUNNING)
     if lost:
         values = {"parts": tuple(map(node_title, lost)), "service": service_of(lost)}
         text = Message("Not reached at the address where they listen: {parts}", **values)
-        yield Finding.of("missing", text, faults.ADDRESS_GONE)
+        yield Finding.of("missing", text, faults.ADDRESS)
     for node in facts.nodes:
         if node.name not in {*gone, *lost}:
             yield _part(node, facts.listening_s, known.get(node.name))
@@ -167,7 +184,7 @@ def check_height(facts: RobotFacts) -> Iterator[Finding]:
             lowest_m=lowest_m,
             highest_m=highest_m,
         )
-        yield Finding.of("height", text, faults.HEIGHT_UNUSUAL)
+        yield Finding.of("height", text, NO_GROUND.as_warning())
 
 
 def check_endstops(facts: RobotFacts) -> Iterator[Finding]:
@@ -193,7 +210,7 @@ def check_clocks(facts: RobotFacts) -> Iterator[Finding]:
         offset_s=abs(offset_s),
         details=facts.software[node].host if node in facts.software else "",
     )
-    yield Finding.of("clocks", text, faults.CLOCKS_DIFFER)
+    yield Finding.of("clocks", text, CLOCK_WRONG.as_warning())
 
 
 def _endstop(axis_id: AxisId, position: AxisPosition, seen: EndstopSeen) -> Finding:
@@ -204,7 +221,7 @@ def _endstop(axis_id: AxisId, position: AxisPosition, seen: EndstopSeen) -> Find
             axis=axis,
             coordinate_mm=position.coordinate,
         )
-        fault = faults.ENDSTOP_CLOSED
+        fault = ENDSTOP
     elif seen.changes:
         text = Message("The endstop of the {axis} axis works: its state has changed.", axis=axis)
     elif not seen.pressed:
@@ -213,7 +230,7 @@ def _endstop(axis_id: AxisId, position: AxisPosition, seen: EndstopSeen) -> Find
         text = Message("The endstop of the {axis} axis is closed, at its zero.", axis=axis)
     else:
         text = Message("The endstop of the {axis} axis is closed; it is not homed.", axis=axis)
-        fault = faults.ENDSTOP_DOUBTFUL
+        fault = ENDSTOP.as_warning()
     return Finding.of(f"endstop_{axis_id.value}", text, fault)
 
 
@@ -221,22 +238,22 @@ def _part(node: NodeHealth, listening_s: float, state: Optional[NodeState]) -> F
     name = node_title(node.name)
     if state is NodeState.HANGS:
         text = Message("{name} hangs: it runs, but does not answer.", name=name)
-        return Finding.of(node.name, text, faults.NODE_HANGS)
+        return Finding.of(node.name, text, PART_LOST)
     if node.level is HealthLevel.OK:
         return Finding.of(node.name, name)
     if node.level is HealthLevel.STALE:
         text = Message("{name} does not report.", name=name)
         if listening_s > STARTING_S:
-            return Finding.of(node.name, text, NODE_SILENT)
-        return Finding(node.name, Level.UNKNOWN, text, NODE_SILENT.remedy)
+            return Finding.of(node.name, text, PART_SILENT)
+        return Finding(node.name, Level.UNKNOWN, text, PART_SILENT.remedy)
     cause = node.message.cause
     text = Message("{name}: {state}", name=name, state=node.message)
     if node.level is HealthLevel.ERROR:
-        failed = text.with_fault(faults.PART_FAILED)
+        failed = text.with_fault(INTERNAL)
         return Finding.of_fault(node.name, failed, node.message.remedy)
     if cause is not None and (cause.severity is Severity.NOTE or cause.code == NOT_HOMED.code):
-        return Finding(node.name, Level.NOTE, text, cause.remedy or faults.PART_WARNS.remedy)
-    return Finding.of(node.name, text, faults.PART_WARNS, mild=True)
+        return Finding(node.name, Level.NOTE, text, cause.remedy or PART_RED.as_warning().remedy)
+    return Finding.of(node.name, text, PART_RED.as_warning(), mild=True)
 
 
 UNHEARD: Tuple[Check, ...] = (check_contact, check_unheard)

@@ -7,12 +7,14 @@ from __future__ import annotations
 
 from typing import Iterator
 
+from gpr20_common.faults import CONFIGURATION, DISK_FULL, DISK_REFUSES, OVERLOADED
 from gpr20_common.message import Message
 from gpr20_common.terminal_text import printable
 from gpr20_doctor import faults
 from gpr20_doctor.low.system import Memory
 from gpr20_doctor.mid.finding import Finding, Level, not_known
 from gpr20_doctor.mid.machine_facts import MachineFacts, OutsideFacts, VolumeFacts
+from gpr20_survey.faults import CLOCK_WRONG
 
 MB, GB = 1e6, 1e9
 # Below them the system begins to end programs [bytes].
@@ -46,7 +48,7 @@ def check_configuration(facts: MachineFacts) -> Iterator[Finding]:
         for reason in found:
             # Each problem has its own fault; one without has that of a value.
             text = Message("Configuration: {reason}", reason=reason)
-            known = text if text.cause is not None else text.with_fault(faults.FILES_WRONG)
+            known = text if text.cause is not None else text.with_fault(CONFIGURATION)
             yield Finding.of_fault("config_files", known)
 
 
@@ -72,9 +74,7 @@ def check_firewall(facts: MachineFacts) -> Iterator[Finding]:
             "the network can move the robot.",
             ports=", ".join(map(str, outside.reached[:LISTED])),
         )
-        off = outside.switched_off
-        fault = faults.FIREWALL_OFF if off else faults.FIREWALL_OPEN
-        yield Finding.of("firewall", text, fault)
+        yield Finding.of("firewall", text, faults.FIREWALL)
 
 
 def check_memory(facts: MachineFacts) -> Iterator[Finding]:
@@ -87,13 +87,13 @@ def check_memory(facts: MachineFacts) -> Iterator[Finding]:
         return
     free = memory.available_bytes
     text = Message("Memory: {free_mb:.0f} MB free", free_mb=free / MB)
-    fault = faults.MEMORY_LOW if free < LOW_MEMORY else None
+    fault = OVERLOADED if free < LOW_MEMORY else None
     if fault is None and memory.ended_programs:
         text = Message(
             "Linux has ended {count} programs for lack of memory since the start.",
             count=memory.ended_programs,
         )
-        fault = faults.MEMORY_RAN_OUT
+        fault = OVERLOADED.as_warning()
     yield Finding.of("memory", text, fault, mild=free >= NO_MEMORY)
 
 
@@ -117,7 +117,7 @@ def _volume(volume: VolumeFacts) -> Iterator[Finding]:
     names = {"point": printable(volume.mount_point), "folder": printable(volume.folder)}
     if volume.read_only:
         text = Message("The file system {point} is read-only; {folder} is on it.", **names)
-        yield Finding.of("volumes", text, faults.VOLUME_READ_ONLY)
+        yield Finding.of("volumes", text, DISK_REFUSES)
         return
     if volume.free_bytes < LOW_SPACE:
         text = Message(
@@ -126,14 +126,14 @@ def _volume(volume: VolumeFacts) -> Iterator[Finding]:
             **names,
         )
         mild = volume.free_bytes >= NO_SPACE
-        yield Finding.of("volumes", text, faults.VOLUME_FULL, mild)
+        yield Finding.of("volumes", text, DISK_FULL, mild)
     if volume.free_files is not None and volume.free_files < FEW_FILES:
         text = Message(
             "The file system {point} can hold only {count} more files; {folder} is on it.",
             count=volume.free_files,
             **names,
         )
-        yield Finding.of("volumes", text, faults.VOLUME_FULL)
+        yield Finding.of("volumes", text, DISK_FULL)
 
 
 def check_date(facts: MachineFacts) -> Iterator[Finding]:
@@ -143,4 +143,4 @@ def check_date(facts: MachineFacts) -> Iterator[Finding]:
             "This computer's clock is {days:.0f} days before the date of the installed software.",
             days=facts.behind_s / 86400.0,
         )
-        yield Finding.of("date", text, faults.CLOCK_BEHIND)
+        yield Finding.of("date", text, CLOCK_WRONG.as_warning())

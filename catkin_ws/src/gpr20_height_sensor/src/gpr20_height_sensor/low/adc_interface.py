@@ -5,10 +5,10 @@ from __future__ import annotations
 import threading
 from typing import List, Protocol
 
+from gpr20_common.faults import NOT_SET_UP
 from gpr20_common.message import Message
 from gpr20_common.mid.checks import number_between
 from gpr20_common.os_reason import os_reason
-from gpr20_height_sensor import faults
 from gpr20_height_sensor.errors import SpiError
 
 CHANNELS = 8
@@ -107,7 +107,7 @@ def open_spi_bus(bus: int, device: int, speed_hz: int) -> SpiBus:
                 "elsewhere launch with robot:=simulated",
                 details=error,
             ),
-            fault=faults.NO_SPI_LIBRARY,
+            fault=NOT_SET_UP,
         ) from error
     device_file = f"/dev/spidev{bus}.{device}"
     spi = spidev.SpiDev()
@@ -124,6 +124,6 @@ def open_spi_bus(bus: int, device: int, speed_hz: int) -> SpiBus:
                 device_file=device_file,
                 reason=os_reason(error),
             ),
-            fault=faults.SPI_REFUSED,
+            fault=NOT_SET_UP,
         ) from error
     return spi

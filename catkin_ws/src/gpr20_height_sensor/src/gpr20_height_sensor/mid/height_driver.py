@@ -209,7 +209,7 @@ class HeightDriver:
                     "switches this check off); if not, replace the sensor",
                     readings=count,
                 ),
-                fault=faults.SENSOR_FROZEN,
+                fault=faults.FROZEN,
             )
 
     def _check_quiet(self, spread_m: float, distances_m: np.ndarray) -> None:

@@ -184,7 +184,7 @@ class AnalysisProcess:
             except OSError as error:
                 raise ImagingError(
                     Message("the analysis cannot be started", details=error),
-                    fault=faults.NOT_INSTALLED,
+                    fault=faults.OTHER_COMPUTER,
                 ) from error
         return self._child, ours
 
@@ -199,7 +199,7 @@ class AnalysisProcess:
                 limit_s=limit_s,
                 details=f"{child.returncode}: {errors[-LONGEST_ERROR:]}",
             ),
-            fault=faults.TOO_MUCH,
+            fault=faults.OTHER_COMPUTER,
         )
 
 

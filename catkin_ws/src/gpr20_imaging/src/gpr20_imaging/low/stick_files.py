@@ -232,7 +232,7 @@ class StickFolder:
     def _gone(self) -> ExportFailedError:
         return ExportFailedError(
             Message("the USB stick at {path} was replaced by another one", path=self._volume.path),
-            fault=faults.STICK_GONE,
+            fault=faults.STICK,
         )
 
     def _no_folder(self) -> ExportFailedError:
@@ -243,7 +243,7 @@ class StickFolder:
                 folder=self._name,
                 name=self._volume.name,
             ),
-            fault=faults.STICK_FOLDER,
+            fault=faults.STICK,
         )
 
     def _differs(self, name: str) -> ExportFailedError:

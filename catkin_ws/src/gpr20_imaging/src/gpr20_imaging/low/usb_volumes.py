@@ -8,6 +8,7 @@ import subprocess
 from pathlib import Path
 from typing import Any, Callable, Dict, Iterator, List, Tuple
 
+from gpr20_common.faults import NOT_SET_UP
 from gpr20_common.message import Message
 from gpr20_imaging import faults
 from gpr20_imaging.errors import ImagingError
@@ -40,7 +41,7 @@ def list_block_devices() -> str:
     except (OSError, subprocess.SubprocessError) as error:
         raise ImagingError(
             Message("the USB sticks of this computer cannot be listed", details=error),
-            fault=faults.NO_STICK_LIST,
+            fault=NOT_SET_UP,
         ) from error
     return done.stdout
 
@@ -77,7 +78,7 @@ class UsbVolumes:
         except (ValueError, KeyError, TypeError, AttributeError) as error:
             raise ImagingError(
                 Message("the USB sticks of this computer cannot be listed", details=error),
-                fault=faults.NO_STICK_LIST,
+                fault=NOT_SET_UP,
             ) from error
         return [
             volume
@@ -100,7 +101,7 @@ class UsbVolumes:
                 "the USB stick at {path} is not mounted any more; plug it in",
                 path=repr(path[:200]),
             ),
-            fault=faults.STICK_GONE,
+            fault=faults.STICK,
         )
 
     def check_present(self, volume: Volume) -> None:
@@ -113,7 +114,7 @@ class UsbVolumes:
         if self.find(volume.path).device != volume.device:
             raise ImagingError(
                 Message("the USB stick at {path} was replaced by another one", path=volume.path),
-                fault=faults.STICK_GONE,
+                fault=faults.STICK,
             )
 
 

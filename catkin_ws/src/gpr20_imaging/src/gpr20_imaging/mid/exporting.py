@@ -94,7 +94,7 @@ class Exporter:
         if not volume.writable:
             raise ImagingError(
                 Message("the USB stick {name} is write-protected", name=volume.name),
-                fault=faults.STICK_PROTECTED,
+                fault=faults.STICK,
             )
         with tempfile.TemporaryDirectory(prefix="gpr20_export_") as made:
             # Before the stick is touched: it may be refused, and takes longest.
@@ -162,7 +162,7 @@ class Exporter:
                     free_mb=volume.free_bytes / 1e6,
                     needed_mb=needed / 1e6,
                 ),
-                fault=faults.STICK_FULL,
+                fault=faults.STICK,
             )
         with StickFolder(volume, FOLDER) as folder:
             folder.remove_unfinished(is_export)
@@ -192,7 +192,7 @@ class Exporter:
                     name=volume.name,
                     details=error,
                 ),
-                fault=faults.STICK_FULL,
+                fault=faults.STICK,
             )
         if error.errno == errno.EFBIG:
             return ExportFailedError(
@@ -202,7 +202,7 @@ class Exporter:
                     name=volume.name,
                     details=error,
                 ),
-                fault=faults.STICK_FORMAT,
+                fault=faults.STICK,
             )
         if error.errno in GONE:
             return ExportFailedError(
@@ -217,7 +217,7 @@ class Exporter:
                 "the USB stick {name} could not be written: {reason}",
                 name=volume.name,
                 reason=os_reason(error),
-            ).reporting_only(faults.STICK_FAILED)
+            ).reporting_only(faults.STICK)
         )
 
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Callable, Dict, List, Optional, Sequence, Tuple
 
-from gpr20_common.faults import NOT_ALLOWED
+from gpr20_common.faults import ASKED_FOR, NOT_ALLOWED
 from gpr20_common.low.catalogue_file import languages
 from gpr20_common.message import Message
 from gpr20_imaging import faults
@@ -77,7 +77,7 @@ class Imaging:
             "candidates or report. Install it there with scripts/setup.sh, or copy the survey to "
             "a computer that has it.",
             computer=self.computer,
-        ).with_fault(faults.NOT_INSTALLED)
+        ).with_fault(faults.OTHER_COMPUTER)
 
     def focus(self, request_id: str, survey: str, permittivity: float) -> FocusedImage:
         """Return the focused image of what is stored of a survey.
@@ -167,7 +167,7 @@ class Imaging:
         _check_language(language)
         chosen = tuple(dict.fromkeys(ExportKind.of(one) for one in kinds))
         if not chosen:
-            raise ImagingError(Message("Choose what to export."), fault=faults.NOTHING_CHOSEN)
+            raise ImagingError(Message("Choose what to export."), fault=NOT_ALLOWED)
         if any(one.analysis for one in chosen):
             self._require_analysis()
         folder, found = find_survey(self._data, survey)
@@ -197,7 +197,7 @@ class Imaging:
         """
         if not request_id or not self._jobs.cancel(request_id):
             raise ImagingError(
-                Message("There is no such request; it may have ended."), fault=faults.NO_REQUEST
+                Message("There is no such request; it may have ended."), fault=ASKED_FOR
             )
 
     def close(self) -> None:

@@ -7,8 +7,8 @@ import threading
 from dataclasses import dataclass, field
 from typing import Any, Callable, Dict, Generic, Optional, TypeVar
 
+from gpr20_common.faults import BUSY
 from gpr20_common.message import Message
-from gpr20_imaging import faults
 from gpr20_imaging.errors import ImagingError
 from gpr20_imaging.low.cancellation import Cancellation
 
@@ -67,7 +67,7 @@ class JobQueue:
         with self._lock:
             if self._is_closed or len(self._jobs) >= MOST_WAITING:
                 raise ImagingError(
-                    Message("Too many requests are waiting. Try again later."), fault=faults.BUSY
+                    Message("Too many requests are waiting. Try again later."), fault=BUSY
                 )
             self._jobs[id(job)] = job
             self._queue.put(job)

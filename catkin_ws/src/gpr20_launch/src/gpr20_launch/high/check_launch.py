@@ -17,12 +17,12 @@ import rosgraph
 import rospkg
 
 from gpr20_common.errors import Gpr20Error, NodeSilentError
+from gpr20_common.faults import OTHER_LAUNCH
 from gpr20_common.low.limited_rpc import NodeProbe
 from gpr20_common.message import Message
 from gpr20_common.terminal_text import say
 from gpr20_doctor.mid.finding import Finding
 from gpr20_doctor.mid.place import place_of
-from gpr20_launch import faults
 from gpr20_launch.errors import LaunchRefusedError
 from gpr20_launch.low.process_info import ProcessInfo, process_info
 from gpr20_launch.mid.launch_request import REAL, ROBOT, SERVER, SURVEY, LaunchRequest
@@ -143,7 +143,7 @@ def _refuse_running(names: Sequence[str], namespace: str) -> None:
         shared = [_running("/rosout", master), _master(master)]
         nodes += [one for one in shared if one is not None and one.is_left_over]
     if nodes:
-        raise LaunchRefusedError(refusal(nodes, master), fault=faults.ROBOT_RUNNING)
+        raise LaunchRefusedError(refusal(nodes, master), fault=OTHER_LAUNCH)
 
 
 def _running(name: str, master: str) -> Optional[RunningNode]:

@@ -12,6 +12,7 @@ from typing import Callable, Dict, Iterable, Mapping, Sequence
 import rosgraph
 
 from gpr20_common.errors import Gpr20Error
+from gpr20_common.faults import NOT_ALLOWED
 from gpr20_common.low.yaml_file import read_yaml
 from gpr20_common.message import Message
 from gpr20_common.os_reason import os_reason
@@ -147,7 +148,7 @@ def _refuse_existing(folder: Path, names: Iterable[str]) -> None:
     if there:
         values = {"folder": printable(folder), "names": ", ".join(there)}
         text = Message("{folder} has {names} already, which stay as they are", **values)
-        raise ConfigurationError(text, fault=faults.FILES_EXIST)
+        raise ConfigurationError(text, fault=NOT_ALLOWED)
 
 
 def _profiles() -> Dict[str, Path]:

@@ -7,10 +7,10 @@ from pathlib import Path
 from typing import Dict, Tuple
 
 from gpr20_common.errors import Gpr20Error
+from gpr20_common.faults import CONFIGURATION
 from gpr20_common.low.data_folder import DEFAULT_FOLDER
 from gpr20_common.message import Message
 from gpr20_common.mid.codec import record_from
-from gpr20_launch import faults
 from gpr20_launch.errors import ConfigurationError, LaunchRefusedError
 from gpr20_launch.mid.robot_files import Sections, read_configuration
 from gpr20_simulator.mid.simulator_parameters import SimulatorParameters
@@ -113,7 +113,7 @@ class LaunchRequest:
                     "rosrun gpr20_launch robot_config create {folder}",
                     folder=folder,
                 ),
-                fault=faults.NO_FOLDER,
+                fault=CONFIGURATION,
             )
         return folder
 

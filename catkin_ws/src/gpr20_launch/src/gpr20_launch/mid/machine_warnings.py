@@ -78,4 +78,4 @@ def _unchecked_analyzer(request: LaunchRequest, sections: Sections) -> Tuple[Fin
         "{analyzer} has not passed the check of analyzers as it is now",
         analyzer=parameters.analyzer,
     )
-    return (Finding.of_fault("analyzer", text.with_fault(faults.UNCHECKED_ANALYZER)),)
+    return (Finding.of_fault("analyzer", text.with_fault(faults.NOT_CHECKED.as_warning())),)

@@ -14,9 +14,9 @@ from typing import Any, Dict, List, Mapping
 
 import yaml
 
+from gpr20_common.faults import CONFIGURATION
 from gpr20_common.message import Message
 from gpr20_common.terminal_text import printable
-from gpr20_launch import faults
 from gpr20_launch.errors import OldLaunchError
 from gpr20_launch.mid.hints import UNREAD
 from gpr20_launch.mid.old_launch import LaunchParameters, Unread
@@ -126,7 +126,7 @@ def _mark_unread(
         own = [axis for axis in axes if name is not None and _axis_of(name or f"/{axis}/") == axis]
         key = "" if name is None else name.rsplit("/", 1)[-1]
         matters = bool(own) and key in ("", *NAMES)
-        message = one.message.with_fault(faults.OLD_UNREAD)
+        message = one.message.with_fault(CONFIGURATION)
         robot.problems.append(Problem(message if matters else message.as_warning()))
         for axis in own if matters else ():
             absent = set(defaults[axis]) & set(NAMES) - set(axes[axis])
@@ -147,7 +147,7 @@ def _mark_unset(
             text = Message(
                 "{file} does not set {names}", file=file, names=", ".join(names) if own else axis
             )
-            robot.problems.append(Problem(text.with_fault(faults.OLD_UNREAD)))
+            robot.problems.append(Problem(text.with_fault(CONFIGURATION)))
             own.update({key: f"{UNREAD} {text}" for key in names})
 
 

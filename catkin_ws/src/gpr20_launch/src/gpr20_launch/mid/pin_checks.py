@@ -6,8 +6,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Dict, Iterator, List, Mapping, Tuple
 
+from gpr20_common.faults import CONFIGURATION
 from gpr20_common.message import Message
-from gpr20_launch import faults
 from gpr20_launch.mid.pin_table import EEPROM, GPIO_OF_BOARD, I2C, SPI_BUSES, UART
 from gpr20_launch.mid.problem import Problem, problem
 from gpr20_launch.mid.robot_files import AXES_FILE, Reading
@@ -95,11 +95,11 @@ def _spi(reading: Reading) -> Tuple[List[PinUse], List[Problem]]:
     if lines is None:
         reason = Message("the header of a Raspberry Pi 4 has no such bus")
         allowed = ", ".join(map(str, SPI_BUSES))
-        return [], [problem(faults.WRONG_VALUE, file, "spi_bus", bus, reason, allowed)]
+        return [], [problem(CONFIGURATION, file, "spi_bus", bus, reason, allowed)]
     if device >= len(lines.selects):
         reason = Message("SPI bus {bus} has no such chip select", bus=bus)
         allowed = f"0 - {len(lines.selects) - 1}"
-        return [], [problem(faults.WRONG_VALUE, file, "spi_device", device, reason, allowed)]
+        return [], [problem(CONFIGURATION, file, "spi_device", device, reason, allowed)]
     uses = []
     for name, pin in lines.pins(device).items():
         key, value = ("spi_device", device) if name.startswith("CE") else ("spi_bus", bus)
@@ -123,7 +123,7 @@ def _shared(uses: List[PinUse]) -> Iterator[Problem]:
             shared=SHARED,
             level="enable_active",
         )
-        where = (faults.PIN_CONFLICT, last.file, last.key, last.value)
+        where = (CONFIGURATION, last.file, last.key, last.value)
         yield problem(*where, reason, allowed, uses=texts)
 
 
@@ -133,7 +133,7 @@ def _reserved(use: PinUse) -> Iterator[Problem]:
     if reason is None or not of_axis or (use.pin in I2C and use.key.endswith(ENDSTOP)):
         return
     free = ", ".join(map(str, sorted(set(GPIO_OF_BOARD) - {*RESERVED, 19, 21, 23, 24})))
-    where = (faults.PIN_UNUSABLE, use.file, use.key, use.value)
+    where = (CONFIGURATION, use.file, use.key, use.value)
     uses, doubtful = (use.text, str(reason)), use.pin not in EEPROM
     yield problem(*where, reason, free, doubtful=doubtful, uses=uses)
 
@@ -142,7 +142,7 @@ def _pull(file: Path, axis: str, parameters: AxisParameters) -> Iterator[Problem
     pin, pull, up = parameters.sensor_pin, parameters.endstop_pull, Pull.UP.value
     if pin in I2C and pull != up:
         reason = Message("pin {pin} has a resistor of 1.8 kOhm to 3.3 V, which pulls up", pin=pin)
-        yield problem(faults.ENDSTOP, file, f"{axis}/endstop_pull", pull, reason, up)
+        yield problem(CONFIGURATION, file, f"{axis}/endstop_pull", pull, reason, up)
 
 
 def _wave_transmitter(file: Path, axes: Dict[str, AxisParameters]) -> Iterator[Problem]:
@@ -152,4 +152,4 @@ def _wave_transmitter(file: Path, axes: Dict[str, AxisParameters]) -> Iterator[P
             "pigpio can time the pulses of one axis, and {first} has it", first=timed[0]
         )
         key, other = f"{axis}/backend", RPI_GPIO
-        yield problem(faults.MOTION, file, key, PIGPIO, reason, other)
+        yield problem(CONFIGURATION, file, key, PIGPIO, reason, other)

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Dict, Iterator, Mapping, Optional, Tuple
 
 from gpr20_common.errors import Gpr20Error
+from gpr20_common.faults import CONFIGURATION, DISK_FULL
 from gpr20_common.message import Message
 from gpr20_common.mid.checks import ipv4_address
 from gpr20_common.terminal_text import printable
@@ -84,7 +85,7 @@ def _left_over(folder: Path) -> Iterator[Problem]:
                 "{file} is left over, and is not read: somebody may take it for the configuration",
                 file=printable(path),
             )
-            yield Problem(text.with_fault(faults.LEFT_OVER_FILE), str(path))
+            yield Problem(text.with_fault(CONFIGURATION.as_warning()), str(path))
 
 
 def _data(reading: Reading, use: Use) -> Iterator[Problem]:
@@ -101,7 +102,7 @@ def _data(reading: Reading, use: Use) -> Iterator[Problem]:
         reason = Message("it depends on the folder in which the robot is started")
     if reason is not None:
         example = Message("an absolute path, such as {example}", example="/srv/gpr20/surveys")
-        yield problem(faults.DATA_FOLDER, *where, given or configured, reason, example)
+        yield problem(CONFIGURATION, *where, given or configured, reason, example)
     elif use.part != ROBOT:
         parameters = storage_parameters(reading.sections, given)
         unsuitable = list(_suitable(parameters, where, use))
@@ -156,7 +157,7 @@ def _suitable(
             mount_point=printable(mounted.mount_point),
         )
     if reason is not None:
-        yield problem(faults.DATA_FOLDER, *where, folder, reason, allowed, doubtful=doubtful)
+        yield problem(CONFIGURATION, *where, folder, reason, allowed, doubtful=doubtful)
 
 
 def _disk(
@@ -173,7 +174,7 @@ def _disk(
         reason = Message("{free_mb:.0f} MB are free there, so no survey can start", free_mb=free_mb)
         allowed = f"<= {free_mb:.0f} MB"
         key, value = "disk_reserve_mb", f"{parameters.disk_reserve_mb:g} MB"
-        yield problem(faults.DISK_RESERVE, file, key, value, reason, allowed, doubtful=True)
+        yield problem(DISK_FULL, file, key, value, reason, allowed, doubtful=True)
     unsigned = key_warning(parameters.signer())
     if unsigned is not None:
         text = Message("{file}: {reason}", file=printable(file), reason=unsigned)
@@ -190,7 +191,7 @@ def _sensors(reading: Reading) -> Iterator[Problem]:
                 "sensor {sensor} has this topic and field too, so both have one value", sensor=first
             )
             key, value = f"{SENSORS}[{number}]/field", f"{one.topic} {one.field}"
-            yield problem(faults.SENSORS, file, key, value, reason, allowed, doubtful=True)
+            yield problem(CONFIGURATION, file, key, value, reason, allowed, doubtful=True)
 
 
 def _values(reading: Reading, use: Use) -> Iterator[Problem]:
@@ -201,48 +202,48 @@ def _values(reading: Reading, use: Use) -> Iterator[Problem]:
     sea = site.latitude_deg == site.longitude_deg == 0.0
     for doubtful, fault, file, key, value, reason, allowed in (
         (
-            *(sea, faults.SITE, "site.yaml", "latitude_deg", 0),
+            *(sea, CONFIGURATION, "site.yaml", "latitude_deg", 0),
             Message("0, 0 is in the sea; without a position leave both keys out"),
             "-90 - 90",
         ),
         (
-            *(uncalibrated, faults.WRONG_VALUE, ANALYZER_FILE, "accepted_calibrations", 0),
+            *(uncalibrated, CONFIGURATION, ANALYZER_FILE, "accepted_calibrations", 0),
             Message("surveys would be measured without a calibration"),
             "1 - 5",
         ),
         (
             not vna.accepted_calibrations,
-            *(faults.WRONG_VALUE, ANALYZER_FILE, "accepted_calibrations", "[]"),
+            *(CONFIGURATION, ANALYZER_FILE, "accepted_calibrations", "[]"),
             Message("no calibration of the VNA would be accepted"),
             "1 - 5",
         ),
         (
             0.0 < abs(vna.antenna_delay_ns) < LEAST_DELAY_NS,
-            *(faults.WRONG_VALUE, ANALYZER_FILE, "antenna_delay_ns", vna.antenna_delay_ns),
+            *(CONFIGURATION, ANALYZER_FILE, "antenna_delay_ns", vna.antenna_delay_ns),
             Message("it seems to be in seconds; what is found would be too deep"),
             f"0, or >= {LEAST_DELAY_NS:g} ns",
         ),
         (
             not storage.recorded_topics,
-            *(faults.WRONG_VALUE, STORAGE_FILE, "recorded_topics", "[]"),
+            *(CONFIGURATION, STORAGE_FILE, "recorded_topics", "[]"),
             Message("neither motion nor states would be recorded beside the traces"),
             Message("leave it out; extra_recorded_topics adds others"),
         ),
         (
             storage.disk_reserve_mb < LEAST_RESERVE_MB,
-            *(faults.WRONG_VALUE, STORAGE_FILE, "disk_reserve_mb", storage.disk_reserve_mb),
+            *(CONFIGURATION, STORAGE_FILE, "disk_reserve_mb", storage.disk_reserve_mb),
             Message("the disk could be full before the end of a survey"),
             f">= {LEAST_RESERVE_MB:g} MB",
         ),
         (
             survey.settle_s < SHORTEST_SETTLING_S,
-            *(faults.WRONG_VALUE, "survey.yaml", "settle_s", survey.settle_s),
+            *(CONFIGURATION, "survey.yaml", "settle_s", survey.settle_s),
             Message("the antennas would still swing while a trace is measured"),
             f">= {SHORTEST_SETTLING_S:g} s",
         ),
         (
             use.real and height.reference_voltage_v > HIGHEST_INPUT_V,
-            *(faults.INPUT_VOLTAGE, HEIGHT_FILE, "reference_voltage_v"),
+            *(CONFIGURATION, HEIGHT_FILE, "reference_voltage_v"),
             f"{height.reference_voltage_v:g} V",
             Message("a converter with this supply puts it on the MISO pin, too"),
             f"0.25 - {HIGHEST_INPUT_V:g} V",
@@ -270,13 +271,13 @@ def _addresses(reading: Reading, use: Use) -> Iterator[Problem]:
         # The window asks for the address of the VNA, too.
         doubtful = key == "address" and address.startswith("127.")
         if reason is not None:
-            yield problem(faults.ADDRESS, file, key, address, reason, allowed, doubtful=doubtful)
+            yield problem(CONFIGURATION, file, key, address, reason, allowed, doubtful=doubtful)
     if len(names) == 1:
         key, address = known[0][1:]
         other = next(one for one in ADDRESS_NAMES if one != key)
         reason = Message("two computers need both addresses, and {other} is empty", other=other)
         allowed = Message("both addresses, or none")
-        yield problem(faults.ADDRESS, "environment", key, address, reason, allowed, doubtful=True)
+        yield problem(CONFIGURATION, "environment", key, address, reason, allowed, doubtful=True)
 
 
 def _not_of_device(address: str, key: str) -> Optional[Message]:

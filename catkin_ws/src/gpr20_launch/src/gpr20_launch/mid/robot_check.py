@@ -12,13 +12,13 @@ from typing import Callable, Iterator, List, Tuple
 
 from gpr20_axis_driver.mid.controllers import check_controller
 from gpr20_common.errors import Gpr20Error
+from gpr20_common.faults import CONFIGURATION
 from gpr20_common.low.clock import Clock
 from gpr20_common.low.data_folder import DEFAULT_FOLDER
 from gpr20_common.message import Fault, Message
 from gpr20_common.mid.extension import is_extension
 from gpr20_common.os_reason import os_reason
 from gpr20_common.terminal_text import printable
-from gpr20_launch import faults
 from gpr20_launch.mid.axis_checks import check_axes
 from gpr20_launch.mid.launch_request import ROBOT, SERVER
 from gpr20_launch.mid.pin_checks import check_pins
@@ -58,7 +58,7 @@ def check_robot(use: Use, built: BuiltRobot) -> Tuple[Problem, ...]:
         found.extend(_check(use, built))
     except OSError as error:
         text = Message("{file}: {reason}", file=printable(use.folder), reason=os_reason(error))
-        found.append(Problem(text.reporting_only(faults.UNREADABLE), str(use.folder)))
+        found.append(Problem(text.reporting_only(CONFIGURATION), str(use.folder)))
     return tuple(sorted(found, key=lambda one: not one.refuses))
 
 
@@ -69,10 +69,10 @@ def _check(use: Use, built: BuiltRobot) -> Iterator[Problem]:
         text = Message(
             "the folder {folder} does not exist: the defaults are used", folder=use.folder
         )
-        yield Problem(text.with_fault(faults.NO_FOLDER).as_warning(), str(use.folder))
+        yield Problem(text.with_fault(CONFIGURATION).as_warning(), str(use.folder))
     reading = Reading(use.folder, built.axes)
     pins = tuple(check_pins(reading))
-    shared = [use for one in pins if one.message.cause == faults.PIN_CONFLICT for use in one.uses]
+    shared = [use for one in pins if one.message.cause == CONFIGURATION for use in one.uses]
     for one in reading.problems:
         # The parameters of an axis refuse a pin with a second use in it, but not that of others.
         if not any(use.partition(" (")[0] == f"{AXES_FILE} {one.key}" for use in shared):
@@ -103,7 +103,7 @@ def _extensions(reading: Reading, use: Use, built: BuiltRobot) -> Iterator[Probl
             )
             yield Problem(text.reporting_only(fault), str(file), key)
 
-    unusable = faults.UNUSABLE_EXTENSION
+    unusable = CONFIGURATION
     for axis, own in reading.axes().items():
         if own.controller and use.real and use.part != SERVER:
             yield from missing(unusable, AXES_FILE, f"{axis}/controller", check_controller, own)
@@ -117,4 +117,4 @@ def _extensions(reading: Reading, use: Use, built: BuiltRobot) -> Iterator[Probl
         )
     for number, one in enumerate(reading.record(SENSORS).sensors):
         key, field = f"{SENSORS}[{number}]", (one.message, one.field)
-        yield from missing(faults.SENSORS, "sensors.yaml", key, built.message_field, *field)
+        yield from missing(CONFIGURATION, "sensors.yaml", key, built.message_field, *field)

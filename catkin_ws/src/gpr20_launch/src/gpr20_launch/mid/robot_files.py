@@ -7,12 +7,12 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Any, Dict, List, Mapping, Set, Tuple, Type
 
+from gpr20_common.faults import CONFIGURATION
 from gpr20_common.low.yaml_file import YamlFileError, read_yaml
 from gpr20_common.message import Fault, Message
 from gpr20_common.mid.codec import record_from
 from gpr20_common.os_reason import os_reason
 from gpr20_height_sensor.mid.height_parameters import HeightParameters
-from gpr20_launch import faults
 from gpr20_launch.errors import ConfigurationError
 from gpr20_launch.mid import hints
 from gpr20_launch.mid.axis_checks import impossible_values
@@ -140,7 +140,7 @@ class Reading:
                     file=path,
                     known=known,
                 )
-                unknown = text.with_fault(faults.UNKNOWN_FILE)
+                unknown = text.with_fault(CONFIGURATION)
                 self.problems.append(Problem(unknown, str(path), allowed=known))
 
     def _read_sections(self, path: Path, file: RobotFile) -> None:
@@ -190,7 +190,7 @@ class Reading:
             # A link that leads nowhere, such as to a medium that is not there, is no default.
             links = any(one.is_symlink() and not one.exists() for one in (path, path.parent))
             if links or not isinstance(error, FileNotFoundError):
-                self._wrong(path, os_reason(error), fault=faults.UNREADABLE)
+                self._wrong(path, os_reason(error), fault=CONFIGURATION)
             return {}
         except YamlFileError as error:
             self._wrong(path, hints.with_hint(error.message, hints.hint_for_text(path)))
@@ -277,7 +277,7 @@ class Reading:
         value: Any = None,
         allowed: str = "",
         place: str = "",
-        fault: Fault = faults.WRONG_VALUE,
+        fault: Fault = CONFIGURATION,
     ) -> None:
         if place:
             text = Message("{file}, {place}: {reason}", file=path, place=place, reason=reason)

@@ -58,7 +58,7 @@ def _make_key(path: Path, comment: str) -> None:
     made = ssh_keygen.ask(("-q", "-t", "ed25519", "-N", "", "-C", comment, "-f", path))
     if not made.yes:
         text = Message("the key {file} was not made", file=printable(path), details=made.complaint)
-        raise SigningError(text, fault=faults.SIGNING_KEY)
+        raise SigningError(text, fault=faults.NOT_SIGNED)
     durable_files.sync_path(path)
     durable_files.sync_path(path.parent)
 

@@ -14,6 +14,7 @@ import rospy
 
 from gpr20_common.catalogue import Catalogue
 from gpr20_common.errors import Gpr20Error
+from gpr20_common.faults import ASKED_FOR, PART_SILENT
 from gpr20_common.high.answers import message_from
 from gpr20_common.low.catalogue_file import (
     language_from_code,
@@ -27,7 +28,6 @@ from gpr20_common.message import Message
 from gpr20_common.terminal_text import say
 from gpr20_doctor.high.node_reports import descriptions
 from gpr20_doctor.low.masters import MasterState, state_of
-from gpr20_main_control import faults
 from gpr20_main_control.errors import DeviceError, RequestRefusedError
 from gpr20_main_control.high.ros_devices import RosAnalyzer
 from gpr20_main_control.mid.daily_check import (
@@ -81,7 +81,7 @@ def main() -> int:
 def _check(given: argparse.Namespace, catalogue: Catalogue, answer: Callable[[], str]) -> int:
     if state_of(rosgraph.get_master_uri()) is not MasterState.ANSWERS:
         raise RequestRefusedError(
-            Message("no ROS master answers; start the robot first"), fault=faults.NODE_LOST
+            Message("no ROS master answers; start the robot first"), fault=PART_SILENT
         )
     rospy.init_node(
         PROGRAM, anonymous=True, disable_rostime=True, disable_rosout=True, disable_signals=True
@@ -96,7 +96,7 @@ def _check(given: argparse.Namespace, catalogue: Catalogue, answer: Callable[[],
         say(f"[{number}/{total}] {catalogue.text(instruction)} {go_on}", flush=True)
         if not answer():
             raise RequestRefusedError(
-                Message("nobody confirmed that the antennas are ready"), fault=faults.TEST_STOPPED
+                Message("nobody confirmed that the antennas are ready"), fault=ASKED_FOR
             )
         _refuse_beside_survey()
 
@@ -137,7 +137,7 @@ def _latched(topic: str, kind: Any) -> Any:
         return rospy.wait_for_message(topic, kind, CONTACT_LIMIT_S)
     except rospy.ROSException as error:
         raise DeviceError(
-            Message("no contact with the main control", details=error), fault=faults.NODE_LOST
+            Message("no contact with the main control", details=error), fault=PART_SILENT
         ) from error
 
 

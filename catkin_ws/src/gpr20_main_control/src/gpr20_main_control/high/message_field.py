@@ -10,9 +10,9 @@ import genpy
 import roslib.message
 
 from gpr20_common.errors import InvalidValueError
+from gpr20_common.faults import CONFIGURATION
 from gpr20_common.high.raw_message import connection_header, deserialized
 from gpr20_common.message import Message
-from gpr20_main_control import faults
 
 _PART = re.compile(r"(?P<name>\w+)(\[(?P<index>\d+)\])?")
 _NUMBER = re.compile("bool|u?int(8|16|32|64)|float(32|64)")
@@ -46,7 +46,7 @@ class MessageField:
                     type=datatype,
                     details=reason,
                 ),
-                fault=faults.SENSOR_TYPE_UNKNOWN,
+                fault=CONFIGURATION,
             )
         # A name, and the index in a list.
         self._steps: List[Tuple[str, Optional[int]]] = []
@@ -71,7 +71,7 @@ class MessageField:
                 fields=", ".join(f"{name} ({one})" for name, one in fields.items()),
                 example="data[0]",
             ),
-            fault=faults.SENSOR_FIELD_MISSING,
+            fault=CONFIGURATION,
         )
 
     def read(self, received: Any) -> float:
@@ -92,7 +92,7 @@ class MessageField:
                     wanted=self._type._type,
                     details=f"{header['md5sum']}, not {self._type._md5sum}",
                 ),
-                fault=faults.SENSOR_TYPE_DIFFERS,
+                fault=CONFIGURATION,
             )
         try:
             value = deserialized(self._type, received._buff)
@@ -104,7 +104,7 @@ class MessageField:
         except (genpy.DeserializationError, struct.error, IndexError) as error:
             raise InvalidValueError(
                 Message("a message does not hold {field}", field=self._path, details=error),
-                fault=faults.SENSOR_FIELD_MISSING,
+                fault=CONFIGURATION,
             ) from error
 
 

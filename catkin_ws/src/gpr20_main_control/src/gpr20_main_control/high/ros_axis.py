@@ -9,12 +9,12 @@ from typing import Any, Callable, List, Optional, Set
 import actionlib
 import rospy
 
+from gpr20_common.faults import PART_LOST
 from gpr20_common.high.answers import message_from
 from gpr20_common.high.raw_message import connection_header, microseconds
 from gpr20_common.high.service_client import ServiceClient, ServiceUnavailableError
 from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message, verbatim
-from gpr20_main_control import faults
 from gpr20_main_control.errors import DeviceError, NodeLostError
 from gpr20_main_control.mid.devices.axis_leases import Lease
 from gpr20_main_control.mid.devices.robot import AxisReading, MoveOutcome
@@ -173,7 +173,7 @@ class RosAxis:
             response = service.call(time_limit_s)
         except ServiceUnavailableError as error:
             # A homing may have begun, and continue.
-            fault = faults.AXIS_SILENT if service is self._homing else None
+            fault = PART_LOST if service is self._homing else None
             raise NodeLostError(self._no_answer(error), fault=fault) from error
         if not response.success:
             message = message_from(response)
@@ -272,9 +272,7 @@ def _outcome(goal: actionlib.ClientGoalHandle) -> MoveOutcome:
     result: Optional[AxisResult] = goal.get_result()
     text = goal.get_goal_status_text()
     if result is None:
-        no_result = Message("the move ended without a result", details=text).with_fault(
-            faults.AXIS_SILENT
-        )
+        no_result = Message("the move ended without a result", details=text).with_fault(PART_LOST)
         return MoveOutcome(False, no_result)
     # The result of a goal that actionlib itself refused has no message.
     message = message_from(result) if result.message else verbatim(text)

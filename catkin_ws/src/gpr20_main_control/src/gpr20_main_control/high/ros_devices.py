@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from gpr20_common.faults import NODE_SILENT
+from gpr20_common.faults import PART_SILENT
 from gpr20_common.high.answers import fault_of, message_from, record_of
 from gpr20_common.high.raw_message import microseconds, preserialized, ros_time, serialized
 from gpr20_common.high.service_client import ServiceClient, ServiceUnavailableError
@@ -135,7 +135,7 @@ class DeviceService:
                     device=self._device,
                     details=error,
                 ),
-                fault=NODE_SILENT,
+                fault=PART_SILENT,
             ) from error
 
 

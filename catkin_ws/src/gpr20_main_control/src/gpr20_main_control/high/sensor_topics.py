@@ -8,11 +8,11 @@ import rospy
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 
 from gpr20_common.errors import InvalidValueError
+from gpr20_common.faults import CONFIGURATION
 from gpr20_common.high.diagnostics import FAULT, PERIOD_S
 from gpr20_common.high.periodic import Periodic
 from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message
-from gpr20_main_control import faults
 from gpr20_main_control.high.message_field import MessageField
 from gpr20_main_control.mid.devices.aux_sensors import AuxSensors, Measured, SensorInput
 from gpr20_survey.plan.sensors import Sensor
@@ -37,7 +37,7 @@ def field_of(sensor: Sensor) -> MessageField:
                 topic=sensor.topic,
                 reason=error.message,
             ),
-            fault=faults.SENSORS_FILE,
+            fault=CONFIGURATION,
         ) from error
 
 

@@ -8,8 +8,8 @@ from typing import Callable, TypeVar
 import numpy as np
 
 from gpr20_common.errors import Gpr20Error
+from gpr20_common.faults import ASKED_FOR
 from gpr20_common.message import Message
-from gpr20_main_control import faults
 from gpr20_main_control.errors import StopRequested
 from gpr20_main_control.mid.devices.robot import Robot
 from gpr20_main_control.mid.waits import StopInterruption
@@ -25,7 +25,7 @@ MICRO = 1.0e-6
 # Below any analyzer's noise; a level of nothing has no logarithm.
 LOWEST_LEVEL = 1.0e-15
 
-_STOPPED = Message("the test was stopped").with_fault(faults.TEST_STOPPED)
+_STOPPED = Message("the test was stopped").with_fault(ASKED_FOR)
 
 Result = TypeVar("Result")
 

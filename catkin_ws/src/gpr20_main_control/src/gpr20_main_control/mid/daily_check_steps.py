@@ -5,10 +5,10 @@ from __future__ import annotations
 import os
 from typing import Dict, Optional
 
+from gpr20_common.faults import ASKED_FOR
 from gpr20_common.low.clock import Clock, time_of_day_us
 from gpr20_common.low.data_folder import state_folder
 from gpr20_common.message import Message
-from gpr20_main_control import faults
 from gpr20_main_control.errors import DeviceError, RequestRefusedError, StopRequested
 from gpr20_main_control.mid.check_verdict import Verdict
 from gpr20_main_control.mid.daily_check import (
@@ -84,9 +84,7 @@ class DailyCheckSteps:
         try:
             return sweep_part(analyzer, address, lambda one: calls.call(one, interruption.check))
         except StopRequested as error:
-            raise StopRequested(
-                Message("the test was stopped"), fault=faults.TEST_STOPPED
-            ) from error
+            raise StopRequested(Message("the test was stopped"), fault=ASKED_FOR) from error
         finally:
             # Without waiting: behind a call that hangs it comes late, but before any later call.
             calls.begin(analyzer.release)

@@ -9,6 +9,7 @@ from dataclasses import replace
 from typing import Callable, Iterator, Optional
 
 from gpr20_common.errors import Gpr20Error, InvalidValueError
+from gpr20_common.faults import ASKED_FOR, BUSY, IN_USE
 from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message, in_a_row
 from gpr20_main_control import faults
@@ -24,6 +25,7 @@ from gpr20_main_control.mid.survey.survey_archive import interruption_remark
 from gpr20_main_control.mid.survey.survey_plan import SurveyPlan, plan_resumption, plan_survey
 from gpr20_main_control.mid.survey.survey_status import Status, SurveyStatus
 from gpr20_main_control.mid.waits import Interruption
+from gpr20_survey.faults import NO_PLAN, NONE_OPEN
 from gpr20_survey.plan.annotation import EMPTY, Annotation
 from gpr20_survey.plan.survey_parameters import SurveyParameters, SurveySettings, check_address
 from gpr20_survey.plan.survey_state import SurveyState
@@ -140,7 +142,7 @@ class MainControl:
             if self._plan is None:
                 raise RequestRefusedError(
                     Message("no parameters have been set; set them, then start"),
-                    fault=faults.NO_PLAN,
+                    fault=NO_PLAN,
                 )
             present = self._plan.parameters.plan_id
             if plan_id not in ("", present):
@@ -152,7 +154,7 @@ class MainControl:
                         set_by=self._plan.set_by or "-",
                         present=present,
                     ),
-                    fault=faults.OTHER_PLAN,
+                    fault=NO_PLAN,
                 )
             # Planned again: a part may have been restarted with another configuration.
             plan = plan_survey(
@@ -184,7 +186,7 @@ class MainControl:
                         "no survey is measuring; there is nothing to pause",
                         details=status.state.name,
                     ),
-                    fault=faults.NONE_MEASURING,
+                    fault=ASKED_FOR,
                 )
             pausing = Message("Pausing after the present trace")
             self._status.enter(SurveyState.PAUSING, pausing)
@@ -208,7 +210,7 @@ class MainControl:
             if self._requests.locked():
                 return Message("No survey runs; what is being prepared does not begin")
             raise RequestRefusedError(
-                Message("no survey is running; there is nothing to stop"), fault=faults.NONE_RUNNING
+                Message("no survey is running; there is nothing to stop"), fault=ASKED_FOR
             )
         self._interruption.stop.set()
         # It was for this survey; the next one may have the same parameters.
@@ -244,7 +246,7 @@ class MainControl:
                             paused=status.survey_id,
                             requested=repr(survey[:64]),
                         ),
-                        fault=faults.OTHER_PAUSED,
+                        fault=IN_USE,
                     )
                 # Before the answer, after which the survey must no longer be shown as paused.
                 checking = Message("Checking the robot before the survey continues")
@@ -263,7 +265,7 @@ class MainControl:
                     Message(
                         "no survey is paused; name the survey to resume", details=status.state.name
                     ),
-                    fault=faults.NONE_PAUSED,
+                    fault=NONE_OPEN,
                 )
             return self._unless_refused(self._resume_from_disk(survey, accepted, stops))
 
@@ -335,7 +337,7 @@ class MainControl:
                     "survey takes long; try again later",
                     limit_s=REQUEST_LIMIT_S,
                 ),
-                fault=faults.BUSY,
+                fault=BUSY,
             )
         try:
             yield
@@ -354,7 +356,7 @@ class MainControl:
                         "the previous survey did not end within {limit_s:g} s; try again",
                         limit_s=ENDING_LIMIT_S,
                     ),
-                    fault=faults.BUSY,
+                    fault=BUSY,
                 )
 
     def _refuse_after_stop(self, stops: int) -> None:

@@ -8,6 +8,7 @@ import threading
 from dataclasses import dataclass
 from typing import Callable, Mapping, Optional
 
+from gpr20_common.faults import ASKED_FOR, IN_USE, NOT_ALLOWED
 from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message
 from gpr20_main_control import faults
@@ -18,6 +19,7 @@ from gpr20_main_control.mid.devices.robot import Axis, Robot
 from gpr20_main_control.mid.waits import StopInterruption
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.axes.axis_parameters import AxisParameters
+from gpr20_survey.faults import NOT_HOMED, ZERO_UNKNOWN
 from gpr20_survey.plan.robot_description import axis_parameters
 
 # A stopped axis ramps down within this time [s]; one that does not is reported as moving.
@@ -85,7 +87,7 @@ class ServiceSlot:
                     "the robot is in service ({activity}); wait for its end, or press STOP",
                     activity=self._activity,
                 ),
-                fault=faults.SERVICE_IN_PROGRESS,
+                fault=IN_USE,
             )
 
     def stop(self) -> bool:
@@ -133,7 +135,7 @@ class AxisMove:
                     "the distance is {distance}; it must be a number other than 0",
                     distance=f"{self.distance:g}",
                 ),
-                fault=faults.SERVICE_VALUE,
+                fault=NOT_ALLOWED,
             )
 
     @property
@@ -161,12 +163,12 @@ def axis_move(axis: str, action: int, distance: float) -> AxisMove:
     if axis not in axes:
         raise RequestRefusedError(
             Message("the axis is {axis}; it must be x, y or z", axis=repr(axis[:16])),
-            fault=faults.SERVICE_VALUE,
+            fault=NOT_ALLOWED,
         )
     if action not in actions:
         raise RequestRefusedError(
             Message("the action is {action}; it must be 0, 1 or 2", action=action),
-            fault=faults.SERVICE_VALUE,
+            fault=NOT_ALLOWED,
         )
     return AxisMove(AxisId(axis), AxisAction(action), distance)
 
@@ -217,7 +219,7 @@ class AxisService:
                     "the endstop determines the zero of the {axis} axis; home it instead",
                     axis=axis_id.value,
                 ),
-                fault=faults.SERVICE_HOME_FIRST,
+                fault=NOT_HOMED,
             )
         self._robot.axes[axis_id].set_zero()
         return Message("The present angle of the {axis} axis is its zero.", axis=axis_id.value)
@@ -227,7 +229,7 @@ class AxisService:
         if reading.moving:
             raise RequestRefusedError(
                 Message("the {axis} axis is already moving; press STOP", axis=move.axis.value),
-                fault=faults.SERVICE_MOVING,
+                fault=faults.AXIS_MOVES,
             )
         if not reading.homed:
             raise RequestRefusedError(_not_homed(move.axis, parameters))
@@ -243,7 +245,7 @@ class AxisService:
                     **place,
                     **ends,
                 ),
-                fault=faults.SERVICE_END_OF_RANGE,
+                fault=NOT_ALLOWED,
             )
         positioner.move_axis(move.axis, target)
         if abs(target - reading.coordinate) < abs(move.distance) - parameters.step_size:
@@ -261,14 +263,14 @@ class AxisService:
         reading = self._robot.axes[axis_id].reading()
         if reading is None or not reading.homed:
             return Message("stopped; the {axis} axis is not homed", axis=axis_id.value).with_fault(
-                faults.SERVICE_STOPPED_UNHOMED
+                NOT_HOMED.as_note()
             )
         return Message(
             "stopped; the {axis} axis is at {coordinate:.6g} {unit}",
             axis=axis_id.value,
             coordinate=reading.coordinate,
             unit=axis_id.unit,
-        ).with_fault(faults.SERVICE_STOPPED)
+        ).with_fault(ASKED_FOR)
 
 
 def jog_target(parameters: AxisParameters, coordinate: float, distance: float) -> float:
@@ -289,8 +291,8 @@ def _not_homed(axis_id: AxisId, parameters: AxisParameters) -> Message:
     if not parameters.finds_zero:
         return Message(
             "the angle of the {axis} axis is unknown; home it, or set its zero", axis=axis_id.value
-        ).with_fault(faults.SERVICE_SET_ZERO)
+        ).with_fault(ZERO_UNKNOWN)
     return Message(
         "the {axis} axis is not homed: its position is unknown; home it, then move it",
         axis=axis_id.value,
-    ).with_fault(faults.SERVICE_HOME_FIRST)
+    ).with_fault(NOT_HOMED)

@@ -13,10 +13,10 @@ from typing import Any, Callable, Iterator, Optional, Tuple, TypeVar
 
 from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message
-from gpr20_main_control import faults
 from gpr20_main_control.errors import DeviceError, ShutDownRequested, StopRequested
 from gpr20_main_control.mid.devices.node_liveness import NodeLiveness
 from gpr20_main_control.mid.survey.survey_status import SurveyStatus
+from gpr20_survey.faults import STOPPED, TAKES_LONG
 
 # Called repeatedly during a wait; an error that it raises ends the wait.
 Check = Callable[[], None]
@@ -96,7 +96,7 @@ class StopInterruption:
         """
         self.attention.look()
         if self._shutting_down:
-            raise ShutDownRequested(Message("the robot is shut down"), fault=faults.ROBOT_SHUT_DOWN)
+            raise ShutDownRequested(Message("the robot is shut down"), fault=STOPPED)
         if self.stop.is_set():
             raise StopRequested(Message("a stop was requested"))
 
@@ -201,7 +201,7 @@ class WaitStatus:
                         part=wait.part,
                         action=wait.action,
                         time=until,
-                    ).with_fault(faults.TAKES_LONG)
+                    ).with_fault(TAKES_LONG)
                 )
 
         try:

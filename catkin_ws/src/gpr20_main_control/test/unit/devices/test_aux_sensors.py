@@ -12,9 +12,9 @@ from fault_kit import raises_fault
 
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Fault, Message
-from gpr20_main_control import faults
 from gpr20_main_control.errors import DeviceError
 from gpr20_main_control.mid.devices.aux_sensors import AuxSensors, SensorInput
+from gpr20_survey.faults import SENSOR_FAILED
 from gpr20_survey.plan.sensors import Sensor
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_survey.trace.aux_value import AuxValue
@@ -60,11 +60,11 @@ def test_the_value_is_the_last_one_that_was_received_until_the_sweep_ended(clock
 @each_case(
     "value, stored, fault, shown",
     [
-        (None, (), faults.SENSOR_NOT_MEASURED, "probe"),
-        (math.nan, (), faults.SENSOR_IMPLAUSIBLE, "nan"),
-        (math.inf, (), faults.SENSOR_IMPLAUSIBLE, "inf"),
+        (None, (), SENSOR_FAILED, "probe"),
+        (math.nan, (), SENSOR_FAILED, "nan"),
+        (math.inf, (), SENSOR_FAILED, "inf"),
         ("text", (), OTHER_TYPE, "another type arrives"),
-        (-1.0, (-1.0,), faults.SENSOR_IMPLAUSIBLE, "-1 %"),
+        (-1.0, (-1.0,), SENSOR_FAILED, "-1 %"),
     ],
 )
 def test_a_sensor_that_fails_refuses_the_trace_or_leaves_a_remark_if_it_is_not_required(
@@ -86,7 +86,7 @@ def test_a_value_that_is_too_old_counts_as_silence(clock):
     assert sensors.now()[0].problem is None
     clock.time_s = 103.1
     measured = sensors.now()[0]
-    assert reports(measured.message, faults.SENSOR_NOT_MEASURED, "soil", "2.1", 2.0)
+    assert reports(measured.message, SENSOR_FAILED, "soil", "2.1", 2.0)
     assert sensors.at_sweep(clock.time_of_day_us())[0] == ()
 
 
@@ -129,7 +129,7 @@ def test_a_survey_pauses_when_a_required_sensor_fails_and_is_resumed_without_los
     bench.wait_for_visited(3)
     soil(math.nan)
     bench.wait_for(SurveyState.PAUSED)
-    assert reports(bench.board.status.message, faults.SENSOR_IMPLAUSIBLE, "soil", "nan")
+    assert reports(bench.board.status.message, SENSOR_FAILED, "soil", "nan")
     soil(0.5)
     bench.resume_to_the_end()
     assert {s.aux[0].value for s in bench.storage.samples} == {0.25, 0.5}

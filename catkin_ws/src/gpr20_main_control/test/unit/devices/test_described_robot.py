@@ -14,6 +14,7 @@ from gpr20_main_control import faults
 from gpr20_main_control.errors import DeviceError
 from gpr20_main_control.mid.devices.described_robot import DescribedRobot, TimeLimits
 from gpr20_survey.axes.axis_id import AxisId
+from gpr20_survey.faults import WRONG_VNA
 from gpr20_survey.plan.annotation import Site
 from gpr20_survey.plan.robot_description import PLAIN_NAMES, NodeDescription
 from gpr20_survey.plan.survey_state import SurveyState
@@ -60,7 +61,7 @@ def test_a_robot_is_unknown_until_every_node_has_described_itself(silent):
 )
 def test_an_instrument_of_the_other_kind_is_refused(identity, simulated):
     robot = described_robot(simulated=simulated)
-    with raises_fault(faults.WRONG_VNA, identity, error=DeviceError):
+    with raises_fault(WRONG_VNA, identity, error=DeviceError):
         robot.check_identity(identity, robot.config())
 
 

@@ -4,7 +4,7 @@ import pytest
 from case_kit import each_case
 from fault_kit import raises_fault
 
-from gpr20_main_control import faults
+from gpr20_common.faults import CONFIGURATION
 
 pytest.importorskip("sensor_msgs.msg")
 
@@ -15,7 +15,7 @@ from std_msgs.msg import Bool, Float64, Float64MultiArray, String, UInt8MultiArr
 from gpr20_common.high.raw_message import serialized
 from gpr20_main_control.high.message_field import MessageField
 
-MISSING, UNKNOWN = faults.SENSOR_FIELD_MISSING, faults.SENSOR_TYPE_UNKNOWN
+MISSING, UNKNOWN = CONFIGURATION, CONFIGURATION
 
 
 def received(message):
@@ -60,7 +60,7 @@ def test_a_field_that_is_not_there_is_named_with_those_that_are(datatype, path, 
 
 
 def test_messages_of_another_type_are_named():
-    with raises_fault(faults.SENSOR_TYPE_DIFFERS, "std_msgs/String", "std_msgs/Float64"):
+    with raises_fault(CONFIGURATION, "std_msgs/String", "std_msgs/Float64"):
         MessageField("std_msgs/Float64", "data").read(received(String("1")))
 
 

@@ -7,9 +7,9 @@ from fake_robot import LIMIT_S, ManualClock
 from fault_kit import raises_fault
 
 from gpr20_common.errors import NodeGoneError
+from gpr20_common.faults import PART_SILENT
 from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message, verbatim
-from gpr20_main_control import faults
 from gpr20_main_control.errors import NodeLostError
 from gpr20_main_control.mid.devices.node_liveness import (
     SILENCE_LIMIT_S,
@@ -30,7 +30,7 @@ class Watched:
 
     def _note(self, message):
         self.reported.append(message and message.all_details)
-        assert message is None or message.fault_code == faults.NODE_LOST.code
+        assert message is None or message.fault_code == PART_SILENT.code
 
     def all_alive(self):
         self.nodes.note_alive("x", 1)
@@ -58,7 +58,7 @@ def test_a_survey_cannot_go_on_with_a_node_that_is_missing_or_was_started_anew()
     nodes.check()
     # It is noticed even if its death was not.
     nodes.note_alive("x", 17)
-    with raises_fault(faults.NODE_LOST, "(x)", error=NodeLostError):
+    with raises_fault(PART_SILENT, "(x)", error=NodeLostError):
         nodes.check()
     nodes.note_silent("y")
     assert nodes.lost().all_details == ("y", "x")
@@ -145,7 +145,7 @@ def test_an_answer_that_is_late_is_no_lost_node_and_silence_is_one():
     assert bench.reported == []
     bench.clock.time_s += 0.1
     nodes.note_late("y")
-    with raises_fault(faults.NODE_LOST, "(y)", error=NodeLostError):
+    with raises_fault(PART_SILENT, "(y)", error=NodeLostError):
         nodes.check()
     assert bench.reported == [("y",)]
 

@@ -7,11 +7,13 @@ from case_kit import each_case
 from cut_off_surveys import reopened_survey
 from fault_kit import raises_fault
 
+from gpr20_common.faults import IN_USE
 from gpr20_common.low.clock import Clock
 from gpr20_main_control import faults
 from gpr20_main_control.errors import OtherAnalyzerError, RequestRefusedError, SurveyError
 from gpr20_main_control.mid.survey.engine import NOTHING, Accepted
 from gpr20_main_control.mid.survey.survey_report import AnalyzerRecord, recorded_analyzers
+from gpr20_survey.faults import VNA_REPLACED
 from gpr20_survey.plan.survey_state import SurveyState as State
 
 FORMER = "Anritsu,MS2026C/2,SIMULATED,1.0"
@@ -52,13 +54,13 @@ def test_new_firmware_does_not_make_another_analyzer(bench):
 
 def test_a_survey_continues_only_with_an_analyzer_that_is_accepted_and_records_both(bench):
     survey_id = pause_with(bench, OTHER)
-    with raises_fault(faults.OTHER_VNA, OTHER, FORMER, error=OtherAnalyzerError):
+    with raises_fault(VNA_REPLACED, OTHER, FORMER, error=OtherAnalyzerError):
         bench.control.resume("")
     bench.wait_for(State.PAUSED)
     assert bench.analyzer.sweeps == 5
     bench.control.resume(survey_id, Accepted(OTHER))
     # A second request accepts nothing.
-    with raises_fault(faults.SURVEY_IN_PROGRESS, error=RequestRefusedError):
+    with raises_fault(IN_USE, error=RequestRefusedError):
         bench.control.resume("", Accepted(THIRD))
     bench.complete()
     assert recorded(bench) == [(FORMER, 0), (OTHER, 5)]

@@ -11,14 +11,13 @@ import rospy
 from fake_robot import LIMIT_S
 from fault_kit import raises_fault
 
-from gpr20_common.faults import NODE_SILENT
+from gpr20_common.faults import PART_LOST, PART_SILENT
 from gpr20_common.high import service_client
 from gpr20_common.high.answers import message_fields
 from gpr20_common.high.raw_message import serialized
 from gpr20_common.high.service_client import ServiceClient, ServiceUnavailableError
 from gpr20_common.low.clock import Clock
 from gpr20_common.message import Fault, Message, Severity
-from gpr20_main_control import faults
 from gpr20_main_control.errors import DeviceError, NodeLostError
 from gpr20_main_control.high import ros_axis
 from gpr20_main_control.high.ros_devices import RosHeightSensor
@@ -85,7 +84,7 @@ def test_a_homing_that_waits_for_its_node_is_not_begun_after_a_stop(graph):
     assert graph.waiting.wait(LIMIT_S)
     axis.stop()
     graph.node_is_back.set()
-    with raises_fault(faults.AXIS_SILENT, error=NodeLostError) as lost:
+    with raises_fault(PART_LOST, error=NodeLostError) as lost:
         homing.result(LIMIT_S)
     assert lost.value.message.may_move
     # Its call belongs to this test's graph, not to the next one's.
@@ -121,7 +120,7 @@ def test_a_stop_for_lack_of_contact_is_told_from_one_that_was_requested():
     assert ros_axis._outcome(EndedGoal(NO_CONTACT)).contact_lost
     assert not ros_axis._outcome(EndedGoal(Message("the move was stopped"))).contact_lost
     # Without a result the move may continue.
-    assert ros_axis._outcome(EndedGoal(None)).message.fault_code == faults.AXIS_SILENT.code
+    assert ros_axis._outcome(EndedGoal(None)).message.fault_code == PART_LOST.code
 
 
 def test_a_homing_that_stopped_for_lack_of_contact_is_no_failed_axis(graph, monkeypatch):
@@ -163,6 +162,6 @@ def test_a_refusal_keeps_template_values_and_fault_and_names_its_service(monkeyp
 
 def test_a_service_that_does_not_answer_is_reported_as_the_device_that_operators_know(monkeypatch):
     message = failure_of(monkeypatch, RosHeightSensor(1.0).height_m, GONE)
-    assert message.fault_code == NODE_SILENT.code
+    assert message.fault_code == PART_SILENT.code
     assert message.values["device"] == PLAIN_NAMES[HEIGHT_SENSOR]
     assert message.all_details == ("service get_height is gone",)

@@ -15,6 +15,7 @@ from gpr20_main_control import faults
 from gpr20_main_control.errors import DeviceError
 from gpr20_main_control.mid.devices.robot import AnalyzerCalibration
 from gpr20_main_control.mid.survey.survey_plan import plan_survey
+from gpr20_survey.faults import VNA_SETTINGS
 from gpr20_survey.plan.robot_description import RobotConfig
 from gpr20_survey.plan.survey_parameters import HeightPolicy, SurveySettings
 from gpr20_survey.plan.survey_state import SurveyState as State
@@ -49,7 +50,7 @@ def test_an_instrument_that_accepts_another_sweep_is_refused(bench):
     bench.analyzer.accept = lambda settings: replace(settings, analyzer=another)
     bench.start(if_bandwidth_hz=100.0)
     final = bench.wait_for(State.FAILED)
-    assert reports(final.message, faults.VNA_SETTINGS_REFUSED, 5, 100.0, 1000.0)
+    assert reports(final.message, VNA_SETTINGS, 5, 100.0, 1000.0)
     assert bench.storage.records == []
 
 
@@ -84,7 +85,7 @@ def test_a_sweep_with_other_settings_than_the_surveys_is_never_stored(bench, cha
     bench.analyzer.on_sweep = set_up_another
     bench.start()
     status = bench.wait_for(State.PAUSED)
-    assert reports(status.message, faults.VNA_SETTINGS_CHANGED, value)
+    assert reports(status.message, VNA_SETTINGS, value)
     bench.wait_for_visited(3)
     assert len(bench.storage.samples) == 3
     bench.analyzer.on_sweep = lambda: None

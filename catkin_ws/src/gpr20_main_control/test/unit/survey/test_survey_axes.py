@@ -5,15 +5,17 @@ import threading
 import pytest
 from fake_robot import ManualClock, reports
 
+from gpr20_common.faults import PART_LOST, PART_SILENT
 from gpr20_common.message import Fault, Message, Severity
 from gpr20_main_control import faults
 from gpr20_main_control.errors import DeviceError
 from gpr20_main_control.mid.devices.robot import AxisReading, MoveOutcome
 from gpr20_survey.axes.axis_id import UNKNOWN_ZERO
+from gpr20_survey.faults import AXIS_MAY_MOVE
 from gpr20_survey.plan.survey_state import SurveyState as State
 
 STOPPED_BY_OTHERS = Message("stopped").with_fault(
-    Fault("axis.stopped", Message("Nothing to do"), Severity.NOTE)
+    Fault("robot.asked_for", Message("Nothing to do"), Severity.NOTE)
 )
 
 
@@ -61,12 +63,12 @@ def is_stopped_by_another_client(axis):
 @pytest.mark.parametrize(
     "move, fault, shown, may_move",
     [
-        (is_refused, faults.MOVE_FAILED, ("x", 10.0), False),
-        (rests_at(0.0), faults.AXIS_OFF_TARGET, ("x", 0.0, 10.0), False),
-        (rests_at(10.01), faults.AXIS_OFF_TARGET, ("x", 10.01, 10.0), False),
-        (never_ends, faults.MOVE_TOO_LONG, ("x", 10.0), True),
-        (falls_silent, faults.AXIS_SILENT, ("x",), True),
-        (is_stopped_by_another_client, faults.MOVE_FAILED, ("x", 10.0), False),
+        (is_refused, faults.BLOCKED, ("x", 10.0), False),
+        (rests_at(0.0), faults.BLOCKED, ("x", 0.0, 10.0), False),
+        (rests_at(10.01), faults.BLOCKED, ("x", 10.01, 10.0), False),
+        (never_ends, AXIS_MAY_MOVE, ("x", 10.0), True),
+        (falls_silent, PART_LOST, ("x",), True),
+        (is_stopped_by_another_client, faults.BLOCKED, ("x", 10.0), False),
     ],
 )
 def test_a_move_that_does_not_arrive_pauses_the_survey_and_nothing_is_measured(
@@ -101,7 +103,7 @@ def test_every_axis_is_homed_even_if_one_fails_and_the_failure_pauses_the_survey
     bench.x.home = fail_homing(reason)
     bench.start()
     message = bench.wait_for(State.PAUSED).message
-    assert faults.HOMING_FAILED in message.faults and reason in message.nested()
+    assert faults.BLOCKED in message.faults and reason in message.nested()
     assert [axis.homings for axis in bench.axes] == [0, 1, 1]
 
 
@@ -117,7 +119,7 @@ def test_an_axis_that_never_speaks_fails_the_survey_before_anything_moves(bench)
     bench.z.silent = True
     bench.start()
     message = bench.wait_for(State.FAILED).message
-    assert reports(message, faults.NODE_LOST, "z") and not message.may_move
+    assert reports(message, PART_SILENT, "z") and not message.may_move
     assert bench.x.moves == []
 
 

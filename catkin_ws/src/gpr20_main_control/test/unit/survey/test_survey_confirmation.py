@@ -5,9 +5,10 @@ import threading
 import pytest
 from fake_robot import LIMIT_S, NODES, reports, warning_of
 
+from gpr20_common.faults import PART_SILENT
 from gpr20_common.message import Message
-from gpr20_main_control import faults
 from gpr20_main_control.errors import DeviceError, UnconfirmedError
+from gpr20_survey.faults import VNA_FAILED
 from gpr20_survey.plan.survey_state import SurveyState as State
 
 CHANGED = "the start frequency was changed by hand"
@@ -88,7 +89,7 @@ def test_a_sweep_that_is_not_confirmed_is_taken_again_at_its_own_place(
     assert places[number] == (again.x_coord_mm, again.y_coord_mm, again.z_coord_deg)
     assert again.quality == (f"measured again: {CHANGED}",)
     (warning,) = bench.storage.reports[-1]["warnings"]
-    assert reports(warning_of(warning), faults.SWEEP_UNCONFIRMED, number - 1, CHANGED)
+    assert reports(warning_of(warning), VNA_FAILED, number - 1, CHANGED)
     assert State.PAUSED.name not in bench.states
 
 
@@ -146,7 +147,7 @@ def test_an_analyzer_that_is_lost_while_it_confirms_costs_one_more_sweep(bench, 
     bench.start()
     assert confirmations.begun.wait(LIMIT_S)
     bench.nodes.note_silent(VNA)
-    bench.wait_for_fault(faults.WAITING_FOR_PART, NODES[VNA])
+    bench.wait_for_fault(PART_SILENT.as_warning(), NODES[VNA])
     confirmations.release()
     bench.nodes.note_alive(VNA, 2)
     bench.complete()

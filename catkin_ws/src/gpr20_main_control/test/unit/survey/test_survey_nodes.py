@@ -6,6 +6,7 @@ import pytest
 from fake_robot import LIMIT_S, NODES, reports
 from fault_kit import raises_fault
 
+from gpr20_common.faults import BUSY, INTERNAL, PART_RED, PART_SILENT
 from gpr20_common.message import Message
 from gpr20_main_control import faults
 from gpr20_main_control.errors import RequestRefusedError
@@ -28,12 +29,12 @@ def come_back(bench, node):
 def test_a_survey_holds_while_a_node_is_gone_and_goes_on_by_itself(bench, node):
     lose(bench, node, after=5)
     bench.start()
-    bench.wait_for_fault(faults.WAITING_FOR_PART, NODES[node])
+    bench.wait_for_fault(PART_SILENT.as_warning(), NODES[node])
     assert bench.board.status.state is State.CHECKING
     connections = len(bench.analyzer.connections)
     shown = bench.board.status.full_message
-    assert faults.WAITING_FOR_PART in shown.faults
-    assert reports(shown.values["warning"], faults.NODE_LOST, NODES[node])
+    assert PART_SILENT.as_warning() in shown.faults
+    assert reports(shown.values["warning"], PART_SILENT, NODES[node])
     assert shown.all_details == (node,)
     assert all(axis.stops > 0 for axis in bench.axes)
     come_back(bench, node)
@@ -53,7 +54,7 @@ def test_a_node_that_stays_away_fails_the_survey_before_anything_moves_or_pauses
     else:
         bench.nodes.note_silent(VNA)
     bench.start()
-    assert reports(bench.wait_for(end).message, faults.NODE_NOT_BACK, NODES[VNA], 300.0)
+    assert reports(bench.wait_for(end).message, PART_RED, NODES[VNA], 300.0)
     if after:
         come_back(bench, VNA)
         bench.resume_to_the_end()
@@ -73,7 +74,7 @@ def test_a_node_that_dies_again_and_again_pauses_the_survey(bench):
     bench.analyzer.on_sweep = die
     bench.start()
     status = bench.wait_for(State.PAUSED)
-    assert reports(status.message, faults.NODE_LOST_OFTEN, NODES[VNA], 4)
+    assert reports(status.message, INTERNAL, NODES[VNA], 4)
     bench.analyzer.on_sweep = lambda: None
     bench.resume_to_the_end()
 
@@ -94,7 +95,7 @@ def test_an_error_whose_cause_is_a_dead_node_does_not_pause_the_survey(bench):
 def test_a_paused_survey_and_a_control_at_rest_say_so_and_stay_as_they_are(bench):
     bench.nodes.note_silent(X_AXIS)
     assert bench.board.status.state is State.IDLE
-    assert reports(bench.board.status.full_message, faults.NODE_LOST, NODES[X_AXIS])
+    assert reports(bench.board.status.full_message, PART_SILENT, NODES[X_AXIS])
     come_back(bench, X_AXIS)
     bench.y.fail_move = "the endstop was pressed"
     bench.start()
@@ -102,9 +103,9 @@ def test_a_paused_survey_and_a_control_at_rest_say_so_and_stay_as_they_are(bench
     bench.nodes.note_silent(VNA)
     assert bench.board.status.state is State.PAUSED
     shown = bench.board.status.full_message
-    assert reports(shown.values["warning"], faults.NODE_LOST, NODES[VNA])
+    assert reports(shown.values["warning"], PART_SILENT, NODES[VNA])
     assert shown.values["status"] == bench.board.status.message
-    assert shown.fault_code == faults.MOVE_FAILED.code
+    assert shown.fault_code == faults.BLOCKED.code
     come_back(bench, VNA)
     assert bench.board.status.full_message == bench.board.status.message
     bench.y.fail_move = ""
@@ -123,7 +124,7 @@ def die_after(bench, call):
 
     setattr(bench.storage, call, act_and_die)
     bench.start()
-    bench.wait_for_fault(faults.WAITING_FOR_PART, NODES[STORAGE])
+    bench.wait_for_fault(PART_SILENT.as_warning(), NODES[STORAGE])
 
 
 def test_a_storage_that_ended_the_survey_and_died_is_believed_when_it_is_back(bench):
@@ -153,7 +154,7 @@ def test_a_request_that_takes_long_does_not_hang_the_next_one(bench, monkeypatch
     monkeypatch.setattr(bench.storage, "reopen", open_slowly)
     resuming = Workers().begin(lambda: bench.control.resume("survey"))
     assert opening.wait(LIMIT_S)
-    with raises_fault(faults.BUSY, error=RequestRefusedError):
+    with raises_fault(BUSY, error=RequestRefusedError):
         bench.start()
     opened.set()
     assert isinstance(resuming.exception(LIMIT_S), RequestRefusedError)

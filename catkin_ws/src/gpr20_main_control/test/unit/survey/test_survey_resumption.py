@@ -15,7 +15,7 @@ from gpr20_survey.plan.survey_state import SurveyState as State
         (faults.OTHER_ROBOT, [0, 1], "", {"simulated": False}),
         (faults.RECORD_DAMAGED, [0, 1], "", {"parameters": {}}),
         (faults.RECORD_DAMAGED, [0, 1], "", {"axes": {}}),
-        (faults.OTHER_AXES, [0, 1], "", {"axes": recorded_axes(invert_direction=True)}),
+        (faults.OTHER_ROBOT, [0, 1], "", {"axes": recorded_axes(invert_direction=True)}),
         # It holds more than its plan.
         (faults.RECORD_DAMAGED, [0, 30], "", {}),
         (faults.RECORD_DAMAGED, [0], '{"controls": [{"index": 30}]}', {}),

@@ -6,10 +6,10 @@ import pytest
 from fake_robot import Bench, FakeStorage, ManualClock
 
 from gpr20_common.message import Message
-from gpr20_main_control import faults
 from gpr20_main_control.errors import DeviceError
 from gpr20_main_control.mid.survey.engine import Accepted
 from gpr20_main_control.mid.survey.survey_notes import SurveyNotes
+from gpr20_survey.faults import STOPPED
 from gpr20_survey.folder.log_record import Kind
 from gpr20_survey.plan.survey_state import SurveyState as State
 from gpr20_survey.trace.trace import Trace
@@ -102,7 +102,7 @@ def test_a_pause_its_end_and_what_the_operator_accepted_are_noted_in_their_order
     bench.complete()
     notes = bench.storage.notes
     assert [one.kind for one in notes] == [Kind.EPOCH, Kind.PAUSE, Kind.DECISION, Kind.CONTINUE]
-    assert notes[1].values["message"]["code"] == faults.PAUSED_ON_REQUEST.code
+    assert notes[1].values["message"]["code"] == STOPPED.code
     assert notes[2].values["zeros"] is True
     assert all(one.values["time"] for one in notes)
 

@@ -8,8 +8,10 @@ from fake_robot import LIMIT_S, NODES, reports
 from fault_kit import raises_fault
 from survey_examples import PARAMETERS
 
+from gpr20_common.faults import ASKED_FOR, MAY_MOVE
 from gpr20_main_control import faults
 from gpr20_main_control.errors import RequestRefusedError
+from gpr20_survey.faults import CAN_RESUME, STOPPED
 from gpr20_survey.plan.survey_state import SurveyState as State
 
 
@@ -42,7 +44,7 @@ def test_shutting_down_stops_the_axes_and_leaves_the_survey_interrupted(bench):
     assert all(axis.stops > 0 for axis in bench.axes)
     assert bench.board.status.state is State.STOPPED
     assert [one.outcome for one in bench.storage.ends] == ["interrupted"]
-    assert bench.board.status.message.fault_code == faults.ROBOT_SHUT_DOWN.code
+    assert bench.board.status.message.fault_code == STOPPED.code
 
 
 def test_shutting_down_while_a_survey_is_closed_says_finished(bench):
@@ -68,9 +70,9 @@ def test_an_axis_that_does_not_stop_or_is_silent_is_said_to_move_whatever_else_i
     bench.x.silent = silent
     bench.control.stop()
     message = bench.wait_for(State.STOPPED).message
-    assert reports(message, faults.AXIS_STILL_MOVING, *"x" * silent) and message.may_move
-    assert message.cause == faults.AXIS_STILL_MOVING
-    assert faults.STOPPED_ON_REQUEST in message.faults
+    assert reports(message, MAY_MOVE, *"x" * silent) and message.may_move
+    assert message.cause == MAY_MOVE
+    assert STOPPED in message.faults
 
 
 @pytest.mark.parametrize(
@@ -102,14 +104,14 @@ def test_a_stop_does_not_wait_for_a_storage_that_hangs_and_does_not_come_back(be
     bench.wait_for(State.STOPPING)
     bench.nodes.note_silent("vna_processing")
     status = bench.wait_for(State.STOPPED)
-    assert faults.NOT_FINISHED in status.message.faults
+    assert CAN_RESUME in status.message.faults
     assert any(NODES["vna_processing"] in one.values.values() for one in status.message.nested())
     hang.set()
 
 
 def test_a_stop_after_the_parameters_were_set_keeps_the_survey_from_starting(bench):
     bench.control.set_parameters(PARAMETERS)
-    with raises_fault(faults.NONE_RUNNING, error=RequestRefusedError):
+    with raises_fault(ASKED_FOR, error=RequestRefusedError):
         bench.control.stop()
     with raises_fault(faults.STOPPED_BEFORE, error=RequestRefusedError):
         bench.control.start()

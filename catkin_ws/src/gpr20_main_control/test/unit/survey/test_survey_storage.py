@@ -9,12 +9,12 @@ from fake_robot import LIMIT_S, PARAMETERS, Bench, FakeStorage, reports
 from fault_kit import raises_fault
 
 from gpr20_common.errors import InvalidValueError
-from gpr20_common.faults import CONFIGURATION, INTERNAL, NOT_ALLOWED
+from gpr20_common.faults import CONFIGURATION, DISK_REFUSES, INTERNAL, NOT_ALLOWED
 from gpr20_common.low.clock import Clock
-from gpr20_main_control import faults
 from gpr20_main_control.errors import DeviceError
 from gpr20_main_control.mid.survey import sampling, survey_ending
 from gpr20_main_control.mid.survey.storage_queue import StorageQueue
+from gpr20_survey.faults import CAN_RESUME, TAKES_LONG
 from gpr20_survey.folder.soil_note import PLANNED
 from gpr20_survey.plan.annotation import EMPTY, Annotation, Wgs84Position, annotation_of
 from gpr20_survey.plan.recorded_plan import refines_of
@@ -66,7 +66,7 @@ def test_a_fault_in_storing_pauses_the_survey_and_loses_nothing(bench, monkeypat
     monkeypatch.setattr(bench.storage, "store", break_down)
     bench.start()
     message = bench.wait_for(State.PAUSED).message
-    assert faults.NOT_STORED in message.faults and message.fault_code == INTERNAL.code
+    assert DISK_REFUSES in message.faults and message.fault_code == INTERNAL.code
     monkeypatch.undo()
     bench.resume_to_the_end()
     # The storage may have been restarted: the survey is reopened, not opened a second time.
@@ -77,7 +77,7 @@ def test_a_slow_disk_makes_the_survey_wait_and_say_so(bench):
     bench.storage.free.clear()
     bench.start()
     # One trace is being stored and four wait; a sixth would have no room.
-    bench.wait_until(lambda: reports(bench.board.status.full_message, faults.TAKES_LONG))
+    bench.wait_until(lambda: reports(bench.board.status.full_message, TAKES_LONG))
     assert (bench.analyzer.sweeps, bench.board.status.visited_points) == (5, 0)
     bench.storage.free.set()
     bench.complete()
@@ -88,8 +88,8 @@ def test_a_folder_that_holds_too_few_traces_is_never_called_finished(bench):
     bench.start()
     final = bench.wait_for(State.FAILED, State.FINISHED)
     assert final.state is State.FAILED
-    assert reports(final.message, faults.INCOMPLETE, 23, 24)
-    assert bench.storage.ends[-1].reason.fault_code == faults.INCOMPLETE.code
+    assert reports(final.message, CAN_RESUME, 23, 24)
+    assert bench.storage.ends[-1].reason.fault_code == CAN_RESUME.code
     assert bench.storage.ends[-1].outcome == "failed"
     assert bench.storage.ends[-1].status == final
 
@@ -108,7 +108,7 @@ def test_a_fault_in_closing_does_not_leave_the_survey_stopping_for_ever(bench):
     bench.at_sweep(3, bench.control.stop)
     bench.start()
     message = bench.wait_for(State.STOPPED).message
-    assert faults.NOT_FINISHED in message.faults and message.fault_code == INTERNAL.code
+    assert CAN_RESUME in message.faults and message.fault_code == INTERNAL.code
 
 
 def test_a_trace_that_is_stored_after_its_survey_ended_does_not_count_for_the_next(
@@ -145,7 +145,7 @@ def test_a_trace_that_is_stored_at_the_last_moment_is_not_called_missing(bench):
     storage.free.clear()
     queue = StorageQueue(storage, Clock(), lambda _stored, _index: None)
     queue.add(bench.storage.samples[0])
-    with raises_fault(faults.NOT_STORED, 1, 0.03, error=DeviceError):
+    with raises_fault(DISK_REFUSES, 1, 0.03, error=DeviceError):
         queue.drain_within(0.03)
     threading.Timer(0.06, storage.free.set).start()
     queue.drain_within(LIMIT_S)

@@ -6,12 +6,13 @@ pytest.importorskip("gpr20_msgs.msg")
 
 from graph_in_process import Graph
 
+from gpr20_common.faults import PART_SILENT
 from gpr20_common.high.answers import message_from, received
 from gpr20_common.message import Message
-from gpr20_main_control import faults
 from gpr20_main_control.high.survey_topics import SurveyTopics
 from gpr20_main_control.mid.survey.survey_coverage import Coverage
 from gpr20_main_control.mid.survey.survey_status import Status
+from gpr20_survey.faults import NO_GROUND
 from gpr20_survey.plan.survey_points import SurveyPoint
 from gpr20_survey.plan.survey_state import SurveyState as State
 
@@ -28,8 +29,8 @@ def topics(graph):
     return topics
 
 
-@pytest.mark.parametrize("missing", [None, faults.NODE_LOST])
-@pytest.mark.parametrize("fault", [None, faults.HEIGHT_NOT_MEASURED])
+@pytest.mark.parametrize("missing", [None, PART_SILENT])
+@pytest.mark.parametrize("fault", [None, NO_GROUND])
 def test_a_status_has_its_message_with_the_warning_and_the_code_of_its_json(
     graph, topics, fault, missing
 ):

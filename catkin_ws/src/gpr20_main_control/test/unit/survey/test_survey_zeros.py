@@ -10,7 +10,7 @@ from gpr20_main_control import faults
 from gpr20_main_control.mid.survey.engine import Accepted
 from gpr20_main_control.mid.survey.known_point import compare_known_point, known_traces
 from gpr20_survey.axes.axis_id import ZeroEpoch
-from gpr20_survey.faults import OTHER_ZEROS
+from gpr20_survey.faults import NOT_HOMED, OTHER_ZEROS
 from gpr20_survey.plan.survey_state import SurveyState as State
 
 ACCEPT = Accepted(zeros=True)
@@ -89,7 +89,7 @@ def test_agreeing_with_traces_that_nothing_proves_proves_nothing(bench):
     until_it_asks_about_a_zero(bench)
     bench.at_sweep(16, lambda: setattr(bench.x, "homed", False))
     bench.control.resume("", ACCEPT)
-    bench.wait_for_fault(faults.AXIS_NOT_HOMED)
+    bench.wait_for_fault(NOT_HOMED)
     bench.control.resume("")
     bench.complete()
     assert proofs(bench) == ["start", "accepted", "accepted"]

@@ -7,6 +7,7 @@ from typing import Any, Callable, Dict, Mapping
 
 import yaml
 
+from gpr20_common.faults import DISK_REFUSES
 from gpr20_common.low.yaml_file import YamlFileError, read_yaml
 from gpr20_common.message import Message
 from gpr20_common.os_reason import os_reason
@@ -79,7 +80,7 @@ class SettingsFile:
                     path=self._path,
                     reason=os_reason(error),
                 ),
-                fault=faults.SETTINGS_NOT_STORED,
+                fault=DISK_REFUSES,
             ) from error
 
     def _unreadable(self, reason: Message) -> SettingsError:
@@ -88,7 +89,7 @@ class SettingsFile:
                 "the settings {path} cannot be read: {reason}; the defaults are used",
                 path=self._path,
                 reason=reason,
-            ).reporting_only(faults.SETTINGS_DAMAGED)
+            ).reporting_only(faults.SETTINGS_LOST.as_warning())
         )
 
 

@@ -8,8 +8,8 @@ from typing import Dict, Iterable, Mapping, Optional, Tuple
 
 import numpy as np
 
+from gpr20_common.faults import VERSIONS_DIFFER
 from gpr20_common.message import Message
-from gpr20_operator import faults
 from gpr20_operator.errors import SurveyNotReadableError
 from gpr20_operator.ground.grid import Cell, Stop, SurveyGrid
 from gpr20_survey.plan.survey_parameters import MAX_TRACES
@@ -58,7 +58,7 @@ class CoverageRuns:
                     planned=self.planned,
                     limit=MAX_TRACES,
                 ),
-                fault=faults.COVERAGE_WRONG,
+                fault=VERSIONS_DIFFER,
             )
         bounds = np.array([*self.starts, self.planned], np.int64)
         known = {int(state) for state in SampleState}
@@ -74,7 +74,7 @@ class CoverageRuns:
                     survey=self.survey_id[:40],
                     planned=self.planned,
                 ),
-                fault=faults.COVERAGE_WRONG,
+                fault=VERSIONS_DIFFER,
             )
         return np.repeat(np.array(self.states, np.uint8), np.diff(bounds))
 
@@ -200,7 +200,7 @@ class MapModel:
                     found=coverage.planned,
                     planned=self.grid.planned,
                 ),
-                fault=faults.COVERAGE_WRONG,
+                fault=VERSIONS_DIFFER,
             )
         self.trace_states, self.stop_states = traces, stop_states(self.grid, traces)
         self.verdict, self._reasons = coverage.verdict, coverage.failures

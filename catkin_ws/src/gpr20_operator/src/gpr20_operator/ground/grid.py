@@ -10,10 +10,10 @@ import numpy as np
 
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message
-from gpr20_operator import faults
 from gpr20_operator.errors import SurveyNotReadableError
 from gpr20_operator.ground.records import Place, ascending
 from gpr20_survey.errors import SurveyRefusedError
+from gpr20_survey.faults import DAMAGED
 from gpr20_survey.folder.soil_note import soil_of_survey
 from gpr20_survey.folder.survey_metadata import MAX_FILE_BYTES, parse_object
 from gpr20_survey.plan.imported import TOLERANCE, imported_grid, is_imported
@@ -180,9 +180,7 @@ def grid_from_description(text: str) -> SurveyGrid:
         values = parse_object(text, "metadata_json", MAX_FILE_BYTES)
         survey_id = values.get("survey_id")
         if not isinstance(survey_id, str):
-            raise InvalidValueError(
-                Message("the log has no survey id"), fault=faults.PLAN_UNREADABLE
-            )
+            raise InvalidValueError(Message("the log has no survey id"), fault=DAMAGED)
         # Data of unknown origin are never shown as those of real ground.
         simulated = values.get("simulated") is not False
         soil = soil_of_survey(values)
@@ -196,7 +194,7 @@ def grid_from_description(text: str) -> SurveyGrid:
         raise SurveyNotReadableError(
             Message(
                 "the survey's plan cannot be read: {reason}", reason=error.message
-            ).reporting_only(faults.PLAN_UNREADABLE)
+            ).reporting_only(DAMAGED)
         ) from error
     places = np.array(found.x_mm), np.array(found.y_mm), found.polarization_deg
     tolerances = (TOLERANCE, TOLERANCE, TOLERANCE)

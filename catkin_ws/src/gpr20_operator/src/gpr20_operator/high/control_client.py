@@ -17,6 +17,7 @@ from gpr20_common.high.periodic import Periodic
 from gpr20_common.high.service_client import ServiceClient, ServiceUnavailableError
 from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message
+from gpr20_doctor.faults import MASTER_LOST
 from gpr20_doctor.high.node_reports import axis_position, height_m
 from gpr20_msgs.msg import (
     ControlStatus,
@@ -28,7 +29,6 @@ from gpr20_msgs.msg import (
 )
 from gpr20_msgs.msg import SurveyParameters as SurveyParametersMessage
 from gpr20_msgs.srv import Command, ResumeSurvey, SetSurveyParameters, StartSurvey
-from gpr20_operator import faults
 from gpr20_operator.high import conversions
 from gpr20_operator.high.master import MasterWatch
 from gpr20_operator.high.robot_stop import RobotStop
@@ -212,7 +212,7 @@ class ControlClient(RosEvents):
             self._emit(self._limits)
         except (rosgraph.MasterException, OSError) as error:
             reason = Message("the ROS master does not answer", details=error)
-            reason = reason.with_fault(faults.MASTER_LOST)
+            reason = reason.with_fault(MASTER_LOST)
             self._emit(AxisLimits(None, reason, master_alive=False))
         finally:
             self._checking_master.release()

@@ -8,6 +8,7 @@ import json
 from typing import Any, Dict, Mapping, Sequence
 
 from gpr20_common.errors import Gpr20Error
+from gpr20_common.faults import VERSIONS_DIFFER
 from gpr20_common.high.answers import fault_of, message_from, received, record_of
 from gpr20_common.message import Message
 from gpr20_common.mid.codec import record_from
@@ -22,7 +23,6 @@ from gpr20_msgs.msg import (
     SurveyData,
 )
 from gpr20_msgs.msg import SurveyParameters as SurveyParametersMessage
-from gpr20_operator import faults
 from gpr20_operator.ground.additions import MarkersStored
 from gpr20_operator.ground.coverage import CoverageRuns
 from gpr20_operator.ground.trace_events import SurveysListed, TracesRead
@@ -47,7 +47,7 @@ from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_survey.results.survey_summary import SurveySummary
 from gpr20_survey.trace.trace_block import block_from
 
-LIMITS_UNKNOWN = Message("the limits of the axes are not known").with_fault(faults.LIMITS_UNKNOWN)
+LIMITS_UNKNOWN = Message("the limits of the axes are not known").with_fault(VERSIONS_DIFFER)
 
 
 def replay_mark(message: Replay) -> ReplayMark:

@@ -15,12 +15,12 @@ from rospy.impl.registration import (
 )
 
 from gpr20_common.errors import NodeGoneError, NodeSilentError
+from gpr20_common.faults import ASKED_FOR
 from gpr20_common.high.periodic import Periodic
 from gpr20_common.low.clock import Clock
 from gpr20_common.low.limited_rpc import NodeProbe
 from gpr20_common.message import Message
 from gpr20_common.terminal_text import enable_line_buffering
-from gpr20_operator import faults
 from gpr20_operator.errors import MasterUnavailableError
 from gpr20_operator.robot.events import LinkState
 
@@ -67,7 +67,7 @@ def join_graph(name: str, wait_s: float, is_cancelled: Callable[[], bool], clock
             if is_cancelled():
                 raise MasterUnavailableError(
                     Message("stopped before contact with the robot; nothing was started"),
-                    fault=faults.NOT_STARTED,
+                    fault=ASKED_FOR,
                 )
             waited_s = clock.now_s() - begin_s
             raise MasterUnavailableError(

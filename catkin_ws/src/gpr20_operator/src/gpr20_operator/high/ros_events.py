@@ -9,6 +9,7 @@ import rospy
 from diagnostic_msgs.msg import DiagnosticArray
 
 from gpr20_common.errors import Gpr20Error
+from gpr20_common.faults import PART_SILENT
 from gpr20_common.high.answers import message_from
 from gpr20_common.high.raw_message import connection_header
 from gpr20_common.high.service_client import ServiceClient, ServiceUnavailableError
@@ -16,7 +17,6 @@ from gpr20_common.low.thread_fault import faults_logged
 from gpr20_common.message import Message
 from gpr20_doctor.high.node_reports import node_healths
 from gpr20_doctor.mid.node_health import EXPECTED_NODES, NodeHealth
-from gpr20_operator import faults
 from gpr20_operator.robot.senders import SenderIgnored, Senders
 
 CONTROL_SILENT = Message("the main control does not answer; check that it is running")
@@ -58,7 +58,7 @@ def accepted(response: Any) -> Any:
 
 def no_answer(silent: Message, error: Exception) -> Message:
     """Return what people read when a node does not answer."""
-    return silent.with_details(error).with_fault(faults.PART_SILENT)
+    return silent.with_details(error).with_fault(PART_SILENT)
 
 
 def in_background(work: Callable[[], None]) -> None:

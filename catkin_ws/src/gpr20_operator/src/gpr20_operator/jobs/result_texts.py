@@ -34,7 +34,7 @@ FINDS: Dict[What, Message] = {
 # By the codes of their faults.
 DOUBTED: Dict[str, Message] = {
     "analysis.zeros_unproven": Message("positions"),
-    "analysis.survey_damaged": Message("damage"),
+    "survey.damaged": Message("damage"),
     "survey.unconfirmed": Message("log"),
     "analysis.sweep_repeated": Message("copies"),
     "analysis.calibration": Message("calibration"),

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import List
 
 from gpr20_common.errors import InvalidValueError
+from gpr20_common.faults import DISK_REFUSES, NOT_ALLOWED
 from gpr20_common.low.yaml_file import YamlFileError, read_yaml
 from gpr20_common.message import Message
 from gpr20_common.mid.codec import plain, record_from
@@ -48,7 +49,7 @@ class Profiles:
                 folder=self._folder,
                 reason=os_reason(error),
             )
-            raise ProfileError(text, fault=faults.PROFILE_NOT_STORED) from error
+            raise ProfileError(text, fault=DISK_REFUSES) from error
         return sorted(name for name in found if is_name(name))
 
     def load(self, name: str) -> SurveyParameters:
@@ -62,7 +63,7 @@ class Profiles:
             raise _unreadable(path, os_reason(error)) from error
         except InvalidValueError as error:
             text = Message("{reason}; save the profile again", reason=error.message)
-            raise ProfileError(text.reporting_only(faults.PROFILE_UNREADABLE)) from error
+            raise ProfileError(text.reporting_only(faults.SETTINGS_LOST)) from error
 
     def save(self, name: str, parameters: SurveyParameters) -> None:
         """Store parameters under a name, durably; they replace those that were there."""
@@ -76,7 +77,7 @@ class Profiles:
                 path=path,
                 reason=os_reason(error),
             )
-            raise ProfileError(text, fault=faults.PROFILE_NOT_STORED) from error
+            raise ProfileError(text, fault=DISK_REFUSES) from error
 
     def remove(self, name: str) -> None:
         """Delete a profile."""
@@ -89,7 +90,7 @@ class Profiles:
                 path=path,
                 reason=os_reason(error),
             )
-            raise ProfileError(text, fault=faults.PROFILE_NOT_STORED) from error
+            raise ProfileError(text, fault=DISK_REFUSES) from error
 
     def path(self, name: str) -> Path:
         """Return the file of a profile, which need not exist."""
@@ -100,7 +101,7 @@ class Profiles:
                 name=repr(name[:64]),
                 most=MAX_NAME_LENGTH,
             )
-            raise ProfileError(text, fault=faults.PROFILE_NAME)
+            raise ProfileError(text, fault=NOT_ALLOWED)
         return self._folder / f"{name}{SUFFIX}"
 
 
@@ -108,5 +109,5 @@ def _unreadable(path: Path, reason: Message) -> ProfileError:
     return ProfileError(
         Message(
             "the profile {path} cannot be read: {reason}; save it again", path=path, reason=reason
-        ).reporting_only(faults.PROFILE_UNREADABLE)
+        ).reporting_only(faults.SETTINGS_LOST)
     )

@@ -11,13 +11,16 @@ import math
 from dataclasses import dataclass
 from typing import Callable, Dict, NamedTuple, Optional, Tuple
 
+from gpr20_common.faults import NOT_RUNNING, PART_LOST
 from gpr20_common.message import Message, Severity, in_a_row
+from gpr20_doctor.faults import MASTER_LOST
 from gpr20_operator import faults
 from gpr20_operator.robot.events import AxisReport, Request
 from gpr20_operator.robot.job import percent_of, progress_of
 from gpr20_operator.robot.snapshot import Snapshot
 from gpr20_operator.words import time_left
 from gpr20_survey.axes.axis_id import AxisId
+from gpr20_survey.faults import CAN_RESUME, TAKES_LONG
 from gpr20_survey.plan.survey_state import SurveyState
 
 
@@ -89,7 +92,7 @@ _USUAL: Dict[Optional[SurveyState], _Usual] = {
     SurveyState.FAILED: _Usual(JobLevel.FAULT),
 }
 # Codes of the main control while it waits for a part.
-WAITS = ("survey.waiting_for_part", "survey.takes_long")
+WAITS = ("robot.part_silent", "survey.takes_long")
 # Levels of a state that trouble elsewhere does not make better.
 _KEPT = (JobLevel.PAUSED, JobLevel.FAULT)
 
@@ -161,17 +164,17 @@ def _no_contact(snapshot: Snapshot) -> Optional[Condition]:
     if not snapshot.master_alive:
         message = Message(
             "The ROS master does not answer: the robot may still move. Waiting for it."
-        ).with_fault(faults.MASTER_LOST)
+        ).with_fault(MASTER_LOST)
     elif snapshot.control_silent_s is None:
         message = Message(
             "No contact with the main control. Start it with: roslaunch gpr20 survey.launch"
-        ).with_fault(faults.NO_CONTROL)
+        ).with_fault(NOT_RUNNING)
     elif not snapshot.control_alive:
         message = Message(
             "No contact with the main control for {seconds} s: the robot may still move. "
             "Waiting for it.",
             seconds=int(snapshot.control_silent_s),
-        ).with_fault(faults.CONTROL_LOST)
+        ).with_fault(PART_LOST)
     else:
         return None
     return Condition(JobLevel.FAULT, NO_CONTACT, message)
@@ -181,7 +184,7 @@ def _interrupted(snapshot: Snapshot) -> Optional[Condition]:
     if not snapshot.interrupted:
         return None
     rests = {one.axis for one in snapshot.axes if not one.moving and not one.silent}
-    fault = faults.INTERRUPTED if len(rests) == len(AxisId) else faults.CONTROL_RESTARTED
+    fault = CAN_RESUME if len(rests) == len(AxisId) else PART_LOST
     message = Message("The main control was restarted.").with_fault(fault)
     return Condition(JobLevel.FAULT, Message("INTERRUPTED"), message)
 
@@ -220,7 +223,7 @@ def _late(snapshot: Snapshot) -> Optional[Message]:
         return None
     return Message(
         "No message from the main control for {seconds} s.", seconds=int(snapshot.control_silent_s)
-    ).with_fault(faults.CONTROL_LATE)
+    ).with_fault(TAKES_LONG)
 
 
 def _part(snapshot: Snapshot) -> Optional[Message]:
@@ -249,7 +252,7 @@ def _ignored_sender(snapshot: Snapshot) -> Optional[Message]:
     return Message(
         "A recording plays on this robot's topics. It is not shown.",
         details=snapshot.ignored_sender,
-    ).with_fault(faults.REPLAY_BESIDE)
+    ).with_fault(faults.REPLAY.as_warning())
 
 
 def _trace_s(snapshot: Snapshot) -> float:

@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Dict, List, Optional, Tuple
 
+from gpr20_common.faults import INTERNAL, PART_SILENT
 from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message, in_a_row, verbatim
-from gpr20_doctor.faults import PART_FAILED
 from gpr20_doctor.mid.node_health import (
     EXPECTED_NODES,
     IMAGING,
@@ -21,7 +21,6 @@ from gpr20_doctor.mid.node_health import (
     NodeHealth,
     node_title,
 )
-from gpr20_operator import faults
 
 # Nodes report once a second; a node whose report is older than this [s] hangs or has ended.
 STALE_S = 4.0
@@ -61,7 +60,7 @@ class HealthReport:
         ]
         found = [
             Message("{name}: {state}", name=node_title(one.name), state=one.message).with_fault(
-                PART_FAILED
+                INTERNAL
             )
             for one in needed
             if one.level is HealthLevel.ERROR
@@ -72,7 +71,7 @@ class HealthReport:
             if one.level is HealthLevel.STALE and self.settled
         )
         if silent:
-            found.append(Message("No report: {parts}", parts=silent).with_fault(faults.PART_SILENT))
+            found.append(Message("No report: {parts}", parts=silent).with_fault(PART_SILENT))
         if len(found) > 1:
             return in_a_row(found)
         return found[0] if found else None

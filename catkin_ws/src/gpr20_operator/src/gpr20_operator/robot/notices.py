@@ -6,7 +6,7 @@ import enum
 from dataclasses import dataclass
 from typing import List, Optional, Set, Tuple
 
-from gpr20_common import remedies
+from gpr20_common.faults import LOOK
 from gpr20_common.message import Message
 from gpr20_doctor.mid.node_health import HealthLevel, NodeHealth, level_title, node_title
 from gpr20_operator.robot.condition import Condition, condition_of, lost, urgent
@@ -102,7 +102,7 @@ def fault_notice(state: ControlState) -> Notice:
 
 def remedy(reason: Message) -> Message:
     """Return what to do first about a fault, whatever it is."""
-    return reason.remedy or remedies.CHECK_STATUS
+    return reason.remedy or LOOK
 
 
 def analyzer_notice(reason: Message, identity: str) -> Notice:

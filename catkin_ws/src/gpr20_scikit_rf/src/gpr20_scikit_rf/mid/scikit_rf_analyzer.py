@@ -5,10 +5,10 @@ from __future__ import annotations
 from typing import Any, Callable, List, Optional, Sequence, Tuple, TypeVar
 
 from gpr20_common.errors import InvalidValueError
+from gpr20_common.faults import CONFIGURATION
 from gpr20_common.low.clock import time_of_day_us
 from gpr20_common.message import Message, in_a_row
 from gpr20_common.mid.codec import record_from
-from gpr20_scikit_rf.faults import CALIBRATION_UNSURE, NOT_UNDERSTOOD, SETTING_UNAVAILABLE
 from gpr20_scikit_rf.low.visa_link import VisaLibrary, VisaLimits, VisaLink
 from gpr20_scikit_rf.mid.scikit_rf_dialects import DIALECTS, Setting
 from gpr20_scikit_rf.mid.scikit_rf_options import (
@@ -17,6 +17,7 @@ from gpr20_scikit_rf.mid.scikit_rf_options import (
     visa_resource_name,
 )
 from gpr20_scikit_rf.mid.scikit_rf_sweeps import ScikitRfSweeps
+from gpr20_survey.faults import VNA_DOUBTFUL, VNA_SETTINGS
 from gpr20_survey.trace.calibration import CalibrationStatus
 from gpr20_survey.trace.sweep import Sweep
 from gpr20_survey.trace.sweep_settings import (
@@ -26,7 +27,6 @@ from gpr20_survey.trace.sweep_settings import (
     SweepSettings,
 )
 from gpr20_vna_acquisition.errors import VnaDataError, VnaError, VnaSettingError
-from gpr20_vna_acquisition.faults import SETTINGS_CHANGED
 from gpr20_vna_acquisition.mid import refusals
 from gpr20_vna_acquisition.mid.identity import check_identity
 from gpr20_vna_acquisition.mid.request_deadline import RequestDeadline
@@ -135,7 +135,7 @@ class ScikitRfAnalyzer:
         if not accepted.fulfils(settings):
             raise VnaSettingError(
                 Message("the VNA's settings changed by themselves; do not operate it by hand"),
-                fault=SETTINGS_CHANGED,
+                fault=VNA_SETTINGS,
             )
         self._sweeps.learn(accepted)
         self._accepted = accepted
@@ -170,7 +170,7 @@ class ScikitRfAnalyzer:
                 answer=repr(answer[:40]),
                 query=query,
             ),
-            fault=NOT_UNDERSTOOD,
+            fault=CONFIGURATION,
         )
 
     def release(self) -> None:
@@ -247,7 +247,7 @@ class ScikitRfAnalyzer:
                     value=setting.value,
                     details=error.message.details,
                 ),
-                fault=SETTING_UNAVAILABLE,
+                fault=CONFIGURATION,
             ) from error
 
     def _differing(self, wanted: Sequence[Setting]) -> List[Tuple[Setting, Any]]:
@@ -266,7 +266,7 @@ class ScikitRfAnalyzer:
                     "{settings} of the VNA changed when it was set up; it does not report whether "
                     "its calibration still applies",
                     settings=in_a_row(changed),
-                ).with_fault(CALIBRATION_UNSURE)
+                ).with_fault(VNA_DOUBTFUL)
             )
         elif self.calibration() is CalibrationStatus.NONE:
             raise calibration_lost(changed)

@@ -7,8 +7,8 @@ from typing import Any, Callable, Optional, Protocol, TypeVar
 import numpy as np
 
 from gpr20_common.message import Message
-from gpr20_scikit_rf.faults import SWEEP_TOO_EARLY
 from gpr20_scikit_rf.mid.scikit_rf_dialects import Dialect
+from gpr20_survey.faults import VNA_FAILED, VNA_SETTINGS
 from gpr20_survey.trace.sweep import Sweep
 from gpr20_survey.trace.sweep_settings import SweepSettings
 from gpr20_vna_acquisition.errors import (
@@ -17,7 +17,6 @@ from gpr20_vna_acquisition.errors import (
     VnaSettingError,
     VnaSweepError,
 )
-from gpr20_vna_acquisition.faults import SETTINGS_CHANGED
 from gpr20_vna_acquisition.mid.refusals import old_data, sweep_not_ended
 from gpr20_vna_acquisition.mid.request_deadline import RequestDeadline
 from gpr20_vna_acquisition.mid.sweep_timing import has_old_points, timed_sweep
@@ -94,7 +93,7 @@ class ScikitRfSweeps:
         _first_s, *others_s = [self._sweep_once(settings, limit_s) for _ in range(LEARNING_SWEEPS)]
         sweep_s = min(others_s)
         if _is_too_early(sweep_s, claimed_s):
-            raise VnaSettingError(_too_early(sweep_s, claimed_s), fault=SWEEP_TOO_EARLY)
+            raise VnaSettingError(_too_early(sweep_s, claimed_s), fault=VNA_FAILED)
         # The next trace is known to be new by its difference from this one.
         self._shown = self._read(settings)
         self._sweep_s = sweep_s
@@ -118,7 +117,7 @@ class ScikitRfSweeps:
         for _ in range(self._triggers):
             taken_s = self._sweep_once(settings, limit_s)
             if _is_too_early(taken_s, sweep_s):
-                raise VnaSweepError(_too_early(taken_s, sweep_s), fault=SWEEP_TOO_EARLY)
+                raise VnaSweepError(_too_early(taken_s, sweep_s), fault=VNA_FAILED)
         duration_s = self._deadline.now_s() - started_s
         before, self._shown = self._shown, self._read(settings)
         if has_old_points(self._shown, before, to_the_last=False):
@@ -141,7 +140,7 @@ class ScikitRfSweeps:
             # A trigger could be ignored, and the sweep that runs began before the request.
             raise VnaSettingError(
                 Message("the VNA sweeps by itself; do not operate it by hand during a survey"),
-                fault=SETTINGS_CHANGED,
+                fault=VNA_SETTINGS,
             )
 
     def _sweep_once(self, settings: SweepSettings, limit_s: float) -> float:

@@ -7,9 +7,9 @@ from typing import Optional
 
 import rospy
 
+from gpr20_common.faults import OTHER_LAUNCH
 from gpr20_common.high.node import run_device
 from gpr20_common.message import Message
-from gpr20_simulator import faults
 from gpr20_simulator.high.simulated_robot import open_simulated_part
 from gpr20_simulator.low.shared_state import SharedState
 from gpr20_vna_acquisition.errors import VnaConnectionError
@@ -38,7 +38,7 @@ def simulated_port(state: SharedState) -> int:
                 "is running",
                 limit_s=PORT_LIMIT_S,
             ),
-            fault=faults.VNA_NOT_STARTED,
+            fault=OTHER_LAUNCH,
         )
     return state.vna_port
 

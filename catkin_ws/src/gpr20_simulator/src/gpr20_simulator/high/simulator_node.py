@@ -7,6 +7,7 @@ from typing import Any
 
 import rospy
 
+from gpr20_common.faults import OTHER_LAUNCH
 from gpr20_common.high.answers import message_fields
 from gpr20_common.high.description import publish_description
 from gpr20_common.high.diagnostics import ERROR, OK, WARN, Diagnostics, Health
@@ -15,7 +16,7 @@ from gpr20_common.high.services import advertise
 from gpr20_common.message import Message
 from gpr20_common.os_reason import os_reason
 from gpr20_simulator.errors import SimulatorError
-from gpr20_simulator.faults import FAULTS_SET, NETWORK_LOST
+from gpr20_simulator.faults import FAULTS_SET
 from gpr20_simulator.high.simulated_robot import SimulatedPart, open_simulated_part
 from gpr20_simulator.low.capture import CaptureFolder
 from gpr20_simulator.low.portmapper import PORT as PORTMAPPER_PORT
@@ -69,7 +70,7 @@ class SimulatorNode:
         }
         if self._vna.instrument.network_lost:
             lost = Message("The SIMULATED VNA was reset and lost its network settings")
-            return ERROR, lost.with_fault(NETWORK_LOST), values
+            return ERROR, lost.with_fault(OTHER_LAUNCH), values
         if faults:
             text = Message("The SIMULATED robot has faults: {faults}", faults=faults)
             return WARN, text.with_fault(FAULTS_SET), values

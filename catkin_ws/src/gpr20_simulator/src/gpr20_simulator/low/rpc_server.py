@@ -8,9 +8,9 @@ import threading
 from typing import Callable, List, Optional
 
 from gpr20_common.errors import Gpr20Error
+from gpr20_common.faults import OTHER_LAUNCH
 from gpr20_common.message import Message
 from gpr20_common.os_reason import os_reason
-from gpr20_simulator import faults
 from gpr20_simulator.low.rpc import RpcProgram, XdrError, answer_call
 
 LAST_FRAGMENT = 0x80000000
@@ -24,7 +24,7 @@ STOP_TIMEOUT_S = 5.0
 class ListenError(Gpr20Error, OSError):
     """The server cannot listen on the given address."""
 
-    fault = faults.PORT_TAKEN
+    fault = OTHER_LAUNCH
 
 
 class RpcConnection:

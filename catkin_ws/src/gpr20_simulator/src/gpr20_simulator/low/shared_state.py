@@ -17,9 +17,9 @@ from pathlib import Path
 from typing import Mapping, Optional
 
 from gpr20_common.errors import Gpr20Error
+from gpr20_common.faults import NOT_ALLOWED, OTHER_LAUNCH
 from gpr20_common.message import Message, verbatim
 from gpr20_common.os_reason import os_reason
-from gpr20_simulator import faults
 from gpr20_survey.axes.axis_id import AxisId
 
 LAYOUT = 0x47505232_00000003
@@ -30,7 +30,7 @@ AXES_WITH_ENDSTOP = (AxisId.X, AxisId.Y)
 class SharedStateError(Gpr20Error, OSError):
     """The shared state cannot be used."""
 
-    fault = faults.NO_STATE
+    fault = OTHER_LAUNCH
 
 
 class EndstopFault(enum.IntEnum):
@@ -100,7 +100,7 @@ class SharedState:
         if axis not in AXES_WITH_ENDSTOP:
             raise SharedStateError(
                 Message("the {axis} axis has no endstop that could fail", axis=axis.value),
-                fault=faults.UNKNOWN_FAULT,
+                fault=NOT_ALLOWED,
             )
         self._words.endstop_fault[INDEX[axis]] = fault
 

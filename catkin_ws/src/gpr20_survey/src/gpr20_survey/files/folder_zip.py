@@ -7,9 +7,9 @@ import zipfile
 from pathlib import Path
 from typing import ContextManager, Dict, Iterator, Tuple
 
+from gpr20_common.faults import IN_USE
 from gpr20_common.message import Message
 from gpr20_common.terminal_text import printable
-from gpr20_survey import faults
 from gpr20_survey.errors import ProcessingError, storing
 from gpr20_survey.files.file_sums import regular_files
 from gpr20_survey.files.regular_file import open_regular
@@ -43,7 +43,7 @@ def add_folder(archive: zipfile.ZipFile, folder: Path) -> Iterator[None]:
     if _versions(folder) != before:
         raise ProcessingError(
             Message("{folder} was changed while it was read", folder=folder.name),
-            fault=faults.FOLDER_CHANGED,
+            fault=IN_USE,
         )
 
 

@@ -84,7 +84,7 @@ def use_key(path: Path, arguments: Sequence[str], content: bytes = b"") -> str:
     raise SigningError(
         Message(
             "the signing key {file} cannot be used: {reason}", file=printable(path), reason=reason
-        ).reporting_only(faults.SIGNING_KEY)
+        ).reporting_only(faults.NOT_SIGNED)
     )
 
 

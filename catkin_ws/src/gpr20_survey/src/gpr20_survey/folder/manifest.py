@@ -106,7 +106,7 @@ def decode(content: bytes) -> Manifest:
         named = {"file": MANIFEST_FILE, "found": repr(own_format)[:64], "expected": repr(FORMAT)}
         raise SurveyRefusedError(
             Message("the format of {file} is {found}; this software reads {expected}", **named),
-            fault=faults.TRACE_OTHER_VERSION,
+            fault=faults.OTHER_VERSION,
         )
     try:
         log, files = LogHead(**values.pop("log")), values.pop("files").items()

@@ -76,7 +76,7 @@ def recover(folder: Path, asking_manifest: bool = False) -> RecoveredSurvey:
                 folder=printable(folder),
                 files=", ".join(survey_folder.LOG_FILES),
             ),
-            fault=faults.DESCRIPTION_LOST,
+            fault=faults.LOG_LOST,
         )
     try:
         description = description_of(found.records)
@@ -93,7 +93,7 @@ def recover(folder: Path, asking_manifest: bool = False) -> RecoveredSurvey:
                 format=FORMAT,
                 details=error,
             ),
-            fault=faults.DESCRIPTION_UNREADABLE,
+            fault=faults.DAMAGED,
         ) from error
     unconfirmed = found.lost_entries()
     if unconfirmed:
@@ -130,7 +130,7 @@ def repairs_of(recovered: RecoveredSurvey) -> List[Message]:
     repairs = [
         Message(
             "{file} is damaged; wrote it again from the other file of the log", file=one
-        ).with_fault(faults.REPAIRED)
+        ).with_fault(faults.DAMAGED.as_warning())
         for one in recovered.found.damaged
     ]
     if recovered.unconfirmed:
@@ -235,7 +235,7 @@ def _check(folder: Path, recovered: RecoveredSurvey) -> None:
                 count=count,
                 folder=printable(folder),
             ),
-            fault=faults.DESCRIPTION_DAMAGED,
+            fault=faults.CAN_RESUME,
         )
     sealed, reason = recovered.manifest, recovered.manifest_damage
     if sealed is not None and not sealed.covers(recovered.found.records):

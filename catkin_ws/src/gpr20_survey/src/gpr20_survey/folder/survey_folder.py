@@ -6,6 +6,7 @@ import re
 from pathlib import Path
 from typing import List
 
+from gpr20_common.faults import FILE_DAMAGED
 from gpr20_common.message import Message
 from gpr20_common.terminal_text import printable
 from gpr20_survey import faults
@@ -102,7 +103,7 @@ def check_no_links(folder: Path) -> None:
                     "{path} is a symbolic link, which is not followed; put the files there",
                     path=printable(path),
                 ),
-                fault=faults.NOT_A_FILE,
+                fault=FILE_DAMAGED,
             )
 
 

@@ -123,4 +123,4 @@ def _content(path: Path) -> bytes:
 
 
 def _damaged(reason: Message) -> TraceRefusedError:
-    return TraceRefusedError(reason, fault=faults.TRACE_DAMAGED)
+    return TraceRefusedError(reason, fault=faults.DAMAGED)

@@ -67,7 +67,7 @@ def imported_grid(description: Mapping[str, Any]) -> ImportedGrid:
     except InvalidValueError as error:
         raise InvalidValueError(
             Message("the log does not hold the grid of the imported survey", details=error),
-            fault=faults.DESCRIPTION_UNREADABLE,
+            fault=faults.DAMAGED,
         ) from error
 
 

@@ -79,7 +79,7 @@ def markers_of(description: Mapping[str, Any]) -> Tuple[Marker, ...]:
     except InvalidValueError as error:
         raise InvalidValueError(
             Message("the markers in the log are damaged", details=error),
-            fault=faults.DESCRIPTION_UNREADABLE,
+            fault=faults.DAMAGED,
         ) from error
     return found
 

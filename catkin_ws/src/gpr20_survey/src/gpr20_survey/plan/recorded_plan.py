@@ -53,7 +53,7 @@ def recorded_plan(description: Mapping[str, Any]) -> Tuple[SurveyParameters, Rob
         check(parameters, travel)
     except InvalidValueError as error:
         # Nobody can correct the plan of a survey that was measured.
-        raise InvalidValueError(error.message, fault=faults.DESCRIPTION_UNREADABLE) from error
+        raise InvalidValueError(error.message, fault=faults.DAMAGED) from error
     return parameters, travel
 
 

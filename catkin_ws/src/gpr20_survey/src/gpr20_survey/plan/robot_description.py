@@ -7,12 +7,11 @@ from dataclasses import asdict, dataclass
 from typing import Any, Dict, Iterable, Mapping, Sequence
 
 from gpr20_common.errors import InvalidValueError
-from gpr20_common.faults import NODE_SILENT
+from gpr20_common.faults import OTHER_LAUNCH, PART_SILENT, VERSIONS_DIFFER
 from gpr20_common.message import Message, in_a_row
 from gpr20_common.mid.codec import record_from
 from gpr20_common.mid.hardware import Hardware
 from gpr20_common.mid.node_software import UNKNOWN_SOFTWARE, NodeSoftware
-from gpr20_survey import faults
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.axes.axis_parameters import AxisParameters
 from gpr20_survey.plan.survey_parameters import RobotTravel, Travel
@@ -106,7 +105,7 @@ def axis_parameters(axis_id: AxisId, nodes: Mapping[str, NodeDescription]) -> Ax
     try:
         return record_from(AxisParameters, nodes[name].configuration, name)
     except InvalidValueError as error:
-        raise InvalidValueError(error.message, fault=faults.OTHER_PARAMETERS) from error
+        raise InvalidValueError(error.message, fault=VERSIONS_DIFFER) from error
 
 
 def is_simulated_identity(identity: str) -> bool:
@@ -123,7 +122,7 @@ def _refuse_missing(needed: Iterable[str], nodes: Mapping[str, NodeDescription])
                 parts=_joined(missing),
                 details=", ".join(missing),
             ),
-            fault=NODE_SILENT,
+            fault=PART_SILENT,
         )
 
 
@@ -138,7 +137,7 @@ def _refuse_mixed(nodes: Mapping[str, NodeDescription]) -> None:
                 simulated=_joined(simulated),
                 real=_joined(real),
             ),
-            fault=faults.MIXED_PARTS,
+            fault=OTHER_LAUNCH,
         )
 
 

@@ -158,7 +158,7 @@ def _check_whole(mcap: StoredMcap, has_ended: bool, folder: Path) -> None:
                 folder=printable(folder),
                 faults=in_a_row(found[:SHOWN]),
             ),
-            fault=faults.TRACE_DAMAGED,
+            fault=faults.DAMAGED,
         )
 
 

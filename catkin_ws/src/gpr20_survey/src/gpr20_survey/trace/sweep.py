@@ -51,7 +51,7 @@ class Sweep:
         forms.check(SWEEP_FIELDS, vars(self))
         forms.check(SETTINGS, vars(self.analyzer))
         for mistake in self._mistakes():
-            forms.refuse(mistake, faults.WRONG_SWEEP)
+            forms.refuse(mistake, faults.VNA_FAILED)
         if self.sweep_ended_us < self.sweep_started_us:
             reason = Message(
                 "sweep_ended {ended} lies before sweep_started {started}",

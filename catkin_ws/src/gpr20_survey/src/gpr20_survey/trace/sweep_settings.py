@@ -13,9 +13,9 @@ from gpr20_survey.trace import trace_form as forms
 # Far beyond what any analyzer has.
 MAX_IF_BANDWIDTH_HZ = 1.0e9
 MAX_AVERAGES = 1_000_000
-_BANDWIDTH = forms.between(0.0, MAX_IF_BANDWIDTH_HZ, faults.WRONG_SWEEP)
-_AVERAGES = forms.between(0, MAX_AVERAGES, faults.WRONG_SWEEP)
-_POWER = forms.printable(32, faults.WRONG_SWEEP)
+_BANDWIDTH = forms.between(0.0, MAX_IF_BANDWIDTH_HZ, faults.VNA_FAILED)
+_AVERAGES = forms.between(0, MAX_AVERAGES, faults.VNA_FAILED)
+_POWER = forms.printable(32, faults.VNA_FAILED)
 
 
 @dataclass(frozen=True)

@@ -133,7 +133,7 @@ def check_format(found: str) -> None:
             format=shortened(found),
             expected=repr(FORMAT),
         )
-        forms.refuse(reason, faults.TRACE_OTHER_VERSION)
+        forms.refuse(reason, faults.OTHER_VERSION)
 
 
 _OWN = [one for one in forms.fields_of(Trace) if one not in SWEEP_FIELDS]

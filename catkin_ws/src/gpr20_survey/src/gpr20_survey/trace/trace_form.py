@@ -15,6 +15,7 @@ from typing import Any, Callable, Dict, Iterable, List, Mapping, NoReturn, Optio
 
 import numpy as np
 
+from gpr20_common.faults import INTERNAL
 from gpr20_common.message import Fault, Message
 from gpr20_common.mid.codec import shortened
 from gpr20_survey import faults
@@ -32,10 +33,10 @@ class Rule:
 
     holds: Callable[[Any], Any]
     allowed: Message
-    fault: Fault = faults.TRACE_NOT_ALLOWED
+    fault: Fault = INTERNAL
 
 
-def between(lower: float, upper: float, fault: Fault = faults.TRACE_NOT_ALLOWED) -> Rule:
+def between(lower: float, upper: float, fault: Fault = INTERNAL) -> Rule:
     """Return the rule of a number."""
     # NaN fails every comparison; a negative zero is the same as zero in no stored form.
     return Rule(
@@ -45,13 +46,13 @@ def between(lower: float, upper: float, fault: Fault = faults.TRACE_NOT_ALLOWED)
     )
 
 
-def printable(most: int, fault: Fault = faults.TRACE_NOT_ALLOWED) -> Rule:
+def printable(most: int, fault: Fault = INTERNAL) -> Rule:
     """Return the rule of a text of so many printable characters."""
     allowed = Message("printable and have at most {most} characters", most=most)
     return Rule(lambda value: len(value) <= most and value.isprintable(), allowed, fault)
 
 
-FINITE = Rule(math.isfinite, Message("finite"), faults.SENSOR_NOT_FINITE)
+FINITE = Rule(math.isfinite, Message("finite"), faults.SENSOR_FAILED)
 PLAUSIBLE = Rule(
     utc_time.is_plausible,
     Message(
@@ -63,7 +64,7 @@ PLAUSIBLE = Rule(
 )
 
 
-def refuse(reason: Message, fault: Fault = faults.TRACE_NOT_ALLOWED) -> NoReturn:
+def refuse(reason: Message, fault: Fault = INTERNAL) -> NoReturn:
     """Raise the TraceRefusedError of a trace that is not allowed."""
     raise TraceRefusedError(Message("the trace is refused: {reason}", reason=reason), fault=fault)
 

@@ -47,7 +47,7 @@ def decode(content: bytes) -> Trace:
     if content[len(covered) :] != _seal(covered):
         raise TraceRefusedError(
             Message("the file does not end with the checksum of its content"),
-            fault=faults.TRACE_DAMAGED,
+            fault=faults.DAMAGED,
         )
     # Before all else: another version may have other entries.
     found = _FORMAT.match(covered)
@@ -56,7 +56,7 @@ def decode(content: bytes) -> Trace:
         return Trace.of_values(of_json(TRACE_FIELDS, record_of_json(_Record, covered + b"}", "")))
     except Gpr20Error as error:
         # It was right when it was stored.
-        raise TraceRefusedError(error.message, fault=faults.TRACE_DAMAGED) from error
+        raise TraceRefusedError(error.message, fault=faults.DAMAGED) from error
 
 
 def _seal(covered: bytes) -> bytes:

@@ -64,7 +64,7 @@ def decode(data: bytes, md5sum: str = MD5SUM) -> Trace:
             found=shortened(md5sum),
             own=repr(MD5SUM),
         )
-        raise TraceRefusedError(reason, fault=faults.TRACE_OTHER_VERSION)
+        raise TraceRefusedError(reason, fault=faults.OTHER_VERSION)
     reader = forms.Reader(data)
     try:
         reader.one(forms.UINT)  # every ROS publisher gives `seq` a number of its own
@@ -75,5 +75,5 @@ def decode(data: bytes, md5sum: str = MD5SUM) -> Trace:
             raise struct.error("it is longer than its fields")
     except (struct.error, UnicodeDecodeError) as error:
         reason = Message("a recorded trace is incomplete", details=error)
-        raise TraceRefusedError(reason, fault=faults.TRACE_DAMAGED) from error
+        raise TraceRefusedError(reason, fault=faults.DAMAGED) from error
     return Trace.of_values(values)

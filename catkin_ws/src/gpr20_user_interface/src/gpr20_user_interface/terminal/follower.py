@@ -6,6 +6,7 @@ import enum
 from dataclasses import dataclass
 from typing import List, Optional
 
+from gpr20_common.faults import ASKED_FOR, MAY_MOVE, NOT_RUNNING, PART_LOST
 from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message
 from gpr20_operator import faults
@@ -23,7 +24,7 @@ from gpr20_survey.plan.survey_state import ENDED, RUNNING, SurveyState
 REPLAY = Message(
     "A replay of a recorded survey is running here, and no robot. Only --attach can follow it. To "
     "use a robot, end the replay and start the robot."
-).with_fault(faults.REPLAY_RUNS)
+).with_fault(faults.REPLAY)
 
 
 class ExitStatus(enum.IntEnum):
@@ -192,7 +193,7 @@ class SurveyFollower:
                     "{limit_s:g} s. Check that it is running.",
                     limit_s=self._limits.begin_s,
                     details="topic control_status",
-                ).with_fault(faults.CONTROL_LOST),
+                ).with_fault(PART_LOST),
             )
 
     def _tick_stop(self, now_s: float, waited_s: float) -> List[Request]:
@@ -226,7 +227,7 @@ class SurveyFollower:
                     "No survey is running. The main control is {state}: {message}",
                     state=state.code.label,
                     message=state.message,
-                ).with_fault(faults.NO_SURVEY),
+                ).with_fault(ASKED_FOR),
             )
             return []
         self._begin(state.survey_id, state)
@@ -313,7 +314,7 @@ class SurveyFollower:
             "No contact with the main control within {limit_s:g} s. Start it with `roslaunch gpr20 "
             "survey.launch`. If it is running, check ROS_MASTER_URI and the namespace.",
             limit_s=self._limits.wait_s,
-        ).with_fault(faults.NO_CONTROL)
+        ).with_fault(NOT_RUNNING)
 
     def _lost(self) -> Message:
         return Message(
@@ -321,7 +322,7 @@ class SurveyFollower:
             "that the main control is running, then follow the survey again with `rosrun "
             "gpr20_user_interface run_survey --attach`.",
             limit_s=self._silence_limit_s,
-        ).with_fault(faults.CONTROL_LOST)
+        ).with_fault(PART_LOST)
 
     def _stop_not_confirmed(self) -> Message:
         limit_s, refusal = self._limits.stop_s, self._stop_refusal
@@ -330,14 +331,14 @@ class SurveyFollower:
                 "The main control did not confirm within {limit_s:g} s that the survey has "
                 "stopped. The robot may still move: switch it off if people are near it.",
                 limit_s=limit_s,
-            ).with_fault(faults.STOP_UNCONFIRMED)
+            ).with_fault(MAY_MOVE)
         return Message(
             "The main control did not confirm within {limit_s:g} s that the survey has stopped; "
             "its last answer to the stop request: {answer}. The robot may still move: switch it "
             "off if people are near it.",
             limit_s=limit_s,
             answer=refusal,
-        ).reporting_only(faults.STOP_UNCONFIRMED)
+        ).reporting_only(MAY_MOVE)
 
     def _replaced(self, state: ControlState) -> Message:
         return Message(
@@ -347,4 +348,4 @@ class SurveyFollower:
             survey=self.survey_id,
             state=state.code.label,
             message=state.message,
-        ).reporting_only(faults.CONTROL_RESTARTED)
+        ).reporting_only(PART_LOST)

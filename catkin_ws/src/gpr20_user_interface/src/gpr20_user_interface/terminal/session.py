@@ -6,7 +6,7 @@ import queue
 import shlex
 from typing import Callable, List, Optional, Sequence, Union
 
-from gpr20_common import remedies
+from gpr20_common.faults import LOOK
 from gpr20_common.message import Message, Severity
 from gpr20_operator.robot.events import (
     Accepted,
@@ -199,7 +199,7 @@ def first_step(message: Message) -> Message:
     """Return what to do first about a fault, with its code."""
     return Message(
         "Do this first: {remedy}",
-        remedy=message.remedy or remedies.CHECK_STATUS,
+        remedy=message.remedy or LOOK,
         details=message.fault_code,
     )
 

@@ -19,6 +19,7 @@ from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message, verbatim
 from gpr20_common.mid.hardware import Hardware
 from gpr20_msgs import srv
+from gpr20_survey.faults import VNA_SILENT
 from gpr20_survey.trace.sweep_settings import AnalyzerSettings, SweepSettings
 from gpr20_vna_acquisition import faults
 from gpr20_vna_acquisition.errors import VnaNotReadyError, VnaOldDataError, VnaSettingError
@@ -144,11 +145,15 @@ class VNANode:
         if trouble:
             return diagnostics.ERROR, trouble, values
         if not state.address:
-            return diagnostics.WARN, Message("not connected").with_fault(faults.UNUSED), values
+            return (
+                diagnostics.WARN,
+                Message("not connected").with_fault(faults.NOT_CONNECTED.as_note()),
+                values,
+            )
         if state.former_trouble:
             answers = Message(
                 "answers again; the last fault: {reason}", reason=state.former_trouble
-            ).reporting_only(faults.ANSWERS_AGAIN)
+            ).reporting_only(VNA_SILENT.as_warning())
             return diagnostics.WARN, answers, values
         if state.last_quality:
             return diagnostics.WARN, state.last_quality[0].as_warning(), values

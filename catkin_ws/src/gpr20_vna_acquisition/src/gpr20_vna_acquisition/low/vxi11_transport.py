@@ -16,6 +16,7 @@ from vxi11 import rpc, vxi11
 
 from gpr20_common.message import Fault, Message
 from gpr20_common.os_reason import os_reason
+from gpr20_survey.faults import WRONG_VNA
 from gpr20_vna_acquisition import faults
 from gpr20_vna_acquisition.errors import VnaConnectionError, VnaNoAnswerError
 from gpr20_vna_acquisition.low.deadline_socket import DeadlineSocket
@@ -283,7 +284,7 @@ def _is_locked(error: BaseException) -> bool:
 def _link_fault(error: BaseException) -> Optional[Fault]:
     if _is_locked(error):
         return faults.LOCKED
-    return None if isinstance(error, LOST_ERRORS) else faults.WRONG_INSTRUMENT
+    return None if isinstance(error, LOST_ERRORS) else WRONG_VNA
 
 
 def _reason(error: BaseException) -> Message:

@@ -20,12 +20,12 @@ from typing import (
 )
 
 from gpr20_common.errors import Gpr20Error
+from gpr20_common.faults import INTERNAL
 from gpr20_common.message import Message
 from gpr20_common.mid.extension import load_extension, options_refused
 from gpr20_survey.trace.calibration import CalibrationStatus
 from gpr20_survey.trace.sweep import Sweep
 from gpr20_survey.trace.sweep_settings import SweepSettings
-from gpr20_vna_acquisition import faults
 from gpr20_vna_acquisition.errors import VnaConnectionError, VnaNoAnswerError
 from gpr20_vna_acquisition.low.call_thread import CallNotEndedError, CallThread
 from gpr20_vna_acquisition.mid.analyzer import Analyzer, DrivenAnalyzer
@@ -224,7 +224,7 @@ class ForeignAnalyzer:
                     count=len(self._abandoned),
                     analyzer=self._parameters.analyzer,
                 ),
-                fault=faults.CLASS_STUCK,
+                fault=INTERNAL,
             )
 
     def _call(self, name: str, action: Callable[[Analyzer], Result], limit_s: float) -> Result:

@@ -10,10 +10,10 @@ from typing import Any, Callable, Collection, Dict, List, Optional, Sequence, Tu
 from gpr20_common.low.clock import time_of_day_us
 from gpr20_common.message import Message
 from gpr20_common.mid.checks import ipv4_address
+from gpr20_survey.faults import VNA_DOUBTFUL
 from gpr20_survey.trace.calibration import CalibrationStatus
 from gpr20_survey.trace.sweep import Sweep
 from gpr20_survey.trace.sweep_settings import AnalyzerSettings, SweepSettings
-from gpr20_vna_acquisition import faults
 from gpr20_vna_acquisition.errors import VnaDataError
 from gpr20_vna_acquisition.mid import refusals, settings
 from gpr20_vna_acquisition.mid.block_parser import number, parse_frequencies, whole_number
@@ -180,7 +180,7 @@ class Ms2026c:
         return [
             Message(
                 "the VNA does not report {setting}; it is not checked", setting=name, details=query
-            ).with_fault(faults.SETTING_UNREPORTED)
+            ).with_fault(VNA_DOUBTFUL)
             for query, name in optional.items()
             if self._exchanges.never_answered(query)
         ]

@@ -5,9 +5,9 @@ from __future__ import annotations
 from typing import Callable, List, Optional
 
 from gpr20_common.message import Message
+from gpr20_survey.faults import PLAN_NOT_ALLOWED
 from gpr20_survey.trace.sweep import Sweep
 from gpr20_survey.trace.sweep_settings import SweepSettings
-from gpr20_vna_acquisition import faults
 from gpr20_vna_acquisition.errors import (
     VnaOldDataError,
     VnaSettingError,
@@ -240,5 +240,5 @@ def _not_averaging(averages: int) -> VnaSettingError:
             "trace; set the number of averages to 1",
             averages=averages,
         ),
-        fault=faults.NOT_AVERAGING,
+        fault=PLAN_NOT_ALLOWED,
     )

@@ -10,7 +10,7 @@ import re
 from typing import Dict, List, Mapping, Optional, Sequence, Tuple
 
 from gpr20_common.message import Message, in_a_row
-from gpr20_vna_acquisition import faults
+from gpr20_survey.faults import VNA_SETTINGS
 from gpr20_vna_acquisition.errors import VnaReplacedError, VnaSettingError
 from gpr20_vna_acquisition.mid import settings
 from gpr20_vna_acquisition.mid.block_parser import text_block
@@ -113,7 +113,7 @@ class Preamble:
                         "the VNA processes its trace ({what}); switch smoothing and trace math off",
                         what=f"{name} {value}",
                     ),
-                    fault=faults.PROCESSED,
+                    fault=VNA_SETTINGS,
                 )
 
     def differing(self, now: Preamble) -> List[Tuple[str, str, str]]:

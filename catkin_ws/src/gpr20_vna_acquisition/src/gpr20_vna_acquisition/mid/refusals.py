@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from gpr20_common.message import Message
+from gpr20_survey.faults import VNA_SETTINGS
 from gpr20_vna_acquisition import faults
 from gpr20_vna_acquisition.errors import (
     VnaNotReadyError,
@@ -26,7 +27,7 @@ def not_configured() -> VnaNotReadyError:
             "the VNA's sweep is not configured; configure it first",
             details="service freq_sweep_setup",
         ),
-        fault=faults.NOT_CONFIGURED,
+        fault=faults.NOT_CONNECTED,
     )
 
 
@@ -49,7 +50,7 @@ def settings_changed(settings: Message) -> VnaSettingError:
             "it by hand during a survey",
             settings=settings,
         ),
-        fault=faults.SETTINGS_CHANGED,
+        fault=VNA_SETTINGS,
     )
 
 
@@ -62,7 +63,7 @@ def sweep_not_ended(points: int, limit_s: float) -> VnaSweepError:
             points=points,
             limit_s=limit_s,
         ),
-        fault=faults.SWEEP_NOT_ENDED,
+        fault=VNA_SETTINGS,
     )
 
 

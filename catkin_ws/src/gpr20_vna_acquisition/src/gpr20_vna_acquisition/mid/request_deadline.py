@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import threading
 
+from gpr20_common.faults import BUSY
 from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message
-from gpr20_vna_acquisition import faults
 from gpr20_vna_acquisition.errors import VnaClosedError, VnaTimeoutError
 
 
@@ -120,4 +120,4 @@ class LentDeadline:
 
 
 def _superseded() -> VnaTimeoutError:
-    return VnaTimeoutError(Message("the request was ended by a later one"), fault=faults.SUPERSEDED)
+    return VnaTimeoutError(Message("the request was ended by a later one"), fault=BUSY)

@@ -12,8 +12,8 @@ from typing import Callable, List, Sequence, Tuple
 import numpy as np
 
 from gpr20_common.message import Message, in_a_row
+from gpr20_survey.faults import VNA_SETTINGS
 from gpr20_survey.trace.sweep_settings import AnalyzerSettings, SweepSettings
-from gpr20_vna_acquisition import faults
 from gpr20_vna_acquisition.errors import VnaDataError
 from gpr20_vna_acquisition.mid.block_parser import TransferFormat, number
 
@@ -168,7 +168,7 @@ def check_frequencies(reported_hz: np.ndarray, sweep: SweepSettings) -> None:
                 point=first,
                 expected_hz=expected_hz[first],
             ),
-            fault=faults.NOT_LINEAR,
+            fault=VNA_SETTINGS,
         )
 
 

@@ -13,10 +13,9 @@ from typing import Any, Deque, Iterable, Mapping, Optional, Sequence, Tuple
 import numpy as np
 
 from gpr20_common.message import Message, in_a_row
-from gpr20_survey.faults import CALIBRATION_AGED, NOT_CALIBRATED
+from gpr20_survey.faults import NOT_CALIBRATED, VNA_DOUBTFUL, VNA_FAILED
 from gpr20_survey.trace.calibration import CalibrationStatus
 from gpr20_survey.trace.sweep import Sweep, storable_remark
-from gpr20_vna_acquisition import faults
 from gpr20_vna_acquisition.errors import VnaCalibrationError, VnaDataError, VnaError
 from gpr20_vna_acquisition.mid.vna_parameters import VnaParameters
 
@@ -35,15 +34,15 @@ CALIBRATION_REMARKS = {
     ).with_fault(NOT_CALIBRATED),
     CalibrationStatus.MODERATE_POWER: Message(
         "the calibration's accuracy is moderate: power level changed since calibration"
-    ).with_fault(CALIBRATION_AGED),
+    ).with_fault(NOT_CALIBRATED.as_warning()),
     CalibrationStatus.MODERATE_TEMPERATURE: Message(
         "the calibration's accuracy is moderate: the VNA's temperature changed by more than 5 "
         "degrees since calibration"
-    ).with_fault(CALIBRATION_AGED),
+    ).with_fault(NOT_CALIBRATED.as_warning()),
     CalibrationStatus.LOW: Message(
         "the calibration's accuracy is low: the VNA's temperature changed by more than 10 degrees "
         "since calibration; calibrate it again"
-    ).with_fault(CALIBRATION_AGED),
+    ).with_fault(NOT_CALIBRATED.as_warning()),
 }
 
 
@@ -85,7 +84,7 @@ def calibration_refusal(
             "calibrated, add {status} to accepted_calibrations (now {accepted})",
             status=int(status),
             accepted=listed,
-        ).with_fault(faults.CALIBRATION_UNREPORTED)
+        ).with_fault(NOT_CALIBRATED)
     calibrated = details.get("parameters", ())
     if status is CalibrationStatus.NONE and calibrated and "S21" not in calibrated:
         return Message(
@@ -110,7 +109,7 @@ def calibration_lost(settings: Iterable[Message]) -> VnaCalibrationError:
             "these settings, then start or resume: they are not written again",
             settings=in_a_row(settings),
         ),
-        fault=faults.CALIBRATION_LOST,
+        fault=NOT_CALIBRATED,
     )
 
 
@@ -128,7 +127,7 @@ def level_remarks(sweep: Sweep, parameters: VnaParameters) -> Tuple[Message, ...
                 # It can be infinite, which JSON does not know.
                 level=f"{median_db:.1f}",
                 limit_db=parameters.min_level_db,
-            ).with_fault(faults.WEAK)
+            ).with_fault(VNA_DOUBTFUL)
         )
     if largest_db > parameters.max_level_db:
         remarks.append(
@@ -137,7 +136,7 @@ def level_remarks(sweep: Sweep, parameters: VnaParameters) -> Tuple[Message, ...
                 "may be overloaded, or the calibration may be for another setup",
                 level=f"{largest_db:.1f}",
                 limit_db=parameters.max_level_db,
-            ).with_fault(faults.STRONG)
+            ).with_fault(VNA_DOUBTFUL)
         )
     return tuple(remarks)
 
@@ -155,7 +154,7 @@ def flat_remarks(sweep: Sweep, parameters: VnaParameters) -> Tuple[Message, ...]
             "not in zero span",
             same=longest,
             points=len(sweep.s21_real),
-        ).with_fault(faults.FLAT),
+        ).with_fault(VNA_FAILED.as_warning()),
     )
 
 
@@ -181,7 +180,7 @@ def duration_remarks(
             "bandwidth setting and its network",
             duration_s=duration_s,
             usual_s=usual_s,
-        ).with_fault(faults.UNUSUAL_DURATION),
+        ).with_fault(VNA_DOUBTFUL),
     )
 
 

@@ -9,11 +9,12 @@ from typing import Callable, Generator, Optional, Sequence, Tuple
 
 import numpy as np
 
+from gpr20_common.faults import BUSY
 from gpr20_common.message import Message
+from gpr20_survey.faults import CAN_RESUME
 from gpr20_survey.trace.calibration import CalibrationStatus
 from gpr20_survey.trace.sweep import Sweep
 from gpr20_survey.trace.sweep_settings import SweepSettings
-from gpr20_vna_acquisition import faults
 from gpr20_vna_acquisition.errors import (
     VnaCalibrationError,
     VnaError,
@@ -299,7 +300,7 @@ class VNADriver:
             if unconfirmed != (number, self._link.restorations):
                 raise VnaNotReadyError(
                     Message("sweep {number} cannot be confirmed any more", number=number),
-                    fault=faults.SWEEP_UNCONFIRMED,
+                    fault=CAN_RESUME,
                 )
             calibration, _failures = self._link.with_retries(
                 Message("confirming the VNA's settings"),
@@ -325,7 +326,7 @@ class VNADriver:
                     "the VNA driver was busy with another request for {limit_s:.3g} s",
                     limit_s=limit_s,
                 ),
-                fault=faults.BUSY,
+                fault=BUSY,
             )
         try:
             deadline.begin(limit_s, deadline.now_s() - arrived_s, extensible)

@@ -12,7 +12,7 @@ import rospy
 from std_msgs.msg import String
 
 from gpr20_common import __version__
-from gpr20_common.faults import DISK_FULL, DISK_REFUSES
+from gpr20_common.faults import DISK_FULL, DISK_REFUSES, DISK_SLOW
 from gpr20_common.high.answers import fault_of, fields_of, received
 from gpr20_common.high.connection_keeper import subscriber_count
 from gpr20_common.high.description import publish_description
@@ -37,7 +37,6 @@ from gpr20_survey.recording import survey_topics
 from gpr20_survey.recording.mcap_writer import RecordedMessage
 from gpr20_survey.trace import trace_message
 from gpr20_survey.trace.trace_block import block_fields
-from gpr20_vna_processing.faults import DISK_SLOW
 from gpr20_vna_processing.high.end_messages import end_messages, end_status
 from gpr20_vna_processing.high.topic_recorder import TopicRecorder, wait_for_nodes
 from gpr20_vna_processing.low.bag_processes import BagProcesses

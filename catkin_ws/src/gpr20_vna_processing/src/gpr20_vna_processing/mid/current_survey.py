@@ -6,9 +6,11 @@ from contextlib import ExitStack
 from pathlib import Path
 from typing import Collection, Dict, Optional, Sequence, Tuple
 
+from gpr20_common.faults import IN_USE
 from gpr20_common.message import Message, verbatim
 from gpr20_common.terminal_text import printable
 from gpr20_survey.errors import StorageFailedError, SurveyRefusedError, storing
+from gpr20_survey.faults import NONE_OPEN, STOPPED
 from gpr20_survey.files import durable_files
 from gpr20_survey.files.folder_lock import locked
 from gpr20_survey.folder import manifest, survey_folder, survey_metadata
@@ -21,7 +23,6 @@ from gpr20_survey.recording.mcap_writer import RecordedMessage
 from gpr20_survey.results.reopened_survey import ReopenedSurvey
 from gpr20_survey.trace import utc_time
 from gpr20_survey.trace.trace import Trace
-from gpr20_vna_processing import faults
 from gpr20_vna_processing.low.bag_processes import bag_bytes
 from gpr20_vna_processing.mid import new_survey
 from gpr20_vna_processing.mid.facts import OF_MARKERS, check_one_of
@@ -72,7 +73,7 @@ class CurrentSurvey:
         if survey is None:
             raise SurveyRefusedError(
                 Message("no survey is open; start or resume one", details="open_survey"),
-                fault=faults.NONE_OPEN,
+                fault=NONE_OPEN,
             )
         if name and not survey.is_called(name):
             raise SurveyRefusedError(
@@ -81,7 +82,7 @@ class CurrentSurvey:
                     survey=name[:64],
                     open_survey=survey.survey_id,
                 ),
-                fault=faults.OTHER_OPEN,
+                fault=IN_USE,
             )
         return survey
 
@@ -189,7 +190,7 @@ class CurrentSurvey:
                     folder=printable(self.current.folder),
                     details="close_survey",
                 ),
-                fault=faults.OTHER_OPEN,
+                fault=IN_USE,
             )
         self._storage.check_data()
         return new_survey.checked_time(self._storage.now_ns())
@@ -273,7 +274,7 @@ class CurrentSurvey:
     def shut_down(self) -> None:
         """Close the open survey, if any, as one that can be resumed."""
         if self.current is not None:
-            reason = Message("the storage was shut down").with_fault(faults.SHUT_DOWN)
+            reason = Message("the storage was shut down").with_fault(STOPPED)
             self.close(self.current.survey_id, survey_metadata.INTERRUPTED, reason)
 
     def interrupt_other(self, survey: str) -> str:
@@ -289,9 +290,7 @@ class CurrentSurvey:
             return ""
         reason = Message("left open by the control, which began {survey}", survey=survey[:64])
         try:
-            self.close(
-                opened.survey_id, survey_metadata.INTERRUPTED, reason.with_fault(faults.LEFT_OPEN)
-            )
+            self.close(opened.survey_id, survey_metadata.INTERRUPTED, reason.with_fault(STOPPED))
         except StorageFailedError:
             if opened.in_place():
                 raise

@@ -10,7 +10,7 @@ from gpr20_common.faults import DISK_FULL
 from gpr20_common.message import Message
 from gpr20_common.terminal_text import printable
 from gpr20_survey.errors import SurveyRefusedError, storing
-from gpr20_survey.faults import CLOCK_WRONG
+from gpr20_survey.faults import CLOCK_WRONG, NO_PLAN
 from gpr20_survey.files import durable_files
 from gpr20_survey.files.regular_file import read_regular
 from gpr20_survey.folder import survey_folder
@@ -20,7 +20,6 @@ from gpr20_survey.folder.survey_metadata import FORMAT, START, parse_object
 from gpr20_survey.plan.annotation import annotation_of
 from gpr20_survey.plan.markers import MARKERS
 from gpr20_survey.trace import utc_time
-from gpr20_vna_processing import faults
 from gpr20_vna_processing.mid.processing_parameters import BYTES_PER_MB
 from gpr20_vna_processing.mid.processing_records import Storage
 
@@ -134,7 +133,7 @@ def empty_folder(folder: Path, plan: LogRecord) -> None:
                 "{folder} exists already; every survey needs its own id and folder",
                 folder=printable(folder),
             ),
-            fault=faults.FOLDER_EXISTS,
+            fault=NO_PLAN,
         )
     durable_files.remove_temporaries(folder)
     for name in BEGUN:

@@ -6,9 +6,11 @@ import json
 from pathlib import Path
 from typing import Any, ContextManager, Dict, List, Mapping, Sequence, Set, Tuple
 
+from gpr20_common.faults import IN_USE
 from gpr20_common.message import Message
 from gpr20_common.terminal_text import printable
 from gpr20_survey.errors import SurveyRefusedError, TraceRefusedError, storing
+from gpr20_survey.faults import DAMAGED
 from gpr20_survey.files import durable_files
 from gpr20_survey.files.file_sums import FileSum, sum_of_file
 from gpr20_survey.folder import manifest, survey_folder, survey_metadata
@@ -299,7 +301,7 @@ class OpenSurvey:
                     survey=trace.survey_id,
                     open_survey=self.survey_id,
                 ),
-                fault=faults.OTHER_OPEN,
+                fault=IN_USE,
             )
         index = self._indices.get(trace.sample_id, trace.index)
         if index != trace.index or (index in self._files and not self.has_stored(trace)):
@@ -311,7 +313,7 @@ class OpenSurvey:
                     index=index,
                     folder=printable(self._traces),
                 ),
-                fault=faults.TRACE_ALREADY_STORED,
+                fault=DAMAGED,
             )
 
     @property

@@ -18,7 +18,7 @@ from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message, in_a_row
 from gpr20_common.terminal_text import printable
 from gpr20_survey.errors import SurveyRefusedError, storing
-from gpr20_survey.faults import REPAIRED, TRACE_OTHER_VERSION
+from gpr20_survey.faults import COMPLETE, DAMAGED, LOG_LOST, OTHER_VERSION
 from gpr20_survey.files import durable_files
 from gpr20_survey.folder import manifest, survey_folder
 from gpr20_survey.folder.log_record import Kind, LogRecord
@@ -30,7 +30,6 @@ from gpr20_survey.plan.recorded_plan import PlanFit
 from gpr20_survey.recording.mcap_writer import McapFile, RecordedMessage
 from gpr20_survey.trace import trace_json, trace_message, utc_time
 from gpr20_survey.trace.trace import Trace
-from gpr20_vna_processing import faults
 from gpr20_vna_processing.mid.open_survey import OpenSurvey
 from gpr20_vna_processing.mid.processing_records import Storage
 from gpr20_vna_processing.mid.stored_traces import StoredTraces, read_again
@@ -66,7 +65,7 @@ class Reopening:
                         "continued",
                         folder=printable(folder),
                     ),
-                    fault=faults.COMPLETE,
+                    fault=COMPLETE,
                 )
             records, survey_id = self._recovered.found.records, self._recovered.survey_id
             self._repairs = repairs_of(self._recovered)
@@ -138,7 +137,7 @@ class Reopening:
         folder, count = printable(self._folder), len(self._stored.truth)
         unread = [*(reason for _path, reason in stored.files.damaged), *stored.mcap.faults]
         for reason in unread:
-            if reason.fault_code == TRACE_OTHER_VERSION.code:  # it is no damage
+            if reason.fault_code == OTHER_VERSION.code:  # it is no damage
                 raise SurveyRefusedError(
                     Message(
                         "the survey in {folder} cannot be resumed: {reason}; nothing was changed",
@@ -158,7 +157,7 @@ class Reopening:
                     misfits=in_a_row(misfits[:SHOWN]),
                     details=f"{len(misfits)} differences",
                 ),
-                fault=faults.TRACES_NOT_PLANNED,
+                fault=LOG_LOST,
             )
         planned = description.get("planned_traces", description.get("stored_traces"))
         finished = description.get("outcome") == "finished" and count == planned
@@ -171,7 +170,7 @@ class Reopening:
                     folder=folder,
                     stored=count,
                 ),
-                fault=faults.COMPLETE,
+                fault=COMPLETE,
             )
 
     def _remove_torn(self) -> None:
@@ -192,7 +191,7 @@ class Reopening:
             durable_files.write_new_file(self._traces / file.name, content)
             self._stored.files.files[trace.index] = file
             written = Message("wrote {file} again from the recordings", file=file.name)
-            self._repairs.append(written.with_fault(REPAIRED))
+            self._repairs.append(written.with_fault(DAMAGED.as_warning()))
 
     def _write_recording(self) -> McapFile:
         """Replace the MCAP; return it, open at its end.
@@ -247,7 +246,7 @@ class Reopening:
             rebuilt = Message(
                 "rebuilt {file}: {faults}", file=mcap.name, faults=in_a_row(found[:SHOWN])
             )
-            self._repairs.append(rebuilt.reporting_only(REPAIRED))
+            self._repairs.append(rebuilt.reporting_only(DAMAGED.as_warning()))
 
     def _set_aside(self, path: Path, reason: Message) -> None:
         target = durable_files.move_aside(path, self._folder / survey_folder.DAMAGED_FOLDER)
@@ -257,7 +256,7 @@ class Reopening:
             folder=target.parent.name,
             reason=reason,
         )
-        self._repairs.append(moved.reporting_only(REPAIRED))
+        self._repairs.append(moved.reporting_only(DAMAGED.as_warning()))
 
 
 def _misfits_by(recovered: RecoveredSurvey) -> Callable[[Trace], List[Message]]:

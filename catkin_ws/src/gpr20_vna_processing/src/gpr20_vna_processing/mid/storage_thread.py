@@ -9,10 +9,10 @@ from concurrent.futures import TimeoutError as FutureTimeoutError
 from dataclasses import replace
 from typing import Any, Callable, Deque, Dict, List, NamedTuple, Optional, Sequence, Tuple, TypeVar
 
+from gpr20_common.faults import DISK_SLOW, PART_SILENT
 from gpr20_common.message import Message
 from gpr20_survey.errors import StorageFailedError
 from gpr20_survey.recording.mcap_writer import RecordedMessage
-from gpr20_vna_processing import faults
 
 Result = TypeVar("Result")
 # What a message takes beside its content.
@@ -92,7 +92,7 @@ class StorageThread:
                     "the disk did not write everything within {limit_s:g} s; check the disk",
                     limit_s=timeout_s,
                 ),
-                fault=faults.DISK_SLOW,
+                fault=DISK_SLOW,
             )
 
     def state(self) -> QueueState:
@@ -138,7 +138,7 @@ class StorageThread:
             if self._stopping:
                 raise StorageFailedError(
                     Message("the storage is shutting down; nothing was written"),
-                    fault=faults.SHUTTING_DOWN,
+                    fault=PART_SILENT,
                 )
             self._jobs.append(job)
             self._changed.notify_all()
@@ -154,7 +154,7 @@ class StorageThread:
                     limit_s=timeout_s,
                     state=state,
                 ),
-                fault=faults.DISK_SLOW,
+                fault=DISK_SLOW,
             ) from None
 
     def _run(self) -> None:

@@ -8,6 +8,7 @@ from typing import Callable, Collection, Dict, Iterator, List, Mapping, Optional
 from gpr20_common.message import Message
 from gpr20_common.terminal_text import printable
 from gpr20_survey.errors import ForeignTraceError, StorageFailedError, TraceRefusedError
+from gpr20_survey.faults import LOCKED
 from gpr20_survey.files import file_sums
 from gpr20_survey.folder import manifest, survey_folder, trace_files
 from gpr20_survey.folder.manifest import Manifest
@@ -17,7 +18,6 @@ from gpr20_survey.recording.mcap_writer import RecordedMessage
 from gpr20_survey.recording.survey_topics import recorded_log
 from gpr20_survey.trace import trace_json, trace_message
 from gpr20_survey.trace.trace import Trace
-from gpr20_vna_processing import faults
 
 
 class RecordedTraces:
@@ -211,5 +211,5 @@ def read_again(path: Path, survey_id: str) -> Trace:
                 "{path} changed while it was read: {reason}; try again",
                 path=printable(path),
                 reason=error.message,
-            ).reporting_only(faults.CHANGED)
+            ).reporting_only(LOCKED)
         ) from error

@@ -215,7 +215,7 @@ class Damage:
 
 
 STOPPED, CUT_OFF, FINISHED, INTERRUPTED = "stopped", "cut off", "finished", "interrupted"
-LOST, OTHER_VERSION = "survey.description_lost", "trace.other_version"
+LOST, OTHER_VERSION = "survey.log_lost", "survey.other_version"
 LINE_AND_MORE = content(LOG, lambda whole: whole[:-3] + b"#}\n")
 DAMAGES = {
     # survey.json decides nothing; the manifest shows that it was changed.
@@ -427,7 +427,7 @@ def test_nothing_is_added_to_a_survey_of_which_something_is_lost_or_damaged(
     folder = copies(FINISHED)
     change(folder, surveys[FINISHED].older)
     before = tree(folder)
-    with raises_fault(("survey.description_damaged", "survey.manifest_damaged")):
+    with raises_fault(("survey.can_resume", "survey.manifest_damaged")):
         add_to_survey(folder, add_marker(3), NOW)
     assert tree(folder) == before
 

@@ -110,7 +110,7 @@ def test_a_survey_part_of_which_lies_elsewhere_is_not_gone_on_with(kit, folder, 
         (outside / ".torn.json.0123abcd.tmp").write_text(FOREIGN)
         (outside / "000001_wrong.json").write_text(FOREIGN)
     before = tree(tmp_path)
-    with raises_fault("storage.not_a_file", part, error=SurveyRefusedError):
+    with raises_fault("file.damaged", part, error=SurveyRefusedError):
         kit.processing.reopen_survey(SURVEY)
     assert tree(tmp_path) == before
 
@@ -126,7 +126,7 @@ def test_a_pipe_in_the_place_of_a_file_is_not_waited_for(kit, folder, part):
     assert refusal_of(lambda: kit.add_marker(SURVEY, marker(3))) is None
     refused = refusal_of(lambda: kit.processing.reopen_survey(SURVEY))
     if part == "survey.mcap":
-        assert refused.message.fault_code == "storage.not_a_file"
+        assert refused.message.fault_code == "file.damaged"
     else:
         assert refused is None  # another file holds the same
         assert path.is_file() or part == "survey.bag"  # made when the survey ends
@@ -165,7 +165,7 @@ def test_a_record_that_says_it_is_huge_does_not_fill_the_memory(kit, folder):
         refusal_of(lambda: StoredSurveys(folder.parent).traces(SURVEY, range(3)))
         refused = refusal_of(lambda: kit.processing.reopen_survey(SURVEY))
     # A file that is mostly a hole is not read; the JSON files hold the traces.
-    assert refused.message.fault_code == "storage.not_a_file"
+    assert refused.message.fault_code == "file.damaged"
     (folder / "survey.mcap").unlink()
     assert kit.processing.reopen_survey(SURVEY).stored_indices == tuple(range(6))
 
@@ -198,7 +198,7 @@ def test_what_is_named_like_a_trace_file_is_put_aside_and_the_survey_ends(kit, f
     trace.unlink()
     put(trace)
     put(folder / "traces" / more)
-    assert (trace.name, "survey.repaired") in go_on_and_close(kit)
+    assert (trace.name, "survey.damaged") in go_on_and_close(kit)
     aside = sorted(one.name for one in (folder / "damaged").iterdir())
     assert aside == [trace.name, more]
     assert len(list((folder / "traces").iterdir())) == len(TRACES)
@@ -235,7 +235,7 @@ def test_foreign_things_that_are_no_obstacle_are_left_alone_or_told(kit, folder)
         stream.write(b"x")
     put_link(folder / "link.txt")
     put_pipe(folder / "pipe.txt")
-    assert (r"\xff\xfe.json", "survey.repaired") in go_on_and_close(kit)
+    assert (r"\xff\xfe.json", "survey.damaged") in go_on_and_close(kit)
     assert all((path / "inside").is_file() for path in never_finished)
     assert sorted(one.values["file"] for one in checked(folder).differences) == [
         "link.txt",
@@ -246,7 +246,7 @@ def test_foreign_things_that_are_no_obstacle_are_left_alone_or_told(kit, folder)
 @pytest.mark.parametrize(
     ("part", "put", "code"),
     [
-        ("survey.bag", put_folder, "storage.not_a_file"),
+        ("survey.bag", put_folder, "file.damaged"),
         ("traces", put_file, "storage.file_exists"),
         ("damaged", put_file, "storage.file_exists"),
     ],

@@ -151,7 +151,7 @@ def test_traces_with_other_settings_than_the_survey_asked_for_are_refused_by_nam
     kit.processing.store(planned_trace(1, analyzer=AnalyzerSettings(1000.0, 4, "HIGH")))
     kit.processing.close_survey(SURVEY, "stopped")
     shown = (1, 1000, 4, "HIGH")
-    with raises_fault("survey.traces_not_planned", *shown, error=SurveyRefusedError):
+    with raises_fault("survey.log_lost", *shown, error=SurveyRefusedError):
         kit.processing.reopen_survey(SURVEY)
 
 

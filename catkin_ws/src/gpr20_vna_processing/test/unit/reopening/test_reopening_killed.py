@@ -196,7 +196,7 @@ def test_a_folder_that_holds_anything_else_is_not_emptied_by_an_opening(copies):
         (folder / name).unlink()
     before = {path: path.read_bytes() for path in folder.rglob("*") if path.is_file()}
     kit = Kit(folder.parent)
-    with raises_fault("survey.folder_exists"):
+    with raises_fault("survey.no_plan"):
         kit.open(metadata_json=METADATA)
     kit.processing.shut_down()
     assert {path: path.read_bytes() for path in folder.rglob("*") if path.is_file()} == before

@@ -142,7 +142,7 @@ class EventStreams:
                     own=MAX_STREAMS_OF_PERSON,
                     most=MAX_STREAMS,
                 ),
-                fault=faults.TOO_MANY_PAGES,
+                fault=faults.BAD_REQUEST,
             )
         watcher = Watcher(sender, stream, person, time.monotonic())
         self._watchers.append(watcher)

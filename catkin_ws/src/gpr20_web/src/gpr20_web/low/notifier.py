@@ -7,8 +7,8 @@ import threading
 from functools import partial
 from typing import Any, Callable, Dict, List, Sequence
 
+from gpr20_common.faults import CONFIGURATION
 from gpr20_common.message import Message
-from gpr20_web import faults
 from gpr20_web.errors import NotSentError
 from gpr20_web.low.outbox import Outbox
 from gpr20_web.news import News, Occasion
@@ -62,7 +62,7 @@ class Notifier:
                 "apprise does not know address {number} of notify.txt; it gets no notices",
                 number=number,
             )
-            report(words.with_fault(faults.NOTIFY))
+            report(words.with_fault(CONFIGURATION.as_warning()))
         self._boxes: List[Outbox[News]] = [
             Outbox(
                 partial(self._deliver, server),

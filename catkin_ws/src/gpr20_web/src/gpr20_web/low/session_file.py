@@ -8,12 +8,12 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Callable, Tuple
 
+from gpr20_common.faults import CONFIGURATION
 from gpr20_common.message import Message
 from gpr20_common.mid.codec import record_from
 from gpr20_common.os_reason import os_reason
 from gpr20_survey.files.durable_files import replace_file
 from gpr20_survey.files.regular_file import read_regular
-from gpr20_web import faults
 from gpr20_web.low.secret_folder import ensure_secret_folder
 from gpr20_web.roles import Role
 
@@ -76,4 +76,4 @@ class SessionFile:
         damage = Message("the file is damaged, or of another version", details=str(error))
         reason = os_reason(error) if isinstance(error, OSError) else damage
         words = Message("logins and logouts cannot be kept: {reason}", reason=reason)
-        self._report(words.with_fault(faults.FOLDER))
+        self._report(words.with_fault(CONFIGURATION))

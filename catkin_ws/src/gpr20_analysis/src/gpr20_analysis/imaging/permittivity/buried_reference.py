@@ -8,13 +8,13 @@ from typing import List, Sequence, Tuple
 
 import numpy as np
 
-from gpr20_analysis import faults
 from gpr20_analysis.dataset import MM_PER_M
 from gpr20_analysis.errors import WrongDatasetError
 from gpr20_analysis.imaging.permittivity.aligned_sums import levels_at
 from gpr20_analysis.imaging.permittivity.known_permittivity import KnownPermittivity, Source
 from gpr20_analysis.imaging.records import Focus, Traces
 from gpr20_analysis.processing.surface_reflection import WIDEST_RATIO
+from gpr20_common.faults import NOT_ALLOWED
 from gpr20_common.message import Message
 from gpr20_survey.radar.depth import one_way_path_m
 from gpr20_survey.radar.soils import MAX_PERMITTIVITY
@@ -138,5 +138,5 @@ def _refused(reason: Message, reference: BuriedReference) -> WrongDatasetError:
             y_mm=MM_PER_M * reference.y_m,
             reason=reason,
         ),
-        fault=faults.NO_PERMITTIVITY,
+        fault=NOT_ALLOWED,
     )

@@ -84,7 +84,7 @@ def scene_of(traces: Traces, focus: Focus, x_m: np.ndarray, y_m: np.ndarray) -> 
     if not np.any(held):
         raise WrongDatasetError(
             Message("every trace is zero or was left out, so there is nothing to image"),
-            fault=faults.NO_SAMPLES,
+            fault=faults.INPUT,
         )
     # Also where a trace is zero: uneven ground is interpolated between all heights.
     height_m = np.asarray(traces.height_m, dtype=np.float64).ravel()

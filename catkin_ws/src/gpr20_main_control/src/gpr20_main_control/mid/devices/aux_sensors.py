@@ -9,10 +9,11 @@ from dataclasses import asdict, dataclass
 from typing import Any, Callable, Deque, Dict, List, Optional, Sequence, Tuple
 
 from gpr20_common.errors import InvalidValueError
+from gpr20_common.faults import CONFIGURATION
 from gpr20_common.low.clock import Clock
 from gpr20_common.message import Fault, Message
-from gpr20_main_control import faults
 from gpr20_main_control.errors import DeviceError
+from gpr20_survey.faults import SENSOR_FAILED
 from gpr20_survey.plan.sensors import Sensor
 from gpr20_survey.trace.aux_value import AuxValue
 from gpr20_survey.trace.sweep import storable_remark
@@ -94,7 +95,7 @@ class SensorInput:
             return self._without(
                 None,
                 Message("nothing has been received on {topic}", topic=self.sensor.topic),
-                faults.SENSOR_NOT_MEASURED,
+                SENSOR_FAILED,
             )
         received_s, content = before[-1]
         age_s = moment_s - received_s
@@ -106,13 +107,13 @@ class SensorInput:
                     age_s=f"{age_s:.1f}",
                     longest_s=self.sensor.longest_age_s,
                 ),
-                faults.SENSOR_NOT_MEASURED,
+                SENSOR_FAILED,
             )
         try:
             value = self._read(content)
         except InvalidValueError as error:
             # Its node and sensors.yaml do not agree.
-            return self._without(age_s, error.message, faults.SENSORS_FILE)
+            return self._without(age_s, error.message, CONFIGURATION)
         return self._judged(value, age_s)
 
     def _judged(self, value: float, age_s: float) -> Measured:
@@ -120,7 +121,7 @@ class SensorInput:
             return self._without(
                 age_s,
                 Message("its value is {value}, not a finite number", value=str(value)),
-                faults.SENSOR_IMPLAUSIBLE,
+                SENSOR_FAILED,
             )
         if self.sensor.is_plausible(value):
             return Measured(self.sensor, value, age_s, None)
@@ -131,7 +132,7 @@ class SensorInput:
             low="-" if self.sensor.low is None else f"{self.sensor.low:g}",
             high="-" if self.sensor.high is None else f"{self.sensor.high:g}",
         )
-        return Measured(self.sensor, value, age_s, self._named(problem, faults.SENSOR_IMPLAUSIBLE))
+        return Measured(self.sensor, value, age_s, self._named(problem, SENSOR_FAILED))
 
     def _without(self, age_s: Optional[float], problem: Message, fault: Fault) -> Measured:
         return Measured(self.sensor, None, age_s, self._named(problem, fault))
@@ -205,7 +206,7 @@ def _refuse_problems(measured: Sequence[Measured]) -> None:
                     "sensors.yaml and launch again",
                     problem=one.problem,
                 ),
-                fault=faults.SENSOR_NOT_MEASURED,
+                fault=SENSOR_FAILED,
             )
 
 

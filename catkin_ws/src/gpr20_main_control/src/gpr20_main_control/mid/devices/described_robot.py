@@ -12,6 +12,7 @@ from gpr20_common.mid.codec import bounded
 from gpr20_common.mid.node_software import software_difference
 from gpr20_main_control import faults
 from gpr20_main_control.errors import DeviceError
+from gpr20_survey.faults import WRONG_VNA
 from gpr20_survey.plan.annotation import Site
 from gpr20_survey.plan.robot_description import (
     ANALYZER,
@@ -163,7 +164,7 @@ class DescribedRobot:
                     "address of the VNA",
                     identity=identity,
                 ),
-                fault=faults.WRONG_VNA,
+                fault=WRONG_VNA,
             )
         if config.simulated and not is_simulated_identity(identity):
             raise DeviceError(
@@ -172,7 +173,7 @@ class DescribedRobot:
                     "address 127.0.0.1, or launch with robot:=gpr20",
                     identity=identity,
                 ),
-                fault=faults.WRONG_VNA,
+                fault=WRONG_VNA,
             )
 
     def recorded(self) -> Dict[str, Any]:

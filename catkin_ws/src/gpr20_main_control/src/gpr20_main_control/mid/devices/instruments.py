@@ -13,6 +13,7 @@ from gpr20_main_control.errors import DeviceError
 from gpr20_main_control.mid.devices.robot import AnalyzerSetup
 from gpr20_main_control.mid.survey.running_survey import RunningSurvey
 from gpr20_main_control.mid.waits import ExpectedWait, result_of
+from gpr20_survey.faults import NO_GROUND, VNA_SETTINGS
 from gpr20_survey.plan.robot_description import HEIGHT_SENSOR, PLAIN_NAMES
 from gpr20_survey.plan.survey_parameters import HeightPolicy
 from gpr20_survey.plan.survey_points import SurveyPoint
@@ -94,7 +95,7 @@ class Instruments:
             return float("nan"), (storable_remark(f"no height: {failure}"),)
         raise DeviceError(
             Message("the antenna height could not be measured: {reason}", reason=failure.message),
-            fault=faults.HEIGHT_NOT_MEASURED,
+            fault=NO_GROUND,
         ) from failure
 
     def height_wait(self, point: Optional[SurveyPoint]) -> ExpectedWait:
@@ -137,7 +138,7 @@ class Instruments:
                 measured=described(SweepSettings(*ends_hz, len(frequency_hz), sweep.analyzer)),
                 wanted=described(self._wanted),
             ),
-            fault=faults.VNA_SETTINGS_CHANGED,
+            fault=VNA_SETTINGS,
         )
 
     def _check_analyzer(self, next_index: int) -> AnalyzerState:
@@ -164,7 +165,7 @@ class Instruments:
                     accepted=described(accepted),
                     wanted=described(wanted),
                 ),
-                fault=faults.VNA_SETTINGS_REFUSED,
+                fault=VNA_SETTINGS,
             )
         # What was left to the instrument stays as it is now: to the end of the survey.
         self._wanted, self._setup = accepted, setup

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 from typing import Callable, List, Mapping, Optional, Sequence
 
 from gpr20_common.errors import NodeGoneError, NodeSilentError
+from gpr20_common.faults import PART_SILENT
 from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message, in_a_row
-from gpr20_main_control import faults
 from gpr20_main_control.errors import NodeLostError
 
 # Nodes that are launched together are all running after this time [s].
@@ -195,12 +195,12 @@ class NodeLiveness:
             [
                 Message(
                     "{node} stopped answering", node=self._plain_name(name), details=name
-                ).with_fault(faults.NODE_LOST)
+                ).with_fault(PART_SILENT)
                 for name in missing
             ]
             + [
                 Message("{node} restarted", node=self._plain_name(name), details=name).with_fault(
-                    faults.NODE_LOST
+                    PART_SILENT
                 )
                 for name in restarted
             ]
@@ -225,7 +225,7 @@ class NodeLiveness:
             [
                 Message(
                     "{node} does not answer", node=self._plain_name(name), details=name
-                ).with_fault(faults.NODE_LOST)
+                ).with_fault(PART_SILENT)
                 for name in self.missing()
                 if self._known[name].seen or not starting
             ]

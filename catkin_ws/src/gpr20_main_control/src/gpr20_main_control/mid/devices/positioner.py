@@ -6,6 +6,7 @@ import threading
 from functools import partial
 from typing import Callable, Collection, Dict, Iterable, List, Mapping, Optional
 
+from gpr20_common.faults import MAY_MOVE, PART_LOST, PART_SILENT
 from gpr20_common.message import Fault, Message, in_a_row
 from gpr20_main_control import faults
 from gpr20_main_control.errors import DeviceError, NodeLostError
@@ -15,6 +16,7 @@ from gpr20_main_control.mid.devices.robot import Axis, AxisReading, Position, ze
 from gpr20_main_control.mid.waits import StopInterruption, Workers, result_of
 from gpr20_survey.axes.axis_id import AxisId, ZeroEpoch
 from gpr20_survey.axes.axis_parameters import AxisParameters
+from gpr20_survey.faults import AXIS_MAY_MOVE, NOT_HOMED
 from gpr20_survey.plan.survey_cost import axis_move_duration_s
 from gpr20_survey.plan.survey_points import SurveyPoint
 
@@ -104,7 +106,7 @@ class Positioner:
         return reading
 
     def _lost_fault(self, axis_id: AxisId) -> Fault:
-        return faults.AXIS_SILENT if self._may_move.get(axis_id) else faults.NODE_LOST
+        return PART_LOST if self._may_move.get(axis_id) else PART_SILENT
 
     def position(self) -> Position:
         """Return the position of the axes.
@@ -122,7 +124,7 @@ class Positioner:
                         "to home it",
                         axis=axis_id.value,
                     ),
-                    fault=faults.AXIS_NOT_HOMED,
+                    fault=NOT_HOMED,
                 )
         return Position(
             readings[AxisId.X].coordinate,
@@ -243,7 +245,7 @@ class Positioner:
                 return _silent(silent) if silent else None
             if elapsed_s > limit_s:
                 return Message("AN AXIS IS STILL MOVING: switch the motors off").with_fault(
-                    faults.AXIS_STILL_MOVING
+                    MAY_MOVE
                 )
             self._clock.wait_s(self._never, POLL_S)
 
@@ -265,7 +267,7 @@ class Positioner:
                     axis=axis_id.value,
                     reason=error.message,
                 ),
-                fault=faults.HOMING_FAILED,
+                fault=faults.BLOCKED,
             ) from error
 
     def _begin(self, axis_id: AxisId, target: float) -> bool:
@@ -306,7 +308,7 @@ class Positioner:
                         unit=axis_id.unit,
                         limit_s=limit_s,
                     ),
-                    fault=faults.MOVE_TOO_LONG,
+                    fault=AXIS_MAY_MOVE,
                 )
             reading = self.reading(axis_id)
             if reading.moving or not self._at_target(axis_id, reading, target):
@@ -326,7 +328,7 @@ class Positioner:
                     unit=axis_id.unit,
                     reason=outcome.message,
                 ),
-                fault=faults.NODE_LOST if lost else faults.MOVE_FAILED,
+                fault=PART_SILENT if lost else faults.BLOCKED,
             )
 
     def _wait_for_target(self, axis_id: AxisId, target: float) -> None:
@@ -345,7 +347,7 @@ class Positioner:
                         "the {axis} axis has lost its zero; resume the survey to home it",
                         axis=axis_id.value,
                     ),
-                    fault=faults.AXIS_NOT_HOMED,
+                    fault=NOT_HOMED,
                 )
             raise DeviceError(
                 Message(
@@ -356,7 +358,7 @@ class Positioner:
                     unit=axis_id.unit,
                     target=target,
                 ),
-                fault=faults.AXIS_OFF_TARGET,
+                fault=faults.BLOCKED,
             )
 
     def _wait(
@@ -397,7 +399,7 @@ def _silent(axes: Iterable[AxisId]) -> Message:
         Message(
             "the {axis} axis does not answer and may still move: switch the motors off",
             axis=axis_id.value,
-        ).with_fault(faults.AXIS_STILL_MOVING)
+        ).with_fault(MAY_MOVE)
         for axis_id in axes
     )
 

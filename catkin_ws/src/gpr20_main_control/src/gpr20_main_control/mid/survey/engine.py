@@ -9,7 +9,6 @@ from typing import Optional
 
 from gpr20_common.low.thread_fault import log_fault
 from gpr20_common.message import Message
-from gpr20_main_control import faults
 from gpr20_main_control.errors import (
     DeviceError,
     NodeLostError,
@@ -27,6 +26,7 @@ from gpr20_main_control.mid.survey.step_actions import StepActions
 from gpr20_main_control.mid.survey.survey_archive import SurveyArchive
 from gpr20_main_control.mid.survey.survey_ending import SurveyEnding
 from gpr20_main_control.mid.waits import Check
+from gpr20_survey.faults import STOPPED
 from gpr20_survey.folder.log_record import Kind
 from gpr20_survey.plan.survey_state import SurveyState
 
@@ -129,7 +129,7 @@ class SurveyEngine:
             self._ending.leave(lambda: self._all_stored, self._actions.resolve_unconfirmed)
             return
         except StopRequested:
-            stopped = Message("Stopped on request").with_fault(faults.STOPPED_ON_REQUEST)
+            stopped = Message("Stopped on request").with_fault(STOPPED)
             self._end_early(SurveyState.STOPPED, "stopped", stopped, stopped)
         except Exception as error:
             reason = message_of(error)
@@ -145,9 +145,7 @@ class SurveyEngine:
             if self._execute_steps():
                 return True
             self._wait_paused(
-                Message("Paused on request. Resume the survey, or stop it.").with_fault(
-                    faults.PAUSED_ON_REQUEST
-                )
+                Message("Paused on request. Resume the survey, or stop it.").with_fault(STOPPED)
             )
         except DeviceError as error:
             # A stop makes parts fail too; that is no reason to pause.

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import Optional
 
+from gpr20_common.faults import INTERNAL, PART_RED, PART_SILENT
 from gpr20_common.message import Message
-from gpr20_main_control import faults
 from gpr20_main_control.errors import DeviceError, NodeLostError
 from gpr20_main_control.mid.survey.running_survey import RunningSurvey
 from gpr20_main_control.mid.waits import Check
@@ -86,7 +86,7 @@ class Recovery:
             Message(
                 "Waiting: {reason}. The survey continues by itself when every part answers.",
                 reason=lost,
-            ).reporting_only(faults.WAITING_FOR_PART)
+            ).reporting_only(PART_SILENT.as_warning())
         )
         self._positioner.wait_for_rest(REST_LIMIT_S)
         self._count_recovery(lost)
@@ -98,7 +98,7 @@ class Recovery:
                         "{reason}; no answer within {limit_s:g} s",
                         reason=lost,
                         limit_s=self._return_limit_s,
-                    ).reporting_only(faults.NODE_NOT_BACK)
+                    ).reporting_only(PART_RED)
                 )
             self._clock.wait_s(self._interruption.stop, POLL_S)
             self._interruption.check_stop()
@@ -113,7 +113,7 @@ class Recovery:
                     "{reason}; this happened {count} times without a stored trace in between",
                     reason=lost,
                     count=MOST_RECOVERIES + 1,
-                ).reporting_only(faults.NODE_LOST_OFTEN)
+                ).reporting_only(INTERNAL)
             )
         self._recoveries += 1
 

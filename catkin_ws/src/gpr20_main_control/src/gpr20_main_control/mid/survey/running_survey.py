@@ -6,7 +6,6 @@ from typing import Callable, Optional
 
 from gpr20_common.low.clock import Clock, time_of_day_us
 from gpr20_common.message import Message
-from gpr20_main_control import faults
 from gpr20_main_control.mid.devices.axis_leases import AxisLeases
 from gpr20_main_control.mid.devices.positioner import Positioner
 from gpr20_main_control.mid.devices.robot import Robot
@@ -22,6 +21,7 @@ from gpr20_main_control.mid.survey.survey_status import SurveyStatus
 from gpr20_main_control.mid.survey.survey_steps import SurveyProgress
 from gpr20_main_control.mid.survey.zero_record import ZeroRecord
 from gpr20_main_control.mid.waits import Interruption, WaitStatus
+from gpr20_survey.faults import CLOCK_WRONG
 from gpr20_survey.folder.log_record import Kind
 from gpr20_survey.trace.trace import Trace
 
@@ -61,7 +61,7 @@ class ClockSteps:
                     "the computer's clock was set back by {step_s:.0f} s during the survey; times "
                     "in the recording are out of order",
                     step_s=-step_s,
-                ).with_fault(faults.CLOCK_SET)
+                ).with_fault(CLOCK_WRONG.as_warning())
             )
         if step_s > LARGEST_CORRECTION_S:
             return self._announce(
@@ -69,7 +69,7 @@ class ClockSteps:
                     "the computer's clock was set forward by {step_s:.0f} s during the survey; "
                     "durations in the recording are too long",
                     step_s=step_s,
-                ).with_fault(faults.CLOCK_SET)
+                ).with_fault(CLOCK_WRONG.as_warning())
             )
         return None
 
@@ -83,7 +83,7 @@ class ClockSteps:
                     "the computer's clock is {step_s:.1f} s behind the last stored trace; times "
                     "in the recording are out of order",
                     step_s=1.0e-6 * behind_us,
-                ).with_fault(faults.CLOCK_BEHIND)
+                ).with_fault(CLOCK_WRONG.as_warning())
             )
         return message
 

@@ -12,6 +12,7 @@ from dataclasses import dataclass, replace
 from functools import partial
 from typing import Callable, Optional, Tuple
 
+from gpr20_common.faults import OVERLOADED
 from gpr20_common.low.clock import time_of_day_us
 from gpr20_common.message import Message
 from gpr20_main_control import faults
@@ -76,9 +77,7 @@ class Confirmation:
         trace = self._completed(self._confirm())
         with self._lock:
             if self._given_up:
-                raise DeviceError(
-                    Message("the confirmation came too late"), fault=faults.CONFIRMATION_LATE
-                )
+                raise DeviceError(Message("the confirmation came too late"), fault=OVERLOADED)
             self._stored = trace
             self._store(trace)
         return trace

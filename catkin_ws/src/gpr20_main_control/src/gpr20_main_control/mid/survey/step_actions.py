@@ -6,7 +6,6 @@ from typing import Any, Callable, Dict, List, Optional
 
 from gpr20_common.message import Message, in_a_row
 from gpr20_common.mid.codec import plain
-from gpr20_main_control import faults
 from gpr20_main_control.errors import DeviceError, StopRequested, UnconfirmedError, message_of
 from gpr20_main_control.mid.devices.instruments import AnalyzerState, Instruments
 from gpr20_main_control.mid.survey import survey_steps as steps
@@ -18,6 +17,7 @@ from gpr20_main_control.mid.survey.sampling import Sampling
 from gpr20_main_control.mid.survey.survey_archive import SurveyArchive, interruption_remark
 from gpr20_main_control.mid.survey.survey_ending import SurveyEnding
 from gpr20_main_control.mid.waits import Check
+from gpr20_survey.faults import VNA_FAILED
 from gpr20_survey.folder.log_record import Kind
 from gpr20_survey.plan.survey_points import SurveyPoint
 from gpr20_survey.plan.survey_state import SurveyState
@@ -246,7 +246,7 @@ class StepActions:
                     count=self._rejections,
                     reason=error.message,
                 ),
-                fault=faults.SWEEP_UNCONFIRMED,
+                fault=VNA_FAILED,
             ) from error
         self._status.set_message(
             Message(

@@ -7,10 +7,10 @@ import time
 from collections import deque
 from typing import Callable, Deque, Optional
 
+from gpr20_common.faults import DISK_REFUSES
 from gpr20_common.low.clock import Clock
 from gpr20_common.low.thread_fault import faults_logged
 from gpr20_common.message import Message
-from gpr20_main_control import faults
 from gpr20_main_control.errors import DeviceError, message_of
 from gpr20_main_control.mid.devices.robot import Storage
 from gpr20_main_control.mid.waits import Check
@@ -104,7 +104,7 @@ class StorageQueue:
                         count=len(self._traces),
                         limit_s=time_limit_s,
                     ),
-                    fault=faults.NOT_STORED,
+                    fault=DISK_REFUSES,
                 )
 
         self.drain(check)
@@ -173,5 +173,5 @@ class StorageQueue:
                     index=self._traces[0].index,
                     reason=message_of(self._failure),
                 ),
-                fault=faults.NOT_STORED,
+                fault=DISK_REFUSES,
             ) from self._failure

@@ -11,7 +11,6 @@ from typing import Any, Dict, Mapping, Optional, Sequence, Tuple
 from gpr20_common.low.clock import time_of_day_us
 from gpr20_common.message import Message, Severity
 from gpr20_common.mid.codec import plain
-from gpr20_main_control import faults
 from gpr20_main_control.errors import DeviceError
 from gpr20_main_control.mid.devices.instruments import AnalyzerState
 from gpr20_main_control.mid.devices.robot import SurveyEnd, SurveyRecord
@@ -25,6 +24,7 @@ from gpr20_main_control.mid.survey.survey_plan import (
     SurveyPlan,
 )
 from gpr20_main_control.mid.waits import Check, ExpectedWait
+from gpr20_survey.faults import SENSOR_FAILED
 from gpr20_survey.folder.soil_note import PLANNED
 from gpr20_survey.folder.survey_metadata import INTERRUPTED
 from gpr20_survey.plan.annotation import ANNOTATION
@@ -199,7 +199,7 @@ class SurveyArchive:
                 present=_names(self._sensors),
                 former=_names(former or []),
                 details=json.dumps(self._sensors),
-            ).with_fault(faults.OTHER_SENSORS)
+            ).with_fault(SENSOR_FAILED.as_warning())
         )
 
     def _send_report(self, report_json: str, check: Check) -> int:

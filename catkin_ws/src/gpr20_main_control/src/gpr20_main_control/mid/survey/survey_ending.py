@@ -5,12 +5,12 @@ from __future__ import annotations
 from typing import Callable, List
 
 from gpr20_common.message import Message, in_a_row
-from gpr20_main_control import faults
 from gpr20_main_control.errors import DeviceError, NodeLostError, message_of
 from gpr20_main_control.mid.survey.recovery import REST_LIMIT_S, Recovery
 from gpr20_main_control.mid.survey.running_survey import RunningSurvey
 from gpr20_main_control.mid.survey.survey_archive import SurveyArchive
 from gpr20_main_control.mid.waits import Check
+from gpr20_survey.faults import CAN_RESUME, STOPPED, VNA_SILENT
 from gpr20_survey.plan.survey_state import SurveyState
 
 # Time to store the traces that wait for the disk when a survey is stopped [s].
@@ -55,7 +55,7 @@ class SurveyEnding:
                 stored=stored,
                 total=total,
                 verdict=verdict.message,
-            ).with_fault(faults.INCOMPLETE)
+            ).with_fault(CAN_RESUME)
         self._archive.close(outcome, verdict.message, state, message, check)
         self._status.enter(state, message)
 
@@ -88,7 +88,7 @@ class SurveyEnding:
             return
         message = Message(
             "Interrupted: the robot is shut down. Resume the survey later."
-        ).with_fault(faults.ROBOT_SHUT_DOWN)
+        ).with_fault(STOPPED)
         self._status.enter(SurveyState.STOPPING, message)
         self._positioner.wait_for_rest(LEAVING_LIMIT_S)
         if self._archive.folder:
@@ -160,7 +160,7 @@ class SurveyEnding:
             # Faults in the software too: the survey must not remain STOPPING for ever.
             unfinished = Message(
                 "the recordings could not be finished: {reason}", reason=message_of(error)
-            ).with_fault(faults.NOT_FINISHED)
+            ).with_fault(CAN_RESUME)
             return in_a_row([*messages, unfinished])
         return message
 
@@ -172,7 +172,7 @@ class SurveyEnding:
                     "the VNA did not answer within {limit_s:g} s at the survey's end",
                     limit_s=limit_s,
                 ),
-                fault=faults.VNA_SILENT,
+                fault=VNA_SILENT,
             ),
         )
 

@@ -294,5 +294,5 @@ def _check_axes(recorded: Dict[AxisId, AxisParameters], config: RobotConfig, fol
                         axis=axis_id.value,
                         present=str(present),
                     ),
-                    fault=faults.OTHER_AXES,
+                    fault=faults.OTHER_ROBOT,
                 )

@@ -15,6 +15,7 @@ from gpr20_main_control.errors import OtherAnalyzerError, SurveyError
 from gpr20_main_control.mid.survey.known_point import RepeatMeasurement
 from gpr20_main_control.mid.survey.survey_coverage import Coverage
 from gpr20_main_control.mid.survey.zero_record import ZeroRecord
+from gpr20_survey.faults import VNA_REPLACED
 from gpr20_survey.folder.survey_metadata import FAULT_CODE, REASON_MESSAGE, message_record
 from gpr20_survey.plan.survey_state import COVERAGE_LETTERS
 from gpr20_survey.plan.zero_history import ZEROS, UsedZeros
@@ -83,7 +84,7 @@ class AnalyzerRecord:
                     accepted=accept,
                 ),
                 identity if other else "",
-                faults.NOT_THE_ACCEPTED_VNA,
+                VNA_REPLACED,
             )
         if other and not accept:
             raise OtherAnalyzerError(

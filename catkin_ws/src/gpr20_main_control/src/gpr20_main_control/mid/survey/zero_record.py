@@ -102,7 +102,7 @@ class ZeroRecord:
                     "resume the survey to compare a known point",
                     axes=", ".join(changed),
                 ),
-                fault=faults.ZERO_CHANGED,
+                fault=faults.MOVED_BY_OTHERS,
             )
 
     @property

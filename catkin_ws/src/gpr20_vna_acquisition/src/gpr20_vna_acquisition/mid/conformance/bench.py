@@ -7,11 +7,11 @@ import threading
 from dataclasses import dataclass, replace
 from typing import Any, Callable, List, Optional, Sequence, Tuple
 
+from gpr20_common.faults import CONFIGURATION
 from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message
 from gpr20_survey.trace.sweep import Sweep
 from gpr20_survey.trace.sweep_settings import AnalyzerSettings, SweepSettings
-from gpr20_vna_acquisition import faults
 from gpr20_vna_acquisition.errors import VnaError, VnaNotReadyError, VnaSettingError
 from gpr20_vna_acquisition.mid.analyzer import Analyzer
 from gpr20_vna_acquisition.mid.analyzers import make_analyzer
@@ -38,7 +38,7 @@ Outcome = Tuple[Status, Message]
 class NotAsPromisedError(VnaError):
     """An analyzer breaks a promise of the protocol."""
 
-    fault = faults.NOT_AS_PROMISED
+    fault = CONFIGURATION
 
 
 @dataclass(frozen=True)
