@@ -28,7 +28,8 @@ PART_LOST = Fault(
     "robot.part_lost",
     Message(
         "Keep your hands clear: the axes may still move. Wait one minute: the robot restarts the "
-        "part by itself. If it does not, switch off the motors' power, then the robot off and on."
+        "part by itself. If it does not, switch off the motors' power, then switch the robot off "
+        "and on."
     ),
     may_move=True,
 )

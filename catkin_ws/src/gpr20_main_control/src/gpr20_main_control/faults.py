@@ -33,7 +33,7 @@ DRIFTED = Fault(
 OTHER_ROBOT = Fault(
     "survey.other_robot",
     Message(
-        "Start the robot, with the configuration, with which the survey began, then resume the "
+        "Start the robot and the configuration with which the survey began, then resume the "
         "survey. Or plan a new one."
     ),
     can_continue=False,
