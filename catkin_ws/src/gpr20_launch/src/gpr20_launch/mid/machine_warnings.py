@@ -78,4 +78,5 @@ def _unchecked_analyzer(request: LaunchRequest, sections: Sections) -> Tuple[Fin
         "{analyzer} has not passed the check of analyzers as it is now",
         analyzer=parameters.analyzer,
     )
-    return (Finding.of_fault("analyzer", text.with_fault(faults.NOT_CHECKED.as_warning())),)
+    advice = Message("Before the next survey run: rosrun gpr20_vna_acquisition check_analyzer")
+    return (Finding.of("analyzer", text, faults.NOT_CHECKED, mild=True, advice=advice),)

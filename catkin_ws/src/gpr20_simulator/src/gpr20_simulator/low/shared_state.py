@@ -146,7 +146,8 @@ def open_shared_state(
         reason = os_reason(error) if isinstance(error, OSError) else verbatim(str(error))
         raise SharedStateError(
             Message(
-                "the simulated robot's file {path} cannot be opened: {reason}",
+                "the simulated robot's file {path} cannot be opened: {reason}; remove it when no "
+                "simulated robot runs",
                 path=path,
                 reason=reason,
             )
