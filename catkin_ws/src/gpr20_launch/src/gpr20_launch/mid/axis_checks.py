@@ -60,13 +60,7 @@ UNITS = {"cm": 10.0, "inches": 25.4, "radians": math.degrees(1.0)}
 
 
 def impossible_values(file: Path, axis: str, values: Mapping[str, Any]) -> Iterator[Problem]:
-    """Find what cannot be, before the values are compared with each other.
-
-    Args:
-        file: Where the values are.
-        axis: The axis.
-        values: Its values, whatever they are; those that are not known are left out.
-    """
+    """Find what cannot be, before the values are compared; unknown ones are left out."""
     limits = TURNING if axis == AxisId.Z.value else MOVING
     unit = limits.unit
     kind = values.get("type")
@@ -120,13 +114,7 @@ def _number(value: Any) -> float:
 def check_axes(
     file: Path, axes: Mapping[str, AxisParameters], built: Mapping[str, Mapping[str, Any]]
 ) -> Iterator[Problem]:
-    """Find travels, speeds and accelerations that cannot be, or hardly.
-
-    Args:
-        file: Where the values are.
-        axes: The axes.
-        built: The axes of the robot as it is built, whose travel is that of its URDF.
-    """
+    """Find travels, speeds and accelerations that cannot be, or hardly; `built` is as the URDF."""
     for axis, own in axes.items():
         check = _AxisCheck(file, axis, own)
         if axis == AxisId.Z.value:

@@ -46,14 +46,7 @@ def machine_warnings(
     environment: Mapping[str, str],
     root: Path = ROOT,
 ) -> Tuple[Finding, ...]:
-    """Return what is wrong with this computer; nothing for a simulated robot.
-
-    Args:
-        request: The arguments of the launch.
-        sections: The configuration of the nodes.
-        environment: The environment variables.
-        root: Root of the file system.
-    """
+    """Return what is wrong with this computer; nothing for a simulated robot."""
     if request.robot != REAL:
         return ()
     host, nodes = socket.gethostname(), {}

@@ -62,11 +62,6 @@ def old_robot(
 ) -> OldRobot:
     """Return the configuration that a launch file of the original means.
 
-    Args:
-        path: The launch file.
-        parameters: What it sets.
-        defaults: The values of each axis where nothing is set.
-
     Raises:
         OldLaunchError: It sets no parameter of an axis.
     """

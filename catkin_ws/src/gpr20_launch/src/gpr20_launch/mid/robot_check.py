@@ -47,11 +47,7 @@ class BuiltRobot:
 def check_robot(use: Use, built: BuiltRobot) -> Tuple[Problem, ...]:
     """Return what is wrong with the configuration of a robot, and what is doubtful, gravest first.
 
-    Nothing is started, and nothing written.
-
-    Args:
-        use: Where it is, and how it is used; files that are not there mean the defaults.
-        built: The robot as it is built.
+    Nothing is started, and nothing written. Files that are not there mean the defaults.
     """
     found: List[Problem] = []
     try:

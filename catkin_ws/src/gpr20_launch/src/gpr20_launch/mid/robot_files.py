@@ -88,11 +88,7 @@ class Reading:
     """
 
     def __init__(self, folder: Path, built_axes: Path) -> None:
-        """Read the files.
-
-        Args:
-            folder: The configuration's folder; files that do not exist are left out.
-            built_axes: File with the axes of the robot as it is built.
+        """Read the files that are there.
 
         Raises:
             OSError: The folder cannot be read.
@@ -291,10 +287,6 @@ class Reading:
 
 def read_configuration(folder: Path, built_axes: Path) -> Sections:
     """Return every section of a configuration; what a file leaves out has its default.
-
-    Args:
-        folder: The configuration's folder; files that do not exist are left out.
-        built_axes: File with the axes of the robot as it is built.
 
     Raises:
         ConfigurationError: A file cannot be read, or has an unknown key or a value that is not

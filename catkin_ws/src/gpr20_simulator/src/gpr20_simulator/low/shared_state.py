@@ -132,8 +132,7 @@ def open_shared_state(
 
     Args:
         path: The file, in memory-backed storage such as /dev/shm.
-        start_steps: Where each axis is when the robot is switched on [motor steps]; 0 if it
-            is left out.
+        start_steps: Where each axis is when the robot is switched on [motor steps]; 0 if absent.
 
     Raises:
         SharedStateError: The file cannot be made, or is something else.
