@@ -147,7 +147,11 @@ def _refuse_existing(folder: Path, names: Iterable[str]) -> None:
     there = [name for name in sorted(names) if os.path.lexists(str(folder / name))]
     if there:
         values = {"folder": printable(folder), "names": ", ".join(there)}
-        text = Message("{folder} has {names} already, which stay as they are", **values)
+        text = Message(
+            "{folder} has {names} already, which stay as they are; give an empty folder, compare "
+            "its files with these, and copy what is right",
+            **values,
+        )
         raise ConfigurationError(text, fault=NOT_ALLOWED)
 
 

@@ -132,8 +132,7 @@ def open_shared_state(
 
     Args:
         path: The file, in memory-backed storage such as /dev/shm.
-        start_steps: Where each axis is when the robot is switched on [motor steps]; 0 if it
-            is left out.
+        start_steps: Where each axis is when the robot is switched on [motor steps]; 0 if absent.
 
     Raises:
         SharedStateError: The file cannot be made, or is something else.
@@ -146,7 +145,8 @@ def open_shared_state(
         reason = os_reason(error) if isinstance(error, OSError) else verbatim(str(error))
         raise SharedStateError(
             Message(
-                "the simulated robot's file {path} cannot be opened: {reason}",
+                "the simulated robot's file {path} cannot be opened: {reason}; remove it when no "
+                "simulated robot runs",
                 path=path,
                 reason=reason,
             )
