@@ -142,7 +142,13 @@ def _score_found(chosen: argparse.Namespace) -> Score:
     listed = read_candidates(chosen.plan)
     recovered = recover(chosen.found)
     if listed.survey_id not in ("", recovered.survey_id):
-        raise AnalysisError(Message("{file} is of another survey", file=chosen.plan))
+        raise AnalysisError(
+            Message(
+                "{file} is of another survey; give a list of {survey}",
+                file=chosen.plan,
+                survey=chosen.found,
+            )
+        )
     halo_m = Plan(chosen.halo, (), {}).halo_m  # within the limits of a plan
     listed = replace(listed, method=chosen.plan.name, lane=chosen.found.name)
     return score_found(listed, found_in(recovered.found.records), halo_m)

@@ -89,7 +89,8 @@ def subtract_coupling(survey: xr.Dataset, reference: xr.Dataset) -> xr.Dataset:
         if not np.min(off_deg) <= ROTATION_TOLERANCE_DEG:
             raise WrongDatasetError(
                 Message(
-                    "the reference has no rotation {rotation_deg:g} deg, only {rotations} deg",
+                    "the reference has no rotation {rotation_deg:g} deg, only {rotations} deg; "
+                    "measure it with the rotations of the survey",
                     rotation_deg=turn,
                     rotations=", ".join(f"{one:g}" for one in reference[POLARIZATION].values),
                 ),
@@ -98,7 +99,7 @@ def subtract_coupling(survey: xr.Dataset, reference: xr.Dataset) -> xr.Dataset:
     matched = empty.sel({POLARIZATION: survey[POLARIZATION].values}, method="nearest")
     if not bool(np.all(np.isfinite(matched.values))):
         raise WrongDatasetError(
-            Message("the reference has no usable sample at one of the rotations"),
+            Message("the reference has no usable sample at one of the rotations; measure it again"),
             fault=faults.INPUT,
         )
     return survey.assign({S21: measured - matched.values[:, None, None, :]})

@@ -306,7 +306,8 @@ def _open_bag(path: Path) -> Iterator[Reader]:
             except ReaderError as error:
                 raise UnreadableFileError(
                     Message(
-                        "{file} has no complete index; `rosbag reindex {file}` writes it",
+                        "{file} has no complete index; use the survey's folder, or write the index "
+                        "with `rosbag reindex {file}`",
                         file=path.name,
                         details=error,
                     ),
@@ -333,6 +334,10 @@ def _failing_as_unreadable(path: Path) -> Iterator[None]:
     except Exception as error:
         # The libraries unpack without checks: damaged bytes raise exceptions of any kind.
         raise UnreadableFileError(
-            Message("{file} is damaged", file=path.name, details=repr(error)),
+            Message(
+                "{file} is damaged; gpr20 verify tells what of its survey's folder is whole",
+                file=path.name,
+                details=repr(error),
+            ),
             fault=faults.FILE_DAMAGED,
         ) from error

@@ -200,7 +200,10 @@ def _folder_source(folder: Path, read: Callable[[Path], Trace]) -> JsonSource:
             damage.append(Damage(error.message))
     if not files and is_described:
         raise AnalysisError(
-            Message("{folder} holds a survey without traces", folder=folder),
+            Message(
+                "{folder} holds a survey without traces; resume it, or choose another",
+                folder=folder,
+            ),
             fault=faults.INPUT,
         )
     if not files:

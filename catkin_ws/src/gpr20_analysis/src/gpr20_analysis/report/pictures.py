@@ -244,6 +244,9 @@ def _b_scans(
 
 def _no_other_survey(path: str) -> xr.Dataset:
     raise AnalysisError(
-        Message("a report cannot subtract another survey, but a step names {path}", path=path),
+        Message(
+            "a report cannot subtract another survey; leave out the step that names {path}",
+            path=path,
+        ),
         fault=faults.STEPS,
     )

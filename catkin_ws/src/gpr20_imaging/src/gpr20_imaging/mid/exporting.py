@@ -93,7 +93,10 @@ class Exporter:
         volume = self._volumes.find(request.volume)
         if not volume.writable:
             raise ImagingError(
-                Message("the USB stick {name} is write-protected", name=volume.name),
+                Message(
+                    "the USB stick {name} is write-protected; remove the protection",
+                    name=volume.name,
+                ),
                 fault=faults.STICK,
             )
         with tempfile.TemporaryDirectory(prefix="gpr20_export_") as made:
@@ -198,7 +201,7 @@ class Exporter:
             return ExportFailedError(
                 Message(
                     "the file is too large for the file system of the USB stick {name}; format it "
-                    "as exFAT",
+                    "as exFAT, which deletes what is on it",
                     name=volume.name,
                     details=error,
                 ),
