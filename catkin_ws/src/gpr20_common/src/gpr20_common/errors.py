@@ -15,11 +15,8 @@ class Gpr20Error(Exception):
     """Something was refused or failed; the message says what, why and what to do.
 
     Each package derives one error of its own from this one. The high levels catch
-    this class in one place and hand its message to the operator.
-
-    Attributes:
-        fault: What a program knows of it. Each class has its own; a raise can name a finer one.
-        message: It reports that fault, unless it came with one, as one that was received does.
+    this class in one place and hand its message to the operator. The message reports the fault of
+    the class, or a finer one that a raise names, unless it came with one.
     """
 
     fault: ClassVar[Fault] = faults.INTERNAL
@@ -41,6 +38,12 @@ class InvalidValueError(Gpr20Error, ValueError):
     fault = faults.NOT_ALLOWED
 
 
+class ConfigurationError(InvalidValueError):
+    """What the configuration of a robot or of a computer says is not allowed."""
+
+    fault = faults.CONFIGURATION
+
+
 class NodeSilentError(Gpr20Error, OSError):
     """A node does not answer."""
 
@@ -49,5 +52,3 @@ class NodeSilentError(Gpr20Error, OSError):
 
 class NodeGoneError(NodeSilentError):
     """A node has ended: nothing listens at its address, or the master does not know it."""
-
-    fault = faults.PART_SILENT

@@ -8,7 +8,7 @@ from pathlib import Path
 from case_kit import each_case
 
 from gpr20_common.low.data_folder import data_folder
-from gpr20_common.mid.node_software import git_revision, software_revision
+from gpr20_common.mid.node_facts import git_revision, software_revision
 
 
 def test_sources_without_git_are_named_by_their_version(tmp_path):

@@ -12,8 +12,7 @@ import rospy
 from rospy.impl.registration import get_topic_manager
 
 from gpr20_common.high.periodic import Periodic
-from gpr20_common.low.limited_rpc import NO_ANSWER, limited_server, value_of
-from gpr20_common.low.tcp_keepalive import end_when_broken
+from gpr20_common.low.links import NO_ANSWER, end_when_broken, limited_server, value_of
 
 PERIOD_S = 1.0
 # A connection whose other end has not answered for this time is ended [s].
@@ -60,29 +59,21 @@ class ConnectionKeeper:
         for name in sorted(self._lost & types.keys()):
             try:
                 publishers = value_of(master.registerSubscriber(me, name, types[name], uri))
-            except NO_ANSWER as error:
-                rospy.logdebug("the master does not answer: %s", error)
-                return
-            missing = [one for one in publishers if one not in self._connected[name]]
-            if not missing:
-                self._lost.discard(name)
-            # rospy would wait without a limit for one that does not answer.
-            found = [one for one in missing if answers(one)]
-            if found:
-                rospy.loginfo("connecting to %s again", name)
-                try:
+                missing = [one for one in publishers if one not in self._connected[name]]
+                if not missing:
+                    self._lost.discard(name)
+                # rospy would wait without a limit for one that does not answer.
+                found = [one for one in missing if answers(one)]
+                if found:
+                    rospy.loginfo("connecting to %s again", name)
                     # What the master does when publishers are new: rospy connects to them.
                     value_of(limited_server(uri, ANSWER_LIMIT_S).publisherUpdate(me, name, found))
-                except NO_ANSWER as error:
-                    rospy.logwarn("could not connect to %s again: %s", name, error)
+            except NO_ANSWER as error:
+                rospy.logdebug("%s is not connected again: %s", name, error)
 
 
 def subscriber_count(topic: str) -> int:
-    """Return how many nodes subscribe to a topic (absolute name); they connect some time later.
-
-    Raises:
-        rosgraph.MasterException, OSError: The master does not answer.
-    """
+    """Return how many nodes subscribe to a topic (absolute name); they connect some time later."""
     _published, subscribed, _services = rosgraph.Master(rospy.get_name()).getSystemState()
     return len(dict(subscribed).get(topic, ()))
 

@@ -18,7 +18,7 @@ import polib
 
 from gpr20_common import faults
 from gpr20_common.catalogue import Catalogue, Language
-from gpr20_common.errors import InvalidValueError
+from gpr20_common.errors import ConfigurationError, InvalidValueError
 from gpr20_common.message import Message
 
 FOLDER = Path(__file__).resolve().parent.parent / "translations"
@@ -53,11 +53,8 @@ def language_from_code(code: object) -> Language:
         if language.value == code:
             return language
     allowed = ", ".join(f"{one.value} ({one.own_name})" for one in languages())
-    raise InvalidValueError(
-        Message(
-            "language is {code}; it must be one of {allowed}", code=repr(code), allowed=allowed
-        ),
-        fault=faults.CONFIGURATION,
+    raise ConfigurationError(
+        Message("language is {code}; it must be one of {allowed}", code=repr(code), allowed=allowed)
     )
 
 
@@ -86,12 +83,9 @@ def read_catalogue(language: Language) -> Catalogue:
 
 @functools.lru_cache(maxsize=None)
 def read_translations(path: Path) -> Mapping[str, str]:
-    """Return the finished translations of a catalogue, which is read once, by their templates.
+    """Return the finished translations of a catalogue, or raise an InvalidValueError.
 
     One that has other fields than its template is left out: the template is shown instead.
-
-    Raises:
-        InvalidValueError: The file is missing or is no catalogue.
     """
     try:
         catalogue = polib.pofile(path.read_text(encoding="utf-8"))

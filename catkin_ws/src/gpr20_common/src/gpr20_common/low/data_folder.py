@@ -29,12 +29,7 @@ def robot_folder(environment: Mapping[str, str]) -> Path:
 
 
 def configured(path: Path) -> Dict[str, Any]:
-    """Return the values in a file of the configuration; none without the file.
-
-    Raises:
-        OSError: The file cannot be read.
-        YamlFileError: The file is damaged.
-    """
+    """Return the values in a file of the configuration, as `read_yaml`; none without the file."""
     try:
         values = read_yaml(path)
         if values is None or isinstance(values, dict):

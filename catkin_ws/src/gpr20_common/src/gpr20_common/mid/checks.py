@@ -5,7 +5,6 @@ Each returns the value, or raises an InvalidValueError that calls it by a name.
 
 from __future__ import annotations
 
-import sys
 from ipaddress import IPv4Address
 from typing import Union
 
@@ -29,19 +28,6 @@ def number_between(
                 value=_with_unit(value, unit),
                 lower=f"{lower:.12g}",
                 upper=_with_unit(upper, unit),
-            )
-        )
-    return value
-
-
-def positive_number(name: Union[str, Message], value: float, unit: str = "") -> float:
-    """Allow what is finite and above zero [unit]."""
-    if not 0.0 < value <= sys.float_info.max:
-        raise InvalidValueError(
-            Message(
-                "{name} is {value}; it must be more than zero",
-                name=name,
-                value=_with_unit(value, unit),
             )
         )
     return value
@@ -86,6 +72,5 @@ def instrument_address(name: Union[str, Message], address: str) -> str:
 def _with_unit(number: float, unit: str) -> str:
     try:
         return f"{number:.12g} {unit}".rstrip()
-    except OverflowError:
-        # A whole number from a file may have hundreds of digits.
+    except OverflowError:  # a whole number from a file may have hundreds of digits
         return f"{'inf' if number > 0 else '-inf'} {unit}".rstrip()

@@ -13,8 +13,7 @@ from typing import Any, Dict, Hashable, Literal, Sequence, Tuple, Type, TypeVar
 
 from pydantic import ConfigDict, TypeAdapter, ValidationError
 
-from gpr20_common.errors import InvalidValueError
-from gpr20_common.faults import CONFIGURATION
+from gpr20_common.errors import ConfigurationError, InvalidValueError
 from gpr20_common.message import Message, verbatim
 
 Record = TypeVar("Record")
@@ -35,16 +34,13 @@ def bounded(lower: float, upper: float, default: Any = dataclasses.MISSING) -> A
 
 
 def record_from(kind: Type[Record], values: Any, place: str, others: bool = False) -> Record:
-    """Make a record of what was read, with the records, lists and choices inside it.
+    """Make a record of what was read, or raise an InvalidValueError.
 
     Args:
         kind: Dataclass, or a list or group of them; a field without a default must be there.
         values: What was read.
         place: Where it was found, for the messages; empty if they name it themselves.
         others: Whether unknown keys are ignored.
-
-    Raises:
-        InvalidValueError: A key is unknown or missing, or a value is not allowed.
     """
     try:
         # In JSON a list is a tuple, and a choice is its value.
@@ -56,7 +52,7 @@ def record_from(kind: Type[Record], values: Any, place: str, others: bool = Fals
 
 
 def record_of_json(kind: Type[Record], content: bytes, place: str, others: bool = False) -> Record:
-    """Make a record of strict JSON; arguments and errors are those of `record_from`."""
+    """Do for strict JSON what `record_from` does."""
     adapter = _adapter(typing.cast(Hashable, kind), others)
     try:
         return adapter.validate_json(b"[%b]" % content)[0]
@@ -100,11 +96,11 @@ def _refusal(error: ValidationError, kind: Any, place: str) -> Exception:
     if isinstance(context.get("error"), Exception):
         return context["error"]  # the record refuses itself
     if found["type"] == "missing":
-        return InvalidValueError(Message("{place} is missing", place=place), fault=CONFIGURATION)
+        return ConfigurationError(Message("{place} is missing", place=place))
     if found["type"] == UNKNOWN_KEY:
         known = ", ".join(sorted(_fields_at(kind, keys[:-1])))
         text = Message("{place} is unknown; allowed: {known}", place=place, known=known)
-        return InvalidValueError(text, fault=CONFIGURATION)
+        return ConfigurationError(text)
     if found["type"] == "json_invalid":
         return InvalidValueError(Message("the file is not strict JSON", details=found["msg"]))
     named = {"place": place, "value": shortened(found["input"])}

@@ -10,8 +10,7 @@ from gpr20_common.errors import InvalidValueError
 from gpr20_common.faults import OTHER_LAUNCH, PART_SILENT, VERSIONS_DIFFER
 from gpr20_common.message import Message, in_a_row
 from gpr20_common.mid.codec import record_from
-from gpr20_common.mid.hardware import Hardware
-from gpr20_common.mid.node_software import UNKNOWN_SOFTWARE, NodeSoftware
+from gpr20_common.mid.node_facts import UNKNOWN_SOFTWARE, Hardware, NodeSoftware
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.axes.axis_parameters import AxisParameters
 from gpr20_survey.plan.survey_parameters import RobotTravel, Travel

@@ -13,17 +13,15 @@ from std_msgs.msg import String
 
 from gpr20_common import __version__
 from gpr20_common.faults import DISK_FULL, DISK_REFUSES, DISK_SLOW
-from gpr20_common.high.answers import fault_of, fields_of, received
+from gpr20_common.high.answers import advertise, fault_of, fields_of, received, success
 from gpr20_common.high.connection_keeper import subscriber_count
 from gpr20_common.high.description import publish_description
 from gpr20_common.high.diagnostics import ERROR, OK, WARN, Diagnostics, Health
 from gpr20_common.high.node import read_parameters, run_device
 from gpr20_common.high.raw_message import deserialized, microseconds, preserialized, serialized
-from gpr20_common.high.services import advertise, success
 from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message, in_a_row
-from gpr20_common.mid.hardware import NO_HARDWARE
-from gpr20_common.mid.node_software import software_revision
+from gpr20_common.mid.node_facts import NO_HARDWARE, software_revision
 from gpr20_common.os_reason import os_reason
 from gpr20_common.terminal_text import printable
 from gpr20_msgs import srv

@@ -21,7 +21,7 @@ from gpr20_common.low.clock import Clock
 from gpr20_common.low.data_folder import data_folder
 from gpr20_common.low.thread_fault import faults_logged
 from gpr20_common.message import Message, in_a_row
-from gpr20_common.mid.hardware import NO_HARDWARE
+from gpr20_common.mid.node_facts import NO_HARDWARE
 from gpr20_msgs.msg import WebStatus
 from gpr20_msgs.srv import AddFact
 from gpr20_operator.high.control_client import ControlClient

@@ -14,7 +14,7 @@ from tornado.iostream import StreamClosedError
 from gpr20_common.catalogue import Language
 from gpr20_common.errors import Gpr20Error
 from gpr20_common.low.catalogue_file import read_catalogue
-from gpr20_common.low.tcp_keepalive import end_when_broken
+from gpr20_common.low.links import end_when_broken
 from gpr20_common.message import Message
 from gpr20_web import faults
 from gpr20_web.calls import Answer, Body, Call, Cookie, Person, Route, Routes, Stream

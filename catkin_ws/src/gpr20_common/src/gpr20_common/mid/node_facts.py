@@ -1,4 +1,4 @@
-"""Which software the parts of a robot run, and whether it is the same."""
+"""What the nodes of a robot drive, and which software they run."""
 
 from __future__ import annotations
 
@@ -15,6 +15,18 @@ from gpr20_common.message import Message, in_a_row
 TIME_LIMIT_S = 5.0
 # Written when gpr20_common was installed: the git revision of the sources, or nothing.
 INSTALLED_REVISION = Path(gpr20_common.__file__).resolve().with_name("installed_revision")
+
+
+@dataclass(frozen=True)
+class Hardware:
+    """What diagnostics and recordings call it, and how many times faster than real it runs."""
+
+    name: str
+    simulated: bool = False
+    time_scale: float = 1.0
+
+
+NO_HARDWARE = Hardware("")
 
 
 @dataclass(frozen=True)
