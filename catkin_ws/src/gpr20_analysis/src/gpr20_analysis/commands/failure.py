@@ -6,10 +6,9 @@ from typing import List
 
 from gpr20_analysis import faults
 from gpr20_analysis.errors import library_missing
-from gpr20_common.errors import Gpr20Error
+from gpr20_common.errors import Gpr20Error, os_reason
 from gpr20_common.faults import ASKED_FOR, DISK_REFUSES, IN_USE, NOT_ALLOWED
 from gpr20_common.message import Message
-from gpr20_common.os_reason import os_reason
 from gpr20_survey.faults import CAN_RESUME
 
 EXTRAS = {"distributed": "batch", "matplotlib": "plots", "reportlab": "pdf"}

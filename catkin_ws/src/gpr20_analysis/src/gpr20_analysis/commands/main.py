@@ -15,8 +15,8 @@ from gpr20_analysis.commands import command
 from gpr20_analysis.commands.command import EXIT_STATUS, REFUSED
 from gpr20_analysis.commands.failure import EXPECTED, TRACEBACK, first_steps, message_of
 from gpr20_analysis.sentences import shown
-from gpr20_common.catalogue import Language
-from gpr20_common.low.catalogue_file import (
+from gpr20_common.catalogue import (
+    Language,
     language_from_code,
     language_from_environment,
     languages,

@@ -12,6 +12,7 @@ import rospy
 from std_msgs.msg import String
 
 from gpr20_common import __version__
+from gpr20_common.errors import os_reason
 from gpr20_common.faults import DISK_FULL, DISK_REFUSES, DISK_SLOW
 from gpr20_common.high.answers import advertise, fault_of, fields_of, received, success
 from gpr20_common.high.connection_keeper import subscriber_count
@@ -22,7 +23,6 @@ from gpr20_common.high.raw_message import deserialized, microseconds, preseriali
 from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message, in_a_row
 from gpr20_common.mid.node_facts import NO_HARDWARE, software_revision
-from gpr20_common.os_reason import os_reason
 from gpr20_common.terminal_text import printable
 from gpr20_msgs import srv
 from gpr20_msgs.msg import SurveySummary, Trace

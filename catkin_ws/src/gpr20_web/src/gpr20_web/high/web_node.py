@@ -11,12 +11,12 @@ from typing import Any, Mapping, Optional
 
 import rospy
 
+from gpr20_common.catalogue import language_from_environment, read_catalogue
 from gpr20_common.high.answers import message_from
 from gpr20_common.high.description import publish_description
 from gpr20_common.high.diagnostics import OK, WARN, Diagnostics, Health
 from gpr20_common.high.node import read_parameters, run_device
 from gpr20_common.high.service_client import ServiceClient
-from gpr20_common.low.catalogue_file import language_from_environment, read_catalogue
 from gpr20_common.low.clock import Clock
 from gpr20_common.low.data_folder import data_folder
 from gpr20_common.low.thread_fault import faults_logged
