@@ -23,11 +23,9 @@ from gpr20_common.message import Message
 
 FOLDER = Path(__file__).resolve().parent / "translations"
 VARIABLE = "GPR20_TRANSLATIONS"
-OWN_FOLDER = "~/.gpr20/translations"
 _CODE = re.compile("[a-z]{2,3}(_[A-Z]{2})?")
 # In the header; reading all of a catalogue takes longer than opening a window.
 _NAME = re.compile(r'^"X-Language-Name: *([^"\\]{1,40}?) *\\n"', re.MULTILINE)
-HEADER_CHARACTERS = 4000
 
 
 @dataclass(frozen=True)
@@ -69,7 +67,7 @@ class Catalogue:
 
 def catalogue_folders() -> Tuple[Path, ...]:
     """Return the folders of catalogues; a translation of the last one counts."""
-    own = os.environ.get(VARIABLE) or OWN_FOLDER
+    own = os.environ.get(VARIABLE) or "~/.gpr20/translations"
     return FOLDER, Path(own).expanduser()
 
 
@@ -79,7 +77,7 @@ def languages() -> List[Language]:
     for path in (path for folder in catalogue_folders() for path in folder.glob("*.po")):
         if path.is_file() and _CODE.fullmatch(path.stem) and path.stem not in found:
             with path.open(encoding="utf-8", errors="replace") as file:
-                name = _NAME.search(file.read(HEADER_CHARACTERS))
+                name = _NAME.search(file.read(4000))
             found[path.stem] = Language(path.stem, name.group(1) if name else path.stem)
     return [found[code] for code in sorted(found)]
 

@@ -29,9 +29,6 @@ class Gpr20Error(Exception):
         super().__init__(message)
         self.message = message
 
-    def __str__(self) -> str:
-        return str(self.message)
-
 
 class InvalidValueError(Gpr20Error, ValueError):
     """A value that came from outside is not allowed."""
@@ -80,9 +77,8 @@ def os_reason(error: OSError) -> Message:
     """Return why something failed, with the system's own words among the details."""
     if isinstance(error, Gpr20Error):
         return error.message
-    if isinstance(error, TimeoutError) and error.errno is None:
-        return Message("no answer in time", details=str(error))
-    known = _REASONS.get(error.errno or 0)
+    timed_out = isinstance(error, TimeoutError) and error.errno is None
+    known = _REASONS.get(errno.ETIMEDOUT if timed_out else error.errno or 0)
     if known is None:
         return verbatim(error.strerror or str(error) or type(error).__name__)
     return Message("{reason}", reason=known, details=str(error))

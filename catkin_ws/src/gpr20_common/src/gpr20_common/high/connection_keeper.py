@@ -23,9 +23,8 @@ ANSWER_LIMIT_S = 3.0
 class ConnectionKeeper:
     """Ends the broken topic connections of this node, and makes lost subscriptions again.
 
-    rospy leaves a broken connection open for minutes, and never connects a subscription again
-    that has lost its connection: it expects that the master announces the publisher once more,
-    which it does only for publishers that were restarted.
+    rospy leaves a broken connection open for minutes, and never makes a lost one again: it waits
+    for the master to announce the publisher, which it does only for one that was restarted.
     """
 
     def __init__(self) -> None:
@@ -37,7 +36,6 @@ class ConnectionKeeper:
         self._periodic.stop()
 
     def check(self) -> None:
-        """Set the limits of new connections; connect subscriptions that were lost."""
         topics = get_topic_manager()
         # Copied, because other threads add topics.
         for publisher in list(topics.pubs.values()):

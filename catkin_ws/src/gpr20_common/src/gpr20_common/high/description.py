@@ -59,12 +59,11 @@ def show_parameters(values: Mapping[str, Any]) -> None:
         with contextlib.suppress(*NO_ANSWER):  # with the master they are gone
             master.deleteParam(name, name)
 
+    rospy.on_shutdown(remove)
     try:
         value_of(master.setParam(name, name, shown(plain(values))))
     except NO_ANSWER as error:
         rospy.logwarn("the parameters cannot be shown: %s", error)
-        return
-    rospy.on_shutdown(remove)
 
 
 def shown(value: Any) -> Any:

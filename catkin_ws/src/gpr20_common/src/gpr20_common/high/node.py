@@ -1,9 +1,8 @@
 """The life of a node: its parameters, start, say clearly what is wrong, run, end.
 
 A launch keeps its whole configuration, as JSON, under a name of its own (package `gpr20_launch`)
-and hands that name to each node as the argument `configuration:=NAME`. A node that restarts gets
-the same argument and so the same configuration, whatever was launched beside it meanwhile. Without
-the argument a node has the defaults.
+and hands that name to each node as the argument `configuration:=NAME`. So a node that restarts has
+the same, whatever was launched beside it meanwhile. Without the argument it has the defaults.
 """
 
 from __future__ import annotations
@@ -31,14 +30,13 @@ from gpr20_common.terminal_text import enable_line_buffering, say
 # A node of the same name that lives answers within this time [s].
 ANSWER_LIMIT_S = 1.0
 POLL_S = 0.1
-ARGUMENT = "configuration"
 
 Parameters = TypeVar("Parameters")
 
 
 def configuration_name() -> str:
     """Return the name of the parameters with which this node was launched; empty if none."""
-    return str(rosgraph.names.load_mappings(sys.argv).get(ARGUMENT, ""))
+    return str(rosgraph.names.load_mappings(sys.argv).get("configuration", ""))
 
 
 def read_parameters(parameter_class: Type[Parameters], section: str) -> Parameters:
@@ -99,17 +97,6 @@ def run_node(name: str, build: Callable[[], Any], needed: bool = True) -> None:
     rospy.core.register_signals()
     rospy.spin()
     del kept, keeper
-
-
-def run_device(
-    name: str,
-    parameter_class: Type[Parameters],
-    build: Callable[[Parameters], Any],
-    section: str = "",
-    needed: bool = True,
-) -> None:
-    """Run the node of one device; without a section its parameters are in that of its name."""
-    run_node(name, lambda: build(read_parameters(parameter_class, section or name)), needed)
 
 
 def roslaunch_number() -> Optional[int]:

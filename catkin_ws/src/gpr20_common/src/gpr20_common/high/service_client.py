@@ -125,14 +125,11 @@ class ServiceClient:
     def __init__(
         self, name: str, service_class: Any, discard_late: bool = True, keep_open: bool = False
     ) -> None:
-        """Connect to nothing yet.
+        """Connect to nothing yet; the name is relative to this node's namespace.
 
-        Args:
-            name: Relative to this node's namespace.
-            service_class: Its generated class.
-            discard_late: Whether a request that is not delivered in time is discarded.
-            keep_open: Whether calls that soon follow each other use one connection. A node that
-                hung may then carry out what was given up: not for requests that move anything.
+        `discard_late` discards a request that is not delivered in time. With `keep_open` calls that
+        soon follow each other use one connection; a node that hung may then carry out what was
+        given up: not for requests that move anything.
         """
         self.name = name
         self._discard_late = discard_late

@@ -19,12 +19,10 @@ def data_folder(configured: str, environment: Mapping[str, str]) -> Path:
 
 
 def state_folder(environment: Mapping[str, str]) -> Path:
-    """Return the folder of what is remembered: `GPR20_STATE`, or ~/.gpr20 if that is not set."""
     return Path(environment.get("GPR20_STATE", "") or "~/.gpr20").expanduser().absolute()
 
 
 def robot_folder(environment: Mapping[str, str]) -> Path:
-    """Return the folder that GPR20_CONFIG names, or the default; it need not exist."""
     return Path(environment.get("GPR20_CONFIG") or DEFAULT_FOLDER).expanduser().absolute()
 
 

@@ -29,23 +29,19 @@ LAST_RECEIVED = struct.Struct("=II")
 LAST_RECEIVED_OFFSET = 52
 
 
-class _LimitedTransport(xmlrpc.client.Transport):
-    time_limit_s: float
-
-    def make_connection(self, host: Any) -> HTTPConnection:
-        connection = super().make_connection(host)
-        connection.timeout = self.time_limit_s
-        return connection
-
-
 def limited_server(uri: str, time_limit_s: float) -> xmlrpc.client.ServerProxy:
     """Return the interface at an address; each step of a call has a time limit [s].
 
     Its connection is kept for further calls, and made again if the other side has ended it.
     """
-    transport = _LimitedTransport()
-    transport.time_limit_s = time_limit_s
-    return xmlrpc.client.ServerProxy(uri, transport=transport)
+
+    class Limited(xmlrpc.client.Transport):
+        def make_connection(self, host: Any) -> HTTPConnection:
+            connection = super().make_connection(host)
+            connection.timeout = time_limit_s
+            return connection
+
+    return xmlrpc.client.ServerProxy(uri, transport=Limited())
 
 
 def value_of(answer: Any) -> Any:

@@ -36,8 +36,7 @@ def number_between(
 def ipv4_address(name: Union[str, Message], address: str) -> str:
     """Allow four decimal numbers of 0 to 255."""
     try:
-        # 010 is 8 to some readers.
-        plain = str(IPv4Address(address)) == address
+        plain = str(IPv4Address(address)) == address  # 010 is 8 to some readers
     except ValueError:
         plain = False
     if not plain:

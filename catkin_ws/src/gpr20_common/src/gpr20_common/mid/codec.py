@@ -21,12 +21,11 @@ Record = TypeVar("Record")
 UNKNOWN_KEY = "unexpected_keyword_argument"
 SHOWN = 200  # characters of a value
 NUMBER, WHOLE, GROUP = Message("a number"), Message("a whole number"), Message("a group of values")
-WANTED = {
+WANTED = {  # by the codes of pydantic
     **{"bool_type": Message("true or false"), "string_type": Message("a text")},
     **{"float_type": NUMBER, "finite_number": NUMBER, "int_type": WHOLE},
     **{"tuple_type": Message("a list"), "dataclass_type": GROUP, "dict_type": GROUP},
 }
-"""By the codes of pydantic."""
 
 
 def bounded(lower: float, upper: float, default: Any = dataclasses.MISSING) -> Any:
@@ -37,11 +36,9 @@ def bounded(lower: float, upper: float, default: Any = dataclasses.MISSING) -> A
 def record_from(kind: Type[Record], values: Any, place: str, others: bool = False) -> Record:
     """Make a record of what was read, or raise an InvalidValueError.
 
-    Args:
-        kind: Dataclass, or a list or group of them; a field without a default must be there.
-        values: What was read.
-        place: Where it was found, for the messages; empty if they name it themselves.
-        others: Whether unknown keys are ignored.
+    The kind is a dataclass, or a list or group of them; a field without a default must be there.
+    The place is where it was found, for the messages; empty if they name it themselves. With
+    `others` unknown keys are ignored.
     """
     try:
         # In JSON a list is a tuple, and a choice is its value.

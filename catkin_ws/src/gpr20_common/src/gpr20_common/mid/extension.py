@@ -11,27 +11,20 @@ from gpr20_common.errors import ConfigurationError
 from gpr20_common.message import Message
 
 _NAME = re.compile(r"[A-Za-z_]\w*(\.[A-Za-z_]\w*)*:[A-Za-z_]\w*")
-NAME_LENGTH = 200
 
 
 def is_extension(name: str) -> bool:
     """Return whether a name has the form `module:Class`."""
-    return len(name) <= NAME_LENGTH and _NAME.fullmatch(name) is not None
+    return _NAME.fullmatch(name) is not None
 
 
 def load_extension(
     key: str, name: str, protocol: type, arguments: int, options: Mapping[str, Any]
 ) -> type:
-    """Import a class that fits a protocol and can be made with its options, or refuse it.
+    """Import a class that fits a protocol and takes so many arguments and its options; or refuse.
 
-    Nothing is made, and whatever else a configuration names is never called.
-
-    Args:
-        key: Key of the configuration that names it; `{key}_options` is that of its options.
-        name: The class (`is_extension`).
-        protocol: Its methods and properties must be there.
-        arguments: How many arguments come before the options.
-        options: The options of the configuration.
+    Nothing is made, and whatever else a configuration names is never called. Its key there is
+    that of the class, and `{key}_options` that of the options.
     """
     module, _colon, class_name = name.partition(":")
     try:
@@ -39,10 +32,11 @@ def load_extension(
     except Exception as error:  # the module is not ours: it may raise anything
         raise ConfigurationError(
             Message(
-                "{key} is {name}, which cannot be imported: {reason}; install its package in the "
-                "virtual environment of this software, or correct the name",
+                "{key} is {name}, but {module} cannot be imported: {reason}; install its package "
+                "in the virtual environment of this software, or correct the name",
                 key=key,
                 name=name,
+                module=module,
                 reason=f"{type(error).__name__}: {error}",
             )
         ) from error
@@ -67,5 +61,6 @@ def load_extension(
 def options_refused(key: str, extension: type, reason: str) -> ConfigurationError:
     """Return the error of a class that cannot be made with the options of the configuration."""
     name = extension.__name__
-    text = Message("{key} do not suit {name}: {reason}", key=key, name=name, reason=reason)
-    return ConfigurationError(text)
+    return ConfigurationError(
+        Message("{key} do not suit {class_name}: {reason}", key=key, class_name=name, reason=reason)
+    )

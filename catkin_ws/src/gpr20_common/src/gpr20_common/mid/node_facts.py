@@ -42,26 +42,20 @@ class NodeSoftware:
         return f"{self.version} ({self.revision})" if self.revision else self.version
 
 
-UNKNOWN_SOFTWARE = NodeSoftware()
-
-
 def own_software() -> NodeSoftware:
-    """Return the software that is installed on this computer."""
     revision = git_revision(Path(__file__).resolve().parent)
     return NodeSoftware(gpr20_common.__version__, revision, socket.gethostname())
 
 
 def git_revision(folder: Path, *options: str, installed: Path = INSTALLED_REVISION) -> str:
     """Return the git revision that was installed or is in a folder; empty if there is none."""
-    if installed.exists():
-        # Not that of a repository which the install space may be in.
+    if installed.exists():  # not that of a repository which the install space may be in
         return installed.read_text(encoding="utf-8").strip()
     command = ["git", "-C", str(folder), "describe", "--always", "--tags", *options]
     try:
         answer = subprocess.run(command, capture_output=True, timeout=TIME_LIMIT_S, check=True)
     except (OSError, subprocess.SubprocessError):
-        # Installed without git, or not a checkout: only the version is known.
-        return ""
+        return ""  # without git, or no checkout
     return answer.stdout.decode(errors="replace").strip()
 
 

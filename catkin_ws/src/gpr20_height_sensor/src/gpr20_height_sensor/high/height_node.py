@@ -11,7 +11,7 @@ from sensor_msgs.msg import Range
 from gpr20_common.high import diagnostics
 from gpr20_common.high.answers import advertise, message_fields
 from gpr20_common.high.description import publish_description
-from gpr20_common.high.node import run_device
+from gpr20_common.high.node import read_parameters, run_node
 from gpr20_common.high.periodic import Periodic
 from gpr20_common.high.raw_message import ros_time
 from gpr20_common.low.clock import Clock
@@ -137,4 +137,4 @@ def build_robot_node(parameters: HeightParameters) -> HeightNode:
 
 def main() -> None:
     """Run the height sensor of the real robot."""
-    run_device(NODE, HeightParameters, build_robot_node)
+    run_node(NODE, lambda: build_robot_node(read_parameters(HeightParameters, NODE)))

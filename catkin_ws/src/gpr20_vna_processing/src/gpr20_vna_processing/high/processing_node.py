@@ -18,7 +18,7 @@ from gpr20_common.high.answers import advertise, fault_of, fields_of, received, 
 from gpr20_common.high.connection_keeper import subscriber_count
 from gpr20_common.high.description import publish_description
 from gpr20_common.high.diagnostics import ERROR, OK, WARN, Diagnostics, Health
-from gpr20_common.high.node import read_parameters, run_device
+from gpr20_common.high.node import read_parameters, run_node
 from gpr20_common.high.raw_message import deserialized, microseconds, preserialized, serialized
 from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message, in_a_row
@@ -268,9 +268,9 @@ class ProcessingNode:
 
 def main() -> None:
     """Run the node."""
-    run_device(
+    run_node(
         NODE,
-        ProcessingParameters,
-        lambda found: ProcessingNode(found, read_parameters(Sensors, SENSORS)),
-        section="storage",
+        lambda: ProcessingNode(
+            read_parameters(ProcessingParameters, "storage"), read_parameters(Sensors, SENSORS)
+        ),
     )
