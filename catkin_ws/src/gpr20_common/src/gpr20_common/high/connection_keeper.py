@@ -67,7 +67,7 @@ class ConnectionKeeper:
                     # What the master does when publishers are new: rospy connects to them.
                     value_of(limited_server(uri, ANSWER_LIMIT_S).publisherUpdate(me, name, found))
             except NO_ANSWER as error:
-                rospy.logdebug("%s is not connected again: %s", name, error)
+                rospy.logwarn_throttle(10.0, f"{name} is not connected again: {error}")
 
 
 def subscriber_count(topic: str) -> int:
