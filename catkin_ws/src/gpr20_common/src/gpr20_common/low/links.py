@@ -13,7 +13,6 @@ from xml.parsers.expat import ExpatError
 from gpr20_common.errors import NodeGoneError, NodeSilentError
 from gpr20_common.message import Message
 
-SUCCESS = 1
 # No connection, no HTTP, no XML, no XML-RPC, or not what ROS answers.
 NO_ANSWER = (OSError, HTTPException, ExpatError, xmlrpc.client.Error, ValueError, TypeError)
 
@@ -47,7 +46,7 @@ def limited_server(uri: str, time_limit_s: float) -> xmlrpc.client.ServerProxy:
 def value_of(answer: Any) -> Any:
     """Return the value of an answer; raises a ValueError if it reports a failure."""
     code, message, value = answer
-    if code != SUCCESS:
+    if code != 1:
         raise ValueError(message)
     return value
 

@@ -58,22 +58,21 @@ class _UniqueKeyLoader(yaml.SafeLoader):
 
     def resolve(self, kind: Any, value: Any, implicit: Any) -> Any:
         tag = super().resolve(kind, value, implicit)
-        odd = tag in NUMBER_TAGS and isinstance(value, str) and _ODD_NUMBER.fullmatch(value)
-        return STRING_TAG if odd and implicit[0] else tag
+        odd = tag in NUMBER_TAGS and implicit[0] and _ODD_NUMBER.fullmatch(value)
+        return STRING_TAG if odd else tag
 
     def construct_mapping(self, node: yaml.MappingNode, deep: bool = False) -> Any:
         seen = set()
-        for key_node, _value_node in node.value:
-            if isinstance(key_node, yaml.ScalarNode):
-                if key_node.value in seen:
-                    raise YamlFileError(
-                        Message(
-                            "the key {key} is there twice, again in line {line}; remove one",
-                            key=key_node.value[:64],
-                            line=key_node.start_mark.line + 1,
-                        )
+        for key in (one for one, _value in node.value if isinstance(one, yaml.ScalarNode)):
+            if key.value in seen:
+                raise YamlFileError(
+                    Message(
+                        "the key {key} is there twice, again in line {line}; remove one",
+                        key=key.value[:64],
+                        line=key.start_mark.line + 1,
                     )
-                seen.add(key_node.value)
+                )
+            seen.add(key.value)
         return super().construct_mapping(node, deep)
 
 

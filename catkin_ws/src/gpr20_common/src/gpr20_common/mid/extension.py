@@ -14,7 +14,6 @@ _NAME = re.compile(r"[A-Za-z_]\w*(\.[A-Za-z_]\w*)*:[A-Za-z_]\w*")
 
 
 def is_extension(name: str) -> bool:
-    """Return whether a name has the form `module:Class`."""
     return _NAME.fullmatch(name) is not None
 
 

@@ -43,15 +43,15 @@ class NodeSoftware:
 
 
 def own_software() -> NodeSoftware:
-    revision = git_revision(Path(__file__).resolve().parent)
-    return NodeSoftware(gpr20_common.__version__, revision, socket.gethostname())
+    return NodeSoftware(gpr20_common.__version__, git_revision(), socket.gethostname())
 
 
-def git_revision(folder: Path, *options: str, installed: Path = INSTALLED_REVISION) -> str:
-    """Return the git revision that was installed or is in a folder; empty if there is none."""
-    if installed.exists():  # not that of a repository which the install space may be in
-        return installed.read_text(encoding="utf-8").strip()
-    command = ["git", "-C", str(folder), "describe", "--always", "--tags", *options]
+def git_revision(*options: str) -> str:
+    """Return the git revision that was installed, or that of the sources; empty if unknown."""
+    if INSTALLED_REVISION.exists():  # not that of a repository which the install space may be in
+        return INSTALLED_REVISION.read_text(encoding="utf-8").strip()
+    folder = str(INSTALLED_REVISION.parent)
+    command = ["git", "-C", folder, "describe", "--always", "--tags", *options]
     try:
         answer = subprocess.run(command, capture_output=True, timeout=TIME_LIMIT_S, check=True)
     except (OSError, subprocess.SubprocessError):
@@ -59,10 +59,10 @@ def git_revision(folder: Path, *options: str, installed: Path = INSTALLED_REVISI
     return answer.stdout.decode(errors="replace").strip()
 
 
-def software_revision(version: str, folder: Path, installed: Path = INSTALLED_REVISION) -> str:
-    """Return the version, with the git revision that was installed or is in the folder."""
-    revision = git_revision(folder, "--dirty", installed=installed)
-    return f"{version} (git {revision})" if revision else version
+def software_revision() -> str:
+    """Return what a survey says of the software that stored it."""
+    revision = git_revision("--dirty")
+    return gpr20_common.__version__ + (f" (git {revision})" if revision else "")
 
 
 def software_difference(nodes: Mapping[str, NodeSoftware]) -> Optional[Message]:

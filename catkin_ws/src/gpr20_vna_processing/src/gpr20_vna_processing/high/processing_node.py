@@ -5,13 +5,11 @@ from __future__ import annotations
 import json
 import time
 from dataclasses import replace
-from pathlib import Path
 from typing import Any, List
 
 import rospy
 from std_msgs.msg import String
 
-from gpr20_common import __version__
 from gpr20_common.errors import os_reason
 from gpr20_common.faults import DISK_FULL, DISK_REFUSES, DISK_SLOW
 from gpr20_common.high.answers import advertise, fault_of, fields_of, received, success
@@ -71,7 +69,7 @@ class ProcessingNode:
                 free_bytes=free_bytes,
                 now_ns=time.time_ns,
                 clock=Clock(),
-                revision=software_revision(__version__, Path(__file__).resolve().parent),
+                revision=software_revision(),
                 end_status=end_status,
                 bags=self._bags,
                 publish=self._publish,
