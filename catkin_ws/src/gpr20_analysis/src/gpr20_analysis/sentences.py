@@ -35,6 +35,11 @@ MOST_REMARKS = 8
 ENGLISH = Catalogue()
 
 
+def json_fields(message: Message) -> Dict[str, Any]:
+    """Return a message as the outputs `--json` have it: the names of an answer of a service."""
+    return {"message": str(message), "fault": message.record()}
+
+
 def sentences_of(data: xr.Dataset, name: str) -> List[Message]:
     """Return the sentences of an attribute, such as `notes`.
 

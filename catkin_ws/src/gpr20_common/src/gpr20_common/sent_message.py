@@ -26,11 +26,6 @@ MAX_DEPTH = 32
 UNKNOWN_CODE = "robot.unknown"
 
 
-def json_fields(message: Message) -> Dict[str, Any]:
-    """Return a message as the outputs `--json` have it: the names of an answer of a service."""
-    return {"message": str(message), "fault": message.record()}
-
-
 def received_message(text: str, record: Any) -> Message:
     """Return a message from its English text and what `Message.record` returned, maybe as JSON.
 

@@ -83,10 +83,6 @@ def advertise(name: str, service_class: Any, handler: Callable[[Any], Any]) -> r
     return rospy.Service(name, service_class, answer)
 
 
-def success(service_class: Any, message: Message, **fields: Any) -> Any:
-    return service_class._response_class(success=True, **message_fields(message), **fields)
-
-
 def internal_error(name: str, error: Exception) -> Message:
     """Log the exception that is being handled, a fault in our own code; return what to answer."""
     log_fault(name)

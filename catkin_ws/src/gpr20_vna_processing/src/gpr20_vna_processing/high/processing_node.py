@@ -12,7 +12,7 @@ from std_msgs.msg import String
 
 from gpr20_common.errors import os_reason
 from gpr20_common.faults import DISK_FULL, DISK_REFUSES, DISK_SLOW
-from gpr20_common.high.answers import advertise, fault_of, fields_of, received, success
+from gpr20_common.high.answers import advertise, fault_of, fields_of, message_fields, received
 from gpr20_common.high.connection_keeper import subscriber_count
 from gpr20_common.high.description import publish_description
 from gpr20_common.high.diagnostics import ERROR, OK, WARN, Diagnostics, Health
@@ -262,6 +262,10 @@ class ProcessingNode:
         except rospy.ROSException as error:
             # ROS is shutting down; what was stored is durable, as the answer states.
             rospy.logwarn("%s: stored but not published: %s", publisher.name, error)
+
+
+def success(service_class: Any, message: Message, **fields: Any) -> Any:
+    return service_class._response_class(success=True, **message_fields(message), **fields)
 
 
 def main() -> None:
