@@ -11,8 +11,7 @@ from typing import Iterator, Set
 import pytest
 from translations import COMPLETE, module_files, templates_of
 
-from gpr20_common.catalogue import Catalogue
-from gpr20_common.low.catalogue_file import read_translations
+from gpr20_common.catalogue import Catalogue, read_translations
 
 
 @pytest.fixture(autouse=True)

@@ -8,8 +8,7 @@ import re
 from pathlib import Path
 from typing import Dict, Iterator, List
 
-from gpr20_common.catalogue import Catalogue, Language
-from gpr20_common.low.catalogue_file import read_catalogue
+from gpr20_common.catalogue import Catalogue, Language, read_catalogue
 from gpr20_common.message import Fault, Severity
 
 ROOT = Path(__file__).resolve().parents[2]

@@ -28,7 +28,7 @@ from gpr20_axis_driver.mid.robot_hardware import RobotHardware
 from gpr20_common.errors import Gpr20Error
 from gpr20_common.faults import ASKED_FOR, NOT_ALLOWED
 from gpr20_common.high.answers import message_from
-from gpr20_common.mid.hardware import Hardware
+from gpr20_common.mid.node_facts import Hardware
 from gpr20_height_sensor.high.height_node import HeightNode
 from gpr20_height_sensor.high.height_node import build_robot_node as build_height_sensor
 from gpr20_height_sensor.mid.height_parameters import HeightParameters

@@ -10,8 +10,7 @@ from __future__ import annotations
 import json
 from typing import TYPE_CHECKING, Any, Dict, Iterable, List, Mapping, Optional, Sequence
 
-from gpr20_common.catalogue import Catalogue
-from gpr20_common.low.catalogue_file import language_from_code, read_catalogue
+from gpr20_common.catalogue import Catalogue, language_from_code, read_catalogue
 from gpr20_common.message import BETWEEN_SENTENCES, Message, in_a_row
 from gpr20_common.sent_message import received_message
 from gpr20_common.terminal_text import printable
@@ -34,6 +33,11 @@ MESSAGES = "messages"
 MOST_REMARKS = 8
 """Number of sentences of a list that are shown with a survey."""
 ENGLISH = Catalogue()
+
+
+def json_fields(message: Message) -> Dict[str, Any]:
+    """Return a message as the outputs `--json` have it: the names of an answer of a service."""
+    return {"message": str(message), "fault": message.record()}
 
 
 def sentences_of(data: xr.Dataset, name: str) -> List[Message]:

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from gpr20_common import faults as common_faults
 from gpr20_common.faults import NOT_RUNNING, OTHER_LAUNCH
 from gpr20_common.message import Fault, Message, Severity, verbatim
-from gpr20_common.mid.node_software import NodeSoftware
+from gpr20_common.mid.node_facts import NodeSoftware
 from gpr20_doctor.low.masters import MasterState, NodeState
 from gpr20_doctor.mid.advice import advised
 from gpr20_doctor.mid.finding import Level

@@ -16,7 +16,7 @@ from sensor_msgs.msg import Range
 
 from gpr20_common.high.answers import message_from
 from gpr20_common.high.diagnostics import ERROR, OK, WARN
-from gpr20_common.mid.hardware import Hardware
+from gpr20_common.mid.node_facts import Hardware
 from gpr20_height_sensor.high import height_node
 from gpr20_survey.faults import HEIGHT_NOT_MEASURED, NO_GROUND, SENSOR_FAILED
 

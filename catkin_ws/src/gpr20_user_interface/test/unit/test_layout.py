@@ -32,8 +32,7 @@ from PyQt5.QtWidgets import (
 from view_kit import snapshot
 from window_helpers import click, close, open_field, opened_window, show
 
-from gpr20_common.catalogue import Language
-from gpr20_common.low.catalogue_file import languages
+from gpr20_common.catalogue import Language, languages
 from gpr20_operator.plan.fields import PLAN, default_parameters, texts_of
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_user_interface.look.look import BORDER_PX, Theme

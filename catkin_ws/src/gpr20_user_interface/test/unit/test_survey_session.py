@@ -13,9 +13,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from view_kit import ASKED_PAUSE, FULL, LOST, state_of
 
-from gpr20_common.catalogue import Catalogue, Language
+from gpr20_common.catalogue import Catalogue, Language, read_catalogue
 from gpr20_common.faults import DISK_FULL
-from gpr20_common.low.catalogue_file import read_catalogue
 from gpr20_common.message import Message, verbatim
 from gpr20_operator.robot.events import (
     DOCUMENTED_TRAVEL,

@@ -28,8 +28,8 @@ from gpr20_analysis.commands.failure import message_of
 from gpr20_analysis.errors import AnalysisError
 from gpr20_analysis.lazy import available_bytes
 from gpr20_analysis.threads import processors
+from gpr20_common.catalogue import language_from_code, read_catalogue
 from gpr20_common.faults import NOT_ALLOWED
-from gpr20_common.low.catalogue_file import language_from_code, read_catalogue
 from gpr20_common.message import Message
 
 TIME_LIMIT_S = 10.0

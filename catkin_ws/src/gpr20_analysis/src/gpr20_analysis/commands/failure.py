@@ -6,10 +6,9 @@ from typing import List
 
 from gpr20_analysis import faults
 from gpr20_analysis.errors import library_missing
-from gpr20_common.errors import Gpr20Error
+from gpr20_common.errors import Gpr20Error, os_reason
 from gpr20_common.faults import ASKED_FOR, DISK_REFUSES, NOT_ALLOWED
 from gpr20_common.message import Message
-from gpr20_common.os_reason import os_reason
 
 EXTRAS = {"distributed": "batch", "matplotlib": "plots", "reportlab": "pdf"}
 """Optional libraries that whole commands need, and the extra of each."""

@@ -23,8 +23,7 @@ from gpr20_analysis.trial.documents import Plan, Seal, read_candidates, read_pla
 from gpr20_analysis.trial.ground import groups_of, read_lanes, read_targets
 from gpr20_analysis.trial.score import Score, score_found, score_trial
 from gpr20_analysis.trial.statistics import targets_needed
-from gpr20_common.catalogue import Catalogue
-from gpr20_common.low.catalogue_file import language_from_code
+from gpr20_common.catalogue import Catalogue, language_from_code
 from gpr20_common.message import Message
 from gpr20_common.terminal_text import say
 from gpr20_survey.files.durable_files import write_new_file

@@ -20,8 +20,8 @@ from rosbags.rosbag1.reader import ReaderError
 
 from gpr20_analysis import faults
 from gpr20_analysis.errors import AnalysisError, UnreadableFileError, not_there
+from gpr20_common.errors import os_reason
 from gpr20_common.message import Message, in_a_row
-from gpr20_common.os_reason import os_reason
 from gpr20_survey.files.regular_file import open_regular
 from gpr20_survey.folder import survey_folder
 from gpr20_survey.folder.log_record import LogRecord

@@ -9,10 +9,10 @@ from typing import Any, Dict, Iterator, Mapping, Optional
 
 from gpr20_analysis import faults
 from gpr20_analysis.read.verification_result import COMPLETE, DAMAGED, INCOMPLETE
+from gpr20_analysis.sentences import json_fields
+from gpr20_common.errors import os_reason
 from gpr20_common.faults import NOT_ALLOWED
 from gpr20_common.message import Message
-from gpr20_common.os_reason import os_reason
-from gpr20_common.sent_message import json_fields
 from gpr20_common.terminal_text import printable
 from gpr20_survey.errors import IrregularFileError, ProcessingError, SigningError
 from gpr20_survey.files import ssh_keygen

@@ -15,7 +15,7 @@ from gpr20_axis_driver.axis_exceptions import AxisException
 from gpr20_common.faults import IN_USE
 from gpr20_common.high.answers import message_fields
 from gpr20_common.high.raw_message import connection_header
-from gpr20_common.low.tcp_keepalive import keep_alive, silence_s
+from gpr20_common.low.links import keep_alive, silence_s
 from gpr20_common.message import Message
 
 # How long a client's computer may leave probes unanswered: three probes, one second each.

@@ -5,7 +5,6 @@ Each returns the value, or raises an InvalidValueError that calls it by a name.
 
 from __future__ import annotations
 
-import sys
 from ipaddress import IPv4Address
 from typing import Union
 
@@ -34,24 +33,10 @@ def number_between(
     return value
 
 
-def positive_number(name: Union[str, Message], value: float, unit: str = "") -> float:
-    """Allow what is finite and above zero [unit]."""
-    if not 0.0 < value <= sys.float_info.max:
-        raise InvalidValueError(
-            Message(
-                "{name} is {value}; it must be more than zero",
-                name=name,
-                value=_with_unit(value, unit),
-            )
-        )
-    return value
-
-
 def ipv4_address(name: Union[str, Message], address: str) -> str:
     """Allow four decimal numbers of 0 to 255."""
     try:
-        # 010 is 8 to some readers.
-        plain = str(IPv4Address(address)) == address
+        plain = str(IPv4Address(address)) == address  # 010 is 8 to some readers
     except ValueError:
         plain = False
     if not plain:
@@ -86,6 +71,5 @@ def instrument_address(name: Union[str, Message], address: str) -> str:
 def _with_unit(number: float, unit: str) -> str:
     try:
         return f"{number:.12g} {unit}".rstrip()
-    except OverflowError:
-        # A whole number from a file may have hundreds of digits.
+    except OverflowError:  # a whole number from a file may have hundreds of digits
         return f"{'inf' if number > 0 else '-inf'} {unit}".rstrip()

@@ -5,10 +5,10 @@ from __future__ import annotations
 import threading
 from typing import List, Protocol
 
+from gpr20_common.errors import os_reason
 from gpr20_common.faults import NOT_SET_UP
 from gpr20_common.message import Message
 from gpr20_common.mid.checks import number_between
-from gpr20_common.os_reason import os_reason
 from gpr20_height_sensor.errors import SpiError
 
 CHANNELS = 8

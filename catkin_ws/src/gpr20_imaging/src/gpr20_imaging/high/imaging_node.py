@@ -7,13 +7,12 @@ from typing import Any
 import rospy
 
 from gpr20_analysis.high.candidate_topics import CandidateTopics
-from gpr20_common.high.answers import fields_of, message_fields
+from gpr20_common.high.answers import advertise, fields_of, message_fields
 from gpr20_common.high.description import publish_description
 from gpr20_common.high.diagnostics import OK, WARN, Diagnostics, Health
-from gpr20_common.high.node import run_device
-from gpr20_common.high.services import advertise
+from gpr20_common.high.node import read_parameters, run_node
 from gpr20_common.message import Message
-from gpr20_common.mid.hardware import NO_HARDWARE
+from gpr20_common.mid.node_facts import NO_HARDWARE
 from gpr20_imaging.high.export_notes import ExportNotes
 from gpr20_imaging.low.analysis_process import AnalysisProcess
 from gpr20_imaging.low.usb_volumes import UsbVolumes
@@ -142,4 +141,4 @@ class ImagingNode:
 
 def main() -> None:
     """Run the node."""
-    run_device(NODE, ImagingParameters, lambda found: ImagingNode(found, UsbVolumes()))
+    run_node(NODE, lambda: ImagingNode(read_parameters(ImagingParameters, NODE), UsbVolumes()))

@@ -10,9 +10,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Callable, List, Optional, Sequence, Tuple
 
+from gpr20_common.errors import os_reason
 from gpr20_common.faults import NOT_ALLOWED
 from gpr20_common.message import Message
-from gpr20_common.os_reason import os_reason
 from gpr20_imaging import faults
 from gpr20_imaging.errors import CancelledError, ExportFailedError, ImagingError
 from gpr20_imaging.low import stick_files

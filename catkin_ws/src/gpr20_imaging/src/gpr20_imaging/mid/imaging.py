@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Callable, Dict, List, Optional, Sequence, Tuple
 
+from gpr20_common.catalogue import languages
 from gpr20_common.faults import ASKED_FOR, NOT_ALLOWED
-from gpr20_common.low.catalogue_file import languages
 from gpr20_common.message import Message
 from gpr20_imaging import faults
 from gpr20_imaging.errors import ImagingError

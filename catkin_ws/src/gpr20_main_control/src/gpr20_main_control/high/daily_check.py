@@ -12,16 +12,16 @@ from typing import Any, Callable, Sequence
 import rosgraph
 import rospy
 
-from gpr20_common.catalogue import Catalogue
-from gpr20_common.errors import Gpr20Error
-from gpr20_common.faults import ASKED_FOR, PART_SILENT
-from gpr20_common.high.answers import message_from
-from gpr20_common.low.catalogue_file import (
+from gpr20_common.catalogue import (
+    Catalogue,
     language_from_code,
     language_from_environment,
     languages,
     read_catalogue,
 )
+from gpr20_common.errors import Gpr20Error
+from gpr20_common.faults import ASKED_FOR, PART_SILENT
+from gpr20_common.high.answers import message_from
 from gpr20_common.low.clock import time_of_day_us
 from gpr20_common.low.data_folder import data_folder, state_folder
 from gpr20_common.message import Message

@@ -7,8 +7,7 @@ from typing import Optional
 from PyQt5.QtCore import QCoreApplication, QEvent, QTranslator
 from PyQt5.QtWidgets import QWidget
 
-from gpr20_common.catalogue import Catalogue, Language
-from gpr20_common.low.catalogue_file import read_catalogue
+from gpr20_common.catalogue import Catalogue, Language, read_catalogue
 from gpr20_common.message import Message
 
 

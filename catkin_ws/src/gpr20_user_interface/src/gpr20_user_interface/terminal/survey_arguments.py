@@ -9,9 +9,8 @@ import math
 from dataclasses import dataclass, replace
 from typing import Any, Callable, Iterator, List, Mapping, Optional, Sequence
 
-from gpr20_common.catalogue import Catalogue, Language
+from gpr20_common.catalogue import Catalogue, Language, language_from_environment, languages
 from gpr20_common.errors import InvalidValueError
-from gpr20_common.low.catalogue_file import language_from_environment, languages
 from gpr20_common.message import Message, verbatim
 from gpr20_operator.plan.fields import PARAMETERS, PEOPLE, SPECS
 from gpr20_operator.plan.spec import FieldSpec

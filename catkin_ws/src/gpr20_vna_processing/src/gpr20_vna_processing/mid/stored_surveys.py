@@ -12,9 +12,9 @@ from typing import Any, Collection, Dict, List, Mapping, NamedTuple, Optional, S
 
 import numpy as np
 
+from gpr20_common.errors import os_reason
 from gpr20_common.message import Message
 from gpr20_common.mid.checks import number_between
-from gpr20_common.os_reason import os_reason
 from gpr20_common.terminal_text import printable
 from gpr20_survey.errors import TraceRefusedError, storing
 from gpr20_survey.folder import survey_folder, trace_files

@@ -13,8 +13,8 @@ from typing import Any, Callable, Optional
 from tornado import httpserver, netutil, web
 from tornado.iostream import IOStream
 
+from gpr20_common.errors import os_reason
 from gpr20_common.message import Message
-from gpr20_common.os_reason import os_reason
 from gpr20_web.calls import Person, Routes
 from gpr20_web.errors import PortTakenError
 from gpr20_web.low.event_streams import EventStreams

@@ -11,10 +11,9 @@ from tornado import web
 from tornado.http1connection import HTTP1Connection
 from tornado.iostream import StreamClosedError
 
-from gpr20_common.catalogue import Language
+from gpr20_common.catalogue import Language, read_catalogue
 from gpr20_common.errors import Gpr20Error
-from gpr20_common.low.catalogue_file import read_catalogue
-from gpr20_common.low.tcp_keepalive import end_when_broken
+from gpr20_common.low.links import end_when_broken
 from gpr20_common.message import Message
 from gpr20_web import faults
 from gpr20_web.calls import Answer, Body, Call, Cookie, Person, Route, Routes, Stream

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from typing import Any, Dict, Mapping, Sequence
 
-from gpr20_common.catalogue import Language
-from gpr20_common.low.catalogue_file import languages, read_catalogue
+from gpr20_common.catalogue import Language, languages, read_catalogue
 from gpr20_common.message import Message
 from gpr20_operator.palette import LEVEL_COLOURS, Mark, TextColours, Theme
 from gpr20_operator.robot.snapshot import Snapshot
