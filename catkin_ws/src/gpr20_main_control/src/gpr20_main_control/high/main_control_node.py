@@ -258,5 +258,4 @@ def _watched(name: str, plain_name: Message) -> WatchedNode:
 
 
 def main() -> None:
-    """Run the main control."""
     run_node(NODE, build_main_control_node)

@@ -269,7 +269,6 @@ class ProcessingNode:
 
 
 def main() -> None:
-    """Run the node."""
     run_device(
         NODE,
         ProcessingParameters,
