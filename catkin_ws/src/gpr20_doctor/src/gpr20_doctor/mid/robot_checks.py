@@ -251,7 +251,6 @@ def _part(node: NodeHealth, listening_s: float, state: Optional[NodeState]) -> F
     if node.level is HealthLevel.ERROR:
         failed = text.with_fault(INTERNAL)
         return Finding.of_fault(node.name, failed, node.message.remedy)
-    # Not a survey that pauses for it: that is a fault.
     if cause is not None and (cause.severity is Severity.NOTE or cause == NOT_HOMED.as_warning()):
         return Finding(node.name, Level.NOTE, text, cause.remedy or PART_RED.as_warning().remedy)
     return Finding.of(node.name, text, PART_RED.as_warning(), mild=True)
