@@ -166,7 +166,7 @@ class AxisNode:
         """Own the axis for a motion, and yield what ends the motion early.
 
         Raises:
-            AxisOwnedError: Another node owns the axis.
+            AxisBusyError: Another node owns the axis.
             MotionStopped: The motion was ended; the message is why.
         """
         with self._lease.use(caller) as lapsed:

@@ -25,7 +25,9 @@ STATUS_LIMIT_S = 1.0
 # How many goals that have ended are still listed in the status. A client sends its next goal when
 # it has the result of the one before, so it no longer waits for these.
 LISTED_GOALS = 4
-NOT_BEGUN = Message("a stop or another motion came before this motion began").with_fault(IN_USE)
+NOT_BEGUN = Message(
+    "a stop or another motion came before this motion began; request it again"
+).with_fault(IN_USE)
 ENDED = frozenset(
     (
         GoalStatus.SUCCEEDED,

@@ -11,14 +11,10 @@ import numpy as np
 from gpr20_common.low.clock import Clock, time_of_day_us
 from gpr20_common.message import Message
 from gpr20_height_sensor import faults
-from gpr20_height_sensor.errors import (
-    HeightStoppedError,
-    SensorNoiseError,
-    SensorRangeError,
-    SensorStuckError,
-)
+from gpr20_height_sensor.errors import HeightError, HeightStoppedError
 from gpr20_height_sensor.low.adc_interface import LARGEST_CODE, AdcInterface
 from gpr20_height_sensor.mid.height_parameters import HeightParameters
+from gpr20_survey.faults import NO_GROUND
 
 # Makes the median absolute deviation of normally distributed readings their standard deviation.
 NORMAL_MAD_SCALE = 1.4826
@@ -107,7 +103,7 @@ class HeightDriver:
         """Return one reading of the converter made now, 0..1023.
 
         Raises:
-            SpiError: The converter does not answer.
+            HeightError: The converter does not answer.
         """
         code = self._adc.read_code()
         with self._lock:
@@ -172,7 +168,7 @@ class HeightDriver:
         for rail, cause in RAILS.items():
             at_rail = int(np.count_nonzero(codes == rail))
             if 2 * at_rail >= len(codes):
-                raise SensorStuckError(
+                raise HeightError(
                     Message(
                         "the height sensor is stuck: {stuck} of {readings} readings are {rail}, "
                         "the end of the converter's scale ({cause}); check its plug and supply",
@@ -186,7 +182,7 @@ class HeightDriver:
     def _check_in_range(self, distance_m: float) -> None:
         nearest_m, farthest_m = self._parameters.min_distance_m, self._parameters.max_distance_m
         if not nearest_m <= distance_m <= farthest_m:
-            raise SensorRangeError(
+            raise HeightError(
                 Message(
                     "the height sensor reads {distance} m; it measures from {nearest_m:g} to "
                     "{farthest_m:g} m; check the height of the antennas and that the sensor sees "
@@ -195,14 +191,15 @@ class HeightDriver:
                     distance=f"{distance_m:.3f}",
                     nearest_m=nearest_m,
                     farthest_m=farthest_m,
-                )
+                ),
+                fault=NO_GROUND,
             )
 
     def _check_not_frozen(self) -> None:
         # One measurement cannot distinguish a dead sensor from a still one; the noise of many can.
         limit, count = self._parameters.frozen_readings, self._equal_readings
         if 0 < limit <= count:
-            raise SensorStuckError(
+            raise HeightError(
                 Message(
                     "the height sensor is stuck: its last {readings} readings are identical; test: "
                     "put a hand under the sensor; if the value changes, raise frozen_readings (0 "
@@ -215,7 +212,7 @@ class HeightDriver:
     def _check_quiet(self, spread_m: float, distances_m: np.ndarray) -> None:
         limit_m = self._parameters.max_spread_m
         if spread_m > limit_m:
-            raise SensorNoiseError(
+            raise HeightError(
                 Message(
                     "the height readings scatter by {spread} m (from {lowest} to {highest} m); at "
                     "most {limit_m:g} m is allowed; check the sensor's supply and that the "

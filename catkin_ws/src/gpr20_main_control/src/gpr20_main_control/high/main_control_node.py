@@ -256,5 +256,4 @@ def _watched(name: str, plain_name: Message) -> WatchedNode:
 
 
 def main() -> None:
-    """Run the main control."""
     run_node(NODE, build_main_control_node)

@@ -79,7 +79,6 @@ class Annotation:
         )
 
     def values(self) -> Dict[str, Any]:
-        """Return the entry of the description."""
         return dict(plain(self))
 
     def fields(self) -> Dict[str, Any]:

@@ -108,7 +108,6 @@ def axis_parameters(axis_id: AxisId, nodes: Mapping[str, NodeDescription]) -> Ax
 
 
 def is_simulated_identity(identity: str) -> bool:
-    """Return whether an analyzer's identity is that of a simulated one."""
     return SIMULATED_IDENTITY in identity.upper()
 
 

@@ -190,7 +190,6 @@ class CandidateList:
 
     @property
     def total(self) -> int:
-        """Number of all candidates, omitted ones too."""
         return len(self.candidates) + self.omitted
 
     @property

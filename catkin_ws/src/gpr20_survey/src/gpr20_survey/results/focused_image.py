@@ -35,7 +35,6 @@ class FocusedImage:
 
 
 def focus_fields(image: FocusedImage) -> Dict[str, Any]:
-    """Return the fields that hold an image."""
     return {
         "survey_id": image.found.survey_id,
         "traces": image.traces,

@@ -38,7 +38,6 @@ class AnalyzerSettings:
 
     @property
     def message(self) -> Message:
-        """The three values, for people."""
         unknown = Message("unknown")
         return Message(
             "IF bandwidth {bandwidth}, averages {averages}, output power {power}",
@@ -69,7 +68,6 @@ class SweepSettings:
     analyzer: AnalyzerSettings = AnalyzerSettings()
 
     def frequencies_hz(self) -> np.ndarray:
-        """Return the measured frequencies [Hz, float64], ascending."""
         return np.linspace(self.start_frequency_hz, self.stop_frequency_hz, self.points)
 
     def fulfils(self, wanted: SweepSettings) -> bool:

@@ -151,7 +151,8 @@ class VNANode:
             )
         if state.former_trouble:
             answers = Message(
-                "answers again; the last fault: {reason}", reason=state.former_trouble
+                "answers again; look at it only if it fails again; the last fault: {reason}",
+                reason=state.former_trouble,
             ).reporting_only(VNA_SILENT.as_warning())
             return diagnostics.WARN, answers, values
         if state.last_quality:

@@ -123,7 +123,7 @@ def level_remarks(sweep: Sweep, parameters: VnaParameters) -> Tuple[Message, ...
         remarks.append(
             Message(
                 "S21 is weak: median {level} dB, expected at least {limit_db:g} dB; check that "
-                "both antennas are connected",
+                "the cables of both antennas are tight",
                 # It can be infinite, which JSON does not know.
                 level=f"{median_db:.1f}",
                 limit_db=parameters.min_level_db,

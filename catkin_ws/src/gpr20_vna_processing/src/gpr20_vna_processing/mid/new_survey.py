@@ -130,7 +130,8 @@ def empty_folder(folder: Path, plan: LogRecord) -> None:
     ):
         raise SurveyRefusedError(
             Message(
-                "{folder} exists already; every survey needs its own id and folder",
+                "{folder} exists already; choose another survey id: the window does so when you "
+                "start again",
                 folder=printable(folder),
             ),
             fault=NO_PLAN,

@@ -94,7 +94,10 @@ class SensorInput:
         if not before:
             return self._without(
                 None,
-                Message("nothing has been received on {topic}", topic=self.sensor.topic),
+                Message(
+                    "nothing has been received on {topic}; check that its node runs",
+                    topic=self.sensor.topic,
+                ),
                 SENSOR_FAILED,
             )
         received_s, content = before[-1]
@@ -103,7 +106,8 @@ class SensorInput:
             return self._without(
                 age_s,
                 Message(
-                    "no value for {age_s} s, at most {longest_s:g} s are allowed",
+                    "no value for {age_s} s, at most {longest_s:g} s are allowed; check that its "
+                    "node runs",
                     age_s=f"{age_s:.1f}",
                     longest_s=self.sensor.longest_age_s,
                 ),
