@@ -18,6 +18,7 @@ from PyQt5.QtWidgets import (
 )
 
 from gpr20_operator.jobs.job import Job
+from gpr20_operator.robot.condition import first_step
 from gpr20_operator.robot.service_model import (
     PARTS,
     STEPS,
@@ -187,7 +188,7 @@ class Instruments(TranslatedWidget):
         if model.daily.running:
             return self.tr("Measuring")
         answer = model.daily.problem or model.daily.result
-        lines = [] if answer is None else [answer, answer.remedy]
+        lines = [] if answer is None else [answer, first_step(answer)]
         if model.part is not None:
             lines.append(INSTRUCTIONS[model.part])
         text = "\n".join(shown_text(line) for line in lines if line is not None)
@@ -233,8 +234,8 @@ class Instruments(TranslatedWidget):
             )
         if test.failure is not None:
             lines.append(self.tr("FAULT: {reason}").format(reason=shown_text(test.failure)))
-            if test.failure.remedy is not None:
-                lines.append(shown_text(test.failure.remedy))
+            first = first_step(test.failure)
+            lines += [] if first is None else [shown_text(first)]
         return "\n".join(lines)
 
 
