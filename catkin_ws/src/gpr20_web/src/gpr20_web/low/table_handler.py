@@ -106,7 +106,6 @@ class TableHandler(web.RequestHandler):
         return self._serve()
 
     def post(self) -> Awaitable[None]:
-        """Answer a request that changes something."""
         return self._serve()
 
     def delete(self) -> Awaitable[None]:

@@ -115,7 +115,6 @@ class AxisRows(TranslatedWidget):
         self._grid.setColumnMinimumWidth(0, px(PLACE_PX))
 
     def retranslate(self) -> None:
-        """Write the texts in the language of the application."""
         self._zero_title.setText(self.tr("Z: turn the antennas to their mark first"))
         for row in self.rows:
             row.home.setText(self.tr("HOME"))
@@ -180,7 +179,6 @@ class Instruments(TranslatedWidget):
         self._grid.setSpacing(look_of(self).px(GAP_PX))
 
     def retranslate(self) -> None:
-        """Write the texts in the language of the application."""
         self.measure.setText(self.tr("MEASURE HEIGHT"))
         self.analyzer.setText(self.tr("TEST VNA"))
 
@@ -287,7 +285,6 @@ class ServiceScreen(TranslatedWidget):
         space(self, self._layout, self._bottom)
 
     def retranslate(self) -> None:
-        """Write the texts in the language of the application."""
         self.leave_button.setText(self.tr("END SERVICE"))
         on_axes = self._pages.currentWidget() is self.axes
         self.switch_button.setText(self.tr("INSTRUMENTS") if on_axes else self.tr("AXES"))
