@@ -120,7 +120,7 @@ def kept_doubts(doubts: Iterable[Message]) -> List[str]:
 def carried_doubts(values: Mapping[str, Any]) -> List[Message]:
     """Return the doubts that a file of another format holds under `doubts`."""
     lines = (line.partition(" ") for line in str(values.get(DOUBTS, "")).splitlines())
-    return [received_message(text, {"code": code}) for code, _, text in lines]
+    return [received_message(text, {"code": code, "may_move": False}) for code, _, text in lines]
 
 
 def with_decisions(data: xr.Dataset, *decisions: Message) -> xr.Dataset:

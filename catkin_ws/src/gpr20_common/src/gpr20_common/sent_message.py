@@ -94,6 +94,6 @@ def _fault(record: Dict[str, Any], depth: int) -> Optional[Fault]:
         code=code if CODE_FORMAT.fullmatch(code) else UNKNOWN_CODE,
         remedy=remedy if str(remedy) else None,
         severity=named.get(str(record.get("severity")), Severity.FAULT),
-        may_move=record.get("may_move", False) is not False,
+        may_move=record.get("may_move", True) is not False,
         can_continue=record.get("can_continue", True) is True,
     )

@@ -186,7 +186,7 @@ def sent_with(fault, **more):
 
 @each_case("severity", ["critical", None, {"level": "note"}])
 def test_keys_and_values_of_a_later_version_count_as_usual_and_a_severity_as_a_fault(severity):
-    record = {"code": "vna.x", "severity": severity, "cost": [1]}
+    record = {"code": "vna.x", "severity": severity, "cost": [1], "may_move": False}
     message = received_message("", sent_with(record))
     assert message.fault == Fault("vna.x") and message.template == "no answer"
 
@@ -210,7 +210,8 @@ def test_a_flag_that_is_neither_true_nor_false_counts_as_the_graver_one(odd):
 def test_a_damaged_fault_leaves_the_sentence_and_counts_as_grave(fault):
     message = received_message("as sent", sent_with(fault))
     assert message.template == "no answer"
-    assert message.cause.severity is Severity.FAULT and message.cause.remedy is None
+    assert message.fault.severity is Severity.FAULT and message.fault.remedy is None
+    assert message.may_move and message.remedy == MOTORS_OFF
     assert message.fault_code == fault["code"] if fault["code"] == "vna.x" else UNKNOWN_CODE
 
 

@@ -1,7 +1,8 @@
 """Every page and sheet on every screen: nothing is cut off or covered, a glove hits every button.
 
 The window itself says which pages and sheets there are, so that no new one is forgotten. With
-`GPR20_PICTURES=FOLDER` a picture of each is stored there, to be looked at.
+`GPR20_PICTURES=FOLDER` a picture of each is stored there, to be looked at. In Spanish, no English
+word of ours is seen on any of them.
 """
 
 import itertools
@@ -29,6 +30,7 @@ from PyQt5.QtWidgets import (
     QToolButton,
     QWidget,
 )
+from translation_kit import english_words
 from view_kit import snapshot
 from window_helpers import click, close, open_field, opened_window, show
 
@@ -189,11 +191,14 @@ def line_misfits(widget, text, frame_px):
 def every_problem(window):
     """Show every page and sheet; return what is wrong, each with the first that shows it."""
     wrong, seen = {}, set()
+    spanish = window.languages.language == Language.SPANISH
 
     def look(what):
         settle()
         for one in problems(window, front(window)):
             wrong.setdefault(one, what)
+        for one in english_words(texts_on(window)) if spanish else ():
+            wrong.setdefault(f"says {one}", what)
         if PICTURES:
             language, theme = window.languages.language.value, window.look.theme.value
             folder = Path(PICTURES) / f"{window.width()}x{window.height()}_{language}_{theme}"
@@ -218,6 +223,18 @@ def every_problem(window):
             sheet.open()
             look(type(sheet).__name__)
     return wrong
+
+
+def texts_on(window):
+    """Return what all widgets show, but for the details, which are technical, and the sticks."""
+    for one in window.findChildren(QWidget):
+        if one.objectName() not in ("details", "choice"):
+            names = (
+                ("whole",) if isinstance(one, CUT) else ("text", "toPlainText", "placeholderText")
+            )
+            found = [getattr(one, name, "") for name in names]
+            said = [text() if callable(text) else text for text in found]
+            yield from (text for text in said if isinstance(text, str))
 
 
 def every_page(window, tab):

@@ -105,7 +105,6 @@ class PastSurveys:
         return self.surveys[-1].folder if self.surveys else ""
 
     def find(self, folder: str) -> Optional[SurveySummary]:
-        """Return a survey of the pages so far; None if it is not among them."""
         return next((one for one in self.surveys if one.folder == folder), None)
 
     def found(self, listed: Listed, text: str) -> Tuple[SurveySummary, ...]:

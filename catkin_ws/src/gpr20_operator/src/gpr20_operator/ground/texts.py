@@ -52,7 +52,6 @@ def touched_lines(model: GroundModel, shown: Shown) -> Lines:
 
 
 def marker_lines(marker: Marker) -> Lines:
-    """Return what is known of a marker."""
     made = f"{marker.time[:16].replace('T', ' ')} UTC {marker.author}".strip()
     return (
         Message("Marker: {text}", text=marker.text or UNKNOWN),
@@ -62,7 +61,6 @@ def marker_lines(marker: Marker) -> Lines:
 
 
 def candidate_lines(candidate: Candidate, measured: bool) -> Lines:
-    """Return what is known of a candidate."""
     return (
         Message("Candidate {number}, doubtful", number=candidate.number)
         if candidate.is_doubtful

@@ -140,7 +140,6 @@ class LinkWatch:
         self._periodic = Periodic(LINK_PERIOD_S, self._check)
 
     def close(self) -> None:
-        """Stop asking."""
         self._periodic.stop()
 
     def _check(self) -> None:

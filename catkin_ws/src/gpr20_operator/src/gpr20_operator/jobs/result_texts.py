@@ -7,6 +7,7 @@ from typing import Dict, List, Optional, Sequence, Tuple
 from gpr20_common.message import Message, in_a_row
 from gpr20_operator.ground.past_surveys import past_band, survey_label
 from gpr20_operator.jobs.result import PLACES_SHOWN, SurveyResult
+from gpr20_survey.faults import DAMAGED, UNCONFIRMED
 from gpr20_survey.plan.imported import IMPORTED
 from gpr20_survey.radar.soils import ANY_SOIL, soil_of
 from gpr20_survey.results.candidates import Candidate, CandidateList, Flag
@@ -34,8 +35,8 @@ FINDS: Dict[What, Message] = {
 # By the codes of their faults.
 DOUBTED: Dict[str, Message] = {
     "analysis.zeros_unproven": Message("positions"),
-    "survey.damaged": Message("damage"),
-    "survey.unconfirmed": Message("log"),
+    DAMAGED.code: Message("damage"),
+    UNCONFIRMED.code: Message("log"),
     "analysis.sweep_repeated": Message("copies"),
     "analysis.calibration": Message("calibration"),
     "analysis.drifted": Message("drift"),

@@ -172,7 +172,7 @@ class AccountFile:
     def _unusable(self, reason: Message) -> AccountsFileError:
         return AccountsFileError(
             Message(
-                "the accounts cannot be used: {reason}",
+                "the file of the accounts cannot be used: {reason}",
                 reason=reason,
                 # For the log; no browser learns it.
                 details=printable(self._path),

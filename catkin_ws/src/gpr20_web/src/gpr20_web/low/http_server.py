@@ -96,7 +96,7 @@ class HttpServer:
         except OSError as error:
             raise PortTakenError(
                 Message(
-                    "the page cannot listen at {address}, port {port}: {reason}",
+                    "the page cannot listen at {address}, port {port} of web.yaml: {reason}",
                     address=address,
                     port=port,
                     reason=_REFUSALS.get(error.errno or 0) or os_reason(error),

@@ -134,7 +134,7 @@ class Audit:
                             break
         except OSError as error:
             raise AuditFileError(
-                Message("the audit cannot be read: {reason}", reason=os_reason(error))
+                Message("the file of the audit cannot be read: {reason}", reason=os_reason(error))
             ) from error
         return list(found.values())
 

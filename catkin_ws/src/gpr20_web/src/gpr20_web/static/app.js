@@ -19,6 +19,8 @@ const PAGES = [now, map, radar, surveys, robots, service, users, audit];
 const TICK_MS = 400;
 const AGAIN_MS = 2000;
 const LOAD_LIMIT_MS = 10000;
+// As faults.py of this package has it.
+const NOT_LOGGED_IN = "web.not_logged_in";
 
 class App {
   constructor() {
@@ -108,7 +110,7 @@ class App {
   }
 
   report(error) {
-    if (error.code === "web.not_logged_in") {
+    if (error.code === NOT_LOGGED_IN) {
       this.leave("over");
       return;
     }

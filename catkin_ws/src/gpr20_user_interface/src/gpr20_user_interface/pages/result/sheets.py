@@ -20,6 +20,7 @@ from gpr20_operator.jobs import result_texts as texts
 from gpr20_operator.jobs.job import Job, JobState
 from gpr20_operator.jobs.result import SurveyResult
 from gpr20_operator.plan.spec import Keys
+from gpr20_operator.robot.condition import first_step
 from gpr20_operator.words import number_from_text
 from gpr20_survey.radar.soils import LARGEST_PERMITTIVITY, MIN_PERMITTIVITY, Soils
 from gpr20_survey.results.candidates import NO_CLEARANCE, Candidate
@@ -44,7 +45,9 @@ DEPTHS = Message("0 to {deepest:g} mm; empty: not known", deepest=MAX_DEPTH_MM)
 
 def with_remedy(problem: Message) -> str:
     """Return a problem, and what to do first."""
-    return "\n".join(sentence_text(one) for one in (problem, problem.remedy) if one is not None)
+    return "\n".join(
+        sentence_text(one) for one in (problem, first_step(problem)) if one is not None
+    )
 
 
 class ResultSheet(Overlay):

@@ -18,6 +18,7 @@ from PyQt5.QtWidgets import (
 )
 
 from gpr20_operator.jobs.job import Job
+from gpr20_operator.robot.condition import first_step
 from gpr20_operator.robot.service_model import (
     PARTS,
     STEPS,
@@ -114,7 +115,6 @@ class AxisRows(TranslatedWidget):
         self._grid.setColumnMinimumWidth(0, px(PLACE_PX))
 
     def retranslate(self) -> None:
-        """Write the texts in the language of the application."""
         self._zero_title.setText(self.tr("Z: turn the antennas to their mark first"))
         for row in self.rows:
             row.home.setText(self.tr("HOME"))
@@ -179,7 +179,6 @@ class Instruments(TranslatedWidget):
         self._grid.setSpacing(look_of(self).px(GAP_PX))
 
     def retranslate(self) -> None:
-        """Write the texts in the language of the application."""
         self.measure.setText(self.tr("MEASURE HEIGHT"))
         self.analyzer.setText(self.tr("TEST VNA"))
 
@@ -187,7 +186,7 @@ class Instruments(TranslatedWidget):
         if model.daily.running:
             return self.tr("Measuring")
         answer = model.daily.problem or model.daily.result
-        lines = [] if answer is None else [answer, answer.remedy]
+        lines = [] if answer is None else [answer, first_step(answer)]
         if model.part is not None:
             lines.append(INSTRUCTIONS[model.part])
         text = "\n".join(shown_text(line) for line in lines if line is not None)
@@ -233,8 +232,8 @@ class Instruments(TranslatedWidget):
             )
         if test.failure is not None:
             lines.append(self.tr("FAULT: {reason}").format(reason=shown_text(test.failure)))
-            if test.failure.remedy is not None:
-                lines.append(shown_text(test.failure.remedy))
+            first = first_step(test.failure)
+            lines += [] if first is None else [shown_text(first)]
         return "\n".join(lines)
 
 
@@ -286,7 +285,6 @@ class ServiceScreen(TranslatedWidget):
         space(self, self._layout, self._bottom)
 
     def retranslate(self) -> None:
-        """Write the texts in the language of the application."""
         self.leave_button.setText(self.tr("END SERVICE"))
         on_axes = self._pages.currentWidget() is self.axes
         self.switch_button.setText(self.tr("INSTRUMENTS") if on_axes else self.tr("AXES"))
