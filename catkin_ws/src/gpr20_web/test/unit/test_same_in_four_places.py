@@ -19,9 +19,8 @@ from translations import module_files
 from web_kit import Site
 from window_helpers import close, opened_window
 
-from gpr20_common.catalogue import Catalogue, Language
+from gpr20_common.catalogue import Catalogue, Language, read_catalogue
 from gpr20_common.high.answers import message_fields, message_from
-from gpr20_common.low.catalogue_file import read_catalogue
 from gpr20_common.message import MOTORS_OFF, Fault, Message
 from gpr20_common.sent_message import received_message
 from gpr20_msgs.srv import CommandResponse
