@@ -10,7 +10,7 @@ from __future__ import annotations
 import json
 from typing import TYPE_CHECKING, Any, Dict, Iterable, List, Mapping, Optional, Sequence
 
-from gpr20_common.catalogue import Catalogue, language_from_code, read_catalogue
+from gpr20_common.catalogue import Catalogue
 from gpr20_common.message import BETWEEN_SENTENCES, Message, in_a_row
 from gpr20_common.sent_message import received_message
 from gpr20_common.terminal_text import printable
@@ -62,13 +62,11 @@ def with_sentences(attributes: Mapping[str, Any], **lists: Iterable[Message]) ->
     return changed
 
 
-def survey_remarks(survey: xr.Dataset, language: str = "en") -> List[str]:
-    """Return what is damaged, missing, doubted or noted in a survey, as commands print it."""
-    return remark_lines(survey, read_catalogue(language_from_code(language)))
-
-
 def remark_lines(survey: xr.Dataset, catalogue: Catalogue, path: str = "") -> List[str]:
-    """Return what `survey_remarks` does: all doubts, and of other lists the first sentences."""
+    """Return what is damaged, missing, doubted or noted in a survey, as commands print it.
+
+    All doubts, and of other lists the first sentences.
+    """
     lines = []
     for name in LIST_ATTRIBUTES:
         found = sentences_of(survey, name)

@@ -64,8 +64,6 @@ class HeightNode:
             success=True,
             height_m=measured.height_m,
             spread_m=measured.spread_m,
-            samples=measured.samples,
-            measured=ros_time(measured.measured_us),
             voltage_v=voltage_v,
         )
 

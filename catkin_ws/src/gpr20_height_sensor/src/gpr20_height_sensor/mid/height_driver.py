@@ -34,13 +34,11 @@ class HeightMeasurement:
     Attributes:
         height_m: Antenna above ground [m].
         spread_m: Scaled median absolute deviation of the readings [m].
-        samples: Number of readings it is computed from.
         measured_us: When the last reading was taken [microseconds since 1970, UTC].
     """
 
     height_m: float
     spread_m: float
-    samples: int
     measured_us: int
 
 
@@ -144,7 +142,7 @@ class HeightDriver:
         spread_m = NORMAL_MAD_SCALE * float(np.median(np.abs(distances_m - distance_m)))
         self._check_quiet(spread_m, distances_m)
         height_m = distance_m + self._parameters.height_offset_m
-        return HeightMeasurement(height_m, spread_m, len(readings.codes), readings.measured_us)
+        return HeightMeasurement(height_m, spread_m, readings.measured_us)
 
     def shut_down(self) -> None:
         """End all measurements, refuse new ones, and release the bus."""

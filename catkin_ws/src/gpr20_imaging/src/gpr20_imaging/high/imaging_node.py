@@ -24,8 +24,6 @@ from gpr20_msgs.srv import (
     CancelImagingResponse,
     ExportSurvey,
     ExportSurveyResponse,
-    FindCandidates,
-    FindCandidatesResponse,
     FocusSurvey,
     FocusSurveyResponse,
     ListVolumes,
@@ -34,7 +32,6 @@ from gpr20_msgs.srv import (
     MapHiddenResponse,
 )
 from gpr20_survey.axes.axis_id import BASE_LINK
-from gpr20_survey.results.candidates import json_text
 from gpr20_survey.results.focused_image import focus_fields
 from gpr20_survey.results.hiding_map import hiding_json
 
@@ -55,7 +52,6 @@ class ImagingNode:
         rospy.on_shutdown(self._imaging.close)
         self._services = [
             advertise("focus_survey", FocusSurvey, self._focus),
-            advertise("find_candidates", FindCandidates, self._find),
             advertise("map_hidden", MapHidden, self._hide),
             advertise("export_survey", ExportSurvey, self._export),
             advertise("list_volumes", ListVolumes, self._volumes),
@@ -69,18 +65,6 @@ class ImagingNode:
         self._candidates.publish(found.found)
         message = Message("an image of {count} traces", count=found.traces)
         return FocusSurveyResponse(success=True, **message_fields(message), **focus_fields(found))
-
-    def _find(self, request: Any) -> FindCandidatesResponse:
-        found = self._imaging.find_candidates(
-            request.request_id, request.survey, request.permittivity, request.language
-        )
-        self._candidates.publish(found.found)
-        return FindCandidatesResponse(
-            success=True,
-            **message_fields(Message("the list is complete")),
-            candidates_json=json_text(found.found),
-            remarks=found.remarks,
-        )
 
     def _hide(self, request: Any) -> MapHiddenResponse:
         found = self._imaging.map_hidden(

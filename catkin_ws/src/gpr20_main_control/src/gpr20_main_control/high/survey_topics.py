@@ -100,11 +100,9 @@ class SurveyTopics:
     def publish_service(self, activity: Optional[Message]) -> None:
         """Publish what is done for maintenance; None: nothing."""
         fields = message_fields(activity) if activity is not None else {}
-        message = ServiceStatus(busy=activity is not None, **fields)
-        message.header.stamp = rospy.Time.now()
         if activity is not None:
             rospy.loginfo("service: %s", activity)
-        self._service.publish(message)
+        self._service.publish(ServiceStatus(busy=activity is not None, **fields))
 
     def publish_current(self, robot: Robot) -> None:
         """Publish the position of the axes, once all of them have reported theirs.

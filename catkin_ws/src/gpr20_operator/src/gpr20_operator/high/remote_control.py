@@ -86,7 +86,6 @@ def remote_message(event: RemoteArmed) -> RemoteControl:
         remaining=rospy.Duration.from_sec(event.remaining_s),
         has_plan=event.plan is not None,
     )
-    message.header.stamp = rospy.Time.now()
     if event.plan is not None:
         message.parameters = conversions.parameters_message(event.plan.parameters)
         message.annotation = conversions.annotation_message(event.plan.annotation)

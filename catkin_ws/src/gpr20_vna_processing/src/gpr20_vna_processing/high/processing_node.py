@@ -141,7 +141,6 @@ class ProcessingNode:
         return success(
             srv.AddFact,
             message,
-            path=str(added.folder),
             survey_id=added.survey_id,
             stored_traces=added.stored_traces,
             markers_json=json.dumps(added.markers) if added.markers else "",
@@ -166,9 +165,7 @@ class ProcessingNode:
         unsigned = self._processing.state().unsigned
         if unsigned is not None:
             message = in_a_row([message, unsigned])
-        return success(
-            srv.CloseSurvey, message, path=str(closed.folder), stored_traces=closed.stored_traces
-        )
+        return success(srv.CloseSurvey, message)
 
     def _list_surveys(self, request: Any) -> Any:
         surveys, more = self._surveys.list(request.before, request.max_surveys)
@@ -184,7 +181,6 @@ class ProcessingNode:
         return success(
             srv.ReadSurvey,
             Message("{count} traces stored", count=len(survey.stored_indices)),
-            survey_id=survey.survey_id,
             metadata_json=json.dumps(survey.description),
             stored_indices=survey.stored_indices,
         )

@@ -227,9 +227,7 @@ class WebNode:
         )
         if status != self._said:
             self._said = status
-            message = WebStatus(**asdict(status))
-            message.header.stamp = rospy.Time.now()
-            self._status.publish(message)
+            self._status.publish(WebStatus(**asdict(status)))
         return watchers > 0
 
     def _note_survey(self, survey: str, values: Mapping[str, Any]) -> None:
