@@ -9,7 +9,7 @@ from typing import Callable, Optional, Tuple
 
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.low.clock import time_of_day_us
-from gpr20_common.message import Message
+from gpr20_common.message import Message, verbatim
 from gpr20_operator.errors import SurveyNotReadableError
 from gpr20_operator.ground.grid import SurveyGrid, grid_from_description
 from gpr20_operator.jobs.job import Job, JobState, Service
@@ -37,6 +37,9 @@ SURVEY_RUNS = Message("A survey is running. The search begins when it has ended.
 OTHER_SURVEY = Message("The answer is that of another survey.")
 
 
+NOT_RECORDED = verbatim("")
+
+
 @dataclass(frozen=True)
 class Record:
     """What the storage says of a survey.
@@ -56,7 +59,7 @@ class Record:
     outcome: str = ""
     name: str = ""
     operator: str = ""
-    local_time: str = ""
+    local_time: Message = NOT_RECORDED
     found: Tuple[Found, ...] = ()
     unreadable: int = 0
 

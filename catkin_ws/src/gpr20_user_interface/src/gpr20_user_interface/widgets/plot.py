@@ -24,6 +24,7 @@ from gpr20_operator.ground.marks import GroundMark
 from gpr20_operator.ground.records import Colours, Picture
 from gpr20_operator.ground.shade_colours import colour_table, shade_numbers
 from gpr20_user_interface.look.look import Look, Mark, look_of
+from gpr20_user_interface.look.translation import shown_number
 from gpr20_user_interface.widgets.ink import (
     Ticks,
     paint_axes,
@@ -360,7 +361,15 @@ class Plot(pyqtgraph.GraphicsView):
     def _overlay(self, look: Look) -> QPixmap:
         """Return marks and numbers; they are painted again only after a change."""
         size = self.viewport().size()
-        state = (self.marks, self._map, size, self.labels, look, self._ticks_state())
+        state = (
+            self.marks,
+            self._map,
+            size,
+            self.labels,
+            look,
+            self._ticks_state(),
+            shown_number(0.5),
+        )
         if state != self._overlaid[0]:
             pixmap = QPixmap(size)
             pixmap.fill(Qt.GlobalColor.transparent)
@@ -385,8 +394,8 @@ class Plot(pyqtgraph.GraphicsView):
         low, high = min(one, other), max(one, other)
         ys = round_ticks(low, high, max(2, int(area.height() / look.px(y_px))))
         return (
-            [(self.to_screen(x, 0.0).x(), f"{x:g}") for x in xs.tolist()],
-            [(self.to_screen(0.0, y).y(), f"{y:g}") for y in ys.tolist()],
+            [(self.to_screen(x, 0.0).x(), shown_number(x)) for x in xs.tolist()],
+            [(self.to_screen(0.0, y).y(), shown_number(y)) for y in ys.tolist()],
         )
 
 
