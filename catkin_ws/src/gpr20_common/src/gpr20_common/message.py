@@ -264,9 +264,9 @@ def verbatim(text: str) -> Message:
 
 def numeral(value: float, form: str = "g") -> Message:
     """Return a number by itself, as people of a language write it; `form` is that of `format`."""
-    template = "{number:" + form + "}"
-    # JSON has no number for NaN and those beyond all others.
-    return Message(template, number=value) if isfinite(value) else verbatim(format(value, form))
+    if not isfinite(value):  # JSON has no number for it
+        return verbatim(format(value, form))
+    return Message("{number:" + form + "}", number=value)
 
 
 def in_a_row(messages: Iterable[Message]) -> Message:

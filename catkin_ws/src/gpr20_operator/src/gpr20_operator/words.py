@@ -49,10 +49,10 @@ def number_from_text(text: str) -> float:
     return value
 
 
-def entered_number(text: str) -> Message:
+def entered_number(text: str, form: str = ".12g") -> Message:
     """Return what is in a field as people read it; other text than a number as it is."""
     try:
-        return numeral(number_from_text(text), ".12g")
+        return numeral(number_from_text(text), form)
     except InvalidValueError:
         return verbatim(text)
 

@@ -11,7 +11,6 @@ from gpr20_operator.words import local_time
 from gpr20_survey.plan.imported import IMPORTED
 from gpr20_survey.results.survey_summary import SurveySummary
 
-# Returns a message in the language of who reads it.
 Shown = Callable[[Message], str]
 NO_LIST = Message("During a replay no list of surveys is available.")
 # Of a survey that is not complete although every trace is stored.

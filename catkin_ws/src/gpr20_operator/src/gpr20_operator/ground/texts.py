@@ -54,11 +54,10 @@ def touched_lines(model: GroundModel, shown: Shown) -> Lines:
 
 def marker_lines(marker: Marker) -> Lines:
     """Return what is known of a marker."""
-    time = moment_text(f"{marker.time[:16]} UTC {marker.author}".strip())
     return (
         Message("Marker: {text}", text=marker.text or UNKNOWN),
         place_text(marker.x_mm, marker.y_mm, marker.depth_mm),
-        time,
+        moment_text(f"{marker.time[:16]} UTC {marker.author}".strip()),
     )
 
 

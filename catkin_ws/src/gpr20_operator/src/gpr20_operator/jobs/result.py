@@ -9,13 +9,12 @@ from typing import Callable, Optional, Tuple
 
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.low.clock import time_of_day_us
-from gpr20_common.message import Message, verbatim
+from gpr20_common.message import Message
 from gpr20_operator.errors import SurveyNotReadableError
 from gpr20_operator.ground.grid import SurveyGrid, grid_from_description
 from gpr20_operator.jobs.job import Job, JobState, Service
 from gpr20_operator.jobs.pictures import NOT_KNOWN, Imaging, StoredSurvey
 from gpr20_operator.jobs.stick import StickExport
-from gpr20_operator.words import local_time
 from gpr20_survey.folder.log_record import Kind, log_values
 from gpr20_survey.folder.soil_note import KIND as SOIL_KIND
 from gpr20_survey.folder.soil_note import soil_values
@@ -37,9 +36,6 @@ SURVEY_RUNS = Message("A survey is running. The search begins when it has ended.
 OTHER_SURVEY = Message("The answer is that of another survey.")
 
 
-NOT_RECORDED = verbatim("")
-
-
 @dataclass(frozen=True)
 class Record:
     """What the storage says of a survey.
@@ -50,7 +46,7 @@ class Record:
         outcome: How it ended, as in survey.json; empty: it runs, or was cut off.
         name: What people call it; empty: nothing.
         operator: Who measured; empty: it is not known.
-        local_time: When it started; empty: it is not known.
+        started: When, ISO 8601, UTC; empty: it is not known.
         found: What people found at its candidates.
     """
 
@@ -59,7 +55,7 @@ class Record:
     outcome: str = ""
     name: str = ""
     operator: str = ""
-    local_time: Message = NOT_RECORDED
+    started: str = ""
     found: Tuple[Found, ...] = ()
     unreadable: int = 0
 
@@ -94,7 +90,7 @@ def record_of(stored: StoredSurvey) -> Record:
         str(values.get("outcome") or ""),
         annotation.name or annotation.site,
         annotation.operator,
-        local_time(str(values.get("started") or "")),
+        str(values.get("started") or ""),
         tuple(present(finds)),
         unreadable,
     )

@@ -7,7 +7,7 @@ from typing import Dict, List, Optional, Sequence, Tuple
 from gpr20_common.message import Message, in_a_row, numeral
 from gpr20_operator.ground.past_surveys import past_band, survey_label
 from gpr20_operator.jobs.result import PLACES_SHOWN, SurveyResult
-from gpr20_operator.words import in_line
+from gpr20_operator.words import in_line, local_time
 from gpr20_survey.plan.imported import IMPORTED
 from gpr20_survey.radar.soils import ANY_SOIL, soil_of
 from gpr20_survey.results.candidates import Candidate, CandidateList, Flag
@@ -66,7 +66,7 @@ def band(result: SurveyResult) -> Optional[Message]:
     record = result.record
     if record is None or record.survey_id == result.latest_id:
         return None
-    label = survey_label(record.name, record.survey_id, record.local_time)
+    label = survey_label(record.name, record.survey_id, local_time(record.started))
     return past_band(label, record.outcome)
 
 

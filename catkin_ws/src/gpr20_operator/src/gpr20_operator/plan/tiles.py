@@ -6,7 +6,7 @@ import math
 from typing import Mapping, Optional, Tuple
 
 from gpr20_common.errors import InvalidValueError
-from gpr20_common.message import Message, numeral, verbatim
+from gpr20_common.message import Message, verbatim
 from gpr20_operator.ground.past_surveys import Ending, PastSurveys, title_of
 from gpr20_operator.plan.annotation import shortened
 from gpr20_operator.plan.fields import TILE_FIELDS, texts_of
@@ -178,7 +178,7 @@ def _range(axis: str, texts: Mapping[str, str]) -> Message:
 
 
 def _spacing(texts: Mapping[str, str]) -> Lines:
-    x, y = (_short(texts[f"{axis}_spacing_mm"]) for axis in "xy")
+    x, y = (entered_number(texts[f"{axis}_spacing_mm"], ".4g") for axis in "xy")
     points = Message("{x} x {y} points", x=texts["x_points"], y=texts["y_points"])
     size = Message("{x} mm", x=x) if x == y else Message("{x} x {y} mm", x=x, y=y)
     return size, points
@@ -262,12 +262,4 @@ def _rounded(text: str) -> Message:
     try:
         return entered_number(plain_text(round(decimal_from_text(text), 2)))
     except (InvalidValueError, ArithmeticError):
-        return verbatim(text)
-
-
-def _short(text: str) -> Message:
-    """Return a number with at most four digits."""
-    try:
-        return numeral(number_from_text(text), ".4g")
-    except InvalidValueError:
         return verbatim(text)

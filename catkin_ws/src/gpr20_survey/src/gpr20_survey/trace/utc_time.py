@@ -17,7 +17,7 @@ NS_PER_S = 1_000_000_000
 EARLIEST_US = 1_577_836_800 * US_PER_S  # 2020-01-01
 LATEST_US = (1 << 32) * US_PER_S  # a ROS time ends in 2106
 
-_DATED = re.compile(r"(\d{4})-(\d\d)-(\d\d)[T ](\d\d:[\d:]+)(?:\.\d+)?(.*)")
+_DATED = re.compile(r"(?P<year>\d{4})-(?P<month>\d\d)-(?P<day>\d\d)[T ](?P<time>\d\d:.*)")
 _US = datetime.timedelta(microseconds=1)
 _EPOCH = datetime.datetime(1970, 1, 1, tzinfo=datetime.timezone.utc)
 
@@ -38,12 +38,8 @@ def iso_text(time_us: int) -> str:
 
 def moment_text(text: str) -> Message:
     """Return a moment that is written as in ISO 8601 as people of a language write it."""
-    found = _DATED.fullmatch(text)
-    if found is None:
-        return verbatim(text)
-    year, month, day, time, zone = found.groups()
-    time += " UTC" if zone in ("Z", "+00:00") else zone
-    return Message("{year}-{month}-{day} {time}", year=year, month=month, day=day, time=time)
+    found = _DATED.fullmatch(re.sub(r"(\.\d+)?(Z|\+00:00)$", " UTC", text))
+    return Message("{year}-{month}-{day} {time}", **found.groupdict()) if found else verbatim(text)
 
 
 def parse_iso(text: str) -> int:

@@ -361,15 +361,7 @@ class Plot(pyqtgraph.GraphicsView):
     def _overlay(self, look: Look) -> QPixmap:
         """Return marks and numbers; they are painted again only after a change."""
         size = self.viewport().size()
-        state = (
-            self.marks,
-            self._map,
-            size,
-            self.labels,
-            look,
-            self._ticks_state(),
-            shown_number(0.5),
-        )
+        state = (self.marks, self._map, size, self.labels, look, self._ticks_state())
         if state != self._overlaid[0]:
             pixmap = QPixmap(size)
             pixmap.fill(Qt.GlobalColor.transparent)
@@ -384,7 +376,8 @@ class Plot(pyqtgraph.GraphicsView):
         return self._overlaid[1]
 
     def _ticks_state(self) -> object:
-        """Return what else the numbers of the axes depend on."""
+        """Return what else the numbers of the axes depend on: the language."""
+        return shown_number(0.5)
 
     def _ticks(self, look: Look) -> Tuple[Ticks, Ticks]:
         """Return the numbers of both axes, with their pixels."""

@@ -114,8 +114,7 @@ class StickSheet(ResultSheet):
         if not volume.writable:
             return self.tr("write-protected")
         if volume.free_bytes < BYTES_PER_GB:
-            free_mb = volume.free_bytes / BYTES_PER_MB
-            return shown_text(Message("{free:.0f} MB free", free=free_mb))
+            return shown_text(Message("{free:.0f} MB free", free=volume.free_bytes / BYTES_PER_MB))
         return shown_text(Message("{free:.1f} GB free", free=volume.free_bytes / BYTES_PER_GB))
 
     def _part(self, part: ExportPart) -> QPushButton:

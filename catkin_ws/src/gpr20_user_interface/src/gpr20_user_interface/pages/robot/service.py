@@ -17,7 +17,7 @@ from PyQt5.QtWidgets import (
     QWidget,
 )
 
-from gpr20_common.message import Message
+from gpr20_common.message import Message, verbatim
 from gpr20_operator.jobs.job import Job
 from gpr20_operator.robot.service_model import (
     PARTS,
@@ -127,9 +127,8 @@ class AxisRows(TranslatedWidget):
         if state.homed is False:
             place = self.tr("not homed")
         elif state.coordinate is not None:
-            place = shown_number(state.coordinate, ".1f" if turns else ".2f") + (
-                "°" if turns else " mm"
-            )
+            form, unit = (".1f", "°") if turns else (".2f", " mm")
+            place = shown_number(state.coordinate, form) + unit
         row.place.setText(f"{state.axis.value.upper()} {place}")
         set_look(row.lamp, "lamp", "on" if state.pressed else "off")
         lamp = {
@@ -204,32 +203,24 @@ class Instruments(TranslatedWidget):
             return self.tr("Measures the height of the antennas once.")
         lines = []
         if height.failure is None:
-            lines.append(
-                shown_text(
-                    Message(
-                        "Height {height_m:.3f} m ± {spread_m:.3f} m",
-                        **{"height_m": height.height_m, "spread_m": height.spread_m},
-                    )
-                )
-            )
+            known = {"height_m": height.height_m, "spread_m": height.spread_m}
+            lines.append(Message("Height {height_m:.3f} m ± {spread_m:.3f} m", **known))
         if math.isfinite(height.voltage_v):
-            voltage = Message("Sensor {voltage_v:.3f} V", voltage_v=height.voltage_v)
-            lines.append(shown_text(voltage))
+            lines.append(Message("Sensor {voltage_v:.3f} V", voltage_v=height.voltage_v))
         if height.failure is not None:
-            lines.append(shown_text(height.failure))
-        return "\n".join(lines)
+            lines.append(height.failure)
+        return "\n".join(map(shown_text, lines))
 
     def _analyzer_text(self, test: Optional[AnalyzerTest]) -> str:
         if test is None:
             return self.tr("Connects, reads the calibration and takes a sweep.")
         lines = []
         if test.identity:
-            lines.append(self.tr("Connected to {address}").format(address=test.address))
-            lines.append(test.identity)
+            lines.append(Message("Connected to {address}", address=test.address))
+            lines.append(verbatim(test.identity))
         calibration = CalibrationStatus.__members__.get(test.calibration)
         if calibration is not None:
-            state = shown_text(calibration.meaning)
-            lines.append(self.tr("Calibration: {state}").format(state=state))
+            lines.append(Message("Calibration: {state}", state=calibration.meaning))
         if test.points:
             sweep = Message(
                 "Sweep of {points} points: {duration_s:.3f} s, {level_db:.0f} dB",
@@ -237,12 +228,12 @@ class Instruments(TranslatedWidget):
                 duration_s=test.sweep_duration_s,
                 level_db=test.level_db,
             )
-            lines.append(shown_text(sweep))
+            lines.append(sweep)
         if test.failure is not None:
-            lines.append(self.tr("FAULT: {reason}").format(reason=shown_text(test.failure)))
+            lines.append(Message("FAULT: {reason}", reason=test.failure))
             if test.failure.remedy is not None:
-                lines.append(shown_text(test.failure.remedy))
-        return "\n".join(lines)
+                lines.append(test.failure.remedy)
+        return "\n".join(map(shown_text, lines))
 
 
 def _text_area() -> QTextEdit:

@@ -114,8 +114,7 @@ class SurveyRow(QStyledItemDelegate):
         lines = [ending, people] if people else [ending]
         line = QRectF(area.topLeft(), area.topRight())
         line.setHeight(area.height() / (1 + len(lines)))
-        begun = local_time(survey.started, survey.folder)
-        when = shown_text(begun) if survey.name.strip() else ""
+        when = shown_text(local_time(survey.started, survey.folder)) if survey.name.strip() else ""
         painter.drawText(line, RIGHT, when)
         taken = painter.fontMetrics().horizontalAdvance(when) + look.px(GAP_PX) if when else 0
         bold = QFont(painter.font())

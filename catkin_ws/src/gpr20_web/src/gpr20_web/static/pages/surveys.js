@@ -14,8 +14,7 @@ const POLL_MS = 1000;
 const pause = (ms) => new Promise((resolve) => setTimeout(resolve, ms));
 const number = (attributes) => element("input", { type: "number", step: "any", ...attributes });
 const valueOf = (input) => (input.value === "" ? null : Number(input.value));
-const size = (count, app) => count < 1e6
-  ? `${Math.ceil(count / 1e3)} kB` : `${app.number(Math.round(count / 1e5) / 10)} MB`;
+const size = (count, app) => `${app.number(Math.ceil(count / 1e4) / 100)} MB`;
 const paragraphs = (lines, attributes) => lines.map((one) => element("p", attributes, one));
 
 export default {
