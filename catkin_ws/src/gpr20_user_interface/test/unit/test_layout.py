@@ -7,6 +7,7 @@ word of ours is seen on any of them.
 
 import itertools
 import os
+import re
 from dataclasses import replace
 from pathlib import Path
 
@@ -46,6 +47,8 @@ from gpr20_user_interface.widgets.overlay import Overlay
 from gpr20_user_interface.window.rail import TabName
 
 PICTURES = os.environ.get("GPR20_PICTURES")
+# Of a number: addresses and versions have more points.
+DECIMAL_POINT = re.compile(r"(?<![\w.])\d+\.\d{1,5}(?![\w.])|\d{4}-\d\d-\d\d")
 # How sheets call the buttons that close them or open the one with a button to hold.
 CLOSING = (
     *("accept_button", "cancel", "close_button", "delete", "done", "drop", "load", "save"),
@@ -143,6 +146,11 @@ def misfits(window, widget):
     place = place_of(window, widget)
     if not window.rect().contains(place):
         yield "reaches over the edge"
+    # Fields keep the point of what is typed and read again, and positions on the earth.
+    typed = isinstance(widget, QLineEdit) or widget.objectName() == "figure"
+    spanish = window.languages.language == Language.SPANISH
+    if spanish and not typed and DECIMAL_POINT.search(getattr(widget, "text", str)()):
+        yield "has a decimal point"
     if isinstance(widget, QLabel):
         yield from label_misfits(window, widget)
     elif isinstance(widget, QAbstractButton):

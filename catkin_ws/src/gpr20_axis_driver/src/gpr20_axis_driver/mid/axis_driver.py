@@ -26,7 +26,7 @@ from gpr20_axis_driver.motion import (
     never,
 )
 from gpr20_common.low.clock import time_of_day_us
-from gpr20_common.message import Message
+from gpr20_common.message import Message, numeral
 from gpr20_survey.axes.axis_id import ZeroEpoch
 from gpr20_survey.axes.axis_parameters import AxisParameters
 from gpr20_survey.axes.ramp import Ramp
@@ -235,7 +235,7 @@ class AxisDriver:
             raise TravelError(
                 Message(
                     "the target {target} {unit} is outside the axis, {low:g} to {high:g} {unit}",
-                    target=f"{target:.12g}",
+                    target=numeral(target, ".12g"),
                     low=low,
                     high=high,
                     unit=self._parameters.unit,

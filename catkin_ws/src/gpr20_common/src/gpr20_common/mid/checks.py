@@ -9,15 +9,14 @@ from ipaddress import IPv4Address
 from typing import Union
 
 from gpr20_common.errors import InvalidValueError
-from gpr20_common.message import Message
+from gpr20_common.message import Message, numeral, verbatim
 
+Text = Union[str, Message]
 # Far longer than any address of an instrument.
 MAX_ADDRESS_CHARACTERS = 128
 
 
-def number_between(
-    name: Union[str, Message], value: float, lower: float, upper: float, unit: str = ""
-) -> float:
+def number_between(name: Text, value: float, lower: float, upper: float, unit: Text = "") -> float:
     """Allow what lies within the bounds [unit], both included."""
     # Written so that NaN, which fails every comparison, is refused too.
     if not lower <= value <= upper:
@@ -25,15 +24,15 @@ def number_between(
             Message(
                 "{name} is {value}; it must lie between {lower} and {upper}",
                 name=name,
-                value=_with_unit(value, unit),
-                lower=f"{lower:.12g}",
-                upper=_with_unit(upper, unit),
+                value=with_unit(value, unit),
+                lower=numeral(lower, ".12g"),
+                upper=with_unit(upper, unit),
             )
         )
     return value
 
 
-def ipv4_address(name: Union[str, Message], address: str) -> str:
+def ipv4_address(name: Text, address: str) -> str:
     """Allow four decimal numbers of 0 to 255."""
     try:
         plain = str(IPv4Address(address)) == address  # 010 is 8 to some readers
@@ -50,7 +49,7 @@ def ipv4_address(name: Union[str, Message], address: str) -> str:
     return address
 
 
-def instrument_address(name: Union[str, Message], address: str) -> str:
+def instrument_address(name: Text, address: str) -> str:
     """Allow four numbers, or what "::" sets apart from them: the instrument's driver checks it."""
     if "::" not in address:
         return ipv4_address(name, address)
@@ -68,8 +67,11 @@ def instrument_address(name: Union[str, Message], address: str) -> str:
     return address
 
 
-def _with_unit(number: float, unit: str) -> str:
+def with_unit(number: float, unit: Text) -> Message:
+    """Return a number and what it is counted in; empty: it is counted in nothing."""
     try:
-        return f"{number:.12g} {unit}".rstrip()
-    except OverflowError:  # a whole number from a file may have hundreds of digits
-        return f"{'inf' if number > 0 else '-inf'} {unit}".rstrip()
+        shown = numeral(number, ".12g")
+    except OverflowError:
+        # A whole number from a file may have hundreds of digits.
+        shown = verbatim("inf" if number > 0 else "-inf")
+    return Message("{number} {unit}", number=shown, unit=unit) if unit else shown

@@ -15,7 +15,7 @@ from pydantic import ConfigDict, TypeAdapter, ValidationError
 from pydantic_core import to_json, to_jsonable_python
 
 from gpr20_common.errors import ConfigurationError, InvalidValueError
-from gpr20_common.message import Message, verbatim
+from gpr20_common.message import Message, numeral, verbatim
 
 Record = TypeVar("Record")
 UNKNOWN_KEY = "unexpected_keyword_argument"
@@ -96,10 +96,11 @@ def _refusal(error: ValidationError, kind: Any, place: str) -> Exception:
         return ConfigurationError(text)
     if found["type"] == "json_invalid":
         return InvalidValueError(Message("the file is not strict JSON", details=found["msg"]))
-    named = {"place": place, "value": shortened(found["input"])}
+    named: Dict[str, Any] = {"place": place, "value": shortened(found["input"])}
     if "ge" in context or "le" in context:
         bounds = _fields_at(kind, keys[:-1])[str(keys[-1])].metadata
-        named.update(name=place, lower=f"{bounds['ge']:.12g}", upper=f"{bounds['le']:.12g}")
+        lower, upper = (numeral(bounds[one], ".12g") for one in ("ge", "le"))
+        named.update(name=place, lower=lower, upper=upper)
         text = Message("{name} is {value}; it must lie between {lower} and {upper}", **named)
     elif "expected" in context:
         allowed = context["expected"].replace(" or ", ", ").replace("'", "")

@@ -9,7 +9,7 @@ from typing import Callable, List
 import numpy as np
 
 from gpr20_common.low.clock import Clock, time_of_day_us
-from gpr20_common.message import Message
+from gpr20_common.message import Message, numeral
 from gpr20_height_sensor import faults
 from gpr20_height_sensor.errors import HeightError, HeightStoppedError
 from gpr20_height_sensor.low.adc_interface import LARGEST_CODE, AdcInterface
@@ -186,7 +186,7 @@ class HeightDriver:
                     "{farthest_m:g} m; check the height of the antennas and that the sensor sees "
                     "the ground",
                     # It can be infinite, which JSON does not know.
-                    distance=f"{distance_m:.3f}",
+                    distance=numeral(distance_m, ".3f"),
                     nearest_m=nearest_m,
                     farthest_m=farthest_m,
                 ),
@@ -215,9 +215,9 @@ class HeightDriver:
                     "the height readings scatter by {spread} m (from {lowest} to {highest} m); at "
                     "most {limit_m:g} m is allowed; check the sensor's supply and that the "
                     "antennas do not move",
-                    spread=f"{spread_m:.4f}",
-                    lowest=f"{distances_m.min():.3f}",
-                    highest=f"{distances_m.max():.3f}",
+                    spread=numeral(spread_m, ".4f"),
+                    lowest=numeral(distances_m.min(), ".3f"),
+                    highest=numeral(distances_m.max(), ".3f"),
                     limit_m=limit_m,
                 )
             )

@@ -38,9 +38,10 @@ class Rule:
 
 def between(lower: float, upper: float, fault: Fault = INTERNAL) -> Rule:
     # NaN fails every comparison; a negative zero is the same as zero in no stored form.
+    allowed = Message("between {lower:.12g} and {upper:.12g}", lower=lower, upper=upper)
     return Rule(
         lambda value: lower <= value <= upper and (value != lower or str(value) != "-0.0"),
-        Message("between {lower} and {upper}", lower=f"{lower:.12g}", upper=f"{upper:.12g}"),
+        allowed,
         fault,
     )
 

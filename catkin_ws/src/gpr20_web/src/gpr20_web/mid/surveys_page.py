@@ -166,7 +166,7 @@ class SurveysPage(WebPage):
         if before and not FOLDER_NAME.fullmatch(before):
             raise BadRequestError(Message("before is the folder of a survey"))
         past = self._past(before, SURVEYS_PER_PAGE)
-        found = past.found(listed, text)
+        found = past.found(listed, text, call.text)
         return {
             "surveys": [survey_values.row_of(past, one, call.text) for one in found],
             "next": past.next_before if past.more else "",

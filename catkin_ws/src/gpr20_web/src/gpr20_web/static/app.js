@@ -69,7 +69,19 @@ class App {
 
   word(name, values = {}) {
     const text = this.words[name] ?? name;
-    return text.replaceAll(/\{(\w+)[^}]*\}/g, (field, key) => values[key] ?? field);
+    return text.replaceAll(/\{(\w+)[^}]*\}/g, (field, key) => this.number(values[key]) ?? field);
+  }
+
+  // As the language of the page writes it; what is no number stays as it is.
+  number(value) {
+    return typeof value === "number" ? `${value}`.replace(".", this.words["shell.point"]) : value;
+  }
+
+  moment(text, length = 5) {
+    const at = new Date(text);
+    const [year, month, day] = at.toLocaleDateString("sv").split("-"); // as in ISO 8601
+    const time = at.toTimeString().slice(0, length);
+    return this.word("shell.moment", { year, month, day, time });
   }
 
   get(path) {

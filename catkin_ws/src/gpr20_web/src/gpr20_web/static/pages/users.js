@@ -50,7 +50,7 @@ export default {
       element("strong", {}, name),
       isOwn ? element("span", { class: "chip" }, this.word("you")) : "",
       element("span", {}, this.word(role)),
-      element("span", { class: "muted" }, `${this.word("created")} ${created.slice(0, 10)}`),
+      element("span", { class: "muted" }, `${this.word("created")} ${this.app.moment(created)}`),
       element(
         "div",
         { class: "row" },
