@@ -13,7 +13,7 @@ class DirectPulses:
     """Implements `AxisMotions`.
 
     Args:
-        runner: Makes the pulses: a `PulseLoop` or a `WaveRunner`.
+        runner: Makes the pulses: a `PulseLoop`.
         counter: Counts them: a `StepCounter`, or what stands for it.
     """
 
