@@ -9,7 +9,7 @@ import time
 from abc import ABC, abstractmethod
 from typing import Callable, Type
 
-from gpr20_axis_driver.axis_exceptions import (
+from gpr20_axis_driver.faults import (
     AxisBusyError,
     AxisException,
     EndstopError,

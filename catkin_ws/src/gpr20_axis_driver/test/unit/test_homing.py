@@ -5,7 +5,7 @@ from axis_machine import SHORT, X_PARAMETERS, Axis
 from case_kit import each_case
 from fault_kit import raises_fault
 
-from gpr20_axis_driver.axis_exceptions import EndstopError, MotionStopped
+from gpr20_axis_driver.faults import EndstopError, MotionStopped
 from gpr20_axis_driver.mid.axis_driver import AxisDriver
 from gpr20_axis_driver.motion import never
 from gpr20_survey.faults import ENDSTOP

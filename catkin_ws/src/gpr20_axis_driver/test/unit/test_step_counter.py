@@ -12,7 +12,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from run_seed import draws
 
-from gpr20_axis_driver.axis_exceptions import StepCounterError
+from gpr20_axis_driver.faults import StepCounterError
 from gpr20_axis_driver.low import step_counter
 from gpr20_axis_driver.low.step_counter import FILE_BYTES, open_step_counter
 from gpr20_common.faults import CONFIGURATION, DISK_FULL, OTHER_LAUNCH

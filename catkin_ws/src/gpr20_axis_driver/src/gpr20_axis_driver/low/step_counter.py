@@ -15,7 +15,7 @@ from enum import IntEnum
 from pathlib import Path
 from typing import Optional
 
-from gpr20_axis_driver.axis_exceptions import StepCounterError
+from gpr20_axis_driver.faults import StepCounterError
 from gpr20_common.errors import os_reason
 from gpr20_common.faults import OTHER_LAUNCH
 from gpr20_common.message import Message
