@@ -3,16 +3,9 @@
 from __future__ import annotations
 
 from gpr20_common.errors import Gpr20Error
-from gpr20_common.faults import (
-    ASKED_FOR,
-    CONFIGURATION,
-    IN_USE,
-    NOT_ALLOWED,
-    NOT_SET_UP,
-    OVERLOADED,
-)
+from gpr20_common.faults import ASKED_FOR, IN_USE, NOT_ALLOWED
 from gpr20_common.message import Fault, Message
-from gpr20_survey.faults import AXIS_MAY_MOVE, CONTROL_SILENT, ENDSTOP, NOT_HOMED, ZERO_UNKNOWN
+from gpr20_survey.faults import AXIS_MAY_MOVE, CONTROL_SILENT, ENDSTOP, NOT_HOMED
 
 PULSE_LATE = Fault(
     "axis.pulse_late",
@@ -69,24 +62,6 @@ class MotionStopped(AxisException):
     fault = ASKED_FOR
 
 
-class NodeHungError(AxisException, RuntimeError):
-    """The motion was ended because the node could not have stopped it."""
-
-    fault = OVERLOADED
-
-
-class ZeroUnknownError(AxisException, RuntimeError):
-    """The zero of an axis without endstop is unknown."""
-
-    fault = ZERO_UNKNOWN
-
-
-class StepCounterError(AxisException, OSError):
-    """The file of an axis's step count cannot be used."""
-
-    fault = CONFIGURATION
-
-
 class PulseProcessError(AxisException, OSError):
     """The pulse process could not be started, or has ended."""
 
@@ -95,9 +70,3 @@ class ControllerError(AxisException, OSError):
     """The controller does not answer, or reports a fault: the position is no longer known."""
 
     fault = AXIS_MAY_MOVE
-
-
-class PinLibraryError(AxisException, OSError):
-    """The pins of this computer cannot be used."""
-
-    fault = NOT_SET_UP

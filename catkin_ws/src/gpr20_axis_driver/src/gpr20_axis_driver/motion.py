@@ -134,7 +134,7 @@ class AxisHardware(Protocol):
         """Position of the motor before the first count [motor steps]; None if it is unknown."""
 
     def open_pins(self) -> Pins:
-        """Return the pins, or raise a PinLibraryError."""
+        """Return the pins, or raise an AxisException."""
 
 
 class AxisMotions(Protocol):

@@ -23,7 +23,6 @@ from gpr20_axis_driver.faults import (
     MotionStopped,
     NotHomedError,
     PulseProcessError,
-    ZeroUnknownError,
 )
 from gpr20_axis_driver.mid import pulse_process
 from gpr20_axis_driver.motion import never
@@ -204,7 +203,7 @@ def test_when_node_and_pulse_process_are_killed_in_a_turn_homing_is_refused(make
     wait_until(lambda: axis.true_steps > 10)
     os.kill(axis.pulses.process_id, signal.SIGKILL)
     assert isinstance(move.error(), PulseProcessError)
-    with raises_fault(ZERO_UNKNOWN, "set_zero", error=ZeroUnknownError):
+    with raises_fault(ZERO_UNKNOWN, "set_zero", error=NotHomedError):
         axis.driver.homing(never)
     axis.driver.set_zero()
     assert axis.driver.homing_done

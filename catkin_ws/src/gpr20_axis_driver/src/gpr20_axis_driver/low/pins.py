@@ -7,7 +7,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Callable, ClassVar, List, Optional, Protocol
 
-from gpr20_axis_driver.faults import PinLibraryError
+from gpr20_axis_driver.faults import AxisException
+from gpr20_common.faults import NOT_SET_UP
 from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message
 from gpr20_common.mid.node_facts import Hardware
@@ -158,17 +159,18 @@ class RobotHardware:
         """Return the real pins of a Raspberry Pi.
 
         Raises:
-            PinLibraryError: RPi.GPIO is missing, or this is not a Raspberry Pi.
+            AxisException: RPi.GPIO is missing, or this is not a Raspberry Pi.
         """
         try:
             # Only here, because the library exists and works only on the robot.
             from RPi import GPIO
         except (ImportError, RuntimeError) as error:
-            raise PinLibraryError(
+            raise AxisException(
                 Message(
                     "this computer has no usable pins; on the robot run scripts/setup.sh --robot, "
                     "elsewhere launch with robot:=simulated",
                     details=error,
-                )
+                ),
+                fault=NOT_SET_UP,
             ) from error
         return GPIO

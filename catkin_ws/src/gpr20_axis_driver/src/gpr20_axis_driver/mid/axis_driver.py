@@ -14,7 +14,6 @@ from gpr20_axis_driver.faults import (
     MotionStopped,
     NotHomedError,
     TravelError,
-    ZeroUnknownError,
 )
 from gpr20_axis_driver.mid.homing import Homing
 from gpr20_axis_driver.motion import (
@@ -134,7 +133,7 @@ class AxisDriver:
             EndstopError: The endstop was pressed; the axis must be homed again.
             PulseProcessError: The pulse process ended; the axis must be homed again.
             ControllerError: The controller failed; the axis must be homed again.
-            NodeHungError: This node hung; the coordinate is exact.
+            AxisException: This node hung; the coordinate is exact.
         """
         with self._exclusive_motion():
             if not self.homing_done:
@@ -149,7 +148,7 @@ class AxisDriver:
         Raises:
             AxisBusyError: Another motion is under way.
             EndstopError: The endstop is stuck, or out of reach; the axis is not homed.
-            ZeroUnknownError: There is no endstop and no stored position; nothing moved.
+            NotHomedError: There is no endstop and no stored position; nothing moved.
             MotionStopped: A stop was requested; the axis is not homed.
             PulseProcessError: The pulse process ended or cannot start; the axis is not homed.
             ControllerError: The controller failed or cannot be reached; the axis is not homed.
@@ -239,12 +238,13 @@ class AxisDriver:
 
     def _turn_to_stored_zero(self, stop_requested: StopRequested) -> None:
         if not self.motions.trusted:
-            raise ZeroUnknownError(
+            raise NotHomedError(
                 Message(
                     "the zero of this axis is unknown: it has no endstop, and its last position "
                     "is not stored; {advice}",
                     advice=SET_ZERO,
-                )
+                ),
+                fault=ZERO_UNKNOWN,
             )
         self._go_to(0, stop_requested)
 

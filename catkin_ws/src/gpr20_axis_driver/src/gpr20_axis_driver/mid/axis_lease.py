@@ -63,20 +63,18 @@ class AxisLease:
             LeaseLapsedError: Its lease has ended, and it has not reserved the axis again: nothing
                 would end its motion if it hung.
         """
-        self._check_owner(caller)
         with self._lock:
+            owner = self.owner
+            if owner not in ("", caller):
+                raise AxisBusyError(
+                    Message(
+                        "the axis belongs to {owner} now; wait until that is done, or press STOP "
+                        "there",
+                        owner=owner,
+                    )
+                )
             if caller == self._holder and not self._is_live():
                 raise LeaseLapsedError(self.lapse)
-
-    def _check_owner(self, caller: str) -> None:
-        owner = self.owner
-        if owner not in ("", caller):
-            raise AxisBusyError(
-                Message(
-                    "the axis belongs to {owner} now; wait until that is done, or press STOP there",
-                    owner=owner,
-                )
-            )
 
     def reserve(self, caller: str) -> int:
         """Reserve the axis and return the number of the lease; a former lease of its is replaced.
@@ -85,7 +83,9 @@ class AxisLease:
             AxisBusyError: Another node owns it.
         """
         with self._lock:
-            self._check_owner(caller)
+            if caller == self._holder:
+                self._holder = ""
+            self.check(caller)
             self._number += 1
             self._holder, self._renewed_s = caller, self._now_s()
             return self._number

@@ -50,9 +50,9 @@ class Homing:
         """
         if self._step(True, 0, Until.NOTHING, stop).endstop_pressed:
             self._leave(HOMING_BACKOFFS * self._backoff_steps, Until.RELEASED, stop)
-        self._touch(self._first_touch_steps(known_steps), known_steps, stop)
+        self._touch(self._first_touch_steps(known_steps), stop)
         self._back_off(stop)
-        made = self._touch(2 * self._backoff_steps, None, stop)
+        made = self._touch(2 * self._backoff_steps, stop)
         if abs(made - self._backoff_steps) > max(1, int(TOUCH_TOLERANCE * self._backoff_steps)):
             raise EndstopError(
                 Message(
@@ -74,32 +74,20 @@ class Homing:
             steps = min(steps, above_zero + self._margin_steps)
         return steps + self._backoff_steps
 
-    def _touch(self, most_steps: int, known_steps: Optional[int], stop: StopRequested) -> int:
+    def _touch(self, most_steps: int, stop: StopRequested) -> int:
         report = self._step(False, most_steps, Until.PRESSED, stop)
-        if report.endstop_pressed:
-            return report.steps_made
-        distance = most_steps * self._step_size
-        if known_steps is None:
+        if not report.endstop_pressed:
             raise EndstopError(
                 Message(
                     "the endstop was not reached within {distance:g} {unit}: it is stuck open or "
-                    "unplugged, or the motor has no power or does not turn; check the switch, its "
-                    "cable and the motor",
-                    distance=distance,
+                    "unplugged, the motor has no power or does not turn, or the axis was moved by "
+                    "hand; check the switch, its cable and the motor; the next homing searches the "
+                    "whole axis",
+                    distance=most_steps * self._step_size,
                     unit=self._unit,
                 )
             )
-        raise EndstopError(
-            Message(
-                "the endstop was not reached within {distance:g} {unit} from {coordinate:g} "
-                "{unit}: it is stuck open or unplugged, the motor has no power or does not "
-                "turn, or the axis was moved by hand; check the switch, its cable and the "
-                "motor; the next homing searches the whole axis",
-                distance=distance,
-                coordinate=known_steps * self._step_size,
-                unit=self._unit,
-            )
-        )
+        return report.steps_made
 
     def _back_off(self, stop: StopRequested) -> None:
         self._leave(self._backoff_steps, Until.NOTHING, stop)

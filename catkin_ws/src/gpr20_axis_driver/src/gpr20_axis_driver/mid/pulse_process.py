@@ -12,7 +12,7 @@ from multiprocessing.connection import Connection, Pipe
 from typing import Optional
 
 from gpr20_axis_driver import faults
-from gpr20_axis_driver.faults import AxisException, NodeHungError, PulseProcessError
+from gpr20_axis_driver.faults import AxisException, PulseProcessError
 from gpr20_axis_driver.low.step_counter import StepCounter, open_step_counter
 from gpr20_axis_driver.mid.pulse_loop import PulseLoop
 from gpr20_axis_driver.mid.pulse_server import SILENT_PARENT_S
@@ -108,7 +108,7 @@ class PulseProcess:
 
         Raises:
             PulseProcessError: The process died or hung; the pins are low.
-            NodeHungError: This node hung, so the process ended the motion; the count is exact.
+            AxisException: This node hung, so the process ended the motion; the count is exact.
         """
         if self._failure is not None:
             raise PulseProcessError(self._failure)
@@ -142,12 +142,13 @@ class PulseProcess:
             raise answer
         report: MotionReport = answer
         if report.ending is Ending.STOPPED and not self._counter.stop_requested:
-            raise NodeHungError(
+            raise AxisException(
                 Message(
                     "the motion was ended because the axis driver did not respond for "
                     "{limit_s:g} s; reduce this computer's load",
                     limit_s=SILENT_PARENT_S,
-                )
+                ),
+                fault=OVERLOADED,
             )
         return report
 

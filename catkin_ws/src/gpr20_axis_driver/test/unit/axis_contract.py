@@ -1,4 +1,4 @@
-"""What every axis must do, as tests: run them with pytest on a controller of your own."""
+"""What every controller of an axis must do, as tests; see docs/extend/axis_controller.md."""
 
 from __future__ import annotations
 
