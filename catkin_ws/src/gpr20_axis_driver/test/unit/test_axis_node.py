@@ -1,6 +1,7 @@
 """What the node of an axis answers and publishes: its handlers, called without a graph."""
 
 import contextlib
+import socket
 import sys
 import threading
 from pathlib import Path
@@ -19,7 +20,7 @@ from simulated_axis import wait_until
 from gpr20_axis_driver import controller
 from gpr20_axis_driver.faults import AxisException
 from gpr20_axis_driver.high import axis_node
-from gpr20_axis_driver.high.goals import ENDED, LISTED_GOALS, GoalServer
+from gpr20_axis_driver.high.goals import ENDED, LISTED_GOALS, GoalServer, watch
 from gpr20_common.faults import ASKED_FOR, IN_USE, NOT_SET_UP, OVERLOADED
 from gpr20_common.high.answers import message_from
 from gpr20_common.high.diagnostics import ERROR, OK, WARN
@@ -35,7 +36,7 @@ FAR_MM = 20.0
 class Goals:
     """The server of the action: which goal is under way, and how it ended."""
 
-    sender, connection, preempted, gone = CONTROL, None, False, False
+    sender, connections, preempted, gone = CONTROL, [], False, False
 
     def __init__(self, _name, _action, execute, check_sender):
         self.execute, self.check_sender = execute, check_sender
@@ -266,6 +267,21 @@ def test_when_the_node_ends_the_pins_are_low_and_nothing_moves_any_more(homed):
         hook()
     assert homed.axis.machine.directions == {}
     assert fault_of(homed.move(1.0)[1]) == IN_USE.code
+
+
+def test_a_client_is_gone_when_all_its_connections_are_closed_at_either_end():
+    listener = socket.create_server(("127.0.0.1", 0))
+    theirs = [socket.create_connection(listener.getsockname()) for _number in range(2)]
+    ours = [listener.accept()[0] for _one in theirs]
+    is_gone = watch(ours, 60.0)
+    theirs[0].close()
+    assert not is_gone()
+    theirs[1].close()
+    wait_until(is_gone)
+    ours[0].close()
+    assert is_gone() and watch([], 60.0)()
+    for one in (ours[1], listener):
+        one.close()
 
 
 def test_goals_that_ended_do_not_fill_the_status():

@@ -7,14 +7,14 @@ import os
 import socket
 import time
 from contextlib import contextmanager
-from typing import Callable, Iterator, Optional, Tuple
+from typing import Callable, Iterator, List, Optional, Tuple
 
 import rospy
 from std_msgs.msg import Bool
 
 from gpr20_axis_driver.controller import SILENT, ControllerMotions, open_axis
 from gpr20_axis_driver.faults import AxisException, MotionStopped
-from gpr20_axis_driver.high.goals import GoalServer, advertise_watched, connection_of, watch
+from gpr20_axis_driver.high.goals import GoalServer, advertise_watched, connections_of, watch
 from gpr20_axis_driver.low.pins import RobotHardware
 from gpr20_axis_driver.mid.axis_driver import AxisDriver
 from gpr20_axis_driver.mid.axis_lease import AxisLease
@@ -91,13 +91,13 @@ class AxisNode:
 
     def _execute(self, goal: AxisGoal) -> None:
         stops = self._stop_since_now()
-        sender, connection = self._server.sender, self._server.connection
+        sender, connections = self._server.sender, self._server.connections
 
         def stopped() -> bool:
             return stops() or self._server.is_preempt_requested()
 
         try:
-            with self._owned(sender, connection, stopped) as ended:
+            with self._owned(sender, connections, stopped) as ended:
                 self._driver.move_to_coordinate(goal.target_coordinate, ended)
         except MotionStopped as stop:
             self._finish(self._server.set_preempted, False, stop.message)
@@ -131,7 +131,7 @@ class AxisNode:
     def _home(self, request: CommandRequest) -> CommandResponse:
         stopped = self._stop_since_now()
         caller = connection_header(request).get("callerid", "")
-        with self._owned(caller, connection_of(request), stopped) as ended:
+        with self._owned(caller, connections_of(request), stopped) as ended:
             return self._find_zero(lambda: self._driver.homing(ended))
 
     def _set_zero(self, request: CommandRequest) -> CommandResponse:
@@ -152,7 +152,7 @@ class AxisNode:
 
     @contextmanager
     def _owned(
-        self, caller: str, connection: Optional[socket.socket], stopped: Callable[[], bool]
+        self, caller: str, connections: List[socket.socket], stopped: Callable[[], bool]
     ) -> Iterator[Callable[[], bool]]:
         """Own the axis for a motion, and yield what the motion asks all the time: whether to end.
 
@@ -160,7 +160,7 @@ class AxisNode:
             AxisBusyError: Another node owns the axis.
             MotionStopped: The motion was ended; the message is why.
         """
-        is_gone = watch(connection, self._lease.limit_s)
+        is_gone = watch(connections, self._lease.limit_s)
         with self._lease.use(caller, is_gone) as why_ended:
 
             def ended() -> bool:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import contextlib
 import functools
 import socket
-from typing import Any, Callable, Dict, Optional
+from typing import Any, Callable, Dict, List
 
 import actionlib
 import rospy
@@ -110,12 +110,14 @@ class GoalServer(actionlib.SimpleActionServer):
         return _sender(self.current_goal)
 
     @property
-    def connection(self) -> Optional[socket.socket]:
-        """That node's connection; None if it is gone."""
-        # rospy's public interface counts connections; only this one names their nodes.
+    def connections(self) -> List[socket.socket]:
+        """That node's connections; none if it is gone."""
+        # rospy's public interface counts connections; only this one names their nodes. One that
+        # waits to be made again has no socket.
         topic = self.action_server.goal_sub.impl
         found = topic.connections if topic is not None else ()
-        return next((one.socket for one in found if one.callerid_pub == self.sender), None)
+        own = [one.socket for one in found if one.callerid_pub == self.sender]
+        return [one for one in own if one is not None]
 
 
 def _sender(goal: actionlib.ServerGoalHandle) -> str:
@@ -123,7 +125,7 @@ def _sender(goal: actionlib.ServerGoalHandle) -> str:
 
 
 def advertise_watched(name: str, kind: Any, handler: Callable[[Any], Any]) -> rospy.Service:
-    """Advertise a service as `advertise` does; `connection_of` has who requests it."""
+    """Advertise a service as `advertise` does; `connections_of` has who requests it."""
     service = advertise(name, kind, handler)
     handle = service.handle
 
@@ -136,26 +138,20 @@ def advertise_watched(name: str, kind: Any, handler: Callable[[Any], Any]) -> ro
     return service
 
 
-def connection_of(request: Any) -> Optional[socket.socket]:
-    """Return the connection over which a request came; None if the client is gone."""
+def connections_of(request: Any) -> List[socket.socket]:
+    """Return the connection over which a request came."""
     connection: Any = connection_header(request).get(CONNECTION)
-    return connection
+    return [] if connection is None else [connection]
 
 
-def watch(connection: Optional[socket.socket], limit_s: float) -> Callable[[], bool]:
-    """Return a function that returns whether the other end of a connection is gone.
+def watch(connections: List[socket.socket], limit_s: float) -> Callable[[], bool]:
+    """Return a function that returns whether the other end of all these connections is gone.
 
     The system of a process that dies closes its connections at once. When a computer dies or its
-    cable is pulled, nothing closes them, but the kernel's probes remain unanswered.
-
-    Args:
-        connection: The connection; None: its end is gone.
-        limit_s: How long no probe may be answered [s].
+    cable is pulled, nothing closes them, but the kernel's probes remain unanswered, for `limit_s`.
     """
 
-    def is_gone() -> bool:
-        if connection is None:
-            return True
+    def is_lost(connection: socket.socket) -> bool:
         try:
             state = connection.getsockopt(socket.IPPROTO_TCP, socket.TCP_INFO, 1)[0]
             return state != ESTABLISHED or silence_s(connection) > PROBE_PERIOD_S + limit_s
@@ -163,7 +159,7 @@ def watch(connection: Optional[socket.socket], limit_s: float) -> Callable[[], b
             # It was closed here, too.
             return True
 
-    if connection is not None:
+    for connection in connections:
         with contextlib.suppress(OSError):
             keep_alive(connection)
-    return is_gone
+    return lambda: all(map(is_lost, connections))
