@@ -91,7 +91,7 @@ def test_moves_and_stops_at_random_never_lose_a_step(make):
     axis = make(AxisId.X, time_scale=500.0)
     axis.driver.homing(never)
     chance = random.Random(SEED)
-    for _ in range(draws(25)):
+    for _ in range(draws(75)):
         countdown = iter([False] * chance.randrange(1, 12))
         with contextlib.suppress(MotionStopped):
             axis.driver.move_to_coordinate(
