@@ -274,9 +274,11 @@ class ControllerMotions:
 
     def close(self) -> None:
         self._closed.set()
-        self._reader.join()
-        with contextlib.suppress(ControllerError), self._calling():
-            self._controller.close()
+        self._reader.join(CALL_LIMIT_S)
+        # A call that does not return ends with the process.
+        if not self._reader.is_alive():
+            with contextlib.suppress(ControllerError), self._calling():
+                self._controller.close()
 
     def _make_controller(self) -> None:
         self._controller = self._make()
