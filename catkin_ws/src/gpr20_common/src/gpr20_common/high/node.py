@@ -13,7 +13,7 @@ import signal
 import sys
 import threading
 from pathlib import Path
-from typing import Any, Callable, Mapping, Optional, Type, TypeVar
+from typing import Any, Callable, Optional, Type, TypeVar
 
 import rosgraph
 import rospy
@@ -79,8 +79,6 @@ def run_node(name: str, build: Callable[[], Any], needed: bool = True) -> None:
         os._exit(1)
     started = f"/gpr20_started{configuration}{rospy.get_name()}"
     try:
-        if not configuration:
-            _refuse_private_parameters()
         kept = build()
     except Gpr20Error as error:
         rospy.logfatal("%s cannot start: %s", rospy.get_name(), error)
@@ -140,18 +138,3 @@ def _refuse_second(default: str, launch: Optional[int]) -> None:
         say(f"{name} ends the launch, because it cannot start", file=sys.stderr)
         end_with_roslaunch(launch)
     sys.exit(1)
-
-
-def _refuse_private_parameters() -> None:
-    """Refuse what somebody gave a node that was started alone and reads none."""
-    values = rospy.get_param(rospy.get_name(), {})
-    names = sorted(values) if isinstance(values, Mapping) else [repr(values)]
-    if names:
-        raise ConfigurationError(
-            Message(
-                "the private parameters {names} of {node} are not read; write them into the "
-                "robot's configuration, or start the node with configuration:=NAME",
-                names=", ".join(names),
-                node=rospy.get_name(),
-            )
-        )
