@@ -46,6 +46,7 @@ def ended(monkeypatch):
     monkeypatch.setattr(node.threading, "excepthook", node.threading.excepthook)
     monkeypatch.setattr(node.rospy, "has_param", lambda _name: False)
     monkeypatch.setattr(node, "configuration_name", lambda: "/launch_1")
+    monkeypatch.setattr(node, "GraphKeeper", lambda: None)
     monkeypatch.setattr(node, "enable_line_buffering", lambda: None)
     monkeypatch.setattr(node, "roslaunch_number", lambda: LAUNCH)
     monkeypatch.setattr(node, "end_with_roslaunch", found.append)
