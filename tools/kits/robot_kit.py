@@ -168,12 +168,13 @@ class LaunchedRobot:
         self.kill_all()
 
     def _children(self) -> list:
+        found: List[psutil.Process] = []
         with contextlib.suppress(psutil.NoSuchProcess):
-            found = psutil.Process(self._launch.pid).children() if self._launch else []
-            if self._beside_master:
-                found += [below for one in found for below in one.children()]
-            return found
-        return []
+            found += psutil.Process(self._launch.pid).children() if self._launch else []
+        for child in tuple(found) if self._beside_master else ():
+            with contextlib.suppress(psutil.NoSuchProcess):  # the master, when it was killed
+                found += child.children()
+        return found
 
     def _left(self) -> List[psutil.Process]:
         """Return the processes of the launch, whoever is their parent now."""

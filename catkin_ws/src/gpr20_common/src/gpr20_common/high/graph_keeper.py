@@ -181,8 +181,8 @@ class _Doorman:
 
     def _turn_away(self, key: selectors.SelectorKey) -> None:
         self._selector.unregister(key.fileobj)
-        key.fileobj.close()  # type: ignore[union-attr]
         self.note(key.data[0])
+        key.fileobj.close()  # type: ignore[union-attr]
 
 
 def _limit_requests(doorman: _Doorman) -> None:
