@@ -13,8 +13,7 @@ import selectors
 import socket
 import struct
 import time
-from collections import deque
-from typing import Any, Deque, Dict, Iterator, List, Tuple
+from typing import Any, Dict, Iterator, List, Tuple
 from xmlrpc.client import MultiCall
 
 import rosgraph
@@ -63,12 +62,13 @@ class GraphKeeper:
 
     def check(self) -> None:
         """Fill a master that does not know this node, or is not the one that was filled."""
-        me, ask = rospy.get_name(), MultiCall(self._master)
+        me = rospy.get_name()
+        ask: Any = MultiCall(self._master)
         # A rebooted computer can give the same process id; a name can be known by one topic alone.
         ask.getPid(me)
         ask.lookupNode(me, me)
         try:
-            process, (known, _message, _uri) = _answers(ask)
+            process, (known, _message, _uri) = list(ask())
             number = value_of(process)
             if known != SUCCESS or self._filled not in (0, number):
                 # A node that ends has taken its name away itself.
@@ -85,7 +85,9 @@ class GraphKeeper:
             rospy.logdebug("the master does not answer: %s", error)
 
     def _fill(self, me: str, uri: str) -> None:
-        topics, fill = get_topic_manager(), MultiCall(self._master)
+        topics = get_topic_manager()
+        fill: Any = MultiCall(self._master)
+        tell: Any = MultiCall(limited_server(uri, ANSWER_LIMIT_S))
         there = dict(_leaves(value_of(self._master.getParam(me, "/"))))
         subscriptions = list(topics.get_subscriptions())
         for name, kind in subscriptions:
@@ -97,18 +99,11 @@ class GraphKeeper:
         # The id of the run first: who finds its configuration needs it, too.
         for name in sorted(self._parameters.keys() - there.keys(), key="/run_id".__ne__):
             fill.setParam(me, name, self._parameters[name])
-        answers = [value_of(one) for one in _answers(fill)]
-        tell = MultiCall(limited_server(uri, ANSWER_LIMIT_S))
+        answers = list(map(value_of, fill()))
         for (name, _kind), publishers in zip(subscriptions, answers):
             # What a master does when publishers are new: rospy connects to them.
             tell.publisherUpdate(me, name, publishers)
-        _answers(tell)
-
-
-def _answers(calls: MultiCall) -> List[Any]:
-    """Make calls in one request; return their answers, or raise what one of them raised."""
-    made: Any = calls()
-    return list(made)
+        list(tell())
 
 
 def _leaves(tree: Dict[str, Any], above: str = "/") -> Iterator[Tuple[str, Any]]:
@@ -187,15 +182,15 @@ class _Doorman:
 
 def _limit_requests(doorman: _Doorman) -> None:
     """Limit what is open to the XML-RPC of this process; who is cut off connects again."""
-    opened: Deque[Tuple[socket.socket, Tuple[str, int]]] = deque()
+    opened: List[Tuple[socket.socket, Tuple[str, int]]] = []
     server_class: Any = ThreadingXMLRPCServer
     begin = server_class.process_request
 
     def process(server: Any, request: socket.socket, address: Tuple[str, int]) -> None:
-        opened.append((request, address))
+        opened[:] = [one for one in (*opened, (request, address)) if one[0].fileno() >= 0]
         if len(opened) > MOST_OPEN:
-            oldest, oldest_address = opened.popleft()
-            with contextlib.suppress(OSError):  # it has ended
+            oldest, oldest_address = opened.pop(0)
+            with contextlib.suppress(OSError):  # it has just ended
                 oldest.shutdown(socket.SHUT_RDWR)
                 doorman.note(oldest_address)
         begin(server, request, address)
