@@ -144,7 +144,9 @@ class Strangers:
             if connection is not None:
                 connection.close()
             connection = socket.create_connection(address, STOP_LIMIT_S)
-            connection.sendall(self._random.randbytes(99) if opening is None else opening)
+            connection.sendall(
+                bytes(self._random.choices(range(256), k=99)) if opening is None else opening
+            )
             self.made += 1
         return address, opening, connection
 
