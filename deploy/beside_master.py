@@ -18,7 +18,7 @@ import uuid
 from typing import List, Optional
 from urllib.parse import urlsplit
 
-from gpr20_common.low.limited_rpc import NO_ANSWER, limited_server, value_of
+from gpr20_common.low.links import NO_ANSWER, limited_server, value_of
 
 POLL_S = 0.2
 ANSWER_LIMIT_S = 3.0

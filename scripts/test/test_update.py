@@ -36,7 +36,9 @@ def test_an_update_stays_if_the_doctor_finds_nothing_new(world):
 def test_what_fails_returns_the_version_before(world, reason):
     data = world.data()
     if reason == "axes is bad":
-        world.doctor("2.0", "axes")
+        # A fault that was there before does not hide a second one of its kind.
+        world.doctor("1.0", "axes")
+        world.doctor("2.0", "axes", "axes")
     elif reason == "no judgement":
         (world.root / "doctor-2.0").write_text("Traceback")
     else:

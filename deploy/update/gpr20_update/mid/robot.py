@@ -110,16 +110,16 @@ class Robot:
         run("systemctl", "--no-block", "start", *units, limit_s=STOP_LIMIT_S)
 
     def faults(self) -> Optional[Dict[str, str]]:
-        """Return each FAULT that the doctor finds, by check and code; None: it cannot judge."""
+        """Return each FAULT that the doctor finds, by check, code and number; None: it cannot."""
         wait = ("--wait", str(WAIT_S)) if self.active() else ()
         asked = ("doctor", "--json", "--language", "en", *wait)
         try:
             findings = json.loads(self._run_part(*asked, limit_s=DOCTOR_LIMIT_S))["findings"]
-            return {
-                f"{one['check']} {one['fault_code']}": shown(one["text"])
-                for one in findings
-                if one["level"] == FAULT
-            }
+            bad = [one for one in findings if one["level"] == FAULT]
+            keys = [f"{one['check']} {one['fault_code']}" for one in bad]
+            # One that was there before must not hide another of the same check and code.
+            numbers = [keys[:last].count(key) for last, key in enumerate(keys)]
+            return {f"{key} {n}": shown(one["text"]) for key, n, one in zip(keys, numbers, bad)}
         except (ValueError, KeyError, TypeError):
             return None
 
@@ -127,7 +127,7 @@ class Robot:
         """Return what is wrong that was not before, as sentences; empty: nothing.
 
         Args:
-            known: What was wrong before, by check and code.
+            known: What was wrong before, by check, code and number.
         """
         wrong = ["the doctor could not judge"]
         for _look in range(LOOKS):

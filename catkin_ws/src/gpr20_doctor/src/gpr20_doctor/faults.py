@@ -1,7 +1,4 @@
-"""What the doctor itself can report as a fault.
-
-Some remedies depend on the computer, its folders and services: `mid/advice.py` words them there.
-"""
+"""What the doctor itself can report as a fault; where a check knows more, it says the advice."""
 
 from __future__ import annotations
 

@@ -93,13 +93,14 @@ class Computer:
         subprocess.run(["mount", "-t", "tmpfs", "-o", SIZE, "tmpfs", str(place)], check=True)
 
     def look(self):
-        """Return what is wrong, by the code of its fault."""
+        """Return what is wrong, by check and code of its fault."""
         request = ThisMachine("pi", self.environment, self.root).request({}, robot=REAL)
         port = self.vna.getsockname()[1] if self.vna.fileno() >= 0 else 1
         late = mock.patch.object(machine_probe.time, "time", lambda: self.now_s or 4e9)
         with late, mock.patch.object(machine_probe, "PORTMAPPER", port):
             found = findings(None, machine_probe.probe_machine(request))
-        return {one.text.fault_code: one for one in found if one.level >= Level.WARNING}
+        bad = [one for one in found if one.level >= Level.WARNING]
+        return {f"{one.check} {one.text.fault_code}": one for one in bad}
 
 
 @contextmanager
@@ -116,7 +117,7 @@ def computer():
 
 
 class State(NamedTuple):
-    """A way to break a computer, the code of the fault that must be found, words of its advice.
+    """A way to break a computer, check and code of what must be found, words of its advice.
 
     `act` does by hand what the advice says; without it the commands of the advice are run.
     """
@@ -189,40 +190,44 @@ MISTAKE = Message("axes.yaml, x/dir_pin and y/dir_pin use the same pin").with_fa
 )
 STATES = {
     "two axes use one pin": State(
-        *("config.wrong", "Correct the file"),
+        *("config_files config.wrong", "Correct the file"),
         *swap("problems", f"[{MISTAKE.to_json()}]", "[]"),
     ),
     "the SPI bus is off": State(
-        "computer.not_set_up", "raspi-config", lambda one: (one.root / "dev/spidev0.0").unlink()
+        "spi computer.not_set_up", "raspi-config", lambda one: (one.root / "dev/spidev0.0").unlink()
     ),
-    "chrony follows nobody": State("clock.wrong", "cable", *swap("chrony", ALONE, NORMAL)),
-    "the clock is 2 s off": State("clock.wrong", "makestep", swap("chrony", LATE, "")[0]),
-    "the clock starts in 1970": State("clock.wrong", "sudo date -s", date(86400.0), date(4e9)),
+    "chrony follows nobody": State("clock clock.wrong", "cable", *swap("chrony", ALONE, NORMAL)),
+    "the clock is 2 s off": State("clock clock.wrong", "makestep", swap("chrony", LATE, "")[0]),
+    "the clock starts in 1970": State("date clock.wrong", "sudo date -s", date(86400.0), date(4e9)),
     "a program was ended for lack of memory": State(
-        *("robot.overloaded", "restart the computer"),
+        *("memory robot.overloaded", "restart the computer"),
         *swap("proc/vmstat", "oom_kill 2\n", "oom_kill 0\n"),
     ),
-    "the disk of the logs is read-only": State("disk.refuses", "remount,rw", remount_read_only),
-    "the disk of the logs is full": State("disk.full", "Delete", fill, clear),
-    "the disk of the logs takes no more files": State("disk.full", "Delete", crowd, clear),
+    "the disk of the logs is read-only": State(
+        "volumes disk.refuses", "remount,rw", remount_read_only
+    ),
+    "the disk of the logs is full": State("volumes disk.full", "Delete", fill, clear),
+    "the disk of the logs takes no more files": State("volumes disk.full", "Delete", crowd, clear),
     "another disk is mounted in place of the surveys": State(
-        *("storage.other_data_folder", "mount the disk"),
+        *("data_folder storage.other_data_folder", "mount the disk"),
         *(lambda one: one.mount(one.data), unmount),
     ),
-    "the VNA is off": State("vna.no_answer", "switched on", lambda one: one.vna.close(), listen),
+    "the VNA is off": State(
+        "vna_port vna.no_answer", "switched on", lambda one: one.vna.close(), listen
+    ),
     "the two addresses are those of other computers": State(
-        *("network.address", "etc/gpr20/environment"),
+        *("addresses network.address", "etc/gpr20/environment"),
         *(addresses("192.0.2.5", "192.0.2.6"), addresses("127.0.0.1", "127.0.0.2")),
     ),
     "an address of the robot's parts is gone": State(
-        *("network.address", "Check the link"),
+        *("addresses network.address", "Check the link"),
         *process(50, "node __name:=x", "ROS_IP=192.0.2.7"),
     ),
     "the launch of a part has ended": State(
-        "robot.internal_error", "kill 60", *process(60, "node __name:=x __log:=/l")
+        "launch robot.internal_error", "kill 60", *process(60, "node __name:=x __log:=/l")
     ),
     "ROS_IP is that of another computer": State(
-        *("network.address", "gpr20-run doctor"),
+        *("addresses network.address", "gpr20-run doctor"),
         *(listens_on("192.0.2.9"), listens_on("127.0.0.1")),
     ),
 }

@@ -24,10 +24,12 @@ from rospy.impl.registration import get_service_manager, get_topic_manager
 
 from gpr20_common.high.connection_keeper import ConnectionKeeper
 from gpr20_common.high.periodic import Periodic
-from gpr20_common.low.limited_rpc import NO_ANSWER, SUCCESS, limited_server, value_of
+from gpr20_common.low.links import NO_ANSWER, limited_server, value_of
 from gpr20_common.low.thread_fault import LOGGER, REMARK
 from gpr20_common.message import Message
 
+# The code of an answer that reports no failure.
+SUCCESS = 1
 PERIOD_S = 2.0
 ANSWER_LIMIT_S = 3.0
 # One check of so many also remembers the parameters.

@@ -6,7 +6,7 @@ from typing import Iterable, Iterator, Mapping
 
 from gpr20_common.faults import NOT_RUNNING, OTHER_LAUNCH, PART_SILENT, VERSIONS_DIFFER
 from gpr20_common.message import Message
-from gpr20_common.mid.node_software import NodeSoftware, software_difference
+from gpr20_common.mid.node_facts import NodeSoftware, software_difference
 from gpr20_doctor import faults
 from gpr20_doctor.low.masters import MasterState, NodeState
 from gpr20_doctor.mid.finding import Finding, Level
@@ -20,6 +20,9 @@ from gpr20_doctor.mid.node_health import (
 from gpr20_doctor.mid.place import ROBOT, SERVER
 from gpr20_doctor.mid.robot_facts import Evidence, RobotFacts
 
+MOTORS_FIRST = Message(
+    "Switch off the motors' power. Then end the ROS master and start the robot again."
+)
 WAIT = Message("Wait until all parts of the robot have started.")
 # The part itself says why it is silent.
 SILENT = (NodeState.HANGS, NodeState.GONE, NodeState.UNREACHED)
@@ -28,10 +31,10 @@ SILENT = (NodeState.HANGS, NodeState.GONE, NodeState.UNREACHED)
 def check_contact(facts: RobotFacts) -> Iterator[Finding]:
     """Judge the contact with the ROS master and the main control."""
     if facts.unheard:
-        yield Finding.of_fault("master", _why_unheard(facts.master, facts.evidence))
+        yield _why_unheard(facts.master, facts.evidence)
         return
     if not facts.master_alive:
-        yield Finding.of_fault("master", _no_master(facts.master, facts.evidence))
+        yield _no_master(facts.master, facts.evidence)
     elif facts.control_alive:
         yield Finding.of("master", Message("Contact with the robot"))
     if not facts.control_alive and facts.evidence.nodes.get(MAIN_CONTROL) not in SILENT:
@@ -39,57 +42,67 @@ def check_contact(facts: RobotFacts) -> Iterator[Finding]:
         yield Finding.of("control", text, PART_SILENT)
 
 
-def _why_unheard(master: str, evidence: Evidence) -> Message:
+def _why_unheard(master: str, evidence: Evidence) -> Finding:
     """Return the one reason for which nothing of a robot is heard."""
     if evidence.robots:
-        return Message(
+        text = Message(
             "There is no robot in the namespace {namespace}. On this ROS master there are: "
             "{robots}",
             namespace=evidence.namespace,
             robots=", ".join(evidence.robots),
+        )
+        advice = Message(
+            "Run: gpr20 doctor --ns {robot}. For every program in this terminal: export "
+            "ROS_NAMESPACE={robot}",
             robot=evidence.robots[0].strip("/") or "/",
-        ).with_fault(NOT_RUNNING)
+        )
+        return Finding.of("master", text, NOT_RUNNING, advice=advice)
     # That of a master that hangs may move: it comes first.
     if evidence.elsewhere and evidence.master is not MasterState.HANGS:
-        return _elsewhere(master, evidence).with_fault(NOT_RUNNING)
+        advice = Message(
+            "Run: export ROS_MASTER_URI={first}. Then run the doctor again.",
+            first=evidence.elsewhere[0][0],
+        )
+        values = {
+            "master": master,
+            "robots": ", ".join(f"{uri} ({robot})" for uri, robot in evidence.elsewhere),
+        }
+        text = Message(
+            "There is no ROS master at {master}. Robots were found at: {robots}", **values
+        )
+        if evidence.master is MasterState.ANSWERS:
+            text = Message(
+                "The ROS master {master} has no robot. Robots were found at: {robots}", **values
+            )
+        return Finding.of("master", text, NOT_RUNNING, advice=advice)
     if evidence.master is MasterState.ANSWERS:
         text = Message("The ROS master answers, but it has no robot.", details=master)
-        return text.with_fault(NOT_RUNNING)
+        return Finding.of("master", text, NOT_RUNNING, restart="")
     return _no_master(master, evidence)
 
 
-def _elsewhere(master: str, evidence: Evidence) -> Message:
-    values = {
-        "master": master,
-        "robots": ", ".join(f"{uri} ({robot})" for uri, robot in evidence.elsewhere),
-        "first": evidence.elsewhere[0][0],
-    }
-    if evidence.master is MasterState.ANSWERS:
-        return Message(
-            "The ROS master {master} has no robot. Robots were found at: {robots}", **values
-        )
-    return Message("There is no ROS master at {master}. Robots were found at: {robots}", **values)
-
-
-def _no_master(master: str, evidence: Evidence) -> Message:
-    values = {"details": master, "service": SERVER}
-    if evidence.master is MasterState.HANGS:
-        text = Message(
-            "The ROS master hangs: it does not answer. The robot may still move.", **values
-        )
-        return text.with_fault(faults.MASTER_LOST)
+def _no_master(master: str, evidence: Evidence) -> Finding:
     if evidence.master is MasterState.UNREACHABLE:
         text = Message("The computer of the ROS master is not reached.", details=master)
-        return text.with_fault(NOT_RUNNING)
-    if evidence.local_nodes:
-        return Message(
+        advice = Message(
+            "Check that the other computer is switched on, the cable between them, and the address "
+            "({where}).",
+            where="GPR20_SERVER, ROS_MASTER_URI",
+        )
+        return Finding.of("master", text, NOT_RUNNING, advice=advice)
+    if evidence.master is MasterState.HANGS:
+        text = Message("The ROS master hangs: it does not answer. The robot may still move.")
+    elif evidence.local_nodes:
+        text = Message(
             "The ROS master has ended, but {count} parts of the robot still run on this computer. "
             "The robot may still move.",
             count=evidence.local_nodes,
-            **values,
-        ).with_fault(faults.MASTER_LOST)
-    text = Message("The ROS master does not answer.", **values)
-    return text.with_fault(NOT_RUNNING)
+        )
+    else:
+        text = Message("The ROS master does not answer.", details=master)
+        return Finding.of("master", text, NOT_RUNNING, restart=SERVER)
+    text = text.with_details(master)
+    return Finding.of("master", text, faults.MASTER_LOST, advice=MOTORS_FIRST, restart=SERVER)
 
 
 def check_unheard(facts: RobotFacts) -> Iterator[Finding]:
@@ -124,9 +137,8 @@ def check_versions(facts: RobotFacts) -> Iterator[Finding]:
     elif difference is not None:
         hosts = [_on(host, software) for host in sorted({one.host for one in software.values()})]
         mixed = next((nodes for nodes in hosts if software_difference(nodes)), {})
-        text = Message("Versions: {difference}", difference=difference, service=service_of(mixed))
-        fault = OTHER_LAUNCH.as_warning() if mixed else VERSIONS_DIFFER.as_warning()
-        yield Finding.of_fault("versions", text.reporting_only(fault))
+        text = Message("Versions: {difference}", difference=difference)
+        yield _differing("versions", text, mixed)
     elif silent is not None:
         text = Message("{part} does not say which software it runs.", part=node_title(silent))
         yield Finding("versions", Level.UNKNOWN, text, VERSIONS_DIFFER.remedy)
@@ -150,10 +162,18 @@ def check_installed(facts: RobotFacts, installed: NodeSoftware) -> Iterator[Find
             "The robot runs the software {running}, but {installed} is installed here.",
             running=other.name,
             installed=installed.name,
-            service=service_of(here),
         )
-        fault = OTHER_LAUNCH.as_warning() if here else VERSIONS_DIFFER.as_warning()
-        yield Finding.of("installed", text, fault)
+        yield _differing("installed", text, here)
+
+
+def _differing(check: str, text: Message, here: Iterable[str]) -> Finding:
+    """Return that the software differs on one computer, whose nodes are given, or between two."""
+    if not here:
+        fault = VERSIONS_DIFFER.as_warning()
+        return Finding.of(check, text.reporting_only(fault), fault)
+    fault, service = OTHER_LAUNCH.as_warning(), service_of(here)
+    advice = Message("Start all parts of the robot again, from one installation.")
+    return Finding.of(check, text.reporting_only(fault), fault, advice=advice, restart=service)
 
 
 def _on(host: str, software: Mapping[str, NodeSoftware]) -> Mapping[str, NodeSoftware]:

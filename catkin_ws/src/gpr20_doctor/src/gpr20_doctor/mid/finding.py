@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import enum
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Optional
 
 from gpr20_common.message import Fault, Message
@@ -44,42 +44,41 @@ class Finding:
         level: How it ended.
         text: What was found, in one sentence.
         remedy: What to do; None only if nothing is wrong.
+        restart: The service to restart after that, empty for the robot's here; None: none.
     """
 
     check: str
     level: Level
     text: Message
     remedy: Optional[Message] = None
+    restart: Optional[str] = None
 
     @classmethod
     def of(
-        cls, check: str, text: Message, fault: Optional[Fault] = None, mild: bool = False
+        cls,
+        check: str,
+        text: Message,
+        fault: Optional[Fault] = None,
+        mild: bool = False,
+        advice: Optional[Message] = None,
+        restart: Optional[str] = None,
     ) -> Finding:
         """Return the finding of a sentence: good, unless it reports a fault.
 
-        Args:
-            check: Short name of the check.
-            text: What was found.
-            fault: Says level and remedy; None: it is good.
-            mild: Whether the fault is a warning here.
+        That says level and remedy; `mild` makes it a warning, `advice` says more than its remedy.
         """
         if fault is None:
             return cls(check, Level.OK, text)
         found = text.with_fault(fault)
-        return cls.of_fault(check, found.as_warning() if mild else found)
+        known = cls.of_fault(check, found.as_warning() if mild else found)
+        return replace(known, remedy=advice or known.remedy, restart=restart)
 
     @classmethod
-    def of_fault(cls, check: str, text: Message, remedy: Optional[Message] = None) -> Finding:
-        """Return the finding of a sentence that reports a fault: that says level and remedy.
-
-        Args:
-            check: Short name of the check.
-            text: What was found, with its fault.
-            remedy: What to do here, if that says more than the fault's remedy.
-        """
+    def of_fault(cls, check: str, text: Message) -> Finding:
+        """Return the finding of a sentence that reports a fault: that says level and remedy."""
         cause = text.cause
         assert cause is not None
-        return cls(check, Level[cause.severity.name], text, remedy or cause.remedy)
+        return cls(check, Level[cause.severity.name], text, cause.remedy)
 
 
 @dataclass(frozen=True)

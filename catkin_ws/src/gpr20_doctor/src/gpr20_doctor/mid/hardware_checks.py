@@ -14,6 +14,7 @@ from gpr20_survey.axes.axis_parameters import PULSE_PRIORITY
 SPI = "spi"
 GROUPS = ("gpio", SPI)
 PIGPIO = "pigpio"
+JOIN_GROUPS = Message("Add the user to the groups gpio and spi, then log out and in.")
 # Each axis locks its memory, some 30 MB.
 LOCKED_BYTES = 100_000_000
 SKIPPED: Dict[HardwareUse, Message] = {
@@ -34,7 +35,8 @@ def check_hardware(facts: MachineFacts) -> Iterator[Finding]:
     if facts.hardware is not HardwareUse.NEEDED:
         yield Finding("hardware", Level.NOTE, SKIPPED[facts.hardware])
         return
-    yield from _groups(facts.groups, GROUPS if facts.pins else (SPI,))
+    needed = GROUPS if facts.pins else (SPI,)
+    yield from _groups(facts.groups, needed, facts.place.settings is not None)
     yield _spi(facts.spi)
     if not facts.pins:
         text = Message("GPIO, real-time limits: not needed, other controllers move the axes.")
@@ -44,7 +46,7 @@ def check_hardware(facts: MachineFacts) -> Iterator[Finding]:
     yield _realtime(facts.realtime)
 
 
-def _groups(groups: object, needed: Sequence[str]) -> Iterator[Finding]:
+def _groups(groups: object, needed: Sequence[str], packages: bool) -> Iterator[Finding]:
     if not isinstance(groups, Groups):
         yield not_known("groups", Message("the user's groups"), groups)
         return
@@ -56,61 +58,65 @@ def _groups(groups: object, needed: Sequence[str]) -> Iterator[Finding]:
         values = {"user": groups.user, "groups": ", ".join(needed)}
         yield Finding.of("groups", Message("Groups of {user}: {groups}", **values))
     for name in missing:
-        yield _missing_group(groups, name)
+        yield _missing_group(groups, name, packages)
 
 
-def _missing_group(groups: Groups, name: str) -> Finding:
+def _missing_group(groups: Groups, name: str, packages: bool) -> Finding:
     values = {"user": groups.user, "group": name}
     if name not in groups.existing:
-        text, fault = (
-            Message("This computer has no group {group}.", **values),
-            NOT_SET_UP.as_warning(),
+        text = Message("This computer has no group {group}.", **values)
+        advice = Message(
+            "Run: sudo groupadd --system {group}. Then restart the computer.", **values
         )
+        if packages:
+            advice = Message(
+                "Run: sudo apt install --reinstall gpr20-robot. Then restart the computer."
+            )
     elif name in groups.listed:
         text = Message("{user} is in the group {group} from the next login on.", **values)
-        fault = NOT_SET_UP.as_warning()
+        advice = Message("Log out and in, or restart.")
     else:
         text = Message("{user} is not in the group {group}.", **values)
-        fault = NOT_SET_UP.as_warning()
-    return Finding.of("groups", text, fault)
+        advice = Message("Run: sudo usermod -aG {group} {user}. Then log out and in.", **values)
+    return Finding.of("groups", text, NOT_SET_UP, mild=True, advice=advice)
 
 
 def _spi(device: object) -> Finding:
     if not isinstance(device, DeviceFile):
         return not_known("spi", Message("the SPI bus"), device)
-    path, fault = str(device.path), None
-    if not device.exists:
-        text = Message("The SPI bus is off: there is no {path}.", path=path)
-        fault = NOT_SET_UP
-    elif not device.usable:
+    path = str(device.path)
+    if device.usable:
+        return Finding.of("spi", Message("SPI bus {path}", path=path))
+    if device.exists:
         text = Message("The SPI bus {path} cannot be read and written.", path=path)
-        fault = NOT_SET_UP
-    else:
-        text = Message("SPI bus {path}", path=path)
-    return Finding.of("spi", text, fault)
+        return Finding.of("spi", text, NOT_SET_UP, advice=JOIN_GROUPS)
+    text = Message("The SPI bus is off: there is no {path}.", path=path)
+    advice = Message("Run: sudo raspi-config nonint do_spi 0. Then restart the computer.")
+    return Finding.of("spi", text, NOT_SET_UP, advice=advice)
 
 
 def _gpio(gpio: object) -> Finding:
     if not isinstance(gpio, Pins):
         return not_known("gpio", Message("access to the pins"), gpio)
-    wanted, fault = gpio.wanted, None
+    wanted = gpio.wanted
     usable = [str(one.path) for one in gpio.devices if one.usable]
     if not gpio.libraries or (wanted and wanted not in gpio.libraries):
         text = Message(
             "The library {library} for the pins is not installed.",
             library=PIN_MODULES.get(wanted, "RPi.GPIO"),
         )
-        fault = NOT_SET_UP
+        advice = Message("Run: scripts/setup.sh --robot")
     elif wanted == PIGPIO and gpio.daemon:
-        text = Message("Pins: the pigpio daemon answers")
+        return Finding.of("gpio", Message("Pins: the pigpio daemon answers"))
     elif wanted == PIGPIO:
-        text, fault = Message("The pigpio daemon does not answer."), NOT_SET_UP
+        text = Message("The pigpio daemon does not answer.")
+        advice = Message("Run: sudo systemctl enable --now pigpiod")
     elif usable:
-        text = Message("Pins: {path} can be used", path=usable[0])
+        return Finding.of("gpio", Message("Pins: {path} can be used", path=usable[0]))
     else:
         text = Message("The pins cannot be used: no access to /dev/gpiomem or /dev/gpiochip.")
-        fault = NOT_SET_UP
-    return Finding.of("gpio", text, fault)
+        advice = JOIN_GROUPS
+    return Finding.of("gpio", text, NOT_SET_UP, advice=advice)
 
 
 def _realtime(limits: object) -> Finding:
@@ -129,4 +135,5 @@ def _realtime(limits: object) -> Finding:
         )
     else:
         return Finding.of("realtime", Message("Real-time priority and locked memory"))
-    return Finding.of("realtime", text, NOT_SET_UP.as_warning())
+    advice = Message("Allow rtprio and memlock in /etc/security/limits.d, then log out and in.")
+    return Finding.of("realtime", text, NOT_SET_UP, mild=True, advice=advice)

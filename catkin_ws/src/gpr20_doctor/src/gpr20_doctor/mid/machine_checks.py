@@ -17,7 +17,8 @@ from gpr20_doctor.low.programs import Tracking
 from gpr20_doctor.mid.finding import Finding, Level, Unknown, not_known
 from gpr20_doctor.mid.hardware_checks import check_hardware
 from gpr20_doctor.mid.machine_facts import AddressFacts, DiskFacts, MachineFacts, PortFacts
-from gpr20_doctor.mid.robot_checks import disk_space
+from gpr20_doctor.mid.place import Place
+from gpr20_doctor.mid.robot_checks import CHECK_LINK, disk_space
 from gpr20_doctor.mid.system_checks import (
     check_configuration,
     check_date,
@@ -36,6 +37,7 @@ HALTED = frozenset("TtZX")
 # Storing runs beside the next sample, which takes longer than this [s].
 TRACE_LIMIT_S = 1.0
 CLOCK_LIMIT_S = 0.1
+AS_SERVICES = Message("Run it as the services do: gpr20-run doctor")
 FIRST_USE = Message(
     "If the surveys have a disk of their own, mount it. Then start the robot, which marks the "
     "folder, and run gpr20 doctor again."
@@ -51,7 +53,8 @@ def check_addresses(facts: MachineFacts) -> Iterator[Finding]:
         yield not_known("addresses", Message("the addresses of this computer"), addresses)
         return
     two = addresses.robot or addresses.server
-    yield _two_machines(addresses) if two else _one_machine(addresses)
+    judge = _two_machines if two else _one_machine
+    yield judge(addresses, facts.place)
     gone = [one for one in addresses.foreign if one != addresses.ros_address]
     if gone:
         text = Message(
@@ -59,7 +62,7 @@ def check_addresses(facts: MachineFacts) -> Iterator[Finding]:
             "they cannot be reached.",
             addresses=", ".join(gone),
         )
-        yield Finding.of("addresses", text, faults.ADDRESS)
+        yield Finding.of("addresses", text, faults.ADDRESS, advice=CHECK_LINK, restart="")
 
 
 def check_launch(facts: MachineFacts) -> Iterator[Finding]:
@@ -69,9 +72,13 @@ def check_launch(facts: MachineFacts) -> Iterator[Finding]:
             "The launch of {count} parts of the robot on this computer has ended. They run on, "
             "and nothing starts one of them again if it ends.",
             count=len(facts.left_over),
+        )
+        advice = Message(
+            "Run: kill {numbers}. A survey that runs is stopped and can be resumed. Then start the "
+            "robot again.",
             numbers=" ".join(map(str, sorted(facts.left_over))),
         )
-        yield Finding.of("launch", text, INTERNAL.as_warning())
+        yield Finding.of("launch", text, INTERNAL, mild=True, advice=advice, restart="")
 
 
 def check_watchdog(facts: MachineFacts) -> Iterator[Finding]:
@@ -82,7 +89,7 @@ def check_watchdog(facts: MachineFacts) -> Iterator[Finding]:
         yield Finding.of("watchdog", text, INTERNAL)
     elif "" in facts.watchdogs:
         text = Message("No watchdog runs here: a part of the robot that hangs is not restarted.")
-        yield Finding("watchdog", Level.UNKNOWN, text, INTERNAL.as_warning().remedy)
+        yield Finding("watchdog", Level.UNKNOWN, text, INTERNAL.remedy)
     elif facts.watchdogs:
         yield Finding.of("watchdog", name)
 
@@ -99,7 +106,8 @@ def check_temperature(facts: MachineFacts) -> Iterator[Finding]:
         return
     text = Message("Temperature of the processor: {celsius:.0f} °C", celsius=temperature_c)
     fault = OVERLOADED if temperature_c >= WARM_C else None
-    yield Finding.of("temperature", text, fault, mild=temperature_c < HOT_C)
+    advice = Message("Shade the computer and check its fan.")
+    yield Finding.of("temperature", text, fault, mild=temperature_c < HOT_C, advice=advice)
 
 
 def check_power(facts: MachineFacts) -> Iterator[Finding]:
@@ -150,10 +158,12 @@ def check_clock(facts: MachineFacts) -> Iterator[Finding]:
         yield not_known("clock", Message("the offset of the clock"), clock, remedy)
     elif not clock.synchronized:
         text = Message("chrony does not follow the other computer's clock.")
-        yield Finding.of("clock", text, CLOCK_WRONG.as_warning())
+        advice = Message("Run: chronyc sources. Check the cable between the computers.")
+        yield Finding.of("clock", text, CLOCK_WRONG, mild=True, advice=advice)
     elif abs(clock.offset_s) > CLOCK_LIMIT_S:
         text = Message("This clock is off by {offset_s:.3f} s.", offset_s=clock.offset_s)
-        yield Finding.of("clock", text, CLOCK_WRONG.as_warning())
+        advice = Message("Wait some minutes. If it stays, run: sudo chronyc makestep")
+        yield Finding.of("clock", text, CLOCK_WRONG, mild=True, advice=advice)
     else:
         text = Message("Clock: off by {offset_ms:.2f} ms", offset_ms=1e3 * clock.offset_s)
         yield Finding.of("clock", text)
@@ -182,38 +192,46 @@ def check_vna_port(facts: MachineFacts) -> Iterator[Finding]:
         yield Finding.of("vna_port", text)
 
 
-def _one_machine(addresses: AddressFacts) -> Finding:
+def _one_machine(addresses: AddressFacts, place: Place) -> Finding:
     address = addresses.ros_address
     if address == "localhost" or address.startswith("127."):
         return Finding.of("addresses", Message("One computer: ROS listens on loopback."))
+    advice = AS_SERVICES if place.settings else None
     if address in addresses.foreign:
         text = Message(
             "ROS_IP or ROS_HOSTNAME is {address}, which is no address of this computer: what is "
             "started here cannot be reached.",
             address=address,
         )
-        return Finding.of("addresses", text, faults.ADDRESS)
+        return Finding.of("addresses", text, faults.ADDRESS, advice=advice)
     text = Message(
         "ROS listens on {address}: everybody in the network can move the robot.",
         address=address or "*",
     )
-    return Finding.of("addresses", text, faults.ADDRESS.as_warning())
+    return Finding.of("addresses", text, faults.ADDRESS, mild=True, advice=advice)
 
 
-def _two_machines(addresses: AddressFacts) -> Finding:
+def _two_machines(addresses: AddressFacts, place: Place) -> Finding:
     configured = f"{addresses.robot or '?'}, {addresses.server or '?'}"
     if not addresses.own:
         text = Message(
             "This computer has none of the addresses {configured}.", configured=configured
         )
-        return Finding.of("addresses", text, faults.ADDRESS)
+        restart = Message(
+            "Check the link, and GPR20_ROBOT and GPR20_SERVER in {where}. Then run: sudo "
+            "systemctl restart gpr20-firewall",
+            where=printable(place.settings or ""),
+        )
+        advice = restart if place.settings else None
+        return Finding.of("addresses", text, faults.ADDRESS, advice=advice)
     if addresses.ros_address not in addresses.own:
         text = Message(
             "ROS listens on {address}, but this computer is {own}.",
             address=addresses.ros_address or "*",
             own=addresses.own[0],
         )
-        return Finding.of("addresses", text, faults.ADDRESS)
+        advice = AS_SERVICES if place.settings else None
+        return Finding.of("addresses", text, faults.ADDRESS, advice=advice)
     text = Message("Two computers: this one is {own}.", own=addresses.own[0])
     return Finding.of("addresses", text)
 

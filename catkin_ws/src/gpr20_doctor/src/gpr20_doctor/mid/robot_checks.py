@@ -6,7 +6,7 @@ Each check is a function from the facts to findings. To add one, write it and li
 from __future__ import annotations
 
 import math
-from typing import Callable, Dict, Iterable, Iterator, Optional, Tuple
+from typing import Callable, Iterable, Iterator, Optional, Tuple
 
 from gpr20_common.faults import (
     CONFIGURATION,
@@ -17,7 +17,7 @@ from gpr20_common.faults import (
     PART_RED,
     PART_SILENT,
 )
-from gpr20_common.message import Fault, Message, Severity, verbatim
+from gpr20_common.message import Message, Severity, verbatim
 from gpr20_doctor import faults
 from gpr20_doctor.low.masters import NodeState
 from gpr20_doctor.mid.contact_checks import (
@@ -50,13 +50,10 @@ from gpr20_survey.plan.robot_description import (
 from gpr20_survey.trace.calibration import CalibrationStatus
 
 TEST = Message("A survey reads it; or test the VNA on ROBOT.")
-CALIBRATION_FAULTS: Dict[CalibrationStatus, Fault] = {
-    CalibrationStatus.NONE: NOT_CALIBRATED,
-    CalibrationStatus.MODERATE_POWER: NOT_CALIBRATED.as_warning(),
-    CalibrationStatus.MODERATE_TEMPERATURE: NOT_CALIBRATED.as_warning(),
-    CalibrationStatus.LOW: NOT_CALIBRATED.as_warning(),
-    CalibrationStatus.NOT_REPORTED: NOT_CALIBRATED.as_warning(),
-}
+MAKE_SURE = Message("Make sure that the VNA is calibrated.")
+CHECK_LINK = Message(
+    "Check the link, and the address of this computer. Then start the robot again."
+)
 
 
 def check_analyzer(facts: RobotFacts) -> Iterator[Finding]:
@@ -81,8 +78,11 @@ def _calibration(name: str) -> Finding:
     state = verbatim(name) if status is None else status.meaning
     text = Message("Calibration of the VNA: {state}", state=state)
     if status is None:
-        return Finding("calibration", Level.UNKNOWN, text, NOT_CALIBRATED.as_warning().remedy)
-    return Finding.of("calibration", text, CALIBRATION_FAULTS.get(status))
+        return Finding("calibration", Level.UNKNOWN, text, MAKE_SURE)
+    good, none = status is CalibrationStatus.HIGH, status is CalibrationStatus.NONE
+    advice = MAKE_SURE if status is CalibrationStatus.NOT_REPORTED else None
+    fault = None if good else NOT_CALIBRATED
+    return Finding.of("calibration", text, fault, mild=not none, advice=advice)
 
 
 def _identity(identity: str, simulated: bool) -> Finding:
@@ -133,13 +133,16 @@ def check_parts(facts: RobotFacts) -> Iterator[Finding]:
     gone = [one.name for one in facts.nodes if known.get(one.name) is NodeState.GONE]
     lost = [one.name for one in facts.nodes if known.get(one.name) is NodeState.UNREACHED]
     if gone:
-        values = {"parts": tuple(map(node_title, gone)), "service": service_of(gone)}
-        text = Message("Not running: {parts}", **values)
-        yield Finding.of("missing", text, NOT_RUNNING)
+        text = Message("Not running: {parts}", parts=tuple(map(node_title, gone)))
+        advice = Message(
+            "Wait one minute: what ends is started again by itself. If it stays, start the robot "
+            "again."
+        )
+        yield Finding.of("missing", text, NOT_RUNNING, advice=advice, restart=service_of(gone))
     if lost:
-        values = {"parts": tuple(map(node_title, lost)), "service": service_of(lost)}
-        text = Message("Not reached at the address where they listen: {parts}", **values)
-        yield Finding.of("missing", text, faults.ADDRESS)
+        parts, service = tuple(map(node_title, lost)), service_of(lost)
+        text = Message("Not reached at the address where they listen: {parts}", parts=parts)
+        yield Finding.of("missing", text, faults.ADDRESS, advice=CHECK_LINK, restart=service)
     for node in facts.nodes:
         if node.name not in {*gone, *lost}:
             yield _part(node, facts.listening_s, known.get(node.name))
@@ -184,7 +187,11 @@ def check_height(facts: RobotFacts) -> Iterator[Finding]:
             lowest_m=lowest_m,
             highest_m=highest_m,
         )
-        yield Finding.of("height", text, NO_GROUND.as_warning())
+        advice = Message(
+            "Look below the sensor, and check the offset in {height_file}.",
+            height_file="height.yaml",
+        )
+        yield Finding.of("height", text, NO_GROUND, mild=True, advice=advice)
 
 
 def check_endstops(facts: RobotFacts) -> Iterator[Finding]:
@@ -210,11 +217,12 @@ def check_clocks(facts: RobotFacts) -> Iterator[Finding]:
         offset_s=abs(offset_s),
         details=facts.software[node].host if node in facts.software else "",
     )
-    yield Finding.of("clocks", text, CLOCK_WRONG.as_warning())
+    advice = Message("Set the clocks of both computers, for example with chrony.")
+    yield Finding.of("clocks", text, CLOCK_WRONG, mild=True, advice=advice)
 
 
 def _endstop(axis_id: AxisId, position: AxisPosition, seen: EndstopSeen) -> Finding:
-    axis, fault = axis_id.value.upper(), None
+    axis, fault, advice = axis_id.value.upper(), None, None
     if seen.pressed and position.homed and position.coordinate > ENDSTOP_REACH_MM:
         text = Message(
             "The endstop of the {axis} axis is closed at {coordinate_mm:.0f} mm.",
@@ -231,7 +239,8 @@ def _endstop(axis_id: AxisId, position: AxisPosition, seen: EndstopSeen) -> Find
     else:
         text = Message("The endstop of the {axis} axis is closed; it is not homed.", axis=axis)
         fault = ENDSTOP.as_warning()
-    return Finding.of(f"endstop_{axis_id.value}", text, fault)
+        advice = Message("See whether the carriage presses it. If not, check switch and cable.")
+    return Finding.of(f"endstop_{axis_id.value}", text, fault, advice=advice)
 
 
 def _part(node: NodeHealth, listening_s: float, state: Optional[NodeState]) -> Finding:
@@ -249,11 +258,11 @@ def _part(node: NodeHealth, listening_s: float, state: Optional[NodeState]) -> F
     cause = node.message.cause
     text = Message("{name}: {state}", name=name, state=node.message)
     if node.level is HealthLevel.ERROR:
-        failed = text.with_fault(INTERNAL)
-        return Finding.of_fault(node.name, failed, node.message.remedy)
-    if cause is not None and (cause.severity is Severity.NOTE or cause.code == NOT_HOMED.code):
-        return Finding(node.name, Level.NOTE, text, cause.remedy or PART_RED.as_warning().remedy)
-    return Finding.of(node.name, text, PART_RED.as_warning(), mild=True)
+        return Finding.of(node.name, text, INTERNAL, advice=node.message.remedy)
+    advice = node.message.remedy or Message("Touch this part on ROBOT and read its details.")
+    if cause is not None and (cause.severity is Severity.NOTE or cause == NOT_HOMED.as_warning()):
+        return Finding(node.name, Level.NOTE, text, advice)
+    return Finding.of(node.name, text, PART_RED, mild=True, advice=advice)
 
 
 UNHEARD: Tuple[Check, ...] = (check_contact, check_unheard)

@@ -74,7 +74,16 @@ def check_firewall(facts: MachineFacts) -> Iterator[Finding]:
             "the network can move the robot.",
             ports=", ".join(map(str, outside.reached[:LISTED])),
         )
-        yield Finding.of("firewall", text, faults.FIREWALL)
+        advice, program = None, printable(facts.place.firewall)
+        if facts.place.settings and outside.switched_off:
+            advice = Message(
+                "Write GPR20_FIREWALL=on into {where}. Run: sudo {program} load",
+                where=printable(facts.place.settings),
+                program=program,
+            )
+        elif facts.place.settings:
+            advice = Message("Run: sudo {program} load", program=program)
+        yield Finding.of("firewall", text, faults.FIREWALL, advice=advice)
 
 
 def check_memory(facts: MachineFacts) -> Iterator[Finding]:
@@ -88,13 +97,20 @@ def check_memory(facts: MachineFacts) -> Iterator[Finding]:
     free = memory.available_bytes
     text = Message("Memory: {free_mb:.0f} MB free", free_mb=free / MB)
     fault = OVERLOADED if free < LOW_MEMORY else None
+    advice = Message(
+        "End other programs on this computer; to see them, run: ps aux --sort=-rss | head"
+    )
     if fault is None and memory.ended_programs:
         text = Message(
             "Linux has ended {count} programs for lack of memory since the start.",
             count=memory.ended_programs,
         )
-        fault = OVERLOADED.as_warning()
-    yield Finding.of("memory", text, fault, mild=free >= NO_MEMORY)
+        fault = OVERLOADED
+        advice = Message(
+            "Note which program was ended: sudo dmesg | grep -i oom. Then restart the computer, "
+            "and run nothing else beside the robot."
+        )
+    yield Finding.of("memory", text, fault, mild=free >= NO_MEMORY, advice=advice)
 
 
 def check_volumes(facts: MachineFacts) -> Iterator[Finding]:
@@ -117,8 +133,18 @@ def _volume(volume: VolumeFacts) -> Iterator[Finding]:
     names = {"point": printable(volume.mount_point), "folder": printable(volume.folder)}
     if volume.read_only:
         text = Message("The file system {point} is read-only; {folder} is on it.", **names)
-        yield Finding.of("volumes", text, DISK_REFUSES)
+        advice = Message(
+            "Run: sudo mount -o remount,rw {point}. If that fails or it happens again, replace the "
+            "card or disk.",
+            **names,
+        )
+        yield Finding.of("volumes", text, DISK_REFUSES, advice=advice)
         return
+    advice = Message(
+        "Delete what is not needed on {point}; to see what is large, run: sudo du -xh {point} | "
+        "sort -h | tail",
+        **names,
+    )
     if volume.free_bytes < LOW_SPACE:
         text = Message(
             "The file system {point} has {free_mb:.0f} MB left; {folder} is on it.",
@@ -126,14 +152,14 @@ def _volume(volume: VolumeFacts) -> Iterator[Finding]:
             **names,
         )
         mild = volume.free_bytes >= NO_SPACE
-        yield Finding.of("volumes", text, DISK_FULL, mild)
+        yield Finding.of("volumes", text, DISK_FULL, mild, advice)
     if volume.free_files is not None and volume.free_files < FEW_FILES:
         text = Message(
             "The file system {point} can hold only {count} more files; {folder} is on it.",
             count=volume.free_files,
             **names,
         )
-        yield Finding.of("volumes", text, DISK_FULL)
+        yield Finding.of("volumes", text, DISK_FULL, advice=advice)
 
 
 def check_date(facts: MachineFacts) -> Iterator[Finding]:
@@ -143,4 +169,5 @@ def check_date(facts: MachineFacts) -> Iterator[Finding]:
             "This computer's clock is {days:.0f} days before the date of the installed software.",
             days=facts.behind_s / 86400.0,
         )
-        yield Finding.of("date", text, CLOCK_WRONG.as_warning())
+        advice = Message("Set the clock, for example: sudo date -s '2026-07-31 14:00'")
+        yield Finding.of("date", text, CLOCK_WRONG, mild=True, advice=advice)

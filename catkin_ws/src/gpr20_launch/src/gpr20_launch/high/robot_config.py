@@ -11,11 +11,10 @@ from typing import Callable, Dict, Iterable, Mapping, Sequence
 
 import rosgraph
 
-from gpr20_common.errors import Gpr20Error
+from gpr20_common.errors import Gpr20Error, os_reason
 from gpr20_common.faults import NOT_ALLOWED
 from gpr20_common.low.yaml_file import read_yaml
 from gpr20_common.message import Message
-from gpr20_common.os_reason import os_reason
 from gpr20_common.terminal_text import printable, say
 from gpr20_doctor.mid.arguments import named_folder
 from gpr20_doctor.mid.finding import Finding
@@ -147,7 +146,11 @@ def _refuse_existing(folder: Path, names: Iterable[str]) -> None:
     there = [name for name in sorted(names) if os.path.lexists(str(folder / name))]
     if there:
         values = {"folder": printable(folder), "names": ", ".join(there)}
-        text = Message("{folder} has {names} already, which stay as they are", **values)
+        text = Message(
+            "{folder} has {names} already, which stay as they are; give an empty folder, compare "
+            "its files with these, and copy what is right",
+            **values,
+        )
         raise ConfigurationError(text, fault=NOT_ALLOWED)
 
 

@@ -32,11 +32,7 @@ def is_there(module: str) -> bool:
 
 
 def what_to_install(there: Callable[[str], bool] = is_there) -> Optional[str]:
-    """Return what is missing and the commands that install it; None if nothing is.
-
-    Args:
-        there: Whether a module is installed.
-    """
+    """Return what is missing and the commands that install it; None if nothing is."""
     ros = _absent(FROM_ROS, there)
     system = _absent(FROM_SYSTEM, there)
     pip = _absent(FROM_PIP, there)

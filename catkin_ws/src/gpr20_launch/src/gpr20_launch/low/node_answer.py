@@ -8,7 +8,7 @@ import xmlrpc.client
 from typing import Optional
 from urllib.parse import urlsplit
 
-from gpr20_common.low.limited_rpc import NO_ANSWER, limited_server, value_of
+from gpr20_common.low.links import NO_ANSWER, limited_server, value_of
 
 CALLER = "/watchdog"
 
@@ -26,14 +26,7 @@ class NodeAnswer:
     """Asks one process, again and again."""
 
     def __init__(self, master_uri: str, name: str, number: int, time_limit_s: float) -> None:
-        """Connect to nothing yet.
-
-        Args:
-            master_uri: Where the master is.
-            name: Full name of the node.
-            number: Its process id.
-            time_limit_s: For each step of a request [s].
-        """
+        """Connect to nothing yet; the limit [s] is that of each step of a request."""
         self._master = limited_server(master_uri, time_limit_s)
         self._name = name
         self._number = number

@@ -7,7 +7,6 @@ from pathlib import Path
 from typing import Dict, Tuple
 
 from gpr20_common.errors import Gpr20Error
-from gpr20_common.faults import CONFIGURATION
 from gpr20_common.low.data_folder import DEFAULT_FOLDER
 from gpr20_common.message import Message
 from gpr20_common.mid.codec import record_from
@@ -112,8 +111,7 @@ class LaunchRequest:
                     "{folder} (config:=) is no folder; create it with its files: "
                     "rosrun gpr20_launch robot_config create {folder}",
                     folder=folder,
-                ),
-                fault=CONFIGURATION,
+                )
             )
         return folder
 
@@ -148,11 +146,7 @@ class LaunchRequest:
 
 
 def storage_parameters(sections: Sections, data: str) -> ProcessingParameters:
-    """Return the parameters of the storage.
-
-    Args:
-        sections: The configuration.
-        data: Folder of the surveys in place of the configured one; empty: that one.
+    """Return the parameters of the storage; `data` replaces the configured folder unless empty.
 
     Raises:
         InvalidValueError: A value is not allowed.

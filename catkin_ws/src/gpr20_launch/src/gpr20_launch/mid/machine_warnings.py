@@ -9,8 +9,7 @@ from typing import Mapping, Tuple
 from gpr20_common.message import Message
 from gpr20_common.mid.codec import record_from
 from gpr20_common.mid.extension import is_extension
-from gpr20_common.mid.hardware import NO_HARDWARE
-from gpr20_common.mid.node_software import NodeSoftware
+from gpr20_common.mid.node_facts import NO_HARDWARE, NodeSoftware
 from gpr20_doctor.mid.finding import Finding, Level
 from gpr20_doctor.mid.findings import findings
 from gpr20_doctor.mid.machine_probe import probe_machine
@@ -46,14 +45,7 @@ def machine_warnings(
     environment: Mapping[str, str],
     root: Path = ROOT,
 ) -> Tuple[Finding, ...]:
-    """Return what is wrong with this computer; nothing for a simulated robot.
-
-    Args:
-        request: The arguments of the launch.
-        sections: The configuration of the nodes.
-        environment: The environment variables.
-        root: Root of the file system.
-    """
+    """Return what is wrong with this computer; nothing for a simulated robot."""
     if request.robot != REAL:
         return ()
     host, nodes = socket.gethostname(), {}
@@ -78,4 +70,5 @@ def _unchecked_analyzer(request: LaunchRequest, sections: Sections) -> Tuple[Fin
         "{analyzer} has not passed the check of analyzers as it is now",
         analyzer=parameters.analyzer,
     )
-    return (Finding.of_fault("analyzer", text.with_fault(faults.NOT_CHECKED.as_warning())),)
+    advice = Message("Before the next survey run: rosrun gpr20_vna_acquisition check_analyzer")
+    return (Finding.of("analyzer", text, faults.NOT_CHECKED, mild=True, advice=advice),)

@@ -62,11 +62,6 @@ def old_robot(
 ) -> OldRobot:
     """Return the configuration that a launch file of the original means.
 
-    Args:
-        path: The launch file.
-        parameters: What it sets.
-        defaults: The values of each axis where nothing is set.
-
     Raises:
         OldLaunchError: It sets no parameter of an axis.
     """
@@ -90,7 +85,10 @@ def old_robot(
     if all(str(one).startswith(UNREAD) for axis in axes.values() for one in axis.values()):
         example = "gpr20_x_axis/gpr20_axis/dir_pin"
         text = Message(
-            "{file} sets no parameter of an axis, such as {example}", file=path, example=example
+            "{file} sets no parameter of an axis, such as {example}; give the launch file that "
+            "starts the nodes of the axes",
+            file=path,
+            example=example,
         )
         raise OldLaunchError(
             next((one.message for one in parameters.unread if one.name == ""), text)
@@ -126,7 +124,7 @@ def _mark_unread(
         own = [axis for axis in axes if name is not None and _axis_of(name or f"/{axis}/") == axis]
         key = "" if name is None else name.rsplit("/", 1)[-1]
         matters = bool(own) and key in ("", *NAMES)
-        message = one.message.with_fault(CONFIGURATION)
+        message = _to_look_up(one.message)
         robot.problems.append(Problem(message if matters else message.as_warning()))
         for axis in own if matters else ():
             absent = set(defaults[axis]) & set(NAMES) - set(axes[axis])
@@ -147,8 +145,16 @@ def _mark_unset(
             text = Message(
                 "{file} does not set {names}", file=file, names=", ".join(names) if own else axis
             )
-            robot.problems.append(Problem(text.with_fault(CONFIGURATION)))
+            robot.problems.append(Problem(_to_look_up(text)))
             own.update({key: f"{UNREAD} {text}" for key in names})
+
+
+def _to_look_up(reason: Message) -> Message:
+    return Message(
+        "{reason}; look up on the original robot what it sets, and write it into {file}",
+        reason=reason,
+        file=AXES_FILE,
+    ).with_fault(CONFIGURATION)
 
 
 def _axis_of(name: str) -> str:

@@ -6,7 +6,6 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Dict, Iterator, List, Mapping, Tuple
 
-from gpr20_common.faults import CONFIGURATION
 from gpr20_common.message import Message
 from gpr20_launch.mid.pin_table import EEPROM, GPIO_OF_BOARD, I2C, SPI_BUSES, UART
 from gpr20_launch.mid.problem import Problem, problem
@@ -95,11 +94,11 @@ def _spi(reading: Reading) -> Tuple[List[PinUse], List[Problem]]:
     if lines is None:
         reason = Message("the header of a Raspberry Pi 4 has no such bus")
         allowed = ", ".join(map(str, SPI_BUSES))
-        return [], [problem(CONFIGURATION, file, "spi_bus", bus, reason, allowed)]
+        return [], [problem(file, "spi_bus", bus, reason, allowed)]
     if device >= len(lines.selects):
         reason = Message("SPI bus {bus} has no such chip select", bus=bus)
         allowed = f"0 - {len(lines.selects) - 1}"
-        return [], [problem(CONFIGURATION, file, "spi_device", device, reason, allowed)]
+        return [], [problem(file, "spi_device", device, reason, allowed)]
     uses = []
     for name, pin in lines.pins(device).items():
         key, value = ("spi_device", device) if name.startswith("CE") else ("spi_bus", bus)
@@ -117,14 +116,17 @@ def _shared(uses: List[PinUse]) -> Iterator[Problem]:
             continue
         texts, last, gpio = tuple(one.text for one in own), own[-1], GPIO_OF_BOARD[pin]
         values = {"pin": pin, "gpio": gpio, "count": len(own), "uses": ", ".join(texts)}
-        reason = Message("pin {pin} (GPIO{gpio}) has {count} purposes: {uses}", **values)
+        reason = Message(
+            "pin {pin} (GPIO{gpio}) has {count} purposes: {uses}; find out with a continuity meter "
+            "where it leads, as docs/wiring.md describes",
+            **values,
+        )
         allowed = Message(
             "a pin of its own for each; axes can share only {shared}, with the same {level}",
             shared=SHARED,
             level="enable_active",
         )
-        where = (CONFIGURATION, last.file, last.key, last.value)
-        yield problem(*where, reason, allowed, uses=texts)
+        yield problem(last.file, last.key, last.value, reason, allowed, uses=texts)
 
 
 def _reserved(use: PinUse) -> Iterator[Problem]:
@@ -133,16 +135,20 @@ def _reserved(use: PinUse) -> Iterator[Problem]:
     if reason is None or not of_axis or (use.pin in I2C and use.key.endswith(ENDSTOP)):
         return
     free = ", ".join(map(str, sorted(set(GPIO_OF_BOARD) - {*RESERVED, 19, 21, 23, 24})))
-    where = (CONFIGURATION, use.file, use.key, use.value)
-    uses, doubtful = (use.text, str(reason)), use.pin not in EEPROM
-    yield problem(*where, reason, free, doubtful=doubtful, uses=uses)
+    allowed = Message("another pin, with the signal connected to it: {free}", free=free)
+    yield problem(use.file, use.key, use.value, reason, allowed, use.pin not in EEPROM)
 
 
 def _pull(file: Path, axis: str, parameters: AxisParameters) -> Iterator[Problem]:
     pin, pull, up = parameters.sensor_pin, parameters.endstop_pull, Pull.UP.value
     if pin in I2C and pull != up:
-        reason = Message("pin {pin} has a resistor of 1.8 kOhm to 3.3 V, which pulls up", pin=pin)
-        yield problem(CONFIGURATION, file, f"{axis}/endstop_pull", pull, reason, up)
+        reason = Message(
+            "pin {pin} has a resistor of 1.8 kOhm to 3.3 V, which pulls up; measure the signal, "
+            "pressed and free, and correct {active}, too",
+            pin=pin,
+            active="endstop_active",
+        )
+        yield problem(file, f"{axis}/endstop_pull", pull, reason, up)
 
 
 def _wave_transmitter(file: Path, axes: Dict[str, AxisParameters]) -> Iterator[Problem]:
@@ -152,4 +158,4 @@ def _wave_transmitter(file: Path, axes: Dict[str, AxisParameters]) -> Iterator[P
             "pigpio can time the pulses of one axis, and {first} has it", first=timed[0]
         )
         key, other = f"{axis}/backend", RPI_GPIO
-        yield problem(CONFIGURATION, file, key, PIGPIO, reason, other)
+        yield problem(file, key, PIGPIO, reason, other)

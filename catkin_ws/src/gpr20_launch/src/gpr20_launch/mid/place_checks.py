@@ -13,6 +13,7 @@ from gpr20_common.message import Message
 from gpr20_common.mid.checks import ipv4_address
 from gpr20_common.terminal_text import printable
 from gpr20_launch import faults
+from gpr20_launch.mid.hints import with_hint
 from gpr20_launch.mid.launch_request import ROBOT, SURVEY, storage_parameters
 from gpr20_launch.mid.problem import Problem, problem
 from gpr20_launch.mid.robot_files import AXES_FILE, Reading
@@ -45,6 +46,12 @@ LEAST_RESERVE_MB, SHORTEST_SETTLING_S = 50.0, 0.05
 LEAST_DELAY_NS = 0.001  # 0.15 mm of depth in air
 # Resistors and noise aside, 3.3 V.
 HIGHEST_INPUT_V = 3.6
+ORDER = Message(
+    "{launch} of a launch counts before data: in {file}, and that before {variable}",
+    launch="data:=",
+    file=STORAGE_FILE,
+    variable="GPR20_DATA",
+)
 ADDRESS_NAMES = ("GPR20_ROBOT", "GPR20_SERVER")
 
 
@@ -82,7 +89,8 @@ def _left_over(folder: Path) -> Iterator[Problem]:
     for path in sorted(folder.iterdir()) if folder.exists() else ():
         if LEFT_OVER.fullmatch(path.name) and path.suffix not in (".yaml", ".yml"):
             text = Message(
-                "{file} is left over, and is not read: somebody may take it for the configuration",
+                "{file} is left over, and is not read: compare it with the file that is read, keep "
+                "the right values there, and move it to another folder",
                 file=printable(path),
             )
             yield Problem(text.with_fault(CONFIGURATION.as_warning()), str(path))
@@ -102,7 +110,8 @@ def _data(reading: Reading, use: Use) -> Iterator[Problem]:
         reason = Message("it depends on the folder in which the robot is started")
     if reason is not None:
         example = Message("an absolute path, such as {example}", example="/srv/gpr20/surveys")
-        yield problem(CONFIGURATION, *where, given or configured, reason, example)
+        reason = with_hint(reason, ORDER)
+        yield problem(*where, given or configured, reason, example)
     elif use.part != ROBOT:
         parameters = storage_parameters(reading.sections, given)
         unsuitable = list(_suitable(parameters, where, use))
@@ -153,11 +162,12 @@ def _suitable(
         )
     elif not folder.exists():
         reason = Message(
-            "it does not exist; a launch makes it on the file system of {mount_point}",
+            "it does not exist; unless its disk is mounted before, a launch makes it on the file "
+            "system of {mount_point}",
             mount_point=printable(mounted.mount_point),
         )
     if reason is not None:
-        yield problem(CONFIGURATION, *where, folder, reason, allowed, doubtful=doubtful)
+        yield problem(*where, folder, with_hint(reason, ORDER), allowed, doubtful)
 
 
 def _disk(
@@ -174,7 +184,7 @@ def _disk(
         reason = Message("{free_mb:.0f} MB are free there, so no survey can start", free_mb=free_mb)
         allowed = f"<= {free_mb:.0f} MB"
         key, value = "disk_reserve_mb", f"{parameters.disk_reserve_mb:g} MB"
-        yield problem(DISK_FULL, file, key, value, reason, allowed, doubtful=True)
+        yield problem(file, key, value, reason, allowed, doubtful=True, fault=DISK_FULL)
     unsigned = key_warning(parameters.signer())
     if unsigned is not None:
         text = Message("{file}: {reason}", file=printable(file), reason=unsigned)
@@ -191,7 +201,7 @@ def _sensors(reading: Reading) -> Iterator[Problem]:
                 "sensor {sensor} has this topic and field too, so both have one value", sensor=first
             )
             key, value = f"{SENSORS}[{number}]/field", f"{one.topic} {one.field}"
-            yield problem(CONFIGURATION, file, key, value, reason, allowed, doubtful=True)
+            yield problem(file, key, value, reason, allowed, doubtful=True)
 
 
 def _values(reading: Reading, use: Use) -> Iterator[Problem]:
@@ -200,58 +210,61 @@ def _values(reading: Reading, use: Use) -> Iterator[Problem]:
     height, survey = map(reading.record, ("height_sensor", "survey"))
     uncalibrated = CalibrationStatus.NONE in vna.accepted_calibrations
     sea = site.latitude_deg == site.longitude_deg == 0.0
-    for doubtful, fault, file, key, value, reason, allowed in (
+    for doubtful, file, key, value, reason, allowed in (
         (
-            *(sea, CONFIGURATION, "site.yaml", "latitude_deg", 0),
+            *(sea, "site.yaml", "latitude_deg", 0),
             Message("0, 0 is in the sea; without a position leave both keys out"),
             "-90 - 90",
         ),
         (
-            *(uncalibrated, CONFIGURATION, ANALYZER_FILE, "accepted_calibrations", 0),
+            *(uncalibrated, ANALYZER_FILE, "accepted_calibrations", 0),
             Message("surveys would be measured without a calibration"),
             "1 - 5",
         ),
         (
             not vna.accepted_calibrations,
-            *(CONFIGURATION, ANALYZER_FILE, "accepted_calibrations", "[]"),
+            *(ANALYZER_FILE, "accepted_calibrations", "[]"),
             Message("no calibration of the VNA would be accepted"),
             "1 - 5",
         ),
         (
             0.0 < abs(vna.antenna_delay_ns) < LEAST_DELAY_NS,
-            *(CONFIGURATION, ANALYZER_FILE, "antenna_delay_ns", vna.antenna_delay_ns),
+            *(ANALYZER_FILE, "antenna_delay_ns", vna.antenna_delay_ns),
             Message("it seems to be in seconds; what is found would be too deep"),
             f"0, or >= {LEAST_DELAY_NS:g} ns",
         ),
         (
             not storage.recorded_topics,
-            *(CONFIGURATION, STORAGE_FILE, "recorded_topics", "[]"),
+            *(STORAGE_FILE, "recorded_topics", "[]"),
             Message("neither motion nor states would be recorded beside the traces"),
             Message("leave it out; extra_recorded_topics adds others"),
         ),
         (
             storage.disk_reserve_mb < LEAST_RESERVE_MB,
-            *(CONFIGURATION, STORAGE_FILE, "disk_reserve_mb", storage.disk_reserve_mb),
+            *(STORAGE_FILE, "disk_reserve_mb", storage.disk_reserve_mb),
             Message("the disk could be full before the end of a survey"),
             f">= {LEAST_RESERVE_MB:g} MB",
         ),
         (
             survey.settle_s < SHORTEST_SETTLING_S,
-            *(CONFIGURATION, "survey.yaml", "settle_s", survey.settle_s),
+            *("survey.yaml", "settle_s", survey.settle_s),
             Message("the antennas would still swing while a trace is measured"),
             f">= {SHORTEST_SETTLING_S:g} s",
         ),
         (
             use.real and height.reference_voltage_v > HIGHEST_INPUT_V,
-            *(CONFIGURATION, HEIGHT_FILE, "reference_voltage_v"),
+            *(HEIGHT_FILE, "reference_voltage_v"),
             f"{height.reference_voltage_v:g} V",
-            Message("a converter with this supply puts it on the MISO pin, too"),
+            Message(
+                "a converter with this supply puts it on the MISO pin, which is made for 3.3 V: "
+                "supply it with 3.3 V, or put a level shifter between them"
+            ),
             f"0.25 - {HIGHEST_INPUT_V:g} V",
         ),
     ):
         if doubtful:
             path = reading.folder / file
-            yield problem(fault, path, key, value, reason, allowed, doubtful=True)
+            yield problem(path, key, value, reason, allowed, doubtful=True)
 
 
 def _addresses(reading: Reading, use: Use) -> Iterator[Problem]:
@@ -271,13 +284,13 @@ def _addresses(reading: Reading, use: Use) -> Iterator[Problem]:
         # The window asks for the address of the VNA, too.
         doubtful = key == "address" and address.startswith("127.")
         if reason is not None:
-            yield problem(CONFIGURATION, file, key, address, reason, allowed, doubtful=doubtful)
+            yield problem(file, key, address, reason, allowed, doubtful=doubtful)
     if len(names) == 1:
         key, address = known[0][1:]
         other = next(one for one in ADDRESS_NAMES if one != key)
         reason = Message("two computers need both addresses, and {other} is empty", other=other)
         allowed = Message("both addresses, or none")
-        yield problem(CONFIGURATION, "environment", key, address, reason, allowed, doubtful=True)
+        yield problem("environment", key, address, reason, allowed, doubtful=True)
 
 
 def _not_of_device(address: str, key: str) -> Optional[Message]:
@@ -295,11 +308,11 @@ def _not_of_device(address: str, key: str) -> Optional[Message]:
 
 def _unchecked(reading: Reading) -> Iterator[Problem]:
     wiring = reading.folder / WIRING_FILE
-    allowed = Message("nothing in the list, once a person has checked it")
+    allowed = Message("nothing in the list, once a person has checked it and corrected the files")
     for one in reading.record("wiring").unchecked:
         reason = Message("nobody has checked it: {task}", task=TASKS[one])
-        where = (faults.NOT_CHECKED, wiring, "unchecked", one.value)
-        yield problem(*where, reason, allowed, doubtful=one in WITH_ROBOT)
+        where, doubtful = (wiring, "unchecked", one.value), one in WITH_ROBOT
+        yield problem(*where, reason, allowed, doubtful, fault=faults.NOT_CHECKED)
     for name in (AXES_FILE, HEIGHT_FILE):
         file = reading.folder / name
         # A profile without the list of what must be checked in it.
@@ -309,4 +322,4 @@ def _unchecked(reading: Reading) -> Iterator[Problem]:
             )
             allowed = Message("a file without this word, once a person has checked each such line")
             mark = PROFILE_MARK.decode()
-            yield problem(faults.NOT_CHECKED, file, "", mark, reason, allowed)
+            yield problem(file, "", mark, reason, allowed, fault=faults.NOT_CHECKED)

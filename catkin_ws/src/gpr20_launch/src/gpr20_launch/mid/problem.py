@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Dict, Tuple, Union
 
+from gpr20_common.faults import CONFIGURATION
 from gpr20_common.message import Fault, Message, Severity
 from gpr20_common.terminal_text import printable
 
@@ -20,7 +21,7 @@ class Problem:
         key: The key in it, such as y/sensor_pin; empty: the whole file.
         value: Its value as Python shows it.
         allowed: What would be allowed.
-        uses: Of a pin: everything that uses it.
+        uses: Of a pin with two purposes: everything that uses it.
     """
 
     message: Message
@@ -43,7 +44,6 @@ class Problem:
 
 
 def problem(
-    fault: Fault,
     file: Union[Path, str],
     key: str,
     value: object,
@@ -51,6 +51,7 @@ def problem(
     allowed: Union[Message, str],
     doubtful: bool = False,
     uses: Tuple[str, ...] = (),
+    fault: Fault = CONFIGURATION,
 ) -> Problem:
     """Return a problem of one value, whose sentence names file, key, value and what is allowed.
 

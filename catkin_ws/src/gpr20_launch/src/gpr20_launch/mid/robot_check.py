@@ -11,13 +11,12 @@ from pathlib import Path
 from typing import Callable, Iterator, List, Tuple
 
 from gpr20_axis_driver.mid.controllers import check_controller
-from gpr20_common.errors import Gpr20Error
+from gpr20_common.errors import Gpr20Error, os_reason
 from gpr20_common.faults import CONFIGURATION
 from gpr20_common.low.clock import Clock
 from gpr20_common.low.data_folder import DEFAULT_FOLDER
-from gpr20_common.message import Fault, Message
+from gpr20_common.message import Message
 from gpr20_common.mid.extension import is_extension
-from gpr20_common.os_reason import os_reason
 from gpr20_common.terminal_text import printable
 from gpr20_launch.mid.axis_checks import check_axes
 from gpr20_launch.mid.launch_request import ROBOT, SERVER
@@ -47,11 +46,7 @@ class BuiltRobot:
 def check_robot(use: Use, built: BuiltRobot) -> Tuple[Problem, ...]:
     """Return what is wrong with the configuration of a robot, and what is doubtful, gravest first.
 
-    Nothing is started, and nothing written.
-
-    Args:
-        use: Where it is, and how it is used; files that are not there mean the defaults.
-        built: The robot as it is built.
+    Nothing is started, and nothing written. Files that are not there mean the defaults.
     """
     found: List[Problem] = []
     try:
@@ -67,12 +62,14 @@ def _check(use: Use, built: BuiltRobot) -> Iterator[Problem]:
         raise NotADirectoryError(errno.ENOTDIR, os.strerror(errno.ENOTDIR))
     if not use.folder.exists() and use.folder != Path(DEFAULT_FOLDER).expanduser():
         text = Message(
-            "the folder {folder} does not exist: the defaults are used", folder=use.folder
+            "the folder {folder} does not exist: the defaults are used; correct config:=, or "
+            "create it with robot_config create",
+            folder=use.folder,
         )
         yield Problem(text.with_fault(CONFIGURATION).as_warning(), str(use.folder))
     reading = Reading(use.folder, built.axes)
     pins = tuple(check_pins(reading))
-    shared = [use for one in pins if one.message.cause == CONFIGURATION for use in one.uses]
+    shared = [use for one in pins for use in one.uses]
     for one in reading.problems:
         # The parameters of an axis refuse a pin with a second use in it, but not that of others.
         if not any(use.partition(" (")[0] == f"{AXES_FILE} {one.key}" for use in shared):
@@ -89,32 +86,29 @@ def _extensions(reading: Reading, use: Use, built: BuiltRobot) -> Iterator[Probl
     """Find classes and message types that are not installed on the computer that needs them."""
 
     def missing(
-        fault: Fault, name: str, key: str, check: Callable[..., object], *given: object
+        name: str, key: str, check: Callable[..., object], *given: object
     ) -> Iterator[Problem]:
         file = reading.folder / name
         try:
             check(*given)
         except Gpr20Error as error:
             text = Message(
-                "{file}, {place}: {reason}",
+                "{file}, {place}: {reason}; correct it, or install what it needs",
                 file=printable(file),
                 place=key,
                 reason=error.message,
             )
-            yield Problem(text.reporting_only(fault), str(file), key)
+            yield Problem(text.reporting_only(CONFIGURATION), str(file), key)
 
-    unusable = CONFIGURATION
     for axis, own in reading.axes().items():
         if own.controller and use.real and use.part != SERVER:
-            yield from missing(unusable, AXES_FILE, f"{axis}/controller", check_controller, own)
+            yield from missing(AXES_FILE, f"{axis}/controller", check_controller, own)
     if use.part == ROBOT:
         return
     vna = reading.record("vna_acquisition")
     if use.real and is_extension(vna.analyzer):
         deadline = RequestDeadline(Clock())
-        yield from missing(
-            unusable, ANALYZER_FILE, "analyzer", make_foreign_analyzer, vna, deadline
-        )
+        yield from missing(ANALYZER_FILE, "analyzer", make_foreign_analyzer, vna, deadline)
     for number, one in enumerate(reading.record(SENSORS).sensors):
         key, field = f"{SENSORS}[{number}]", (one.message, one.field)
-        yield from missing(CONFIGURATION, "sensors.yaml", key, built.message_field, *field)
+        yield from missing("sensors.yaml", key, built.message_field, *field)

@@ -7,11 +7,11 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Any, Dict, List, Mapping, Set, Tuple, Type
 
+from gpr20_common.errors import os_reason
 from gpr20_common.faults import CONFIGURATION
 from gpr20_common.low.yaml_file import YamlFileError, read_yaml
-from gpr20_common.message import Fault, Message
+from gpr20_common.message import Message
 from gpr20_common.mid.codec import record_from
-from gpr20_common.os_reason import os_reason
 from gpr20_height_sensor.mid.height_parameters import HeightParameters
 from gpr20_launch.errors import ConfigurationError
 from gpr20_launch.mid import hints
@@ -88,11 +88,7 @@ class Reading:
     """
 
     def __init__(self, folder: Path, built_axes: Path) -> None:
-        """Read the files.
-
-        Args:
-            folder: The configuration's folder; files that do not exist are left out.
-            built_axes: File with the axes of the robot as it is built.
+        """Read the files that are there.
 
         Raises:
             OSError: The folder cannot be read.
@@ -136,7 +132,7 @@ class Reading:
             if is_yaml and path.name not in {AXES_FILE, *FILES}:
                 text = Message(
                     "{file} is not a file of a robot's configuration, and would not be read; "
-                    "allowed: {known}",
+                    "rename it, or move it to another folder; allowed: {known}",
                     file=path,
                     known=known,
                 )
@@ -190,7 +186,7 @@ class Reading:
             # A link that leads nowhere, such as to a medium that is not there, is no default.
             links = any(one.is_symlink() and not one.exists() for one in (path, path.parent))
             if links or not isinstance(error, FileNotFoundError):
-                self._wrong(path, os_reason(error), fault=CONFIGURATION)
+                self._wrong(path, os_reason(error))
             return {}
         except YamlFileError as error:
             self._wrong(path, hints.with_hint(error.message, hints.hint_for_text(path)))
@@ -277,7 +273,6 @@ class Reading:
         value: Any = None,
         allowed: str = "",
         place: str = "",
-        fault: Fault = CONFIGURATION,
     ) -> None:
         if place:
             text = Message("{file}, {place}: {reason}", file=path, place=place, reason=reason)
@@ -285,15 +280,13 @@ class Reading:
             text = Message("{file}: {reason}", file=path, reason=reason)
         shown = "" if value is None else repr(value)
         self.unsure.add((path.name, key))
-        self.problems.append(Problem(text.reporting_only(fault), str(path), key, shown, allowed))
+        self.problems.append(
+            Problem(text.reporting_only(CONFIGURATION), str(path), key, shown, allowed)
+        )
 
 
 def read_configuration(folder: Path, built_axes: Path) -> Sections:
     """Return every section of a configuration; what a file leaves out has its default.
-
-    Args:
-        folder: The configuration's folder; files that do not exist are left out.
-        built_axes: File with the axes of the robot as it is built.
 
     Raises:
         ConfigurationError: A file cannot be read, or has an unknown key or a value that is not

@@ -34,12 +34,7 @@ class RunningNode:
 
 
 def refusal(nodes: Sequence[RunningNode], master: str) -> Message:
-    """Return who is there, since when, and the command that ends them.
-
-    Args:
-        nodes: The nodes that answer, at least one.
-        master: Address of the ROS master.
-    """
+    """Return which nodes answer, at least one, since when, and the command that ends them."""
     names = ", ".join(f"{one.name} (process {one.number})" for one in nodes)
     remedy = _remedy(nodes)
     times = [one.process.started for one in nodes if one.process]

@@ -26,11 +26,7 @@ _ATTRIBUTE = re.compile(r"^    (\w+): (.*(?:\n        .*)*)", re.MULTILINE)
 
 
 def templates(built_axes: Path) -> Dict[str, str]:
-    """Return the text of each file, by its name.
-
-    Args:
-        built_axes: File with the axes of the robot as it is built.
-    """
+    """Return the text of each file, by its name."""
     texts = {name: _template(name, file) for name, file in FILES.items()}
     texts[AXES_FILE] = _axes_template(built_axes)
     return texts

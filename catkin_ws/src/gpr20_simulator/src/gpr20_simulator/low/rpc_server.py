@@ -7,10 +7,9 @@ import struct
 import threading
 from typing import Callable, List, Optional
 
-from gpr20_common.errors import Gpr20Error
+from gpr20_common.errors import Gpr20Error, os_reason
 from gpr20_common.faults import OTHER_LAUNCH
 from gpr20_common.message import Message
-from gpr20_common.os_reason import os_reason
 from gpr20_simulator.low.rpc import RpcProgram, XdrError, answer_call
 
 LAST_FRAGMENT = 0x80000000

@@ -16,10 +16,9 @@ import time
 from pathlib import Path
 from typing import Mapping, Optional
 
-from gpr20_common.errors import Gpr20Error
+from gpr20_common.errors import Gpr20Error, os_reason
 from gpr20_common.faults import NOT_ALLOWED, OTHER_LAUNCH
 from gpr20_common.message import Message, verbatim
-from gpr20_common.os_reason import os_reason
 from gpr20_survey.axes.axis_id import AxisId
 
 LAYOUT = 0x47505232_00000003
@@ -132,8 +131,7 @@ def open_shared_state(
 
     Args:
         path: The file, in memory-backed storage such as /dev/shm.
-        start_steps: Where each axis is when the robot is switched on [motor steps]; 0 if it
-            is left out.
+        start_steps: Where each axis is when the robot is switched on [motor steps]; 0 if absent.
 
     Raises:
         SharedStateError: The file cannot be made, or is something else.
@@ -146,7 +144,8 @@ def open_shared_state(
         reason = os_reason(error) if isinstance(error, OSError) else verbatim(str(error))
         raise SharedStateError(
             Message(
-                "the simulated robot's file {path} cannot be opened: {reason}",
+                "the simulated robot's file {path} cannot be opened: {reason}; remove it when no "
+                "simulated robot runs",
                 path=path,
                 reason=reason,
             )
