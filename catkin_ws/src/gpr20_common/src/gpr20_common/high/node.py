@@ -12,6 +12,7 @@ import os
 import signal
 import sys
 import threading
+import time
 from pathlib import Path
 from typing import Any, Callable, Optional, Type, TypeVar
 
@@ -20,7 +21,7 @@ import rospy
 
 from gpr20_common.errors import ConfigurationError, Gpr20Error, NodeSilentError
 from gpr20_common.faults import INTERNAL
-from gpr20_common.high.connection_keeper import ConnectionKeeper
+from gpr20_common.high.graph_keeper import GraphKeeper
 from gpr20_common.low.links import NodeProbe
 from gpr20_common.low.thread_fault import end_with_thread
 from gpr20_common.message import Message
@@ -30,6 +31,8 @@ from gpr20_common.terminal_text import enable_line_buffering, say
 # A node of the same name that lives answers within this time [s].
 ANSWER_LIMIT_S = 1.0
 POLL_S = 0.1
+# The other nodes of a launch fill a master that came back empty within this time [s].
+FILL_LIMIT_S = 10.0
 
 Parameters = TypeVar("Parameters")
 
@@ -42,6 +45,9 @@ def configuration_name() -> str:
 def read_parameters(parameter_class: Type[Parameters], section: str) -> Parameters:
     """Return a section of the configuration, or raise an InvalidValueError."""
     name = configuration_name()
+    never, deadline_s = threading.Event(), time.monotonic() + FILL_LIMIT_S
+    while name and not rospy.has_param(name) and time.monotonic() < deadline_s:
+        never.wait(POLL_S)
     text = rospy.get_param(name, "") if name else "{}"
     try:
         sections = json.loads(text)
@@ -77,6 +83,7 @@ def run_node(name: str, build: Callable[[], Any], needed: bool = True) -> None:
         say(f"{name} was ended before it had started: {error}", file=sys.stderr)
         # At once: rospy's own threads may wait for a master that is gone.
         os._exit(1)
+    keeper = GraphKeeper()
     started = f"/gpr20_started{configuration}{rospy.get_name()}"
     try:
         kept = build()
@@ -90,7 +97,6 @@ def run_node(name: str, build: Callable[[], Any], needed: bool = True) -> None:
         sys.exit(1)
     if configuration:
         rospy.set_param(started, True)
-    keeper = ConnectionKeeper()
     rospy.loginfo("%s is ready", rospy.get_name())
     rospy.core.register_signals()
     rospy.spin()
