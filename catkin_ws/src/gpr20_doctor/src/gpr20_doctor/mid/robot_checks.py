@@ -239,7 +239,10 @@ def _endstop(axis_id: AxisId, position: AxisPosition, seen: EndstopSeen) -> Find
     else:
         text = Message("The endstop of the {axis} axis is closed; it is not homed.", axis=axis)
         fault = ENDSTOP.as_warning()
-        advice = Message("See whether the carriage presses it. If not, check switch and cable.")
+        advice = Message(
+            "See whether the carriage presses it. If not, switch off the motors' power, and check "
+            "switch and cable."
+        )
     return Finding.of(f"endstop_{axis_id.value}", text, fault, advice=advice)
 
 
