@@ -20,7 +20,7 @@ import rosgraph
 import rospy
 
 from gpr20_common.errors import ConfigurationError, Gpr20Error, NodeSilentError
-from gpr20_common.faults import INTERNAL
+from gpr20_common.faults import OTHER_LAUNCH
 from gpr20_common.high.graph_keeper import GraphKeeper
 from gpr20_common.low.links import NodeProbe
 from gpr20_common.low.thread_fault import end_with_thread
@@ -57,7 +57,7 @@ def read_parameters(parameter_class: Type[Parameters], section: str) -> Paramete
             "end the launch and start it again",
             details=f"{name}: {text!r}",
         )
-        raise ConfigurationError(gone, fault=INTERNAL) from error
+        raise ConfigurationError(gone, fault=OTHER_LAUNCH) from error
     return record_from(parameter_class, sections.get(section, {}), section)
 
 
