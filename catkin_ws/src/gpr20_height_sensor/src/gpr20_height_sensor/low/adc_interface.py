@@ -80,7 +80,6 @@ class AdcInterface:
         return (reply[1] & RESULT_HIGH_BITS) << 8 | reply[2]
 
     def close(self) -> None:
-        """Release the bus."""
         with self._lock:
             self._spi.close()
 
