@@ -18,7 +18,7 @@ from user_shell import ROOT, printed_by
 EVERYTHING = sorted(path.parts[-3] for path in ROOT.glob("catkin_ws/src/*/test/unit"))
 ANALYSIS = ["gpr20_analysis", "gpr20_foreign_formats", "gpr20_imaging", "gpr20_viewer"]
 # What these computers have no use for: ROS, and what the robot's pins and buses need.
-ABSENT = "actionlib diagnostic_msgs diagnostic_updater genpy geometry_msgs gpr20_msgs pigpio rosbag"
+ABSENT = "actionlib diagnostic_msgs diagnostic_updater genpy geometry_msgs gpr20_msgs rosbag"
 ABSENT += " roslaunch rosgraph rosgraph_msgs roslib rospkg rospy sensor_msgs spidev std_msgs"
 ABSENT += " std_srvs tf2_msgs tf2_ros visualization_msgs RPi"
 IMPORT_ALL = """

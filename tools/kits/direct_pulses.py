@@ -6,6 +6,7 @@ from typing import Any, Optional
 
 from gpr20_axis_driver.motion import Ending, Motion, MotionReport, StopRequested
 from gpr20_common.message import Message
+from gpr20_common.mid.node_facts import Hardware
 from gpr20_survey.axes.axis_id import ZeroEpoch
 
 
@@ -13,17 +14,16 @@ class DirectPulses:
     """Implements `AxisMotions`.
 
     Args:
-        runner: Makes the pulses: a `PulseLoop` or a `WaveRunner`.
+        runner: Makes the pulses: a `PulseLoop`.
         counter: Counts them: a `StepCounter`, or what stands for it.
     """
 
     failure: Optional[Message] = None
     scheduling = Message("ordinary")
-    unpunctual = False
+    hardware = Hardware("pins")
 
     def __init__(self, runner: Any, counter: Any) -> None:
         self._runner, self._counter = runner, counter
-        self.begin_zero, self.place = counter.begin_zero, counter.place
         self.distrust = counter.begin
 
     @property
@@ -38,6 +38,10 @@ class DirectPulses:
     def zero(self) -> ZeroEpoch:
         zero: ZeroEpoch = self._counter.zero
         return zero
+
+    def begin_zero(self, steps: int, time_us: int) -> None:
+        self._counter.begin_zero(time_us)
+        self._counter.place(steps)
 
     @property
     def endstop_pressed(self) -> Optional[bool]:

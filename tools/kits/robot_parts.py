@@ -18,12 +18,12 @@ import numpy as np
 from direct_pulses import DirectPulses
 from simulated_world import MECHANICS, STEP_MM, StepTime, World
 
-from gpr20_axis_driver.axis_exceptions import AxisException, LeaseLapsedError, MotionStopped
+from gpr20_axis_driver.faults import AxisException, LeaseLapsedError, MotionStopped
 from gpr20_axis_driver.low.step_counter import open_step_counter
 from gpr20_axis_driver.mid.axis_driver import AxisDriver
 from gpr20_axis_driver.mid.axis_lease import AxisLease
-from gpr20_axis_driver.mid.pulse_client import LOCK_LIMIT_S, MADE_US
 from gpr20_axis_driver.mid.pulse_loop import PulseLoop
+from gpr20_axis_driver.mid.pulse_process import LOCK_LIMIT_S, MADE_US
 from gpr20_axis_driver.motion import StopRequested
 from gpr20_common.errors import Gpr20Error
 from gpr20_common.message import Message, verbatim
@@ -47,7 +47,6 @@ from gpr20_main_control.mid.survey.survey_notes import Note
 from gpr20_main_control.mid.waits import Workers
 from gpr20_simulator.low.pins import SimulatedPins
 from gpr20_simulator.low.spi import SimulatedSpi
-from gpr20_simulator.mid.axis_hardware import NO_LIMITS
 from gpr20_simulator.mid.carriage import AxisMotor, mechanics_of, wiring_of
 from gpr20_simulator.mid.world.ground import Ground
 from gpr20_simulator.mid.world.range_sensor import RangeSensor
@@ -145,7 +144,7 @@ class ProcessAxis:
         pins = SimulatedPins(
             AxisMotor(world.state, axis_id, mechanics), wiring_of(axis_id, mechanics)
         )
-        loop = PulseLoop(pins, self._parameters, StepTime(), NO_LIMITS, counter)
+        loop = PulseLoop(pins, self._parameters, StepTime(), counter, realtime=False)
         self.driver = AxisDriver(self._parameters, DirectPulses(loop, counter))
         # No lease ends because this computer is slow.
         self.lease = AxisLease(self._parameters.lease_limit_s, lambda: calls.frozen_s)
@@ -218,7 +217,7 @@ class ProcessAxis:
 
         def ends() -> bool:
             self._calls.note(self._step)
-            return stopped() or lapsed()
+            return stopped() or lapsed() is not None
 
         try:
             with self.lease.use(CALLER) as lapsed:

@@ -23,7 +23,7 @@ from stored_surveys import (
 
 from gpr20_analysis.read.verification import verify_survey
 from gpr20_analysis.read.verification_result import COMPLETE
-from gpr20_axis_driver.axis_exceptions import AxisBusyError
+from gpr20_axis_driver.faults import AxisBusyError
 from gpr20_main_control import faults
 from gpr20_main_control.mid.survey import storage_queue
 from gpr20_survey.axes.axis_id import AxisId

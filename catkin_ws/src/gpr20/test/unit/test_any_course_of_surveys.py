@@ -19,7 +19,7 @@ from stored_surveys import TRACES, check_acknowledged, check_places, json_traces
 
 from gpr20_analysis.read.verification import verify_survey
 from gpr20_analysis.read.verification_result import COMPLETE
-from gpr20_axis_driver.axis_exceptions import AxisException
+from gpr20_axis_driver.faults import AxisException
 from gpr20_main_control.errors import SurveyError
 from gpr20_main_control.mid.survey.engine import Accepted
 from gpr20_survey.axes.axis_id import AxisId

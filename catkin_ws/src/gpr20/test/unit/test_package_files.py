@@ -34,7 +34,7 @@ KEYS = {
     "yaml": "python3-yaml",
 }
 # Imported on the real robot alone: requirements/robot.in.
-ROBOT_MODULES = {"RPi", "pigpio", "spidev"}
+ROBOT_MODULES = {"RPi", "spidev"}
 # Imported by others on behalf of a package: h5netcdf by xarray, h5py by h5netcdf, OpenGL by
 # pyqtgraph, PyVISA-py by PyVISA.
 INDIRECT_KEYS = {"python3-h5netcdf-pip", "python3-h5py-pip", "python3-pyopengl-pip"}

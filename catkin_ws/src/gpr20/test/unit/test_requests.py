@@ -24,7 +24,7 @@ from simulated_world import LIMIT_S
 from std_msgs.msg import Header
 from stored_surveys import check_complete, check_pause, check_state, description_in, json_traces
 
-from gpr20_axis_driver.mid.robot_hardware import RobotHardware
+from gpr20_axis_driver.low.pins import RobotHardware
 from gpr20_common.errors import Gpr20Error
 from gpr20_common.faults import ASKED_FOR, NOT_ALLOWED
 from gpr20_common.high.answers import message_from
@@ -174,7 +174,7 @@ def test_a_robot_without_its_hardware_is_an_error_and_never_simulated(monkeypatc
     for library in ("RPi", "spidev"):
         monkeypatch.setitem(sys.modules, library, None)
     for build in (
-        lambda: RobotHardware(AXES[AxisId.X]).open(None),
+        lambda: RobotHardware(AXES[AxisId.X]).open_pins(),
         lambda: build_height_sensor(HeightParameters()),
     ):
         with pytest.raises(Gpr20Error, match="elsewhere launch with robot:=simulated"):

@@ -1,22 +1,41 @@
-"""What another controller of an axis must do: a class outside this repository implements it."""
+"""Another controller than the pins: what a class outside this repository implements, and its use.
+
+Its methods are called by one thread at a time. One that does not return is an error of the whole
+process, which ends (`overdue`): nothing else ends the call.
+"""
 
 from __future__ import annotations
 
+import contextlib
+import threading
+import time
 from dataclasses import dataclass
-from typing import Optional, Protocol
+from typing import Callable, Iterator, Optional, Protocol, Type, cast
 
-from gpr20_axis_driver.axis_exceptions import AxisException
-from gpr20_survey.axes.axis_parameters import AxisParameters
-from gpr20_survey.faults import AXIS_MAY_MOVE
+from gpr20_axis_driver.faults import ControllerError, EndstopError, MotionStopped, NotHomedError
+from gpr20_axis_driver.mid.axis_driver import AxisDriver
+from gpr20_axis_driver.mid.homing import TRAVEL_MARGIN
+from gpr20_axis_driver.motion import Ending, Motion, MotionReport, StopRequested
+from gpr20_common.message import Message
+from gpr20_common.mid.extension import load_extension
+from gpr20_common.mid.node_facts import Hardware
+from gpr20_survey.axes.axis_id import UNKNOWN_ZERO, ZeroEpoch
+from gpr20_survey.axes.axis_parameters import HOMING_BACKOFFS, AxisParameters
+from gpr20_survey.axes.ramp import Ramp
+from gpr20_survey.faults import AXIS_MAY_MOVE, NOT_HOMED
 
 # The longest that any method of a controller may take [s].
 CALL_LIMIT_S = 3.0
-
-
-class ControllerError(AxisException, OSError):
-    """The controller does not answer, or reports a fault: the position is no longer known."""
-
-    fault = AXIS_MAY_MOVE
+MOVING_PERIOD_S = 0.02
+RESTING_PERIOD_S = 0.1
+# A motion may take this many times its computed duration, and this much longer [s].
+SLOWEST_FACTOR = 2.0
+MARGIN_S = 5.0
+SILENT = Message(
+    "the controller of this axis did not answer for {limit_s:g} s; check its power and cable, and "
+    "home the axis",
+    limit_s=CALL_LIMIT_S,
+).with_fault(AXIS_MAY_MOVE)
 
 
 @dataclass(frozen=True)
@@ -43,9 +62,9 @@ class AxisController(Protocol):
 
     The configuration names the class; it is made with the parameters of the axis and the
     `controller_options`, as keyword arguments. It may open its link then, and raises
-    `ControllerError` if it cannot. Its methods are called by one thread at a time; each ends
-    within 3 s and raises `ControllerError` if the controller does not answer, reports a fault, or
-    may have lost its position. After such an error only `close` is called.
+    `ControllerError` if it cannot. Each of its methods ends within 3 s and raises
+    `ControllerError` if the controller does not answer, reports a fault, or may have lost its
+    position. After such an error only `close` is called.
 
     The limits of the travel, the time limits and the clients are not its task: the driver checks
     them and calls `stop`.
@@ -85,3 +104,297 @@ class AxisController(Protocol):
 
     def close(self) -> None:
         """End any motion and release the link; never raises."""
+
+
+def check_controller(parameters: AxisParameters) -> Type[AxisController]:
+    """Return the class of the controller that the parameters name; it is not made yet.
+
+    Raises:
+        InvalidValueError: It cannot be imported, is no controller, or has other options.
+    """
+    name, options = parameters.controller, parameters.controller_options
+    found = load_extension("controller", name, AxisController, 1, options)
+    return cast(Type[AxisController], found)
+
+
+def open_axis(
+    parameters: AxisParameters, watch: Optional[Callable[[ControllerMotions], object]] = None
+) -> AxisDriver:
+    """Return the driver of an axis that a controller moves, and open its link.
+
+    Args:
+        parameters: The axis; they name the controller.
+        watch: Called before that; ends the process once a call is `overdue`.
+
+    Raises:
+        InvalidValueError: See `check_controller`.
+        AxisException: The controller cannot be reached.
+    """
+    kind = check_controller(parameters)
+    motions = ControllerMotions(
+        parameters, lambda: kind(parameters, **parameters.controller_options)
+    )
+    if watch is not None:
+        watch(motions)
+    motions.open()
+    return AxisDriver(parameters, motions, motions.home)
+
+
+class ControllerMotions:
+    """Carries out motions with an `AxisController`, and watches it; an `AxisMotions`.
+
+    One thread reads the state all the time, which also shows the controller that the driver is
+    alive. After an error the controller is closed; the next homing makes a new one.
+    """
+
+    zero: ZeroEpoch = UNKNOWN_ZERO
+    endstop_presses = 0
+
+    def __init__(self, parameters: AxisParameters, make: Callable[[], AxisController]) -> None:
+        """Make nothing yet; `open` does.
+
+        Args:
+            parameters: The parameters of the axis.
+            make: Makes the controller.
+        """
+        self._parameters = parameters
+        self._make = make
+        self._changed = threading.Condition()
+        self._calls = threading.Lock()
+        self._called_s = 0.0
+        self._closed = threading.Event()
+        self._failure: Optional[Message] = None
+        self._state = ControllerState(0, moving=False, homed=False)
+
+    def open(self) -> None:
+        """Make the controller; motions are possible on return.
+
+        Raises:
+            AxisException: It cannot be reached.
+        """
+        with self._calling():
+            self._make_controller()
+        self._reader = threading.Thread(target=self._keep_reading, daemon=True)
+        self._reader.start()
+
+    @property
+    def overdue(self) -> bool:
+        """Whether a call of the controller does not return; only the end of this process helps."""
+        called_s = self._called_s
+        return called_s > 0.0 and time.monotonic() - called_s > CALL_LIMIT_S
+
+    @property
+    def hardware(self) -> Hardware:
+        return Hardware(self._controller.name)
+
+    @property
+    def steps(self) -> int:
+        return self._state.steps
+
+    @property
+    def trusted(self) -> bool:
+        return self._state.homed and self._failure is None
+
+    @property
+    def failure(self) -> Optional[Message]:
+        return self._failure
+
+    @property
+    def endstop_pressed(self) -> Optional[bool]:
+        return self._state.endstop_pressed if self._failure is None else None
+
+    @property
+    def scheduling(self) -> Message:
+        return Message("the controller {name} moves the axis", name=self._controller.name)
+
+    def run(self, motion: Motion, stop_requested: StopRequested) -> MotionReport:
+        """Carry out a motion and return when the axis is at rest.
+
+        Raises:
+            ControllerError: The controller failed; the axis must be homed again.
+            NotHomedError: The axis does not rest where it should.
+        """
+        start, ramp = self.steps, motion.ramp
+        target = start + (motion.steps if motion.forward else -motion.steps)
+        began_s = time.monotonic()
+        self._call(lambda: self._controller.begin_move(target))
+        brake_s = ramp.duration_s(2 * ramp.braking_steps(ramp.min_pause_s))
+        limit_s = _limit_s(ramp.duration_s(motion.steps))
+        ending = self._wait_for_rest(stop_requested, limit_s, _limit_s(brake_s), motion.guarded)
+        if not self._state.homed or (ending is Ending.COMPLETE and self.steps != target):
+            lost = self._elsewhere(target)
+            self._set_failure(lost)
+            raise NotHomedError(lost)
+        if ending is Ending.STOPPED and self.steps == target:
+            ending = Ending.COMPLETE
+        pressed = bool(self._state.endstop_pressed)
+        duration_s = time.monotonic() - began_s
+        return MotionReport(ending, abs(self.steps - start), pressed, duration_s)
+
+    def home(self, stop_requested: StopRequested) -> None:
+        """Let the controller find the zero; the axis then rests within its travel.
+
+        Raises:
+            EndstopError: The controller did not find it.
+            MotionStopped: A stop was requested.
+            ControllerError: The controller failed.
+        """
+        parameters = self._parameters
+        slow = Ramp(parameters.max_step, parameters.max_step, parameters.delta_step)
+        backoff = max(1, parameters.distance_steps(parameters.homing_backoff))
+        steps = int(parameters.travel_steps * TRAVEL_MARGIN) + HOMING_BACKOFFS * backoff
+        self._call(self._controller.begin_homing)
+        limit_s = _limit_s(slow.duration_s(steps))
+        ending = self._wait_for_rest(stop_requested, limit_s, _limit_s(0.0), guarded=False)
+        if ending is not Ending.COMPLETE:
+            raise MotionStopped(Message("homing was stopped; the axis is not homed"))
+        coordinate = parameters.coordinate_of(self.steps)
+        if not self._state.homed or not parameters.min_coord <= coordinate <= parameters.max_coord:
+            raise EndstopError(
+                Message(
+                    "the controller did not find the zero of this axis; check the motor and its "
+                    "power, the endstop and its cable, and home the axis"
+                )
+            )
+
+    def begin_zero(self, _steps: int, time_us: int) -> None:
+        self.zero = ZeroEpoch(self.zero.number + 1, time_us)
+
+    def distrust(self) -> None:
+        """Leave it to the controller, which alone knows where its axis is."""
+
+    def revive(self) -> None:
+        if self._failure is not None:
+            with self._calling():
+                # A link that has failed may fail again here; there is nothing more to do with it.
+                with contextlib.suppress(Exception):
+                    self._controller.close()
+                self._make_controller()
+            self._set_failure(None)
+
+    def close(self) -> None:
+        self._closed.set()
+        self._reader.join(CALL_LIMIT_S)
+        # A call that does not return ends with the process.
+        if not self._reader.is_alive():
+            with contextlib.suppress(ControllerError), self._calling():
+                self._controller.close()
+
+    def _make_controller(self) -> None:
+        self._controller = self._make()
+        self._state = self._controller.read()
+
+    @contextlib.contextmanager
+    def _calling(self) -> Iterator[None]:
+        """Call the controller, one thread at a time; whatever it raises is a ControllerError."""
+        with self._calls:
+            self._called_s = time.monotonic()
+            try:
+                yield
+            except ControllerError:
+                raise
+            except Exception as error:  # a class that is not ours may raise anything
+                raise ControllerError(
+                    Message(
+                        "the controller of this axis failed; see the log and home the axis",
+                        details=f"{type(error).__name__}: {error}",
+                    )
+                ) from error
+            finally:
+                self._called_s = 0.0
+
+    def _call(self, command: Callable[[], None]) -> None:
+        """Give the controller a command, and read its state before anybody looks at it."""
+        try:
+            with self._calling():
+                # It may have waited for a call that failed: nothing must move that late.
+                self._check()
+                command()
+                self._note(self._controller.read())
+        except ControllerError as error:
+            self._set_failure(error.message)
+            raise
+
+    def _check(self) -> None:
+        if self._failure is not None:
+            raise ControllerError(self._failure)
+
+    def _wait_for_rest(
+        self, stop_requested: StopRequested, motion_s: float, stop_s: float, guarded: bool
+    ) -> Ending:
+        """Wait until the axis is at rest; return why it was stopped, or that it was not.
+
+        Args:
+            stop_requested: Whether to stop it.
+            motion_s: How long the motion may take [s].
+            stop_s: How long it may take from a stop on [s].
+            guarded: Whether a pressed endstop ends it, too.
+        """
+        ending = Ending.COMPLETE
+        deadline_s = time.monotonic() + motion_s
+        state = self._state
+        while state.moving:
+            if ending is Ending.COMPLETE:
+                if guarded and state.endstop_pressed:
+                    ending = Ending.PRESSED
+                elif stop_requested():
+                    ending = Ending.STOPPED
+                if ending is not Ending.COMPLETE:
+                    self._call(self._controller.stop)
+                    deadline_s = min(deadline_s, time.monotonic() + stop_s)
+            if time.monotonic() > deadline_s:
+                self._end_late()
+            with self._changed:
+                while self._state is state and self._failure is None:
+                    self._changed.wait()
+                self._check()
+                state = self._state
+        return ending
+
+    def _end_late(self) -> None:
+        late = Message(
+            "the controller of this axis did not end a motion in time; check the motor and the "
+            "endstop, and home the axis"
+        ).with_fault(AXIS_MAY_MOVE)
+        with contextlib.suppress(ControllerError):
+            self._call(self._controller.stop)
+        self._set_failure(late)
+        raise ControllerError(late)
+
+    def _keep_reading(self) -> None:
+        while not self._closed.wait(MOVING_PERIOD_S if self._state.moving else RESTING_PERIOD_S):
+            try:
+                with self._calling():
+                    if self._failure is None:
+                        self._note(self._controller.read())
+            except ControllerError as error:
+                self._set_failure(error.message)
+
+    def _note(self, state: ControllerState) -> None:
+        with self._changed:
+            before, self._state = self._state, state
+            self.endstop_presses += bool(state.endstop_pressed and not before.endstop_pressed)
+            self._changed.notify_all()
+        if before.homed and not (state.homed or state.moving or before.moving):
+            raise ControllerError(
+                Message("the controller has lost the zero of this axis; home the axis"),
+                fault=NOT_HOMED,
+            )
+
+    def _set_failure(self, reason: Optional[Message]) -> None:
+        with self._changed:
+            self._failure = reason
+            self._changed.notify_all()
+
+    def _elsewhere(self, target: int) -> Message:
+        return Message(
+            "the controller ended a move to {target:.12g} {unit} at {coordinate:.12g} {unit}; home "
+            "the axis",
+            target=self._parameters.coordinate_of(target),
+            coordinate=self._parameters.coordinate_of(self.steps),
+            unit=self._parameters.unit,
+        ).with_fault(NOT_HOMED)
+
+
+def _limit_s(expected_s: float) -> float:
+    return SLOWEST_FACTOR * expected_s + MARGIN_S

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Callable, Optional, Protocol, Sequence
 
-from gpr20_axis_driver.low.step_counter import StepCounter
+from gpr20_axis_driver.low.pins import Pins
 from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message
 from gpr20_common.mid.node_facts import Hardware
@@ -62,36 +62,16 @@ class Motion:
 
 
 @dataclass(frozen=True)
-class LateLimits:
-    """How late a pulse may be [s of the axis's clock].
-
-    Attributes:
-        late_s: Up to here later pulses make up for the delay; beyond it they slow down.
-        gap_s: Beyond it a motor that was faster than its slowest speed can lose steps.
-    """
-
-    late_s: float
-    gap_s: float
-
-    @classmethod
-    def of(cls, parameters: AxisParameters) -> LateLimits:
-        """Return the limits of the parameters, for a robot that moves in real time."""
-        return cls(parameters.late_limit_s, parameters.gap_limit_s)
-
-
-@dataclass(frozen=True)
 class Lateness:
     """How late the pulses of a motion were [s].
 
     Attributes:
-        pulses: How many pulses were timed.
         median_s: Half of the pulses were less late.
         p99_s: 99 of 100 pulses were less late.
         max_s: The latest of all.
         slowed: How many edges were beyond the limit, so that the rest was slowed down.
     """
 
-    pulses: int = 0
     median_s: float = 0.0
     p99_s: float = 0.0
     max_s: float = 0.0
@@ -100,13 +80,9 @@ class Lateness:
     @classmethod
     def of(cls, lateness_s: Sequence[float], slowed: int) -> Lateness:
         """Summarize the lateness of each pulse [s]."""
-        if not lateness_s:
-            return cls(slowed=slowed)
-        ordered = sorted(lateness_s)
+        ordered = sorted(lateness_s) or [0.0]
         last = len(ordered) - 1
-        return cls(
-            len(ordered), ordered[last // 2], ordered[int(0.99 * last)], ordered[last], slowed
-        )
+        return cls(ordered[last // 2], ordered[int(0.99 * last)], ordered[last], slowed)
 
 
 @dataclass(frozen=True)
@@ -130,75 +106,8 @@ class MotionReport:
     lateness: Lateness = field(default_factory=Lateness)
 
 
-class AxisMotions(Protocol):
-    """Carries out the motions of an axis, wherever they are made."""
-
-    @property
-    def steps(self) -> int:
-        """The position [motor steps from coordinate zero]."""
-
-    @property
-    def trusted(self) -> bool:
-        """Whether the position is known to be that of the motor, from the zero of the axis."""
-
-    @property
-    def failure(self) -> Optional[Message]:
-        """Why no motion is possible now; None if one is."""
-
-    @property
-    def endstop_pressed(self) -> Optional[bool]:
-        """Whether the endstop is pressed; None if that is not known."""
-
-    @property
-    def endstop_presses(self) -> int:
-        """How many times the endstop has closed, as far as it was read."""
-
-    @property
-    def scheduling(self) -> Message:
-        """How punctual the pulses are."""
-
-    @property
-    def unpunctual(self) -> bool:
-        """Whether the pulses are less punctual than they should be."""
-
-    def run(self, motion: Motion, stop_requested: StopRequested) -> MotionReport:
-        """Carry out a motion and return when the motor is at rest."""
-
-    @property
-    def zero(self) -> ZeroEpoch:
-        """The zero that the position refers to, or referred to when it was known."""
-
-    def begin_zero(self, time_us: int) -> None:
-        """Begin another epoch of the zero, found or set then [us since 1970]; `place` follows."""
-
-    def place(self, steps: int) -> None:
-        """Set the position of the motor, which is at rest [motor steps]."""
-
-    def distrust(self) -> None:
-        """Note that the position is no longer known."""
-
-    def revive(self) -> None:
-        """Make motions possible again after a failure."""
-
-    def close(self) -> None:
-        """End any motion and release the hardware."""
-
-
-class MotionRunner(Protocol):
-    """Makes the pulses of motions, next to the hardware."""
-
-    def run(self, motion: Motion, stop_requested: StopRequested) -> MotionReport:
-        """Carry out a motion and return when the motor is at rest."""
-
-    def read_endstop(self) -> None:
-        """Note in the step counter whether the endstop is pressed now; the motor is at rest."""
-
-    def close(self) -> None:
-        """Leave the step and direction pins low and release the hardware."""
-
-
 class AxisHardware(Protocol):
-    """What an axis is wired to. It is pickled, so the hardware is opened only by `open`."""
+    """What an axis is wired to. It is pickled, so the pins are opened only by `open_pins`."""
 
     @property
     def description(self) -> Hardware:
@@ -214,7 +123,7 @@ class AxisHardware(Protocol):
 
     @property
     def realtime(self) -> bool:
-        """Whether the pulses need real-time scheduling."""
+        """Whether the pulses must be punctual."""
 
     @property
     def step_file(self) -> Path:
@@ -224,5 +133,61 @@ class AxisHardware(Protocol):
     def first_steps(self) -> Optional[int]:
         """Position of the motor before the first count [motor steps]; None if it is unknown."""
 
-    def open(self, counter: StepCounter) -> MotionRunner:
-        """Open the hardware; both pins are low then."""
+    def open_pins(self) -> Pins:
+        """Return the pins, or raise an AxisException."""
+
+
+class AxisMotions(Protocol):
+    """Carries out the motions of an axis, wherever they are made."""
+
+    @property
+    def hardware(self) -> Hardware:
+        """What it is."""
+
+    @property
+    def steps(self) -> int:
+        """The position [motor steps from coordinate zero]."""
+
+    @property
+    def trusted(self) -> bool:
+        """Whether the position is known to be that of the motor, from the zero of the axis."""
+
+    @property
+    def failure(self) -> Optional[Message]:
+        """Why no motion is possible now; None if one is."""
+
+    @property
+    def endstop_pressed(self) -> Optional[bool]:
+        """Whether the endstop is pressed; None if there is none, or it cannot be read now."""
+
+    @property
+    def endstop_presses(self) -> int:
+        """How many times the endstop has closed, as far as it was read."""
+
+    @property
+    def scheduling(self) -> Message:
+        """How punctual the pulses are; with a fault, if less than they should be."""
+
+    def run(self, motion: Motion, stop_requested: StopRequested) -> MotionReport:
+        """Carry out a motion and return when the motor is at rest."""
+
+    @property
+    def zero(self) -> ZeroEpoch:
+        """The zero that the position refers to, or referred to when it was known."""
+
+    def begin_zero(self, steps: int, time_us: int) -> None:
+        """Begin another epoch of the zero.
+
+        Args:
+            steps: Where the motor rests [motor steps]; a controller knows it itself.
+            time_us: When the zero was found or set [us since 1970].
+        """
+
+    def distrust(self) -> None:
+        """Note that the position is no longer known."""
+
+    def revive(self) -> None:
+        """Make motions possible again after a failure; raises an AxisException if it cannot."""
+
+    def close(self) -> None:
+        """End any motion and release the hardware; nothing else may be called afterwards."""

@@ -121,10 +121,12 @@ def end_client(client):
 
 def main(name, what, unplugged=""):
     rospy.init_node("axis_client", anonymous=True)
-    axis = Axis(AxisId(name))
     if what == "home":
-        axis.call("homing")
-    elif what == "leased":
+        # As rosservice does: its connection to the service is all that there is.
+        rospy.ServiceProxy(f"{name}_axis/homing", Command)()
+        return
+    axis = Axis(AxisId(name))
+    if what == "leased":
         axis.hold()
         rospy.spin()
     elif unplugged:

@@ -12,7 +12,6 @@ from recorded_rpi_gpio import RecordedRpiGpio
 from gpr20_axis_driver.low.step_counter import FILE_BYTES, StepCounter
 from gpr20_axis_driver.mid.axis_driver import AxisDriver
 from gpr20_axis_driver.mid.pulse_loop import PulseLoop
-from gpr20_axis_driver.motion import LateLimits
 from gpr20_common.low.clock import Clock
 from gpr20_survey.axes.axis_parameters import AxisParameters
 
@@ -108,8 +107,7 @@ class Axis:
         self.clock = SteppedClock()
         self.machine = Machine(parameters, self.clock, start_steps)
         count = Count()
-        limits = LateLimits.of(parameters)
-        loop = PulseLoop(self.machine, parameters, self.clock, limits, count)
+        loop = PulseLoop(self.machine, parameters, self.clock, count)
         self.pulses = DirectPulses(loop, count)
         self.driver = AxisDriver(parameters, self.pulses)
 

@@ -8,7 +8,7 @@ from pathlib import Path
 from axis_machine import X_PARAMETERS, Z_PARAMETERS
 
 from gpr20_axis_driver.mid.axis_driver import AxisDriver
-from gpr20_axis_driver.mid.pulse_client import PulseClient
+from gpr20_axis_driver.mid.pulse_process import PulseProcess
 from gpr20_simulator.low.shared_state import open_shared_state
 from gpr20_simulator.mid.axis_hardware import SimulatedHardware
 from gpr20_simulator.mid.world.scene import X_AXIS, Z_AXIS
@@ -35,7 +35,7 @@ class SimulatedAxis:
         self.axis = axis
         self.hardware = simulated_hardware(folder, axis, time_scale)
         self.world = open_shared_state(self.hardware.state_path)
-        self.pulses = PulseClient(self.hardware)
+        self.pulses = PulseProcess(self.hardware)
         self.driver = AxisDriver(PARAMETERS[axis], self.pulses)
 
     @property

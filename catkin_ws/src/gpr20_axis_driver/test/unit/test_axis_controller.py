@@ -15,15 +15,15 @@ from grbl_board import GrblBoard
 from simulated_axis import wait_until
 from tutorial_code import code_blocks
 
-from gpr20_axis_driver.axis_exceptions import AxisException
-from gpr20_axis_driver.controller import ControllerError, ControllerState
-from gpr20_axis_driver.mid import controller_motions
-from gpr20_axis_driver.mid.controller_motions import ControllerMotions
-from gpr20_axis_driver.mid.controllers import (
+from gpr20_axis_driver import controller
+from gpr20_axis_driver.controller import (
+    ControllerError,
+    ControllerMotions,
+    ControllerState,
     check_controller,
-    controller_driver,
-    open_controller,
+    open_axis,
 )
+from gpr20_axis_driver.mid.axis_driver import AxisDriver
 from gpr20_common.errors import InvalidValueError
 from gpr20_survey.faults import AXIS_MAY_MOVE, NOT_HOMED
 
@@ -51,7 +51,7 @@ def test_a_controller_that_cannot_be_used_is_refused_with_the_reason(controller,
         X_PARAMETERS, controller=controller, controller_options=options
     )
     with pytest.raises(InvalidValueError, match=error):
-        open_controller(parameters)
+        open_axis(parameters)
 
 
 def parameters_of(board):
@@ -83,7 +83,7 @@ def test_a_move_ends_by_itself_when_nobody_asks_for_the_state_any_more():
     board.close()
     # One that does not answer is an error at the start.
     with raises_fault(AXIS_MAY_MOVE, error=ControllerError):
-        open_controller(parameters)
+        open_axis(parameters)
 
 
 class ScriptedController:
@@ -91,7 +91,7 @@ class ScriptedController:
 
     name = "scripted"
 
-    def __init__(self, _parameters):
+    def __init__(self):
         self.state = ControllerState(0, moving=False, homed=False)
         self.states = []
         self.homes = [ControllerState(0, True, False), ControllerState(0, False, True)]
@@ -124,11 +124,13 @@ class ScriptedController:
 def scripted():
     made = []
 
-    def make(parameters):
-        made.append(ScriptedController(parameters))
+    def make():
+        made.append(ScriptedController())
         return made[-1]
 
-    driver = controller_driver(SHORT, ControllerMotions(SHORT, make))
+    motions = ControllerMotions(SHORT, make)
+    motions.open()
+    driver = AxisDriver(SHORT, motions, motions.home)
     driver.homing()
     yield driver, made
     driver.close(1.0)
@@ -160,24 +162,29 @@ def test_a_controller_that_was_restarted_or_fails_at_rest_is_reported(scripted, 
 
 
 @pytest.mark.parametrize("method", ["stop", "read"])
-def test_a_controller_that_hangs_in_any_method_is_an_error_in_time(scripted, monkeypatch, method):
+def test_a_call_that_does_not_return_is_overdue_until_it_does(scripted, monkeypatch, method):
     driver, made = scripted
-    monkeypatch.setattr(controller_motions, "CALL_LIMIT_S", 0.2)
-    go_on, returned = threading.Event(), threading.Event()
+    monkeypatch.setattr(controller, "CALL_LIMIT_S", 0.1)
+    go_on, ended = threading.Event(), threading.Event()
     made[0].moves = [ControllerState(100, True, True)] * 1000
-    setattr(made[0], method, lambda *_: (go_on.wait(60.0), returned.set()))
-    if method == "read":
-        wait_until(lambda: driver.failure is not None)  # at rest, too
-    try:
-        with pytest.raises(AxisException) as refused:
-            driver.move_to_coordinate(5.0, lambda: True)
-        expected = AXIS_MAY_MOVE.code
-        assert refused.value.message.fault_code in (expected, NOT_HOMED.code)
-        assert driver.failure.fault_code == expected
+
+    def hang():
+        go_on.wait(60.0)
+        raise OSError("the link is broken")
+
+    setattr(made[0], method, hang)
+
+    def move():
         with raises_fault(AXIS_MAY_MOVE, error=ControllerError):
-            driver.homing()
-    finally:
-        go_on.set()
-    # A command that had to wait is not carried out late.
-    assert returned.wait(30.0)
+            driver.move_to_coordinate(5.0, lambda: True)
+        ended.set()
+
+    if method == "read":
+        wait_until(lambda: driver.motions.overdue)  # at rest, too
+    threading.Thread(target=move).start()
+    wait_until(lambda: driver.motions.overdue)
+    go_on.set()
+    # A command that had to wait for it is not carried out late.
+    assert ended.wait(30.0)
     assert bool(made[0].states) is (method == "stop")
+    assert not driver.motions.overdue and driver.failure.may_move

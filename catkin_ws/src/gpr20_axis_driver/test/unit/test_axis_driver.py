@@ -10,7 +10,7 @@ from case_kit import each_case
 from fault_kit import raises_fault
 from run_seed import draws
 
-from gpr20_axis_driver.axis_exceptions import (
+from gpr20_axis_driver.faults import (
     AxisBusyError,
     EndstopError,
     MotionStopped,

@@ -8,8 +8,9 @@ from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, invariant, precondition, rule
 from run_seed import draws
 
-from gpr20_axis_driver.axis_exceptions import AxisBusyError, LeaseLapsedError
+from gpr20_axis_driver.faults import AxisBusyError, LeaseLapsedError
 from gpr20_axis_driver.mid.axis_lease import AxisLease
+from gpr20_survey.faults import CONTROL_SILENT
 
 LIMIT_S = 2.0
 
@@ -92,7 +93,17 @@ class LeaseMachine(RuleBasedStateMachine):
         live = self.holder and self.time_s <= self.until_s
         for name, _use, lapsed, number in self.uses:
             held = live and (name, number) == (self.holder, self.number)
-            assert lapsed() == (number > 0 and not held)
+            assert (lapsed() is not None) == (number > 0 and not held)
+
+
+def test_without_a_lease_a_motion_ends_when_its_client_was_gone_at_any_moment():
+    lease, gone = AxisLease(LIMIT_S, lambda: 0.0), iter([False, True, False, True, True])
+    with lease.use("/rostopic_7", lambda: next(gone)) as why_ended:
+        assert [why_ended() is not None for _poll in range(3)] == [False, True, True]
+        assert why_ended().fault_code == CONTROL_SILENT.code
+    lease.reserve("/main_control")
+    with lease.use("/main_control", lambda: True) as why_ended:
+        assert why_ended() is None
 
 
 TestLeaseMachine = LeaseMachine.TestCase

@@ -1,6 +1,9 @@
 """What the node of an axis answers and publishes: its handlers, called without a graph."""
 
+import contextlib
+import socket
 import sys
+import threading
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -12,14 +15,16 @@ sys.path.append(str(Path(__file__).resolve().parents[3] / "gpr20/test/unit"))
 
 from axis_machine import SHORT, Z_PARAMETERS, Axis
 from graph_in_process import Graph
+from simulated_axis import wait_until
 
-from gpr20_axis_driver.high import axis_node, axis_programs
-from gpr20_axis_driver.high.goals import ENDED, LISTED_GOALS, GoalServer
-from gpr20_common.faults import ASKED_FOR, IN_USE, OVERLOADED
+from gpr20_axis_driver import controller
+from gpr20_axis_driver.faults import AxisException
+from gpr20_axis_driver.high import axis_node
+from gpr20_axis_driver.high.goals import ENDED, LISTED_GOALS, GoalServer, watch
+from gpr20_common.faults import ASKED_FOR, IN_USE, NOT_SET_UP, OVERLOADED
 from gpr20_common.high.answers import message_from
 from gpr20_common.high.diagnostics import ERROR, OK, WARN
-from gpr20_common.message import Severity
-from gpr20_common.mid.node_facts import Hardware
+from gpr20_common.message import Message, Severity
 from gpr20_msgs.msg import AxisGoal
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.faults import CONTROL_SILENT, ENDSTOP, NOT_HOMED
@@ -31,7 +36,7 @@ FAR_MM = 20.0
 class Goals:
     """The server of the action: which goal is under way, and how it ended."""
 
-    sender, preempted, gone = CONTROL, False, False
+    sender, connections, preempted, gone = CONTROL, [], False, False
 
     def __init__(self, _name, _action, execute, check_sender):
         self.execute, self.check_sender = execute, check_sender
@@ -46,12 +51,6 @@ class Goals:
     def is_preempt_requested(self):
         return self.preempted
 
-    def watch_sender(self):
-        return lambda: self.gone
-
-    def watch_node(self, _name):
-        return self.watch_sender()
-
     def __getattr__(self, name):
         state = name.replace("set_", "")
         return lambda result, text: self.ends.append((state, result))
@@ -64,9 +63,10 @@ class Node:
         parameters = SHORT if axis_id is AxisId.X else Z_PARAMETERS
         self.graph = Graph(monkeypatch)
         monkeypatch.setattr(axis_node, "GoalServer", Goals)
+        monkeypatch.setattr(axis_node, "advertise_watched", axis_node.advertise)
+        monkeypatch.setattr(axis_node, "watch", lambda *_client: lambda: self.goals.gone)
         self.axis = Axis(parameters, start_steps=500 if parameters.finds_zero else 0)
-        motions, hardware = self.axis.pulses, Hardware("pins")
-        self.node = axis_node.AxisNode(axis_id, parameters, self.axis.driver, motions, hardware)
+        self.node = axis_node.AxisNode(axis_id, parameters, self.axis.driver)
         self.goals = self.node._server
         self.tick, self.health = self.graph.ticks[-1], self.graph.health
 
@@ -168,11 +168,12 @@ def shut_down(node):
         ((lose_contact,), CONTROL_SILENT),
         ((lapse,), CONTROL_SILENT),
         # A requested stop counts, even if the contact was lost as well.
-        ((lose_contact, lapse, stop), ASKED_FOR),
+        ((lose_contact, stop), ASKED_FOR),
+        ((lapse, stop), ASKED_FOR),
     ],
 )
 def test_what_ends_a_move_lets_it_ramp_down_to_an_exact_coordinate(homed, ends, fault):
-    assert homed.call("lease").success
+    assert lapse not in ends or homed.call("lease").success
     homed.in_motion(lambda: [end(homed) for end in ends])
     state, result = homed.move(FAR_MM)
     assert (state, fault_of(result)) == ("preempted", fault.code)
@@ -256,8 +257,9 @@ def test_late_pulses_and_refused_scheduling_are_warnings(homed):
     level, message, values = homed.health()
     assert (level, message.fault_code) == (WARN, OVERLOADED.as_warning().code)
     assert values["edges that slowed it down"] == 1
-    homed.axis.pulses.unpunctual = True
-    assert (homed.health()[0], homed.health()[1].fault_code) == (WARN, "")
+    refused = NOT_SET_UP.as_warning()
+    homed.axis.pulses.scheduling = Message("refused").with_fault(refused)
+    assert (homed.health()[0], homed.health()[1].fault_code) == (WARN, refused.code)
 
 
 def test_when_the_node_ends_the_pins_are_low_and_nothing_moves_any_more(homed):
@@ -265,6 +267,21 @@ def test_when_the_node_ends_the_pins_are_low_and_nothing_moves_any_more(homed):
         hook()
     assert homed.axis.machine.directions == {}
     assert fault_of(homed.move(1.0)[1]) == IN_USE.code
+
+
+def test_a_client_is_gone_when_all_its_connections_are_closed_at_either_end():
+    listener = socket.create_server(("127.0.0.1", 0))
+    theirs = [socket.create_connection(listener.getsockname()) for _number in range(2)]
+    ours = [listener.accept()[0] for _one in theirs]
+    is_gone = watch(ours, 60.0)
+    theirs[0].close()
+    assert not is_gone()
+    theirs[1].close()
+    wait_until(is_gone)
+    ours[0].close()
+    assert is_gone() and watch([], 60.0)()
+    for one in (ours[1], listener):
+        one.close()
 
 
 def test_goals_that_ended_do_not_fill_the_status():
@@ -278,10 +295,28 @@ def test_goals_that_ended_do_not_fill_the_status():
 
 
 def test_a_controller_that_is_configured_moves_the_axis_instead_of_the_pins(monkeypatch):
-    opened = SimpleNamespace(name="Grbl 1.1h")
-    monkeypatch.setattr(axis_programs, "open_controller", lambda _parameters: opened)
-    monkeypatch.setattr(axis_programs, "controller_driver", lambda *given: given)
-    monkeypatch.setattr(axis_programs, "AxisNode", lambda *given: given)
+    monkeypatch.setattr(axis_node, "open_axis", lambda *given: given)
+    monkeypatch.setattr(axis_node, "AxisNode", lambda *given: given)
     parameters = SimpleNamespace(controller="grbl_axis:GrblController")
-    built = axis_programs.build_robot_axis(AxisId.X, parameters)
-    assert built == (AxisId.X, parameters, (parameters, opened), opened, Hardware("Grbl 1.1h"))
+    built = axis_node.build_robot_axis(AxisId.X, parameters)
+    assert built == (AxisId.X, parameters, (parameters, axis_node.watch_controller))
+
+
+def test_a_call_of_a_controller_that_does_not_return_ends_the_process(monkeypatch):
+    monkeypatch.setattr(controller, "CALL_LIMIT_S", 0.0)
+    graph, ends, go_on = Graph(monkeypatch), [], threading.Event()
+    monkeypatch.setattr(axis_node.os, "_exit", ends.append)
+    motions = controller.ControllerMotions(SHORT, lambda: go_on.wait(60.0))
+    axis_node.watch_controller(motions)
+    graph.ticks[-1]()
+    assert ends == []
+
+    def open_late():
+        with contextlib.suppress(AxisException):
+            motions.open()
+
+    threading.Thread(target=open_late).start()
+    wait_until(lambda: motions.overdue)
+    graph.ticks[-1]()
+    go_on.set()
+    assert ends == [1]

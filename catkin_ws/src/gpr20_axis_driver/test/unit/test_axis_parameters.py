@@ -30,7 +30,6 @@ from gpr20_survey.axes.axis_parameters import AxisParameters
         ("delta_step", 1e300, ("delta_step", "1e+300 s", 1e-07, "1 s")),
         ("late_limit_s", 0.0016, ("late_limit_s", "0.0016 s", 2e-06, 0.0015)),
         ("gap_limit_s", 0.0001, ("gap_limit_s", "0.0001 s", 0.0005)),
-        ("backend", "wiringpi", ("backend", "'wiringpi'", "rpi_gpio, pigpio")),
         ("memory_file", "/var/lib/z", ("/var/lib/z", X_PARAMETERS.sensor_pin)),
         ("sensor_pin", None, ()),
         ("endstop_active", "High", ("endstop_active", "'High'", "low, high")),

@@ -10,7 +10,7 @@ from axis_machine import X_PARAMETERS, Z_PARAMETERS, Axis
 from fault_kit import raises_fault
 from run_seed import draws
 
-from gpr20_axis_driver.axis_exceptions import (
+from gpr20_axis_driver.faults import (
     AxisBusyError,
     EndstopError,
     MotionStopped,
@@ -78,7 +78,7 @@ def test_no_reading_has_the_coordinate_of_one_zero_and_the_number_of_another():
 
 def test_a_homing_that_was_stopped_is_not_homed_and_goes_on_later():
     axis = Axis(Z_PARAMETERS, start_steps=50)
-    axis.pulses.place(50)
+    axis.pulses.begin_zero(50, 0)
     with pytest.raises(MotionStopped):
         axis.driver.homing(lambda: len(axis.machine.pulses) >= 10)
     assert not axis.driver.homing_done

@@ -5,7 +5,7 @@ from axis_machine import SHORT, X_PARAMETERS, Axis
 from case_kit import each_case
 from fault_kit import raises_fault
 
-from gpr20_axis_driver.axis_exceptions import EndstopError, MotionStopped
+from gpr20_axis_driver.faults import EndstopError, MotionStopped
 from gpr20_axis_driver.mid.axis_driver import AxisDriver
 from gpr20_axis_driver.motion import never
 from gpr20_survey.faults import ENDSTOP
@@ -42,7 +42,7 @@ def test_an_axis_that_knows_where_it_is_does_not_push_far_beyond_its_endstop():
     axis.driver.homing(never)
     axis.driver.move_to_coordinate(80.0, never)
     margin_mm = X_PARAMETERS.homing_backoff + X_PARAMETERS.homing_margin
-    steps = homing_steps_with_an_open_endstop(axis, "91 mm", "80 mm")
+    steps = homing_steps_with_an_open_endstop(axis, "91 mm")
     assert steps == X_PARAMETERS.distance_steps(80.0 + margin_mm)
 
 
@@ -50,7 +50,7 @@ def test_a_restarted_node_trusts_the_count_and_a_homing_that_failed_ends_that():
     axis = Axis(SHORT)
     axis.driver.homing(never)
     axis.driver = AxisDriver(SHORT, axis.pulses)
-    assert homing_steps_with_an_open_endstop(axis, "0 mm") == 1100
+    assert homing_steps_with_an_open_endstop(axis, "11 mm") == 1100
     assert homing_steps_with_an_open_endstop(axis) == 2200
 
 
@@ -61,7 +61,7 @@ def test_a_homing_that_was_stopped_keeps_a_position_that_was_known():
     start = len(axis.machine.pulses)
     with pytest.raises(MotionStopped):
         axis.driver.homing(lambda: len(axis.machine.pulses) >= start + 300)
-    assert homing_steps_with_an_open_endstop(axis, "5 mm") == 500 + 1100
+    assert homing_steps_with_an_open_endstop(axis, "16 mm") == 500 + 1100
 
 
 def test_after_a_pressed_endstop_in_a_move_nothing_is_known():

@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from gpr20_axis_driver import faults
-from gpr20_axis_driver.axis_exceptions import NotHomedError
+from gpr20_axis_driver.faults import NotHomedError
 from gpr20_axis_driver.motion import never
 from gpr20_survey.axes.ramp import Ramp
 

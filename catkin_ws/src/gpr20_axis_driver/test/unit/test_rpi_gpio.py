@@ -15,11 +15,11 @@ from recorded_rpi_gpio import (
     RecordedRpiGpio,
 )
 
-from gpr20_axis_driver.axis_exceptions import EndstopError
+from gpr20_axis_driver.faults import EndstopError
 from gpr20_axis_driver.low.pins import StepperInterface
 from gpr20_axis_driver.mid.axis_driver import AxisDriver
 from gpr20_axis_driver.mid.pulse_loop import PulseLoop
-from gpr20_axis_driver.motion import Ending, LateLimits, Motion, never
+from gpr20_axis_driver.motion import Ending, Motion, never
 from gpr20_simulator.low.pins import SimulatedPins
 from gpr20_simulator.low.shared_state import open_shared_state
 from gpr20_simulator.mid.carriage import AxisMotor, wiring_of
@@ -39,7 +39,7 @@ def gpio():
 
 @pytest.fixture
 def loop(gpio):
-    return PulseLoop(gpio, X_PARAMETERS, SteppedClock(), LateLimits.of(X_PARAMETERS), Count())
+    return PulseLoop(gpio, X_PARAMETERS, SteppedClock(), Count())
 
 
 @each_case("forward, level", [(True, HIGH), (False, LOW)])
@@ -82,7 +82,7 @@ def test_closing_leaves_the_pins_low_and_then_releases_them(gpio, loop):
 
 def opened(gpio, **changes):
     parameters = dataclasses.replace(X_PARAMETERS, **changes)
-    return PulseLoop(gpio, parameters, SteppedClock(), LateLimits.of(parameters), Count())
+    return PulseLoop(gpio, parameters, SteppedClock(), Count())
 
 
 @each_case("active, level", [("low", LOW), ("high", HIGH)])
@@ -110,7 +110,7 @@ class WiredAxis:
         motor = AxisMotor(self.state, AxisId.X, mechanics)
         pins = SimulatedPins(motor, wiring_of(AxisId.X, mechanics))
         axis, count = dataclasses.replace(SHORT, **parameters), Count()
-        loop = PulseLoop(pins, axis, SteppedClock(), LateLimits.of(axis), count)
+        loop = PulseLoop(pins, axis, SteppedClock(), count)
         self.driver = AxisDriver(axis, DirectPulses(loop, count))
 
 

@@ -12,7 +12,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from run_seed import draws
 
-from gpr20_axis_driver.axis_exceptions import StepCounterError
+from gpr20_axis_driver.faults import AxisException
 from gpr20_axis_driver.low import step_counter
 from gpr20_axis_driver.low.step_counter import FILE_BYTES, open_step_counter
 from gpr20_common.faults import CONFIGURATION, DISK_FULL, OTHER_LAUNCH
@@ -79,7 +79,7 @@ def test_the_number_of_the_zero_grows_over_restarts(path):
 
 def test_two_processes_cannot_drive_one_axis(path):
     memory = reopen(path)
-    with raises_fault(OTHER_LAUNCH, path, error=StepCounterError):
+    with raises_fault(OTHER_LAUNCH, path, error=AxisException):
         reopen(path)
     memory.close()
     reopen(path)
@@ -90,7 +90,7 @@ def test_a_file_that_is_something_else_is_refused_and_left_alone(path, content):
     path.parent.mkdir(exist_ok=True)
     path = path.with_name(f"{len(content)} bytes")
     path.write_bytes(content)
-    with raises_fault(ZERO_UNKNOWN, path, error=StepCounterError):
+    with raises_fault(ZERO_UNKNOWN, path, error=AxisException):
         reopen(path)
     assert path.read_bytes() == content
 
@@ -98,7 +98,7 @@ def test_a_file_that_is_something_else_is_refused_and_left_alone(path, content):
 @each_case("error, fault", [(errno.ENOTDIR, CONFIGURATION), (errno.ENOSPC, DISK_FULL)])
 def test_a_place_that_cannot_be_written_is_an_error_that_names_it(path, error, fault):
     refused = mock.patch.object(step_counter.os, "open", side_effect=OSError(error, "refused"))
-    with refused, raises_fault(fault, path, error=StepCounterError):
+    with refused, raises_fault(fault, path, error=AxisException):
         reopen(path)
 
 

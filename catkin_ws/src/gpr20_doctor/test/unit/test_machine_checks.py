@@ -37,7 +37,7 @@ PINS = pi.DeviceFile(Path("/dev/gpiomem"), True, True)
 TWO = AddressFacts("10.20.0.1", "10.20.0.2", ("10.20.0.1",), "10.20.0.1")
 ONE = AddressFacts("", "", (), "127.0.0.1")
 GROUPS = pi.Groups("pi", False, BOTH, BOTH, BOTH)
-GPIO = pi.Pins((PINS,), frozenset({"rpi_gpio"}), "rpi_gpio")
+GPIO = pi.Pins((PINS,), True)
 REALTIME = pi.Realtime(99, True, None)
 DISK = DiskFacts(Path("/data"), 20_000_000_000, KnownFolder("0f8fad5b", True), 0.1)
 HEALTHY = MachineFacts(
@@ -82,7 +82,6 @@ OK, NOTE, UNKNOWN, WARNING, FAULT = Level
 OPTIONAL = ("groups", "spi", "gpio", "realtime", "temperature_c", "power", "disk", "clock", "vna")
 OPTIONAL += ("configuration", "outside", "memory", "volumes")
 GPIO_ONLY = frozenset({"gpio"})
-NO_PIGPIO = pi.Pins((), frozenset({"pigpio"}), "pigpio")
 NO_VNA = PortFacts("10.0.0.1", 111, Message("connection refused"))
 LEFT = replace(ONE, ros_address="10.0.0.7", foreign=("10.0.0.7",))
 CASES = [
@@ -91,9 +90,8 @@ CASES = [
     ({"groups": pi.Groups("pi", False, GPIO_ONLY, GPIO_ONLY, BOTH)}, WARNING, "no group spi"),
     ({"spi": replace(SPI, exists=False, usable=False)}, FAULT, "SPI bus is off"),
     ({"spi": replace(SPI, usable=False)}, FAULT, "cannot be read"),
-    ({"gpio": replace(GPIO, libraries=frozenset())}, FAULT, "RPi.GPIO for the pins"),
+    ({"gpio": replace(GPIO, library=False)}, FAULT, "RPi.GPIO for the pins"),
     ({"gpio": replace(GPIO, devices=())}, FAULT, "pins cannot be used"),
-    ({"gpio": NO_PIGPIO}, FAULT, "pigpio daemon does not answer"),
     ({"realtime": pi.Realtime(0, False, None)}, WARNING, "Real-time priority"),
     ({"realtime": pi.Realtime(99, True, 64_000)}, WARNING, "memory can be locked"),
     ({"temperature_c": 75.0}, WARNING, "75 °C"),

@@ -32,32 +32,30 @@ def machine(tmp_path, **environment):
 
 
 def test_everything_of_a_real_robot_on_one_computer_is_looked_at(tmp_path):
-    request = machine(tmp_path).request(nodes(backend="pigpio"))
+    request = machine(tmp_path).request(nodes())
     assert request.hardware is HardwareUse.NEEDED
     assert not request.data_disk
     found = nodes()
     found["vna_processing"].configuration["data_disk"] = True
     assert machine(tmp_path).request(found).data_disk
-    assert request.pin_library == "pigpio"
-    assert machine(tmp_path).request(nodes()).pin_library == "rpi_gpio"
     assert (request.data, request.vna) == (Path("/s"), "10.0.0.9")
 
 
 def test_only_axes_without_another_controller_need_pins(tmp_path):
     (tmp_path / "config").mkdir()
     other = "{controller: a.b:C}"
-    for z_axis, library in (("{}", "rpi_gpio"), ("{backend: pigpio}", "pigpio"), (other, "")):
+    for z_axis, pins in (("{}", True), (other, False)):
         text = f"x: {other}\ny: {other}\nz: {z_axis}\n"
         (tmp_path / "config/axes.yaml").write_text(text)
         request = machine(tmp_path).request({}, robot=REAL)
-        assert (request.pin_library, request.pins) == (library, bool(library))
+        assert request.pins is pins
     found = nodes()
     own = NodeDescription("x_axis/axis_driver", Hardware("GRBL"), {"controller": "a.b:C"})
     found["x_axis/axis_driver"] = own
     assert not machine(tmp_path).request(found, robot=REAL).pins
-    found["z_axis/axis_driver"] = nodes(backend="pigpio")["x_axis/axis_driver"]
+    found["z_axis/axis_driver"] = nodes()["x_axis/axis_driver"]
     request = machine(tmp_path).request(found, robot=REAL)
-    assert request.pins and request.pin_library == "pigpio"
+    assert request.pins
 
 
 @pytest.mark.parametrize(

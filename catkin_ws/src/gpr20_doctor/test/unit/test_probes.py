@@ -47,9 +47,9 @@ def test_groups_devices_and_temperature_are_read_as_the_system_writes_them(tmp_p
     tree(tmp_path, etc__group=f"gpio:x:997:pi,{user}\nspi:x:{own}:\nbroken\nodd:x:a:\n")
     found = pi.groups(tmp_path)
     assert (found.existing, found.listed, found.member) == ({"gpio", "spi"}, {"gpio"}, {"spi"})
-    assert pi.pins(tmp_path, "").devices == ()
+    assert pi.pins(tmp_path).devices == ()
     tree(tmp_path, dev__gpiomem="", dev__gpiochip0="")
-    devices = pi.pins(tmp_path, "").devices
+    devices = pi.pins(tmp_path).devices
     assert [one.path.name for one in devices] == ["gpiomem", "gpiochip0"]
     assert all(one.exists and one.usable for one in devices)
     missing = pi.spi_device(tmp_path, 0, 1)

@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 
 from gpr20_common.low.clock import Clock
 from gpr20_height_sensor import faults
-from gpr20_height_sensor.errors import (
+from gpr20_height_sensor.faults import (
     HeightError,
     HeightStoppedError,
 )

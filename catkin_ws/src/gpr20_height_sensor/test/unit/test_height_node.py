@@ -2,7 +2,9 @@
 
 import math
 import sys
+import threading
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 from test_height_driver import NOW_US, code_at, driver_with
@@ -16,8 +18,11 @@ from sensor_msgs.msg import Range
 
 from gpr20_common.high.answers import message_from
 from gpr20_common.high.diagnostics import ERROR, OK, WARN
+from gpr20_common.low.clock import Clock
 from gpr20_common.mid.node_facts import Hardware
 from gpr20_height_sensor.high import height_node
+from gpr20_height_sensor.low import adc_interface
+from gpr20_height_sensor.mid.height_parameters import HeightParameters
 from gpr20_survey.faults import HEIGHT_NOT_MEASURED, NO_GROUND, SENSOR_FAILED
 
 
@@ -69,3 +74,20 @@ def test_no_height_is_no_number_and_says_why_also_in_the_topic_and_the_diagnosti
     built.ticks[0]()
     assert math.isfinite(built.published["measured_height"][-1].range)
     assert built.health()[0] == OK
+
+
+def test_a_bus_that_does_not_return_ends_the_process(monkeypatch):
+    graph, ends, go_on = Graph(monkeypatch), [], threading.Event()
+    monkeypatch.setattr(adc_interface, "CALL_LIMIT_S", 0.0)
+    monkeypatch.setattr(height_node.os, "_exit", ends.append)
+    bus = SimpleNamespace(xfer2=lambda _values: go_on.wait(60.0) and [0, 0, 0])
+    height_node.build_height_node(HeightParameters(), bus, Clock(), Hardware("sensor"))
+    graph.ticks[0]()
+    assert ends == []
+    asking = threading.Thread(target=graph.ask, args=("get_height",))
+    asking.start()
+    while not ends:
+        graph.ticks[0]()
+    go_on.set()
+    asking.join()
+    assert set(ends) == {1}

@@ -49,7 +49,6 @@ WRONG = {
     "spi_device": (32,),
     "channel": (8,),
     "spi_speed_hz": (5_000_000,),
-    "field_of_view_rad": (math.nan,),
 }
 
 

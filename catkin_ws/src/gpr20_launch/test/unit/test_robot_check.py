@@ -37,7 +37,6 @@ MISTAKES = [
     ("axes", "x: {dir_pin: 28}", "x/dir_pin", "EEPROM|connected to it: 7|29, 31"),
     ("axes", "x: {dir_pin: 17}", "x/dir_pin", "pin 17 is 3.3 V|BOARD"),
     ("axes", "x: {dir_pin: GPIO27}", "x/dir_pin", "GPIO27 is pin 13"),
-    ("axes", "x: {backend: pigpio}\ny: {backend: pigpio}", "y/backend", "rpi_gpio|x"),
     (
         "axes",
         "x: {sensor_pin: 5, endstop_pull: none}",
@@ -258,7 +257,7 @@ def test_all_mistakes_are_found_at_once_the_gravest_first(tmp_path):
     [
         {},
         {"axes": "\n".join(f"{axis}: {{enable_pin: 18, enable_active: high}}" for axis in "xyz")},
-        {"axes": "y: {sensor_pin: 7}\nz: {dir_pin: 40}\nx: {backend: pigpio}"},
+        {"axes": "y: {sensor_pin: 7}\nz: {dir_pin: 40}"},
         {"axes": "x: {max_coord: 600, dir_pin: 15, step_pin: 13}\nz: {step_size: 0.9}"},
         {"axes": "x: {endstop_active: high, endstop_pull: down}\ny: {endstop_active: high}"},
         {"height": "spi_device: 1\nreference_voltage_v: 3.31", "axes": "x: {sensor_pin: 7}"},

@@ -1,28 +1,34 @@
-"""The ROS interface of one axis."""
+"""The ROS interface of one axis, and the program that drives it over pins or a controller."""
 
 from __future__ import annotations
 
 import math
+import os
+import socket
 import time
 from contextlib import contextmanager
-from typing import Callable, Iterator, Optional, Tuple
+from typing import Callable, Iterator, List, Optional, Tuple
 
 import rospy
 from std_msgs.msg import Bool
 
-from gpr20_axis_driver.axis_exceptions import AxisException, MotionStopped
-from gpr20_axis_driver.high.goals import ClientContact, GoalServer
+from gpr20_axis_driver.controller import SILENT, ControllerMotions, open_axis
+from gpr20_axis_driver.faults import AxisException, MotionStopped
+from gpr20_axis_driver.high.goals import GoalServer, advertise_watched, connections_of, watch
+from gpr20_axis_driver.low.pins import RobotHardware
 from gpr20_axis_driver.mid.axis_driver import AxisDriver
 from gpr20_axis_driver.mid.axis_lease import AxisLease
-from gpr20_axis_driver.motion import AxisMotions
-from gpr20_common.faults import OVERLOADED
+from gpr20_axis_driver.mid.pulse_process import PulseProcess
+from gpr20_axis_driver.motion import AxisHardware
+from gpr20_common.errors import InvalidValueError
+from gpr20_common.faults import CONFIGURATION, OVERLOADED
 from gpr20_common.high import diagnostics
 from gpr20_common.high.answers import advertise, internal_error, message_fields
 from gpr20_common.high.description import publish_description
+from gpr20_common.high.node import read_parameters, run_node
 from gpr20_common.high.periodic import Periodic
 from gpr20_common.high.raw_message import connection_header, ros_time
 from gpr20_common.message import Message
-from gpr20_common.mid.node_facts import Hardware
 from gpr20_msgs.msg import AxisAction, AxisGoal, AxisResult, CurrentCoordinate
 from gpr20_msgs.srv import AxisLease as AxisLeaseService
 from gpr20_msgs.srv import AxisLeaseRequest as AxisLeaseServiceRequest
@@ -30,11 +36,8 @@ from gpr20_msgs.srv import AxisLeaseResponse as AxisLeaseServiceResponse
 from gpr20_msgs.srv import Command, CommandRequest, CommandResponse
 from gpr20_survey.axes.axis_id import BASE_LINK, AxisId
 from gpr20_survey.axes.axis_parameters import AxisParameters
-from gpr20_survey.faults import CONTROL_SILENT, NOT_HOMED
+from gpr20_survey.faults import NOT_HOMED
 
-NO_CONTACT = Message("the axis stopped because it had no contact with the main control").with_fault(
-    CONTROL_SILENT
-)
 MOVING_PERIOD_S = 1.0 / 50
 RESTING_PERIOD_S = 1.0 / 10
 # At rest every fifth tick is published, until the ticks become slower.
@@ -42,6 +45,8 @@ RESTING_TICKS = round(RESTING_PERIOD_S / MOVING_PERIOD_S)
 # Moves that follow each other within this time [s] do not change the ticks.
 SOON_S = 1.0
 SHUTDOWN_LIMIT_S = 5.0
+# How often it is looked whether a call of a controller returns [s].
+WATCH_PERIOD_S = 0.5
 
 
 class AxisNode:
@@ -51,16 +56,9 @@ class AxisNode:
     service `set_zero`.
     """
 
-    def __init__(
-        self,
-        axis_id: AxisId,
-        parameters: AxisParameters,
-        driver: AxisDriver,
-        motions: AxisMotions,
-        hardware: Hardware,
-    ) -> None:
+    def __init__(self, axis_id: AxisId, parameters: AxisParameters, driver: AxisDriver) -> None:
         self._driver = driver
-        self._motions = motions
+        self._motions = driver.motions
         self._unit = parameters.unit
         self._stops = 0
         self._last_error: Optional[Message] = None
@@ -68,18 +66,18 @@ class AxisNode:
         self._fast = False
         self._moved_s = -math.inf
         self._publisher = rospy.Publisher("current_coord", CurrentCoordinate, queue_size=10)
-        self._presses = driver.endstop_presses
+        self._presses = self._motions.endstop_presses
         self._endstop_publisher: Optional[rospy.Publisher] = None
         if parameters.finds_zero:
             self._endstop_publisher = rospy.Publisher("endstop", Bool, queue_size=1)
         self._lease = AxisLease(parameters.lease_limit_s)
         self._server = GoalServer("axis", AxisAction, self._execute, self._lease.check)
-        self._diagnostics = diagnostics.Diagnostics(hardware.name, self._health)
+        self._diagnostics = diagnostics.Diagnostics(self._motions.hardware.name, self._health)
         self._periodic = Periodic(RESTING_PERIOD_S, self._tick)
         rospy.on_shutdown(self._shut_down)
         self._server.start()
         self._services = [
-            advertise("homing", Command, self._home),
+            advertise_watched("homing", Command, self._home),
             advertise("stop", Command, self._stop),
             advertise("lease", AxisLeaseService, self._reserve),
         ]
@@ -87,23 +85,20 @@ class AxisNode:
             self._services.append(advertise("set_zero", Command, self._set_zero))
         self._description = publish_description(
             f"{axis_id.value}_axis/{rospy.get_name().rsplit('/', 1)[-1]}",
-            hardware,
+            self._motions.hardware,
             parameters,
         )
 
     def _execute(self, goal: AxisGoal) -> None:
         stops = self._stop_since_now()
-        contact = ClientContact(self._server.watch_sender())
+        sender, connections = self._server.sender, self._server.connections
 
         def stopped() -> bool:
             return stops() or self._server.is_preempt_requested()
 
-        def move(target: float) -> None:
-            with self._owned(self._server.sender, stopped, contact) as ended:
-                self._driver.move_to_coordinate(target, self._polled(ended))
-
         try:
-            move(goal.target_coordinate)
+            with self._owned(sender, connections, stopped) as ended:
+                self._driver.move_to_coordinate(goal.target_coordinate, ended)
         except MotionStopped as stop:
             self._finish(self._server.set_preempted, False, stop.message)
         except AxisException as error:
@@ -116,8 +111,6 @@ class AxisNode:
         else:
             self._last_error = None
             self._finish(self._server.set_succeeded, True)
-        if contact.was_lost:
-            rospy.logwarn("no contact with the client of the last move; the axis is at rest")
 
     def _finish(
         self, set_state: Callable[..., None], success: bool, message: Optional[Message] = None
@@ -138,10 +131,8 @@ class AxisNode:
     def _home(self, request: CommandRequest) -> CommandResponse:
         stopped = self._stop_since_now()
         caller = connection_header(request).get("callerid", "")
-        contact = ClientContact(self._server.watch_node(caller))
-        with self._owned(caller, stopped, contact) as ended:
-            polled = self._polled(ended)
-            return self._find_zero(lambda: self._driver.homing(polled))
+        with self._owned(caller, connections_of(request), stopped) as ended:
+            return self._find_zero(lambda: self._driver.homing(ended))
 
     def _set_zero(self, request: CommandRequest) -> CommandResponse:
         with self._lease.use(connection_header(request).get("callerid", "")):
@@ -161,26 +152,33 @@ class AxisNode:
 
     @contextmanager
     def _owned(
-        self, caller: str, stopped: Callable[[], bool], contact: ClientContact
+        self, caller: str, connections: List[socket.socket], stopped: Callable[[], bool]
     ) -> Iterator[Callable[[], bool]]:
-        """Own the axis for a motion, and yield what ends the motion early.
+        """Own the axis for a motion, and yield what the motion asks all the time: whether to end.
 
         Raises:
             AxisBusyError: Another node owns the axis.
             MotionStopped: The motion was ended; the message is why.
         """
-        with self._lease.use(caller) as lapsed:
+        is_gone = watch(connections, self._lease.limit_s)
+        with self._lease.use(caller, is_gone) as why_ended:
+
+            def ended() -> bool:
+                self._moved_s = time.monotonic()
+                if not self._fast:
+                    self._fast = True
+                    self._periodic.set_period(MOVING_PERIOD_S)
+                return stopped() or why_ended() is not None
+
             try:
-                yield lambda: stopped() or contact.is_lost() or lapsed()
+                yield ended
             except MotionStopped:
-                # A requested stop counts, even if the contact was lost as well.
-                if stopped():
+                reason = why_ended()
+                # A requested stop counts, even if the client is gone as well.
+                if stopped() or reason is None:
                     raise
-                if contact.was_lost:
-                    raise MotionStopped(NO_CONTACT) from None
-                if lapsed():
-                    raise MotionStopped(self._lease.lapse) from None
-                raise
+                rospy.logwarn("%s", reason)
+                raise MotionStopped(reason) from None
 
     def _find_zero(self, action: Callable[[], None]) -> CommandResponse:
         try:
@@ -213,18 +211,6 @@ class AxisNode:
         stops = self._stops
         return lambda: self._stops != stops
 
-    def _polled(self, stop_requested: Callable[[], bool]) -> Callable[[], bool]:
-        """Return what a motion asks all the time; it makes the ticks fast."""
-
-        def polled() -> bool:
-            self._moved_s = time.monotonic()
-            if not self._fast:
-                self._fast = True
-                self._periodic.set_period(MOVING_PERIOD_S)
-            return stop_requested()
-
-        return polled
-
     def _tick(self) -> None:
         self._ticks += 1
         self._publish_endstop()
@@ -236,12 +222,12 @@ class AxisNode:
             self._periodic.set_period(RESTING_PERIOD_S)
 
     def _publish_endstop(self) -> None:
-        publisher, pressed = self._endstop_publisher, self._driver.endstop_pressed
+        publisher, pressed = self._endstop_publisher, self._motions.endstop_pressed
         # Nearly always nobody subscribes.
         if publisher is None or pressed is None or not publisher.get_num_connections():
             return
         # In a homing the switch is closed for a few milliseconds only; each touch is shown.
-        presses, self._presses = self._presses, self._driver.endstop_presses
+        presses, self._presses = self._presses, self._motions.endstop_presses
         publisher.publish(pressed or self._presses != presses)
 
     def _publish(self) -> None:
@@ -266,7 +252,7 @@ class AxisNode:
             "zero": position.zero.number,
             "owner": self._lease.owner,
             "moving": self._driver.moving,
-            "endstop": _endstop_state(self._driver.endstop_pressed),
+            "endstop": {None: "", True: "pressed", False: "open"}[self._motions.endstop_pressed],
             "last error": self._last_error or "",
             "pulses": self._motions.scheduling,
             "last motion [s]": f"{self._driver.last_motion.duration_s:.6f}",
@@ -284,7 +270,7 @@ class AxisNode:
             return diagnostics.ERROR, error
         if not self._driver.homing_done:
             return diagnostics.WARN, Message("not homed").with_fault(NOT_HOMED).as_warning()
-        if self._motions.unpunctual:
+        if self._motions.scheduling.fault_code:
             homed = Message("homed; {scheduling}", scheduling=self._motions.scheduling)
             return diagnostics.WARN, homed
         lateness = self._driver.last_motion.lateness
@@ -304,7 +290,66 @@ class AxisNode:
         self._server.stop_status()
 
 
-def _endstop_state(pressed: Optional[bool]) -> str:
-    if pressed is None:
-        return ""
-    return "pressed" if pressed else "open"
+def run_axis(build: Callable[[AxisId, AxisParameters], AxisNode]) -> None:
+    """Run one axis until ROS shuts down; `build` makes its node and everything below it.
+
+    The namespace of this node, such as x_axis, says which axis it is.
+    """
+
+    def build_own() -> AxisNode:
+        group = rospy.get_namespace().rstrip("/").rsplit("/", 1)[-1]
+        for axis_id in AxisId:
+            if group == f"{axis_id.value}_axis":
+                return build(axis_id, read_parameters(AxisParameters, group))
+        raise InvalidValueError(
+            Message(
+                "the namespace of {node} does not name an axis; start it in x_axis, y_axis or "
+                "z_axis",
+                node=rospy.get_name(),
+            ),
+            fault=CONFIGURATION,
+        )
+
+    run_node("axis_driver", build_own)
+
+
+def build_pin_axis(axis_id: AxisId, hardware: AxisHardware) -> AxisNode:
+    """Build the node of an axis whose pulses are made here.
+
+    Raises:
+        Gpr20Error: The pulse process cannot be started, or the pins cannot be used.
+    """
+    pulses = PulseProcess(hardware)
+    if pulses.scheduling.fault_code:
+        rospy.logwarn(str(pulses.scheduling))
+    return AxisNode(axis_id, hardware.parameters, AxisDriver(hardware.parameters, pulses))
+
+
+def build_robot_axis(axis_id: AxisId, parameters: AxisParameters) -> AxisNode:
+    """Build the node of an axis of the real robot.
+
+    Raises:
+        Gpr20Error: The pins, or the controller that is configured, cannot be used.
+    """
+    if not parameters.controller:
+        return build_pin_axis(axis_id, RobotHardware(parameters))
+    return AxisNode(axis_id, parameters, open_axis(parameters, watch_controller))
+
+
+def watch_controller(motions: ControllerMotions) -> None:
+    """End this process once a call of a controller does not return; roslaunch starts it again.
+
+    The axis is then not homed.
+    """
+
+    def end_if_overdue() -> None:
+        if motions.overdue:
+            rospy.logfatal("%s", SILENT)
+            os._exit(1)
+
+    Periodic(WATCH_PERIOD_S, end_if_overdue)
+
+
+def main() -> None:
+    """Run one axis of the real robot."""
+    run_axis(build_robot_axis)

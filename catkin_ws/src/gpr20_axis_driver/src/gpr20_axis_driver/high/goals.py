@@ -1,25 +1,23 @@
-"""The goals of an axis: accepted in their order, and ended when their sender is gone."""
+"""The clients of an axis: their goals in their order, and whether they are still there."""
 
 from __future__ import annotations
 
+import contextlib
 import functools
 import socket
-import time
-from typing import Any, Callable, Dict, Iterator, Tuple
+from typing import Any, Callable, Dict, List
 
 import actionlib
 import rospy
 from actionlib_msgs.msg import GoalStatus
 
-from gpr20_axis_driver.axis_exceptions import AxisException
+from gpr20_axis_driver.faults import AxisException
 from gpr20_common.faults import IN_USE
-from gpr20_common.high.answers import message_fields
+from gpr20_common.high.answers import advertise, message_fields
 from gpr20_common.high.raw_message import connection_header
-from gpr20_common.low.links import keep_alive, silence_s
+from gpr20_common.low.links import PROBE_PERIOD_S, keep_alive, silence_s
 from gpr20_common.message import Message
 
-# How long a client's computer may leave probes unanswered: three probes, one second each.
-SILENCE_LIMIT_S = 3.5
 # actionlib publishes the status five times a second.
 STATUS_LIMIT_S = 1.0
 # How many goals that have ended are still listed in the status. A client sends its next goal when
@@ -37,18 +35,17 @@ ENDED = frozenset(
         GoalStatus.RECALLED,
     )
 )
+# The first byte of struct tcp_info: its state, of <netinet/tcp.h>.
+ESTABLISHED = 1
+CONNECTION = "gpr20_connection"
 
 
 class GoalServer(actionlib.SimpleActionServer):
-    """Accepts goals whatever their time stamps are, and detects that their sender is gone.
+    """Accepts goals whatever their time stamps are.
 
     actionlib refuses a goal whose time stamp is earlier than that of the last one. A stamp is the
     time of day at the client: after its clock was set back by an hour, every goal of the next
     hour would be refused.
-
-    When a client's process dies, the system closes its connection at once, long before the
-    master or anything else notices. When its computer dies or its cable is pulled, nothing closes
-    the connection, but its probes remain unanswered.
 
     actionlib lists every goal of the last five seconds in each status, and publishes two for each
     goal: with a hundred short moves per second this would be most of the node's work.
@@ -112,92 +109,57 @@ class GoalServer(actionlib.SimpleActionServer):
         """The node that sent the current goal."""
         return _sender(self.current_goal)
 
-    def watch_sender(self) -> Callable[[], bool]:
-        """Return a function that returns whether the sender of the current goal is gone.
-
-        actionlib begins a goal's id with the name of the client's node. If no node of this name
-        is connected now, the sender counts as gone only when every client is.
-        """
-        goal_id = self.current_goal.get_goal_id().id
-        senders = {name for name, _ in self._connections() if goal_id.startswith(f"{name}-")}
-        return self._watch(lambda name: name in senders or not senders)
-
-    def watch_node(self, name: str) -> Callable[[], bool]:
-        """Return a function that returns whether a node is gone; never, if it is no client."""
-        if any(name == connected for connected, _ in self._connections()):
-            return self._watch(lambda connected: connected == name)
-        return lambda: False
-
-    def _watch(self, is_watched: Callable[[str], bool]) -> Callable[[], bool]:
-        liveness = _ConnectionLiveness()
-
-        def gone() -> bool:
-            # A list, because every connection must be probed from the beginning.
-            watched = [one for name, one in self._connections() if is_watched(name)]
-            if not watched:
-                # Its process has ended: the system closed the connections.
-                return True
-            watched += [one for name, one in self._status_connections() if is_watched(name)]
-            return not any([liveness.is_alive(one) for one in watched])
-
-        return gone
-
-    def _connections(self) -> Iterator[Tuple[str, socket.socket]]:
-        # rospy's public interface counts connections; only this one names their nodes. A connection
-        # that waits to be made again has no socket; a server that was shut down has no topic.
+    @property
+    def connections(self) -> List[socket.socket]:
+        """That node's connections; none if it is gone."""
+        # rospy's public interface counts connections; only this one names their nodes. One that
+        # waits to be made again has no socket.
         topic = self.action_server.goal_sub.impl
-        for one in topic.connections if topic is not None else ():
-            connection = one.socket
-            if connection is not None:
-                yield one.callerid_pub, connection
-
-    def _status_connections(self) -> Iterator[Tuple[str, socket.socket]]:
-        # Over a link that loses packets, one connection may be silent for seconds while another
-        # is not. On these the client's system acknowledges five messages per second.
-        topic = self.action_server.status_pub.impl
-        for one in topic.connections if topic is not None else ():
-            connection = one.socket
-            if connection is not None:
-                yield one.endpoint_id, connection
+        found = topic.connections if topic is not None else ()
+        own = [one.socket for one in found if one.callerid_pub == self.sender]
+        return [one for one in own if one is not None]
 
 
 def _sender(goal: actionlib.ServerGoalHandle) -> str:
-    return connection_header(goal.goal)["callerid"]
+    return str(connection_header(goal.goal)["callerid"])
 
 
-class ClientContact:
-    """Whether the contact with the client of a motion was lost at any moment of the motion.
+def advertise_watched(name: str, kind: Any, handler: Callable[[Any], Any]) -> rospy.Service:
+    """Advertise a service as `advertise` does; `connections_of` has who requests it."""
+    service = advertise(name, kind, handler)
+    handle = service.handle
 
-    Attributes:
-        was_lost: Whether it was; the client may be back already.
+    def handle_watched(transport: Any, header: Dict[str, Any]) -> None:
+        # rospy gives the header, and nothing else of the connection, to each request.
+        header[CONNECTION] = transport.socket
+        handle(transport, header)
+
+    service.handle = handle_watched  # type: ignore[method-assign]
+    return service
+
+
+def connections_of(request: Any) -> List[socket.socket]:
+    """Return the connection over which a request came."""
+    connection: Any = connection_header(request).get(CONNECTION)
+    return [] if connection is None else [connection]
+
+
+def watch(connections: List[socket.socket], limit_s: float) -> Callable[[], bool]:
+    """Return a function that returns whether the other end of all these connections is gone.
+
+    The system of a process that dies closes its connections at once. When a computer dies or its
+    cable is pulled, nothing closes them, but the kernel's probes remain unanswered, for `limit_s`.
     """
 
-    def __init__(self, is_gone: Callable[[], bool]) -> None:
-        self._is_gone = is_gone
-        self.was_lost = False
-
-    def is_lost(self) -> bool:
-        """Check the contact now; return whether it is or was lost."""
-        self.was_lost = self.was_lost or self._is_gone()
-        return self.was_lost
-
-
-class _ConnectionLiveness:
-    """Probes connections and knows which of them answered recently."""
-
-    def __init__(self) -> None:
-        self._probed_since_s: Dict[socket.socket, float] = {}
-
-    def is_alive(self, connection: socket.socket) -> bool:
-        """Return whether the other end's computer is there, as far as is known by now."""
-        now_s = time.monotonic()
+    def is_lost(connection: socket.socket) -> bool:
         try:
-            if connection not in self._probed_since_s:
-                keep_alive(connection)
-                self._probed_since_s[connection] = now_s
-            # Silence before the first probe means nothing.
-            probed_s = now_s - self._probed_since_s[connection]
-            return min(probed_s, silence_s(connection)) <= SILENCE_LIMIT_S
+            state = connection.getsockopt(socket.IPPROTO_TCP, socket.TCP_INFO, 1)[0]
+            return state != ESTABLISHED or silence_s(connection) > PROBE_PERIOD_S + limit_s
         except OSError:
-            # It was closed after it was listed.
-            return False
+            # It was closed here, too.
+            return True
+
+    for connection in connections:
+        with contextlib.suppress(OSError):
+            keep_alive(connection)
+    return lambda: all(map(is_lost, connections))

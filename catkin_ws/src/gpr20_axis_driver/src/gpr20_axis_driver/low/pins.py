@@ -2,11 +2,19 @@
 
 from __future__ import annotations
 
-from typing import Any, Callable, List, Optional, Protocol
+import os
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, Callable, ClassVar, List, Optional, Protocol
 
-from gpr20_axis_driver.axis_exceptions import PinLibraryError
+from gpr20_axis_driver.faults import AxisException
+from gpr20_common.faults import NOT_SET_UP
+from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message
-from gpr20_survey.axes.axis_parameters import Level, Pull
+from gpr20_common.mid.node_facts import Hardware
+from gpr20_survey.axes.axis_parameters import AxisParameters, Level, Pull
+
+SHARED_MEMORY = Path("/dev/shm")
 
 
 class Pins(Protocol):
@@ -128,21 +136,41 @@ def _level(pins: Pins, level: Level) -> int:
     return pins.HIGH if level is Level.HIGH else pins.LOW
 
 
-def raspberry_pi_pins() -> Pins:
-    """Return the real pins of a Raspberry Pi.
+@dataclass(frozen=True)
+class RobotHardware:
+    """One axis of the Raspberry Pi; an `AxisHardware`."""
 
-    Raises:
-        PinLibraryError: RPi.GPIO is missing, or this is not a Raspberry Pi.
-    """
-    try:
-        # Only here, because the library exists and works only on the robot.
-        from RPi import GPIO
-    except (ImportError, RuntimeError) as error:
-        raise PinLibraryError(
-            Message(
-                "this computer has no usable pins; on the robot run scripts/setup.sh --robot, "
-                "elsewhere launch with robot:=simulated",
-                details=error,
-            )
-        ) from error
-    return GPIO
+    description: ClassVar[Hardware] = Hardware("DRV8825 on rpi_gpio")
+    first_steps: ClassVar[Optional[int]] = None
+    realtime: ClassVar[bool] = True
+
+    parameters: AxisParameters
+    clock: Clock = field(default_factory=Clock)
+
+    @property
+    def step_file(self) -> Path:
+        """The memory file, or one that is lost when the computer is switched off."""
+        if self.parameters.memory_file:
+            return Path(self.parameters.memory_file)
+        pins = f"{self.parameters.dir_pin}-{self.parameters.step_pin}"
+        return SHARED_MEMORY / f"gpr20-axis-{os.getuid()}" / f"pins-{pins}"
+
+    def open_pins(self) -> Pins:
+        """Return the real pins of a Raspberry Pi.
+
+        Raises:
+            AxisException: RPi.GPIO is missing, or this is not a Raspberry Pi.
+        """
+        try:
+            # Only here, because the library exists and works only on the robot.
+            from RPi import GPIO
+        except (ImportError, RuntimeError) as error:
+            raise AxisException(
+                Message(
+                    "this computer has no usable pins; on the robot run scripts/setup.sh --robot, "
+                    "elsewhere launch with robot:=simulated",
+                    details=error,
+                ),
+                fault=NOT_SET_UP,
+            ) from error
+        return GPIO

@@ -15,9 +15,9 @@ from enum import IntEnum
 from pathlib import Path
 from typing import Optional
 
-from gpr20_axis_driver.axis_exceptions import StepCounterError
+from gpr20_axis_driver.faults import AxisException
 from gpr20_common.errors import os_reason
-from gpr20_common.faults import OTHER_LAUNCH
+from gpr20_common.faults import CONFIGURATION, OTHER_LAUNCH
 from gpr20_common.message import Message
 from gpr20_survey.axes.axis_id import ZeroEpoch
 from gpr20_survey.faults import ZERO_UNKNOWN
@@ -39,18 +39,11 @@ class _Word(IntEnum):
     RESTING = 3
     STOP = 4
     BEATS = 5
+    # 0 before the first reading, 1 open, 2 pressed.
     ENDSTOP = 6
     PRESSES = 7
     ZERO_EPOCH = 8
     ZERO_TIME_US = 9
-
-
-class _Endstop(IntEnum):
-    """The last reading of the endstop."""
-
-    UNKNOWN = 0
-    OPEN = 1
-    PRESSED = 2
 
 
 class StepCounter:
@@ -104,7 +97,7 @@ class StepCounter:
     def endstop_pressed(self) -> Optional[bool]:
         """Whether the endstop was pressed when it was last read; None if it was not read yet."""
         reading = self._words[_Word.ENDSTOP]
-        return None if reading == _Endstop.UNKNOWN else reading == _Endstop.PRESSED
+        return None if reading == 0 else reading == 2
 
     @property
     def endstop_presses(self) -> int:
@@ -113,7 +106,7 @@ class StepCounter:
 
     def note_endstop(self, pressed: bool) -> None:
         """Note a reading of the endstop."""
-        reading = _Endstop.PRESSED if pressed else _Endstop.OPEN
+        reading = 1 + pressed
         # Only a change is written: the file may be on a disk.
         if self._words[_Word.ENDSTOP] != reading:
             self._words[_Word.ENDSTOP] = reading
@@ -159,17 +152,19 @@ class StepCounter:
         self._words[_Word.ZERO_TIME_US] = time_us
 
     def check(self, step_size: float) -> None:
-        """Mark the count as not trusted if its steps had another size [mm or deg]."""
+        """Mark the count as not trusted if its steps had another size [mm or deg].
+
+        Raises:
+            ValueError: It is not a step count of this version.
+        """
+        if self._words[_Word.LAYOUT] != LAYOUT:
+            raise ValueError("layout")
         size_nano = round(step_size * NANO)
         if self._words[_Word.STEP_SIZE_NANO] != size_nano:
             self.begin()
             self._words[_Word.STEP_SIZE_NANO] = size_nano
         self.stop_requested = False
-        self._words[_Word.ENDSTOP] = _Endstop.UNKNOWN
-
-    def is_one_of_ours(self) -> bool:
-        """Return whether the file is a step count of this version."""
-        return self._words[_Word.LAYOUT] == LAYOUT
+        self._words[_Word.ENDSTOP] = 0
 
     def close(self) -> None:
         """Release the file."""
@@ -187,45 +182,44 @@ def open_step_counter(path: Path, step_size: float, lock_limit_s: float) -> Step
         lock_limit_s: How long to wait while another process has locked the file [s].
 
     Raises:
-        StepCounterError: The file is locked by another process, is not a step count, or
+        AxisException: The file is locked by another process, is not a step count, or
             cannot be used.
     """
     try:
         _make(path)
         descriptor = os.open(path, os.O_RDWR | os.O_CLOEXEC)
     except OSError as error:
-        raise StepCounterError(
+        raise AxisException(
             Message(
                 "the step count cannot be stored in {path}: {reason}; set memory_file to a file "
                 "in a writable folder",
                 path=path,
                 reason=os_reason(error),
-            )
+            ),
+            fault=CONFIGURATION,
         ) from error
     try:
         _lock(path, descriptor, lock_limit_s)
+        # A file of another length cannot be mapped, or has more behind it.
         if os.fstat(descriptor).st_size != FILE_BYTES:
-            raise _not_ours(path)
+            raise ValueError("length")
         counter = StepCounter(descriptor)
-        if not counter.is_one_of_ours():
-            raise _not_ours(path)
+        counter.check(step_size)
+        return counter
+    except ValueError as error:
+        os.close(descriptor)
+        raise AxisException(
+            Message(
+                "{path} is not a step count of this version; move it away, then turn the antennas "
+                "to their mark and set the zero of this axis",
+                path=path,
+                details="service set_zero",
+            ),
+            fault=ZERO_UNKNOWN,
+        ) from error
     except BaseException:
         os.close(descriptor)
         raise
-    counter.check(step_size)
-    return counter
-
-
-def _not_ours(path: Path) -> StepCounterError:
-    return StepCounterError(
-        Message(
-            "{path} is not a step count of this version; move it away, then turn the antennas to "
-            "their mark and set the zero of this axis",
-            path=path,
-            details="service set_zero",
-        ),
-        fault=ZERO_UNKNOWN,
-    )
 
 
 def _lock(path: Path, descriptor: int, limit_s: float) -> None:
@@ -236,7 +230,7 @@ def _lock(path: Path, descriptor: int, limit_s: float) -> None:
             return
         except BlockingIOError:
             if time.monotonic() > deadline_s:
-                raise StepCounterError(
+                raise AxisException(
                     Message(
                         "another process drives this axis; end the other driver of this axis first",
                         details=f"it has locked {path}",

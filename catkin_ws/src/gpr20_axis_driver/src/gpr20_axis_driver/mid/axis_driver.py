@@ -7,14 +7,13 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Callable, Iterator, Optional
 
-from gpr20_axis_driver import faults
-from gpr20_axis_driver.axis_exceptions import (
+from gpr20_axis_driver.faults import (
+    PULSE_LATE,
     AxisBusyError,
     EndstopError,
     MotionStopped,
     NotHomedError,
     TravelError,
-    ZeroUnknownError,
 )
 from gpr20_axis_driver.mid.homing import Homing
 from gpr20_axis_driver.motion import (
@@ -57,6 +56,9 @@ class AxisDriver:
     """Moves one axis and knows its coordinate. One motion at a time.
 
     Nothing is known about the position until the axis has been homed.
+
+    Attributes:
+        motions: Carries out its motions.
     """
 
     def __init__(
@@ -74,8 +76,8 @@ class AxisDriver:
             own_homing: How its hardware finds the zero by itself; without it the driver does.
             time_of_day_us: Returns the time of day, for the zeros.
         """
+        self.motions = motions
         self._parameters = parameters
-        self._motions = motions
         self._own_homing = own_homing
         self._ramp = Ramp(parameters.min_step, parameters.max_step, parameters.delta_step)
         self._time_of_day_us = time_of_day_us
@@ -88,18 +90,18 @@ class AxisDriver:
     @property
     def current_coord(self) -> float:
         """Where the axis is [mm or deg]; meaningful only if `homing_done`."""
-        return self._parameters.coordinate_of(self._motions.steps)
+        return self._parameters.coordinate_of(self.motions.steps)
 
     @property
     def homing_done(self) -> bool:
         """Whether the coordinate refers to the axis's zero."""
-        return self._homing_done and not self._motions.failure
+        return self._homing_done and not self.motions.failure
 
     @property
     def position(self) -> AxisPosition:
         """Where the axis is, and since which zero."""
         with self._zero_changes:
-            return AxisPosition(self.current_coord, self.homing_done, self._motions.zero)
+            return AxisPosition(self.current_coord, self.homing_done, self.motions.zero)
 
     @property
     def moving(self) -> bool:
@@ -107,19 +109,9 @@ class AxisDriver:
         return self._motion.locked()
 
     @property
-    def endstop_pressed(self) -> Optional[bool]:
-        """Whether the endstop is pressed; None if there is none, or it cannot be read."""
-        return self._motions.endstop_pressed
-
-    @property
-    def endstop_presses(self) -> int:
-        """How many times the endstop has closed, as far as it was read."""
-        return self._motions.endstop_presses
-
-    @property
     def failure(self) -> Optional[Message]:
         """Why no motion is possible now; None if one is."""
-        return self._motions.failure
+        return self.motions.failure
 
     @property
     def last_motion(self) -> MotionReport:
@@ -141,7 +133,7 @@ class AxisDriver:
             EndstopError: The endstop was pressed; the axis must be homed again.
             PulseProcessError: The pulse process ended; the axis must be homed again.
             ControllerError: The controller failed; the axis must be homed again.
-            NodeHungError: This node hung; the coordinate is exact.
+            AxisException: This node hung; the coordinate is exact.
         """
         with self._exclusive_motion():
             if not self.homing_done:
@@ -156,21 +148,21 @@ class AxisDriver:
         Raises:
             AxisBusyError: Another motion is under way.
             EndstopError: The endstop is stuck, or out of reach; the axis is not homed.
-            ZeroUnknownError: There is no endstop and no stored position; nothing moved.
+            NotHomedError: There is no endstop and no stored position; nothing moved.
             MotionStopped: A stop was requested; the axis is not homed.
             PulseProcessError: The pulse process ended or cannot start; the axis is not homed.
             ControllerError: The controller failed or cannot be reached; the axis is not homed.
         """
         with self._exclusive_motion():
             self._homing_done = False
-            self._motions.revive()
+            self.motions.revive()
             if self._own_homing is not None:
                 self._own_homing(stop_requested)
-                self._begin_zero(None, self._time_of_day_us())
+                self._begin_zero(self.motions.steps, self._time_of_day_us())
             elif self._parameters.sensor_pin is None:
                 self._turn_to_stored_zero(stop_requested)
                 # Nothing found it now: it is the zero that was set then.
-                self._begin_zero(0, self._motions.zero.time_us)
+                self._begin_zero(0, self.motions.zero.time_us)
             else:
                 self._find_endstop(stop_requested)
                 lowest = self._parameters.distance_steps(self._parameters.min_coord)
@@ -190,7 +182,7 @@ class AxisDriver:
                 fault=NOT_HOMED,
             )
         with self._exclusive_motion():
-            self._motions.revive()
+            self.motions.revive()
             self._begin_zero(0, self._time_of_day_us())
 
     def close(self, timeout_s: float) -> None:
@@ -201,20 +193,12 @@ class AxisDriver:
         """
         # Never released: every request for a motion from now on is refused as busy.
         self._motion.acquire(timeout=timeout_s)
-        self._motions.close()
+        self.motions.close()
 
-    def _begin_zero(self, steps: Optional[int], time_us: int) -> None:
-        """Begin another epoch of the zero.
-
-        Args:
-            steps: Where the motor rests; None if its controller knows it.
-            time_us: When the zero was found or set [us since 1970].
-        """
+    def _begin_zero(self, steps: int, time_us: int) -> None:
         with self._zero_changes:
             self._homing_done = False
-            self._motions.begin_zero(time_us)
-            if steps is not None:
-                self._motions.place(steps)
+            self.motions.begin_zero(steps, time_us)
             self._homing_done = True
 
     @contextmanager
@@ -244,27 +228,28 @@ class AxisDriver:
         return self._parameters.distance_steps(target)
 
     def _find_endstop(self, stop_requested: StopRequested) -> None:
-        known_steps = self._motions.steps if self._motions.trusted else None
+        known_steps = self.motions.steps if self.motions.trusted else None
         try:
             Homing(self._parameters, self._run).run(known_steps, stop_requested)
         except EndstopError:
             # The switch is not where the count says: the count, or the switch, is wrong.
-            self._motions.distrust()
+            self.motions.distrust()
             raise
 
     def _turn_to_stored_zero(self, stop_requested: StopRequested) -> None:
-        if not self._motions.trusted:
-            raise ZeroUnknownError(
+        if not self.motions.trusted:
+            raise NotHomedError(
                 Message(
                     "the zero of this axis is unknown: it has no endstop, and its last position "
                     "is not stored; {advice}",
                     advice=SET_ZERO,
-                )
+                ),
+                fault=ZERO_UNKNOWN,
             )
         self._go_to(0, stop_requested)
 
     def _go_to(self, target_steps: int, stop_requested: StopRequested) -> None:
-        distance = target_steps - self._motions.steps
+        distance = target_steps - self.motions.steps
         if distance == 0:
             return
         # Either way: a switch that closes on the way away from it is as broken as its cable.
@@ -274,7 +259,7 @@ class AxisDriver:
         unit = self._parameters.unit
         if ending is Ending.PRESSED:
             self._homing_done = False
-            self._motions.distrust()
+            self.motions.distrust()
             raise EndstopError(
                 Message(
                     "the endstop was pressed at {coordinate:.12g} {unit}, where it should be open: "
@@ -295,7 +280,7 @@ class AxisDriver:
             )
 
     def _run(self, motion: Motion, stop_requested: StopRequested) -> MotionReport:
-        report = self._motions.run(motion, stop_requested)
+        report = self.motions.run(motion, stop_requested)
         if motion.steps > 0:
             self._last_motion = report
         if report.ending is Ending.GAP:
@@ -311,6 +296,6 @@ class AxisDriver:
                     unit=self._parameters.unit,
                     advice=HOME_WITH_LESS_LOAD if finds_zero else SET_ZERO,
                 ),
-                fault=faults.PULSE_LATE if finds_zero else ZERO_UNKNOWN,
+                fault=PULSE_LATE if finds_zero else ZERO_UNKNOWN,
             )
         return report

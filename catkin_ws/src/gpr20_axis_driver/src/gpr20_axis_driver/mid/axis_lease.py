@@ -5,19 +5,24 @@ from __future__ import annotations
 import threading
 import time
 from contextlib import contextmanager
-from typing import Callable, Iterator
+from typing import Callable, Iterator, Optional
 
-from gpr20_axis_driver.axis_exceptions import AxisBusyError, LeaseLapsedError
+from gpr20_axis_driver.faults import AxisBusyError, LeaseLapsedError
 from gpr20_common.message import Message
 from gpr20_survey.faults import CONTROL_SILENT
+
+GONE = Message("the axis stopped because the program that moved it is gone").with_fault(
+    CONTROL_SILENT
+)
 
 
 class AxisLease:
     """At most one owner of an axis, by the name of its node; called from any thread.
 
-    A node that reserves the axis has a lease, which ends when it is not renewed in time. While
-    nobody has one, a node that moves the axis is its owner until the motion has ended. It guards
-    against mistakes, not against attackers: in ROS 1 every node can take any name.
+    A node that reserves the axis has a lease, which ends when it is not renewed in time, and its
+    motion too. While nobody has one, a node that moves the axis is its owner until the motion has
+    ended; the motion ends early when that node is gone. It guards against mistakes, not against
+    attackers: in ROS 1 every node can take any name.
     """
 
     def __init__(self, limit_s: float, now_s: Callable[[], float] = time.monotonic) -> None:
@@ -58,20 +63,18 @@ class AxisLease:
             LeaseLapsedError: Its lease has ended, and it has not reserved the axis again: nothing
                 would end its motion if it hung.
         """
-        self._check_owner(caller)
         with self._lock:
+            owner = self.owner
+            if owner not in ("", caller):
+                raise AxisBusyError(
+                    Message(
+                        "the axis belongs to {owner} now; wait until that is done, or press STOP "
+                        "there",
+                        owner=owner,
+                    )
+                )
             if caller == self._holder and not self._is_live():
                 raise LeaseLapsedError(self.lapse)
-
-    def _check_owner(self, caller: str) -> None:
-        owner = self.owner
-        if owner not in ("", caller):
-            raise AxisBusyError(
-                Message(
-                    "the axis belongs to {owner} now; wait until that is done, or press STOP there",
-                    owner=owner,
-                )
-            )
 
     def reserve(self, caller: str) -> int:
         """Reserve the axis and return the number of the lease; a former lease of its is replaced.
@@ -80,7 +83,9 @@ class AxisLease:
             AxisBusyError: Another node owns it.
         """
         with self._lock:
-            self._check_owner(caller)
+            if caller == self._holder:
+                self._holder = ""
+            self.check(caller)
             self._number += 1
             self._holder, self._renewed_s = caller, self._now_s()
             return self._number
@@ -103,12 +108,18 @@ class AxisLease:
                 self._holder = ""
 
     @contextmanager
-    def use(self, caller: str) -> Iterator[Callable[[], bool]]:
+    def use(
+        self, caller: str, is_gone: Callable[[], bool] = lambda: False
+    ) -> Iterator[Callable[[], Optional[Message]]]:
         """Own the axis for one motion.
 
+        Args:
+            caller: The node that requests the motion.
+            is_gone: Whether that node is gone; not asked if it has a lease.
+
         Yields:
-            A function that returns whether the motion must end, because the lease with which it
-            began has ended.
+            A function that returns why the motion must end: the lease with which it began has
+            ended or, without one, the caller is or was gone; None if it need not.
 
         Raises:
             AxisBusyError: Another node owns it.
@@ -119,8 +130,18 @@ class AxisLease:
             self._user = caller
             self._uses += 1
             number = self._number if self._is(caller, self._number) else 0
+        reason: Optional[Message] = None
+
+        def why_ended() -> Optional[Message]:
+            nonlocal reason
+            if number > 0 and not self._is(caller, number):
+                reason = self.lapse
+            elif number == 0 and is_gone():
+                reason = GONE
+            return reason
+
         try:
-            yield lambda: number > 0 and not self._is(caller, number)
+            yield why_ended
         finally:
             with self._lock:
                 self._uses -= 1

@@ -4,12 +4,11 @@ from __future__ import annotations
 
 from typing import Callable, Optional
 
-from gpr20_axis_driver.axis_exceptions import EndstopError, MotionStopped
+from gpr20_axis_driver.faults import EndstopError, MotionStopped
 from gpr20_axis_driver.motion import Ending, Motion, MotionReport, StopRequested, Until
 from gpr20_common.message import Message
 from gpr20_survey.axes.axis_parameters import HOMING_BACKOFFS, AxisParameters
 from gpr20_survey.axes.ramp import Ramp
-from gpr20_survey.faults import ENDSTOP
 
 RunMotion = Callable[[Motion, StopRequested], MotionReport]
 
@@ -50,10 +49,10 @@ class Homing:
             MotionStopped: A stop was requested.
         """
         if self._step(True, 0, Until.NOTHING, stop).endstop_pressed:
-            self._release(stop)
-        self._touch(self._first_touch_steps(known_steps), known_steps, stop)
+            self._leave(HOMING_BACKOFFS * self._backoff_steps, Until.RELEASED, stop)
+        self._touch(self._first_touch_steps(known_steps), stop)
         self._back_off(stop)
-        made = self._touch(2 * self._backoff_steps, None, stop)
+        made = self._touch(2 * self._backoff_steps, stop)
         if abs(made - self._backoff_steps) > max(1, int(TOUCH_TOLERANCE * self._backoff_steps)):
             raise EndstopError(
                 Message(
@@ -63,8 +62,7 @@ class Homing:
                     distance=made * self._step_size,
                     backoff=self._backoff_steps * self._step_size,
                     unit=self._unit,
-                ),
-                fault=ENDSTOP,
+                )
             )
         self._back_off(stop)
 
@@ -76,49 +74,26 @@ class Homing:
             steps = min(steps, above_zero + self._margin_steps)
         return steps + self._backoff_steps
 
-    def _touch(self, most_steps: int, known_steps: Optional[int], stop: StopRequested) -> int:
+    def _touch(self, most_steps: int, stop: StopRequested) -> int:
         report = self._step(False, most_steps, Until.PRESSED, stop)
-        if not report.endstop_pressed and known_steps is not None:
-            raise EndstopError(
-                Message(
-                    "the endstop was not reached within {distance:g} {unit} from {coordinate:g} "
-                    "{unit}: it is stuck open or unplugged, the motor has no power or does not "
-                    "turn, or the axis was moved by hand; check the switch, its cable and the "
-                    "motor; the next homing searches the whole axis",
-                    distance=most_steps * self._step_size,
-                    coordinate=known_steps * self._step_size,
-                    unit=self._unit,
-                ),
-                fault=ENDSTOP,
-            )
         if not report.endstop_pressed:
             raise EndstopError(
                 Message(
                     "the endstop was not reached within {distance:g} {unit}: it is stuck open or "
-                    "unplugged, or the motor has no power or does not turn; check the switch, its "
-                    "cable and the motor",
+                    "unplugged, the motor has no power or does not turn, or the axis was moved by "
+                    "hand; check the switch, its cable and the motor; the next homing searches the "
+                    "whole axis",
                     distance=most_steps * self._step_size,
                     unit=self._unit,
-                ),
-                fault=ENDSTOP,
+                )
             )
         return report.steps_made
 
     def _back_off(self, stop: StopRequested) -> None:
-        if self._step(True, self._backoff_steps, Until.NOTHING, stop).endstop_pressed:
-            raise EndstopError(
-                Message(
-                    "the endstop is still pressed after backing off by {backoff:g} {unit}: it is "
-                    "stuck closed, or the motor does not turn; check the switch, its cable and "
-                    "the motor",
-                    backoff=self._backoff_steps * self._step_size,
-                    unit=self._unit,
-                )
-            )
+        self._leave(self._backoff_steps, Until.NOTHING, stop)
 
-    def _release(self, stop: StopRequested) -> None:
-        most_steps = HOMING_BACKOFFS * self._backoff_steps
-        if self._step(True, most_steps, Until.RELEASED, stop).endstop_pressed:
+    def _leave(self, most_steps: int, until: Until, stop: StopRequested) -> None:
+        if self._step(True, most_steps, until, stop).endstop_pressed:
             raise EndstopError(
                 Message(
                     "the endstop was still pressed after {distance:g} {unit}: it is stuck closed "

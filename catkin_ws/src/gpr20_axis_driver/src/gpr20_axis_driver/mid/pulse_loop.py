@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from array import array
 from typing import Optional, Tuple
 
@@ -13,8 +14,8 @@ from gpr20_axis_driver.low.pins import (
 )
 from gpr20_axis_driver.low.step_counter import StepCounter
 from gpr20_axis_driver.motion import (
+    AxisHardware,
     Ending,
-    LateLimits,
     Lateness,
     Motion,
     MotionReport,
@@ -34,15 +35,22 @@ class EdgeSchedule:
     edges are shifted, and the motion continues at the speed that the gap means: no burst follows.
     """
 
-    def __init__(self, ramp: Ramp, limits: LateLimits, start_s: float) -> None:
-        """Begin with the slowest pause at `start_s` [s of the clock]."""
+    def __init__(self, ramp: Ramp, late_limit_s: float, gap_limit_s: float, start_s: float) -> None:
+        """Begin with the slowest pause.
+
+        Args:
+            ramp: Pauses of the steps.
+            late_limit_s: Up to here later pulses make up for a delay; beyond it they slow down.
+            gap_limit_s: Beyond it a motor above its slowest speed can lose steps.
+            start_s: When the first edge is due [s of the clock].
+        """
         self.due_s = start_s
         self.pause_s = ramp.max_pause_s
         self.lateness_s = array("d")
         self.slowed = 0
         self.gap_s = 0.0
         self._ramp = ramp
-        self._limits = limits
+        self._late_limit_s, self._gap_limit_s = late_limit_s, gap_limit_s
         self._height = 0
         self._excess_s = 0.0
 
@@ -55,7 +63,7 @@ class EdgeSchedule:
         """
         late_s = now_s - self.due_s
         self.lateness_s.append(late_s)
-        if late_s > self._limits.late_s:
+        if late_s > self._late_limit_s:
             self._shift(late_s)
         self._excess_s = 0.0
         self.pause_s = self._ramp.pause_s(min(self._height, steps_left - 1))
@@ -65,7 +73,7 @@ class EdgeSchedule:
     def fall(self, now_s: float) -> None:
         """Record a falling edge; `due_s` becomes the time of the next rising edge."""
         late_s = now_s - self.due_s
-        if late_s > self._limits.late_s:
+        if late_s > self._late_limit_s:
             self._shift(late_s)
         self.due_s += self.pause_s
 
@@ -75,7 +83,7 @@ class EdgeSchedule:
         if self.pause_s >= self._ramp.max_pause_s:
             return False
         gap_s = self._excess_s + now_s - self.due_s
-        if gap_s <= self._limits.gap_s:
+        if gap_s <= self._gap_limit_s:
             return False
         self.gap_s = gap_s
         return True
@@ -90,17 +98,26 @@ class EdgeSchedule:
 
 
 class PulseLoop:
-    """Steps a motor at absolute times; implements `MotionRunner`."""
+    """Steps a motor at absolute times."""
 
     def __init__(
         self,
         pins: Pins,
         parameters: AxisParameters,
         clock: Clock,
-        limits: LateLimits,
         counter: StepCounter,
+        realtime: bool = True,
     ) -> None:
-        """Set up the pins of the axis, step and direction low, and enable its motor driver."""
+        """Set up the pins of the axis, step and direction low, and enable its motor driver.
+
+        Args:
+            pins: The pins.
+            parameters: The axis.
+            clock: The clock by which it moves.
+            counter: Counts its steps.
+            realtime: Whether late pulses are limited. Those of a simulated robot that is faster
+                than the real one come as fast as they can be made, and say nothing of a motor.
+        """
         self._stepper = StepperInterface(
             pins, parameters.dir_pin, parameters.step_pin, parameters.invert_direction
         )
@@ -115,8 +132,15 @@ class PulseLoop:
                 Pull(parameters.endstop_pull),
             )
         self._clock = clock
-        self._limits = limits
+        self._late_limit_s = parameters.late_limit_s if realtime else math.inf
+        self._gap_limit_s = parameters.gap_limit_s if realtime else math.inf
         self._counter = counter
+
+    @classmethod
+    def of(cls, hardware: AxisHardware, counter: StepCounter) -> PulseLoop:
+        """Open the pins, step and direction low."""
+        pins, realtime = hardware.open_pins(), hardware.realtime
+        return cls(pins, hardware.parameters, hardware.clock, counter, realtime)
 
     def run(self, motion: Motion, stop_requested: StopRequested) -> MotionReport:
         """Carry out a motion and return when the motor is at rest.
@@ -127,7 +151,7 @@ class PulseLoop:
         self._counter.begin()
         self._stepper.set_direction(motion.forward)
         start_s = self._clock.now_s()
-        schedule = EdgeSchedule(motion.ramp, self._limits, start_s)
+        schedule = EdgeSchedule(motion.ramp, self._late_limit_s, self._gap_limit_s, start_s)
         ending, made = self._step_all(motion, schedule, stop_requested)
         if ending is not Ending.GAP:
             self._clock.sleep_until_s(schedule.due_s)

@@ -11,7 +11,6 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import FrozenSet, List, Optional, Tuple
 
-from gpr20_doctor.low.network import is_open
 from gpr20_doctor.low.programs import ANSWER_LIMIT_S, answer_of
 
 MODEL = "proc/device-tree/model"
@@ -22,10 +21,8 @@ FIRMWARE = ("vcgencmd", "get_throttled")
 LOW_NOW, SLOW_NOW, LOW_BEFORE = 1 << 0, 1 << 2, 1 << 16
 SUPPLIES, SUPPLY_NAME, ALARM = "sys/class/hwmon/hwmon*/name", "rpi_volt", "in0_lcrit_alarm"
 GPIO_FILES = ("dev/gpiomem", "dev/gpiochip*")
-# The libraries of the pins: the module of each name of the configuration.
-PIN_MODULES = {"rpi_gpio": "RPi.GPIO", "pigpio": "pigpio"}
-# Where the daemon of pigpio listens, and the time that it takes to answer [s].
-DAEMON, DAEMON_LIMIT_S = ("127.0.0.1", 8888), 0.1
+# The library of the pins.
+PIN_MODULE = "RPi.GPIO"
 GROUP_FILE = "etc/group"
 
 
@@ -63,15 +60,11 @@ class Pins:
 
     Attributes:
         devices: Files through which libraries reach the pins.
-        libraries: Names of the libraries that are installed.
-        wanted: Name of the library that is configured; empty: not known.
-        daemon: Whether pigpio's daemon answers.
+        library: Whether the library of the pins is installed.
     """
 
     devices: Tuple[DeviceFile, ...]
-    libraries: FrozenSet[str]
-    wanted: str = ""
-    daemon: bool = False
+    library: bool
 
 
 @dataclass(frozen=True)
@@ -151,16 +144,10 @@ def spi_device(root: Path, bus: int, device: int) -> DeviceFile:
     return _device(root / f"dev/spidev{bus}.{device}")
 
 
-def pins(root: Path, wanted: str) -> Pins:
-    """Return what gives access to the pins.
-
-    Args:
-        root: Root of the file system.
-        wanted: Name of the library that is configured; empty: not known.
-    """
+def pins(root: Path) -> Pins:
+    """Return what gives access to the pins."""
     paths = [path for pattern in GPIO_FILES for path in sorted(root.glob(pattern))]
-    libraries = frozenset(name for name, module in PIN_MODULES.items() if is_installed(module))
-    return Pins(tuple(map(_device, paths)), libraries, wanted, is_open(*DAEMON, DAEMON_LIMIT_S))
+    return Pins(tuple(map(_device, paths)), is_installed(PIN_MODULE))
 
 
 def _device(path: Path) -> DeviceFile:

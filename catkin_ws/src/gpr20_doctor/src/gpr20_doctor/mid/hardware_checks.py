@@ -6,14 +6,13 @@ from typing import Dict, Iterator, Sequence
 
 from gpr20_common.faults import NOT_SET_UP
 from gpr20_common.message import Message
-from gpr20_doctor.low.pi import PIN_MODULES, DeviceFile, Groups, Pins, Realtime
+from gpr20_doctor.low.pi import PIN_MODULE, DeviceFile, Groups, Pins, Realtime
 from gpr20_doctor.mid.finding import Finding, Level, not_known
 from gpr20_doctor.mid.machine_facts import HardwareUse, MachineFacts
 from gpr20_survey.axes.axis_parameters import PULSE_PRIORITY
 
 SPI = "spi"
 GROUPS = ("gpio", SPI)
-PIGPIO = "pigpio"
 JOIN_GROUPS = Message("Add the user to the groups gpio and spi, then log out and in.")
 # Each axis locks its memory, some 30 MB.
 LOCKED_BYTES = 100_000_000
@@ -98,19 +97,10 @@ def _spi(device: object) -> Finding:
 def _gpio(gpio: object) -> Finding:
     if not isinstance(gpio, Pins):
         return not_known("gpio", Message("access to the pins"), gpio)
-    wanted = gpio.wanted
     usable = [str(one.path) for one in gpio.devices if one.usable]
-    if not gpio.libraries or (wanted and wanted not in gpio.libraries):
-        text = Message(
-            "The library {library} for the pins is not installed.",
-            library=PIN_MODULES.get(wanted, "RPi.GPIO"),
-        )
+    if not gpio.library:
+        text = Message("The library {library} for the pins is not installed.", library=PIN_MODULE)
         advice = Message("Run: scripts/setup.sh --robot")
-    elif wanted == PIGPIO and gpio.daemon:
-        return Finding.of("gpio", Message("Pins: the pigpio daemon answers"))
-    elif wanted == PIGPIO:
-        text = Message("The pigpio daemon does not answer.")
-        advice = Message("Run: sudo systemctl enable --now pigpiod")
     elif usable:
         return Finding.of("gpio", Message("Pins: {path} can be used", path=usable[0]))
     else:

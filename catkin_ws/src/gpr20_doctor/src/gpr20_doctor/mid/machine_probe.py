@@ -59,7 +59,7 @@ def probe_machine(request: MachineRequest) -> MachineFacts:
         temperature_c=_known(lambda: _temperature_c(request.root, is_pi)),
         groups=_known(lambda: pi.groups(request.root)) if needed else None,
         spi=_known(lambda: pi.spi_device(request.root, *request.spi)) if needed else None,
-        gpio=_known(lambda: pi.pins(request.root, request.pin_library)) if pins else None,
+        gpio=_known(lambda: pi.pins(request.root)) if pins else None,
         realtime=_known(lambda: pi.realtime(PULSE_PRIORITY)) if pins else None,
         power=_known(lambda: pi.power(request.root)) if is_pi else None,
         disk=None if request.data is None else _disk(request.data, request),

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, FrozenSet, List, Mapping, Optional, Tuple, Union
+from typing import Any, FrozenSet, Mapping, Optional, Tuple, Union
 
 from gpr20_common.errors import Gpr20Error
 from gpr20_common.low.data_folder import data_folder
@@ -17,7 +17,6 @@ from gpr20_doctor.mid.machine_facts import HardwareUse
 from gpr20_doctor.mid.node_health import axis_node
 from gpr20_doctor.mid.place import NO_PLACE, Place, place_of
 from gpr20_survey.axes.axis_id import AxisId
-from gpr20_survey.axes.axis_parameters import RPI_GPIO
 from gpr20_survey.plan.robot_description import ANALYZER, HEIGHT_SENSOR, STORAGE, NodeDescription
 
 ROOT = Path("/")
@@ -32,7 +31,6 @@ class MachineRequest:
     Attributes:
         hardware: Whether this computer drives the hardware of a robot.
         environment: The environment variables.
-        pin_library: Library of the pins in the configuration; empty: not known.
         pins: Whether an axis has pins; False: other controllers move all axes.
         spi: Bus and device of the height sensor's converter.
         data: Folder of the surveys; None: not on this computer.
@@ -50,7 +48,6 @@ class MachineRequest:
 
     hardware: HardwareUse
     environment: Mapping[str, str]
-    pin_library: str = ""
     pins: bool = True
     spi: Tuple[int, int] = DEFAULT_SPI
     data: Optional[Path] = None
@@ -111,7 +108,6 @@ class ThisMachine:
             ports: Ports of the ROS nodes, wherever they run.
         """
         axis, storage = nodes.get(axis_node(AxisId.X)), nodes.get(STORAGE)
-        libraries = self._pin_libraries(nodes)
         if robot == AUTOMATIC and axis is not None:
             robot = SIMULATED if axis.hardware.simulated else REAL
         if files == AUTOMATIC or (thorough and not files):
@@ -121,8 +117,7 @@ class ThisMachine:
         return MachineRequest(
             hardware=self._hardware(robot, axis),
             environment=self.environment,
-            pin_library=libraries[0] if libraries else "",
-            pins=bool(libraries),
+            pins=self._any_axis_has_pins(nodes),
             spi=self._spi(nodes.get(HEIGHT_SENSOR)),
             data=data,
             data_given=str(data) if data not in (None, self._data(None)) else "",
@@ -150,18 +145,14 @@ class ThisMachine:
             return HardwareUse.NEEDED
         return HardwareUse.NO_PI
 
-    def _pin_libraries(self, nodes: Mapping[str, NodeDescription]) -> List[str]:
-        """Return the library of each axis that has pins; empty: not known."""
-        found = []
+    def _any_axis_has_pins(self, nodes: Mapping[str, NodeDescription]) -> bool:
         for axis_id in AxisId:
             node = nodes.get(axis_node(axis_id))
             own = configured(self.place.config, "axes.yaml", axis_id.value)
             values = own if node is None else node.configuration
-            known = isinstance(values, Mapping) and not (node and node.hardware.simulated)
-            library = values.get("backend", RPI_GPIO) if known else ""
             if not (isinstance(values, Mapping) and values.get("controller")):
-                found.append(str(library))
-        return found
+                return True
+        return False
 
     def _spi(self, sensor: Optional[NodeDescription]) -> Tuple[int, int]:
         keys = zip(("spi_bus", "spi_device"), DEFAULT_SPI)

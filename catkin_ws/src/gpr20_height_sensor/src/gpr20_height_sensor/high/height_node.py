@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import os
 from typing import Optional
 
 import rospy
@@ -17,14 +18,18 @@ from gpr20_common.high.raw_message import ros_time
 from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message
 from gpr20_common.mid.node_facts import Hardware
-from gpr20_height_sensor.errors import HeightError, HeightStoppedError
+from gpr20_height_sensor.faults import HeightError, HeightStoppedError
 from gpr20_height_sensor.low.adc_interface import AdcInterface, SpiBus, open_spi_bus
 from gpr20_height_sensor.mid.height_driver import HeightDriver, HeightMeasurement
 from gpr20_height_sensor.mid.height_parameters import HeightParameters
 from gpr20_msgs.srv import GetHeight, GetHeightRequest, GetHeightResponse
+from gpr20_survey.axes.axis_id import HEIGHT_SENSOR_LINK
 from gpr20_survey.faults import HEIGHT_NOT_MEASURED
 
 NODE = "height_sensor"
+WATCH_PERIOD_S = 0.5
+# Opening of the sensor's beam [rad], for display only.
+BEAM_RAD = 0.05
 
 
 class HeightNode:
@@ -68,25 +73,22 @@ class HeightNode:
         )
 
     def _publish_height(self) -> None:
-        voltage_v = math.nan
+        voltage_v, measured = math.nan, None
         try:
             readings = self._driver.take_readings()
             voltage_v = readings.voltage_v
-            self._height, self._last_error = self._driver.height_from(readings), None
+            measured, self._last_error = self._driver.height_from(readings), None
         except HeightStoppedError:
             return
         except HeightError as error:
-            self._height, self._last_error = None, error.message
-        self._voltage_v = voltage_v
-        self._publish(self._height)
-
-    def _publish(self, measured: Optional[HeightMeasurement]) -> None:
+            self._last_error = error.message
+        self._height, self._voltage_v = measured, voltage_v
         parameters = self._driver.parameters
         message = Range()
         message.header.stamp = ros_time(measured.measured_us) if measured else rospy.Time.now()
-        message.header.frame_id = parameters.frame_id
+        message.header.frame_id = HEIGHT_SENSOR_LINK
         message.radiation_type = Range.INFRARED
-        message.field_of_view = parameters.field_of_view_rad
+        message.field_of_view = BEAM_RAD
         message.min_range = parameters.min_distance_m + parameters.height_offset_m
         message.max_range = parameters.max_distance_m + parameters.height_offset_m
         # NaN means that there is no valid height now; the diagnostics report the reason.
@@ -112,18 +114,16 @@ class HeightNode:
 def build_height_node(
     parameters: HeightParameters, spi: SpiBus, clock: Clock, hardware: Hardware
 ) -> HeightNode:
-    """Build the node and everything below it.
-
-    Args:
-        parameters: Parameters of the sensor.
-        spi: The bus of the converter.
-        clock: Spaces the readings.
-        hardware: What the hardware is.
-
-    Raises:
-        Gpr20Error: A parameter is not allowed.
-    """
+    """Build the node and everything below it; `clock` spaces the readings."""
     adc = AdcInterface(spi, parameters.channel)
+
+    def end_if_overdue() -> None:
+        # Nothing else ends such a call; roslaunch starts this node again.
+        if adc.overdue:
+            rospy.logfatal("the bus of the height sensor does not return from a call")
+            os._exit(1)
+
+    Periodic(WATCH_PERIOD_S, end_if_overdue)
     return HeightNode(HeightDriver(adc, parameters, clock), hardware)
 
 

@@ -10,8 +10,7 @@ import numpy as np
 
 from gpr20_common.low.clock import Clock, time_of_day_us
 from gpr20_common.message import Message, numeral
-from gpr20_height_sensor import faults
-from gpr20_height_sensor.errors import HeightError, HeightStoppedError
+from gpr20_height_sensor.faults import FROZEN, HeightError, HeightStoppedError
 from gpr20_height_sensor.low.adc_interface import LARGEST_CODE, AdcInterface
 from gpr20_height_sensor.mid.height_parameters import HeightParameters
 from gpr20_survey.faults import NO_GROUND
@@ -65,7 +64,8 @@ class HeightReadings:
 class HeightDriver:
     """Computes a robust height from fresh readings, or raises an error with the reason.
 
-    Several measurements may run at the same time; none waits for another.
+    Several measurements may run at the same time; none waits for another. The clock spaces their
+    readings; `now_us` returns the time [microseconds since 1970, UTC].
     """
 
     def __init__(
@@ -75,27 +75,14 @@ class HeightDriver:
         clock: Clock,
         now_us: Callable[[], int] = time_of_day_us,
     ) -> None:
-        """Make a driver of the sensor behind a converter.
-
-        Args:
-            adc: The converter.
-            parameters: The sensor and the estimate.
-            clock: Spaces the readings.
-            now_us: Returns the time [microseconds since 1970, UTC].
-        """
         self._adc = adc
-        self._parameters = parameters
+        self.parameters = parameters
         self._clock = clock
         self._now_us = now_us
         self._lock = threading.Lock()
         self._last_code = -1
         self._equal_readings = 0
         self._stop = threading.Event()
-
-    @property
-    def parameters(self) -> HeightParameters:
-        """The sensor and the estimate."""
-        return self._parameters
 
     def take_sample(self) -> int:
         """Return one reading of the converter made now, 0..1023.
@@ -110,11 +97,7 @@ class HeightDriver:
         return code
 
     def take_measurement(self) -> HeightMeasurement:
-        """Return one height from readings that the sensor made after this call.
-
-        Raises:
-            HeightError: The sensor is stuck, out of its range, too noisy, or does not answer.
-        """
+        """Return one height from readings that the sensor made after this call."""
         return self.height_from(self.take_readings())
 
     def take_readings(self) -> HeightReadings:
@@ -125,7 +108,7 @@ class HeightDriver:
         """
         codes = np.array(self._fresh_samples(), dtype=np.float64)
         # The converter's result is code / 1024 of its reference (data sheet, equation 4-2).
-        voltages_v = codes * (self._parameters.reference_voltage_v / (LARGEST_CODE + 1))
+        voltages_v = codes * (self.parameters.reference_voltage_v / (LARGEST_CODE + 1))
         return HeightReadings(codes, voltages_v, self._now_us())
 
     def height_from(self, readings: HeightReadings) -> HeightMeasurement:
@@ -135,13 +118,13 @@ class HeightDriver:
             HeightError: The sensor is stuck, out of its range, or too noisy.
         """
         self._check_not_stuck(readings.codes)
-        distances_m = self._parameters.distances_m(readings.voltages_v)
+        distances_m = self.parameters.distances_m(readings.voltages_v)
         distance_m = float(np.median(distances_m))
         self._check_in_range(distance_m)
         self._check_not_frozen()
         spread_m = NORMAL_MAD_SCALE * float(np.median(np.abs(distances_m - distance_m)))
         self._check_quiet(spread_m, distances_m)
-        height_m = distance_m + self._parameters.height_offset_m
+        height_m = distance_m + self.parameters.height_offset_m
         return HeightMeasurement(height_m, spread_m, readings.measured_us)
 
     def shut_down(self) -> None:
@@ -150,10 +133,10 @@ class HeightDriver:
         self._adc.close()
 
     def _fresh_samples(self) -> List[int]:
-        period_s = self._parameters.update_period_s
+        period_s = self.parameters.update_period_s
         next_s = self._clock.now_s() + PERIODS_UNTIL_FRESH * period_s
         codes = []
-        for _ in range(self._parameters.samples):
+        for _ in range(self.parameters.samples):
             if self._clock.wait_s(self._stop, max(0.0, next_s - self._clock.now_s())):
                 raise HeightStoppedError(Message("the height sensor is shutting down"))
             codes.append(self.take_sample())
@@ -178,7 +161,7 @@ class HeightDriver:
                 )
 
     def _check_in_range(self, distance_m: float) -> None:
-        nearest_m, farthest_m = self._parameters.min_distance_m, self._parameters.max_distance_m
+        nearest_m, farthest_m = self.parameters.min_distance_m, self.parameters.max_distance_m
         if not nearest_m <= distance_m <= farthest_m:
             raise HeightError(
                 Message(
@@ -195,7 +178,7 @@ class HeightDriver:
 
     def _check_not_frozen(self) -> None:
         # One measurement cannot distinguish a dead sensor from a still one; the noise of many can.
-        limit, count = self._parameters.frozen_readings, self._equal_readings
+        limit, count = self.parameters.frozen_readings, self._equal_readings
         if 0 < limit <= count:
             raise HeightError(
                 Message(
@@ -204,11 +187,11 @@ class HeightDriver:
                     "switches this check off); if not, replace the sensor",
                     readings=count,
                 ),
-                fault=faults.FROZEN,
+                fault=FROZEN,
             )
 
     def _check_quiet(self, spread_m: float, distances_m: np.ndarray) -> None:
-        limit_m = self._parameters.max_spread_m
+        limit_m = self.parameters.max_spread_m
         if spread_m > limit_m:
             raise HeightError(
                 Message(

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -12,7 +11,6 @@ from gpr20_common.faults import CONFIGURATION
 from gpr20_common.message import Message
 from gpr20_common.mid.codec import bounded
 from gpr20_height_sensor.low.adc_interface import CHANNELS
-from gpr20_survey.axes.axis_id import HEIGHT_SENSOR_LINK
 
 FEWEST_FROZEN = 30
 # Buses and chip-select lines beyond this are typing errors.
@@ -53,9 +51,6 @@ class HeightParameters:
             is stuck; 0 switches the check off. Noise of one converter step is enough to make
             600 equal readings, a minute of the published ones, impossible.
         publish_rate_hz: Heights published per second [1/s].
-        frame_id: Frame of the sensor in the published message.
-        field_of_view_rad: Opening of the sensor's beam in the published message [rad]; for
-            display only.
     """
 
     spi_bus: int = bounded(0, MAX_SPI_NUMBER, 0)
@@ -75,8 +70,6 @@ class HeightParameters:
     max_spread_m: float = bounded(0.0001, 1.0, 0.010)
     frozen_readings: int = bounded(0, 1_000_000, 600)
     publish_rate_hz: float = bounded(0.01, 100.0, 2.0)
-    frame_id: str = HEIGHT_SENSOR_LINK
-    field_of_view_rad: float = bounded(0.0, math.pi, 0.05)
 
     def __post_init__(self) -> None:
         if not self.min_distance_m < self.max_distance_m:

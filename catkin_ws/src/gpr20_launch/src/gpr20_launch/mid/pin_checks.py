@@ -10,7 +10,7 @@ from gpr20_common.message import Message
 from gpr20_launch.mid.pin_table import EEPROM, GPIO_OF_BOARD, I2C, SPI_BUSES, UART
 from gpr20_launch.mid.problem import Problem, problem
 from gpr20_launch.mid.robot_files import AXES_FILE, Reading
-from gpr20_survey.axes.axis_parameters import PIGPIO, RPI_GPIO, AxisParameters, Level, Pull
+from gpr20_survey.axes.axis_parameters import AxisParameters, Level, Pull
 
 HEIGHT_FILE = "height.yaml"
 # What enables the drivers of several axes.
@@ -60,7 +60,6 @@ def check_pins(reading: Reading) -> Iterator[Problem]:
     for axis, parameters in axes.items():
         yield from _pull(reading.folder / AXES_FILE, axis, parameters)
     yield from without
-    yield from _wave_transmitter(reading.folder / AXES_FILE, axes)
 
 
 def is_pin(key: str, value: Any) -> bool:
@@ -149,13 +148,3 @@ def _pull(file: Path, axis: str, parameters: AxisParameters) -> Iterator[Problem
             active="endstop_active",
         )
         yield problem(file, f"{axis}/endstop_pull", pull, reason, up)
-
-
-def _wave_transmitter(file: Path, axes: Dict[str, AxisParameters]) -> Iterator[Problem]:
-    timed = [axis for axis, one in axes.items() if one.backend == PIGPIO]
-    for axis in timed[1:]:
-        reason = Message(
-            "pigpio can time the pulses of one axis, and {first} has it", first=timed[0]
-        )
-        key, other = f"{axis}/backend", RPI_GPIO
-        yield problem(file, key, PIGPIO, reason, other)

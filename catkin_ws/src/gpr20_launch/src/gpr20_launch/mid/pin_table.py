@@ -10,7 +10,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Dict, Mapping, Tuple
 
-from gpr20_axis_driver.low.pigpio_waves import GPIO_OF_BOARD
 from gpr20_common.message import Message
 
 _V3, _V5, _GROUND = Message("3.3 V"), Message("5 V"), Message("ground")
@@ -19,6 +18,11 @@ NOT_GPIO: Mapping[int, Message] = {
     **dict.fromkeys((1, 17), _V3),
     **dict.fromkeys((2, 4), _V5),
     **dict.fromkeys((6, 9, 14, 20, 25, 30, 34, 39), _GROUND),
+}
+GPIO_OF_BOARD: Mapping[int, int] = {
+    **{3: 2, 5: 3, 7: 4, 8: 14, 10: 15, 11: 17, 12: 18, 13: 27, 15: 22, 16: 23, 18: 24, 19: 10},
+    **{21: 9, 22: 25, 23: 11, 24: 8, 26: 7, 27: 0, 28: 1, 29: 5, 31: 6, 32: 12, 33: 13, 35: 19},
+    **{36: 16, 37: 26, 38: 20, 40: 21},
 }
 BOARD_OF_GPIO: Mapping[int, int] = {gpio: board for board, gpio in GPIO_OF_BOARD.items()}
 

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Callable, Iterator, List, Tuple
 
-from gpr20_axis_driver.mid.controllers import check_controller
+from gpr20_axis_driver.controller import check_controller
 from gpr20_common.errors import Gpr20Error, os_reason
 from gpr20_common.faults import CONFIGURATION
 from gpr20_common.low.clock import Clock

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import rospy
 
-from gpr20_axis_driver.high.axis_node import AxisNode
-from gpr20_axis_driver.high.axis_programs import build_pin_axis, run_axis
+from gpr20_axis_driver.high.axis_node import AxisNode, build_pin_axis, run_axis
 from gpr20_simulator.high.simulated_robot import open_simulated_part, shared_state_path
 from gpr20_simulator.mid.axis_hardware import SimulatedHardware
 from gpr20_simulator.mid.carriage import mechanics_of

@@ -2,14 +2,10 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Optional
 
-from gpr20_axis_driver.low.step_counter import StepCounter
-from gpr20_axis_driver.mid.pulse_loop import PulseLoop
-from gpr20_axis_driver.motion import LateLimits, MotionRunner
 from gpr20_common.low.clock import Clock
 from gpr20_common.mid.node_facts import Hardware
 from gpr20_simulator.low.pins import SimulatedPins
@@ -19,10 +15,6 @@ from gpr20_simulator.mid.carriage import AxisMotor, wiring_of
 from gpr20_simulator.mid.world.scene import AxisMechanics
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.axes.axis_parameters import AxisParameters
-
-# The faster robot's pulses come as fast as this computer can make them, so their lateness says
-# nothing about the motor.
-NO_LIMITS = LateLimits(math.inf, math.inf)
 
 
 @dataclass(frozen=True)
@@ -65,9 +57,7 @@ class SimulatedHardware:
         """The steps are forgotten with the shared state, whatever file the robot would have."""
         return self.state_path.with_name(f"{self.state_path.name}_{self.axis.value}_steps")
 
-    def open(self, counter: StepCounter) -> MotionRunner:
+    def open_pins(self) -> SimulatedPins:
         """Open the pins; called in the process that makes the pulses."""
         motor = AxisMotor(open_shared_state(self.state_path, {}), self.axis, self.mechanics)
-        pins = SimulatedPins(motor, wiring_of(self.axis, self.mechanics))
-        limits = LateLimits.of(self.parameters) if self.realtime else NO_LIMITS
-        return PulseLoop(pins, self.parameters, self.clock, limits, counter)
+        return SimulatedPins(motor, wiring_of(self.axis, self.mechanics))

@@ -37,9 +37,6 @@ MIN_LEASE_S, MAX_LEASE_S = 0.5, 10.0
 # (50 and 99), above everything else.
 PULSE_PRIORITY = 45
 
-
-# The libraries that drive the pins of the real robot, and how an axis moves.
-RPI_GPIO, PIGPIO = "rpi_gpio", "pigpio"
 LINEAR, ROTARY = "LIN", "ROT"
 
 
@@ -94,7 +91,6 @@ class AxisParameters:
             not answer for this long [s].
         memory_file: Where the step count of an axis without endstop outlives the power;
             empty: it outlives the node, but not the power.
-        backend: rpi_gpio or pigpio; the simulated robot uses neither.
         controller: Class outside this software that moves the axis instead of the pins, such as
             my_robot.grbl:GrblController (docs/extend/axis_controller.md); empty: the pins. The
             simulated robot does not use it.
@@ -122,7 +118,6 @@ class AxisParameters:
     gap_limit_s: float = 0.05
     lease_limit_s: float = bounded(MIN_LEASE_S, MAX_LEASE_S, 2.0)
     memory_file: str = ""
-    backend: Literal["rpi_gpio", "pigpio"] = "rpi_gpio"
     controller: str = ""
     # A dict has no hash; two axes that differ in nothing else may have the same one.
     controller_options: Dict[str, Any] = field(default_factory=dict, hash=False)

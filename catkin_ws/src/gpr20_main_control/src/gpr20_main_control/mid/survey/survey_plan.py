@@ -247,7 +247,7 @@ def _resumable_parameters(reopened: ReopenedSurvey, config: RobotConfig) -> Surv
         parameters = record_from(SurveyParameters, metadata["parameters"], "parameters")
         simulated = metadata["simulated"]
         axes = {
-            one: record_from(AxisParameters, metadata["axes"][one.value], f"axes/{one.value}")
+            one: record_from(AxisParameters, metadata["axes"][one.value], f"axes/{one.value}", True)
             for one in config.axes
         }
     except (ValueError, KeyError, TypeError, InvalidValueError) as error:

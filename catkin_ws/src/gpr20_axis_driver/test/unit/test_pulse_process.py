@@ -18,17 +18,15 @@ from run_seed import SEED, draws
 from simulated_axis import LIMIT_S, SimulatedAxis, exists, simulated_hardware, wait_until
 
 from gpr20_axis_driver import faults
-from gpr20_axis_driver.axis_exceptions import (
+from gpr20_axis_driver.faults import (
     AxisException,
     MotionStopped,
     NotHomedError,
     PulseProcessError,
-    ZeroUnknownError,
 )
-from gpr20_axis_driver.low import pulse_process
-from gpr20_axis_driver.mid import pulse_client
+from gpr20_axis_driver.mid import pulse_process
 from gpr20_axis_driver.motion import never
-from gpr20_common.faults import CONFIGURATION, MAY_MOVE, OVERLOADED
+from gpr20_common.faults import CONFIGURATION, MAY_MOVE, NOT_SET_UP, OVERLOADED
 from gpr20_common.message import Message
 from gpr20_simulator.low.shared_state import EndstopFault, open_shared_state
 from gpr20_survey.axes.axis_id import AxisId
@@ -52,21 +50,23 @@ def make(tmp_path):
 
 WITHOUT_RIGHTS = """
 import os, resource
-from gpr20_axis_driver.low.scheduling import realtime_scheduling
+from gpr20_axis_driver.mid.pulse_server import realtime_scheduling
 resource.setrlimit(resource.RLIMIT_RTPRIO, (0, 0))
 resource.setrlimit(resource.RLIMIT_MEMLOCK, (65536, 65536))
 if os.getuid() == 0: os.setuid(65534)
-print(realtime_scheduling())
+said = realtime_scheduling()
+print(said.fault_code, *said.all_details)
 """
 
 
 def test_pulses_are_punctual_or_say_why_not(make):
     pulses = make(AxisId.Z).pulses
-    assert ("refused: " if pulses.unpunctual else "SCHED_FIFO") in str(pulses.scheduling)
+    said = pulses.scheduling
+    assert said.fault_code in ("", NOT_SET_UP.as_warning().code) and "SCHED_FIFO" in repr(said)
     faster = make(AxisId.X, time_scale=10.0).pulses
-    assert "ordinary scheduling" in str(faster.scheduling) and not faster.unpunctual
+    assert "ordinary scheduling" in str(faster.scheduling) and not faster.scheduling.fault_code
     said = subprocess.check_output([sys.executable, "-c", WITHOUT_RIGHTS], text=True)
-    assert "realtime=False" in said and "SCHED_FIFO (Operation not permitted)" in said
+    assert NOT_SET_UP.as_warning().code in said and "SCHED_FIFO (Operation not permitted)" in said
 
 
 class Move:
@@ -91,7 +91,7 @@ def test_moves_and_stops_at_random_never_lose_a_step(make):
     axis = make(AxisId.X, time_scale=500.0)
     axis.driver.homing(never)
     chance = random.Random(SEED)
-    for _ in range(draws(25)):
+    for _ in range(draws(75)):
         countdown = iter([False] * chance.randrange(1, 12))
         with contextlib.suppress(MotionStopped):
             axis.driver.move_to_coordinate(
@@ -104,7 +104,7 @@ def test_moves_and_stops_at_random_never_lose_a_step(make):
 def placed(make):
     """An axis that knows where it is without a homing, which takes long."""
     axis = make(AxisId.X)
-    axis.pulses.place(200)
+    axis.pulses.begin_zero(200, 0)
     axis.driver._homing_done = True
     return axis
 
@@ -169,7 +169,7 @@ def test_when_the_pins_of_a_dead_process_cannot_be_set_low_the_axis_may_move(mak
     def refuse(*_arguments):
         raise AxisException(Message("no pins"), fault=CONFIGURATION)
 
-    monkeypatch.setattr(type(axis.pulses._hardware), "open", refuse)
+    monkeypatch.setattr(type(axis.pulses._hardware), "open_pins", refuse)
     os.kill(axis.pulses.process_id, signal.SIGKILL)
     wait_until(lambda: axis.pulses.failure and "no pins" in str(axis.pulses.failure))
     assert axis.pulses.failure.fault_code == MAY_MOVE.code
@@ -203,7 +203,7 @@ def test_when_node_and_pulse_process_are_killed_in_a_turn_homing_is_refused(make
     wait_until(lambda: axis.true_steps > 10)
     os.kill(axis.pulses.process_id, signal.SIGKILL)
     assert isinstance(move.error(), PulseProcessError)
-    with raises_fault(ZERO_UNKNOWN, "set_zero", error=ZeroUnknownError):
+    with raises_fault(ZERO_UNKNOWN, "set_zero", error=NotHomedError):
         axis.driver.homing(never)
     axis.driver.set_zero()
     assert axis.driver.homing_done
@@ -227,8 +227,8 @@ def test_a_process_that_is_halted_in_a_move_ends_it_and_the_position_is_not_trus
 
 
 def test_a_process_that_hangs_is_ended_and_the_move_with_it(make, monkeypatch):
-    monkeypatch.setattr(pulse_client, "STALL_LIMIT_S", 0.2)
-    monkeypatch.setattr(pulse_client, "STALL_STEPS", 1)
+    monkeypatch.setattr(pulse_process, "STALL_LIMIT_S", 0.2)
+    monkeypatch.setattr(pulse_process, "STALL_STEPS", 1)
     axis = make(AxisId.Z)
     axis.driver.homing(never)
     move = Move(axis, 90.0)
@@ -262,7 +262,7 @@ def test_the_endstop_is_read_all_the_time_and_each_touch_of_a_homing_is_counted(
     axis = make(AxisId.X, 50.0)
     wait_until(lambda: axis.pulses.endstop_pressed is False)
     axis.driver.homing()
-    assert (axis.driver.endstop_pressed, axis.driver.endstop_presses) == (False, 2)
+    assert (axis.pulses.endstop_pressed, axis.pulses.endstop_presses) == (False, 2)
     axis.world.set_endstop_fault(AxisId.X, EndstopFault.STUCK_CLOSED)
     wait_until(lambda: axis.pulses.endstop_pressed)
     axis.world.set_endstop_fault(AxisId.X, EndstopFault.NONE)

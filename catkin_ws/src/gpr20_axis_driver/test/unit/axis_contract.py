@@ -1,4 +1,4 @@
-"""What every axis must do, as tests: run them with pytest on a controller of your own."""
+"""What every controller of an axis must do, as tests; see docs/extend/axis_controller.md."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import time
 from abc import ABC, abstractmethod
 from typing import Callable, Type
 
-from gpr20_axis_driver.axis_exceptions import (
+from gpr20_axis_driver.faults import (
     AxisBusyError,
     AxisException,
     EndstopError,
