@@ -18,8 +18,8 @@ from vna_bench import (
     real_numbers,
     swept,
     timed_bench,
+    wait_until,
 )
-from vxi11_wire import wait_until
 
 from gpr20_simulator.low.message_device import NetworkFault
 from gpr20_simulator.mid.analyzer.instrument_scene import Averaging, Power

@@ -8,8 +8,7 @@ from case_kit import each_case
 from fault_kit import raises_fault
 from hypothesis import given
 from hypothesis import strategies as st
-from vna_bench import SWEEP_S, Bench, new_bench, real_numbers, swept, timed_bench
-from vxi11_wire import wait_until
+from vna_bench import SWEEP_S, Bench, new_bench, real_numbers, swept, timed_bench, wait_until
 
 from gpr20_common.faults import NOT_ALLOWED
 from gpr20_simulator.errors import FaultError, SceneError
@@ -127,8 +126,8 @@ def test_late_answer_and_reset_are_orders_to_the_network(bench):
     found = [bench.send("*IDN?").fault for _ in range(2)]
     assert found == [NetworkFault.ANSWER_LATE, NetworkFault.NONE]
     # A reset makes the instrument vanish.
-    assert bench.send("*RST").fault is NetworkFault.GO_SILENT
-    assert bench.instrument.network_lost
+    assert bench.send("*RST").fault is NetworkFault.DROP_CONNECTIONS
+    assert not bench.instrument.is_reachable()
 
 
 @each_case(

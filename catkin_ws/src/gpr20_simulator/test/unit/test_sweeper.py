@@ -8,8 +8,7 @@ import threading
 import numpy as np
 import pytest
 from run_seed import draws
-from vna_bench import Carriage, CountingProbe, HandClock
-from vxi11_wire import LIMIT_S, wait_until
+from vna_bench import LIMIT_S, Carriage, CountingProbe, HandClock, wait_until
 
 from gpr20_simulator.mid.analyzer.sweep_plan import SweepPace, SweepPlan
 from gpr20_simulator.mid.analyzer.sweeper import Sweeper

@@ -19,7 +19,7 @@ from gpr20_simulator.errors import SimulatorError
 from gpr20_simulator.faults import FAULTS_SET
 from gpr20_simulator.high.simulated_robot import SimulatedPart, open_simulated_part
 from gpr20_simulator.low.capture import CaptureFolder
-from gpr20_simulator.low.portmapper import PORT as PORTMAPPER_PORT
+from gpr20_simulator.low.vxi11_server import PORTMAPPER_PORT
 from gpr20_simulator.mid.analyzer.reply import Capture
 from gpr20_simulator.mid.analyzer.simulated_analyzer import (
     AnalyzerOptions,

@@ -132,7 +132,8 @@ class SimulatedVna:
                 if command.header.upper() == "*RST" and not command.is_query:
                     # It power-cycles the instrument, and the address may be another one then.
                     self._network_lost = True
-                    return Outcome(fault=NetworkFault.GO_SILENT)
+                    self._faults.set(VnaFault.LINK_GONE.value)
+                    return Outcome(fault=NetworkFault.DROP_CONNECTIONS)
                 answer = self._carry_out(command)
                 if answer is not None:
                     reply.add(answer)
