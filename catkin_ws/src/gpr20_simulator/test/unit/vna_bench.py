@@ -9,10 +9,9 @@ import numpy as np
 from gpr20_common.low.clock import Clock
 from gpr20_simulator.mid.analyzer.instrument import SimulatedVna
 from gpr20_simulator.mid.analyzer.instrument_scene import InstrumentScene
-from gpr20_simulator.mid.analyzer.sweep_plan import SweepPace
-from gpr20_simulator.mid.analyzer.sweeper import Sweeper
-from gpr20_simulator.mid.analyzer.vna_faults import FaultBoard
+from gpr20_simulator.mid.analyzer.sweeper import Sweeper, SweepPace
 from gpr20_simulator.mid.analyzer.vna_settings import VnaSettings
+from gpr20_simulator.mid.faults import FaultBoard
 from gpr20_simulator.mid.world.medium import AntennaPosition, PositionProbe, probed_sweep
 
 LIMIT_S = 30.0

@@ -7,10 +7,9 @@ from typing import Any
 
 import rospy
 
-from gpr20_common.faults import OTHER_LAUNCH
 from gpr20_common.high.answers import message_fields
 from gpr20_common.high.description import publish_description
-from gpr20_common.high.diagnostics import ERROR, OK, WARN, Diagnostics, Health
+from gpr20_common.high.diagnostics import OK, WARN, Diagnostics, Health
 from gpr20_common.high.node import run_node
 from gpr20_common.high.services import advertise
 from gpr20_common.message import Message
@@ -20,7 +19,7 @@ from gpr20_simulator.faults import FAULTS_SET
 from gpr20_simulator.high.simulated_robot import SimulatedPart, open_simulated_part
 from gpr20_simulator.low.capture import CaptureFolder
 from gpr20_simulator.low.vxi11_server import PORTMAPPER_PORT
-from gpr20_simulator.mid.analyzer.reply import Capture
+from gpr20_simulator.mid.analyzer.instrument import Capture
 from gpr20_simulator.mid.analyzer.simulated_analyzer import (
     AnalyzerOptions,
     SimulatedAnalyzer,
@@ -68,9 +67,6 @@ class SimulatorNode:
             "sweeps_completed": sweeper.sweeps_completed,
             "faults": faults or "none",
         }
-        if self._vna.instrument.network_lost:
-            lost = Message("The SIMULATED VNA was reset and lost its network settings")
-            return ERROR, lost.with_fault(OTHER_LAUNCH), values
         if faults:
             text = Message("The SIMULATED robot has faults: {faults}", faults=faults)
             return WARN, text.with_fault(FAULTS_SET), values

@@ -10,13 +10,11 @@ from gpr20_common.message import Message
 from gpr20_common.mid.checks import number_between
 from gpr20_simulator.errors import MediumError
 from gpr20_simulator.low.vxi11_server import Vxi11Server
-from gpr20_simulator.mid.analyzer.instrument import SimulatedVna
+from gpr20_simulator.mid.analyzer.instrument import Capture, SimulatedVna
 from gpr20_simulator.mid.analyzer.instrument_scene import InstrumentScene
-from gpr20_simulator.mid.analyzer.reply import Capture
-from gpr20_simulator.mid.analyzer.sweep_plan import SweepPace
-from gpr20_simulator.mid.analyzer.sweeper import Sweeper
-from gpr20_simulator.mid.analyzer.vna_faults import FaultBoard, VnaFault
+from gpr20_simulator.mid.analyzer.sweeper import Sweeper, SweepPace
 from gpr20_simulator.mid.analyzer.vna_settings import VnaSettings
+from gpr20_simulator.mid.faults import FaultBoard, VnaFault
 from gpr20_simulator.mid.world.ground import Ground
 from gpr20_simulator.mid.world.medium import AntennaPosition, PositionProbe, SweptMedium
 from gpr20_simulator.mid.world.scene import Scene
@@ -96,7 +94,7 @@ class SimulatedAnalyzer:
         self.server = Vxi11Server(
             self.instrument, port=options.port, portmapper_port=options.portmapper_port
         )
-        self.faults.on_set(self._apply_to_network)
+        self.faults.on_set = self._apply_to_network
 
     def start(self) -> None:
         """Switch it on."""

@@ -3,18 +3,92 @@
 from __future__ import annotations
 
 import threading
+from dataclasses import dataclass
 from typing import Callable, Optional, Tuple
 
 import numpy as np
 
 from gpr20_common.low.clock import Clock
-from gpr20_simulator.mid.analyzer.attention import Attention
-from gpr20_simulator.mid.analyzer.sweep_plan import NO_FAULTS, SweepFaults, SweepPace, SweepPlan
-from gpr20_simulator.mid.analyzer.trace_memory import LateDisplay, SweepPart, TraceMemory
+from gpr20_simulator.mid.analyzer.trace_memory import SweepPart, TraceMemory
 from gpr20_simulator.mid.world.medium import AntennaPosition, SweptMedium
 
 IDLE_WAIT_S = 60.0
 STOP_TIMEOUT_S = 5.0
+
+
+@dataclass(frozen=True)
+class SweepPlan:
+    """What one sweep consists of.
+
+    Attributes:
+        start_hz: First frequency [Hz].
+        stop_hz: Last frequency [Hz].
+        points: Number of frequencies.
+        seconds_per_point: Time that one frequency takes [s].
+        averages: Number of sweeps that are averaged; 1: none.
+        waits_for_average: Whether a trigger runs as many sweeps as are averaged, and only the
+            end of the last one is reported.
+        noise_gain: Noise relative to that of the settings of power-on.
+    """
+
+    start_hz: float
+    stop_hz: float
+    points: int
+    seconds_per_point: float
+    averages: int = 1
+    waits_for_average: bool = False
+    noise_gain: float = 1.0
+
+    def frequency_hz(self) -> np.ndarray:
+        """Return the frequencies [Hz]."""
+        return np.linspace(self.start_hz, self.stop_hz, self.points)
+
+
+@dataclass(frozen=True)
+class SweepFaults:
+    """What goes wrong with a triggered sweep.
+
+    Attributes:
+        stale: It is reported as complete at once, and its data are thrown away.
+        slowest_point_s: No frequency takes less than this until the next trigger [s].
+        shown_late_s: The display shows it so much later than its end [s]; until then, what it
+            showed before.
+        midway: Called once, from the sweeper's thread, when half of the sweep is done.
+    """
+
+    stale: bool = False
+    slowest_point_s: float = 0.0
+    shown_late_s: float = 0.0
+    midway: Optional[Callable[[], object]] = None
+
+
+NO_FAULTS = SweepFaults()
+
+
+@dataclass(frozen=True)
+class SweepPace:
+    """How finely a sweep is simulated.
+
+    Attributes:
+        slice_s: Points of at most this time share one look at the antennas' position [s].
+        shortest_period_s: A new sweep of a continuous series begins at most this often [s].
+        rest_s: Replaces both in a series while nobody reads and nothing moves [s].
+        attention_s: A reader or a move is waited for this long after the last one [s].
+    """
+
+    slice_s: float = 0.0015
+    shortest_period_s: float = 0.010
+    rest_s: float = 0.1
+    attention_s: float = 1.0
+
+    def faster(self, time_scale: float) -> SweepPace:
+        """Return the pace that is as fine in real seconds by a clock so much faster."""
+        return SweepPace(
+            self.slice_s * time_scale,
+            self.shortest_period_s * time_scale,
+            self.rest_s * time_scale,
+            self.attention_s * time_scale,
+        )
 
 
 class Sweeper:
@@ -30,6 +104,14 @@ class Sweeper:
         clock: Its seconds are those of the plan and the pace.
         plan: What to sweep at first; the sweeper begins held.
         pace: How finely.
+
+    Attributes:
+        is_complete: Whether a sweep has ended since the last trigger.
+        is_running: Whether a sweep is running.
+        is_continuous: Whether sweeps follow each other unless held.
+        sweep_number: Number of the sweep begun last.
+        sweeps_completed: Number of sweeps that have come to their end.
+        averaged: Number of sweeps in the present average.
     """
 
     def __init__(
@@ -40,31 +122,25 @@ class Sweeper:
         plan: SweepPlan,
         pace: SweepPace,
     ) -> None:
+        self.is_complete = self.is_running = self.is_continuous = False
+        self.sweep_number = self.sweeps_completed = self.averaged = 0
         self._position_of = position_of
         self._clock = clock
         self._pace = pace
         self._lock = threading.Lock()
         self._wake = threading.Event()
-        self._stopping = False
-        self._continuous = False
-        self._running = False
-        self._single_shot = True
-        self._discard = False
-        self._midway: Optional[Callable[[], object]] = None
+        self._is_stopping = False
+        self._is_single = True
+        self._is_discarded = False
         self._faults = NO_FAULTS
-        self._complete = False
-        self._averaged = 0
-        self._generation = 0
-        self._sweep_number = 0
-        self._sweeps_completed = 0
+        self._midway: Optional[Callable[[], object]] = None
         self._next_point = 0
         self._started_s = 0.0
-        self._paused_at_s: Optional[float] = None
+        self._position: Optional[AntennaPosition] = None
+        self._watched_until_s = clock.now_s()
         self._plan = plan
         self._frequency_hz = plan.frequency_hz()
         self._memory = TraceMemory(medium, self._frequency_hz)
-        self._late_display = LateDisplay(self._memory)
-        self._attention = Attention(clock, pace)
         self._thread = threading.Thread(target=self._run, name="sweeper", daemon=True)
 
     def start(self) -> None:
@@ -74,54 +150,18 @@ class Sweeper:
     def stop(self) -> None:
         """End the thread."""
         with self._lock:
-            self._stopping = True
+            self._is_stopping = True
         self._wake.set()
         if self._thread.is_alive():
             self._thread.join(STOP_TIMEOUT_S)
 
-    @property
-    def is_complete(self) -> bool:
-        """Whether a sweep has ended since the last trigger."""
-        with self._lock:
-            return self._complete
-
-    @property
-    def is_running(self) -> bool:
-        """Whether a sweep is running."""
-        with self._lock:
-            return self._running
-
-    @property
-    def is_continuous(self) -> bool:
-        """Whether sweeps follow each other unless held."""
-        with self._lock:
-            return self._continuous
-
-    @property
-    def sweep_number(self) -> int:
-        """Number of the sweep begun last."""
-        with self._lock:
-            return self._sweep_number
-
-    @property
-    def sweeps_completed(self) -> int:
-        """Number of sweeps that have come to their end."""
-        with self._lock:
-            return self._sweeps_completed
-
-    @property
-    def averaged(self) -> int:
-        """Number of sweeps in the present average."""
-        with self._lock:
-            return self._averaged
-
     def snapshot(self) -> Tuple[np.ndarray, np.ndarray]:
         """Return the frequencies [Hz] and the data (complex64) as they are now."""
         with self._lock:
-            if not self._is_read():
+            if not self._is_watched():
                 self._wake.set()
-            self._attention.note_read()
-            return self._frequency_hz, self._late_display.shown(self._clock.now_s())
+            self._watched_until_s = self._clock.now_s() + self._pace.attention_s
+            return self._frequency_hz, self._memory.shown(self._clock.now_s())
 
     def configure(self, plan: SweepPlan) -> None:
         """Sweep something else from now on; a sweep in progress restarts."""
@@ -131,11 +171,9 @@ class Sweeper:
             self._plan = plan
             self._frequency_hz = plan.frequency_hz()
             self._memory.set_frequencies(self._frequency_hz)
-            self._late_display.clear()
-            self._complete = False
-            self._averaged = 0
-            self._paused_at_s = None
-            if self._running:
+            self.is_complete = False
+            self.averaged = 0
+            if self.is_running:
                 self._begin_sweep()
         self._wake.set()
 
@@ -143,7 +181,7 @@ class Sweeper:
         """Forget the sweeps averaged so far."""
         with self._lock:
             self._memory.compute()
-            self._averaged = 0
+            self.averaged = 0
 
     def trigger(self, faults: SweepFaults = NO_FAULTS) -> None:
         """Run one sweep and hold again; a running series only restarts its sweep.
@@ -152,80 +190,62 @@ class Sweeper:
         """
         with self._lock:
             self._memory.compute()
-            self._single_shot = not (self._continuous and self._running)
-            self._complete = faults.stale
-            self._faults = faults
-            self._midway = faults.midway
+            self._is_single = not (self.is_continuous and self.is_running)
+            self.is_complete = faults.stale
+            self._faults, self._midway = faults, faults.midway
             if self._plan.waits_for_average:
-                self._averaged = 0
+                self.averaged = 0
             self._begin_sweep()
-            self._discard = faults.stale
-            self._late_display.set_late(faults.shown_late_s > 0.0)
+            self._is_discarded = faults.stale
+            self._memory.set_late(faults.shown_late_s > 0.0)
         self._wake.set()
 
     def set_continuous(self, continuous: bool) -> None:
         """Sweep again and again from now on, or hold and leave the next sweep to a trigger."""
         with self._lock:
-            self._continuous = continuous
-            if continuous:
-                self._resume()
+            self.is_continuous = continuous
+            if not continuous:
+                self.is_running = False
             else:
-                self._pause()
+                self._is_single = False
+                if not self.is_running:
+                    self._begin_sweep()
         self._wake.set()
-
-    def hold(self, held: bool) -> None:
-        """Pause, or continue a series where it paused."""
-        with self._lock:
-            if held:
-                self._pause()
-            else:
-                self._resume()
-        self._wake.set()
-
-    def _pause(self) -> None:
-        if self._running:
-            self._running = False
-            self._paused_at_s = self._clock.now_s()
-
-    def _resume(self) -> None:
-        self._single_shot = False
-        if self._running:
-            return
-        if self._paused_at_s is None:
-            self._begin_sweep()
-        else:
-            self._started_s += self._clock.now_s() - self._paused_at_s
-            self._paused_at_s = None
-            self._running = True
 
     def _begin_sweep(self, started_s: Optional[float] = None) -> None:
-        self._generation += 1
-        self._sweep_number += 1
+        self.sweep_number += 1
         self._next_point = 0
-        self._discard = False
-        self._paused_at_s = None
-        self._running = True
+        self._is_discarded = False
+        self.is_running = True
         self._started_s = self._clock.now_s() if started_s is None else started_s
 
     def _run(self) -> None:
         while True:
             with self._lock:
-                if self._stopping:
+                if self._is_stopping:
                     return
                 self._wake.clear()
-                generation, (end, wait_s) = self._generation, self._due_end()
-            if end is None:
+                wait_s, midway = self._work()
+            if midway is not None:
+                # Without the lock: it changes the plan, which restarts the sweep.
+                midway()
+            elif wait_s > 0.0:
                 self._clock.wait_s(self._wake, wait_s)
-            else:
-                self._measure(generation, end)
 
-    def _due_end(self) -> Tuple[Optional[int], float]:
-        """Return up to which point to measure now, or how long to wait [s]."""
-        if not self._running:
-            return None, IDLE_WAIT_S
+    def _work(self) -> Tuple[float, Optional[Callable[[], object]]]:
+        """Measure what is due; return how long to wait then [s], and what to call then."""
+        if not self.is_running:
+            return IDLE_WAIT_S, None
         end = min(self._next_point + self._points_per_look(), self._plan.points)
         wait_s = self._started_s + end * self._point_s() - self._clock.now_s()
-        return (None, wait_s) if wait_s > 0.0 else (end, 0.0)
+        if wait_s > 0.0:
+            return wait_s, None
+        midway = self._midway
+        if midway is not None and 2 * end >= self._plan.points:
+            self._midway = None
+            return 0.0, midway
+        self._measure(end)
+        return 0.0, None
 
     def _points_per_look(self) -> int:
         point_s = self._point_s()
@@ -239,58 +259,38 @@ class Sweeper:
         return self._pace.slice_s if self._is_watched() else self._pace.rest_s
 
     def _is_watched(self) -> bool:
-        return self._single_shot or self._attention.is_needed
+        """Return whether it matters where the antennas are at each moment."""
+        return self._is_single or self._clock.now_s() < self._watched_until_s
 
-    def _is_read(self) -> bool:
-        return self._single_shot or self._attention.is_read
-
-    def _measure(self, generation: int, end: int) -> None:
+    def _measure(self, end: int) -> None:
         position = self._position_of()
-        with self._lock:
-            if generation != self._generation or not self._running:
-                return
-            self._attention.note_position(position)
-            is_read, first, number = self._is_read(), self._next_point, self._sweep_number
-            part = SweepPart(number, first, end, position, self._plan.noise_gain)
-            midway = self._take_midway(end)
-            if is_read:
+        if position != self._position:
+            self._position = position
+            self._watched_until_s = self._clock.now_s() + self._pace.attention_s
+        if not self._is_discarded:
+            share = 1.0 / min(self.averaged + 1, self._plan.averages)
+            gain = self._plan.noise_gain
+            part = SweepPart(self.sweep_number, self._next_point, end, position, gain, share)
+            self._memory.store(part)
+            if self._is_single:
+                # While the sweep takes its time, not when somebody waits for the data.
                 self._memory.compute()
-        # Without the lock: the physics take their time, and whoever changes the plan midway
-        # restarts the sweep.
-        values = self._memory.measured(part) if is_read else None
-        if midway:
-            midway()
-        with self._lock:
-            # Whoever changed the plan or triggered meanwhile wants nothing of this sweep.
-            if generation == self._generation and self._running:
-                self._store(part, values)
-
-    def _take_midway(self, end: int) -> Optional[Callable[[], object]]:
-        if 2 * end < self._plan.points:
-            return None
-        midway, self._midway = self._midway, None
-        return midway
-
-    def _store(self, part: SweepPart, values: Optional[np.ndarray]) -> None:
-        share = 1.0 / min(self._averaged + 1, self._plan.averages)
-        if not self._discard:
-            self._memory.store(part, values, share)
-        self._next_point = part.end
-        if part.end == self._plan.points:
+        self._next_point = end
+        if end == self._plan.points:
             self._end_sweep()
 
     def _end_sweep(self) -> None:
-        self._sweeps_completed += 1
-        self._averaged = min(self._averaged + 1, self._plan.averages)
-        is_awaited = self._plan.waits_for_average and self._averaged < self._plan.averages
-        self._complete = self._complete or not is_awaited
-        self._late_display.measured(self._clock.now_s() + self._faults.shown_late_s)
-        if self._single_shot and not is_awaited:
-            self._running = False
+        self.sweeps_completed += 1
+        self.averaged = min(self.averaged + 1, self._plan.averages)
+        is_awaited = self._plan.waits_for_average and self.averaged < self._plan.averages
+        self._memory.end_sweep(self._clock.now_s() + self._faults.shown_late_s)
+        self.is_complete = self.is_complete or not is_awaited
+        if self._is_single and not is_awaited:
+            self.is_running = False
             return
-        is_discarded = self._discard and self._single_shot
+        is_discarded = self._is_discarded and self._is_single
         self._begin_sweep(self._next_start_s())
-        self._discard = is_discarded
+        self._is_discarded = is_discarded
 
     def _next_start_s(self) -> float:
         duration_s = self._plan.points * self._point_s()
