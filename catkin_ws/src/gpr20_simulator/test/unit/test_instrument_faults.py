@@ -12,7 +12,6 @@ from vna_bench import SWEEP_S, Bench, new_bench, real_numbers, swept, timed_benc
 
 from gpr20_common.faults import NOT_ALLOWED
 from gpr20_simulator.errors import FaultError, SceneError
-from gpr20_simulator.low.capture import CaptureFolder
 from gpr20_simulator.low.message_device import NetworkFault
 from gpr20_simulator.low.shared_state import open_shared_state
 from gpr20_simulator.mid.analyzer.instrument_scene import InstrumentScene
@@ -86,19 +85,6 @@ def test_what_does_not_exist_is_refused_with_what_does(switch, device, fault, co
     with raises_fault(NOT_ALLOWED, *shown, error=FaultError):
         switch.set(device, fault, count)
     assert switch.names() == ""
-
-
-def test_captured_replies_are_numbered_files_and_never_overwritten(tmp_path):
-    folder = tmp_path / "new" / "capture"
-    first = CaptureFolder(folder)
-    first.save("sdat", b"first")
-    first.save("freq", b"second")
-    CaptureFolder(folder).save("sdat", b"third")
-    assert [(one.name, one.read_bytes()) for one in sorted(folder.iterdir())] == [
-        ("000001_sdat.bin", b"first"),
-        ("000002_freq.bin", b"second"),
-        ("000003_sdat.bin", b"third"),
-    ]
 
 
 # What they do.

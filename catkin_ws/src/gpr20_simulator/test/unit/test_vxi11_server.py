@@ -14,10 +14,9 @@ from fault_kit import raises_fault
 from vna_bench import Carriage, wait_until
 from vxi11 import rpc
 
-from gpr20_common.errors import InvalidValueError
 from gpr20_common.faults import OTHER_LAUNCH
 from gpr20_common.low.clock import Clock
-from gpr20_simulator.errors import MediumError
+from gpr20_simulator.errors import SimulatorError
 from gpr20_simulator.low.message_device import ClearSupport, NetworkFault, Outcome
 from gpr20_simulator.low.vxi11_server import HOST, MOST_LINKS, ListenError, Vxi11Server
 from gpr20_simulator.mid.analyzer.instrument_scene import InstrumentScene
@@ -253,11 +252,8 @@ def test_the_whole_analyzer_is_reached_until_its_link_is_gone_and_leaves_no_thre
     wait_until(lambda: set(threading.enumerate()) <= before, "end of all threads")
 
 
-def test_options_and_media_out_of_range_are_refused():
-    for options in ({"seconds_per_point": -1.0}, {"seconds_per_point": np.nan}, {"port": 70000}):
-        with pytest.raises(InvalidValueError, match=next(iter(options))):
-            AnalyzerOptions(**options)
+def test_media_have_names():
     assert isinstance(medium_by_name("scene", Scene()), Ground)
     assert isinstance(medium_by_name("position_probe", Scene()), PositionProbe)
-    with pytest.raises(MediumError, match="position_probe"):
+    with pytest.raises(SimulatorError, match="position_probe"):
         medium_by_name("air", Scene())

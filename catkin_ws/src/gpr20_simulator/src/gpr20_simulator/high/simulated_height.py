@@ -8,10 +8,9 @@ from gpr20_common.high.node import run_device
 from gpr20_height_sensor.high.height_node import NODE, HeightNode, build_height_node
 from gpr20_height_sensor.mid.height_parameters import HeightParameters
 from gpr20_simulator.high.simulated_robot import open_simulated_part
-from gpr20_simulator.low.spi import SimulatedSpi
 from gpr20_simulator.mid.carriage import carriage_position
 from gpr20_simulator.mid.world.ground import Ground
-from gpr20_simulator.mid.world.range_sensor import RangeSensor
+from gpr20_simulator.mid.world.range_sensor import RangeSensor, SimulatedSpi
 
 
 def build_simulated_height(parameters: HeightParameters) -> HeightNode:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from pathlib import Path
 from typing import Any
 
@@ -17,7 +18,6 @@ from gpr20_common.os_reason import os_reason
 from gpr20_simulator.errors import SimulatorError
 from gpr20_simulator.faults import FAULTS_SET
 from gpr20_simulator.high.simulated_robot import SimulatedPart, open_simulated_part
-from gpr20_simulator.low.capture import CaptureFolder
 from gpr20_simulator.low.vxi11_server import PORTMAPPER_PORT
 from gpr20_simulator.mid.analyzer.instrument import Capture
 from gpr20_simulator.mid.analyzer.simulated_analyzer import (
@@ -104,10 +104,12 @@ def build_simulator() -> SimulatorNode:
 
 
 def _capture(folder: str) -> Capture:
+    """Return what writes each data reply to a file of its own, such as `000001_sdat.bin`."""
     if not folder:
         return lambda _kind, _reply: None
+    place = Path(folder).expanduser()
     try:
-        return CaptureFolder(Path(folder).expanduser()).save
+        place.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise SimulatorError(
             Message(
@@ -116,3 +118,11 @@ def _capture(folder: str) -> Capture:
                 reason=os_reason(error),
             )
         ) from error
+    used = [int(one.name[:6]) for one in place.glob("[0-9]" * 6 + "_*.bin")]
+    numbers = itertools.count(max(used, default=0) + 1)
+
+    def save(kind: str, reply: bytes) -> None:
+        with (place / f"{next(numbers):06d}_{kind}.bin").open("xb") as file:
+            file.write(reply)
+
+    return save

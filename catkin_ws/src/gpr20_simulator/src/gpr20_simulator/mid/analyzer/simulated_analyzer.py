@@ -7,8 +7,7 @@ from typing import Callable, Optional
 
 from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message
-from gpr20_common.mid.checks import number_between
-from gpr20_simulator.errors import MediumError
+from gpr20_simulator.errors import SimulatorError
 from gpr20_simulator.low.vxi11_server import Vxi11Server
 from gpr20_simulator.mid.analyzer.instrument import Capture, SimulatedVna
 from gpr20_simulator.mid.analyzer.instrument_scene import InstrumentScene
@@ -19,21 +18,18 @@ from gpr20_simulator.mid.world.ground import Ground
 from gpr20_simulator.mid.world.medium import AntennaPosition, PositionProbe, SweptMedium
 from gpr20_simulator.mid.world.scene import Scene
 
-SLOWEST_POINT_S = 1.0
-HIGHEST_PORT = 65535
-
 
 def medium_by_name(name: str, scene: Scene) -> SweptMedium:
     """Return the medium called `scene` or `position_probe`.
 
     Raises:
-        MediumError: There is no medium of that name.
+        SimulatorError: There is no medium of that name.
     """
     if name == "scene":
         return Ground(scene)
     if name == "position_probe":
         return PositionProbe()
-    raise MediumError(
+    raise SimulatorError(
         Message("unknown medium '{name}'; use scene or position_probe", name=name[:40])
     )
 
@@ -53,11 +49,6 @@ class AnalyzerOptions:
     time_scale: float = 1.0
     port: int = 0
     portmapper_port: Optional[int] = None
-
-    def __post_init__(self) -> None:
-        """Refuse numbers that make no instrument."""
-        number_between("seconds_per_point", self.seconds_per_point, 0.0, SLOWEST_POINT_S, "s")
-        number_between("port", self.port, 0, HIGHEST_PORT)
 
 
 class SimulatedAnalyzer:

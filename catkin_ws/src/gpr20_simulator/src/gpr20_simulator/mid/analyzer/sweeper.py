@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import threading
-from dataclasses import dataclass
+from dataclasses import astuple, dataclass
 from typing import Callable, Optional, Tuple
 
 import numpy as np
@@ -83,12 +83,7 @@ class SweepPace:
 
     def faster(self, time_scale: float) -> SweepPace:
         """Return the pace that is as fine in real seconds by a clock so much faster."""
-        return SweepPace(
-            self.slice_s * time_scale,
-            self.shortest_period_s * time_scale,
-            self.rest_s * time_scale,
-            self.attention_s * time_scale,
-        )
+        return SweepPace(*(seconds * time_scale for seconds in astuple(self)))
 
 
 class Sweeper:

@@ -168,23 +168,12 @@ class Ground:
         height_m = max(self.antenna_height_m(position.x_mm, position.y_mm), SMALLEST_HEIGHT_M)
         surface_path_m = math.hypot(2.0 * height_m, antennas.separation_m)
         targets = self._target_echoes(position, height_m)
+        coupling = amplitude(antennas.coupling_level_db)
+        surface_s = surface_path_m / SPEED_OF_LIGHT_M_S
         return Echoes(
-            np.concatenate(
-                [
-                    [amplitude(antennas.coupling_level_db)],
-                    [self._surface_level(surface_path_m)],
-                    targets.level,
-                ]
-            ),
-            antennas.delay_s
-            + np.concatenate(
-                [
-                    [antennas.coupling_delay_s],
-                    [surface_path_m / SPEED_OF_LIGHT_M_S],
-                    targets.delay_s,
-                ]
-            ),
-            np.concatenate([[0.0, 0.0], targets.decay_s]),
+            np.r_[coupling, self._surface_level(surface_path_m), targets.level],
+            antennas.delay_s + np.r_[antennas.coupling_delay_s, surface_s, targets.delay_s],
+            np.r_[0.0, 0.0, targets.decay_s],
         )
 
     def _surface_level(self, path_m: float) -> float:
@@ -224,7 +213,8 @@ class Ground:
         offset_m = side * self._scene.antennas.separation_m
         x_m = position.x_mm / 1000.0 + offset_m * math.cos(rotation_rad)
         y_m = position.y_mm / 1000.0 + offset_m * math.sin(rotation_rad)
-        distance_m = np.hypot(self._points.x_m - x_m, self._points.y_m - y_m)
+        aside_x_m, aside_y_m = self._points.x_m - x_m, self._points.y_m - y_m
+        distance_m = np.hypot(aside_x_m, aside_y_m)
         permittivity = self._scene.soil.relative_permittivity
         here_m = self.surface_height_m(position.x_mm, position.y_mm)
         top_m, surface_m = height_m + here_m, np.full(distance_m.shape, here_m)
@@ -238,12 +228,8 @@ class Ground:
                 permittivity,
             )
             share = path.across_air_m / np.maximum(distance_m, SMALLEST_DEPTH_M)
-            before_m, surface_m = (
-                surface_m,
-                self._surface_m(
-                    x_m + share * (self._points.x_m - x_m), y_m + share * (self._points.y_m - y_m)
-                ),
-            )
+            before_m = surface_m
+            surface_m = self._surface_m(x_m + share * aside_x_m, y_m + share * aside_y_m)
             if np.abs(surface_m - before_m).max(initial=0.0) < SURFACE_TOLERANCE_M:
                 break
         return path
