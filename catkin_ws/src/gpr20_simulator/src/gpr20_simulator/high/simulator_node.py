@@ -62,7 +62,7 @@ class SimulatorNode:
             "vna_port": self._vna.server.port,
             "vna_links": self._vna.server.link_count,
             "vna_is_remote": self._vna.instrument.is_remote,
-            "vna_is_continuous": sweeper.is_continuous and sweeper.is_running,
+            "vna_is_continuous": sweeper.runs_continuously,
             "sweep_number": sweeper.sweep_number,
             "sweeps_completed": sweeper.sweeps_completed,
             "faults": faults or "none",

@@ -89,17 +89,7 @@ class DataBlocks:
     def preamble(
         self, settings: VnaSettings, number: int, serial: str, is_corrected: bool
     ) -> DataBlock:
-        """Return the state of the instrument as names and values.
-
-        Args:
-            settings: What is set.
-            number: Which trace.
-            serial: Serial number.
-            is_corrected: Whether a calibration is applied.
-
-        Raises:
-            ScpiError: There is no such trace.
-        """
+        """Return the state of the instrument as names and values, for a trace that exists."""
         one, traces = self._description, settings.traces
         trace = settings.trace((number,))
         pairs = (

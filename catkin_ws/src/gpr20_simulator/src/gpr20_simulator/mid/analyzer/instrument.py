@@ -35,8 +35,6 @@ ACCURACY_HIGH, ACCURACY_POWER_CHANGED = 1, 2
 WRONG_IDENTITY = '"Rohde&Schwarz,ZNL6,SIMULATED,1.0"'
 ENDLESS_DIGITS = "1" * 40_000 + "X"
 NUMBER = re.compile(r"[-+]?[0-9]+(?:\.[0-9]+)?")
-# A query after that many bytes of answers to one message gets none.
-MOST_ANSWER_BYTES = 1 << 20
 # Headers for which is known which query they are; clients use some dozens.
 MOST_KNOWN_HEADERS = 256
 
@@ -128,16 +126,14 @@ class SimulatedVna:
                 return Outcome(fault=NetworkFault.DROP_CONNECTIONS)
             self._apply_due()
             answers: List[Answer] = []
-            size = 0
             for command in scpi.split_message(message):
                 if command.header.upper() == "*RST" and not command.is_query:
                     # It power-cycles the instrument, and the address may be another one then.
                     self._faults.set(VnaFault.LINK_GONE.value)
                     return Outcome(fault=NetworkFault.DROP_CONNECTIONS)
-                answer = self._carry_out(command, size < MOST_ANSWER_BYTES)
+                answer = self._carry_out(command)
                 if answer is not None:
                     answers.append(answer)
-                    size += len(answer if isinstance(answer, str) else answer.data)
             written = self._written(answers)
             if written and self._faults.strikes(VnaFault.LATE):
                 return Outcome(written, NetworkFault.ANSWER_LATE)
@@ -166,12 +162,11 @@ class SimulatedVna:
                 self._capture(answer.kind, reply)
         return reply
 
-    def _carry_out(self, command: ScpiCommand, is_answered: bool) -> Optional[Answer]:
+    def _carry_out(self, command: ScpiCommand) -> Optional[Answer]:
         try:
-            if not command.is_query:
-                self._command(command)
-            elif is_answered:
+            if command.is_query:
                 return self._ask(command)
+            self._command(command)
         except ScpiError:
             # As on the instrument, only reading back shows that a value was not accepted.
             return None
@@ -212,31 +207,27 @@ class SimulatedVna:
         return places
 
     def _query_rules(self) -> List[Tuple[HeaderPattern, Query]]:
-        settings, sweeper, blocks = self._settings, self._sweeper, self._blocks
-        one = self._description
-        rules: Tuple[Tuple[str, Query], ...] = (
-            ("*IDN", lambda _n, _a: self._identity()),
-            (":STATus:OPERation", lambda _n, _a: str(SWEEP_COMPLETE if self._bit() else 0)),
+        sweeper, one = self._sweeper, self._description
+        rules: Tuple[Tuple[str, Callable[..., Answer]], ...] = (
+            ("*IDN", self._identity),
+            (":STATus:OPERation", lambda *_a: str(SWEEP_COMPLETE if self._bit() else 0)),
             (":CALCulate#:DATA", self._calculated),
             (":TRACe:PREamble", self._preamble),
-            ("[:SENSe#]:FREQuency:DATA", lambda n, _a: blocks.frequencies(settings, n)),
-            (
-                ":INITiate:CONTinuous",
-                lambda _n, _a: _on_off(sweeper.is_continuous and sweeper.is_running),
-            ),
-            ("[:SENSe]:CORRection[:STATe]", lambda _n, _a: _on_off(self._is_corrected())),
-            ("[:SENSe]:CORRection:COLLect:STATus:ACCuracy", lambda _n, _a: self._accuracy()),
+            ("[:SENSe#]:FREQuency:DATA", self._frequencies),
+            (":INITiate:CONTinuous", lambda *_a: _number(sweeper.runs_continuously)),
+            ("[:SENSe]:CORRection[:STATe]", lambda *_a: _number(self._is_corrected())),
+            ("[:SENSe]:CORRection:COLLect:STATus:ACCuracy", self._accuracy),
             (
                 "[:SENSe]:CORRection:COLLect:TYPE",
-                lambda _n, _a: one.calibration_type if self._is_calibrated() else "",
+                lambda *_a: one.calibration_type if self._is_calibrated() else "",
             ),
             (
                 "[:SENSe]:CORRection:COLLect:INTerpolation[:STATe]",
-                lambda _n, _a: _on_off(one.calibration_interpolated and self._is_calibrated()),
+                lambda *_a: _number(one.calibration_interpolated and self._is_calibrated()),
             ),
             (
                 "[:SENSe]:CALibration:STATe",
-                lambda _n, _a: str(one.calibrated_parameters if self._is_calibrated() else 0),
+                lambda *_a: _number(one.calibrated_parameters * self._is_calibrated()),
             ),
         )
         found = [(HeaderPattern(header), answer) for header, answer in rules]
@@ -249,11 +240,14 @@ class SimulatedVna:
         scpi.chosen_keyword(argument, ("SDATa",))
         return self._blocks.sweep(self._settings, numbers)
 
+    def _frequencies(self, numbers: Numbers, _argument: str) -> DataBlock:
+        return self._blocks.frequencies(self._settings, numbers)
+
     def _preamble(self, _numbers: Numbers, argument: str) -> DataBlock:
         number = scpi.whole_number_between(argument or "1", 1, TRACES)
         return self._blocks.preamble(self._settings, number, self._serial(), self._is_corrected())
 
-    def _identity(self) -> str:
+    def _identity(self, _numbers: Numbers, _argument: str) -> str:
         if self._faults.strikes(VnaFault.WRONG_IDENTITY):
             return WRONG_IDENTITY
         one = self._description
@@ -273,7 +267,7 @@ class SimulatedVna:
         """Return whether it is applied."""
         return self._settings.is_corrected and self._is_calibrated()
 
-    def _accuracy(self) -> str:
+    def _accuracy(self, _numbers: Numbers, _argument: str) -> str:
         if not self._is_corrected():
             return str(NOT_CALIBRATED)
         accuracy = self._description.calibration_accuracy
@@ -358,5 +352,6 @@ class SimulatedVna:
                 self._configure()
 
 
-def _on_off(value: bool) -> str:
-    return "1" if value else "0"
+def _number(value: int) -> str:
+    """Return a number or a truth value as the instrument writes it."""
+    return str(int(value))

@@ -150,6 +150,11 @@ class Sweeper:
         if self._thread.is_alive():
             self._thread.join(STOP_TIMEOUT_S)
 
+    @property
+    def runs_continuously(self) -> bool:
+        """Whether sweeps follow each other now."""
+        return self.is_continuous and self.is_running
+
     def snapshot(self) -> Tuple[np.ndarray, np.ndarray]:
         """Return the frequencies [Hz] and the data (complex64) as they are now."""
         with self._lock:
@@ -185,7 +190,7 @@ class Sweeper:
         """
         with self._lock:
             self._memory.compute()
-            self._is_single = not (self.is_continuous and self.is_running)
+            self._is_single = not self.runs_continuously
             self.is_complete = faults.stale
             self._faults, self._midway = faults, faults.midway
             if self._plan.waits_for_average:
