@@ -23,7 +23,7 @@ POINT_S = 0.01
 SWEEP_S = POINTS * POINT_S
 PLAN = SweepPlan(1e9, 2e9, POINTS, POINT_S)
 # Ten points share one look at the position.
-PACE = SweepPace(slice_s=0.1001, shortest_period_s=0.5)
+PACE = SweepPace(slice_s=0.1001, series_s=0.1001)
 
 
 class SweeperRig:

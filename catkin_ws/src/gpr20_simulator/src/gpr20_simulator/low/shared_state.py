@@ -24,7 +24,6 @@ from gpr20_common.message import Message, verbatim
 from gpr20_common.os_reason import os_reason
 from gpr20_survey.axes.axis_id import AxisId
 
-LAYOUT = 0x47505232_00000003
 INDEX = {axis: index for index, axis in enumerate(AxisId)}
 # A shared state that was just made is opened, and a node that died is there again, within this [s].
 GRACE_S = 60.0
@@ -59,7 +58,6 @@ class _Words(ctypes.Structure):
 
     _PerAxis = ctypes.c_int64 * len(INDEX)
     _fields_ = (
-        ("layout", ctypes.c_int64),
         ("steps", _PerAxis),
         ("last_pulse_ns", _PerAxis),
         ("pin_levels", _PerAxis),
@@ -141,6 +139,7 @@ def open_shared_state(
         memory = _map(path, start_steps or {})
         while memory is None:
             memory = _map(path, start_steps or {})
+        return SharedState(_Words.from_buffer(memory))
     except (OSError, ValueError) as error:
         reason = os_reason(error) if isinstance(error, OSError) else verbatim(str(error))
         raise SharedStateError(
@@ -151,13 +150,6 @@ def open_shared_state(
                 reason=reason,
             )
         ) from error
-    if len(memory) == ctypes.sizeof(_Words):
-        words = _Words.from_buffer(memory)
-        if words.layout == LAYOUT:
-            return SharedState(words)
-    raise SharedStateError(
-        Message("{path} was not written by this version of the simulator; remove it", path=path)
-    )
 
 
 def _map(path: Path, start_steps: Mapping[AxisId, int]) -> Optional[mmap.mmap]:
@@ -175,7 +167,7 @@ def _make(path: Path, start_steps: Mapping[AxisId, int]) -> None:
     if path.exists():
         return
     path.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
-    words = _Words(layout=LAYOUT)
+    words = _Words()
     for axis, steps in start_steps.items():
         words.steps[INDEX[axis]] = steps
     with tempfile.NamedTemporaryFile(dir=path.parent) as complete:

@@ -8,6 +8,7 @@ import time
 from typing import Callable, Dict, Optional, Set, Type
 
 from gpr20_common.message import Message
+from gpr20_common.mid.checks import number_between
 from gpr20_simulator.errors import FaultError
 from gpr20_simulator.low.shared_state import AdcFault, EndstopFault, SharedState
 from gpr20_survey.axes.axis_id import AxisId
@@ -59,11 +60,11 @@ class FaultBoard:
         now_s: Tells the real time [s] since some fixed moment.
 
     Attributes:
-        on_set: Called with each fault that is switched on.
+        on_link_gone: Called when that fault is switched on.
     """
 
     def __init__(self, now_s: Callable[[], float] = time.monotonic) -> None:
-        self.on_set: Callable[[VnaFault], None] = lambda _fault: None
+        self.on_link_gone: Callable[[], None] = lambda: None
         self._now_s = now_s
         self._lock = threading.Lock()
         self._left: Dict[VnaFault, int] = {}
@@ -79,18 +80,10 @@ class FaultBoard:
                 the faults are cleared.
 
         Raises:
-            FaultError: There is no such fault, or the count is not allowed.
+            InvalidValueError: The count is not allowed.
+            FaultError: There is no such fault.
         """
-        if not 0 <= count <= MOST_TIMES:
-            raise FaultError(
-                Message(
-                    "{name} is {value}; it must lie between {lower} and {upper}",
-                    name="count",
-                    value=count,
-                    lower=0,
-                    upper=MOST_TIMES,
-                )
-            )
+        number_between("count", count, 0, MOST_TIMES)
         if name.upper() not in VnaFault.__members__:
             raise _unknown(name, f"{NO_FAULT}, {', '.join(VnaFault.__members__)}")
         fault = VnaFault[name.upper()]
@@ -98,7 +91,8 @@ class FaultBoard:
             self._left[fault] = count
             if fault is VnaFault.LINK_GONE:
                 self._link_is_back_s = self._now_s() + count if count else None
-        self.on_set(fault)
+        if fault is VnaFault.LINK_GONE:
+            self.on_link_gone()
 
     def clear(self) -> None:
         """Switch every fault off and repair what they damaged."""
@@ -174,6 +168,7 @@ class FaultSwitch:
             The fault that is on now.
 
         Raises:
+            InvalidValueError: The count is not allowed.
             FaultError: Device, fault or count is not allowed; the message lists what is.
         """
         name = fault.upper()

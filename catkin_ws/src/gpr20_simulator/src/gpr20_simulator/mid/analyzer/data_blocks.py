@@ -7,11 +7,12 @@ from typing import Iterable
 
 import numpy as np
 
-from gpr20_simulator.mid.analyzer.instrument_scene import InstrumentScene, Power
+from gpr20_simulator.mid.analyzer.instrument_scene import InstrumentScene
 from gpr20_simulator.mid.analyzer.sweeper import Sweeper
 from gpr20_simulator.mid.analyzer.vna_settings import (
     BANDWIDTHS_HZ,
     PARAMETERS,
+    POWERS,
     REAL_32,
     Numbers,
     VnaSettings,
@@ -106,7 +107,7 @@ class DataBlocks:
             ("AVERAGING_COUNT", self._sweeper.averaged),
             ("AVERAGING_FACTOR", settings.averages),
             ("IFBW", BANDWIDTHS_HZ.index(settings.bandwidth_hz)),
-            ("RF_SOURCE_POWER", int(settings.power is Power.HIGH)),
+            ("RF_SOURCE_POWER", POWERS.index(settings.power)),
             # The instrument says 0 for on.
             ("CAL_CORRECTION", int(not is_corrected)),
             ("CURRENT_TEMPERATURE", round(one.temperature_c * QUARTERS_PER_DEGREE)),

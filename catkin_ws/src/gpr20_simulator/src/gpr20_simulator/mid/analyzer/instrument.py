@@ -271,7 +271,7 @@ class SimulatedVna:
         if not self._is_corrected():
             return str(NOT_CALIBRATED)
         accuracy = self._description.calibration_accuracy
-        has_other_power = self._settings.power is not self._description.calibration_power
+        has_other_power = self._settings.power != self._description.calibration_power.value
         is_less = accuracy == ACCURACY_HIGH and has_other_power
         return str(ACCURACY_POWER_CHANGED if is_less else accuracy)
 

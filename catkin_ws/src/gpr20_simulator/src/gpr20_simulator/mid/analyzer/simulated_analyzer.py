@@ -13,7 +13,7 @@ from gpr20_simulator.mid.analyzer.instrument import Capture, SimulatedVna
 from gpr20_simulator.mid.analyzer.instrument_scene import InstrumentScene
 from gpr20_simulator.mid.analyzer.sweeper import Sweeper, SweepPace
 from gpr20_simulator.mid.analyzer.vna_settings import VnaSettings
-from gpr20_simulator.mid.faults import FaultBoard, VnaFault
+from gpr20_simulator.mid.faults import FaultBoard
 from gpr20_simulator.mid.world.ground import Ground
 from gpr20_simulator.mid.world.medium import AntennaPosition, PositionProbe, SweptMedium
 from gpr20_simulator.mid.world.scene import Scene
@@ -85,7 +85,7 @@ class SimulatedAnalyzer:
         self.server = Vxi11Server(
             self.instrument, port=options.port, portmapper_port=options.portmapper_port
         )
-        self.faults.on_set = self._apply_to_network
+        self.faults.on_link_gone = self.server.drop_connections
 
     def start(self) -> None:
         """Switch it on."""
@@ -96,7 +96,3 @@ class SimulatedAnalyzer:
         """Switch it off."""
         self.server.stop()
         self.sweeper.stop()
-
-    def _apply_to_network(self, fault: VnaFault) -> None:
-        if fault is VnaFault.LINK_GONE:
-            self.server.drop_connections()

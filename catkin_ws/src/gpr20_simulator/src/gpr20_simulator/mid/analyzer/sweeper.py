@@ -71,15 +71,11 @@ class SweepPace:
 
     Attributes:
         slice_s: Points of at most this time share one look at the antennas' position [s].
-        shortest_period_s: A new sweep of a continuous series begins at most this often [s].
-        rest_s: Replaces both in a series while nobody reads and nothing moves [s].
-        attention_s: A reader or a move is waited for this long after the last one [s].
+        series_s: The same in a continuous series, in which sweeps begin at most this often [s].
     """
 
     slice_s: float = 0.0015
-    shortest_period_s: float = 0.010
-    rest_s: float = 0.1
-    attention_s: float = 1.0
+    series_s: float = 0.1
 
     def faster(self, time_scale: float) -> SweepPace:
         """Return the pace that is as fine in real seconds by a clock so much faster."""
@@ -131,8 +127,6 @@ class Sweeper:
         self._midway: Optional[Callable[[], object]] = None
         self._next_point = 0
         self._started_s = 0.0
-        self._position: Optional[AntennaPosition] = None
-        self._watched_until_s = clock.now_s()
         self._plan = plan
         self._frequency_hz = plan.frequency_hz()
         self._memory = TraceMemory(medium, self._frequency_hz)
@@ -158,9 +152,6 @@ class Sweeper:
     def snapshot(self) -> Tuple[np.ndarray, np.ndarray]:
         """Return the frequencies [Hz] and the data (complex64) as they are now."""
         with self._lock:
-            if not self._is_watched():
-                self._wake.set()
-            self._watched_until_s = self._clock.now_s() + self._pace.attention_s
             return self._frequency_hz, self._memory.shown(self._clock.now_s())
 
     def configure(self, plan: SweepPlan) -> None:
@@ -256,22 +247,20 @@ class Sweeper:
 
     def _look_s(self) -> float:
         """Return how long the antennas are taken to stay where they are [s]."""
-        return self._pace.slice_s if self._is_watched() else self._pace.rest_s
-
-    def _is_watched(self) -> bool:
-        """Return whether it matters where the antennas are at each moment."""
-        return self._is_single or self._clock.now_s() < self._watched_until_s
+        return self._pace.slice_s if self._is_single else self._pace.series_s
 
     def _measure(self, end: int) -> None:
-        position = self._position_of()
-        if position != self._position:
-            self._position = position
-            self._watched_until_s = self._clock.now_s() + self._pace.attention_s
         if not self._is_discarded:
-            share = 1.0 / min(self.averaged + 1, self._plan.averages)
-            gain = self._plan.noise_gain
-            part = SweepPart(self.sweep_number, self._next_point, end, position, gain, share)
-            self._memory.store(part)
+            self._memory.store(
+                SweepPart(
+                    self.sweep_number,
+                    self._next_point,
+                    end,
+                    self._position_of(),
+                    self._plan.noise_gain,
+                    share=1.0 / min(self.averaged + 1, self._plan.averages),
+                )
+            )
             if self._is_single:
                 # While the sweep takes its time, not when somebody waits for the data.
                 self._memory.compute()
@@ -294,7 +283,6 @@ class Sweeper:
 
     def _next_start_s(self) -> float:
         duration_s = self._plan.points * self._point_s()
-        shortest_s = self._pace.shortest_period_s if self._is_watched() else self._pace.rest_s
-        next_s = self._started_s + max(duration_s, shortest_s)
+        next_s = self._started_s + max(duration_s, 0.0 if self._is_single else self._pace.series_s)
         # A machine too slow for the pace gets fewer sweeps, not a backlog of them.
         return max(next_s, self._clock.now_s() - self._look_s())

@@ -30,6 +30,7 @@ DOMAINS = ("FREQuency", "TIME", "DISTance", "FGT")
 OTHER_BANDWIDTH_HZ, OTHER_AVERAGES, MOVED_START_HZ = 1000, 4, 1e6
 ASCII, REAL_32 = "ASC", "REAL,32"
 DATA_FORMATS = ("ASCii", "REAL,32")
+POWERS = LOW, HIGH = (Power.LOW.value, Power.HIGH.value)
 
 # The numbers in a header.
 Numbers = Tuple[int, ...]
@@ -70,7 +71,7 @@ class VnaSettings:
     traces: List[TraceSettings] = field(
         default_factory=lambda: [TraceSettings(one) for one in ("S11", "S12", "S21", "S22")]
     )
-    power: Power = Power.HIGH
+    power: str = HIGH
     is_corrected: bool = True
 
     def trace(self, numbers: Numbers) -> TraceSettings:
@@ -105,7 +106,7 @@ class VnaSettings:
             seconds_per_point + longer_s if seconds_per_point > 0.0 else 0.0,
             self.averages,
             averaging is Averaging.ALL_SWEEPS,
-            noise_gain * (LOW_POWER_NOISE_GAIN if self.power is Power.LOW else 1.0),
+            noise_gain * (LOW_POWER_NOISE_GAIN if self.power == LOW else 1.0),
         )
 
 
@@ -141,67 +142,58 @@ def _store_stop(settings: VnaSettings, _n: Numbers, text: str) -> None:
     settings.start_hz = min(settings.start_hz, settings.stop_hz)
 
 
-def _store_points(settings: VnaSettings, _n: Numbers, text: str) -> None:
-    settings.points = scpi.whole_number_between(text, 2, MOST_POINTS)
-
-
-def _store_bandwidth(settings: VnaSettings, _n: Numbers, text: str) -> None:
+def _bandwidth_hz(text: str) -> int:
     value_hz = scpi.frequency_between(text, BANDWIDTHS_HZ[-1], BANDWIDTHS_HZ[0])
     if value_hz not in BANDWIDTHS_HZ:
         raise ScpiError(f"{value_hz:g} Hz is no bandwidth of this instrument")
-    settings.bandwidth_hz = int(value_hz)
+    return int(value_hz)
 
 
-def _store_averages(settings: VnaSettings, _n: Numbers, text: str) -> None:
-    settings.averages = scpi.whole_number_between(text, 1, MOST_AVERAGES)
-
-
-def _store_total(settings: VnaSettings, _n: Numbers, text: str) -> None:
-    settings.trace_total = scpi.whole_number_between(text, 1, TRACES)
-
-
-def _store_parameter(settings: VnaSettings, numbers: Numbers, text: str) -> None:
-    settings.trace(numbers).parameter = scpi.chosen_keyword(text, PARAMETERS)
-
-
-def _store_domain(settings: VnaSettings, numbers: Numbers, text: str) -> None:
-    settings.trace(numbers).domain = scpi.chosen_keyword(text, DOMAINS)
-
-
-def _store_format(settings: VnaSettings, _n: Numbers, text: str) -> None:
+def _data_format(text: str) -> str:
     spelled = ",".join(part.strip() for part in text.split(","))
-    settings.data_format = scpi.chosen_keyword(spelled, DATA_FORMATS)
+    return scpi.chosen_keyword(spelled, DATA_FORMATS)
 
 
-def _store_correction(settings: VnaSettings, _n: Numbers, text: str) -> None:
-    settings.is_corrected = scpi.switch(text)
+def _whole_number(lower: int, upper: int) -> Callable[[str], int]:
+    return lambda text: scpi.whole_number_between(text, lower, upper)
 
 
-def _store_power(settings: VnaSettings, _n: Numbers, text: str) -> None:
-    settings.power = Power(scpi.chosen_keyword(text, tuple(one.value for one in Power)))
-
-
-def _setting(
-    header: str,
-    reply: Callable[[VnaSettings, Numbers], str],
-    store: Callable[[VnaSettings, Numbers, str], None],
-    is_calibrated: bool = False,
+def _own(
+    header: str, name: str, read: Callable[[str], object], is_calibrated: bool = False
 ) -> Setting:
-    return Setting(HeaderPattern(header), reply, store, is_calibrated)
+    """Return the setting that is this attribute of the instrument's."""
+    return Setting(
+        HeaderPattern(header),
+        lambda settings, _n: str(getattr(settings, name)),
+        lambda settings, _n, text: setattr(settings, name, read(text)),
+        is_calibrated,
+    )
 
 
+def _of_trace(header: str, name: str, keywords: Tuple[str, ...]) -> Setting:
+    """Return the setting that is this attribute of the trace's."""
+    return Setting(
+        HeaderPattern(header),
+        lambda settings, n: str(getattr(settings.trace(n), name)),
+        lambda settings, n, text: setattr(
+            settings.trace(n), name, scpi.chosen_keyword(text, keywords)
+        ),
+    )
+
+
+START, STOP = (HeaderPattern(f"[:SENSe]:FREQuency:{end}") for end in ("STARt", "STOP"))
 SETTINGS: Tuple[Setting, ...] = (
-    _setting("[:SENSe]:FREQuency:STARt", lambda s, _n: hertz(s.start_hz), _store_start, True),
-    _setting("[:SENSe]:FREQuency:STOP", lambda s, _n: hertz(s.stop_hz), _store_stop, True),
-    _setting("[:SENSe]:SWEep:POINts", lambda s, _n: str(s.points), _store_points, True),
-    _setting("[:SENSe]:SWEep:IFBW", lambda s, _n: str(s.bandwidth_hz), _store_bandwidth, True),
-    _setting(":SOURce:POWer", lambda s, _n: s.power.value, _store_power, True),
-    _setting("[:SENSe]:AVERage:COUNt", lambda s, _n: str(s.averages), _store_averages),
-    _setting("[:SENSe]:TRACe:TOTal", lambda s, _n: str(s.trace_total), _store_total),
-    _setting("[:SENSe]:TRACe#:SPARams", lambda s, n: s.trace(n).parameter, _store_parameter),
-    _setting("[:SENSe]:TRACe#:DOMain", lambda s, n: s.trace(n).domain, _store_domain),
-    _setting("[:SENSe]:CORRection[:STATe]", lambda s, _n: "01"[s.is_corrected], _store_correction),
-    _setting(":FORMat[:READings][:DATA]", lambda s, _n: s.data_format, _store_format),
+    Setting(START, lambda settings, _n: hertz(settings.start_hz), _store_start, True),
+    Setting(STOP, lambda settings, _n: hertz(settings.stop_hz), _store_stop, True),
+    _own("[:SENSe]:SWEep:POINts", "points", _whole_number(2, MOST_POINTS), True),
+    _own("[:SENSe]:SWEep:IFBW", "bandwidth_hz", _bandwidth_hz, True),
+    _own(":SOURce:POWer", "power", lambda text: scpi.chosen_keyword(text, POWERS), True),
+    _own("[:SENSe]:AVERage:COUNt", "averages", _whole_number(1, MOST_AVERAGES)),
+    _own("[:SENSe]:TRACe:TOTal", "trace_total", _whole_number(1, TRACES)),
+    _of_trace("[:SENSe]:TRACe#:SPARams", "parameter", PARAMETERS),
+    _of_trace("[:SENSe]:TRACe#:DOMain", "domain", DOMAINS),
+    _own("[:SENSe]:CORRection[:STATe]", "is_corrected", scpi.switch),
+    _own(":FORMat[:READings][:DATA]", "data_format", _data_format),
 )
 
 
@@ -219,12 +211,11 @@ def _change_averages(settings: VnaSettings) -> None:
 
 
 def _change_power(settings: VnaSettings) -> None:
-    settings.power = Power.LOW if settings.power is Power.HIGH else Power.HIGH
+    settings.power = LOW if settings.power == HIGH else HIGH
 
 
 def _change_start(settings: VnaSettings) -> None:
-    has_room = settings.start_hz + MOVED_START_HZ <= HIGHEST_HZ
-    settings.start_hz += MOVED_START_HZ if has_room else -MOVED_START_HZ
+    settings.start_hz += MOVED_START_HZ
     settings.stop_hz = max(settings.start_hz, settings.stop_hz)
 
 
