@@ -136,7 +136,7 @@ def open_shared_state(
         SharedStateError: The file cannot be made, or is something else.
     """
     try:
-        memory = _map(path, start_steps or {})
+        memory = None
         while memory is None:
             memory = _map(path, start_steps or {})
         return SharedState(_Words.from_buffer(memory))

@@ -24,10 +24,8 @@ TRUNCATED_BYTES = 9
 NAN_EVERY = 50
 # Of a plug that is loose: 3.1 dB less, 20 degrees.
 LOOSE_PLUG_FACTOR = np.complex64(0.7 * np.exp(-1j * np.pi / 9.0))
-# S11 and S22 are those of an antenna that reflects alike at all frequencies: good enough
-# to be distinguished from S21, which is all that a survey needs of them.
-REFLECTION = 0.3
-REFLECTION_DELAY_S = 1e-9
+# S11 and S22: good enough to be distinguished from S21, which is all that a survey needs of them.
+REFLECTION = np.complex64(0.3)
 QUARTERS_PER_DEGREE = 4
 # The keys of a preamble that are for all four traces have these numbers in 4 bits for each.
 DOMAIN_NUMBERS = {"FREQ": 0, "TIME": 1, "DIST": 2, "FGT": 3}
@@ -119,13 +117,12 @@ class DataBlocks:
         return DataBlock("preamble", self._header(content) + content)
 
     def _values(self, parameter: str) -> np.ndarray:
-        frequency_hz, transmission = self._sweeper.snapshot()
+        _frequency_hz, transmission = self._sweeper.snapshot()
         if parameter in ("S21", "S12"):
             # Antennas and soil are reciprocal.
             is_loose = self._faults.is_on(VnaFault.LOOSE_PLUG)
             return transmission * LOOSE_PLUG_FACTOR if is_loose else transmission
-        reflection = REFLECTION * np.exp(-2j * np.pi * frequency_hz * REFLECTION_DELAY_S)
-        return reflection.astype(np.complex64)
+        return np.full(len(transmission), REFLECTION)
 
     def _content(self, values: np.ndarray, settings: VnaSettings, digits: int) -> bytes:
         if settings.data_format == REAL_32:

@@ -8,11 +8,9 @@ import re
 import threading
 import time
 from collections import deque
-from typing import Callable, Deque, List, Optional, Set, Tuple, Union
+from typing import Callable, Deque, List, Optional, Tuple, Union
 
 from gpr20_common.low.clock import Clock
-from gpr20_common.message import Message
-from gpr20_simulator.errors import SceneError
 from gpr20_simulator.low.message_device import ClearSupport, NetworkFault, Outcome
 from gpr20_simulator.mid.analyzer import scpi
 from gpr20_simulator.mid.analyzer.data_blocks import DataBlock, DataBlocks
@@ -35,15 +33,11 @@ ACCURACY_HIGH, ACCURACY_POWER_CHANGED = 1, 2
 WRONG_IDENTITY = '"Rohde&Schwarz,ZNL6,SIMULATED,1.0"'
 ENDLESS_DIGITS = "1" * 40_000 + "X"
 NUMBER = re.compile(r"[-+]?[0-9]+(?:\.[0-9]+)?")
-# Headers for which is known which query they are; clients use some dozens.
-MOST_KNOWN_HEADERS = 256
 
 Answer = Union[str, DataBlock]
 Query = Callable[[Numbers, str], Answer]
 Action = Callable[[Numbers, str], None]
 Capture = Callable[[str, bytes], None]
-# A header as documented, and the numbers in it.
-Place = Tuple[str, Numbers]
 
 
 class SimulatedVna:
@@ -89,9 +83,10 @@ class SimulatedVna:
         self._bit_set_until_s: Optional[float] = None
         self._blocks = DataBlocks(sweeper, faults, description)
         self._queries = self._query_rules()
-        self._find_query = functools.lru_cache(MOST_KNOWN_HEADERS)(self._search_query)
+        self._find_query = functools.lru_cache()(self._search_query)
         self._actions = self._action_rules()
-        self._unanswered = self._places_of(description.unanswered_queries)
+        silent = (query.strip().rstrip("?") for query in description.unanswered_queries)
+        self._unanswered = set(map(self._find_query, silent))
         sweeper.set_continuous(True)
 
     def set_remote(self, remote: bool) -> None:
@@ -174,37 +169,22 @@ class SimulatedVna:
 
     def _ask(self, command: ScpiCommand) -> Optional[Answer]:
         found = self._find_query(command.header)
-        if found is None:
+        is_silent = found in self._unanswered and self._faults.strikes(VnaFault.UNANSWERED_QUERY)
+        if found is None or is_silent:
             return None
-        place, query = found
-        if place in self._unanswered and self._faults.strikes(VnaFault.UNANSWERED_QUERY):
-            return None
-        answer = query(place[1], command.argument)
+        query, numbers = found
+        answer = query(numbers, command.argument)
         if isinstance(answer, str) and NUMBER.fullmatch(answer):
             return ENDLESS_DIGITS if self._faults.strikes(VnaFault.ENDLESS_DIGITS) else answer
         return answer
 
-    def _search_query(self, text: str) -> Optional[Tuple[Place, Query]]:
-        """Return which query a header is, and what answers it; None if there is none."""
+    def _search_query(self, text: str) -> Optional[Tuple[Query, Numbers]]:
+        """Return what answers a header, and the numbers in it; None if there is no such query."""
         for header, query in self._queries:
             numbers = header.match(text)
             if numbers is not None:
-                return (header.pattern, numbers), query
+                return query, numbers
         return None
-
-    def _places_of(self, queries: Tuple[str, ...]) -> Set[Place]:
-        places = set()
-        for query in queries:
-            found = self._find_query(query.strip().rstrip("?"))
-            if found is None:
-                raise SceneError(
-                    Message(
-                        "unanswered_queries holds {query}; the simulated VNA has no such query",
-                        query=repr(query),
-                    )
-                )
-            places.add(found[0])
-        return places
 
     def _query_rules(self) -> List[Tuple[HeaderPattern, Query]]:
         sweeper, one = self._sweeper, self._description

@@ -171,7 +171,6 @@ class Sweeper:
     def restart_average(self) -> None:
         """Forget the sweeps averaged so far."""
         with self._lock:
-            self._memory.compute()
             self.averaged = 0
 
     def trigger(self, faults: SweepFaults = NO_FAULTS) -> None:

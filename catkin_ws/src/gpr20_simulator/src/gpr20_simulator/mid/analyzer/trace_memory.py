@@ -10,8 +10,8 @@ import numpy as np
 
 from gpr20_simulator.mid.world.medium import AntennaPosition, SweptMedium
 
-# Older sweeps of an average that nobody has looked at count as if the next one were they.
-MOST_WAITING_SWEEPS = 16
+# The newest sweep has only begun, so the one before it is needed for the other points.
+MOST_WAITING_SWEEPS = 2
 
 
 @dataclass(frozen=True)
@@ -55,7 +55,7 @@ class TraceMemory:
         self._frequency_hz = frequency_hz
         self._data = np.zeros(len(frequency_hz), dtype=np.complex64)
         # Parts by sweep, to be measured when somebody looks.
-        self._waiting: Deque[List[SweepPart]] = deque()
+        self._waiting: Deque[List[SweepPart]] = deque(maxlen=MOST_WAITING_SWEEPS)
         # What is shown instead of the data; what will be shown, and from when on [s].
         self._frozen: Optional[np.ndarray] = None
         self._coming: Deque[Tuple[float, np.ndarray]] = deque()
@@ -72,7 +72,6 @@ class TraceMemory:
         """Take a part into the data, to be measured when somebody looks at it."""
         if not self._waiting or self._waiting[-1][-1].sweep_number != part.sweep_number:
             self._waiting.append([part])
-            self._forget_old()
             return
         parts = self._waiting[-1]
         if part.continues(parts[-1]):
@@ -116,13 +115,3 @@ class TraceMemory:
     def _computed(self) -> np.ndarray:
         self.compute()
         return self._data.copy()
-
-    def _forget_old(self) -> None:
-        # The newest sweep has only begun, so the one before it is needed for the other points.
-        while len(self._waiting) > 2:
-            forgotten, heir = self._waiting[0][0].share, self._waiting[1][0].share
-            if heir < 1.0 and len(self._waiting) <= MOST_WAITING_SWEEPS:
-                return
-            self._waiting.popleft()
-            share = 1.0 - (1.0 - forgotten) * (1.0 - heir)
-            self._waiting[0] = [replace(part, share=share) for part in self._waiting[0]]
