@@ -8,10 +8,6 @@ from typing import Any, Dict, Iterable, Optional, Protocol, Union
 from gpr20_survey.axes.axis_parameters import Level
 
 
-class PinError(RuntimeError):
-    """The pins were used in a way that the real ones refuse."""
-
-
 class Motor(Protocol):
     """What the driver of one axis sees of the machine through its pins."""
 
@@ -65,7 +61,6 @@ class SimulatedPins:
     def __init__(self, motor: Motor, wiring: Wiring) -> None:
         self._motor = motor
         self._wiring = wiring
-        self._numbering: Optional[int] = None
         self._pulls: Dict[int, int] = {}
         self._directions: Dict[int, int] = {}
         self._levels: Dict[int, int] = {}
@@ -73,8 +68,7 @@ class SimulatedPins:
     def setmode(self, mode: int) -> None:
         """Choose the numbering of the pins."""
         if mode != self.BOARD:
-            raise PinError(f"pin numbering {mode} is not simulated; use BOARD")
-        self._numbering = mode
+            raise ValueError(f"pin numbering {mode} is not simulated; use BOARD")
 
     def setup(
         self,
@@ -84,8 +78,6 @@ class SimulatedPins:
         pull_up_down: int = PUD_OFF,
     ) -> None:
         """Make a pin an input or an output."""
-        if self._numbering is None:
-            raise PinError("set the pin numbering with setmode() first")
         self._directions[channel] = direction
         self._pulls[channel] = pull_up_down
         if direction == self.OUT:
@@ -93,9 +85,7 @@ class SimulatedPins:
             self._note_levels()
 
     def output(self, channel: int, level: Union[int, bool]) -> None:
-        """Drive an output pin."""
-        if self._directions.get(channel) != self.OUT:
-            raise PinError(f"pin {channel} has not been set up as an output")
+        """Drive an output pin; KeyError: it has not been set up as one."""
         rising = level and not self._levels[channel]
         self._levels[channel] = self.HIGH if level else self.LOW
         self._note_levels()
@@ -104,14 +94,9 @@ class SimulatedPins:
             self._motor.step(forward=high != self._wiring.direction_inverted)
 
     def input(self, channel: int) -> int:
-        """Read a pin."""
-        if channel not in self._directions:
-            raise PinError(f"pin {channel} has not been set up")
+        """Read a pin; KeyError: it has not been set up."""
         if self._directions[channel] == self.OUT:
             return self._levels[channel]
-        return self._input_level(channel)
-
-    def _input_level(self, channel: int) -> int:
         active = self._level(self._wiring.endstop_active)
         if channel == self._wiring.sensor_pin and self._motor.endstop_closed():
             return active

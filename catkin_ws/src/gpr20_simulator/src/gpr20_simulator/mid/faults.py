@@ -145,12 +145,7 @@ class FaultBoard:
 
 
 class FaultSwitch:
-    """Knows the devices and their faults.
-
-    Args:
-        state: Holds the faults of endstops and converter, which other processes simulate.
-        vna_faults: The faults of the network analyzer.
-    """
+    """Knows the devices and their faults; those of other processes are in the shared state."""
 
     def __init__(self, state: SharedState, vna_faults: FaultBoard) -> None:
         self._state = state
@@ -192,11 +187,10 @@ class FaultSwitch:
             )
         if not count:
             return Message("SIMULATED {device}: fault {fault}", device=device, fault=name)
+        values = {"device": device, "fault": name, "count": count}
         if name == VnaFault.LINK_GONE.value:
-            text = "SIMULATED {device}: fault {fault} for {count} s"
-        else:
-            text = "SIMULATED {device}: fault {fault}, {count} times"
-        return Message(text, device=device, fault=name, count=count)
+            return Message("SIMULATED {device}: fault {fault} for {count} s", **values)
+        return Message("SIMULATED {device}: fault {fault}, {count} times", **values)
 
     def names(self) -> str:
         """Return the faults that are on, for people; empty if there is none."""

@@ -46,13 +46,7 @@ class DataBlock:
 
 
 class DataBlocks:
-    """Makes them from what the receiver holds.
-
-    Args:
-        sweeper: The receiver.
-        faults: What goes wrong now.
-        description: How they look.
-    """
+    """Makes them from what the receiver holds."""
 
     def __init__(self, sweeper: Sweeper, faults: FaultBoard, description: InstrumentScene) -> None:
         self._sweeper = sweeper

@@ -16,7 +16,7 @@ from gpr20_simulator.mid.analyzer import scpi
 from gpr20_simulator.mid.analyzer.data_blocks import DataBlock, DataBlocks
 from gpr20_simulator.mid.analyzer.instrument_scene import NOT_CALIBRATED, InstrumentScene
 from gpr20_simulator.mid.analyzer.scpi import HeaderPattern, ScpiCommand, ScpiError
-from gpr20_simulator.mid.analyzer.sweeper import Sweeper, SweepFaults
+from gpr20_simulator.mid.analyzer.sweeper import Sweeper
 from gpr20_simulator.mid.analyzer.vna_settings import (
     CHANGES_BY_HAND,
     SETTINGS,
@@ -49,8 +49,6 @@ class SimulatedVna:
     Args:
         sweeper: The receiver, with the sweep of power-on.
         clock: Its seconds are those of the sweeps.
-        description: Identity and the details of its replies.
-        faults: What goes wrong now.
         seconds_per_point: Time of one frequency of a sweep [s].
         capture: Gets the kind and the exact bytes of each data reply.
 
@@ -316,12 +314,10 @@ class SimulatedVna:
         is_late = self._faults.strikes(VnaFault.LATE_MEMORY)
         is_slow = self._faults.strikes(VnaFault.SLOW_POINTS)
         self._sweeper.trigger(
-            SweepFaults(
-                stale=self._faults.strikes(VnaFault.STALE),
-                slowest_point_s=self._description.slow_point_s if is_slow else 0.0,
-                shown_late_s=self._description.late_memory_s if is_late else 0.0,
-                midway=functools.partial(self._change_by_hand, changes) if changes else None,
-            )
+            stale=self._faults.strikes(VnaFault.STALE),
+            slowest_point_s=self._description.slow_point_s if is_slow else 0.0,
+            shown_late_s=self._description.late_memory_s if is_late else 0.0,
+            midway=functools.partial(self._change_by_hand, changes) if changes else None,
         )
 
     def _change_by_hand(self, changes: List[Change]) -> None:

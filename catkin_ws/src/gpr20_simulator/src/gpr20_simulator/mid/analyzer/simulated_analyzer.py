@@ -55,11 +55,8 @@ class SimulatedAnalyzer:
     """A simulated analyzer on the network of this machine.
 
     Args:
-        medium: What it measures.
         position_of: Tells where the antennas are now.
         clock: Runs `time_scale` times as fast as the real one.
-        description: Identity and the details of its replies.
-        options: How it runs.
         capture: Gets the kind and the exact bytes of each data reply.
 
     Raises:

@@ -45,27 +45,6 @@ class SweepPlan:
 
 
 @dataclass(frozen=True)
-class SweepFaults:
-    """What goes wrong with a triggered sweep.
-
-    Attributes:
-        stale: It is reported as complete at once, and its data are thrown away.
-        slowest_point_s: No frequency takes less than this until the next trigger [s].
-        shown_late_s: The display shows it so much later than its end [s]; until then, what it
-            showed before.
-        midway: Called once, from the sweeper's thread, when half of the sweep is done.
-    """
-
-    stale: bool = False
-    slowest_point_s: float = 0.0
-    shown_late_s: float = 0.0
-    midway: Optional[Callable[[], object]] = None
-
-
-NO_FAULTS = SweepFaults()
-
-
-@dataclass(frozen=True)
 class SweepPace:
     """How finely a sweep is simulated.
 
@@ -90,7 +69,6 @@ class Sweeper:
     are computed only when somebody reads, from where the antennas were.
 
     Args:
-        medium: What is measured.
         position_of: Tells where the antennas are now.
         clock: Its seconds are those of the plan and the pace.
         plan: What to sweep at first; the sweeper begins held.
@@ -123,7 +101,7 @@ class Sweeper:
         self._is_stopping = False
         self._is_single = True
         self._is_discarded = False
-        self._faults = NO_FAULTS
+        self._slowest_point_s = self._shown_late_s = 0.0
         self._midway: Optional[Callable[[], object]] = None
         self._next_point = 0
         self._started_s = 0.0
@@ -173,21 +151,35 @@ class Sweeper:
         with self._lock:
             self.averaged = 0
 
-    def trigger(self, faults: SweepFaults = NO_FAULTS) -> None:
+    def trigger(
+        self,
+        stale: bool = False,
+        slowest_point_s: float = 0.0,
+        shown_late_s: float = 0.0,
+        midway: Optional[Callable[[], object]] = None,
+    ) -> None:
         """Run one sweep and hold again; a running series only restarts its sweep.
 
         If the plan waits for the average, that is as many new sweeps as are averaged.
+
+        Args:
+            stale: It is reported as complete at once, and its data are thrown away.
+            slowest_point_s: No frequency takes less than this until the next trigger [s].
+            shown_late_s: The display shows it so much later than its end [s]; until then, what it
+                showed before.
+            midway: Called once, from the sweeper's thread, when half of the sweep is done.
         """
         with self._lock:
             self._memory.compute()
             self._is_single = not self.runs_continuously
-            self.is_complete = faults.stale
-            self._faults, self._midway = faults, faults.midway
+            self.is_complete = stale
+            self._slowest_point_s, self._shown_late_s = slowest_point_s, shown_late_s
+            self._midway = midway
             if self._plan.waits_for_average:
                 self.averaged = 0
             self._begin_sweep()
-            self._is_discarded = faults.stale
-            self._memory.set_late(faults.shown_late_s > 0.0)
+            self._is_discarded = stale
+            self._memory.set_late(shown_late_s > 0.0)
         self._wake.set()
 
     def set_continuous(self, continuous: bool) -> None:
@@ -242,7 +234,7 @@ class Sweeper:
         return max(1, int(self._look_s() / point_s)) if point_s > 0.0 else self._plan.points
 
     def _point_s(self) -> float:
-        return max(self._plan.seconds_per_point, self._faults.slowest_point_s)
+        return max(self._plan.seconds_per_point, self._slowest_point_s)
 
     def _look_s(self) -> float:
         """Return how long the antennas are taken to stay where they are [s]."""
@@ -271,7 +263,7 @@ class Sweeper:
         self.sweeps_completed += 1
         self.averaged = min(self.averaged + 1, self._plan.averages)
         is_awaited = self._plan.waits_for_average and self.averaged < self._plan.averages
-        self._memory.end_sweep(self._clock.now_s() + self._faults.shown_late_s)
+        self._memory.end_sweep(self._clock.now_s() + self._shown_late_s)
         self.is_complete = self.is_complete or not is_awaited
         if self._is_single and not is_awaited:
             self.is_running = False
