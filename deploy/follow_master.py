@@ -15,7 +15,7 @@ import sys
 import threading
 from typing import Callable, List, Optional
 
-from gpr20_common.low.limited_rpc import NO_ANSWER, limited_server, value_of
+from gpr20_common.low.links import NO_ANSWER, limited_server, value_of
 
 POLL_S = 1.0
 ANSWER_LIMIT_S = 3.0

@@ -19,9 +19,8 @@ from follow_master import read_run_id
 from PyQt5.QtCore import Qt, QTimer
 from PyQt5.QtWidgets import QApplication, QLabel
 
-from gpr20_common.catalogue import Language
+from gpr20_common.catalogue import Language, language_from_code, read_catalogue
 from gpr20_common.errors import Gpr20Error
-from gpr20_common.low.catalogue_file import language_from_code, read_catalogue
 from gpr20_common.message import Message
 from gpr20_operator.files.settings_file import SettingsFile
 from gpr20_user_interface.look.settings import settings_from

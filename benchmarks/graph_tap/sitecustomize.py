@@ -119,7 +119,7 @@ def tap_instrument(tap: Tap, module: ModuleType) -> None:
 
 TAPS: Dict[str, Callable[[Tap, ModuleType], None]] = {
     "gpr20_common.high.service_client": tap_clients,
-    "gpr20_common.high.services": tap_services,
+    "gpr20_common.high.answers": tap_services,
     "actionlib.action_client": tap_action_client,
     "gpr20_axis_driver.mid.axis_driver": tap_axis,
     "gpr20_vna_processing.mid.open_survey": tap_storage,

@@ -100,7 +100,7 @@ def test_what_reaches_operators_is_translated_and_what_only_commands_say_is_not(
     # is imported by its name, a driver that a file names, and who answers the window.
     for name in (
         *("gpr20_user_interface.window.rail", "gpr20_main_control.faults"),
-        *("gpr20_common.os_reason", "gpr20_doctor.high.doctor"),
+        *("gpr20_common.errors", "gpr20_doctor.high.doctor"),
         *("gpr20_imaging.low.analysis_worker", "gpr20_analysis.read.load"),
         *("gpr20_analysis.report.pdf", "gpr20_scikit_rf.low.visa_link"),
         "gpr20_analysis.high.replay_marker",

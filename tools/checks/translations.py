@@ -18,8 +18,8 @@ from typing import Dict, Iterable, Iterator, List, Set
 import polib
 
 import gpr20_analysis
+from gpr20_common.catalogue import FOLDER, read_translations
 from gpr20_common.errors import Gpr20Error
-from gpr20_common.low.catalogue_file import FOLDER, read_translations
 
 ROOT = Path(__file__).resolve().parents[2]
 # The project translates everything into this language; others may have gaps, which are English.

@@ -7,8 +7,7 @@ from pathlib import Path
 
 import polib
 
-from gpr20_common.catalogue import Language
-from gpr20_common.low.catalogue_file import FOLDER
+from gpr20_common.catalogue import FOLDER, Language
 
 PSEUDO = Language("qps", "Þšéûðö")
 ACCENTS = str.maketrans("aeioucnszAEIOUCN", "àéîöüçñšžÀÉÎÖÜÇÑ")

@@ -24,7 +24,7 @@ from simulated_world import LIMIT_S, World
 from storage_kit import NO_BAGS, end_status
 
 from gpr20_common.low.clock import Clock
-from gpr20_common.mid.hardware import NO_HARDWARE, Hardware
+from gpr20_common.mid.node_facts import NO_HARDWARE, Hardware
 from gpr20_height_sensor.mid.height_parameters import HeightParameters
 from gpr20_main_control.mid.devices.aux_sensors import AuxSensors
 from gpr20_main_control.mid.devices.described_robot import DescribedRobot, TimeLimits

@@ -11,8 +11,8 @@ import rospy
 from PyQt5.QtWidgets import QApplication, QWidget
 from window_kit import SCREEN, new_window, run_events, run_until, virtual_screen
 
+from gpr20_common import catalogue
 from gpr20_common.catalogue import Language
-from gpr20_common.low import catalogue_file
 from gpr20_user_interface.look.translation import Languages
 
 LIMIT_S = 300.0
@@ -60,7 +60,7 @@ class Shown:
             name: The name of its file, without the language.
             prepare: Called in each language before the picture.
         """
-        for language in catalogue_file.languages():
+        for language in catalogue.languages():
             self.languages.use(language)
             prepare()
             save(self.window, folder / f"{name}_{language.value}.png")

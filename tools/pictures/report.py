@@ -11,7 +11,7 @@ from PIL import Image
 
 from gpr20_analysis import sample_survey
 from gpr20_analysis.commands.main import main
-from gpr20_common.low import catalogue_file
+from gpr20_common import catalogue
 
 PERMITTIVITY = 5.0
 SCALE = 90 / 72
@@ -19,7 +19,7 @@ SCALE = 90 / 72
 
 def make(folder: Path) -> None:
     """Write a picture in each language."""
-    for language in catalogue_file.languages():
+    for language in catalogue.languages():
         with tempfile.TemporaryDirectory() as place:
             report = Path(place) / "report.pdf"
             main(

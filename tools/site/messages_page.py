@@ -8,8 +8,7 @@ import re
 from pathlib import Path
 from typing import Dict, Iterator, List
 
-from gpr20_common.catalogue import Catalogue, Language
-from gpr20_common.low.catalogue_file import read_catalogue
+from gpr20_common.catalogue import Catalogue, Language, read_catalogue
 from gpr20_common.message import Fault, Severity
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -26,17 +25,24 @@ def messages_markdown() -> str:
 
 
 def all_faults() -> List[Fault]:
-    """Return the faults of all packages, in the order of their codes.
+    """Return the faults of all packages, one of each code, in their order.
 
     Raises:
-        ValueError: Two faults have one code.
+        ValueError: One code has two remedies.
     """
     faults: Dict[str, Fault] = {}
     for path in sorted(ROOT.glob("catkin_ws/src/gpr20_*/src/*/faults.py")):
         module = importlib.import_module(f"{path.parent.name}.faults")
         for one in vars(module).values():
-            if isinstance(one, Fault) and faults.setdefault(one.code, one) != one:
-                raise ValueError(f"two faults have the code {one.code}")
+            if not isinstance(one, Fault):
+                continue
+            known = faults.setdefault(one.code, one)
+            if known.remedy != one.remedy:
+                raise ValueError(f"the code {one.code} has two remedies")
+            if known != one:  # what is said of the code holds for all its faults
+                moves = known.may_move and one.may_move
+                goes_on = known.can_continue or one.can_continue
+                faults[one.code] = Fault(one.code, one.remedy, may_move=moves, can_continue=goes_on)
     return [faults[code] for code in sorted(faults)]
 
 

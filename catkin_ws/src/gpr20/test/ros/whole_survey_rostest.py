@@ -34,7 +34,7 @@ from tf2_msgs.msg import TFMessage
 
 from gpr20_analysis.read.verification import verify_survey
 from gpr20_msgs.msg import Annotation, ControlStatus
-from gpr20_msgs.srv import AddFact, ExportSurvey, FindCandidates, FocusSurvey
+from gpr20_msgs.srv import AddFact, ExportSurvey, FocusSurvey
 from gpr20_survey.axes import axis_id as frames
 from gpr20_survey.folder.recovery import read_description
 from gpr20_survey.plan import annotation
@@ -160,7 +160,6 @@ class WholeSurveyTest(unittest.TestCase):
         for name, kind in (
             ("add_fact", AddFact),
             ("export_survey", ExportSurvey),
-            ("find_candidates", FindCandidates),
             ("focus_survey", FocusSurvey),
         ):
             setattr(cls, name.split("_")[0], staticmethod(rospy.ServiceProxy(name, kind)))
@@ -187,20 +186,18 @@ class WholeSurveyTest(unittest.TestCase):
             ("marker", Marker(second, 12.5, 15.0, None, "metal", "Lucía Peña").request()),
         ):
             answer = self.add("", kind, json.dumps(values))
-            self.assertEqual((answer.success, answer.path), (True, str(self.folder)), answer)
+            self.assertEqual((answer.success, answer.survey_id), (True, survey_id), answer)
         self.assertEqual(len(json.loads(answer.markers_json)), 2)
         answer = self.focus("during", survey_id, 5.0)
         self.assertTrue(answer.success, answer.message)
         self.assertEqual(answer.traces, len(json_traces(self.folder)))
+        self.assertTrue(json.loads(answer.candidates_json)["simulated"])
         shape = len(answer.depth_mm), len(answer.y_mm), len(answer.x_mm)
         empty = np.isnan(np.frombuffer(answer.levels_db, "<f4").reshape(shape)).all(axis=0)
         # Lines are measured in ascending order of Y.
         self.assertTrue(not empty[0].any() and empty[-1].all())
         self.client.forget()
         self.client.go_on(survey_id)
-        answer = self.find("list", survey_id, 5.0, "es")
-        self.assertTrue(answer.success, answer.message)
-        self.assertTrue(json.loads(answer.candidates_json)["simulated"])
         self.assertTrue(self.client.finished().simulated)
         removal = json.dumps({"marker_id": first, "author": ""})
         self.assertTrue(self.add(self.folder.name, "marker_removed", removal).success)

@@ -23,7 +23,7 @@ from stored_surveys import (
 
 from gpr20_analysis.read.verification import verify_survey
 from gpr20_analysis.read.verification_result import COMPLETE
-from gpr20_axis_driver.axis_exceptions import AxisOwnedError
+from gpr20_axis_driver.axis_exceptions import AxisBusyError
 from gpr20_main_control import faults
 from gpr20_main_control.mid.survey import storage_queue
 from gpr20_survey.axes.axis_id import AxisId
@@ -165,7 +165,7 @@ def test_no_other_node_moves_an_axis_of_a_survey_or_sets_its_zero(robot):
 
     def ask():
         for axis, part in robot.axes.items():
-            with pytest.raises(AxisOwnedError, match="/main_control"), part.lease.use("/other"):
+            with pytest.raises(AxisBusyError, match="/main_control"), part.lease.use("/other"):
                 raise AssertionError(f"{axis} belongs to nobody")
             refused.append(axis)
 

@@ -38,7 +38,7 @@ from gpr20_survey.folder.survey_folder import MCAP_FILE
 from gpr20_survey.plan.survey_parameters import SurveyParameters
 from gpr20_survey.plan.survey_points import survey_points
 from gpr20_survey.plan.zero_history import UNPROVEN
-from gpr20_survey.results.candidates import json_text, list_from
+from gpr20_survey.results.candidates import list_from
 from gpr20_survey.results.focused_image import focus_fields, image_from
 from gpr20_web.mid.survey_values import result_of
 
@@ -59,9 +59,6 @@ class Here(Analysis):
 
     def focus(self, folder, permittivity, _stop):
         return super().focus(folder, permittivity)
-
-    def find_candidates(self, folder, permittivity, language, _stop):
-        return super().find_candidates(folder, permittivity, language)
 
     def close(self):
         pass
@@ -122,19 +119,17 @@ def enter(folder, permittivity):
 
 
 def answers(folder, capsys):
-    """Return the lists of window, node, API and command, the report, and the window's result."""
+    """Return the lists of window, API and command, the report, and the window's result."""
     with closing(Node(folder.parent, Here(), None, lambda *_: None)) as node:
         window = SurveyResult(Imaging(Asked(folder, node), lambda: 100.0))
         window.open(folder.name)
         window.keep()
         window.keep()
-        asked = node.find_candidates("", folder.name, 0.0, "en").found
     survey = gpr20_analysis.load_survey(folder)
     cleaned = gpr20_analysis.process_survey(survey, "background:method=surface")
     image = gpr20_analysis.image_survey(cleaned, gpr20_analysis.ImageOptions())
     lists = {
         "window": window.image.found,
-        "node": list_from(json_text(asked)),
         "API": gpr20_analysis.find_candidates(image),
         "command": of_command(folder, capsys),
     }

@@ -44,7 +44,6 @@ _HOMES: Dict[str, Tuple[str, ...]] = {
     "report.build": ("write_report",),
     "report.summary": ("summarize",),
     "sample.sample_survey": ("sample_survey",),
-    "sentences": ("survey_remarks",),
 }
 __all__ = sorted(name for names in _HOMES.values() for name in names)
 

@@ -9,9 +9,9 @@ from pathlib import Path
 from typing import Iterator
 
 from gpr20_analysis.errors import ExportError
+from gpr20_common.errors import os_reason
 from gpr20_common.faults import DISK_FULL
 from gpr20_common.message import Message
-from gpr20_common.os_reason import os_reason
 
 BESIDE = ".gpr20-"
 """Prefix of the temporary folder, beside the output, in which it is written."""

@@ -104,7 +104,8 @@ class ExtensionPoint:
         if found:
             raise self.error(
                 Message(
-                    "several installed packages have {what} '{name}': {origins}",
+                    "several installed packages have {what} '{name}': {origins}; remove all but "
+                    "one",
                     what=self.what,
                     name=name,
                     origins="; ".join(one.origin for one in found),
@@ -137,7 +138,8 @@ class ExtensionPoint:
         except Exception as error:  # the package is not ours: it may raise anything
             raise self.error(
                 Message(
-                    "{what} '{name}' ({origin}) cannot be loaded: {reason}",
+                    "{what} '{name}' ({origin}) cannot be loaded: {reason}; correct or remove that "
+                    "package",
                     what=self.what,
                     name=addition.name,
                     origin=addition.origin,

@@ -11,7 +11,6 @@ import json
 from typing import TYPE_CHECKING, Any, Dict, Iterable, List, Mapping, Optional, Sequence
 
 from gpr20_common.catalogue import Catalogue
-from gpr20_common.low.catalogue_file import language_from_code, read_catalogue
 from gpr20_common.message import BETWEEN_SENTENCES, Message, in_a_row
 from gpr20_common.sent_message import received_message
 from gpr20_common.terminal_text import printable
@@ -36,6 +35,11 @@ MOST_REMARKS = 8
 ENGLISH = Catalogue()
 
 
+def json_fields(message: Message) -> Dict[str, Any]:
+    """Return a message as the outputs `--json` have it: the names of an answer of a service."""
+    return {"message": str(message), "fault": message.record()}
+
+
 def sentences_of(data: xr.Dataset, name: str) -> List[Message]:
     """Return the sentences of an attribute, such as `notes`.
 
@@ -58,13 +62,11 @@ def with_sentences(attributes: Mapping[str, Any], **lists: Iterable[Message]) ->
     return changed
 
 
-def survey_remarks(survey: xr.Dataset, language: str = "en") -> List[str]:
-    """Return what is damaged, missing, doubted or noted in a survey, as commands print it."""
-    return remark_lines(survey, read_catalogue(language_from_code(language)))
-
-
 def remark_lines(survey: xr.Dataset, catalogue: Catalogue, path: str = "") -> List[str]:
-    """Return what `survey_remarks` does: all doubts, and of other lists the first sentences."""
+    """Return what is damaged, missing, doubted or noted in a survey, as commands print it.
+
+    All doubts, and of other lists the first sentences.
+    """
     lines = []
     for name in LIST_ATTRIBUTES:
         found = sentences_of(survey, name)
@@ -116,7 +118,7 @@ def kept_doubts(doubts: Iterable[Message]) -> List[str]:
 def carried_doubts(values: Mapping[str, Any]) -> List[Message]:
     """Return the doubts that a file of another format holds under `doubts`."""
     lines = (line.partition(" ") for line in str(values.get(DOUBTS, "")).splitlines())
-    return [received_message(text, {"code": code}) for code, _, text in lines]
+    return [received_message(text, {"code": code, "may_move": False}) for code, _, text in lines]
 
 
 def with_decisions(data: xr.Dataset, *decisions: Message) -> xr.Dataset:

@@ -28,19 +28,13 @@ class TravelError(AxisException, ValueError):
 
 
 class NotHomedError(AxisException, RuntimeError):
-    """The axis is not homed, so its position is unknown."""
+    """The axis is not homed, or steps may have been lost: its position is unknown."""
 
     fault = NOT_HOMED
 
 
 class AxisBusyError(AxisException, RuntimeError):
-    """The axis is still carrying out another motion."""
-
-    fault = IN_USE
-
-
-class AxisOwnedError(AxisException, PermissionError):
-    """Another node owns the axis."""
+    """The axis is still carrying out another motion, or another node owns it."""
 
     fault = IN_USE
 
@@ -61,12 +55,6 @@ class MotionStopped(AxisException):
     """The motion was ended on request before it was complete."""
 
     fault = ASKED_FOR
-
-
-class PositionLostError(AxisException, RuntimeError):
-    """Steps may have been lost, so the position is not trusted any more."""
-
-    fault = NOT_HOMED
 
 
 class NodeHungError(AxisException, RuntimeError):

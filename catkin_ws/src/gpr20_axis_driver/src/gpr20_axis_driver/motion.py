@@ -10,7 +10,7 @@ from typing import Callable, Optional, Protocol, Sequence
 from gpr20_axis_driver.low.step_counter import StepCounter
 from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message
-from gpr20_common.mid.hardware import Hardware
+from gpr20_common.mid.node_facts import Hardware
 from gpr20_survey.axes.axis_id import ZeroEpoch
 from gpr20_survey.axes.axis_parameters import AxisParameters
 from gpr20_survey.axes.ramp import Ramp

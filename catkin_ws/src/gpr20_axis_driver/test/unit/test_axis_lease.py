@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, invariant, precondition, rule
 from run_seed import draws
 
-from gpr20_axis_driver.axis_exceptions import AxisOwnedError, LeaseLapsedError
+from gpr20_axis_driver.axis_exceptions import AxisBusyError, LeaseLapsedError
 from gpr20_axis_driver.mid.axis_lease import AxisLease
 
 LIMIT_S = 2.0
@@ -46,7 +46,7 @@ class LeaseMachine(RuleBasedStateMachine):
             self.numbers.append(self.number)
             self.holder, self.until_s = name, self.time_s + LIMIT_S
         else:
-            with pytest.raises(AxisOwnedError, match=self.owner):
+            with pytest.raises(AxisBusyError, match=self.owner):
                 self.lease.reserve(name)
 
     @rule(name=NAMES, data=st.data())
@@ -70,7 +70,7 @@ class LeaseMachine(RuleBasedStateMachine):
     def somebody_moves(self, name):
         use = self.lease.use(name)
         if self.owner not in ("", name):
-            with pytest.raises(AxisOwnedError, match=self.owner), use:
+            with pytest.raises(AxisBusyError, match=self.owner), use:
                 raise AssertionError("refused")
             return
         held = self.holder == name and self.time_s <= self.until_s

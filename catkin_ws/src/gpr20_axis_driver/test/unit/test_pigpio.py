@@ -16,8 +16,8 @@ from run_seed import SEED, draws
 
 from gpr20_axis_driver.axis_exceptions import (
     MotionStopped,
+    NotHomedError,
     PinLibraryError,
-    PositionLostError,
     PulseProcessError,
 )
 from gpr20_axis_driver.low.pigpio_waves import GPIO_OF_BOARD, lock_wave_transmitter
@@ -150,7 +150,7 @@ def test_a_daemon_left_without_waves_for_long_or_that_drops_one_makes_the_positi
         axis.driver.homing(never)
         oversleep(axis, 200, delay_s)
         axis.daemon.lost_after = dropped and len(axis.daemon.sendings) + dropped
-        with pytest.raises(PositionLostError):
+        with pytest.raises(NotHomedError):
             axis.driver.move_to_coordinate(10.0, never)
         assert not axis.driver.homing_done and not axis.count.trusted
 

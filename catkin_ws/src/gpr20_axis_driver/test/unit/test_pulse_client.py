@@ -21,7 +21,7 @@ from gpr20_axis_driver import faults
 from gpr20_axis_driver.axis_exceptions import (
     AxisException,
     MotionStopped,
-    PositionLostError,
+    NotHomedError,
     PulseProcessError,
     ZeroUnknownError,
 )
@@ -220,7 +220,7 @@ def test_a_process_that_is_halted_in_a_move_ends_it_and_the_position_is_not_trus
     time.sleep(0.2)
     os.kill(axis.pulses.process_id, signal.SIGCONT)
     error = move.error()
-    assert isinstance(error, PositionLostError)
+    assert isinstance(error, NotHomedError)
     assert error.message.fault_code == ZERO_UNKNOWN.code
     assert axis.true_steps - halted <= 1
     assert not axis.driver.homing_done

@@ -6,6 +6,7 @@ import enum
 import json
 import re
 from dataclasses import dataclass, field, replace
+from math import isfinite
 from typing import Any, Callable, Dict, Iterable, Iterator, Mapping, Optional, Tuple, Union
 
 # Between sentences in a row, such as two reasons for one refusal.
@@ -94,11 +95,14 @@ class Message:
 
     def sentence(self, translate: Callable[[str], str] = str) -> str:
         """Return the sentence without its details; `translate` translates a template."""
+        point = "." if translate is str else translate(DECIMAL_POINT.template)
 
         def shown(value: Value) -> Any:
             if isinstance(value, tuple):
                 return BETWEEN_SENTENCES.join(map(shown, value))
-            return value.sentence(translate) if isinstance(value, Message) else value
+            if isinstance(value, Message):
+                return value.sentence(translate)
+            return _Number(value, point) if isinstance(value, (int, float)) else value
 
         values = {name: shown(value) for name, value in self.values.items()}
         return translate(self.template).format(**values)
@@ -239,13 +243,30 @@ class Message:
         return copy
 
 
+@dataclass(frozen=True)
+class _Number:
+    value: float
+    point: str
+
+    def __format__(self, form: str) -> str:
+        return format(self.value, form).replace(".", self.point)
+
+
 _GRAVITY = list(Severity)
+DECIMAL_POINT = Message(".")
 MOTORS_OFF = Message("Switch off the motors' power now. Keep your hands clear.")
 
 
 def verbatim(text: str) -> Message:
     """Return a message for text that comes from elsewhere and stays as it is."""
     return Message("{text}", text=text)
+
+
+def numeral(value: float, form: str = "g") -> Message:
+    """Return a number by itself, as people of a language write it; `form` is that of `format`."""
+    if not isfinite(value):  # JSON has no number for it
+        return verbatim(format(value, form))
+    return Message("{number:" + form + "}", number=value)
 
 
 def in_a_row(messages: Iterable[Message]) -> Message:

@@ -5,6 +5,7 @@ What is read may come from another version of the software, or from anybody.
 
 from __future__ import annotations
 
+import contextlib
 import json
 import re
 from typing import Any, Dict, Optional
@@ -25,18 +26,10 @@ MAX_DEPTH = 32
 UNKNOWN_CODE = "robot.unknown"
 
 
-def json_fields(message: Message) -> Dict[str, Any]:
-    """Return a message as the outputs `--json` have it: the names of an answer of a service."""
-    return {"message": str(message), "fault": message.record()}
-
-
 def received_message(text: str, record: Any) -> Message:
-    """Return a message as it came from the ROS graph or out of a file.
+    """Return a message from its English text and what `Message.record` returned, maybe as JSON.
 
-    Args:
-        text: The complete English text.
-        record: What `Message.record` returned, or that as JSON. If its sentence is missing,
-            unreadable or too long, the message is the text as it is, with the fault.
+    If a sentence is missing there, unreadable or too long, it is the text, with the fault.
     """
     return _received(text, _parsed(record), 1)
 
@@ -47,30 +40,25 @@ def _received(text: str, record: Any, depth: int) -> Message:
     if not isinstance(record, dict):
         return plain
     try:
-        return _shown(_message(record, depth))
+        message = _message(record, depth)
+        shown, sent = str(message), message.to_json()
+        # A template can repeat a value.
+        if max(len(shown), len(sent)) > MAX_CHARACTERS:
+            raise ValueError("it is too long to be shown")
+        # Half of a character, which JSON can hold, can be neither sent nor shown.
+        f"{shown}{sent}".encode()
+        return message
     except UNREADABLE:
         return plain.with_fault(_fault(record, depth))
 
 
 def _parsed(value: Any) -> Any:
     """Return a value that may have come as JSON; None if that is none, or far too long."""
-    try:
-        if isinstance(value, str):
-            return json.loads(value) if len(value) <= MAX_READ_CHARACTERS else None
+    if not isinstance(value, str):
         return value
-    except UNREADABLE:
-        return None
-
-
-def _shown(message: Message) -> Message:
-    """Return a message if it can be shown and sent; raise a ValueError otherwise."""
-    text, sent = str(message), message.to_json()
-    # A template can repeat a value.
-    if max(len(text), len(sent)) > MAX_CHARACTERS:
-        raise ValueError("it is too long to be shown")
-    # Half of a character, which JSON can hold, can be neither sent nor shown.
-    f"{text}{sent}".encode()
-    return message
+    with contextlib.suppress(*UNREADABLE):
+        return json.loads(value) if len(value) <= MAX_READ_CHARACTERS else None
+    return None
 
 
 def _message(record: Any, depth: int) -> Message:
@@ -106,6 +94,6 @@ def _fault(record: Dict[str, Any], depth: int) -> Optional[Fault]:
         code=code if CODE_FORMAT.fullmatch(code) else UNKNOWN_CODE,
         remedy=remedy if str(remedy) else None,
         severity=named.get(str(record.get("severity")), Severity.FAULT),
-        may_move=record.get("may_move", False) is not False,
+        may_move=record.get("may_move", True) is not False,
         can_continue=record.get("can_continue", True) is True,
     )

@@ -35,16 +35,15 @@ def say(*lines: Union[str, PurePath], file: Optional[TextIO] = None, flush: bool
     print(*map(printable, lines), sep="\n", file=file, flush=flush)
 
 
-def enable_line_buffering(stream: Optional[TextIO] = None) -> None:
-    """Let a stream, by default the standard output, pass each line on when it ends.
+def enable_line_buffering() -> None:
+    """Let the standard output pass each line on when it ends.
 
     Python keeps back several kilobytes of what goes into a file, a pipe or the journal, and rospy
     does not flush: the log of a node would lag by hours and end before the lines that say why.
     """
-    chosen = sys.stdout if stream is None else stream
     # One that is no buffered file needs nothing.
-    if isinstance(chosen, io.TextIOWrapper):
-        chosen.reconfigure(line_buffering=True)
+    if isinstance(sys.stdout, io.TextIOWrapper):
+        sys.stdout.reconfigure(line_buffering=True)
 
 
 def _written(character: str) -> str:

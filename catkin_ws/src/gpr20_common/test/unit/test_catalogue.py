@@ -5,18 +5,17 @@ from case_kit import each_case
 from fault_kit import raises_fault
 
 from gpr20_common import faults
-from gpr20_common.catalogue import Language
-from gpr20_common.errors import NodeSilentError
-from gpr20_common.low.catalogue_file import (
+from gpr20_common.catalogue import (
     FOLDER,
+    Language,
     language_from_code,
     language_from_environment,
     languages,
     read_catalogue,
     read_translations,
 )
+from gpr20_common.errors import NodeSilentError, os_reason
 from gpr20_common.message import Message
-from gpr20_common.os_reason import os_reason
 
 
 def test_the_spanish_catalogue_translates_a_message_and_what_is_in_it():

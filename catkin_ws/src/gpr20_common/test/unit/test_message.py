@@ -10,6 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from gpr20_common import faults
+from gpr20_common.catalogue import Language, read_catalogue
 from gpr20_common.errors import Gpr20Error, InvalidValueError, NodeGoneError
 from gpr20_common.message import (
     CODE_FORMAT,
@@ -18,6 +19,7 @@ from gpr20_common.message import (
     Message,
     Severity,
     in_a_row,
+    numeral,
     verbatim,
 )
 from gpr20_common.sent_message import MAX_CHARACTERS, UNKNOWN_CODE, received_message
@@ -186,7 +188,7 @@ def sent_with(fault, **more):
 
 @each_case("severity", ["critical", None, {"level": "note"}])
 def test_keys_and_values_of_a_later_version_count_as_usual_and_a_severity_as_a_fault(severity):
-    record = {"code": "vna.x", "severity": severity, "cost": [1]}
+    record = {"code": "vna.x", "severity": severity, "cost": [1], "may_move": False}
     message = received_message("", sent_with(record))
     assert message.fault == Fault("vna.x") and message.template == "no answer"
 
@@ -210,7 +212,8 @@ def test_a_flag_that_is_neither_true_nor_false_counts_as_the_graver_one(odd):
 def test_a_damaged_fault_leaves_the_sentence_and_counts_as_grave(fault):
     message = received_message("as sent", sent_with(fault))
     assert message.template == "no answer"
-    assert message.cause.severity is Severity.FAULT and message.cause.remedy is None
+    assert message.fault.severity is Severity.FAULT and message.fault.remedy is None
+    assert message.may_move and message.remedy == MOTORS_OFF
     assert message.fault_code == fault["code"] if fault["code"] == "vna.x" else UNKNOWN_CODE
 
 
@@ -325,6 +328,23 @@ def test_a_message_and_those_in_it_are_one_sentence_in_every_language_beside_the
     assert paused.sentence() == sentence
     assert str(paused) == f"{sentence} (get_height; [Errno 5])"
     assert paused.sentence(spanish) == "en pausa: altura 0.012 m, mínima 0.02; compruebe el sensor"
+
+
+NUMBERS = st.one_of(st.integers(-(10**9), 10**9), st.floats())
+FORMS = st.sampled_from(["", "g", ".12g", ".3g", ".0f", ".1f", "+.2f", "6.1f"])
+
+
+@given(NUMBERS, NUMBERS, FORMS, FORMS)
+def test_numbers_and_nothing_else_have_the_decimal_point_of_a_language(one, other, form, last):
+    template = "of {address} v1.5: {one:" + form + "}, {other}"
+    message = Message(template, one=one, other=numeral(other, last), address="192.168.1.10")
+    english, spanish = message.sentence(), read_catalogue(Language.SPANISH).text(message)
+    start = "of 192.168.1.10 v1.5: "
+    assert english == f"{start}{one:{form}}, {other:{last}}"
+    assert spanish == start + f"{one:{form}}".replace(".", ",") + ", " + (
+        f"{other:{last}}".replace(".", ",")
+    )
+    assert str(received_message(english, message.to_json())) == english
 
 
 def test_a_template_without_all_its_values_fails_where_it_is_written():

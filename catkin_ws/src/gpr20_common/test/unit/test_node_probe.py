@@ -10,7 +10,7 @@ from fault_kit import raises_fault
 
 from gpr20_common import faults
 from gpr20_common.errors import NodeGoneError, NodeSilentError
-from gpr20_common.low.limited_rpc import NodeProbe
+from gpr20_common.low.links import NodeProbe
 
 LIMIT_S = 0.5
 

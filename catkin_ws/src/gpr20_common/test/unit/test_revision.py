@@ -5,25 +5,30 @@ from __future__ import annotations
 import subprocess
 from pathlib import Path
 
+import pytest
 from case_kit import each_case
 
 from gpr20_common.low.data_folder import data_folder
-from gpr20_common.mid.node_software import git_revision, software_revision
+from gpr20_common.mid import node_facts
 
 
-def test_sources_without_git_are_named_by_their_version(tmp_path):
-    assert git_revision(tmp_path) == ""
-    assert software_revision("1.2.3", tmp_path) == "1.2.3"
-    assert software_revision("1.2.3", tmp_path / "missing") == "1.2.3"
+@pytest.fixture
+def installed(tmp_path, monkeypatch):
+    monkeypatch.setattr("gpr20_common.__version__", "1.2.3")
+    monkeypatch.setattr(node_facts, "INSTALLED_REVISION", tmp_path / "installed_revision")
+    return tmp_path / "installed_revision"
+
+
+def test_sources_without_git_are_named_by_their_version(installed):
+    assert (node_facts.git_revision(), node_facts.software_revision()) == ("", "1.2.3")
 
 
 @each_case("recorded, said", [("abc1234\n", "1.2.3 (git abc1234)"), ("", "1.2.3")])
-def test_an_installed_package_has_the_revision_of_its_sources(tmp_path, recorded, said):
+def test_an_installed_package_has_the_revision_of_its_sources(installed, recorded, said):
     # Here it is installed inside the checkout of something else.
-    subprocess.run(["git", "-C", str(tmp_path), "init", "-q"], check=True)
-    installed = tmp_path / "installed_revision"
+    subprocess.run(["git", "-C", str(installed.parent), "init", "-q"], check=True)
     installed.write_text(recorded)
-    assert software_revision("1.2.3", tmp_path, installed) == said
+    assert node_facts.software_revision() == said
 
 
 @each_case(

@@ -25,9 +25,9 @@ import rospy
 from rosgraph.network import encode_ros_handshake_header
 
 from gpr20_common.high import service_client
+from gpr20_common.high.answers import advertise
 from gpr20_common.high.raw_message import deserialized, serialized
 from gpr20_common.high.service_client import ServiceClient, ServiceUnavailableError
-from gpr20_common.high.services import advertise
 from gpr20_msgs.srv import (
     AddFact,
     AddFactRequest,

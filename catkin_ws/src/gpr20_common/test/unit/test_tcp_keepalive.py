@@ -6,7 +6,7 @@ import time
 import pytest
 from vanishing_peer import come_back, vanish
 
-from gpr20_common.low.tcp_keepalive import keep_alive, silence_s
+from gpr20_common.low.links import keep_alive, silence_s
 
 LIMIT_S = 30.0
 

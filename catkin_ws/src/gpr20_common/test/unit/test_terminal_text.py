@@ -56,7 +56,8 @@ def file(tmp_path):
         yield opened
 
 
-def test_a_line_in_a_file_is_seen_when_it_is_said(file, tmp_path):
-    enable_line_buffering(file)
+def test_a_line_in_a_file_is_seen_when_it_is_said(file, tmp_path, monkeypatch):
+    monkeypatch.setattr("sys.stdout", file)
+    enable_line_buffering()
     file.write("the robot is ready\n")
     assert (tmp_path / "log").read_text() == "the robot is ready\n"

@@ -7,7 +7,7 @@ from simulated_world import StepTime
 
 from gpr20_common.catalogue import Catalogue
 from gpr20_common.message import Message, verbatim
-from gpr20_common.mid.hardware import NO_HARDWARE
+from gpr20_common.mid.node_facts import NO_HARDWARE
 from gpr20_doctor.mid.finding import Finding, Level
 from gpr20_doctor.mid.findings import as_json, lines
 from gpr20_doctor.mid.listener import WATCH_S, Listener

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from test_robot_checks import ROBOTS, SAME, facts
 
 from gpr20_common.message import Message
-from gpr20_common.mid.node_software import NodeSoftware
+from gpr20_common.mid.node_facts import NodeSoftware
 from gpr20_doctor.low import pi
 from gpr20_doctor.low.programs import Tracking
 from gpr20_doctor.low.system import Memory

@@ -4,8 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from gpr20_common.mid.hardware import NO_HARDWARE, Hardware
-from gpr20_common.mid.node_software import NodeSoftware
+from gpr20_common.mid.node_facts import NO_HARDWARE, Hardware, NodeSoftware
 from gpr20_doctor.mid.finding import Unknown
 from gpr20_doctor.mid.machine_facts import HardwareUse
 from gpr20_doctor.mid.machine_request import AUTOMATIC, REAL, SIMULATED, ThisMachine

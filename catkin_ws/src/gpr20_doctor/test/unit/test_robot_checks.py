@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from gpr20_common import faults as common_faults
 from gpr20_common.faults import NOT_RUNNING, OTHER_LAUNCH
 from gpr20_common.message import Fault, Message, Severity, verbatim
-from gpr20_common.mid.node_software import NodeSoftware
+from gpr20_common.mid.node_facts import NodeSoftware
 from gpr20_doctor.low.masters import MasterState, NodeState
 from gpr20_doctor.mid.advice import advised
 from gpr20_doctor.mid.finding import Level
@@ -48,6 +48,7 @@ NOTED = Message("not used").with_fault(
 )
 FAILED = Message("it failed").with_fault(Fault("vna.failed", Message("Look at it.")))
 UNHOMED = Message("lost").with_fault(survey_faults.NOT_HOMED).as_warning()
+PAUSED = Message("paused").with_fault(survey_faults.NOT_HOMED)
 SAME = NodeSoftware("0.1.0", "abc", "robot")
 
 
@@ -132,6 +133,7 @@ OTHERS = [
     ({"simulated": True}, Level.NOTE, "is simulated"),
     (report(HEIGHT, ERROR, "out"), Level.FAULT, "Height sensor: out"),
     (report(X_AXIS, WARN, UNHOMED), Level.NOTE, "X axis: lost"),
+    (report(X_AXIS, WARN, PAUSED), Level.WARNING, "X axis: paused"),
     ({**report(X_AXIS, WARN, FAILED), "axes": NOT_HOMED}, Level.WARNING, "X axis: it failed"),
     (report(VNA, WARN, NOTED), Level.NOTE, "not used"),
     (report(VNA, WARN, FAILED), Level.WARNING, "it failed"),

@@ -22,6 +22,7 @@ from gpr20_common.faults import NOT_ALLOWED
 from gpr20_common.message import Message
 from gpr20_foreign_formats.gprmax_merged import MERGED, ROTATION_DEG, merged_fields, time_step_s
 from gpr20_foreign_formats.gprmax_source import NONE, Signal, check_strength, source_of
+from gpr20_foreign_formats.header import no_files
 from gpr20_survey.files.regular_file import check_regular
 
 PATTERNS = ("*.out", "*.h5")
@@ -77,12 +78,7 @@ def read_gprmax(
     """
     paths = [path] if path.is_file() else sorted(_files(path))
     if not paths:
-        raise AnalysisError(
-            Message(
-                "{folder} contains no files {pattern}", folder=path, pattern=", ".join(PATTERNS)
-            ),
-            fault=faults.INPUT,
-        )
+        raise no_files(path, ", ".join(PATTERNS))
     given = source_of(source) if source is not None else None
     traces = [one for file in progress(paths, len(paths)) for one in _read(file, spacing_m)]
     slowest_s = max(trace.field.step_s for trace in traces)
@@ -90,7 +86,7 @@ def read_gprmax(
         raise UnreadableFileError(
             Message(
                 "{file} has a time step of {step_s:g} s, which covers frequencies up to "
-                "{highest_hz:g} Hz; the band ends at {stop_hz:g} Hz",
+                "{highest_hz:g} Hz; give a --band that ends below that, not at {stop_hz:g} Hz",
                 file=path.name,
                 step_s=slowest_s,
                 highest_hz=0.5 / slowest_s,
@@ -230,7 +226,7 @@ def _excitation(file: Any, step_s: float, name: str) -> Optional[Signal]:
     values = np.asarray(excitation["samples"][()], np.float64)
     if values.ndim != 1 or not np.isfinite(values).all():
         raise UnreadableFileError(
-            Message("{file}: the source signal is not valid", file=name), fault=faults.INPUT
+            Message("{file}: its source must be a row of numbers", file=name), fault=faults.INPUT
         )
     interval_s = float(excitation.attrs.get("SampleInterval", step_s))
     return Signal(values, interval_s, _offset_s(excitation))

@@ -117,7 +117,7 @@ def check_strength(source: Signal, frequency_hz: np.ndarray, name: str) -> np.nd
     if not (largest > 0.0 and strong.all()):
         if not largest > 0.0:
             raise UnreadableFileError(
-                Message("the source signal of {file} is zero", file=name), fault=faults.INPUT
+                Message("{file}: the source is zero; use --source", file=name), fault=faults.INPUT
             )
         usable_hz = frequency_hz[strong]
         raise UnreadableFileError(
@@ -156,7 +156,7 @@ def _from_file(path: Path) -> Signal:
         table = table.astype(np.float64).reshape(len(table), -1)
     except ValueError as error:
         raise UnreadableFileError(
-            Message("{file} does not contain times and values", file=path.name, details=error),
+            Message("{file} must contain times and values", file=path.name, details=error),
             fault=faults.INPUT,
         ) from error
     if table.shape[0] < 2 or table.shape[1] != 2 or not np.isfinite(table).all():
@@ -174,7 +174,7 @@ def _from_file(path: Path) -> Signal:
     step_s = float(steps_s.mean())
     if not (step_s > 0.0 and np.allclose(steps_s, step_s, rtol=1e-2, atol=0.0)):
         raise UnreadableFileError(
-            Message("the times in {file} are not evenly spaced and ascending", file=path.name),
+            Message("the times in {file} must be evenly spaced and ascending", file=path.name),
             fault=faults.INPUT,
         )
     return Signal(table[:, 1], step_s, float(table[0, 0]))

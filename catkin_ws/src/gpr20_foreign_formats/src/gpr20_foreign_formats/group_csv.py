@@ -86,7 +86,8 @@ def write_group_csv(survey: xr.Dataset, folder: Path, progress: Progress = no_pr
     if not np.isfinite(height_mm[usable]).all():
         raise ExportError(
             Message(
-                "{count} samples have no antenna height, which the file names of this format need",
+                "{count} samples have no antenna height, which the file names of this format need; "
+                "apply the step fill, or choose another format",
                 count=np.count_nonzero(~np.isfinite(height_mm[usable])),
             ),
             fault=faults.INPUT,

@@ -14,9 +14,9 @@ import numpy as np
 import xarray as xr
 
 from gpr20_analysis import dataset, faults
-from gpr20_analysis.errors import AnalysisError, ExportError, UnreadableFileError
+from gpr20_analysis.errors import ExportError, UnreadableFileError
 from gpr20_common.message import Message
-from gpr20_foreign_formats.header import Header
+from gpr20_foreign_formats.header import Header, no_files
 from gpr20_survey.files.file_sums import regular_files
 
 DEGREES: Dict[str, float] = {"X": 0.0, "Y": 90.0}
@@ -98,10 +98,7 @@ def files_of_samples(
     """
     own = sorted(one for one in folder.iterdir() if rule.fullmatch(one.name))
     if not own:
-        raise AnalysisError(
-            Message("{folder} contains no files {pattern}", folder=folder, pattern=example),
-            fault=faults.INPUT,
-        )
+        raise no_files(folder, example)
     read = {*beside, *(one.name for one in own)}
     others = [
         one for one in regular_files(folder) if one not in read and not re.search(r"(^|/)\.", one)

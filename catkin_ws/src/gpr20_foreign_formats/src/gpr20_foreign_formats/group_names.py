@@ -121,7 +121,7 @@ def place_texts(values_mm: np.ndarray) -> List[str]:
     texts = [f"{value:.0f}" if whole else f"{value:.2f}" for value in values_mm]
     if len(set(texts)) < len(texts):
         raise ExportError(
-            Message("positions closer than 0.01 mm have the same file name in this format"),
+            Message("this format cannot tell positions closer than 0.01 mm apart; use another"),
             fault=faults.INPUT,
         )
     return texts

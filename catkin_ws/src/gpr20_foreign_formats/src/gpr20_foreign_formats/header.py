@@ -132,3 +132,9 @@ def sibling(path: Path, *endings: str) -> Path:
         )
         raise UnreadableFileError(text, fault=faults.INPUT)
     return found[0]
+
+
+def no_files(folder: Path, pattern: str) -> UnreadableFileError:
+    """Return the error of a folder without a file of a format."""
+    message = Message("{folder} contains no files {pattern}", folder=folder, pattern=pattern)
+    return UnreadableFileError(message, fault=faults.INPUT)

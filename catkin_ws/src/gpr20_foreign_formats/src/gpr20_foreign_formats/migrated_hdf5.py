@@ -40,7 +40,7 @@ def write_migrated(image: xr.Dataset, path: Path, title: str) -> None:
     values = dataset.require(image, IMAGE, (POLARIZATION, X, Y, DEPTH))
     if values.sizes[POLARIZATION] != 1:
         raise ExportError(
-            Message("a file of a migrated image holds one polarization; write each to its own"),
+            Message("a file of a migrated image holds one polarization; image each by itself"),
             fault=faults.INPUT,
         )
     axes = {"x": image[X].values, "y": image[Y].values, "z": image[DEPTH].values}

@@ -140,7 +140,7 @@ def read_original(
         if not np.array_equal(sample.pop("frequency_hz"), frequency_hz):
             raise UnreadableFileError(
                 Message(
-                    "{file} has other frequencies than {first}",
+                    "{file} has other frequencies than {first}; put it into another folder",
                     file=path.name,
                     first=paths[0].name,
                 ),

@@ -18,7 +18,7 @@ from gpr20_analysis.formats.touchstone import HEIGHT_WORDS, MOVED
 from gpr20_analysis.processing.sweep import FrequencyGrid
 from gpr20_analysis.progress import Progress
 from gpr20_common.message import Message
-from gpr20_foreign_formats.header import Header
+from gpr20_foreign_formats.header import Header, no_files
 from gpr20_foreign_formats.traces import TAKEN, Traces, as_survey, needs_spacing
 from gpr20_survey.files.regular_file import check_regular
 
@@ -51,10 +51,7 @@ def read_touchstone(folder: Path, options: ImportOptions, progress: Progress) ->
         raise MissingLibraryError(library_missing("scikit-rf", "touchstone")) from error
     paths = [one for one in folder.iterdir() if one.suffix.lower() in ENTRY]
     if not paths:
-        raise UnreadableFileError(
-            Message("{folder} contains no files {pattern}", folder=folder, pattern="*.s1p, *.s2p"),
-            fault=faults.INPUT,
-        )
+        raise no_files(folder, "*.s1p, *.s2p")
     if len({one.suffix.lower() for one in paths}) > 1:
         mixed = Message(
             "{folder} contains both .s1p (S11) and .s2p (S21); a survey is of one kind: move the "
@@ -77,7 +74,9 @@ def read_touchstone(folder: Path, options: ImportOptions, progress: Progress) ->
         if len(frequency_hz) != len(first_hz) or np.abs(frequency_hz - first_hz).max() > SAME_HZ:
             raise UnreadableFileError(
                 Message(
-                    "{file} has other frequencies than {first}", file=path.name, first=paths[0].name
+                    "{file} has other frequencies than {first}; put it into another folder",
+                    file=path.name,
+                    first=paths[0].name,
                 ),
                 fault=faults.INPUT,
             )

@@ -9,7 +9,7 @@ from case_kit import each_case
 from fault_kit import raises_fault
 
 from gpr20_common.faults import NOT_SET_UP
-from gpr20_height_sensor.errors import SpiError
+from gpr20_height_sensor.errors import HeightError
 from gpr20_height_sensor.low.adc_interface import AdcInterface, open_spi_bus
 from gpr20_survey.faults import SENSOR_FAILED
 
@@ -50,18 +50,18 @@ def test_reads_ten_bits_whatever_floats_before_them(code, floating):
 
 @each_case("reply", [[255, 255, 255], [0, 4, 0], [], [0, 0], [0, 0, 0, 0], [0, 0, 256], [0, 0, -1]])
 def test_refuses_a_reply_that_no_converter_gives(reply):
-    with raises_fault(SENSOR_FAILED, error=SpiError):
+    with raises_fault(SENSOR_FAILED, error=HeightError):
         AdcInterface(FakeSpi(reply), 0).read_code()
 
 
 def test_a_failing_bus_is_our_error():
-    with raises_fault(SENSOR_FAILED, "broken", error=SpiError):
+    with raises_fault(SENSOR_FAILED, "broken", error=HeightError):
         AdcInterface(FakeSpi(OSError("broken")), 0).read_code()
 
 
 def test_a_missing_library_is_a_clear_error(monkeypatch):
     monkeypatch.setitem(sys.modules, "spidev", None)
-    with raises_fault(NOT_SET_UP, error=SpiError):
+    with raises_fault(NOT_SET_UP, error=HeightError):
         open_spi_bus(0, 0, 1_000_000)
 
 
@@ -92,6 +92,6 @@ def test_the_bus_is_opened_with_clock_and_mode_or_named_and_released(monkeypatch
     spi = open_spi_bus(1, 2, 500_000)
     assert (spi.opened, spi.max_speed_hz, spi.mode) == ((1, 2), 500_000, 0)
     monkeypatch.setattr(FakeSpiDev, "failure", FileNotFoundError("no such file"))
-    with raises_fault(NOT_SET_UP, "/dev/spidev0.1", error=SpiError):
+    with raises_fault(NOT_SET_UP, "/dev/spidev0.1", error=HeightError):
         open_spi_bus(0, 1, 1_000_000)
     assert FakeSpiDev.last.closed

@@ -52,10 +52,6 @@ class Fake:
         levels = np.arange(8, dtype=np.float32).reshape(2, 2, 2)
         return FocusedImage(os.getpid(), place, place, depth, levels, FOUND)
 
-    def find_candidates(self, survey, permittivity, language):
-        obey()
-        return FOUND, f"{{survey}} {{permittivity}} {{language}}"
-
     def write_report(self, survey, output, permittivity, language):
         obey()
         output.write_text(f"{{survey}} {{permittivity}} {{language}}: no echo is no clearance")

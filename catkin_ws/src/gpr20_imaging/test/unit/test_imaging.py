@@ -31,6 +31,7 @@ from gpr20_imaging.mid.imaging import Imaging
 from gpr20_imaging.mid.imaging_parameters import ImagingParameters
 from gpr20_imaging.mid.job_queue import MOST_WAITING, JobQueue
 from gpr20_survey.folder.recovery import read_description
+from gpr20_survey.results.candidates import list_from
 from gpr20_survey.results.hidden_target import Targets
 
 LOWERED = child_process.PREFIX
@@ -113,20 +114,14 @@ def test_a_child_that_takes_too_long_is_ended(imaging, survey, analysis, monkeyp
 
 
 def test_a_refusal_of_the_analysis_keeps_its_fault_and_template(imaging, survey, analysis):
-    found = imaging.find_candidates("a", survey.name, 0.0, "es")
-    assert found.found.candidates[0].id == "C01" and found.remarks == f"{survey} None es"
     analysis.mode = "full"
     with raises_fault(DISK_FULL, "/tmp/x"):
         imaging.focus("a", survey.name, 4.0)
     analysis.mode = "refuse"
-    for ask in (
-        lambda: imaging.focus("a", survey.name, 4.0),
-        lambda: imaging.find_candidates("a", survey.name, 0.0, "en"),
-    ):
-        with raises_fault("test.refused") as caught:
-            ask()
-        message = caught.value.message
-        assert message == REFUSAL and message.cause == REFUSAL.fault
+    with raises_fault("test.refused") as caught:
+        imaging.focus("a", survey.name, 4.0)
+    message = caught.value.message
+    assert message == REFUSAL and message.cause == REFUSAL.fault
 
 
 def test_impossible_permittivities_and_surveys_elsewhere_are_refused(imaging, survey):
@@ -134,7 +129,6 @@ def test_impossible_permittivities_and_surveys_elsewhere_are_refused(imaging, su
     for wrong in (-1.0, 0.5, 101.0, math.nan, math.inf):
         for ask in (
             lambda one=wrong: imaging.focus("a", survey.name, one),
-            lambda one=wrong: imaging.find_candidates("a", survey.name, one, "en"),
             lambda one=wrong: imaging.export("a", survey.name, kinds, one, "en", "/media/x"),
         ):
             with raises_fault(NOT_ALLOWED, f"{wrong:g}", "100"):
@@ -261,7 +255,9 @@ def corner_of(count, path):
 def test_candidates_are_those_of_the_analysis(process, tmp_path):
     survey = tmp_path / "corner.nc"
     corner = corner_of(7, survey)
-    found, remarks = process.find_candidates(survey, PERMITTIVITY, "en", Cancellation())
+    listed = tmp_path / "list.json"
+    process.write("candidates", survey, listed, PERMITTIVITY, "en", Cancellation())
+    found = list_from(listed.read_text(encoding="utf-8"))
     cleaned = gpr20_analysis.process_survey(corner, "background:method=surface")
     image = gpr20_analysis.image_survey(
         cleaned, gpr20_analysis.ImageOptions(permittivity=PERMITTIVITY)
@@ -273,7 +269,6 @@ def test_candidates_are_those_of_the_analysis(process, tmp_path):
         assert (one.x_m, one.y_m, one.depth_m) == approx(
             (same.x_m, same.y_m, same.depth_m), abs=1e-6
         )
-    assert remarks == ""
 
 
 @pytest.mark.timeout(300)
@@ -290,7 +285,8 @@ def test_where_a_mine_could_hide_is_that_of_the_analysis(process, tmp_path):
 
 def test_a_reason_comes_with_its_fault(process, tmp_path):
     with raises_fault(analysis_faults.INPUT, tmp_path / "nowhere"):
-        process.find_candidates(tmp_path / "nowhere", None, "en", Cancellation())
+        output = tmp_path / "list.csv"
+        process.write("candidates", tmp_path / "nowhere", output, None, "en", Cancellation())
     with raises_fault(analysis_faults.INPUT):
         folder = tmp_path / "20260921T141320_0f8fad5b"
         (folder / "traces").mkdir(parents=True)
@@ -324,9 +320,7 @@ def test_the_nodes_answers_are_those_of_the_imaging(
     asked = {"request_id": "a", "survey": survey.name, "permittivity": 4.0}
     focused = services["focus_survey"](requests.FocusSurveyRequest(**asked))
     assert focused.success and len(focused.levels_db) == 8 * 4
-    assert published["candidates"].candidates[0].id == "C01"
-    found = services["find_candidates"](requests.FindCandidatesRequest(**asked, language="en"))
-    assert found.remarks == f"{survey} 4.0 en" and "C01" in found.candidates_json
+    assert list_from(published["candidates"]).candidates[0].id == "C01"
     stick = sticks.plug_in()
     (listed,) = services["list_volumes"](requests.ListVolumesRequest()).volumes
     assert (listed.path, listed.writable) == (str(stick), True)

@@ -10,7 +10,7 @@ from xmlrpc.server import SimpleXMLRPCServer
 import pytest
 from case_kit import each_case
 
-from gpr20_common.low.limited_rpc import limited_server
+from gpr20_common.low.links import limited_server
 from gpr20_launch.low import node_answer
 from gpr20_launch.low.node_answer import Answer, NodeAnswer
 from gpr20_launch.mid.watchdog import (

@@ -28,8 +28,6 @@ class RequestRefusedError(SurveyError, RuntimeError):
 class DeviceError(SurveyError, OSError):
     """A part of the robot failed; the survey pauses and can be resumed."""
 
-    fault = PART_RED
-
 
 class NodeLostError(DeviceError):
     """There is no contact with a node, or it was restarted; the survey waits until it is back."""
@@ -73,8 +71,6 @@ class StopRequested(SurveyError):
 
 class ShutDownRequested(StopRequested):
     """The main control ends, usually with the whole robot."""
-
-    fault = STOPPED
 
 
 def message_of(error: Exception) -> Message:

@@ -8,7 +8,7 @@ from fake_robot import LIMIT_S, Bench, ManualClock, reports, warning_of
 
 from gpr20_common.faults import INTERNAL, PART_RED, PART_SILENT
 from gpr20_common.message import Message, Severity
-from gpr20_common.mid.node_software import NodeSoftware
+from gpr20_common.mid.node_facts import NodeSoftware
 from gpr20_main_control.errors import (
     DeviceError,
     SurveyError,

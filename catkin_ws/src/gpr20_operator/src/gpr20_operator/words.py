@@ -7,10 +7,11 @@ import datetime
 import math
 import re
 from decimal import Decimal
-from typing import Iterable, Tuple
+from typing import Iterable, Sequence, Tuple
 
 from gpr20_common.errors import InvalidValueError
-from gpr20_common.message import Message
+from gpr20_common.message import Message, numeral, verbatim
+from gpr20_survey.trace.utc_time import moment_text
 
 # Not Decimal() or float() alone: they accept digits of other scripts, underscores and words.
 _NUMBER = re.compile(r"[-+]?([0-9]{1,20}([.,][0-9]{0,20})?|[.,][0-9]{1,20})([eE][-+]?[0-9]{1,3})?")
@@ -25,7 +26,7 @@ MAX_DIGITS = 18
 def decimal_from_text(text: str) -> Decimal:
     """Return the number of a text such as "12.5" or "12,5", exactly.
 
-    Numbers are shown with a point in every language, as the VNA and the files have them.
+    Fields show numbers with a point in every language, as the VNA and the files have them.
 
     Raises:
         InvalidValueError: The text is not a number.
@@ -46,6 +47,22 @@ def number_from_text(text: str) -> float:
     if not math.isfinite(value):
         raise InvalidValueError(Message("'{text}' is not a number", text=text[:SHOWN_CHARACTERS]))
     return value
+
+
+def entered_number(text: str, form: str = ".12g") -> Message:
+    """Return what is in a field as people read it; other text than a number as it is."""
+    try:
+        return numeral(number_from_text(text), form)
+    except InvalidValueError:
+        return verbatim(text)
+
+
+def in_line(numbers: Sequence[Message]) -> Message:
+    """Return numbers with what stands between them where a comma may be a decimal comma."""
+    line = numbers[0] if numbers else verbatim("")
+    for one in numbers[1:]:
+        line = Message("{numbers}, {number}", numbers=line, number=one)
+    return line
 
 
 def plain_text(value: Decimal) -> str:
@@ -158,7 +175,7 @@ def size_text(width_mm: float, height_mm: float) -> Message:
     return Message("{width:g} x {height:g} mm", width=width_mm, height=height_mm)
 
 
-def local_time(started: str, folder: str = "") -> str:
+def local_time(started: str, folder: str = "") -> Message:
     """Return when a survey started, as "2026-11-21 05:10", in the time of this computer.
 
     Args:
@@ -168,5 +185,5 @@ def local_time(started: str, folder: str = "") -> str:
     for text, pattern in ((started[:16], STARTED), (folder[:13], FOLDER)):
         with contextlib.suppress(ValueError):
             at = datetime.datetime.strptime(f"{text}+0000", f"{pattern}%z")
-            return at.astimezone().strftime("%Y-%m-%d %H:%M")
-    return folder
+            return moment_text(at.astimezone().strftime("%Y-%m-%d %H:%M"))
+    return verbatim(folder)

@@ -8,10 +8,9 @@ import os
 from pathlib import Path
 from typing import Iterator, Optional
 
-from gpr20_common.errors import Gpr20Error
+from gpr20_common.errors import Gpr20Error, os_reason
 from gpr20_common.faults import DISK_REFUSES, FILE_DAMAGED, INTERNAL, NOT_ALLOWED
 from gpr20_common.message import Fault, Message
-from gpr20_common.os_reason import os_reason
 from gpr20_common.terminal_text import printable
 from gpr20_survey import faults
 

@@ -5,8 +5,6 @@ As in `gpr20_common.faults`, one code has one remedy.
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 from gpr20_common.message import Fault, Message, Severity
 
 # Plan and request.
@@ -39,7 +37,7 @@ CAN_RESUME = Fault(
     "survey.can_resume",
     Message("Resume the survey: that checks and repairs what is stored, and measures the rest."),
 )
-STOPPED = replace(CAN_RESUME, severity=Severity.NOTE)
+STOPPED = CAN_RESUME.as_note()
 COMPLETE = Fault(
     "survey.complete",
     Message("Plan a new survey: this one cannot be continued."),

@@ -1,4 +1,7 @@
-"""What the window shows in turn, so that each of its pages and sheets is seen with all it has."""
+"""What the window shows in turn, so that each of its pages and sheets is seen with all it has.
+
+What the robot says in it is Spanish: in a Spanish window every English word is then one of ours.
+"""
 
 import itertools
 
@@ -43,7 +46,7 @@ from gpr20_survey.results.candidates import Flag
 from gpr20_survey.results.found import What
 from gpr20_user_interface.window.rail import TabName
 
-LONG = "the VNA at 192.168.100.100 does not answer; check its cable and its address. " * 8
+LONG = "el VNA en 192.168.100.100 no contesta; revise el cable y la dirección. " * 9
 LARGEST = SurveyPreview(
     stops=500000,
     traces=1000000,
@@ -55,7 +58,7 @@ LARGEST = SurveyPreview(
     cost=SurveyCost(99 * 86400.0 + 86399.0, 123456 * 10**6),
 )
 WITH_DETAILS = Message("{reason}", reason=verbatim(LONG), details=LONG)
-IDENTITY = "Rohde&Schwarz,ZNB20-4Port,1311601062100123,3.40.0.1 with options K2, K4 and B16"
+IDENTITY = "Rohde&Schwarz,ZNB20-4Port,1311601062100123,3.40.0.1 con opciones K2, K4 y B16"
 NAME = "Ana María Rodríguez Vargas de la Cruz y Peña"
 SITE = "Vereda El Salado, franja 12, junto al camino viejo"
 LONGEST = {
@@ -67,13 +70,13 @@ LONGEST = {
     **{"if_bandwidth_hz": "100000", "averages": "1000", "output_power": "HIGH"},
 }
 PEOPLE = Annotation(NAME, SITE, "W " * 2000, Wgs84Position(-89.123456, -179.123456))
-OWNER = "/a_program_with_a_long_name_1795493315529903"
+OWNER = "/un_programa_de_nombre_largo_1795493315529903"
 CONDITIONS = (
     {"master_alive": False},
     {"control_alive": False, "control_silent_s": None},
     {"control_alive": False, "control_silent_s": 86399.0, "axes": moving(*AxisId, owner=OWNER)},
     {"interrupted": True},
-    {"service": verbatim("moving the X axis"), "axes": moving(*AxisId, owner=OWNER)},
+    {"service": verbatim("mover el eje X"), "axes": moving(*AxisId, owner=OWNER)},
     {"still_s": 86399.0},
     {"ignored_sender": OWNER, "axes": moving(*AxisId, owner=OWNER)},
 )
@@ -86,8 +89,8 @@ MANY = [
     candidate(number, 1234.0, 1234.0, 1234.0, 31.0, list(Flag)[: (number - 1) // 8])
     for number in range(1, 51)
 ]
-REFUSED = Message("the echoes agree with every permittivity").with_fault(
-    Fault("a.b", Message("Enter the permittivity of the soil, then try again. Or use another one."))
+REFUSED = verbatim("los ecos concuerdan con toda permitividad").with_fault(
+    Fault("a.b", verbatim("Escriba la permitividad del suelo y pruebe de nuevo. O use otra."))
 )
 UTC = ":00:00.000000+00:00"
 VISIT = {"next_index": 4321, "exceeded": True, "limit_db": 0.5, "limit_deg": 5.0}
@@ -98,7 +101,7 @@ DOUBTED = {
     **{"started": f"2026-10-01T12{UTC}", "ended": f"2026-10-01T11{UTC}"},
 }
 DOUBTS = tuple(survey_doubts(DOUBTED, ()))
-ENDED = snapshot(SurveyState.FINISHED, state=state_of(SurveyState.FINISHED, survey_id=SURVEY))
+ENDED = snapshot(SurveyState.FINISHED, state=state_of(SurveyState.FINISHED, LONG, SURVEY))
 
 
 def busiest(code=SurveyState.SURVEYING, **other):
@@ -227,8 +230,8 @@ def ground(window):
     window.on_event(SurveyDescribed(description()))
     live = window.traces.live
     live.begin(grid)
-    failures = {10: verbatim("the VNA did not answer within 90 s; check cable and address")}
-    verdict = verbatim("INCOMPLETE: 11 of 40 planned traces are stored, 1 failed, 28 missing")
+    failures = {10: verbatim("el VNA no contestó en 90 s; revise el cable y la dirección")}
+    verdict = verbatim("INCOMPLETA: 11 de 40 trazas planeadas guardadas, 1 fallida, 28 faltan")
     runs = CoverageRuns(SURVEY, 40, (0, 10, 11, 12), (1, 3, 1, 0), failures, verdict)
     live.map.set_coverage(runs)
     live.take_traces([trace_at(grid, index) for index in range(10)])
@@ -248,7 +251,7 @@ def on_ground(name):
 
 def surveys(window):
     window.show_tab(TabName.SURVEYS)
-    whole = past_survey(stored_traces=25000, planned_traces=25000, name="Field 7, north")
+    whole = past_survey(stored_traces=25000, planned_traces=25000, name="Campo 7, norte")
     many = [past_survey(folder=f"{FOLDER[:-2]}{one}", name=f"Lane {one}") for one in range(60)]
     window.on_event(SurveysListed("", (whole, *many), False))
     window.past.choose(whole)
@@ -258,7 +261,7 @@ def surveys(window):
 def list_fails(window):
     window.show_tab(TabName.SURVEYS)
     window.on_event(SurveysListed("", (), False))
-    window.traces.past.set_problem(verbatim("the storage does not answer; check the server"))
+    window.traces.past.set_problem(verbatim("el servidor no contesta"))
     show(window, snapshot())
 
 
@@ -394,12 +397,12 @@ def results(window):
     plug_in(node, BLUE, RED, LOCKED)
     yield shown("sticks")
     page.stick_sheet.sticks[1].click()
-    node.ticket("export").progress(verbatim("copying to the USB stick"))
+    node.ticket("export").progress(verbatim("copia a la memoria USB"))
     yield shown("export")
     node.ticket("export").done(Exported(("GPR20/a.pdf", "GPR20/b.zip")))
     yield shown("exported")
     page.stick_sheet.other.click()
     yield shown("other files")
     page.stick_sheet.sticks[1].click()
-    node.ticket("export").fail(verbatim("the USB stick is full; nothing was left. " * 7))
+    node.ticket("export").fail(verbatim("la memoria USB está llena; no quedó nada. " * 7))
     yield shown("full stick")

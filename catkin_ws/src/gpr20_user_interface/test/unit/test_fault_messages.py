@@ -156,6 +156,7 @@ LATER = {
     "values": {"thing": "mast"},
     "code": "mast.warped",
     "severity": "disaster",
+    "may_move": False,
     "remedy": "Straighten the mast.",
     "remedy_sentence": "Straighten the {thing}.",
     "remedy_values": {"thing": "mast"},
@@ -181,13 +182,14 @@ def test_a_fault_that_this_version_does_not_know_has_what_travelled_with_it():
         assert fault_notice(received(SurveyState.PAUSED, can_continue=one)).resumable is one
         assert received(SurveyState.STOPPED, may_move=one).axis_may_move is one
     # Hands off, whatever the remedy is.
-    assert fault_notice(received(SurveyState.PAUSED, may_move=True)).first is not None
+    first = fault_notice(received(SurveyState.PAUSED, may_move=True)).first
+    assert str(first).startswith("Keep your hands clear: the robot may still move. Straighten")
 
 
 def test_what_cannot_be_read_is_a_fault_with_its_text():
     for values in ("", "{", "[]", "x" * 20_000):
         for code in ("mast.warped", ""):
-            told = {"code": code, "remedy": "", "remedy_sentence": ""}
+            told = {"code": code, "remedy": "", "remedy_sentence": "", "may_move": False}
             now = received(SurveyState.PAUSED, values, **told)
             notice = fault_notice(now)
             assert now.is_fault and notice.resumable, values

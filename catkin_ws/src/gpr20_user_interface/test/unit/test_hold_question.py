@@ -87,7 +87,7 @@ def test_a_past_survey_is_named_before_it_is_resumed():
     survey = past_survey(name="field 3", width_mm=300.0, height_mm=250.0)
     assert rows(resume_past_question(FOLDER, survey)) == {
         "Survey": "field 3",
-        "Started": local_time(survey.started, survey.folder),
+        "Started": str(local_time(survey.started, survey.folder)),
         "Stored": "7 of 40 traces",
         "Area": "300 x 250 mm",
         "Plan": "that of the survey, not the one on this page",

@@ -1,11 +1,13 @@
 """Every page and sheet on every screen: nothing is cut off or covered, a glove hits every button.
 
 The window itself says which pages and sheets there are, so that no new one is forgotten. With
-`GPR20_PICTURES=FOLDER` a picture of each is stored there, to be looked at.
+`GPR20_PICTURES=FOLDER` a picture of each is stored there, to be looked at. In Spanish, no English
+word of ours is seen on any of them.
 """
 
 import itertools
 import os
+import re
 from dataclasses import replace
 from pathlib import Path
 
@@ -29,11 +31,11 @@ from PyQt5.QtWidgets import (
     QToolButton,
     QWidget,
 )
+from translation_kit import english_words
 from view_kit import snapshot
 from window_helpers import click, close, open_field, opened_window, show
 
-from gpr20_common.catalogue import Language
-from gpr20_common.low.catalogue_file import languages
+from gpr20_common.catalogue import Language, languages
 from gpr20_operator.plan.fields import PLAN, default_parameters, texts_of
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_user_interface.look.look import BORDER_PX, Theme
@@ -45,6 +47,8 @@ from gpr20_user_interface.widgets.overlay import Overlay
 from gpr20_user_interface.window.rail import TabName
 
 PICTURES = os.environ.get("GPR20_PICTURES")
+# Of a number: addresses and versions have more points.
+DECIMAL_POINT = re.compile(r"(?<![\w.])\d+\.\d{1,5}(?![\w.])|\d{4}-\d\d-\d\d")
 # How sheets call the buttons that close them or open the one with a button to hold.
 CLOSING = (
     *("accept_button", "cancel", "close_button", "delete", "done", "drop", "load", "save"),
@@ -142,6 +146,11 @@ def misfits(window, widget):
     place = place_of(window, widget)
     if not window.rect().contains(place):
         yield "reaches over the edge"
+    # Fields keep the point of what is typed and read again, and positions on the earth.
+    typed = isinstance(widget, QLineEdit) or widget.objectName() == "figure"
+    spanish = window.languages.language == Language.SPANISH
+    if spanish and not typed and DECIMAL_POINT.search(getattr(widget, "text", str)()):
+        yield "has a decimal point"
     if isinstance(widget, QLabel):
         yield from label_misfits(window, widget)
     elif isinstance(widget, QAbstractButton):
@@ -190,11 +199,14 @@ def line_misfits(widget, text, frame_px):
 def every_problem(window):
     """Show every page and sheet; return what is wrong, each with the first that shows it."""
     wrong, seen = {}, set()
+    spanish = window.languages.language == Language.SPANISH
 
     def look(what):
         settle()
         for one in problems(window, front(window)):
             wrong.setdefault(one, what)
+        for one in english_words(texts_on(window)) if spanish else ():
+            wrong.setdefault(f"says {one}", what)
         if PICTURES:
             language, theme = window.languages.language.value, window.look.theme.value
             folder = Path(PICTURES) / f"{window.width()}x{window.height()}_{language}_{theme}"
@@ -219,6 +231,18 @@ def every_problem(window):
             sheet.open()
             look(type(sheet).__name__)
     return wrong
+
+
+def texts_on(window):
+    """Return what all widgets show, but for the details, which are technical, and the sticks."""
+    for one in window.findChildren(QWidget):
+        if one.objectName() not in ("details", "choice"):
+            names = (
+                ("whole",) if isinstance(one, CUT) else ("text", "toPlainText", "placeholderText")
+            )
+            found = [getattr(one, name, "") for name in names]
+            said = [text() if callable(text) else text for text in found]
+            yield from (text for text in said if isinstance(text, str))
 
 
 def every_page(window, tab):

@@ -11,7 +11,7 @@ from view_kit import snapshot
 from window_helpers import click, hold, show
 
 from gpr20_common.message import Message, verbatim
-from gpr20_common.mid.node_software import NodeSoftware
+from gpr20_common.mid.node_facts import NodeSoftware
 from gpr20_doctor.mid.finding import Level, Unknown
 from gpr20_doctor.mid.machine_facts import HardwareUse, MachineFacts
 from gpr20_doctor.mid.node_health import EXPECTED_NODES, HealthLevel, NodeHealth

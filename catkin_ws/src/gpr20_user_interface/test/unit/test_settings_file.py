@@ -14,9 +14,8 @@ from tutorial_code import code_blocks
 from view_kit import make_grid, past_survey, snapshot
 from window_helpers import click, show, until
 
-from gpr20_common.catalogue import Language
+from gpr20_common.catalogue import VARIABLE, Language, languages, read_catalogue
 from gpr20_common.faults import DISK_REFUSES, NOT_ALLOWED
-from gpr20_common.low.catalogue_file import VARIABLE, languages, read_catalogue
 from gpr20_common.message import Message
 from gpr20_common.mid.codec import plain
 from gpr20_operator import faults

@@ -13,9 +13,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from view_kit import ASKED_PAUSE, FULL, LOST, state_of
 
-from gpr20_common.catalogue import Catalogue, Language
+from gpr20_common.catalogue import Catalogue, Language, read_catalogue
 from gpr20_common.faults import DISK_FULL
-from gpr20_common.low.catalogue_file import read_catalogue
 from gpr20_common.message import Message, verbatim
 from gpr20_operator.robot.events import (
     DOCUMENTED_TRAVEL,
@@ -115,6 +114,8 @@ def test_help_lists_fields_and_exit_statuses_in_the_language_of_the_catalogue_as
     assert all(f"\n  {status:>3}  " in text for status in (2, *map(int, ExitStatus)))
     assert all(f"\n  --{name} " in text for name in FIELDS)
     assert "(por defecto 15)" in " ".join(text.split())
+    # But for the example of a position, which is typed so.
+    assert not re.search(r"\d\.\d{1,2}(?!\d)", text)
     assert text.startswith("uso: ") and "show this help" not in text
 
 
@@ -124,6 +125,7 @@ def test_help_lists_fields_and_exit_statuses_in_the_language_of_the_catalogue_as
         (["--wait", "0"], "'0' no es un número de segundos mayor que cero"),
         (["--wait"], "argumento --wait: se espera un valor"),
         (["--bar", "no"], "valor no permitido: 'no' (elija entre "),
+        (["--permittivity", "0,5"], "'0,5' no es una permitividad"),
         (["--none"], "argumentos desconocidos: --none"),
         (["--attach", "--resume"], "no se permite junto con el argumento --attach"),
         (["--a"], "opción ambigua: --a puede ser "),
@@ -307,10 +309,8 @@ def test_plain_lines_come_every_ten_percent_and_at_the_end_in_the_language_of_th
         show_progress(display, visited)
     noted, *shown = stream.getvalue().splitlines()
     assert noted == "permiso denegado ([Errno 13] '/data')"
-    assert shown[3] == " 30.0 %  60/200 trazas  quedan 3 min (según lo medido)"
-    assert [one.split("%")[0].strip() for one in shown] == [
-        f"{10.0 * one:.1f}" for one in range(11)
-    ]
+    assert shown[3] == " 30,0 %  60/200 trazas  quedan 3 min (según lo medido)"
+    assert [one.split("%")[0].strip() for one in shown] == [f"{10 * one},0" for one in range(11)]
 
 
 @each_case("columns", [80, 200])

@@ -12,6 +12,7 @@ from PyQt5.QtWidgets import QScroller
 from view_kit import FOLDER, SURVEY, description, past_survey, snapshot, state_of
 from window_helpers import click, show
 
+from gpr20_common.catalogue import Language, read_catalogue
 from gpr20_common.message import verbatim
 from gpr20_operator.ground.past_surveys import Listed, PastSurveys, searchable, title_of
 from gpr20_operator.ground.trace_events import SurveyDescribed, SurveysListed
@@ -22,6 +23,8 @@ from gpr20_user_interface.look.look import Look, Theme
 from gpr20_user_interface.look.translation import shown_text
 from gpr20_user_interface.pages.surveys.survey_list import map_picture
 from gpr20_user_interface.window.rail import TabName
+
+SPANISH = read_catalogue(Language.SPANISH)
 
 RUNS, ENDED = (
     snapshot(state=state_of(code, survey_id=SURVEY))
@@ -111,7 +114,7 @@ def test_what_is_wrong_with_an_incomplete_survey_is_said():
     }
     assert {one: shown_text(surveys.ending(one)) for one in endings} == endings
     # In one line.
-    assert title_of(past_survey(name=" a\nb\tc\n")) == "a b c"
+    assert str(title_of(past_survey(name=" a\nb\tc\n"))) == "a b c"
 
 
 def test_the_map_of_a_survey_shows_what_is_stored_with_y_upwards(window):
@@ -176,7 +179,12 @@ def test_a_search_is_a_plain_filter_of_all_pages(surveys, text, listed, split):
     past.take(past.next_before, numbered[split:], False)
 
     def wanted(survey):
-        texts = (survey.name, survey.site, survey.operator, local_time(survey.started))
+        texts = (
+            survey.name,
+            survey.site,
+            survey.operator,
+            SPANISH.text(local_time(survey.started)),
+        )
         written = searchable(" ".join(texts))
         good = survey.complete and survey.outcome != "imported"
         kept = {
@@ -187,7 +195,8 @@ def test_a_search_is_a_plain_filter_of_all_pages(surveys, text, listed, split):
         }
         return kept[listed] and all(searchable(word) in written for word in text.split())
 
-    assert past.found(listed, text) == tuple(one for one in numbered if wanted(one))
+    found = past.found(listed, text, SPANISH.text)
+    assert found == tuple(one for one in numbered if wanted(one))
 
 
 def pull(window, finger, start, moves):

@@ -218,7 +218,12 @@ class PicksFile:
         with self.path.open("rb") as stream:
             data = stream.read(MOST_BYTES + 1)
         if len(data) > MOST_BYTES:
-            raise PicksFileError(Message("{path} is too large for a file of picks", path=self.path))
+            raise PicksFileError(
+                Message(
+                    "{path} is too large for a file of picks; choose another with --picks",
+                    path=self.path,
+                )
+            )
         return data
 
     def _compare(self, survey_id: str, sha256: str) -> List[Message]:

@@ -34,8 +34,6 @@ class VnaConnectionError(VnaError, OSError):
 class VnaNoAnswerError(VnaConnectionError):
     """A query got no answer in time."""
 
-    fault = VNA_SILENT
-
 
 class VnaIdentityError(VnaError):
     """Something answers at the address, but it is not the expected instrument."""
@@ -70,8 +68,6 @@ class VnaCalibrationError(VnaError):
 class VnaSweepError(VnaError, OSError):
     """A sweep did not end in time, or every attempt failed."""
 
-    fault = VNA_FAILED
-
 
 class VnaTimeoutError(VnaError, TimeoutError):
     """A request, with all its retries, exceeded its time limit."""
@@ -88,10 +84,6 @@ class VnaClosedError(VnaError, RuntimeError):
 class VnaDataError(VnaError, ValueError):
     """An answer of the instrument is invalid."""
 
-    fault = VNA_FAILED
-
 
 class VnaOldDataError(VnaDataError):
     """Data, or a part of them, are those of a sweep before."""
-
-    fault = VNA_FAILED

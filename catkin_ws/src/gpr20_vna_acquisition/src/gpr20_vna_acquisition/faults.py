@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from gpr20_common.message import Fault, Message
 
-_CONNECT = Message("Connect the VNA: start or resume the survey, or test the VNA on ROBOT.")
 LOCKED = Fault(
     "vna.locked",
     Message(

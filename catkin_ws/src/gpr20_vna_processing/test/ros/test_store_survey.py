@@ -203,7 +203,6 @@ class StoreSurveyTest(unittest.TestCase):
         )
         self.check_read(self.survey_id)
         closed = self.done(self.close())
-        self.assertEqual((closed.stored_traces, closed.path), (TRACES, opened.path))
         self.assertEqual(
             json.loads(closed.fault.values),
             {"survey": self.survey_id, "stored": TRACES},
@@ -264,8 +263,7 @@ class StoreSurveyTest(unittest.TestCase):
         self.assertEqual((answer.success, answer.fault.code), (False, "clock.wrong"))
         self.assertEqual(os.listdir(opened.path + "/traces"), [])
         reason = Message("the zero is lost").with_fault(Fault("axis.lost_zero"))
-        closed = self.done(self.close("failed", reason_fault=fault_of(reason)))
-        self.assertEqual(closed.stored_traces, 0)
+        self.done(self.close("failed", reason_fault=fault_of(reason)))
         survey = description_in(opened.path)
         self.assertEqual((survey["reason"], survey["fault_code"]), (str(reason), "axis.lost_zero"))
         for found in recordings(opened.path):
@@ -298,7 +296,7 @@ class StoreSurveyTest(unittest.TestCase):
         self.assertFalse(self.services["reopen_survey"](survey="../x").success)
         for name in (self.survey_id, os.path.basename(opened.path)):
             answer = self.done(self.services["reopen_survey"](survey=name))
-            self.assertEqual((answer.path, answer.survey_id), (opened.path, self.survey_id))
+            self.assertEqual(answer.survey_id, self.survey_id)
             self.assertEqual(answer.stored_indices, (0, 1, 2))
             assert_same_numbers(trace_of(self.survey_id, 2), answer.recent[-1])
             self.assertEqual(json.loads(answer.metadata_json), {"parameters": {"x_points": 3}})
@@ -312,7 +310,7 @@ class StoreSurveyTest(unittest.TestCase):
         self.wait_until(lambda: len(live) >= len(published), "traces are missing on the topic")
         self.assertEqual([trace.index for trace in live], published)
         self.assertEqual(live[2].sample_id, live[3].sample_id)
-        self.assertEqual(self.done(self.close()).stored_traces, TRACES)
+        self.done(self.close())
         for found in recordings(opened.path):
             indices = [message.index for message in found["/robot3/trace"]]
             self.assertEqual(indices, list(range(TRACES)))

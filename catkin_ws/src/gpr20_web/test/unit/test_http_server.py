@@ -15,7 +15,7 @@ import pytest
 from tornado import httputil, netutil
 from web_kit import COOKIE, LIMIT_S, STATIC, Site
 
-from gpr20_common.low.tcp_keepalive import end_when_broken
+from gpr20_common.low.links import end_when_broken
 from gpr20_common.message import Message
 from gpr20_web.calls import Body, Call, Route, Stream
 from gpr20_web.errors import NotNowError, PortTakenError

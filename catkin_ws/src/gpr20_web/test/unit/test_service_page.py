@@ -15,7 +15,7 @@ from view_kit import snapshot
 from web_kit import SILENT, ManualClock, Noted, state_of
 
 from gpr20_common.message import verbatim
-from gpr20_common.mid.node_software import NodeSoftware
+from gpr20_common.mid.node_facts import NodeSoftware
 from gpr20_doctor.mid.machine_facts import HardwareUse, MachineFacts
 from gpr20_doctor.mid.node_health import HealthLevel, NodeHealth
 from gpr20_operator.jobs.job import Service, Ticket

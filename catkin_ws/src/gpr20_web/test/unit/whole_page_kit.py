@@ -39,6 +39,7 @@ from gpr20_operator.robot.remote_control import RemoteAllowance, RemoteArmed
 from gpr20_operator.robot.robots import Robots
 from gpr20_operator.robot.survey_model import SurveyModel
 from gpr20_survey.plan.survey_state import SurveyState
+from gpr20_web import faults
 from gpr20_web.calls import Call, Person
 from gpr20_web.mid.all_pages import Surroundings, all_pages
 from gpr20_web.mid.audit import Audit
@@ -229,7 +230,7 @@ def is_without_right(reply: Reply) -> bool:
     """Return whether a request was refused because of who has sent it."""
     if reply.status not in (401, 403):
         return False
-    return reply.values.get("code") in ("web.not_logged_in", "web.not_allowed")
+    return reply.values.get("code") in (faults.NOT_LOGGED_IN.code, faults.NOT_ALLOWED.code)
 
 
 NOBODY, VIEW, OPERATE, ADMIN = Role

@@ -25,7 +25,7 @@ from gpr20_analysis.imaging.image import image_survey
 from gpr20_analysis.imaging.image_options import ImageOptions
 from gpr20_analysis.imaging.methods import DEFAULT_STEPS
 from gpr20_analysis.processing.chain import process_survey
-from gpr20_common.faults import IN_USE
+from gpr20_common.faults import BUSY
 from gpr20_common.message import Message
 from gpr20_survey.folder.soil_note import soil_of_survey
 from gpr20_survey.radar.frequency_to_delay import decibels
@@ -113,6 +113,6 @@ def _measured_part(present: np.ndarray) -> Tuple[slice, slice]:
                 fewest=FEWEST_LINES,
                 rows=min(len(rows), len(columns)),
             ),
-            fault=IN_USE.as_note(),
+            fault=BUSY.as_note(),
         )
     return slice(rows[0], rows[-1] + 1), slice(columns[0], columns[-1] + 1)

@@ -16,6 +16,7 @@ from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message
 from gpr20_survey.plan.markers import Marker, markers_of
 from gpr20_survey.results.area_position import AreaPosition
+from gpr20_survey.trace.utc_time import moment_text
 
 NONE = "-"
 
@@ -85,7 +86,7 @@ def _row(marker: Marker, catalogue: Catalogue) -> Tuple[str, ...]:
             Message(
                 "{text} (removed {time} {operator})",
                 text=text,
-                time=marker.removed,
+                time=moment_text(marker.removed),
                 operator=marker.removed_by,
             )
         )
@@ -93,7 +94,7 @@ def _row(marker: Marker, catalogue: Catalogue) -> Tuple[str, ...]:
         f"{marker.x_mm:.0f}",
         f"{marker.y_mm:.0f}",
         NONE if marker.depth_mm is None else f"{marker.depth_mm:.0f}",
-        marker.time,
+        catalogue.text(moment_text(marker.time)),
         marker.author or NONE,
         text,
     )

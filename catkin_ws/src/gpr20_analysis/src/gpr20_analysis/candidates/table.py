@@ -6,7 +6,7 @@ from typing import List, Optional, Sequence, Tuple
 
 from gpr20_analysis.sentences import ENGLISH
 from gpr20_common.catalogue import Catalogue
-from gpr20_common.message import Message
+from gpr20_common.message import Message, numeral
 from gpr20_survey.results.candidates import (
     MOST_DOUBTFUL,
     NO_CLEARANCE,
@@ -37,13 +37,13 @@ def candidate_heading(catalogue: Catalogue = ENGLISH) -> Tuple[str, ...]:
 
 def candidate_row(candidate: Candidate, catalogue: Catalogue = ENGLISH) -> Tuple[str, ...]:
     """Return a candidate as a row of a table below `candidate_heading`."""
-    ratio_db = candidate.polarization_ratio_db
+    ratio_db, alarms = candidate.polarization_ratio_db, candidate.false_alarms
     return (
         candidate.id,
         *candidate.place_texts,
-        f"{candidate.above_clutter_db:.1f}",
-        candidate.false_alarms_text or NONE,
-        NONE if ratio_db is None else f"{round(ratio_db, 1) + 0.0:+.1f}",
+        catalogue.text(numeral(candidate.above_clutter_db, ".1f")),
+        NONE if alarms is None else catalogue.text(alarms),
+        NONE if ratio_db is None else catalogue.text(numeral(round(ratio_db, 1) + 0.0, "+.1f")),
         ", ".join(catalogue.text(label) for label in candidate.labels) or NONE,
     )
 

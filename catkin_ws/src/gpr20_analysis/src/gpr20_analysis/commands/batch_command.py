@@ -25,11 +25,10 @@ from gpr20_analysis.commands.command import DAMAGED, DONE, NOT_COMPLETE, Command
 from gpr20_analysis.commands.failure import first_steps
 from gpr20_analysis.errors import AnalysisError
 from gpr20_analysis.formats.conversion import EXPORTS
-from gpr20_analysis.sentences import shown
+from gpr20_analysis.sentences import json_fields, shown
 from gpr20_common.catalogue import Catalogue
 from gpr20_common.faults import NOT_ALLOWED
 from gpr20_common.message import Message
-from gpr20_common.sent_message import json_fields
 from gpr20_common.terminal_text import say
 from gpr20_survey.folder.survey_folder import LOG_FILE, TRACES_FOLDER
 

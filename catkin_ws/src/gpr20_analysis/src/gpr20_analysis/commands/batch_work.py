@@ -28,8 +28,8 @@ from gpr20_analysis.commands.failure import message_of
 from gpr20_analysis.errors import AnalysisError
 from gpr20_analysis.lazy import available_bytes
 from gpr20_analysis.threads import processors
+from gpr20_common.catalogue import language_from_code, read_catalogue
 from gpr20_common.faults import NOT_ALLOWED
-from gpr20_common.low.catalogue_file import language_from_code, read_catalogue
 from gpr20_common.message import Message
 
 TIME_LIMIT_S = 10.0
@@ -143,7 +143,8 @@ def connected(address: Optional[str], workers: int) -> Iterator[Client]:
     except (OSError, ValueError) as error:
         raise AnalysisError(
             Message(
-                "no dask scheduler answers at {address} within {limit_s:g} s",
+                "no dask scheduler answers at {address} within {limit_s:g} s; start it and its "
+                "workers, or leave --scheduler out",
                 address=address,
                 limit_s=TIME_LIMIT_S,
                 details=error,
@@ -261,7 +262,8 @@ def _lost(error: BaseException, job: Job) -> Outcome:
     reason = message_of(error, f"gpr20 batch {job.call.survey}")
     if isinstance(error, KilledWorker):
         reason = Message(
-            "every worker that computed this survey was killed, probably for lack of memory",
+            "every worker that computed this survey was killed, probably for lack of memory; use "
+            "fewer workers",
             details=error,
         ).with_fault(faults.TOO_LARGE)
     return Outcome(REFUSED, 0.0, error=reason)

@@ -6,11 +6,9 @@ from typing import List
 
 from gpr20_analysis import faults
 from gpr20_analysis.errors import library_missing
-from gpr20_common.errors import Gpr20Error
-from gpr20_common.faults import ASKED_FOR, DISK_REFUSES, IN_USE, NOT_ALLOWED
+from gpr20_common.errors import Gpr20Error, os_reason
+from gpr20_common.faults import ASKED_FOR, DISK_REFUSES, NOT_ALLOWED
 from gpr20_common.message import Message
-from gpr20_common.os_reason import os_reason
-from gpr20_survey.faults import CAN_RESUME
 
 EXTRAS = {"distributed": "batch", "matplotlib": "plots", "reportlab": "pdf"}
 """Optional libraries that whole commands need, and the extra of each."""
@@ -21,15 +19,11 @@ TRACEBACK = "GPR20_TRACEBACK"
 STEP_IS_SAID = frozenset(
     one.code
     for one in (
-        *(NOT_ALLOWED, faults.INPUT, faults.INPUT, NOT_ALLOWED, faults.INPUT),
-        *(NOT_ALLOWED, NOT_ALLOWED, faults.INPUT, faults.TOO_LARGE),
-        *(NOT_ALLOWED, NOT_ALLOWED, faults.STEPS, faults.NO_ROS),
-        *(NOT_ALLOWED,),
-        *(faults.NO_ROS, faults.ROBOT_RUNS, IN_USE),
-        *(CAN_RESUME, faults.STEPS, faults.PROGRAM, ASKED_FOR),
+        *(NOT_ALLOWED, ASKED_FOR, faults.INPUT, faults.STEPS, faults.TOO_LARGE),
+        *(faults.NO_ROS, faults.ROBOT_RUNS, faults.PROGRAM),
     )
 )
-"""Codes of the faults whose sentences all say themselves what to do; it is not said twice."""
+"""Codes whose remedy says in general what each of their sentences says exactly."""
 
 
 def message_of(error: BaseException, command: str) -> Message:

@@ -14,15 +14,14 @@ from gpr20_analysis import __version__
 from gpr20_analysis.commands import command
 from gpr20_analysis.commands.command import EXIT_STATUS, REFUSED
 from gpr20_analysis.commands.failure import EXPECTED, TRACEBACK, first_steps, message_of
-from gpr20_analysis.sentences import shown
-from gpr20_common.catalogue import Language
-from gpr20_common.low.catalogue_file import (
+from gpr20_analysis.sentences import json_fields, shown
+from gpr20_common.catalogue import (
+    Language,
     language_from_code,
     language_from_environment,
     languages,
     read_catalogue,
 )
-from gpr20_common.sent_message import json_fields
 from gpr20_common.terminal_text import say
 
 

@@ -162,7 +162,11 @@ def _check_parent(path: Path, place: Path) -> None:
     above = next(one for one in place.parents if one.exists())
     if not above.is_dir():
         raise ExportError(
-            Message("{path} cannot be written: {above} is not a folder", path=path, above=above)
+            Message(
+                "{path} cannot be written: {above} is not a folder; choose another place",
+                path=path,
+                above=above,
+            )
         )
     if not os.access(str(above), os.W_OK | os.X_OK):
         raise ExportError(

@@ -23,8 +23,7 @@ from gpr20_analysis.trial.documents import Plan, Seal, read_candidates, read_pla
 from gpr20_analysis.trial.ground import groups_of, read_lanes, read_targets
 from gpr20_analysis.trial.score import Score, score_found, score_trial
 from gpr20_analysis.trial.statistics import targets_needed
-from gpr20_common.catalogue import Catalogue
-from gpr20_common.low.catalogue_file import language_from_code
+from gpr20_common.catalogue import Catalogue, language_from_code
 from gpr20_common.message import Message
 from gpr20_common.terminal_text import say
 from gpr20_survey.files.durable_files import write_new_file
@@ -142,7 +141,13 @@ def _score_found(chosen: argparse.Namespace) -> Score:
     listed = read_candidates(chosen.plan)
     recovered = recover(chosen.found)
     if listed.survey_id not in ("", recovered.survey_id):
-        raise AnalysisError(Message("{file} is of another survey", file=chosen.plan))
+        raise AnalysisError(
+            Message(
+                "{file} is of another survey; give a list of {survey}",
+                file=chosen.plan,
+                survey=chosen.found,
+            )
+        )
     halo_m = Plan(chosen.halo, (), {}).halo_m  # within the limits of a plan
     listed = replace(listed, method=chosen.plan.name, lane=chosen.found.name)
     return score_found(listed, found_in(recovered.found.records), halo_m)

@@ -155,7 +155,10 @@ def on_grid(
     cells = grid.places(positions)
     if len(set(cells)) < len(cells):
         raise UnreadableFileError(
-            Message("{source} has two samples at the same position and rotation", source=source),
+            Message(
+                "{source} has two samples at the same position and rotation; give data with one",
+                source=source,
+            ),
             fault=faults.INPUT,
         )
     axis = delay_s if frequency_hz is None else frequency_hz
@@ -212,8 +215,8 @@ def even_step(values: np.ndarray, name: Union[str, Message], unit: str) -> float
     if np.ptp(steps) > 0.01 * abs(steps.mean()):
         raise ExportError(
             Message(
-                "the spacing of {axis} is uneven, {smallest:g} to {largest:g} {unit}; this format "
-                "supports only even spacing",
+                "the spacing of {axis} is uneven, {smallest:g} to {largest:g} {unit}; choose a "
+                "format that supports that",
                 axis=name,
                 smallest=steps.min(),
                 largest=steps.max(),

@@ -29,8 +29,8 @@ from gpr20_analysis.processing.delay import ADVANCE
 from gpr20_analysis.progress import Progress, no_progress
 from gpr20_analysis.read.doubts import survey_doubts
 from gpr20_analysis.sentences import FAULTS, with_doubts
+from gpr20_common.errors import os_reason
 from gpr20_common.message import Message
-from gpr20_common.os_reason import os_reason
 from gpr20_survey.plan.imported import IMPORTED, TIMES_KNOWN
 
 Count = Callable[[xr.Dataset, Path, Progress], int]

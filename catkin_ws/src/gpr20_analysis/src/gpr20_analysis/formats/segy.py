@@ -65,13 +65,13 @@ def write_segy(survey: xr.Dataset, path: Path, progress: Progress = no_progress)
     segyio = _segyio()
     if survey.sizes[dataset.POLARIZATION] != 1:
         raise ExportError(
-            Message("a SEG-Y file holds one polarization; write each to a separate file"),
+            Message("a SEG-Y file holds one polarization; select it with the step polarization"),
             fault=faults.INPUT,
         )
     survey = survey.isel({dataset.POLARIZATION: 0})
     if dataset.S21 not in survey and dataset.A_SCAN not in survey:
         raise ExportError(
-            Message("the data contain neither spectra nor A-scans, so they cannot be exported"),
+            Message("the data contain neither spectra nor A-scans; give data with one of them"),
             fault=faults.INPUT,
         )
     if dataset.A_SCAN in survey:

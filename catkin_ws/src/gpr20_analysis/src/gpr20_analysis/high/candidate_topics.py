@@ -1,22 +1,15 @@
-"""Candidates as messages: their list, and markers that RViz and Foxglove show.
-
-A message has no None: what is not known is NaN, and a list of positions is empty.
-"""
+"""Candidates as messages: their list as JSON, and markers that RViz and Foxglove show."""
 
 from __future__ import annotations
 
-import math
 from typing import Any, Dict, List
 
 import rospy
 from geometry_msgs.msg import Point, Pose, Quaternion, Vector3
-from std_msgs.msg import ColorRGBA, Header
+from std_msgs.msg import ColorRGBA, Header, String
 from visualization_msgs.msg import Marker, MarkerArray
 
-from gpr20_msgs.msg import AreaPosition
-from gpr20_msgs.msg import Candidate as CandidateMessage
-from gpr20_msgs.msg import CandidateList as CandidateListMessage
-from gpr20_survey.results.candidates import CandidateList, candidate_record, list_record
+from gpr20_survey.results.candidates import CandidateList, json_text
 
 LIST_TOPIC, MARKERS_TOPIC = "candidates", "candidate_markers"
 # Smallest shown diameter, and height of the letters [m].
@@ -33,33 +26,13 @@ class CandidateTopics:
 
     def __init__(self, frame: str) -> None:
         self._frame = frame
-        self._list = rospy.Publisher(LIST_TOPIC, CandidateListMessage, latch=True, queue_size=1)
+        self._list = rospy.Publisher(LIST_TOPIC, String, latch=True, queue_size=1)
         self._markers = rospy.Publisher(MARKERS_TOPIC, MarkerArray, latch=True, queue_size=1)
 
     def publish(self, found: CandidateList) -> None:
         """Publish a list and its markers, which replace former ones."""
-        self._list.publish(list_message(found))
+        self._list.publish(json_text(found))
         self._markers.publish(marker_array(found, self._frame, rospy.Time.now()))
-
-
-def list_message(found: CandidateList) -> CandidateListMessage:
-    """Return the message of a list."""
-    record = list_record(found)
-    record["position"] = [AreaPosition(**one) for one in [record["position"]] if one]
-    records = [candidate_record(one, found) for one in found.candidates]
-    record["candidates"] = [_message(CandidateMessage, one) for one in records]
-    return _message(CandidateListMessage, record)
-
-
-def _message(kind: Any, record: Dict[str, Any]) -> Any:
-    """Return the message with those values of a record that it has."""
-
-    def sent(value: Any) -> Any:
-        if isinstance(value, list):
-            return [sent(one) for one in value]
-        return math.nan if value is None else value
-
-    return kind(**{name: sent(record[name]) for name in kind.__slots__})
 
 
 def marker_array(found: CandidateList, frame: str, stamp: rospy.Time) -> MarkerArray:

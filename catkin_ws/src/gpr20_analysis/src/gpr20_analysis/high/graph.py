@@ -9,7 +9,7 @@ import rosgraph
 from gpr20_analysis import faults
 from gpr20_analysis.errors import AnalysisError
 from gpr20_common.errors import NodeGoneError, NodeSilentError
-from gpr20_common.low.limited_rpc import NodeProbe
+from gpr20_common.low.links import NodeProbe
 from gpr20_common.message import Message
 
 # Topics that are not a robot's alone: every node publishes its health, and the log node of each

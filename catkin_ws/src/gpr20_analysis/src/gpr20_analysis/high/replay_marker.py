@@ -8,9 +8,8 @@ import rospy
 
 from gpr20_analysis.read.playback import Playback
 from gpr20_analysis.read.replay import ReplayedSurvey
-from gpr20_common.high.answers import message_fields
+from gpr20_common.high.answers import advertise, message_fields
 from gpr20_common.high.periodic import Periodic
-from gpr20_common.high.services import advertise
 from gpr20_common.message import Message
 from gpr20_msgs.msg import Replay
 from gpr20_msgs.srv import Command, CommandResponse, SetReplayRate, SetReplayRateResponse

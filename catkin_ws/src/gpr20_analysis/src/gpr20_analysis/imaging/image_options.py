@@ -15,7 +15,8 @@ from gpr20_analysis.imaging.permittivity.known_permittivity import GIVEN_UNCERTA
 from gpr20_analysis.imaging.records import Ground
 from gpr20_analysis.processing.antenna_delay import check_delay
 from gpr20_common.faults import NOT_ALLOWED
-from gpr20_common.message import Message
+from gpr20_common.message import Message, numeral
+from gpr20_common.mid.checks import Text, with_unit
 from gpr20_survey.radar.frequency_to_delay import Window
 from gpr20_survey.radar.soils import LARGEST_PERMITTIVITY, MIN_PERMITTIVITY, Soils
 
@@ -73,7 +74,7 @@ class ImageOptions:
             raise WrongDatasetError(
                 Message(
                     "the depths are {depths} m; they must be two or more, ascending, not negative",
-                    depths=", ".join(f"{one:g}" for one in depth_m[:5]) or "-",
+                    depths=tuple(map(numeral, depth_m[:5])) or "-",
                 ),
                 fault=NOT_ALLOWED,
             )
@@ -98,7 +99,7 @@ class ImageOptions:
             name = Message("the depth of the buried reference")
             check_range(name, self.buried.depth_m, 0.02, 1.0, "m")
         check_range(Message("the antenna height"), self.height_m, 0.001, 10.0, "m")
-        check_range(Message("the widest angle"), self.widest_angle_deg, 5.0, 89.0, "deg")
+        check_range(Message("the widest angle"), self.widest_angle_deg, 5.0, 89.0, Message("deg"))
         check_range(Message("the antenna separation"), self.separation_m, 0.0, 2.0, "m")
         if self.delay_s is not None:
             check_delay(self.delay_s)
@@ -128,7 +129,7 @@ class ImageOptions:
 
 
 def check_range(
-    name: object, value: Optional[float], lowest: float, highest: float, unit: str = ""
+    name: object, value: Optional[float], lowest: float, highest: float, unit: Text = ""
 ) -> None:
     """Check a number that a person gave, unless it is None.
 
@@ -141,9 +142,9 @@ def check_range(
             Message(
                 "{name} is {value}; it must lie between {lower} and {upper}",
                 name=name,
-                value=f"{value:g} {unit}".rstrip(),
-                lower=f"{lowest:g}",
-                upper=f"{highest:g} {unit}".rstrip(),
+                value=with_unit(value, unit),
+                lower=numeral(lowest),
+                upper=with_unit(highest, unit),
             ),
             fault=NOT_ALLOWED,
         )

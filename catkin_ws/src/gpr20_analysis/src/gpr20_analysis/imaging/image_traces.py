@@ -92,7 +92,7 @@ def traces_of(survey: xr.Dataset, options: ImageOptions) -> Tuple[List[Traces], 
     if changed is not None:
         raise WrongDatasetError(
             Message(
-                "the data were changed for display ({reason}), so no image can be made of them",
+                "the data were changed for display ({reason}); make the image without that step",
                 reason=changed,
             )
         )
@@ -163,7 +163,8 @@ def _heights(survey: xr.Dataset, options: ImageOptions, present: np.ndarray) -> 
     height_m = known_height(survey).values
     if not np.any(present):
         raise WrongDatasetError(
-            Message("no sample is usable, so there is nothing to image"), fault=faults.INPUT
+            Message("no sample is usable, so there is nothing to image; see gpr20 info"),
+            fault=faults.INPUT,
         )
     # A sample that is left out adds nothing, so its height does not matter.
     return np.where(present, height_m, float(np.mean(height_m[present])))

@@ -77,7 +77,11 @@ def a_scan_figure(
     trace = a_scans.sel({X: x_m, Y: y_m}, method="nearest")
     if not bool(np.isfinite(trace).any()):
         raise WrongDatasetError(
-            Message("no sample at x {x_m:g} m, y {y_m:g} m has data", x_m=x_m, y_m=y_m),
+            Message(
+                "no sample at x {x_m:g} m, y {y_m:g} m has data; choose another place",
+                x_m=x_m,
+                y_m=y_m,
+            ),
             fault=NOT_ALLOWED,
         )
     x_mm, y_mm = float(in_mm(trace[X])), float(in_mm(trace[Y]))

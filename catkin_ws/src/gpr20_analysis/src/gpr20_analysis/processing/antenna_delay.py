@@ -42,7 +42,12 @@ def recorded_separation_m(survey: xr.Dataset) -> float:
     # Written so that NaN is refused too.
     if not (isinstance(found, (int, float)) and 0.0 <= found <= WIDEST_SEPARATION_M):
         raise WrongDatasetError(
-            Message("the survey says that its antennas are {found} m apart", found=str(found)),
+            Message(
+                "the survey says that its antennas are {found} m apart; give data with 0 to "
+                "{most:g} m",
+                found=str(found),
+                most=WIDEST_SEPARATION_M,
+            ),
             fault=faults.INPUT,
         )
     return float(found)

@@ -86,7 +86,10 @@ def antenna_of(plates: Sequence[xr.Dataset], separation_m: float = 0.0) -> xr.Da
     means = np.stack([require(one, S21, S21_DIMS).mean([Y, X]).values for one in plates], axis=1)
     for number in np.flatnonzero(~np.isfinite(means).all(axis=(0, 2))):
         raise WrongDatasetError(
-            Message("survey {number} of the plate has a rotation without data", number=number + 1),
+            Message(
+                "survey {number} of the plate has a rotation without data; measure it again",
+                number=number + 1,
+            ),
             fault=faults.INPUT,
         )
     models = [fit_antenna(one, path_m, plates[0][FREQUENCY].values) for one in means]

@@ -23,7 +23,7 @@ from gpr20_analysis.dataset import (
 from gpr20_analysis.errors import WrongDatasetError
 from gpr20_analysis.processing.surface_background import with_surface
 from gpr20_common.faults import NOT_ALLOWED
-from gpr20_common.message import Message
+from gpr20_common.message import Message, numeral
 
 # Of the sweep's step.
 FREQUENCY_TOLERANCE = 1e-3
@@ -89,16 +89,17 @@ def subtract_coupling(survey: xr.Dataset, reference: xr.Dataset) -> xr.Dataset:
         if not np.min(off_deg) <= ROTATION_TOLERANCE_DEG:
             raise WrongDatasetError(
                 Message(
-                    "the reference has no rotation {rotation_deg:g} deg, only {rotations} deg",
+                    "the reference has no rotation {rotation_deg:g} deg, only {rotations} deg; "
+                    "measure it with the rotations of the survey",
                     rotation_deg=turn,
-                    rotations=", ".join(f"{one:g}" for one in reference[POLARIZATION].values),
+                    rotations=tuple(map(numeral, reference[POLARIZATION].values)),
                 ),
                 fault=faults.INPUT,
             )
     matched = empty.sel({POLARIZATION: survey[POLARIZATION].values}, method="nearest")
     if not bool(np.all(np.isfinite(matched.values))):
         raise WrongDatasetError(
-            Message("the reference has no usable sample at one of the rotations"),
+            Message("the reference has no usable sample at one of the rotations; measure it again"),
             fault=faults.INPUT,
         )
     return survey.assign({S21: measured - matched.values[:, None, None, :]})

@@ -11,7 +11,7 @@ from gpr20_analysis.dataset import A_SCAN, HEIGHT, POLARIZATION, QUALITY, S21, S
 from gpr20_analysis.errors import WrongDatasetError
 from gpr20_analysis.sentences import with_sentence
 from gpr20_common.faults import NOT_ALLOWED
-from gpr20_common.message import Message
+from gpr20_common.message import Message, numeral
 
 ROTATION_TOLERANCE_DEG = 0.5
 COMBINED = "polarizations"
@@ -40,7 +40,7 @@ def select_polarization(survey: xr.Dataset, rotation_deg: float) -> xr.Dataset:
             Message(
                 "rotation {rotation_deg:g} deg was not measured; the data have {rotations} deg",
                 rotation_deg=rotation_deg,
-                rotations=", ".join(f"{turn:g}" for turn in turns),
+                rotations=tuple(map(numeral, turns)),
             ),
             fault=NOT_ALLOWED,
         )

@@ -94,7 +94,10 @@ def principal_component_pursuit(matrix: np.ndarray, weight: float) -> Tuple[np.n
         if np.linalg.norm(left) < TOLERANCE * size:
             return low_rank, sparse
     raise WrongDatasetError(
-        Message("robust PCA did not converge in {count} iterations", count=MOST_ITERATIONS)
+        Message(
+            "robust PCA did not converge in {count} iterations; use another sparsity",
+            count=MOST_ITERATIONS,
+        )
     )
 
 

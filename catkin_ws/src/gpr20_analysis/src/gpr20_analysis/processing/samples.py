@@ -97,7 +97,8 @@ def _check_neighbours(present: np.ndarray) -> None:
         raise DamagedSurveyError(
             Message(
                 "the sample in row {row}, column {column} of polarization {polarization} and all "
-                "of its neighbours are missing, so it cannot be interpolated",
+                "of its neighbours are missing, so it cannot be interpolated; measure them, or "
+                "make the image without them",
                 row=row,
                 column=column,
                 polarization=turn,

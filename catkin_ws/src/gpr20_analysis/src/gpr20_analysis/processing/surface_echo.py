@@ -102,7 +102,8 @@ def fit_delay(
     if not fits:
         raise WrongDatasetError(
             Message(
-                "the echo of the surface is not clear: {reason}", reason=reasons[0]
+                "the echo of the surface is not clear: {reason}; give a known delay with --delay",
+                reason=reasons[0],
             ).reporting_only(NOT_ALLOWED)
         )
     return _combined(fits, FEWEST_OVER_PLATE if plate else FEWEST_TRACES)
@@ -127,7 +128,7 @@ def _combined(fits: List[SurfaceEcho], fewest: int) -> SurfaceFit:
         raise WrongDatasetError(
             Message(
                 "{count} traces with data and height are too few to find the echo of the surface; "
-                "use at least {fewest}",
+                "use at least {fewest}, or give --delay",
                 count=found.size,
                 fewest=fewest,
             ),
@@ -137,7 +138,7 @@ def _combined(fits: List[SurfaceEcho], fewest: int) -> SurfaceFit:
         raise WrongDatasetError(
             Message(
                 "the echo of the surface is not clear: only {count} of {total} traces show it at "
-                "their recorded height",
+                "their recorded height; give a known delay with --delay",
                 count=count,
                 total=found.size,
             ),

@@ -52,7 +52,9 @@ class FrequencyGrid:
         """
         if FREQUENCY not in survey.coords:
             raise WrongDatasetError(
-                Message("the data have no coordinate 'frequency', but spectra are needed")
+                Message(
+                    "the data have no coordinate 'frequency'; give spectra, before the step time"
+                )
             )
         frequency_hz = np.asarray(survey[FREQUENCY].values, dtype=np.float64)
         if frequency_hz.size < 2 or not np.all(np.isfinite(frequency_hz)):

@@ -17,7 +17,7 @@ from gpr20_analysis.processing.delay import ADVANCE, advanced, known_height
 from gpr20_analysis.processing.sweep import FrequencyGrid, a_scans
 from gpr20_analysis.sentences import with_notes
 from gpr20_common.faults import NOT_ALLOWED
-from gpr20_common.message import Message
+from gpr20_common.message import Message, numeral
 from gpr20_survey.radar.depth import two_way_delay_s
 from gpr20_survey.radar.frequency_to_delay import delay_kernel, phase_advance
 from gpr20_survey.radar.soils import LARGEST_PERMITTIVITY, MIN_PERMITTIVITY
@@ -122,9 +122,9 @@ def correct_topography(survey: xr.Dataset, permittivity: float) -> xr.Dataset:
             Message(
                 "{name} is {value}; it must lie between {lower} and {upper}",
                 name=Message("the permittivity"),
-                value=f"{permittivity:g}",
-                lower=f"{MIN_PERMITTIVITY:g}",
-                upper=f"{LARGEST_PERMITTIVITY:g}",
+                value=numeral(permittivity),
+                lower=numeral(MIN_PERMITTIVITY),
+                upper=numeral(LARGEST_PERMITTIVITY),
             ),
             fault=NOT_ALLOWED,
         )

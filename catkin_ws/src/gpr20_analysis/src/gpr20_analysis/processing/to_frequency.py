@@ -167,7 +167,7 @@ def _found(a_scans: xr.DataArray, survey: xr.Dataset, step_s: float) -> Frequenc
     level = np.sqrt(np.mean(np.abs(np.fft.fft(rows, axis=-1)) ** 2, axis=0)) if len(rows) else None
     if level is None or not np.any(level):
         raise WrongDatasetError(
-            Message("every A-scan is zero or missing, so there is no spectrum"),
+            Message("every A-scan is zero or missing, so there is no spectrum; see gpr20 info"),
             fault=faults.INPUT,
         )
     # The upper half are the negative frequencies; those of a complex trace may be weaker.

@@ -6,9 +6,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Iterator, List, Mapping, Optional, Sequence
 
-from gpr20_common.errors import InvalidValueError
+from gpr20_common.errors import InvalidValueError, os_reason
 from gpr20_common.message import Message
-from gpr20_common.os_reason import os_reason
 from gpr20_survey.files.file_sums import FileSum, sum_if_readable, sum_of_file
 from gpr20_survey.folder import manifest, survey_folder
 from gpr20_survey.folder.log_record import Kind, LogRecord

@@ -10,8 +10,8 @@ from typing import Dict, List, Optional, Sequence, Set
 from gpr20_analysis.progress import Progress
 from gpr20_analysis.read.trace_table import of_other_survey
 from gpr20_analysis.read.verification_result import Verification
+from gpr20_common.errors import os_reason
 from gpr20_common.message import Message
-from gpr20_common.os_reason import os_reason
 from gpr20_common.terminal_text import printable
 from gpr20_survey.errors import TraceRefusedError
 from gpr20_survey.files.file_sums import FileSum, sum_of_file

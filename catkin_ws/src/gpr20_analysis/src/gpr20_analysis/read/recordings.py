@@ -20,8 +20,8 @@ from rosbags.rosbag1.reader import ReaderError
 
 from gpr20_analysis import faults
 from gpr20_analysis.errors import AnalysisError, UnreadableFileError, not_there
+from gpr20_common.errors import os_reason
 from gpr20_common.message import Message, in_a_row
-from gpr20_common.os_reason import os_reason
 from gpr20_survey.files.regular_file import open_regular
 from gpr20_survey.folder import survey_folder
 from gpr20_survey.folder.log_record import LogRecord
@@ -306,7 +306,8 @@ def _open_bag(path: Path) -> Iterator[Reader]:
             except ReaderError as error:
                 raise UnreadableFileError(
                     Message(
-                        "{file} has no complete index; `rosbag reindex {file}` writes it",
+                        "{file} has no complete index; use the survey's folder, or write the index "
+                        "with `rosbag reindex {file}`",
                         file=path.name,
                         details=error,
                     ),
@@ -333,6 +334,10 @@ def _failing_as_unreadable(path: Path) -> Iterator[None]:
     except Exception as error:
         # The libraries unpack without checks: damaged bytes raise exceptions of any kind.
         raise UnreadableFileError(
-            Message("{file} is damaged", file=path.name, details=repr(error)),
+            Message(
+                "{file} is damaged; gpr20 verify tells what of its survey's folder is whole",
+                file=path.name,
+                details=repr(error),
+            ),
             fault=faults.FILE_DAMAGED,
         ) from error

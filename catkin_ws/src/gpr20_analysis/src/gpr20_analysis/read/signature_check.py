@@ -9,9 +9,10 @@ from typing import Any, Dict, Iterator, Mapping, Optional
 
 from gpr20_analysis import faults
 from gpr20_analysis.read.verification_result import COMPLETE, DAMAGED, INCOMPLETE
+from gpr20_analysis.sentences import json_fields
+from gpr20_common.errors import os_reason
+from gpr20_common.faults import NOT_ALLOWED
 from gpr20_common.message import Message
-from gpr20_common.os_reason import os_reason
-from gpr20_common.sent_message import json_fields
 from gpr20_common.terminal_text import printable
 from gpr20_survey.errors import IrregularFileError, ProcessingError, SigningError
 from gpr20_survey.files import ssh_keygen
@@ -115,10 +116,10 @@ def check_signature(folder: Path, signers: Path) -> Signed:
     except OSError as error:
         raise SigningError(
             Message(
-                "the signers file {file} cannot be read: {reason}",
+                "the signers file {file} cannot be read: {reason}; give another with --signers",
                 file=printable(signers),
                 reason=os_reason(error),
-            ).reporting_only(faults.UNKNOWN_SIGNER)
+            ).reporting_only(NOT_ALLOWED)
         ) from error
     try:
         content, fingerprint = signed_manifest(folder)

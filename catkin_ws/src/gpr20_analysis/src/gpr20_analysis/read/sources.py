@@ -11,8 +11,8 @@ from typing import Any, Callable, Dict, Iterator, List, Optional, Sequence, Tupl
 from gpr20_analysis import faults
 from gpr20_analysis.errors import AnalysisError, UnreadableFileError, not_there
 from gpr20_analysis.read import recordings
+from gpr20_common.errors import os_reason
 from gpr20_common.message import Message
-from gpr20_common.os_reason import os_reason
 from gpr20_survey.errors import SurveyRefusedError, TraceRefusedError
 from gpr20_survey.files.regular_file import check_regular
 from gpr20_survey.folder import survey_folder, survey_metadata, trace_files
@@ -200,7 +200,10 @@ def _folder_source(folder: Path, read: Callable[[Path], Trace]) -> JsonSource:
             damage.append(Damage(error.message))
     if not files and is_described:
         raise AnalysisError(
-            Message("{folder} holds a survey without traces", folder=folder),
+            Message(
+                "{folder} holds a survey without traces; resume it, or choose another",
+                folder=folder,
+            ),
             fault=faults.INPUT,
         )
     if not files:

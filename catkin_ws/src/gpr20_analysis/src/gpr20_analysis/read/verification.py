@@ -25,6 +25,7 @@ from gpr20_survey.folder.manifest import Manifest
 from gpr20_survey.folder.recovery import RecoveredSurvey, recover
 from gpr20_survey.plan.imported import import_of, import_sentence, is_imported
 from gpr20_survey.trace.trace import Trace
+from gpr20_survey.trace.utc_time import moment_text
 
 FILES = (
     survey_folder.SURVEY_FILE,
@@ -170,7 +171,7 @@ class _Verifier:
                 self._found.note(
                     Message(
                         "the manifest is from before the survey was reopened at {time}",
-                        time=one.time,
+                        time=moment_text(one.time),
                     )
                 )
             elif one.kind == Kind.SEAL.value:
@@ -178,7 +179,7 @@ class _Verifier:
                     Message(
                         "the manifest was written again at {time}: {reason}; what was changed "
                         "before is not covered",
-                        time=one.time,
+                        time=moment_text(one.time),
                         reason=str(one.values.get("reason")),
                     )
                 )
@@ -233,7 +234,7 @@ class _Verifier:
             Message(
                 "imported by {software} at {time} from {source} (files: {files}, SHA-256 {sha256})",
                 software=str(found.get("software")),
-                time=str(found.get("time")),
+                time=moment_text(str(found.get("time"))),
                 source=str(found.get("source")),
                 files=str(found.get("files")),
                 sha256=str(found.get("sha256")),

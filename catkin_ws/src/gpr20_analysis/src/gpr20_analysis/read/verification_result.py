@@ -6,8 +6,8 @@ from dataclasses import dataclass, field
 from typing import Any, Dict, List, Optional, Tuple
 
 from gpr20_analysis import faults
+from gpr20_analysis.sentences import json_fields
 from gpr20_common.message import Message
-from gpr20_common.sent_message import json_fields
 from gpr20_survey.faults import LOCKED, UNCONFIRMED
 
 COMPLETE, INCOMPLETE, DAMAGED = 0, 1, 2

@@ -18,8 +18,7 @@ from gpr20_analysis.report.page import page
 from gpr20_analysis.report.records import Report
 from gpr20_analysis.report.sections import sections_of
 from gpr20_analysis.report.summary import SIMULATED
-from gpr20_common.catalogue import Catalogue, Language
-from gpr20_common.low.catalogue_file import language_from_code, read_catalogue
+from gpr20_common.catalogue import Catalogue, Language, language_from_code, read_catalogue
 from gpr20_survey.results.candidates import NO_CLEARANCE
 from gpr20_survey.results.hiding_map import HidingMap
 

@@ -9,8 +9,9 @@ import numpy as np
 import xarray as xr
 
 from gpr20_analysis.dataset import description_of, objects_of
-from gpr20_common.message import Message
+from gpr20_common.message import Message, numeral, verbatim
 from gpr20_survey.folder.log_record import Kind, log_values
+from gpr20_survey.trace.utc_time import moment_text
 
 Entry = Mapping[str, Any]
 # A survey of two days, each hour at two rotations.
@@ -69,13 +70,13 @@ def drift_lines(survey: xr.Dataset) -> List[Message]:
     return lines
 
 
-def drift_rows(survey: xr.Dataset) -> List[Tuple[str, ...]]:
+def drift_rows(survey: xr.Dataset) -> List[Tuple[Message, ...]]:
     """Return a row for each visit and rotation, the latest ones."""
     rows = [
         (
-            str(visit.get("time")),
-            str(visit.get("next_index")),
-            f"{_number(turn, 'z_deg'):g}",
+            moment_text(str(visit.get("time"))),
+            verbatim(str(visit.get("next_index"))),
+            numeral(_number(turn, "z_deg")),
             *(_text(_number(turn, name), form) for name, form in FIGURES.items()),
         )
         for visit, turn in _turns(_visits(survey))
@@ -114,5 +115,5 @@ def _spread(turns: Sequence[Entry], name: str) -> float:
     return max(spreads, default=math.nan)
 
 
-def _text(value: float, form: str) -> str:
-    return format(value, form) if math.isfinite(value) else "-"
+def _text(value: float, form: str) -> Message:
+    return numeral(value, form) if math.isfinite(value) else verbatim("-")

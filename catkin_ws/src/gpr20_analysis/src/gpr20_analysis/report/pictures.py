@@ -28,6 +28,7 @@ from gpr20_analysis.report.records import Section
 from gpr20_analysis.sentences import ENGLISH, shown
 from gpr20_common.catalogue import Catalogue
 from gpr20_common.message import Message
+from gpr20_common.mid.checks import with_unit
 from gpr20_survey.results.candidates import NO_CLEARANCE, CandidateList
 
 if TYPE_CHECKING:
@@ -190,8 +191,8 @@ def _parameters(
         first_mm=depths_mm[0],
         last_mm=depths_mm[-1],
     )
-    recorded = options.height_m is None
-    height = catalogue.tr("as recorded") if recorded else f"{options.height_m:g} m"
+    height_m = options.height_m
+    height = Message("as recorded") if height_m is None else with_unit(height_m, "m")
     return [
         (catalogue.tr("permittivity"), catalogue.text(permittivity_line(image))),
         (catalogue.tr("depths"), depths),
@@ -201,7 +202,7 @@ def _parameters(
             catalogue.tr("widest angle in air"),
             catalogue.tr("{angle_deg:g} deg", angle_deg=options.widest_angle_deg),
         ),
-        (catalogue.tr("height"), height),
+        (catalogue.tr("height"), catalogue.text(height)),
     ]
 
 
@@ -244,6 +245,9 @@ def _b_scans(
 
 def _no_other_survey(path: str) -> xr.Dataset:
     raise AnalysisError(
-        Message("a report cannot subtract another survey, but a step names {path}", path=path),
+        Message(
+            "a report cannot subtract another survey; leave out the step that names {path}",
+            path=path,
+        ),
         fault=faults.STEPS,
     )

@@ -36,8 +36,9 @@ from gpr20_analysis.sentences import (
     shown,
 )
 from gpr20_common.catalogue import Catalogue
-from gpr20_common.message import Message, verbatim
+from gpr20_common.message import Message, numeral, verbatim
 from gpr20_survey.results.hiding_map import ONLY_THIS, HidingMap
+from gpr20_survey.trace.utc_time import moment_text
 
 LISTED = 50
 """Number of sentences of a list that the report shows."""
@@ -96,7 +97,7 @@ def versions(survey: xr.Dataset) -> List[Row]:
         **{name: metadata.version(name) for name in LIBRARIES},
     }
     return [
-        (Message("report created"), verbatim(now.isoformat(timespec="seconds"))),
+        (Message("report created"), moment_text(now.isoformat(timespec="seconds"))),
         (Message("software of the robot"), robot),
         *((verbatim(name), verbatim(version)) for name, version in libraries.items()),
     ]
@@ -167,7 +168,8 @@ def _sensors(survey: xr.Dataset, catalogue: Catalogue) -> Section:
     for name in dataset.aux_names(survey):
         values = survey[name].values[np.isfinite(survey[name].values)]
         if values.size:
-            figures = [f"{one:.6g}" for one in np.percentile(values, [0.0, 50.0, 100.0])]
+            found = np.percentile(values, [0.0, 50.0, 100.0])
+            figures = [catalogue.text(numeral(one, ".6g")) for one in found]
             unit = str(survey[name].attrs.get("units", ""))
             rows.append(
                 (name[len(dataset.AUX_PREFIX) :], unit, f"{values.size}/{survey[name].size}")
@@ -188,7 +190,7 @@ def _drift(survey: xr.Dataset, catalogue: Catalogue) -> Section:
     """Return what measuring the first stop again showed."""
     title = Message("Drift and repeatability")
     section = _section(title, [], drift_lines(survey), catalogue)
-    section.rows = drift_rows(survey)
+    section.rows = [tuple(map(catalogue.text, row)) for row in drift_rows(survey)]
     section.heading = tuple(catalogue.text(one) for one in HEADING) if section.rows else ()
     return section
 

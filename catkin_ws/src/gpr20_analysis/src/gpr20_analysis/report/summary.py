@@ -27,6 +27,7 @@ from gpr20_survey.folder.survey_metadata import REASON_MESSAGE
 from gpr20_survey.plan.markers import MARKERS
 from gpr20_survey.plan.recorded_plan import REFINES
 from gpr20_survey.trace.calibration import CalibrationStatus
+from gpr20_survey.trace.utc_time import moment_text
 
 MM, GHZ, MHZ = 1e-3, 1e9, 1e6
 SIMULATED = Message("SIMULATED: the data show no real ground")
@@ -45,6 +46,7 @@ RECORDED = {
     REFINES: Message("refines survey"),
     MARKERS: Message("markers"),
 }
+MOMENTS = ("started", "ended")
 POSITION = Message("WGS 84 position")
 HEADING_OF_Y = Message("heading of Y")
 CALIBRATIONS = {str(one.meaning): one.meaning for one in CalibrationStatus}
@@ -68,7 +70,9 @@ def summarize(survey: xr.Dataset) -> Dict[str, str]:
     Returns:
         Title and text of each line.
     """
-    return {str(title): str(text) for title, text in summary_of(survey)}
+    lines = {str(title): str(text) for title, text in summary_of(survey)}
+    # Programs read them too.
+    return {**lines, **{name: str(survey.attrs[name]) for name in MOMENTS if name in survey.attrs}}
 
 
 def heading_text(heading_deg: float) -> Message:
@@ -113,7 +117,7 @@ def summary_of(survey: xr.Dataset) -> List[Row]:
 
 
 def _recorded(name: str, value: object, described: Mapping[str, Any]) -> Message:
-    text = verbatim(str(value))
+    text = moment_text(str(value)) if name in MOMENTS else verbatim(str(value))
     if name == "reason":
         return received_message(str(value), described.get(REASON_MESSAGE))
     return OUTCOMES.get(str(value), text) if name == "outcome" else text
@@ -131,7 +135,7 @@ def warnings_of(survey: xr.Dataset) -> List[Message]:
     return [
         Message(
             "warning of the robot at {time}: {warning}",
-            time=str(one.get("time")),
+            time=moment_text(str(one.get("time"))),
             warning=received_message(
                 str(one.get("warning")), json.dumps(one.get("warning_message"))
             ),
@@ -290,9 +294,8 @@ def settings_of(survey: xr.Dataset) -> List[Row]:
 
 
 def _rows(values: Mapping[str, Any], titles: Mapping[str, Message]) -> List[Row]:
-    texts = {key: str(value) for key, value in values.items()}
     return [
-        (title, CALIBRATIONS.get(texts[key], verbatim(texts[key])))
+        (title, CALIBRATIONS.get(str(values[key]), Message("{value}", value=values[key])))
         for key, title in titles.items()
-        if key in texts
+        if key in values
     ]

@@ -25,9 +25,8 @@ from gpr20_analysis.imaging.image import image_survey
 from gpr20_analysis.imaging.image_options import ImageOptions
 from gpr20_analysis.imaging.methods import DEFAULT_STEPS
 from gpr20_analysis.processing.chain import process_survey
-from gpr20_common.catalogue import Language
+from gpr20_common.catalogue import Language, read_catalogue
 from gpr20_common.faults import NOT_ALLOWED
-from gpr20_common.low.catalogue_file import read_catalogue
 from gpr20_survey.results.candidates import NO_CLEARANCE, Flag
 
 

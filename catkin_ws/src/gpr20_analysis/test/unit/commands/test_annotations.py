@@ -25,6 +25,7 @@ from gpr20_survey.plan.annotation import Annotation, Wgs84Position, annotation_o
 from gpr20_survey.plan.markers import Marker
 from gpr20_survey.results.candidates import NO_CLEARANCE, json_text
 from gpr20_survey.results.found import What, present
+from gpr20_survey.trace.utc_time import moment_text
 
 # When the storage of the tests notes something.
 NOW = "2026-09-21T14:15:00.000000+00:00"
@@ -134,7 +135,7 @@ def test_markers_are_listed_and_removed_ones_on_request(marked, tmp_path, capsys
     _heading, line = capsys.readouterr().out.splitlines()
     assert line.split()[:3] == ["12", "20", "80"] and line.endswith('raíz, "metal"')
     assert main(["markers", str(marked), "--removed"]) == 0
-    assert f"removed {NOW} Luis" in capsys.readouterr().out
+    assert f"removed {moment_text(NOW)} Luis" in capsys.readouterr().out
     found = survey_markers(load_survey(marked))
     assert [one.same_request(MARKER) for one in found.markers] == [True]
     assert main(["report", str(marked), "-o", str(tmp_path / "r.html")]) == 0

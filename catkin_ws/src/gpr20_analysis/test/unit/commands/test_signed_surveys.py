@@ -8,6 +8,7 @@ from survey_kit import contents, make_survey
 
 from gpr20_analysis import faults
 from gpr20_analysis.commands.main import main
+from gpr20_common.faults import NOT_ALLOWED
 from gpr20_survey import faults as survey_faults
 from gpr20_survey.faults import CAN_RESUME
 from gpr20_survey.folder.log_record import Kind
@@ -112,8 +113,7 @@ def test_what_differs_and_what_is_not_closed_is_not_signed(folder, keys, tmp_pat
     assert contents(folder) == before
     (folder / "survey.json").write_bytes(b"{}")
     assert main(["sign", str(folder), key]) == 3
-    codes = [survey_faults.NOT_SIGNED, faults.UNKNOWN_SIGNER]
-    codes += [CAN_RESUME, faults.NOT_INTACT]
+    codes = [survey_faults.NOT_SIGNED, NOT_ALLOWED, CAN_RESUME, faults.NOT_INTACT]
     assert refusals == [one.code for one in codes]
 
 

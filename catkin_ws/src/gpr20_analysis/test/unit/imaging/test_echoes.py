@@ -20,7 +20,7 @@ from gpr20_analysis.dataset import Quality
 from gpr20_analysis.imaging.methods import Method
 from gpr20_analysis.read.growing_survey import GrowingSurvey
 from gpr20_analysis.read.load import load_survey
-from gpr20_common.faults import IN_USE
+from gpr20_common.faults import BUSY
 from gpr20_survey.folder.survey_folder import trace_file_name
 from gpr20_survey.trace import trace_json
 
@@ -191,7 +191,7 @@ def test_noise_alone_has_the_level_of_noise_also_half_way(area_survey, measured)
 
 
 def test_too_few_lines_are_refused(area_survey):
-    with raises_fault(IN_USE.as_note(), FEWEST_LINES, 2):
+    with raises_fault(BUSY.as_note(), FEWEST_LINES, 2):
         focus(without(area_survey, slice(2, None)), 5.0)
 
 

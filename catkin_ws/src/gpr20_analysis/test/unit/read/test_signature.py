@@ -273,5 +273,5 @@ def test_a_signers_file_that_cannot_be_read_is_refused(tmp_path, folder, keys, c
     path = tmp_path / f"signers {change.__name__}"
     shutil.copyfile(keys / "signers", path)
     change(path)
-    with raises_fault("analysis.unknown_signer", path):
+    with raises_fault("value.not_allowed", path):
         check_signature(folder, path)

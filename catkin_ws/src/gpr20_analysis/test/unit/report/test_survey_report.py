@@ -56,6 +56,17 @@ def test_the_page_loads_nothing_and_holds_its_figures_and_a_pdf_the_same(tmp_pat
 
 
 @pytest.mark.usefixtures("blank_figures")
+def test_a_spanish_report_has_decimal_commas_and_days_first(tmp_path):
+    _status, text = report(tmp_path, ALL, "finished", more=[*LOW, "--language", "es"])
+    text = text[: text.index("<h2>Versiones")]
+    shown = re.sub("<[^>]*>", " ", re.sub("(?s)<style>.*?</style>", "", text))
+    assert re.search(r"\d,\d", shown) and re.search(r"\d\d/\d\d/\d{4} \d\d:", shown)
+    # Addresses and versions have more points.
+    found = re.findall(r".{20}(?<![\w.])\d+\.\d+(?![\w.]).{9}|\d{4}-\d\d-\d\d.{9}", shown)
+    assert found == []
+
+
+@pytest.mark.usefixtures("blank_figures")
 def test_missing_samples_are_the_first_thing_that_is_said(tmp_path):
     status, text = report(tmp_path, ALL - 4, "stopped")
     assert status == 1
@@ -74,11 +85,11 @@ def test_warnings_of_the_robot_are_shown_in_the_language_of_the_reader(tmp_path,
     output = tmp_path / "report.html"
     main(["report", str(folder), "--output", str(output)])
     text = output.read_text(encoding="utf-8")
-    for words in ("warning of the robot at 2026-09-21T14:13:20+00:00: set back", "120.0 s"):
+    for words in ("warning of the robot at 2026-09-21 14:13:20 UTC: set back", "120.0 s"):
         assert words in text[: text.index("<h2>Survey</h2>")]
     capsys.readouterr()
     assert main(["info", str(folder), "--language", "es"]) == 0
-    assert "advertencia del robot a las 2026-09-21T14:13:20" in capsys.readouterr().out
+    assert "advertencia del robot del 21/09/2026 14:13:20 UTC" in capsys.readouterr().out
 
 
 @pytest.mark.usefixtures("blank_figures")

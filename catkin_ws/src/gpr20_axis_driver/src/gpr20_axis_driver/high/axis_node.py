@@ -17,13 +17,12 @@ from gpr20_axis_driver.mid.axis_lease import AxisLease
 from gpr20_axis_driver.motion import AxisMotions
 from gpr20_common.faults import OVERLOADED
 from gpr20_common.high import diagnostics
-from gpr20_common.high.answers import message_fields
+from gpr20_common.high.answers import advertise, internal_error, message_fields
 from gpr20_common.high.description import publish_description
 from gpr20_common.high.periodic import Periodic
 from gpr20_common.high.raw_message import connection_header, ros_time
-from gpr20_common.high.services import advertise, internal_error
 from gpr20_common.message import Message
-from gpr20_common.mid.hardware import Hardware
+from gpr20_common.mid.node_facts import Hardware
 from gpr20_msgs.msg import AxisAction, AxisGoal, AxisResult, CurrentCoordinate
 from gpr20_msgs.srv import AxisLease as AxisLeaseService
 from gpr20_msgs.srv import AxisLeaseRequest as AxisLeaseServiceRequest
@@ -167,7 +166,7 @@ class AxisNode:
         """Own the axis for a motion, and yield what ends the motion early.
 
         Raises:
-            AxisOwnedError: Another node owns the axis.
+            AxisBusyError: Another node owns the axis.
             MotionStopped: The motion was ended; the message is why.
         """
         with self._lease.use(caller) as lapsed:

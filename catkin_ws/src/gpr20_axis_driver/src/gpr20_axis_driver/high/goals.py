@@ -15,7 +15,7 @@ from gpr20_axis_driver.axis_exceptions import AxisException
 from gpr20_common.faults import IN_USE
 from gpr20_common.high.answers import message_fields
 from gpr20_common.high.raw_message import connection_header
-from gpr20_common.low.tcp_keepalive import keep_alive, silence_s
+from gpr20_common.low.links import keep_alive, silence_s
 from gpr20_common.message import Message
 
 # How long a client's computer may leave probes unanswered: three probes, one second each.
@@ -25,7 +25,9 @@ STATUS_LIMIT_S = 1.0
 # How many goals that have ended are still listed in the status. A client sends its next goal when
 # it has the result of the one before, so it no longer waits for these.
 LISTED_GOALS = 4
-NOT_BEGUN = Message("a stop or another motion came before this motion began").with_fault(IN_USE)
+NOT_BEGUN = Message(
+    "a stop or another motion came before this motion began; request it again"
+).with_fault(IN_USE)
 ENDED = frozenset(
     (
         GoalStatus.SUCCEEDED,

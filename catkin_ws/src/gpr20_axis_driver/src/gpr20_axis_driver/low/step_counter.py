@@ -16,9 +16,9 @@ from pathlib import Path
 from typing import Optional
 
 from gpr20_axis_driver.axis_exceptions import StepCounterError
+from gpr20_common.errors import os_reason
 from gpr20_common.faults import OTHER_LAUNCH
 from gpr20_common.message import Message
-from gpr20_common.os_reason import os_reason
 from gpr20_survey.axes.axis_id import ZeroEpoch
 from gpr20_survey.faults import ZERO_UNKNOWN
 

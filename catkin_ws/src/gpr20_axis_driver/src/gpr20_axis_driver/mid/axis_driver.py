@@ -13,7 +13,6 @@ from gpr20_axis_driver.axis_exceptions import (
     EndstopError,
     MotionStopped,
     NotHomedError,
-    PositionLostError,
     TravelError,
     ZeroUnknownError,
 )
@@ -27,7 +26,7 @@ from gpr20_axis_driver.motion import (
     never,
 )
 from gpr20_common.low.clock import time_of_day_us
-from gpr20_common.message import Message
+from gpr20_common.message import Message, numeral
 from gpr20_survey.axes.axis_id import ZeroEpoch
 from gpr20_survey.axes.axis_parameters import AxisParameters
 from gpr20_survey.axes.ramp import Ramp
@@ -136,11 +135,10 @@ class AxisDriver:
 
         Raises:
             TravelError: The target is outside the axis; nothing moved.
-            NotHomedError: The axis has not been homed; nothing moved.
+            NotHomedError: The axis is not homed and did not move, or steps may have been lost.
             AxisBusyError: Another motion is under way.
             MotionStopped: A stop was requested; the coordinate is exact.
             EndstopError: The endstop was pressed; the axis must be homed again.
-            PositionLostError: Steps may have been lost; the axis must be homed again.
             PulseProcessError: The pulse process ended; the axis must be homed again.
             ControllerError: The controller failed; the axis must be homed again.
             NodeHungError: This node hung; the coordinate is exact.
@@ -237,7 +235,7 @@ class AxisDriver:
             raise TravelError(
                 Message(
                     "the target {target} {unit} is outside the axis, {low:g} to {high:g} {unit}",
-                    target=f"{target:.12g}",
+                    target=numeral(target, ".12g"),
                     low=low,
                     high=high,
                     unit=self._parameters.unit,
@@ -303,7 +301,7 @@ class AxisDriver:
         if report.ending is Ending.GAP:
             self._homing_done = False
             finds_zero = self._parameters.finds_zero
-            raise PositionLostError(
+            raise NotHomedError(
                 Message(
                     "a pulse was {late_ms:.0f} ms late near {coordinate:.12g} {unit}, at a speed "
                     "at which the motor can lose steps: the position is no longer reliable; "

@@ -7,7 +7,7 @@ import time
 from contextlib import contextmanager
 from typing import Callable, Iterator
 
-from gpr20_axis_driver.axis_exceptions import AxisOwnedError, LeaseLapsedError
+from gpr20_axis_driver.axis_exceptions import AxisBusyError, LeaseLapsedError
 from gpr20_common.message import Message
 from gpr20_survey.faults import CONTROL_SILENT
 
@@ -54,7 +54,7 @@ class AxisLease:
         """Return if a node may move the axis now.
 
         Raises:
-            AxisOwnedError: Another node owns it.
+            AxisBusyError: Another node owns it.
             LeaseLapsedError: Its lease has ended, and it has not reserved the axis again: nothing
                 would end its motion if it hung.
         """
@@ -66,7 +66,7 @@ class AxisLease:
     def _check_owner(self, caller: str) -> None:
         owner = self.owner
         if owner not in ("", caller):
-            raise AxisOwnedError(
+            raise AxisBusyError(
                 Message(
                     "the axis belongs to {owner} now; wait until that is done, or press STOP there",
                     owner=owner,
@@ -77,7 +77,7 @@ class AxisLease:
         """Reserve the axis and return the number of the lease; a former lease of its is replaced.
 
         Raises:
-            AxisOwnedError: Another node owns it.
+            AxisBusyError: Another node owns it.
         """
         with self._lock:
             self._check_owner(caller)
@@ -111,7 +111,7 @@ class AxisLease:
             began has ended.
 
         Raises:
-            AxisOwnedError: Another node owns it.
+            AxisBusyError: Another node owns it.
             LeaseLapsedError: See `check`.
         """
         with self._lock:

@@ -11,7 +11,7 @@ from gpr20_axis_driver.axis_exceptions import (
     AxisException,
     EndstopError,
     MotionStopped,
-    PositionLostError,
+    NotHomedError,
 )
 from gpr20_axis_driver.controller import (
     CALL_LIMIT_S,
@@ -129,7 +129,7 @@ class ControllerMotions:
 
         Raises:
             ControllerError: The controller failed; the axis must be homed again.
-            PositionLostError: The axis does not rest where it should.
+            NotHomedError: The axis does not rest where it should.
         """
         self._check()
         start, ramp = self.steps, motion.ramp
@@ -142,7 +142,7 @@ class ControllerMotions:
         if not self._state.homed or (ending is Ending.COMPLETE and self.steps != target):
             lost = self._elsewhere(target)
             self._set_failure(lost)
-            raise PositionLostError(lost)
+            raise NotHomedError(lost)
         if ending is Ending.STOPPED and self.steps == target:
             ending = Ending.COMPLETE
         pressed = bool(self._state.endstop_pressed)
@@ -171,8 +171,8 @@ class ControllerMotions:
         if not self._state.homed or not low <= coordinate <= high:
             raise EndstopError(
                 Message(
-                    "the controller did not find the zero of this axis; check the endstop, its "
-                    "cable and the motor, and home the axis"
+                    "the controller did not find the zero of this axis; check the motor and its "
+                    "power, the endstop and its cable, and home the axis"
                 ),
                 fault=ENDSTOP,
             )

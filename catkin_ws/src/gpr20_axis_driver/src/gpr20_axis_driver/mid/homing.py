@@ -82,9 +82,9 @@ class Homing:
             raise EndstopError(
                 Message(
                     "the endstop was not reached within {distance:g} {unit} from {coordinate:g} "
-                    "{unit}: it is stuck open or unplugged, the motor does not turn, or the axis "
-                    "was moved by hand; check the switch, its cable and the motor; the next homing "
-                    "searches the whole axis",
+                    "{unit}: it is stuck open or unplugged, the motor has no power or does not "
+                    "turn, or the axis was moved by hand; check the switch, its cable and the "
+                    "motor; the next homing searches the whole axis",
                     distance=most_steps * self._step_size,
                     coordinate=known_steps * self._step_size,
                     unit=self._unit,
@@ -95,8 +95,8 @@ class Homing:
             raise EndstopError(
                 Message(
                     "the endstop was not reached within {distance:g} {unit}: it is stuck open or "
-                    "unplugged, or the motor does not turn; check the switch, its cable and the "
-                    "motor",
+                    "unplugged, or the motor has no power or does not turn; check the switch, its "
+                    "cable and the motor",
                     distance=most_steps * self._step_size,
                     unit=self._unit,
                 ),

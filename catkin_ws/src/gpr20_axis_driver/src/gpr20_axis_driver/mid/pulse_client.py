@@ -165,7 +165,8 @@ class PulseClient:
         except AxisException as error:
             with self._lock:
                 self._failure = Message(
-                    "{reason}; its pins could not be set low: {pins_reason}",
+                    "{reason}; its pins could not be set low: {pins_reason}; without the motors' "
+                    "power, switch the robot off and on; then home the axis",
                     reason=reason,
                     pins_reason=error.message,
                 ).reporting_only(MAY_MOVE)

@@ -14,7 +14,7 @@ from gpr20_axis_driver.mid.pulse_loop import PulseLoop
 from gpr20_axis_driver.mid.wave_runner import WaveRunner
 from gpr20_axis_driver.motion import LateLimits, MotionRunner
 from gpr20_common.low.clock import Clock
-from gpr20_common.mid.hardware import Hardware
+from gpr20_common.mid.node_facts import Hardware
 from gpr20_survey.axes.axis_parameters import PIGPIO, AxisParameters
 
 SHARED_MEMORY = Path("/dev/shm")

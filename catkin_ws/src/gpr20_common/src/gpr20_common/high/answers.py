@@ -1,11 +1,16 @@
-"""Messages in answers, results and topics: an English text and, beside it, a gpr20_msgs/Fault."""
+"""Services, and messages in answers and topics: an English text, beside it a gpr20_msgs/Fault."""
 
 from __future__ import annotations
 
 import json
 from dataclasses import fields
-from typing import Any, Dict, Optional, Type, TypeVar
+from typing import Any, Callable, Dict, Optional, Type, TypeVar
 
+import rospy
+
+from gpr20_common.errors import Gpr20Error
+from gpr20_common.faults import INTERNAL
+from gpr20_common.low.thread_fault import log_fault
 from gpr20_common.message import Message
 from gpr20_common.sent_message import received_message
 from gpr20_msgs.msg import Fault
@@ -30,7 +35,6 @@ def fault_of(message: Optional[Message]) -> Fault:
 
 
 def received(text: str, fault: Fault) -> Message:
-    """Return the message of a text and what stands beside it."""
     return received_message(text, {name: getattr(fault, name) for name in fault.__slots__})
 
 
@@ -56,3 +60,34 @@ def record_of(kind: Type[Record], message: Any, **others: Any) -> Record:
         if hasattr(message, f"{name}_fault"):
             found[name] = received(value, getattr(message, f"{name}_fault")) if value else None
     return kind(**{**found, **others})
+
+
+def advertise(name: str, service_class: Any, handler: Callable[[Any], Any]) -> rospy.Service:
+    """Advertise a service that always answers: failures become `success=False` and a message.
+
+    The response has `success` and what `message_fields` gives; the handler returns that of a
+    success, and raises otherwise.
+    """
+
+    def answer(request: Any) -> Any:
+        try:
+            return handler(request)
+        except Gpr20Error as error:
+            rospy.logwarn("%s refused: %s", name, error)
+            message = error.message
+        except Exception as error:
+            # Who waits for a step of a survey cannot do anything with a dropped call.
+            message = internal_error(name, error)
+        return service_class._response_class(success=False, **message_fields(message))
+
+    return rospy.Service(name, service_class, answer)
+
+
+def internal_error(name: str, error: Exception) -> Message:
+    """Log the exception that is being handled, a fault in our own code; return what to answer."""
+    log_fault(name)
+    return Message(
+        "internal error in {service}; see the log",
+        service=name,
+        details=f"{type(error).__name__}: {error}",
+    ).with_fault(INTERNAL)

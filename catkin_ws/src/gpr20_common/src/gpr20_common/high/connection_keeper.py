@@ -12,8 +12,7 @@ import rospy
 from rospy.impl.registration import get_topic_manager
 
 from gpr20_common.high.periodic import Periodic
-from gpr20_common.low.limited_rpc import NO_ANSWER, limited_server, value_of
-from gpr20_common.low.tcp_keepalive import end_when_broken
+from gpr20_common.low.links import NO_ANSWER, end_when_broken, limited_server, value_of
 
 PERIOD_S = 1.0
 # A connection whose other end has not answered for this time is ended [s].
@@ -24,9 +23,8 @@ ANSWER_LIMIT_S = 3.0
 class ConnectionKeeper:
     """Ends the broken topic connections of this node, and makes lost subscriptions again.
 
-    rospy leaves a broken connection open for minutes, and never connects a subscription again
-    that has lost its connection: it expects that the master announces the publisher once more,
-    which it does only for publishers that were restarted.
+    rospy leaves a broken connection open for minutes, and never makes a lost one again: it waits
+    for the master to announce the publisher, which it does only for one that was restarted.
     """
 
     def __init__(self) -> None:
@@ -38,7 +36,6 @@ class ConnectionKeeper:
         self._periodic.stop()
 
     def check(self) -> None:
-        """Set the limits of new connections; connect subscriptions that were lost."""
         topics = get_topic_manager()
         # Copied, because other threads add topics.
         for publisher in list(topics.pubs.values()):
@@ -60,29 +57,21 @@ class ConnectionKeeper:
         for name in sorted(self._lost & types.keys()):
             try:
                 publishers = value_of(master.registerSubscriber(me, name, types[name], uri))
-            except NO_ANSWER as error:
-                rospy.logdebug("the master does not answer: %s", error)
-                return
-            missing = [one for one in publishers if one not in self._connected[name]]
-            if not missing:
-                self._lost.discard(name)
-            # rospy would wait without a limit for one that does not answer.
-            found = [one for one in missing if answers(one)]
-            if found:
-                rospy.loginfo("connecting to %s again", name)
-                try:
+                missing = [one for one in publishers if one not in self._connected[name]]
+                if not missing:
+                    self._lost.discard(name)
+                # rospy would wait without a limit for one that does not answer.
+                found = [one for one in missing if answers(one)]
+                if found:
+                    rospy.loginfo("connecting to %s again", name)
                     # What the master does when publishers are new: rospy connects to them.
                     value_of(limited_server(uri, ANSWER_LIMIT_S).publisherUpdate(me, name, found))
-                except NO_ANSWER as error:
-                    rospy.logwarn("could not connect to %s again: %s", name, error)
+            except NO_ANSWER as error:
+                rospy.logwarn_throttle(10.0, f"{name} is not connected again: {error}")
 
 
 def subscriber_count(topic: str) -> int:
-    """Return how many nodes subscribe to a topic (absolute name); they connect some time later.
-
-    Raises:
-        rosgraph.MasterException, OSError: The master does not answer.
-    """
+    """Return how many nodes subscribe to a topic (absolute name); they connect some time later."""
     _published, subscribed, _services = rosgraph.Master(rospy.get_name()).getSystemState()
     return len(dict(subscribed).get(topic, ()))
 

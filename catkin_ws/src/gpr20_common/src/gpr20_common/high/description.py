@@ -6,6 +6,7 @@ The configuration is shown on the parameter server as well, under the node's own
 
 from __future__ import annotations
 
+import contextlib
 import dataclasses
 import json
 from typing import Any, Mapping
@@ -14,10 +15,9 @@ import rosgraph
 import rospy
 
 from gpr20_common.high.node import configuration_name
-from gpr20_common.low.limited_rpc import NO_ANSWER, limited_server, value_of
+from gpr20_common.low.links import NO_ANSWER, limited_server, value_of
 from gpr20_common.mid.codec import plain
-from gpr20_common.mid.hardware import Hardware
-from gpr20_common.mid.node_software import own_software
+from gpr20_common.mid.node_facts import Hardware, own_software
 from gpr20_msgs.msg import NodeDescription
 
 TOPIC = "description"
@@ -28,11 +28,7 @@ LARGEST_INT = 2**31 - 1
 
 
 def publish_description(node: str, hardware: Hardware, parameters: Any) -> rospy.Publisher:
-    """Publish, latched, what this node is; the publisher must be kept.
-
-    Its name is that below the robot's namespace, such as x_axis/axis_driver, and its parameters
-    are the dataclass with which it started.
-    """
+    """Publish, latched, what a node below the robot's namespace is; the publisher must be kept."""
     values = plain(parameters)
     show_parameters(values)
     publisher = rospy.Publisher(f"~{TOPIC}", NodeDescription, queue_size=1, latch=True)
@@ -50,10 +46,9 @@ def publish_description(node: str, hardware: Hardware, parameters: Any) -> rospy
 
 
 def show_parameters(values: Mapping[str, Any]) -> None:
-    """Show the parameters of this node, with their defaults, by their names, until it ends.
+    """Show the parameters of this node until it ends.
 
-    A node that was started alone shows none: it refuses private parameters, and could not
-    distinguish what a killed one has left behind.
+    One that was started alone refuses private parameters: it would take its own for such.
     """
     if not configuration_name():
         return
@@ -61,17 +56,14 @@ def show_parameters(values: Mapping[str, Any]) -> None:
     name = rospy.get_name()
 
     def remove() -> None:
-        try:
-            value_of(master.deleteParam(name, name))
-        except NO_ANSWER as error:
-            rospy.logdebug("the shown parameters were not removed: %s", error)
+        with contextlib.suppress(*NO_ANSWER):  # with the master they are gone
+            master.deleteParam(name, name)
 
+    rospy.on_shutdown(remove)
     try:
         value_of(master.setParam(name, name, shown(plain(values))))
     except NO_ANSWER as error:
         rospy.logwarn("the parameters cannot be shown: %s", error)
-        return
-    rospy.on_shutdown(remove)
 
 
 def shown(value: Any) -> Any:

@@ -1,9 +1,8 @@
 """The life of a node: its parameters, start, say clearly what is wrong, run, end.
 
 A launch keeps its whole configuration, as JSON, under a name of its own (package `gpr20_launch`)
-and hands that name to each node as the argument `configuration:=NAME`. A node that restarts gets
-the same argument and so the same configuration, whatever was launched beside it meanwhile. Without
-the argument a node has the defaults.
+and hands that name to each node as the argument `configuration:=NAME`. So a node that restarts has
+the same, whatever was launched beside it meanwhile. Without the argument it has the defaults.
 """
 
 from __future__ import annotations
@@ -19,10 +18,10 @@ from typing import Any, Callable, Mapping, Optional, Type, TypeVar
 import rosgraph
 import rospy
 
-from gpr20_common import faults
-from gpr20_common.errors import Gpr20Error, InvalidValueError, NodeSilentError
+from gpr20_common.errors import ConfigurationError, Gpr20Error, NodeSilentError
+from gpr20_common.faults import INTERNAL
 from gpr20_common.high.connection_keeper import ConnectionKeeper
-from gpr20_common.low.limited_rpc import NodeProbe
+from gpr20_common.low.links import NodeProbe
 from gpr20_common.low.thread_fault import end_with_thread
 from gpr20_common.message import Message
 from gpr20_common.mid.codec import record_from
@@ -31,54 +30,39 @@ from gpr20_common.terminal_text import enable_line_buffering, say
 # A node of the same name that lives answers within this time [s].
 ANSWER_LIMIT_S = 1.0
 POLL_S = 0.1
-ARGUMENT = "configuration"
 
 Parameters = TypeVar("Parameters")
 
 
 def configuration_name() -> str:
     """Return the name of the parameters with which this node was launched; empty if none."""
-    return str(rosgraph.names.load_mappings(sys.argv).get(ARGUMENT, ""))
+    return str(rosgraph.names.load_mappings(sys.argv).get("configuration", ""))
 
 
 def read_parameters(parameter_class: Type[Parameters], section: str) -> Parameters:
-    """Read every field of a dataclass from a section of the configuration.
-
-    Raises:
-        InvalidValueError: A parameter is missing, unknown or of the wrong type, or the dataclass
-            refuses it.
-    """
+    """Return a section of the configuration, or raise an InvalidValueError."""
     name = configuration_name()
-    if not name:
-        return record_from(parameter_class, {}, section)
-    text = rospy.get_param(name, "")
+    text = rospy.get_param(name, "") if name else "{}"
     try:
         sections = json.loads(text)
     except (TypeError, ValueError) as error:
-        raise InvalidValueError(
-            Message(
-                "the configuration of this launch is gone, because the ROS master was restarted; "
-                "end the launch and start it again",
-                details=f"{name}: {text!r}",
-            ),
-            fault=faults.INTERNAL,
-        ) from error
+        gone = Message(
+            "the configuration of this launch is gone, because the ROS master was restarted; "
+            "end the launch and start it again",
+            details=f"{name}: {text!r}",
+        )
+        raise ConfigurationError(gone, fault=INTERNAL) from error
     return record_from(parameter_class, sections.get(section, {}), section)
 
 
 def run_node(name: str, build: Callable[[], Any], needed: bool = True) -> None:
-    """Run a node until ROS shuts down.
+    """Run a node until ROS shuts down; `build` returns what is kept for its life.
 
     A node whose name is taken by one that lives is not started: ROS would end the other one,
-    and of two launches on one master each would end the other's nodes for ever. Its launch ends,
-    because its robot would be incomplete.
+    and of two launches on one master each would end the other's nodes for ever. Its launch ends if
+    it is needed: the robot would be incomplete. Else it is started again and again.
 
     Until the node has started, a signal ends it at once, as the programs in `nodes/` set it.
-
-    Args:
-        name: Default name of the node.
-        build: Reads the parameters and builds what is kept for the life of the node.
-        needed: Whether its launch ends if it cannot start; else it is started again and again.
     """
     enable_line_buffering()
     threading.excepthook = end_with_thread
@@ -113,20 +97,6 @@ def run_node(name: str, build: Callable[[], Any], needed: bool = True) -> None:
     rospy.core.register_signals()
     rospy.spin()
     del kept, keeper
-
-
-def run_device(
-    name: str,
-    parameter_class: Type[Parameters],
-    build: Callable[[Parameters], Any],
-    section: str = "",
-    needed: bool = True,
-) -> None:
-    """Run, as `run_node` does, the node that `build` makes of the parameters of one device.
-
-    They are in a section of the configuration; without its name, in that named like the node.
-    """
-    run_node(name, lambda: build(read_parameters(parameter_class, section or name)), needed)
 
 
 def roslaunch_number() -> Optional[int]:
@@ -173,16 +143,15 @@ def _refuse_second(default: str, launch: Optional[int]) -> None:
 
 
 def _refuse_private_parameters() -> None:
-    """Check that nobody gave a node that was started alone a private parameter: it reads none."""
+    """Refuse what somebody gave a node that was started alone and reads none."""
     values = rospy.get_param(rospy.get_name(), {})
     names = sorted(values) if isinstance(values, Mapping) else [repr(values)]
     if names:
-        raise InvalidValueError(
+        raise ConfigurationError(
             Message(
                 "the private parameters {names} of {node} are not read; write them into the "
                 "robot's configuration, or start the node with configuration:=NAME",
                 names=", ".join(names),
                 node=rospy.get_name(),
-            ),
-            fault=faults.CONFIGURATION,
+            )
         )

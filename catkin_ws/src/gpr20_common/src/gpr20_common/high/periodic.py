@@ -19,8 +19,7 @@ LOG_PERIOD_S = 10.0
 class Periodic:
     """Calls a function at a fixed rate [s] in a thread of its own, also after a call that failed.
 
-    It ends before the node's topics are closed. A `rospy.Timer` runs a moment longer
-    and then publishes to a closed topic.
+    It ends before the node's topics are closed; a `rospy.Timer` would publish to closed ones.
     """
 
     def __init__(self, period_s: float, action: Callable[[], None]) -> None:

@@ -12,14 +12,13 @@ MessageType = TypeVar("MessageType", bound=genpy.Message)
 
 
 def serialized(message: Any) -> bytes:
-    """Return the bytes of a message as ROS sends them."""
     buffer = io.BytesIO()
     message.serialize(buffer)
     return buffer.getvalue()
 
 
 def deserialized(message_type: Type[MessageType], data: bytes) -> MessageType:
-    """Return the message that these bytes are; raises a genpy.DeserializationError otherwise."""
+    """Return the message that these bytes are, or raise a genpy.DeserializationError."""
     message = message_type()
     message.deserialize(data)
     return message
@@ -38,11 +37,8 @@ def preserialized(message_type: Type[MessageType], data: bytes) -> MessageType:
 
 
 def connection_header(received: Any) -> Dict[str, str]:
-    """Return the header of the connection that brought a message or request to a callback.
-
-    rospy adds the attribute to each; no message class declares it.
-    """
-    header: Dict[str, str] = received._connection_header
+    """Return the header of the connection that brought a message or request to a callback."""
+    header: Dict[str, str] = received._connection_header  # rospy adds it
     return header
 
 

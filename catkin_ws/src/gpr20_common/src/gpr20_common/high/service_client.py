@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import socket
 import struct
 import threading
@@ -15,10 +16,9 @@ import rosgraph
 import rospy
 from rosgraph import network
 
-from gpr20_common import faults
-from gpr20_common.errors import Gpr20Error
+from gpr20_common.errors import NodeSilentError
 from gpr20_common.high.raw_message import deserialized, serialized
-from gpr20_common.low.limited_rpc import NO_ANSWER, limited_server, value_of
+from gpr20_common.low.links import NO_ANSWER, limited_server, value_of
 from gpr20_common.message import Message
 
 # A node that is being started again offers its services within this time [s].
@@ -39,18 +39,17 @@ PIECE_BYTES = 1 << 16
 # Why there is no connection.
 NOT_CONNECTED = (*NO_ANSWER, rospy.ROSException, network.ROSHandshakeException)
 # Why there is no answer.
-FAILURES = (OSError, rospy.ROSException, rospy.ServiceException, genpy.MessageException)
+TIMED_OUT = (socket.timeout, FutureTimeout)
+FAILURES = (*NOT_CONNECTED, *TIMED_OUT, rospy.ServiceException, genpy.MessageException)
 GIVEN_UP = "the call was given up"
 
 
-class ServiceUnavailableError(Gpr20Error, OSError):
+class ServiceUnavailableError(NodeSilentError):
     """A service is not there, died while it was asked, or did not answer in time."""
-
-    fault = faults.PART_SILENT
 
 
 class ServiceConnection:
-    """A connection for one call, or for several that follow each other.
+    """A connection to a service; times are those of `time.monotonic`.
 
     `rospy.ServiceProxy` connects and receives without a time limit, and what it has sent into a
     broken link arrives when the link is back: a request to move or to stop that was given up
@@ -60,14 +59,7 @@ class ServiceConnection:
     def __init__(
         self, uri: str, header: Dict[str, str], deadline_s: float, answer_deadline_s: float
     ) -> None:
-        """Connect to a service, or raise what `NOT_CONNECTED` has.
-
-        Args:
-            uri: Its address, as the master knows it.
-            header: What the client says of itself.
-            deadline_s: When there must be a connection [s, `time.monotonic`].
-            answer_deadline_s: When its node must have accepted it [s].
-        """
+        """Connect, and have the node accept it in time, or raise what `NOT_CONNECTED` has."""
         address = rospy.core.parse_rosrpc_uri(uri)
         self._socket = socket.create_connection(address, _remaining_s(deadline_s))
         try:
@@ -133,15 +125,11 @@ class ServiceClient:
     def __init__(
         self, name: str, service_class: Any, discard_late: bool = True, keep_open: bool = False
     ) -> None:
-        """Connect to nothing yet.
+        """Connect to nothing yet; the name is relative to this node's namespace.
 
-        Args:
-            name: Name of the service, relative to this node's namespace.
-            service_class: Its generated class.
-            discard_late: Whether a request that is not delivered in time is discarded.
-            keep_open: Whether a connection is used for calls that soon follow each other. A node
-                that hangs may carry out such a request when it no longer does, because it need
-                not accept a connection first: not for requests that move anything.
+        `discard_late` discards a request that is not delivered in time. With `keep_open` calls that
+        soon follow each other use one connection; a node that hung may then carry out what was
+        given up: not for requests that move anything.
         """
         self.name = name
         self._discard_late = discard_late
@@ -153,42 +141,34 @@ class ServiceClient:
     def call(self, timeout_s: float, *request: Any, **fields: Any) -> Any:
         """Return the response to a request, or to one with these fields, whatever it says.
 
-        Raises:
-            ServiceUnavailableError: No answer came in time [s]; the message says why.
+        A ServiceUnavailableError says why no answer came in time [s].
         """
         kind = self._service_class
         message = rospy.msg.args_kwds_to_message(kind._request_class, request, fields)
         make = self._make if self._discard_late else self._deliver
         try:
             return deserialized(kind._response_class, make(message, timeout_s))
-        except socket.timeout as error:
-            raise ServiceUnavailableError(
-                Message(
+        except FAILURES as error:
+            text = Message(
+                "the service {service} could not be called; check that its node is running",
+                service=self.name,
+                details=error,
+            )
+            if isinstance(error, TIMED_OUT):
+                text = Message(
                     "the service {service} did not answer within {limit_s:g} s; check that its "
                     "node is running and not hung",
                     service=self.name,
                     limit_s=timeout_s,
-                ),
-                fault=faults.PART_SILENT,
-            ) from error
-        except FAILURES as error:
-            raise ServiceUnavailableError(
-                Message(
-                    "the service {service} could not be called; check that its node is running",
-                    service=self.name,
-                    details=error,
                 )
-            ) from error
+            raise ServiceUnavailableError(text) from error
 
     def prepare(self, timeout_s: float) -> None:
         """Connect now, so that a call that follows soon need not; for a client with `keep_open`."""
         deadline_s = time.monotonic() + timeout_s
-        try:
+        with contextlib.suppress(*NOT_CONNECTED):  # the call finds out why
             connection = self._take_kept() or self._connect(deadline_s, deadline_s, self._given_up)
             self._kept.append(connection)
-        except NOT_CONNECTED as error:
-            # The call finds out why.
-            rospy.logdebug("the service %s cannot be prepared: %s", self.name, error)
 
     def give_up(self) -> None:
         """Let calls that wait for the service's node never be made; one that was made continues."""
@@ -207,10 +187,7 @@ class ServiceClient:
 
         # Being a daemon it ends with the node, whatever it waits for.
         threading.Thread(target=make, daemon=True).start()
-        try:
-            return bytes(answer.result(timeout_s))
-        except FutureTimeout as error:
-            raise socket.timeout("timed out") from error
+        return bytes(answer.result(timeout_s))
 
     def _make(self, request: genpy.Message, timeout_s: float, late_s: float = 0.0) -> bytes:
         given_up, deadline_s = self._given_up, time.monotonic() + timeout_s
@@ -230,15 +207,13 @@ class ServiceClient:
         return response
 
     def _take_kept(self) -> Optional[ServiceConnection]:
-        """Return a connection over which an answer came just now; None if there is none."""
-        while True:
-            try:
+        with contextlib.suppress(IndexError):  # another thread may take the last one
+            while True:
                 kept = self._kept.pop()
-            except IndexError:
-                return None
-            if time.monotonic() - kept.answered_s < REUSE_S and kept.is_open():
-                return kept
-            kept.close()
+                if time.monotonic() - kept.answered_s < REUSE_S and kept.is_open():
+                    return kept
+                kept.close()
+        return None
 
     def _connect(
         self, deadline_s: float, answer_deadline_s: float, given_up: threading.Event
@@ -260,21 +235,18 @@ class ServiceClient:
                 if given_up.is_set() or rospy.is_shutdown():
                     raise rospy.ROSException(GIVEN_UP) from error
                 if time.monotonic() > last_s:
-                    if isinstance(error, OSError):
-                        raise
-                    raise rospy.ROSException(str(error)) from error
+                    raise
             attempt += 1
             given_up.wait(RETRY_S)
 
     def _look_up(self, _attempt: int, limit_s: float) -> str:
-        """Return the address of the service, as the master knows it now."""
         master = limited_server(rosgraph.get_master_uri(), limit_s)
         name = rospy.resolve_name(self.name)
         return str(value_of(master.lookupService(rospy.get_caller_id(), name)))
 
 
 def _remaining_s(deadline_s: float) -> float:
-    """Return the time that is left [s]; raises a socket.timeout if none is."""
+    """Return the time that is left [s], or raise a socket.timeout."""
     remaining_s = deadline_s - time.monotonic()
     if remaining_s <= 0.0:
         raise socket.timeout("timed out")

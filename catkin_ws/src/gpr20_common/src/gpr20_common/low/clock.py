@@ -22,9 +22,7 @@ class Clock:
 
     def sleep_until_s(self, deadline_s: float) -> None:
         """Return once `now_s()` has reached the deadline [s]; at once if it is past."""
-        remaining_s = deadline_s - time.monotonic()
-        if remaining_s > 0.0:
-            time.sleep(remaining_s)
+        time.sleep(max(0.0, deadline_s - time.monotonic()))
 
     def wait_s(self, event: threading.Event, timeout_s: float) -> bool:
         return event.wait(timeout_s)

@@ -19,22 +19,15 @@ def data_folder(configured: str, environment: Mapping[str, str]) -> Path:
 
 
 def state_folder(environment: Mapping[str, str]) -> Path:
-    """Return the folder of what is remembered: `GPR20_STATE`, or ~/.gpr20 if that is not set."""
     return Path(environment.get("GPR20_STATE", "") or "~/.gpr20").expanduser().absolute()
 
 
 def robot_folder(environment: Mapping[str, str]) -> Path:
-    """Return the folder that GPR20_CONFIG names, or the default; it need not exist."""
     return Path(environment.get("GPR20_CONFIG") or DEFAULT_FOLDER).expanduser().absolute()
 
 
 def configured(path: Path) -> Dict[str, Any]:
-    """Return the values in a file of the configuration; none without the file.
-
-    Raises:
-        OSError: The file cannot be read.
-        YamlFileError: The file is damaged.
-    """
+    """Return the values in a file of the configuration, as `read_yaml`; none without the file."""
     try:
         values = read_yaml(path)
         if values is None or isinstance(values, dict):

@@ -18,8 +18,6 @@ MAX_BYTES = 1 << 20
 # The reader of plain values raises whatever their conversion does: for the day 2026-13-45 a
 # ValueError, for `!!timestamp x` an AttributeError. It calls itself for each level.
 _REFUSED = (yaml.YAMLError, *UNREADABLE)
-# `<<: *other`, which may be there several times.
-MERGE_TAG = "tag:yaml.org,2002:merge"
 STRING_TAG = "tag:yaml.org,2002:str"
 NUMBER_TAGS = ("tag:yaml.org,2002:int", "tag:yaml.org,2002:float")
 # In YAML 1.1 013 is 11, and 10:50 is 650; nobody means that who writes it.
@@ -35,9 +33,7 @@ class YamlFileError(Gpr20Error, ValueError):
 def read_yaml(path: Union[str, Path], max_bytes: int = MAX_BYTES) -> Any:
     """Return what a YAML file holds: plain values, lists and mappings, never objects.
 
-    Raises:
-        OSError: The file cannot be read.
-        YamlFileError: The file is not YAML, is too long or nested too deeply.
+    Raises an OSError if it cannot be read, and a YamlFileError if it holds something else.
     """
     with open(path, "rb") as stream:
         text = stream.read(max_bytes + 1)
@@ -47,12 +43,7 @@ def read_yaml(path: Union[str, Path], max_bytes: int = MAX_BYTES) -> Any:
 
 
 def parse_yaml(text: Union[str, bytes], odd_numbers: bool = False) -> Any:
-    """Return what a text of YAML holds, as `read_yaml` does.
-
-    Args:
-        text: The text.
-        odd_numbers: Whether 013 is 11 and 10:50 is 650, as for ROS; otherwise they are texts.
-    """
+    """Return what a text of YAML holds; with odd numbers 013 is 11 and 10:50 is 650, as for ROS."""
     try:
         loader = _OddNumberLoader if odd_numbers else _UniqueKeyLoader
         return yaml.load(text, Loader=loader)  # noqa: S506 - a SafeLoader
@@ -67,22 +58,21 @@ class _UniqueKeyLoader(yaml.SafeLoader):
 
     def resolve(self, kind: Any, value: Any, implicit: Any) -> Any:
         tag = super().resolve(kind, value, implicit)
-        odd = tag in NUMBER_TAGS and isinstance(value, str) and _ODD_NUMBER.fullmatch(value)
-        return STRING_TAG if odd and implicit[0] else tag
+        odd = tag in NUMBER_TAGS and implicit[0] and _ODD_NUMBER.fullmatch(value)
+        return STRING_TAG if odd else tag
 
     def construct_mapping(self, node: yaml.MappingNode, deep: bool = False) -> Any:
         seen = set()
-        for key_node, _value_node in node.value:
-            if isinstance(key_node, yaml.ScalarNode) and key_node.tag != MERGE_TAG:
-                if key_node.value in seen:
-                    raise YamlFileError(
-                        Message(
-                            "the key {key} is there twice, again in line {line}; remove one",
-                            key=key_node.value[:64],
-                            line=key_node.start_mark.line + 1,
-                        )
+        for key in (one for one, _value in node.value if isinstance(one, yaml.ScalarNode)):
+            if key.value in seen:
+                raise YamlFileError(
+                    Message(
+                        "the key {key} is there twice, again in line {line}; remove one",
+                        key=key.value[:64],
+                        line=key.start_mark.line + 1,
                     )
-                seen.add(key_node.value)
+                )
+            seen.add(key.value)
         return super().construct_mapping(node, deep)
 
 

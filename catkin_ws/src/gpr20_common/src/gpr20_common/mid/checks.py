@@ -5,20 +5,18 @@ Each returns the value, or raises an InvalidValueError that calls it by a name.
 
 from __future__ import annotations
 
-import sys
 from ipaddress import IPv4Address
 from typing import Union
 
 from gpr20_common.errors import InvalidValueError
-from gpr20_common.message import Message
+from gpr20_common.message import Message, numeral, verbatim
 
+Text = Union[str, Message]
 # Far longer than any address of an instrument.
 MAX_ADDRESS_CHARACTERS = 128
 
 
-def number_between(
-    name: Union[str, Message], value: float, lower: float, upper: float, unit: str = ""
-) -> float:
+def number_between(name: Text, value: float, lower: float, upper: float, unit: Text = "") -> float:
     """Allow what lies within the bounds [unit], both included."""
     # Written so that NaN, which fails every comparison, is refused too.
     if not lower <= value <= upper:
@@ -26,32 +24,18 @@ def number_between(
             Message(
                 "{name} is {value}; it must lie between {lower} and {upper}",
                 name=name,
-                value=_with_unit(value, unit),
-                lower=f"{lower:.12g}",
-                upper=_with_unit(upper, unit),
+                value=with_unit(value, unit),
+                lower=numeral(lower, ".12g"),
+                upper=with_unit(upper, unit),
             )
         )
     return value
 
 
-def positive_number(name: Union[str, Message], value: float, unit: str = "") -> float:
-    """Allow what is finite and above zero [unit]."""
-    if not 0.0 < value <= sys.float_info.max:
-        raise InvalidValueError(
-            Message(
-                "{name} is {value}; it must be more than zero",
-                name=name,
-                value=_with_unit(value, unit),
-            )
-        )
-    return value
-
-
-def ipv4_address(name: Union[str, Message], address: str) -> str:
+def ipv4_address(name: Text, address: str) -> str:
     """Allow four decimal numbers of 0 to 255."""
     try:
-        # 010 is 8 to some readers.
-        plain = str(IPv4Address(address)) == address
+        plain = str(IPv4Address(address)) == address  # 010 is 8 to some readers
     except ValueError:
         plain = False
     if not plain:
@@ -65,7 +49,7 @@ def ipv4_address(name: Union[str, Message], address: str) -> str:
     return address
 
 
-def instrument_address(name: Union[str, Message], address: str) -> str:
+def instrument_address(name: Text, address: str) -> str:
     """Allow four numbers, or what "::" sets apart from them: the instrument's driver checks it."""
     if "::" not in address:
         return ipv4_address(name, address)
@@ -83,9 +67,11 @@ def instrument_address(name: Union[str, Message], address: str) -> str:
     return address
 
 
-def _with_unit(number: float, unit: str) -> str:
+def with_unit(number: float, unit: Text) -> Message:
+    """Return a number and what it is counted in; empty: it is counted in nothing."""
     try:
-        return f"{number:.12g} {unit}".rstrip()
+        shown = numeral(number, ".12g")
     except OverflowError:
         # A whole number from a file may have hundreds of digits.
-        return f"{'inf' if number > 0 else '-inf'} {unit}".rstrip()
+        shown = verbatim("inf" if number > 0 else "-inf")
+    return Message("{number} {unit}", number=shown, unit=unit) if unit else shown

@@ -9,24 +9,23 @@ from __future__ import annotations
 import dataclasses
 import functools
 import typing
-from typing import Any, Dict, Hashable, Literal, Sequence, Tuple, Type, TypeVar
+from typing import Any, Dict, Hashable, Sequence, Tuple, Type, TypeVar
 
 from pydantic import ConfigDict, TypeAdapter, ValidationError
+from pydantic_core import to_json, to_jsonable_python
 
-from gpr20_common.errors import InvalidValueError
-from gpr20_common.faults import CONFIGURATION
-from gpr20_common.message import Message, verbatim
+from gpr20_common.errors import ConfigurationError, InvalidValueError
+from gpr20_common.message import Message, numeral, verbatim
 
 Record = TypeVar("Record")
 UNKNOWN_KEY = "unexpected_keyword_argument"
 SHOWN = 200  # characters of a value
 NUMBER, WHOLE, GROUP = Message("a number"), Message("a whole number"), Message("a group of values")
-WANTED = {
+WANTED = {  # by the codes of pydantic
     **{"bool_type": Message("true or false"), "string_type": Message("a text")},
     **{"float_type": NUMBER, "finite_number": NUMBER, "int_type": WHOLE},
     **{"tuple_type": Message("a list"), "dataclass_type": GROUP, "dict_type": GROUP},
 }
-"""By the codes of pydantic."""
 
 
 def bounded(lower: float, upper: float, default: Any = dataclasses.MISSING) -> Any:
@@ -35,20 +34,15 @@ def bounded(lower: float, upper: float, default: Any = dataclasses.MISSING) -> A
 
 
 def record_from(kind: Type[Record], values: Any, place: str, others: bool = False) -> Record:
-    """Make a record of what was read, with the records, lists and choices inside it.
+    """Make a record of what was read, or raise an InvalidValueError.
 
-    Args:
-        kind: Dataclass, or a list or group of them; a field without a default must be there.
-        values: What was read.
-        place: Where it was found, for the messages; empty if they name it themselves.
-        others: Whether unknown keys are ignored.
-
-    Raises:
-        InvalidValueError: A key is unknown or missing, or a value is not allowed.
+    The kind is a dataclass, or a list or group of them; a field without a default must be there.
+    The place is where it was found, for the messages; empty if they name it themselves. With
+    `others` unknown keys are ignored.
     """
     try:
         # In JSON a list is a tuple, and a choice is its value.
-        content = _any("constants").dump_json(values)
+        content = to_json(values, inf_nan_mode="constants")
     except ValueError as error:
         reason = Message("{place} holds what no file can hold", place=place, details=error)
         raise InvalidValueError(reason) from error
@@ -56,7 +50,7 @@ def record_from(kind: Type[Record], values: Any, place: str, others: bool = Fals
 
 
 def record_of_json(kind: Type[Record], content: bytes, place: str, others: bool = False) -> Record:
-    """Make a record of strict JSON; arguments and errors are those of `record_from`."""
+    """Do for strict JSON what `record_from` does."""
     adapter = _adapter(typing.cast(Hashable, kind), others)
     try:
         return adapter.validate_json(b"[%b]" % content)[0]
@@ -73,12 +67,7 @@ def shortened(value: Any) -> str:
 
 def plain(record: Any) -> Any:
     """Return a record as JSON and YAML hold it; a number that is not finite becomes None."""
-    return _any("null").dump_python(record, mode="json")
-
-
-@functools.lru_cache(maxsize=None)
-def _any(not_finite: Literal["constants", "null"]) -> TypeAdapter:
-    return TypeAdapter(Any, config=ConfigDict(ser_json_inf_nan=not_finite))
+    return to_jsonable_python(record, inf_nan_mode="null")
 
 
 @functools.lru_cache(maxsize=None)
@@ -100,17 +89,18 @@ def _refusal(error: ValidationError, kind: Any, place: str) -> Exception:
     if isinstance(context.get("error"), Exception):
         return context["error"]  # the record refuses itself
     if found["type"] == "missing":
-        return InvalidValueError(Message("{place} is missing", place=place), fault=CONFIGURATION)
+        return ConfigurationError(Message("{place} is missing", place=place))
     if found["type"] == UNKNOWN_KEY:
         known = ", ".join(sorted(_fields_at(kind, keys[:-1])))
         text = Message("{place} is unknown; allowed: {known}", place=place, known=known)
-        return InvalidValueError(text, fault=CONFIGURATION)
+        return ConfigurationError(text)
     if found["type"] == "json_invalid":
         return InvalidValueError(Message("the file is not strict JSON", details=found["msg"]))
-    named = {"place": place, "value": shortened(found["input"])}
+    named: Dict[str, Any] = {"place": place, "value": shortened(found["input"])}
     if "ge" in context or "le" in context:
         bounds = _fields_at(kind, keys[:-1])[str(keys[-1])].metadata
-        named.update(name=place, lower=f"{bounds['ge']:.12g}", upper=f"{bounds['le']:.12g}")
+        lower, upper = (numeral(bounds[one], ".12g") for one in ("ge", "le"))
+        named.update(name=place, lower=lower, upper=upper)
         text = Message("{name} is {value}; it must lie between {lower} and {upper}", **named)
     elif "expected" in context:
         allowed = context["expected"].replace(" or ", ", ").replace("'", "")

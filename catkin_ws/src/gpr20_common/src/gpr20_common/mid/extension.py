@@ -7,42 +7,29 @@ import inspect
 import re
 from typing import Any, Mapping
 
-from gpr20_common import faults
-from gpr20_common.errors import InvalidValueError
+from gpr20_common.errors import ConfigurationError
 from gpr20_common.message import Message
 
 _NAME = re.compile(r"[A-Za-z_]\w*(\.[A-Za-z_]\w*)*:[A-Za-z_]\w*")
-NAME_LENGTH = 200
 
 
 def is_extension(name: str) -> bool:
-    """Return whether a name has the form `module:Class`."""
-    return len(name) <= NAME_LENGTH and _NAME.fullmatch(name) is not None
+    return _NAME.fullmatch(name) is not None
 
 
 def load_extension(
     key: str, name: str, protocol: type, arguments: int, options: Mapping[str, Any]
 ) -> type:
-    """Import a class and check that it fits a protocol and can be made with its options.
+    """Import a class that fits a protocol and takes so many arguments and its options; or refuse.
 
-    Nothing is made, and whatever else a configuration names is never called.
-
-    Args:
-        key: Key of the configuration that names it; `{key}_options` is that of its options.
-        name: The class, as `module:Class` (`is_extension`).
-        protocol: Its methods and properties must be there.
-        arguments: How many arguments come before the options.
-        options: The options of the configuration.
-
-    Raises:
-        InvalidValueError: It cannot be imported, does not implement the protocol, or an option is
-            missing or unknown.
+    Nothing is made, and whatever else a configuration names is never called. Its key there is
+    that of the class, and `{key}_options` that of the options.
     """
     module, _colon, class_name = name.partition(":")
     try:
-        found: Any = getattr(importlib.import_module(module), class_name, None)
+        found = getattr(importlib.import_module(module), class_name)
     except Exception as error:  # the module is not ours: it may raise anything
-        raise InvalidValueError(
+        raise ConfigurationError(
             Message(
                 "{key} is {name}, but {module} cannot be imported: {reason}; install its package "
                 "in the virtual environment of this software, or correct the name",
@@ -50,22 +37,18 @@ def load_extension(
                 name=name,
                 module=module,
                 reason=f"{type(error).__name__}: {error}",
-            ),
-            fault=faults.CONFIGURATION,
+            )
         ) from error
     missing = [one for one in sorted(vars(protocol)) if one[0] != "_" and not hasattr(found, one)]
-    if not inspect.isclass(found):
-        missing = [class_name]
-    if missing:
-        raise InvalidValueError(
+    if missing or not inspect.isclass(found):
+        raise ConfigurationError(
             Message(
                 "{key} is {name}, which is not usable as {protocol}: it lacks {missing}",
                 key=key,
                 name=name,
                 protocol=protocol.__name__,
-                missing=", ".join(missing),
-            ),
-            fault=faults.CONFIGURATION,
+                missing=", ".join(missing) or "class",
+            )
         )
     try:
         inspect.signature(found).bind(*range(arguments), **options)
@@ -74,14 +57,9 @@ def load_extension(
     return found
 
 
-def options_refused(key: str, extension: type, reason: str) -> InvalidValueError:
+def options_refused(key: str, extension: type, reason: str) -> ConfigurationError:
     """Return the error of a class that cannot be made with the options of the configuration."""
-    return InvalidValueError(
-        Message(
-            "{key} do not suit {class_name}: {reason}",
-            key=key,
-            class_name=extension.__name__,
-            reason=reason,
-        ),
-        fault=faults.CONFIGURATION,
+    name = extension.__name__
+    return ConfigurationError(
+        Message("{key} do not suit {class_name}: {reason}", key=key, class_name=name, reason=reason)
     )

@@ -14,8 +14,8 @@ from typing import Callable, List, Mapping, Optional, Tuple
 import rosgraph
 import rospy
 
-from gpr20_common.catalogue import Catalogue
-from gpr20_common.low.catalogue_file import (
+from gpr20_common.catalogue import (
+    Catalogue,
     language_from_code,
     language_from_environment,
     languages,

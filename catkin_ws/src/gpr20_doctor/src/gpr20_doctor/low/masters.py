@@ -10,7 +10,7 @@ from typing import Dict, FrozenSet, Iterable, Set, Tuple
 from urllib.parse import urlsplit
 
 from gpr20_common.errors import NodeGoneError, NodeSilentError
-from gpr20_common.low.limited_rpc import NO_ANSWER, NodeProbe, limited_server, value_of
+from gpr20_common.low.links import NO_ANSWER, NodeProbe, limited_server, value_of
 from gpr20_doctor.low import network
 from gpr20_doctor.low.system import plain_uri
 

@@ -12,7 +12,7 @@ from typing import Any, Callable, Dict, List, Optional, Tuple
 
 from gpr20_common.catalogue import Catalogue
 from gpr20_common.errors import Gpr20Error
-from gpr20_common.mid.node_software import own_software
+from gpr20_common.mid.node_facts import own_software
 from gpr20_doctor.low.bundle_sources import (
     COMMANDS,
     end_of,

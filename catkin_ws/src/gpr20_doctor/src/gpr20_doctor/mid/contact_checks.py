@@ -6,7 +6,7 @@ from typing import Iterable, Iterator, Mapping
 
 from gpr20_common.faults import NOT_RUNNING, OTHER_LAUNCH, PART_SILENT, VERSIONS_DIFFER
 from gpr20_common.message import Message
-from gpr20_common.mid.node_software import NodeSoftware, software_difference
+from gpr20_common.mid.node_facts import NodeSoftware, software_difference
 from gpr20_doctor import faults
 from gpr20_doctor.low.masters import MasterState, NodeState
 from gpr20_doctor.mid.finding import Finding, Level

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Optional, Tuple, Union
 
 from gpr20_common.message import Message
-from gpr20_common.mid.node_software import NodeSoftware
+from gpr20_common.mid.node_facts import NodeSoftware
 from gpr20_doctor.low import pi
 from gpr20_doctor.low.programs import Tracking
 from gpr20_doctor.low.system import Memory

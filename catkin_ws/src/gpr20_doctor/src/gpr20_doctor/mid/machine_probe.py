@@ -11,10 +11,10 @@ from pathlib import Path
 from typing import Callable, Dict, List, Mapping, Optional, Sequence, Tuple, TypeVar, Union
 from urllib.parse import urlsplit
 
+from gpr20_common.errors import os_reason
 from gpr20_common.low.data_folder import state_folder
 from gpr20_common.message import Message, verbatim
-from gpr20_common.mid.node_software import own_software
-from gpr20_common.os_reason import os_reason
+from gpr20_common.mid.node_facts import own_software
 from gpr20_doctor.low import network, outside, pi, programs, system
 from gpr20_doctor.mid import machine_facts as facts
 from gpr20_doctor.mid.finding import Unknown

@@ -260,7 +260,7 @@ def _part(node: NodeHealth, listening_s: float, state: Optional[NodeState]) -> F
     if node.level is HealthLevel.ERROR:
         return Finding.of(node.name, text, INTERNAL, advice=node.message.remedy)
     advice = node.message.remedy or Message("Touch this part on ROBOT and read its details.")
-    if cause is not None and (cause.severity is Severity.NOTE or cause.code == NOT_HOMED.code):
+    if cause is not None and (cause.severity is Severity.NOTE or cause == NOT_HOMED.as_warning()):
         return Finding(node.name, Level.NOTE, text, advice)
     return Finding.of(node.name, text, PART_RED, mild=True, advice=advice)
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from typing import Mapping, Optional, Tuple
 
 from gpr20_common.message import Message
-from gpr20_common.mid.node_software import NodeSoftware
+from gpr20_common.mid.node_facts import NodeSoftware
 from gpr20_doctor.low.masters import MasterState, NodeState
 from gpr20_doctor.mid.node_health import HealthLevel, NodeHealth, ReportedValues
 from gpr20_survey.axes.axis_id import AxisId

@@ -9,15 +9,14 @@ import rospy
 from sensor_msgs.msg import Range
 
 from gpr20_common.high import diagnostics
-from gpr20_common.high.answers import message_fields
+from gpr20_common.high.answers import advertise, message_fields
 from gpr20_common.high.description import publish_description
-from gpr20_common.high.node import run_device
+from gpr20_common.high.node import read_parameters, run_node
 from gpr20_common.high.periodic import Periodic
 from gpr20_common.high.raw_message import ros_time
-from gpr20_common.high.services import advertise
 from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message
-from gpr20_common.mid.hardware import Hardware
+from gpr20_common.mid.node_facts import Hardware
 from gpr20_height_sensor.errors import HeightError, HeightStoppedError
 from gpr20_height_sensor.low.adc_interface import AdcInterface, SpiBus, open_spi_bus
 from gpr20_height_sensor.mid.height_driver import HeightDriver, HeightMeasurement
@@ -65,8 +64,6 @@ class HeightNode:
             success=True,
             height_m=measured.height_m,
             spread_m=measured.spread_m,
-            samples=measured.samples,
-            measured=ros_time(measured.measured_us),
             voltage_v=voltage_v,
         )
 
@@ -138,4 +135,4 @@ def build_robot_node(parameters: HeightParameters) -> HeightNode:
 
 def main() -> None:
     """Run the height sensor of the real robot."""
-    run_device(NODE, HeightParameters, build_robot_node)
+    run_node(NODE, lambda: build_robot_node(read_parameters(HeightParameters, NODE)))

@@ -5,11 +5,11 @@ from __future__ import annotations
 import threading
 from typing import List, Protocol
 
+from gpr20_common.errors import os_reason
 from gpr20_common.faults import NOT_SET_UP
 from gpr20_common.message import Message
 from gpr20_common.mid.checks import number_between
-from gpr20_common.os_reason import os_reason
-from gpr20_height_sensor.errors import SpiError
+from gpr20_height_sensor.errors import HeightError
 
 CHANNELS = 8
 LARGEST_CODE = 1023
@@ -51,28 +51,28 @@ class AdcInterface:
         """Return one conversion made now, 0..1023.
 
         Raises:
-            SpiError: The bus failed, or no converter answered.
+            HeightError: The bus failed, or no converter answered.
         """
         try:
             with self._lock:
                 # A copy, because spidev changes the list.
                 reply = self._spi.xfer2(list(self._request))
         except OSError as error:
-            raise SpiError(
+            raise HeightError(
                 Message(
                     "the bus of the height sensor's converter failed; check its wiring",
                     details=f"SPI: {error}",
                 )
             ) from error
         if len(reply) != len(self._request) or any(not 0 <= byte <= 0xFF for byte in reply):
-            raise SpiError(
+            raise HeightError(
                 Message(
                     "the height sensor's converter gave an invalid answer; check its wiring",
                     details=f"SPI: {reply!r} instead of three bytes",
                 )
             )
         if reply[1] & NULL_BIT:
-            raise SpiError(
+            raise HeightError(
                 Message(
                     "the height sensor's converter does not answer; check its wiring and supply",
                     details=f"SPI: no MCP3008 answers {reply!r}",
@@ -95,13 +95,13 @@ def open_spi_bus(bus: int, device: int, speed_hz: int) -> SpiBus:
         speed_hz: Clock [Hz].
 
     Raises:
-        SpiError: The library spidev is missing, or the bus cannot be opened.
+        HeightError: The library spidev is missing, or the bus cannot be opened.
     """
     try:
         # Only here, because the library exists and works only on the robot.
         import spidev
     except ImportError as error:
-        raise SpiError(
+        raise HeightError(
             Message(
                 "this computer has no usable SPI bus; on the robot run scripts/setup.sh --robot, "
                 "elsewhere launch with robot:=simulated",
@@ -117,7 +117,7 @@ def open_spi_bus(bus: int, device: int, speed_hz: int) -> SpiBus:
         spi.mode = 0
     except OSError as error:
         spi.close()
-        raise SpiError(
+        raise HeightError(
             Message(
                 "the SPI bus {device_file} cannot be opened: {reason}; enable SPI on the robot's "
                 "computer and allow this user to read and write the file",

@@ -9,16 +9,12 @@ from typing import Callable, List
 import numpy as np
 
 from gpr20_common.low.clock import Clock, time_of_day_us
-from gpr20_common.message import Message
+from gpr20_common.message import Message, numeral
 from gpr20_height_sensor import faults
-from gpr20_height_sensor.errors import (
-    HeightStoppedError,
-    SensorNoiseError,
-    SensorRangeError,
-    SensorStuckError,
-)
+from gpr20_height_sensor.errors import HeightError, HeightStoppedError
 from gpr20_height_sensor.low.adc_interface import LARGEST_CODE, AdcInterface
 from gpr20_height_sensor.mid.height_parameters import HeightParameters
+from gpr20_survey.faults import NO_GROUND
 
 # Makes the median absolute deviation of normally distributed readings their standard deviation.
 NORMAL_MAD_SCALE = 1.4826
@@ -38,13 +34,11 @@ class HeightMeasurement:
     Attributes:
         height_m: Antenna above ground [m].
         spread_m: Scaled median absolute deviation of the readings [m].
-        samples: Number of readings it is computed from.
         measured_us: When the last reading was taken [microseconds since 1970, UTC].
     """
 
     height_m: float
     spread_m: float
-    samples: int
     measured_us: int
 
 
@@ -107,7 +101,7 @@ class HeightDriver:
         """Return one reading of the converter made now, 0..1023.
 
         Raises:
-            SpiError: The converter does not answer.
+            HeightError: The converter does not answer.
         """
         code = self._adc.read_code()
         with self._lock:
@@ -148,7 +142,7 @@ class HeightDriver:
         spread_m = NORMAL_MAD_SCALE * float(np.median(np.abs(distances_m - distance_m)))
         self._check_quiet(spread_m, distances_m)
         height_m = distance_m + self._parameters.height_offset_m
-        return HeightMeasurement(height_m, spread_m, len(readings.codes), readings.measured_us)
+        return HeightMeasurement(height_m, spread_m, readings.measured_us)
 
     def shut_down(self) -> None:
         """End all measurements, refuse new ones, and release the bus."""
@@ -172,7 +166,7 @@ class HeightDriver:
         for rail, cause in RAILS.items():
             at_rail = int(np.count_nonzero(codes == rail))
             if 2 * at_rail >= len(codes):
-                raise SensorStuckError(
+                raise HeightError(
                     Message(
                         "the height sensor is stuck: {stuck} of {readings} readings are {rail}, "
                         "the end of the converter's scale ({cause}); check its plug and supply",
@@ -186,23 +180,24 @@ class HeightDriver:
     def _check_in_range(self, distance_m: float) -> None:
         nearest_m, farthest_m = self._parameters.min_distance_m, self._parameters.max_distance_m
         if not nearest_m <= distance_m <= farthest_m:
-            raise SensorRangeError(
+            raise HeightError(
                 Message(
                     "the height sensor reads {distance} m; it measures from {nearest_m:g} to "
                     "{farthest_m:g} m; check the height of the antennas and that the sensor sees "
                     "the ground",
                     # It can be infinite, which JSON does not know.
-                    distance=f"{distance_m:.3f}",
+                    distance=numeral(distance_m, ".3f"),
                     nearest_m=nearest_m,
                     farthest_m=farthest_m,
-                )
+                ),
+                fault=NO_GROUND,
             )
 
     def _check_not_frozen(self) -> None:
         # One measurement cannot distinguish a dead sensor from a still one; the noise of many can.
         limit, count = self._parameters.frozen_readings, self._equal_readings
         if 0 < limit <= count:
-            raise SensorStuckError(
+            raise HeightError(
                 Message(
                     "the height sensor is stuck: its last {readings} readings are identical; test: "
                     "put a hand under the sensor; if the value changes, raise frozen_readings (0 "
@@ -215,14 +210,14 @@ class HeightDriver:
     def _check_quiet(self, spread_m: float, distances_m: np.ndarray) -> None:
         limit_m = self._parameters.max_spread_m
         if spread_m > limit_m:
-            raise SensorNoiseError(
+            raise HeightError(
                 Message(
                     "the height readings scatter by {spread} m (from {lowest} to {highest} m); at "
                     "most {limit_m:g} m is allowed; check the sensor's supply and that the "
                     "antennas do not move",
-                    spread=f"{spread_m:.4f}",
-                    lowest=f"{distances_m.min():.3f}",
-                    highest=f"{distances_m.max():.3f}",
+                    spread=numeral(spread_m, ".4f"),
+                    lowest=numeral(distances_m.min(), ".3f"),
+                    highest=numeral(distances_m.max(), ".3f"),
                     limit_m=limit_m,
                 )
             )

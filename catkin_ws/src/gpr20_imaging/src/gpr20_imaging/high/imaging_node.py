@@ -7,13 +7,12 @@ from typing import Any
 import rospy
 
 from gpr20_analysis.high.candidate_topics import CandidateTopics
-from gpr20_common.high.answers import fields_of, message_fields
+from gpr20_common.high.answers import advertise, fields_of, message_fields
 from gpr20_common.high.description import publish_description
 from gpr20_common.high.diagnostics import OK, WARN, Diagnostics, Health
-from gpr20_common.high.node import run_device
-from gpr20_common.high.services import advertise
+from gpr20_common.high.node import read_parameters, run_node
 from gpr20_common.message import Message
-from gpr20_common.mid.hardware import NO_HARDWARE
+from gpr20_common.mid.node_facts import NO_HARDWARE
 from gpr20_imaging.high.export_notes import ExportNotes
 from gpr20_imaging.low.analysis_process import AnalysisProcess
 from gpr20_imaging.low.usb_volumes import UsbVolumes
@@ -25,8 +24,6 @@ from gpr20_msgs.srv import (
     CancelImagingResponse,
     ExportSurvey,
     ExportSurveyResponse,
-    FindCandidates,
-    FindCandidatesResponse,
     FocusSurvey,
     FocusSurveyResponse,
     ListVolumes,
@@ -35,7 +32,6 @@ from gpr20_msgs.srv import (
     MapHiddenResponse,
 )
 from gpr20_survey.axes.axis_id import BASE_LINK
-from gpr20_survey.results.candidates import json_text
 from gpr20_survey.results.focused_image import focus_fields
 from gpr20_survey.results.hiding_map import hiding_json
 
@@ -56,7 +52,6 @@ class ImagingNode:
         rospy.on_shutdown(self._imaging.close)
         self._services = [
             advertise("focus_survey", FocusSurvey, self._focus),
-            advertise("find_candidates", FindCandidates, self._find),
             advertise("map_hidden", MapHidden, self._hide),
             advertise("export_survey", ExportSurvey, self._export),
             advertise("list_volumes", ListVolumes, self._volumes),
@@ -70,18 +65,6 @@ class ImagingNode:
         self._candidates.publish(found.found)
         message = Message("an image of {count} traces", count=found.traces)
         return FocusSurveyResponse(success=True, **message_fields(message), **focus_fields(found))
-
-    def _find(self, request: Any) -> FindCandidatesResponse:
-        found = self._imaging.find_candidates(
-            request.request_id, request.survey, request.permittivity, request.language
-        )
-        self._candidates.publish(found.found)
-        return FindCandidatesResponse(
-            success=True,
-            **message_fields(Message("the list is complete")),
-            candidates_json=json_text(found.found),
-            remarks=found.remarks,
-        )
 
     def _hide(self, request: Any) -> MapHiddenResponse:
         found = self._imaging.map_hidden(
@@ -142,4 +125,4 @@ class ImagingNode:
 
 def main() -> None:
     """Run the node."""
-    run_device(NODE, ImagingParameters, lambda found: ImagingNode(found, UsbVolumes()))
+    run_node(NODE, lambda: ImagingNode(read_parameters(ImagingParameters, NODE), UsbVolumes()))

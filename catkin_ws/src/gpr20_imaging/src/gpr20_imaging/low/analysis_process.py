@@ -16,7 +16,6 @@ from gpr20_imaging import faults
 from gpr20_imaging.errors import ImagingError
 from gpr20_imaging.low.cancellation import Cancellation
 from gpr20_imaging.low.child_process import end_child, start_child
-from gpr20_survey.results.candidates import CandidateList
 from gpr20_survey.results.focused_image import FocusedImage
 from gpr20_survey.results.hiding_map import HidingMap
 
@@ -60,29 +59,6 @@ class AnalysisProcess:
         """
         image: FocusedImage = self._ask(FOCUS_LIMIT_S, cancellation, "focus", folder, permittivity)
         return image
-
-    def find_candidates(
-        self,
-        folder: Path,
-        permittivity: Optional[float],
-        language: str,
-        cancellation: Cancellation,
-    ) -> Tuple[CandidateList, str]:
-        """Return the candidates of a survey, and what is missing, damaged or noted.
-
-        Args:
-            folder: The survey's folder.
-            permittivity: Relative permittivity of the ground; None: what the survey says.
-            language: Code of the language of the remarks.
-            cancellation: Ends the process.
-
-        Raises:
-            ImagingError: There is no list; the message says why.
-        """
-        found: Tuple[CandidateList, str] = self._ask(
-            LIMIT_S, cancellation, "find_candidates", folder, permittivity, language
-        )
-        return found
 
     def map_hidden(
         self,

@@ -7,10 +7,9 @@ import sys
 import traceback
 from multiprocessing.connection import Connection
 from pathlib import Path
-from typing import Any, Optional, Tuple
+from typing import Any, Optional
 
 import gpr20_analysis
-from gpr20_survey.results.candidates import CandidateList
 from gpr20_survey.results.focused_image import FocusedImage
 from gpr20_survey.results.hidden_target import target_of
 from gpr20_survey.results.hiding_map import HidingMap
@@ -31,14 +30,6 @@ class Analysis:
         image: FocusedImage = gpr20_analysis.focus(self._survey.load(), permittivity)
         return image
 
-    def find_candidates(
-        self, folder: Path, permittivity: Optional[float], language: str
-    ) -> Tuple[CandidateList, str]:
-        """Return the candidates of a survey, and remarks on it in a language."""
-        survey = self._load(folder)
-        remarks = gpr20_analysis.survey_remarks(survey, language)
-        return _candidates(survey, permittivity), "\n".join(remarks)
-
     def map_hidden(self, folder: Path, permittivity: Optional[float], target: str) -> HidingMap:
         """Return where a target could hide in a survey."""
         found: HidingMap = gpr20_analysis.map_hidden_in_field(
@@ -50,7 +41,10 @@ class Analysis:
         self, folder: Path, output: Path, permittivity: Optional[float], _language: str
     ) -> None:
         """Write the candidates of a survey."""
-        gpr20_analysis.write_candidates(_candidates(self._load(folder), permittivity), output)
+        survey = self._load(folder)
+        options = gpr20_analysis.field_options(permittivity, survey)
+        image = gpr20_analysis.image_survey(gpr20_analysis.process_survey(survey, STEP), options)
+        gpr20_analysis.write_candidates(gpr20_analysis.find_candidates(image), output)
 
     def write_report(
         self, folder: Path, output: Path, permittivity: Optional[float], language: str
@@ -63,14 +57,6 @@ class Analysis:
     def _load(self, folder: Path) -> Any:
         self._survey = None  # its memory is needed now
         return gpr20_analysis.load_survey(folder)
-
-
-def _candidates(survey: Any, permittivity: Optional[float]) -> CandidateList:
-    cleaned = gpr20_analysis.process_survey(survey, STEP)
-    options = gpr20_analysis.field_options(permittivity, survey)
-    image = gpr20_analysis.image_survey(cleaned, options)
-    found: CandidateList = gpr20_analysis.find_candidates(image)
-    return found
 
 
 def serve(connection: Connection, analysis: Any) -> None:

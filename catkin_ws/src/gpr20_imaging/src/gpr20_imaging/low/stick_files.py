@@ -239,7 +239,7 @@ class StickFolder:
         return ExportFailedError(
             Message(
                 "{folder} on the USB stick {name} is a link, a file or another disk, not a folder "
-                "of the stick, so nothing can be exported into it",
+                "of the stick; rename it",
                 folder=self._name,
                 name=self._volume.name,
             ),

@@ -40,7 +40,9 @@ def list_block_devices() -> str:
         )
     except (OSError, subprocess.SubprocessError) as error:
         raise ImagingError(
-            Message("the USB sticks of this computer cannot be listed", details=error),
+            Message(
+                "the program lsblk does not list the USB sticks of this computer", details=error
+            ),
             fault=NOT_SET_UP,
         ) from error
     return done.stdout
@@ -77,7 +79,9 @@ class UsbVolumes:
             ]
         except (ValueError, KeyError, TypeError, AttributeError) as error:
             raise ImagingError(
-                Message("the USB sticks of this computer cannot be listed", details=error),
+                Message(
+                    "the program lsblk does not list the USB sticks of this computer", details=error
+                ),
                 fault=NOT_SET_UP,
             ) from error
         return [

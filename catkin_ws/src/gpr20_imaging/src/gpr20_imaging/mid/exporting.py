@@ -10,9 +10,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Callable, List, Optional, Sequence, Tuple
 
+from gpr20_common.errors import os_reason
 from gpr20_common.faults import NOT_ALLOWED
 from gpr20_common.message import Message
-from gpr20_common.os_reason import os_reason
 from gpr20_imaging import faults
 from gpr20_imaging.errors import CancelledError, ExportFailedError, ImagingError
 from gpr20_imaging.low import stick_files
@@ -93,7 +93,10 @@ class Exporter:
         volume = self._volumes.find(request.volume)
         if not volume.writable:
             raise ImagingError(
-                Message("the USB stick {name} is write-protected", name=volume.name),
+                Message(
+                    "the USB stick {name} is write-protected; remove the protection",
+                    name=volume.name,
+                ),
                 fault=faults.STICK,
             )
         with tempfile.TemporaryDirectory(prefix="gpr20_export_") as made:
@@ -198,7 +201,7 @@ class Exporter:
             return ExportFailedError(
                 Message(
                     "the file is too large for the file system of the USB stick {name}; format it "
-                    "as exFAT",
+                    "as exFAT, which deletes what is on it",
                     name=volume.name,
                     details=error,
                 ),

@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import socket
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Callable, Dict, List, Optional, Sequence, Tuple
 
+from gpr20_common.catalogue import languages
 from gpr20_common.faults import ASKED_FOR, NOT_ALLOWED
-from gpr20_common.low.catalogue_file import languages
 from gpr20_common.message import Message
 from gpr20_imaging import faults
 from gpr20_imaging.errors import ImagingError
@@ -21,7 +20,6 @@ from gpr20_imaging.mid.exporting import Exporter, ExportRequest
 from gpr20_imaging.mid.job_queue import JobQueue, Result
 from gpr20_survey.folder.recovery import find_survey
 from gpr20_survey.radar.soils import requested_permittivity
-from gpr20_survey.results.candidates import CandidateList
 from gpr20_survey.results.focused_image import FocusedImage
 from gpr20_survey.results.hidden_target import target_of
 from gpr20_survey.results.hiding_map import HidingMap
@@ -32,14 +30,6 @@ MOST_ID_CHARACTERS = 64
 IDLE_S = 60.0
 Progress = Callable[[str, Message], None]
 """Called with the id of a request and what is done for it."""
-
-
-@dataclass(frozen=True)
-class SearchAnswer:
-    """The candidates of a survey, and what is missing, damaged or noted, in one language."""
-
-    found: CandidateList
-    remarks: str
 
 
 class Imaging:
@@ -94,30 +84,6 @@ class Imaging:
         self._require_analysis()
         folder, _ = find_survey(self._data, survey)
         return self._run(request_id, lambda stop: self._analysis.focus(folder, value, stop))
-
-    def find_candidates(
-        self, request_id: str, survey: str, permittivity: float, language: str
-    ) -> SearchAnswer:
-        """Return the candidates of a survey.
-
-        Args:
-            request_id: For `cancel`.
-            survey: Its id, or the name of its folder.
-            permittivity: Relative permittivity of the ground; 0: what the survey says.
-            language: Code of the language of the remarks.
-
-        Raises:
-            Gpr20Error: There is no list; the message says why.
-        """
-        value = requested_permittivity(permittivity)
-        _check_language(language)
-        self._require_analysis()
-        folder, _ = find_survey(self._data, survey)
-        found = self._run(
-            request_id,
-            lambda stop: self._analysis.find_candidates(folder, value, language, stop),
-        )
-        return SearchAnswer(*found)
 
     def map_hidden(
         self, request_id: str, survey: str, permittivity: float, target: str

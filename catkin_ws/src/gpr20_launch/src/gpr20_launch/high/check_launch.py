@@ -18,7 +18,7 @@ import rospkg
 
 from gpr20_common.errors import Gpr20Error, NodeSilentError
 from gpr20_common.faults import OTHER_LAUNCH
-from gpr20_common.low.limited_rpc import NodeProbe
+from gpr20_common.low.links import NodeProbe
 from gpr20_common.message import Message
 from gpr20_common.terminal_text import say
 from gpr20_doctor.mid.finding import Finding

@@ -11,11 +11,10 @@ from typing import Callable, Dict, Iterable, Mapping, Sequence
 
 import rosgraph
 
-from gpr20_common.errors import Gpr20Error
+from gpr20_common.errors import Gpr20Error, os_reason
 from gpr20_common.faults import NOT_ALLOWED
 from gpr20_common.low.yaml_file import read_yaml
 from gpr20_common.message import Message
-from gpr20_common.os_reason import os_reason
 from gpr20_common.terminal_text import printable, say
 from gpr20_doctor.mid.arguments import named_folder
 from gpr20_doctor.mid.finding import Finding

@@ -8,7 +8,7 @@ import xmlrpc.client
 from typing import Optional
 from urllib.parse import urlsplit
 
-from gpr20_common.low.limited_rpc import NO_ANSWER, limited_server, value_of
+from gpr20_common.low.links import NO_ANSWER, limited_server, value_of
 
 CALLER = "/watchdog"
 

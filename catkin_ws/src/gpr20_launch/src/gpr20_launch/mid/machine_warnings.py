@@ -9,8 +9,7 @@ from typing import Mapping, Tuple
 from gpr20_common.message import Message
 from gpr20_common.mid.codec import record_from
 from gpr20_common.mid.extension import is_extension
-from gpr20_common.mid.hardware import NO_HARDWARE
-from gpr20_common.mid.node_software import NodeSoftware
+from gpr20_common.mid.node_facts import NO_HARDWARE, NodeSoftware
 from gpr20_doctor.mid.finding import Finding, Level
 from gpr20_doctor.mid.findings import findings
 from gpr20_doctor.mid.machine_probe import probe_machine

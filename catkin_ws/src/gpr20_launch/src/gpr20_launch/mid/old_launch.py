@@ -12,10 +12,9 @@ from pathlib import Path
 from typing import Any, Dict, List, Optional
 from xml.etree import ElementTree
 
-from gpr20_common.errors import Gpr20Error
+from gpr20_common.errors import Gpr20Error, os_reason
 from gpr20_common.low.yaml_file import parse_yaml
 from gpr20_common.message import Message
-from gpr20_common.os_reason import os_reason
 from gpr20_launch.errors import OldElementError, OldLaunchError
 from gpr20_launch.mid.launch_texts import BOOLS, FOUND, substituted, typed, unknown
 

@@ -11,13 +11,12 @@ from pathlib import Path
 from typing import Callable, Iterator, List, Tuple
 
 from gpr20_axis_driver.mid.controllers import check_controller
-from gpr20_common.errors import Gpr20Error
+from gpr20_common.errors import Gpr20Error, os_reason
 from gpr20_common.faults import CONFIGURATION
 from gpr20_common.low.clock import Clock
 from gpr20_common.low.data_folder import DEFAULT_FOLDER
 from gpr20_common.message import Message
 from gpr20_common.mid.extension import is_extension
-from gpr20_common.os_reason import os_reason
 from gpr20_common.terminal_text import printable
 from gpr20_launch.mid.axis_checks import check_axes
 from gpr20_launch.mid.launch_request import ROBOT, SERVER

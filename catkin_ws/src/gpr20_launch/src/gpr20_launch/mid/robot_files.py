@@ -7,11 +7,11 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Any, Dict, List, Mapping, Set, Tuple, Type
 
+from gpr20_common.errors import os_reason
 from gpr20_common.faults import CONFIGURATION
 from gpr20_common.low.yaml_file import YamlFileError, read_yaml
 from gpr20_common.message import Message
 from gpr20_common.mid.codec import record_from
-from gpr20_common.os_reason import os_reason
 from gpr20_height_sensor.mid.height_parameters import HeightParameters
 from gpr20_launch.errors import ConfigurationError
 from gpr20_launch.mid import hints

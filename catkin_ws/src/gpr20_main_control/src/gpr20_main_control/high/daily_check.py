@@ -12,16 +12,16 @@ from typing import Any, Callable, Sequence
 import rosgraph
 import rospy
 
-from gpr20_common.catalogue import Catalogue
-from gpr20_common.errors import Gpr20Error
-from gpr20_common.faults import ASKED_FOR, PART_SILENT
-from gpr20_common.high.answers import message_from
-from gpr20_common.low.catalogue_file import (
+from gpr20_common.catalogue import (
+    Catalogue,
     language_from_code,
     language_from_environment,
     languages,
     read_catalogue,
 )
+from gpr20_common.errors import Gpr20Error
+from gpr20_common.faults import PART_SILENT
+from gpr20_common.high.answers import message_from
 from gpr20_common.low.clock import time_of_day_us
 from gpr20_common.low.data_folder import data_folder, state_folder
 from gpr20_common.message import Message
@@ -38,6 +38,7 @@ from gpr20_main_control.mid.daily_check import (
 )
 from gpr20_main_control.mid.devices.described_robot import TimeLimits
 from gpr20_msgs.msg import ControlStatus, RobotConfiguration
+from gpr20_survey.faults import CHECK_ORDER
 from gpr20_survey.folder.data_folder import DataFolderUse
 from gpr20_survey.plan.robot_description import ANALYZER, STORAGE
 from gpr20_survey.plan.survey_state import RUNNING, SurveyState
@@ -96,7 +97,7 @@ def _check(given: argparse.Namespace, catalogue: Catalogue, answer: Callable[[],
         say(f"[{number}/{total}] {catalogue.text(instruction)} {go_on}", flush=True)
         if not answer():
             raise RequestRefusedError(
-                Message("nobody confirmed that the antennas are ready"), fault=ASKED_FOR
+                Message("nobody confirmed that the antennas are ready"), fault=CHECK_ORDER.as_note()
             )
         _refuse_beside_survey()
 

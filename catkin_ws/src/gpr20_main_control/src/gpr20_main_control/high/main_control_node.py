@@ -9,17 +9,15 @@ import rosgraph
 import rospy
 
 from gpr20_common.high import diagnostics
-from gpr20_common.high.answers import message_fields
+from gpr20_common.high.answers import advertise, message_fields
 from gpr20_common.high.description import show_parameters
 from gpr20_common.high.node import read_parameters, run_node
 from gpr20_common.high.periodic import Periodic
-from gpr20_common.high.services import advertise
 from gpr20_common.low.clock import Clock
-from gpr20_common.low.limited_rpc import NodeProbe
+from gpr20_common.low.links import NodeProbe
 from gpr20_common.message import Message
 from gpr20_common.mid.codec import plain
-from gpr20_common.mid.hardware import NO_HARDWARE
-from gpr20_common.mid.node_software import own_software
+from gpr20_common.mid.node_facts import NO_HARDWARE, own_software
 from gpr20_main_control.errors import OtherAnalyzerError
 from gpr20_main_control.high.description_topics import DescriptionTopics
 from gpr20_main_control.high.ros_axis import RosAxis
@@ -258,5 +256,4 @@ def _watched(name: str, plain_name: Message) -> WatchedNode:
 
 
 def main() -> None:
-    """Run the main control."""
     run_node(NODE, build_main_control_node)

@@ -87,7 +87,7 @@ class MessageField:
         if (header["type"], header["md5sum"]) != (self._type._type, self._type._md5sum):
             raise InvalidValueError(
                 Message(
-                    "messages of type {found} arrive instead of {wanted}",
+                    "messages of type {found} arrive; sensors.yaml says {wanted}",
                     found=header["type"],
                     wanted=self._type._type,
                     details=f"{header['md5sum']}, not {self._type._md5sum}",
@@ -103,7 +103,11 @@ class MessageField:
             return float(value)
         except (genpy.DeserializationError, struct.error, IndexError) as error:
             raise InvalidValueError(
-                Message("a message does not hold {field}", field=self._path, details=error),
+                Message(
+                    "a message does not hold {field}, which sensors.yaml names",
+                    field=self._path,
+                    details=error,
+                ),
                 fault=CONFIGURATION,
             ) from error
 

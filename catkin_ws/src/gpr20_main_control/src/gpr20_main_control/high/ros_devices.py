@@ -156,7 +156,6 @@ class RosAnalyzer:
         self._confirmation = service("confirm_data", ConfirmData)
 
     def connect(self, address: str) -> str:
-        """Connect or reconnect, and return the instrument's identity."""
         return str(self._connection(connect=True, address=address).identity)
 
     def release(self) -> None:
@@ -192,7 +191,6 @@ class RosAnalyzer:
         return AnalyzerSetup(accepted, answer.sweep_duration_s, limit_s)
 
     def frequencies_hz(self) -> np.ndarray:
-        """Return the frequencies of the sweep [Hz]."""
         return np.array(self._frequencies().frequency_hz)
 
     def prepare(self) -> None:
@@ -230,7 +228,6 @@ class RosHeightSensor:
         self._measure = DeviceService(device, "get_height", GetHeight, time_limit_s)
 
     def height_m(self) -> float:
-        """Measure the height of the antennas above the ground [m] now."""
         return float(self._measure().height_m)
 
 
@@ -279,7 +276,6 @@ class RosStorage:
         return int(response.stored_traces)
 
     def note(self, survey_id: str, note: Note) -> None:
-        """Add a note to the survey's log; it is durable when this returns."""
         values_json = json.dumps(note.values, allow_nan=False)
         self._add_fact(survey=survey_id, kind=note.kind.value, values_json=values_json)
 

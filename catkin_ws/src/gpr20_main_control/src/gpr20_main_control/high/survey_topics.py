@@ -64,7 +64,6 @@ class SurveyTopics:
             self._progress.publish(progress_message(after))
 
     def publish_status(self, status: Status) -> None:
-        """Publish state and message."""
         self._status.publish(self.status_message(status))
 
     def status_message(self, status: Status) -> ControlStatus:
@@ -89,26 +88,21 @@ class SurveyTopics:
         self._target.publish(message)
 
     def publish_progress(self, status: Status) -> None:
-        """Publish the point being visited and the progress of the survey."""
         self._publish_target(status)
         self._progress.publish(progress_message(status))
 
     def publish_coverage(self, coverage: Coverage, survey_id: str) -> None:
-        """Publish the state of each planned sample."""
         self._coverage.publish(coverage_message(coverage, survey_id))
 
     def publish_parameters(self, parameters: SurveyParameters) -> None:
-        """Publish the parameters of the next or present survey."""
         self._parameters.publish(SurveyParametersMessage(**asdict(parameters)))
 
     def publish_service(self, activity: Optional[Message]) -> None:
         """Publish what is done for maintenance; None: nothing."""
         fields = message_fields(activity) if activity is not None else {}
-        message = ServiceStatus(busy=activity is not None, **fields)
-        message.header.stamp = rospy.Time.now()
         if activity is not None:
             rospy.loginfo("service: %s", activity)
-        self._service.publish(message)
+        self._service.publish(ServiceStatus(busy=activity is not None, **fields))
 
     def publish_current(self, robot: Robot) -> None:
         """Publish the position of the axes, once all of them have reported theirs.

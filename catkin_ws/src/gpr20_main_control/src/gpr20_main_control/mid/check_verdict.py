@@ -14,7 +14,7 @@ from typing import Any, Dict, Mapping, Optional, Sequence, Tuple
 
 import numpy as np
 
-from gpr20_common.message import Message
+from gpr20_common.message import Message, numeral
 from gpr20_common.mid.codec import record_from
 from gpr20_main_control.mid.drift import noise_db, s21_of
 from gpr20_survey.radar.frequency_to_delay import (
@@ -145,7 +145,8 @@ class Comparison:
     @property
     def message(self) -> Message:
         """The figure in one line."""
-        value, usual = ("-" if x is None else f"{x:.2f}" for x in (self.value, self.usual))
+        known = (self.value, self.usual)
+        value, usual = ("-" if one is None else numeral(one, ".2f") for one in known)
         return Message(
             "{part}, {name}: {value} {unit} (median {usual}, limit {limit:g})",
             **{"part": PART_NAMES[self.part], "name": self.kind.name, "unit": self.kind.unit},
@@ -208,7 +209,7 @@ def judge(figures: Figures, history: Sequence[Figures]) -> Verdict:
         "({count}); {advice}.",
         part=PART_NAMES[worst.part],
         name=worst.kind.name,
-        difference=f"{worst.value - worst.usual:+.2f}",
+        difference=numeral(worst.value - worst.usual, "+.2f"),
         unit=worst.kind.unit,
         count=len(compared),
         advice=worst.kind.advice,

@@ -183,7 +183,8 @@ class MainControl:
             if status.state is not SurveyState.SURVEYING or self._engine is None:
                 raise RequestRefusedError(
                     Message(
-                        "no survey is measuring; there is nothing to pause",
+                        "no survey is measuring, so none can be paused; STOP ends a survey at "
+                        "any time",
                         details=status.state.name,
                     ),
                     fault=ASKED_FOR,
@@ -242,7 +243,8 @@ class MainControl:
                 if survey not in ("", status.survey_id) and not survey.endswith(folder_end):
                     raise RequestRefusedError(
                         Message(
-                            "the paused survey is {paused}, not {requested}; stop it first",
+                            "the paused survey is {paused}, not {requested}; resume it, or stop it "
+                            "first",
                             paused=status.survey_id,
                             requested=repr(survey[:64]),
                         ),

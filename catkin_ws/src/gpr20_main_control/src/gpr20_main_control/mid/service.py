@@ -10,7 +10,7 @@ from typing import Callable, Mapping, Optional
 
 from gpr20_common.faults import ASKED_FOR, IN_USE, NOT_ALLOWED
 from gpr20_common.low.clock import Clock
-from gpr20_common.message import Message
+from gpr20_common.message import Message, numeral
 from gpr20_main_control import faults
 from gpr20_main_control.errors import DeviceError, RequestRefusedError, StopRequested
 from gpr20_main_control.mid.devices.axis_leases import AxisLeases
@@ -133,7 +133,7 @@ class AxisMove:
             raise RequestRefusedError(
                 Message(
                     "the distance is {distance}; it must be a number other than 0",
-                    distance=f"{self.distance:g}",
+                    distance=numeral(self.distance),
                 ),
                 fault=NOT_ALLOWED,
             )

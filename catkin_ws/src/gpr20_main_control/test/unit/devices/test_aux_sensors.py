@@ -86,7 +86,8 @@ def test_a_value_that_is_too_old_counts_as_silence(clock):
     assert sensors.now()[0].problem is None
     clock.time_s = 103.1
     measured = sensors.now()[0]
-    assert reports(measured.message, SENSOR_FAILED, "soil", "2.1", 2.0)
+    assert reports(measured.message, SENSOR_FAILED, "soil", 2.0)
+    assert "no value for 2.1 s" in str(measured.message)
     assert sensors.at_sweep(clock.time_of_day_us())[0] == ()
 
 

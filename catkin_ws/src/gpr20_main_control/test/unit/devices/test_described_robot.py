@@ -9,7 +9,7 @@ from run_seed import draws
 from survey_examples import AXES
 
 from gpr20_common.errors import InvalidValueError
-from gpr20_common.mid.hardware import Hardware
+from gpr20_common.mid.node_facts import Hardware
 from gpr20_main_control import faults
 from gpr20_main_control.errors import DeviceError
 from gpr20_main_control.mid.devices.described_robot import DescribedRobot, TimeLimits

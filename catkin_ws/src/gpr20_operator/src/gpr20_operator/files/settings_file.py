@@ -7,10 +7,10 @@ from typing import Any, Callable, Dict, Mapping
 
 import yaml
 
+from gpr20_common.errors import os_reason
 from gpr20_common.faults import DISK_REFUSES
 from gpr20_common.low.yaml_file import YamlFileError, read_yaml
 from gpr20_common.message import Message
-from gpr20_common.os_reason import os_reason
 from gpr20_operator import faults
 from gpr20_operator.errors import SettingsError
 from gpr20_operator.files.newest import Newest

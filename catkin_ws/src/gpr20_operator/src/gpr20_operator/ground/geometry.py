@@ -28,16 +28,13 @@ class Area:
 
     @property
     def width_mm(self) -> float:
-        """Size along X."""
         return self.right_mm - self.left_mm
 
     @property
     def height_mm(self) -> float:
-        """Size along Y."""
         return self.high_mm - self.low_mm
 
     def joined(self, other: Area) -> Area:
-        """Return the smallest rectangle around this one and another."""
         return Area(
             min(self.left_mm, other.left_mm),
             max(self.right_mm, other.right_mm),
@@ -53,7 +50,6 @@ class Area:
         )
 
     def holds(self, x_mm: float, y_mm: float) -> bool:
-        """Return whether a place is in it."""
         return self.left_mm <= x_mm <= self.right_mm and self.low_mm <= y_mm <= self.high_mm
 
 

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import enum
 import unicodedata
-from typing import Optional, Tuple
+from typing import Callable, Optional, Tuple
 
 from gpr20_common.message import Message, verbatim
 from gpr20_operator.words import local_time
 from gpr20_survey.plan.imported import IMPORTED
 from gpr20_survey.results.survey_summary import SurveySummary
 
+Shown = Callable[[Message], str]
 NO_LIST = Message("During a replay no list of surveys is available.")
 # Of a survey that is not complete although every trace is stored.
 ALL_STORED = {
@@ -46,16 +47,17 @@ class Listed(enum.Enum):
         return self is Listed.ALL or ending is Ending.IMPORTED
 
 
-def survey_label(name: str, survey_id: str, begun: str) -> Message:
+def survey_label(name: str, survey_id: str, begun: Message) -> Message:
     """Return what a survey is called on every page: when it began, and its name."""
     called = name or survey_id[:8]
-    return Message("{time}, {name}", time=begun, name=called) if begun else verbatim(called)
+    return Message("{time}, {name}", time=begun, name=called) if str(begun) else verbatim(called)
 
 
-def title_of(survey: SurveySummary) -> str:
+def title_of(survey: SurveySummary) -> Message:
     """Return what people call a survey: its name, or when it was measured."""
     # That of a folder of others may have several lines.
-    return " ".join(survey.name.split()) or local_time(survey.started, survey.folder)
+    name = " ".join(survey.name.split())
+    return verbatim(name) if name else local_time(survey.started, survey.folder)
 
 
 def present_verdict(survey: SurveySummary) -> Optional[Message]:
@@ -105,17 +107,15 @@ class PastSurveys:
         return self.surveys[-1].folder if self.surveys else ""
 
     def find(self, folder: str) -> Optional[SurveySummary]:
-        """Return a survey of the pages so far; None if it is not among them."""
         return next((one for one in self.surveys if one.folder == folder), None)
 
-    def found(self, listed: Listed, text: str) -> Tuple[SurveySummary, ...]:
-        """Return those of which name, site, operator and local time hold every word of a text."""
+    def found(self, listed: Listed, text: str, shown: Shown) -> Tuple[SurveySummary, ...]:
+        """Return those of which name, site, operator and time as shown have each word of a text."""
         words = searchable(text).split()
 
         def has_words(one: SurveySummary) -> bool:
-            written = searchable(
-                "\n".join((one.name, one.site, one.operator, local_time(one.started, one.folder)))
-            )
+            time = shown(local_time(one.started, one.folder))
+            written = searchable("\n".join((one.name, one.site, one.operator, time)))
             return all(word in written for word in words)
 
         chosen = (one for one in self.surveys if listed.holds(self.ending_of(one)))

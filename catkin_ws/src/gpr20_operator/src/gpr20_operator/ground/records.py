@@ -44,7 +44,6 @@ class Place:
     y_mm: float
 
     def along(self, axis: Axis) -> float:
-        """Return the coordinate along X or Y."""
         return self.x_mm if axis is Axis.X_MM else self.y_mm
 
 

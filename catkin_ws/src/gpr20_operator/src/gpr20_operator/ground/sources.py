@@ -53,7 +53,6 @@ class EchoSource:
         self._model = model
 
     def nearest(self, place: Place) -> Optional[Place]:
-        """Return the place of the nearest stop, also from outside of the area."""
         grid = self._model.grid
         return None if grid is None else grid.place_of(grid.closest_stop(place.x_mm, place.y_mm))
 
@@ -236,7 +235,6 @@ class FocusedSource:
         self._steady.update(1.0, 10.0 ** (strongest_db / 20.0))
 
     def nearest(self, place: Place) -> Optional[Place]:
-        """Return the place of the nearest column of the image."""
         row, column = self._index(place)
         return Place(float(self.image.x_mm[column]), float(self.image.y_mm[row]))
 

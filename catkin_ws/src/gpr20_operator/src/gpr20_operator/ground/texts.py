@@ -13,6 +13,7 @@ from gpr20_operator.ground.model import IMAGES, GroundModel, Layer, Shown
 from gpr20_operator.ground.records import Axis, Picture
 from gpr20_survey.plan.markers import Marker
 from gpr20_survey.results.candidates import Candidate
+from gpr20_survey.trace.utc_time import moment_text
 
 STATE_NAMES: Dict[StopState, Message] = {
     StopState.DONE: Message("Done"),
@@ -52,17 +53,14 @@ def touched_lines(model: GroundModel, shown: Shown) -> Lines:
 
 
 def marker_lines(marker: Marker) -> Lines:
-    """Return what is known of a marker."""
-    made = f"{marker.time[:16].replace('T', ' ')} UTC {marker.author}".strip()
     return (
         Message("Marker: {text}", text=marker.text or UNKNOWN),
         place_text(marker.x_mm, marker.y_mm, marker.depth_mm),
-        verbatim(made),
+        moment_text(f"{marker.time[:16]} UTC {marker.author}".strip()),
     )
 
 
 def candidate_lines(candidate: Candidate, measured: bool) -> Lines:
-    """Return what is known of a candidate."""
     return (
         Message("Candidate {number}, doubtful", number=candidate.number)
         if candidate.is_doubtful

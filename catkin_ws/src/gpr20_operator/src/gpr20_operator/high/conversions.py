@@ -51,7 +51,6 @@ LIMITS_UNKNOWN = Message("the limits of the axes are not known").with_fault(VERS
 
 
 def replay_mark(message: Replay) -> ReplayMark:
-    """Convert `replay`."""
     return ReplayMark(
         survey_id=message.survey_id,
         started=message.started,
@@ -62,12 +61,10 @@ def replay_mark(message: Replay) -> ReplayMark:
 
 
 def parameters_message(parameters: SurveyParameters) -> SurveyParametersMessage:
-    """Return the message with the same fields."""
     return SurveyParametersMessage(**dataclasses.asdict(parameters))
 
 
 def annotation_message(annotation: Annotation) -> AnnotationMessage:
-    """Return the message with the same fields."""
     return AnnotationMessage(**annotation.fields())
 
 

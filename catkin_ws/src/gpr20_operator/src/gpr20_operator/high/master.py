@@ -18,7 +18,7 @@ from gpr20_common.errors import NodeGoneError, NodeSilentError
 from gpr20_common.faults import ASKED_FOR
 from gpr20_common.high.periodic import Periodic
 from gpr20_common.low.clock import Clock
-from gpr20_common.low.limited_rpc import NodeProbe
+from gpr20_common.low.links import NodeProbe
 from gpr20_common.message import Message
 from gpr20_common.terminal_text import enable_line_buffering
 from gpr20_operator.errors import MasterUnavailableError
@@ -140,7 +140,6 @@ class LinkWatch:
         self._periodic = Periodic(LINK_PERIOD_S, self._check)
 
     def close(self) -> None:
-        """Stop asking."""
         self._periodic.stop()
 
     def _check(self) -> None:

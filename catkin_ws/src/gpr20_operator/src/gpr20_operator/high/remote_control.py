@@ -36,7 +36,6 @@ class RemoteControlClient(RosEvents):
         super().__init__(listener, Senders(namespace, nodes=(WINDOW,)))
 
     def listen(self) -> None:
-        """Subscribe to what the window allows."""
         self._subscribe("remote_control", RemoteControl, remote_armed, None)
 
 
@@ -55,7 +54,6 @@ class WebPageClient(RosEvents):
         self._linked = False
 
     def listen(self) -> None:
-        """Subscribe to what the web page says, and offer the other topic."""
         if self._senders.replay:
             return
         self._remote = rospy.Publisher("remote_control", RemoteControl, queue_size=10, latch=True)
@@ -88,7 +86,6 @@ def remote_message(event: RemoteArmed) -> RemoteControl:
         remaining=rospy.Duration.from_sec(event.remaining_s),
         has_plan=event.plan is not None,
     )
-    message.header.stamp = rospy.Time.now()
     if event.plan is not None:
         message.parameters = conversions.parameters_message(event.plan.parameters)
         message.annotation = conversions.annotation_message(event.plan.annotation)

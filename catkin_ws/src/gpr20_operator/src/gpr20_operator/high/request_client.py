@@ -115,7 +115,6 @@ class RequestClient(RosEvents):
         self._exporting: Optional[Ticket[Any]] = None
 
     def listen(self) -> None:
-        """Subscribe to the progress of requests."""
         self._subscribe("imaging_progress", ImagingProgress, self._on_progress, 20)
 
     def ask(self, service: Service, ticket: Ticket[Any], **fields: Any) -> None:
@@ -140,7 +139,6 @@ class RequestClient(RosEvents):
         return offer.convert(response)
 
     def cancel(self, request_id: str) -> None:
-        """Ask to end a request of a ticket."""
 
         def work() -> None:
             try:

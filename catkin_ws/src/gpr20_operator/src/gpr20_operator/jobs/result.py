@@ -15,7 +15,6 @@ from gpr20_operator.ground.grid import SurveyGrid, grid_from_description
 from gpr20_operator.jobs.job import Job, JobState, Service
 from gpr20_operator.jobs.pictures import NOT_KNOWN, Imaging, StoredSurvey
 from gpr20_operator.jobs.stick import StickExport
-from gpr20_operator.words import local_time
 from gpr20_survey.folder.log_record import Kind, log_values
 from gpr20_survey.folder.soil_note import KIND as SOIL_KIND
 from gpr20_survey.folder.soil_note import soil_values
@@ -47,7 +46,7 @@ class Record:
         outcome: How it ended, as in survey.json; empty: it runs, or was cut off.
         name: What people call it; empty: nothing.
         operator: Who measured; empty: it is not known.
-        local_time: When it started; empty: it is not known.
+        started: When, ISO 8601, UTC; empty: it is not known.
         found: What people found at its candidates.
     """
 
@@ -56,7 +55,7 @@ class Record:
     outcome: str = ""
     name: str = ""
     operator: str = ""
-    local_time: str = ""
+    started: str = ""
     found: Tuple[Found, ...] = ()
     unreadable: int = 0
 
@@ -91,7 +90,7 @@ def record_of(stored: StoredSurvey) -> Record:
         str(values.get("outcome") or ""),
         annotation.name or annotation.site,
         annotation.operator,
-        local_time(str(values.get("started") or "")),
+        str(values.get("started") or ""),
         tuple(present(finds)),
         unreadable,
     )

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from typing import Dict, List, Optional, Sequence, Tuple
 
-from gpr20_common.message import Message, in_a_row
+from gpr20_common.message import Message, in_a_row, numeral
 from gpr20_operator.ground.past_surveys import past_band, survey_label
 from gpr20_operator.jobs.result import PLACES_SHOWN, SurveyResult
+from gpr20_operator.words import in_line, local_time
+from gpr20_survey.faults import DAMAGED, UNCONFIRMED
 from gpr20_survey.plan.imported import IMPORTED
 from gpr20_survey.radar.soils import ANY_SOIL, soil_of
 from gpr20_survey.results.candidates import Candidate, CandidateList, Flag
@@ -34,8 +36,8 @@ FINDS: Dict[What, Message] = {
 # By the codes of their faults.
 DOUBTED: Dict[str, Message] = {
     "analysis.zeros_unproven": Message("positions"),
-    "survey.damaged": Message("damage"),
-    "survey.unconfirmed": Message("log"),
+    DAMAGED.code: Message("damage"),
+    UNCONFIRMED.code: Message("log"),
     "analysis.sweep_repeated": Message("copies"),
     "analysis.calibration": Message("calibration"),
     "analysis.drifted": Message("drift"),
@@ -65,7 +67,7 @@ def band(result: SurveyResult) -> Optional[Message]:
     record = result.record
     if record is None or record.survey_id == result.latest_id:
         return None
-    label = survey_label(record.name, record.survey_id, record.local_time)
+    label = survey_label(record.name, record.survey_id, local_time(record.started))
     return past_band(label, record.outcome)
 
 
@@ -152,18 +154,17 @@ def why_line(place: Candidate) -> Message:
 def why_lines(place: Candidate) -> List[Message]:
     """Return all that is known about why a place is on the list."""
     lines = [Message("{level:.0f} dB above the clutter around it", level=place.above_clutter_db)]
-    if place.false_alarms_text:
+    alarms = place.false_alarms
+    if alarms is not None:
         lines.append(
             Message(
-                "Echoes of this ground alone that are as strong: {alarms} per m2",
-                alarms=place.false_alarms_text,
+                "Echoes of this ground alone that are as strong: {alarms} per m2", alarms=alarms
             )
         )
-    rotations = [f"{one:g}" for one in place.rotations_deg if one is not None]
+    rotations = [numeral(one) for one in place.rotations_deg if one is not None]
     if rotations:
-        lines.append(
-            Message("Seen with the antennas at {rotations} deg", rotations=", ".join(rotations))
-        )
+        line = in_line(rotations)
+        lines.append(Message("Seen with the antennas at {rotations} deg", rotations=line))
     return [*lines, *(MEANINGS[flag] for flag in place.flags)]
 
 

@@ -85,7 +85,7 @@ def resume_past_question(folder: str, survey: Optional[SurveySummary]) -> HoldQu
     rows: Tuple[Row, ...] = ((Message("Survey"), verbatim(name)),)
     if survey is not None:
         rows += (
-            (Message("Started"), verbatim(local_time(survey.started, survey.folder))),
+            (Message("Started"), local_time(survey.started, survey.folder)),
             (Message("Stored"), _counted(survey.stored_traces, survey.planned_traces)),
         )
         if survey.width_mm or survey.height_mm:

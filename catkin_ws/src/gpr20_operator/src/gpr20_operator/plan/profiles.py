@@ -6,12 +6,11 @@ import re
 from pathlib import Path
 from typing import List
 
-from gpr20_common.errors import InvalidValueError
+from gpr20_common.errors import InvalidValueError, os_reason
 from gpr20_common.faults import DISK_REFUSES, NOT_ALLOWED
 from gpr20_common.low.yaml_file import YamlFileError, read_yaml
 from gpr20_common.message import Message
 from gpr20_common.mid.codec import plain, record_from
-from gpr20_common.os_reason import os_reason
 from gpr20_operator import faults
 from gpr20_operator.errors import ProfileError
 from gpr20_operator.files.settings_file import MAX_BYTES, write_values

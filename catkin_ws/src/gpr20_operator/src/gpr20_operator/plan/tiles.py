@@ -7,7 +7,7 @@ from typing import Mapping, Optional, Tuple
 
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message, verbatim
-from gpr20_operator.ground.past_surveys import Ending, PastSurveys
+from gpr20_operator.ground.past_surveys import Ending, PastSurveys, title_of
 from gpr20_operator.plan.annotation import shortened
 from gpr20_operator.plan.fields import TILE_FIELDS, texts_of
 from gpr20_operator.plan.form import PlanCheck, problem_of
@@ -18,7 +18,8 @@ from gpr20_operator.robot.snapshot import Snapshot
 from gpr20_operator.words import (
     decimal_from_text,
     duration,
-    local_time,
+    entered_number,
+    in_line,
     number_from_text,
     number_text,
     plain_text,
@@ -155,8 +156,8 @@ def resumable(past: PastSurveys, snapshot: Optional[Snapshot]) -> Optional[Surve
 def resume_lines(survey: SurveySummary) -> Lines:
     """Return the lines of the tile that resumes a survey."""
     counts = {"stored": survey.stored_traces, "planned": survey.planned_traces}
-    name = survey.name or local_time(survey.started, survey.folder)
-    return verbatim(shortened(name)), Message("{stored} of {planned} stored", **counts)
+    name = verbatim(shortened(survey.name)) if survey.name.strip() else title_of(survey)
+    return name, Message("{stored} of {planned} stored", **counts)
 
 
 def check_lines(known: Optional[SurveyPreview]) -> Lines:
@@ -173,13 +174,14 @@ def check_lines(known: Optional[SurveyPreview]) -> Lines:
 
 def _range(axis: str, texts: Mapping[str, str]) -> Message:
     start, stop = (_rounded(texts[f"{axis}_{end}_mm"]) for end in ("start", "stop"))
-    return verbatim(f"{axis.upper()} {start} - {stop} mm")
+    return Message("{axis} {start} - {stop} mm", axis=axis.upper(), start=start, stop=stop)
 
 
 def _spacing(texts: Mapping[str, str]) -> Lines:
-    x, y = (_short(texts[f"{axis}_spacing_mm"]) for axis in "xy")
+    x, y = (entered_number(texts[f"{axis}_spacing_mm"], ".4g") for axis in "xy")
     points = Message("{x} x {y} points", x=texts["x_points"], y=texts["y_points"])
-    return verbatim(f"{x} mm" if x == y else f"{x} x {y} mm"), points
+    size = Message("{x} mm", x=x) if x == y else Message("{x} x {y} mm", x=x, y=y)
+    return size, points
 
 
 def _soil(permittivity: str) -> Lines:
@@ -188,7 +190,7 @@ def _soil(permittivity: str) -> Lines:
     except InvalidValueError:
         soil = None
     name = Message("Own value") if soil is None else soil.value.name
-    return name, Message("permittivity {value}", value=permittivity)
+    return name, Message("permittivity {value}", value=entered_number(permittivity))
 
 
 def _people(annotation: Annotation) -> Lines:
@@ -199,7 +201,7 @@ def _people(annotation: Annotation) -> Lines:
 
 
 def _frequencies(texts: Mapping[str, str]) -> Lines:
-    start, stop = (texts[f"{end}_frequency_hz"] for end in ("start", "stop"))
+    start, stop = (entered_number(texts[f"{end}_frequency_hz"]) for end in ("start", "stop"))
     return (
         Message("{start} to {stop} MHz", start=start, stop=stop),
         Message("{count} points", count=texts["frequency_points"]),
@@ -207,40 +209,44 @@ def _frequencies(texts: Mapping[str, str]) -> Lines:
 
 
 def _antennas(text: str) -> Lines:
-    rotations = [one.strip() for one in text.replace(";", ",").split(",") if one.strip()]
-    shown = ", ".join(rotations[:MOST_ROTATIONS]) + ", …" * (len(rotations) > MOST_ROTATIONS)
+    parts = (one.strip() for one in text.split(";" if ";" in text else ","))
+    rotations = [entered_number(one) for one in parts if one]
+    more = [verbatim("…")] if len(rotations) > MOST_ROTATIONS else []
+    shown = Message("{rotations}°", rotations=in_line([*rotations[:MOST_ROTATIONS], *more]))
     if len(rotations) == 1:
-        return verbatim(f"{shown}°"), Message("1 trace per stop")
-    return verbatim(f"{shown}°"), Message("{count} traces per stop", count=len(rotations))
+        return shown, Message("1 trace per stop")
+    return shown, Message("{count} traces per stop", count=len(rotations))
 
 
 def _analyzer(texts: Mapping[str, str]) -> Lines:
     address, averages = texts["vna_address"], texts["averages"]
     made = (
         _bandwidth(texts["if_bandwidth_hz"]),
-        f"{averages} x" if averages else "",
-        texts["output_power"],
+        verbatim(f"{averages} x" if averages else ""),
+        verbatim(texts["output_power"]),
     )
-    settings = ", ".join(one for one in made if one)
+    settings = in_line([one for one in made if str(one)])
     return (
         verbatim(address) if address else Message("no address"),
-        verbatim(settings) if settings else Message("as set"),
+        settings if str(settings) else Message("as set"),
     )
 
 
-def _bandwidth(text: str) -> str:
-    """Return a bandwidth [Hz] with its unit; empty if there is none."""
+def _bandwidth(text: str) -> Message:
+    """Return a bandwidth [Hz] with its unit; the text if it is none."""
     try:
         hertz = number_from_text(text)
     except InvalidValueError:
-        return text
-    return f"{hertz:.12g} Hz" if hertz < 1000.0 else f"{hertz / 1000.0:.12g} kHz"
+        return verbatim(text)
+    if hertz < 1000.0:
+        return Message("{hertz:.12g} Hz", hertz=hertz)
+    return Message("{kilohertz:.12g} kHz", kilohertz=hertz / 1000.0)
 
 
 def _size(size_bytes: float) -> Message:
     if size_bytes >= BYTES_PER_GIGABYTE:
-        return verbatim(f"{size_bytes / BYTES_PER_GIGABYTE:.3g} GB")
-    return verbatim(f"{size_bytes / BYTES_PER_MEGABYTE:.3g} MB")
+        return Message("{size:.3g} GB", size=size_bytes / BYTES_PER_GIGABYTE)
+    return Message("{size:.3g} MB", size=size_bytes / BYTES_PER_MEGABYTE)
 
 
 def _joined(lines: Lines) -> Message:
@@ -251,17 +257,9 @@ def _joined(lines: Lines) -> Message:
     return Message("{first}, {second}", first=first, second=second)
 
 
-def _rounded(text: str) -> str:
+def _rounded(text: str) -> Message:
     """Return a coordinate [mm] to a motor step: a longer number would be cut off."""
     try:
-        return plain_text(round(decimal_from_text(text), 2))
+        return entered_number(plain_text(round(decimal_from_text(text), 2)))
     except (InvalidValueError, ArithmeticError):
-        return text
-
-
-def _short(text: str) -> str:
-    """Return a number with at most four digits."""
-    try:
-        return f"{number_from_text(text):.4g}"
-    except InvalidValueError:
-        return text
+        return verbatim(text)

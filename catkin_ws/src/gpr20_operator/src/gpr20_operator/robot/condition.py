@@ -11,7 +11,7 @@ import math
 from dataclasses import dataclass
 from typing import Callable, Dict, NamedTuple, Optional, Tuple
 
-from gpr20_common.faults import NOT_RUNNING, PART_LOST
+from gpr20_common.faults import MAY_MOVE, NOT_RUNNING, PART_LOST, PART_SILENT
 from gpr20_common.message import Message, Severity, in_a_row
 from gpr20_doctor.faults import MASTER_LOST
 from gpr20_operator import faults
@@ -20,7 +20,7 @@ from gpr20_operator.robot.job import percent_of, progress_of
 from gpr20_operator.robot.snapshot import Snapshot
 from gpr20_operator.words import time_left
 from gpr20_survey.axes.axis_id import AxisId
-from gpr20_survey.faults import CAN_RESUME, TAKES_LONG
+from gpr20_survey.faults import AXIS_MAY_MOVE, CAN_RESUME, TAKES_LONG
 from gpr20_survey.plan.survey_state import SurveyState
 
 
@@ -36,6 +36,23 @@ class JobLevel(enum.Enum):
     REPLAY = "replay"
 
 
+# Their remedies say themselves to keep away.
+_HANDS_OFF = {
+    one.remedy for one in (MASTER_LOST, PART_LOST, MAY_MOVE, AXIS_MAY_MOVE, faults.ROBOT_MOVES)
+}
+
+
+def first_step(message: Message) -> Optional[Message]:
+    """Return what to do first, and to keep away from what may move; None: nothing.
+
+    Of a fault that this version does not know, the remedy need not say to keep away.
+    """
+    remedy = message.remedy
+    if remedy in _HANDS_OFF or not message.may_move:
+        return remedy
+    return Message("Keep your hands clear: the robot may still move. {remedy}", remedy=remedy)
+
+
 _ASKING = (JobLevel.PAUSED, JobLevel.ATTENTION, JobLevel.FAULT)
 
 
@@ -49,8 +66,7 @@ class Condition:
 
     @property
     def remedy(self) -> Optional[Message]:
-        """What to do first; None: nothing."""
-        return self.message.remedy
+        return first_step(self.message)
 
     @property
     def asked(self) -> Optional[Message]:
@@ -92,7 +108,7 @@ _USUAL: Dict[Optional[SurveyState], _Usual] = {
     SurveyState.FAILED: _Usual(JobLevel.FAULT),
 }
 # Codes of the main control while it waits for a part.
-WAITS = ("robot.part_silent", "survey.takes_long")
+WAITS = (PART_SILENT.code, TAKES_LONG.code)
 # Levels of a state that trouble elsewhere does not make better.
 _KEPT = (JobLevel.PAUSED, JobLevel.FAULT)
 
@@ -185,7 +201,9 @@ def _interrupted(snapshot: Snapshot) -> Optional[Condition]:
         return None
     rests = {one.axis for one in snapshot.axes if not one.moving and not one.silent}
     fault = CAN_RESUME if len(rests) == len(AxisId) else PART_LOST
-    message = Message("The main control was restarted.").with_fault(fault)
+    message = Message(
+        "The main control was restarted. When every axis rests, resume the survey on SURVEY."
+    ).with_fault(fault)
     return Condition(JobLevel.FAULT, Message("INTERRUPTED"), message)
 
 

@@ -72,11 +72,10 @@ class ControlState:
 
     @property
     def reason(self) -> Message:
-        """What it says without the words around it that name the state."""
-        failed = tuple(_failed(self.message))
-        if len(failed) > 1:
-            return in_a_row(failed)
-        return failed[0] if failed else self.message
+        """What it says without the words around it that name the state, unless that may move."""
+        failed = tuple(_failed(self.message)) or (self.message,)
+        found = failed[0] if len(failed) == 1 else in_a_row(failed)
+        return found if found.may_move == self.message.may_move else self.message
 
     @property
     def is_fault(self) -> bool:

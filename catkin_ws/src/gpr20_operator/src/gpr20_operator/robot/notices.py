@@ -9,7 +9,7 @@ from typing import List, Optional, Set, Tuple
 from gpr20_common.faults import LOOK
 from gpr20_common.message import Message
 from gpr20_doctor.mid.node_health import HealthLevel, NodeHealth, level_title, node_title
-from gpr20_operator.robot.condition import Condition, condition_of, lost, urgent
+from gpr20_operator.robot.condition import Condition, condition_of, first_step, lost, urgent
 from gpr20_operator.robot.events import Answer, ControlState
 from gpr20_operator.robot.snapshot import Snapshot
 from gpr20_survey.plan.survey_state import SurveyState
@@ -102,7 +102,7 @@ def fault_notice(state: ControlState) -> Notice:
 
 def remedy(reason: Message) -> Message:
     """Return what to do first about a fault, whatever it is."""
-    return reason.remedy or LOOK
+    return first_step(reason) or LOOK
 
 
 def analyzer_notice(reason: Message, identity: str) -> Notice:
@@ -172,7 +172,7 @@ def node_notice(node: NodeHealth) -> Notice:
     first = None
     if node.level in (HealthLevel.WARN, HealthLevel.ERROR):
         failed = node.level is HealthLevel.ERROR
-        first = remedy(node.message) if failed else node.message.remedy
+        first = remedy(node.message) if failed else first_step(node.message)
     values = (f"{name}: {value}" for name, value in node.values.items())
     details = (*_details(node.message), f"node: {node.name}", *values)
     return Notice(title, node_text(node), first, details=details)

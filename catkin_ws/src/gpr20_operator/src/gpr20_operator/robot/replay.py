@@ -8,6 +8,7 @@ from typing import Optional
 
 from gpr20_common.message import Message
 from gpr20_survey.plan.survey_state import ENDED, SurveyState
+from gpr20_survey.trace.utc_time import moment_text
 
 
 class ReplayPhase(enum.IntEnum):
@@ -38,7 +39,7 @@ class ReplayMark:
         """The survey, for a sentence."""
         place = self.folder or self.survey_id[:8]
         if len(self.started) >= 16:
-            time = self.started[:16].replace("T", " ")
+            time = moment_text(self.started[:16])
             return Message("Survey of {time} UTC, {folder}", time=time, folder=place)
         return Message("Survey {folder}", folder=place) if place else Message("Recorded survey")
 

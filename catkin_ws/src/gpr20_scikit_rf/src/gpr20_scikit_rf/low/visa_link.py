@@ -11,9 +11,9 @@ import threading
 from dataclasses import dataclass
 from typing import Any, Callable, List, Optional, Tuple, Type, TypeVar
 
+from gpr20_common.errors import os_reason
 from gpr20_common.faults import CONFIGURATION
 from gpr20_common.message import Message, verbatim
-from gpr20_common.os_reason import os_reason
 from gpr20_scikit_rf.errors import VnaLibraryError
 from gpr20_vna_acquisition.errors import VnaConnectionError, VnaDataError, VnaError
 from gpr20_vna_acquisition.low.call_thread import CallThread

@@ -242,7 +242,8 @@ class ScikitRfAnalyzer:
         except VnaDataError as error:
             raise VnaSettingError(
                 Message(
-                    "the VNA cannot set {setting} to {value}",
+                    "the VNA cannot set {setting} to {value}; if the plan has this value, correct "
+                    "it there",
                     setting=setting.name,
                     value=setting.value,
                     details=error.message.details,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import rospy
 
-from gpr20_common.high.node import run_device
+from gpr20_common.high.node import read_parameters, run_node
 from gpr20_height_sensor.high.height_node import NODE, HeightNode, build_height_node
 from gpr20_height_sensor.mid.height_parameters import HeightParameters
 from gpr20_simulator.high.simulated_robot import open_simulated_part
@@ -33,4 +33,4 @@ def build_simulated_height(parameters: HeightParameters) -> HeightNode:
 
 def main() -> None:
     """Run the height sensor of the simulated robot."""
-    run_device(NODE, HeightParameters, build_simulated_height)
+    run_node(NODE, lambda: build_simulated_height(read_parameters(HeightParameters, NODE)))

@@ -10,7 +10,7 @@ from pathlib import Path
 import rospy
 
 from gpr20_common.high.node import read_parameters
-from gpr20_common.mid.hardware import Hardware
+from gpr20_common.mid.node_facts import Hardware
 from gpr20_simulator.low.scaled_clock import ScaledClock
 from gpr20_simulator.low.shared_state import (
     SharedState,

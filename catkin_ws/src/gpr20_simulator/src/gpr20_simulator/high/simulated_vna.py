@@ -8,7 +8,7 @@ from typing import Optional
 import rospy
 
 from gpr20_common.faults import OTHER_LAUNCH
-from gpr20_common.high.node import run_device
+from gpr20_common.high.node import read_parameters, run_node
 from gpr20_common.message import Message
 from gpr20_simulator.high.simulated_robot import open_simulated_part
 from gpr20_simulator.low.shared_state import SharedState
@@ -57,4 +57,4 @@ def build_simulated_vna(parameters: VnaParameters) -> VNANode:
 
 def main() -> None:
     """Run the VNA driver of the simulated robot."""
-    run_device(NODE, VnaParameters, build_simulated_vna)
+    run_node(NODE, lambda: build_simulated_vna(read_parameters(VnaParameters, NODE)))

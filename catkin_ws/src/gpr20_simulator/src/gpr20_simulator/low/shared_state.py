@@ -18,10 +18,9 @@ import time
 from pathlib import Path
 from typing import Mapping, Optional
 
-from gpr20_common.errors import Gpr20Error
+from gpr20_common.errors import Gpr20Error, os_reason
 from gpr20_common.faults import OTHER_LAUNCH
 from gpr20_common.message import Message, verbatim
-from gpr20_common.os_reason import os_reason
 from gpr20_survey.axes.axis_id import AxisId
 
 INDEX = {axis: index for index, axis in enumerate(AxisId)}

@@ -17,10 +17,9 @@ from typing import Any, Callable, Deque, Dict, List, Mapping, Optional, Set
 
 from vxi11 import rpc, vxi11
 
-from gpr20_common.errors import Gpr20Error
+from gpr20_common.errors import Gpr20Error, os_reason
 from gpr20_common.faults import OTHER_LAUNCH
 from gpr20_common.message import Message
-from gpr20_common.os_reason import os_reason
 from gpr20_simulator.low.message_device import ClearSupport, MessageDevice, NetworkFault
 
 HOST, PORTMAPPER_PORT = "127.0.0.1", rpc.PMAP_PORT

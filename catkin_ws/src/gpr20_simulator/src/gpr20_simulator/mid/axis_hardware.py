@@ -11,7 +11,7 @@ from gpr20_axis_driver.low.step_counter import StepCounter
 from gpr20_axis_driver.mid.pulse_loop import PulseLoop
 from gpr20_axis_driver.motion import LateLimits, MotionRunner
 from gpr20_common.low.clock import Clock
-from gpr20_common.mid.hardware import Hardware
+from gpr20_common.mid.node_facts import Hardware
 from gpr20_simulator.low.pins import SimulatedPins
 from gpr20_simulator.low.scaled_clock import ScaledClock
 from gpr20_simulator.low.shared_state import open_shared_state

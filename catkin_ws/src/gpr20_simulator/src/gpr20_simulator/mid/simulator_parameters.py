@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from gpr20_common.mid.checks import number_between, positive_number
+from gpr20_common.mid.checks import number_between
 
 LONGEST_POINT_S = 10.0
 MAX_PORT = 65535
@@ -33,6 +33,6 @@ class SimulatorParameters:
     capture_dir: str = ""
 
     def __post_init__(self) -> None:
-        positive_number("time_scale", self.time_scale)
+        number_between("time_scale", self.time_scale, 1e-6, 1e6)
         number_between("seconds_per_point", self.seconds_per_point, 0.0, LONGEST_POINT_S, "s")
         number_between("port", self.port, 0, MAX_PORT)

@@ -38,7 +38,6 @@ class Readers(enum.Enum):
 
     @property
     def folder_mode(self) -> int:
-        """Mode of a folder."""
         return {Readers.OWNER: 0o700, Readers.GROUP: 0o750, Readers.ALL: 0o755}[self]
 
 
@@ -59,12 +58,10 @@ def open_new(path: Path, flags: int, mode: Optional[int] = None) -> int:
 
 
 def file_mode_for(folder: Path) -> int:
-    """Return the mode of a new file in a folder."""
     return folder.stat().st_mode & FILE_MODES
 
 
 def free_bytes(folder: Path) -> int:
-    """Return what may still be written below a folder [bytes]."""
     return shutil.disk_usage(str(folder)).free
 
 

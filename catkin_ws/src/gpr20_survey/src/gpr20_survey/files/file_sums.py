@@ -23,7 +23,6 @@ class FileSum(NamedTuple):
 
 
 def sum_of(content: bytes) -> FileSum:
-    """Return the checksum of a file that has this content."""
     return FileSum(hashlib.sha256(content).hexdigest(), len(content))
 
 
@@ -54,7 +53,6 @@ def sum_of_file(path: Path) -> FileSum:
 
 
 def sum_if_readable(path: Path) -> Optional[FileSum]:
-    """Return the checksum of a file; None if it cannot be read."""
     try:
         return sum_of_file(path)
     except OSError:

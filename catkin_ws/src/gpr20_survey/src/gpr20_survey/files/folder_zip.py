@@ -42,7 +42,10 @@ def add_folder(archive: zipfile.ZipFile, folder: Path) -> Iterator[None]:
                 yield
     if _versions(folder) != before:
         raise ProcessingError(
-            Message("{folder} was changed while it was read", folder=folder.name),
+            Message(
+                "{folder} was changed while it was read; export it when its survey has ended",
+                folder=folder.name,
+            ),
             fault=IN_USE,
         )
 

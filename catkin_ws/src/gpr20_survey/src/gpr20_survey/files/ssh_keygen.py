@@ -7,8 +7,8 @@ import subprocess
 from pathlib import Path
 from typing import NamedTuple, Sequence, Union
 
+from gpr20_common.errors import os_reason
 from gpr20_common.message import Message, verbatim
-from gpr20_common.os_reason import os_reason
 from gpr20_common.terminal_text import printable
 from gpr20_survey import faults
 from gpr20_survey.errors import SigningError

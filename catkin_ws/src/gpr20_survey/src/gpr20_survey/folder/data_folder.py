@@ -54,7 +54,6 @@ class FileSystem:
     read_only: bool
 
     def is_same(self, other: FileSystem) -> bool:
-        """Return whether both are one."""
         # The subvolumes of a btrfs have different devices.
         return self.device == other.device or self.identity == other.identity != ""
 

@@ -100,12 +100,10 @@ class LogRecord:
         return cls(number, time, kind.value, values, previous, "").with_sum()
 
     def with_sum(self) -> LogRecord:
-        """Return the record with the checksum that belongs to it."""
         *covered, _sum = vars(self).values()
         return replace(self, sha256=hashlib.sha256(_compact(covered)).hexdigest())
 
     def as_json(self) -> Dict[str, Any]:
-        """Return the record as JSON holds it."""
         return dict(vars(self))
 
     def line(self) -> bytes:
@@ -126,7 +124,6 @@ class LogHead(NamedTuple):
 
 
 def is_number(value: Any) -> bool:
-    """Return whether a value is the number of a record."""
     return type(value) is int and 0 <= value <= MAX_NUMBER
 
 

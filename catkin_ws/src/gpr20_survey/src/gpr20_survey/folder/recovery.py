@@ -36,7 +36,6 @@ class RecoveredSurvey:
 
     @property
     def survey_id(self) -> str:
-        """UUID of the survey."""
         return str(self.description["survey_id"])
 
 

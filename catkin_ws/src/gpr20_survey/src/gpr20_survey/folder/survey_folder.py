@@ -57,7 +57,7 @@ def survey_folder(data: Path, survey_id: str, started_us: int) -> Path:
         raise SurveyRefusedError(
             Message(
                 "the survey would start on {time}; set the computer's clock",
-                time=utc_time.iso_text(started_us),
+                time=utc_time.moment_text(utc_time.iso_text(started_us)),
             ),
             fault=faults.CLOCK_WRONG,
         )

@@ -220,17 +220,14 @@ class SurveyLog:
 
     @property
     def description(self) -> Dict[str, Any]:
-        """What the log says of the survey."""
         return dict(self._description)
 
     @property
     def last(self) -> LogRecord:
-        """The record that was added last."""
         return self._records[-1]
 
     @property
     def records(self) -> Tuple[LogRecord, ...]:
-        """All records."""
         return tuple(self._records)
 
     def has_note(self, kind: Kind, values: Dict[str, Any]) -> bool:

@@ -6,8 +6,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Callable, Dict, Iterator, List, NamedTuple, Optional, Tuple
 
+from gpr20_common.errors import os_reason
 from gpr20_common.message import Message
-from gpr20_common.os_reason import os_reason
 from gpr20_survey import faults
 from gpr20_survey.errors import ForeignTraceError, TraceRefusedError
 from gpr20_survey.files.file_sums import FileSum, sum_of

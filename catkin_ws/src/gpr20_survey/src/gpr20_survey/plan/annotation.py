@@ -36,8 +36,8 @@ class Wgs84Position:
     longitude_deg: float
 
     def __post_init__(self) -> None:
-        number_between(LATITUDE, self.latitude_deg, -90.0, 90.0, "deg")
-        number_between(LONGITUDE, self.longitude_deg, -180.0, 180.0, "deg")
+        number_between(LATITUDE, self.latitude_deg, -90.0, 90.0, Message("deg"))
+        number_between(LONGITUDE, self.longitude_deg, -180.0, 180.0, Message("deg"))
 
     def __str__(self) -> str:
         return f"{self.latitude_deg!r}, {self.longitude_deg!r}"
@@ -64,7 +64,7 @@ class Annotation:
         check_text(SITE, self.site, MAX_NAME_CHARACTERS)
         check_text(NOTES, self.notes, MAX_NOTES_CHARACTERS, lines=True)
         if self.heading_deg is not None:
-            number_between(HEADING, self.heading_deg, 0.0, MAX_HEADING_DEG, "deg")
+            number_between(HEADING, self.heading_deg, 0.0, MAX_HEADING_DEG, Message("deg"))
 
     def with_defaults(self, defaults: Annotation) -> Annotation:
         """Return this annotation with its empty fields taken from another one.
@@ -79,7 +79,6 @@ class Annotation:
         )
 
     def values(self) -> Dict[str, Any]:
-        """Return the entry of the description."""
         return dict(plain(self))
 
     def fields(self) -> Dict[str, Any]:

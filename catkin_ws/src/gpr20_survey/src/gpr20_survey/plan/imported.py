@@ -46,7 +46,6 @@ class ImportedGrid:
 
 
 def is_imported(description: Mapping[str, Any]) -> bool:
-    """Return whether the description is that of an imported survey."""
     return IMPORTED in description
 
 

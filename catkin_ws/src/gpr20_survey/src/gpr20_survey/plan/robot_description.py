@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 import json
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, field
 from typing import Any, Dict, Iterable, Mapping, Sequence
 
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.faults import OTHER_LAUNCH, PART_SILENT, VERSIONS_DIFFER
 from gpr20_common.message import Message, in_a_row
 from gpr20_common.mid.codec import record_from
-from gpr20_common.mid.hardware import Hardware
-from gpr20_common.mid.node_software import UNKNOWN_SOFTWARE, NodeSoftware
+from gpr20_common.mid.node_facts import Hardware, NodeSoftware
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.axes.axis_parameters import AxisParameters
 from gpr20_survey.plan.survey_parameters import RobotTravel, Travel
@@ -41,7 +40,7 @@ class NodeDescription:
     node: str
     hardware: Hardware
     configuration: Mapping[str, Any]
-    software: NodeSoftware = UNKNOWN_SOFTWARE
+    software: NodeSoftware = field(default_factory=NodeSoftware)
 
     @classmethod
     def from_fields(cls, fields: Any) -> NodeDescription:
@@ -109,7 +108,6 @@ def axis_parameters(axis_id: AxisId, nodes: Mapping[str, NodeDescription]) -> Ax
 
 
 def is_simulated_identity(identity: str) -> bool:
-    """Return whether an analyzer's identity is that of a simulated one."""
     return SIMULATED_IDENTITY in identity.upper()
 
 

@@ -11,7 +11,7 @@ from dataclasses import asdict, dataclass
 from typing import Any, Iterator, List, Tuple, Union
 
 from gpr20_common.errors import InvalidValueError
-from gpr20_common.message import Message, in_a_row
+from gpr20_common.message import Message, in_a_row, numeral
 from gpr20_common.mid.checks import instrument_address, number_between
 from gpr20_common.mid.codec import bounded
 from gpr20_survey import faults
@@ -210,8 +210,8 @@ def _broken_relations(
     if p.start_frequency_hz >= p.stop_frequency_hz:
         reason = Message(
             "start frequency is {start} Hz; it must be below the stop frequency, {stop} Hz",
-            start=f"{p.start_frequency_hz:.12g}",
-            stop=f"{p.stop_frequency_hz:.12g}",
+            start=numeral(p.start_frequency_hz, ".12g"),
+            stop=numeral(p.stop_frequency_hz, ".12g"),
         )
         yield Relation.FREQUENCY_ORDER, reason
     gaps = p.frequency_points - 1
@@ -220,7 +220,7 @@ def _broken_relations(
         reason = Message(
             "start frequency, stop frequency and points give frequencies {spacing} Hz apart; "
             "they must be at least {least:g} Hz apart",
-            spacing=f"{spacing_hz:.6g}",
+            spacing=numeral(spacing_hz, ".6g"),
             least=MIN_FREQUENCY_SPACING_HZ,
         )
         yield Relation.FREQUENCY_SPACING, reason
@@ -271,13 +271,15 @@ def _output_power(power: str) -> None:
 def _polarizations(rotations_deg: Tuple[float, ...], travel: Travel) -> None:
     number_between(Message("number of polarizations"), len(rotations_deg), 1, MAX_POLARIZATIONS)
     for rotation_deg in rotations_deg:
-        number_between(Message("polarization"), rotation_deg, travel.lower, travel.upper, "deg")
+        number_between(
+            Message("polarization"), rotation_deg, travel.lower, travel.upper, Message("deg")
+        )
         if abs(rotation_deg / travel.step - round(rotation_deg / travel.step)) > ON_STEP:
             raise InvalidValueError(
                 Message(
                     "polarization is {rotation_deg} deg; it must be a multiple of the motor's "
                     "step, {step_deg:g} deg",
-                    rotation_deg=f"{rotation_deg:.12g}",
+                    rotation_deg=numeral(rotation_deg, ".12g"),
                     step_deg=travel.step,
                 )
             )
@@ -285,7 +287,7 @@ def _polarizations(rotations_deg: Tuple[float, ...], travel: Travel) -> None:
         raise InvalidValueError(
             Message(
                 "polarizations are {listed} deg; they must differ by at least {step_deg:g} deg",
-                listed=", ".join(f"{one:g}" for one in rotations_deg),
+                listed=tuple(map(numeral, rotations_deg)),
                 step_deg=travel.step,
             )
         )

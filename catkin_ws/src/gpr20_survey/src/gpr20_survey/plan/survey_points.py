@@ -46,7 +46,6 @@ def grid(start: float, stop: float, points: int, travel: Travel) -> List[float]:
 
 
 def on_step(coordinate: float, travel: Travel) -> float:
-    """Return the coordinate of the motor step nearest to a coordinate."""
     step = Decimal(repr(travel.step))
     # Decimal, so that the result is the very float that the axis itself reports.
     return float(round(Decimal(repr(float(coordinate))) / step) * step)

@@ -36,7 +36,6 @@ class Window(enum.Enum):
         return WEIGHTS[self](count + 2)[1:-1]
 
     def shares(self, count: int) -> np.ndarray:
-        """Return the weights divided by their sum."""
         weights = self.weights(count)
         return weights / weights.sum()
 

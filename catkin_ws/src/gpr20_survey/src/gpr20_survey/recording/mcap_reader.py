@@ -95,7 +95,6 @@ class StoredMcap:
             self._check_sums(content)
 
     def is_finished(self) -> bool:
-        """Return whether the file has its end."""
         content = _mapped(self.path)
         return len(content) > len(MAGIC) + END_BYTES and content[-len(MAGIC) :] == MAGIC
 
@@ -155,7 +154,6 @@ def type_of(schema: Schema, channel: Channel) -> Tuple[Kind, bool]:
 
 
 def _sum(content: bytes, end: int, start: int = 0) -> bytes:
-    """Return the checksum of a part of the file, as the file holds it."""
     return zlib.crc32(memoryview(content)[start:end]).to_bytes(4, "little")
 
 

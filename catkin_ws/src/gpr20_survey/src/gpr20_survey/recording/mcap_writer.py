@@ -108,7 +108,6 @@ class McapFile:
         self._path = path
 
     def write(self, message: RecordedMessage) -> None:
-        """Collect a message."""
         channel, time_ns = self._channel_of(message), message.time_ns
         self._writer.add_message(channel, time_ns, message.data, time_ns)
 

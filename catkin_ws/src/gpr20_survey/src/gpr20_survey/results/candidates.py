@@ -9,7 +9,7 @@ from dataclasses import dataclass, field, replace
 from typing import Any, Dict, Optional, Tuple
 
 from gpr20_common.errors import InvalidValueError
-from gpr20_common.message import Message
+from gpr20_common.message import Message, numeral
 from gpr20_common.mid.codec import plain, record_from
 from gpr20_common.sent_message import received_message
 from gpr20_survey.results.area_position import AreaPosition
@@ -137,14 +137,14 @@ class Candidate:
         return x, y, depth
 
     @property
-    def false_alarms_text(self) -> str:
-        """Echoes of clutter as strong, such as "0.3"; empty if that is not known."""
+    def false_alarms(self) -> Optional[Message]:
+        """Echoes of clutter as strong, such as "0.3"; None if that is not known."""
         alarms = self.false_alarms_per_m2
         if alarms is None:
-            return ""
+            return None
         if alarms < FEWEST_ALARMS_PER_M2:
-            return f"< {FEWEST_ALARMS_PER_M2:g}"
-        return f"{alarms:.1g}" if alarms < 10.0 else f"{alarms:.0f}"
+            return Message("< {fewest:g}", fewest=FEWEST_ALARMS_PER_M2)
+        return numeral(alarms, ".1g" if alarms < 10.0 else ".0f")
 
 
 @dataclass(frozen=True)
@@ -190,7 +190,6 @@ class CandidateList:
 
     @property
     def total(self) -> int:
-        """Number of all candidates, omitted ones too."""
         return len(self.candidates) + self.omitted
 
     @property

@@ -35,9 +35,7 @@ class FocusedImage:
 
 
 def focus_fields(image: FocusedImage) -> Dict[str, Any]:
-    """Return the fields that hold an image."""
     return {
-        "survey_id": image.found.survey_id,
         "traces": image.traces,
         **{name: getattr(image, name).tolist() for name in AXES},
         "levels_db": image.levels_db.astype("<f4").tobytes(),
@@ -64,5 +62,5 @@ def image_from(fields: Any) -> FocusedImage:
         traces=fields.traces,
         **axes,
         levels_db=np.frombuffer(fields.levels_db, "<f4").reshape(shape),
-        found=list_from(fields.candidates_json, fields.survey_id),
+        found=list_from(fields.candidates_json),
     )

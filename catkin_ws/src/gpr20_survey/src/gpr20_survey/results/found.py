@@ -68,12 +68,10 @@ class Found:
         utc_time.parse_iso(self.time)
 
     def values(self) -> Dict[str, Any]:
-        """Return the values of its record in the log."""
         return {"format": FORMAT, **plain(self)}
 
 
 def found_of(values: Mapping[str, Any]) -> Found:
-    """Return what a record of the log says, if it is as `Found.values` writes it."""
     known = {name: value for name, value in values.items() if name != "format"}
     return record_from(Found, known, "found")
 

@@ -32,6 +32,5 @@ class SurveySummary:
     map_columns: int = 0
     map_rows: int = 0
     map_percent: bytes = b""
-    fault_code: str = ""
     site: str = ""
     operator: str = ""

@@ -23,7 +23,6 @@ class CalibrationStatus(enum.IntEnum):
 
     @property
     def meaning(self) -> Message:
-        """The state of the calibration, for people."""
         return {
             CalibrationStatus.NONE: Message("no calibration"),
             CalibrationStatus.HIGH: Message("calibrated, accuracy high"),

@@ -62,7 +62,6 @@ class Sweep:
 
     @property
     def duration_s(self) -> float:
-        """How long the sweep took [s]."""
         return (self.sweep_ended_us - self.sweep_started_us) * 1e-6
 
     def _mistakes(self) -> Iterator[Message]:

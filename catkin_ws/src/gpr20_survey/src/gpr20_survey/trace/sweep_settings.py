@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from gpr20_common.message import Message
+from gpr20_common.mid.checks import with_unit
 from gpr20_survey import faults
 from gpr20_survey.trace import trace_form as forms
 
@@ -38,11 +39,10 @@ class AnalyzerSettings:
 
     @property
     def message(self) -> Message:
-        """The three values, for people."""
-        unknown = Message("unknown")
+        unknown, hertz = Message("unknown"), self.if_bandwidth_hz
         return Message(
             "IF bandwidth {bandwidth}, averages {averages}, output power {power}",
-            bandwidth=f"{self.if_bandwidth_hz:.12g} Hz" if self.if_bandwidth_hz else unknown,
+            bandwidth=with_unit(hertz, "Hz") if hertz else unknown,
             averages=self.averages or unknown,
             power=self.output_power or unknown,
         )
@@ -69,7 +69,6 @@ class SweepSettings:
     analyzer: AnalyzerSettings = AnalyzerSettings()
 
     def frequencies_hz(self) -> np.ndarray:
-        """Return the measured frequencies [Hz, float64], ascending."""
         return np.linspace(self.start_frequency_hz, self.stop_frequency_hz, self.points)
 
     def fulfils(self, wanted: SweepSettings) -> bool:

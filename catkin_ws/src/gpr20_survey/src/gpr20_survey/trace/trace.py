@@ -81,7 +81,6 @@ class Trace(Sweep):  # type: ignore[misc]  # `of` is no default
 
     @property
     def label(self) -> Message:
-        """Short name for messages."""
         return Message("trace {index} (sample {sample})", index=self.index, sample=self.sample_id)
 
     def values(self) -> Dict[str, Any]:

@@ -37,11 +37,11 @@ class Rule:
 
 
 def between(lower: float, upper: float, fault: Fault = INTERNAL) -> Rule:
-    """Return the rule of a number."""
     # NaN fails every comparison; a negative zero is the same as zero in no stored form.
+    allowed = Message("between {lower:.12g} and {upper:.12g}", lower=lower, upper=upper)
     return Rule(
         lambda value: lower <= value <= upper and (value != lower or str(value) != "-0.0"),
-        Message("between {lower} and {upper}", lower=f"{lower:.12g}", upper=f"{upper:.12g}"),
+        allowed,
         fault,
     )
 
@@ -65,7 +65,6 @@ PLAUSIBLE = Rule(
 
 
 def refuse(reason: Message, fault: Fault = INTERNAL) -> NoReturn:
-    """Raise the TraceRefusedError of a trace that is not allowed."""
     raise TraceRefusedError(Message("the trace is refused: {reason}", reason=reason), fault=fault)
 
 
@@ -73,18 +72,15 @@ class Reader(io.BytesIO):
     """Takes the values of a message; what is not whole is a struct.error or UnicodeDecodeError."""
 
     def take(self, size: int) -> bytes:
-        """Return so many bytes."""
         data = self.read(size)
         if len(data) != size:
             raise struct.error(f"{size} bytes are due at byte {self.tell()}")
         return data
 
     def one(self, form: struct.Struct) -> Any:
-        """Return a value of a fixed size."""
         return form.unpack(self.read(form.size))[0]
 
     def text(self) -> str:
-        """Return a string."""
         return self.take(self.one(UINT)).decode()
 
     def time_us(self) -> int:
@@ -134,7 +130,6 @@ class TraceField:
 
     @property
     def name(self) -> str:
-        """Its name in message, JSON and Dataset."""
         return self.attribute[:-3] if self.attribute.endswith("_us") else self.attribute
 
     def is_unknown(self, value: Any) -> bool:
@@ -213,13 +208,11 @@ def check(fields: Iterable[TraceField], values: Mapping[str, Any], place: str = 
 
 
 def pack_text(text: str) -> bytes:
-    """Return a string."""
     data = text.encode()
     return UINT.pack(len(data)) + data
 
 
 def pack_time(time_us: int) -> bytes:
-    """Return a time [us since 1970]."""
     seconds, rest_us = divmod(time_us, utc_time.US_PER_S)
     return _TIME.pack(seconds, rest_us * utc_time.NS_PER_US)
 

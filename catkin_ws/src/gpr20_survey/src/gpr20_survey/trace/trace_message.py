@@ -41,7 +41,6 @@ DEFINITION = (
 
 
 def encode(trace: Trace) -> bytes:
-    """Return the serialized message of a trace."""
     stamp = forms.pack_time(trace.timestamp_us)
     return trace.packed(forms.UINT.pack(trace.index) + stamp + forms.pack_text(ANTENNA_LINK))
 

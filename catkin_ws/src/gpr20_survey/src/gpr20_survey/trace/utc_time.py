@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import contextlib
 import datetime
+import re
 
 from gpr20_common.errors import InvalidValueError
-from gpr20_common.message import Message
+from gpr20_common.message import Message, verbatim
 
 US_PER_S = 1_000_000
 NS_PER_US = 1_000
@@ -16,6 +17,7 @@ NS_PER_S = 1_000_000_000
 EARLIEST_US = 1_577_836_800 * US_PER_S  # 2020-01-01
 LATEST_US = (1 << 32) * US_PER_S  # a ROS time ends in 2106
 
+_DATED = re.compile(r"(?P<year>\d{4})-(?P<month>\d\d)-(?P<day>\d\d)[T ](?P<time>\d\d:.*)")
 _US = datetime.timedelta(microseconds=1)
 _EPOCH = datetime.datetime(1970, 1, 1, tzinfo=datetime.timezone.utc)
 
@@ -32,6 +34,12 @@ def iso_text(time_us: int) -> str:
     """
     moment = _EPOCH + datetime.timedelta(microseconds=time_us)
     return moment.isoformat(timespec="microseconds")
+
+
+def moment_text(text: str) -> Message:
+    """Return a moment that is written as in ISO 8601 as people of a language write it."""
+    found = _DATED.fullmatch(re.sub(r"(\.\d+)?(Z|\+00:00)$", " UTC", text))
+    return Message("{year}-{month}-{day} {time}", **found.groupdict()) if found else verbatim(text)
 
 
 def parse_iso(text: str) -> int:

@@ -10,10 +10,9 @@ from typing import Callable, Dict, Sequence
 
 import rospy
 
-from gpr20_common.catalogue import Catalogue
+from gpr20_common.catalogue import Catalogue, read_catalogue
 from gpr20_common.errors import Gpr20Error, InvalidValueError
 from gpr20_common.high.connection_keeper import ConnectionKeeper
-from gpr20_common.low.catalogue_file import read_catalogue
 from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message
 from gpr20_common.terminal_text import say

@@ -15,11 +15,10 @@ import rospy
 from PyQt5.QtCore import QObject, Qt, QTimer, pyqtSignal
 from PyQt5.QtWidgets import QApplication
 
-from gpr20_common.catalogue import Language
+from gpr20_common.catalogue import Language, language_from_code, read_catalogue
 from gpr20_common.errors import Gpr20Error, InvalidValueError
 from gpr20_common.high.connection_keeper import ConnectionKeeper
 from gpr20_common.high.diagnostics import OK, WARN, Diagnostics, Health
-from gpr20_common.low.catalogue_file import language_from_code, read_catalogue
 from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message
 from gpr20_common.terminal_text import say

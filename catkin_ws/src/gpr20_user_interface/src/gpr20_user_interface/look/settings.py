@@ -5,8 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import Any, Callable, Dict, Mapping, Optional
 
-from gpr20_common.catalogue import Language
-from gpr20_common.low.catalogue_file import language_from_code
+from gpr20_common.catalogue import Language, language_from_code
 from gpr20_common.message import Message
 from gpr20_operator.errors import SettingsError
 from gpr20_operator.files.settings_file import SettingsFile, settings_writer

@@ -7,15 +7,19 @@ from typing import Optional
 from PyQt5.QtCore import QCoreApplication, QEvent, QTranslator
 from PyQt5.QtWidgets import QWidget
 
-from gpr20_common.catalogue import Catalogue, Language
-from gpr20_common.low.catalogue_file import read_catalogue
-from gpr20_common.message import Message
+from gpr20_common.catalogue import Catalogue, Language, read_catalogue
+from gpr20_common.message import Message, numeral
 
 
 def shown_text(message: Message) -> str:
     """Return the sentence of a message in the language of the application."""
     # The translator ignores the context.
     return message.sentence(lambda template: QCoreApplication.translate("Message", template))
+
+
+def shown_number(value: float, form: str = "g") -> str:
+    """Return a number alone in the language of the application."""
+    return shown_text(numeral(value, form))
 
 
 def sentence_text(message: Message) -> str:

@@ -6,7 +6,7 @@ import enum
 from dataclasses import dataclass
 from typing import List, Optional
 
-from gpr20_common.faults import ASKED_FOR, MAY_MOVE, NOT_RUNNING, PART_LOST
+from gpr20_common.faults import MAY_MOVE, NOT_RUNNING, PART_LOST
 from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message
 from gpr20_operator import faults
@@ -19,6 +19,7 @@ from gpr20_operator.robot.events import (
     StopRequested,
 )
 from gpr20_operator.robot.senders import SenderIgnored
+from gpr20_survey.faults import NONE_OPEN
 from gpr20_survey.plan.survey_state import ENDED, RUNNING, SurveyState
 
 REPLAY = Message(
@@ -227,7 +228,7 @@ class SurveyFollower:
                     "No survey is running. The main control is {state}: {message}",
                     state=state.code.label,
                     message=state.message,
-                ).with_fault(ASKED_FOR),
+                ).with_fault(NONE_OPEN),
             )
             return []
         self._begin(state.survey_id, state)

@@ -6,7 +6,6 @@ import queue
 import shlex
 from typing import Callable, List, Optional, Sequence, Union
 
-from gpr20_common.faults import LOOK
 from gpr20_common.message import Message, Severity
 from gpr20_operator.robot.events import (
     Accepted,
@@ -17,6 +16,7 @@ from gpr20_operator.robot.events import (
     Request,
     StopRequested,
 )
+from gpr20_operator.robot.notices import remedy
 from gpr20_operator.robot.replay_model import ReplayModel
 from gpr20_operator.words import duration
 from gpr20_survey.faults import OTHER_ZEROS
@@ -197,21 +197,20 @@ def _accepted(plan: Accepted) -> Message:
 
 def first_step(message: Message) -> Message:
     """Return what to do first about a fault, with its code."""
-    return Message(
-        "Do this first: {remedy}",
-        remedy=message.remedy or LOOK,
-        details=message.fault_code,
-    )
+    code = message.fault_code
+    return Message("Do this first: {remedy}", remedy=remedy(message), details=code)
 
 
 def outcome_lines(
     outcome: Outcome, survey_id: str, simulated: bool, stored: bool = False
 ) -> List[Message]:
     """Return the last lines of the client; stored: whether a trace of the survey is."""
-    lines = [_HEADLINES[outcome.status], outcome.message]
-    unknown = outcome.status in _UNSUCCESSFUL and not outcome.message.fault_code
-    if unknown or outcome.message.severity is Severity.FAULT:
-        lines.append(first_step(outcome.message))
+    message = outcome.message
+    lines = [_HEADLINES[outcome.status], message]
+    unknown = outcome.status in _UNSUCCESSFUL and not message.fault_code
+    refused = outcome.status is ExitStatus.REFUSED or message.may_move
+    if unknown or refused or message.severity is Severity.FAULT:
+        lines.append(first_step(message))
     if survey_id:
         lines.append(Message("Survey id: {survey}", survey=survey_id))
     if outcome.other_analyzer:
@@ -221,11 +220,11 @@ def outcome_lines(
                 identity=shlex.quote(outcome.other_analyzer),
             )
         )
-    if outcome.message.fault_code == OTHER_ZEROS.code:
+    if message.fault_code == OTHER_ZEROS.code:
         lines.append(
             Message("To continue as it is, resume with `--accept-zeros`; its traces are marked.")
         )
-    can_continue = outcome.message.can_continue
+    can_continue = message.can_continue
     if outcome.status is ExitStatus.PAUSED:
         lines.append(_RESUME_HINT if can_continue else _END_HINT)
     elif outcome.status in (ExitStatus.STOPPED, ExitStatus.FAILED) and stored and can_continue:

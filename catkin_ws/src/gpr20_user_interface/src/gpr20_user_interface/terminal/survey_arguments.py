@@ -5,17 +5,16 @@ from __future__ import annotations
 import argparse
 import contextlib
 import enum
-import math
 from dataclasses import dataclass, replace
 from typing import Any, Callable, Iterator, List, Mapping, Optional, Sequence
 
-from gpr20_common.catalogue import Catalogue, Language
+from gpr20_common.catalogue import Catalogue, Language, language_from_environment, languages
 from gpr20_common.errors import InvalidValueError
-from gpr20_common.low.catalogue_file import language_from_environment, languages
 from gpr20_common.message import Message, verbatim
 from gpr20_operator.plan.fields import PARAMETERS, PEOPLE, SPECS
 from gpr20_operator.plan.spec import FieldSpec
 from gpr20_operator.robot.events import DOCUMENTED_TRAVEL
+from gpr20_operator.words import number_from_text
 from gpr20_survey.plan.annotation import Annotation
 from gpr20_survey.plan.survey_parameters import SurveyParameters
 from gpr20_user_interface.terminal.follower import Limits, Mode, OnPause
@@ -298,10 +297,10 @@ def _add_run_options(group: argparse._ArgumentGroup, catalogue: Catalogue) -> No
 
 def _seconds(text: str) -> float:
     try:
-        seconds = float(text)
-    except ValueError:
-        seconds = math.nan
-    if not (math.isfinite(seconds) and seconds > 0.0):
+        seconds = number_from_text(text)
+    except InvalidValueError:
+        seconds = 0.0
+    if seconds <= 0.0:
         raise InvalidValueError(
             Message("'{text}' is not a number of seconds above zero", text=text)
         )

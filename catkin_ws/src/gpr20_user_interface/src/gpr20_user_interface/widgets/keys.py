@@ -285,7 +285,6 @@ class Pad(Overlay):
                 self.letters.press(character)
 
     def retranslate(self) -> None:
-        """Write the texts in the language of the application."""
         self.cancel.setText(self.tr("Cancel"))
         self.accept_button.setText(self.tr("OK"))
 

@@ -24,6 +24,7 @@ from gpr20_operator.ground.marks import GroundMark
 from gpr20_operator.ground.records import Colours, Picture
 from gpr20_operator.ground.shade_colours import colour_table, shade_numbers
 from gpr20_user_interface.look.look import Look, Mark, look_of
+from gpr20_user_interface.look.translation import shown_number
 from gpr20_user_interface.widgets.ink import (
     Ticks,
     paint_axes,
@@ -375,7 +376,8 @@ class Plot(pyqtgraph.GraphicsView):
         return self._overlaid[1]
 
     def _ticks_state(self) -> object:
-        """Return what else the numbers of the axes depend on."""
+        """Return what else the numbers of the axes depend on: the language."""
+        return shown_number(0.5)
 
     def _ticks(self, look: Look) -> Tuple[Ticks, Ticks]:
         """Return the numbers of both axes, with their pixels."""
@@ -385,8 +387,8 @@ class Plot(pyqtgraph.GraphicsView):
         low, high = min(one, other), max(one, other)
         ys = round_ticks(low, high, max(2, int(area.height() / look.px(y_px))))
         return (
-            [(self.to_screen(x, 0.0).x(), f"{x:g}") for x in xs.tolist()],
-            [(self.to_screen(0.0, y).y(), f"{y:g}") for y in ys.tolist()],
+            [(self.to_screen(x, 0.0).x(), shown_number(x)) for x in xs.tolist()],
+            [(self.to_screen(0.0, y).y(), shown_number(y)) for y in ys.tolist()],
         )
 
 

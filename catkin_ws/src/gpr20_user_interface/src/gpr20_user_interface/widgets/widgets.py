@@ -17,6 +17,7 @@ from PyQt5.QtWidgets import (
 )
 
 from gpr20_user_interface.look.look import GAP_PX, look_of
+from gpr20_user_interface.look.translation import shown_number
 from gpr20_user_interface.touch.scrolling import scroll_by_finger
 
 
@@ -92,7 +93,7 @@ class Stepper(QWidget):
         super().__init__()
         self._values = sorted(values)
         self._value = start
-        self._title, self._pattern = "", "{value:g}"
+        self._title, self._unit = "", ""
         self.less = new_button(lambda: self._step(-1), "\N{MINUS SIGN}")
         self.more = new_button(lambda: self._step(+1), "+")
         self._label = QLabel()
@@ -109,9 +110,9 @@ class Stepper(QWidget):
         """What is written between the buttons."""
         return self._label.text()
 
-    def set_texts(self, title: str, pattern: str) -> None:
-        """Set title and pattern of the number; the pattern contains {value}."""
-        self._title, self._pattern = title, pattern
+    def set_texts(self, title: str, unit: str = "") -> None:
+        """Set the title and what stands behind the number."""
+        self._title, self._unit = title, unit
         self._show()
 
     def set_value(self, value: float) -> None:
@@ -127,6 +128,6 @@ class Stepper(QWidget):
             self.changed.emit(self._value)
 
     def _show(self) -> None:
-        self._label.setText(f"{self._title}\n{self._pattern.format(value=self._value)}")
+        self._label.setText(f"{self._title}\n{shown_number(self._value)}{self._unit}")
         self.less.setEnabled(self._value > self._values[0])
         self.more.setEnabled(self._value < self._values[-1])

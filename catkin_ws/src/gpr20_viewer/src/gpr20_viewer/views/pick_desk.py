@@ -9,9 +9,8 @@ from PyQt5.QtCore import QObject, pyqtSignal
 from PyQt5.QtWidgets import QFileDialog
 
 from gpr20_analysis.sentences import shown
-from gpr20_common.errors import Gpr20Error
+from gpr20_common.errors import Gpr20Error, os_reason
 from gpr20_common.message import Message
-from gpr20_common.os_reason import os_reason
 from gpr20_viewer.picks import Pick, PickEditor, PickRefusedError
 from gpr20_viewer.picks_file import PicksFile
 from gpr20_viewer.positions import Place

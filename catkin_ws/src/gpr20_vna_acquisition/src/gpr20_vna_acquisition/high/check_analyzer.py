@@ -12,11 +12,10 @@ from typing import Any, Callable, List, Optional, Sequence, Tuple
 import rosgraph
 import yaml
 
-from gpr20_common.errors import Gpr20Error
+from gpr20_common.errors import Gpr20Error, os_reason
 from gpr20_common.low.data_folder import configured, robot_folder
 from gpr20_common.message import Message
 from gpr20_common.mid.codec import record_from
-from gpr20_common.os_reason import os_reason
 from gpr20_common.terminal_text import say
 from gpr20_vna_acquisition.low.tcp_relay import ADDRESS, TcpRelay
 from gpr20_vna_acquisition.low.vxi11_transport import LinkLimits, Vxi11Transport, connect

@@ -9,15 +9,14 @@ from typing import Callable, Optional
 import rospy
 
 from gpr20_common.high import diagnostics
-from gpr20_common.high.answers import message_fields
+from gpr20_common.high.answers import advertise, message_fields
 from gpr20_common.high.description import publish_description
-from gpr20_common.high.node import run_device
+from gpr20_common.high.node import read_parameters, run_node
 from gpr20_common.high.periodic import Periodic
 from gpr20_common.high.raw_message import ros_time
-from gpr20_common.high.services import advertise
 from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message, verbatim
-from gpr20_common.mid.hardware import Hardware
+from gpr20_common.mid.node_facts import Hardware
 from gpr20_msgs import srv
 from gpr20_survey.faults import VNA_SILENT
 from gpr20_survey.trace.sweep_settings import AnalyzerSettings, SweepSettings
@@ -152,7 +151,8 @@ class VNANode:
             )
         if state.former_trouble:
             answers = Message(
-                "answers again; the last fault: {reason}", reason=state.former_trouble
+                "answers again; look at it only if it fails again; the last fault: {reason}",
+                reason=state.former_trouble,
             ).reporting_only(VNA_SILENT.as_warning())
             return diagnostics.WARN, answers, values
         if state.last_quality:
@@ -188,4 +188,4 @@ def build_robot_node(parameters: VnaParameters) -> VNANode:
 
 def main() -> None:
     """Run the driver of the real network analyzer."""
-    run_device(NODE, VnaParameters, build_robot_node)
+    run_node(NODE, lambda: build_robot_node(read_parameters(VnaParameters, NODE)))

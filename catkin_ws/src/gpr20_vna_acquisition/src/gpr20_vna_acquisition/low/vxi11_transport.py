@@ -14,8 +14,8 @@ from typing import Any, Callable, Optional, TypeVar
 
 from vxi11 import rpc, vxi11
 
+from gpr20_common.errors import os_reason
 from gpr20_common.message import Fault, Message
-from gpr20_common.os_reason import os_reason
 from gpr20_survey.faults import WRONG_VNA
 from gpr20_vna_acquisition import faults
 from gpr20_vna_acquisition.errors import VnaConnectionError, VnaNoAnswerError

@@ -73,7 +73,9 @@ class RequestDeadline:
             raise _superseded()
         if self._clock.now_s() > self._deadline_s:
             raise VnaTimeoutError(
-                Message("request exceeded {limit_s:.3g} s", limit_s=self._limit_s)
+                Message(
+                    "request exceeded {limit_s:.3g} s; try again in a minute", limit_s=self._limit_s
+                )
             )
 
     def pause_s(self, duration_s: float) -> None:

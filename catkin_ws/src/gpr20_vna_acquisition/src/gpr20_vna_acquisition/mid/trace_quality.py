@@ -12,7 +12,7 @@ from typing import Any, Deque, Iterable, Mapping, Optional, Sequence, Tuple
 
 import numpy as np
 
-from gpr20_common.message import Message, in_a_row
+from gpr20_common.message import Message, in_a_row, numeral
 from gpr20_survey.faults import NOT_CALIBRATED, VNA_DOUBTFUL, VNA_FAILED
 from gpr20_survey.trace.calibration import CalibrationStatus
 from gpr20_survey.trace.sweep import Sweep, storable_remark
@@ -123,9 +123,9 @@ def level_remarks(sweep: Sweep, parameters: VnaParameters) -> Tuple[Message, ...
         remarks.append(
             Message(
                 "S21 is weak: median {level} dB, expected at least {limit_db:g} dB; check that "
-                "both antennas are connected",
+                "the cables of both antennas are tight",
                 # It can be infinite, which JSON does not know.
-                level=f"{median_db:.1f}",
+                level=numeral(median_db, ".1f"),
                 limit_db=parameters.min_level_db,
             ).with_fault(VNA_DOUBTFUL)
         )
@@ -134,7 +134,7 @@ def level_remarks(sweep: Sweep, parameters: VnaParameters) -> Tuple[Message, ...
             Message(
                 "S21 is strong: up to {level} dB, expected at most {limit_db:g} dB; the receiver "
                 "may be overloaded, or the calibration may be for another setup",
-                level=f"{largest_db:.1f}",
+                level=numeral(largest_db, ".1f"),
                 limit_db=parameters.max_level_db,
             ).with_fault(VNA_DOUBTFUL)
         )

@@ -251,8 +251,8 @@ class VnaLink:
         self.note(repeats=self._state.repeats + 1)
         failure = failures[-1]
         # A link that is lost for long fails the same way many times.
-        codes = {one.message.fault_code for one in failures[-2:]}
-        if len(failures) == 1 or len(codes) > 1:
+        kinds = {(type(one), one.message.fault_code) for one in failures[-2:]}
+        if len(failures) == 1 or len(kinds) > 1:
             self._warn(f"{what} failed and is retried: {failure}")
         self.deadline.pause_s(self._parameters.retry_pause_s)
 

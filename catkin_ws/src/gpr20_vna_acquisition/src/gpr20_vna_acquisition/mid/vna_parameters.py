@@ -7,7 +7,7 @@ from typing import Any, Dict, Tuple
 
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.faults import CONFIGURATION
-from gpr20_common.message import Message
+from gpr20_common.message import Message, numeral
 from gpr20_common.mid.checks import instrument_address, ipv4_address, number_between
 from gpr20_common.mid.codec import bounded
 from gpr20_common.mid.extension import is_extension
@@ -229,7 +229,7 @@ class VnaParameters:
                 Message(
                     "{place} is {value}; it must be one of {allowed}",
                     place=Message("the IF bandwidth [Hz]"),
-                    value=f"{wanted.if_bandwidth_hz:.12g}",
+                    value=numeral(wanted.if_bandwidth_hz, ".12g"),
                     allowed=", ".join(f"{one:.12g}" for one in (0.0, *IF_BANDWIDTHS_HZ)),
                 )
             )

@@ -5,26 +5,22 @@ from __future__ import annotations
 import json
 import time
 from dataclasses import replace
-from pathlib import Path
 from typing import Any, List
 
 import rospy
 from std_msgs.msg import String
 
-from gpr20_common import __version__
+from gpr20_common.errors import os_reason
 from gpr20_common.faults import DISK_FULL, DISK_REFUSES, DISK_SLOW
-from gpr20_common.high.answers import fault_of, fields_of, received
+from gpr20_common.high.answers import advertise, fault_of, fields_of, message_fields, received
 from gpr20_common.high.connection_keeper import subscriber_count
 from gpr20_common.high.description import publish_description
 from gpr20_common.high.diagnostics import ERROR, OK, WARN, Diagnostics, Health
-from gpr20_common.high.node import read_parameters, run_device
+from gpr20_common.high.node import read_parameters, run_node
 from gpr20_common.high.raw_message import deserialized, microseconds, preserialized, serialized
-from gpr20_common.high.services import advertise, success
 from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message, in_a_row
-from gpr20_common.mid.hardware import NO_HARDWARE
-from gpr20_common.mid.node_software import software_revision
-from gpr20_common.os_reason import os_reason
+from gpr20_common.mid.node_facts import NO_HARDWARE, software_revision
 from gpr20_common.terminal_text import printable
 from gpr20_msgs import srv
 from gpr20_msgs.msg import SurveySummary, Trace
@@ -73,7 +69,7 @@ class ProcessingNode:
                 free_bytes=free_bytes,
                 now_ns=time.time_ns,
                 clock=Clock(),
-                revision=software_revision(__version__, Path(__file__).resolve().parent),
+                revision=software_revision(),
                 end_status=end_status,
                 bags=self._bags,
                 publish=self._publish,
@@ -145,7 +141,6 @@ class ProcessingNode:
         return success(
             srv.AddFact,
             message,
-            path=str(added.folder),
             survey_id=added.survey_id,
             stored_traces=added.stored_traces,
             markers_json=json.dumps(added.markers) if added.markers else "",
@@ -170,9 +165,7 @@ class ProcessingNode:
         unsigned = self._processing.state().unsigned
         if unsigned is not None:
             message = in_a_row([message, unsigned])
-        return success(
-            srv.CloseSurvey, message, path=str(closed.folder), stored_traces=closed.stored_traces
-        )
+        return success(srv.CloseSurvey, message)
 
     def _list_surveys(self, request: Any) -> Any:
         surveys, more = self._surveys.list(request.before, request.max_surveys)
@@ -188,7 +181,6 @@ class ProcessingNode:
         return success(
             srv.ReadSurvey,
             Message("{count} traces stored", count=len(survey.stored_indices)),
-            survey_id=survey.survey_id,
             metadata_json=json.dumps(survey.description),
             stored_indices=survey.stored_indices,
         )
@@ -268,11 +260,15 @@ class ProcessingNode:
             rospy.logwarn("%s: stored but not published: %s", publisher.name, error)
 
 
+def success(service_class: Any, message: Message, **fields: Any) -> Any:
+    return service_class._response_class(success=True, **message_fields(message), **fields)
+
+
 def main() -> None:
     """Run the node."""
-    run_device(
+    run_node(
         NODE,
-        ProcessingParameters,
-        lambda found: ProcessingNode(found, read_parameters(Sensors, SENSORS)),
-        section="storage",
+        lambda: ProcessingNode(
+            read_parameters(ProcessingParameters, "storage"), read_parameters(Sensors, SENSORS)
+        ),
     )

@@ -234,7 +234,7 @@ class CurrentSurvey:
         self.unsigned = try_to_sign(self._signer, survey.folder)
         self._release(survey)
         self._storage.bags.make(survey.folder)
-        return ChangedSurvey(survey_id, survey.folder, survey.stored_traces)
+        return ChangedSurvey(survey_id, survey.stored_traces)
 
     def _ended_survey(self, survey_id: str, outcome: str) -> Optional[ChangedSurvey]:
         try:
@@ -246,7 +246,7 @@ class CurrentSurvey:
         closed = (folder / manifest.MANIFEST_FILE).is_file()
         if not closed or description.get("outcome") != outcome:
             return None
-        return ChangedSurvey(survey_id, folder, description.get("stored_traces", 0))
+        return ChangedSurvey(survey_id, description.get("stored_traces", 0))
 
     def add_fact(self, survey: str, kind: Kind, change: Change) -> ChangedSurvey:
         """Add a fact to the log of a survey, by its id or folder; may be repeated.
@@ -269,7 +269,7 @@ class CurrentSurvey:
             now = utc_time.iso_text(now_ns // utc_time.NS_PER_US)
             description = add_to_survey(folder, change, now, LOCK_WAIT_S)
         markers = description.get(MARKERS, []) if kind in OF_MARKERS else ()
-        return ChangedSurvey(description["survey_id"], folder, stored, markers)
+        return ChangedSurvey(description["survey_id"], stored, markers)
 
     def shut_down(self) -> None:
         """Close the open survey, if any, as one that can be resumed."""

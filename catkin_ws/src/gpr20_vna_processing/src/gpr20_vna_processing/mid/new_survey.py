@@ -79,7 +79,7 @@ def checked_time(now_ns: int) -> int:
             Message(
                 "the computer's clock is at {time}; set it, or every time in the recordings would "
                 "be wrong",
-                time=utc_time.iso_text(now_us),
+                time=utc_time.moment_text(utc_time.iso_text(now_us)),
             ),
             fault=CLOCK_WRONG,
         )
@@ -130,7 +130,8 @@ def empty_folder(folder: Path, plan: LogRecord) -> None:
     ):
         raise SurveyRefusedError(
             Message(
-                "{folder} exists already; every survey needs its own id and folder",
+                "{folder} exists already; choose another survey id: the window does so when you "
+                "start again",
                 folder=printable(folder),
             ),
             fault=NO_PLAN,

@@ -74,7 +74,6 @@ class OpenSurvey:
 
     @property
     def description(self) -> Dict[str, Any]:
-        """What the log says of the survey."""
         return self._log.description
 
     @property

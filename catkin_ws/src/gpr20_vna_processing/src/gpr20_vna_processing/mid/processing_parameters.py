@@ -11,7 +11,7 @@ from gpr20_common.errors import InvalidValueError
 from gpr20_common.faults import CONFIGURATION
 from gpr20_common.low.data_folder import data_folder, state_folder
 from gpr20_common.message import Message
-from gpr20_common.mid.checks import number_between, positive_number
+from gpr20_common.mid.checks import number_between
 from gpr20_survey.files.durable_files import Readers
 from gpr20_survey.folder.data_folder import DataFolderUse
 from gpr20_survey.folder.signature import Signer
@@ -85,7 +85,7 @@ class ProcessingParameters:
     def __post_init__(self) -> None:
         number_between("disk_reserve_mb", self.disk_reserve_mb, 0.0, 1e9, "MB")
         for name in ("message_queue_mb", "timeout_s", "long_timeout_s", "commit_period_s"):
-            positive_number(name, getattr(self, name))
+            number_between(name, getattr(self, name), 1e-6, 1e9)
         key = self.signing_key
         if key and not (key.isprintable() and key.startswith(("/", "~/"))):
             raise InvalidValueError(

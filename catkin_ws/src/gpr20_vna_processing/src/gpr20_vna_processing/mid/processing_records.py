@@ -70,7 +70,6 @@ class ChangedSurvey(NamedTuple):
     """A survey that was closed, or whose log has a fact."""
 
     survey_id: str
-    folder: Path
     stored_traces: int = 0
     """0 if the fact is of another survey than the open one."""
     markers: Sequence[Mapping[str, Any]] = ()

@@ -73,7 +73,6 @@ class StorageThread:
         self._thread = threading.Thread(target=self._run, name="storage", daemon=True)
 
     def start(self) -> None:
-        """Start the thread."""
         self._thread.start()
 
     def stop(self, timeout_s: float) -> None:
@@ -89,7 +88,8 @@ class StorageThread:
         if self._thread.is_alive():
             raise StorageFailedError(
                 Message(
-                    "the disk did not write everything within {limit_s:g} s; check the disk",
+                    "the disk did not write everything within {limit_s:g} s; check that it is "
+                    "plugged in and not full",
                     limit_s=timeout_s,
                 ),
                 fault=DISK_SLOW,
@@ -107,7 +107,6 @@ class StorageThread:
             return [replace(one, time_ns=time_ns) for one in self._latched.values()]
 
     def end_recording(self) -> None:
-        """Queue no more messages."""
         with self._changed:
             self._recording = False
 
@@ -150,7 +149,8 @@ class StorageThread:
                 state = Message("nothing was written")
             raise StorageFailedError(
                 Message(
-                    "the disk did not finish within {limit_s:g} s; {state}; check the disk",
+                    "the disk did not finish within {limit_s:g} s; {state}; check that it is "
+                    "plugged in and not full",
                     limit_s=timeout_s,
                     state=state,
                 ),

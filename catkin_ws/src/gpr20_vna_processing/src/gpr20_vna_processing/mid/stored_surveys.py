@@ -12,9 +12,9 @@ from typing import Any, Collection, Dict, List, Mapping, NamedTuple, Optional, S
 
 import numpy as np
 
+from gpr20_common.errors import os_reason
 from gpr20_common.message import Message
 from gpr20_common.mid.checks import number_between
-from gpr20_common.os_reason import os_reason
 from gpr20_common.terminal_text import printable
 from gpr20_survey.errors import TraceRefusedError, storing
 from gpr20_survey.folder import survey_folder, trace_files
@@ -42,7 +42,6 @@ SETTLED_NS = 3 * 10**9
 class StoredSurvey(NamedTuple):
     """What was to be measured, and what is stored."""
 
-    survey_id: str
     description: Dict[str, Any]
     """survey.json without its report; of its log what was found, and decisions."""
     stored_indices: Tuple[int, ...]
@@ -90,7 +89,7 @@ class StoredSurveys:
         description = {key: one for key, one in found.description.items() if key != "report"}
         kinds = (Kind.FOUND.value, Kind.DECISION.value)
         log = [one.as_json() for one in found.found.records if one.kind in kinds]
-        return StoredSurvey(found.survey_id, {**description, LOG: log}, tuple(trace_names(folder)))
+        return StoredSurvey({**description, LOG: log}, tuple(trace_names(folder)))
 
     def traces(self, survey: str, indices: Sequence[int]) -> ReadTraces:
         """Return stored traces that have the frequencies of the first of them.

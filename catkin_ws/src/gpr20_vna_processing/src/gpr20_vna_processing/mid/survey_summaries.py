@@ -72,7 +72,6 @@ def summary_of(folder: Path) -> SurveySummary:
         name=_text(written.get("name")),
         site=_text(written.get("site")),
         operator=_text(written.get("operator")),
-        fault_code=_text(values.get(survey_metadata.FAULT_CODE)),
         **map_of(area, stored),
     )
 

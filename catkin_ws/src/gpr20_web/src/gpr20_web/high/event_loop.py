@@ -40,7 +40,6 @@ class EventLoop:
         self._events.append(event)
 
     def begin(self) -> None:
-        """Begin to handle and to refresh."""
         self._thread.start()
 
     def call(self, work: Callable[[], Awaitable[Any]]) -> Any:

@@ -9,12 +9,11 @@ import sys
 from pathlib import Path
 from typing import Callable
 
-from gpr20_common.errors import Gpr20Error
+from gpr20_common.errors import Gpr20Error, os_reason
 from gpr20_common.low.clock import Clock
 from gpr20_common.low.data_folder import configured, robot_folder
 from gpr20_common.message import Message
 from gpr20_common.mid.codec import record_from
-from gpr20_common.os_reason import os_reason
 from gpr20_common.terminal_text import say
 from gpr20_web.errors import AccountError
 from gpr20_web.low.account_file import AccountFile, checked_name, role_of

@@ -11,17 +11,17 @@ from typing import Any, Mapping, Optional
 
 import rospy
 
+from gpr20_common.catalogue import language_from_environment, read_catalogue
 from gpr20_common.high.answers import message_from
 from gpr20_common.high.description import publish_description
 from gpr20_common.high.diagnostics import OK, WARN, Diagnostics, Health
-from gpr20_common.high.node import read_parameters, run_device
+from gpr20_common.high.node import read_parameters, run_node
 from gpr20_common.high.service_client import ServiceClient
-from gpr20_common.low.catalogue_file import language_from_environment, read_catalogue
 from gpr20_common.low.clock import Clock
 from gpr20_common.low.data_folder import data_folder
 from gpr20_common.low.thread_fault import faults_logged
 from gpr20_common.message import Message, in_a_row
-from gpr20_common.mid.hardware import NO_HARDWARE
+from gpr20_common.mid.node_facts import NO_HARDWARE
 from gpr20_msgs.msg import WebStatus
 from gpr20_msgs.srv import AddFact
 from gpr20_operator.high.control_client import ControlClient
@@ -227,9 +227,7 @@ class WebNode:
         )
         if status != self._said:
             self._said = status
-            message = WebStatus(**asdict(status))
-            message.header.stamp = rospy.Time.now()
-            self._status.publish(message)
+            self._status.publish(WebStatus(**asdict(status)))
         return watchers > 0
 
     def _note_survey(self, survey: str, values: Mapping[str, Any]) -> None:
@@ -261,10 +259,10 @@ class WebNode:
 def main() -> None:
     """Run the node until ROS shuts down."""
 
-    def build(parameters: WebParameters) -> WebNode:
+    def build() -> WebNode:
         stored = read_parameters(StoredSurveys, "imaging")
-        node = WebNode(parameters, data_folder(stored.data, os.environ))
+        node = WebNode(read_parameters(WebParameters, NODE), data_folder(stored.data, os.environ))
         rospy.on_shutdown(node.close)
         return node
 
-    run_device(NODE, WebParameters, build, needed=False)
+    run_node(NODE, build, needed=False)

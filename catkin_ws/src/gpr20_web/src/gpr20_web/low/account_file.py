@@ -10,9 +10,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Callable, Dict, Mapping, Optional, Tuple
 
+from gpr20_common.errors import os_reason
 from gpr20_common.message import Message
 from gpr20_common.mid.codec import bounded, record_from
-from gpr20_common.os_reason import os_reason
 from gpr20_common.terminal_text import printable
 from gpr20_survey.errors import SurveyRefusedError
 from gpr20_survey.files.durable_files import replace_file
@@ -172,7 +172,7 @@ class AccountFile:
     def _unusable(self, reason: Message) -> AccountsFileError:
         return AccountsFileError(
             Message(
-                "the accounts cannot be used: {reason}",
+                "the file of the accounts cannot be used: {reason}",
                 reason=reason,
                 # For the log; no browser learns it.
                 details=printable(self._path),

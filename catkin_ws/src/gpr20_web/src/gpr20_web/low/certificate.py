@@ -13,8 +13,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Sequence
 
+from gpr20_common.errors import os_reason
 from gpr20_common.message import Message
-from gpr20_common.os_reason import os_reason
 from gpr20_common.terminal_text import printable
 from gpr20_survey.files.durable_files import write_new_file
 from gpr20_survey.files.regular_file import read_regular

@@ -153,11 +153,9 @@ class EventStreams:
         return any(one.person.session == session for one in self._watchers)
 
     def remove(self, watcher: Watcher) -> None:
-        """Remove a browser that has left."""
         self._watchers.remove(watcher)
 
     def end(self) -> None:
-        """End all."""
         for watcher in self._watchers:
             watcher.gone.set()
 

@@ -13,8 +13,8 @@ from typing import Any, Callable, Optional
 from tornado import httpserver, netutil, web
 from tornado.iostream import IOStream
 
+from gpr20_common.errors import os_reason
 from gpr20_common.message import Message
-from gpr20_common.os_reason import os_reason
 from gpr20_web.calls import Person, Routes
 from gpr20_web.errors import PortTakenError
 from gpr20_web.low.event_streams import EventStreams
@@ -96,7 +96,7 @@ class HttpServer:
         except OSError as error:
             raise PortTakenError(
                 Message(
-                    "the page cannot listen at {address}, port {port}: {reason}",
+                    "the page cannot listen at {address}, port {port} of web.yaml: {reason}",
                     address=address,
                     port=port,
                     reason=_REFUSALS.get(error.errno or 0) or os_reason(error),

@@ -6,10 +6,9 @@ import threading
 from collections import deque
 from typing import Callable, Deque, Generic, Optional, Tuple, TypeVar
 
-from gpr20_common.errors import Gpr20Error
+from gpr20_common.errors import Gpr20Error, os_reason
 from gpr20_common.low.thread_fault import faults_logged
 from gpr20_common.message import Message
-from gpr20_common.os_reason import os_reason
 from gpr20_web import faults
 
 Thing = TypeVar("Thing")

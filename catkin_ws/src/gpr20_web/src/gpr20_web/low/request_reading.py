@@ -6,9 +6,8 @@ import json
 from typing import Any, Dict, Mapping
 from urllib.parse import parse_qsl, unquote, urlsplit
 
-from gpr20_common.catalogue import Language
+from gpr20_common.catalogue import Language, language_from_code, languages, read_catalogue
 from gpr20_common.errors import InvalidValueError
-from gpr20_common.low.catalogue_file import language_from_code, languages, read_catalogue
 from gpr20_common.message import Message
 from gpr20_web.errors import BadRequestError
 

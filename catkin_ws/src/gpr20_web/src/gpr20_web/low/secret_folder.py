@@ -7,8 +7,8 @@ import os
 import stat
 from pathlib import Path
 
+from gpr20_common.errors import os_reason
 from gpr20_common.message import Message
-from gpr20_common.os_reason import os_reason
 from gpr20_common.terminal_text import printable
 from gpr20_survey.files.durable_files import ensure_folder, ensure_folders
 from gpr20_web.errors import FolderError

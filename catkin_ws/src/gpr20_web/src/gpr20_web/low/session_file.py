@@ -8,10 +8,10 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Callable, Tuple
 
+from gpr20_common.errors import os_reason
 from gpr20_common.faults import CONFIGURATION
 from gpr20_common.message import Message
 from gpr20_common.mid.codec import record_from
-from gpr20_common.os_reason import os_reason
 from gpr20_survey.files.durable_files import replace_file
 from gpr20_survey.files.regular_file import read_regular
 from gpr20_web.low.secret_folder import ensure_secret_folder

@@ -11,11 +11,11 @@ from tornado import web
 from tornado.http1connection import HTTP1Connection
 from tornado.iostream import StreamClosedError
 
-from gpr20_common.catalogue import Language
+from gpr20_common.catalogue import Language, read_catalogue
 from gpr20_common.errors import Gpr20Error
-from gpr20_common.low.catalogue_file import read_catalogue
-from gpr20_common.low.tcp_keepalive import end_when_broken
+from gpr20_common.low.links import end_when_broken
 from gpr20_common.message import Message
+from gpr20_operator.robot.condition import first_step
 from gpr20_web import faults
 from gpr20_web.calls import Answer, Body, Call, Cookie, Person, Route, Routes, Stream
 from gpr20_web.errors import BusyError, NotAllowedError, NotFoundError, WebError
@@ -105,7 +105,6 @@ class TableHandler(web.RequestHandler):
         return self._serve()
 
     def post(self) -> Awaitable[None]:
-        """Answer a request that changes something."""
         return self._serve()
 
     def delete(self) -> Awaitable[None]:
@@ -283,7 +282,8 @@ class TableHandler(web.RequestHandler):
     def _refuse(self, error: Gpr20Error) -> None:
         self.set_status(error.status if isinstance(error, WebError) else 409)
         message = error.message
-        remedy = "" if message.remedy is None else self._text(message.remedy)
+        first = first_step(message)
+        remedy = "" if first is None else self._text(first)
         self._send_json(
             {"error": self._text(message), "remedy": remedy, "code": message.fault_code}
         )

@@ -9,9 +9,9 @@ from itertools import chain
 from pathlib import Path
 from typing import Any, Callable, Dict, List, Mapping, Tuple
 
+from gpr20_common.errors import os_reason
 from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message
-from gpr20_common.os_reason import os_reason
 from gpr20_survey.files import durable_files
 from gpr20_survey.trace.utc_time import iso_text
 from gpr20_web.calls import Call, Route
@@ -134,7 +134,7 @@ class Audit:
                             break
         except OSError as error:
             raise AuditFileError(
-                Message("the audit cannot be read: {reason}", reason=os_reason(error))
+                Message("the file of the audit cannot be read: {reason}", reason=os_reason(error))
             ) from error
         return list(found.values())
 

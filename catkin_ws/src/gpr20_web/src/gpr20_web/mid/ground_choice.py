@@ -62,15 +62,15 @@ class Values:
         found = self._values.get(name)
         if found is None or found == "":
             return None
-        number = math.nan
+        number, allowed = math.nan, Message("{low:g} .. {high:g}", low=low, high=high)
         if type(found) in (str, int, float) and len(str(found)) <= MAX_CHARACTERS:
             try:
                 number = float(found)
             except ValueError as error:
-                raise _wrong(name, found, f"{low:g} .. {high:g}") from error
+                raise _wrong(name, found, allowed) from error
         # Written so that NaN is refused too.
         if not low <= number <= high:
-            raise _wrong(name, found, f"{low:g} .. {high:g}")
+            raise _wrong(name, found, allowed)
         return number
 
     def one(self, name: str, choices: Mapping[str, Chosen], preset: Chosen) -> Chosen:
@@ -120,7 +120,7 @@ class Values:
         )
 
 
-def _wrong(name: str, value: object, allowed: str) -> BadRequestError:
+def _wrong(name: str, value: object, allowed: object) -> BadRequestError:
     return BadRequestError(
         Message(
             "{name} cannot be {value}; allowed: {allowed}",

@@ -49,11 +49,11 @@ def document(ground: ShownGround, choice: GroundChoice, text: Text) -> Dict[str,
         "traces_focused": None if image is None else image.traces,
         "bar": _bar(shown.first),
         "section": _section(model, shown, text) if choice.alongs else None,
-        **_plan(model),
+        **_plan(model, text),
     }
 
 
-def _plan(model: GroundModel) -> Dict[str, Any]:
+def _plan(model: GroundModel, text: Text) -> Dict[str, Any]:
     """Return what follows from the plan of the survey."""
     grid, states = model.survey.map.grid, model.survey.map.stop_states
     if grid is None:
@@ -62,7 +62,9 @@ def _plan(model: GroundModel) -> Dict[str, Any]:
     xs_mm, ys_mm = grid.xs_mm, grid.ys_mm
     failed = () if states is None else np.argwhere(states == StopState.FAILED)[:MAX_RINGS].tolist()
     return {
-        "polarizations": [f"{one:g}°" for one in grid.rotations_deg],
+        "polarizations": [
+            text(Message("{rotation:g}°", rotation=one)) for one in grid.rotations_deg
+        ],
         "area": _area(shown_area(survey_area(xs_mm, ys_mm), related)),
         "steps_mm": [float(np.ptp(one)) / max(1, len(one) - 1) or 1.0 for one in (xs_mm, ys_mm)],
         "frames": list(map(_area, related)),

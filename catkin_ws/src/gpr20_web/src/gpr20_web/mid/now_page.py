@@ -7,6 +7,7 @@ from typing import Any, Callable, Dict, Mapping, Optional, Tuple
 from gpr20_common.message import Message
 from gpr20_operator.ground.trace_events import SurveyDescribed
 from gpr20_operator.robot.condition import JobLevel, condition_of, left_of
+from gpr20_operator.robot.events import CurrentPosition
 from gpr20_operator.robot.job import area_of, line_of, percent_of, progress_of, survey_name
 from gpr20_operator.robot.notices import Notice, fault_notice
 from gpr20_operator.robot.snapshot import Snapshot
@@ -30,6 +31,10 @@ def notice_values(notice: Notice, text: Text) -> Dict[str, Any]:
         "then": sentence(text, notice.then),
         "details": list(notice.details),
     }
+
+
+def _at(place: CurrentPosition) -> Message:
+    return Message("X {x_mm:.1f} mm, Y {y_mm:.1f} mm, {z_deg:.0f} deg", **vars(place))
 
 
 class NowPage(WebPage):
@@ -120,16 +125,7 @@ class NowPage(WebPage):
             "planned": None if progress is None else progress.total_points,
             "line": sentence(text, line_of(snapshot)),
             "area": "" if parameters is None else text(area_of(parameters)),
-            "place": None
-            if place is None
-            else text(
-                Message(
-                    "X {x:.1f} mm, Y {y:.1f} mm, {z:.0f} deg",
-                    x=place.x_mm,
-                    y=place.y_mm,
-                    z=place.z_deg,
-                )
-            ),
+            "place": None if place is None else text(_at(place)),
             "height_mm": None if snapshot.height_m is None else round(snapshot.height_m * 1000.0),
         }
 

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 from typing import Any, Dict, Mapping, Sequence
 
-from gpr20_common.catalogue import Language
-from gpr20_common.low.catalogue_file import languages, read_catalogue
-from gpr20_common.message import Message
+from gpr20_common.catalogue import Language, languages, read_catalogue
+from gpr20_common.message import DECIMAL_POINT, Message
 from gpr20_operator.palette import LEVEL_COLOURS, Mark, TextColours, Theme
 from gpr20_operator.robot.snapshot import Snapshot
 from gpr20_web.calls import Body, Call, Route, Stream
@@ -18,6 +17,11 @@ from gpr20_web.roles import Role
 SELDOM = frozenset({"band", "job", "ground"})
 
 WORDS: Mapping[str, Message] = {
+    "shell.point": DECIMAL_POINT,
+    "shell.moment": Message(
+        "{year}-{month}-{day} {time}",
+        **{one: f"{{{one}}}" for one in ("year", "month", "day", "time")},
+    ),
     "shell.pages": Message("Pages"),
     "shell.language": Message("Language"),
     "shell.sun": Message("Sunlight"),

@@ -26,8 +26,8 @@ def row_of(past: PastSurveys, survey: SurveySummary, text: Text) -> Dict[str, An
     ending = past.ending_of(survey)
     return {
         "folder": survey.folder,
-        "title": title_of(survey),
-        "time": local_time(survey.started, survey.folder),
+        "title": text(title_of(survey)),
+        "time": text(local_time(survey.started, survey.folder)),
         "ending": sentence(text, past.ending(survey)),
         "state": ending.value,
         "simulated": survey.simulated and ending is not Ending.UNREADABLE,

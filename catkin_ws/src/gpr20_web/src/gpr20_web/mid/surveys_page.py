@@ -20,6 +20,7 @@ from gpr20_operator.jobs.job import Service
 from gpr20_operator.jobs.pictures import NOT_KNOWN
 from gpr20_operator.jobs.result import list_sum
 from gpr20_operator.jobs.stick import ExportPart
+from gpr20_operator.robot.condition import first_step
 from gpr20_operator.robot.snapshot import Snapshot
 from gpr20_survey.folder.log_record import Kind
 from gpr20_survey.folder.survey_folder import FOLDER_NAME
@@ -165,7 +166,7 @@ class SurveysPage(WebPage):
         if before and not FOLDER_NAME.fullmatch(before):
             raise BadRequestError(Message("before is the folder of a survey"))
         past = self._past(before, SURVEYS_PER_PAGE)
-        found = past.found(listed, text)
+        found = past.found(listed, text, call.text)
         return {
             "surveys": [survey_values.row_of(past, one, call.text) for one in found],
             "next": past.next_before if past.more else "",
@@ -275,7 +276,7 @@ class SurveysPage(WebPage):
             "state": state if last.ended else "running",
             "seconds": int(time.monotonic() - last.began_s),
             "problem": sentence(call.text, problem),
-            "remedy": sentence(call.text, problem and problem.remedy),
+            "remedy": sentence(call.text, problem and first_step(problem)),
         }
 
     def _form(self, call: Call) -> Body:

@@ -7,12 +7,11 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Tuple
 
-from gpr20_common.errors import InvalidValueError
+from gpr20_common.errors import InvalidValueError, os_reason
 from gpr20_common.faults import CONFIGURATION
 from gpr20_common.message import Message
 from gpr20_common.mid.checks import ipv4_address
 from gpr20_common.mid.codec import bounded
-from gpr20_common.os_reason import os_reason
 
 NOTIFY_FILE = "notify.txt"
 

@@ -19,6 +19,8 @@ const PAGES = [now, map, radar, surveys, robots, service, users, audit];
 const TICK_MS = 400;
 const AGAIN_MS = 2000;
 const LOAD_LIMIT_MS = 10000;
+// As faults.py of this package has it.
+const NOT_LOGGED_IN = "web.not_logged_in";
 
 class App {
   constructor() {
@@ -67,7 +69,19 @@ class App {
 
   word(name, values = {}) {
     const text = this.words[name] ?? name;
-    return text.replaceAll(/\{(\w+)[^}]*\}/g, (field, key) => values[key] ?? field);
+    return text.replaceAll(/\{(\w+)[^}]*\}/g, (field, key) => this.number(values[key]) ?? field);
+  }
+
+  // As the language of the page writes it; what is no number stays as it is.
+  number(value) {
+    return typeof value === "number" ? `${value}`.replace(".", this.words["shell.point"]) : value;
+  }
+
+  moment(text, length = 5) {
+    const at = new Date(text);
+    const [year, month, day] = at.toLocaleDateString("sv").split("-"); // as in ISO 8601
+    const time = at.toTimeString().slice(0, length);
+    return this.word("shell.moment", { year, month, day, time });
   }
 
   get(path) {
@@ -108,7 +122,7 @@ class App {
   }
 
   report(error) {
-    if (error.code === "web.not_logged_in") {
+    if (error.code === NOT_LOGGED_IN) {
       this.leave("over");
       return;
     }

@@ -63,6 +63,7 @@ export class Ground {
         event.preventDefault();
         this.move(plot, ...KEYS[event.key]);
       },
+      (text) => this.app.number(text),
     );
     return plot;
   }

@@ -13,8 +13,8 @@ const ink = (name) =>
   getComputedStyle(document.documentElement).getPropertyValue(`--${name}`).trim();
 
 export class Plot {
-  constructor(label, down, onPlace, onKey) {
-    this.down = down;
+  constructor(label, down, onPlace, onKey, shown) {
+    Object.assign(this, { down, shown });
     this.canvas = element("canvas", {
       tabindex: 0, role: "application", "aria-label": label,
       onclick: (event) => this.extent && onPlace(...this.place(event.offsetX, event.offsetY)),
@@ -95,8 +95,8 @@ export class Plot {
       textAlign: align, textBaseline: "middle", lineWidth: 4,
       strokeStyle: ink("mark-paper"), fillStyle: ink("mark-ink"),
     });
-    this.pen.strokeText(text, x, y);
-    this.pen.fillText(text, x, y);
+    this.pen.strokeText(this.shown(text), x, y);
+    this.pen.fillText(this.shown(text), x, y);
   }
 
   // Dots where nothing was measured, dashes where it is not here yet.

@@ -83,7 +83,9 @@ def scene_of(traces: Traces, focus: Focus, x_m: np.ndarray, y_m: np.ndarray) -> 
     held = np.any(traces.s21, axis=2).ravel()
     if not np.any(held):
         raise WrongDatasetError(
-            Message("every trace is zero or was left out, so there is nothing to image"),
+            Message(
+                "every trace is zero or was left out, so there is nothing to image; see gpr20 info"
+            ),
             fault=faults.INPUT,
         )
     # Also where a trace is zero: uneven ground is interpolated between all heights.

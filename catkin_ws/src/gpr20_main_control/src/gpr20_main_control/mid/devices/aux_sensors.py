@@ -11,7 +11,7 @@ from typing import Any, Callable, Deque, Dict, List, Optional, Sequence, Tuple
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.faults import CONFIGURATION
 from gpr20_common.low.clock import Clock
-from gpr20_common.message import Fault, Message
+from gpr20_common.message import Fault, Message, numeral
 from gpr20_main_control.errors import DeviceError
 from gpr20_survey.faults import SENSOR_FAILED
 from gpr20_survey.plan.sensors import Sensor
@@ -50,10 +50,10 @@ class Measured:
         if self.problem is not None:
             return self.problem
         return Message(
-            "{value} {unit}, received {age_s} s ago",
-            value=f"{self.value:.6g}",
+            "{value:.6g} {unit}, received {age_s:.1f} s ago",
+            value=self.value,
             unit=self.sensor.unit,
-            age_s=f"{self.age_s:.1f}",
+            age_s=self.age_s,
         )
 
 
@@ -94,7 +94,10 @@ class SensorInput:
         if not before:
             return self._without(
                 None,
-                Message("nothing has been received on {topic}", topic=self.sensor.topic),
+                Message(
+                    "nothing has been received on {topic}; check that its node runs",
+                    topic=self.sensor.topic,
+                ),
                 SENSOR_FAILED,
             )
         received_s, content = before[-1]
@@ -103,8 +106,9 @@ class SensorInput:
             return self._without(
                 age_s,
                 Message(
-                    "no value for {age_s} s, at most {longest_s:g} s are allowed",
-                    age_s=f"{age_s:.1f}",
+                    "no value for {age_s} s, at most {longest_s:g} s are allowed; check that its "
+                    "node runs",
+                    age_s=numeral(age_s, ".1f"),
                     longest_s=self.sensor.longest_age_s,
                 ),
                 SENSOR_FAILED,
@@ -127,10 +131,10 @@ class SensorInput:
             return Measured(self.sensor, value, age_s, None)
         problem = Message(
             "its value {value} {unit} is not plausible; expected {low} to {high}",
-            value=f"{value:.6g}",
+            value=numeral(value, ".6g"),
             unit=self.sensor.unit,
-            low="-" if self.sensor.low is None else f"{self.sensor.low:g}",
-            high="-" if self.sensor.high is None else f"{self.sensor.high:g}",
+            low="-" if self.sensor.low is None else numeral(self.sensor.low),
+            high="-" if self.sensor.high is None else numeral(self.sensor.high),
         )
         return Measured(self.sensor, value, age_s, self._named(problem, SENSOR_FAILED))
 

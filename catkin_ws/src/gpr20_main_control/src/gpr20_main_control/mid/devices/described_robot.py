@@ -9,7 +9,7 @@ from typing import Any, Callable, Dict, Mapping, Optional
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message
 from gpr20_common.mid.codec import bounded
-from gpr20_common.mid.node_software import software_difference
+from gpr20_common.mid.node_facts import software_difference
 from gpr20_main_control import faults
 from gpr20_main_control.errors import DeviceError
 from gpr20_survey.faults import WRONG_VNA

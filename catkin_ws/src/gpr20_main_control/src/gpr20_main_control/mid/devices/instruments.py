@@ -161,7 +161,8 @@ class Instruments:
             described = _settings_message if same_sweep else _sweep_message
             raise DeviceError(
                 Message(
-                    "the VNA accepted {accepted} instead of {wanted}",
+                    "the VNA accepted {accepted} instead of {wanted}; if it does so again, correct "
+                    "the plan",
                     accepted=described(accepted),
                     wanted=described(wanted),
                 ),

@@ -108,7 +108,6 @@ class NodeLiveness:
         self._ended = False
 
     def start(self) -> None:
-        """Begin to poll."""
         for name in self._nodes:
             self._start_watch(name)
 
@@ -131,7 +130,6 @@ class NodeLiveness:
             ).start()
 
     def stop(self) -> None:
-        """Stop polling."""
         with self._changed:
             self._ended = True
             for known in self._known.values():

@@ -352,7 +352,7 @@ class Positioner:
             raise DeviceError(
                 Message(
                     "the {axis} axis is at {coordinate:g} {unit} instead of {target:g} {unit}; "
-                    "home it",
+                    "stop a paused survey and home the axis; then the survey can be resumed",
                     axis=axis_id.value,
                     coordinate=self.reading(axis_id).coordinate,
                     unit=axis_id.unit,

@@ -8,7 +8,7 @@ from typing import Any, Dict, List, Sequence
 
 import numpy as np
 
-from gpr20_common.message import Message
+from gpr20_common.message import Message, numeral
 from gpr20_main_control import faults
 from gpr20_main_control.errors import DeviceError
 from gpr20_main_control.mid.drift import Drift, drift_between, noise_db, s21_of
@@ -59,8 +59,8 @@ class Visit:
             "the reference point at {z_deg:g} deg has drifted by {amplitude_db} dB and "
             "{phase_deg} deg",
             z_deg=self.z_deg,
-            amplitude_db=f"{self.worst.amplitude_rms_db:.2f}",
-            phase_deg=f"{self.worst.phase_rms_deg:.1f}",
+            amplitude_db=numeral(self.worst.amplitude_rms_db, ".2f"),
+            phase_deg=numeral(self.worst.phase_rms_deg, ".1f"),
         )
 
 

@@ -8,7 +8,7 @@ from typing import Collection, Dict, Iterable, List, Sequence, Tuple
 
 import numpy as np
 
-from gpr20_common.message import Message
+from gpr20_common.message import Message, numeral
 from gpr20_survey.trace.sweep import Sweep
 from gpr20_survey.trace.trace import Trace
 
@@ -34,8 +34,7 @@ class RepeatMeasurement:
     @property
     def message(self) -> Message:
         """The comparison in one sentence."""
-        # As text: an infinite one has no number in JSON.
-        below_db = f"{-self.difference_db:.1f}"
+        below_db = numeral(-self.difference_db, ".1f")
         if not math.isfinite(self.height_difference_m):
             return Message(
                 "point {index} was measured again; the difference is {below_db} dB below the "

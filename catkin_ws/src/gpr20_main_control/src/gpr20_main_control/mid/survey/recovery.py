@@ -95,7 +95,8 @@ class Recovery:
             if self._clock.now_s() > deadline_s:
                 raise NodeLostError(
                     Message(
-                        "{reason}; no answer within {limit_s:g} s",
+                        "{reason}; no answer within {limit_s:g} s; check its power and its "
+                        "cables; if it stays red, switch the robot off and on",
                         reason=lost,
                         limit_s=self._return_limit_s,
                     ).reporting_only(PART_RED)

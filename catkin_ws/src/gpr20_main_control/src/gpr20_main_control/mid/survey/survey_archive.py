@@ -12,6 +12,7 @@ from gpr20_common.low.clock import time_of_day_us
 from gpr20_common.message import Message, Severity
 from gpr20_common.mid.codec import plain
 from gpr20_main_control.errors import DeviceError
+from gpr20_main_control.faults import CONFIGURATION_CHANGED
 from gpr20_main_control.mid.devices.instruments import AnalyzerState
 from gpr20_main_control.mid.devices.robot import SurveyEnd, SurveyRecord
 from gpr20_main_control.mid.survey.known_point import RepeatMeasurement
@@ -24,7 +25,6 @@ from gpr20_main_control.mid.survey.survey_plan import (
     SurveyPlan,
 )
 from gpr20_main_control.mid.waits import Check, ExpectedWait
-from gpr20_survey.faults import SENSOR_FAILED
 from gpr20_survey.folder.soil_note import PLANNED
 from gpr20_survey.folder.survey_metadata import INTERRUPTED
 from gpr20_survey.plan.annotation import ANNOTATION
@@ -195,11 +195,11 @@ class SurveyArchive:
         self._survey.note_warning(
             Message(
                 "the survey continues with other sensors beside the radar: {present}; at its "
-                "start: {former}",
+                "start: {former}; stop it if it needs those",
                 present=_names(self._sensors),
                 former=_names(former or []),
                 details=json.dumps(self._sensors),
-            ).with_fault(SENSOR_FAILED.as_warning())
+            ).with_fault(CONFIGURATION_CHANGED.as_warning())
         )
 
     def _send_report(self, report_json: str, check: Check) -> int:

@@ -32,7 +32,6 @@ class Coverage:
 
     @property
     def planned(self) -> int:
-        """Number of planned samples."""
         return len(self._states)
 
     @property

@@ -87,7 +87,7 @@ class SurveyEnding:
         if all_stored() and self.finish_now(self._leaving_limit()):
             return
         message = Message(
-            "Interrupted: the robot is shut down. Resume the survey later."
+            "Interrupted: the robot is shut down. Start it again, then resume the survey."
         ).with_fault(STOPPED)
         self._status.enter(SurveyState.STOPPING, message)
         self._positioner.wait_for_rest(LEAVING_LIMIT_S)

@@ -230,7 +230,7 @@ def plan_resumption(
         raise RequestRefusedError(
             Message(
                 "the survey in {folder} holds trace {index}, but its parameters give only {total} "
-                "traces: its log does not belong to its traces",
+                "traces: its log does not belong to its traces; plan a new survey",
                 folder=reopened.path,
                 index=max(beyond),
                 total=plan.total_points,
@@ -253,7 +253,8 @@ def _resumable_parameters(reopened: ReopenedSurvey, config: RobotConfig) -> Surv
     except (ValueError, KeyError, TypeError, InvalidValueError) as error:
         raise RequestRefusedError(
             Message(
-                "the survey in {folder} cannot be resumed: the plan in its log is incomplete",
+                "the survey in {folder} cannot be resumed: the plan in its log is incomplete; "
+                "plan a new survey",
                 folder=reopened.path,
                 details=f"{type(error).__name__}: {error}",
             ),

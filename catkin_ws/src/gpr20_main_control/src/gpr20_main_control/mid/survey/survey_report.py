@@ -248,7 +248,7 @@ class SurveyReport:
 
 def _unreadable(details: str) -> SurveyError:
     return SurveyError(
-        Message("the report in the log cannot be read", details=details),
+        Message("the report in the log cannot be read; plan a new survey", details=details),
         fault=faults.RECORD_DAMAGED,
     )
 

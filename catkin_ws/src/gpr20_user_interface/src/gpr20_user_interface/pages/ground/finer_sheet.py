@@ -9,6 +9,7 @@ from PyQt5.QtCore import Qt, pyqtSignal
 from PyQt5.QtWidgets import QGridLayout, QHBoxLayout, QLabel, QVBoxLayout, QWidget
 
 from gpr20_common.errors import InvalidValueError
+from gpr20_common.message import Message
 from gpr20_operator.ground.finer_plan import (
     SIZES_MM,
     SPACING_STEP_MM,
@@ -21,7 +22,7 @@ from gpr20_operator.ground.finer_plan import (
 from gpr20_operator.ground.grid import SurveyGrid
 from gpr20_operator.words import duration
 from gpr20_survey.plan.survey_parameters import SurveyParameters
-from gpr20_user_interface.look.translation import shown_text
+from gpr20_user_interface.look.translation import shown_number, shown_text
 from gpr20_user_interface.widgets.overlay import Overlay
 from gpr20_user_interface.widgets.widgets import new_button
 
@@ -107,31 +108,32 @@ class FinerSheet(Overlay):
 
     def _show(self) -> None:
         x_mm, y_mm = self._place_mm
-        title = self.tr("Measure finer around X {x:.0f} mm, Y {y:.0f} mm")
-        self.title.setText(title.format(x=x_mm, y=y_mm))
+        title = Message("Measure finer around X {x:.0f} mm, Y {y:.0f} mm", x=x_mm, y=y_mm)
+        self.title.setText(shown_text(title))
         for key, size_mm in zip(self.sizes, SIZES_MM):
             key.setChecked(size_mm == self._size_mm)
-        self.spacing.setText(f"{self._spacing_mm:g} mm")
+        self.spacing.setText(f"{shown_number(self._spacing_mm)} mm")
         self.use.setText(self.tr("Keep for later") if self._running else self.tr("To the plan"))
         self.use.setEnabled(self.plan is not None)
         self.figures.setText(self._problem if self.plan is None else self._figures(self.plan))
         note = self.tr("Spacing of this survey: {spacing} mm. Nothing moves before START.")
         if self._running:
             note = self.tr("A survey is running. The plan is kept until it has ended.")
-        present = "" if self._grid is None else f"{spacing_of(self._grid):.4g}"
+        present = "" if self._grid is None else shown_number(spacing_of(self._grid), ".4g")
         self.note.setText(note.format(spacing=present))
 
     def _figures(self, plan: FinerPlan) -> str:
         p = plan.parameters
-        area = self.tr("X {left:g} to {right:g} mm, Y {low:g} to {high:g} mm").format(
-            left=p.x_start_mm, right=p.x_stop_mm, low=p.y_start_mm, high=p.y_stop_mm
+        area = Message(
+            "X {left:g} to {right:g} mm, Y {low:g} to {high:g} mm",
+            **dict(left=p.x_start_mm, right=p.x_stop_mm, low=p.y_start_mm, high=p.y_stop_mm),
         )
         count = self.tr("{columns} x {rows} stops, {traces} traces").format(
             columns=p.x_points, rows=p.y_points, traces=p.total_points
         )
         duration_s = self._duration(p)
         time = "—" if duration_s is None else shown_text(duration(duration_s))
-        return "\n".join([area, count, self.tr("Time: {time}").format(time=time)])
+        return "\n".join([shown_text(area), count, self.tr("Time: {time}").format(time=time)])
 
     def _on_use(self) -> None:
         if self.plan is not None:

@@ -9,6 +9,7 @@ from PyQt5.QtCore import QSize, pyqtSignal
 from PyQt5.QtGui import QPixmap
 from PyQt5.QtWidgets import QGridLayout, QHBoxLayout, QLabel, QPushButton, QSizePolicy, QWidget
 
+from gpr20_common.message import Message
 from gpr20_operator.ground.cells import Cell
 from gpr20_operator.ground.coverage import StopState
 from gpr20_operator.ground.model import GroundModel, Layer
@@ -16,7 +17,7 @@ from gpr20_operator.ground.records import Axis, Colours
 from gpr20_operator.ground.texts import STATE_NAMES
 from gpr20_survey.radar.soils import Soils, soil_of
 from gpr20_user_interface.look.look import GAP_PX, look_of
-from gpr20_user_interface.look.translation import shown_text
+from gpr20_user_interface.look.translation import shown_number, shown_text
 from gpr20_user_interface.widgets.cells import pattern_image
 from gpr20_user_interface.widgets.overlay import Overlay
 from gpr20_user_interface.widgets.widgets import Stepper, new_button
@@ -82,8 +83,8 @@ class LayersSheet(Overlay):
 
     def retranslate(self) -> None:
         """Write the texts in the language of the application."""
-        self.permittivity.set_texts(self.tr("Permittivity"), "{value:g}")
-        self.gain.set_texts(self.tr("Gain"), self.tr("{value:g} dB/ns"))
+        self.permittivity.set_texts(self.tr("Permittivity"))
+        self.gain.set_texts(self.tr("Gain"), " dB/ns")
         self.fit.setText(self.tr("Fit a\nhyperbola"))
         self.next_problem.setText(self.tr("Next\ngap"))
         self.done.setText(self.tr("CLOSE"))
@@ -107,7 +108,7 @@ class LayersSheet(Overlay):
             self._own = settings.permittivity
         for soil, key in self.soils.items():
             name = self.tr("Your own") if soil is None else shown_text(soil.value.name)
-            key.setText(f"{name}\n{self._permittivity_of(soil):g}")
+            key.setText(f"{name}\n{shown_number(self._permittivity_of(soil))}")
             key.setChecked(soil is chosen)
         self.permittivity.set_value(settings.permittivity)
         self.gain.set_value(settings.gain_db_per_ns)
@@ -122,7 +123,8 @@ class LayersSheet(Overlay):
             key.setText(names[colours])
             key.setChecked(colours is settings.colours)
         rotation_deg = 0.0 if grid is None else grid.rotations_deg[settings.polarization]
-        self.polarization.setText(self.tr("Antenna\n{rotation:g}°").format(rotation=rotation_deg))
+        antenna = Message("Antenna\n{rotation:g}°", rotation=rotation_deg)
+        self.polarization.setText(shown_text(antenna))
         along_x, along_y = self.tr("Section\nalong X"), self.tr("Section\nalong Y")
         self.along.setText(along_x if settings.along is Axis.X_MM else along_y)
         self.axis.setText(self.tr("Axis\ndepth") if settings.in_depth else self.tr("Axis\ntime"))

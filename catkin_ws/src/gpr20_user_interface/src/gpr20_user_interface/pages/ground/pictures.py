@@ -13,6 +13,7 @@ from gpr20_operator.ground.level_scale import LevelScale
 from gpr20_operator.ground.records import Colours
 from gpr20_operator.ground.shade_colours import LAST_SHADE, colour_table
 from gpr20_user_interface.look.look import Mark, look_of
+from gpr20_user_interface.look.translation import shown_number
 from gpr20_user_interface.pages.ground.section import SectionPlot, TracePlot
 from gpr20_user_interface.widgets.ground_picture import GroundPicture
 from gpr20_user_interface.widgets.plot import UNIT, Plot
@@ -62,7 +63,7 @@ class ColourBar(QWidget):
             y = bar.bottom() - part * bar.height() + metrics.ascent() / 2.0 - 1
             # Numbers that would touch their neighbours are left out.
             if last_px < 0 or y - last_px >= line_px:
-                painter.drawText(QPointF(bar.right() + 4, y), f"{level_db:g}")
+                painter.drawText(QPointF(bar.right() + 4, y), shown_number(level_db))
                 last_px = y
 
 

@@ -11,6 +11,7 @@ from PyQt5.QtGui import QBrush, QColor, QPainter, QPen, QPolygonF
 from gpr20_operator.ground.cells import TILE_PX, Cell
 from gpr20_operator.ground.records import Axis, Colours, Curve, Picture
 from gpr20_user_interface.look.look import Look, Mark, look_of
+from gpr20_user_interface.look.translation import shown_number
 from gpr20_user_interface.widgets.cells import pattern_image
 from gpr20_user_interface.widgets.ink import LINE_PX, Ticks, stroke
 from gpr20_user_interface.widgets.plot import Plot, extent_of
@@ -133,7 +134,7 @@ class TracePlot(Plot):
             return (), ()
         scale, levels = self._curve.scale, self._curve.scale.ticks_db()
         every = max(1, -(-len(levels) // max(1, self.width() // look.px(LEVEL_PX))))
-        places = [(scale.shade_of(float(one)), f"{one:g}") for one in levels[::-every]]
+        places = [(scale.shade_of(float(one)), shown_number(one)) for one in levels[::-every]]
         return [(self.to_screen(shade, 0.0).x(), text) for shade, text in places], ()
 
     def _paint_above(self, painter: QPainter, look: Look) -> None:

@@ -217,8 +217,8 @@ class GroundView(TranslatedWidget):
         self.note.setText(_sentences(notes))
         hyperbola = model.hyperbola
         value = model.settings.permittivity if hyperbola is None else hyperbola.permittivity
-        self.fit_text.setText(self.tr("Permittivity {value:.1f}").format(value=value))
-        self.use.setText(self.tr("Use {value:.1f}").format(value=value))
+        self.fit_text.setText(shown_text(Message("Permittivity {value:.1f}", value=value)))
+        self.use.setText(shown_text(Message("Use {value:.1f}", value=value)))
         self._show_keys()
 
     def _show_keys(self) -> None:

@@ -64,7 +64,6 @@ class StopWarningView(Overlay):
         self.raise_()
 
     def retranslate(self) -> None:
-        """Write the texts in the language of the application."""
         self.close_button.setText(self.tr("Hold to close"))
         if self._warning is not None:
             self.title.setText(shown_text(self._warning.title))

@@ -36,7 +36,7 @@ from gpr20_operator.robot.survey_control import WindowPresenter
 from gpr20_survey.plan.annotation import Annotation
 from gpr20_survey.plan.survey_parameters import SurveyParameters
 from gpr20_survey.results.survey_summary import SurveySummary
-from gpr20_user_interface.look.translation import TranslatedWidget, shown_text
+from gpr20_user_interface.look.translation import TranslatedWidget, shown_number, shown_text
 from gpr20_user_interface.pages.plan.annotation_sheet import AnnotationSheet
 from gpr20_user_interface.pages.plan.profiles_sheet import ProfilesSheet
 from gpr20_user_interface.pages.plan.tile import PlanTile
@@ -229,7 +229,7 @@ class PlanPage(TranslatedWidget, Page):
             level = "wrong" if problem is not None else ""
             if tile is Tile.SPACING and known is not None and known.too_coarse and not level:
                 most = self.tr("at most {spacing} mm")
-                lines[1] = most.format(spacing=f"{known.quarter_wavelength_mm:.3g}")
+                lines[1] = most.format(spacing=shown_number(known.quarter_wavelength_mm, ".3g"))
                 level = "doubtful"
             sentence = "" if problem is None else shown_text(problem)
             button.show_texts(shown_text(tile.value), *lines, sentence=sentence, level=level)

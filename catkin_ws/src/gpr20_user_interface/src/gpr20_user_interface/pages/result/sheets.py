@@ -20,14 +20,15 @@ from gpr20_operator.jobs import result_texts as texts
 from gpr20_operator.jobs.job import Job, JobState
 from gpr20_operator.jobs.result import SurveyResult
 from gpr20_operator.plan.spec import Keys
-from gpr20_operator.words import number_from_text
+from gpr20_operator.robot.condition import first_step
+from gpr20_operator.words import entered_number, number_from_text
 from gpr20_survey.radar.soils import LARGEST_PERMITTIVITY, MIN_PERMITTIVITY, Soils
 from gpr20_survey.results.candidates import NO_CLEARANCE, Candidate
 from gpr20_survey.results.found import MAX_DEPTH_MM, What
 from gpr20_survey.results.hidden_target import Targets
 from gpr20_survey.results.hiding_map import MM_PER_M, ONLY_THIS
 from gpr20_user_interface.look.look import GAP_PX, look_of
-from gpr20_user_interface.look.translation import sentence_text, shown_text
+from gpr20_user_interface.look.translation import sentence_text, shown_number, shown_text
 from gpr20_user_interface.touch.hold_button import HoldButton
 from gpr20_user_interface.widgets.keys import Judge, Pad
 from gpr20_user_interface.widgets.labels import PulledText, SurveyBand
@@ -44,7 +45,9 @@ DEPTHS = Message("0 to {deepest:g} mm; empty: not known", deepest=MAX_DEPTH_MM)
 
 def with_remedy(problem: Message) -> str:
     """Return a problem, and what to do first."""
-    return "\n".join(sentence_text(one) for one in (problem, problem.remedy) if one is not None)
+    return "\n".join(
+        sentence_text(one) for one in (problem, first_step(problem)) if one is not None
+    )
 
 
 class ResultSheet(Overlay):
@@ -184,7 +187,8 @@ class PlaceSheet(ResultSheet):
         """Show the place, and what is entered."""
         self.finer.setText(self.tr("Measure\nfiner"))
         self.view.setText(self.tr("Show in\nGround"))
-        self.deep.setText(f"{self.tr('Depth')}\n{self._depth or NONE} mm")
+        depth = shown_text(entered_number(self._depth)) or NONE
+        self.deep.setText(f"{self.tr('Depth')}\n{depth} mm")
         self.who.setText(f"{self.tr('Who')}\n{self._who[:LONGEST_NAME] or NONE}")
         self.store.setText(self.tr("Hold to\nstore"))
         for what, key in self.whats.items():
@@ -275,10 +279,12 @@ class SoilSheet(ResultSheet):
         self.title.setText(self.tr("Soil of this survey"))
         for soil, key in self.soils.items():
             value = soil.value.permittivity
-            self.show_choice(key, f"{shown_text(soil.value.name)}\n{value:g}", value == self._value)
+            self.show_choice(
+                key, f"{shown_text(soil.value.name)}\n{shown_number(value)}", value == self._value
+            )
         self.show_choice(self.unknown, self.tr("Not known"), self._value is None)
-        known = (None, *(one.value.permittivity for one in Soils))
-        number = "" if self._value in known else f"\n{self._value:g}"
+        other, known = self._value, [one.value.permittivity for one in Soils]
+        number = "" if other is None or other in known else f"\n{shown_number(other)}"
         self.other.setText(self.tr("Other value") + number)
         self.use.setText(self.tr("Hold to use it"))
         self.use.setEnabled(self._value != self.result.permittivity)

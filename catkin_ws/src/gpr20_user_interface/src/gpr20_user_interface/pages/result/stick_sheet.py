@@ -6,11 +6,12 @@ from typing import Callable, Tuple
 
 from PyQt5.QtWidgets import QPushButton, QWidget
 
+from gpr20_common.message import Message
 from gpr20_operator.jobs.job import JobState
 from gpr20_operator.jobs.result import SurveyResult
 from gpr20_operator.jobs.stick import ExportPart
 from gpr20_survey.results.volume import Volume
-from gpr20_user_interface.look.translation import sentence_text
+from gpr20_user_interface.look.translation import sentence_text, shown_text
 from gpr20_user_interface.pages.result.sheets import LONGEST_NAME, ResultSheet, with_remedy
 from gpr20_user_interface.widgets.widgets import new_button
 
@@ -113,8 +114,8 @@ class StickSheet(ResultSheet):
         if not volume.writable:
             return self.tr("write-protected")
         if volume.free_bytes < BYTES_PER_GB:
-            return self.tr("{free:.0f} MB free").format(free=volume.free_bytes / BYTES_PER_MB)
-        return self.tr("{free:.1f} GB free").format(free=volume.free_bytes / BYTES_PER_GB)
+            return shown_text(Message("{free:.0f} MB free", free=volume.free_bytes / BYTES_PER_MB))
+        return shown_text(Message("{free:.1f} GB free", free=volume.free_bytes / BYTES_PER_GB))
 
     def _part(self, part: ExportPart) -> QPushButton:
         return self.choice(lambda: self.result.export.toggle(part))

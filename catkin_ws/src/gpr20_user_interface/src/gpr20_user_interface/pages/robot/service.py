@@ -17,7 +17,9 @@ from PyQt5.QtWidgets import (
     QWidget,
 )
 
+from gpr20_common.message import Message, verbatim
 from gpr20_operator.jobs.job import Job
+from gpr20_operator.robot.condition import first_step
 from gpr20_operator.robot.service_model import (
     PARTS,
     STEPS,
@@ -31,7 +33,7 @@ from gpr20_survey.results.analyzer_test import AnalyzerTest
 from gpr20_survey.results.daily_check import INSTRUCTIONS
 from gpr20_survey.trace.calibration import CalibrationStatus
 from gpr20_user_interface.look.look import GAP_PX, look_of
-from gpr20_user_interface.look.translation import TranslatedWidget, shown_text
+from gpr20_user_interface.look.translation import TranslatedWidget, shown_number, shown_text
 from gpr20_user_interface.touch.hold_button import HoldButton
 from gpr20_user_interface.widgets.widgets import fill, in_two_lines, new_button, set_look, space
 
@@ -114,7 +116,6 @@ class AxisRows(TranslatedWidget):
         self._grid.setColumnMinimumWidth(0, px(PLACE_PX))
 
     def retranslate(self) -> None:
-        """Write the texts in the language of the application."""
         self._zero_title.setText(self.tr("Z: turn the antennas to their mark first"))
         for row in self.rows:
             row.home.setText(self.tr("HOME"))
@@ -126,7 +127,8 @@ class AxisRows(TranslatedWidget):
         if state.homed is False:
             place = self.tr("not homed")
         elif state.coordinate is not None:
-            place = f"{state.coordinate:.1f}°" if turns else f"{state.coordinate:.2f} mm"
+            form, unit = (".1f", "°") if turns else (".2f", " mm")
+            place = shown_number(state.coordinate, form) + unit
         row.place.setText(f"{state.axis.value.upper()} {place}")
         set_look(row.lamp, "lamp", "on" if state.pressed else "off")
         lamp = {
@@ -179,7 +181,6 @@ class Instruments(TranslatedWidget):
         self._grid.setSpacing(look_of(self).px(GAP_PX))
 
     def retranslate(self) -> None:
-        """Write the texts in the language of the application."""
         self.measure.setText(self.tr("MEASURE HEIGHT"))
         self.analyzer.setText(self.tr("TEST VNA"))
 
@@ -187,7 +188,7 @@ class Instruments(TranslatedWidget):
         if model.daily.running:
             return self.tr("Measuring")
         answer = model.daily.problem or model.daily.result
-        lines = [] if answer is None else [answer, answer.remedy]
+        lines = [] if answer is None else [answer, first_step(answer)]
         if model.part is not None:
             lines.append(INSTRUCTIONS[model.part])
         text = "\n".join(shown_text(line) for line in lines if line is not None)
@@ -201,41 +202,37 @@ class Instruments(TranslatedWidget):
             return self.tr("Measures the height of the antennas once.")
         lines = []
         if height.failure is None:
-            lines.append(
-                self.tr("Height {height_m:.3f} m ± {spread_m:.3f} m").format(
-                    height_m=height.height_m, spread_m=height.spread_m
-                )
-            )
+            known = {"height_m": height.height_m, "spread_m": height.spread_m}
+            lines.append(Message("Height {height_m:.3f} m ± {spread_m:.3f} m", **known))
         if math.isfinite(height.voltage_v):
-            lines.append(self.tr("Sensor {voltage_v:.3f} V").format(voltage_v=height.voltage_v))
+            lines.append(Message("Sensor {voltage_v:.3f} V", voltage_v=height.voltage_v))
         if height.failure is not None:
-            lines.append(shown_text(height.failure))
-        return "\n".join(lines)
+            lines.append(height.failure)
+        return "\n".join(map(shown_text, lines))
 
     def _analyzer_text(self, test: Optional[AnalyzerTest]) -> str:
         if test is None:
             return self.tr("Connects, reads the calibration and takes a sweep.")
         lines = []
         if test.identity:
-            lines.append(self.tr("Connected to {address}").format(address=test.address))
-            lines.append(test.identity)
+            lines.append(Message("Connected to {address}", address=test.address))
+            lines.append(verbatim(test.identity))
         calibration = CalibrationStatus.__members__.get(test.calibration)
         if calibration is not None:
-            state = shown_text(calibration.meaning)
-            lines.append(self.tr("Calibration: {state}").format(state=state))
+            lines.append(Message("Calibration: {state}", state=calibration.meaning))
         if test.points:
-            lines.append(
-                self.tr("Sweep of {points} points: {duration_s:.3f} s, {level_db:.0f} dB").format(
-                    points=test.points,
-                    duration_s=test.sweep_duration_s,
-                    level_db=test.level_db,
-                )
+            sweep = Message(
+                "Sweep of {points} points: {duration_s:.3f} s, {level_db:.0f} dB",
+                points=test.points,
+                duration_s=test.sweep_duration_s,
+                level_db=test.level_db,
             )
+            lines.append(sweep)
         if test.failure is not None:
-            lines.append(self.tr("FAULT: {reason}").format(reason=shown_text(test.failure)))
-            if test.failure.remedy is not None:
-                lines.append(shown_text(test.failure.remedy))
-        return "\n".join(lines)
+            lines.append(Message("FAULT: {reason}", reason=test.failure))
+            first = first_step(test.failure)
+            lines += [] if first is None else [first]
+        return "\n".join(map(shown_text, lines))
 
 
 def _text_area() -> QTextEdit:
@@ -286,7 +283,6 @@ class ServiceScreen(TranslatedWidget):
         space(self, self._layout, self._bottom)
 
     def retranslate(self) -> None:
-        """Write the texts in the language of the application."""
         self.leave_button.setText(self.tr("END SERVICE"))
         on_axes = self._pages.currentWidget() is self.axes
         self.switch_button.setText(self.tr("INSTRUMENTS") if on_axes else self.tr("AXES"))

@@ -6,9 +6,8 @@ from typing import Any, Callable, Dict, Iterable, Sequence, Tuple
 
 from PyQt5.QtWidgets import QButtonGroup, QGridLayout, QHBoxLayout, QLabel, QPushButton, QWidget
 
-from gpr20_common.catalogue import Language
+from gpr20_common.catalogue import Language, languages
 from gpr20_common.errors import InvalidValueError
-from gpr20_common.low.catalogue_file import languages
 from gpr20_common.low.clock import Clock
 from gpr20_operator.palette import Theme
 from gpr20_operator.robot.condition import JobLevel, condition_of

@@ -22,7 +22,7 @@ from gpr20_operator.robot.snapshot import Snapshot
 from gpr20_survey.results.survey_summary import SurveySummary
 from gpr20_user_interface.look.icons import icon
 from gpr20_user_interface.look.look import GAP_PX, TextColours, look_of
-from gpr20_user_interface.look.translation import TranslatedWidget, sentence_text
+from gpr20_user_interface.look.translation import TranslatedWidget, sentence_text, shown_text
 from gpr20_user_interface.pages.surveys.survey_list import (
     ROW_PX,
     SURVEY,
@@ -169,7 +169,7 @@ class SurveysPage(TranslatedWidget, Page):
             self.choose(None)
 
     def _show_list(self) -> None:
-        self.model.show(self._surveys.found(self._listed, self._text))
+        self.model.show(self._surveys.found(self._listed, self._text, shown_text))
         if self.chosen is not None:
             # It may have changed; it stays chosen where it is not read yet.
             found = self._surveys.find(self.chosen.folder)
@@ -227,7 +227,7 @@ class SurveysPage(TranslatedWidget, Page):
             button.setVisible(chosen is not None)
         title, lines = "", [self.tr("Touch a survey. Times are local.")]
         if chosen is not None:
-            title, lines = title_of(chosen), self._lines(chosen)
+            title, lines = shown_text(title_of(chosen)), self._lines(chosen)
         if surveys.problem is not None:
             lines = [sentence_text(surveys.problem)]
         self.title.show_text(title)

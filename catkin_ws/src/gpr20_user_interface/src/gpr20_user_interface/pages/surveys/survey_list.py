@@ -65,7 +65,7 @@ class SurveysModel(QAbstractListModel):
         survey = self._surveys[index.row()]
         if role == SURVEY:
             return survey
-        return title_of(survey) if role == int(Qt.ItemDataRole.DisplayRole) else None
+        return shown_text(title_of(survey)) if role == int(Qt.ItemDataRole.DisplayRole) else None
 
 
 class SurveyRow(QStyledItemDelegate):
@@ -114,14 +114,14 @@ class SurveyRow(QStyledItemDelegate):
         lines = [ending, people] if people else [ending]
         line = QRectF(area.topLeft(), area.topRight())
         line.setHeight(area.height() / (1 + len(lines)))
-        when = local_time(survey.started, survey.folder) if survey.name.strip() else ""
+        when = shown_text(local_time(survey.started, survey.folder)) if survey.name.strip() else ""
         painter.drawText(line, RIGHT, when)
         taken = painter.fontMetrics().horizontalAdvance(when) + look.px(GAP_PX) if when else 0
         bold = QFont(painter.font())
         bold.setBold(True)
         plain = QFont(painter.font())
         painter.setFont(bold)
-        _write_line(painter, line.adjusted(0, 0, -taken, 0), title_of(survey))
+        _write_line(painter, line.adjusted(0, 0, -taken, 0), shown_text(title_of(survey)))
         painter.setFont(plain)
         size = look.px(SIGN_PX)
         for number, text in enumerate(lines):

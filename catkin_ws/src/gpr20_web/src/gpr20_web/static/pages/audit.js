@@ -2,13 +2,14 @@
 
 import { button, element, field } from "../dom.js";
 
+const WITH_ZONE = "00:00:00 GMT-0500".length;
 const COLUMNS = ["time", "who", "what"];
 
 const row = (entry, app) => {
   const values = { survey: entry.survey || null, ...entry.values };
   const pairs = Object.entries(values).filter(([, value]) => value !== null);
   const lines = [
-    [new Date(entry.time).toLocaleString(app.language, { timeZoneName: "short" }), ""],
+    [app.moment(entry.time, WITH_ZONE), ""],
     [entry.user, `${entry.role} ${entry.address}`],
     [[entry.command, entry.outcome].filter(Boolean).join(": "),
       pairs.map(([key, value]) => `${key}: ${value}`).join(", ")],

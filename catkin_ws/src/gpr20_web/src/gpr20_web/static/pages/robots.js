@@ -4,7 +4,6 @@ import { element } from "../dom.js";
 import { SIGNS } from "../top.js";
 
 const PERIOD_MS = 3000;
-const WHEN = { dateStyle: "short", timeStyle: "short" };
 const CHIPS = { working: "good", done: "good", paused: "warn", attention: "warn", fault: "bad" };
 
 export default {
@@ -41,7 +40,7 @@ export default {
   },
 
   row({ name, level, title, since, shown }, app) {
-    const time = since && new Date(since).toLocaleString(app.language, WHEN);
+    const time = since && app.moment(since);
     const sign = element("span", { "aria-hidden": "true" }, SIGNS[level] ?? "?");
     return element(
       "tr",

@@ -14,8 +14,7 @@ const POLL_MS = 1000;
 const pause = (ms) => new Promise((resolve) => setTimeout(resolve, ms));
 const number = (attributes) => element("input", { type: "number", step: "any", ...attributes });
 const valueOf = (input) => (input.value === "" ? null : Number(input.value));
-const size = (count) =>
-  count < 1e6 ? `${Math.ceil(count / 1e3)} kB` : `${(count / 1e6).toFixed(1)} MB`;
+const size = (count, app) => `${app.number(Math.ceil(count / 1e4) / 100)} MB`;
 const paragraphs = (lines, attributes) => lines.map((one) => element("p", attributes, one));
 
 export default {
@@ -250,8 +249,8 @@ export default {
 
   markers({ markers }) {
     const shown = (markers ?? []).map((one) => {
-      const depth = one.depth_mm === null ? "" : ` (${one.depth_mm} mm)`;
-      const text = `X ${one.x_mm}  Y ${one.y_mm}${depth}: ${one.text} (${one.author})`;
+      const depth = one.depth_mm === null ? "" : ` (${this.app.number(one.depth_mm)} mm)`;
+      const text = `X ${this.app.number(one.x_mm)}  Y ${this.app.number(one.y_mm)}${depth}: ${one.text} (${one.author})`;
       const remove = () => this.add("/markers", { remove: one.marker_id });
       const label = { "aria-label": `${this.word("remove")}: ${text}` };
       return element("li", {}, text, " ", button(this.word("remove"), remove, label));
@@ -287,7 +286,7 @@ export default {
     });
     const link = (rest, name, count) => element("li", {}, element(
       "a", { href: this.app.server.address(this.path(rest)), download: true },
-      `${name} (${size(count)})`,
+      `${name} (${size(count, this.app)})`,
     ));
     return this.card(
       this.word("downloads"),

@@ -49,8 +49,8 @@ export default {
       { class: "card row", role: "listitem" },
       element("strong", {}, name),
       isOwn ? element("span", { class: "chip" }, this.word("you")) : "",
-      element("span", {}, `${role}: ${this.word(role)}`),
-      element("span", { class: "muted" }, `${this.word("created")} ${created.slice(0, 10)}`),
+      element("span", {}, this.word(role)),
+      element("span", { class: "muted" }, `${this.word("created")} ${this.app.moment(created)}`),
       element(
         "div",
         { class: "row" },
@@ -65,7 +65,7 @@ export default {
       "select",
       {},
       ...ROLES.map((one) =>
-        element("option", { value: one, selected: one === chosen }, `${one}: ${this.word(one)}`)),
+        element("option", { value: one, selected: one === chosen }, this.word(one))),
     );
   },
 

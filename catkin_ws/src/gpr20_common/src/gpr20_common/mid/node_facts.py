@@ -1,4 +1,4 @@
-"""Which software the parts of a robot run, and whether it is the same."""
+"""What the nodes of a robot drive, and which software they run."""
 
 from __future__ import annotations
 
@@ -18,6 +18,18 @@ INSTALLED_REVISION = Path(gpr20_common.__file__).resolve().with_name("installed_
 
 
 @dataclass(frozen=True)
+class Hardware:
+    """What diagnostics and recordings call it, and how many times faster than real it runs."""
+
+    name: str
+    simulated: bool = False
+    time_scale: float = 1.0
+
+
+NO_HARDWARE = Hardware("")
+
+
+@dataclass(frozen=True)
 class NodeSoftware:
     """Which software a node runs, and on which computer; what is not known is empty."""
 
@@ -30,33 +42,27 @@ class NodeSoftware:
         return f"{self.version} ({self.revision})" if self.revision else self.version
 
 
-UNKNOWN_SOFTWARE = NodeSoftware()
-
-
 def own_software() -> NodeSoftware:
-    """Return the software that is installed on this computer."""
-    revision = git_revision(Path(__file__).resolve().parent)
-    return NodeSoftware(gpr20_common.__version__, revision, socket.gethostname())
+    return NodeSoftware(gpr20_common.__version__, git_revision(), socket.gethostname())
 
 
-def git_revision(folder: Path, *options: str, installed: Path = INSTALLED_REVISION) -> str:
-    """Return the git revision that was installed or is in a folder; empty if there is none."""
-    if installed.exists():
-        # Not that of a repository which the install space may be in.
-        return installed.read_text(encoding="utf-8").strip()
-    command = ["git", "-C", str(folder), "describe", "--always", "--tags", *options]
+def git_revision(*options: str) -> str:
+    """Return the git revision that was installed, or that of the sources; empty if unknown."""
+    if INSTALLED_REVISION.exists():  # not that of a repository which the install space may be in
+        return INSTALLED_REVISION.read_text(encoding="utf-8").strip()
+    folder = str(INSTALLED_REVISION.parent)
+    command = ["git", "-C", folder, "describe", "--always", "--tags", *options]
     try:
         answer = subprocess.run(command, capture_output=True, timeout=TIME_LIMIT_S, check=True)
     except (OSError, subprocess.SubprocessError):
-        # Installed without git, or not a checkout: only the version is known.
-        return ""
+        return ""  # without git, or no checkout
     return answer.stdout.decode(errors="replace").strip()
 
 
-def software_revision(version: str, folder: Path, installed: Path = INSTALLED_REVISION) -> str:
-    """Return the version, with the git revision that was installed or is in the folder."""
-    revision = git_revision(folder, "--dirty", installed=installed)
-    return f"{version} (git {revision})" if revision else version
+def software_revision() -> str:
+    """Return what a survey says of the software that stored it."""
+    revision = git_revision("--dirty")
+    return gpr20_common.__version__ + (f" (git {revision})" if revision else "")
 
 
 def software_difference(nodes: Mapping[str, NodeSoftware]) -> Optional[Message]:

@@ -1,0 +1,158 @@
+"""Window, page, terminal client and the answer itself say one code, sentence and remedy."""
+
+from __future__ import annotations
+
+import contextlib
+import importlib
+import io
+import random
+import string
+from pathlib import Path
+from typing import Any, Callable, Dict, Iterator, List, NamedTuple, Tuple
+
+import pytest
+
+pytest.importorskip("rospy")
+
+from run_seed import SEED, draws
+from translations import module_files
+from web_kit import Site
+from window_helpers import close, opened_window
+
+from gpr20_common.catalogue import Catalogue, Language, read_catalogue
+from gpr20_common.high.answers import message_fields, message_from
+from gpr20_common.message import MOTORS_OFF, Fault, Message
+from gpr20_common.sent_message import received_message
+from gpr20_msgs.srv import CommandResponse
+from gpr20_operator.jobs.result_texts import DOUBTED
+from gpr20_operator.robot.notices import Refused, refusal_notice
+from gpr20_user_interface.terminal.displays import terminal_line
+from gpr20_user_interface.terminal.follower import ExitStatus, Outcome
+from gpr20_user_interface.terminal.session import outcome_lines
+from gpr20_web import faults
+from gpr20_web.calls import Call, Route
+from gpr20_web.errors import NotNowError
+from gpr20_web.roles import Role
+
+HANDS_OFF = {
+    Language.ENGLISH: "Keep your hands clear: the robot may still move. ",
+    Language.SPANISH: "Mantenga las manos alejadas: el robot puede seguir en movimiento. ",
+}
+FIRST = {Language.ENGLISH: "Do this first: ", Language.SPANISH: "Haga esto primero: "}
+MODULES = [one for one in module_files() if one.endswith(".faults")]
+FAULTS: List[Tuple[str, Fault]] = [
+    (f"{module} {name}", fault)
+    for module in MODULES
+    for name, fault in vars(importlib.import_module(module)).items()
+    if isinstance(fault, Fault)
+]
+
+
+class Said(NamedTuple):
+    code: str
+    sentence: str
+    remedy: str
+
+    @property
+    def begun(self) -> Said:
+        """With the capital letter of a sentence of its own, which the window writes."""
+        return self._replace(sentence=self.sentence[:1].upper() + self.sentence[1:])
+
+
+@pytest.fixture(autouse=True)
+def shown_is_translated() -> None:
+    """What only commands of analysts report is English."""
+
+
+@pytest.fixture(scope="module", params=(Language.ENGLISH, Language.SPANISH))
+def places(
+    request: Any, application: Any, tmp_path_factory: pytest.TempPathFactory
+) -> Iterator[Callable[[Message], Dict[str, Said]]]:
+    """A function that returns what each place shows of a refusal."""
+    language: Language = request.param
+    catalogue = read_catalogue(language)
+    told: List[Message] = []
+
+    def refuse(_call: Call) -> Dict[str, Any]:
+        raise NotNowError(told[-1])
+
+    window = opened_window(application, language, profiles=tmp_path_factory.mktemp("window"))
+    site = Site([Route("GET", "/api/refused", Role.NOBODY, refuse)])
+
+    def show(message: Message) -> Dict[str, Said]:
+        told.append(message)
+        window.notice.show_notice(refusal_notice(Refused.START, message))
+        card = window.notice
+        code = card.details.toPlainText().split("\n")[0]
+        found = {"window": Said(code, card.reason.toPlainText(), card.first.text())}
+        values = site.ask("GET", f"/api/refused?language={language.value}").values
+        found["page"] = Said(values["code"], values["error"], values["remedy"])
+        return {**found, "terminal": _of_terminal(message, catalogue, FIRST[language])}
+
+    show.language, show.catalogue = language, catalogue  # type: ignore[attr-defined]
+    with contextlib.closing(site):
+        yield show
+    close(window)
+
+
+def _of_terminal(message: Message, catalogue: Catalogue, first: str) -> Said:
+    outcome = Outcome(ExitStatus.REFUSED, message)
+    # Whoever can accept other zeros is told how, too.
+    _headline, sentence, step, *_how = (
+        terminal_line(one, catalogue) for one in outcome_lines(outcome, "", False)
+    )
+    remedy, _bracket, code = step[len(first) :].rpartition(" (")
+    assert step == f"{first}{remedy} ({code}"
+    return Said(code[:-1], sentence, remedy)
+
+
+def _over_the_wire(message: Message) -> Any:
+    sent, received = io.BytesIO(), CommandResponse()
+    CommandResponse(**message_fields(message)).serialize(sent)
+    received.deserialize(sent.getvalue())
+    return received
+
+
+def _differs(places: Any, name: str, fault: Fault) -> Iterator[Tuple[str, str, Said, Said]]:
+    answer = _over_the_wire(Message("the disk is full").with_fault(fault))
+    expected = Said(answer.fault.code, answer.message, answer.fault.remedy)
+    if places.language is not Language.ENGLISH:
+        remedy = places.catalogue.text(fault.remedy) if fault.remedy else ""
+        expected = Said(fault.code, places.catalogue.template("the disk is full"), remedy)
+    for place, said in places(message_from(answer)).items():
+        # Where the remedy does not say it, a client says more.
+        warned = expected._replace(remedy=HANDS_OFF[places.language] + expected.remedy)
+        if said.begun != expected.begun and not (fault.may_move and said.begun == warned.begun):
+            yield name, place, expected, said
+
+
+def test_every_fault_is_the_same_in_all_four_places(places: Any) -> None:
+    assert len(FAULTS) > len({fault.code for _name, fault in FAULTS}) > 90
+    assert [one for name, fault in FAULTS for one in _differs(places, name, fault)] == []
+
+
+def test_of_an_unknown_code_text_and_remedy_are_shown_and_to_keep_hands_off(places: Any) -> None:
+    draw = random.Random(SEED)
+
+    def word() -> str:
+        return "".join(draw.choices(string.ascii_lowercase, k=draw.randint(3, 12)))
+
+    for _ in range(draws(10)):
+        code, remedy = f"{word()}.{word()}", f"Straighten the {word()}."
+        record = {"sentence": "It is {how}", "values": {"how": word()}, "code": code}
+        record["remedy"] = remedy
+        for more in ({}, {"may_move": True}, {"may_move": None}, {"may_move": False}):
+            message = received_message("as sent", {**record, **more})
+            warning = "" if more == {"may_move": False} else HANDS_OFF[places.language]
+            expected = Said(code, str(message), f"{warning}{remedy}")
+            assert places(message) == dict.fromkeys(("window", "page", "terminal"), expected)
+    # Nor does one without a remedy leave it out.
+    for said in places(received_message("as sent", {"code": "mast.warped"})).values():
+        assert said.remedy == places.catalogue.text(MOTORS_OFF)
+
+
+def test_the_codes_that_programs_of_operators_name_are_those_of_faults() -> None:
+    known = {fault.code for _name, fault in FAULTS}
+    assert set(DOUBTED) <= known
+    script = Path(faults.__file__).parent / "static" / "app.js"
+    assert f'"{faults.NOT_LOGGED_IN.code}"' in script.read_text(encoding="utf-8")
