@@ -45,9 +45,8 @@ from gpr20_main_control.mid.devices.robot import (
 )
 from gpr20_main_control.mid.survey.survey_notes import Note
 from gpr20_main_control.mid.waits import Workers
-from gpr20_simulator.low.pins import SimulatedPins
 from gpr20_simulator.mid.axis_hardware import NO_LIMITS
-from gpr20_simulator.mid.carriage import AxisMotor, mechanics_of, wiring_of
+from gpr20_simulator.mid.carriage import AxisMotor, SimulatedPins, mechanics_of, wiring_of
 from gpr20_simulator.mid.world.ground import Ground
 from gpr20_simulator.mid.world.range_sensor import RangeSensor, SimulatedSpi
 from gpr20_survey.axes.axis_id import AxisId
