@@ -200,10 +200,13 @@ def remove_stale_states(folder: Path) -> None:
 
 
 def _is_stale(path: Path, held: contextlib.ExitStack) -> bool:
-    """Return whether a file is old and nobody has it open, and lock it; False if it is gone."""
+    """Return whether a file is old; a state also that nobody has it open, and lock it."""
     try:
         stream = held.enter_context(path.open("rb"))
-        fcntl.flock(stream.fileno(), fcntl.LOCK_EX | fcntl.LOCK_NB)
+        is_old = abs(time.time() - os.fstat(stream.fileno()).st_mtime) >= GRACE_S
+        # The lock of a step memory belongs to its axis.
+        if is_old and "_" not in path.name:
+            fcntl.flock(stream.fileno(), fcntl.LOCK_EX | fcntl.LOCK_NB)
     except (FileNotFoundError, BlockingIOError):
         return False  # another launch clears away, too, or a process has it
-    return abs(time.time() - os.fstat(stream.fileno()).st_mtime) >= GRACE_S
+    return is_old

@@ -86,6 +86,7 @@ class _Connection(socketserver.StreamRequestHandler):
             return  # the client has left, or sends what is no call
 
     def finish(self) -> None:
+        super().finish()
         self.server.left(self)
 
     def _record(self) -> bytes:
