@@ -26,7 +26,8 @@ port="$(gpr20_free_port)"
 export ROS_MASTER_URI="http://127.0.0.1:$port"
 
 echo "starting the simulated robot (about 5 s)"
-setsid roslaunch -p "$port" gpr20 survey.launch ui:=false "data:=$data" "scene:=$scene" \
+setsid python "$GPR20_ROOT/deploy/beside_master.py" \
+    roslaunch gpr20 survey.launch ui:=false "data:=$data" "scene:=$scene" \
     "time_scale:=$time_scale" >"$log" 2>&1 &
 launch=$!
 shut_down() {

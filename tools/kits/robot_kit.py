@@ -10,6 +10,7 @@ import os
 import signal
 import socket
 import subprocess
+import sys
 import tempfile
 import time
 import uuid
@@ -19,6 +20,7 @@ from typing import Any, Dict, Iterator, List, Optional
 import psutil
 
 MASTER = "rosmaster"
+BESIDE_MASTER = Path(__file__).resolve().parents[2] / "deploy/beside_master.py"
 # roslaunch starts it last: once it is there, a signal ends the whole launch.
 WATCHDOG = "watchdog"
 # As roslaunch names the log files of the nodes, which stand in their command lines.
@@ -59,6 +61,7 @@ class LaunchedRobot:
         arguments: Arguments of the launch file.
         launch: How roslaunch finds the launch file.
         data: The folder of the surveys.
+        apart: Whether the master is started apart from roslaunch, as on an installed robot.
     """
 
     def __init__(
@@ -67,7 +70,9 @@ class LaunchedRobot:
         *arguments: str,
         launch: str = "gpr20 survey.launch ui:=false",
         data: Optional[Path] = None,
+        apart: bool = False,
     ) -> None:
+        self._beside_master = [sys.executable, str(BESIDE_MASTER)] if apart else []
         self.data = data or folder / "data"
         self._state = folder / "state"
         self._mark = str(uuid.uuid4())
@@ -87,7 +92,8 @@ class LaunchedRobot:
             ROS_IP="127.0.0.1",
             GPR20_STATE=str(self._state),
         )
-        self._launch = self.run(["roslaunch", "-p", str(port), *self._command], {MARK: self._mark})
+        command = [*self._beside_master, "roslaunch", "-p", str(port), *self._command]
+        self._launch = self.run(command, {MARK: self._mark})
         deadline_s = time.monotonic() + START_LIMIT_S
         while not {*NODES, MASTER, WATCHDOG} <= set(self.processes()):
             if time.monotonic() > deadline_s:
@@ -123,7 +129,8 @@ class LaunchedRobot:
             with contextlib.suppress(psutil.NoSuchProcess):  # ended meanwhile
                 line = " ".join(child.cmdline())
                 nodes = (*NODES, WATCHDOG, WEB)
-                words = {MASTER: MASTER, **{name: f"/{name}-" for name in nodes}}
+                words = {**{name: f"/{name}-" for name in nodes}, MASTER: MASTER}
+                words["rosout"] = "/lib/rosout/rosout"
                 found.update({name: child for name, word in words.items() if word in line})
         return found
 
@@ -161,9 +168,13 @@ class LaunchedRobot:
         self.kill_all()
 
     def _children(self) -> list:
+        found: List[psutil.Process] = []
         with contextlib.suppress(psutil.NoSuchProcess):
-            return psutil.Process(self._launch.pid).children() if self._launch else []
-        return []
+            found += psutil.Process(self._launch.pid).children() if self._launch else []
+        for child in tuple(found) if self._beside_master else ():
+            with contextlib.suppress(psutil.NoSuchProcess):  # the master, when it was killed
+                found += child.children()
+        return found
 
     def _left(self) -> List[psutil.Process]:
         """Return the processes of the launch, whoever is their parent now."""

@@ -109,7 +109,7 @@ PROGRAM = Fault(
 )
 ROBOT_RUNS = Fault(
     "replay.robot_runs",
-    Message("End the other replay or the robot, or replay in another namespace."),
+    Message("Replay in another namespace, or end the other replay; never end a robot that moves."),
 )
 PICKS_CHANGED = Fault(
     "viewer.picks_changed", Message("Export the picks now, then open the survey again.")

@@ -33,7 +33,7 @@ PART_LOST = Fault(
     ),
     may_move=True,
 )
-LOOK = Message("Look on ROBOT for the part that is red, and touch it.")
+LOOK = Message("Open ROBOT on the screen, and press the name of the part that is red.")
 PART_RED = Fault("robot.part_red", LOOK)
 MAY_MOVE = Fault("robot.may_move", MOTORS_OFF, may_move=True)
 NOT_RUNNING = Fault(
@@ -58,7 +58,7 @@ OVERLOADED = Fault(
 )
 IN_USE = Fault("robot.in_use", Message("Wait until what is in progress has ended, or press STOP."))
 BUSY = Fault("robot.busy", Message("Wait one minute, then try again."))
-ASKED_FOR = Fault("robot.asked_for", Message("Nothing to do: it was asked for."), Severity.NOTE)
+ASKED_FOR = Fault("robot.asked_for", Message("Nothing to do: it has ended."), Severity.NOTE)
 
 # Configuration, values and the computer.
 CONFIGURATION = Fault(
@@ -88,7 +88,7 @@ FILE_DAMAGED = Fault(
 )
 DISK_FULL = Fault(
     "disk.full",
-    Message("Make space on the disk: copy old surveys to a USB stick and delete them."),
+    Message("Copy old surveys to a USB stick, check the copies, then delete the originals."),
 )
 DISK_REFUSES = Fault(
     "disk.refuses",
@@ -99,5 +99,5 @@ DISK_REFUSES = Fault(
 )
 DISK_SLOW = Fault(
     "disk.slow",
-    Message("End other programs that use the disk. If that is not enough, use a faster disk."),
+    Message("Check plug and space of the disk. End what else uses it, or use a faster disk."),
 )

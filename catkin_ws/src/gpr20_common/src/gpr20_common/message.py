@@ -119,7 +119,6 @@ class Message:
         return self._with(details=str(details))
 
     def with_values(self, known: Mapping[str, Value]) -> Message:
-        """Return the same sentence with the known values of its fields."""
         return self._with(values={name: known.get(name, own) for name, own in self.values.items()})
 
     @property
@@ -270,7 +269,6 @@ def numeral(value: float, form: str = "g") -> Message:
 
 
 def in_a_row(messages: Iterable[Message]) -> Message:
-    """Return one message that says several, one after the other."""
     return Message("{sentences}", sentences=tuple(messages))
 
 

@@ -206,8 +206,10 @@ STATES = {
     "the disk of the logs is read-only": State(
         "volumes disk.refuses", "remount,rw", remount_read_only
     ),
-    "the disk of the logs is full": State("volumes disk.full", "Delete", fill, clear),
-    "the disk of the logs takes no more files": State("volumes disk.full", "Delete", crowd, clear),
+    "the disk of the logs is full": State("volumes disk.full", "copy surveys", fill, clear),
+    "the disk of the logs takes no more files": State(
+        "volumes disk.full", "copy surveys", crowd, clear
+    ),
     "another disk is mounted in place of the surveys": State(
         *("data_folder storage.other_data_folder", "mount the disk"),
         *(lambda one: one.mount(one.data), unmount),

@@ -7,7 +7,8 @@ from gpr20_common.message import Fault, Message
 FROZEN = Fault(
     "height.frozen",
     Message(
-        "Put a hand under the height sensor. If its value changes, let the person who maintains "
-        "the robot raise frozen_readings; if not, replace the sensor."
+        "Press STOP. Hold a board below the height sensor, without touching the ground. If its "
+        "value changes, let the person who maintains the robot raise frozen_readings; if not, "
+        "replace the sensor."
     ),
 )

@@ -11,8 +11,8 @@ from gpr20_survey.faults import COMPLETE, DAMAGED
 BLOCKED = Fault(
     "survey.blocked",
     Message(
-        "Look for anything that blocks or touches the axis, and for whoever stopped it. When the "
-        "axis is clear, resume the survey, or home the axis on ROBOT."
+        "Look for anything that blocks or touches the axis, and for whoever stopped it. Press STOP "
+        "before you reach in. When the axis is clear, resume the survey, or home the axis on ROBOT."
     ),
 )
 MOVED_BY_OTHERS = Fault(

@@ -373,7 +373,7 @@ def test_the_driver_takes_confirmed_traces(bench):
 
 def test_without_leave_of_the_configuration_no_trace_is_taken(make):
     driver = make("keysight.PNA", accepted_calibrations=(CalibrationStatus.HIGH,)).driven()
-    with raises_fault(NOT_CALIBRATED, 5):
+    with raises_fault(CONFIGURATION, 5):
         driver.get_trace()
 
 

@@ -51,8 +51,8 @@ DAMAGED = Fault(
 LOG_LOST = Fault(
     "survey.log_lost",
     Message(
-        "Keep the survey's folder as it is. Put log.jsonl back from a copy of it; without a "
-        "copy, let an analyst check the folder."
+        "Copy the survey's folder first. Then put log.jsonl and log.copy.jsonl back from an older "
+        "copy; without one, let an analyst check the folder."
     ),
     can_continue=False,
 )
@@ -83,7 +83,7 @@ NOT_SIGNED = Fault(
 )
 LOCKED = Fault(
     "survey.locked",
-    Message("End the other program that writes into the survey's folder, then try again."),
+    Message("Let the other program end, or stop its survey; end the program only if it hangs."),
 )
 FOLDER_MOVED = Fault(
     "storage.folder_moved",
@@ -110,7 +110,7 @@ OTHER_DATA_FOLDER = Fault(
 )
 FILE_SYSTEM_UNSUITABLE = Fault(
     "storage.file_system_unsuitable",
-    Message("Use another disk for the surveys, or format it with ext4, which deletes all on it."),
+    Message("Use another disk with ext4 for the surveys. To format this one deletes all on it."),
 )
 
 # The axes. A survey waits for a control that is silent, and the window asks about other zeros.
@@ -160,8 +160,8 @@ HEIGHT_NOT_MEASURED = Fault(
 NO_GROUND = Fault(
     "height.no_ground",
     Message(
-        "Check the height of the antennas and the plug of the height sensor. Remove grass or "
-        "objects below it, so that it sees the ground."
+        "Check the height of the antennas, the plug of the height sensor and what is below it. Do "
+        "not touch grass, objects or ground that is not cleared."
     ),
 )
 SENSOR_FAILED = Fault(
@@ -190,7 +190,7 @@ VNA_SETTINGS = Fault(
 )
 VNA_DOUBTFUL = Fault(
     "vna.doubtful",
-    Message("Check on the VNA's display what the message names."),
+    Message("Check what the message names, on the VNA's display and at its cables."),
     Severity.WARNING,
 )
 VNA_REPLACED = Fault(

@@ -244,27 +244,6 @@ def test_a_graph_is_joined_within_the_limits_or_the_reason_is_said(monkeypatch):
             master.join_graph("a_node", 5.0, cancelled, WaitingClock())
 
 
-def test_everything_is_registered_again_with_another_master_and_only_then(monkeypatch):
-    process_ids, registered = [7, 7, 8, 8, 9], []
-    known = SimpleNamespace(getPid=lambda: process_ids.pop(0))
-    monkeypatch.setattr(master.rosgraph, "Master", lambda _name: known)
-    listeners = SimpleNamespace(notify_added=lambda *given: registered.append(given[0]))
-    monkeypatch.setattr(master, "get_registration_listeners", lambda: listeners)
-    manager = SimpleNamespace(
-        get_subscriptions=lambda: [("/heard", "a/Type")],
-        get_publications=lambda: [("/said", "a/Type")],
-        get_services=lambda: [("/asked", "rosrpc://here")],
-    )
-    for name in ("get_topic_manager", "get_service_manager"):
-        monkeypatch.setattr(master, name, lambda: manager)
-    watch, counts = master.MasterWatch(), []
-    for _ in range(5):
-        watch.check()
-        counts.append(len(registered))
-    assert counts == [0, 0, 3, 3, 6]
-    assert set(registered) == {"/heard", "/said", "/asked"}
-
-
 def test_other_robots_are_listened_to_only_while_their_list_is_looked_at(monkeypatch):
     services = [
         f"{robot}/{name}" for robot in ("", "/beside") for name in ("start_survey", "stop_survey")

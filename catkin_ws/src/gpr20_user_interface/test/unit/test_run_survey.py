@@ -150,7 +150,7 @@ def control(monkeypatch):
     monkeypatch.setattr(ros_events.rospy, "Subscriber", control.subscriber)
     monkeypatch.setattr(run_survey, "join_graph", lambda *_given: None)
     nothing = SimpleNamespace(close=lambda: None)
-    for name in ("ConnectionKeeper", "LinkWatch"):
+    for name in ("GraphKeeper", "LinkWatch"):
         monkeypatch.setattr(run_survey, name, lambda *_given: nothing)
     yield control
     control.close()

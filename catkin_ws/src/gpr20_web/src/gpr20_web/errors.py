@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import ClassVar
 
 from gpr20_common.errors import Gpr20Error
-from gpr20_common.faults import BUSY, CONFIGURATION, FILE_DAMAGED, NOT_ALLOWED
+from gpr20_common.faults import BUSY, CONFIGURATION, DISK_REFUSES, FILE_DAMAGED, NOT_ALLOWED
 from gpr20_web import faults
 
 
@@ -111,7 +111,7 @@ class AuditFileError(WebError, OSError):
     """The file that says who did what cannot be read."""
 
     status = 503
-    fault = FILE_DAMAGED
+    fault = DISK_REFUSES
 
 
 class NotSentError(WebError, OSError):

@@ -23,5 +23,5 @@ NOT_SENT = Fault(
 )
 WRONG_LOGIN = Fault(
     "web.wrong_login",
-    Message("Wait as long as the message says, check name and password, then log in again."),
+    Message("Check name and password, wait if the message says so, then log in again."),
 )

@@ -9,6 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from web_kit import ManualClock
 
+from gpr20_common.faults import BUSY
 from gpr20_web.calls import Call, Person
 from gpr20_web.errors import BadRequestError, NotAllowedError, NotNowError
 from gpr20_web.mid.controller import ABSENT_S, ANSWER_S, Controller, ControlPage
@@ -37,8 +38,9 @@ def test_first_who_takes_control_has_it_until_its_person_passes_it_on() -> None:
         with pytest.raises(NotAllowedError, match="another page is in control: a"):
             room.controller.check(other)
     room.controller.take(BEN)
-    with pytest.raises(NotAllowedError, match="b asks for control already"):
+    with pytest.raises(NotAllowedError, match="b asks for control already") as refusal:
         room.controller.take(EVA)
+    assert refusal.value.message.fault == BUSY
     assert room.controller.has(ANA)
     room.controller.give(ANA, BEN.mark)
     assert room.controller.has(BEN) and room.controller.asked is None

@@ -9,6 +9,7 @@ from gpr20_analysis.errors import library_missing
 from gpr20_common.errors import Gpr20Error, os_reason
 from gpr20_common.faults import ASKED_FOR, DISK_REFUSES, NOT_ALLOWED
 from gpr20_common.message import Message
+from gpr20_survey.faults import NOT_SIGNED
 
 EXTRAS = {"distributed": "batch", "matplotlib": "plots", "reportlab": "pdf"}
 """Optional libraries that whole commands need, and the extra of each."""
@@ -20,7 +21,7 @@ STEP_IS_SAID = frozenset(
     one.code
     for one in (
         *(NOT_ALLOWED, ASKED_FOR, faults.INPUT, faults.STEPS, faults.TOO_LARGE),
-        *(faults.NO_ROS, faults.ROBOT_RUNS, faults.PROGRAM),
+        *(faults.NO_ROS, faults.ROBOT_RUNS, faults.PROGRAM, NOT_SIGNED),
     )
 )
 """Codes whose remedy says in general what each of their sentences says exactly."""

@@ -14,6 +14,7 @@ from gpr20_analysis.read import recordings
 from gpr20_common.errors import os_reason
 from gpr20_common.message import Message
 from gpr20_survey.errors import SurveyRefusedError, TraceRefusedError
+from gpr20_survey.faults import OTHER_VERSION
 from gpr20_survey.files.regular_file import check_regular
 from gpr20_survey.folder import survey_folder, survey_metadata, trace_files
 from gpr20_survey.folder.log_record import LOG, Kind, LogRecord, add_to
@@ -127,7 +128,8 @@ class RecordingSource:
                         file=f"survey.json in {self.name}",
                         found=repr(found.get("format"))[:64],
                         expected=repr(survey_metadata.FORMAT),
-                    )
+                    ),
+                    fault=OTHER_VERSION,
                 )
             for record in self._recording.log:
                 add_to(found, record)

@@ -139,7 +139,7 @@ def test_where_both_logs_are_lost_nobody_is_told_to_resume(copied):
         (copied / name).write_bytes(content.replace(b"\n", b"\r\n"))
     verdict = verify_survey(copied).verdict
     assert verdict.fault_code == LOG_LOST.code
-    assert "Put log.jsonl back from a copy of it" in str(verdict.remedy)
+    assert "put log.jsonl and log.copy.jsonl back" in str(verdict.remedy)
 
 
 def test_a_trace_that_is_not_as_planned_is_named(tmp_path):

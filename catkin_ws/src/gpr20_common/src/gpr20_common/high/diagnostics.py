@@ -12,7 +12,7 @@ import rospy
 
 from gpr20_common.faults import INTERNAL
 from gpr20_common.high.periodic import Periodic
-from gpr20_common.low.thread_fault import LOGGER, PART, faults_logged
+from gpr20_common.low.thread_fault import LOGGER, PART, REMARK, faults_logged
 from gpr20_common.message import Message, verbatim
 
 OK, WARN, ERROR = 0, 1, 2
@@ -23,22 +23,24 @@ Health = Tuple[int, Message, Dict[str, Any]]
 FAULT = "fault"
 
 PERIOD_S = 1.0
-# For so long an exception that nobody expected, in any thread, is said [s].
+# For so long an exception that nobody expected, in any thread, and a remark are said [s].
 FAULT_S = 60.0
 
 
-class _LastFault(logging.Handler):
-    """Remembers for a while which part failed last as nobody expected; empty: none."""
+class _LastLogged(logging.Handler):
+    """Remembers for a while what was logged last under an attribute; None: nothing."""
 
-    _part, _failed_s = "", -math.inf
+    def __init__(self, attribute: str) -> None:
+        super().__init__()
+        self._attribute, self._logged, self._logged_s = attribute, None, -math.inf
 
     def emit(self, record: logging.LogRecord) -> None:
-        if hasattr(record, PART):
-            self._part, self._failed_s = getattr(record, PART), time.monotonic()
+        if hasattr(record, self._attribute):
+            self._logged, self._logged_s = getattr(record, self._attribute), time.monotonic()
 
     @property
-    def part(self) -> str:
-        return self._part if time.monotonic() - self._failed_s < FAULT_S else ""
+    def now(self) -> Any:
+        return self._logged if time.monotonic() - self._logged_s < FAULT_S else None
 
 
 class Diagnostics:
@@ -46,22 +48,26 @@ class Diagnostics:
 
     def __init__(self, hardware_id: str, health: Callable[[], Health]) -> None:
         self._health = health
-        self._faults = _LastFault()
-        LOGGER.addHandler(self._faults)
+        self._failed, self._remark = _LastLogged(PART), _LastLogged(REMARK)
+        LOGGER.addHandler(self._failed)
+        LOGGER.addHandler(self._remark)
         self._updater = diagnostic_updater.Updater()
         self._updater.setHardwareID(hardware_id)
         self._updater.add("state", self._fill)
         self._periodic = Periodic(PERIOD_S, self._updater.force_update)
         # It may be why the node ends.
-        rospy.on_shutdown(lambda: self._faults.part and self._updater.force_update())
+        rospy.on_shutdown(lambda: self._failed.now and self._updater.force_update())
 
     def _fill(self, status: diagnostic_updater.DiagnosticStatusWrapper) -> Any:
         found: Health = (ERROR, verbatim(""), {})
         with faults_logged("diagnostics"):
             found = self._health()
         level, message, values = found
-        if self._faults.part:
-            failed = Message("internal error in {service}; see the log", service=self._faults.part)
+        remark, failed_part = self._remark.now, self._failed.now
+        if remark is not None and level == OK:
+            level, message = WARN, remark
+        if failed_part is not None:
+            failed = Message("internal error in {service}; see the log", service=failed_part)
             level, message = ERROR, failed.with_fault(INTERNAL)
         status.summary(level, str(message))
         status.add(FAULT, message.to_json())

@@ -12,15 +12,16 @@ import os
 import signal
 import sys
 import threading
+import time
 from pathlib import Path
-from typing import Any, Callable, Mapping, Optional, Type, TypeVar
+from typing import Any, Callable, Optional, Type, TypeVar
 
 import rosgraph
 import rospy
 
 from gpr20_common.errors import ConfigurationError, Gpr20Error, NodeSilentError
-from gpr20_common.faults import INTERNAL
-from gpr20_common.high.connection_keeper import ConnectionKeeper
+from gpr20_common.faults import OTHER_LAUNCH
+from gpr20_common.high.graph_keeper import GraphKeeper
 from gpr20_common.low.links import NodeProbe
 from gpr20_common.low.thread_fault import end_with_thread
 from gpr20_common.message import Message
@@ -30,6 +31,8 @@ from gpr20_common.terminal_text import enable_line_buffering, say
 # A node of the same name that lives answers within this time [s].
 ANSWER_LIMIT_S = 1.0
 POLL_S = 0.1
+# The other nodes of a launch fill a master that came back empty within this time [s].
+FILL_LIMIT_S = 10.0
 
 Parameters = TypeVar("Parameters")
 
@@ -42,6 +45,9 @@ def configuration_name() -> str:
 def read_parameters(parameter_class: Type[Parameters], section: str) -> Parameters:
     """Return a section of the configuration, or raise an InvalidValueError."""
     name = configuration_name()
+    never, deadline_s = threading.Event(), time.monotonic() + FILL_LIMIT_S
+    while name and not rospy.has_param(name) and time.monotonic() < deadline_s:
+        never.wait(POLL_S)
     text = rospy.get_param(name, "") if name else "{}"
     try:
         sections = json.loads(text)
@@ -51,7 +57,7 @@ def read_parameters(parameter_class: Type[Parameters], section: str) -> Paramete
             "end the launch and start it again",
             details=f"{name}: {text!r}",
         )
-        raise ConfigurationError(gone, fault=INTERNAL) from error
+        raise ConfigurationError(gone, fault=OTHER_LAUNCH) from error
     return record_from(parameter_class, sections.get(section, {}), section)
 
 
@@ -77,10 +83,9 @@ def run_node(name: str, build: Callable[[], Any], needed: bool = True) -> None:
         say(f"{name} was ended before it had started: {error}", file=sys.stderr)
         # At once: rospy's own threads may wait for a master that is gone.
         os._exit(1)
+    keeper = GraphKeeper()
     started = f"/gpr20_started{configuration}{rospy.get_name()}"
     try:
-        if not configuration:
-            _refuse_private_parameters()
         kept = build()
     except Gpr20Error as error:
         rospy.logfatal("%s cannot start: %s", rospy.get_name(), error)
@@ -92,7 +97,6 @@ def run_node(name: str, build: Callable[[], Any], needed: bool = True) -> None:
         sys.exit(1)
     if configuration:
         rospy.set_param(started, True)
-    keeper = ConnectionKeeper()
     rospy.loginfo("%s is ready", rospy.get_name())
     rospy.core.register_signals()
     rospy.spin()
@@ -140,18 +144,3 @@ def _refuse_second(default: str, launch: Optional[int]) -> None:
         say(f"{name} ends the launch, because it cannot start", file=sys.stderr)
         end_with_roslaunch(launch)
     sys.exit(1)
-
-
-def _refuse_private_parameters() -> None:
-    """Refuse what somebody gave a node that was started alone and reads none."""
-    values = rospy.get_param(rospy.get_name(), {})
-    names = sorted(values) if isinstance(values, Mapping) else [repr(values)]
-    if names:
-        raise ConfigurationError(
-            Message(
-                "the private parameters {names} of {node} are not read; write them into the "
-                "robot's configuration, or start the node with configuration:=NAME",
-                names=", ".join(names),
-                node=rospy.get_name(),
-            )
-        )

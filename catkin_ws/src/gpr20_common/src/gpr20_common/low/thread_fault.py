@@ -14,6 +14,8 @@ from typing import Iterator
 LOGGER = logging.getLogger("rosout")
 # Attribute of such a record: what failed.
 PART = "failed_part"
+# Attribute of a record that diagnostics repeat: its message.
+REMARK = "remark"
 
 
 def log_fault(part: str) -> None:

@@ -9,10 +9,9 @@ from __future__ import annotations
 import dataclasses
 import functools
 import typing
-from typing import Any, Dict, Hashable, Sequence, Tuple, Type, TypeVar
+from typing import Any, Dict, Hashable, Literal, Sequence, Tuple, Type, TypeVar
 
 from pydantic import ConfigDict, TypeAdapter, ValidationError
-from pydantic_core import to_json, to_jsonable_python
 
 from gpr20_common.errors import ConfigurationError, InvalidValueError
 from gpr20_common.message import Message, numeral, verbatim
@@ -42,7 +41,7 @@ def record_from(kind: Type[Record], values: Any, place: str, others: bool = Fals
     """
     try:
         # In JSON a list is a tuple, and a choice is its value.
-        content = to_json(values, inf_nan_mode="constants")
+        content = _any("constants").dump_json(values)
     except ValueError as error:
         reason = Message("{place} holds what no file can hold", place=place, details=error)
         raise InvalidValueError(reason) from error
@@ -67,7 +66,12 @@ def shortened(value: Any) -> str:
 
 def plain(record: Any) -> Any:
     """Return a record as JSON and YAML hold it; a number that is not finite becomes None."""
-    return to_jsonable_python(record, inf_nan_mode="null")
+    return _any("null").dump_python(record, mode="json")
+
+
+@functools.lru_cache(maxsize=None)
+def _any(not_finite: Literal["constants", "null"]) -> TypeAdapter:
+    return TypeAdapter(Any, config=ConfigDict(ser_json_inf_nan=not_finite))
 
 
 @functools.lru_cache(maxsize=None)

@@ -162,7 +162,7 @@ def check_clock(facts: MachineFacts) -> Iterator[Finding]:
         yield Finding.of("clock", text, CLOCK_WRONG, mild=True, advice=advice)
     elif abs(clock.offset_s) > CLOCK_LIMIT_S:
         text = Message("This clock is off by {offset_s:.3f} s.", offset_s=clock.offset_s)
-        advice = Message("Wait some minutes. If it stays, run: sudo chronyc makestep")
+        advice = Message("Wait a while. If it stays and no survey runs, run: sudo chronyc makestep")
         yield Finding.of("clock", text, CLOCK_WRONG, mild=True, advice=advice)
     else:
         text = Message("Clock: off by {offset_ms:.2f} ms", offset_ms=1e3 * clock.offset_s)

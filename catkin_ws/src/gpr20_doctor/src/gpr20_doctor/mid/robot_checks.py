@@ -217,7 +217,7 @@ def check_clocks(facts: RobotFacts) -> Iterator[Finding]:
         offset_s=abs(offset_s),
         details=facts.software[node].host if node in facts.software else "",
     )
-    advice = Message("Set the clocks of both computers, for example with chrony.")
+    advice = Message("Set the clocks of both computers, but not during a survey: install chrony.")
     yield Finding.of("clocks", text, CLOCK_WRONG, mild=True, advice=advice)
 
 
@@ -239,7 +239,10 @@ def _endstop(axis_id: AxisId, position: AxisPosition, seen: EndstopSeen) -> Find
     else:
         text = Message("The endstop of the {axis} axis is closed; it is not homed.", axis=axis)
         fault = ENDSTOP.as_warning()
-        advice = Message("See whether the carriage presses it. If not, check switch and cable.")
+        advice = Message(
+            "See whether the carriage presses it. If not, switch off the motors' power, and check "
+            "switch and cable."
+        )
     return Finding.of(f"endstop_{axis_id.value}", text, fault, advice=advice)
 
 
@@ -259,7 +262,7 @@ def _part(node: NodeHealth, listening_s: float, state: Optional[NodeState]) -> F
     text = Message("{name}: {state}", name=name, state=node.message)
     if node.level is HealthLevel.ERROR:
         return Finding.of(node.name, text, INTERNAL, advice=node.message.remedy)
-    advice = node.message.remedy or Message("Touch this part on ROBOT and read its details.")
+    advice = node.message.remedy or Message("Press this part on ROBOT and read its details.")
     if cause is not None and (cause.severity is Severity.NOTE or cause == NOT_HOMED.as_warning()):
         return Finding(node.name, Level.NOTE, text, advice)
     return Finding.of(node.name, text, PART_RED, mild=True, advice=advice)

@@ -134,15 +134,15 @@ def _volume(volume: VolumeFacts) -> Iterator[Finding]:
     if volume.read_only:
         text = Message("The file system {point} is read-only; {folder} is on it.", **names)
         advice = Message(
-            "Run: sudo mount -o remount,rw {point}. If that fails or it happens again, replace the "
-            "card or disk.",
+            "Copy what must not be lost from {point}. Then run: sudo mount -o remount,rw {point}. "
+            "If that fails or it happens again, replace the card or disk.",
             **names,
         )
         yield Finding.of("volumes", text, DISK_REFUSES, advice=advice)
         return
     advice = Message(
-        "Delete what is not needed on {point}; to see what is large, run: sudo du -xh {point} | "
-        "sort -h | tail",
+        "Make space on {point}, but copy surveys before you delete them. To see what is large, "
+        "run: sudo du -xh {point} | sort -h | tail",
         **names,
     )
     if volume.free_bytes < LOW_SPACE:
@@ -169,5 +169,5 @@ def check_date(facts: MachineFacts) -> Iterator[Finding]:
             "This computer's clock is {days:.0f} days before the date of the installed software.",
             days=facts.behind_s / 86400.0,
         )
-        advice = Message("Set the clock, for example: sudo date -s '2026-07-31 14:00'")
+        advice = Message("Unless a survey runs, set the clock: sudo date -s '2026-07-31 14:00'")
         yield Finding.of("date", text, CLOCK_WRONG, mild=True, advice=advice)

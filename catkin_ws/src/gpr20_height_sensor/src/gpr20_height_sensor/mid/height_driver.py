@@ -200,7 +200,7 @@ class HeightDriver:
             raise HeightError(
                 Message(
                     "the height sensor is stuck: its last {readings} readings are identical; test: "
-                    "put a hand under the sensor; if the value changes, raise frozen_readings (0 "
+                    "hold a board below the sensor; if the value changes, raise frozen_readings (0 "
                     "switches this check off); if not, replace the sensor",
                     readings=count,
                 ),

@@ -20,7 +20,7 @@ from gpr20_common.catalogue import (
     read_catalogue,
 )
 from gpr20_common.errors import Gpr20Error
-from gpr20_common.faults import PART_SILENT
+from gpr20_common.faults import NOT_RUNNING, PART_SILENT
 from gpr20_common.high.answers import message_from
 from gpr20_common.low.clock import time_of_day_us
 from gpr20_common.low.data_folder import data_folder, state_folder
@@ -82,7 +82,7 @@ def main() -> int:
 def _check(given: argparse.Namespace, catalogue: Catalogue, answer: Callable[[], str]) -> int:
     if state_of(rosgraph.get_master_uri()) is not MasterState.ANSWERS:
         raise RequestRefusedError(
-            Message("no ROS master answers; start the robot first"), fault=PART_SILENT
+            Message("no ROS master answers; start the robot first"), fault=NOT_RUNNING
         )
     rospy.init_node(
         PROGRAM, anonymous=True, disable_rostime=True, disable_rosout=True, disable_signals=True

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from typing import Dict, Optional
 
-from gpr20_common.faults import ASKED_FOR
+from gpr20_common.faults import ASKED_FOR, DISK_REFUSES
 from gpr20_common.low.clock import Clock, time_of_day_us
 from gpr20_common.low.data_folder import state_folder
 from gpr20_common.message import Message
@@ -105,7 +105,7 @@ class DailyCheckSteps:
             ) from error
         except OSError as error:
             raise DeviceError(
-                Message("the check could not be made: {reason}", reason=str(error))
+                Message("the check could not be made: {reason}", reason=str(error)), DISK_REFUSES
             ) from error
         self._parts.clear()
         return verdict

@@ -187,7 +187,7 @@ class MainControl:
                         "any time",
                         details=status.state.name,
                     ),
-                    fault=ASKED_FOR,
+                    fault=IN_USE.as_note() if status.state.running else ASKED_FOR,
                 )
             pausing = Message("Pausing after the present trace")
             self._status.enter(SurveyState.PAUSING, pausing)

@@ -8,6 +8,7 @@ from fault_kit import raises_fault
 from survey_examples import PARAMETERS
 
 from gpr20_common.errors import InvalidValueError
+from gpr20_common.faults import ASKED_FOR
 from gpr20_main_control.errors import DeviceError, RequestRefusedError
 from gpr20_main_control.mid.survey.survey_status import TRANSITIONS
 from gpr20_survey.faults import NO_PLAN
@@ -82,6 +83,9 @@ def test_what_does_not_fit_the_state_is_refused_with_what_to_do_and_has_no_effec
             with pytest.raises((RequestRefusedError, DeviceError)) as refusal:
                 request()
             assert refusal.value.message.cause.remedy is not None
+            # Nobody who asks for rest is told that nothing is to be done while something may move.
+            nothing = refusal.value.message.fault_code == ASKED_FOR.code
+            assert not (nothing and running)
             assert replace(bench.board.status, waiting=None) == before
     bench.release()
     bench.nodes.note_alive(VNA, 2)

@@ -30,7 +30,6 @@ from gpr20_msgs.msg import (
 from gpr20_msgs.msg import SurveyParameters as SurveyParametersMessage
 from gpr20_msgs.srv import Command, ResumeSurvey, SetSurveyParameters, StartSurvey
 from gpr20_operator.high import conversions
-from gpr20_operator.high.master import MasterWatch
 from gpr20_operator.high.robot_stop import RobotStop
 from gpr20_operator.high.ros_events import (
     CONTROL_SILENT,
@@ -85,7 +84,6 @@ class ControlClient(RosEvents):
         self._continue_replay = ServiceClient("continue", Command)
         self._player: Optional[Periodic] = None
         self._player_seen = False
-        self._master = MasterWatch()
         self._checking_master = threading.Lock()
         self._limits = AxisLimits(None)
         self._clock = Clock()
@@ -207,7 +205,7 @@ class ControlClient(RosEvents):
 
     def _check_master(self) -> None:
         try:
-            self._master.check()
+            rosgraph.Master(rospy.get_name()).getPid()
             self._stop.remember()
             self._emit(self._limits)
         except (rosgraph.MasterException, OSError) as error:

@@ -1,18 +1,12 @@
-"""Joining the ROS graph, again when the master was restarted; the link to the main control."""
+"""Joining the ROS graph; the link to the main control."""
 
 from __future__ import annotations
 
 import threading
-from typing import Callable, Optional
+from typing import Callable
 
 import rosgraph
 import rospy
-from rospy.impl.registration import (
-    Registration,
-    get_registration_listeners,
-    get_service_manager,
-    get_topic_manager,
-)
 
 from gpr20_common.errors import NodeGoneError, NodeSilentError
 from gpr20_common.faults import ASKED_FOR
@@ -89,41 +83,6 @@ def _happens(
         if is_cancelled() or clock.now_s() > deadline_s:
             return False
     return True
-
-
-class MasterWatch:
-    """Joins the graph again when another master has taken the place of the one before.
-
-    A master that was restarted does not know the nodes that outlived the former one, and they
-    do not notice by themselves.
-    """
-
-    def __init__(self) -> None:
-        self._process_id: Optional[int] = None
-
-    def check(self) -> None:
-        """Ask the master for its process id; join again if it is another one.
-
-        Raises:
-            OSError: It does not answer.
-            rosgraph.MasterException: Its answer makes no sense.
-        """
-        process_id = rosgraph.Master(rospy.get_name()).getPid()
-        if self._process_id not in (None, process_id):
-            rospy.logwarn("another ROS master has started; joining its graph")
-            _register_again()
-        self._process_id = process_id
-
-
-def _register_again() -> None:
-    listeners = get_registration_listeners()
-    topics = get_topic_manager()
-    for name, type_name in topics.get_subscriptions():
-        listeners.notify_added(name, type_name, Registration.SUB)
-    for name, type_name in topics.get_publications():
-        listeners.notify_added(name, type_name, Registration.PUB)
-    for name, uri in get_service_manager().get_services():
-        listeners.notify_added(name, uri, Registration.SRV)
 
 
 class LinkWatch:

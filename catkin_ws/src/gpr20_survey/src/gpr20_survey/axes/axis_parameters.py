@@ -217,7 +217,6 @@ class AxisParameters:
         return self.sensor_pin is not None or bool(self.controller)
 
     def distance_steps(self, distance: float) -> int:
-        """Return the whole number of steps nearest to a distance."""
         # Decimal, because 0.29 / 0.01 is 28.999... in binary and would lose a step.
         return round(Decimal(repr(float(distance))) / Decimal(repr(self.step_size)))
 

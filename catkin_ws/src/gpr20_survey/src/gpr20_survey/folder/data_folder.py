@@ -158,7 +158,6 @@ class _DamagedError(ValueError):
 
 
 def read_marker(folder: Path) -> Optional[Marker]:
-    """Return the marker of a data folder; None: it has none."""
     return _read(folder / MARKER_FILE)
 
 

@@ -119,7 +119,6 @@ class LogHead(NamedTuple):
 
     @classmethod
     def of(cls, record: LogRecord) -> LogHead:
-        """Return those of a record."""
         return cls(record.number, record.sha256)
 
 

@@ -118,7 +118,6 @@ def read_log(folder: Path, sealed: Optional[Manifest] = None) -> FoundLog:
 
 
 def _content(path: Path) -> Optional[bytes]:
-    """Return the content of a file; None if it cannot be read."""
     try:
         with open(open_regular(path), "rb") as stream:
             # Before it is read, so that a huge file takes no memory.

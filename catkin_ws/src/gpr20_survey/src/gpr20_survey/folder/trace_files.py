@@ -32,7 +32,6 @@ class TraceFile(NamedTuple):
 
     @classmethod
     def of(cls, trace: Trace, content: bytes) -> TraceFile:
-        """Return what is remembered of the file of a trace, and of its content."""
         name = survey_folder.trace_file_name(trace)
         return cls(name, trace.fingerprint(), trace.sample_id, sum_of(content))
 

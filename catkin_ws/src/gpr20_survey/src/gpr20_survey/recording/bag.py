@@ -157,8 +157,7 @@ def _check_whole(mcap: StoredMcap, has_ended: bool, folder: Path) -> None:
                 "repairs its recording, and end it again",
                 folder=printable(folder),
                 faults=in_a_row(found[:SHOWN]),
-            ),
-            fault=faults.DAMAGED,
+            ).reporting_only(faults.CAN_RESUME)
         )
 
 

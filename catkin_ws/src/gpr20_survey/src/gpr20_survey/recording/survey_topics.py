@@ -58,7 +58,6 @@ class SurveyTopics:
         )
 
     def metadata(self, text: str, time_ns: int) -> RecordedMessage:
-        """Return the content of survey.json as a latched message."""
         return RecordedMessage(self.resolve(METADATA_TOPIC), *TEXT, pack_text(text), time_ns, True)
 
     def log(self, record: LogRecord, time_ns: int) -> RecordedMessage:

@@ -72,6 +72,5 @@ class SweepSettings:
         return np.linspace(self.start_frequency_hz, self.stop_frequency_hz, self.points)
 
     def fulfils(self, wanted: SweepSettings) -> bool:
-        """Return the same of all that is wanted."""
         is_fulfilled = self.analyzer.fulfils(wanted.analyzer)
         return is_fulfilled and replace(self, analyzer=wanted.analyzer) == wanted

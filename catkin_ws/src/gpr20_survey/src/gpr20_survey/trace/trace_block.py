@@ -52,7 +52,6 @@ class TraceBlock:
 
 
 def block_fields(block: TraceBlock) -> Dict[str, Any]:
-    """Return the fields of a block in the answer of `read_traces`."""
     return {
         "survey_id": block.survey_id,
         "frequency_hz": block.frequency_hz.tolist(),

@@ -12,7 +12,7 @@ import rospy
 
 from gpr20_common.catalogue import Catalogue, read_catalogue
 from gpr20_common.errors import Gpr20Error, InvalidValueError
-from gpr20_common.high.connection_keeper import ConnectionKeeper
+from gpr20_common.high.graph_keeper import GraphKeeper
 from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message
 from gpr20_common.terminal_text import say
@@ -104,7 +104,7 @@ def _follow(
     follower: Follower = ReplayFollower() if replay else robot
     client = ControlClient(events.put, Senders(rospy.get_namespace(), replay))
     client.listen()
-    keeper, link = ConnectionKeeper(), LinkWatch(events.put)
+    keeper, link = GraphKeeper(), LinkWatch(events.put)
     outcome = _run_session(options, client, follower, events, catalogue)
     if outcome.other_analyzer and _accepts(outcome.other_analyzer, signals, catalogue):
         options = dataclasses.replace(options, accept_analyzer=outcome.other_analyzer)

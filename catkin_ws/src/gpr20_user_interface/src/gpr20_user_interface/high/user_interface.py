@@ -17,8 +17,8 @@ from PyQt5.QtWidgets import QApplication
 
 from gpr20_common.catalogue import Language, language_from_code, read_catalogue
 from gpr20_common.errors import Gpr20Error, InvalidValueError
-from gpr20_common.high.connection_keeper import ConnectionKeeper
 from gpr20_common.high.diagnostics import OK, WARN, Diagnostics, Health
+from gpr20_common.high.graph_keeper import GraphKeeper
 from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message
 from gpr20_common.terminal_text import say
@@ -283,7 +283,7 @@ def _show(
     interface.begin()
     screen_saver = ScreenSaver()
     _note(screen_saver.switch_off())
-    keeper = ConnectionKeeper()
+    keeper = GraphKeeper()
     # What came before the event loop may have been handled without effect.
     if signals.received or rospy.is_shutdown():
         _quit_soon()

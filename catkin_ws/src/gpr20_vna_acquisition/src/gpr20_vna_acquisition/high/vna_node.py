@@ -151,7 +151,7 @@ class VNANode:
             )
         if state.former_trouble:
             answers = Message(
-                "answers again; look at it only if it fails again; the last fault: {reason}",
+                "answers again after a fault: {reason}",
                 reason=state.former_trouble,
             ).reporting_only(VNA_SILENT.as_warning())
             return diagnostics.WARN, answers, values

@@ -74,7 +74,7 @@ class RequestDeadline:
         if self._clock.now_s() > self._deadline_s:
             raise VnaTimeoutError(
                 Message(
-                    "request exceeded {limit_s:.3g} s; try again in a minute", limit_s=self._limit_s
+                    "the VNA took longer than {limit_s:.3g} s for a request", limit_s=self._limit_s
                 )
             )
 

@@ -12,6 +12,7 @@ from typing import Any, Deque, Iterable, Mapping, Optional, Sequence, Tuple
 
 import numpy as np
 
+from gpr20_common.faults import CONFIGURATION
 from gpr20_common.message import Message, in_a_row, numeral
 from gpr20_survey.faults import NOT_CALIBRATED, VNA_DOUBTFUL, VNA_FAILED
 from gpr20_survey.trace.calibration import CalibrationStatus
@@ -84,7 +85,7 @@ def calibration_refusal(
             "calibrated, add {status} to accepted_calibrations (now {accepted})",
             status=int(status),
             accepted=listed,
-        ).with_fault(NOT_CALIBRATED)
+        ).with_fault(CONFIGURATION)
     calibrated = details.get("parameters", ())
     if status is CalibrationStatus.NONE and calibrated and "S21" not in calibrated:
         return Message(

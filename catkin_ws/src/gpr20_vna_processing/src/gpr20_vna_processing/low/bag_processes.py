@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Callable, Dict, Optional, Tuple
 
 from gpr20_common.errors import os_reason
-from gpr20_common.faults import DISK_FULL, INTERNAL
+from gpr20_common.faults import DISK_FULL
 from gpr20_common.low.thread_fault import log_fault
 from gpr20_common.message import Message, verbatim
 from gpr20_common.sent_message import received_message
@@ -100,7 +100,7 @@ class BagProcesses:
             failure = self._failure(folder, cancelled)
         except Exception as error:  # which the pool would keep
             log_fault("bags")
-            failure = verbatim(str(error)).with_fault(INTERNAL)
+            failure = verbatim(str(error))
         with self._lock:
             self._child = None
             if not cancelled.is_set():

@@ -73,7 +73,7 @@ class SessionFile:
         return True
 
     def _refused(self, error: Exception) -> None:
-        damage = Message("the file is damaged, or of another version", details=str(error))
+        damage = Message("{file} is damaged, or old", file=self._path.name, details=str(error))
         reason = os_reason(error) if isinstance(error, OSError) else damage
         words = Message("logins and logouts cannot be kept: {reason}", reason=reason)
         self._report(words.with_fault(CONFIGURATION))

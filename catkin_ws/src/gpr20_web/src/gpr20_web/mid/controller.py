@@ -6,6 +6,7 @@ import math
 from dataclasses import dataclass
 from typing import Any, Callable, Dict, Mapping, Optional
 
+from gpr20_common.faults import BUSY
 from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message
 from gpr20_operator.robot.snapshot import Snapshot
@@ -74,7 +75,7 @@ class Controller:
             self.asked = self.asked or TakeOver(person, self._now_s() + ANSWER_S)
         else:
             raise NotAllowedError(
-                Message("{name} asks for control already", name=self.asked.person.name)
+                Message("{name} asks for control already", name=self.asked.person.name), fault=BUSY
             )
 
     def keep(self, person: Person) -> None:

@@ -14,6 +14,7 @@ from gpr20_operator.jobs.job import Service, Ticket
 from gpr20_operator.robot.notices import node_notice
 from gpr20_operator.robot.service_model import ServiceModel
 from gpr20_operator.robot.snapshot import Snapshot
+from gpr20_web import faults
 from gpr20_web.calls import Audited, Body, Call, Route
 from gpr20_web.errors import NotFoundError, NotNowError
 from gpr20_web.mid.interest import Interest
@@ -109,7 +110,7 @@ class ServicePage(WebPage):
     def _give_bundle(self, _call: Call) -> Body:
         content, self._bundle = self._bundle, b""
         if not content:
-            raise NotFoundError(Message("there is no bundle; make one first"))
+            raise NotFoundError(Message("there is no bundle; make one first"), fault=faults.BUNDLE)
         return Body(content, "application/zip", "gpr20_bundle.zip")
 
 

@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any, Callable, Dict, Mapping, Tuple
 
 from gpr20_common.errors import Gpr20Error
+from gpr20_common.faults import NOT_ALLOWED
 from gpr20_common.low.clock import time_of_day_us
 from gpr20_common.message import Message
 from gpr20_common.mid.codec import record_from
@@ -200,7 +201,7 @@ class SurveysPage(WebPage):
     def _add_note(self, call: Call) -> Mapping[str, Any]:
         folder, text = self._folder(call).name, _text(call, "text").strip()
         if not text:
-            raise BadRequestError(Message("the note is empty"))
+            raise BadRequestError(Message("the note is empty"), fault=NOT_ALLOWED)
         when = utc_time.iso_text(self._time_us())[:16].replace("T", " ")
         # The other lines of a note are indented: none can look like the note of somebody else.
         line = f"{when} UTC, {call.who.name}: " + "\n    ".join(text.splitlines())

@@ -1,0 +1,202 @@
+"""Surveys continue through a ROS master that is killed, and beside strangers at every port.
+
+GPR20_MASTER_KILLS is how many surveys have their master killed (2).
+"""
+
+from __future__ import annotations
+
+import contextlib
+import itertools
+import os
+import random
+import resource
+import socket
+import threading
+import time
+from urllib.parse import urlsplit
+
+import pytest
+from robot_kit import MASTER, NODES, LaunchedRobot
+from run_seed import SEED
+from user_shell import printed_by, wait_until
+
+pytest.importorskip("rosgraph")
+
+import rosgraph
+
+from gpr20_analysis.read.verification import verify_survey
+from gpr20_analysis.read.verification_result import COMPLETE
+from gpr20_common.high.service_client import ServiceConnection
+from gpr20_msgs.srv import Command
+
+KILLS = int(os.environ.get("GPR20_MASTER_KILLS", "2"))
+SIDE = 4
+TRACES = 2 * SIDE * SIDE
+AREA = ("--x-points", str(SIDE), "--y-points", str(SIDE))
+STRANGERS = 200
+STOP_LIMIT_S = 1.0
+LIMIT_S = 60.0
+NAME = "/test_graph_survives"
+OPENINGS = (
+    b"",
+    b"\x40\0",
+    b"\x40\0\0\0\x20\0\0\0callerid=/half",
+    b"\xff\xff\xff\x7f",
+    b"\0\0\0\0",
+    b"POST /RPC2 HTTP/1.1\r\nContent-Length: 99\r\n\r\n<?xml",
+)
+
+
+@pytest.fixture
+def robot(tmp_path, monkeypatch):
+    # The kit sets both in the environment.
+    monkeypatch.setenv("ROS_MASTER_URI", "")
+    monkeypatch.setenv("GPR20_STATE", "")
+    robot = LaunchedRobot(tmp_path, "time_scale:=20", apart=True)
+    try:
+        robot.start()
+        log = tmp_path / "launch.log"
+        wait_until(lambda: log.read_text(errors="replace").count(" is ready") > len(NODES) - 2)
+        yield robot
+    finally:
+        robot.stop()
+
+
+def registrations():
+    """Return what the master knows: kind, name and node of each; nothing while none answers."""
+    try:
+        state = rosgraph.Master(NAME).getSystemState()
+    except (OSError, rosgraph.MasterException):
+        return set()
+    return {
+        (kind, name, node)
+        for kind, entries in enumerate(state)
+        for name, nodes in entries
+        for node in nodes
+    }
+
+
+def folders(robot):
+    return sorted(one.parent for one in robot.data.glob("*/survey.json"))
+
+
+def stored(robot, surveys):
+    """Return how many traces the last of so many surveys has."""
+    found = folders(robot)
+    return len(list(found[-1].glob("traces/*.json"))) if len(found) == surveys else 0
+
+
+def check_complete(folder):
+    found = verify_survey(folder)
+    assert (found.status, found.faults) == (COMPLETE, [])
+    assert len(list(folder.glob("traces/*.json"))) == TRACES
+
+
+@pytest.mark.timeout(300 + 60 * KILLS)
+def test_a_survey_continues_under_a_master_that_comes_back_empty(robot):
+    draw, known = random.Random(SEED), registrations()
+    for number in range(1, KILLS + 1):
+        client = robot.client(*AREA)
+        moment = draw.randrange(TRACES - 4)
+        wait_until(lambda: stored(robot, number) > moment, client)  # noqa: B023
+        begun_s = time.monotonic()
+        assert robot.kill(MASTER)
+        if number % 2 == 0:
+            # It finds its configuration when the others have filled the master.
+            assert robot.kill("height_sensor")
+        wait_until(lambda: known <= registrations(), limit_s=LIMIT_S)
+        print(f"{number}: killed after {moment} traces, filled {time.monotonic() - begun_s:.1f} s")
+        assert client.wait(LIMIT_S) == 0
+        check_complete(folders(robot)[-1])
+    nodes = printed_by("rosnode", "list").split()
+    assert {name.replace("-", "/") for name in NODES} <= {name[1:] for name in nodes}
+    assert "success: False" in printed_by("rosservice", "call", "/stop_survey")
+    assert "code:" in printed_by("timeout", "30", "rostopic", "echo", "-n", "1", "/control_status")
+
+
+class Strangers:
+    """Connect to ports, say what ROS does not understand, and stay; again when they are ended."""
+
+    def __init__(self, addresses):
+        self._ended = threading.Event()
+        self._random = random.Random(SEED)
+        openings = itertools.cycle((*OPENINGS, None))
+        self._open = [(address, next(openings), None) for address in addresses * STRANGERS]
+        self.made = 0
+        self._thread = threading.Thread(target=self._come)
+        self._thread.start()
+
+    def close(self):
+        self._ended.set()
+        self._thread.join()
+
+    def _come(self):
+        while not self._ended.wait(1.0):
+            self._open = [self._again(*one) for one in self._open]
+        for _address, _opening, connection in self._open:
+            if connection is not None:
+                connection.close()
+
+    def _again(self, address, opening, connection):
+        if self._ended.is_set() or (connection is not None and is_open(connection)):
+            return address, opening, connection
+        with contextlib.suppress(OSError):
+            if connection is not None:
+                connection.close()
+            connection = socket.create_connection(address, STOP_LIMIT_S)
+            connection.sendall(
+                bytes(self._random.choices(range(256), k=99)) if opening is None else opening
+            )
+            self.made += 1
+        return address, opening, connection
+
+
+def is_open(connection):
+    connection.setblocking(False)
+    try:
+        return bool(connection.recv(1, socket.MSG_PEEK))
+    except OSError as error:
+        return isinstance(error, BlockingIOError)
+
+
+def node_addresses():
+    """Return both ports of every node."""
+    master = rosgraph.Master(NAME)
+    state = master.getSystemState()
+    nodes = {node for entries in state for _name, found in entries for node in found}
+    uris = [master.lookupNode(node) for node in nodes]
+    uris += [master.lookupService(f"{node}/get_loggers") for node in nodes]
+    return [(urlsplit(uri).hostname, urlsplit(uri).port) for uri in uris]
+
+
+def stop_survey():
+    """Call STOP, within its limit."""
+    deadline_s = time.monotonic() + STOP_LIMIT_S
+    uri = rosgraph.Master(NAME).lookupService("/stop_survey")
+    header = {"service": "/stop_survey", "md5sum": Command._md5sum, "callerid": NAME}
+    connection = ServiceConnection(uri, header, deadline_s, deadline_s)
+    answer = Command._response_class()
+    answer.deserialize(connection.call(Command._request_class(), deadline_s))
+    connection.close()
+    return answer
+
+
+@pytest.mark.timeout(300)
+def test_stop_and_storing_do_not_wait_behind_strangers(robot, tmp_path):
+    addresses = node_addresses()
+    _soft, most = resource.getrlimit(resource.RLIMIT_NOFILE)
+    resource.setrlimit(resource.RLIMIT_NOFILE, (most, most))
+    assert len(set(addresses)) == 2 * len({*NODES, "visualization"})
+    strangers = Strangers(addresses)
+    try:
+        wait_until(lambda: strangers.made > STRANGERS * len(addresses))
+        assert robot.client(*AREA).wait(3 * LIMIT_S) == 0
+        client = robot.client(*AREA)
+        wait_until(lambda: stored(robot, 2) > 5, client)
+        answer = stop_survey()
+        assert answer.success, answer.message
+        assert client.wait(LIMIT_S) != 0
+    finally:
+        strangers.close()
+    check_complete(folders(robot)[0])
+    assert "nothing that ROS understands" in (tmp_path / "launch.log").read_text(errors="replace")
