@@ -45,11 +45,9 @@ from gpr20_main_control.mid.devices.robot import (
 )
 from gpr20_main_control.mid.survey.survey_notes import Note
 from gpr20_main_control.mid.waits import Workers
-from gpr20_simulator.low.pins import SimulatedPins
-from gpr20_simulator.low.spi import SimulatedSpi
-from gpr20_simulator.mid.carriage import AxisMotor, mechanics_of, wiring_of
+from gpr20_simulator.mid.carriage import AxisMotor, SimulatedPins, mechanics_of, wiring_of
 from gpr20_simulator.mid.world.ground import Ground
-from gpr20_simulator.mid.world.range_sensor import RangeSensor
+from gpr20_simulator.mid.world.range_sensor import RangeSensor, SimulatedSpi
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.axes.axis_parameters import AxisParameters
 from gpr20_survey.faults import CONTROL_SILENT

@@ -20,12 +20,10 @@ from gpr20_common.message import Message
 from gpr20_simulator.low.message_device import NetworkFault
 from gpr20_simulator.low.shared_state import open_shared_state
 from gpr20_simulator.mid.analyzer.instrument import SimulatedVna
-from gpr20_simulator.mid.analyzer.sweep_plan import SweepPace
-from gpr20_simulator.mid.analyzer.sweeper import Sweeper
-from gpr20_simulator.mid.analyzer.vna_faults import FaultBoard
+from gpr20_simulator.mid.analyzer.sweeper import Sweeper, SweepPace
 from gpr20_simulator.mid.analyzer.vna_settings import VnaSettings
 from gpr20_simulator.mid.carriage import carriage_position, start_steps
-from gpr20_simulator.mid.faults import FaultSwitch
+from gpr20_simulator.mid.faults import FaultBoard, FaultSwitch
 from gpr20_simulator.mid.world.medium import AntennaPosition, PositionProbe, SweptMedium
 from gpr20_simulator.mid.world.scene import X_AXIS, Y_AXIS, Z_AXIS, RobotMechanics, Scene
 from gpr20_survey.trace.trace import Trace

@@ -52,7 +52,7 @@ def sent_values(block):
 
 def test_every_trace_is_one_sweep_made_at_its_own_place_and_stored_bit_for_bit(world, robot):
     # It has been sweeping by itself since it was switched on.
-    world.time.sleep_until_s(world.time.now_s() + 5.0)
+    world.time.sleep_until_s(world.time.now_s() + 20.0)
     begun = world.sweeper.sweep_number
     assert begun > 10
     robot.begin()

@@ -20,9 +20,8 @@ from gpr20_axis_driver.low.pins import StepperInterface
 from gpr20_axis_driver.mid.axis_driver import AxisDriver
 from gpr20_axis_driver.mid.pulse_loop import PulseLoop
 from gpr20_axis_driver.motion import Ending, Motion, never
-from gpr20_simulator.low.pins import SimulatedPins
 from gpr20_simulator.low.shared_state import open_shared_state
-from gpr20_simulator.mid.carriage import AxisMotor, wiring_of
+from gpr20_simulator.mid.carriage import AxisMotor, SimulatedPins, wiring_of
 from gpr20_simulator.mid.world.scene import X_AXIS
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.axes.axis_parameters import Level

@@ -15,16 +15,6 @@ class SimulatorError(Gpr20Error):
 class SceneError(SimulatorError, ValueError):
     """A scene file is missing, is not YAML or holds a key or value that is not allowed."""
 
-    fault = NOT_ALLOWED
-
 
 class FaultError(SimulatorError, ValueError):
     """A fault was asked for that does not exist."""
-
-    fault = NOT_ALLOWED
-
-
-class MediumError(SimulatorError, ValueError):
-    """The medium in front of the antennas was asked for by an unknown name."""
-
-    fault = NOT_ALLOWED

@@ -16,7 +16,12 @@ from scipy import optimize
 
 from gpr20_common.faults import NOT_ALLOWED
 from gpr20_simulator.errors import SceneError
-from gpr20_simulator.mid.world.ground import Ground, scatterers_of, sum_of_exponentials
+from gpr20_simulator.mid.world.ground import (
+    Ground,
+    refracted_path,
+    scatterers_of,
+    sum_of_exponentials,
+)
 from gpr20_simulator.mid.world.medium import (
     AntennaPosition,
     PositionProbe,
@@ -24,7 +29,6 @@ from gpr20_simulator.mid.world.medium import (
     probed_rotation_deg,
     probed_sweep,
 )
-from gpr20_simulator.mid.world.refraction import refracted_path
 from gpr20_simulator.mid.world.scene import (
     Antennas,
     Noise,

@@ -13,20 +13,18 @@ from vna_bench import (
     SWEEP_S,
     CountingProbe,
     ascii_numbers,
-    block_content,
     new_bench,
     real_numbers,
     swept,
     timed_bench,
+    wait_until,
 )
-from vxi11_wire import wait_until
 
 from gpr20_simulator.low.message_device import NetworkFault
 from gpr20_simulator.mid.analyzer.instrument_scene import Averaging, Power
 from gpr20_simulator.mid.analyzer.scpi import (
     ScpiError,
     frequency_between,
-    number_between,
     whole_number_between,
 )
 
@@ -48,7 +46,7 @@ def bench(request):
         ),
         (whole_number_between, ["4999", "6000000001", "5000.5", "NAN", "5000HZ", ""]),
         # In no time, however long they are.
-        (number_between, ["1" * 40_000 + "X", "1" * 65, "1E" + "0" * 64, "." * 40_000]),
+        (frequency_between, ["1" * 40_000 + "X", "1" * 65, "1E" + "0" * 64, "." * 40_000]),
     ],
 )
 def test_what_is_no_number_in_range_is_refused(read, texts):
@@ -64,25 +62,14 @@ def test_identity_comes_from_the_scene_and_is_quoted(request, bench):
     assert bench.send("*IDN?").answer == b'"Anritsu,MS2026C/2,SIMULATED,1.23"\n'
     other = new_bench(request, model="MS2036C/2/10", serial="SIMULATED-1")
     assert other.ask("*idn?\r\n") == '"Anritsu,MS2036C/2/10,SIMULATED-1,1.23"'
-    assert other.ask(":SYST:OPT?") == "2/10"
-    assert new_bench(request, model="MS2026C").ask(":SYSTem:OPTions?") == "NONE"
 
 
-def test_power_on_state_is_that_of_the_manual_also_after_a_preset(bench):
-    def check():
-        assert bench.ask(":FREQ:STAR?;:FREQ:STOP?;:SWE:POIN?") == "5000;6000000000;201"
-        assert bench.ask(":FREQ:CENT?;:FREQ:SPAN?") == "3000002500;5999995000"
-        assert bench.ask(":SWE:IFBW?;:AVER:COUN?;:FORM?;:SWE:TYPE?") == "10000;1;ASC;CONT"
-        parameters = bench.ask(":TRAC1:SPAR?;:TRAC2:SPAR?;:TRAC3:SPAR?;:TRAC4:SPAR?")
-        assert parameters == "S11;S12;S21;S22"
-        assert bench.ask(":CALC1:FORM?;:CALC2:FORM?;:TRAC:TOT?;:TRAC:SEL?") == "SMIT;LMAG;4;TR1"
-        assert bench.ask(":INIT:CONT?;:INIT:HOLD?;:SOUR:POW?;:INP:GAIN:MODE?") == "1;0;HIGH;AUTO"
-        assert bench.ask(":INST?;:INST:NSEL?;:RFON?") == '"MWVNA";26;1'
-
-    check()
-    bench.send(":INIT:CONT OFF;:SWE:POIN 77;:FORM REAL,32;:SOUR:POW LOW;:CALC2:FORM SWR")
-    bench.send(":SYST:PRES")
-    check()
+def test_power_on_state_is_that_of_the_manual(bench):
+    assert bench.ask(":FREQ:STAR?;:FREQ:STOP?;:SWE:POIN?") == "5000;6000000000;201"
+    assert bench.ask(":SWE:IFBW?;:AVER:COUN?;:FORM?;:INIT:CONT?") == "10000;1;ASC;1"
+    parameters = bench.ask(":TRAC1:SPAR?;:TRAC2:SPAR?;:TRAC3:SPAR?;:TRAC4:SPAR?")
+    assert parameters == "S11;S12;S21;S22"
+    assert bench.ask(":TRAC:TOT?;:SOUR:POW?;:CORR?") == "4;HIGH;1"
 
 
 @each_case(
@@ -95,20 +82,15 @@ def test_power_on_state_is_that_of_the_manual_also_after_a_preset(bench):
         ('DISP "A;B";:FREQ:STAR +6.0e+8 HZ', "FREQ:STAR?", "600000000"),
         ("SENSE:FREQUENCY:STOP 2.5 GHZ", "SENS:FREQ:STOP?", "2500000000"),
         ("FREQ:STOP 1GHZ;:FREQ:STAR 2GHZ", "FREQ:STAR?;:FREQ:STOP?", "2000000000;2000000000"),
-        ("FREQ:CENT 2GHZ;:FREQ:SPAN 1GHZ", "FREQ:STAR?;:FREQ:STOP?", "1500000000;2500000000"),
         ("SWE:POIN 4001", "SWE:POIN?", "4001"),
         ("FORM real,32", "FORM?", "REAL,32"),
-        ("FORMAT:READINGS:DATA INTEGER, 32", "FORM:DATA?", "INT,32"),
+        ("FORMAT:READINGS:DATA REAL, 32", "FORM:DATA?", "REAL,32"),
         ("TRAC3:SPARams s22", "SENS:TRAC3:SPAR?", "S22"),
-        ("CALC4:FORM LM/2", "CALC4:FORM?;:TRAC:SEL?", "LM/2;TR4"),
-        ("TRAC3:SEL", "TRAC:SEL?", "TR3"),
         ("CORR OFF", "CORR:STAT?;:SENS:CORR:COLL:STAT:ACC?", "0;0"),
-        ("SWE:TYPE SING", "SWE:TYPE?;:INIT:HOLD?", "SING;1"),
-        ("INIT:HOLD ON", "INIT:HOLD?;:INIT:CONT?", "1;0"),
+        ("INIT:CONT OFF", "INIT:CONT?", "0"),
     ],
 )
 def test_settings_are_read_back_in_their_short_form(bench, command, query, answer):
-    bench.send(":SYST:PRES")
     bench.send(command)
     assert bench.ask(query) == answer
 
@@ -122,7 +104,6 @@ def test_settings_are_read_back_in_their_short_form(bench, command, query, answe
         ("SWE:IFBW 30000", "SWE:IFBW?"),
         ("AVER:COUN 0", "AVER:COUN?"),
         ("TRAC1:SPAR S31", "TRAC1:SPAR?"),
-        ("SWE:TYPE ONCE", "SWE:TYPE?"),
     ],
 )
 def test_invalid_settings_keep_the_former_value(bench, command, query):
@@ -136,7 +117,7 @@ def test_invalid_settings_keep_the_former_value(bench, command, query):
     [
         "*OPC?",
         ":CALC9:DATA? SDAT",
-        ":CALC1:DATA? SMEM",
+        ":CALC1:DATA? FDAT",
         ":?",
     ],
 )
@@ -148,8 +129,8 @@ def test_unknown_queries_get_no_answer(bench, query):
 @each_case(
     "accuracy, interpolated, covers, answers",
     [
-        (3, True, 15, "3;4;15;RF2P;1;1"),
-        (0, True, 15, "0;0;0;;0;0"),
+        (3, True, 15, "3;15;RF2P;1;1"),
+        (0, True, 15, "0;0;;0;0"),
     ],
 )
 def test_calibration_is_that_of_the_scene(request, accuracy, interpolated, covers, answers):
@@ -162,8 +143,8 @@ def test_calibration_is_that_of_the_scene(request, accuracy, interpolated, cover
     # Without a calibration there is no correction.
     bench.send(":CORR ON")
     queries = (
-        ":SENS:CORR:COLL:STAT:ACC?", ":CORR:COLL:STAT?", ":SENS:CAL:STAT?",
-        ":SENS:CORR:COLL:TYPE?", ":SENS:CORR:COLL:INT?", ":CORR:STAT?",
+        ":SENS:CORR:COLL:STAT:ACC?", ":SENS:CAL:STAT?", ":SENS:CORR:COLL:TYPE?",
+        ":SENS:CORR:COLL:INT?", ":CORR:STAT?",
     )  # fmt: skip
     assert ";".join(bench.ask(one) for one in queries) == answers
 
@@ -192,20 +173,13 @@ def test_delayed_setting_reads_back_only_when_it_has_taken_effect(request):
     assert bench.ask(":SWE:POIN?") == str(POINTS)
     bench.clock.advance(0.2)
     assert bench.ask(":SWE:POIN?") == "77"
-    bench.send(":SWE:POIN 99;:SYST:PRES")
-    bench.clock.advance(3.0)
-    assert bench.ask(":SWE:POIN?") == "201"
 
 
-def test_all_formats_have_the_same_numbers(bench):
+def test_both_formats_have_the_same_numbers(bench):
     binary = real_numbers(swept(bench))
     bench.send("FORM ASC")
     text = ascii_numbers(bench.data()).astype(np.float32)
     assert text.tobytes() == binary.tobytes()
-    assert bench.send(":TRAC? 1").answer == bench.data()
-    bench.send("FORM INT,32")
-    steps = np.frombuffer(block_content(bench.data()), "<i4")
-    assert steps == pytest.approx(binary * 1e6, abs=1.0)
 
 
 def test_ascii_ends_with_comma_and_newline_unless_told_otherwise(request):
@@ -226,7 +200,7 @@ def test_frequencies_are_those_of_the_sweep(bench):
 
 
 def test_preamble_describes_the_sweep(bench):
-    bench.send("FREQ:STAR 600MHZ;:SWE:POIN 501;:SWE:TYPE SING;:TRACE1:SPAR S21;:TRACE1:DOM TIME")
+    bench.send("FREQ:STAR 600MHZ;:SWE:POIN 501;:INIT:CONT OFF;:TRACE1:SPAR S21;:TRACE1:DOM TIME")
     bench.send(":SWE:IFBW 20;:SOUR:POW LOW")
     pairs = bench.preamble()
     expected = {
@@ -283,11 +257,3 @@ def test_bit_can_wait_for_the_whole_average(request):
         assert bench.preamble()["AVERAGING_COUNT"] == "3"
         # The mean of the three sweeps, none from before the trigger among them.
         assert bench.sweep_numbers() == {first + 1}
-
-
-def test_answers_of_one_message_are_bounded(bench):
-    assert bench.ask(";".join([":SWE:POIN?"] * 3500)) == ";".join(["201"] * 3500)
-    bench.send(":SWE:POIN 4001;:FORM ASC")
-    answer = bench.send(";".join([":CALC1:DATA? SDAT"] * 3500)).answer
-    # The answer that passes the limit is still given.
-    assert (1 << 20) <= len(answer) < (1 << 20) + 200_000

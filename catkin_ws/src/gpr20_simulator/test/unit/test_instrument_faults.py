@@ -8,18 +8,15 @@ from case_kit import each_case
 from fault_kit import raises_fault
 from hypothesis import given
 from hypothesis import strategies as st
-from vna_bench import SWEEP_S, Bench, new_bench, real_numbers, swept, timed_bench
-from vxi11_wire import wait_until
+from vna_bench import SWEEP_S, Bench, new_bench, real_numbers, swept, timed_bench, wait_until
 
 from gpr20_common.faults import NOT_ALLOWED
 from gpr20_simulator.errors import FaultError, SceneError
-from gpr20_simulator.low.capture import CaptureFolder
 from gpr20_simulator.low.message_device import NetworkFault
 from gpr20_simulator.low.shared_state import open_shared_state
 from gpr20_simulator.mid.analyzer.instrument_scene import InstrumentScene
-from gpr20_simulator.mid.analyzer.vna_commands import SETTINGS
-from gpr20_simulator.mid.analyzer.vna_faults import FaultBoard, VnaFault
-from gpr20_simulator.mid.faults import FaultSwitch
+from gpr20_simulator.mid.analyzer.vna_settings import SETTINGS
+from gpr20_simulator.mid.faults import FaultBoard, FaultSwitch, VnaFault
 from gpr20_survey.axes.axis_id import AxisId
 
 
@@ -63,9 +60,9 @@ def test_fault_strikes_as_often_as_counted_and_none_switches_all_off(switch, boa
 
 def test_timed_fault_lasts_as_many_seconds_as_counted(switch, board, now_s):
     noted = []
-    board.on_set(noted.append)
+    board.on_link_gone = lambda: noted.append(1)
     assert "20 s" in str(switch.set("vna", "link_gone", 20))
-    assert noted == [VnaFault.LINK_GONE]
+    assert noted == [1]
     now_s[0] += 19.9
     # However often it strikes meanwhile.
     assert all(board.is_on(VnaFault.LINK_GONE) for _ in range(9))
@@ -88,19 +85,6 @@ def test_what_does_not_exist_is_refused_with_what_does(switch, device, fault, co
     with raises_fault(NOT_ALLOWED, *shown, error=FaultError):
         switch.set(device, fault, count)
     assert switch.names() == ""
-
-
-def test_captured_replies_are_numbered_files_and_never_overwritten(tmp_path):
-    folder = tmp_path / "new" / "capture"
-    first = CaptureFolder(folder)
-    first.save("sdat", b"first")
-    first.save("freq", b"second")
-    CaptureFolder(folder).save("sdat", b"third")
-    assert [(one.name, one.read_bytes()) for one in sorted(folder.iterdir())] == [
-        ("000001_sdat.bin", b"first"),
-        ("000002_freq.bin", b"second"),
-        ("000003_sdat.bin", b"third"),
-    ]
 
 
 # What they do.
@@ -127,8 +111,8 @@ def test_late_answer_and_reset_are_orders_to_the_network(bench):
     found = [bench.send("*IDN?").fault for _ in range(2)]
     assert found == [NetworkFault.ANSWER_LATE, NetworkFault.NONE]
     # A reset makes the instrument vanish.
-    assert bench.send("*RST").fault is NetworkFault.GO_SILENT
-    assert bench.instrument.network_lost
+    assert bench.send("*RST").fault is NetworkFault.DROP_CONNECTIONS
+    assert not bench.instrument.is_reachable()
 
 
 @each_case(
@@ -175,10 +159,8 @@ def test_refused_settings_keep_their_value_while_sweeps_go_on(bench):
     bench.send("SWE:POIN 77;:FREQ:STAR 1GHZ")
     assert bench.ask("SWE:POIN?;:FREQ:STAR?") == "201;1000000000"
     bench.faults.set("REFUSE_SETTINGS")
-    bench.send("SWE:POIN 77;:FREQ:STAR 2GHZ;:FORM REAL,32;:CORR OFF;:SWE:TYPE SING")
-    assert (
-        bench.ask("SWE:POIN?;:FREQ:STAR?;:FORM?;:CORR?;:SWE:TYPE?") == "201;1000000000;ASC;1;CONT"
-    )
+    bench.send("SWE:POIN 77;:FREQ:STAR 2GHZ;:FORM REAL,32;:CORR OFF")
+    assert bench.ask("SWE:POIN?;:FREQ:STAR?;:FORM?;:CORR?") == "201;1000000000;ASC;1"
     bench.send(":INIT:CONT OFF;:INIT:IMM")
     bench.wait_for_bit()
 
@@ -227,8 +209,6 @@ def test_unanswered_queries_are_those_of_the_scene(request):
     assert bench.ask(":SENS:TRACE2:DOM?;:SWE:POIN?") == "FREQ;201"
     bench.faults.clear()
     assert bench.ask(":trac:domain?") == "FREQ"
-    with pytest.raises(SceneError, match="BANANA"):
-        new_bench(request, unanswered_queries=(":BANANA?",))
     with pytest.raises(SceneError, match="1234"):
         InstrumentScene(other_serial="1234")
 
@@ -242,16 +222,16 @@ def test_unanswered_queries_are_those_of_the_scene(request):
 )
 def test_calibration_is_lost_by_a_write_until_the_fault_is_cleared(bench, command):
     bench.faults.set("LOSES_CALIBRATION", 1)
-    bench.send(":SENS:TRACE1:SPAR S21;:CALC1:FORM SMIT;:AVER:COUN 1;:SWE:POIN?")
-    state = ":CORR:COLL:STAT:ACC?;:CORR?;:CAL:STAT?;:CORR:COLL:STAT?"
-    assert bench.ask(state) == "1;1;15;4"
+    bench.send(":SENS:TRACE1:SPAR S21;:AVER:COUN 1;:SWE:POIN?")
+    state = ":CORR:COLL:STAT:ACC?;:CORR?;:CAL:STAT?"
+    assert bench.ask(state) == "1;1;15"
     bench.send(command)
     bench.send(":CORR ON")
-    assert bench.ask(state) == "0;0;0;0"
+    assert bench.ask(state) == "0;0;0"
     assert bench.preamble()["CAL_CORRECTION"] == "1"
     assert bench.faults.names() == "LOSES_CALIBRATION"
     bench.faults.clear()
-    assert bench.ask(state) == "1;1;15;4"
+    assert bench.ask(state) == "1;1;15"
 
 
 @each_case(
@@ -288,7 +268,7 @@ def fuzzed():
 
 
 HEADERS = [one.header.pattern.translate(str.maketrans("#", "1", "[]")) for one in SETTINGS]
-HEADERS += [":CALC1:DATA", ":TRAC:DATA", ":TRAC:PRE", ":FREQ:DATA", ":INIT", ":INIT:CONT"]
+HEADERS += [":CALC1:DATA", ":TRAC:PRE", ":FREQ:DATA", ":INIT", ":INIT:CONT"]
 COMMANDS = st.builds(
     "{}{} {}".format,
     st.sampled_from([*HEADERS, ":STAT:OPER"]),

@@ -3,17 +3,14 @@
 from __future__ import annotations
 
 import random
-import threading
 
 import numpy as np
 import pytest
 from run_seed import draws
-from vna_bench import Carriage, CountingProbe, HandClock
-from vxi11_wire import LIMIT_S, wait_until
+from vna_bench import Carriage, CountingProbe, HandClock, wait_until
 
-from gpr20_simulator.mid.analyzer.sweep_plan import SweepPace, SweepPlan
-from gpr20_simulator.mid.analyzer.sweeper import Sweeper
-from gpr20_simulator.mid.analyzer.trace_memory import MOST_WAITING_SWEEPS, SweepPart, TraceMemory
+from gpr20_simulator.mid.analyzer.sweeper import Sweeper, SweepPace, SweepPlan
+from gpr20_simulator.mid.analyzer.trace_memory import SweepPart, TraceMemory
 from gpr20_simulator.mid.world.medium import (
     AntennaPosition,
     PositionProbe,
@@ -26,7 +23,7 @@ POINT_S = 0.01
 SWEEP_S = POINTS * POINT_S
 PLAN = SweepPlan(1e9, 2e9, POINTS, POINT_S)
 # Ten points share one look at the position.
-PACE = SweepPace(slice_s=0.1001, shortest_period_s=0.5)
+PACE = SweepPace(slice_s=0.1001, series_s=0.1001)
 
 
 class SweeperRig:
@@ -112,43 +109,16 @@ def test_data_in_mid_sweep_are_a_mixture_until_a_trigger_begins_anew(rig):
     assert rig.sweeps() == [3] * POINTS
 
 
-class SlowMedium:
-    """Lets the test hold up the measurement of the first slice."""
-
-    def __init__(self):
-        self.entered = threading.Event()
-        self.may_go_on = threading.Event()
-
-    def s21(self, frequency_hz, position, sweep_number, noise_gain=1.0):
-        self.entered.set()
-        self.may_go_on.wait(LIMIT_S)
-        return PositionProbe().s21(frequency_hz, position, sweep_number)
-
-
-def test_points_still_being_measured_at_a_trigger_are_thrown_away(make):
-    medium = SlowMedium()
-    rig = make(medium=medium)
-    rig.sweeper.trigger()
-    rig.clock.advance(0.11)
-    assert medium.entered.wait(LIMIT_S)
-    rig.sweeper.trigger()
-    medium.may_go_on.set()
-    rig.clock.advance(0.11)
-    wait_until(lambda: rig.sweeper.snapshot()[1][0] != 0, "first slice of the new sweep")
-    assert rig.sweeps()[:10] == [2] * 10
-    assert list(rig.sweeper.snapshot()[1][10:]) == [0] * 90
-
-
 def test_continuous_sweeps_follow_each_other_until_held(rig):
     rig.sweeper.set_continuous(True)
     for number in range(1, 4):
         rig.clock.advance(SWEEP_S)
         rig.wait_for_completed(number)
-    rig.sweeper.hold(True)
+    rig.sweeper.set_continuous(False)
     rig.clock.advance(5 * SWEEP_S)
     assert rig.sweeper.sweeps_completed == 3
-    assert not rig.sweeper.is_running and rig.sweeper.is_continuous
-    # One sweep of a trigger, after which the series stays held.
+    assert not rig.sweeper.is_running
+    # One sweep of a trigger, after which it stays held.
     rig.sweeper.trigger()
     rig.clock.advance(SWEEP_S)
     rig.wait_for_completed(4)
@@ -186,22 +156,22 @@ def memory(medium=None):
 def parts_of(sweep_number, cuts, x_mm=0.0):
     edges = [0, *cuts, FEW]
     here = AntennaPosition(x_mm, 0.0, 0.0)
-    return [SweepPart(sweep_number, a, b, here, 1.0) for a, b in zip(edges, edges[1:])]
+    return [SweepPart(sweep_number, a, b, here, 1.0, 1.0) for a, b in zip(edges, edges[1:])]
 
 
 def test_later_is_as_good_as_at_once():
     for seed in range(draws(20)):
         draw = random.Random(seed)
         at_once, later = memory(), memory()
-        for number in range(1, draw.randrange(2, MOST_WAITING_SWEEPS)):
+        for number in range(1, draw.randrange(2, 9)):
             cuts = sorted(draw.sample(range(1, FEW), draw.randrange(4)))
-            share = 1.0 / min(number, 1 + 2 * (seed % 2))
             for part in parts_of(number, cuts, float(draw.randrange(3))):
-                at_once.store(part, at_once.measured(part), share)
-                later.store(part, None, share)
+                at_once.store(part)
+                at_once.compute()
+                later.store(part)
                 if draw.random() < 0.1:
-                    assert np.allclose(later.data(), at_once.data(), rtol=1e-6), seed
-        assert np.allclose(later.data(), at_once.data(), rtol=1e-6), seed
+                    assert np.array_equal(later.shown(0.0), at_once.shown(0.0)), seed
+        assert np.array_equal(later.shown(0.0), at_once.shown(0.0)), seed
 
 
 def test_sweeps_that_nobody_sees_cost_nothing():
@@ -209,13 +179,13 @@ def test_sweeps_that_nobody_sees_cost_nothing():
     one = memory(medium)
     for number in range(1, 101):
         for part in parts_of(number, [7, 15]):
-            one.store(part, None, 1.0)
+            one.store(part)
     assert medium.calls == 0
-    assert set(map(probed_sweep, one.data())) == {100}
+    assert set(map(probed_sweep, one.shown(0.0))) == {100}
     # The last sweep, in one piece, and the one before it.
     assert medium.calls == 2
     # Data of as many points stay when the frequencies change.
     one.set_frequencies(np.linspace(1e9, 3e9, FEW))
-    assert set(map(probed_sweep, one.data())) == {100}
+    assert set(map(probed_sweep, one.shown(0.0))) == {100}
     one.set_frequencies(np.linspace(1e9, 3e9, 5))
-    assert list(one.data()) == [0] * 5
+    assert list(one.shown(0.0)) == [0] * 5

@@ -2,17 +2,26 @@
 
 from __future__ import annotations
 
+import time
+
 import numpy as np
-from vxi11_wire import wait_until
 
 from gpr20_common.low.clock import Clock
 from gpr20_simulator.mid.analyzer.instrument import SimulatedVna
 from gpr20_simulator.mid.analyzer.instrument_scene import InstrumentScene
-from gpr20_simulator.mid.analyzer.sweep_plan import SweepPace
-from gpr20_simulator.mid.analyzer.sweeper import Sweeper
-from gpr20_simulator.mid.analyzer.vna_faults import FaultBoard
+from gpr20_simulator.mid.analyzer.sweeper import Sweeper, SweepPace
 from gpr20_simulator.mid.analyzer.vna_settings import VnaSettings
+from gpr20_simulator.mid.faults import FaultBoard
 from gpr20_simulator.mid.world.medium import AntennaPosition, PositionProbe, probed_sweep
+
+LIMIT_S = 30.0
+
+
+def wait_until(condition, what):
+    deadline_s = time.monotonic() + LIMIT_S
+    while not condition():
+        assert time.monotonic() < deadline_s, f"{what} did not happen within {LIMIT_S} s"
+        time.sleep(0.002)
 
 
 class HandClock(Clock):

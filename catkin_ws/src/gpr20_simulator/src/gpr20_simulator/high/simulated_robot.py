@@ -12,8 +12,11 @@ import rospy
 from gpr20_common.high.node import read_parameters
 from gpr20_common.mid.node_facts import Hardware
 from gpr20_simulator.low.scaled_clock import ScaledClock
-from gpr20_simulator.low.shared_state import SharedState, open_shared_state
-from gpr20_simulator.low.stale_states import remove_stale_states
+from gpr20_simulator.low.shared_state import (
+    SharedState,
+    open_shared_state,
+    remove_stale_states,
+)
 from gpr20_simulator.mid.carriage import start_steps
 from gpr20_simulator.mid.simulator_parameters import SimulatorParameters
 from gpr20_simulator.mid.world.scene import Scene, read_scene

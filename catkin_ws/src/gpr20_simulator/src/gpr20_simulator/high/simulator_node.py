@@ -2,24 +2,23 @@
 
 from __future__ import annotations
 
+import itertools
 from pathlib import Path
 from typing import Any
 
 import rospy
 
 from gpr20_common.errors import os_reason
-from gpr20_common.faults import OTHER_LAUNCH
 from gpr20_common.high.answers import advertise, message_fields
 from gpr20_common.high.description import publish_description
-from gpr20_common.high.diagnostics import ERROR, OK, WARN, Diagnostics, Health
+from gpr20_common.high.diagnostics import OK, WARN, Diagnostics, Health
 from gpr20_common.high.node import run_node
 from gpr20_common.message import Message
 from gpr20_simulator.errors import SimulatorError
 from gpr20_simulator.faults import FAULTS_SET
 from gpr20_simulator.high.simulated_robot import SimulatedPart, open_simulated_part
-from gpr20_simulator.low.capture import CaptureFolder
-from gpr20_simulator.low.portmapper import PORT as PORTMAPPER_PORT
-from gpr20_simulator.mid.analyzer.reply import Capture
+from gpr20_simulator.low.vxi11_server import PORTMAPPER_PORT
+from gpr20_simulator.mid.analyzer.instrument import Capture
 from gpr20_simulator.mid.analyzer.simulated_analyzer import (
     AnalyzerOptions,
     SimulatedAnalyzer,
@@ -62,14 +61,11 @@ class SimulatorNode:
             "vna_port": self._vna.server.port,
             "vna_links": self._vna.server.link_count,
             "vna_is_remote": self._vna.instrument.is_remote,
-            "vna_is_continuous": sweeper.is_continuous and sweeper.is_running,
+            "vna_is_continuous": sweeper.runs_continuously,
             "sweep_number": sweeper.sweep_number,
             "sweeps_completed": sweeper.sweeps_completed,
             "faults": faults or "none",
         }
-        if self._vna.instrument.network_lost:
-            lost = Message("The SIMULATED VNA was reset and lost its network settings")
-            return ERROR, lost.with_fault(OTHER_LAUNCH), values
         if faults:
             text = Message("The SIMULATED robot has faults: {faults}", faults=faults)
             return WARN, text.with_fault(FAULTS_SET), values
@@ -107,10 +103,12 @@ def build_simulator() -> SimulatorNode:
 
 
 def _capture(folder: str) -> Capture:
+    """Return what writes each data reply to a file of its own, such as `000001_sdat.bin`."""
     if not folder:
         return lambda _kind, _reply: None
+    place = Path(folder).expanduser()
     try:
-        return CaptureFolder(Path(folder).expanduser()).save
+        place.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise SimulatorError(
             Message(
@@ -119,3 +117,11 @@ def _capture(folder: str) -> Capture:
                 reason=os_reason(error),
             )
         ) from error
+    used = [int(one.name[:6]) for one in place.glob("[0-9]" * 6 + "_*.bin")]
+    numbers = itertools.count(max(used, default=0) + 1)
+
+    def save(kind: str, reply: bytes) -> None:
+        with (place / f"{next(numbers):06d}_{kind}.bin").open("xb") as file:
+            file.write(reply)
+
+    return save

@@ -22,7 +22,6 @@ class NetworkFault(enum.Enum):
     ANSWER_LATE = "answer late"
     NO_REPLY = "no reply"
     DROP_CONNECTIONS = "drop connections"
-    GO_SILENT = "go silent"
 
 
 @dataclass(frozen=True)

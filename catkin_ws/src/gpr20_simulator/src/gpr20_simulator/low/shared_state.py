@@ -6,24 +6,28 @@ a reader sees a new value as soon as the writer has stored it, without any messa
 
 from __future__ import annotations
 
+import contextlib
 import ctypes
 import enum
 import fcntl
 import mmap
 import os
+import re
 import tempfile
 import time
 from pathlib import Path
 from typing import Mapping, Optional
 
 from gpr20_common.errors import Gpr20Error, os_reason
-from gpr20_common.faults import NOT_ALLOWED, OTHER_LAUNCH
+from gpr20_common.faults import OTHER_LAUNCH
 from gpr20_common.message import Message, verbatim
 from gpr20_survey.axes.axis_id import AxisId
 
-LAYOUT = 0x47505232_00000003
 INDEX = {axis: index for index, axis in enumerate(AxisId)}
-AXES_WITH_ENDSTOP = (AxisId.X, AxisId.Y)
+# A shared state that was just made is opened, and a node that died is there again, within this [s].
+GRACE_S = 60.0
+# A shared state, or the step memory of one of its axes.
+NAME = re.compile(r"([0-9a-f]{32})(_[xyz]_steps)?")
 
 
 class SharedStateError(Gpr20Error, OSError):
@@ -53,7 +57,6 @@ class _Words(ctypes.Structure):
 
     _PerAxis = ctypes.c_int64 * len(INDEX)
     _fields_ = (
-        ("layout", ctypes.c_int64),
         ("steps", _PerAxis),
         ("last_pulse_ns", _PerAxis),
         ("pin_levels", _PerAxis),
@@ -96,11 +99,6 @@ class SharedState:
 
     def set_endstop_fault(self, axis: AxisId, fault: EndstopFault) -> None:
         """Break or repair the endstop of the x or y axis."""
-        if axis not in AXES_WITH_ENDSTOP:
-            raise SharedStateError(
-                Message("the {axis} axis has no endstop that could fail", axis=axis.value),
-                fault=NOT_ALLOWED,
-            )
         self._words.endstop_fault[INDEX[axis]] = fault
 
     @property
@@ -137,9 +135,10 @@ def open_shared_state(
         SharedStateError: The file cannot be made, or is something else.
     """
     try:
-        memory = _map(path, start_steps or {})
+        memory = None
         while memory is None:
             memory = _map(path, start_steps or {})
+        return SharedState(_Words.from_buffer(memory))
     except (OSError, ValueError) as error:
         reason = os_reason(error) if isinstance(error, OSError) else verbatim(str(error))
         raise SharedStateError(
@@ -150,13 +149,6 @@ def open_shared_state(
                 reason=reason,
             )
         ) from error
-    if len(memory) == ctypes.sizeof(_Words):
-        words = _Words.from_buffer(memory)
-        if words.layout == LAYOUT:
-            return SharedState(words)
-    raise SharedStateError(
-        Message("{path} was not written by this version of the simulator; remove it", path=path)
-    )
 
 
 def _map(path: Path, start_steps: Mapping[AxisId, int]) -> Optional[mmap.mmap]:
@@ -174,7 +166,7 @@ def _make(path: Path, start_steps: Mapping[AxisId, int]) -> None:
     if path.exists():
         return
     path.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
-    words = _Words(layout=LAYOUT)
+    words = _Words()
     for axis, steps in start_steps.items():
         words.steps[INDEX[axis]] = steps
     with tempfile.NamedTemporaryFile(dir=path.parent) as complete:
@@ -185,3 +177,36 @@ def _make(path: Path, start_steps: Mapping[AxisId, int]) -> None:
             os.link(complete.name, path)
         except FileExistsError:
             return
+
+
+def remove_stale_states(folder: Path) -> None:
+    """Remove the shared states that no process has open, with the files beside them.
+
+    Args:
+        folder: Where the states of this user are; may be missing.
+
+    Raises:
+        OSError: The folder cannot be read, or a file not be removed.
+    """
+    names = [one.name for one in folder.iterdir()] if folder.is_dir() else []
+    known = [match for match in map(NAME.fullmatch, names) if match]
+    for state in {match.group(1) for match in known}:
+        paths = [folder / match.group() for match in known if match.group(1) == state]
+        with contextlib.ExitStack() as held:
+            if all(_is_stale(path, held) for path in paths):
+                # While the lock is held: who opens the state now sees that it is gone.
+                for path in paths:
+                    path.unlink()
+
+
+def _is_stale(path: Path, held: contextlib.ExitStack) -> bool:
+    """Return whether a file is old; a state also that nobody has it open, and lock it."""
+    try:
+        stream = held.enter_context(path.open("rb"))
+        is_old = abs(time.time() - os.fstat(stream.fileno()).st_mtime) >= GRACE_S
+        # The lock of a step memory belongs to its axis.
+        if is_old and "_" not in path.name:
+            fcntl.flock(stream.fileno(), fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except (FileNotFoundError, BlockingIOError):
+        return False  # another launch clears away, too, or a process has it
+    return is_old

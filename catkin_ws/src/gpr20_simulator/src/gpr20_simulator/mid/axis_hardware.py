@@ -8,10 +8,9 @@ from typing import Optional
 
 from gpr20_common.low.clock import Clock
 from gpr20_common.mid.node_facts import Hardware
-from gpr20_simulator.low.pins import SimulatedPins
 from gpr20_simulator.low.scaled_clock import ScaledClock
 from gpr20_simulator.low.shared_state import open_shared_state
-from gpr20_simulator.mid.carriage import AxisMotor, wiring_of
+from gpr20_simulator.mid.carriage import AxisMotor, SimulatedPins, wiring_of
 from gpr20_simulator.mid.world.scene import AxisMechanics
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.axes.axis_parameters import AxisParameters

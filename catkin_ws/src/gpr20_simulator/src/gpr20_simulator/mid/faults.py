@@ -3,27 +3,149 @@
 from __future__ import annotations
 
 import enum
-from typing import Dict, Type
+import threading
+import time
+from typing import Callable, Dict, Optional, Set, Type
 
 from gpr20_common.message import Message
+from gpr20_common.mid.checks import number_between
 from gpr20_simulator.errors import FaultError
 from gpr20_simulator.low.shared_state import AdcFault, EndstopFault, SharedState
-from gpr20_simulator.mid.analyzer.vna_faults import TIMED, FaultBoard, unknown_fault
 from gpr20_survey.axes.axis_id import AxisId
 
+MOST_TIMES = 1_000_000
+UNTIL_CLEARED = 0
 NO_FAULT = "NONE"
 VNA = "vna"
 ADC = "adc"
 ENDSTOPS: Dict[str, AxisId] = {"endstop_x": AxisId.X, "endstop_y": AxisId.Y}
 
 
-class FaultSwitch:
-    """Knows the devices and their faults.
+class VnaFault(enum.Enum):
+    """What can go wrong with the analyzer, and what a count counts."""
+
+    HANG = "HANG"  # messages that never get any reply on the network
+    DROP = "DROP"  # messages at which every connection is closed
+    SILENT = "SILENT"  # answers that never come, though the network works
+    LATE = "LATE"  # answers that come only after the next message, in front of its own
+    TRUNCATE = "TRUNCATE"  # data blocks whose last 9 bytes are missing
+    NAN = "NAN"  # data blocks in which some numbers are not numbers
+    GARBAGE = "GARBAGE"  # answers that are random bytes
+    WRONG_IDENTITY = "WRONG_IDENTITY"  # identities that are those of another instrument
+    STALE = "STALE"  # triggers after which the data stay those of the sweep before
+    REFUSE_SETTINGS = "REFUSE_SETTINGS"  # settings that are ignored
+    LATE_BIT = "LATE_BIT"  # triggers after which the bit of the sweep before stays set for a while
+    LATE_MEMORY = "LATE_MEMORY"  # triggers whose data reach the display after the end of the sweep
+    SLOW_POINTS = "SLOW_POINTS"  # triggers whose sweep takes longer for each point
+    UNANSWERED_QUERY = "UNANSWERED_QUERY"  # queries of the scene's list that get no answer
+    OTHER_SERIAL = "OTHER_SERIAL"  # new links whose *IDN? has another serial number
+    SWAPPED = "SWAPPED"  # nothing: another unit answers on the same link as long as it is on
+    LINK_GONE = "LINK_GONE"  # real seconds without any connection
+    LOSES_CALIBRATION = "LOSES_CALIBRATION"  # settings of the sweep that end the calibration
+    ENDLESS_DIGITS = "ENDLESS_DIGITS"  # numeric answers of 40,000 digits and a letter
+    NO_CLEAR = "NO_CLEAR"  # device_clear calls of which the server knows nothing
+    CLEAR_UNSUPPORTED = "CLEAR_UNSUPPORTED"  # device_clear calls that get the error 8
+    HAND_BANDWIDTH = "HAND_BANDWIDTH"  # sweeps in whose middle somebody changes the bandwidth
+    HAND_AVERAGES = "HAND_AVERAGES"  # sweeps in whose middle somebody changes the averages
+    HAND_POWER = "HAND_POWER"  # sweeps in whose middle somebody changes the output power
+    HAND_PUT_BACK = "HAND_PUT_BACK"  # sweeps in whose middle the bandwidth is changed and put back
+    HAND_START = "HAND_START"  # sweeps in whose middle somebody changes the start frequency
+    LOOSE_PLUG = "LOOSE_PLUG"  # nothing: S21 is 3 dB lower and turned as long as it is on
+
+
+class FaultBoard:
+    """The faults of the analyzer that are on now; every method may be called from any thread.
 
     Args:
-        state: Holds the faults of endstops and converter, which other processes simulate.
-        vna_faults: The faults of the network analyzer.
+        now_s: Tells the real time [s] since some fixed moment.
+
+    Attributes:
+        on_link_gone: Called when that fault is switched on.
     """
+
+    def __init__(self, now_s: Callable[[], float] = time.monotonic) -> None:
+        self.on_link_gone: Callable[[], None] = lambda: None
+        self._now_s = now_s
+        self._lock = threading.Lock()
+        self._left: Dict[VnaFault, int] = {}
+        self._link_is_back_s: Optional[float] = None
+        self._damaged: Set[VnaFault] = set()
+
+    def set(self, name: str, count: int = UNTIL_CLEARED) -> None:
+        """Switch a fault on.
+
+        Args:
+            name: Name of the fault, in capitals or not.
+            count: How many times it strikes, or for LINK_GONE how many seconds it lasts; 0: until
+                the faults are cleared.
+
+        Raises:
+            InvalidValueError: The count is not allowed.
+            FaultError: There is no such fault.
+        """
+        number_between("count", count, 0, MOST_TIMES)
+        if name.upper() not in VnaFault.__members__:
+            raise _unknown(name, f"{NO_FAULT}, {', '.join(VnaFault.__members__)}")
+        fault = VnaFault[name.upper()]
+        with self._lock:
+            self._left[fault] = count
+            if fault is VnaFault.LINK_GONE:
+                self._link_is_back_s = self._now_s() + count if count else None
+        if fault is VnaFault.LINK_GONE:
+            self.on_link_gone()
+
+    def clear(self) -> None:
+        """Switch every fault off and repair what they damaged."""
+        with self._lock:
+            self._left.clear()
+            self._damaged.clear()
+
+    def is_on(self, fault: VnaFault) -> bool:
+        """Return whether the fault is on; this does not count as one time."""
+        with self._lock:
+            self._end_timed()
+            return fault in self._left
+
+    def is_permanent(self, fault: VnaFault) -> bool:
+        """Return whether the fault stays until it is cleared."""
+        with self._lock:
+            return self._left.get(fault) == UNTIL_CLEARED
+
+    def strikes(self, fault: VnaFault) -> bool:
+        """Return whether the fault happens now; this counts as one time."""
+        with self._lock:
+            left = self._left.get(fault)
+            if left == 1:
+                del self._left[fault]
+            elif left:
+                self._left[fault] = left - 1
+            return left is not None
+
+    def damages(self, fault: VnaFault) -> None:
+        """Let the fault happen, if it is on, with an effect that lasts until it is cleared."""
+        if self.strikes(fault):
+            with self._lock:
+                self._damaged.add(fault)
+
+    def has_damaged(self, fault: VnaFault) -> bool:
+        """Return whether the fault has had an effect that lasts."""
+        with self._lock:
+            return fault in self._damaged
+
+    def names(self) -> str:
+        """Return the faults that are on or have an effect, for people; empty if there is none."""
+        with self._lock:
+            self._end_timed()
+            return ", ".join(sorted(fault.value for fault in {*self._left, *self._damaged}))
+
+    def _end_timed(self) -> None:
+        if self._link_is_back_s is not None and self._now_s() >= self._link_is_back_s:
+            self._left.pop(VnaFault.LINK_GONE, None)
+            self._link_is_back_s = None
+
+
+class FaultSwitch:
+    """Knows the devices and their faults; those of other processes are in the shared state."""
 
     def __init__(self, state: SharedState, vna_faults: FaultBoard) -> None:
         self._state = state
@@ -35,21 +157,24 @@ class FaultSwitch:
         Args:
             device: vna, endstop_x, endstop_y or adc.
             fault: Name of the fault, in capitals or not.
-            count: How many times a fault of the analyzer strikes, or how many seconds a timed
-                one lasts; 0: until switched off.
+            count: As for `FaultBoard.set`; 0 for every other device.
 
         Returns:
             The fault that is on now.
 
         Raises:
+            InvalidValueError: The count is not allowed.
             FaultError: Device, fault or count is not allowed; the message lists what is.
         """
-        if device == VNA:
-            self._set_vna(fault, count)
+        name = fault.upper()
+        if device == VNA and name == NO_FAULT:
+            self._vna_faults.clear()
+        elif device == VNA:
+            self._vna_faults.set(name, count)
         elif device == ADC:
-            self._state.adc_fault = AdcFault[_name_of(AdcFault, fault, count)]
+            self._state.adc_fault = AdcFault[_checked(AdcFault, name, count)]
         elif device in ENDSTOPS:
-            chosen = EndstopFault[_name_of(EndstopFault, fault, count)]
+            chosen = EndstopFault[_checked(EndstopFault, name, count)]
             self._state.set_endstop_fault(ENDSTOPS[device], chosen)
         else:
             devices = ", ".join((VNA, *ENDSTOPS, ADC))
@@ -60,21 +185,12 @@ class FaultSwitch:
                     allowed=devices,
                 )
             )
-        if count and fault.upper() in {one.value for one in TIMED}:
-            return Message(
-                "SIMULATED {device}: fault {fault} for {count} s",
-                device=device,
-                fault=fault.upper(),
-                count=count,
-            )
-        if count:
-            return Message(
-                "SIMULATED {device}: fault {fault}, {count} times",
-                device=device,
-                fault=fault.upper(),
-                count=count,
-            )
-        return Message("SIMULATED {device}: fault {fault}", device=device, fault=fault.upper())
+        if not count:
+            return Message("SIMULATED {device}: fault {fault}", device=device, fault=name)
+        values = {"device": device, "fault": name, "count": count}
+        if name == VnaFault.LINK_GONE.value:
+            return Message("SIMULATED {device}: fault {fault} for {count} s", **values)
+        return Message("SIMULATED {device}: fault {fault}, {count} times", **values)
 
     def names(self) -> str:
         """Return the faults that are on, for people; empty if there is none."""
@@ -87,14 +203,8 @@ class FaultSwitch:
             found.append(f"{ADC} {self._state.adc_fault.name}")
         return ", ".join(found)
 
-    def _set_vna(self, fault: str, count: int) -> None:
-        if fault.upper() == NO_FAULT:
-            self._vna_faults.clear()
-        else:
-            self._vna_faults.set(fault, count)
 
-
-def _name_of(faults: Type[enum.IntEnum], fault: str, count: int) -> str:
+def _checked(faults: Type[enum.IntEnum], name: str, count: int) -> str:
     if count != 0:
         raise FaultError(
             Message(
@@ -103,7 +213,12 @@ def _name_of(faults: Type[enum.IntEnum], fault: str, count: int) -> str:
                 count=count,
             )
         )
-    if fault.upper() not in faults.__members__:
-        allowed = ", ".join(faults.__members__)
-        raise unknown_fault(fault, allowed)
-    return fault.upper()
+    if name not in faults.__members__:
+        raise _unknown(name, ", ".join(faults.__members__))
+    return name
+
+
+def _unknown(fault: str, allowed: str) -> FaultError:
+    return FaultError(
+        Message("unknown fault '{fault}'; allowed: {allowed}", fault=fault[:40], allowed=allowed)
+    )

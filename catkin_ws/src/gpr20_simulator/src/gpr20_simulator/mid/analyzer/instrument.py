@@ -1,40 +1,43 @@
-"""The simulated network analyzer: an MS2026C as seen from its network socket."""
+"""The simulated network analyzer: an MS2026C, message by message."""
 
 from __future__ import annotations
 
 import functools
+import random
 import re
 import threading
 import time
-from typing import Callable, List, Optional, Set, Tuple
+from collections import deque
+from typing import Callable, Deque, List, Optional, Tuple, Union
 
 from gpr20_common.low.clock import Clock
-from gpr20_common.message import Message
-from gpr20_simulator.errors import SceneError
 from gpr20_simulator.low.message_device import ClearSupport, NetworkFault, Outcome
 from gpr20_simulator.mid.analyzer import scpi
-from gpr20_simulator.mid.analyzer.calibration import Calibration
-from gpr20_simulator.mid.analyzer.front_panel import Change
-from gpr20_simulator.mid.analyzer.identity import Identity
-from gpr20_simulator.mid.analyzer.instrument_scene import InstrumentScene
-from gpr20_simulator.mid.analyzer.reply import Answer, Capture, Reply, ReplyWriter
+from gpr20_simulator.mid.analyzer.data_blocks import DataBlock, DataBlocks
+from gpr20_simulator.mid.analyzer.instrument_scene import NOT_CALIBRATED, InstrumentScene
 from gpr20_simulator.mid.analyzer.scpi import HeaderPattern, ScpiCommand, ScpiError
-from gpr20_simulator.mid.analyzer.sweep_control import SweepControl
 from gpr20_simulator.mid.analyzer.sweeper import Sweeper
-from gpr20_simulator.mid.analyzer.trace_reader import TraceReader
-from gpr20_simulator.mid.analyzer.vna_commands import SETTINGS, Numbers, on_off
-from gpr20_simulator.mid.analyzer.vna_faults import FaultBoard, VnaFault
-from gpr20_simulator.mid.analyzer.vna_settings import SettingQueue, VnaSettings
+from gpr20_simulator.mid.analyzer.vna_settings import (
+    CHANGES_BY_HAND,
+    SETTINGS,
+    TRACES,
+    Change,
+    Numbers,
+    Setting,
+    VnaSettings,
+)
+from gpr20_simulator.mid.faults import FaultBoard, VnaFault
 
-# Headers for which is known which query they are; clients use some dozens.
-MOST_KNOWN_HEADERS = 256
+SWEEP_COMPLETE = 256
+ACCURACY_HIGH, ACCURACY_POWER_CHANGED = 1, 2
+WRONG_IDENTITY = '"Rohde&Schwarz,ZNL6,SIMULATED,1.0"'
 ENDLESS_DIGITS = "1" * 40_000 + "X"
 NUMBER = re.compile(r"[-+]?[0-9]+(?:\.[0-9]+)?")
 
+Answer = Union[str, DataBlock]
 Query = Callable[[Numbers, str], Answer]
-Action = Callable[[str], None]
-# A header as documented, and the numbers in it.
-Place = Tuple[str, Numbers]
+Action = Callable[[Numbers, str], None]
+Capture = Callable[[str, bytes], None]
 
 
 class SimulatedVna:
@@ -46,10 +49,11 @@ class SimulatedVna:
     Args:
         sweeper: The receiver, with the sweep of power-on.
         clock: Its seconds are those of the sweeps.
-        description: Identity and the details of its replies.
-        faults: What goes wrong now.
         seconds_per_point: Time of one frequency of a sweep [s].
         capture: Gets the kind and the exact bytes of each data reply.
+
+    Attributes:
+        is_remote: Whether a client has taken control from the front panel.
     """
 
     def __init__(
@@ -61,43 +65,31 @@ class SimulatedVna:
         seconds_per_point: float,
         capture: Capture = lambda _kind, _reply: None,
     ) -> None:
+        self.is_remote = False
         self._sweeper = sweeper
+        self._clock = clock
         self._description = description
         self._faults = faults
         self._seconds_per_point = seconds_per_point
+        self._capture = capture
         self._lock = threading.Lock()
+        self._random = random.Random(0)
         self._settings = VnaSettings()
-        self._settings.is_corrected = description.calibration_accuracy > 0
-        self._network_lost = False
-        self._writer = ReplyWriter(description, faults, capture)
-        self._is_remote = False
-        self._queue = SettingQueue(clock, description.setting_delay_s)
-        self._identity = Identity(description, faults)
-        self._calibration = Calibration(description, faults)
-        self._control = SweepControl(sweeper, clock, faults, description, self._change_by_hand)
-        self._traces = TraceReader(sweeper, faults, description, self._identity, self._calibration)
+        # Settings that have no effect yet, and when they have [s].
+        self._waiting: Deque[Tuple[float, Callable[[], None]]] = deque()
+        self._is_other_unit = False
+        self._bit_set_until_s: Optional[float] = None
+        self._blocks = DataBlocks(sweeper, faults, description)
         self._queries = self._query_rules()
-        self._find_query = functools.lru_cache(MOST_KNOWN_HEADERS)(self._search_query)
+        self._find_query = functools.lru_cache()(self._search_query)
         self._actions = self._action_rules()
-        self._unanswered = self._places_of(description.unanswered_queries)
+        silent = (query.strip().rstrip("?") for query in description.unanswered_queries)
+        self._unanswered = set(map(self._find_query, silent))
         sweeper.set_continuous(True)
-
-    @property
-    def network_lost(self) -> bool:
-        """Whether a reset has taken the network settings away."""
-        with self._lock:
-            return self._network_lost
-
-    @property
-    def is_remote(self) -> bool:
-        """Whether a client has taken control from the front panel."""
-        with self._lock:
-            return self._is_remote
 
     def set_remote(self, remote: bool) -> None:
         """Take control from the front panel, or give it back; a message takes it, too."""
-        with self._lock:
-            self._is_remote = remote
+        self.is_remote = remote
 
     def is_reachable(self) -> bool:
         """Return whether clients can connect."""
@@ -110,7 +102,8 @@ class SimulatedVna:
         if self._faults.is_permanent(VnaFault.DROP) or not self.is_reachable():
             return NetworkFault.DROP_CONNECTIONS
         with self._lock:
-            self._identity.connected()
+            # It may find another unit at this address.
+            self._is_other_unit = self._faults.strikes(VnaFault.OTHER_SERIAL)
         return NetworkFault.NONE
 
     def execute(self, message: bytes) -> Outcome:
@@ -119,24 +112,22 @@ class SimulatedVna:
             # The time of a network and its client, not of the robot: it is never scaled.
             time.sleep(self._description.message_s)
         with self._lock:
-            self._is_remote = True
+            self.is_remote = True
             if self._faults.strikes(VnaFault.HANG):
                 return Outcome(fault=NetworkFault.NO_REPLY)
             if self._faults.strikes(VnaFault.DROP) or not self.is_reachable():
                 return Outcome(fault=NetworkFault.DROP_CONNECTIONS)
-            self._queue.apply_due()
-            reply = Reply()
+            self._apply_due()
+            answers: List[Answer] = []
             for command in scpi.split_message(message):
-                if command.is_query and reply.is_full:
-                    continue
                 if command.header.upper() == "*RST" and not command.is_query:
                     # It power-cycles the instrument, and the address may be another one then.
-                    self._network_lost = True
-                    return Outcome(fault=NetworkFault.GO_SILENT)
+                    self._faults.set(VnaFault.LINK_GONE.value)
+                    return Outcome(fault=NetworkFault.DROP_CONNECTIONS)
                 answer = self._carry_out(command)
                 if answer is not None:
-                    reply.add(answer)
-            written = self._writer.written(reply)
+                    answers.append(answer)
+            written = self._written(answers)
             if written and self._faults.strikes(VnaFault.LATE):
                 return Outcome(written, NetworkFault.ANSWER_LATE)
             return Outcome(written)
@@ -149,151 +140,194 @@ class SimulatedVna:
             return ClearSupport.ERROR_8
         return ClearSupport.FULL
 
+    def _written(self, answers: List[Answer]) -> bytes:
+        """Return the reply to one message as it is sent; empty if there is none."""
+        if not answers or self._faults.strikes(VnaFault.SILENT):
+            return b""
+        parts = [one.encode("ascii") if isinstance(one, str) else one.data for one in answers]
+        reply = b";".join(parts)
+        if isinstance(answers[-1], str) or self._description.trailing_newline:
+            reply += b"\n"
+        if self._faults.strikes(VnaFault.GARBAGE):
+            reply = bytes(self._random.getrandbits(8) for _ in range(len(reply)))
+        for answer in answers:
+            if isinstance(answer, DataBlock):
+                self._capture(answer.kind, reply)
+        return reply
+
     def _carry_out(self, command: ScpiCommand) -> Optional[Answer]:
         try:
             if command.is_query:
                 return self._ask(command)
             self._command(command)
         except ScpiError:
-            # An argument that is not understood: no answer and no effect.
+            # As on the instrument, only reading back shows that a value was not accepted.
             return None
         return None
 
     def _ask(self, command: ScpiCommand) -> Optional[Answer]:
         found = self._find_query(command.header)
-        if found is None:
+        is_silent = found in self._unanswered and self._faults.strikes(VnaFault.UNANSWERED_QUERY)
+        if found is None or is_silent:
             return None
-        place, query = found
-        if place in self._unanswered and self._faults.strikes(VnaFault.UNANSWERED_QUERY):
-            return None
-        answer = query(place[1], command.argument)
+        query, numbers = found
+        answer = query(numbers, command.argument)
         if isinstance(answer, str) and NUMBER.fullmatch(answer):
             return ENDLESS_DIGITS if self._faults.strikes(VnaFault.ENDLESS_DIGITS) else answer
         return answer
 
-    def _search_query(self, text: str) -> Optional[Tuple[Place, Query]]:
-        """Return which query a header is, and what answers it; None if there is none."""
+    def _search_query(self, text: str) -> Optional[Tuple[Query, Numbers]]:
+        """Return what answers a header, and the numbers in it; None if there is no such query."""
         for header, query in self._queries:
             numbers = header.match(text)
             if numbers is not None:
-                return (header.pattern, numbers), query
-        for setting in SETTINGS:
-            numbers, reply = setting.header.match(text), setting.reply
-            if numbers is not None and reply is not None:
-                return (setting.header.pattern, numbers), functools.partial(self._read, reply)
+                return query, numbers
         return None
 
-    def _read(
-        self, reply: Callable[[VnaSettings, Numbers], str], numbers: Numbers, _argument: str
-    ) -> str:
-        return reply(self._settings, numbers)
+    def _query_rules(self) -> List[Tuple[HeaderPattern, Query]]:
+        sweeper, one = self._sweeper, self._description
+        rules: Tuple[Tuple[str, Callable[..., Answer]], ...] = (
+            ("*IDN", self._identity),
+            (":STATus:OPERation", lambda *_a: str(SWEEP_COMPLETE if self._bit() else 0)),
+            (":CALCulate#:DATA", self._calculated),
+            (":TRACe:PREamble", self._preamble),
+            ("[:SENSe#]:FREQuency:DATA", self._frequencies),
+            (":INITiate:CONTinuous", lambda *_a: _number(sweeper.runs_continuously)),
+            ("[:SENSe]:CORRection[:STATe]", lambda *_a: _number(self._is_corrected())),
+            ("[:SENSe]:CORRection:COLLect:STATus:ACCuracy", self._accuracy),
+            (
+                "[:SENSe]:CORRection:COLLect:TYPE",
+                lambda *_a: one.calibration_type if self._is_calibrated() else "",
+            ),
+            (
+                "[:SENSe]:CORRection:COLLect:INTerpolation[:STATe]",
+                lambda *_a: _number(one.calibration_interpolated and self._is_calibrated()),
+            ),
+            (
+                "[:SENSe]:CALibration:STATe",
+                lambda *_a: _number(one.calibrated_parameters * self._is_calibrated()),
+            ),
+        )
+        found = [(HeaderPattern(header), answer) for header, answer in rules]
+        return found + [(one.header, functools.partial(self._read, one)) for one in SETTINGS]
 
-    def _places_of(self, queries: Tuple[str, ...]) -> Set[Place]:
-        places = set()
-        for query in queries:
-            found = self._find_query(query.strip().rstrip("?"))
-            if found is None:
-                raise SceneError(
-                    Message(
-                        "unanswered_queries holds {query}; the simulated VNA has no such query",
-                        query=repr(query),
-                    )
-                )
-            places.add(found[0])
-        return places
+    def _read(self, setting: Setting, numbers: Numbers, _argument: str) -> str:
+        return setting.reply(self._settings, numbers)
+
+    def _calculated(self, numbers: Numbers, argument: str) -> DataBlock:
+        scpi.chosen_keyword(argument, ("SDATa",))
+        return self._blocks.sweep(self._settings, numbers)
+
+    def _frequencies(self, numbers: Numbers, _argument: str) -> DataBlock:
+        return self._blocks.frequencies(self._settings, numbers)
+
+    def _preamble(self, _numbers: Numbers, argument: str) -> DataBlock:
+        number = scpi.whole_number_between(argument or "1", 1, TRACES)
+        return self._blocks.preamble(self._settings, number, self._serial(), self._is_corrected())
+
+    def _identity(self, _numbers: Numbers, _argument: str) -> str:
+        if self._faults.strikes(VnaFault.WRONG_IDENTITY):
+            return WRONG_IDENTITY
+        one = self._description
+        # The instrument wraps its identity in double quotes.
+        return f'"{one.manufacturer},{one.model},{self._serial()},{one.firmware}"'
+
+    def _serial(self) -> str:
+        is_other = self._is_other_unit or self._faults.is_on(VnaFault.SWAPPED)
+        return self._description.other_serial if is_other else self._description.serial
+
+    def _is_calibrated(self) -> bool:
+        """Return whether there is a calibration that can be applied."""
+        is_lost = self._faults.has_damaged(VnaFault.LOSES_CALIBRATION)
+        return self._description.calibration_accuracy != NOT_CALIBRATED and not is_lost
+
+    def _is_corrected(self) -> bool:
+        """Return whether it is applied."""
+        return self._settings.is_corrected and self._is_calibrated()
+
+    def _accuracy(self, _numbers: Numbers, _argument: str) -> str:
+        if not self._is_corrected():
+            return str(NOT_CALIBRATED)
+        accuracy = self._description.calibration_accuracy
+        has_other_power = self._settings.power != self._description.calibration_power.value
+        is_less = accuracy == ACCURACY_HIGH and has_other_power
+        return str(ACCURACY_POWER_CHANGED if is_less else accuracy)
+
+    def _bit(self) -> bool:
+        """Return whether the end of a sweep is shown."""
+        if self._bit_set_until_s is not None:
+            if self._clock.now_s() < self._bit_set_until_s:
+                return True
+            self._bit_set_until_s = None
+        return self._sweeper.is_complete
+
+    def _action_rules(self) -> List[Tuple[HeaderPattern, Action]]:
+        sweeper = self._sweeper
+        rules: Tuple[Tuple[str, Action], ...] = (
+            (":INITiate[:IMMediate]", lambda _n, _a: self._trigger()),
+            (":INITiate:CONTinuous", lambda _n, a: sweeper.set_continuous(scpi.switch(a))),
+            ("[:SENSe]:AVERage:CLEar", lambda _n, _a: sweeper.restart_average()),
+        )
+        found = [(HeaderPattern(header), act) for header, act in rules]
+        return found + [(one.header, functools.partial(self._store, one)) for one in SETTINGS]
 
     def _command(self, command: ScpiCommand) -> None:
         for header, act in self._actions:
-            if header.match(command.header) is not None:
-                act(command.argument)
-                return
-        for setting in SETTINGS:
-            numbers = setting.header.match(command.header)
-            if numbers is not None and setting.store is not None:
-                if not self._faults.strikes(VnaFault.REFUSE_SETTINGS):
-                    self._calibration.note_write(setting.header.pattern)
-                    change = functools.partial(setting.store, self._settings, numbers)
-                    self._queue.put(functools.partial(self._apply, change, command.argument))
+            numbers = header.match(command.header)
+            if numbers is not None:
+                act(numbers, command.argument)
                 return
 
-    def _apply(self, change: Callable[[str], None], argument: str) -> None:
-        try:
-            change(argument)
-        except ScpiError:
-            # As on the instrument, only reading back shows that a value was not accepted.
+    def _store(self, setting: Setting, numbers: Numbers, argument: str) -> None:
+        if self._faults.strikes(VnaFault.REFUSE_SETTINGS):
             return
-        self._configure()
+        if setting.is_calibrated:
+            self._faults.damages(VnaFault.LOSES_CALIBRATION)
+        # The instrument may keep a setting back, for up to two seconds.
+        due_s = self._clock.now_s() + self._description.setting_delay_s
+        store = functools.partial(setting.store, self._settings, numbers, argument)
+        self._waiting.append((due_s, store))
+        self._apply_due()
 
-    def _change_by_hand(self, change: Change) -> None:
-        with self._lock:
-            change(self._settings)
+    def _apply_due(self) -> None:
+        while self._waiting and self._waiting[0][0] <= self._clock.now_s():
+            _due_s, store = self._waiting.popleft()
+            try:
+                store()
+            except ScpiError:
+                # As on the instrument, only reading back shows that a value was not accepted.
+                continue
             self._configure()
 
     def _configure(self) -> None:
         plan = self._settings.plan(self._seconds_per_point, self._description.averaging)
         self._sweeper.configure(plan)
 
-    def _query_rules(self) -> List[Tuple[HeaderPattern, Query]]:
-        calibration, control = self._calibration, self._control
-        rules: Tuple[Tuple[str, Query], ...] = (
-            ("*IDN", lambda _n, _a: self._identity.text()),
-            (":STATus:OPERation", lambda _n, _a: control.operation_status()),
-            (":CALCulate#:DATA", lambda n, a: self._traces.calculated(self._settings, n, a)),
-            (":TRACe[:DATA]", lambda _n, a: self._traces.trace_data(self._settings, a)),
-            (":TRACe:PREamble", lambda _n, a: self._traces.preamble(self._settings, a)),
-            (
-                "[:SENSe#]:FREQuency:DATA",
-                lambda n, _a: self._traces.frequencies(self._settings, n),
-            ),
-            (":INITiate:CONTinuous", lambda _n, _a: control.runs_continuously()),
-            (":INITiate:HOLD", lambda _n, _a: control.is_held()),
-            ("[:SENSe]:SWEep:TYPE", lambda _n, _a: control.sweep_type(self._settings)),
-            (
-                "[:SENSe]:CORRection:COLLect:STATus:ACCuracy",
-                lambda _n, _a: str(calibration.accuracy(self._settings)),
-            ),
-            (
-                "[:SENSe]:CORRection:COLLect:STATus",
-                lambda _n, _a: str(calibration.collection),
-            ),
-            (
-                "[:SENSe]:CORRection[:STATe]",
-                lambda _n, _a: on_off(calibration.is_applied(self._settings)),
-            ),
-            ("[:SENSe]:CORRection:COLLect:TYPE", lambda _n, _a: calibration.type),
-            (
-                "[:SENSe]:CORRection:COLLect:INTerpolation[:STATe]",
-                lambda _n, _a: on_off(calibration.is_interpolated),
-            ),
-            ("[:SENSe]:CALibration:STATe", lambda _n, _a: str(calibration.parameters)),
-            (":SYSTem:OPTions", lambda _n, _a: self._identity.options()),
-            (":INSTrument[:SELect]", lambda _n, _a: '"MWVNA"'),
-            (":INSTrument:NSELect", lambda _n, _a: "26"),
+    def _trigger(self) -> None:
+        """Run one sweep."""
+        keeps_bit = self._bit() and self._faults.strikes(VnaFault.LATE_BIT)
+        self._bit_set_until_s = (
+            self._clock.now_s() + self._description.late_bit_s if keeps_bit else None
         )
-        return [(HeaderPattern(header), answer) for header, answer in rules]
-
-    def _action_rules(self) -> List[Tuple[HeaderPattern, Action]]:
-        control = self._control
-        rules: Tuple[Tuple[str, Action], ...] = (
-            (":INITiate[:IMMediate]", lambda _a: control.trigger(self._settings)),
-            (":INITiate:CONTinuous", lambda a: control.set_continuous(self._settings, a)),
-            (":INITiate:HOLD", lambda a: control.hold(self._settings, a)),
-            ("[:SENSe]:SWEep:TYPE", lambda a: control.set_sweep_type(self._settings, a)),
-            ("[:SENSe]:AVERage:CLEar", lambda _a: self._sweeper.restart_average()),
-            ("[:SENSe]:CORRection[:STATe]", self._set_correction),
-            (":SYSTem:PRESet", lambda _a: self._preset()),
+        struck = [fault for fault in CHANGES_BY_HAND if self._faults.strikes(fault)]
+        changes = [change for fault in struck for change in CHANGES_BY_HAND[fault]]
+        is_late = self._faults.strikes(VnaFault.LATE_MEMORY)
+        is_slow = self._faults.strikes(VnaFault.SLOW_POINTS)
+        self._sweeper.trigger(
+            stale=self._faults.strikes(VnaFault.STALE),
+            slowest_point_s=self._description.slow_point_s if is_slow else 0.0,
+            shown_late_s=self._description.late_memory_s if is_late else 0.0,
+            midway=functools.partial(self._change_by_hand, changes) if changes else None,
         )
-        return [(HeaderPattern(header), act) for header, act in rules]
 
-    def _set_correction(self, argument: str) -> None:
-        wanted = scpi.switch(argument)
-        if wanted and not self._calibration.exists:
-            raise ScpiError("there is no calibration to correct with")
-        if not self._faults.strikes(VnaFault.REFUSE_SETTINGS):
-            self._settings.is_corrected = wanted
+    def _change_by_hand(self, changes: List[Change]) -> None:
+        """Change settings from the thread of the sweeps, in the middle of one."""
+        for change in changes:
+            with self._lock:
+                change(self._settings)
+                self._configure()
 
-    def _preset(self) -> None:
-        self._queue.clear()
-        self._settings = VnaSettings()
-        self._configure()
-        self._sweeper.set_continuous(True)
+
+def _number(value: int) -> str:
+    """Return a number or a truth value as the instrument writes it."""
+    return str(int(value))

@@ -12,9 +12,9 @@ _NUMBER = re.compile(
     r"([+-]?(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)(?:[Ee][+-]?[0-9]{1,3})?)\s*([A-Za-z]*)"
 )
 LONGEST_NUMBER = 64
-MOST_COMMANDS = 4096
 # Units of frequency; MAHZ is mega as well, because SCPI's MHZ could be read as milli.
 _HERTZ = {"": 1.0, "HZ": 1.0, "KHZ": 1e3, "MHZ": 1e6, "MAHZ": 1e6, "GHZ": 1e9}
+_SWITCH = {"ON": True, "1": True, "OFF": False, "0": False}
 
 
 class ScpiError(ValueError):
@@ -45,11 +45,8 @@ class HeaderPattern:
 
     def __init__(self, pattern: str) -> None:
         self.pattern = pattern
-        if pattern.startswith("*"):
-            self._expression = re.compile(re.escape(pattern), re.IGNORECASE)
-            return
         levels = "".join(_level_expression(match) for match in _LEVEL.finditer(pattern))
-        self._expression = re.compile(levels, re.IGNORECASE)
+        self._expression = re.compile(levels or re.escape(pattern), re.IGNORECASE)
 
     def match(self, header: str) -> Optional[Tuple[int, ...]]:
         """Return the numbers in the header; None if it is another header."""
@@ -70,33 +67,16 @@ def _keyword_expression(keyword: str) -> str:
     return "".join(f"(?:{one})?" if one.islower() else re.escape(one) for one in pieces)
 
 
-def short_form(keyword: str) -> str:
-    """Return the short form of a keyword written like `SMITh`."""
-    return "".join(letter for letter in keyword if not letter.islower())
-
-
 def chosen_keyword(text: str, keywords: Tuple[str, ...]) -> str:
-    """Return the short form of the keyword that the text spells.
+    """Return the short form of the keyword that the text spells, one written like `DISTance`.
 
     Raises:
         ScpiError: It spells none of them.
     """
     for keyword in keywords:
         if re.fullmatch(_keyword_expression(keyword), text.strip(), re.IGNORECASE):
-            return short_form(keyword)
+            return "".join(letter for letter in keyword if not letter.islower())
     raise ScpiError(f"'{text[:40]}' is none of {', '.join(keywords)}")
-
-
-def number_between(text: str, lower: float, upper: float) -> float:
-    """Return a plain number within bounds.
-
-    Raises:
-        ScpiError: It is none, or lies outside.
-    """
-    value, unit = _number_and_unit(text)
-    if unit or not lower <= value <= upper:
-        raise ScpiError(f"'{text[:40]}' is not a number between {lower:g} and {upper:g}")
-    return value
 
 
 def whole_number_between(text: str, lower: int, upper: int) -> int:
@@ -105,9 +85,9 @@ def whole_number_between(text: str, lower: int, upper: int) -> int:
     Raises:
         ScpiError: It is none, or lies outside.
     """
-    value = number_between(text, lower, upper)
-    if not value.is_integer():
-        raise ScpiError(f"'{text[:40]}' is not a whole number")
+    value, unit = _number_and_unit(text)
+    if unit or not lower <= value <= upper or not value.is_integer():
+        raise ScpiError(f"'{text[:40]}' is not a whole number between {lower} and {upper}")
     return int(value)
 
 
@@ -130,11 +110,10 @@ def switch(text: str) -> bool:
     Raises:
         ScpiError: It says neither that nor OFF or 0.
     """
-    words = {"ON": True, "1": True, "OFF": False, "0": False}
     word = text.strip().upper()
-    if word not in words:
-        raise ScpiError(f"'{text[:40]}' is none of ON, OFF, 1, 0")
-    return words[word]
+    if word not in _SWITCH:
+        raise ScpiError(f"'{text[:40]}' is none of {', '.join(_SWITCH)}")
+    return _SWITCH[word]
 
 
 def _number_and_unit(text: str) -> Tuple[float, str]:
@@ -145,42 +124,31 @@ def _number_and_unit(text: str) -> Tuple[float, str]:
 
 
 def split_message(message: bytes) -> List[ScpiCommand]:
-    """Return the commands of a message in their order, 4096 at most; more are ignored.
+    """Return the commands of a message in their order.
 
     The first header may lack its colon. A later one must have it; the instrument does
     not know what to do with one that lacks it, so it is left out.
     """
     commands = []
-    parts = _parts(message.decode("latin-1").strip(" \t\r\n\0"))
-    for place, part in enumerate(parts[:MOST_COMMANDS]):
+    for place, part in enumerate(_parts(message.decode("latin-1").strip(" \t\r\n\0"))):
         text = part.strip()
         if place == 0 and text[:1] not in (":", "*"):
             text = ":" + text
         if len(text) > 1 and text[0] in ":*":
-            commands.append(_command(text))
+            # "DATA?SDAT" has no blank between the question mark and its argument.
+            header, *words = text.split(None, 1)
+            before, question, after = header.partition("?")
+            argument = " ".join(one for one in (after, *words) if one)
+            commands.append(ScpiCommand(before, bool(question), argument.strip()))
     return commands
-
-
-def _command(text: str) -> ScpiCommand:
-    words = text.split(None, 1)
-    header = words[0]
-    # "DATA?SDAT" has no blank between the question mark and its argument.
-    before, question, after = header.partition("?")
-    argument = " ".join(one for one in (after, *words[1:]) if one)
-    return ScpiCommand(before, bool(question), argument.strip())
 
 
 def _parts(text: str) -> List[str]:
     """Split at semicolons that are not inside double quotes."""
-    parts: List[str] = []
-    current: List[str] = []
-    is_quoted = False
-    for letter in text:
-        if letter == '"':
-            is_quoted = not is_quoted
-        if letter == ";" and not is_quoted:
-            parts.append("".join(current))
-            current = []
-        else:
-            current.append(letter)
-    return [*parts, "".join(current)]
+    parts = [""]
+    for place, piece in enumerate(text.split('"')):
+        # Every other piece is inside quotes.
+        first, *more = piece.split(";") if place % 2 == 0 else [piece]
+        parts[-1] += first if place == 0 else f'"{first}'
+        parts += more
+    return parts

@@ -7,35 +7,29 @@ from typing import Callable, Optional
 
 from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message
-from gpr20_common.mid.checks import number_between
-from gpr20_simulator.errors import MediumError
+from gpr20_simulator.errors import SimulatorError
 from gpr20_simulator.low.vxi11_server import Vxi11Server
-from gpr20_simulator.mid.analyzer.instrument import SimulatedVna
+from gpr20_simulator.mid.analyzer.instrument import Capture, SimulatedVna
 from gpr20_simulator.mid.analyzer.instrument_scene import InstrumentScene
-from gpr20_simulator.mid.analyzer.reply import Capture
-from gpr20_simulator.mid.analyzer.sweep_plan import SweepPace
-from gpr20_simulator.mid.analyzer.sweeper import Sweeper
-from gpr20_simulator.mid.analyzer.vna_faults import FaultBoard, VnaFault
+from gpr20_simulator.mid.analyzer.sweeper import Sweeper, SweepPace
 from gpr20_simulator.mid.analyzer.vna_settings import VnaSettings
+from gpr20_simulator.mid.faults import FaultBoard
 from gpr20_simulator.mid.world.ground import Ground
 from gpr20_simulator.mid.world.medium import AntennaPosition, PositionProbe, SweptMedium
 from gpr20_simulator.mid.world.scene import Scene
-
-SLOWEST_POINT_S = 1.0
-HIGHEST_PORT = 65535
 
 
 def medium_by_name(name: str, scene: Scene) -> SweptMedium:
     """Return the medium called `scene` or `position_probe`.
 
     Raises:
-        MediumError: There is no medium of that name.
+        SimulatorError: There is no medium of that name.
     """
     if name == "scene":
         return Ground(scene)
     if name == "position_probe":
         return PositionProbe()
-    raise MediumError(
+    raise SimulatorError(
         Message("unknown medium '{name}'; use scene or position_probe", name=name[:40])
     )
 
@@ -56,21 +50,13 @@ class AnalyzerOptions:
     port: int = 0
     portmapper_port: Optional[int] = None
 
-    def __post_init__(self) -> None:
-        """Refuse numbers that make no instrument."""
-        number_between("seconds_per_point", self.seconds_per_point, 0.0, SLOWEST_POINT_S, "s")
-        number_between("port", self.port, 0, HIGHEST_PORT)
-
 
 class SimulatedAnalyzer:
     """A simulated analyzer on the network of this machine.
 
     Args:
-        medium: What it measures.
         position_of: Tells where the antennas are now.
         clock: Runs `time_scale` times as fast as the real one.
-        description: Identity and the details of its replies.
-        options: How it runs.
         capture: Gets the kind and the exact bytes of each data reply.
 
     Raises:
@@ -96,7 +82,7 @@ class SimulatedAnalyzer:
         self.server = Vxi11Server(
             self.instrument, port=options.port, portmapper_port=options.portmapper_port
         )
-        self.faults.on_set(self._apply_to_network)
+        self.faults.on_link_gone = self.server.drop_connections
 
     def start(self) -> None:
         """Switch it on."""
@@ -107,7 +93,3 @@ class SimulatedAnalyzer:
         """Switch it off."""
         self.server.stop()
         self.sweeper.stop()
-
-    def _apply_to_network(self, fault: VnaFault) -> None:
-        if fault is VnaFault.LINK_GONE:
-            self.server.drop_connections()

@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 from collections import deque
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from typing import Deque, List, Optional, Tuple
 
 import numpy as np
 
 from gpr20_simulator.mid.world.medium import AntennaPosition, SweptMedium
 
-# Older sweeps of an average that nobody has looked at count as if the next one were they.
-MOST_WAITING_SWEEPS = 16
+# The newest sweep has only begun, so the one before it is needed for the other points.
+MOST_WAITING_SWEEPS = 2
 
 
 @dataclass(frozen=True)
@@ -24,6 +24,7 @@ class SweepPart:
         end: Index after the last point.
         position: Where the antennas were.
         noise_gain: Noise relative to that of the settings of power-on.
+        share: Share of the average that it takes, 1 instead of what was there.
     """
 
     sweep_number: int
@@ -31,23 +32,18 @@ class SweepPart:
     end: int
     position: AntennaPosition
     noise_gain: float
+    share: float
 
     def continues(self, other: SweepPart) -> bool:
         """Return whether it can be measured in one with the part before it."""
         return replace(other, first=self.first, end=self.end) == self and other.end == self.first
 
 
-@dataclass
-class _WaitingSweep:
-    sweep_number: int
-    share: float
-    parts: List[SweepPart] = field(default_factory=list)
-
-
 class TraceMemory:
     """The data of the display: each point as it was swept last, or its average.
 
-    Not safe for several threads at a time.
+    A late display shows a sweep only some time after its end, and until then what it showed
+    before. Not safe for several threads at a time.
 
     Args:
         medium: What is measured.
@@ -58,45 +54,27 @@ class TraceMemory:
         self._medium = medium
         self._frequency_hz = frequency_hz
         self._data = np.zeros(len(frequency_hz), dtype=np.complex64)
-        self._waiting: Deque[_WaitingSweep] = deque()
+        # Parts by sweep, to be measured when somebody looks.
+        self._waiting: Deque[List[SweepPart]] = deque(maxlen=MOST_WAITING_SWEEPS)
+        # What is shown instead of the data; what will be shown, and from when on [s].
+        self._frozen: Optional[np.ndarray] = None
+        self._coming: Deque[Tuple[float, np.ndarray]] = deque()
 
     def set_frequencies(self, frequency_hz: np.ndarray) -> None:
         """Hold other frequencies [Hz]; data of as many points stay, as on a display."""
         self.compute()
+        self.set_late(False)
         self._frequency_hz = frequency_hz
         if len(frequency_hz) != len(self._data):
             self._data = np.zeros(len(frequency_hz), dtype=np.complex64)
 
-    def measured(self, part: SweepPart) -> np.ndarray:
-        """Return what is measured of a part."""
-        frequency_hz = self._frequency_hz[part.first : part.end]
-        return self._medium.s21(frequency_hz, part.position, part.sweep_number, part.noise_gain)
-
-    def store(self, part: SweepPart, values: Optional[np.ndarray], share: float) -> None:
-        """Take a part into the data, with a share of 1 instead of what was there.
-
-        Args:
-            part: Which points.
-            values: What was measured; None: to be measured only when somebody looks at it.
-            share: Share of the average that it takes.
-        """
-        if values is None:
-            self._store_later(part, share)
-        else:
-            self.compute()
-            self._mix(part, values, share)
-
-    def _mix(self, part: SweepPart, values: np.ndarray, share: float) -> None:
-        here = self._data[part.first : part.end]
-        # Without averaging the value itself: the difference would lose bits of it.
-        here[:] = values if share == 1.0 else here + (values - here) * share
-
-    def _store_later(self, part: SweepPart, share: float) -> None:
-        if not self._waiting or self._waiting[-1].sweep_number != part.sweep_number:
-            self._waiting.append(_WaitingSweep(part.sweep_number, share))
-            self._forget_old()
-        parts = self._waiting[-1].parts
-        if parts and part.continues(parts[-1]):
+    def store(self, part: SweepPart) -> None:
+        """Take a part into the data, to be measured when somebody looks at it."""
+        if not self._waiting or self._waiting[-1][-1].sweep_number != part.sweep_number:
+            self._waiting.append([part])
+            return
+        parts = self._waiting[-1]
+        if part.continues(parts[-1]):
             parts[-1] = replace(parts[-1], end=part.end)
         else:
             parts.append(part)
@@ -104,60 +82,36 @@ class TraceMemory:
     def compute(self) -> None:
         """Measure what is waiting."""
         while self._waiting:
-            sweep = self._waiting.popleft()
-            for part in sweep.parts:
-                self._mix(part, self.measured(part), sweep.share)
-
-    def data(self) -> np.ndarray:
-        """Return a copy of the data (complex64) as they are now."""
-        self.compute()
-        return self._data.copy()
-
-    def _forget_old(self) -> None:
-        # The newest sweep has only begun, so the one before it is needed for the other points.
-        while len(self._waiting) > 2:
-            is_averaged = self._waiting[1].share < 1.0
-            if is_averaged and len(self._waiting) <= MOST_WAITING_SWEEPS:
-                return
-            forgotten = self._waiting.popleft()
-            heir = self._waiting[0]
-            heir.share = 1.0 - (1.0 - forgotten.share) * (1.0 - heir.share)
-
-
-class LateDisplay:
-    """What is shown of a memory whose sweeps reach the display only some time after their end.
-
-    Not safe for several threads at a time.
-
-    Args:
-        memory: What was measured.
-    """
-
-    def __init__(self, memory: TraceMemory) -> None:
-        self._memory = memory
-        # What is shown instead of the memory; what will be shown, and from when on [s].
-        self._frozen: Optional[np.ndarray] = None
-        self._coming: Deque[Tuple[float, np.ndarray]] = deque()
+            for part in self._waiting.popleft():
+                here = self._data[part.first : part.end]
+                values = self._medium.s21(
+                    self._frequency_hz[part.first : part.end],
+                    part.position,
+                    part.sweep_number,
+                    part.noise_gain,
+                )
+                # Without averaging the value itself: the difference would lose bits of it.
+                here[:] = values if part.share == 1.0 else here + (values - here) * part.share
 
     def set_late(self, late: bool) -> None:
-        """From now on show what is shown now until a sweep comes that has ended, or the memory."""
+        """From now on show what is shown now until a sweep comes that has ended, or the data."""
         if not late:
-            self.clear()
+            self._frozen = None
+            self._coming.clear()
         elif self._frozen is None:
-            self._frozen = self._memory.data()
+            self._frozen = self._computed()
 
-    def measured(self, shown_s: float) -> None:
-        """Let what the memory holds now be shown from a moment on [s]."""
+    def end_sweep(self, shown_s: float) -> None:
+        """Let a late display show from a moment on [s] what was measured until now."""
         if self._frozen is not None:
-            self._coming.append((shown_s, self._memory.data()))
+            self._coming.append((shown_s, self._computed()))
 
     def shown(self, now_s: float) -> np.ndarray:
-        """Return a copy of the data that are shown now."""
+        """Return a copy of the data (complex64) that are shown now."""
         while self._coming and self._coming[0][0] <= now_s:
             _shown_s, self._frozen = self._coming.popleft()
-        return self._memory.data() if self._frozen is None else self._frozen.copy()
+        return self._computed() if self._frozen is None else self._frozen.copy()
 
-    def clear(self) -> None:
-        """Show the memory as it is."""
-        self._frozen = None
-        self._coming.clear()
+    def _computed(self) -> np.ndarray:
+        self.compute()
+        return self._data.copy()

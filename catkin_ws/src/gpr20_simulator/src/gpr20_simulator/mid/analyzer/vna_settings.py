@@ -1,20 +1,19 @@
-"""What can be set on the simulated analyzer, and the values it accepts."""
+"""What can be set on the simulated analyzer: the documented headers and the values it accepts."""
 
 from __future__ import annotations
 
-import enum
 import math
-from collections import deque
 from dataclasses import dataclass, field
-from typing import Callable, Deque, List, Tuple
+from typing import Callable, Dict, List, Tuple
 
-from gpr20_common.low.clock import Clock
+from gpr20_simulator.mid.analyzer import scpi
 from gpr20_simulator.mid.analyzer.instrument_scene import Averaging, Power
-from gpr20_simulator.mid.analyzer.sweep_plan import SweepPlan
+from gpr20_simulator.mid.analyzer.scpi import HeaderPattern, ScpiError
+from gpr20_simulator.mid.analyzer.sweeper import SweepPlan
+from gpr20_simulator.mid.faults import VnaFault
 
 LOWEST_HZ = 5e3
 HIGHEST_HZ = 6e9
-FEWEST_POINTS = 2
 MOST_POINTS = 4001
 MOST_AVERAGES = 65535
 TRACES = 4
@@ -27,29 +26,14 @@ BANDWIDTHS_HZ = (100000, 50000, 20000, 10000, 5000, 2000, 1000, 500, 200, 100, 5
 # In the order of the numbers that a preamble has for them.
 PARAMETERS = ("S11", "S21", "S12", "S22")
 DOMAINS = ("FREQuency", "TIME", "DISTance", "FGT")
-GRAPH_TYPES = (
-    "LMAGnitude",
-    "SWR",
-    "PHASe",
-    "REAL",
-    "IMAGinary",
-    "GDELay",
-    "SMITh",
-    "ISMith",
-    "LM/2",
-    "LINPolar",
-    "LOGPolar",
-    "RIMPedance",
-    "IIMPedance",
-)
+# What somebody sets at the front panel, or else what is there when it is switched on.
+OTHER_BANDWIDTH_HZ, OTHER_AVERAGES, MOVED_START_HZ = 1000, 4, 1e6
+ASCII, REAL_32 = "ASC", "REAL,32"
+DATA_FORMATS = ("ASCii", "REAL,32")
+POWERS = LOW, HIGH = (Power.LOW.value, Power.HIGH.value)
 
-
-class DataFormat(enum.Enum):
-    """How numbers are sent; the values are what the instrument calls them."""
-
-    ASCII = "ASC"
-    INTEGER_32 = "INT,32"
-    REAL_32 = "REAL,32"
+# The numbers in a header.
+Numbers = Tuple[int, ...]
 
 
 @dataclass
@@ -57,17 +41,7 @@ class TraceSettings:
     """One of the four traces; values are short forms."""
 
     parameter: str
-    graph_type: str
     domain: str = "FREQ"
-
-
-def _power_on_traces() -> List[TraceSettings]:
-    return [
-        TraceSettings("S11", "SMIT"),
-        TraceSettings("S12", "LMAG"),
-        TraceSettings("S21", "LMAG"),
-        TraceSettings("S22", "SMIT"),
-    ]
 
 
 @dataclass
@@ -80,15 +54,11 @@ class VnaSettings:
         points: Number of frequencies.
         bandwidth_hz: Bandwidth of the intermediate frequency [Hz].
         averages: Number of sweeps that are averaged; 1: none.
-        data_format: How data are sent.
-        is_external: Whether sweeps wait for an external trigger.
+        data_format: How data are sent, as the instrument calls it.
         trace_total: Number of traces shown.
-        active_trace: Number of the active trace.
         traces: The four traces.
         power: Output power of the source.
-        gain: AUTO or FIX.
-        rf_on_in_hold: Whether the source stays on while held.
-        is_corrected: Whether the calibration is applied.
+        is_corrected: Whether the calibration is applied, if there is one.
     """
 
     start_hz: float = LOWEST_HZ
@@ -96,28 +66,24 @@ class VnaSettings:
     points: int = 201
     bandwidth_hz: int = POWER_ON_BANDWIDTH_HZ
     averages: int = 1
-    data_format: DataFormat = DataFormat.ASCII
-    is_external: bool = False
+    data_format: str = ASCII
     trace_total: int = TRACES
-    active_trace: int = 1
-    traces: List[TraceSettings] = field(default_factory=_power_on_traces)
-    power: Power = Power.HIGH
-    gain: str = "AUTO"
-    rf_on_in_hold: bool = True
-    is_corrected: bool = False
+    traces: List[TraceSettings] = field(
+        default_factory=lambda: [TraceSettings(one) for one in ("S11", "S12", "S21", "S22")]
+    )
+    power: str = HIGH
+    is_corrected: bool = True
 
-    def set_start(self, start_hz: float) -> None:
-        """Move the first frequency; the last one gives way."""
-        self.start_hz, self.stop_hz = start_hz, max(start_hz, self.stop_hz)
+    def trace(self, numbers: Numbers) -> TraceSettings:
+        """Return the trace with the number in the header.
 
-    def set_stop(self, stop_hz: float) -> None:
-        """Move the last frequency; the first one gives way."""
-        self.start_hz, self.stop_hz = min(self.start_hz, stop_hz), stop_hz
-
-    def set_centre_and_span(self, centre_hz: float, span_hz: float) -> None:
-        """Set both ends by centre and span; the span is cut where the range ends."""
-        half_hz = min(span_hz / 2.0, centre_hz - LOWEST_HZ, HIGHEST_HZ - centre_hz)
-        self.start_hz, self.stop_hz = centre_hz - half_hz, centre_hz + half_hz
+        Raises:
+            ScpiError: There is no such trace.
+        """
+        (number,) = numbers
+        if not 1 <= number <= TRACES:
+            raise ScpiError(f"trace {number} does not exist; there are 1 to {TRACES}")
+        return self.traces[number - 1]
 
     def plan(
         self, seconds_per_point: float, averaging: Averaging = Averaging.EACH_SWEEP
@@ -130,49 +96,134 @@ class VnaSettings:
         """
         # Narrower filters take longer to settle.
         longer_s = SETTLING * max(0.0, 1.0 / self.bandwidth_hz - 1.0 / POWER_ON_BANDWIDTH_HZ)
-        point_s = seconds_per_point + longer_s if seconds_per_point > 0.0 else 0.0
+        # The power of noise goes with the bandwidth; less output power leaves it as it is while
+        # the signal gets weaker.
+        noise_gain = math.sqrt(self.bandwidth_hz / POWER_ON_BANDWIDTH_HZ)
         return SweepPlan(
             self.start_hz,
             self.stop_hz,
             self.points,
-            point_s,
+            seconds_per_point + longer_s if seconds_per_point > 0.0 else 0.0,
             self.averages,
             averaging is Averaging.ALL_SWEEPS,
-            self._noise_gain(),
+            noise_gain * (LOW_POWER_NOISE_GAIN if self.power == LOW else 1.0),
         )
 
-    def _noise_gain(self) -> float:
-        """Return the noise of S21 relative to that of the settings of power-on."""
-        # The power of noise goes with the bandwidth; less output power leaves it as it is while
-        # the signal gets weaker.
-        bandwidth_gain = math.sqrt(self.bandwidth_hz / POWER_ON_BANDWIDTH_HZ)
-        return bandwidth_gain * (LOW_POWER_NOISE_GAIN if self.power is Power.LOW else 1.0)
 
+@dataclass(frozen=True)
+class Setting:
+    """A header with what it answers and what it changes.
 
-class SettingQueue:
-    """Keeps settings back, as the instrument may do for up to two seconds.
-
-    Args:
-        clock: Tells the time.
-        delay_s: How long each setting takes [s]; 0: none at all.
+    Attributes:
+        header: The header as documented.
+        reply: Makes the text of the reply.
+        store: Changes the settings, or raises ScpiError.
+        is_calibrated: Whether an instrument with the fault LOSES_CALIBRATION loses it by this.
     """
 
-    def __init__(self, clock: Clock, delay_s: float) -> None:
-        self._clock = clock
-        self._delay_s = delay_s
-        self._waiting: Deque[Tuple[float, Callable[[], None]]] = deque()
+    header: HeaderPattern
+    reply: Callable[[VnaSettings, Numbers], str]
+    store: Callable[[VnaSettings, Numbers, str], None]
+    is_calibrated: bool = False
 
-    def put(self, apply: Callable[[], None]) -> None:
-        """Take a setting; without a delay it takes effect now."""
-        self._waiting.append((self._clock.now_s() + self._delay_s, apply))
-        self.apply_due()
 
-    def apply_due(self) -> None:
-        """Let those settings take effect whose time has come, in their order."""
-        while self._waiting and self._waiting[0][0] <= self._clock.now_s():
-            _due_s, apply = self._waiting.popleft()
-            apply()
+def hertz(value_hz: float) -> str:
+    """Return a frequency as the instrument writes it."""
+    return f"{value_hz:.0f}" if value_hz.is_integer() else f"{value_hz:.3f}"
 
-    def clear(self) -> None:
-        """Forget what has not taken effect."""
-        self._waiting.clear()
+
+def _store_start(settings: VnaSettings, _n: Numbers, text: str) -> None:
+    settings.start_hz = scpi.frequency_between(text, LOWEST_HZ, HIGHEST_HZ)
+    settings.stop_hz = max(settings.start_hz, settings.stop_hz)
+
+
+def _store_stop(settings: VnaSettings, _n: Numbers, text: str) -> None:
+    settings.stop_hz = scpi.frequency_between(text, LOWEST_HZ, HIGHEST_HZ)
+    settings.start_hz = min(settings.start_hz, settings.stop_hz)
+
+
+def _bandwidth_hz(text: str) -> int:
+    value_hz = scpi.frequency_between(text, BANDWIDTHS_HZ[-1], BANDWIDTHS_HZ[0])
+    if value_hz not in BANDWIDTHS_HZ:
+        raise ScpiError(f"{value_hz:g} Hz is no bandwidth of this instrument")
+    return int(value_hz)
+
+
+def _data_format(text: str) -> str:
+    spelled = ",".join(part.strip() for part in text.split(","))
+    return scpi.chosen_keyword(spelled, DATA_FORMATS)
+
+
+def _whole_number(lower: int, upper: int) -> Callable[[str], int]:
+    return lambda text: scpi.whole_number_between(text, lower, upper)
+
+
+def _own(
+    header: str, name: str, read: Callable[[str], object], is_calibrated: bool = False
+) -> Setting:
+    """Return the setting that is this attribute of the instrument's."""
+    return Setting(
+        HeaderPattern(header),
+        lambda settings, _n: str(getattr(settings, name)),
+        lambda settings, _n, text: setattr(settings, name, read(text)),
+        is_calibrated,
+    )
+
+
+def _of_trace(header: str, name: str, keywords: Tuple[str, ...]) -> Setting:
+    """Return the setting that is this attribute of the trace's."""
+    return Setting(
+        HeaderPattern(header),
+        lambda settings, n: str(getattr(settings.trace(n), name)),
+        lambda settings, n, text: setattr(
+            settings.trace(n), name, scpi.chosen_keyword(text, keywords)
+        ),
+    )
+
+
+START, STOP = (HeaderPattern(f"[:SENSe]:FREQuency:{end}") for end in ("STARt", "STOP"))
+SETTINGS: Tuple[Setting, ...] = (
+    Setting(START, lambda settings, _n: hertz(settings.start_hz), _store_start, True),
+    Setting(STOP, lambda settings, _n: hertz(settings.stop_hz), _store_stop, True),
+    _own("[:SENSe]:SWEep:POINts", "points", _whole_number(2, MOST_POINTS), True),
+    _own("[:SENSe]:SWEep:IFBW", "bandwidth_hz", _bandwidth_hz, True),
+    _own(":SOURce:POWer", "power", lambda text: scpi.chosen_keyword(text, POWERS), True),
+    _own("[:SENSe]:AVERage:COUNt", "averages", _whole_number(1, MOST_AVERAGES)),
+    _own("[:SENSe]:TRACe:TOTal", "trace_total", _whole_number(1, TRACES)),
+    _of_trace("[:SENSe]:TRACe#:SPARams", "parameter", PARAMETERS),
+    _of_trace("[:SENSe]:TRACe#:DOMain", "domain", DOMAINS),
+    _own("[:SENSe]:CORRection[:STATe]", "is_corrected", scpi.switch),
+    _own(":FORMat[:READings][:DATA]", "data_format", _data_format),
+)
+
+
+# What somebody may change at the front panel in the middle of a sweep.
+Change = Callable[[VnaSettings], None]
+
+
+def _change_bandwidth(settings: VnaSettings) -> None:
+    is_other = settings.bandwidth_hz == OTHER_BANDWIDTH_HZ
+    settings.bandwidth_hz = POWER_ON_BANDWIDTH_HZ if is_other else OTHER_BANDWIDTH_HZ
+
+
+def _change_averages(settings: VnaSettings) -> None:
+    settings.averages = 1 if settings.averages == OTHER_AVERAGES else OTHER_AVERAGES
+
+
+def _change_power(settings: VnaSettings) -> None:
+    settings.power = LOW if settings.power == HIGH else HIGH
+
+
+def _change_start(settings: VnaSettings) -> None:
+    settings.start_hz += MOVED_START_HZ
+    settings.stop_hz = max(settings.start_hz, settings.stop_hz)
+
+
+CHANGES_BY_HAND: Dict[VnaFault, List[Change]] = {
+    VnaFault.HAND_BANDWIDTH: [_change_bandwidth],
+    VnaFault.HAND_AVERAGES: [_change_averages],
+    VnaFault.HAND_POWER: [_change_power],
+    VnaFault.HAND_START: [_change_start],
+    # The other bandwidth, and the one of before.
+    VnaFault.HAND_PUT_BACK: [_change_bandwidth, _change_bandwidth],
+}

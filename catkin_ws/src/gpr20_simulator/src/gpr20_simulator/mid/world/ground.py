@@ -10,16 +10,11 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import List, Optional, Sequence, Tuple
+from typing import List, Optional, Sequence, Tuple, Union
 
 import numpy as np
 
 from gpr20_simulator.mid.world.medium import AntennaPosition
-from gpr20_simulator.mid.world.refraction import (
-    SPEED_OF_LIGHT_M_S,
-    RefractedPath,
-    refracted_path,
-)
 from gpr20_simulator.mid.world.scene import Scene, Shape, Target, amplitude
 
 # Closer than half a wavelength in any usual soil, so that a row of points acts as one body.
@@ -94,6 +89,10 @@ def _disc(radius_m: float) -> List[Tuple[float, float]]:
     return points
 
 
+SPEED_OF_LIGHT_M_S = 299_792_458.0
+# Each round compares the times at so many crossings and continues between the neighbours of the
+# best: 1e-5 of the horizontal distance at the end.
+CROSSINGS, ROUNDS = 40, 4
 # Path at which the strengths of a scene are given.
 REFERENCE_M = 0.1
 SMALLEST_HEIGHT_M = 0.005
@@ -168,23 +167,12 @@ class Ground:
         height_m = max(self.antenna_height_m(position.x_mm, position.y_mm), SMALLEST_HEIGHT_M)
         surface_path_m = math.hypot(2.0 * height_m, antennas.separation_m)
         targets = self._target_echoes(position, height_m)
+        coupling = amplitude(antennas.coupling_level_db)
+        surface_s = surface_path_m / SPEED_OF_LIGHT_M_S
         return Echoes(
-            np.concatenate(
-                [
-                    [amplitude(antennas.coupling_level_db)],
-                    [self._surface_level(surface_path_m)],
-                    targets.level,
-                ]
-            ),
-            antennas.delay_s
-            + np.concatenate(
-                [
-                    [antennas.coupling_delay_s],
-                    [surface_path_m / SPEED_OF_LIGHT_M_S],
-                    targets.delay_s,
-                ]
-            ),
-            np.concatenate([[0.0, 0.0], targets.decay_s]),
+            np.r_[coupling, self._surface_level(surface_path_m), targets.level],
+            antennas.delay_s + np.r_[antennas.coupling_delay_s, surface_s, targets.delay_s],
+            np.r_[0.0, 0.0, targets.decay_s],
         )
 
     def _surface_level(self, path_m: float) -> float:
@@ -224,7 +212,8 @@ class Ground:
         offset_m = side * self._scene.antennas.separation_m
         x_m = position.x_mm / 1000.0 + offset_m * math.cos(rotation_rad)
         y_m = position.y_mm / 1000.0 + offset_m * math.sin(rotation_rad)
-        distance_m = np.hypot(self._points.x_m - x_m, self._points.y_m - y_m)
+        aside_x_m, aside_y_m = self._points.x_m - x_m, self._points.y_m - y_m
+        distance_m = np.hypot(aside_x_m, aside_y_m)
         permittivity = self._scene.soil.relative_permittivity
         here_m = self.surface_height_m(position.x_mm, position.y_mm)
         top_m, surface_m = height_m + here_m, np.full(distance_m.shape, here_m)
@@ -238,12 +227,8 @@ class Ground:
                 permittivity,
             )
             share = path.across_air_m / np.maximum(distance_m, SMALLEST_DEPTH_M)
-            before_m, surface_m = (
-                surface_m,
-                self._surface_m(
-                    x_m + share * (self._points.x_m - x_m), y_m + share * (self._points.y_m - y_m)
-                ),
-            )
+            before_m = surface_m
+            surface_m = self._surface_m(x_m + share * aside_x_m, y_m + share * aside_y_m)
             if np.abs(surface_m - before_m).max(initial=0.0) < SURFACE_TOLERANCE_M:
                 break
         return path
@@ -286,3 +271,69 @@ def sum_of_exponentials(
 def _one_way_level(path: RefractedPath) -> np.ndarray:
     """Return the share of the field that arrives: spreading, and the antenna's cosine pattern."""
     return REFERENCE_M / (path.air_m + path.soil_m) * path.cos_air
+
+
+# The path of a wave from an antenna in air to a point in the soil, by Fermat's principle: of all
+# points of the surface it crosses at the one with the shortest time. Nothing else is assumed,
+# neither Snell's law nor an angle: the analysis uses those, so the two can disagree.
+
+
+@dataclass(frozen=True)
+class RefractedPath:
+    """One way from the antenna to each of several points.
+
+    Attributes:
+        air_m: Length in air [m].
+        soil_m: Length in soil [m].
+        cos_air: Cosine of the angle to the vertical in air.
+        across_air_m: Horizontal distance to where the path meets the surface [m].
+    """
+
+    air_m: np.ndarray
+    soil_m: np.ndarray
+    cos_air: np.ndarray
+    across_air_m: np.ndarray
+
+
+def refracted_path(
+    height_m: Union[float, np.ndarray],
+    depth_m: np.ndarray,
+    distance_m: np.ndarray,
+    permittivity: float,
+) -> RefractedPath:
+    """Find the quickest paths through a flat surface.
+
+    Args:
+        height_m: Height of the antenna above the surface of each point [m], more than 0.
+        depth_m: Depth of each point below the surface [m], more than 0.
+        distance_m: Horizontal distance of each point [m].
+        permittivity: Relative permittivity of the soil, 1 or more.
+    """
+    across_m = _quickest_crossing_m(height_m, depth_m, distance_m, math.sqrt(permittivity))
+    air_m = np.hypot(height_m, across_m)
+    return RefractedPath(
+        air_m, np.hypot(depth_m, distance_m - across_m), height_m / air_m, across_m
+    )
+
+
+def _quickest_crossing_m(
+    height_m: Union[float, np.ndarray], depth_m: np.ndarray, distance_m: np.ndarray, index: float
+) -> np.ndarray:
+    """Return where the sum of the path in air and index times that in soil is smallest."""
+    above, below = np.square(height_m), np.square(depth_m)
+    places = np.arange(CROSSINGS)[:, np.newaxis]
+    columns = np.arange(distance_m.size)
+    first_m, step_m = np.zeros_like(distance_m), distance_m / (CROSSINGS - 1)
+    for _ in range(ROUNDS):
+        across_m = first_m + places * step_m
+        times_m = np.sqrt(above + across_m**2)
+        times_m += index * np.sqrt(below + (distance_m - across_m) ** 2)
+        # The time has one minimum, so that it is between the neighbours of the smallest.
+        best = np.clip(times_m.argmin(axis=0), 1, CROSSINGS - 2)
+        middle_m, spacing_m = across_m[best, columns], step_m
+        first_m, step_m = middle_m - spacing_m, 2.0 * spacing_m / (CROSSINGS - 1)
+    # The vertex of the parabola through the last three.
+    before, here, after = (times_m[best + one, columns] for one in (-1, 0, 1))
+    bend = before - 2.0 * here + after
+    offset = np.divide(before - after, 2.0 * bend, out=np.zeros_like(bend), where=bend > 0.0)
+    return middle_m + spacing_m * np.clip(offset, -1.0, 1.0)

@@ -42,13 +42,9 @@ class SweptMedium(Protocol):
         sweep_number: int,
         noise_gain: float = 1.0,
     ) -> np.ndarray:
-        """Return the complex transmission at each frequency.
+        """Return the complex transmission at each frequency [Hz] of a part of a sweep.
 
-        Args:
-            frequency_hz: Frequencies [Hz].
-            position: Where the antennas are while these frequencies are measured.
-            sweep_number: Number of the sweep that these points belong to.
-            noise_gain: Noise of the receiver, relative to that of the settings of power-on.
+        The noise of the receiver is relative to that of the settings of power-on.
         """
 
 

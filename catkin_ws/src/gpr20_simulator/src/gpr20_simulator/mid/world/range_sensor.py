@@ -1,10 +1,10 @@
-"""The infrared height sensor and its converter: from the true height to a code."""
+"""The infrared height sensor, its converter and the SPI bus: from the true height to bytes."""
 
 from __future__ import annotations
 
 import math
 import threading
-from typing import Callable
+from typing import Callable, List
 
 import numpy as np
 
@@ -67,3 +67,48 @@ class RangeSensor:
         voltage_v = sensor_voltage_v(distance_m) + noise_v
         code = round(voltage_v / self._adc.reference_voltage_v * (LARGEST_CODE + 1))
         return min(max(code, 0), LARGEST_CODE)
+
+
+class SimulatedSpi:
+    """An SPI bus with an MCP3008 on it, as an object with the calls of `spidev.SpiDev`.
+
+    It answers bit by bit as the converter does, wherever the start bit is.
+    """
+
+    def __init__(self, convert: Callable[[int], int]) -> None:
+        """Put a converter on the bus.
+
+        Args:
+            convert: Takes a channel and returns its code now, 0..1023.
+        """
+        self._convert = convert
+        self.max_speed_hz = 0
+        self.mode = 0
+        self._is_open = True
+
+    def xfer2(self, values: List[int]) -> List[int]:
+        """Exchange bytes while the chip stays selected.
+
+        Raises:
+            OSError: The bus was closed.
+        """
+        if not self._is_open:
+            raise OSError("the SPI bus is closed")
+        sent = int.from_bytes(bytes(values), "big")
+        # The output floats until the converter drives it; a pull-up makes that ones.
+        received = (1 << 8 * len(values)) - 1
+        start = sent.bit_length() - 1
+        # After the start bit come the mode, three channel bits and a bit time for sampling; then
+        # the converter sends a zero and its code, and zeros for as long as the clock runs.
+        sampled = start - 5
+        if sampled > 0:
+            is_single_ended, channel = sent >> start - 1 & 1, sent >> start - 4 & 0b111
+            # Between two inputs of a differential pair there is nothing on this robot.
+            code = self._convert(channel) if is_single_ended else 0
+            received -= (1 << sampled) - 1
+            received |= code << sampled >> 11
+        return list(received.to_bytes(len(values), "big"))
+
+    def close(self) -> None:
+        """Close the bus."""
+        self._is_open = False
