@@ -24,7 +24,7 @@ from gpr20_simulator.mid.analyzer.simulated_analyzer import AnalyzerOptions
 from gpr20_simulator.mid.world.scene import read_scene
 from gpr20_survey.trace.sweep_settings import AnalyzerSettings, SweepSettings
 from gpr20_vna_acquisition.high import check_analyzer
-from gpr20_vna_acquisition.mid import analyzer_instance, foreign_analyzer, refusals
+from gpr20_vna_acquisition.mid import refusals
 from gpr20_vna_acquisition.mid.conformance import wire_checks
 from gpr20_vna_acquisition.mid.conformance.bench import Bench, Extent, Status
 from gpr20_vna_acquisition.mid.conformance.record import FILE, has_passed, store
@@ -197,18 +197,6 @@ def test_each_bad_class_is_caught(name, check):
 def test_data_that_are_not_those_of_one_new_sweep_are_caught(spoil):
     options = {"instrument": ToyInstrument(), "spoil": spoil}
     assert "new_sweeps" in failures("Spoils", analyzer_options=options)
-
-
-@each_case(
-    "blocks, check",
-    [("connect", "identity"), ("sweep", "settings"), ("confirm", "settings")],
-)
-def test_a_class_that_hangs_is_caught_in_time(monkeypatch, blocks, check):
-    monkeypatch.setattr(foreign_analyzer, "LAST_CALL_S", 0.1)
-    monkeypatch.setattr(analyzer_instance, "OWN_END_S", 0.1)
-    options = {"instrument": ToyInstrument(), "blocks": blocks}
-    quick = Extent(21, (1e4,), sweeps=2, limit_s=0.3)
-    assert next(failures("Good", extent=quick, analyzer_options=options)) == check
 
 
 def test_a_person_who_changes_what_is_measured_shows_whether_the_next_sweep_is_old():

@@ -16,14 +16,14 @@ from gpr20_common.mid.codec import record_from
 from gpr20_survey.faults import VNA_SILENT
 from gpr20_vna_acquisition.errors import VnaConnectionError
 from gpr20_vna_acquisition.low.tcp_relay import ADDRESS, TcpRelay
-from gpr20_vna_acquisition.mid.conformance import relay_checks
-from gpr20_vna_acquisition.mid.conformance.bench import Bench, Extent, Status
-from gpr20_vna_acquisition.mid.conformance.suite import passed, results
-from gpr20_vna_acquisition.mid.foreign_analyzer import (
+from gpr20_vna_acquisition.mid.analyzers import (
     ForeignAnalyzer,
     load_analyzer,
     make_foreign_analyzer,
 )
+from gpr20_vna_acquisition.mid.conformance import relay_checks
+from gpr20_vna_acquisition.mid.conformance.bench import Bench, Extent, Status
+from gpr20_vna_acquisition.mid.conformance.suite import passed, results
 from gpr20_vna_acquisition.mid.request_deadline import RequestDeadline
 from gpr20_vna_acquisition.mid.vna_parameters import VnaParameters
 
@@ -83,7 +83,7 @@ class BrokenAnalyzer:
 def test_an_exception_of_any_kind_counts_as_a_broken_link():
     deadline = RequestDeadline(Clock())
     deadline.begin(10.0)
-    analyzer = ForeignAnalyzer(lambda _lent: BrokenAnalyzer(), VnaParameters(), deadline)
+    analyzer = ForeignAnalyzer(BrokenAnalyzer(), VnaParameters(), deadline)
     for action in (analyzer.identify, analyzer.sweep, analyzer.confirm, analyzer.calibration):
         with raises_fault(VNA_SILENT, "ZeroDivisionError", error=VnaConnectionError):
             action()

@@ -68,7 +68,6 @@ class ScikitRfAnalyzer:
             self._options.scikit_rf_class.value,
             self._options.visa_library,
             VisaLimits(
-                connect_s=parameters.connect_timeout_s,
                 answer_s=parameters.answer_timeout_s,
                 clear=parameters.clear_on_connect,
             ),
@@ -87,7 +86,7 @@ class ScikitRfAnalyzer:
         visa_resource_name(Message("the VNA address"), address)
         self.disconnect()
         self._deadline.check()
-        self._link = self._library.connect(address, self._deadline.check)
+        self._link = self._library.connect(address)
 
     def identify(self) -> str:
         """Return the identification: maker, model, serial number, firmware."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import os
 from typing import Callable, Optional
 
 import rospy
@@ -29,6 +30,8 @@ from gpr20_vna_acquisition.mid.vna_driver import VNADriver
 from gpr20_vna_acquisition.mid.vna_parameters import VnaParameters
 
 NODE = "vna_acquisition"
+# How often a call that does not return is looked for [s].
+WATCH_PERIOD_S = 0.5
 # Returns the TCP port of the core channel at an address, or None to ask the portmapper there.
 PortLookup = Callable[[str], Optional[int]]
 
@@ -175,8 +178,18 @@ def build_vna_node(parameters: VnaParameters, port_of: PortLookup, hardware: Har
         return connect(address, limits, port_of(address))
 
     deadline = RequestDeadline(Clock())
+    # The constructor of a class of others is watched, too.
+    Periodic(WATCH_PERIOD_S, lambda: end_if_overdue(deadline))
     analyzer = make_analyzer(parameters, open_link, deadline)
     return VNANode(VNADriver(analyzer, parameters, deadline, rospy.logwarn), hardware)
+
+
+def end_if_overdue(deadline: RequestDeadline) -> None:
+    """End this process if a call of a library does not return; roslaunch starts it again."""
+    overdue = deadline.overdue()
+    if overdue is not None:
+        rospy.logfatal("%s", " ".join((overdue.sentence(), *map(str, overdue.all_details))))
+        os._exit(1)
 
 
 def build_robot_node(parameters: VnaParameters) -> VNANode:

@@ -37,6 +37,9 @@ from gpr20_vna_acquisition.mid.trace_quality import (
 from gpr20_vna_acquisition.mid.vna_link import VnaLink, VnaState
 from gpr20_vna_acquisition.mid.vna_parameters import VnaParameters
 
+# How long a shutdown waits for the request that runs [s].
+LAST_REQUEST_S = 5.0
+
 
 @dataclass(frozen=True)
 class SweepConfirmation:
@@ -146,7 +149,12 @@ class VNADriver:
     def shut_down(self) -> None:
         """End waiting requests, refuse new ones, close the link."""
         self._link.deadline.close()
-        self.disconnect_from_vna()
+        # A call that does not return, of a class of others, ends with the process.
+        if self._lock.acquire(timeout=LAST_REQUEST_S):
+            try:
+                self.disconnect_from_vna()
+            finally:
+                self._lock.release()
 
     def test_connection(self) -> None:
         """Ask the instrument for its calibration, once, over a new link if there is none.
@@ -214,8 +222,8 @@ class VNADriver:
             InvalidValueError: A value is not allowed.
             VnaError: The instrument did not accept one, or lost its calibration.
         """
-        self._analyzer.check_sweep(settings)
         with self._request(extensible=True):
+            self._analyzer.check_sweep(settings)
             # If this fails, it is unknown what the instrument would measure.
             self._link.note(sweep=None)
             self._unconfirmed = self._last_sweep = None

@@ -13,8 +13,8 @@ from gpr20_common.low.clock import time_of_day_us
 from gpr20_common.mid.extension import is_extension
 from gpr20_survey.files.durable_files import replace_file
 from gpr20_survey.trace import utc_time
+from gpr20_vna_acquisition.mid.analyzers import load_analyzer
 from gpr20_vna_acquisition.mid.conformance.suite import Result, passed
-from gpr20_vna_acquisition.mid.foreign_analyzer import load_analyzer
 from gpr20_vna_acquisition.mid.vna_parameters import VnaParameters
 
 FILE = "checked_analyzers.json"
