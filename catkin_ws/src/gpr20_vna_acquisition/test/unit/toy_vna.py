@@ -14,7 +14,7 @@ from gpr20_survey.trace.calibration import CalibrationStatus
 from gpr20_survey.trace.sweep import Sweep
 from gpr20_survey.trace.sweep_settings import AnalyzerSettings, SweepSettings
 from gpr20_vna_acquisition.mid import refusals
-from gpr20_vna_acquisition.mid.identity import check_identity
+from gpr20_vna_acquisition.mid.refusals import check_identity
 
 ADDRESS = "127.0.0.1"
 MAKER, MODEL = "Toy", "T1"

@@ -28,7 +28,7 @@ from gpr20_survey.trace.sweep_settings import (
 )
 from gpr20_vna_acquisition.errors import VnaDataError, VnaError, VnaSettingError
 from gpr20_vna_acquisition.mid import refusals
-from gpr20_vna_acquisition.mid.identity import check_identity
+from gpr20_vna_acquisition.mid.refusals import check_identity
 from gpr20_vna_acquisition.mid.request_deadline import RequestDeadline
 from gpr20_vna_acquisition.mid.trace_quality import calibration_lost
 from gpr20_vna_acquisition.mid.vna_parameters import VnaParameters

@@ -128,11 +128,6 @@ class Vxi11Transport:
         """Keep all other links from using the instrument, if it supports that."""
         self._call("locking the instrument", lambda link: _if_supported(link.lock))
 
-    def unlock(self) -> None:
-        """Let other links use the instrument again, if this one has kept them from it."""
-        if self._instrument is not None and self._instrument.locked:
-            self._call("unlocking the instrument", lambda link: link.unlock())
-
     def local(self) -> None:
         """Return the control to the front panel, if the instrument supports that."""
         self._call("returning to the front panel", lambda link: _if_supported(link.local))

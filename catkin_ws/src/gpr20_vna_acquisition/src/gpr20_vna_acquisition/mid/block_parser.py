@@ -33,6 +33,11 @@ class TransferFormat(enum.Enum):
     ASCII = "ASC"
 
 
+def unquoted(answer: str) -> str:
+    """Return a text answer without the quotation marks that some answers have."""
+    return answer.strip().strip('"').strip()
+
+
 def number(answer: str) -> float:
     """Return a numeric answer.
 

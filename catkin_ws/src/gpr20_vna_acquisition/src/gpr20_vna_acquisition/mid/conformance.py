@@ -23,9 +23,13 @@ from gpr20_vna_acquisition.errors import VnaError
 from gpr20_vna_acquisition.mid.analyzer import Analyzer
 from gpr20_vna_acquisition.mid.analyzer_record import Result, Status
 from gpr20_vna_acquisition.mid.analyzers import make_analyzer
-from gpr20_vna_acquisition.mid.display import DATA_QUERY
 from gpr20_vna_acquisition.mid.exchanges import Transport
-from gpr20_vna_acquisition.mid.ms2026c_sweeps import STATUS_QUERY, SWEEP_COMPLETE_BIT, TRIGGER
+from gpr20_vna_acquisition.mid.ms2026c_commands import (
+    DATA_QUERY,
+    STATUS_QUERY,
+    SWEEP_COMPLETE_BIT,
+    TRIGGER,
+)
 from gpr20_vna_acquisition.mid.refusals import old_data
 from gpr20_vna_acquisition.mid.request_deadline import RequestDeadline
 from gpr20_vna_acquisition.mid.sweep_timing import has_old_points

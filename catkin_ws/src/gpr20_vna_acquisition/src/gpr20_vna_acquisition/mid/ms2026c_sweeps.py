@@ -16,7 +16,14 @@ from gpr20_vna_acquisition.errors import (
 from gpr20_vna_acquisition.mid.block_parser import whole_number
 from gpr20_vna_acquisition.mid.display import Display
 from gpr20_vna_acquisition.mid.exchanges import Exchanges
-from gpr20_vna_acquisition.mid.preamble import PREAMBLE_QUERY, Preamble
+from gpr20_vna_acquisition.mid.ms2026c_commands import (
+    CLEAR_AVERAGE,
+    PREAMBLE,
+    STATUS_QUERY,
+    SWEEP_COMPLETE_BIT,
+    TRIGGER,
+    Preamble,
+)
 from gpr20_vna_acquisition.mid.refusals import old_data, sweep_not_ended
 from gpr20_vna_acquisition.mid.request_deadline import RequestDeadline
 from gpr20_vna_acquisition.mid.sweep_timing import (
@@ -29,10 +36,6 @@ from gpr20_vna_acquisition.mid.sweep_timing import (
 )
 from gpr20_vna_acquisition.mid.vna_parameters import VnaParameters
 
-TRIGGER = ":INIT:IMM"
-STATUS_QUERY = ":STAT:OPER?"
-SWEEP_COMPLETE_BIT = 256
-CLEAR_AVERAGE = ":SENS:AVER:CLE"
 # One message, so that nothing is averaged between the two.
 NEW_AVERAGE = f"{CLEAR_AVERAGE};{TRIGGER}"
 # Polling more often than this loads the instrument and gains nothing [s].
@@ -226,7 +229,7 @@ class Ms2026cSweeps:
 
     def _averaged(self, averages: int) -> int:
         """Return how many sweeps the present average has."""
-        answer = self._exchanges.ask_optional_raw(PREAMBLE_QUERY)
+        answer = self._exchanges.ask_optional_raw(PREAMBLE.query)
         found = None if answer is None else Preamble(answer).number("AVERAGING_COUNT")
         if found is None:
             raise _not_averaging(averages)

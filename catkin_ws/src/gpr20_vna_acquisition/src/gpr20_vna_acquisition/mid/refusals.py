@@ -4,13 +4,53 @@ from __future__ import annotations
 
 from gpr20_common.message import Message
 from gpr20_survey.faults import VNA_SETTINGS
-from gpr20_vna_acquisition import faults
 from gpr20_vna_acquisition.errors import (
+    VnaIdentityError,
     VnaNotReadyError,
     VnaOldDataError,
+    VnaReplacedError,
     VnaSettingError,
     VnaSweepError,
 )
+from gpr20_vna_acquisition.mid.vna_parameters import VnaParameters
+
+# Maker, model, serial number, firmware (IEEE 488.2, *IDN?).
+IDENTITY_FIELDS = 4
+
+
+def check_identity(identity: str, parameters: VnaParameters) -> None:
+    """Compare maker and model; what follows a slash in the model is an option.
+
+    Raises:
+        VnaIdentityError: They are not those of the configuration.
+    """
+    fields = [field.strip() for field in identity.split(",")]
+    model = fields[1].split("/")[0] if len(fields) >= IDENTITY_FIELDS else ""
+    if (fields[0], model) == (parameters.maker, parameters.model):
+        return
+    shown = "".join(one if one.isascii() and one.isprintable() else "?" for one in identity[:40])
+    raise VnaIdentityError(
+        Message(
+            "the VNA identifies itself as {identity}; expected {maker} {model}; check its "
+            "address, or the parameters maker and model",
+            identity=repr(shown),
+            maker=parameters.maker,
+            model=parameters.model,
+            details=repr(identity[:200]),
+        )
+    )
+
+
+def replaced(now: str, former: str) -> VnaReplacedError:
+    """Return the error of an instrument that is another one, on the same link."""
+    return VnaReplacedError(
+        Message(
+            "the VNA is now {now} and was {former}; connect the former VNA again, or accept the "
+            "other one when you connect or resume",
+            now=repr(now[:80]),
+            former=repr(former[:80]),
+        )
+    )
 
 
 def not_connected() -> VnaNotReadyError:
@@ -26,8 +66,7 @@ def not_configured() -> VnaNotReadyError:
         Message(
             "the VNA's sweep is not configured; configure it first",
             details="service freq_sweep_setup",
-        ),
-        fault=faults.NOT_CONNECTED,
+        )
     )
 
 
@@ -49,8 +88,7 @@ def settings_changed(settings: Message) -> VnaSettingError:
             "the VNA's settings were changed during the sweep: {settings}; do not operate "
             "it by hand during a survey",
             settings=settings,
-        ),
-        fault=VNA_SETTINGS,
+        )
     )
 
 
