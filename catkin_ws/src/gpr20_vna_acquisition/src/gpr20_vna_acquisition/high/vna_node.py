@@ -19,7 +19,6 @@ from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message, verbatim
 from gpr20_common.mid.node_facts import Hardware
 from gpr20_msgs import srv
-from gpr20_survey.faults import VNA_SILENT
 from gpr20_survey.trace.sweep_settings import AnalyzerSettings, SweepSettings
 from gpr20_vna_acquisition import faults
 from gpr20_vna_acquisition.errors import VnaNotReadyError, VnaOldDataError, VnaSettingError
@@ -152,12 +151,6 @@ class VNANode:
                 Message("not connected").with_fault(faults.NOT_CONNECTED.as_note()),
                 values,
             )
-        if state.former_trouble:
-            answers = Message(
-                "answers again; look at it only if it fails again; the last fault: {reason}",
-                reason=state.former_trouble,
-            ).reporting_only(VNA_SILENT.as_warning())
-            return diagnostics.WARN, answers, values
         if state.last_quality:
             return diagnostics.WARN, state.last_quality[0].as_warning(), values
         connected = Message("connected to {identity}", identity=state.identity)

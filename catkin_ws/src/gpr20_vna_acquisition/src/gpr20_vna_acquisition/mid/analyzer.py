@@ -106,10 +106,6 @@ class DrivenAnalyzer(Analyzer, Protocol):
     """An analyzer as the driver uses it: with what a class need not have."""
 
     @property
-    def has_noise(self) -> bool:
-        """Whether two of its sweeps always differ in some bit; a simulated one need not."""
-
-    @property
     def temperature_c(self) -> Optional[float]:
         """Its temperature at the last `confirm` [degC]; None if it does not say."""
 

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import contextlib
+import functools
 import math
-from dataclasses import dataclass
-from typing import Any, Callable, Mapping, Optional, Sequence, Tuple, Type, TypeVar
+from typing import Any, Callable, Mapping, Optional, Tuple, Type, TypeVar, cast
 
 from gpr20_common.errors import Gpr20Error
 from gpr20_common.message import Message
@@ -64,31 +64,23 @@ def make_foreign_analyzer(parameters: VnaParameters, deadline: RequestDeadline) 
             raise options_refused(
                 "analyzer_options", found, f"{type(error).__name__}: {error}"
             ) from error
-    return ForeignAnalyzer(made, parameters, deadline)
+    return cast(DrivenAnalyzer, ForeignAnalyzer(made, parameters, deadline))
 
 
-@dataclass(frozen=True)
-class _Known:
-    """What the properties of an object were after its last call; the last two are optional."""
-
-    trace_duration_s: Optional[float] = None
-    remarks: Tuple[Message, ...] = ()
-    has_noise: bool = True
-    temperature_c: Optional[float] = None
-
-    @classmethod
-    def of(cls, analyzer: Analyzer) -> _Known:
-        temperature_c = getattr(analyzer, "temperature_c", None)
-        return cls(
-            analyzer.trace_duration_s,
-            tuple(analyzer.remarks),
-            bool(getattr(analyzer, "has_noise", True)),
-            None if temperature_c is None else float(temperature_c),
-        )
+# What the calls that return something return.
+RETURNS: Mapping[str, Callable[[Any], Any]] = {
+    "identify": str,
+    "configure": lambda found: _checked(found, SweepSettings),
+    "sweep": lambda found: _checked(found, Sweep),
+    "calibration": CalibrationStatus,
+    "calibration_details": dict,
+}
+# What a class need not have.
+OPTIONAL: Mapping[str, Callable[[], Any]] = {"calibration_details": dict, "forget": lambda: None}
 
 
 class ForeignAnalyzer:
-    """Implements `DrivenAnalyzer`: passes every call on, and trusts no exception and no type.
+    """Makes the calls of `DrivenAnalyzer` on an object, and trusts no exception and no type.
 
     An exception that the driver does not know becomes a `VnaConnectionError`: the driver then makes
     a new link and tries again. A call that does not return is seen by `RequestDeadline.overdue`.
@@ -100,85 +92,32 @@ class ForeignAnalyzer:
         self._analyzer = analyzer
         self._parameters = parameters
         self._deadline = deadline
-        self._known = _Known()
+        # What its properties were after the last call.
+        self.trace_duration_s: Optional[float] = None
+        self.remarks: Tuple[Message, ...] = ()
+        self.temperature_c: Optional[float] = None
 
-    def connect(self, address: str) -> None:
-        """Open a link to an address; an open one is closed."""
-        self._call("connect", lambda: self._analyzer.connect(address))
-
-    def identify(self) -> str:
-        """Return the identification."""
-        return str(self._call("identify", self._analyzer.identify))
-
-    def check_sweep(self, settings: SweepSettings) -> None:
-        """Refuse settings that this kind of analyzer does not have."""
-        self._call("check_sweep", lambda: self._analyzer.check_sweep(settings))
-
-    def configure(self, settings: SweepSettings) -> SweepSettings:
-        """Set up S21 over frequency, hold the sweep, and measure how long a trace takes."""
-        return self._call(
-            "configure", lambda: _checked(self._analyzer.configure(settings), SweepSettings)
-        )
-
-    def sweep(self) -> Sweep:
-        """Trigger the sweeps of one trace, wait for their end and return the data."""
-        duration_s = self._known.trace_duration_s
-        limit_s = math.inf if duration_s is None else self._parameters.sweep_limit_s(duration_s)
-        return self._call("sweep", lambda: _checked(self._analyzer.sweep(), Sweep), limit_s)
-
-    def confirm(self) -> None:
-        """Return if every setting that the data depend on is still that of `configure`."""
-        self._call("confirm", self._analyzer.confirm)
-
-    def calibration(self) -> CalibrationStatus:
-        """Return the state of the calibration."""
-        return self._call("calibration", lambda: CalibrationStatus(self._analyzer.calibration()))
+    def __getattr__(self, name: str) -> Callable[..., Any]:
+        return functools.partial(self._call, name)
 
     def release(self) -> None:
         """Leave the instrument sweeping by itself; never fails."""
-        self._last_call("release", self._analyzer.release)
+        self._last_call("release")
 
     def disconnect(self) -> None:
         """End the link; never fails."""
-        self._last_call("disconnect", self._analyzer.disconnect)
+        self._last_call("disconnect")
 
-    @property
-    def trace_duration_s(self) -> Optional[float]:
-        """How long one trace takes [s]; None before `configure`."""
-        return self._known.trace_duration_s
-
-    @property
-    def remarks(self) -> Sequence[Message]:
-        """What was learned about this instrument that a technician should know."""
-        return self._known.remarks
-
-    @property
-    def has_noise(self) -> bool:
-        """Whether two of its sweeps always differ; true unless the class says otherwise."""
-        return self._known.has_noise
-
-    @property
-    def temperature_c(self) -> Optional[float]:
-        """Its temperature at the last `confirm` [degC]; None if the class does not say."""
-        return self._known.temperature_c
-
-    def calibration_details(self) -> Mapping[str, Any]:
-        """Return what else the class says of the calibration."""
-        return self._call(
-            "calibration_details",
-            lambda: dict(getattr(self._analyzer, "calibration_details", dict)()),
-        )
-
-    def forget(self) -> None:
-        """Forget what was learned about the instrument, if the class can."""
-        self._call("forget", getattr(self._analyzer, "forget", int))
-
-    def _call(self, name: str, action: Callable[[], Result], sweep_s: float = 0.0) -> Result:
+    def _call(self, name: str, *arguments: Any) -> Any:
         self._deadline.check()
         try:
-            with self._watched(name, sweep_s):
-                result = action()
-                self._known = _Known.of(self._analyzer)
+            with self._watched(name):
+                call = getattr(self._analyzer, name, OPTIONAL.get(name))
+                result = RETURNS.get(name, lambda _nothing: None)(call(*arguments))
+                self.trace_duration_s = self._analyzer.trace_duration_s
+                self.remarks = tuple(self._analyzer.remarks)
+                temperature_c = getattr(self._analyzer, "temperature_c", None)
+                self.temperature_c = None if temperature_c is None else float(temperature_c)
         except Gpr20Error:
             raise
         except Exception as error:  # the class is not ours: it may raise anything
@@ -190,12 +129,17 @@ class ForeignAnalyzer:
             ) from error
         return result
 
-    def _last_call(self, name: str, action: Callable[[], None]) -> None:
+    def _last_call(self, name: str) -> None:
         with self._watched(name), contextlib.suppress(Exception):
-            action()
+            getattr(self._analyzer, name)()
 
-    def _watched(self, name: str, sweep_s: float = 0.0) -> contextlib.AbstractContextManager:
-        limit_s = _usual_limit_s(self._parameters) + sweep_s
+    def _watched(self, name: str) -> contextlib.AbstractContextManager:
+        limit_s = _usual_limit_s(self._parameters)
+        if name == "sweep":
+            duration_s = self.trace_duration_s
+            limit_s += (
+                math.inf if duration_s is None else self._parameters.sweep_limit_s(duration_s)
+            )
         return self._deadline.watched(f"{self._parameters.analyzer}.{name}", limit_s)
 
 

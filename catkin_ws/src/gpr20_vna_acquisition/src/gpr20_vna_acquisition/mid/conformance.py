@@ -199,14 +199,12 @@ def new_sweeps(bench: Bench) -> Outcome:
     middle_s = float(np.median([one.duration_s for one in sweeps]))
     # What the driver believes may be of one sweep that a busy computer saw end late.
     usual_s = min(analyzer.trace_duration_s or 0.0, middle_s)
-    # A simulated one that has no noise says so.
-    noisy = getattr(analyzer, "has_noise", True)
     numbers = [_values(one).view(np.float64) for one in sweeps]
     for index, sweep in enumerate(sweeps):
         refuse_impossible(sweep)
-        if noisy and any((numbers[index] == one).all() for one in numbers[:index]):
+        if any((numbers[index] == one).all() for one in numbers[:index]):
             raise old_data()
-        if noisy and index and has_old_points(numbers[index], numbers[index - 1]):
+        if index and has_old_points(numbers[index], numbers[index - 1]):
             raise old_data()
         if sweep.sweep_started_us < begun_us or sweep.duration_s < usual_s / 2.0:
             raise NotAsPromisedError(Message("a sweep begins before its request, or ends too soon"))

@@ -166,11 +166,6 @@ class Ms2026c:
         """Its temperature at the last `confirm` [degC]; None if it does not say."""
         return self._temperature_c
 
-    @property
-    def has_noise(self) -> bool:
-        """Whether two of its sweeps always differ in some bit."""
-        return True
-
     def forget(self) -> None:
         """Forget which queries it does not answer: it is set up again."""
         self._exchanges.forget()

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import threading
 from contextlib import contextmanager
-from dataclasses import dataclass, replace
-from typing import Callable, Generator, Optional, Sequence, Tuple
+from dataclasses import replace
+from typing import Callable, Generator, NamedTuple, Optional, Sequence, Tuple
 
 import numpy as np
 
@@ -41,14 +41,8 @@ from gpr20_vna_acquisition.mid.vna_parameters import VnaParameters
 LAST_REQUEST_S = 5.0
 
 
-@dataclass(frozen=True)
-class SweepConfirmation:
-    """A sweep that is confirmed.
-
-    Attributes:
-        remarks: On its calibration.
-        temperature_c: Temperature of the analyzer [degC]; None if it does not say.
-    """
+class SweepConfirmation(NamedTuple):
+    """Remarks on the calibration of a sweep; temperature of the analyzer [degC], if it says it."""
 
     remarks: Tuple[str, ...]
     temperature_c: Optional[float]
@@ -75,7 +69,7 @@ class VNADriver:
             deadline: Ends a request that takes too long; the analyzer has the same one.
             warn: Called with a sentence for attempts that are repeated.
         """
-        self._parameters = parameters
+        self.parameters = parameters
         self._analyzer = analyzer
         self._link = VnaLink(analyzer, parameters, deadline, warn)
         self._lock = threading.RLock()
@@ -93,11 +87,6 @@ class VNADriver:
         self._news: Tuple[Message, ...] = ()
 
     @property
-    def parameters(self) -> VnaParameters:
-        """The parameters with which the driver started."""
-        return self._parameters
-
-    @property
     def state(self) -> VnaState:
         """What the driver knows now; never waits for a running exchange."""
         return self._link.state
@@ -107,17 +96,7 @@ class VNADriver:
         """What is wrong now; None if nothing is."""
         calibration = self.state.calibration
         refusal = None if calibration is None else self.calibration_refusal(calibration)
-        return self.state.trouble or refusal
-
-    @property
-    def vna_connected(self) -> bool:
-        """Whether a link is open now; after a failure there is none until the next use."""
-        return self.state.linked
-
-    @property
-    def vna_ip(self) -> str:
-        """The requested address; empty without one."""
-        return self.state.address
+        return self.state.last_error or refusal
 
     def connect_to_vna(self, address: str) -> str:
         """Connect to the instrument at an address and return its identification.
@@ -143,7 +122,7 @@ class VNADriver:
         self._link.deadline.abandon()
         with self._lock:
             self._unconfirmed = None
-            self._link.deadline.begin(self._parameters.request_limit_s())
+            self._link.deadline.begin(self.parameters.request_limit_s())
             self._link.forget()
 
     def shut_down(self) -> None:
@@ -173,20 +152,18 @@ class VNADriver:
                 raise
             except VnaError as error:
                 self._link.drop()
-                self._link.note(link_error=error.message)
+                self._link.note(last_error=error.message)
                 raise
-            self._link.note(calibration=calibration, link_error=None, answered_since=True)
+            self._link.note(calibration=calibration, last_error=None)
 
     def check_idle_link(self) -> None:
         """Test the connection to an instrument that was not used for a while.
 
-        So the diagnostics soon report that a cable was pulled, and that it is back. An answer also
-        ends the fault of the last request: whether its data are good again is known only after
-        the next sweep, which is not made here because somebody may be calibrating. Never raises and
-        never waits for a running request.
+        So the diagnostics soon report that a cable was pulled, and that it is back. No sweep is
+        made, because somebody may be calibrating. Never raises, never waits for a request.
         """
         idle_s = self._link.deadline.now_s() - self._last_used_s
-        if idle_s < self._parameters.link_check_s:
+        if idle_s < self.parameters.link_check_s:
             return
         if not self._lock.acquire(blocking=False):
             return
@@ -213,7 +190,7 @@ class VNADriver:
 
     def calibration_refusal(self, status: CalibrationStatus) -> Optional[Message]:
         """Return why no sweep is made with this calibration; None if one is."""
-        return calibration_refusal(status, self._parameters, self.state.calibration_details)
+        return calibration_refusal(status, self.parameters, self.state.calibration_details)
 
     def set_frequency_sweep(self, settings: SweepSettings) -> SweepSettings:
         """Set up what a sweep measures, and return what the instrument confirmed.
@@ -229,7 +206,7 @@ class VNADriver:
             self._unconfirmed = self._last_sweep = None
             self._analyzer.forget()
             # Another sweep has another usual duration.
-            self._quality = TraceQuality(self._parameters)
+            self._quality = TraceQuality(self.parameters)
             accepted, _failures = self._link.with_retries(
                 Message("setting up the VNA"),
                 lambda analyzer: analyzer.configure(settings),
@@ -251,7 +228,7 @@ class VNADriver:
 
         It stays as it is until the next set-up: callers rely on it.
         """
-        return self._parameters.answered_within_s(self._promised_trace_s)
+        return self.parameters.answered_within_s(self._promised_trace_s)
 
     def get_freq(self) -> np.ndarray:
         """Return the frequencies of the sweep that is set up [Hz, float64].
@@ -327,7 +304,7 @@ class VNADriver:
     ) -> Generator[None, None, None]:
         """Begin a request; its time limit includes the wait for another request."""
         deadline, arrived_s = self._link.deadline, self._link.deadline.now_s()
-        limit_s = self._parameters.request_limit_s(trace_duration_s)
+        limit_s = self.parameters.request_limit_s(trace_duration_s)
         if not self._lock.acquire(timeout=limit_s):
             raise VnaTimeoutError(
                 Message(
@@ -352,7 +329,7 @@ class VNADriver:
         sweep, before = analyzer.sweep(), self._last_sweep
         refuse_impossible(sweep)
         self._last_sweep = sweep
-        if before is not None and self._analyzer.has_noise and has_same_data(sweep, before):
+        if before is not None and has_same_data(sweep, before):
             raise old_data()
         return sweep
 

@@ -14,7 +14,6 @@ from gpr20_vna_acquisition.errors import (
     VnaCalibrationError,
     VnaClosedError,
     VnaConnectionError,
-    VnaDataError,
     VnaError,
     VnaNotReadyError,
     VnaReplacedError,
@@ -45,9 +44,7 @@ class VnaState:
         repeats: How many attempts of any kind had to be repeated.
         last_sweep_s: How long the last sweep took [s].
         last_quality: Remarks on the last sweep.
-        last_error: Why the last attempt failed; None if it did not.
-        answered_since: Whether the instrument has answered a test of the connection since then.
-        link_error: Why the last test of the connection failed; None if it did not.
+        last_error: Why the last attempt failed; None if the instrument has answered since.
         calibration: State of the calibration when it was last read; None before.
         calibration_details: What else the instrument said of it when it was asked.
     """
@@ -61,20 +58,8 @@ class VnaState:
     last_sweep_s: float = 0.0
     last_quality: Tuple[Message, ...] = ()
     last_error: Optional[Message] = None
-    answered_since: bool = False
-    link_error: Optional[Message] = None
     calibration: Optional[CalibrationStatus] = None
     calibration_details: Mapping[str, Any] = field(default_factory=dict)
-
-    @property
-    def trouble(self) -> Optional[Message]:
-        """What is wrong now; None if nothing is."""
-        return self.link_error or (None if self.answered_since else self.last_error)
-
-    @property
-    def former_trouble(self) -> Optional[Message]:
-        """What was wrong until the instrument answered again; None if nothing was."""
-        return self.last_error if self.answered_since and self.link_error is None else None
 
 
 class VnaLink:
@@ -95,22 +80,13 @@ class VnaLink:
         self._linked = False
         # Whether the instrument cannot have lost its settings since they were made or compared.
         self._settings_sure = False
-        self._restorations = 0
-        self._state = VnaState()
-
-    @property
-    def restorations(self) -> int:
-        """How often settings that differed were made again on a new link."""
-        return self._restorations
-
-    @property
-    def state(self) -> VnaState:
-        """The present state."""
-        return self._state
+        # How often settings that differed were made again on a new link.
+        self.restorations = 0
+        self.state = VnaState()
 
     def note(self, **changes: Any) -> None:
         """Change the state."""
-        self._state = replace(self._state, **changes)
+        self.state = replace(self.state, **changes)
 
     def note_set_up(self, sweep: SweepSettings) -> None:
         """Note that the instrument at the end of the link is set up."""
@@ -126,7 +102,7 @@ class VnaLink:
         """
         self.drop()
         # The diagnostics report the old fault until the result is known.
-        self._state = VnaState(address, last_error=self._state.trouble)
+        self.state = VnaState(address, last_error=self.state.last_error)
         try:
             identity = self._open(address)
         except VnaError as error:
@@ -134,9 +110,9 @@ class VnaLink:
             raise
         except InvalidValueError:
             # Nothing can ever answer there.
-            self._state = VnaState()
+            self.state = VnaState()
             raise
-        self._state = VnaState(address, identity, linked=True)
+        self.state = VnaState(address, identity, linked=True)
         return identity
 
     def forget(self) -> None:
@@ -150,7 +126,7 @@ class VnaLink:
             self.linked()
         self._analyzer.release()
         self.drop()
-        self._state = VnaState()
+        self.state = VnaState()
 
     def drop(self) -> None:
         """End the link; the next use makes a new one."""
@@ -164,7 +140,7 @@ class VnaLink:
         Raises:
             VnaNotReadyError: No instrument was connected.
         """
-        if not self._state.identity:
+        if not self.state.identity:
             raise not_connected()
 
     def linked(self) -> DrivenAnalyzer:
@@ -189,7 +165,7 @@ class VnaLink:
         Raises:
             VnaError: No link can be made, or the settings are not those that were set up.
         """
-        analyzer, sweep = self.linked(), self._state.sweep
+        analyzer, sweep = self.linked(), self.state.sweep
         if sweep is not None and not self._settings_sure:
             self._make_settings_sure(sweep, restore)
             self._settings_sure = True
@@ -211,15 +187,11 @@ class VnaLink:
         Args:
             what: What is done.
             action: Does it.
-            final: Failures after which it is not retried, besides those of another instrument and
-                of a lost calibration.
+            final: Failures that another attempt cannot undo, besides `ALWAYS_FINAL`.
             restore: Whether settings that differ are made again on a new link.
 
         Returns:
             The result, and why the attempts before it failed.
-
-        Raises:
-            VnaError: All attempts failed, or the time limit is exceeded.
         """
         failures: List[VnaError] = []
         attempts = 0
@@ -238,17 +210,17 @@ class VnaLink:
                     raise
                 attempts += not isinstance(error, VnaConnectionError)
             else:
-                self.note(last_error=None, link_error=None, answered_since=False)
+                self.note(last_error=None)
                 return result, failures
         raise VnaSweepError(_failed_every_time(what, attempts, failures))
 
     def _failed(self, error: VnaError) -> VnaError:
         self.drop()
-        self.note(last_error=error.message, answered_since=False)
+        self.note(last_error=error.message)
         return error
 
     def _pause_before_retry(self, what: Message, failures: Sequence[VnaError]) -> None:
-        self.note(repeats=self._state.repeats + 1)
+        self.note(repeats=self.state.repeats + 1)
         failure = failures[-1]
         # A link that is lost for long fails the same way many times.
         kinds = {(type(one), one.message.fault_code) for one in failures[-2:]}
@@ -257,7 +229,7 @@ class VnaLink:
         self.deadline.pause_s(self._parameters.retry_pause_s)
 
     def _reopen(self) -> None:
-        state = self._state
+        state = self.state
         identity = self._open(state.address)
         if identity != state.identity:
             self.drop()
@@ -281,7 +253,7 @@ class VnaLink:
         except (VnaNotReadyError, VnaSettingError):
             if not restore:
                 raise
-        self._restorations += 1
+        self.restorations += 1
         if self._analyzer.configure(sweep) != sweep:
             raise VnaSettingError(
                 Message("the VNA did not accept exactly the same sweep as before")
@@ -312,18 +284,10 @@ def _given_up(what: Message, error: VnaError, failures: Sequence[VnaError]) -> M
 
 
 def _failed_every_time(what: Message, attempts: int, failures: Sequence[VnaError]) -> Message:
-    last = failures[-1]
-    if not isinstance(last, VnaDataError):
-        return Message(
-            "{what} failed {attempts} times: {reason}",
-            what=what,
-            attempts=attempts,
-            reason=last.message,
-        )
     return Message(
         "{what} failed {attempts} times: {reason}; look at the VNA's display; power-cycle it if "
         "this persists",
         what=what,
         attempts=attempts,
-        reason=last.message,
+        reason=failures[-1].message,
     )
