@@ -41,8 +41,7 @@ from vxi11 import rpc
 from gpr20_survey.faults import VNA_SILENT, WRONG_VNA
 from gpr20_vna_acquisition import faults
 from gpr20_vna_acquisition.errors import VnaConnectionError
-from gpr20_vna_acquisition.low.vxi11_packing import NO_AUTHENTICATION, Packer
-from gpr20_vna_acquisition.low.vxi11_transport import connect
+from gpr20_vna_acquisition.low.vxi11_transport import NO_AUTHENTICATION, Packer, connect
 
 READ_PIECE_BYTES = 1024
 LIBRARY = vxi11.vxi11

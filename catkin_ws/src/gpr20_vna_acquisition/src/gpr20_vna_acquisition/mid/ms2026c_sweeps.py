@@ -8,11 +8,7 @@ from gpr20_common.message import Message
 from gpr20_survey.faults import PLAN_NOT_ALLOWED
 from gpr20_survey.trace.sweep import Sweep
 from gpr20_survey.trace.sweep_settings import SweepSettings
-from gpr20_vna_acquisition.errors import (
-    VnaOldDataError,
-    VnaSettingError,
-    VnaSweepError,
-)
+from gpr20_vna_acquisition.errors import VnaOldDataError, VnaSettingError, VnaSweepError
 from gpr20_vna_acquisition.mid.block_parser import whole_number
 from gpr20_vna_acquisition.mid.display import Display
 from gpr20_vna_acquisition.mid.exchanges import Exchanges
