@@ -27,7 +27,6 @@ from gpr20_vna_acquisition.mid.sweep_timing import (
     SweepTiming,
     enough_learned,
     has_old_points,
-    restart_remarks,
     timed_sweep,
 )
 from gpr20_vna_acquisition.mid.vna_parameters import VnaParameters
@@ -94,18 +93,12 @@ class Ms2026cSweeps:
         self._trace_duration_s = self._triggers * timing.duration_s
 
     def take(self, settings: SweepSettings) -> Sweep:
-        """Return the data of a trace that is triggered now.
-
-        Raises:
-            VnaSweepError: A sweep did not end in time.
-            VnaOldDataError: The data, or a part of them, are not new.
-            VnaDataError: The data are incomplete or not finite.
-        """
+        """Return the data of a trace that is triggered now."""
         if self._timing is None:
             self.learn(settings)
         timing = self._timing
         assert timing is not None
-        was_settled, surely_ended_s = self.display.begin_trace(), timing.surely_ended_s
+        was_settled = self.display.begin_trace()
         started_us, started_s = self._utc_now_us(), self._deadline.now_s()
         try:
             for number in range(self._triggers):
@@ -117,27 +110,25 @@ class Ms2026cSweeps:
             self._timing = None
             raise
         self._trace_duration_s = self._triggers * timing.duration_s
-        remarks = restart_remarks(end, surely_ended_s)
-        return timed_sweep(settings, numbers, started_us, duration_s, remarks)
+        return timed_sweep(settings, numbers, started_us, duration_s)
 
     def _sweep_once(
         self, settings: SweepSettings, timing: SweepTiming, new_average: bool
     ) -> SweepEnd:
         limit_s = self._parameters.sweep_limit_s(timing.duration_s)
         begun_s = self._trigger(settings, new_average)
-        stale_bit_s, unfinished_s, cleared, late = 0.0, 0.0, False, False
+        stale_bit_s, cleared, late = 0.0, False, False
         while True:
             asked_s = self._deadline.now_s() - begun_s
             complete = self._is_complete()
             elapsed_s = self._deadline.now_s() - begun_s
-            if not complete:
-                unfinished_s = asked_s
             if complete and (cleared or asked_s >= timing.surely_ended_s):
-                end = SweepEnd(asked_s, elapsed_s, cleared, stale_bit_s, unfinished_s)
+                end = SweepEnd(asked_s, elapsed_s, cleared, stale_bit_s)
                 timing.note(end, late)
                 return end
             self._check_time(elapsed_s, limit_s, settings)
-            pause_s = self._pause_s(elapsed_s)
+            pause_s = max(SHORTEST_POLL_S, POLL_FRACTION * elapsed_s)
+            pause_s = min(self._parameters.poll_interval_s, pause_s)
             if complete:
                 stale_bit_s = elapsed_s
                 # A bit of the sweep before: wait until it clears, or until it does not matter.
@@ -172,8 +163,7 @@ class Ms2026cSweeps:
                 stale_bit_s = elapsed_s
             cleared = cleared or not complete
             self._check_time(elapsed_s, limit_s, settings)
-            shortest_s = LEARNING_POLL_FRACTION * elapsed_s
-            self._deadline.pause_s(max(SHORTEST_POLL_S, shortest_s))
+            self._deadline.pause_s(max(SHORTEST_POLL_S, LEARNING_POLL_FRACTION * elapsed_s))
 
     def _shows_a_whole_new_sweep(self, settings: SweepSettings, overdue: bool) -> bool:
         """Return whether every point is new, and none changes any more."""
@@ -197,11 +187,6 @@ class Ms2026cSweeps:
 
     def _is_complete(self) -> bool:
         return bool(whole_number(self._exchanges.ask(STATUS_QUERY)) & SWEEP_COMPLETE_BIT)
-
-    def _pause_s(self, elapsed_s: float) -> float:
-        return min(
-            self._parameters.poll_interval_s, max(SHORTEST_POLL_S, POLL_FRACTION * elapsed_s)
-        )
 
     def _check_time(self, elapsed_s: float, limit_s: float, settings: SweepSettings) -> None:
         if elapsed_s >= limit_s:
