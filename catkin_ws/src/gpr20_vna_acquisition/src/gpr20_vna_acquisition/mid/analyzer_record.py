@@ -72,19 +72,10 @@ def store(folder: Path, parameters: VnaParameters, found: Sequence[Result]) -> P
         "passed": passed(found),
         "checked": utc_time.iso_text(time_of_day_us()),
         "software": __version__,
-        "results": [
-            {
-                "check": one.check,
-                "status": one.status.value,
-                "text": str(one.text),
-                "values": dict(one.text.values),
-            }
-            for one in found
-        ],
+        "results": [(one.check, one.status.value, str(one.text)) for one in found],
     }
-    text = json.dumps(
-        {"format": FORMAT, "analyzers": [*others, record]}, indent=2, default=str, sort_keys=True
-    )
+    content = {"format": FORMAT, "analyzers": [*others, record]}
+    text = json.dumps(content, indent=2, default=str, sort_keys=True)
     folder.mkdir(parents=True, exist_ok=True)
     path = folder / FILE
     replace_file(path, text.encode("utf-8"))

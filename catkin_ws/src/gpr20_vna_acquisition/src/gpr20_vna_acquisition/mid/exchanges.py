@@ -118,10 +118,8 @@ class Exchanges:
     def ask_optional_raw(self, query: str) -> Optional[bytes]:
         """Return the answer to a query that the instrument need not know; None if it does not.
 
-        It may say so by an error code instead of its first answer.
-
-        Raises:
-            VnaConnectionError: There was no answer, and it is not known yet whether there ever is.
+        It may say so by an error code instead of its first answer. Silence is an error until it is
+        known that there is never an answer.
         """
         if self.never_answered(query):
             return None
@@ -145,12 +143,11 @@ class Exchanges:
 
     def release(self, command: str) -> None:
         """Send a last command and return the control to the front panel; no time limit applies."""
-        transport = self._transport
-        if transport is None:
+        if self._transport is None:
             return
         try:
-            transport.write(command)
-            transport.local()
+            self._transport.write(command)
+            self._transport.local()
         except VnaError:
             # The link is dead: there is nobody to release.
             self.close()

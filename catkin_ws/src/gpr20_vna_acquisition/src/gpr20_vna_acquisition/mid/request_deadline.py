@@ -31,12 +31,9 @@ class RequestDeadline:
         self._late: Set[object] = set()
 
     def begin(self, limit_s: float, waited_s: float = 0.0, extensible: bool = False) -> None:
-        """Begin a request.
+        """Begin a request that may take `limit_s`; it has already waited `waited_s` of that [s].
 
-        Args:
-            limit_s: How long it may take [s].
-            waited_s: For how much of that it already waited for another request [s].
-            extensible: Whether `extend` applies to it.
+        `extend` applies only to one that is `extensible`: the caller of any other knows its limit.
         """
         self._ending.clear()
         self._limit_s = limit_s
@@ -44,11 +41,7 @@ class RequestDeadline:
         self._extensible, self._extended_s = extensible, 0.0
 
     def extend(self, duration_s: float) -> None:
-        """Allow an extensible request so much more time [s] in total.
-
-        Each attempt of a request may call it; only the longest duration counts. Any other request
-        keeps its limit, which its caller knows.
-        """
+        """Allow an extensible request so much more time [s]; of several the longest counts."""
         more_s = max(0.0, duration_s - self._extended_s)
         if self._extensible:
             self._extended_s += more_s
@@ -69,12 +62,7 @@ class RequestDeadline:
         return self._clock.now_s()
 
     def check(self) -> None:
-        """Do nothing, unless the request must end.
-
-        Raises:
-            VnaClosedError: The driver is shutting down.
-            VnaTimeoutError: The request exceeded its time limit, or was abandoned.
-        """
+        """Raise VnaClosedError or VnaTimeoutError if the request must end."""
         if self._closed:
             raise VnaClosedError(Message("the VNA driver is shutting down"))
         if self._ending.is_set():

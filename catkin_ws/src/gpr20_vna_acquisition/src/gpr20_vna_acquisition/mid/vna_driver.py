@@ -106,7 +106,6 @@ class VNADriver:
 
         Raises:
             InvalidValueError: The address is not one of this kind of instrument.
-            VnaError: Nothing, or another instrument, answers there.
         """
         self._link.deadline.abandon()
         with self._request():
@@ -139,9 +138,6 @@ class VNADriver:
         """Ask the instrument for its calibration, once, over a new link if there is none.
 
         Also where the last `connect_to_vna` failed.
-
-        Raises:
-            VnaError: It does not answer, or no connection was requested.
         """
         with self._request():
             try:
@@ -175,11 +171,7 @@ class VNADriver:
             self._lock.release()
 
     def check_calibration_status(self) -> CalibrationStatus:
-        """Return the state of the instrument's calibration, accepted or not.
-
-        Raises:
-            VnaError: It could not be read.
-        """
+        """Return the state of the instrument's calibration, accepted or not."""
         with self._request():
             (details, status), _failures = self._link.with_retries(
                 Message("reading the VNA's calibration"),
@@ -197,7 +189,6 @@ class VNADriver:
 
         Raises:
             InvalidValueError: A value is not allowed.
-            VnaError: The instrument did not accept one, or lost its calibration.
         """
         with self._request(extensible=True):
             self._analyzer.check_sweep(settings)
@@ -231,20 +222,11 @@ class VNADriver:
         return self.parameters.answered_within_s(self._promised_trace_s)
 
     def get_freq(self) -> np.ndarray:
-        """Return the frequencies of the sweep that is set up [Hz, float64].
-
-        Raises:
-            VnaNotReadyError: No sweep is set up.
-        """
+        """Return the frequencies of the sweep that is set up [Hz, float64]."""
         return self._set_up_sweep().frequencies_hz()
 
     def get_trace(self) -> Sweep:
-        """Return one sweep that was triggered after this call, confirmed.
-
-        Raises:
-            VnaCalibrationError: The calibration of the sweep is not accepted.
-            VnaError: No attempt gave complete, finite, new data with the right settings.
-        """
+        """Return one sweep that was triggered after this call, confirmed."""
         with self._request(self._promised_trace_s):
             (sweep, calibration), failures = self._link.with_retries(
                 Message("the VNA's sweep"), self._confirmed_sweep
@@ -255,9 +237,6 @@ class VNADriver:
         """Return one sweep that was triggered after this call, and its number for `confirm`.
 
         The data are valid only once `confirm` has returned.
-
-        Raises:
-            VnaError: No attempt gave complete, finite, new data.
         """
         with self._request(self._promised_trace_s):
             sweep, failures = self._link.with_retries(Message("the VNA's sweep"), self._fresh_sweep)
@@ -266,10 +245,7 @@ class VNADriver:
             return self._number, self._judged(sweep, failures, ())
 
     def confirm(self, number: int) -> SweepConfirmation:
-        """Confirm the last sweep.
-
-        Args:
-            number: As `take_sweep` returned it.
+        """Confirm the last sweep, by the number that `take_sweep` returned.
 
         Raises:
             VnaCalibrationError: The calibration of the sweep is not accepted.
@@ -277,7 +253,6 @@ class VNADriver:
             VnaOldDataError: Its data were not all its own.
             VnaNotReadyError: It is not the last sweep, or the instrument was connected or set up
                 again since.
-            VnaError: The instrument does not answer.
         """
         with self._request():
             self._link.check_connected()

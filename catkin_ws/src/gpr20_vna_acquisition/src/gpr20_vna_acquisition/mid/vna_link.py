@@ -77,7 +77,6 @@ class VnaLink:
         self._analyzer = analyzer
         self._parameters = parameters
         self._warn = warn
-        self._linked = False
         # Whether the instrument cannot have lost its settings since they were made or compared.
         self._settings_sure = False
         # How often settings that differed were made again on a new link.
@@ -94,12 +93,7 @@ class VnaLink:
         self._settings_sure = True
 
     def connect(self, address: str) -> str:
-        """Make the first link to an address and return the instrument's identification.
-
-        Raises:
-            InvalidValueError: The address is not one of this kind of instrument.
-            VnaError: Nothing, or another instrument, answers there.
-        """
+        """Make the first link to an address and return the instrument's identification."""
         self.drop()
         # The diagnostics report the old fault until the result is known.
         self.state = VnaState(address, last_error=self.state.last_error)
@@ -116,11 +110,7 @@ class VnaLink:
         return identity
 
     def forget(self) -> None:
-        """Release the instrument, end the link and reset the state.
-
-        The time limit of the request, which the caller has begun, ends the attempt to reach an
-        instrument whose link was lost.
-        """
+        """Release the instrument, end the link and reset the state."""
         # After a lost link too it may hold its sweep; one that does not answer cannot be released.
         with contextlib.suppress(VnaError):
             self.linked()
@@ -130,16 +120,12 @@ class VnaLink:
 
     def drop(self) -> None:
         """End the link; the next use makes a new one."""
-        self._linked = self._settings_sure = False
+        self._settings_sure = False
         self.note(linked=False)
         self._analyzer.disconnect()
 
     def check_connected(self) -> None:
-        """Do nothing if an instrument was connected, whether the link is open now or not.
-
-        Raises:
-            VnaNotReadyError: No instrument was connected.
-        """
+        """Raise unless an instrument was connected, whether the link is open now or not."""
         if not self.state.identity:
             raise not_connected()
 
@@ -147,28 +133,46 @@ class VnaLink:
         """Return the instrument at the end of the link; make a link if there is none.
 
         Its settings are neither compared nor made: somebody may be calibrating it.
-
-        Raises:
-            VnaError: No link can be made.
         """
-        if not self._linked:
-            self.check_connected()
-            self._reopen()
+        state = self.state
+        if state.linked:
+            return self._analyzer
+        self.check_connected()
+        identity = self._open(state.address)
+        if identity != state.identity:
+            self.drop()
+            raise VnaReplacedError(
+                Message(
+                    "the VNA at {address} is now '{identity}' and was '{former}'; connect the "
+                    "former VNA again, or accept the other one when you connect or resume",
+                    address=state.address,
+                    identity=identity,
+                    former=state.identity,
+                    details="service connection",
+                )
+            )
+        self.note(linked=True)
         return self._analyzer
 
     def instrument(self, restore: bool = True) -> DrivenAnalyzer:
         """Return the instrument as it was set up, at the end of the link.
 
-        Args:
-            restore: Whether settings that differ are made again after the link was lost.
-
-        Raises:
-            VnaError: No link can be made, or the settings are not those that were set up.
+        On a new link its settings are compared; those that differ are made again, or refused.
         """
         analyzer, sweep = self.linked(), self.state.sweep
-        if sweep is not None and not self._settings_sure:
-            self._make_settings_sure(sweep, restore)
-            self._settings_sure = True
+        if sweep is None or self._settings_sure:
+            return analyzer
+        try:
+            analyzer.confirm()
+        except (VnaNotReadyError, VnaSettingError):
+            if not restore:
+                raise
+            self.restorations += 1
+            if analyzer.configure(sweep) != sweep:
+                raise VnaSettingError(
+                    Message("the VNA did not accept exactly the same sweep as before")
+                ) from None
+        self._settings_sure = True
         return analyzer
 
     def with_retries(
@@ -228,37 +232,6 @@ class VnaLink:
             self._warn(f"{what} failed and is retried: {failure}")
         self.deadline.pause_s(self._parameters.retry_pause_s)
 
-    def _reopen(self) -> None:
-        state = self.state
-        identity = self._open(state.address)
-        if identity != state.identity:
-            self.drop()
-            raise VnaReplacedError(
-                Message(
-                    "the VNA at {address} is now '{identity}' and was '{former}'; connect the "
-                    "former VNA again, or accept the other one when you connect or resume",
-                    address=state.address,
-                    identity=identity,
-                    former=state.identity,
-                    details="service connection",
-                )
-            )
-        self.note(linked=True)
-
-    def _make_settings_sure(self, sweep: SweepSettings, restore: bool) -> None:
-        """Compare the settings; an instrument that still has them keeps them."""
-        try:
-            self._analyzer.confirm()
-            return
-        except (VnaNotReadyError, VnaSettingError):
-            if not restore:
-                raise
-        self.restorations += 1
-        if self._analyzer.configure(sweep) != sweep:
-            raise VnaSettingError(
-                Message("the VNA did not accept exactly the same sweep as before")
-            )
-
     def _open(self, address: str) -> str:
         self.deadline.check()
         self._analyzer.connect(address)
@@ -267,7 +240,6 @@ class VnaLink:
         except VnaError:
             self._analyzer.disconnect()
             raise
-        self._linked = True
         return identity
 
 
