@@ -23,8 +23,8 @@ from gpr20_simulator.high.check_simulated_analyzer import CheckedSimulation
 from gpr20_simulator.mid.analyzer.simulated_analyzer import AnalyzerOptions
 from gpr20_simulator.mid.world.scene import read_scene
 from gpr20_survey.trace.sweep_settings import AnalyzerSettings, SweepSettings
+from gpr20_vna_acquisition import errors
 from gpr20_vna_acquisition.high import check_analyzer
-from gpr20_vna_acquisition.mid import refusals
 from gpr20_vna_acquisition.mid.analyzer_record import (
     FILE,
     Result,
@@ -88,7 +88,7 @@ class ConfirmsAnything(ToyVna):
     def confirm(self):
         self.check_link()
         if self.accepted is None:
-            raise refusals.not_configured()
+            raise errors.not_configured()
 
 
 class IgnoresSettings(ConfirmsAnything):

@@ -19,7 +19,7 @@ from gpr20_common.message import Message, verbatim
 from gpr20_survey.trace.sweep import Sweep
 from gpr20_survey.trace.sweep_settings import AnalyzerSettings, SweepSettings
 from gpr20_vna_acquisition import errors
-from gpr20_vna_acquisition.errors import VnaError
+from gpr20_vna_acquisition.errors import VnaError, old_data
 from gpr20_vna_acquisition.mid.analyzer import Analyzer
 from gpr20_vna_acquisition.mid.analyzer_record import Result, Status
 from gpr20_vna_acquisition.mid.analyzers import make_analyzer
@@ -30,7 +30,6 @@ from gpr20_vna_acquisition.mid.ms2026c_commands import (
     SWEEP_COMPLETE_BIT,
     TRIGGER,
 )
-from gpr20_vna_acquisition.mid.refusals import old_data
 from gpr20_vna_acquisition.mid.request_deadline import RequestDeadline
 from gpr20_vna_acquisition.mid.sweep_timing import has_old_points
 from gpr20_vna_acquisition.mid.trace_quality import refuse_impossible

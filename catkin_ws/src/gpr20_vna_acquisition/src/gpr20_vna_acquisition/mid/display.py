@@ -7,11 +7,10 @@ from typing import Optional
 import numpy as np
 
 from gpr20_survey.trace.sweep_settings import SweepSettings
-from gpr20_vna_acquisition.errors import VnaDataError
+from gpr20_vna_acquisition.errors import VnaDataError, data_changed, old_data
 from gpr20_vna_acquisition.mid.block_parser import TransferFormat, parse_numbers
 from gpr20_vna_acquisition.mid.exchanges import Exchanges
 from gpr20_vna_acquisition.mid.ms2026c_commands import DATA_QUERY
-from gpr20_vna_acquisition.mid.refusals import data_changed, old_data
 from gpr20_vna_acquisition.mid.request_deadline import RequestDeadline
 from gpr20_vna_acquisition.mid.sweep_timing import has_old_points
 from gpr20_vna_acquisition.mid.vna_parameters import VnaParameters

@@ -6,9 +6,8 @@ import re
 from collections import Counter
 from typing import Callable, Optional, Protocol, Set
 
-from gpr20_vna_acquisition.errors import VnaError, VnaNoAnswerError
+from gpr20_vna_acquisition.errors import VnaError, VnaNoAnswerError, not_connected
 from gpr20_vna_acquisition.mid.block_parser import unquoted
-from gpr20_vna_acquisition.mid.refusals import not_connected
 from gpr20_vna_acquisition.mid.request_deadline import RequestDeadline
 
 # A query that was left unanswered this often in a row, each time by an instrument that then

@@ -11,9 +11,9 @@ from gpr20_survey.faults import VNA_DOUBTFUL
 from gpr20_survey.trace.calibration import CalibrationStatus
 from gpr20_survey.trace.sweep import Sweep
 from gpr20_survey.trace.sweep_settings import AnalyzerSettings, SweepSettings
+from gpr20_vna_acquisition import errors
 from gpr20_vna_acquisition.errors import VnaDataError
 from gpr20_vna_acquisition.mid import ms2026c_commands as commands
-from gpr20_vna_acquisition.mid import refusals
 from gpr20_vna_acquisition.mid.block_parser import number, parse_frequencies, whole_number
 from gpr20_vna_acquisition.mid.exchanges import Exchanges, Transport
 from gpr20_vna_acquisition.mid.ms2026c_commands import (
@@ -75,7 +75,7 @@ class Ms2026c:
     def identify(self) -> str:
         """Return the identification: maker, model/options, serial number, firmware."""
         identity = self._exchanges.ask(commands.IDENTITY_QUERY)
-        refusals.check_identity(identity, self._parameters)
+        self._parameters.check_identity(identity)
         if identity != self._identity:
             self._exchanges.forget()
             self._accepted = None
@@ -215,7 +215,7 @@ class Ms2026c:
         ]
         changed = differing(self._answers(wanted))
         if changed:
-            raise refusals.settings_changed(described(changed))
+            raise errors.settings_changed(described(changed))
 
     def _check_preamble(self) -> Optional[Preamble]:
         """Compare what the instrument says of its trace with what it said; None if it does not."""
@@ -223,11 +223,11 @@ class Ms2026c:
         if before is None or now is None:
             identity = self._exchanges.ask(commands.IDENTITY_QUERY)
             if identity != self._identity:
-                raise refusals.replaced(identity, self._identity)
+                raise errors.replaced(identity, self._identity)
             return None
         changes = before.changes(now)
         if changes is not None:
-            raise refusals.settings_changed(changes)
+            raise errors.settings_changed(changes)
         self._temperature_c = now.temperature_c
         return before
 
@@ -237,7 +237,7 @@ class Ms2026c:
 
     def _configured(self) -> SweepSettings:
         if self._accepted is None:
-            raise refusals.not_configured()
+            raise errors.not_configured()
         return self._accepted
 
     def _apply(self, wanted: Sequence[Setting]) -> Tuple[List[Command], Dict[Command, str]]:
@@ -253,7 +253,7 @@ class Ms2026c:
             answers = self._answers_when_settled(wanted)
         refused = differing(answers)
         if refused:
-            raise refusals.settings_refused(described(refused))
+            raise errors.settings_refused(described(refused))
         return written, {setting.command: answer for setting, answer in answers}
 
     def _answers_when_settled(self, wanted: Sequence[Setting]) -> Answers:

@@ -8,7 +8,13 @@ from gpr20_common.message import Message
 from gpr20_survey.faults import PLAN_NOT_ALLOWED
 from gpr20_survey.trace.sweep import Sweep
 from gpr20_survey.trace.sweep_settings import SweepSettings
-from gpr20_vna_acquisition.errors import VnaOldDataError, VnaSettingError, VnaSweepError
+from gpr20_vna_acquisition.errors import (
+    VnaOldDataError,
+    VnaSettingError,
+    VnaSweepError,
+    old_data,
+    sweep_not_ended,
+)
 from gpr20_vna_acquisition.mid.block_parser import whole_number
 from gpr20_vna_acquisition.mid.display import Display
 from gpr20_vna_acquisition.mid.exchanges import Exchanges
@@ -20,7 +26,6 @@ from gpr20_vna_acquisition.mid.ms2026c_commands import (
     TRIGGER,
     Preamble,
 )
-from gpr20_vna_acquisition.mid.refusals import old_data, sweep_not_ended
 from gpr20_vna_acquisition.mid.request_deadline import RequestDeadline
 from gpr20_vna_acquisition.mid.sweep_timing import (
     SweepEnd,
@@ -84,7 +89,7 @@ class Ms2026cSweeps:
         self.display.begin_set_up(settings)
         ends: List[SweepEnd] = []
         while not enough_learned(ends):
-            ends.append(self._learn_once(settings, limit_s))
+            ends.append(self._sweep_once(settings, None, limit_s))
             # The next one is known to be new by its difference from this one.
             self.display.new_numbers(settings, ends[-1].cleared)
         timing = SweepTiming(ends)
@@ -98,11 +103,12 @@ class Ms2026cSweeps:
             self.learn(settings)
         timing = self._timing
         assert timing is not None
+        limit_s = self._parameters.sweep_limit_s(timing.duration_s)
         was_settled = self.display.begin_trace()
         started_us, started_s = self._utc_now_us(), self._deadline.now_s()
         try:
             for number in range(self._triggers):
-                end = self._sweep_once(settings, timing, new_average=number == 0)
+                end = self._sweep_once(settings, timing, limit_s, new_average=number == 0)
             duration_s = self._deadline.now_s() - started_s
             numbers = self.display.new_trace(settings, end.cleared, was_settled)
         except (VnaOldDataError, VnaSweepError):
@@ -113,57 +119,54 @@ class Ms2026cSweeps:
         return timed_sweep(settings, numbers, started_us, duration_s)
 
     def _sweep_once(
-        self, settings: SweepSettings, timing: SweepTiming, new_average: bool
+        self,
+        settings: SweepSettings,
+        timing: Optional[SweepTiming],
+        limit_s: float,
+        new_average: bool = True,
     ) -> SweepEnd:
-        limit_s = self._parameters.sweep_limit_s(timing.duration_s)
-        begun_s = self._trigger(settings, new_average)
+        """Take a sweep, of unknown duration without timing; return when its end is certain."""
+        begun_s = self._deadline.now_s()
+        averaging = settings.analyzer.averages > 1 and new_average
+        self._exchanges.write(NEW_AVERAGE if averaging else TRIGGER)
         stale_bit_s, cleared, late = 0.0, False, False
         while True:
             asked_s = self._deadline.now_s() - begun_s
-            complete = self._is_complete()
+            status = whole_number(self._exchanges.ask(STATUS_QUERY))
+            complete = bool(status & SWEEP_COMPLETE_BIT)
             elapsed_s = self._deadline.now_s() - begun_s
-            if complete and (cleared or asked_s >= timing.surely_ended_s):
-                end = SweepEnd(asked_s, elapsed_s, cleared, stale_bit_s)
-                timing.note(end, late)
+            if complete and (cleared or self._has_surely_ended(settings, timing, asked_s)):
+                end = SweepEnd(asked_s, elapsed_s, cleared, stale_bit_s if cleared else 0.0)
+                if timing is not None:
+                    timing.note(end, late)
                 return end
-            self._check_time(elapsed_s, limit_s, settings)
-            pause_s = max(SHORTEST_POLL_S, POLL_FRACTION * elapsed_s)
-            pause_s = min(self._parameters.poll_interval_s, pause_s)
-            if complete:
-                stale_bit_s = elapsed_s
-                # A bit of the sweep before: wait until it clears, or until it does not matter.
-                pause_s = min(pause_s, max(timing.surely_ended_s - elapsed_s, SHORTEST_POLL_S))
-            elif cleared:
-                late = True
-                # What this sweep is later than expected, the next ones are expected to take.
-                late_s = elapsed_s - timing.expected_s
-                pause_s = min(pause_s, max(late_s, SHORTEST_POLL_S))
+            if elapsed_s >= limit_s:
+                raise old_data() if complete else sweep_not_ended(settings.points, limit_s)
+            if timing is None:
+                pause_s = max(SHORTEST_POLL_S, LEARNING_POLL_FRACTION * elapsed_s)
+            elif complete or cleared:
+                pause_s = max(SHORTEST_POLL_S, POLL_FRACTION * elapsed_s)
+                # A bit of the sweep before clears, or does not matter any more. What this sweep is
+                # later than expected, the next ones are expected to take.
+                late = late or not complete
+                rest_s = timing.surely_ended_s - elapsed_s
+                rest_s = rest_s if complete else elapsed_s - timing.expected_s
+                pause_s = min(pause_s, max(rest_s, SHORTEST_POLL_S))
+                pause_s = min(pause_s, self._parameters.poll_interval_s)
             else:
-                cleared = True
                 pause_s = max(timing.expected_s - elapsed_s, 0.0)
+            stale_bit_s = elapsed_s if complete else stale_bit_s
+            cleared = cleared or not complete
             self._deadline.pause_s(pause_s)
 
-    def _learn_once(self, settings: SweepSettings, limit_s: float) -> SweepEnd:
-        """Take a sweep of unknown duration; return when its end is certain."""
+    def _has_surely_ended(
+        self, settings: SweepSettings, timing: Optional[SweepTiming], asked_s: float
+    ) -> bool:
+        """Return whether a sweep has ended whose bit was not seen cleared."""
+        if timing is not None:
+            return asked_s >= timing.surely_ended_s
         believed_s = self._parameters.nominal_trace_s(settings) + self._parameters.settle_s
-        begun_s = self._trigger(settings, new_average=True)
-        stale_bit_s, cleared = 0.0, False
-        while True:
-            asked_s = self._deadline.now_s() - begun_s
-            complete = self._is_complete()
-            elapsed_s = self._deadline.now_s() - begun_s
-            if complete and cleared:
-                return SweepEnd(asked_s, elapsed_s, True, stale_bit_s)
-            if complete:
-                overdue = elapsed_s >= believed_s
-                if self._shows_a_whole_new_sweep(settings, overdue):
-                    return SweepEnd(asked_s, elapsed_s, False)
-                if elapsed_s >= limit_s:
-                    raise old_data()
-                stale_bit_s = elapsed_s
-            cleared = cleared or not complete
-            self._check_time(elapsed_s, limit_s, settings)
-            self._deadline.pause_s(max(SHORTEST_POLL_S, LEARNING_POLL_FRACTION * elapsed_s))
+        return self._shows_a_whole_new_sweep(settings, asked_s >= believed_s)
 
     def _shows_a_whole_new_sweep(self, settings: SweepSettings, overdue: bool) -> bool:
         """Return whether every point is new, and none changes any more."""
@@ -178,20 +181,6 @@ class Ms2026cSweeps:
             self._deadline.pause_s(self._parameters.settle_s)
         return bool((numbers == self.display.read(settings)).all())
 
-    def _trigger(self, settings: SweepSettings, new_average: bool) -> float:
-        """Trigger a sweep and return when it began [s], at the earliest."""
-        begun_s = self._deadline.now_s()
-        averaging = settings.analyzer.averages > 1
-        self._exchanges.write(NEW_AVERAGE if averaging and new_average else TRIGGER)
-        return begun_s
-
-    def _is_complete(self) -> bool:
-        return bool(whole_number(self._exchanges.ask(STATUS_QUERY)) & SWEEP_COMPLETE_BIT)
-
-    def _check_time(self, elapsed_s: float, limit_s: float, settings: SweepSettings) -> None:
-        if elapsed_s >= limit_s:
-            raise sweep_not_ended(settings.points, limit_s)
-
     def _triggers_per_trace(self, settings: SweepSettings, timing: SweepTiming) -> int:
         """Return how many sweeps must be triggered until an average is complete.
 
@@ -203,7 +192,7 @@ class Ms2026cSweeps:
         self._exchanges.write(CLEAR_AVERAGE)
         if self._averaged(averages) >= averages:
             raise _not_averaging(averages)
-        self._sweep_once(settings, timing, new_average=True)
+        self._sweep_once(settings, timing, self._parameters.sweep_limit_s(timing.duration_s))
         averaged = self._averaged(averages)
         self.display.look(settings)
         return 1 if averaged >= averages else averages

@@ -22,9 +22,10 @@ from gpr20_vna_acquisition.errors import (
     VnaOldDataError,
     VnaSettingError,
     VnaTimeoutError,
+    not_configured,
+    old_data,
 )
 from gpr20_vna_acquisition.mid.analyzer import DrivenAnalyzer
-from gpr20_vna_acquisition.mid.refusals import not_configured, old_data
 from gpr20_vna_acquisition.mid.request_deadline import RequestDeadline
 from gpr20_vna_acquisition.mid.trace_quality import (
     TraceQuality,

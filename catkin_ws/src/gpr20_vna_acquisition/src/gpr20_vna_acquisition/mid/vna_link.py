@@ -20,9 +20,9 @@ from gpr20_vna_acquisition.errors import (
     VnaSettingError,
     VnaSweepError,
     VnaTimeoutError,
+    not_connected,
 )
 from gpr20_vna_acquisition.mid.analyzer import DrivenAnalyzer
-from gpr20_vna_acquisition.mid.refusals import not_connected
 from gpr20_vna_acquisition.mid.request_deadline import RequestDeadline
 from gpr20_vna_acquisition.mid.vna_parameters import VnaParameters
 

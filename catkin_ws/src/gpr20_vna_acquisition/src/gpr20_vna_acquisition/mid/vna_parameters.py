@@ -26,6 +26,7 @@ from gpr20_survey.trace.ms2026c import (
     sweep_duration_s,
 )
 from gpr20_survey.trace.sweep_settings import SweepSettings
+from gpr20_vna_acquisition.errors import VnaIdentityError
 from gpr20_vna_acquisition.mid.block_parser import TransferFormat
 
 # The analyzer of this package; any other one is a class of another package.
@@ -38,6 +39,8 @@ SLOWEST_SWEEP_FACTOR = 10.0
 STEP_MARGIN_S = 1.5
 # Range of time limits and periods [s]: a socket refuses far longer ones.
 TIMES_S = (1.0e-4, 3600.0)
+# Maker, model, serial number, firmware (IEEE 488.2, *IDN?).
+IDENTITY_FIELDS = 4
 FREQUENCIES_HZ = (1.0, 1.0e12)
 LEVELS_DB = (-300.0, 100.0)
 
@@ -187,6 +190,30 @@ class VnaParameters:
                     least=MIN_FREQUENCY_SPACING_HZ,
                 )
             )
+
+    def check_identity(self, identity: str) -> None:
+        """Compare maker and model; what follows a slash in the model is an option.
+
+        Raises:
+            VnaIdentityError: They are not those of the configuration.
+        """
+        fields = [field.strip() for field in identity.split(",")]
+        model = fields[1].split("/")[0] if len(fields) >= IDENTITY_FIELDS else ""
+        if (fields[0], model) == (self.maker, self.model):
+            return
+        shown = "".join(
+            one if one.isascii() and one.isprintable() else "?" for one in identity[:40]
+        )
+        raise VnaIdentityError(
+            Message(
+                "the VNA identifies itself as {identity}; expected {maker} {model}; check its "
+                "address, or the parameters maker and model",
+                identity=repr(shown),
+                maker=self.maker,
+                model=self.model,
+                details=repr(identity[:200]),
+            )
+        )
 
     def nominal_trace_s(self, settings: SweepSettings) -> float:
         """Return how long a trace may be expected to take before it is measured [s]."""
