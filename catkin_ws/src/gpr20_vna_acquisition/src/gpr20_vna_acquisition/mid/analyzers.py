@@ -112,7 +112,7 @@ class ForeignAnalyzer:
         self._deadline.check()
         try:
             with self._watched(name):
-                call = getattr(self._analyzer, name, OPTIONAL.get(name))
+                call: Any = getattr(self._analyzer, name, OPTIONAL.get(name))
                 result = RETURNS.get(name, lambda _nothing: None)(call(*arguments))
                 self.trace_duration_s = self._analyzer.trace_duration_s
                 self.remarks = tuple(self._analyzer.remarks)

@@ -63,7 +63,8 @@ class Ms2026c:
         self._accepted: Optional[SweepSettings] = None
         # What it said of its trace when it was set up, if it does.
         self._preamble: Optional[Preamble] = None
-        self._temperature_c: Optional[float] = None
+        # At the last `confirm` [degC]; None if it does not say.
+        self.temperature_c: Optional[float] = None
 
     def connect(self, address: str) -> None:
         """Open a link to an address, four decimal numbers; an open one is closed."""
@@ -161,11 +162,6 @@ class Ms2026c:
         bits = commands.CALIBRATED_BITS.items()
         self._calibrated = None if mask is None else tuple(one for one, bit in bits if mask & bit)
 
-    @property
-    def temperature_c(self) -> Optional[float]:
-        """Its temperature at the last `confirm` [degC]; None if it does not say."""
-        return self._temperature_c
-
     def forget(self) -> None:
         """Forget which queries it does not answer: it is set up again."""
         self._exchanges.forget()
@@ -228,7 +224,7 @@ class Ms2026c:
         changes = before.changes(now)
         if changes is not None:
             raise errors.settings_changed(changes)
-        self._temperature_c = now.temperature_c
+        self.temperature_c = now.temperature_c
         return before
 
     def _read_preamble(self) -> Optional[Preamble]:

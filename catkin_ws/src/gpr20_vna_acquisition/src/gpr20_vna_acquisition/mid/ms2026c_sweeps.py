@@ -68,13 +68,9 @@ class Ms2026cSweeps:
         self._utc_now_us = utc_now_us
         self._timing: Optional[SweepTiming] = None
         self._triggers = 1
-        self._trace_duration_s: Optional[float] = None
+        # How long one trace takes [s]; None before `learn`.
+        self.trace_duration_s: Optional[float] = None
         self.display = Display(exchanges, parameters, deadline)
-
-    @property
-    def trace_duration_s(self) -> Optional[float]:
-        """How long one trace takes [s]; None before `learn`."""
-        return self._trace_duration_s
 
     def learn(self, settings: SweepSettings) -> None:
         """Measure how long a sweep takes; the instrument must be set up and held.
@@ -95,7 +91,7 @@ class Ms2026cSweeps:
         timing = SweepTiming(ends)
         self._triggers = self._triggers_per_trace(settings, timing)
         self._timing = timing
-        self._trace_duration_s = self._triggers * timing.duration_s
+        self.trace_duration_s = self._triggers * timing.duration_s
 
     def take(self, settings: SweepSettings) -> Sweep:
         """Return the data of a trace that is triggered now."""
@@ -115,7 +111,7 @@ class Ms2026cSweeps:
             # What was learned is in doubt too: the next sweep learns again.
             self._timing = None
             raise
-        self._trace_duration_s = self._triggers * timing.duration_s
+        self.trace_duration_s = self._triggers * timing.duration_s
         return timed_sweep(settings, numbers, started_us, duration_s)
 
     def _sweep_once(

@@ -52,7 +52,8 @@ class SweepTiming:
         self._exchange_s = min(end.duration_s for end in ends) - self._usual_s
         longest_s = max(end.duration_s for end in ends)
         stale_s = max(end.stale_bit_s for end in ends)
-        self._surely_ended_s = DOUBT_FACTOR * longest_s + stale_s
+        # When a sweep has certainly ended, whatever the bit says [s].
+        self.surely_ended_s = DOUBT_FACTOR * longest_s + stale_s
 
     @property
     def expected_s(self) -> float:
@@ -64,11 +65,6 @@ class SweepTiming:
     def duration_s(self) -> float:
         """How long a sweep takes until its end is known [s]."""
         return self.expected_s + self._exchange_s
-
-    @property
-    def surely_ended_s(self) -> float:
-        """When a sweep has certainly ended, whatever the bit says [s]."""
-        return self._surely_ended_s
 
     def note(self, end: SweepEnd, late: bool) -> None:
         """Note another sweep; `late`: it had not ended when that was expected."""
