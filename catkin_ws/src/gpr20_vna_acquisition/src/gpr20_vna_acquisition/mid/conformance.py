@@ -51,35 +51,30 @@ class NotAsPromisedError(VnaError):
 
 @dataclass(frozen=True)
 class Extent:
-    """How much is tried; times in seconds, the IF bandwidths [Hz] where the analyzer has them."""
+    """How much is tried; times in seconds, the IF bandwidths [Hz] where the analyzer has them.
+
+    The display of an MS2026C is watched for `watched_s`; a check may take `limit_s`.
+    """
 
     points: int = 51
     bandwidths_hz: Tuple[float, ...] = (100_000.0, 10_000.0, 1000.0, 100.0)
     sweeps: int = 20
-    # How long the display of an MS2026C is watched, and how long a check may take.
     watched_s: float = 1.2
     limit_s: float = 40.0
 
 
 class Bench:
-    """Makes objects of the class that is checked, one of which has a link at a time."""
+    """Makes objects of the class that is checked, one of which has a link at a time.
+
+    `connect` opens a link to an address; a class outside this package has its own.
+    """
 
     def __init__(
-        self,
-        parameters: VnaParameters,
-        connect: Callable[[str], Transport],
-        extent: Extent,
+        self, parameters: VnaParameters, connect: Callable[[str], Transport], extent: Extent
     ) -> None:
-        """Begin without an analyzer.
-
-        Args:
-            parameters: The configuration of the analyzer.
-            connect: Opens a link to an address; a class outside this package has its own.
-            extent: How much is tried.
-        """
-        self.parameters, self.extent = parameters, extent
+        self.parameters, self.connect, self.extent = parameters, connect, extent
         self.ask: Optional[Ask] = None
-        self.connect, self.clock = connect, Clock()
+        self.clock = Clock()
         self.deadline = RequestDeadline(self.clock)
         self._made: List[Analyzer] = []
         first_hz, last_hz = parameters.min_frequency_hz, parameters.max_frequency_hz
@@ -93,14 +88,13 @@ class Bench:
         """Begin a check, with its time limit."""
         self.deadline.begin(self.extent.limit_s, extensible=True)
 
-    def made(self, **changes: Any) -> Analyzer:
-        """Return a new object of the class, with parameters that are different for it."""
+    def linked(self, **changes: Any) -> Tuple[Analyzer, str]:
+        """Return a new object with a link, and the identification; some parameters may differ."""
         parameters = replace(self.parameters, **changes)
-        made = make_analyzer(parameters, self.connect, self.deadline)
-        self._made.append(made)
-        return made
+        self._made.append(make_analyzer(parameters, self.connect, self.deadline))
+        return self._made[-1], self.relinked(self._made[-1])
 
-    def linked(self, analyzer: Analyzer) -> str:
+    def relinked(self, analyzer: Analyzer) -> str:
         """Make a link, the only one, and return the identification."""
         for one in self._made:
             one.disconnect()
@@ -109,8 +103,7 @@ class Bench:
 
     def set_up(self, settings: SweepSettings) -> Tuple[Analyzer, SweepSettings]:
         """Return a new object with a link, and the settings that it has confirmed."""
-        analyzer = self.made()
-        self.linked(analyzer)
+        analyzer, _identity = self.linked()
         return analyzer, analyzer.configure(settings)
 
     def clear(self) -> None:
@@ -144,17 +137,15 @@ def results(bench: Bench, ask: Optional[Ask] = None) -> Iterator[Result]:
 
 def identity(bench: Bench) -> Outcome:
     """The identification stays the same, and one that is not expected is refused."""
-    analyzer = bench.made()
-    found = {bench.linked(analyzer), analyzer.identify(), bench.linked(analyzer)}
-    found.add(bench.linked(bench.made()))
+    analyzer, first = bench.linked()
+    found = {first, analyzer.identify(), bench.relinked(analyzer), bench.linked()[1]}
     if len(found) > 1:
         raise NotAsPromisedError(Message("it identifies itself as {found}", found=sorted(found)))
     for key in ("maker", "model"):
-        other = bench.made(**{key: "no such"})
-        refusal = _refusal(functools.partial(bench.linked, other))
+        refusal = _refusal(functools.partial(bench.linked, **{key: "no such"}))
         if not isinstance(refusal, errors.VnaIdentityError):
             raise refusal or NotAsPromisedError(Message("it accepts another {key}", key=key))
-    return Status.PASSED, verbatim(found.pop())
+    return Status.PASSED, verbatim(first)
 
 
 def settings(bench: Bench) -> Outcome:
@@ -231,7 +222,7 @@ def reconnection(bench: Bench) -> Outcome:
     if _refusal(analyzer.sweep) is None:
         raise NotAsPromisedError(Message("it gives data without a link"))
     bench.set_up(bench.high)
-    bench.linked(analyzer)
+    bench.relinked(analyzer)
     refusal = _refusal(analyzer.confirm)
     if not isinstance(refusal, (errors.VnaSettingError, errors.VnaNotReadyError)):
         raise refusal or NotAsPromisedError(Message("it confirms settings that were changed"))

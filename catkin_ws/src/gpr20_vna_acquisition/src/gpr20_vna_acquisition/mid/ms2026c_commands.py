@@ -46,8 +46,7 @@ class Command:
         read: Returns what an answer means, or raises VnaDataError.
         preamble: What a preamble calls it; one of several names is enough.
         optional: Whether the instrument need not answer, because the data do not depend on it.
-        tolerance: By how much a number may differ.
-        unit: Unit of the value, for people.
+        unit: Unit of the value; what is in hertz may differ by `RESOLUTION_HZ`.
         argument: What follows the question mark.
     """
 
@@ -56,7 +55,6 @@ class Command:
     read: Callable[[str], Any] = word
     preamble: Tuple[str, ...] = ()
     optional: bool = False
-    tolerance: float = 0.0
     unit: str = ""
     argument: str = ""
 
@@ -69,20 +67,10 @@ class Command:
 # In hold, the instrument sweeps only when triggered; `INIT:CONT?` answers 0 then.
 HOLD = Command(Message("continuous sweep"), ":INIT:CONT", preamble=("SWEEP_TYPE",))
 START = Command(
-    Message("the start frequency"),
-    ":SENS:FREQ:STAR",
-    number,
-    ("TRACE_1_START_FREQ",),
-    tolerance=RESOLUTION_HZ,
-    unit="Hz",
+    Message("the start frequency"), ":SENS:FREQ:STAR", number, ("TRACE_1_START_FREQ",), unit="Hz"
 )
 STOP = Command(
-    Message("the stop frequency"),
-    ":SENS:FREQ:STOP",
-    number,
-    ("TRACE_1_STOP_FREQ",),
-    tolerance=RESOLUTION_HZ,
-    unit="Hz",
+    Message("the stop frequency"), ":SENS:FREQ:STOP", number, ("TRACE_1_STOP_FREQ",), unit="Hz"
 )
 POINTS = Command(
     Message("the number of points"), ":SENS:SWE:POIN", number, ("TRACE_1_DSP_DATA_POINTS",)
@@ -155,7 +143,7 @@ class Setting:
         found = self.command.read(answer)
         if isinstance(self.value, str):
             return bool(found == self.value)
-        return bool(abs(found - self.value) <= self.command.tolerance)
+        return bool(abs(found - self.value) <= (RESOLUTION_HZ if self.command.unit else 0.0))
 
 
 Answers = Sequence[Tuple[Setting, str]]
