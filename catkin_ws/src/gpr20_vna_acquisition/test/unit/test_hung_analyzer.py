@@ -98,6 +98,14 @@ def test_a_call_that_does_not_return_is_overdue_after_its_time(bench, call, limi
     assert bench.overdue_after(0.0) is None
 
 
+def test_a_sweep_of_unknown_duration_is_overdue_after_the_time_of_a_request(bench):
+    bench.toy.trace_duration_s = None
+    bench.driver.check_calibration_status()
+    bench.hang("sweep")
+    assert bench.overdue_after(40.0 + USUAL_S - 0.1) is None
+    assert bench.overdue_after(1.0) is not None
+
+
 def test_a_call_that_returns_after_a_pause_of_the_process_is_not_overdue(bench):
     request = bench.hang("confirm")
     bench.clock.pass_s(30.0)

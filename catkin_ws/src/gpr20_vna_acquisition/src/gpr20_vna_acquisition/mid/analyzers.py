@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import contextlib
 import functools
-import math
 from typing import Any, Callable, Mapping, Optional, Tuple, Type, TypeVar, cast
 
 from gpr20_common.errors import Gpr20Error
@@ -136,10 +135,9 @@ class ForeignAnalyzer:
     def _watched(self, name: str) -> contextlib.AbstractContextManager:
         limit_s = _usual_limit_s(self._parameters)
         if name == "sweep":
-            duration_s = self.trace_duration_s
-            limit_s += (
-                math.inf if duration_s is None else self._parameters.sweep_limit_s(duration_s)
-            )
+            # A class that does not say how long it takes has the time of a request.
+            duration_s, longest_s = self.trace_duration_s, self._parameters.request_limit_s()
+            limit_s += self._parameters.sweep_limit_s(duration_s) if duration_s else longest_s
         return self._deadline.watched(f"{self._parameters.analyzer}.{name}", limit_s)
 
 
