@@ -229,7 +229,3 @@ def test_nothing_is_asked_before_the_buffers_are_emptied():
     bench = Bench()
     bench.driver.connect_to_vna(ADDRESS)
     assert bench.vna.sent[:3] == ["<lock>", "<clear>", "*IDN?"]
-
-
-def test_no_calibration_is_not_the_best_one():
-    assert CalibrationStatus.NONE == 0 and CalibrationStatus.HIGH == 1

@@ -185,13 +185,12 @@ def end_if_overdue(deadline: RequestDeadline) -> None:
         os._exit(1)
 
 
-def build_robot_node(parameters: VnaParameters) -> VNANode:
-    """Build the node over the robot's network."""
-    return build_vna_node(
-        parameters, lambda _address: parameters.vxi11_port or None, Hardware(parameters.model)
-    )
-
-
 def main() -> None:
     """Run the driver of the real network analyzer."""
-    run_node(NODE, lambda: build_robot_node(read_parameters(VnaParameters, NODE)))
+
+    def build() -> VNANode:
+        parameters = read_parameters(VnaParameters, NODE)
+        port = parameters.vxi11_port or None
+        return build_vna_node(parameters, lambda _address: port, Hardware(parameters.model))
+
+    run_node(NODE, build)
