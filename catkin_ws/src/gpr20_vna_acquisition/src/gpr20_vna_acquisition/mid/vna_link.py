@@ -207,7 +207,10 @@ class VnaLink:
             except (VnaClosedError, VnaNotReadyError):
                 raise
             except VnaTimeoutError as error:
-                raise self._failed(VnaTimeoutError(_given_up(what, error, failures))) from error
+                # What failed says more about what to do than that no time is left.
+                reason = failures[-1].message if failures else error.message
+                text = Message("{what} was given up: {reason}", what=what, reason=reason)
+                raise self._failed(VnaTimeoutError(text)) from error
             except VnaError as error:
                 failures.append(self._failed(error))
                 if isinstance(error, (*final, *ALWAYS_FINAL)):
@@ -216,7 +219,15 @@ class VnaLink:
             else:
                 self.note(last_error=None)
                 return result, failures
-        raise VnaSweepError(_failed_every_time(what, attempts, failures))
+        raise VnaSweepError(
+            Message(
+                "{what} failed {attempts} times: {reason}; look at the VNA's display; power-cycle "
+                "it if this persists",
+                what=what,
+                attempts=attempts,
+                reason=failures[-1].message,
+            )
+        )
 
     def _failed(self, error: VnaError) -> VnaError:
         self.drop()
@@ -241,25 +252,3 @@ class VnaLink:
             self._analyzer.disconnect()
             raise
         return identity
-
-
-def _given_up(what: Message, error: VnaError, failures: Sequence[VnaError]) -> Message:
-    if not failures:
-        return Message("{what} was given up: {reason}", what=what, reason=error.message)
-    # What failed says more about what to do than that no time is left.
-    return Message(
-        "{what} was given up: {reason}; the last attempt failed: {failure}",
-        what=what,
-        reason=error.message.with_fault(None),
-        failure=failures[-1].message,
-    )
-
-
-def _failed_every_time(what: Message, attempts: int, failures: Sequence[VnaError]) -> Message:
-    return Message(
-        "{what} failed {attempts} times: {reason}; look at the VNA's display; power-cycle it if "
-        "this persists",
-        what=what,
-        attempts=attempts,
-        reason=failures[-1].message,
-    )
