@@ -17,9 +17,7 @@ from gpr20_launch.mid.machine_warnings import machine_warnings
 from gpr20_simulator.mid.simulator_parameters import SimulatorParameters
 from gpr20_survey.faults import FOLDER_MOVED, NO_DATA_DISK, OTHER_DATA_FOLDER
 from gpr20_survey.folder.data_folder import file_system_of, read_marker
-from gpr20_vna_acquisition.mid.conformance.bench import Status
-from gpr20_vna_acquisition.mid.conformance.record import store
-from gpr20_vna_acquisition.mid.conformance.suite import Result
+from gpr20_vna_acquisition.mid.analyzer_record import Result, Status, store
 from gpr20_vna_acquisition.mid.vna_parameters import VnaParameters
 
 PACKAGES = Path(__file__).resolve().parents[3]

@@ -5,7 +5,6 @@ from __future__ import annotations
 import contextlib
 import importlib.util
 import sys
-import threading
 from types import SimpleNamespace
 from typing import Callable, Iterator
 
@@ -17,7 +16,6 @@ from scpi_analyzers import ANALYZERS, ScpiAnalyzer, ScpiServer, wait_until
 
 from gpr20_common import faults as common_faults
 from gpr20_common.faults import CONFIGURATION
-from gpr20_common.low.clock import Clock
 from gpr20_scikit_rf import ScikitRfAnalyzer
 from gpr20_scikit_rf.low.visa_link import VisaLibrary, VisaLimits
 from gpr20_simulator.low.message_device import ClearSupport, NetworkFault, Outcome
@@ -33,14 +31,12 @@ from gpr20_survey.faults import (
 from gpr20_survey.trace.calibration import CalibrationStatus
 from gpr20_survey.trace.sweep_settings import AnalyzerSettings, SweepSettings
 from gpr20_vna_acquisition.errors import (
-    VnaClosedError,
     VnaConnectionError,
     VnaError,
     VnaSettingError,
     VnaSweepError,
-    VnaTimeoutError,
 )
-from gpr20_vna_acquisition.mid.foreign_analyzer import ForeignAnalyzer, make_foreign_analyzer
+from gpr20_vna_acquisition.mid.analyzers import ForeignAnalyzer, make_foreign_analyzer
 from gpr20_vna_acquisition.mid.request_deadline import RequestDeadline
 from gpr20_vna_acquisition.mid.vna_driver import VNADriver
 from gpr20_vna_acquisition.mid.vna_parameters import VnaParameters
@@ -85,7 +81,7 @@ class Bench:
         self.analyzer = ScikitRfAnalyzer(
             self.parameters, self.deadline, **self.parameters.analyzer_options
         )
-        foreign = ForeignAnalyzer(lambda _lent: self.analyzer, self.parameters, self.deadline)
+        foreign = ForeignAnalyzer(self.analyzer, self.parameters, self.deadline)
         self.driver = VNADriver(foreign, self.parameters, self.deadline, lambda _text: None)
 
     def linked(self) -> Bench:
@@ -323,32 +319,6 @@ def test_impossible_values_are_refused(make, name, query, answer):
         bench.configured()
 
 
-def test_an_answer_without_end_is_given_up(make):
-    pna = make(**IMPATIENT)
-    pna.configured()
-    pna.vna.endless = "CALC1:PAR:SEL?"
-    before = threading.active_count()
-    with raises_fault(VNA_SILENT):
-        pna.analyzer.sweep()
-    wait_until(lambda: threading.active_count() < before)
-
-
-@each_case(
-    "end, error",
-    [
-        (lambda deadline: threading.Timer(0.1, deadline.close).start(), VnaClosedError),
-        (lambda deadline: deadline.begin(0.2), VnaTimeoutError),
-    ],
-)
-def test_a_sweep_that_is_waited_for_ends_with_its_request_or_a_shutdown(make, end, error):
-    pna = make(clock=Clock(), sweep_timeout_s=60.0)
-    pna.configured()
-    pna.vna.silent = {"*OPC?"}
-    end(pna.deadline)
-    with pytest.raises(error):
-        pna.analyzer.sweep()
-
-
 # The whole driver.
 
 
@@ -409,7 +379,7 @@ def test_a_session_over_vxi11_begins_with_empty_buffers(make):
 
 
 def test_a_library_or_class_that_is_missing_is_named(pna, monkeypatch):
-    limits = VisaLimits(1.0, 1.0, clear=False)
+    limits = VisaLimits(1.0, clear=False)
     for name, needs in (("keysight.PNA", "skrf.vi.vna.of_tomorrow"), ("keysight.None", "")):
         with raises_fault(CONFIGURATION, name):
             VisaLibrary(name, "@py", limits, needs)

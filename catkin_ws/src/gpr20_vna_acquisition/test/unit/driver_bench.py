@@ -250,10 +250,6 @@ class FakeLink:
         self._exchange("<lock>")
         self._vna.locked = True
 
-    def unlock(self) -> None:
-        self._exchange("<unlock>")
-        self._vna.locked = False
-
     def local(self) -> None:
         self._exchange("<local>")
         self._vna.local = True

@@ -19,7 +19,7 @@ PATIENT = LinkLimits(connect_s=30.0, answer_s=30.0)
 IMPATIENT = LinkLimits(connect_s=30.0, answer_s=0.5)
 QUICK = LinkLimits(connect_s=0.4, answer_s=0.3)
 GETPORT, CREATE_LINK, WRITE, READ, CLEAR, DESTROY_LINK = 3, 10, 11, 12, 15, 23
-LOCK, UNLOCK = 18, 19
+LOCK = 18
 END = 4
 
 

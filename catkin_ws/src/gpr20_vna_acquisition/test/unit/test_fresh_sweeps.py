@@ -115,18 +115,6 @@ def test_data_of_which_a_part_is_old_are_an_error_even_if_the_bit_was_seen_clear
         bench.driver.get_trace()
 
 
-def test_a_sweep_that_was_begun_again_is_remarked():
-    bench = Bench(max_level_db=60.0)
-    bench.vna.sweep_s = 0.175
-    bench.configured()
-    bench.driver.get_trace()
-    bench.vna.sweep_s = 1.5 * 0.175
-    (remark,) = bench.driver.get_trace().quality
-    assert "put back" in remark
-    bench.vna.sweep_s = 0.175
-    assert bench.driver.get_trace().quality == ()
-
-
 # When the end of a sweep is asked for, after sweeps whose end came late.
 
 USUAL_S, LATE_S = 0.2, 0.25

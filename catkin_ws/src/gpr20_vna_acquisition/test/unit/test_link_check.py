@@ -58,12 +58,12 @@ def test_a_pulled_cable_is_reported_until_it_is_back_and_the_sweep_is_set_up_aga
     bench.vna.before = cable_is_pulled
     for _ in range(2):
         check_after(bench)
-        assert bench.driver.state.link_error == NO_ANSWER
+        assert bench.driver.state.last_error == NO_ANSWER
         assert not bench.driver.state.linked and bench.vna.open_links == 0
     bench.vna.before = nothing
     bench.vna.settings[":SENS:SWE:POIN"] = "201"  # it was switched off and on
     check_after(bench)
-    assert bench.driver.state.link_error is None and bench.driver.state.linked
+    assert bench.driver.state.last_error is None and bench.driver.state.linked
     # Nothing is written before the next sweep: somebody may be calibrating it.
     assert bench.vna.settings[":SENS:SWE:POIN"] == "201"
     assert (bench.driver.get_trace().frequency_hz == SWEEP.frequencies_hz()).all()
@@ -75,10 +75,10 @@ def test_an_address_where_connecting_failed_is_tried_again_until_it_answers(benc
     with pytest.raises(VnaConnectionError):
         bench.driver.connect_to_vna(ADDRESS)
     check_after(bench)
-    assert bench.driver.state.trouble == NO_ANSWER and bench.vna.open_links == 0
+    assert bench.driver.state.last_error == NO_ANSWER and bench.vna.open_links == 0
     bench.vna.before = nothing
     check_after(bench)
-    assert bench.driver.state.trouble is None and bench.driver.state.linked
+    assert bench.driver.state.last_error is None and bench.driver.state.linked
     assert bench.driver.state.address == ADDRESS
     assert bench.driver.state.calibration is CalibrationStatus.HIGH
     # Only the survey knows what to sweep.
@@ -95,14 +95,12 @@ def test_the_fault_of_a_request_ends_when_the_instrument_answers_again(bench):
     bench.vna.before = nothing
     check_after(bench)
     assert bench.driver.trouble is None
-    # It is still known until data prove the opposite.
-    assert bench.driver.state.former_trouble == reported
     bench.vna.before = cable_is_pulled
     check_after(bench)
-    assert bench.driver.trouble == NO_ANSWER and bench.driver.state.former_trouble is None
+    assert bench.driver.trouble == NO_ANSWER
     bench.vna.spoil, bench.vna.before = lambda answer: answer, nothing
     bench.driver.get_trace()
-    assert bench.driver.trouble is bench.driver.state.former_trouble is None
+    assert bench.driver.trouble is None
 
 
 @each_case("end", ["disconnect_from_vna", "shut_down"])
@@ -116,7 +114,7 @@ def test_nothing_is_connected_again_after_the_end(end):
     bench.vna.sent.clear()
     check_after(bench, 60.0)
     assert bench.vna.sent == [] and bench.vna.open_links == 0
-    assert bench.driver.state.trouble is None and not bench.driver.state.linked
+    assert bench.driver.state.last_error is None and not bench.driver.state.linked
 
 
 # The time limit of a request.

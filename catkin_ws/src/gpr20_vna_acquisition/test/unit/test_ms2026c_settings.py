@@ -18,7 +18,7 @@ from gpr20_common.mid.codec import record_from
 from gpr20_survey.faults import NOT_CALIBRATED, VNA_DOUBTFUL, VNA_SETTINGS
 from gpr20_survey.trace.sweep_settings import AnalyzerSettings, SweepSettings
 from gpr20_vna_acquisition.errors import VnaNotReadyError
-from gpr20_vna_acquisition.mid.settings import HOLD, check_frequencies
+from gpr20_vna_acquisition.mid.ms2026c_commands import HOLD, check_frequencies
 from gpr20_vna_acquisition.mid.vna_parameters import VnaParameters
 
 OPTIONAL = [":SENS:TRACE1:DOM?", ":SENS:TRAC:TOT?", ":SENS:SWE:IFBW?", ":SOUR:POW?"]

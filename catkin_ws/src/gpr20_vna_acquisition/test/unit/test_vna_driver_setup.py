@@ -44,7 +44,7 @@ def test_another_instrument_is_refused_and_its_link_closed(identity):
     bench.vna.identity = identity
     with raises_fault(WRONG_VNA, "Anritsu MS2026C") as refusal:
         bench.driver.connect_to_vna(ADDRESS)
-    assert bench.vna.open_links == 0 and not bench.driver.vna_connected
+    assert bench.vna.open_links == 0 and not bench.driver.state.linked
     assert bench.driver.state.last_error.fault == WRONG_VNA
     if "\x07" in identity:
         assert "'P?6?'" in str(refusal.value)
@@ -59,7 +59,7 @@ def test_an_address_that_is_not_four_numbers_is_refused(address):
     bench = Bench()
     with raises_fault(common_faults.NOT_ALLOWED, f"'{address}'"):
         bench.driver.connect_to_vna(address)
-    assert bench.vna.links == 0 and not bench.driver.vna_ip
+    assert bench.vna.links == 0 and not bench.driver.state.address
 
 
 @each_case(
@@ -229,7 +229,3 @@ def test_nothing_is_asked_before_the_buffers_are_emptied():
     bench = Bench()
     bench.driver.connect_to_vna(ADDRESS)
     assert bench.vna.sent[:3] == ["<lock>", "<clear>", "*IDN?"]
-
-
-def test_no_calibration_is_not_the_best_one():
-    assert CalibrationStatus.NONE == 0 and CalibrationStatus.HIGH == 1

@@ -13,8 +13,7 @@ from gpr20_common.message import verbatim
 from gpr20_survey.trace.calibration import CalibrationStatus
 from gpr20_survey.trace.sweep import Sweep
 from gpr20_survey.trace.sweep_settings import AnalyzerSettings, SweepSettings
-from gpr20_vna_acquisition.mid import refusals
-from gpr20_vna_acquisition.mid.identity import check_identity
+from gpr20_vna_acquisition import errors
 
 ADDRESS = "127.0.0.1"
 MAKER, MODEL = "Toy", "T1"
@@ -78,7 +77,7 @@ class ToyVna:
         self.check_link()
         self.block("identify")
         identity = self.instrument.identity
-        check_identity(identity, self.parameters)
+        self.parameters.check_identity(identity)
         if identity != self.identity:
             self.accepted = None
         self.identity = identity
@@ -103,7 +102,7 @@ class ToyVna:
     def sweep(self) -> Sweep:
         self.check_link()
         if self.accepted is None:
-            raise refusals.not_configured()
+            raise errors.not_configured()
         self.block("sweep")
         started_us = time_of_day_us()
         return self.as_sweep(self.instrument.sweep(), started_us)
@@ -116,10 +115,10 @@ class ToyVna:
     def confirm(self) -> None:
         self.check_link()
         if self.accepted is None:
-            raise refusals.not_configured()
+            raise errors.not_configured()
         self.block("confirm")
         if self.instrument.settings != self.accepted:
-            raise refusals.settings_changed(verbatim(str(self.instrument.settings)))
+            raise errors.settings_changed(verbatim(str(self.instrument.settings)))
 
     def calibration(self) -> CalibrationStatus:
         self.check_link()
@@ -136,4 +135,4 @@ class ToyVna:
     def check_link(self) -> None:
         self.deadline.check()
         if not self.linked:
-            raise refusals.not_connected()
+            raise errors.not_connected()

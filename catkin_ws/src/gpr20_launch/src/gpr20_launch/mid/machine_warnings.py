@@ -25,7 +25,7 @@ from gpr20_survey.plan.robot_description import (
     STORAGE,
     NodeDescription,
 )
-from gpr20_vna_acquisition.mid.conformance.record import has_passed
+from gpr20_vna_acquisition.mid.analyzer_record import has_passed
 from gpr20_vna_acquisition.mid.vna_parameters import VnaParameters
 
 # The part of the configuration that each node gets.

@@ -25,7 +25,7 @@ from gpr20_launch.mid.place_checks import ANALYZER_FILE, Use, check_place
 from gpr20_launch.mid.problem import Problem
 from gpr20_launch.mid.robot_files import AXES_FILE, Reading
 from gpr20_survey.plan.sensors import SENSORS
-from gpr20_vna_acquisition.mid.foreign_analyzer import make_foreign_analyzer
+from gpr20_vna_acquisition.mid.analyzers import make_foreign_analyzer
 from gpr20_vna_acquisition.mid.request_deadline import RequestDeadline
 
 

@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import contextlib
 import importlib
-import threading
 from dataclasses import dataclass
 from typing import Any, Callable, List, Optional, Tuple, Type, TypeVar
 
@@ -16,15 +15,12 @@ from gpr20_common.faults import CONFIGURATION
 from gpr20_common.message import Message, verbatim
 from gpr20_scikit_rf.errors import VnaLibraryError
 from gpr20_vna_acquisition.errors import VnaConnectionError, VnaDataError, VnaError
-from gpr20_vna_acquisition.low.call_thread import CallThread
 
 Result = TypeVar("Result")
 
 PACKAGE = "skrf.vi.vna"
 INSTALL = "scripts/setup.sh --scikit-rf"
-# How many exchanges the constructors of scikit-rf make at most.
-CONSTRUCTOR_EXCHANGES = 5
-CLOSE_LIMIT_S, RELEASE_LIMIT_S = 1.0, 2.0
+RELEASE_LIMIT_S = 2.0
 # What scikit-rf and PyVISA raise for an answer that they do not understand.
 ANSWER_ERRORS = (
     ValueError,
@@ -41,12 +37,10 @@ class VisaLimits:
     """Time limits of a VISA session.
 
     Attributes:
-        connect_s: For opening the session [s].
         answer_s: For one exchange [s].
         clear: Whether the instrument's buffers are emptied in a new session.
     """
 
-    connect_s: float
     answer_s: float
     clear: bool
 
@@ -95,17 +89,13 @@ class VisaLibrary:
         self._visa_library = visa_library
         self._limits = limits
 
-    def connect(self, address: str, check: Callable[[], None]) -> VisaLink:
+    def connect(self, address: str) -> VisaLink:
         """Open a session to a VISA resource name.
-
-        Args:
-            address: The resource name.
-            check: Called again and again during each call; raises if it must end.
 
         Raises:
             VnaConnectionError: Nothing answers there.
         """
-        return VisaLink(self, address, self._limits, check)
+        return VisaLink(self, address, self._limits)
 
     def open(self, address: str, opened: Callable[[Any], None]) -> Any:
         """Return the object of scikit-rf for the analyzer at an address.
@@ -181,18 +171,14 @@ class VisaLibrary:
 class VisaLink:
     """One session; after any error it is dead."""
 
-    def __init__(
-        self, library: VisaLibrary, address: str, limits: VisaLimits, check: Callable[[], None]
-    ) -> None:
+    def __init__(self, library: VisaLibrary, address: str, limits: VisaLimits) -> None:
         self._library = library
         self._address = address
         self._limits = limits
-        self._check = check
-        self._thread: Optional[CallThread] = CallThread("VISA")
+        self._open = True
         self._resources: List[Any] = []
-        limit_s = limits.connect_s + CONSTRUCTOR_EXCHANGES * limits.answer_s
         self._vna: Any = self._run(
-            Message("connecting"), lambda: library.open(address, self._resources.append), limit_s
+            Message("connecting"), lambda: library.open(address, self._resources.append)
         )
 
     def call(
@@ -217,8 +203,7 @@ class VisaLink:
                 self._vna.timeout = timeout_ms
             return action(self._vna)
 
-        result: Result = self._run(what, timed, answer_s + self._limits.answer_s)
-        return result
+        return self._run(what, timed)
 
     def release(self, action: Callable[[Any], None]) -> None:
         """Do something, then return the control to the front panel; no request limits it."""
@@ -229,30 +214,25 @@ class VisaLink:
             for resource in self._resources:
                 self._library.go_local(resource)
 
-        self._check = lambda: None
-        self._run(Message("returning to the front panel"), released, RELEASE_LIMIT_S)
+        self._run(Message("returning to the front panel"), released)
 
     def close(self) -> None:
         """End the session. Never fails; ending a dead one does nothing."""
-        thread, self._thread = self._thread, None
-        if thread is None:
+        if not self._open:
             return
-        if thread.busy:
-            # A read that never ends holds the thread; it ends when its session is closed.
-            threading.Thread(target=self._close_session, daemon=True).start()
-        else:
-            # One that does not end is left to its thread.
-            with contextlib.suppress(TimeoutError):
-                thread.run(self._close_session, CLOSE_LIMIT_S, lambda: None)
-        thread.end()
+        self._open = False
+        for resource in self._resources:
+            # Nobody uses it again, whatever a library says of a session that is dead.
+            with contextlib.suppress(Exception):
+                resource.close()
 
-    def _run(self, what: Message, action: Callable[[], Any], limit_s: float) -> Any:
-        if self._thread is None:
+    def _run(self, what: Message, action: Callable[[], Result]) -> Result:
+        if not self._open:
             raise VnaConnectionError(
                 Message("the link to the VNA is closed; make a new one", details=what)
             )
         try:
-            return self._thread.run(action, limit_s, self._check)
+            return action()
         except VnaError:
             self.close()
             raise
@@ -260,12 +240,6 @@ class VisaLink:
         except Exception as error:
             self.close()
             raise self._library.translated(error, self._address, what) from error
-
-    def _close_session(self) -> None:
-        for resource in self._resources:
-            # The session is dead, and nobody uses it again, whatever a library says of it.
-            with contextlib.suppress(Exception):
-                resource.close()
 
 
 def _missing(class_name: str, error: Exception) -> Message:

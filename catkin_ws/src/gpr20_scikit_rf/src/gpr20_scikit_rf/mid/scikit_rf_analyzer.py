@@ -26,9 +26,8 @@ from gpr20_survey.trace.sweep_settings import (
     AnalyzerSettings,
     SweepSettings,
 )
+from gpr20_vna_acquisition import errors
 from gpr20_vna_acquisition.errors import VnaDataError, VnaError, VnaSettingError
-from gpr20_vna_acquisition.mid import refusals
-from gpr20_vna_acquisition.mid.identity import check_identity
 from gpr20_vna_acquisition.mid.request_deadline import RequestDeadline
 from gpr20_vna_acquisition.mid.trace_quality import calibration_lost
 from gpr20_vna_acquisition.mid.vna_parameters import VnaParameters
@@ -68,7 +67,6 @@ class ScikitRfAnalyzer:
             self._options.scikit_rf_class.value,
             self._options.visa_library,
             VisaLimits(
-                connect_s=parameters.connect_timeout_s,
                 answer_s=parameters.answer_timeout_s,
                 clear=parameters.clear_on_connect,
             ),
@@ -87,12 +85,12 @@ class ScikitRfAnalyzer:
         visa_resource_name(Message("the VNA address"), address)
         self.disconnect()
         self._deadline.check()
-        self._link = self._library.connect(address, self._deadline.check)
+        self._link = self._library.connect(address)
 
     def identify(self) -> str:
         """Return the identification: maker, model, serial number, firmware."""
         identity = str(self._call(Message("identification"), lambda vna: vna.id)).strip()
-        check_identity(identity, self._parameters)
+        self._parameters.check_identity(identity)
         # Each session needs it: the object of scikit-rf remembers the format.
         self._call(Message("the transfer format"), self._dialect.set_format)
         if identity != self._identity:
@@ -149,7 +147,7 @@ class ScikitRfAnalyzer:
         """Return if every setting that the data depend on is still that of `configure`."""
         changed = self._differing(self._dialect.settings(self._configured()))
         if changed:
-            raise refusals.settings_changed(_described(changed))
+            raise errors.settings_changed(_described(changed))
 
     def calibration(self) -> CalibrationStatus:
         """Return NONE if the configured query says so; its accuracy is never reported."""
@@ -204,12 +202,12 @@ class ScikitRfAnalyzer:
     ) -> Result:
         self._deadline.check()
         if self._link is None:
-            raise refusals.not_connected()
+            raise errors.not_connected()
         return self._link.call(what, action, limit_s)
 
     def _configured(self) -> SweepSettings:
         if self._accepted is None:
-            raise refusals.not_configured()
+            raise errors.not_configured()
         return self._accepted
 
     def _read_settings(self, vna: Any) -> SweepSettings:
@@ -233,7 +231,7 @@ class ScikitRfAnalyzer:
                 self._write(setting)
             differing = self._differing(wanted) if differing else []
         if differing:
-            raise refusals.settings_refused(_described(differing))
+            raise errors.settings_refused(_described(differing))
         return written
 
     def _write(self, setting: Setting) -> None:

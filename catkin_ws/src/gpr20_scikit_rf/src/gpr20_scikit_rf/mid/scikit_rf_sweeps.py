@@ -16,8 +16,9 @@ from gpr20_vna_acquisition.errors import (
     VnaDataError,
     VnaSettingError,
     VnaSweepError,
+    old_data,
+    sweep_not_ended,
 )
-from gpr20_vna_acquisition.mid.refusals import old_data, sweep_not_ended
 from gpr20_vna_acquisition.mid.request_deadline import RequestDeadline
 from gpr20_vna_acquisition.mid.sweep_timing import has_old_points, timed_sweep
 from gpr20_vna_acquisition.mid.vna_parameters import VnaParameters

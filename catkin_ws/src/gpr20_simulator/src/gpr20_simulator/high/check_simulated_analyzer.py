@@ -14,8 +14,8 @@ from gpr20_simulator.mid.world.medium import AntennaPosition
 from gpr20_simulator.mid.world.scene import Scene, read_scene
 from gpr20_vna_acquisition.high.check_analyzer import check
 from gpr20_vna_acquisition.low.vxi11_transport import LinkLimits, connect
-from gpr20_vna_acquisition.mid.conformance.bench import Bench, Extent
-from gpr20_vna_acquisition.mid.conformance.suite import passed
+from gpr20_vna_acquisition.mid.analyzer_record import passed
+from gpr20_vna_acquisition.mid.conformance import Bench, Extent
 from gpr20_vna_acquisition.mid.vna_parameters import VnaParameters
 
 SCENE = "scenes/two_targets.yaml"

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import os
 from typing import Callable, Optional
 
 import rospy
@@ -18,7 +19,6 @@ from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message, verbatim
 from gpr20_common.mid.node_facts import Hardware
 from gpr20_msgs import srv
-from gpr20_survey.faults import VNA_SILENT
 from gpr20_survey.trace.sweep_settings import AnalyzerSettings, SweepSettings
 from gpr20_vna_acquisition import faults
 from gpr20_vna_acquisition.errors import VnaNotReadyError, VnaOldDataError, VnaSettingError
@@ -29,6 +29,8 @@ from gpr20_vna_acquisition.mid.vna_driver import VNADriver
 from gpr20_vna_acquisition.mid.vna_parameters import VnaParameters
 
 NODE = "vna_acquisition"
+# How often a call that does not return is looked for [s].
+WATCH_PERIOD_S = 0.5
 # Returns the TCP port of the core channel at an address, or None to ask the portmapper there.
 PortLookup = Callable[[str], Optional[int]]
 
@@ -149,12 +151,6 @@ class VNANode:
                 Message("not connected").with_fault(faults.NOT_CONNECTED.as_note()),
                 values,
             )
-        if state.former_trouble:
-            answers = Message(
-                "answers again after a fault: {reason}",
-                reason=state.former_trouble,
-            ).reporting_only(VNA_SILENT.as_warning())
-            return diagnostics.WARN, answers, values
         if state.last_quality:
             return diagnostics.WARN, state.last_quality[0].as_warning(), values
         connected = Message("connected to {identity}", identity=state.identity)
@@ -175,17 +171,26 @@ def build_vna_node(parameters: VnaParameters, port_of: PortLookup, hardware: Har
         return connect(address, limits, port_of(address))
 
     deadline = RequestDeadline(Clock())
+    # The constructor of a class of others is watched, too.
+    Periodic(WATCH_PERIOD_S, lambda: end_if_overdue(deadline))
     analyzer = make_analyzer(parameters, open_link, deadline)
     return VNANode(VNADriver(analyzer, parameters, deadline, rospy.logwarn), hardware)
 
 
-def build_robot_node(parameters: VnaParameters) -> VNANode:
-    """Build the node over the robot's network."""
-    return build_vna_node(
-        parameters, lambda _address: parameters.vxi11_port or None, Hardware(parameters.model)
-    )
+def end_if_overdue(deadline: RequestDeadline) -> None:
+    """End this process if a call of a library does not return; roslaunch starts it again."""
+    overdue = deadline.overdue()
+    if overdue is not None:
+        rospy.logfatal("%s", " ".join((overdue.sentence(), *map(str, overdue.all_details))))
+        os._exit(1)
 
 
 def main() -> None:
     """Run the driver of the real network analyzer."""
-    run_node(NODE, lambda: build_robot_node(read_parameters(VnaParameters, NODE)))
+
+    def build() -> VNANode:
+        parameters = read_parameters(VnaParameters, NODE)
+        port = parameters.vxi11_port or None
+        return build_vna_node(parameters, lambda _address: port, Hardware(parameters.model))
+
+    run_node(NODE, build)

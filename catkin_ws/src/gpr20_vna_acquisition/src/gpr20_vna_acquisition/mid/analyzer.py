@@ -17,9 +17,8 @@ class Analyzer(Protocol):
     links. Making one opens no link: the check before a launch makes one, too. Every method may
     raise `VnaConnectionError`; after that the link is dead, and the driver calls `disconnect` and
     `connect`. The driver limits the time of each request, retries and reconnects; an analyzer does
-    not retry. One thread calls at a time, except for `check_sweep`. An object of another package
-    whose call does not return in time is given up, and another one is made. A class may have more:
-    see `DrivenAnalyzer`.
+    not retry. One thread calls at a time. A call that does not return ends the process of the
+    driver, which is started again. A class may have more: see `DrivenAnalyzer`.
     """
 
     def connect(self, address: str) -> None:
@@ -105,10 +104,6 @@ class Analyzer(Protocol):
 
 class DrivenAnalyzer(Analyzer, Protocol):
     """An analyzer as the driver uses it: with what a class need not have."""
-
-    @property
-    def has_noise(self) -> bool:
-        """Whether two of its sweeps always differ in some bit; a simulated one need not."""
 
     @property
     def temperature_c(self) -> Optional[float]:

@@ -18,7 +18,6 @@ import numpy as np
 from gpr20_common.message import Message
 from gpr20_vna_acquisition.errors import VnaDataError
 
-_HEADER_START = b"#"
 _NUMBER = re.compile(r"[+-]?(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)(?:[eE][+-]?[0-9]+)?")
 _NEWLINES = (b"", b"\n", b"\r\n")
 _ASCII_ENDINGS = _NEWLINES + (b",", b",\n", b",\r\n")
@@ -31,6 +30,11 @@ class TransferFormat(enum.Enum):
 
     REAL32 = "REAL,32"
     ASCII = "ASC"
+
+
+def unquoted(answer: str) -> str:
+    """Return a text answer without the quotation marks that some answers have."""
+    return answer.strip().strip('"').strip()
 
 
 def number(answer: str) -> float:
@@ -66,42 +70,36 @@ def whole_number(answer: str) -> int:
 def parse_numbers(answer: bytes, transfer: TransferFormat, count: int) -> np.ndarray:
     """Return the numbers of a block [float64].
 
-    Args:
-        answer: The whole answer of the instrument.
-        transfer: Format of the numbers.
-        count: How many there must be.
-
     Raises:
         VnaDataError: The answer is anything but a complete block of so many finite numbers.
     """
     payload, rest = _split(answer)
     if transfer is TransferFormat.REAL32:
-        numbers = _real32(payload, rest, count)
+        _check_ending(rest, _NEWLINES)
+        _check_count(len(payload) / _REAL32.itemsize, count)
+        numbers = np.frombuffer(payload, dtype=_REAL32).astype(np.float64)
     else:
-        numbers = _ascii(payload, rest, count)
-    finite = np.isfinite(numbers)
-    if not finite.all():
+        _check_ending(rest, _ASCII_ENDINGS)
+        # The ending may be counted as part of the block, or not; a number is between two commas.
+        text = re.sub(r",?(\r?\n)?\Z", "", (payload + rest).decode("latin-1"))
+        words = text.split(",") if text else []
+        _check_count(len(words), count)
+        numbers = np.array([number(word) for word in words], dtype=np.float64)
+    bad = count - int(np.isfinite(numbers).sum())
+    if bad:
         raise VnaDataError(
-            Message(
-                "{bad} of {count} numbers from the VNA are not finite",
-                bad=count - int(finite.sum()),
-                count=count,
-            )
+            Message("{bad} of {count} numbers from the VNA are not finite", bad=bad, count=count)
         )
     return numbers
 
 
 def parse_frequencies(answer: bytes, count: int) -> np.ndarray:
-    """Return the frequencies [Hz] of a block in either format.
+    """Return the frequencies [Hz] of a block in either format, as `parse_numbers` does.
 
     The manual does not define whether `:FORMat` applies to this answer. The length shows it:
     a frequency as text with its comma is longer than four bytes.
-
-    Raises:
-        VnaDataError: The answer is anything but a complete block of so many finite numbers.
     """
-    payload, _ = _split(answer)
-    real32 = len(payload) == count * _REAL32.itemsize
+    real32 = len(_split(answer)[0]) == count * _REAL32.itemsize
     return parse_numbers(answer, TransferFormat.REAL32 if real32 else TransferFormat.ASCII, count)
 
 
@@ -118,16 +116,16 @@ def text_block(answer: bytes) -> str:
 
 
 def _split(answer: bytes) -> Tuple[bytes, bytes]:
-    if answer[:1] != _HEADER_START:
-        raise _invalid_header(f"begins with {answer[:16]!r} instead of '#'")
-    width = _digits(answer[1:2], "width")
-    if width == 0:
-        raise _invalid_header("has no length")
-    length_text = answer[2 : 2 + width]
-    if len(length_text) < width:
-        raise _invalid_header(f"is cut off: {answer[:16]!r}")
+    """Return the content of a block, and what follows it."""
+    width = int(answer[1:2]) if re.match(rb"#[1-9]", answer) else 0
     start = 2 + width
-    length = _digits(length_text, "length")
+    length_text = answer[2:start]
+    # isdigit() of bytes is true for the ASCII digits alone.
+    if not width or len(length_text) < width or not length_text.isdigit():
+        raise VnaDataError(
+            Message("the VNA's data have an invalid header", details=f"{answer[:16]!r}")
+        )
+    length = int(length_text)
     payload = answer[start : start + length]
     if len(payload) < length:
         raise VnaDataError(
@@ -140,51 +138,15 @@ def _split(answer: bytes) -> Tuple[bytes, bytes]:
     return payload, answer[start + length :]
 
 
-def _digits(text: bytes, what: str) -> int:
-    # isdigit() of bytes is true for the ASCII digits alone.
-    if not text.isdigit():
-        raise _invalid_header(f"has the {what} {text!r}, not a number")
-    return int(text)
-
-
-def _invalid_header(fault: str) -> VnaDataError:
-    return VnaDataError(
-        Message("the VNA's data have an invalid header", details=f"the header {fault}")
-    )
-
-
-def _real32(payload: bytes, rest: bytes, count: int) -> np.ndarray:
-    _check_ending(rest, _NEWLINES)
-    if len(payload) != count * _REAL32.itemsize:
+def _check_count(received: float, expected: int) -> None:
+    if received != expected:
         raise VnaDataError(
             Message(
-                "the VNA sent {received} bytes of data instead of {expected}",
-                received=len(payload),
-                expected=count * _REAL32.itemsize,
+                "the VNA sent {received:g} numbers instead of {expected}",
+                received=received,
+                expected=expected,
             )
         )
-    return np.frombuffer(payload, dtype=_REAL32).astype(np.float64)
-
-
-def _ascii(payload: bytes, rest: bytes, count: int) -> np.ndarray:
-    _check_ending(rest, _ASCII_ENDINGS)
-    text = payload + rest
-    for newline in (b"\r\n", b"\n"):
-        if text.endswith(newline):
-            text = text[: -len(newline)]
-            break
-    if text.endswith(b","):
-        text = text[:-1]
-    words = text.decode("latin-1").split(",") if text else []
-    if len(words) != count:
-        raise VnaDataError(
-            Message(
-                "the VNA sent {received} numbers instead of {expected}",
-                received=len(words),
-                expected=count,
-            )
-        )
-    return np.array([number(word) for word in words], dtype=np.float64)
 
 
 def _check_ending(rest: bytes, allowed: Collection[bytes]) -> None:

@@ -7,15 +7,13 @@ from typing import Optional
 import numpy as np
 
 from gpr20_survey.trace.sweep_settings import SweepSettings
-from gpr20_vna_acquisition.errors import VnaDataError
+from gpr20_vna_acquisition.errors import VnaDataError, data_changed, old_data
 from gpr20_vna_acquisition.mid.block_parser import TransferFormat, parse_numbers
 from gpr20_vna_acquisition.mid.exchanges import Exchanges
-from gpr20_vna_acquisition.mid.refusals import data_changed, old_data
+from gpr20_vna_acquisition.mid.ms2026c_commands import DATA_QUERY
 from gpr20_vna_acquisition.mid.request_deadline import RequestDeadline
 from gpr20_vna_acquisition.mid.sweep_timing import has_old_points
 from gpr20_vna_acquisition.mid.vna_parameters import VnaParameters
-
-DATA_QUERY = ":CALC1:DATA? SDAT"
 
 
 class Display:
@@ -34,8 +32,8 @@ class Display:
         self._exchanges = exchanges
         self._parameters = parameters
         self._deadline = deadline
-        # What the next sweep must differ from.
-        self._shown: Optional[np.ndarray] = None
+        # What the next sweep must differ from; None if nothing was shown before.
+        self.shown: Optional[np.ndarray] = None
         # The answer with them, and the same of a trace that is not proven yet.
         self._answer = b""
         self._unproven: Optional[bytes] = None
@@ -44,11 +42,6 @@ class Display:
         self._ended_s = 0.0
         # Whether it was seen to lag behind an average, which changes it several times.
         self._lags = False
-
-    @property
-    def shown(self) -> Optional[np.ndarray]:
-        """What the next sweep must differ from; None if nothing was shown before."""
-        return self._shown
 
     @property
     def is_proven(self) -> bool:
@@ -62,7 +55,7 @@ class Display:
             self.look(settings)
         except VnaDataError:
             # Nothing was measured with these settings yet.
-            self._shown = None
+            self.shown = None
 
     def read(self, settings: SweepSettings) -> np.ndarray:
         """Return the numbers that are shown now: real and imaginary part of each point in turn."""
@@ -71,7 +64,7 @@ class Display:
 
     def look(self, settings: SweepSettings) -> None:
         """Remember what is shown now as what the next sweep must differ from."""
-        self._shown = self.read(settings)
+        self.shown = self.read(settings)
 
     def new_numbers(self, settings: SweepSettings, cleared: bool) -> np.ndarray:
         """Return numbers of which every one is new.
@@ -84,7 +77,7 @@ class Display:
         Raises:
             VnaOldDataError: Some stay those of the sweep before.
         """
-        before = self._shown
+        before = self.shown
         # Single precision has no equal points by chance.
         exact = self._parameters.transfer_format is TransferFormat.REAL32
         limit_s = self._deadline.now_s() + self._parameters.settle_s
@@ -92,7 +85,7 @@ class Display:
         while True:
             is_old = has_old_points(numbers, before, to_the_last=exact or not cleared)
             if steady and not is_old:
-                self._shown = numbers
+                self.shown = numbers
                 return numbers
             if self._deadline.now_s() >= limit_s:
                 raise old_data()
@@ -140,7 +133,7 @@ class Display:
             self._settled, self._unproven = True, None
             return
         # Data that cannot be read prove nothing: they are read once more.
-        self._shown = self._numbers(again, settings)
+        self.shown = self._numbers(again, settings)
         # After the wait nothing of an older sweep can come any more.
         self._settled, self._unproven = waits, None
         self._lags = settings.analyzer.averages > 1

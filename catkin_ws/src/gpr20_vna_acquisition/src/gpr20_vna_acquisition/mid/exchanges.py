@@ -6,17 +6,14 @@ import re
 from collections import Counter
 from typing import Callable, Optional, Protocol, Set
 
-from gpr20_vna_acquisition.errors import VnaError, VnaNoAnswerError
-from gpr20_vna_acquisition.mid.refusals import not_connected
+from gpr20_vna_acquisition.errors import VnaError, VnaNoAnswerError, not_connected
+from gpr20_vna_acquisition.mid.block_parser import unquoted
 from gpr20_vna_acquisition.mid.request_deadline import RequestDeadline
-from gpr20_vna_acquisition.mid.settings import unquoted
 
 # A query that was left unanswered this often in a row, each time by an instrument that then
 # answered `*IDN?` on a new link, is one that the instrument does not know. One that it has answered
 # needs more evidence.
 UNANSWERED, UNANSWERED_AGAIN = 2, 4
-# One that no data depend on is not worth the time of a second one.
-UNANSWERED_DETAIL = 1
 # How long the first answer to a query may take that the instrument need not know [s]. The manual
 # allows two seconds after a setting.
 FIRST_ANSWER_S = 2.0
@@ -34,9 +31,7 @@ class Transport(Protocol):
     def ask_raw(self, query: str, limit_s: Optional[float] = None) -> bytes:
         """Send a query and return its answer, byte for byte.
 
-        Args:
-            query: The query.
-            limit_s: Time limit for the answer [s], if it is not that of the link.
+        `limit_s` is the time limit for the answer [s], if it is not that of the link.
 
         Raises:
             VnaNoAnswerError: There was no answer in time.
@@ -52,9 +47,6 @@ class Transport(Protocol):
             VnaConnectionError: Another link has done so.
         """
 
-    def unlock(self) -> None:
-        """End what `lock` began, if it did."""
-
     def local(self) -> None:
         """Return the control to the front panel."""
 
@@ -66,12 +58,7 @@ class Exchanges:
     """Sends commands and queries, and remembers which queries this instrument does not answer."""
 
     def __init__(self, connector: Callable[[str], Transport], deadline: RequestDeadline) -> None:
-        """Begin without a link.
-
-        Args:
-            connector: Opens a link to an address, or raises VnaConnectionError.
-            deadline: Ends a request that takes too long.
-        """
+        """Begin without a link; `connector` opens one to an address."""
         self._connector = connector
         self._deadline = deadline
         self._transport: Optional[Transport] = None
@@ -83,11 +70,7 @@ class Exchanges:
         self._silences: Counter = Counter()
 
     def open(self, address: str, lock: bool) -> None:
-        """Open a link; an open one is closed.
-
-        Args:
-            address: Where the instrument is.
-            lock: Whether other links may not use it meanwhile.
+        """Open a link, which may lock out others; an open one is closed.
 
         Raises:
             VnaConnectionError: Nothing answers there, or another link has locked it.
@@ -121,23 +104,21 @@ class Exchanges:
         return self._link().ask_raw(query)
 
     def ask_optional(self, query: str) -> Optional[str]:
-        """Return the answer as `ask_optional_raw` does, as text as `ask` does."""
+        """Return the answer as `ask_optional_raw` does, as text."""
         answer = self.ask_optional_raw(query)
         return None if answer is None else _text(answer)
 
     def ask_detail(self, query: str) -> Optional[str]:
         """Return the answer to a query on which no data depend; one silence is enough for None."""
-        if self._silences[query] >= UNANSWERED_DETAIL:
+        if self._silences[query]:
             return None
         return self.ask_optional(query)
 
     def ask_optional_raw(self, query: str) -> Optional[bytes]:
         """Return the answer to a query that the instrument need not know; None if it does not.
 
-        It may say so by an error code instead of its first answer.
-
-        Raises:
-            VnaConnectionError: There was no answer, and it is not known yet whether there ever is.
+        It may say so by an error code instead of its first answer. Silence is an error until it is
+        known that there is never an answer.
         """
         if self.never_answered(query):
             return None
@@ -161,13 +142,11 @@ class Exchanges:
 
     def release(self, command: str) -> None:
         """Send a last command and return the control to the front panel; no time limit applies."""
-        transport = self._transport
-        if transport is None:
+        if self._transport is None:
             return
         try:
-            transport.write(command)
-            transport.local()
-            transport.unlock()
+            self._transport.write(command)
+            self._transport.local()
         except VnaError:
             # The link is dead: there is nobody to release.
             self.close()

@@ -1,11 +1,8 @@
-"""The Anritsu MS2026C.
-
-Commands: MS20xxC programming manual (Anritsu 10580-00306), chapters 2 and 3.
-"""
+"""The Anritsu MS2026C."""
 
 from __future__ import annotations
 
-from typing import Any, Callable, Collection, Dict, List, Optional, Sequence, Tuple
+from typing import Any, Callable, Collection, Dict, List, Mapping, Optional, Sequence, Tuple
 
 from gpr20_common.low.clock import time_of_day_us
 from gpr20_common.message import Message
@@ -14,16 +11,23 @@ from gpr20_survey.faults import VNA_DOUBTFUL
 from gpr20_survey.trace.calibration import CalibrationStatus
 from gpr20_survey.trace.sweep import Sweep
 from gpr20_survey.trace.sweep_settings import AnalyzerSettings, SweepSettings
+from gpr20_vna_acquisition import errors
 from gpr20_vna_acquisition.errors import VnaDataError
-from gpr20_vna_acquisition.mid import refusals, settings
+from gpr20_vna_acquisition.mid import ms2026c_commands as commands
 from gpr20_vna_acquisition.mid.block_parser import number, parse_frequencies, whole_number
 from gpr20_vna_acquisition.mid.exchanges import Exchanges, Transport
-from gpr20_vna_acquisition.mid.identity import check_identity
-from gpr20_vna_acquisition.mid.ms2026c_calibration import CALIBRATED_QUERY, Ms2026cCalibration
+from gpr20_vna_acquisition.mid.ms2026c_commands import (
+    Answers,
+    Command,
+    Preamble,
+    Setting,
+    check_frequencies,
+    described,
+    differing,
+    word,
+)
 from gpr20_vna_acquisition.mid.ms2026c_sweeps import Ms2026cSweeps
-from gpr20_vna_acquisition.mid.preamble import PREAMBLE_QUERY, Preamble, changed_values, replaced
 from gpr20_vna_acquisition.mid.request_deadline import RequestDeadline
-from gpr20_vna_acquisition.mid.settings import Setting, described, unquoted
 from gpr20_vna_acquisition.mid.trace_quality import calibration_lost
 from gpr20_vna_acquisition.mid.vna_parameters import VnaParameters
 
@@ -32,15 +36,11 @@ TIME_DOMAIN_OPTION = "2"
 # A start above the previous stop may be refused until the new stop is set: send all twice.
 SETTING_PASSES = 2
 SETTING_POLL_S = 0.05
-FREQUENCIES_QUERY = ":SENSE1:FREQ:DATA?"
-RELEASE = ":INIT:CONT ON"
+NEEDED = "S21"
 
 
 class Ms2026c:
-    """Implements `Analyzer`.
-
-    It never sends `*RST`, which would reset the instrument's network settings.
-    """
+    """Implements `DrivenAnalyzer`."""
 
     def __init__(
         self,
@@ -49,24 +49,22 @@ class Ms2026c:
         deadline: RequestDeadline,
         utc_now_us: Callable[[], int] = time_of_day_us,
     ) -> None:
-        """Begin without a link.
+        """Begin without a link; `connector` opens one to an address.
 
-        Args:
-            connector: Opens a link to an address, or raises VnaConnectionError.
-            parameters: What is expected of the instrument.
-            deadline: Ends a request that takes too long.
-            utc_now_us: Returns the time of day [us since 1970, UTC].
+        `utc_now_us` returns the time of day [us since 1970, UTC].
         """
         self._parameters = parameters
         self._deadline = deadline
         self._exchanges = Exchanges(connector, deadline)
         self._sweeps = Ms2026cSweeps(self._exchanges, parameters, deadline, utc_now_us)
-        self._calibration = Ms2026cCalibration(self._exchanges)
+        # Which S-parameters are calibrated; None if it does not say.
+        self._calibrated: Optional[Tuple[str, ...]] = None
         self._identity = ""
         self._accepted: Optional[SweepSettings] = None
         # What it said of its trace when it was set up, if it does.
         self._preamble: Optional[Preamble] = None
-        self._temperature_c: Optional[float] = None
+        # At the last `confirm` [degC]; None if it does not say.
+        self.temperature_c: Optional[float] = None
 
     def connect(self, address: str) -> None:
         """Open a link to an address, four decimal numbers; an open one is closed."""
@@ -77,8 +75,8 @@ class Ms2026c:
 
     def identify(self) -> str:
         """Return the identification: maker, model/options, serial number, firmware."""
-        identity = unquoted(self._exchanges.ask("*IDN?"))
-        check_identity(identity, self._parameters)
+        identity = self._exchanges.ask(commands.IDENTITY_QUERY)
+        self._parameters.check_identity(identity)
         if identity != self._identity:
             self._exchanges.forget()
             self._accepted = None
@@ -92,17 +90,20 @@ class Ms2026c:
     def configure(self, sweep: SweepSettings) -> SweepSettings:
         """Set up S21 over frequency, hold the sweep, and measure how long a trace takes."""
         self._accepted = None
-        self._calibration.look()
+        self._look_at_calibration()
         calibration = self.calibration()
         written, answers = self._apply(self._settings(sweep))
         self._check_calibration_kept(calibration, written)
-        start, stop, points = (answers[header] for header in settings.FREQUENCY_HEADERS)
-        accepted = SweepSettings(
-            number(start), number(stop), whole_number(points), self._analyzer_settings()
-        )
-        self._check_frequencies(accepted)
+        start, stop = number(answers[commands.START]), number(answers[commands.STOP])
+        points = whole_number(answers[commands.POINTS])
+        accepted = SweepSettings(start, stop, points, self._analyzer_settings())
+        frequencies = self._exchanges.ask_optional_raw(commands.FREQUENCIES.query)
+        if frequencies is not None:
+            check_frequencies(parse_frequencies(frequencies, points), accepted)
         self._sweeps.learn(accepted)
-        self._preamble = self._unprocessed_preamble()
+        self._preamble = self._read_preamble()
+        if self._preamble is not None:
+            self._preamble.check_unprocessed()
         # Between the settings and what the preamble says of them none was changed.
         self._check_settings(accepted)
         self._accepted = accepted
@@ -118,35 +119,48 @@ class Ms2026c:
         After a sweep its data are read again. That they are the same shows their format too.
         """
         accepted, display = self._configured(), self._sweeps.display
-        preamble = self._check_preamble(accepted)
+        preamble = self._check_preamble()
         if display.is_proven:
             self._check_settings(accepted, preamble)
             return
-        self._check_settings(accepted, preamble, (settings.TRANSFER_FORMAT,))
+        self._check_settings(accepted, preamble, (commands.FORMAT,))
         try:
             display.prove(accepted)
         except VnaDataError:
             # A setting that was changed meanwhile, such as the format, is the cause.
-            self._check_settings(accepted, self._check_preamble(accepted))
+            self._check_settings(accepted, self._check_preamble())
             raise
 
     def calibration(self) -> CalibrationStatus:
-        """Return the state of the calibration."""
-        return self._calibration.status()
+        """Return its accuracy; a calibration that lacks S21, when last looked at, is none."""
+        status = whole_number(self._exchanges.ask(commands.ACCURACY_QUERY))
+        if not CalibrationStatus.NONE <= status <= CalibrationStatus.LOW:
+            raise VnaDataError(
+                Message(
+                    "the VNA reports calibration status {status}; expected 0 to 4", status=status
+                )
+            )
+        lacks_s21 = self._calibrated is not None and NEEDED not in self._calibrated
+        return CalibrationStatus.NONE if lacks_s21 else CalibrationStatus(status)
 
-    def calibration_details(self) -> Dict[str, Any]:
+    def calibration_details(self) -> Mapping[str, Any]:
         """Return what else the instrument says of its calibration, and of its trace."""
-        return self._calibration.details(self._read_preamble())
+        self._look_at_calibration()
+        interpolation = self._exchanges.ask_detail(commands.INTERPOLATION_QUERY)
+        preamble = self._read_preamble()
+        found = {
+            "parameters": None if self._calibrated is None else list(self._calibrated),
+            "type": self._exchanges.ask_detail(commands.TYPE_QUERY),
+            "interpolated": None if interpolation is None else interpolation == "1",
+            **(preamble.details() if preamble else {}),
+        }
+        return {name: value for name, value in found.items() if value is not None}
 
-    @property
-    def temperature_c(self) -> Optional[float]:
-        """Its temperature at the last `confirm` [degC]; None if it does not say."""
-        return self._temperature_c
-
-    @property
-    def has_noise(self) -> bool:
-        """Whether two of its sweeps always differ in some bit."""
-        return True
+    def _look_at_calibration(self) -> None:
+        answer = self._exchanges.ask_detail(commands.CALIBRATED.query)
+        mask = None if answer is None else whole_number(answer)
+        bits = commands.CALIBRATED_BITS.items()
+        self._calibrated = None if mask is None else tuple(one for one, bit in bits if mask & bit)
 
     def forget(self) -> None:
         """Forget which queries it does not answer: it is set up again."""
@@ -154,7 +168,7 @@ class Ms2026c:
 
     def release(self) -> None:
         """Leave the instrument sweeping by itself, with its front panel usable."""
-        self._exchanges.release(RELEASE)
+        self._exchanges.release(commands.RELEASE)
 
     def disconnect(self) -> None:
         """End the link; never fails, and does nothing without one."""
@@ -168,114 +182,99 @@ class Ms2026c:
     @property
     def remarks(self) -> Sequence[Message]:
         """Which queries this instrument does not answer."""
-        optional = {
-            settings.FREQUENCY_DOMAIN.query: settings.FREQUENCY_DOMAIN.name,
-            settings.ONE_TRACE.query: settings.ONE_TRACE.name,
-            settings.IF_BANDWIDTH_QUERY: settings.IF_BANDWIDTH,
-            settings.POWER_QUERY: settings.OUTPUT_POWER,
-            FREQUENCIES_QUERY: Message("the list of frequencies"),
-            PREAMBLE_QUERY: Message("the description of its trace"),
-            CALIBRATED_QUERY: Message("which S-parameters are calibrated"),
-        }
         return [
             Message(
-                "the VNA does not report {setting}; it is not checked", setting=name, details=query
+                "the VNA does not report {setting}; it is not checked",
+                setting=command.name,
+                details=command.query,
             ).with_fault(VNA_DOUBTFUL)
-            for query, name in optional.items()
-            if self._exchanges.never_answered(query)
+            for command in commands.OPTIONAL
+            if self._exchanges.never_answered(command.query)
         ]
 
     def _settings(self, sweep: SweepSettings) -> List[Setting]:
         options = self._identity.split(",")[1].split("/")[1:]
         transfer = self._parameters.transfer_format
-        return settings.trace_settings(sweep, transfer, TIME_DOMAIN_OPTION in options)
+        return commands.trace_settings(sweep, transfer, TIME_DOMAIN_OPTION in options)
 
     def _check_settings(
         self,
         accepted: SweepSettings,
         preamble: Optional[Preamble] = None,
-        known: Collection[str] = (),
+        known: Collection[Command] = (),
     ) -> None:
         """Ask for every setting that is neither known to be right nor covered by a preamble."""
         wanted = [
             setting
             for setting in self._settings(accepted)
-            if setting.header not in known and not (preamble and preamble.covers(setting.header))
+            if setting.command not in known and not (preamble and preamble.covers(setting.command))
         ]
-        changed = _differing(self._answers(wanted))
+        changed = differing(self._answers(wanted))
         if changed:
-            raise refusals.settings_changed(described(changed))
+            raise errors.settings_changed(described(changed))
 
-    def _check_preamble(self, accepted: SweepSettings) -> Optional[Preamble]:
+    def _check_preamble(self) -> Optional[Preamble]:
         """Compare what the instrument says of its trace with what it said; None if it does not."""
         before, now = self._preamble, self._read_preamble()
         if before is None or now is None:
-            identity = self._exchanges.ask("*IDN?")
+            identity = self._exchanges.ask(commands.IDENTITY_QUERY)
             if identity != self._identity:
-                raise replaced(identity, self._identity)
+                raise errors.replaced(identity, self._identity)
             return None
-        changed = before.differing(now)
-        if changed:
-            names = {setting.header: setting.name for setting in self._settings(accepted)}
-            raise refusals.settings_changed(changed_values(changed, names))
-        self._temperature_c = now.temperature_c
+        changes = before.changes(now)
+        if changes is not None:
+            raise errors.settings_changed(changes)
+        self.temperature_c = now.temperature_c
         return before
 
     def _read_preamble(self) -> Optional[Preamble]:
-        answer = self._exchanges.ask_optional_raw(PREAMBLE_QUERY)
+        answer = self._exchanges.ask_optional_raw(commands.PREAMBLE.query)
         return None if answer is None else Preamble(answer)
-
-    def _unprocessed_preamble(self) -> Optional[Preamble]:
-        preamble = self._read_preamble()
-        if preamble is not None:
-            preamble.check_unprocessed()
-        return preamble
 
     def _configured(self) -> SweepSettings:
         if self._accepted is None:
-            raise refusals.not_configured()
+            raise errors.not_configured()
         return self._accepted
 
-    def _apply(self, wanted: Sequence[Setting]) -> Tuple[List[Setting], Dict[str, str]]:
-        """Make the settings that differ; return them, and the last answer for each header."""
+    def _apply(self, wanted: Sequence[Setting]) -> Tuple[List[Command], Dict[Command, str]]:
+        """Make the settings that differ; return those, and the last answer of each."""
         answers = self._answers(wanted)
-        written: Dict[str, Setting] = {}
+        written: List[Command] = []
         for _ in range(SETTING_PASSES):
-            differing = [setting for setting, _answer in _differing(answers)]
-            if not differing:
+            for setting, _answer in differing(answers):
+                written.append(setting.command)
+                self._exchanges.write(f"{setting.command.header} {setting.sent}")
+            if not differing(answers):
                 break
-            for setting in differing:
-                written[setting.header] = setting
-                self._exchanges.write(setting.command)
             answers = self._answers_when_settled(wanted)
-        refused = _differing(answers)
+        refused = differing(answers)
         if refused:
-            raise refusals.settings_refused(described(refused))
-        return list(written.values()), {setting.header: answer for setting, answer in answers}
+            raise errors.settings_refused(described(refused))
+        return written, {setting.command: answer for setting, answer in answers}
 
-    def _answers_when_settled(self, wanted: Sequence[Setting]) -> List[Tuple[Setting, str]]:
+    def _answers_when_settled(self, wanted: Sequence[Setting]) -> Answers:
         deadline_s = self._deadline.now_s() + self._parameters.settle_s
         while True:
             # All of them each time: one setting may change another.
             answers = self._answers(wanted)
-            if not _differing(answers) or self._deadline.now_s() >= deadline_s:
+            if not differing(answers) or self._deadline.now_s() >= deadline_s:
                 return answers
             self._deadline.pause_s(SETTING_POLL_S)
 
-    def _answers(self, wanted: Sequence[Setting]) -> List[Tuple[Setting, str]]:
+    def _answers(self, wanted: Sequence[Setting]) -> Answers:
         found = []
         for setting in wanted:
             ask = self._exchanges.ask if setting.required else self._exchanges.ask_optional
-            answer = ask(setting.query)
+            answer = ask(setting.command.query)
             if answer is not None:
                 found.append((setting, answer))
         return found
 
     def _analyzer_settings(self) -> AnalyzerSettings:
-        bandwidth = self._exchanges.ask_optional(settings.IF_BANDWIDTH_QUERY)
-        power = self._exchanges.ask_optional(settings.POWER_QUERY)
+        bandwidth = self._exchanges.ask_optional(commands.BANDWIDTH.query)
+        power = self._exchanges.ask_optional(commands.POWER.query)
         # An average that is not known of could mix sweeps from before and after a move.
-        averages = whole_number(self._exchanges.ask(settings.AVERAGES_QUERY))
+        averages = whole_number(self._exchanges.ask(commands.AVERAGES.query))
         if averages < 1:
             raise VnaDataError(
                 Message(
@@ -285,26 +284,15 @@ class Ms2026c:
         return AnalyzerSettings(
             if_bandwidth_hz=0.0 if bandwidth is None else number(bandwidth),
             averages=averages,
-            output_power="" if power is None else unquoted(power).upper(),
+            output_power="" if power is None else word(power),
         )
 
     def _check_calibration_kept(
-        self, before: CalibrationStatus, written: Sequence[Setting]
+        self, before: CalibrationStatus, written: Sequence[Command]
     ) -> None:
         if not written or before is CalibrationStatus.NONE:
             return
-        if self.calibration() is not CalibrationStatus.NONE:
-            return
-        # Without hold no sweep can be triggered; it is named only where nothing else was written.
-        others = [one for one in written if one is not settings.HOLD]
-        raise calibration_lost(one.name for one in others or written)
-
-    def _check_frequencies(self, accepted: SweepSettings) -> None:
-        answer = self._exchanges.ask_optional_raw(FREQUENCIES_QUERY)
-        if answer is not None:
-            reported_hz = parse_frequencies(answer, accepted.points)
-            settings.check_frequencies(reported_hz, accepted)
-
-
-def _differing(answers: Sequence[Tuple[Setting, str]]) -> List[Tuple[Setting, str]]:
-    return [(setting, answer) for setting, answer in answers if not setting.agrees(answer)]
+        if self.calibration() is CalibrationStatus.NONE:
+            # Without hold no sweep can be triggered; it is named only where nothing else is.
+            others = [one for one in written if one is not commands.HOLD]
+            raise calibration_lost(one.name for one in dict.fromkeys(others or written))

@@ -12,27 +12,30 @@ from gpr20_vna_acquisition.errors import (
     VnaOldDataError,
     VnaSettingError,
     VnaSweepError,
+    old_data,
+    sweep_not_ended,
 )
 from gpr20_vna_acquisition.mid.block_parser import whole_number
 from gpr20_vna_acquisition.mid.display import Display
 from gpr20_vna_acquisition.mid.exchanges import Exchanges
-from gpr20_vna_acquisition.mid.preamble import PREAMBLE_QUERY, Preamble
-from gpr20_vna_acquisition.mid.refusals import old_data, sweep_not_ended
+from gpr20_vna_acquisition.mid.ms2026c_commands import (
+    CLEAR_AVERAGE,
+    PREAMBLE,
+    STATUS_QUERY,
+    SWEEP_COMPLETE_BIT,
+    TRIGGER,
+    Preamble,
+)
 from gpr20_vna_acquisition.mid.request_deadline import RequestDeadline
 from gpr20_vna_acquisition.mid.sweep_timing import (
     SweepEnd,
     SweepTiming,
     enough_learned,
     has_old_points,
-    restart_remarks,
     timed_sweep,
 )
 from gpr20_vna_acquisition.mid.vna_parameters import VnaParameters
 
-TRIGGER = ":INIT:IMM"
-STATUS_QUERY = ":STAT:OPER?"
-SWEEP_COMPLETE_BIT = 256
-CLEAR_AVERAGE = ":SENS:AVER:CLE"
 # One message, so that nothing is averaged between the two.
 NEW_AVERAGE = f"{CLEAR_AVERAGE};{TRIGGER}"
 # Polling more often than this loads the instrument and gains nothing [s].
@@ -65,13 +68,9 @@ class Ms2026cSweeps:
         self._utc_now_us = utc_now_us
         self._timing: Optional[SweepTiming] = None
         self._triggers = 1
-        self._trace_duration_s: Optional[float] = None
+        # How long one trace takes [s]; None before `learn`.
+        self.trace_duration_s: Optional[float] = None
         self.display = Display(exchanges, parameters, deadline)
-
-    @property
-    def trace_duration_s(self) -> Optional[float]:
-        """How long one trace takes [s]; None before `learn`."""
-        return self._trace_duration_s
 
     def learn(self, settings: SweepSettings) -> None:
         """Measure how long a sweep takes; the instrument must be set up and held.
@@ -86,95 +85,84 @@ class Ms2026cSweeps:
         self.display.begin_set_up(settings)
         ends: List[SweepEnd] = []
         while not enough_learned(ends):
-            ends.append(self._learn_once(settings, limit_s))
+            ends.append(self._sweep_once(settings, None, limit_s))
             # The next one is known to be new by its difference from this one.
             self.display.new_numbers(settings, ends[-1].cleared)
         timing = SweepTiming(ends)
         self._triggers = self._triggers_per_trace(settings, timing)
         self._timing = timing
-        self._trace_duration_s = self._triggers * timing.duration_s
+        self.trace_duration_s = self._triggers * timing.duration_s
 
     def take(self, settings: SweepSettings) -> Sweep:
-        """Return the data of a trace that is triggered now.
-
-        Raises:
-            VnaSweepError: A sweep did not end in time.
-            VnaOldDataError: The data, or a part of them, are not new.
-            VnaDataError: The data are incomplete or not finite.
-        """
+        """Return the data of a trace that is triggered now."""
         if self._timing is None:
             self.learn(settings)
         timing = self._timing
         assert timing is not None
-        was_settled, surely_ended_s = self.display.begin_trace(), timing.surely_ended_s
+        limit_s = self._parameters.sweep_limit_s(timing.duration_s)
+        was_settled = self.display.begin_trace()
         started_us, started_s = self._utc_now_us(), self._deadline.now_s()
         try:
             for number in range(self._triggers):
-                end = self._sweep_once(settings, timing, new_average=number == 0)
+                end = self._sweep_once(settings, timing, limit_s, new_average=number == 0)
             duration_s = self._deadline.now_s() - started_s
             numbers = self.display.new_trace(settings, end.cleared, was_settled)
         except (VnaOldDataError, VnaSweepError):
             # What was learned is in doubt too: the next sweep learns again.
             self._timing = None
             raise
-        self._trace_duration_s = self._triggers * timing.duration_s
-        remarks = restart_remarks(end, surely_ended_s)
-        return timed_sweep(settings, numbers, started_us, duration_s, remarks)
+        self.trace_duration_s = self._triggers * timing.duration_s
+        return timed_sweep(settings, numbers, started_us, duration_s)
 
     def _sweep_once(
-        self, settings: SweepSettings, timing: SweepTiming, new_average: bool
+        self,
+        settings: SweepSettings,
+        timing: Optional[SweepTiming],
+        limit_s: float,
+        new_average: bool = True,
     ) -> SweepEnd:
-        limit_s = self._parameters.sweep_limit_s(timing.duration_s)
-        begun_s = self._trigger(settings, new_average)
-        stale_bit_s, unfinished_s, cleared, late = 0.0, 0.0, False, False
+        """Take a sweep, of unknown duration without timing; return when its end is certain."""
+        begun_s = self._deadline.now_s()
+        averaging = settings.analyzer.averages > 1 and new_average
+        self._exchanges.write(NEW_AVERAGE if averaging else TRIGGER)
+        stale_bit_s, cleared, late = 0.0, False, False
         while True:
             asked_s = self._deadline.now_s() - begun_s
-            complete = self._is_complete()
+            status = whole_number(self._exchanges.ask(STATUS_QUERY))
+            complete = bool(status & SWEEP_COMPLETE_BIT)
             elapsed_s = self._deadline.now_s() - begun_s
-            if not complete:
-                unfinished_s = asked_s
-            if complete and (cleared or asked_s >= timing.surely_ended_s):
-                end = SweepEnd(asked_s, elapsed_s, cleared, stale_bit_s, unfinished_s)
-                timing.note(end, late)
+            if complete and (cleared or self._has_surely_ended(settings, timing, asked_s)):
+                end = SweepEnd(asked_s, elapsed_s, cleared, stale_bit_s if cleared else 0.0)
+                if timing is not None:
+                    timing.note(end, late)
                 return end
-            self._check_time(elapsed_s, limit_s, settings)
-            pause_s = self._pause_s(elapsed_s)
-            if complete:
-                stale_bit_s = elapsed_s
-                # A bit of the sweep before: wait until it clears, or until it does not matter.
-                pause_s = min(pause_s, max(timing.surely_ended_s - elapsed_s, SHORTEST_POLL_S))
-            elif cleared:
-                late = True
-                # What this sweep is later than expected, the next ones are expected to take.
-                late_s = elapsed_s - timing.expected_s
-                pause_s = min(pause_s, max(late_s, SHORTEST_POLL_S))
+            if elapsed_s >= limit_s:
+                raise old_data() if complete else sweep_not_ended(settings.points, limit_s)
+            if timing is None:
+                pause_s = max(SHORTEST_POLL_S, LEARNING_POLL_FRACTION * elapsed_s)
+            elif complete or cleared:
+                pause_s = max(SHORTEST_POLL_S, POLL_FRACTION * elapsed_s)
+                # A bit of the sweep before clears, or does not matter any more. What this sweep is
+                # later than expected, the next ones are expected to take.
+                late = late or not complete
+                rest_s = timing.surely_ended_s - elapsed_s
+                rest_s = rest_s if complete else elapsed_s - timing.expected_s
+                pause_s = min(pause_s, max(rest_s, SHORTEST_POLL_S))
+                pause_s = min(pause_s, self._parameters.poll_interval_s)
             else:
-                cleared = True
                 pause_s = max(timing.expected_s - elapsed_s, 0.0)
+            stale_bit_s = elapsed_s if complete else stale_bit_s
+            cleared = cleared or not complete
             self._deadline.pause_s(pause_s)
 
-    def _learn_once(self, settings: SweepSettings, limit_s: float) -> SweepEnd:
-        """Take a sweep of unknown duration; return when its end is certain."""
+    def _has_surely_ended(
+        self, settings: SweepSettings, timing: Optional[SweepTiming], asked_s: float
+    ) -> bool:
+        """Return whether a sweep has ended whose bit was not seen cleared."""
+        if timing is not None:
+            return asked_s >= timing.surely_ended_s
         believed_s = self._parameters.nominal_trace_s(settings) + self._parameters.settle_s
-        begun_s = self._trigger(settings, new_average=True)
-        stale_bit_s, cleared = 0.0, False
-        while True:
-            asked_s = self._deadline.now_s() - begun_s
-            complete = self._is_complete()
-            elapsed_s = self._deadline.now_s() - begun_s
-            if complete and cleared:
-                return SweepEnd(asked_s, elapsed_s, True, stale_bit_s)
-            if complete:
-                overdue = elapsed_s >= believed_s
-                if self._shows_a_whole_new_sweep(settings, overdue):
-                    return SweepEnd(asked_s, elapsed_s, False)
-                if elapsed_s >= limit_s:
-                    raise old_data()
-                stale_bit_s = elapsed_s
-            cleared = cleared or not complete
-            self._check_time(elapsed_s, limit_s, settings)
-            shortest_s = LEARNING_POLL_FRACTION * elapsed_s
-            self._deadline.pause_s(max(SHORTEST_POLL_S, shortest_s))
+        return self._shows_a_whole_new_sweep(settings, asked_s >= believed_s)
 
     def _shows_a_whole_new_sweep(self, settings: SweepSettings, overdue: bool) -> bool:
         """Return whether every point is new, and none changes any more."""
@@ -189,25 +177,6 @@ class Ms2026cSweeps:
             self._deadline.pause_s(self._parameters.settle_s)
         return bool((numbers == self.display.read(settings)).all())
 
-    def _trigger(self, settings: SweepSettings, new_average: bool) -> float:
-        """Trigger a sweep and return when it began [s], at the earliest."""
-        begun_s = self._deadline.now_s()
-        averaging = settings.analyzer.averages > 1
-        self._exchanges.write(NEW_AVERAGE if averaging and new_average else TRIGGER)
-        return begun_s
-
-    def _is_complete(self) -> bool:
-        return bool(whole_number(self._exchanges.ask(STATUS_QUERY)) & SWEEP_COMPLETE_BIT)
-
-    def _pause_s(self, elapsed_s: float) -> float:
-        return min(
-            self._parameters.poll_interval_s, max(SHORTEST_POLL_S, POLL_FRACTION * elapsed_s)
-        )
-
-    def _check_time(self, elapsed_s: float, limit_s: float, settings: SweepSettings) -> None:
-        if elapsed_s >= limit_s:
-            raise sweep_not_ended(settings.points, limit_s)
-
     def _triggers_per_trace(self, settings: SweepSettings, timing: SweepTiming) -> int:
         """Return how many sweeps must be triggered until an average is complete.
 
@@ -219,14 +188,14 @@ class Ms2026cSweeps:
         self._exchanges.write(CLEAR_AVERAGE)
         if self._averaged(averages) >= averages:
             raise _not_averaging(averages)
-        self._sweep_once(settings, timing, new_average=True)
+        self._sweep_once(settings, timing, self._parameters.sweep_limit_s(timing.duration_s))
         averaged = self._averaged(averages)
         self.display.look(settings)
         return 1 if averaged >= averages else averages
 
     def _averaged(self, averages: int) -> int:
         """Return how many sweeps the present average has."""
-        answer = self._exchanges.ask_optional_raw(PREAMBLE_QUERY)
+        answer = self._exchanges.ask_optional_raw(PREAMBLE.query)
         found = None if answer is None else Preamble(answer).number("AVERAGING_COUNT")
         if found is None:
             raise _not_averaging(averages)

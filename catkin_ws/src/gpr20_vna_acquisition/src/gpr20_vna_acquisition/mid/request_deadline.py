@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import threading
+from contextlib import contextmanager
+from typing import Dict, Generator, Optional, Set, Tuple
 
 from gpr20_common.faults import BUSY
 from gpr20_common.low.clock import Clock
@@ -11,7 +13,10 @@ from gpr20_vna_acquisition.errors import VnaClosedError, VnaTimeoutError
 
 
 class RequestDeadline:
-    """Limits a request as a whole: an instrument that is slow at every step counts as hanging."""
+    """Limits a request as a whole: an instrument that is slow at every step counts as hanging.
+
+    Nothing can end a call of a library that does not return: `overdue` says that there is one.
+    """
 
     def __init__(self, clock: Clock) -> None:
         self._clock = clock
@@ -21,14 +26,14 @@ class RequestDeadline:
         self._limit_s = self._extended_s = 0.0
         self._extensible = False
         self._deadline_s = clock.now_s()
+        # Name of each call that runs and is watched, when it began and how long it may take [s].
+        self._calls: Dict[object, Tuple[str, float, float]] = {}
+        self._late: Set[object] = set()
 
     def begin(self, limit_s: float, waited_s: float = 0.0, extensible: bool = False) -> None:
-        """Begin a request.
+        """Begin a request that may take `limit_s`; it has already waited `waited_s` of that [s].
 
-        Args:
-            limit_s: How long it may take [s].
-            waited_s: For how much of that it already waited for another request [s].
-            extensible: Whether `extend` applies to it.
+        `extend` applies only to one that is `extensible`: the caller of any other knows its limit.
         """
         self._ending.clear()
         self._limit_s = limit_s
@@ -36,11 +41,7 @@ class RequestDeadline:
         self._extensible, self._extended_s = extensible, 0.0
 
     def extend(self, duration_s: float) -> None:
-        """Allow an extensible request so much more time [s] in total.
-
-        Each attempt of a request may call it; only the longest duration counts. Any other request
-        keeps its limit, which its caller knows.
-        """
+        """Allow an extensible request so much more time [s]; of several the longest counts."""
         more_s = max(0.0, duration_s - self._extended_s)
         if self._extensible:
             self._extended_s += more_s
@@ -61,16 +62,11 @@ class RequestDeadline:
         return self._clock.now_s()
 
     def check(self) -> None:
-        """Do nothing, unless the request must end.
-
-        Raises:
-            VnaClosedError: The driver is shutting down.
-            VnaTimeoutError: The request exceeded its time limit, or was abandoned.
-        """
+        """Raise VnaClosedError or VnaTimeoutError if the request must end."""
         if self._closed:
             raise VnaClosedError(Message("the VNA driver is shutting down"))
         if self._ending.is_set():
-            raise _superseded()
+            raise VnaTimeoutError(Message("the request was ended by a later one"), fault=BUSY)
         if self._clock.now_s() > self._deadline_s:
             raise VnaTimeoutError(
                 Message(
@@ -83,43 +79,34 @@ class RequestDeadline:
         self._clock.wait_s(self._ending, duration_s)
         self.check()
 
+    @contextmanager
+    def watched(self, name: str, limit_s: float) -> Generator[None, None, None]:
+        """Watch a call that returns by itself within a time limit [s], if all is well.
 
-class LentDeadline:
-    """The time limit of the requests for a class outside this package, until it is taken back.
+        A set-up may make each of its calls until it ends, and may end that much later.
+        """
+        call = object()
+        self._calls[call] = name, self._clock.now_s(), limit_s
+        try:
+            yield
+        finally:
+            del self._calls[call]
 
-    A call of such a class may never return. If it does after it was given up, it must neither use
-    the instrument again nor change the time limit of a later request.
-    """
+    def overdue(self) -> Optional[Message]:
+        """Return what is wrong if a watched call has not returned in time; None if all have.
 
-    def __init__(self, deadline: RequestDeadline) -> None:
-        self._deadline = deadline
-        self._taken_back = threading.Event()
-
-    def take_back(self) -> None:
-        """End whatever still uses it, at its next step."""
-        self._taken_back.set()
-
-    def extend(self, duration_s: float) -> None:
-        """Allow an extensible request so much more time [s] in total."""
-        self.check()
-        self._deadline.extend(duration_s)
-
-    def now_s(self) -> float:
-        """Return the time [s] since a fixed moment."""
-        return self._deadline.now_s()
-
-    def check(self) -> None:
-        """Do nothing, unless the request must end; raise as `RequestDeadline.check` does."""
-        if self._taken_back.is_set():
-            raise _superseded()
-        self._deadline.check()
-
-    def pause_s(self, duration_s: float) -> None:
-        """Wait [s], unless the request must end; raise as `check` does."""
-        self.check()
-        self._deadline.pause_s(duration_s)
-        self.check()
-
-
-def _superseded() -> VnaTimeoutError:
-    return VnaTimeoutError(Message("the request was ended by a later one"), fault=BUSY)
+        It must be late twice in a row: after a pause of the whole process every call is.
+        """
+        late = {}
+        for call, (name, begun_s, limit_s) in tuple(self._calls.items()):
+            if self._extensible:
+                begun_s = max(begun_s, self._deadline_s + self._extended_s)
+            if self._clock.now_s() > begun_s + limit_s:
+                late[call] = name
+        still, self._late = self._late.intersection(late), set(late)
+        for call in still:
+            return Message(
+                "the VNA does not answer; check its power and cable",
+                details=f"{late[call]} does not return; the process ends and is started again",
+            )
+        return None

@@ -4,13 +4,12 @@ from __future__ import annotations
 
 from collections import deque
 from dataclasses import dataclass
-from typing import Optional, Sequence, Tuple
+from typing import Optional, Sequence
 
 import numpy as np
 
-from gpr20_common.message import Message
 from gpr20_survey.trace import utc_time
-from gpr20_survey.trace.sweep import Sweep, storable_remark
+from gpr20_survey.trace.sweep import Sweep
 from gpr20_survey.trace.sweep_settings import SweepSettings
 
 # Successive points that have the bits of the sweep before. Noise changes every point.
@@ -23,8 +22,6 @@ REMEMBERED = 32
 IGNORED = 1 / 8
 # A bit that was not seen cleared is believed this much later than the sweep must have ended.
 DOUBT_FACTOR = 1.1
-# A sweep that is this much later than that was begun again [s]; network and instrument need some.
-RESTART_TOLERANCE_S = 0.05
 
 
 @dataclass(frozen=True)
@@ -36,14 +33,12 @@ class SweepEnd:
         duration_s: From the trigger to the answer of that query [s].
         cleared: Whether the bit of the sweep before was seen cleared first.
         stale_bit_s: How long after the trigger the bit was still that of the sweep before [s].
-        unfinished_s: How long after the trigger the sweep was seen not to have ended yet [s].
     """
 
     asked_s: float
     duration_s: float
     cleared: bool
     stale_bit_s: float = 0.0
-    unfinished_s: float = 0.0
 
 
 class SweepTiming:
@@ -57,7 +52,8 @@ class SweepTiming:
         self._exchange_s = min(end.duration_s for end in ends) - self._usual_s
         longest_s = max(end.duration_s for end in ends)
         stale_s = max(end.stale_bit_s for end in ends)
-        self._surely_ended_s = DOUBT_FACTOR * longest_s + stale_s
+        # When a sweep has certainly ended, whatever the bit says [s].
+        self.surely_ended_s = DOUBT_FACTOR * longest_s + stale_s
 
     @property
     def expected_s(self) -> float:
@@ -69,11 +65,6 @@ class SweepTiming:
     def duration_s(self) -> float:
         """How long a sweep takes until its end is known [s]."""
         return self.expected_s + self._exchange_s
-
-    @property
-    def surely_ended_s(self) -> float:
-        """When a sweep has certainly ended, whatever the bit says [s]."""
-        return self._surely_ended_s
 
     def note(self, end: SweepEnd, late: bool) -> None:
         """Note another sweep; `late`: it had not ended when that was expected."""
@@ -108,42 +99,17 @@ def has_old_points(
     return bool(np.convolve(same, np.ones(run), "valid").max() >= run)
 
 
-def restart_remarks(end: SweepEnd, surely_ended_s: float) -> Tuple[str, ...]:
-    """Return a remark if a sweep had certainly not ended when it should long have.
-
-    An instrument begins its sweep again when a setting is changed; one that is put back before the
-    end shows in nothing else. A busy computer asks late, but cannot see an end that is missing.
-    """
-    if end.unfinished_s <= surely_ended_s + RESTART_TOLERANCE_S:
-        return ()
-    remark = Message(
-        "the sweep had not ended after {unfinished_s:.3f} s, expected within {expected_s:.3f} s; a "
-        "setting may have been changed and put back",
-        unfinished_s=end.unfinished_s,
-        expected_s=surely_ended_s,
-    )
-    return (storable_remark(str(remark)),)
-
-
 def timed_sweep(
-    settings: SweepSettings,
-    numbers: np.ndarray,
-    started_us: int,
-    duration_s: float,
-    remarks: Tuple[str, ...] = (),
+    settings: SweepSettings, numbers: np.ndarray, started_us: int, duration_s: float
 ) -> Sweep:
-    """Return the sweep of these data.
+    """Return the sweep of these data: real and imaginary part of each point in turn.
 
     Args:
         settings: With which it was measured.
-        numbers: Real and imaginary part of each point in turn.
+        numbers: The data.
         started_us: When it was triggered [us since 1970, UTC].
         duration_s: How long it took by a monotonic clock [s]: the time of day may be corrected
             meanwhile.
-        remarks: On its quality.
-
-    Raises:
-        TraceRefusedError: A value is not allowed.
     """
     return Sweep(
         frequency_hz=settings.frequencies_hz(),
@@ -151,6 +117,6 @@ def timed_sweep(
         s21_imag=numbers[1::2].copy(),
         sweep_started_us=started_us,
         sweep_ended_us=started_us + round(duration_s * utc_time.US_PER_S),
-        quality=remarks,
+        quality=(),
         analyzer=settings.analyzer,
     )

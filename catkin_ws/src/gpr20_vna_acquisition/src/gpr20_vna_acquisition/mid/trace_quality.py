@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import statistics
 from collections import deque
-from typing import Any, Deque, Iterable, Mapping, Optional, Sequence, Tuple
+from typing import Any, Deque, Iterable, Iterator, Mapping, Optional, Sequence, Tuple
 
 import numpy as np
 
@@ -71,10 +71,7 @@ def calibration_refusal(
 ) -> Optional[Message]:
     """Return why no survey is allowed with this calibration; None if it is allowed.
 
-    Args:
-        status: Its state.
-        parameters: Which states are accepted.
-        details: What else the analyzer says of it.
+    `details` are what else the analyzer says of it.
     """
     if status in parameters.accepted_calibrations:
         return None
@@ -109,80 +106,61 @@ def calibration_lost(settings: Iterable[Message]) -> VnaCalibrationError:
             "the VNA lost its calibration when it was set up ({settings}); calibrate it now, with "
             "these settings, then start or resume: they are not written again",
             settings=in_a_row(settings),
-        ),
-        fault=NOT_CALIBRATED,
+        )
     )
 
 
-def level_remarks(sweep: Sweep, parameters: VnaParameters) -> Tuple[Message, ...]:
-    """Return remarks on the magnitude of S21."""
+def level_remarks(sweep: Sweep, parameters: VnaParameters) -> Iterator[Message]:
+    """Yield remarks on the magnitude of S21."""
     with np.errstate(divide="ignore"):
         levels_db = 20.0 * np.log10(np.hypot(sweep.s21_real, sweep.s21_imag))
     median_db, largest_db = float(np.median(levels_db)), float(levels_db.max())
-    remarks = []
     if median_db < parameters.min_level_db:
-        remarks.append(
-            Message(
-                "S21 is weak: median {level} dB, expected at least {limit_db:g} dB; check that "
-                "the cables of both antennas are tight",
-                # It can be infinite, which JSON does not know.
-                level=numeral(median_db, ".1f"),
-                limit_db=parameters.min_level_db,
-            ).with_fault(VNA_DOUBTFUL)
-        )
+        yield Message(
+            "S21 is weak: median {level} dB, expected at least {limit_db:g} dB; check that "
+            "the cables of both antennas are tight",
+            # It can be infinite, which JSON does not know.
+            level=numeral(median_db, ".1f"),
+            limit_db=parameters.min_level_db,
+        ).with_fault(VNA_DOUBTFUL)
     if largest_db > parameters.max_level_db:
-        remarks.append(
-            Message(
-                "S21 is strong: up to {level} dB, expected at most {limit_db:g} dB; the receiver "
-                "may be overloaded, or the calibration may be for another setup",
-                level=numeral(largest_db, ".1f"),
-                limit_db=parameters.max_level_db,
-            ).with_fault(VNA_DOUBTFUL)
-        )
-    return tuple(remarks)
+        yield Message(
+            "S21 is strong: up to {level} dB, expected at most {limit_db:g} dB; the receiver "
+            "may be overloaded, or the calibration may be for another setup",
+            level=numeral(largest_db, ".1f"),
+            limit_db=parameters.max_level_db,
+        ).with_fault(VNA_DOUBTFUL)
 
 
-def flat_remarks(sweep: Sweep, parameters: VnaParameters) -> Tuple[Message, ...]:
-    """Return a remark if successive points are identical to the last bit; noise never is."""
+def flat_remarks(sweep: Sweep, parameters: VnaParameters) -> Iterator[Message]:
+    """Yield a remark if successive points are identical to the last bit; noise never is."""
     changes = (np.diff(sweep.s21_real) != 0.0) | (np.diff(sweep.s21_imag) != 0.0)
     edges = np.concatenate(([-1], np.flatnonzero(changes), [len(changes)]))
     longest = int(np.diff(edges).max())
-    if longest < parameters.same_points:
-        return ()
-    return (
-        Message(
+    if longest >= parameters.same_points:
+        yield Message(
             "{same} of {points} points in a row are identical; check that the VNA sweeps and is "
             "not in zero span",
             same=longest,
             points=len(sweep.s21_real),
-        ).with_fault(VNA_FAILED.as_warning()),
-    )
+        ).with_fault(VNA_FAILED.as_warning())
 
 
 def duration_remarks(
     duration_s: float, usual_s: Optional[float], parameters: VnaParameters
-) -> Tuple[Message, ...]:
-    """Return a remark if a sweep took much longer or shorter than usual.
-
-    Args:
-        duration_s: How long it took [s].
-        usual_s: How long it usually takes [s], if that is known.
-        parameters: Which delay is tolerated.
-    """
+) -> Iterator[Message]:
+    """Yield a remark if a sweep took much longer or shorter than usual [s], if that is known."""
     if usual_s is None:
-        return ()
+        return
     earliest_s = usual_s / DURATION_FACTOR - EARLY_TOLERANCE_S
     latest_s = usual_s * DURATION_FACTOR + parameters.duration_tolerance_s
-    if earliest_s <= duration_s <= latest_s:
-        return ()
-    return (
-        Message(
+    if not earliest_s <= duration_s <= latest_s:
+        yield Message(
             "the sweep took {duration_s:.3f} s, typically {usual_s:.3f} s; check the VNA's "
             "bandwidth setting and its network",
             duration_s=duration_s,
             usual_s=usual_s,
-        ).with_fault(VNA_DOUBTFUL),
-    )
+        ).with_fault(VNA_DOUBTFUL)
 
 
 def calibration_remarks(status: CalibrationStatus) -> Tuple[Message, ...]:
@@ -218,22 +196,13 @@ class TraceQuality:
         self._durations_s: Deque[float] = deque(maxlen=MOST_SWEEPS)
 
     def remarks(self, sweep: Sweep, failures: Sequence[VnaError]) -> Tuple[Message, ...]:
-        """Return the remarks on a sweep, and remember how long it took.
-
-        Args:
-            sweep: The sweep.
-            failures: Why it had to be repeated, one error each time.
-        """
-        remarks = (
-            level_remarks(sweep, self._parameters)
-            + flat_remarks(sweep, self._parameters)
-            + duration_remarks(sweep.duration_s, self._usual_s(), self._parameters)
-            + retry_remarks(failures)
-        )
+        """Return the remarks on a sweep, which had to be repeated for each of these failures."""
+        known = len(self._durations_s) >= FEWEST_SWEEPS
+        usual_s = statistics.median(self._durations_s) if known else None
         self._durations_s.append(sweep.duration_s)
-        return remarks
-
-    def _usual_s(self) -> Optional[float]:
-        if len(self._durations_s) < FEWEST_SWEEPS:
-            return None
-        return statistics.median(self._durations_s)
+        return (
+            *level_remarks(sweep, self._parameters),
+            *flat_remarks(sweep, self._parameters),
+            *duration_remarks(sweep.duration_s, usual_s, self._parameters),
+            *retry_remarks(failures),
+        )

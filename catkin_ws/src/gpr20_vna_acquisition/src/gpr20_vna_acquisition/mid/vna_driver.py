@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import threading
 from contextlib import contextmanager
-from dataclasses import dataclass, replace
-from typing import Callable, Generator, Optional, Sequence, Tuple
+from dataclasses import replace
+from typing import Callable, Generator, NamedTuple, Optional, Sequence, Tuple
 
 import numpy as np
 
@@ -22,9 +22,10 @@ from gpr20_vna_acquisition.errors import (
     VnaOldDataError,
     VnaSettingError,
     VnaTimeoutError,
+    not_configured,
+    old_data,
 )
 from gpr20_vna_acquisition.mid.analyzer import DrivenAnalyzer
-from gpr20_vna_acquisition.mid.refusals import not_configured, old_data
 from gpr20_vna_acquisition.mid.request_deadline import RequestDeadline
 from gpr20_vna_acquisition.mid.trace_quality import (
     TraceQuality,
@@ -37,15 +38,12 @@ from gpr20_vna_acquisition.mid.trace_quality import (
 from gpr20_vna_acquisition.mid.vna_link import VnaLink, VnaState
 from gpr20_vna_acquisition.mid.vna_parameters import VnaParameters
 
+# How long a shutdown waits for the request that runs [s].
+LAST_REQUEST_S = 5.0
 
-@dataclass(frozen=True)
-class SweepConfirmation:
-    """A sweep that is confirmed.
 
-    Attributes:
-        remarks: On its calibration.
-        temperature_c: Temperature of the analyzer [degC]; None if it does not say.
-    """
+class SweepConfirmation(NamedTuple):
+    """Remarks on the calibration of a sweep; temperature of the analyzer [degC], if it says it."""
 
     remarks: Tuple[str, ...]
     temperature_c: Optional[float]
@@ -72,7 +70,7 @@ class VNADriver:
             deadline: Ends a request that takes too long; the analyzer has the same one.
             warn: Called with a sentence for attempts that are repeated.
         """
-        self._parameters = parameters
+        self.parameters = parameters
         self._analyzer = analyzer
         self._link = VnaLink(analyzer, parameters, deadline, warn)
         self._lock = threading.RLock()
@@ -90,11 +88,6 @@ class VNADriver:
         self._news: Tuple[Message, ...] = ()
 
     @property
-    def parameters(self) -> VnaParameters:
-        """The parameters with which the driver started."""
-        return self._parameters
-
-    @property
     def state(self) -> VnaState:
         """What the driver knows now; never waits for a running exchange."""
         return self._link.state
@@ -104,17 +97,7 @@ class VNADriver:
         """What is wrong now; None if nothing is."""
         calibration = self.state.calibration
         refusal = None if calibration is None else self.calibration_refusal(calibration)
-        return self.state.trouble or refusal
-
-    @property
-    def vna_connected(self) -> bool:
-        """Whether a link is open now; after a failure there is none until the next use."""
-        return self.state.linked
-
-    @property
-    def vna_ip(self) -> str:
-        """The requested address; empty without one."""
-        return self.state.address
+        return self.state.last_error or refusal
 
     def connect_to_vna(self, address: str) -> str:
         """Connect to the instrument at an address and return its identification.
@@ -124,7 +107,6 @@ class VNADriver:
 
         Raises:
             InvalidValueError: The address is not one of this kind of instrument.
-            VnaError: Nothing, or another instrument, answers there.
         """
         self._link.deadline.abandon()
         with self._request():
@@ -140,21 +122,23 @@ class VNADriver:
         self._link.deadline.abandon()
         with self._lock:
             self._unconfirmed = None
-            self._link.deadline.begin(self._parameters.request_limit_s())
+            self._link.deadline.begin(self.parameters.request_limit_s())
             self._link.forget()
 
     def shut_down(self) -> None:
         """End waiting requests, refuse new ones, close the link."""
         self._link.deadline.close()
-        self.disconnect_from_vna()
+        # A call that does not return, of a class of others, ends with the process.
+        if self._lock.acquire(timeout=LAST_REQUEST_S):
+            try:
+                self.disconnect_from_vna()
+            finally:
+                self._lock.release()
 
     def test_connection(self) -> None:
         """Ask the instrument for its calibration, once, over a new link if there is none.
 
         Also where the last `connect_to_vna` failed.
-
-        Raises:
-            VnaError: It does not answer, or no connection was requested.
         """
         with self._request():
             try:
@@ -165,20 +149,18 @@ class VNADriver:
                 raise
             except VnaError as error:
                 self._link.drop()
-                self._link.note(link_error=error.message)
+                self._link.note(last_error=error.message)
                 raise
-            self._link.note(calibration=calibration, link_error=None, answered_since=True)
+            self._link.note(calibration=calibration, last_error=None)
 
     def check_idle_link(self) -> None:
         """Test the connection to an instrument that was not used for a while.
 
-        So the diagnostics soon report that a cable was pulled, and that it is back. An answer also
-        ends the fault of the last request: whether its data are good again is known only after
-        the next sweep, which is not made here because somebody may be calibrating. Never raises and
-        never waits for a running request.
+        So the diagnostics soon report that a cable was pulled, and that it is back. No sweep is
+        made, because somebody may be calibrating. Never raises, never waits for a request.
         """
         idle_s = self._link.deadline.now_s() - self._last_used_s
-        if idle_s < self._parameters.link_check_s:
+        if idle_s < self.parameters.link_check_s:
             return
         if not self._lock.acquire(blocking=False):
             return
@@ -190,11 +172,7 @@ class VNADriver:
             self._lock.release()
 
     def check_calibration_status(self) -> CalibrationStatus:
-        """Return the state of the instrument's calibration, accepted or not.
-
-        Raises:
-            VnaError: It could not be read.
-        """
+        """Return the state of the instrument's calibration, accepted or not."""
         with self._request():
             (details, status), _failures = self._link.with_retries(
                 Message("reading the VNA's calibration"),
@@ -205,23 +183,22 @@ class VNADriver:
 
     def calibration_refusal(self, status: CalibrationStatus) -> Optional[Message]:
         """Return why no sweep is made with this calibration; None if one is."""
-        return calibration_refusal(status, self._parameters, self.state.calibration_details)
+        return calibration_refusal(status, self.parameters, self.state.calibration_details)
 
     def set_frequency_sweep(self, settings: SweepSettings) -> SweepSettings:
         """Set up what a sweep measures, and return what the instrument confirmed.
 
         Raises:
             InvalidValueError: A value is not allowed.
-            VnaError: The instrument did not accept one, or lost its calibration.
         """
-        self._analyzer.check_sweep(settings)
         with self._request(extensible=True):
+            self._analyzer.check_sweep(settings)
             # If this fails, it is unknown what the instrument would measure.
             self._link.note(sweep=None)
             self._unconfirmed = self._last_sweep = None
             self._analyzer.forget()
             # Another sweep has another usual duration.
-            self._quality = TraceQuality(self._parameters)
+            self._quality = TraceQuality(self.parameters)
             accepted, _failures = self._link.with_retries(
                 Message("setting up the VNA"),
                 lambda analyzer: analyzer.configure(settings),
@@ -243,23 +220,14 @@ class VNADriver:
 
         It stays as it is until the next set-up: callers rely on it.
         """
-        return self._parameters.answered_within_s(self._promised_trace_s)
+        return self.parameters.answered_within_s(self._promised_trace_s)
 
     def get_freq(self) -> np.ndarray:
-        """Return the frequencies of the sweep that is set up [Hz, float64].
-
-        Raises:
-            VnaNotReadyError: No sweep is set up.
-        """
+        """Return the frequencies of the sweep that is set up [Hz, float64]."""
         return self._set_up_sweep().frequencies_hz()
 
     def get_trace(self) -> Sweep:
-        """Return one sweep that was triggered after this call, confirmed.
-
-        Raises:
-            VnaCalibrationError: The calibration of the sweep is not accepted.
-            VnaError: No attempt gave complete, finite, new data with the right settings.
-        """
+        """Return one sweep that was triggered after this call, confirmed."""
         with self._request(self._promised_trace_s):
             (sweep, calibration), failures = self._link.with_retries(
                 Message("the VNA's sweep"), self._confirmed_sweep
@@ -270,9 +238,6 @@ class VNADriver:
         """Return one sweep that was triggered after this call, and its number for `confirm`.
 
         The data are valid only once `confirm` has returned.
-
-        Raises:
-            VnaError: No attempt gave complete, finite, new data.
         """
         with self._request(self._promised_trace_s):
             sweep, failures = self._link.with_retries(Message("the VNA's sweep"), self._fresh_sweep)
@@ -281,10 +246,7 @@ class VNADriver:
             return self._number, self._judged(sweep, failures, ())
 
     def confirm(self, number: int) -> SweepConfirmation:
-        """Confirm the last sweep.
-
-        Args:
-            number: As `take_sweep` returned it.
+        """Confirm the last sweep, by the number that `take_sweep` returned.
 
         Raises:
             VnaCalibrationError: The calibration of the sweep is not accepted.
@@ -292,7 +254,6 @@ class VNADriver:
             VnaOldDataError: Its data were not all its own.
             VnaNotReadyError: It is not the last sweep, or the instrument was connected or set up
                 again since.
-            VnaError: The instrument does not answer.
         """
         with self._request():
             self._link.check_connected()
@@ -319,7 +280,7 @@ class VNADriver:
     ) -> Generator[None, None, None]:
         """Begin a request; its time limit includes the wait for another request."""
         deadline, arrived_s = self._link.deadline, self._link.deadline.now_s()
-        limit_s = self._parameters.request_limit_s(trace_duration_s)
+        limit_s = self.parameters.request_limit_s(trace_duration_s)
         if not self._lock.acquire(timeout=limit_s):
             raise VnaTimeoutError(
                 Message(
@@ -344,7 +305,7 @@ class VNADriver:
         sweep, before = analyzer.sweep(), self._last_sweep
         refuse_impossible(sweep)
         self._last_sweep = sweep
-        if before is not None and self._analyzer.has_noise and has_same_data(sweep, before):
+        if before is not None and has_same_data(sweep, before):
             raise old_data()
         return sweep
 

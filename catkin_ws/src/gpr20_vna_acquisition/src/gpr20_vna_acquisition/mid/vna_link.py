@@ -14,16 +14,15 @@ from gpr20_vna_acquisition.errors import (
     VnaCalibrationError,
     VnaClosedError,
     VnaConnectionError,
-    VnaDataError,
     VnaError,
     VnaNotReadyError,
     VnaReplacedError,
     VnaSettingError,
     VnaSweepError,
     VnaTimeoutError,
+    not_connected,
 )
 from gpr20_vna_acquisition.mid.analyzer import DrivenAnalyzer
-from gpr20_vna_acquisition.mid.refusals import not_connected
 from gpr20_vna_acquisition.mid.request_deadline import RequestDeadline
 from gpr20_vna_acquisition.mid.vna_parameters import VnaParameters
 
@@ -45,9 +44,7 @@ class VnaState:
         repeats: How many attempts of any kind had to be repeated.
         last_sweep_s: How long the last sweep took [s].
         last_quality: Remarks on the last sweep.
-        last_error: Why the last attempt failed; None if it did not.
-        answered_since: Whether the instrument has answered a test of the connection since then.
-        link_error: Why the last test of the connection failed; None if it did not.
+        last_error: Why the last attempt failed; None if the instrument has answered since.
         calibration: State of the calibration when it was last read; None before.
         calibration_details: What else the instrument said of it when it was asked.
     """
@@ -61,20 +58,8 @@ class VnaState:
     last_sweep_s: float = 0.0
     last_quality: Tuple[Message, ...] = ()
     last_error: Optional[Message] = None
-    answered_since: bool = False
-    link_error: Optional[Message] = None
     calibration: Optional[CalibrationStatus] = None
     calibration_details: Mapping[str, Any] = field(default_factory=dict)
-
-    @property
-    def trouble(self) -> Optional[Message]:
-        """What is wrong now; None if nothing is."""
-        return self.link_error or (None if self.answered_since else self.last_error)
-
-    @property
-    def former_trouble(self) -> Optional[Message]:
-        """What was wrong until the instrument answered again; None if nothing was."""
-        return self.last_error if self.answered_since and self.link_error is None else None
 
 
 class VnaLink:
@@ -92,25 +77,15 @@ class VnaLink:
         self._analyzer = analyzer
         self._parameters = parameters
         self._warn = warn
-        self._linked = False
         # Whether the instrument cannot have lost its settings since they were made or compared.
         self._settings_sure = False
-        self._restorations = 0
-        self._state = VnaState()
-
-    @property
-    def restorations(self) -> int:
-        """How often settings that differed were made again on a new link."""
-        return self._restorations
-
-    @property
-    def state(self) -> VnaState:
-        """The present state."""
-        return self._state
+        # How often settings that differed were made again on a new link.
+        self.restorations = 0
+        self.state = VnaState()
 
     def note(self, **changes: Any) -> None:
         """Change the state."""
-        self._state = replace(self._state, **changes)
+        self.state = replace(self.state, **changes)
 
     def note_set_up(self, sweep: SweepSettings) -> None:
         """Note that the instrument at the end of the link is set up."""
@@ -118,15 +93,10 @@ class VnaLink:
         self._settings_sure = True
 
     def connect(self, address: str) -> str:
-        """Make the first link to an address and return the instrument's identification.
-
-        Raises:
-            InvalidValueError: The address is not one of this kind of instrument.
-            VnaError: Nothing, or another instrument, answers there.
-        """
+        """Make the first link to an address and return the instrument's identification."""
         self.drop()
         # The diagnostics report the old fault until the result is known.
-        self._state = VnaState(address, last_error=self._state.trouble)
+        self.state = VnaState(address, last_error=self.state.last_error)
         try:
             identity = self._open(address)
         except VnaError as error:
@@ -134,65 +104,75 @@ class VnaLink:
             raise
         except InvalidValueError:
             # Nothing can ever answer there.
-            self._state = VnaState()
+            self.state = VnaState()
             raise
-        self._state = VnaState(address, identity, linked=True)
+        self.state = VnaState(address, identity, linked=True)
         return identity
 
     def forget(self) -> None:
-        """Release the instrument, end the link and reset the state.
-
-        The time limit of the request, which the caller has begun, ends the attempt to reach an
-        instrument whose link was lost.
-        """
+        """Release the instrument, end the link and reset the state."""
         # After a lost link too it may hold its sweep; one that does not answer cannot be released.
         with contextlib.suppress(VnaError):
             self.linked()
         self._analyzer.release()
         self.drop()
-        self._state = VnaState()
+        self.state = VnaState()
 
     def drop(self) -> None:
         """End the link; the next use makes a new one."""
-        self._linked = self._settings_sure = False
+        self._settings_sure = False
         self.note(linked=False)
         self._analyzer.disconnect()
 
     def check_connected(self) -> None:
-        """Do nothing if an instrument was connected, whether the link is open now or not.
-
-        Raises:
-            VnaNotReadyError: No instrument was connected.
-        """
-        if not self._state.identity:
+        """Raise unless an instrument was connected, whether the link is open now or not."""
+        if not self.state.identity:
             raise not_connected()
 
     def linked(self) -> DrivenAnalyzer:
         """Return the instrument at the end of the link; make a link if there is none.
 
         Its settings are neither compared nor made: somebody may be calibrating it.
-
-        Raises:
-            VnaError: No link can be made.
         """
-        if not self._linked:
-            self.check_connected()
-            self._reopen()
+        state = self.state
+        if state.linked:
+            return self._analyzer
+        self.check_connected()
+        identity = self._open(state.address)
+        if identity != state.identity:
+            self.drop()
+            raise VnaReplacedError(
+                Message(
+                    "the VNA at {address} is now '{identity}' and was '{former}'; connect the "
+                    "former VNA again, or accept the other one when you connect or resume",
+                    address=state.address,
+                    identity=identity,
+                    former=state.identity,
+                    details="service connection",
+                )
+            )
+        self.note(linked=True)
         return self._analyzer
 
     def instrument(self, restore: bool = True) -> DrivenAnalyzer:
         """Return the instrument as it was set up, at the end of the link.
 
-        Args:
-            restore: Whether settings that differ are made again after the link was lost.
-
-        Raises:
-            VnaError: No link can be made, or the settings are not those that were set up.
+        On a new link its settings are compared; those that differ are made again, or refused.
         """
-        analyzer, sweep = self.linked(), self._state.sweep
-        if sweep is not None and not self._settings_sure:
-            self._make_settings_sure(sweep, restore)
-            self._settings_sure = True
+        analyzer, sweep = self.linked(), self.state.sweep
+        if sweep is None or self._settings_sure:
+            return analyzer
+        try:
+            analyzer.confirm()
+        except (VnaNotReadyError, VnaSettingError):
+            if not restore:
+                raise
+            self.restorations += 1
+            if analyzer.configure(sweep) != sweep:
+                raise VnaSettingError(
+                    Message("the VNA did not accept exactly the same sweep as before")
+                ) from None
+        self._settings_sure = True
         return analyzer
 
     def with_retries(
@@ -211,15 +191,11 @@ class VnaLink:
         Args:
             what: What is done.
             action: Does it.
-            final: Failures after which it is not retried, besides those of another instrument and
-                of a lost calibration.
+            final: Failures that another attempt cannot undo, besides `ALWAYS_FINAL`.
             restore: Whether settings that differ are made again on a new link.
 
         Returns:
             The result, and why the attempts before it failed.
-
-        Raises:
-            VnaError: All attempts failed, or the time limit is exceeded.
         """
         failures: List[VnaError] = []
         attempts = 0
@@ -231,61 +207,41 @@ class VnaLink:
             except (VnaClosedError, VnaNotReadyError):
                 raise
             except VnaTimeoutError as error:
-                raise self._failed(VnaTimeoutError(_given_up(what, error, failures))) from error
+                # What failed says more about what to do than that no time is left.
+                reason = failures[-1].message if failures else error.message
+                text = Message("{what} was given up: {reason}", what=what, reason=reason)
+                raise self._failed(VnaTimeoutError(text)) from error
             except VnaError as error:
                 failures.append(self._failed(error))
                 if isinstance(error, (*final, *ALWAYS_FINAL)):
                     raise
                 attempts += not isinstance(error, VnaConnectionError)
             else:
-                self.note(last_error=None, link_error=None, answered_since=False)
+                self.note(last_error=None)
                 return result, failures
-        raise VnaSweepError(_failed_every_time(what, attempts, failures))
+        raise VnaSweepError(
+            Message(
+                "{what} failed {attempts} times: {reason}; look at the VNA's display; power-cycle "
+                "it if this persists",
+                what=what,
+                attempts=attempts,
+                reason=failures[-1].message,
+            )
+        )
 
     def _failed(self, error: VnaError) -> VnaError:
         self.drop()
-        self.note(last_error=error.message, answered_since=False)
+        self.note(last_error=error.message)
         return error
 
     def _pause_before_retry(self, what: Message, failures: Sequence[VnaError]) -> None:
-        self.note(repeats=self._state.repeats + 1)
+        self.note(repeats=self.state.repeats + 1)
         failure = failures[-1]
         # A link that is lost for long fails the same way many times.
         kinds = {(type(one), one.message.fault_code) for one in failures[-2:]}
         if len(failures) == 1 or len(kinds) > 1:
             self._warn(f"{what} failed and is retried: {failure}")
         self.deadline.pause_s(self._parameters.retry_pause_s)
-
-    def _reopen(self) -> None:
-        state = self._state
-        identity = self._open(state.address)
-        if identity != state.identity:
-            self.drop()
-            raise VnaReplacedError(
-                Message(
-                    "the VNA at {address} is now '{identity}' and was '{former}'; connect the "
-                    "former VNA again, or accept the other one when you connect or resume",
-                    address=state.address,
-                    identity=identity,
-                    former=state.identity,
-                    details="service connection",
-                )
-            )
-        self.note(linked=True)
-
-    def _make_settings_sure(self, sweep: SweepSettings, restore: bool) -> None:
-        """Compare the settings; an instrument that still has them keeps them."""
-        try:
-            self._analyzer.confirm()
-            return
-        except (VnaNotReadyError, VnaSettingError):
-            if not restore:
-                raise
-        self._restorations += 1
-        if self._analyzer.configure(sweep) != sweep:
-            raise VnaSettingError(
-                Message("the VNA did not accept exactly the same sweep as before")
-            )
 
     def _open(self, address: str) -> str:
         self.deadline.check()
@@ -295,35 +251,4 @@ class VnaLink:
         except VnaError:
             self._analyzer.disconnect()
             raise
-        self._linked = True
         return identity
-
-
-def _given_up(what: Message, error: VnaError, failures: Sequence[VnaError]) -> Message:
-    if not failures:
-        return Message("{what} was given up: {reason}", what=what, reason=error.message)
-    # What failed says more about what to do than that no time is left.
-    return Message(
-        "{what} was given up: {reason}; the last attempt failed: {failure}",
-        what=what,
-        reason=error.message.with_fault(None),
-        failure=failures[-1].message,
-    )
-
-
-def _failed_every_time(what: Message, attempts: int, failures: Sequence[VnaError]) -> Message:
-    last = failures[-1]
-    if not isinstance(last, VnaDataError):
-        return Message(
-            "{what} failed {attempts} times: {reason}",
-            what=what,
-            attempts=attempts,
-            reason=last.message,
-        )
-    return Message(
-        "{what} failed {attempts} times: {reason}; look at the VNA's display; power-cycle it if "
-        "this persists",
-        what=what,
-        attempts=attempts,
-        reason=last.message,
-    )

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Any, Dict, Tuple
+from typing import Any, Dict, Sequence, Tuple, Union
 
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.faults import CONFIGURATION
 from gpr20_common.message import Message, numeral
-from gpr20_common.mid.checks import instrument_address, ipv4_address, number_between
+from gpr20_common.mid.checks import Text, instrument_address, ipv4_address, number_between
 from gpr20_common.mid.codec import bounded
 from gpr20_common.mid.extension import is_extension
 from gpr20_survey.plan.recorded_plan import ANTENNA_DELAYS_NS
@@ -25,7 +25,8 @@ from gpr20_survey.trace.ms2026c import (
     SECONDS_PER_POINT,
     sweep_duration_s,
 )
-from gpr20_survey.trace.sweep_settings import AnalyzerSettings, SweepSettings
+from gpr20_survey.trace.sweep_settings import SweepSettings
+from gpr20_vna_acquisition.errors import VnaIdentityError
 from gpr20_vna_acquisition.mid.block_parser import TransferFormat
 
 # The analyzer of this package; any other one is a class of another package.
@@ -38,6 +39,8 @@ SLOWEST_SWEEP_FACTOR = 10.0
 STEP_MARGIN_S = 1.5
 # Range of time limits and periods [s]: a socket refuses far longer ones.
 TIMES_S = (1.0e-4, 3600.0)
+# Maker, model, serial number, firmware (IEEE 488.2, *IDN?).
+IDENTITY_FIELDS = 4
 FREQUENCIES_HZ = (1.0, 1.0e12)
 LEVELS_DB = (-300.0, 100.0)
 
@@ -129,7 +132,16 @@ class VnaParameters:
     antenna_delay_ns: float = bounded(*ANTENNA_DELAYS_NS, 0.0)
 
     def __post_init__(self) -> None:
-        self._check_analyzer()
+        if is_extension(self.analyzer):
+            instrument_address("address", self.address)
+        else:
+            _one_of("analyzer", self.analyzer, (MS2026C,), (MS2026C, *OTHER_ANALYZERS))
+            ipv4_address("address", self.address)
+            if self.analyzer_options:
+                raise InvalidValueError(
+                    Message("analyzer_options are given, but analyzer does not name their class"),
+                    fault=CONFIGURATION,
+                )
         for name in ("maker", "model"):
             if not getattr(self, name).strip():
                 raise InvalidValueError(
@@ -142,42 +154,9 @@ class VnaParameters:
                     ),
                     fault=CONFIGURATION,
                 )
-        for lower, upper, unit in (
-            ("min_frequency_hz", "max_frequency_hz", "Hz"),
-            ("min_level_db", "max_level_db", "dB"),
-        ):
-            if not getattr(self, lower) < getattr(self, upper):
-                raise InvalidValueError(
-                    Message(
-                        "{name} is {value:.12g} {unit}; it must be below {upper_name}, which is "
-                        "{upper:.12g} {unit}",
-                        name=lower,
-                        value=getattr(self, lower),
-                        upper_name=upper,
-                        upper=getattr(self, upper),
-                        unit=unit,
-                    )
-                )
-
-    def _check_analyzer(self) -> None:
-        if is_extension(self.analyzer):
-            instrument_address("address", self.address)
-            return
-        if self.analyzer != MS2026C:
-            raise InvalidValueError(
-                Message(
-                    "{place} is {value}; it must be one of {allowed}",
-                    place="analyzer",
-                    value=repr(self.analyzer[:200]),
-                    allowed=", ".join((MS2026C, *OTHER_ANALYZERS)),
-                )
-            )
-        if self.analyzer_options:
-            raise InvalidValueError(
-                Message("analyzer_options are given, but analyzer does not name their class"),
-                fault=CONFIGURATION,
-            )
-        ipv4_address("address", self.address)
+        low, high = "min_frequency_hz", "max_frequency_hz"
+        _below(low, self.min_frequency_hz, high, self.max_frequency_hz, "Hz")
+        _below("min_level_db", self.min_level_db, "max_level_db", self.max_level_db, "dB")
 
     def check_sweep(self, settings: SweepSettings) -> None:
         """Refuse a sweep that the instrument cannot make.
@@ -189,33 +168,22 @@ class VnaParameters:
         start, stop = Message("the start frequency"), Message("the stop frequency")
         for name, value_hz in ((start, start_hz), (stop, stop_hz)):
             number_between(name, value_hz, self.min_frequency_hz, self.max_frequency_hz, "Hz")
-        number_between(
-            Message("the number of frequency points"),
-            settings.points,
-            MIN_FREQUENCY_POINTS,
-            MAX_FREQUENCY_POINTS,
-        )
+        points, points_name = settings.points, Message("the number of frequency points")
+        number_between(points_name, points, MIN_FREQUENCY_POINTS, MAX_FREQUENCY_POINTS)
         if self.analyzer == MS2026C:
-            self._check_analyzer_settings(settings.analyzer)
-        if not start_hz < stop_hz:
-            raise InvalidValueError(
-                Message(
-                    "{name} is {value:.12g} {unit}; it must be below {upper_name}, which is "
-                    "{upper:.12g} {unit}",
-                    name=start,
-                    value=start_hz,
-                    upper_name=stop,
-                    upper=stop_hz,
-                    unit="Hz",
-                )
-            )
-        spacing_hz = (stop_hz - start_hz) / (settings.points - 1)
+            wanted, name = settings.analyzer, Message("the IF bandwidth [Hz]")
+            _one_of(name, wanted.if_bandwidth_hz, (0.0, *IF_BANDWIDTHS_HZ))
+            number_between(Message("the number of averages"), wanted.averages, 0, MAX_AVERAGES)
+            name = Message("the output power")
+            _one_of(name, wanted.output_power, ("", *OUTPUT_POWERS), OUTPUT_POWERS)
+        _below(start, start_hz, stop, stop_hz, "Hz")
+        spacing_hz = (stop_hz - start_hz) / (points - 1)
         if spacing_hz < MIN_FREQUENCY_SPACING_HZ:
             raise InvalidValueError(
                 Message(
                     "{points} points from {start:.12g} to {stop:.12g} Hz are {spacing:.3g} Hz "
                     "apart; they must be at least {least:g} Hz apart",
-                    points=settings.points,
+                    points=points,
                     start=start_hz,
                     stop=stop_hz,
                     spacing=spacing_hz,
@@ -223,26 +191,29 @@ class VnaParameters:
                 )
             )
 
-    def _check_analyzer_settings(self, wanted: AnalyzerSettings) -> None:
-        if wanted.if_bandwidth_hz not in (0.0, *IF_BANDWIDTHS_HZ):
-            raise InvalidValueError(
-                Message(
-                    "{place} is {value}; it must be one of {allowed}",
-                    place=Message("the IF bandwidth [Hz]"),
-                    value=numeral(wanted.if_bandwidth_hz, ".12g"),
-                    allowed=", ".join(f"{one:.12g}" for one in (0.0, *IF_BANDWIDTHS_HZ)),
-                )
+    def check_identity(self, identity: str) -> None:
+        """Compare maker and model; what follows a slash in the model is an option.
+
+        Raises:
+            VnaIdentityError: They are not those of the configuration.
+        """
+        fields = [field.strip() for field in identity.split(",")]
+        model = fields[1].split("/")[0] if len(fields) >= IDENTITY_FIELDS else ""
+        if (fields[0], model) == (self.maker, self.model):
+            return
+        shown = "".join(
+            one if one.isascii() and one.isprintable() else "?" for one in identity[:40]
+        )
+        raise VnaIdentityError(
+            Message(
+                "the VNA identifies itself as {identity}; expected {maker} {model}; check its "
+                "address, or the parameters maker and model",
+                identity=repr(shown),
+                maker=self.maker,
+                model=self.model,
+                details=repr(identity[:200]),
             )
-        number_between(Message("the number of averages"), wanted.averages, 0, MAX_AVERAGES)
-        if wanted.output_power not in ("", *OUTPUT_POWERS):
-            raise InvalidValueError(
-                Message(
-                    "{place} is {value}; it must be one of {allowed}",
-                    place=Message("the output power"),
-                    value=repr(wanted.output_power[:40]),
-                    allowed=", ".join(OUTPUT_POWERS),
-                )
-            )
+        )
 
     def nominal_trace_s(self, settings: SweepSettings) -> float:
         """Return how long a trace may be expected to take before it is measured [s]."""
@@ -266,3 +237,33 @@ class VnaParameters:
         """
         longest_step_s = max(self.answer_timeout_s, 3.0 * self.connect_timeout_s) + STEP_MARGIN_S
         return self.request_limit_s(duration_s) + longest_step_s + self.retry_pause_s
+
+
+def _one_of(place: Text, value: Union[str, float], allowed: Sequence, shown: Sequence = ()) -> None:
+    if value in allowed:
+        return
+    texts = (one if isinstance(one, str) else f"{one:.12g}" for one in shown or allowed)
+    raise InvalidValueError(
+        Message(
+            "{place} is {value}; it must be one of {allowed}",
+            place=place,
+            value=repr(value[:200]) if isinstance(value, str) else numeral(value, ".12g"),
+            allowed=", ".join(texts),
+        )
+    )
+
+
+def _below(name: Text, value: float, upper_name: Text, upper: float, unit: str) -> None:
+    # Written so that NaN is refused too.
+    if not value < upper:
+        raise InvalidValueError(
+            Message(
+                "{name} is {value:.12g} {unit}; it must be below {upper_name}, which is "
+                "{upper:.12g} {unit}",
+                name=name,
+                value=value,
+                upper_name=upper_name,
+                upper=upper,
+                unit=unit,
+            )
+        )

@@ -1,32 +1,53 @@
-"""Which analyzers have passed the checks: a file in the folder of the configuration."""
+"""What the checks of an analyzer found: a file in the folder of the configuration."""
 
 from __future__ import annotations
 
+import enum
 import hashlib
 import json
 import sys
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Dict, Sequence
 
 from gpr20_common import __version__
 from gpr20_common.low.clock import time_of_day_us
+from gpr20_common.message import Message
 from gpr20_common.mid.extension import is_extension
 from gpr20_survey.files.durable_files import replace_file
 from gpr20_survey.trace import utc_time
-from gpr20_vna_acquisition.mid.conformance.suite import Result, passed
-from gpr20_vna_acquisition.mid.foreign_analyzer import load_analyzer
+from gpr20_vna_acquisition.mid.analyzers import load_analyzer
 from gpr20_vna_acquisition.mid.vna_parameters import VnaParameters
 
 FILE = "checked_analyzers.json"
 FORMAT = "gpr20-analyzer-checks/1"
 
 
+class Status(enum.Enum):
+    """How a check ended."""
+
+    PASSED = "passed"
+    FAILED = "failed"
+    MEASURED = "measured"  # what the instrument does, neither good nor bad
+    NOT_TESTED = "not tested"
+
+
+@dataclass(frozen=True)
+class Result:
+    """The name of a check, for programs, how it ended, and what was found."""
+
+    check: str
+    status: Status
+    text: Message
+
+
+def passed(found: Sequence[Result]) -> bool:
+    """Return whether no check failed."""
+    return bool(found) and all(one.status is not Status.FAILED for one in found)
+
+
 def has_passed(folder: Path, parameters: VnaParameters) -> bool:
     """Return whether the class that the parameters name has passed, as its source is now.
-
-    Args:
-        folder: Folder of the configuration.
-        parameters: They name a class outside this package.
 
     Raises:
         InvalidValueError: It cannot be loaded.
@@ -51,19 +72,10 @@ def store(folder: Path, parameters: VnaParameters, found: Sequence[Result]) -> P
         "passed": passed(found),
         "checked": utc_time.iso_text(time_of_day_us()),
         "software": __version__,
-        "results": [
-            {
-                "check": one.check,
-                "status": one.status.value,
-                "text": str(one.text),
-                "values": {name: value for name, value in one.text.values.items()},
-            }
-            for one in found
-        ],
+        "results": [(one.check, one.status.value, str(one.text)) for one in found],
     }
-    text = json.dumps(
-        {"format": FORMAT, "analyzers": [*others, record]}, indent=2, default=str, sort_keys=True
-    )
+    content = {"format": FORMAT, "analyzers": [*others, record]}
+    text = json.dumps(content, indent=2, default=str, sort_keys=True)
     folder.mkdir(parents=True, exist_ok=True)
     path = folder / FILE
     replace_file(path, text.encode("utf-8"))
