@@ -247,7 +247,7 @@ class AxisService:
                 ),
                 fault=NOT_ALLOWED,
             )
-        positioner.move_axis(move.axis, target)
+        positioner.move({move.axis: target})
         if abs(target - reading.coordinate) < abs(move.distance) - parameters.step_size:
             return Message(
                 "The {axis} axis is at {coordinate:.6g} {unit}, the end of its range.",

@@ -13,7 +13,6 @@ import numpy as np
 
 from gpr20_common.message import Message
 from gpr20_main_control.mid.devices.aux_sensors import AuxSensors
-from gpr20_main_control.mid.devices.axis_leases import LeasedAxis
 from gpr20_main_control.mid.devices.described_robot import DescribedRobot
 from gpr20_main_control.mid.devices.node_liveness import NodeLiveness
 from gpr20_main_control.mid.survey.survey_coverage import Coverage
@@ -21,6 +20,7 @@ from gpr20_main_control.mid.survey.survey_notes import Note
 from gpr20_main_control.mid.survey.survey_status import Status
 from gpr20_main_control.mid.waits import SerialCalls, Workers
 from gpr20_survey.axes.axis_id import UNKNOWN_ZERO, AxisId, ZeroEpoch, Zeros
+from gpr20_survey.faults import CONTROL_SILENT
 from gpr20_survey.results.reopened_survey import ReopenedSurvey
 from gpr20_survey.trace.calibration import CalibrationStatus
 from gpr20_survey.trace.sweep import Sweep
@@ -75,20 +75,26 @@ class Position:
 
 @dataclass(frozen=True)
 class MoveOutcome:
-    """How a move ended.
-
-    Attributes:
-        success: Whether the axis reached its target.
-        message: What the axis said.
-        contact_lost: Whether it stopped because it had no contact with the main control.
-    """
+    """How a move ended: whether the axis reached its target, and what it said."""
 
     success: bool
     message: Message
-    contact_lost: bool = False
+
+    @property
+    def contact_lost(self) -> bool:
+        """Whether the axis stopped by itself, because it had no contact with the main control."""
+        return self.message.fault_code == CONTROL_SILENT.code
 
 
-class Axis(LeasedAxis, Protocol):
+@dataclass(frozen=True)
+class Lease:
+    """A lease of one axis, which ends when it is not renewed for its limit [s]."""
+
+    number: int
+    limit_s: float
+
+
+class Axis(Protocol):
     """One axis of the positioner."""
 
     @property
@@ -97,6 +103,24 @@ class Axis(LeasedAxis, Protocol):
 
     def reading(self) -> Optional[AxisReading]:
         """Return the last reading of the axis; None before the first."""
+
+    def reserve(self) -> Lease:
+        """Reserve the axis.
+
+        Raises:
+            NodeLostError: No answer came.
+            DeviceError: Another node has it.
+        """
+
+    def renew(self, lease: Lease) -> bool:
+        """Renew a lease; return whether it still exists.
+
+        Raises:
+            NodeLostError: No answer came.
+        """
+
+    def release_lease(self, lease: Lease) -> None:
+        """End a lease, if the axis answers."""
 
     def is_connected(self) -> bool:
         """Return whether the axis driver will receive the next move."""
@@ -108,10 +132,15 @@ class Axis(LeasedAxis, Protocol):
         """Wait up to `wait_s` [s] for the end of the move; None while the axis moves."""
 
     def home(self, time_limit_s: float) -> None:
-        """Home the axis and return when it is homed."""
+        """Home the axis and return when it is homed.
+
+        Raises:
+            NodeLostError: No answer came, or the axis had no contact with the main control.
+            DeviceError: It failed.
+        """
 
     def set_zero(self) -> None:
-        """Make the present position of an axis without endstop its zero."""
+        """Make the present position of an axis without endstop its zero; raises as `home` does."""
 
     def stop(self) -> None:
         """End any motion; returns at once."""
@@ -134,12 +163,7 @@ class AnalyzerSetup:
 
 @dataclass(frozen=True)
 class UnconfirmedSweep:
-    """A sweep whose data are fresh, but whose settings have not been read back yet.
-
-    Attributes:
-        number: Its number, for the confirmation.
-        sweep: The data.
-    """
+    """A fresh sweep, whose settings are not read back yet; its number is for `confirm`."""
 
     number: int
     sweep: Sweep
@@ -147,12 +171,7 @@ class UnconfirmedSweep:
 
 @dataclass(frozen=True)
 class SweepConfirmation:
-    """What is known of a sweep once it is confirmed.
-
-    Attributes:
-        remarks: On its quality, in addition to those of the sweep.
-        temperature_c: Temperature of the analyzer [degC]; None if it does not say.
-    """
+    """More remarks on a confirmed sweep, and the analyzer's temperature [degC] if it says so."""
 
     remarks: Tuple[str, ...] = ()
     temperature_c: Optional[float] = None
@@ -160,12 +179,7 @@ class SweepConfirmation:
 
 @dataclass(frozen=True)
 class AnalyzerCalibration:
-    """The analyzer's calibration.
-
-    Attributes:
-        status: Its state.
-        details: What else the analyzer says of it, for survey.json.
-    """
+    """The state of the analyzer's calibration, and what else it says of it, for survey.json."""
 
     status: CalibrationStatus
     details: Mapping[str, Any] = field(default_factory=dict)
@@ -229,12 +243,7 @@ class SurveyRecord:
 
 @dataclass(frozen=True)
 class OpenedSurvey:
-    """A survey that has begun.
-
-    Attributes:
-        folder: Path of its folder.
-        interrupted: Folder of another survey that was still open and was closed; empty if none.
-    """
+    """The folder of a survey that has begun, and that of another one that was still open."""
 
     folder: str
     interrupted: str = ""
@@ -284,10 +293,6 @@ class Robot:
     """All parts of the robot.
 
     Attributes:
-        axes: The three axes.
-        analyzer: The vector network analyzer.
-        height_sensor: The antenna height sensor.
-        storage: The storage of surveys.
         nodes: The processes of all parts.
         description: What the parts are, as they say themselves.
         sensors: Other sensors beside the radar.
