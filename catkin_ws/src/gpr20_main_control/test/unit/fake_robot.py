@@ -16,8 +16,7 @@ from gpr20_common.message import Message, verbatim
 from gpr20_common.mid.node_facts import NO_HARDWARE, Hardware
 from gpr20_common.sent_message import received_message
 from gpr20_main_control.errors import DeviceError
-from gpr20_main_control.mid.devices.aux_sensors import AuxSensors
-from gpr20_main_control.mid.devices.described_robot import DescribedRobot, TimeLimits
+from gpr20_main_control.mid.devices.described_robot import AuxSensors, DescribedRobot, TimeLimits
 from gpr20_main_control.mid.devices.node_liveness import NodeLiveness, WatchedNode
 from gpr20_main_control.mid.devices.robot import (
     AnalyzerCalibration,

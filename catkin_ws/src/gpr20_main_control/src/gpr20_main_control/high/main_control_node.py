@@ -19,10 +19,9 @@ from gpr20_common.message import Message
 from gpr20_common.mid.codec import plain
 from gpr20_common.mid.node_facts import NO_HARDWARE, own_software
 from gpr20_main_control.errors import OtherAnalyzerError
-from gpr20_main_control.high.description_topics import DescriptionTopics
+from gpr20_main_control.high.robot_topics import DescriptionTopics, SensorTopics
 from gpr20_main_control.high.ros_axis import RosAxis
 from gpr20_main_control.high.ros_devices import RosAnalyzer, RosHeightSensor, RosStorage
-from gpr20_main_control.high.sensor_topics import SensorTopics
 from gpr20_main_control.high.survey_topics import SurveyTopics
 from gpr20_main_control.mid.devices.described_robot import DescribedRobot, TimeLimits
 from gpr20_main_control.mid.devices.node_liveness import (

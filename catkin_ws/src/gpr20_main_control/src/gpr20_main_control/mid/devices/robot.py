@@ -12,8 +12,7 @@ from typing import Any, Mapping, Optional, Protocol, Tuple
 import numpy as np
 
 from gpr20_common.message import Message
-from gpr20_main_control.mid.devices.aux_sensors import AuxSensors
-from gpr20_main_control.mid.devices.described_robot import DescribedRobot
+from gpr20_main_control.mid.devices.described_robot import AuxSensors, DescribedRobot
 from gpr20_main_control.mid.devices.node_liveness import NodeLiveness
 from gpr20_main_control.mid.survey.survey_coverage import Coverage
 from gpr20_main_control.mid.survey.survey_notes import Note
