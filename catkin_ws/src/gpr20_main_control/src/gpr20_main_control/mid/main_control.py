@@ -14,11 +14,16 @@ from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message, in_a_row
 from gpr20_main_control import faults
 from gpr20_main_control.errors import RequestRefusedError
-from gpr20_main_control.mid.analyzer_test import TEST_SWEEP, run_analyzer_test
 from gpr20_main_control.mid.check_verdict import Verdict
 from gpr20_main_control.mid.daily_check_steps import DailyCheckSteps
 from gpr20_main_control.mid.devices.robot import Robot, SurveyEnd
-from gpr20_main_control.mid.service import AxisMove, AxisService, ServiceSlot
+from gpr20_main_control.mid.service import (
+    TEST_SWEEP,
+    AxisMove,
+    AxisService,
+    ServiceSlot,
+    run_analyzer_test,
+)
 from gpr20_main_control.mid.survey.engine import NOTHING, Accepted, SurveyEngine
 from gpr20_main_control.mid.survey.running_survey import RunningSurvey
 from gpr20_main_control.mid.survey.survey_archive import interruption_remark
@@ -280,7 +285,7 @@ class MainControl:
             StopRequested: A stop was requested; the axis is at rest.
         """
         with self._in_service(move.activity):
-            return AxisService(self._robot, self._service.interruption).execute(move)
+            return AxisService(self._robot, move, self._service.interruption).execute()
 
     def test_analyzer(self, address: str) -> AnalyzerTest:
         """Test the analyzer at an address; empty: as the robot is configured.
