@@ -71,8 +71,7 @@ from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_survey.radar.soils import requested_permittivity
 from gpr20_survey.results.analyzer_test import AnalyzerTest
 
-COORDINATE_RATE_HZ = 10.0
-PROGRESS_RATE_HZ = 2.0
+PUBLISHING_PERIOD_S = 0.1
 NODE = "main_control"
 SHUTDOWN_LIMIT_S = 10.0
 
@@ -105,10 +104,7 @@ class MainControlNode:
         # After the services: clients that receive the status call them.
         topics.publish_status(status.status)
         topics.publish_service(None)
-        self._periodics = [
-            Periodic(1.0 / COORDINATE_RATE_HZ, lambda: topics.publish_current(robot)),
-            Periodic(1.0 / PROGRESS_RATE_HZ, lambda: topics.publish_progress(status.status)),
-        ]
+        self._periodic = Periodic(PUBLISHING_PERIOD_S, lambda: topics.publish(robot, status.status))
         self._diagnostics = diagnostics.Diagnostics(robot.description.site.robot, self._health)
         # First: nodes that are shut down too are no faults.
         rospy.on_shutdown(robot.nodes.stop)
