@@ -103,10 +103,7 @@ class DescribedRobot:
         self._on_change(self)
 
     def config(self, wait_s: float = 0.0) -> RobotConfig:
-        """Return what is fixed for the robot.
-
-        Args:
-            wait_s: How long to wait for the descriptions of nodes that are starting [s].
+        """Return what is fixed for the robot; nodes that are starting are waited for [s].
 
         Raises:
             InvalidValueError: A node has not described itself, or they disagree.
@@ -140,11 +137,7 @@ class DescribedRobot:
         return software_difference({name: one.software for name, one in self.nodes.items()})
 
     def check(self, config: RobotConfig) -> None:
-        """Return if the robot is still the one with which a survey began.
-
-        Raises:
-            DeviceError: It is not, or nobody can say.
-        """
+        """Raise a DeviceError unless the robot is still the one with which a survey began."""
         try:
             present = self.config()
         except InvalidValueError as error:
@@ -160,11 +153,7 @@ class DescribedRobot:
             )
 
     def check_identity(self, identity: str, config: RobotConfig) -> None:
-        """Return if an analyzer is simulated where the robot is, and real where it is real.
-
-        Raises:
-            DeviceError: It is not.
-        """
+        """Raise a DeviceError unless the analyzer is simulated as the robot is."""
         if is_simulated_identity(identity) and not config.simulated:
             raise DeviceError(
                 Message(
@@ -187,14 +176,17 @@ class DescribedRobot:
     def recorded(self) -> Dict[str, Any]:
         """Return what the log records about the nodes and the site."""
         nodes = self.nodes
-        present = {key: nodes[name] for key, name in RECORDED.items() if name in nodes}
         return {
             "nodes": [
                 {**asdict(one.hardware), "hardware": one.hardware.name, "name": name}
                 for name, one in sorted(nodes.items())
                 if one.hardware.name
             ],
-            **{key: dict(one.configuration) for key, one in present.items()},
+            **{
+                key: dict(nodes[name].configuration)
+                for key, name in RECORDED.items()
+                if name in nodes
+            },
             "time_limits": asdict(self.limits),
             "site": asdict(self.site),
         }
@@ -323,11 +315,7 @@ class AuxSensors:
         return [one.at(now_s) for one in self._inputs]
 
     def check_required(self) -> None:
-        """Check the sensors without which no survey is measured.
-
-        Raises:
-            DeviceError: One is silent, or its value is not plausible.
-        """
+        """Raise a DeviceError if a sensor without which no survey is measured fails."""
         _refuse_problems(self.now())
 
     def at_sweep(self, ended_us: int) -> Tuple[Tuple[AuxValue, ...], Tuple[str, ...]]:
