@@ -87,10 +87,8 @@ class MainControlNode:
         topics: SurveyTopics,
         sensors: SensorTopics,
     ) -> None:
-        self._control = control
-        self._sensors = sensors
-        self._status = status
-        self._topics = topics
+        self._control, self._robot = control, robot
+        self._status, self._topics, self._sensors = status, topics, sensors
         self._services = [
             advertise("set_survey_parameters", SetSurveyParameters, self._set_parameters),
             advertise("start_survey", StartSurvey, self._start),
@@ -104,12 +102,15 @@ class MainControlNode:
         # After the services: clients that receive the status call them.
         topics.publish_status(status.status)
         topics.publish_service(None)
-        self._periodic = Periodic(PUBLISHING_PERIOD_S, lambda: topics.publish(robot, status.status))
+        self._periodic = Periodic(PUBLISHING_PERIOD_S, self._publish)
         self._diagnostics = diagnostics.Diagnostics(robot.description.site.robot, self._health)
         # First: nodes that are shut down too are no faults.
         rospy.on_shutdown(robot.nodes.stop)
         rospy.on_shutdown(lambda: control.shut_down(SHUTDOWN_LIMIT_S))
         robot.nodes.start()
+
+    def _publish(self) -> None:
+        self._topics.publish(self._robot, self._status.status)
 
     def _set_parameters(self, request: Any) -> SetSurveyParametersResponse:
         message = request.parameters

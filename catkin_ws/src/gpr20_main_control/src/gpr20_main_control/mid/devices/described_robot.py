@@ -52,13 +52,7 @@ US_PER_S = 1_000_000
 
 @dataclass(frozen=True)
 class TimeLimits:
-    """How long the main control waits for the answers of other nodes.
-
-    Attributes:
-        analyzer_limit_s: For an answer of the VNA driver [s].
-        height_limit_s: For an answer of the height sensor [s].
-        storage_limit_s: For an answer of the storage [s].
-    """
+    """How long the main control waits for an answer of the other nodes [s]."""
 
     analyzer_limit_s: float = bounded(0.1, 3600.0, 90.0)
     height_limit_s: float = bounded(0.1, 3600.0, 10.0)
@@ -71,12 +65,7 @@ class TimeLimits:
 
 
 class DescribedRobot:
-    """Holds the description of each node; every method may be called from any thread.
-
-    Attributes:
-        site: The robot's name and place.
-        limits: How long the main control waits for the nodes.
-    """
+    """Holds the description of each node; every method may be called from any thread."""
 
     def __init__(
         self, site: Site, limits: TimeLimits, on_change: Callable[[DescribedRobot], None]
@@ -194,14 +183,7 @@ class DescribedRobot:
 
 @dataclass(frozen=True)
 class Measured:
-    """What a sensor said at a moment.
-
-    Attributes:
-        sensor: Which sensor.
-        value: The last value that was received until then; None if there is none that counts.
-        age_s: How old it was [s]; None if nothing was received.
-        problem: Why it cannot be used, or is not plausible; None if all is well.
-    """
+    """The last value of a sensor at a moment and its age [s], or why there is none that counts."""
 
     sensor: Sensor
     value: Optional[float]
