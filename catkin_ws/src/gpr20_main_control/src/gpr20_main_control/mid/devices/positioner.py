@@ -133,13 +133,7 @@ class Positioner:
         return {axis_id: self.reading(axis_id).zero for axis_id in self._axes}
 
     def home(self, again: Collection[AxisId] = ()) -> List[AxisId]:
-        """Home together every axis that is not homed.
-
-        Args:
-            again: Axes to home even if they are.
-
-        Returns:
-            The axes that were homed.
+        """Home together every axis that is not homed, or is to be homed again; return which.
 
         Raises:
             DeviceError: An axis could not be homed.
@@ -165,24 +159,24 @@ class Positioner:
         return pending
 
     def move_to(self, point: SurveyPoint, on_begun: Callable[[], None]) -> None:
-        """Move the axes to a point and return when all of them rest there.
-
-        Args:
-            point: Where to.
-            on_begun: Called when the axes have their targets.
-
-        Raises:
-            DeviceError: An axis failed; the others have been stopped.
-            NodeLostError: There is no contact with an axis; the others have been stopped.
-            StopRequested: A stop of the survey was requested; the axes have been stopped.
-        """
+        """Move the axes, which must be homed, to a point, as `move` does."""
         self.position()
         self.move({AxisId.X: point.x_mm, AxisId.Y: point.y_mm, AxisId.Z: point.z_deg}, on_begun)
 
     def move(
         self, targets: Mapping[AxisId, float], on_begun: Callable[[], None] = lambda: None
     ) -> None:
-        """Move axes to their targets [mm or deg], as `move_to` does."""
+        """Move axes to their targets [mm or deg] and return when all of them rest there.
+
+        Args:
+            targets: Where to.
+            on_begun: Called when the axes have their targets.
+
+        Raises:
+            DeviceError: An axis failed; the others have been stopped.
+            NodeLostError: There is no contact with an axis; the others have been stopped.
+            StopRequested: A stop was requested; the axes have been stopped.
+        """
         self._leases.ensure(targets)
         try:
             with self._interruption.attention.needed():
@@ -340,12 +334,9 @@ class Positioner:
         limit_s: float = READING_LIMIT_S,
         changed: Optional[threading.Event] = None,
     ) -> bool:
-        """Wait for a condition [s]; return whether it is true.
+        """Wait for a condition, at most so long [s]; return whether it is true.
 
-        Args:
-            condition: What is waited for.
-            limit_s: How long at most [s].
-            changed: Set when the condition may have become true; None if nothing says so.
+        `changed` is set when it may have become true; None if nothing says so.
         """
         deadline_s = self._clock.now_s() + limit_s
         while True:

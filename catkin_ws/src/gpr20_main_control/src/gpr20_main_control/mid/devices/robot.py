@@ -1,6 +1,7 @@
 """The parts of the robot, as the survey uses them.
 
-Every call returns or raises `DeviceError` within its own time limit.
+Every call returns or raises within its own time limit: `NodeLostError` without an answer, else
+`DeviceError`.
 """
 
 from __future__ import annotations
@@ -29,15 +30,7 @@ from gpr20_survey.trace.trace import Trace
 
 @dataclass(frozen=True)
 class AxisReading:
-    """The last reading of an axis.
-
-    Attributes:
-        coordinate: Position of the axis [mm or deg].
-        homed: Whether the coordinate is relative to the axis's zero.
-        moving: Whether the motor is being stepped.
-        age_s: Age of the reading [s].
-        zero: The zero that the coordinate refers to.
-    """
+    """The last reading of an axis: its coordinate [mm or deg], which refers to a zero if homed."""
 
     coordinate: float
     homed: bool
@@ -104,19 +97,10 @@ class Axis(Protocol):
         """Return the last reading of the axis; None before the first."""
 
     def reserve(self) -> Lease:
-        """Reserve the axis.
-
-        Raises:
-            NodeLostError: No answer came.
-            DeviceError: Another node has it.
-        """
+        """Reserve the axis; a DeviceError says which other node has it."""
 
     def renew(self, lease: Lease) -> bool:
-        """Renew a lease; return whether it still exists.
-
-        Raises:
-            NodeLostError: No answer came.
-        """
+        """Renew a lease; return whether it still exists."""
 
     def release_lease(self, lease: Lease) -> None:
         """End a lease, if the axis answers."""
@@ -131,15 +115,10 @@ class Axis(Protocol):
         """Wait up to `wait_s` [s] for the end of the move; None while the axis moves."""
 
     def home(self, time_limit_s: float) -> None:
-        """Home the axis and return when it is homed.
-
-        Raises:
-            NodeLostError: No answer came, or the axis had no contact with the main control.
-            DeviceError: It failed.
-        """
+        """Home the axis and return when it is homed; without contact it raises NodeLostError."""
 
     def set_zero(self) -> None:
-        """Make the present position of an axis without endstop its zero; raises as `home` does."""
+        """Make the present position of an axis without endstop its zero."""
 
     def stop(self) -> None:
         """End any motion; returns at once."""
@@ -206,11 +185,7 @@ class Analyzer(Protocol):
         """Take one sweep that starts now; the driver checks it and repeats a failed one."""
 
     def confirm(self, number: int) -> SweepConfirmation:
-        """Confirm that the last sweep was measured with the settings of the survey.
-
-        Raises:
-            UnconfirmedError: It was not, and must not be stored.
-        """
+        """Confirm that the last sweep has the survey's settings, or raise UnconfirmedError."""
 
     def release(self) -> None:
         """Leave the instrument to its front panel; `connect` takes it back."""
@@ -225,14 +200,7 @@ class HeightSensor(Protocol):
 
 @dataclass(frozen=True)
 class SurveyRecord:
-    """What is known about a survey when it begins.
-
-    Attributes:
-        survey_id: UUID.
-        started_us: Start time [us since 1970, UTC].
-        metadata_json: Parameters, instrument and axes, as they are stored.
-        needed_bytes: Estimate of the whole survey on disk [bytes].
-    """
+    """What is known about a survey when it begins [us since 1970, UTC], and its size on disk."""
 
     survey_id: str
     started_us: int
@@ -250,14 +218,7 @@ class OpenedSurvey:
 
 @dataclass(frozen=True)
 class SurveyEnd:
-    """How a survey ended.
-
-    Attributes:
-        outcome: One word, as in survey.json.
-        reason: Why.
-        status: The last status of the survey; the recordings end with it.
-        coverage: The state of each sample; None if there is no plan of this survey.
-    """
+    """How a survey ended: in one word of survey.json, and with what its recordings end."""
 
     outcome: str
     reason: Message
