@@ -22,8 +22,8 @@ SILENCE_LIMIT_S = 5.0
 REFRESH_LIMIT_S = SILENCE_LIMIT_S + 1.0
 # Connections to each node: while one waits for a lost packet, the others continue to ask.
 CONNECTIONS = 3
-# Threads that ask. A node that hangs holds as many as it has connections, but of the nodes that
-# are due the one that holds fewest comes first.
+# Threads that ask: at least two more than there are nodes. A node that hangs holds one for each of
+# its connections, but never the last: that one is for nodes that hold none.
 WATCHERS = 9
 
 
@@ -48,6 +48,7 @@ class _Known:
     Attributes:
         named: Its names, for a message.
         free: The probes that wait for no answer.
+        asking: How many probes wait for one.
         process: The number of its process; None if the node does not answer.
         accepted: The process with which the survey continues.
         seen: Whether it ever answered.
@@ -59,6 +60,7 @@ class _Known:
 
     named: Dict[str, object]
     free: List[Callable[[], int]]
+    asking: int = 0
     process: Optional[int] = None
     accepted: Optional[int] = None
     seen: bool = False
@@ -222,7 +224,9 @@ class NodeLiveness:
             except NodeSilentError:
                 late = True
             with self._changed:
-                self._known[name].free.append(probe)
+                known = self._known[name]
+                known.free.append(probe)
+                known.asking -= 1
                 self._due.notify()
                 if late:
                     self.note_late(name)
@@ -237,16 +241,21 @@ class NodeLiveness:
         with self._changed:
             while not self._ended:
                 now_s = self._clock.now_s()
-                free = {name: one for name, one in self._known.items() if one.free}
-                due = [name for name, one in free.items() if one.due_s <= now_s]
-                if due:
-                    name = max(due, key=lambda name: (len(free[name].free), -free[name].due_s))
+                spare = sum(one.asking for one in self._known.values()) < WATCHERS - 1
+                free = {
+                    name: one
+                    for name, one in self._known.items()
+                    if one.free and (spare or not one.asking)
+                }
+                name = min(free, key=lambda name: free[name].due_s, default="")
+                wait_s = free[name].due_s - now_s if name else None
+                if wait_s is not None and wait_s <= 0.0:
                     known = free[name]
                     known.due_s = now_s + self._period_s
                     known.polls += 1
+                    known.asking += 1
                     return name, known.polls, known.free.pop(0)
-                next_s = min((one.due_s for one in free.values()), default=None)
-                self._due.wait(None if next_s is None else next_s - now_s)
+                self._due.wait(wait_s)
         return None
 
     def _note_result(self, name: str, poll: int, process: Optional[int]) -> None:
