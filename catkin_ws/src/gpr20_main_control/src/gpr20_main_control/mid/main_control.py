@@ -88,12 +88,7 @@ class MainControl:
         """
         stops = self._stops
         with self._one_at_a_time():
-            self._refuse_while_running(
-                Message(
-                    "the parameters cannot be changed while a survey is running; stop it or wait "
-                    "for its end"
-                )
-            )
+            self._refuse_while_running()
             description = self._robot.description
             config = description.config(STARTING_LIMIT_S)
             address = parameters.vna_address or description.analyzer_address()
@@ -124,12 +119,7 @@ class MainControl:
                 been set since, or STOP was requested since.
         """
         with self._one_at_a_time():
-            self._refuse_while_busy(
-                Message(
-                    "no survey can be started while another one is running; stop it or wait for "
-                    "its end"
-                )
-            )
+            self._refuse_while_busy()
             if self._plan is None:
                 raise RequestRefusedError(
                     Message("no parameters have been set; set them, then start"),
@@ -228,12 +218,7 @@ class MainControl:
             if status.state is SurveyState.PAUSED and self._engine is not None:
                 resuming = self._resume_paused(self._engine, survey, accepted)
             else:
-                self._refuse_while_busy(
-                    Message(
-                        "no survey can be resumed while another one is running; stop it or wait "
-                        "for its end"
-                    )
-                )
+                self._refuse_while_busy()
                 if not survey:
                     raise RequestRefusedError(
                         Message(
@@ -305,12 +290,7 @@ class MainControl:
     def _in_service(self, activity: Message) -> Iterator[None]:
         stops = self._stops
         with self._one_at_a_time():
-            self._refuse_while_running(
-                Message(
-                    "no service is possible while a survey is running or paused; stop the survey "
-                    "or wait for its end"
-                )
-            )
+            self._refuse_while_running()
             self._service.claim(activity)
         try:
             # From now on a STOP reaches the action.
@@ -342,13 +322,15 @@ class MainControl:
         finally:
             self._requests.release()
 
-    def _refuse_while_busy(self, refusal: Message) -> None:
-        self._refuse_while_running(refusal)
+    def _refuse_while_busy(self) -> None:
+        self._refuse_while_running()
         self._service.refuse_while_busy()
 
-    def _refuse_while_running(self, refusal: Message) -> None:
+    def _refuse_while_running(self) -> None:
         if self._status.status.state.running:
-            raise RequestRefusedError(refusal)
+            raise RequestRefusedError(
+                Message("a survey is running or paused: stop it, or wait for its end")
+            )
         # The state is final a moment before the thread has ended.
         if self._thread is not None:
             self._thread.join(ENDING_LIMIT_S)
