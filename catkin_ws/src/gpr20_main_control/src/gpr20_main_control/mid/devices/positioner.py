@@ -111,15 +111,7 @@ class Positioner:
         """
         readings = {axis_id: self.reading(axis_id) for axis_id in self._axes}
         for axis_id, reading in readings.items():
-            if not reading.homed:
-                raise DeviceError(
-                    Message(
-                        "the {axis} axis is not homed: its position is unknown; resume the survey "
-                        "to home it",
-                        axis=axis_id.value,
-                    ),
-                    fault=NOT_HOMED,
-                )
+            _refuse_not_homed(axis_id, reading)
         x_mm, y_mm, z_deg = (readings[axis_id].coordinate for axis_id in AxisId)
         zeros = zeros_of({axis_id: reading.zero for axis_id, reading in readings.items()})
         return Position(x_mm, y_mm, z_deg, zeros)
@@ -308,14 +300,7 @@ class Positioner:
         ):
             return
         reading = self.reading(axis_id)
-        if not reading.homed:
-            raise DeviceError(
-                Message(
-                    "the {axis} axis has lost its zero; resume the survey to home it",
-                    axis=axis_id.value,
-                ),
-                fault=NOT_HOMED,
-            )
+        _refuse_not_homed(axis_id, reading)
         raise DeviceError(
             Message(
                 "the {axis} axis is at {coordinate:g} {unit} instead of {target:g} {unit}; "
@@ -366,6 +351,18 @@ def _may_still_move(axes: List[AxisId]) -> Message:
         ).with_fault(MAY_MOVE)
         for axis_id in axes
     )
+
+
+def _refuse_not_homed(axis_id: AxisId, reading: AxisReading) -> None:
+    if not reading.homed:
+        raise DeviceError(
+            Message(
+                "the {axis} axis is not homed: its position is unknown; resume the survey to home "
+                "it",
+                axis=axis_id.value,
+            ),
+            fault=NOT_HOMED,
+        )
 
 
 def _is_younger(reading: Optional[AxisReading], limit_s: float) -> bool:
