@@ -16,6 +16,7 @@ from gpr20_common.high.service_client import ServiceClient, ServiceUnavailableEr
 from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message, verbatim
 from gpr20_main_control.errors import DeviceError, NodeLostError
+from gpr20_main_control.high.ros_devices import no_answer
 from gpr20_main_control.mid.devices.robot import AxisReading, Lease, MoveOutcome
 from gpr20_msgs.msg import AxisAction, AxisGoal, AxisResult, CurrentCoordinate
 from gpr20_msgs.srv import AxisLease, Command
@@ -137,15 +138,9 @@ class RosAxis:
         try:
             return service.call(time_limit_s, **fields)
         except ServiceUnavailableError as error:
-            raise NodeLostError(
-                Message(
-                    "{device} did not answer; check that it runs",
-                    device=self._plain_name,
-                    details=error,
-                ),
-                # A homing may have begun, and continue.
-                fault=PART_LOST if service is self._homing else None,
-            ) from error
+            # A homing may have begun, and continue.
+            fault = PART_LOST if service is self._homing else None
+            raise NodeLostError(no_answer(self._plain_name, error), fault=fault) from error
 
     def stop(self) -> None:
         # A homing that waits for a lost node must not begin when the node is back.

@@ -66,6 +66,10 @@ MARGIN_S = 5.0
 PREPARATION_LIMIT_S = 1.0
 
 
+def no_answer(device: Message, error: ServiceUnavailableError) -> Message:
+    return Message("{device} did not answer; check that it runs", device=device, details=error)
+
+
 class DeviceService:
     """A service of a device, which operators call by its plain name.
 
@@ -102,14 +106,7 @@ class DeviceService:
         try:
             return self._client.call(self.time_limit_s, *request, **fields)
         except ServiceUnavailableError as error:
-            raise DeviceError(
-                Message(
-                    "{device} did not answer; check that it runs",
-                    device=self._device,
-                    details=error,
-                ),
-                fault=PART_SILENT,
-            ) from error
+            raise DeviceError(no_answer(self._device, error), fault=PART_SILENT) from error
 
     def refusal(self, response: Any) -> Message:
         """Return the message of a failure; what the part itself reports decides, also a note."""
