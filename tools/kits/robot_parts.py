@@ -31,11 +31,11 @@ from gpr20_height_sensor.low.adc_interface import AdcInterface
 from gpr20_height_sensor.mid.height_driver import HeightDriver
 from gpr20_height_sensor.mid.height_parameters import HeightParameters
 from gpr20_main_control.errors import DeviceError, NodeLostError, UnconfirmedError
-from gpr20_main_control.mid.devices.axis_leases import Lease
 from gpr20_main_control.mid.devices.robot import (
     AnalyzerCalibration,
     AnalyzerSetup,
     AxisReading,
+    Lease,
     MoveOutcome,
     OpenedSurvey,
     SurveyEnd,
@@ -50,7 +50,6 @@ from gpr20_simulator.mid.world.ground import Ground
 from gpr20_simulator.mid.world.range_sensor import RangeSensor, SimulatedSpi
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.axes.axis_parameters import AxisParameters
-from gpr20_survey.faults import CONTROL_SILENT
 from gpr20_survey.results.reopened_survey import ReopenedSurvey
 from gpr20_survey.trace import trace_message
 from gpr20_survey.trace.sweep_settings import SweepSettings
@@ -224,7 +223,7 @@ class ProcessAxis:
             message = error.message
             if isinstance(error, MotionStopped) and not stopped():
                 message = self.lease.lapse
-            return MoveOutcome(False, message, message.fault_code == CONTROL_SILENT.code)
+            return MoveOutcome(False, message)
         return MoveOutcome(True, verbatim(""))
 
 

@@ -16,14 +16,13 @@ from gpr20_common.message import Message, verbatim
 from gpr20_common.mid.node_facts import NO_HARDWARE, Hardware
 from gpr20_common.sent_message import received_message
 from gpr20_main_control.errors import DeviceError
-from gpr20_main_control.mid.devices.aux_sensors import AuxSensors
-from gpr20_main_control.mid.devices.axis_leases import Lease
-from gpr20_main_control.mid.devices.described_robot import DescribedRobot, TimeLimits
+from gpr20_main_control.mid.devices.described_robot import AuxSensors, DescribedRobot, TimeLimits
 from gpr20_main_control.mid.devices.node_liveness import NodeLiveness, WatchedNode
 from gpr20_main_control.mid.devices.robot import (
     AnalyzerCalibration,
     AnalyzerSetup,
     AxisReading,
+    Lease,
     MoveOutcome,
     OpenedSurvey,
     Robot,
@@ -339,10 +338,13 @@ class HandNotedNodes(NodeLiveness):
 
     def __init__(self, clock, on_change):
         nodes = {name: WatchedNode(plain_name, []) for name, plain_name in NODES.items()}
-        super().__init__(nodes, clock, on_change)
+        # On a busy computer the fast clock lets the time to start pass before all are there.
+        started = []
+        super().__init__(nodes, clock, lambda missing: started and on_change(missing))
         self.on_refresh = lambda: None
         for name in NODES:
             self.note_alive(name, 1)
+        started.append(True)
 
     def refresh(self):
         self.on_refresh()

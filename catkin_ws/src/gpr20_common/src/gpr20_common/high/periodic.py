@@ -25,9 +25,10 @@ class Periodic:
     def __init__(self, period_s: float, action: Callable[[], None]) -> None:
         self._period_s = period_s
         self._action = action
+        self._name = getattr(action, "__qualname__", repr(action))
         self._changed = threading.Condition()
         self._ended = False
-        self._thread = threading.Thread(target=self._repeat, daemon=True)
+        self._thread = threading.Thread(target=self._repeat, name=self._name, daemon=True)
         self._thread.start()
         rospy.on_shutdown(self.stop)
 
@@ -53,7 +54,7 @@ class Periodic:
             except Exception:  # the next call is independent of it
                 if due_s - logged_s >= LOG_PERIOD_S:
                     logged_s = due_s
-                    log_fault(getattr(self._action, "__qualname__", repr(self._action)))
+                    log_fault(self._name)
             with self._changed:
                 while not self._ended and time.monotonic() < due_s + self._period_s:
                     self._changed.wait(due_s + self._period_s - time.monotonic())

@@ -19,10 +19,9 @@ from gpr20_common.message import Message
 from gpr20_common.mid.codec import plain
 from gpr20_common.mid.node_facts import NO_HARDWARE, own_software
 from gpr20_main_control.errors import OtherAnalyzerError
-from gpr20_main_control.high.description_topics import DescriptionTopics
+from gpr20_main_control.high.robot_topics import DescriptionTopics, SensorTopics
 from gpr20_main_control.high.ros_axis import RosAxis
 from gpr20_main_control.high.ros_devices import RosAnalyzer, RosHeightSensor, RosStorage
-from gpr20_main_control.high.sensor_topics import SensorTopics
 from gpr20_main_control.high.survey_topics import SurveyTopics
 from gpr20_main_control.mid.devices.described_robot import DescribedRobot, TimeLimits
 from gpr20_main_control.mid.devices.node_liveness import (
@@ -72,8 +71,7 @@ from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_survey.radar.soils import requested_permittivity
 from gpr20_survey.results.analyzer_test import AnalyzerTest
 
-COORDINATE_RATE_HZ = 10.0
-PROGRESS_RATE_HZ = 2.0
+PUBLISHING_PERIOD_S = 0.1
 NODE = "main_control"
 SHUTDOWN_LIMIT_S = 10.0
 
@@ -89,10 +87,8 @@ class MainControlNode:
         topics: SurveyTopics,
         sensors: SensorTopics,
     ) -> None:
-        self._control = control
-        self._sensors = sensors
-        self._status = status
-        self._topics = topics
+        self._control, self._robot = control, robot
+        self._status, self._topics, self._sensors = status, topics, sensors
         self._services = [
             advertise("set_survey_parameters", SetSurveyParameters, self._set_parameters),
             advertise("start_survey", StartSurvey, self._start),
@@ -106,15 +102,15 @@ class MainControlNode:
         # After the services: clients that receive the status call them.
         topics.publish_status(status.status)
         topics.publish_service(None)
-        self._periodics = [
-            Periodic(1.0 / COORDINATE_RATE_HZ, lambda: topics.publish_current(robot)),
-            Periodic(1.0 / PROGRESS_RATE_HZ, lambda: topics.publish_progress(status.status)),
-        ]
+        self._periodic = Periodic(PUBLISHING_PERIOD_S, self._publish)
         self._diagnostics = diagnostics.Diagnostics(robot.description.site.robot, self._health)
         # First: nodes that are shut down too are no faults.
         rospy.on_shutdown(robot.nodes.stop)
         rospy.on_shutdown(lambda: control.shut_down(SHUTDOWN_LIMIT_S))
         robot.nodes.start()
+
+    def _publish(self) -> None:
+        self._topics.publish(self._robot, self._status.status)
 
     def _set_parameters(self, request: Any) -> SetSurveyParametersResponse:
         message = request.parameters

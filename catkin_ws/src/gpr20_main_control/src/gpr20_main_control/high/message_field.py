@@ -22,11 +22,7 @@ class MessageField:
     """Reads one number from messages that were received as `rospy.AnyMsg`."""
 
     def __init__(self, datatype: str, path: str) -> None:
-        """Find the field.
-
-        Args:
-            datatype: Type of the messages, such as `std_msgs/Float64`.
-            path: Name of the field, such as `data` or `a.b[0]`.
+        """Find the field, such as `data` or `a.b[0]`, in a type such as `std_msgs/Float64`.
 
         Raises:
             InvalidValueError: The type is not installed here, or has no such number; the message
@@ -75,10 +71,7 @@ class MessageField:
         )
 
     def read(self, received: Any) -> float:
-        """Return the number.
-
-        Args:
-            received: A message as rospy handed it to a callback for `rospy.AnyMsg`.
+        """Return the number in a message.
 
         Raises:
             InvalidValueError: It is of another type, damaged, or its list is too short.

@@ -16,12 +16,11 @@ from gpr20_common.high.service_client import ServiceClient, ServiceUnavailableEr
 from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message, verbatim
 from gpr20_main_control.errors import DeviceError, NodeLostError
-from gpr20_main_control.mid.devices.axis_leases import Lease
-from gpr20_main_control.mid.devices.robot import AxisReading, MoveOutcome
+from gpr20_main_control.high.ros_devices import no_answer
+from gpr20_main_control.mid.devices.robot import AxisReading, Lease, MoveOutcome
 from gpr20_msgs.msg import AxisAction, AxisGoal, AxisResult, CurrentCoordinate
-from gpr20_msgs.srv import AxisLease, AxisLeaseResponse, Command
+from gpr20_msgs.srv import AxisLease, Command
 from gpr20_survey.axes.axis_id import AxisId, ZeroEpoch
-from gpr20_survey.faults import CONTROL_SILENT
 from gpr20_survey.plan.robot_description import PLAIN_NAMES
 
 # actionlib waits longer than it is asked to, but not as long as 0, which is for ever.
@@ -53,7 +52,7 @@ class RosAxis:
         self._lock = threading.Lock()
         self._last: Optional[CurrentCoordinate] = None
         self._received_s = 0.0
-        self._received = threading.Event()
+        self.received = threading.Event()
         self._outcomes: queue.Queue = queue.Queue()
         # Not a SimpleActionClient: it drops what it receives about a goal before send_goal()
         # has returned, so the result of a very short move could be lost.
@@ -69,13 +68,7 @@ class RosAxis:
             f"{group}/current_coord", CurrentCoordinate, self._note, queue_size=10
         )
 
-    @property
-    def received(self) -> threading.Event:
-        """Set at each new reading; who waits for one clears it."""
-        return self._received
-
     def reading(self) -> Optional[AxisReading]:
-        """Return the last reading of the axis; None before the first."""
         with self._lock:
             last, received_s = self._last, self._received_s
         if last is None:
@@ -86,13 +79,7 @@ class RosAxis:
         return AxisReading(last.coordinate, last.homed, last.moving, age_s, zero)
 
     def reserve(self) -> Lease:
-        """Reserve the axis.
-
-        Raises:
-            NodeLostError: No answer came.
-            DeviceError: Another node has it.
-        """
-        response = self._call_lease()
+        response = self._call(self._lease, LEASE_CALL_LIMIT_S)
         if not response.success:
             raise DeviceError(
                 Message(
@@ -104,33 +91,19 @@ class RosAxis:
         return Lease(response.lease, response.limit_s)
 
     def renew(self, lease: Lease) -> bool:
-        """Renew a lease; return whether it still exists.
-
-        Raises:
-            NodeLostError: No answer came.
-        """
-        return bool(self._call_lease(lease=lease.number).success)
+        return bool(self._call(self._lease, LEASE_CALL_LIMIT_S, lease=lease.number).success)
 
     def release_lease(self, lease: Lease) -> None:
-        """End a lease, if the axis answers."""
         try:
-            self._call_lease(lease=lease.number, release=True)
+            self._call(self._lease, LEASE_CALL_LIMIT_S, lease=lease.number, release=True)
         except NodeLostError as error:
             # It ends by itself.
             rospy.loginfo("the lease of %s was not released: %s", self._group, error)
 
-    def _call_lease(self, **fields: Any) -> AxisLeaseResponse:
-        try:
-            return self._lease.call(LEASE_CALL_LIMIT_S, **fields)
-        except ServiceUnavailableError as error:
-            raise NodeLostError(self._no_answer(error)) from error
-
     def is_connected(self) -> bool:
-        """Return whether the axis driver will receive the next move."""
         return bool(self._client.wait_for_server(rospy.Duration(SERVER_POLL_S)))
 
     def begin_move(self, target: float) -> None:
-        """Begin a move to a target [mm or deg] and return at once."""
         self._await_stops()
         outcomes: queue.Queue = queue.Queue()
 
@@ -143,59 +116,43 @@ class RosAxis:
         self._goal = self._client.send_goal(AxisGoal(target_coordinate=target), note)
 
     def move_outcome(self, wait_s: float) -> Optional[MoveOutcome]:
-        """Wait up to `wait_s` [s] for the end of the move; None while the axis moves."""
         try:
             return self._outcomes.get(timeout=wait_s)
         except queue.Empty:
             return None
 
     def home(self, time_limit_s: float) -> None:
-        """Home the axis and return when it is homed.
-
-        Raises:
-            NodeLostError: No answer came, or the axis had no contact with this node.
-            DeviceError: It failed.
-        """
         self._await_stops()
-        self._call(self._homing, time_limit_s)
+        self._succeed(self._homing, time_limit_s)
 
     def set_zero(self) -> None:
-        """Make the present position of an axis without endstop its zero.
+        self._succeed(self._set_zero, SET_ZERO_LIMIT_S)
 
-        Raises:
-            NodeLostError: No answer came.
-            DeviceError: It was refused.
-        """
-        self._call(self._set_zero, SET_ZERO_LIMIT_S)
+    def _succeed(self, service: ServiceClient, time_limit_s: float) -> None:
+        answer = self._call(service, time_limit_s)
+        if not answer.success:
+            outcome = MoveOutcome(False, message_from(answer))
+            raise (NodeLostError if outcome.contact_lost else DeviceError)(outcome.message)
 
-    def _call(self, service: ServiceClient, time_limit_s: float) -> None:
+    def _call(self, service: ServiceClient, time_limit_s: float, **fields: Any) -> Any:
         try:
-            response = service.call(time_limit_s)
+            return service.call(time_limit_s, **fields)
         except ServiceUnavailableError as error:
             # A homing may have begun, and continue.
             fault = PART_LOST if service is self._homing else None
-            raise NodeLostError(self._no_answer(error), fault=fault) from error
-        if not response.success:
-            message = message_from(response)
-            raise (NodeLostError if _is_contact_lost(message) else DeviceError)(message)
+            raise NodeLostError(no_answer(self._plain_name, error), fault=fault) from error
 
     def stop(self) -> None:
-        """End any motion; returns at once."""
         # A homing that waits for a lost node must not begin when the node is back.
         self._homing.give_up()
         goal = self._goal
         if goal is not None and goal.get_comm_state() != actionlib.CommState.DONE:
             # On an open connection: it arrives before the call, which has to connect first.
             goal.cancel()
-        thread = threading.Thread(target=self._stop_now, daemon=True)
+        thread = threading.Thread(target=self._stop_now, name=f"stop {self._group}", daemon=True)
         with self._lock:
             thread.start()
             self._stops = [*filter(threading.Thread.is_alive, self._stops), thread]
-
-    def _no_answer(self, details: object) -> Message:
-        return Message(
-            "{device} did not answer; check that it runs", device=self._plain_name, details=details
-        )
 
     def _await_stops(self) -> None:
         """Return when no stop is pending: a late one would end the motion that begins now."""
@@ -222,25 +179,22 @@ class RosAxis:
         with self._lock:
             self._last = message
             self._received_s = self._clock.now_s()
-        self._received.set()
+        self.received.set()
 
     def _is_from_driver(self, message: Any) -> bool:
         publisher = connection_header(message)["callerid"]
         if publisher == self._driver:
             return True
         if publisher not in self._ignored:
-            self._warn_of(publisher)
+            self._ignored.add(publisher)
+            rospy.logerr(
+                "%s publishes messages of %s beside %s; they are ignored: end it, and play "
+                "recordings under other names (rosbag play --prefix=/replay)",
+                publisher,
+                self._group,
+                self._driver,
+            )
         return False
-
-    def _warn_of(self, publisher: str) -> None:
-        self._ignored.add(publisher)
-        rospy.logerr(
-            "%s publishes messages of %s beside %s; they are ignored: end it, and play "
-            "recordings under other names (rosbag play --prefix=/replay)",
-            publisher,
-            self._group,
-            self._driver,
-        )
 
 
 class _DriversClient(actionlib.ActionClient):
@@ -263,11 +217,6 @@ class _DriversClient(actionlib.ActionClient):
             super()._result_cb(message)
 
 
-def _is_contact_lost(message: Message) -> bool:
-    """Return whether an axis stopped by itself, because it did not hear this node."""
-    return message.fault_code == CONTROL_SILENT.code
-
-
 def _outcome(goal: actionlib.ClientGoalHandle) -> MoveOutcome:
     result: Optional[AxisResult] = goal.get_result()
     text = goal.get_goal_status_text()
@@ -276,4 +225,4 @@ def _outcome(goal: actionlib.ClientGoalHandle) -> MoveOutcome:
         return MoveOutcome(False, no_result)
     # The result of a goal that actionlib itself refused has no message.
     message = message_from(result) if result.message else verbatim(text)
-    return MoveOutcome(result.success, message, contact_lost=_is_contact_lost(message))
+    return MoveOutcome(result.success, message)

@@ -66,41 +66,32 @@ MARGIN_S = 5.0
 PREPARATION_LIMIT_S = 1.0
 
 
+def no_answer(device: Message, error: ServiceUnavailableError) -> Message:
+    return Message("{device} did not answer; check that it runs", device=device, details=error)
+
+
 class DeviceService:
-    """A service of a device; its failures are raised as failures of the device.
+    """A service of a device, which operators call by its plain name.
 
     Attributes:
         time_limit_s: Time limit of a call [s].
     """
 
     def __init__(self, device: Message, name: str, service_class: Any, time_limit_s: float) -> None:
-        """Make a client of the service.
-
-        Args:
-            device: What operators call the device.
-            name: Relative name of the service.
-            service_class: Generated class.
-            time_limit_s: Time limit of a call [s].
-        """
         self._device = device
         self._client = ServiceClient(name, service_class, keep_open=name in AT_EVERY_POINT)
         self.time_limit_s = time_limit_s
 
     def __call__(self, *request: Any, **fields: Any) -> Any:
-        """Call the service and return the response of a success.
-
-        Args:
-            request: The request, if its fields are not given.
-            fields: Fields of the request.
+        """Call the service, with a request or its fields, and return the response of a success.
 
         Raises:
             DeviceError: No answer came, or the answer was a failure.
         """
-        return self._successful(self.response(*request, **fields))
-
-    def call_within(self, time_limit_s: float, **fields: Any) -> Any:
-        """Do the same with another time limit [s]."""
-        return self._successful(self._response_within(time_limit_s, **fields))
+        response = self.response(*request, **fields)
+        if not response.success:
+            raise DeviceError(self.refusal(response))
+        return response
 
     def prepare(self) -> None:
         """Connect, so that a call that follows soon need not; a failure shows at the call."""
@@ -112,31 +103,16 @@ class DeviceService:
         Raises:
             DeviceError: No answer came.
         """
-        return self._response_within(self.time_limit_s, *request, **fields)
+        try:
+            return self._client.call(self.time_limit_s, *request, **fields)
+        except ServiceUnavailableError as error:
+            raise DeviceError(no_answer(self._device, error), fault=PART_SILENT) from error
 
     def refusal(self, response: Any) -> Message:
         """Return the message of a failure; what the part itself reports decides, also a note."""
         reason = message_from(response)
         carried = Message("{reason}", reason=reason, details=self._client.name)
         return carried.with_fault(reason.cause)
-
-    def _successful(self, response: Any) -> Any:
-        if not response.success:
-            raise DeviceError(self.refusal(response))
-        return response
-
-    def _response_within(self, time_limit_s: float, *request: Any, **fields: Any) -> Any:
-        try:
-            return self._client.call(time_limit_s, *request, **fields)
-        except ServiceUnavailableError as error:
-            raise DeviceError(
-                Message(
-                    "{device} did not answer; check that it runs",
-                    device=self._device,
-                    details=error,
-                ),
-                fault=PART_SILENT,
-            ) from error
 
 
 class RosAnalyzer:
@@ -159,11 +135,9 @@ class RosAnalyzer:
         return str(self._connection(connect=True, address=address).identity)
 
     def release(self) -> None:
-        """Leave the instrument to its front panel; `connect` takes it back."""
         self._connection(connect=False)
 
     def calibration(self) -> AnalyzerCalibration:
-        """Return the calibration; raise if it is not accepted."""
         answer = self._calibration()
         if not answer.accepted:
             raise DeviceError(message_from(answer))
@@ -172,9 +146,8 @@ class RosAnalyzer:
         )
 
     def configure(self, settings: SweepSettings) -> AnalyzerSetup:
-        """Configure the sweep and return what the instrument accepted."""
-        answer = self._setup.call_within(
-            self._limits.analyzer_setup_limit_s(settings),
+        self._setup.time_limit_s = self._limits.analyzer_setup_limit_s(settings)
+        answer = self._setup(
             start_frequency_hz=settings.start_frequency_hz,
             stop_frequency_hz=settings.stop_frequency_hz,
             points=settings.points,
@@ -194,11 +167,9 @@ class RosAnalyzer:
         return np.array(self._frequencies().frequency_hz)
 
     def prepare(self) -> None:
-        """Connect to the driver, so that the next `sweep` need not."""
         self._data.prepare()
 
     def sweep(self) -> UnconfirmedSweep:
-        """Take one sweep that starts now; the driver checks it and repeats a failed one."""
         data = self._data(confirm_later=True)
         sweep = Sweep(
             frequency_hz=np.array(data.frequency_hz),
@@ -212,7 +183,6 @@ class RosAnalyzer:
         return UnconfirmedSweep(data.number, sweep)
 
     def confirm(self, number: int) -> SweepConfirmation:
-        """Confirm that the last sweep was measured with the settings of the survey."""
         answer = self._confirmation.response(number=number)
         if not answer.success:
             raise UnconfirmedError(self._confirmation.refusal(answer), answer.repeat)
@@ -235,12 +205,7 @@ class RosStorage:
     """Implements `gpr20_main_control.mid.devices.robot.Storage`."""
 
     def __init__(self, time_limit_s: float, topics: SurveyTopics) -> None:
-        """Prepare the calls.
-
-        Args:
-            time_limit_s: For each answer [s].
-            topics: Makes the messages with which the recordings of a survey end.
-        """
+        """Prepare the calls; `topics` makes the messages with which recordings end."""
         self._topics = topics
 
         def service(name: str, service_class: Any, limit_s: float) -> DeviceService:
@@ -253,7 +218,6 @@ class RosStorage:
         self._close = service("close_survey", CloseSurvey, WHOLE_SURVEY_LIMIT_S)
 
     def open(self, record: SurveyRecord) -> OpenedSurvey:
-        """Begin a survey; another one that is still open is closed as interrupted."""
         response = self._open(
             survey_id=record.survey_id,
             started=ros_time(record.started_us),
@@ -264,13 +228,11 @@ class RosStorage:
         return OpenedSurvey(str(response.path), str(response.interrupted))
 
     def reopen(self, survey: str) -> ReopenedSurvey:
-        """Reopen a survey by its id or folder; another one that is open is interrupted."""
         response = self._reopen(survey=survey, interrupt_open=True)
         recent = [trace_message.decode(serialized(one)) for one in response.recent]
         return record_of(ReopenedSurvey, response, recent=tuple(recent))
 
     def report(self, survey_id: str, report_json: str) -> int:
-        """Store a report beside the survey's metadata; return how many traces are stored."""
         kind = Kind.REPORT.value
         response = self._add_fact(survey=survey_id, kind=kind, values_json=report_json)
         return int(response.stored_traces)
@@ -280,12 +242,10 @@ class RosStorage:
         self._add_fact(survey=survey_id, kind=note.kind.value, values_json=values_json)
 
     def store(self, trace: Trace) -> None:
-        """Store a trace; it is durable when this returns."""
         # The trace is the only field of the request, so their bytes are the same.
         self._store(preserialized(StoreDataRequest, trace_message.encode(trace)))
 
     def close(self, survey_id: str, end: SurveyEnd) -> None:
-        """Close a survey; its end is in the recordings when this returns."""
         progress, coverage = SurveyData(), SurveyCoverage()
         if end.coverage is not None:
             progress = progress_message(end.status)
@@ -302,5 +262,4 @@ class RosStorage:
 
 
 def _analyzer_settings(data: Any) -> AnalyzerSettings:
-    """Return with what a sweep is measured."""
     return AnalyzerSettings(data.if_bandwidth_hz, data.averages, data.output_power)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import asdict
-from typing import Optional, Tuple
+from typing import Optional, Sequence, Tuple
 
 import rospy
 
@@ -22,11 +22,10 @@ from gpr20_msgs.msg import (
 from gpr20_msgs.msg import SurveyParameters as SurveyParametersMessage
 from gpr20_survey.axes.axis_id import BASE_LINK
 from gpr20_survey.plan.survey_parameters import SurveyParameters
-from gpr20_survey.plan.survey_state import SurveyState
 
 NO_TARGET = -1.0
-# A position that stays the same is published at each fifth tick: 2 Hz.
-UNCHANGED_TICKS = 5
+# The progress, and a position that stays the same, are published at each fifth tick: 2 Hz.
+SLOW_TICKS = 5
 
 
 class SurveyTopics:
@@ -40,7 +39,7 @@ class SurveyTopics:
         """Advertise the topics."""
         self.simulated = False
         self._position: Tuple[float, ...] = ()
-        self._unchanged = 0
+        self._ticks = 0
         self._status = rospy.Publisher("control_status", ControlStatus, queue_size=10, latch=True)
         self._target = rospy.Publisher("control_target_coordinate", Coordinates, queue_size=10)
         self._current = rospy.Publisher("control_current_coordinate", Coordinates, queue_size=10)
@@ -55,12 +54,12 @@ class SurveyTopics:
 
     def publish_change(self, before: Status, after: Status) -> None:
         """Publish a change of the status."""
-        if stated(before) != stated(after):
+        if _stated(before) != _stated(after):
             rospy.loginfo("%s: %s", after.state.name, after.full_message)
             self.publish_status(after)
         if before.target != after.target:
             self._publish_target(after)
-        if progress_of(before) != progress_of(after):
+        if _progress(before) != _progress(after):
             self._progress.publish(progress_message(after))
 
     def publish_status(self, status: Status) -> None:
@@ -68,28 +67,23 @@ class SurveyTopics:
 
     def status_message(self, status: Status) -> ControlStatus:
         """Return the message with state and message."""
-        message = ControlStatus(**message_fields(status.full_message))
+        message = ControlStatus(
+            code=int(status.state),
+            survey_id=status.survey_id,
+            simulated=self.simulated,
+            plan_id=status.plan_id,
+            plan_set_by=status.plan_set_by,
+            **message_fields(status.full_message),
+        )
         message.header.stamp = rospy.Time.now()
-        message.code = int(status.state)
-        message.survey_id = status.survey_id
-        message.simulated = self.simulated
-        message.plan_id = status.plan_id
-        message.plan_set_by = status.plan_set_by
         return message
 
     def _publish_target(self, status: Status) -> None:
-        message = Coordinates()
-        message.header.stamp = rospy.Time.now()
-        message.header.frame_id = BASE_LINK
         target = status.target
-        message.x_mm = NO_TARGET if target is None else target.x_mm
-        message.y_mm = NO_TARGET if target is None else target.y_mm
-        message.z_deg = NO_TARGET if target is None else target.z_deg
-        self._target.publish(message)
-
-    def publish_progress(self, status: Status) -> None:
-        self._publish_target(status)
-        self._progress.publish(progress_message(status))
+        place = (NO_TARGET,) * 3
+        if target is not None:
+            place = target.x_mm, target.y_mm, target.z_deg
+        self._target.publish(_coordinates(place))
 
     def publish_coverage(self, coverage: Coverage, survey_id: str) -> None:
         self._coverage.publish(coverage_message(coverage, survey_id))
@@ -104,62 +98,66 @@ class SurveyTopics:
             rospy.loginfo("service: %s", activity)
         self._service.publish(ServiceStatus(busy=activity is not None, **fields))
 
-    def publish_current(self, robot: Robot) -> None:
-        """Publish the position of the axes, once all of them have reported theirs.
+    def publish(self, robot: Robot, status: Status) -> None:
+        """Publish the position of the axes, once all have reported theirs, and the progress.
 
-        Called 10 times a second; a position that has not changed is published twice a second.
+        Called 10 times a second.
         """
+        self._ticks += 1
+        if self._ticks % SLOW_TICKS == 0:
+            self._publish_target(status)
+            self._progress.publish(progress_message(status))
         readings = [axis.reading() for axis in robot.axes.values()]
         present = tuple(reading.coordinate for reading in readings if reading is not None)
-        if len(present) < len(readings):
-            return
-        self._unchanged = self._unchanged + 1 if present == self._position else 0
-        self._position = present
-        if self._unchanged % UNCHANGED_TICKS:
-            return
-        message = Coordinates()
-        message.header.stamp = rospy.Time.now()
-        message.header.frame_id = BASE_LINK
-        message.x_mm, message.y_mm, message.z_deg = present
-        self._current.publish(message)
+        changed = present != self._position
+        if len(present) == len(readings) and (changed or self._ticks % SLOW_TICKS == 0):
+            self._position = present
+            self._current.publish(_coordinates(present))
 
 
-def stated(status: Status) -> Tuple[SurveyState, Message, str, str]:
-    """Return the content of the message with state and message."""
+def _coordinates(place: Sequence[float]) -> Coordinates:
+    message = Coordinates()
+    message.header.stamp = rospy.Time.now()
+    message.header.frame_id = BASE_LINK
+    message.x_mm, message.y_mm, message.z_deg = place
+    return message
+
+
+def _stated(status: Status) -> Tuple[object, ...]:
     return status.state, status.full_message, status.plan_id, status.plan_set_by
 
 
-def progress_of(status: Status) -> Tuple[str, int, int, float]:
-    """Return the content of the message with the progress of the survey."""
+def _progress(status: Status) -> Tuple[object, ...]:
     return status.survey_id, status.total_points, status.visited_points, status.remaining_s
 
 
 def progress_message(status: Status) -> SurveyData:
     """Return the message with the progress of the survey."""
-    message = SurveyData()
+    message = SurveyData(
+        survey_id=status.survey_id,
+        completion_percent=status.completion_percent,
+        total_points=status.total_points,
+        visited_points=status.visited_points,
+        remaining_points=status.total_points - status.visited_points,
+        remaining_time=rospy.Duration.from_sec(status.remaining_s),
+    )
     message.header.stamp = rospy.Time.now()
-    message.survey_id = status.survey_id
-    message.completion_percent = status.completion_percent
-    message.total_points = status.total_points
-    message.visited_points = status.visited_points
-    message.remaining_points = status.total_points - status.visited_points
-    message.remaining_time = rospy.Duration.from_sec(status.remaining_s)
     return message
 
 
 def coverage_message(coverage: Coverage, survey_id: str) -> SurveyCoverage:
     """Return the message with the state of each planned sample."""
     reasons = sorted(coverage.reasons.items())
-    verdict = coverage.verdict().message
-    message = SurveyCoverage()
+    verdict, runs = coverage.verdict().message, coverage.runs()
+    message = SurveyCoverage(
+        survey_id=survey_id,
+        planned=coverage.planned,
+        run_starts=[start for start, _state in runs],
+        run_states=bytes(state for _start, state in runs),
+        failures=[f"{index}: {reason}" for index, reason in reasons],
+        failure_faults=[fault_of(reason) for _index, reason in reasons],
+        verdict=str(verdict),
+        verdict_fault=fault_of(verdict),
+    )
     message.header.stamp = rospy.Time.now()
-    message.survey_id = survey_id
-    runs = coverage.runs()
-    message.planned = coverage.planned
-    message.run_starts = [start for start, _state in runs]
-    message.run_states = bytes(state for _start, state in runs)
-    message.failures = [f"{index}: {reason}" for index, reason in reasons]
-    message.failure_faults = [fault_of(reason) for _index, reason in reasons]
-    message.verdict = str(verdict)
-    message.verdict_fault = fault_of(verdict)
     return message

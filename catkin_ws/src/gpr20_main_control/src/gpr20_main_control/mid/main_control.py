@@ -14,11 +14,16 @@ from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message, in_a_row
 from gpr20_main_control import faults
 from gpr20_main_control.errors import RequestRefusedError
-from gpr20_main_control.mid.analyzer_test import TEST_SWEEP, run_analyzer_test
 from gpr20_main_control.mid.check_verdict import Verdict
 from gpr20_main_control.mid.daily_check_steps import DailyCheckSteps
 from gpr20_main_control.mid.devices.robot import Robot, SurveyEnd
-from gpr20_main_control.mid.service import AxisMove, AxisService, ServiceSlot
+from gpr20_main_control.mid.service import (
+    TEST_SWEEP,
+    AxisMove,
+    AxisService,
+    ServiceSlot,
+    run_analyzer_test,
+)
 from gpr20_main_control.mid.survey.engine import NOTHING, Accepted, SurveyEngine
 from gpr20_main_control.mid.survey.running_survey import RunningSurvey
 from gpr20_main_control.mid.survey.survey_archive import interruption_remark
@@ -30,7 +35,6 @@ from gpr20_survey.plan.annotation import EMPTY, Annotation
 from gpr20_survey.plan.survey_parameters import SurveyParameters, SurveySettings, check_address
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_survey.results.analyzer_test import AnalyzerTest
-from gpr20_survey.results.reopened_survey import ReopenedSurvey
 from gpr20_survey.trace.trace import SURVEY_ID
 
 # A request waits this long for another one to end [s].
@@ -58,17 +62,10 @@ class MainControl:
     ) -> None:
         """Build it; no survey runs.
 
-        Args:
-            robot: The parts of the robot.
-            settings: Settings of every survey.
-            status: What is shown of the survey.
-            clock: For time limits.
-            defaults: Operator, site and position of surveys that are started without.
-            on_service: Called with what is done for maintenance, and None when it has ended.
+        `defaults` are those of surveys that are started without, `on_service` is called with what
+        is done for maintenance, and None when it has ended.
         """
-        self._defaults = defaults
-        self._robot = robot
-        self._settings = settings
+        self._robot, self._settings, self._defaults = robot, settings, defaults
         self._status = status
         self._interruption = Interruption(robot.nodes, clock)
         self._service = ServiceSlot(robot.axes, clock, on_service)
@@ -84,29 +81,19 @@ class MainControl:
     def set_parameters(self, parameters: SurveyParameters, set_by: str = "") -> SurveyPlan:
         """Check the parameters and plan the next survey; nothing moves.
 
-        Args:
-            parameters: What to measure.
-            set_by: Node that sets them.
-
         Raises:
             RequestRefusedError: A survey is running.
-            InvalidValueError: Parameters are not allowed; each is named.
-            InvalidValueError: The parts of the robot have not described themselves, or disagree.
+            InvalidValueError: Parameters are not allowed, each is named; or the parts of the robot
+                have not described themselves, or disagree.
         """
         stops = self._stops
         with self._one_at_a_time():
-            self._refuse_while_running(
-                Message(
-                    "the parameters cannot be changed while a survey is running; stop it or wait "
-                    "for its end"
-                )
-            )
+            self._refuse_while_running()
             description = self._robot.description
             config = description.config(STARTING_LIMIT_S)
             address = parameters.vna_address or description.analyzer_address()
             parameters = replace(parameters, vna_address=address)
-            plan = plan_survey(parameters, config, self._settings)
-            self._plan = replace(plan, set_by=set_by)
+            self._plan = replace(plan_survey(parameters, config, self._settings), set_by=set_by)
             self._stops_at_plan = stops
             self._status.set_plan(self._plan)
             return self._plan
@@ -132,13 +119,7 @@ class MainControl:
                 been set since, or STOP was requested since.
         """
         with self._one_at_a_time():
-            self._refuse_while_running(
-                Message(
-                    "no survey can be started while another one is running; stop it or wait for "
-                    "its end"
-                )
-            )
-            self._service.refuse_while_busy()
+            self._refuse_while_busy()
             if self._plan is None:
                 raise RequestRefusedError(
                     Message("no parameters have been set; set them, then start"),
@@ -160,12 +141,11 @@ class MainControl:
             plan = plan_survey(
                 self._plan.parameters, self._robot.description.config(), self._settings
             )
-            annotation = annotation.with_defaults(self._defaults)
             plan = replace(
                 plan,
                 set_by=self._plan.set_by,
                 survey_id=str(uuid.uuid4()),
-                annotation=annotation,
+                annotation=annotation.with_defaults(self._defaults),
                 refines=_checked_refines(refines),
                 permittivity=permittivity,
             )
@@ -227,9 +207,6 @@ class MainControl:
             survey: Empty for the paused survey; otherwise a survey's id or its folder's name.
             accepted: What the operator accepts; usually nothing.
 
-        Returns:
-            What happens now.
-
         Raises:
             RequestRefusedError: There is nothing to resume, or this robot cannot resume it.
             DeviceError: The survey could not be reopened.
@@ -239,37 +216,41 @@ class MainControl:
         with self._one_at_a_time():
             status = self._status.status
             if status.state is SurveyState.PAUSED and self._engine is not None:
-                folder_end = f"_{status.survey_id[:8]}"
-                if survey not in ("", status.survey_id) and not survey.endswith(folder_end):
+                resuming = self._resume_paused(self._engine, survey, accepted)
+            else:
+                self._refuse_while_busy()
+                if not survey:
                     raise RequestRefusedError(
                         Message(
-                            "the paused survey is {paused}, not {requested}; resume it, or stop it "
-                            "first",
-                            paused=status.survey_id,
-                            requested=repr(survey[:64]),
+                            "no survey is paused; name the survey to resume",
+                            details=status.state.name,
                         ),
-                        fault=IN_USE,
+                        fault=NONE_OPEN,
                     )
-                # Before the answer, after which the survey must no longer be shown as paused.
-                checking = Message("Checking the robot before the survey continues")
-                self._status.enter(SurveyState.CHECKING, checking)
-                self._engine.resume(accepted)
-                return self._unless_refused(Message("Resuming"))
-            self._refuse_while_running(
+                resuming = self._resume_from_disk(survey, accepted, stops)
+            # The survey may have paused again because of its analyzer.
+            assert self._engine is not None
+            refusal = self._engine.refusal(ANALYZER_LIMIT_S)
+            if refusal is not None:
+                raise refusal
+            return resuming
+
+    def _resume_paused(self, engine: SurveyEngine, survey: str, accepted: Accepted) -> Message:
+        paused = self._status.status.survey_id
+        if survey not in ("", paused) and not survey.endswith(f"_{paused[:8]}"):
+            raise RequestRefusedError(
                 Message(
-                    "no survey can be resumed while another one is running; stop it or wait for "
-                    "its end"
-                )
+                    "the paused survey is {paused}, not {requested}; resume it, or stop it first",
+                    paused=paused,
+                    requested=repr(survey[:64]),
+                ),
+                fault=IN_USE,
             )
-            self._service.refuse_while_busy()
-            if not survey:
-                raise RequestRefusedError(
-                    Message(
-                        "no survey is paused; name the survey to resume", details=status.state.name
-                    ),
-                    fault=NONE_OPEN,
-                )
-            return self._unless_refused(self._resume_from_disk(survey, accepted, stops))
+        # Before the answer, after which the survey must no longer be shown as paused.
+        checking = Message("Checking the robot before the survey continues")
+        self._status.enter(SurveyState.CHECKING, checking)
+        engine.resume(accepted)
+        return Message("Resuming")
 
     def move_for_service(self, move: AxisMove) -> Message:
         """Move one axis for maintenance and return, when it is at rest, where it is.
@@ -280,7 +261,7 @@ class MainControl:
             StopRequested: A stop was requested; the axis is at rest.
         """
         with self._in_service(move.activity):
-            return AxisService(self._robot, self._service.interruption).execute(move)
+            return AxisService(self._robot, move, self._service.interruption).execute()
 
     def test_analyzer(self, address: str) -> AnalyzerTest:
         """Test the analyzer at an address; empty: as the robot is configured.
@@ -309,12 +290,7 @@ class MainControl:
     def _in_service(self, activity: Message) -> Iterator[None]:
         stops = self._stops
         with self._one_at_a_time():
-            self._refuse_while_running(
-                Message(
-                    "no service is possible while a survey is running or paused; stop the survey "
-                    "or wait for its end"
-                )
-            )
+            self._refuse_while_running()
             self._service.claim(activity)
         try:
             # From now on a STOP reaches the action.
@@ -346,9 +322,15 @@ class MainControl:
         finally:
             self._requests.release()
 
-    def _refuse_while_running(self, refusal: Message) -> None:
+    def _refuse_while_busy(self) -> None:
+        self._refuse_while_running()
+        self._service.refuse_while_busy()
+
+    def _refuse_while_running(self) -> None:
         if self._status.status.state.running:
-            raise RequestRefusedError(refusal)
+            raise RequestRefusedError(
+                Message("a survey is running or paused: stop it, or wait for its end")
+            )
         # The state is final a moment before the thread has ended.
         if self._thread is not None:
             self._thread.join(ENDING_LIMIT_S)
@@ -368,14 +350,6 @@ class MainControl:
                 fault=faults.STOPPED_BEFORE,
             )
 
-    def _unless_refused(self, resuming: Message) -> Message:
-        """Return the message, unless the survey paused again because of its analyzer."""
-        assert self._engine is not None
-        refusal = self._engine.refusal(ANALYZER_LIMIT_S)
-        if refusal is not None:
-            raise refusal
-        return resuming
-
     def _resume_from_disk(self, survey: str, accepted: Accepted, stops: int) -> Message:
         storage = self._robot.storage
         reopened = self._robot.storage_calls.call(lambda: storage.reopen(survey), lambda: None)
@@ -386,7 +360,8 @@ class MainControl:
         except Gpr20Error as error:
             # Refused, so it must not stay open.
             refusal = Message("not resumed: {reason}", reason=error.message)
-            storage.close(reopened.survey_id, _refused_end(reopened, refusal))
+            status = Status(SurveyState.FAILED, refusal, reopened.survey_id)
+            storage.close(reopened.survey_id, SurveyEnd("failed", refusal, status))
             raise
         pending, total = len(plan.pending), plan.total_points
         resuming = Message(
@@ -409,12 +384,6 @@ class MainControl:
             self._interruption.stop.set()
         self._thread = threading.Thread(target=engine.run, name="survey")
         self._thread.start()
-
-
-def _refused_end(reopened: ReopenedSurvey, refusal: Message) -> SurveyEnd:
-    """Return the end of a survey that was reopened but cannot continue on this robot."""
-    status = Status(SurveyState.FAILED, refusal, reopened.survey_id)
-    return SurveyEnd("failed", refusal, status)
 
 
 def _checked_refines(survey_id: str) -> str:

@@ -1,13 +1,19 @@
-"""Maintenance outside a survey: one action at a time, which a stop ends; moves of one axis."""
+"""Maintenance outside a survey: one action at a time, which a stop ends.
+
+Moves of one axis, and a test of the analyzer: connection, identity, calibration, one sweep.
+"""
 
 from __future__ import annotations
 
 import enum
 import math
 import threading
-from dataclasses import dataclass
-from typing import Callable, Mapping, Optional
+from dataclasses import dataclass, replace
+from typing import Callable, Mapping, Optional, TypeVar
 
+import numpy as np
+
+from gpr20_common.errors import Gpr20Error
 from gpr20_common.faults import ASKED_FOR, IN_USE, NOT_ALLOWED
 from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message, numeral
@@ -20,10 +26,21 @@ from gpr20_main_control.mid.waits import StopInterruption
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.axes.axis_parameters import AxisParameters
 from gpr20_survey.faults import NOT_HOMED, ZERO_UNKNOWN
-from gpr20_survey.plan.robot_description import axis_parameters
+from gpr20_survey.plan.robot_description import ANALYZER, axis_parameters
+from gpr20_survey.radar.frequency_to_delay import decibels
+from gpr20_survey.results.analyzer_test import AnalyzerTest
+from gpr20_survey.trace.sweep import Sweep
+from gpr20_survey.trace.sweep_settings import SweepSettings
 
 # A stopped axis ramps down within this time [s]; one that does not is reported as moving.
 REST_LIMIT_S = 10.0
+# What is swept if no survey has been planned yet.
+TEST_SWEEP = SweepSettings(600.0e6, 6.0e9, 101)
+MICRO = 1.0e-6
+# Below any analyzer's noise; a level of nothing has no logarithm.
+LOWEST_LEVEL = 1.0e-15
+
+Result = TypeVar("Result")
 
 
 class ServiceSlot:
@@ -39,23 +56,15 @@ class ServiceSlot:
         clock: Clock,
         on_change: Callable[[Optional[Message]], None],
     ) -> None:
-        """Begin with no action.
+        """Begin with no action, with which the axes are stopped.
 
-        Args:
-            axes: Stopped with the action.
-            clock: The clock of every wait.
-            on_change: Called with what is done when an action begins, and None when it has ended.
+        `on_change` is called with what is done when one begins, and None when it has ended.
         """
         self.interruption = StopInterruption(clock)
         self._axes = axes
         self._on_change = on_change
         self._lock = threading.Lock()
         self._activity: Optional[Message] = None
-
-    @property
-    def activity(self) -> Optional[Message]:
-        """What is done now; None: nothing."""
-        return self._activity
 
     def claim(self, activity: Message) -> None:
         """Begin an action; `release` ends it.
@@ -116,13 +125,7 @@ class AxisAction(enum.IntEnum):
 
 @dataclass(frozen=True)
 class AxisMove:
-    """A request for one axis.
-
-    Attributes:
-        axis: Which axis.
-        action: What it does.
-        distance: How far a jog goes [mm or deg].
-    """
+    """A request for one axis, and how far a jog goes [mm or deg]."""
 
     axis: AxisId
     action: AxisAction
@@ -174,81 +177,100 @@ def axis_move(axis: str, action: int, distance: float) -> AxisMove:
 
 
 class AxisService:
-    """Carries out the requests for one axis at a time."""
+    """Carries out a request for one axis."""
 
-    def __init__(self, robot: Robot, interruption: StopInterruption) -> None:
-        self._robot = robot
-        self._interruption = interruption
+    def __init__(self, robot: Robot, move: AxisMove, interruption: StopInterruption) -> None:
+        self._move, self._axis_id, self._interruption = move, move.axis, interruption
+        self._axis = robot.axes[move.axis]
+        self._parameters = axis_parameters(move.axis, robot.description.nodes)
+        self._leases = AxisLeases(robot.axes, interruption.attention)
+        self._positioner = Positioner(
+            {move.axis: self._axis},
+            {move.axis: self._parameters},
+            interruption,
+            robot.workers,
+            self._leases,
+        )
 
-    def execute(self, move: AxisMove) -> Message:
-        """Carry out a request and return, when the axis is at rest, where it is.
+    def execute(self) -> Message:
+        """Carry out the request and return, when the axis is at rest, where it is.
 
         Raises:
             RequestRefusedError: It is not possible now; nothing moved.
             DeviceError: The axis failed.
             StopRequested: A stop was requested; the axis is at rest.
         """
-        parameters = axis_parameters(move.axis, self._robot.description.nodes)
-        axes = {move.axis: self._robot.axes[move.axis]}
-        leases = AxisLeases(self._robot.axes, self._interruption.attention)
-        positioner = Positioner(
-            axes, {move.axis: parameters}, self._interruption, self._robot.workers, leases
-        )
         try:
             self._interruption.check()
-            leases.ensure(axes)
-            if move.action is AxisAction.HOME:
-                positioner.home(again=axes)
-                return Message("The {axis} axis is homed.", axis=move.axis.value)
-            if move.action is AxisAction.SET_ZERO:
-                return self._set_zero(move.axis, parameters)
-            return self._jog(move, parameters, positioner)
+            self._leases.ensure([self._axis_id])
+            if self._move.action is AxisAction.HOME:
+                self._positioner.home(again=[self._axis_id])
+                return Message("The {axis} axis is homed.", axis=self._axis_id.value)
+            if self._move.action is AxisAction.SET_ZERO:
+                return self._set_zero()
+            return self._jog()
         except DeviceError:
-            positioner.stop()
+            self._positioner.stop()
             raise
         except StopRequested as error:
-            positioner.stop()
-            raise StopRequested(self._stopped(move.axis, positioner)) from error
+            self._positioner.stop()
+            raise StopRequested(self._stopped()) from error
         finally:
-            leases.release()
+            self._leases.release()
 
-    def _set_zero(self, axis_id: AxisId, parameters: AxisParameters) -> Message:
-        if parameters.finds_zero:
+    def _set_zero(self) -> Message:
+        axis = self._axis_id.value
+        if self._parameters.finds_zero:
             raise RequestRefusedError(
                 Message(
                     "the endstop determines the zero of the {axis} axis; home it instead",
-                    axis=axis_id.value,
+                    axis=axis,
                 ),
                 fault=NOT_HOMED,
             )
-        self._robot.axes[axis_id].set_zero()
-        return Message("The present angle of the {axis} axis is its zero.", axis=axis_id.value)
+        self._axis.set_zero()
+        return Message("The present angle of the {axis} axis is its zero.", axis=axis)
 
-    def _jog(self, move: AxisMove, parameters: AxisParameters, positioner: Positioner) -> Message:
-        reading = positioner.reading(move.axis)
+    def _jog(self) -> Message:
+        parameters, distance = self._parameters, self._move.distance
+        place = {"axis": self._axis_id.value, "unit": self._axis_id.unit}
+        reading = self._positioner.reading(self._axis_id)
         if reading.moving:
             raise RequestRefusedError(
-                Message("the {axis} axis is already moving; press STOP", axis=move.axis.value),
+                Message("the {axis} axis is already moving; press STOP", axis=place["axis"]),
                 fault=faults.AXIS_MOVES,
             )
+        if not reading.homed and not parameters.finds_zero:
+            raise RequestRefusedError(
+                Message(
+                    "the angle of the {axis} axis is unknown; home it, or set its zero",
+                    axis=place["axis"],
+                ),
+                fault=ZERO_UNKNOWN,
+            )
         if not reading.homed:
-            raise RequestRefusedError(_not_homed(move.axis, parameters))
-        target = jog_target(parameters, reading.coordinate, move.distance)
-        place = {"axis": move.axis.value, "unit": move.axis.unit}
-        ends = {"low": parameters.min_coord, "high": parameters.max_coord}
-        if (target - reading.coordinate) * move.distance <= 0.0:
+            raise RequestRefusedError(
+                Message(
+                    "the {axis} axis is not homed: its position is unknown; home it, then move it",
+                    axis=place["axis"],
+                ),
+                fault=NOT_HOMED,
+            )
+        target = jog_target(parameters, reading.coordinate, distance)
+        if (target - reading.coordinate) * distance <= 0.0:
             raise RequestRefusedError(
                 Message(
                     "the {axis} axis is at {coordinate:.6g} {unit}, the end of its range from "
                     "{low:g} to {high:g} {unit}; move it the other way",
                     coordinate=reading.coordinate,
+                    low=parameters.min_coord,
+                    high=parameters.max_coord,
                     **place,
-                    **ends,
                 ),
                 fault=NOT_ALLOWED,
             )
-        positioner.move_axis(move.axis, target)
-        if abs(target - reading.coordinate) < abs(move.distance) - parameters.step_size:
+        self._positioner.move({self._axis_id: target})
+        if abs(target - reading.coordinate) < abs(distance) - parameters.step_size:
             return Message(
                 "The {axis} axis is at {coordinate:.6g} {unit}, the end of its range.",
                 coordinate=target,
@@ -256,20 +278,20 @@ class AxisService:
             )
         return Message("The {axis} axis is at {coordinate:.6g} {unit}.", coordinate=target, **place)
 
-    def _stopped(self, axis_id: AxisId, positioner: Positioner) -> Message:
-        moving = positioner.wait_for_rest(REST_LIMIT_S)
+    def _stopped(self) -> Message:
+        moving = self._positioner.wait_for_rest(REST_LIMIT_S)
         if moving is not None:
             return moving
-        reading = self._robot.axes[axis_id].reading()
+        reading, axis = self._axis.reading(), self._axis_id.value
         if reading is None or not reading.homed:
-            return Message("stopped; the {axis} axis is not homed", axis=axis_id.value).with_fault(
+            return Message("stopped; the {axis} axis is not homed", axis=axis).with_fault(
                 NOT_HOMED.as_note()
             )
         return Message(
             "stopped; the {axis} axis is at {coordinate:.6g} {unit}",
-            axis=axis_id.value,
+            axis=axis,
             coordinate=reading.coordinate,
-            unit=axis_id.unit,
+            unit=self._axis_id.unit,
         ).with_fault(ASKED_FOR)
 
 
@@ -287,12 +309,41 @@ def jog_target(parameters: AxisParameters, coordinate: float, distance: float) -
     return parameters.coordinate_of(max(lowest, min(highest, steps)))
 
 
-def _not_homed(axis_id: AxisId, parameters: AxisParameters) -> Message:
-    if not parameters.finds_zero:
-        return Message(
-            "the angle of the {axis} axis is unknown; home it, or set its zero", axis=axis_id.value
-        ).with_fault(ZERO_UNKNOWN)
-    return Message(
-        "the {axis} axis is not homed: its position is unknown; home it, then move it",
-        axis=axis_id.value,
-    ).with_fault(NOT_HOMED)
+def run_analyzer_test(
+    robot: Robot, address: str, settings: SweepSettings, interruption: StopInterruption
+) -> AnalyzerTest:
+    """Test the analyzer and release it; nothing moves. Return what was found up to a failure."""
+    nodes, analyzer = robot.description.nodes, robot.analyzer
+    if not address and ANALYZER in nodes:
+        address = str(nodes[ANALYZER].configuration.get("address", ""))
+    test = AnalyzerTest(address)
+
+    def call(one: Callable[[], Result]) -> Result:
+        return robot.analyzer_calls.call(one, interruption.check)
+
+    try:
+        test = replace(test, identity=call(lambda: analyzer.connect(address)))
+        if robot.description.problem() is None:
+            robot.description.check_identity(test.identity, robot.description.config())
+        test = replace(test, calibration=call(analyzer.calibration).status.name)
+        call(lambda: analyzer.configure(settings))
+        unconfirmed = call(analyzer.sweep)
+        call(lambda: analyzer.confirm(unconfirmed.number))
+        test = _with_sweep(test, unconfirmed.sweep)
+    except StopRequested:
+        test = replace(test, failure=Message("the test was stopped").with_fault(ASKED_FOR))
+    except Gpr20Error as error:
+        test = replace(test, failure=error.message)
+    # Without waiting: behind a call that hangs it comes late, but before any later call.
+    robot.analyzer_calls.begin(analyzer.release)
+    return test
+
+
+def _with_sweep(test: AnalyzerTest, sweep: Sweep) -> AnalyzerTest:
+    level = float(np.median(np.hypot(sweep.s21_real, sweep.s21_imag)))
+    return replace(
+        test,
+        points=len(sweep.frequency_hz),
+        sweep_duration_s=MICRO * (sweep.sweep_ended_us - sweep.sweep_started_us),
+        level_db=float(decibels(level, LOWEST_LEVEL)),
+    )

@@ -12,6 +12,7 @@ from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message, verbatim
 from gpr20_main_control.errors import NodeLostError
 from gpr20_main_control.mid.devices.node_liveness import (
+    CONNECTIONS,
     SILENCE_LIMIT_S,
     START_LIMIT_S,
     NodeLiveness,
@@ -133,6 +134,30 @@ def test_a_node_with_one_connection_that_hangs_is_asked_over_the_others(liveness
     for _time in range(3):
         nodes.refresh()
         assert nodes.missing() == []
+
+
+class AskedOften(FakeProbe):
+    """A node that answers, and has been asked so often that all others had their turns."""
+
+    def __init__(self):
+        super().__init__()
+        self.often = threading.Event()
+
+    def process(self):
+        if self.asked > 100:
+            self.often.set()
+        return super().process()
+
+
+def test_nodes_that_hang_never_hold_the_last_thread_that_asks(liveness):
+    hanging = {name: [FakeProbe() for _one in range(CONNECTIONS)] for name in "abcdef"}
+    for probes in hanging.values():
+        for one in probes:
+            one.answering.clear()
+    alive = AskedOften()
+    nodes = liveness(0.001, **hanging, y=[alive])
+    assert alive.often.wait(LIMIT_S)
+    assert nodes.missing() == list("abcdef")
 
 
 def test_an_answer_that_is_late_is_no_lost_node_and_silence_is_one():

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import threading
 import time
-from dataclasses import dataclass
-from typing import Dict, Iterable, List, Mapping, Optional, Protocol
+from typing import Dict, Iterable, List, Mapping, Optional
 
 from gpr20_main_control.errors import NodeLostError
+from gpr20_main_control.mid.devices.robot import Axis, Lease
 from gpr20_main_control.mid.waits import Attention
 from gpr20_survey.axes.axis_id import AxisId
 
@@ -15,70 +15,29 @@ from gpr20_survey.axes.axis_id import AxisId
 RENEWALS = 4
 
 
-@dataclass(frozen=True)
-class Lease:
-    """A lease of one axis.
-
-    Attributes:
-        number: Its number.
-        limit_s: It ends when it is not renewed for this long [s].
-    """
-
-    number: int
-    limit_s: float
-
-
-class LeasedAxis(Protocol):
-    """What an axis needs to be reserved. Every call returns or raises within a time limit."""
-
-    def reserve(self) -> Lease:
-        """Reserve the axis.
-
-        Raises:
-            NodeLostError: No answer came.
-            DeviceError: Another node has it.
-        """
-
-    def renew(self, lease: Lease) -> bool:
-        """Renew a lease; return whether it still exists.
-
-        Raises:
-            NodeLostError: No answer came.
-        """
-
-    def release_lease(self, lease: Lease) -> None:
-        """End a lease, if the axis answers."""
-
-
 class _Keeper:
-    """Has and renews the lease of one axis."""
+    """Has and renews the lease of one axis, in a thread of its own: no axis waits for another."""
 
-    def __init__(self, axis: LeasedAxis, attention: Attention) -> None:
+    def __init__(self, axis: Axis, attention: Attention) -> None:
         self._axis = axis
         self._attention = attention
         self._lock = threading.Lock()
-        self._lease: Optional[Lease] = None
-        self._ended = threading.Event()
-
-    @property
-    def held(self) -> bool:
-        return self._lease is not None
+        # Ends the thread that keeps the present lease; None without one.
+        self._ended: Optional[threading.Event] = None
 
     def reserve(self) -> None:
         with self._lock:
-            if self._lease is not None:
+            if self._ended is not None:
                 return
-            self._lease = self._axis.reserve()
-            self._ended = threading.Event()
-            arguments = (self._lease, self._ended)
-        threading.Thread(target=self._keep, args=arguments, daemon=True).start()
+            arguments = self._axis.reserve(), threading.Event()
+            self._ended = arguments[1]
+        threading.Thread(target=self._keep, args=arguments, name="axis lease", daemon=True).start()
 
     def release(self) -> None:
         with self._lock:
-            self._ended.set()
-            lease, self._lease = self._lease, None
-        if lease is not None:
-            threading.Thread(target=self._axis.release_lease, args=(lease,), daemon=True).start()
+            ended, self._ended = self._ended, None
+        if ended is not None:
+            ended.set()
 
     def _keep(self, lease: Lease, ended: threading.Event) -> None:
         renewed_s = time.monotonic()
@@ -93,15 +52,17 @@ class _Keeper:
             except NodeLostError:
                 if time.monotonic() - renewed_s > lease.limit_s:
                     break
+        else:
+            self._axis.release_lease(lease)
         with self._lock:
-            if self._lease is lease:
-                self._lease = None
+            if self._ended is ended:
+                self._ended = None
 
 
 class AxisLeases:
     """Reserves all axes for what the main control does with them."""
 
-    def __init__(self, axes: Mapping[AxisId, LeasedAxis], attention: Attention) -> None:
+    def __init__(self, axes: Mapping[AxisId, Axis], attention: Attention) -> None:
         """Reserve nothing yet.
 
         Args:
@@ -125,8 +86,7 @@ class AxisLeases:
         wanted: List[AxisId] = list(needed)
         for axis_id, keeper in self._keepers.items():
             try:
-                if not keeper.held:
-                    keeper.reserve()
+                keeper.reserve()
             except NodeLostError:
                 if axis_id in wanted:
                     raise

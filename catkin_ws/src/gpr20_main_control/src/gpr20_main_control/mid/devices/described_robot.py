@@ -1,18 +1,22 @@
-"""What the robot is, as its nodes describe themselves, and when that becomes known."""
+"""What the robot is, as its nodes describe themselves, and what its other sensors say."""
 
 from __future__ import annotations
 
+import math
 import threading
+from collections import deque
 from dataclasses import asdict, dataclass
-from typing import Any, Callable, Dict, Mapping, Optional
+from typing import Any, Callable, Deque, Dict, List, Mapping, Optional, Sequence, Tuple
 
 from gpr20_common.errors import InvalidValueError
-from gpr20_common.message import Message
+from gpr20_common.faults import CONFIGURATION
+from gpr20_common.low.clock import Clock
+from gpr20_common.message import Fault, Message, numeral
 from gpr20_common.mid.codec import bounded
 from gpr20_common.mid.node_facts import software_difference
 from gpr20_main_control import faults
 from gpr20_main_control.errors import DeviceError
-from gpr20_survey.faults import WRONG_VNA
+from gpr20_survey.faults import SENSOR_FAILED, WRONG_VNA
 from gpr20_survey.plan.annotation import Site
 from gpr20_survey.plan.robot_description import (
     ANALYZER,
@@ -23,7 +27,10 @@ from gpr20_survey.plan.robot_description import (
     is_simulated_identity,
     robot_config,
 )
+from gpr20_survey.plan.sensors import Sensor
+from gpr20_survey.trace.aux_value import AuxValue
 from gpr20_survey.trace.ms2026c import sweep_duration_s
+from gpr20_survey.trace.sweep import storable_remark
 from gpr20_survey.trace.sweep_settings import SweepSettings
 
 # Entries of survey.json that hold the configuration of a node.
@@ -33,17 +40,19 @@ SWEEPS_OF_SETUP = 24
 # What is assumed of an analyzer whose IF bandwidth is left as it is: still enough for one sweep at
 # the narrowest of an MS2026C, 10 Hz.
 UNKNOWN_IF_BANDWIDTH_HZ = 100.0
+# A sweep is this far back at most when its trace is made [s].
+LONGEST_LAG_S = 10.0
+# Of a sensor that publishes faster, not every message is kept until then [s].
+SPACING_S = 0.01
+KEPT = round(LONGEST_LAG_S / SPACING_S)
+# Remarks of a trace on silent sensors; a trace has room for 32 of all kinds.
+MAX_REMARKS = 4
+US_PER_S = 1_000_000
 
 
 @dataclass(frozen=True)
 class TimeLimits:
-    """How long the main control waits for the answers of other nodes.
-
-    Attributes:
-        analyzer_limit_s: For an answer of the VNA driver [s].
-        height_limit_s: For an answer of the height sensor [s].
-        storage_limit_s: For an answer of the storage [s].
-    """
+    """How long the main control waits for an answer of the other nodes [s]."""
 
     analyzer_limit_s: float = bounded(0.1, 3600.0, 90.0)
     height_limit_s: float = bounded(0.1, 3600.0, 10.0)
@@ -56,25 +65,13 @@ class TimeLimits:
 
 
 class DescribedRobot:
-    """Holds the description of each node; every method may be called from any thread.
-
-    Attributes:
-        site: The robot's name and place.
-        limits: How long the main control waits for the nodes.
-    """
+    """Holds the description of each node; every method may be called from any thread."""
 
     def __init__(
         self, site: Site, limits: TimeLimits, on_change: Callable[[DescribedRobot], None]
     ) -> None:
-        """Begin with no description.
-
-        Args:
-            site: The robot's name and place.
-            limits: How long the main control waits for the nodes, to be recorded.
-            on_change: Called after each new description.
-        """
-        self.site = site
-        self.limits = limits
+        """Begin with no description; `on_change` is called after each new one."""
+        self.site, self.limits = site, limits
         self._on_change = on_change
         self._described = threading.Condition()
         self._nodes: Dict[str, NodeDescription] = {}
@@ -95,10 +92,7 @@ class DescribedRobot:
         self._on_change(self)
 
     def config(self, wait_s: float = 0.0) -> RobotConfig:
-        """Return what is fixed for the robot.
-
-        Args:
-            wait_s: How long to wait for the descriptions of nodes that are starting [s].
+        """Return what is fixed for the robot; nodes that are starting are waited for [s].
 
         Raises:
             InvalidValueError: A node has not described itself, or they disagree.
@@ -132,11 +126,7 @@ class DescribedRobot:
         return software_difference({name: one.software for name, one in self.nodes.items()})
 
     def check(self, config: RobotConfig) -> None:
-        """Return if the robot is still the one with which a survey began.
-
-        Raises:
-            DeviceError: It is not, or nobody can say.
-        """
+        """Raise a DeviceError unless the robot is still the one with which a survey began."""
         try:
             present = self.config()
         except InvalidValueError as error:
@@ -152,11 +142,7 @@ class DescribedRobot:
             )
 
     def check_identity(self, identity: str, config: RobotConfig) -> None:
-        """Return if an analyzer is simulated where the robot is, and real where it is real.
-
-        Raises:
-            DeviceError: It is not.
-        """
+        """Raise a DeviceError unless the analyzer is simulated as the robot is."""
         if is_simulated_identity(identity) and not config.simulated:
             raise DeviceError(
                 Message(
@@ -179,14 +165,191 @@ class DescribedRobot:
     def recorded(self) -> Dict[str, Any]:
         """Return what the log records about the nodes and the site."""
         nodes = self.nodes
-        present = {key: nodes[name] for key, name in RECORDED.items() if name in nodes}
         return {
             "nodes": [
                 {**asdict(one.hardware), "hardware": one.hardware.name, "name": name}
                 for name, one in sorted(nodes.items())
                 if one.hardware.name
             ],
-            **{key: dict(one.configuration) for key, one in present.items()},
+            **{
+                key: dict(nodes[name].configuration)
+                for key, name in RECORDED.items()
+                if name in nodes
+            },
             "time_limits": asdict(self.limits),
             "site": asdict(self.site),
         }
+
+
+@dataclass(frozen=True)
+class Measured:
+    """The last value of a sensor at a moment and its age [s], or why there is none that counts."""
+
+    sensor: Sensor
+    value: Optional[float]
+    age_s: Optional[float]
+    problem: Optional[Message]
+
+    @property
+    def message(self) -> Message:
+        """The value in words, or what is wrong."""
+        if self.problem is not None:
+            return self.problem
+        return Message(
+            "{value:.6g} {unit}, received {age_s:.1f} s ago",
+            value=self.value,
+            unit=self.sensor.unit,
+            age_s=self.age_s,
+        )
+
+
+class SensorInput:
+    """The last messages of one sensor; they are read only when they are needed."""
+
+    def __init__(self, sensor: Sensor, read: Callable[[Any], float], clock: Clock) -> None:
+        """Begin without a message; `read` returns the value in one or raises InvalidValueError."""
+        self.sensor = sensor
+        self._read = read
+        self._clock = clock
+        self._lock = threading.Lock()
+        self._kept: Deque[Tuple[float, Any]] = deque(maxlen=KEPT)
+        self._last: Optional[Tuple[float, Any]] = None
+
+    def note(self, content: Any) -> None:
+        """Take a message; however many there are, this costs next to nothing."""
+        now_s = self._clock.now_s()
+        with self._lock:
+            self._last = now_s, content
+            if not self._kept or now_s - self._kept[-1][0] >= SPACING_S:
+                self._kept.append(self._last)
+            # Images of a camera would fill the memory otherwise.
+            while len(self._kept) > 1 and self._kept[1][0] <= now_s - LONGEST_LAG_S:
+                self._kept.popleft()
+
+    def at(self, moment_s: float) -> Measured:
+        """Return what was known at a moment of the clock [s]."""
+        with self._lock:
+            received = [*self._kept, *([self._last] if self._last else [])]
+        before = [one for one in received if one[0] <= moment_s]
+        if not before:
+            return self._wrong(
+                Message(
+                    "nothing has been received on {topic}; check that its node runs",
+                    topic=self.sensor.topic,
+                )
+            )
+        received_s, content = before[-1]
+        age_s = moment_s - received_s
+        if age_s > self.sensor.longest_age_s:
+            return self._wrong(
+                Message(
+                    "no value for {age_s} s, at most {longest_s:g} s are allowed; check that its "
+                    "node runs",
+                    age_s=numeral(age_s, ".1f"),
+                    longest_s=self.sensor.longest_age_s,
+                ),
+                age_s,
+            )
+        try:
+            value = self._read(content)
+        except InvalidValueError as error:
+            # Its node and sensors.yaml do not agree.
+            return self._wrong(error.message, age_s, fault=CONFIGURATION)
+        if not math.isfinite(value):
+            return self._wrong(
+                Message("its value is {value}, not a finite number", value=str(value)), age_s
+            )
+        if self.sensor.is_plausible(value):
+            return Measured(self.sensor, value, age_s, None)
+        return self._wrong(
+            Message(
+                "its value {value} {unit} is not plausible; expected {low} to {high}",
+                value=numeral(value, ".6g"),
+                unit=self.sensor.unit,
+                low="-" if self.sensor.low is None else numeral(self.sensor.low),
+                high="-" if self.sensor.high is None else numeral(self.sensor.high),
+            ),
+            age_s,
+            value,
+        )
+
+    def _wrong(
+        self,
+        reason: Message,
+        age_s: Optional[float] = None,
+        value: Optional[float] = None,
+        fault: Fault = SENSOR_FAILED,
+    ) -> Measured:
+        problem = Message("sensor {sensor}: {reason}", sensor=self.sensor.name, reason=reason)
+        return Measured(self.sensor, value, age_s, problem.with_fault(fault))
+
+
+class AuxSensors:
+    """All other sensors of the robot; every method may be called from any thread."""
+
+    def __init__(self, inputs: Sequence[SensorInput], clock: Clock) -> None:
+        self._inputs = tuple(inputs)
+        self._clock = clock
+
+    def now(self) -> List[Measured]:
+        """Return what each sensor says now."""
+        now_s = self._clock.now_s()
+        return [one.at(now_s) for one in self._inputs]
+
+    def check_required(self) -> None:
+        """Raise a DeviceError if a sensor without which no survey is measured fails."""
+        _refuse_problems(self.now())
+
+    def at_sweep(self, ended_us: int) -> Tuple[Tuple[AuxValue, ...], Tuple[str, ...]]:
+        """Return the values that belong to a sweep, and remarks on those that are missing.
+
+        Of each sensor it is the last value that was received until the sweep ended.
+
+        Args:
+            ended_us: When the sweep ended [us since 1970, UTC].
+
+        Raises:
+            DeviceError: A sensor that is required is silent, or its value is not plausible.
+        """
+        if not self._inputs:
+            return (), ()
+        # Counted from now, so that ages stay right when the time of day is set.
+        lag_s = (self._clock.time_of_day_us() - ended_us) / US_PER_S
+        moment_s = self._clock.now_s() - min(max(lag_s, 0.0), LONGEST_LAG_S)
+        measured = [one.at(moment_s) for one in self._inputs]
+        _refuse_problems(measured)
+        values = tuple(
+            AuxValue(
+                one.sensor.name,
+                one.value,
+                one.sensor.unit,
+                ended_us - round((one.age_s or 0.0) * US_PER_S),
+            )
+            for one in measured
+            if one.value is not None
+        )
+        return values, _remarks(measured)
+
+    def recorded(self) -> List[Dict[str, Any]]:
+        """Return the entry `sensors` of survey.json."""
+        return [asdict(one.sensor) for one in self._inputs]
+
+
+def _refuse_problems(measured: Sequence[Measured]) -> None:
+    for one in measured:
+        if one.sensor.required and one.problem is not None:
+            raise DeviceError(
+                Message(
+                    "{problem}; check this sensor and its cable, or set required: false in "
+                    "sensors.yaml and launch again",
+                    problem=one.problem,
+                ),
+                fault=SENSOR_FAILED,
+            )
+
+
+def _remarks(measured: Sequence[Measured]) -> Tuple[str, ...]:
+    problems = [str(one.problem) for one in measured if one.problem is not None]
+    more = len(problems) - MAX_REMARKS
+    shown = [*problems[:MAX_REMARKS], *([f"{more} more sensors failed"] if more > 0 else [])]
+    return tuple(map(storable_remark, shown))

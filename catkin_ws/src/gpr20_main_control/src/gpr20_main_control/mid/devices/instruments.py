@@ -58,15 +58,9 @@ class Instruments:
         self._frequencies_hz = np.empty(0) if last is None else last.frequency_hz
 
     def check(self, next_index: int) -> AnalyzerState:
-        """Check everything that the survey needs, and return the state of the analyzer.
+        """Check all that is needed to measure a point next; return the state of the analyzer.
 
-        Nothing moves.
-
-        Args:
-            next_index: Index of the point that is measured next.
-
-        Raises:
-            DeviceError: A check failed.
+        Nothing moves. A DeviceError says which check failed.
         """
         self._survey.positioner.check_alive()
         self._robot.description.check(self._plan.config)
@@ -109,13 +103,16 @@ class Instruments:
 
     def sweep_wait(self, point: SurveyPoint) -> ExpectedWait:
         """Return what to expect of the sweep at a point."""
+        assert self._setup is not None
         action = Message("sweep at point {index}", index=point.index)
-        return self._request_wait(action, swept=True)
+        expected_s, limit_s = self._setup.sweep_duration_s, self._setup.request_limit_s
+        return ExpectedWait(THE_ANALYZER, action, expected_s, limit_s)
 
     def confirmation_wait(self, point: SurveyPoint) -> ExpectedWait:
         """Return what to expect of the confirmation of a sweep."""
+        assert self._setup is not None
         action = Message("settings after the sweep at point {index}", index=point.index)
-        return self._request_wait(action, swept=False)
+        return ExpectedWait(THE_ANALYZER, action, 0.0, self._setup.request_limit_s)
 
     def check_sweep(self, sweep: Sweep) -> None:
         """Refuse a sweep of other frequencies, or with other settings, than those of the survey.
@@ -142,14 +139,13 @@ class Instruments:
         )
 
     def _check_analyzer(self, next_index: int) -> AnalyzerState:
-        analyzer = self._robot.analyzer
+        analyzer, wanted = self._robot.analyzer, self._wanted
         address = self._plan.parameters.vna_address
         identity = self._call(lambda: analyzer.connect(address), Message("connection"))
         self._robot.description.check_identity(identity, self._plan.config)
         self._survey.analyzers.check(identity, next_index, self._survey.clock.time_of_day_us())
         # Before anything is written: without calibration there is nothing to set up.
         self._call(analyzer.calibration, Message("calibration status"))
-        wanted = self._wanted
         setup = self._call(
             lambda: analyzer.configure(wanted),
             Message("setup of the sweep"),
@@ -193,12 +189,6 @@ class Instruments:
             limit_s = self._robot.description.limits.analyzer_limit_s
         with self._waits.shown(ExpectedWait(THE_ANALYZER, action, 0.0, limit_s)) as check:
             return self._robot.analyzer_calls.call(call, check)
-
-    def _request_wait(self, action: Message, swept: bool) -> ExpectedWait:
-        """Return what to expect of the sweep of a trace, or of another request about it."""
-        assert self._setup is not None
-        expected_s = self._setup.sweep_duration_s if swept else 0.0
-        return ExpectedWait(THE_ANALYZER, action, expected_s, self._setup.request_limit_s)
 
 
 def _settings_message(settings: SweepSettings) -> Message:

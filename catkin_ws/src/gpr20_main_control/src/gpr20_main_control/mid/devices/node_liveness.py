@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import threading
 from dataclasses import dataclass
-from typing import Callable, List, Mapping, Optional, Sequence
+from typing import Callable, Dict, List, Mapping, Optional, Sequence, Tuple
 
 from gpr20_common.errors import NodeGoneError, NodeSilentError
 from gpr20_common.faults import PART_SILENT
@@ -22,6 +22,9 @@ SILENCE_LIMIT_S = 5.0
 REFRESH_LIMIT_S = SILENCE_LIMIT_S + 1.0
 # Connections to each node: while one waits for a lost packet, the others continue to ask.
 CONNECTIONS = 3
+# Threads that ask: at least two more than there are nodes. A node that hangs holds one for each of
+# its connections, but never the last: that one is for nodes that hold none.
+WATCHERS = 9
 
 
 @dataclass(frozen=True)
@@ -43,39 +46,35 @@ class _Known:
     """What is known about a node.
 
     Attributes:
+        named: Its names, for a message.
+        free: The probes that wait for no answer.
+        asking: How many probes wait for one.
         process: The number of its process; None if the node does not answer.
         accepted: The process with which the survey continues.
         seen: Whether it ever answered.
         answered_s: When it answered last [s].
+        due_s: When the next poll begins [s].
         polls: How many polls have begun.
         result: The last of these polls that had a result; earlier ones say nothing new.
-        due_s: When the next poll begins [s].
-        tickets: How many times threads have asked for a poll; each in its turn.
-        served: How many of them got one.
-        due: Notified when `due_s` has changed.
-        turn: Notified when `served` has changed.
     """
 
-    due: threading.Condition
-    turn: threading.Condition
-
+    named: Dict[str, object]
+    free: List[Callable[[], int]]
+    asking: int = 0
     process: Optional[int] = None
     accepted: Optional[int] = None
     seen: bool = False
     answered_s: float = 0.0
+    due_s: float = 0.0
     polls: int = 0
     result: int = 0
-    due_s: float = 0.0
-    tickets: int = 0
-    served: int = 0
 
 
 class NodeLiveness:
     """Polls the nodes and stores the last answer of each.
 
-    Each connection to a node is polled in a thread of its own, so that one that hangs delays no
-    other. A node is missing if its process has ended, or if it has not answered on any connection
-    for SILENCE_LIMIT_S. Every method may be called from any thread.
+    A node is missing if its process has ended, or if it has not answered on any connection for
+    SILENCE_LIMIT_S. Every method may be called from any thread.
     """
 
     def __init__(
@@ -94,22 +93,24 @@ class NodeLiveness:
                 when all of them answer.
             period_s: Time between two polls of a node [s].
         """
-        self._nodes = dict(nodes)
         self._clock = clock
         self._on_change = on_change
         self._period_s = period_s
         # Conditions share a lock: an answer wakes only the threads that wait for it.
         lock = threading.RLock()
-        self._changed = threading.Condition(lock)
-        self._new_known = lambda: _Known(threading.Condition(lock), threading.Condition(lock))
-        self._known = {name: self._new_known() for name in nodes}
+        self._changed, self._due = threading.Condition(lock), threading.Condition(lock)
+        # One thread waits for the next poll; the others are spare while polls have no answer.
+        self._turn = threading.Lock()
+        self._known: Dict[str, _Known] = {}
         self._reported: Optional[Message] = None
         self._starting_until_s = clock.now_s() + START_LIMIT_S
         self._ended = False
+        for name, node in nodes.items():
+            self.watch(name, node)
 
     def start(self) -> None:
-        for name in self._nodes:
-            self._start_watch(name)
+        for _one in range(WATCHERS):
+            threading.Thread(target=self._watch, name="node watch", daemon=True).start()
 
     def watch(self, name: str, node: WatchedNode) -> None:
         """Poll one more node, which is noted as silent at first; a node that is polled stays.
@@ -117,24 +118,15 @@ class NodeLiveness:
         The processes that a survey accepted before do not include it: nothing is lost.
         """
         with self._changed:
-            if name in self._nodes:
-                return
-            self._nodes[name] = node
-            self._known[name] = self._new_known()
-        self._start_watch(name)
-
-    def _start_watch(self, name: str) -> None:
-        for probe in self._nodes[name].probes:
-            threading.Thread(
-                target=self._watch, args=(name, probe), name=f"watch {name}", daemon=True
-            ).start()
+            if name not in self._known:
+                named = {"node": node.plain_name, "details": name}
+                self._known[name] = _Known(named, list(node.probes))
+                self._due.notify_all()
 
     def stop(self) -> None:
         with self._changed:
             self._ended = True
-            for known in self._known.values():
-                known.due.notify_all()
-                known.turn.notify_all()
+            self._due.notify_all()
 
     def refresh(self) -> None:
         """Poll every node now; return when all have answered or are known to be missing."""
@@ -142,13 +134,13 @@ class NodeLiveness:
             before = {name: known.polls for name, known in self._known.items()}
             for known in self._known.values():
                 known.due_s = self._clock.now_s()
-                known.due.notify_all()
+            self._due.notify_all()
             self._changed.wait_for(
                 lambda: all(self._known[name].result > polls for name, polls in before.items()),
                 REFRESH_LIMIT_S,
             )
             for name in before:
-                self._note_silence(name)
+                self.note_late(name)
 
     def note_alive(self, name: str, process: int) -> None:
         """Note that a node has answered, and the number of its process."""
@@ -167,7 +159,10 @@ class NodeLiveness:
     def note_late(self, name: str) -> None:
         """Note that one answer of a node did not come in time."""
         with self._changed:
-            self._note_silence(name)
+            known = self._known[name]
+            if self._clock.now_s() - known.answered_s > SILENCE_LIMIT_S:
+                known.process = None
+            self._report_missing()
 
     def missing(self) -> List[str]:
         """Return the nodes that do not answer."""
@@ -183,26 +178,13 @@ class NodeLiveness:
     def lost(self) -> Optional[Message]:
         """Return which nodes stopped answering or restarted since `accept`; None if no node."""
         with self._changed:
-            missing = self.missing()
-            restarted = [
-                name
-                for name, known in self._known.items()
-                if known.process is not None and known.process != known.accepted
-            ]
-        return _joined(
-            [
-                Message(
-                    "{node} stopped answering", node=self._plain_name(name), details=name
-                ).with_fault(PART_SILENT)
-                for name in missing
-            ]
-            + [
-                Message("{node} restarted", node=self._plain_name(name), details=name).with_fault(
-                    PART_SILENT
-                )
-                for name in restarted
-            ]
-        )
+            known = list(self._known.values())
+            silent = [one for one in known if one.process is None]
+            other = [one for one in known if one.process not in (None, one.accepted)]
+            return _joined(
+                [Message("{node} stopped answering", **one.named) for one in silent]
+                + [Message("{node} restarted", **one.named) for one in other]
+            )
 
     def check(self) -> None:
         """Return if every node answers and none was restarted since `accept`.
@@ -214,85 +196,82 @@ class NodeLiveness:
         if lost is not None:
             raise NodeLostError(lost)
 
-    def _plain_name(self, name: str) -> Message:
-        return self._nodes[name].plain_name
-
     def _report_missing(self) -> None:
         starting = self._clock.now_s() < self._starting_until_s
         missing = _joined(
             [
-                Message(
-                    "{node} does not answer", node=self._plain_name(name), details=name
-                ).with_fault(PART_SILENT)
-                for name in self.missing()
-                if self._known[name].seen or not starting
+                Message("{node} does not answer", **one.named)
+                for one in self._known.values()
+                if one.process is None and (one.seen or not starting)
             ]
         )
         if missing != self._reported:
             self._reported = missing
             self._on_change(missing)
 
-    def _note_silence(self, name: str) -> None:
-        known = self._known[name]
-        if self._clock.now_s() - known.answered_s > SILENCE_LIMIT_S:
-            known.process = None
-        self._report_missing()
-
-    def _watch(self, name: str, probe: Callable[[], int]) -> None:
+    def _watch(self) -> None:
         while True:
-            poll = self._wait_for_turn(name)
-            if poll is None:
+            with self._turn:
+                begun = self._next_poll()
+            if begun is None:
                 return
-            process: Optional[int] = None
+            name, poll, probe = begun
+            process, late = None, False
             try:
                 process = probe()
             except NodeGoneError:
-                # The end of its process is certain.
-                pass
+                pass  # the end of its process is certain
             except NodeSilentError:
-                self.note_late(name)
-                continue
-            self._note_result(name, poll, process)
+                late = True
+            with self._changed:
+                known = self._known[name]
+                known.free.append(probe)
+                known.asking -= 1
+                self._due.notify()
+                if late:
+                    self.note_late(name)
+                else:
+                    self._note_result(name, poll, process)
 
-    def _wait_for_turn(self, name: str) -> Optional[int]:
-        """Wait until the node is due; return the number of the poll, None if the watch ended."""
+    def _next_poll(self) -> Optional[Tuple[str, int, Callable[[], int]]]:
+        """Wait until a node is due; return its name, the number of the poll, and how to ask.
+
+        None if the watch ended.
+        """
         with self._changed:
-            known = self._known[name]
-            # One thread waits for the time; the others are spare while its poll has no answer.
-            ticket, known.tickets = known.tickets, known.tickets + 1
-            while known.served != ticket and not self._ended:
-                known.turn.wait()
-            try:
-                return self._wait_until_due(known)
-            finally:
-                known.served += 1
-                # They wait in the order of their tickets.
-                known.turn.notify()
-
-    def _wait_until_due(self, known: _Known) -> Optional[int]:
-        while not self._ended:
-            wait_s = known.due_s - self._clock.now_s()
-            if wait_s <= 0.0:
-                known.due_s += self._period_s - wait_s
-                known.polls += 1
-                return known.polls
-            known.due.wait(wait_s)
+            while not self._ended:
+                now_s = self._clock.now_s()
+                spare = sum(one.asking for one in self._known.values()) < WATCHERS - 1
+                free = {
+                    name: one
+                    for name, one in self._known.items()
+                    if one.free and (spare or not one.asking)
+                }
+                name = min(free, key=lambda name: free[name].due_s, default="")
+                wait_s = free[name].due_s - now_s if name else None
+                if wait_s is not None and wait_s <= 0.0:
+                    known = free[name]
+                    known.due_s = now_s + self._period_s
+                    known.polls += 1
+                    known.asking += 1
+                    return name, known.polls, known.free.pop(0)
+                self._due.wait(wait_s)
         return None
 
     def _note_result(self, name: str, poll: int, process: Optional[int]) -> None:
-        with self._changed:
-            known = self._known[name]
-            # An answer that was overtaken by that to a later poll is about the past.
-            if poll > known.result:
-                known.result = poll
-                if process is None:
-                    self.note_silent(name)
-                else:
-                    self.note_alive(name, process)
-            self._changed.notify_all()
+        known = self._known[name]
+        # An answer that was overtaken by that to a later poll is about the past.
+        if poll > known.result:
+            known.result = poll
+            if process is None:
+                self.note_silent(name)
+            else:
+                self.note_alive(name, process)
+        self._changed.notify_all()
 
 
 def _joined(messages: List[Message]) -> Optional[Message]:
-    if len(messages) > 1:
-        return in_a_row(messages)
-    return messages[0] if messages else None
+    silent = [one.with_fault(PART_SILENT) for one in messages]
+    if len(silent) > 1:
+        return in_a_row(silent)
+    return silent[0] if silent else None

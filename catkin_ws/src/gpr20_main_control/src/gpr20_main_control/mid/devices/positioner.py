@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import threading
 from functools import partial
-from typing import Callable, Collection, Dict, Iterable, List, Mapping, Optional
+from typing import Callable, Collection, Dict, List, Mapping, Optional
 
 from gpr20_common.faults import MAY_MOVE, PART_LOST, PART_SILENT
 from gpr20_common.message import Fault, Message, in_a_row
@@ -49,12 +49,9 @@ class Positioner:
         workers: Workers,
         leases: AxisLeases,
     ) -> None:
-        self._leases = leases
-        self._workers = workers
-        self._axes = axes
-        self._parameters = parameters
+        self._leases, self._workers = leases, workers
+        self._axes, self._parameters = axes, parameters
         self._interruption = interruption
-        self._never = threading.Event()
         # Of each axis that was moved here: whether that motion may not have ended yet.
         self._may_move: Dict[AxisId, bool] = {}
         self._clock = interruption.clock
@@ -71,19 +68,16 @@ class Positioner:
         begun_s = self._clock.now_s()
 
         def all_publish() -> bool:
-            if self._stale():
-                return False
-            elapsed_s = self._clock.now_s() - begun_s
-            return all(self.reading(axis_id).age_s <= elapsed_s for axis_id in self._axes)
+            limit_s = min(self._clock.now_s() - begun_s, READING_LIMIT_S)
+            return all(_is_younger(axis.reading(), limit_s) for axis in self._axes.values())
 
         self._wait(all_publish, CONNECTION_LIMIT_S)
         self._leases.ensure(self._axes)
-        for axis_id in self._axes:
-            try:
-                self.reading(axis_id)
-            except NodeLostError as error:
-                # Its node is there, and waiting longer does not help.
-                raise DeviceError(error.message) from error
+        try:
+            self.zeros()
+        except NodeLostError as error:
+            # Its node is there, and waiting longer does not help.
+            raise DeviceError(error.message) from error
 
     def reading(self, axis_id: AxisId) -> AxisReading:
         """Return the last reading of an axis.
@@ -92,7 +86,7 @@ class Positioner:
             NodeLostError: The axis does not publish.
         """
         reading = self._axes[axis_id].reading()
-        if reading is None or not _is_fresh(reading):
+        if reading is None or reading.age_s > READING_LIMIT_S:
             raise NodeLostError(
                 Message(
                     "the {axis} axis has not reported its position for {limit_s:g} s; check that "
@@ -117,21 +111,10 @@ class Positioner:
         """
         readings = {axis_id: self.reading(axis_id) for axis_id in self._axes}
         for axis_id, reading in readings.items():
-            if not reading.homed:
-                raise DeviceError(
-                    Message(
-                        "the {axis} axis is not homed: its position is unknown; resume the survey "
-                        "to home it",
-                        axis=axis_id.value,
-                    ),
-                    fault=NOT_HOMED,
-                )
-        return Position(
-            readings[AxisId.X].coordinate,
-            readings[AxisId.Y].coordinate,
-            readings[AxisId.Z].coordinate,
-            zeros_of({axis_id: reading.zero for axis_id, reading in readings.items()}),
-        )
+            _refuse_not_homed(axis_id, reading)
+        x_mm, y_mm, z_deg = (readings[axis_id].coordinate for axis_id in AxisId)
+        zeros = zeros_of({axis_id: reading.zero for axis_id, reading in readings.items()})
+        return Position(x_mm, y_mm, z_deg, zeros)
 
     def zeros(self) -> Dict[AxisId, ZeroEpoch]:
         """Return the zero of each axis, or the last one of an axis that is not homed.
@@ -142,13 +125,7 @@ class Positioner:
         return {axis_id: self.reading(axis_id).zero for axis_id in self._axes}
 
     def home(self, again: Collection[AxisId] = ()) -> List[AxisId]:
-        """Home together every axis that is not homed.
-
-        Args:
-            again: Axes to home even if they are.
-
-        Returns:
-            The axes that were homed.
+        """Home together every axis that is not homed, or is to be homed again; return which.
 
         Raises:
             DeviceError: An axis could not be homed.
@@ -174,48 +151,37 @@ class Positioner:
         return pending
 
     def move_to(self, point: SurveyPoint, on_begun: Callable[[], None]) -> None:
-        """Move the axes to a point and return when all of them rest there.
+        """Move the axes, which must be homed, to a point, as `move` does."""
+        self.position()
+        self.move({AxisId.X: point.x_mm, AxisId.Y: point.y_mm, AxisId.Z: point.z_deg}, on_begun)
+
+    def move(
+        self, targets: Mapping[AxisId, float], on_begun: Callable[[], None] = lambda: None
+    ) -> None:
+        """Move axes to their targets [mm or deg] and return when all of them rest there.
 
         Args:
-            point: Where to.
+            targets: Where to.
             on_begun: Called when the axes have their targets.
 
         Raises:
             DeviceError: An axis failed; the others have been stopped.
             NodeLostError: There is no contact with an axis; the others have been stopped.
-            StopRequested: A stop of the survey was requested; the axes have been stopped.
+            StopRequested: A stop was requested; the axes have been stopped.
         """
-        targets = {AxisId.X: point.x_mm, AxisId.Y: point.y_mm, AxisId.Z: point.z_deg}
-        self.position()
-        self._move(targets, on_begun)
-
-    def move_axis(self, axis_id: AxisId, target: float) -> None:
-        """Move one axis to a target [mm or deg] and return when it rests there.
-
-        Raises:
-            DeviceError: The axis failed.
-            NodeLostError: There is no contact with the axis.
-            StopRequested: A stop was requested; the axis has been stopped.
-        """
-        self._move({axis_id: target}, lambda: None)
-
-    def _move(self, targets: Mapping[AxisId, float], on_begun: Callable[[], None]) -> None:
         self._leases.ensure(targets)
         try:
             with self._interruption.attention.needed():
-                self._move_watched(targets, on_begun)
+                moving = [axis_id for axis_id in targets if self._begin(axis_id, targets[axis_id])]
+                on_begun()
+                for axis_id in moving:
+                    self._finish(axis_id, targets[axis_id])
+                for axis_id, target in targets.items():
+                    self._wait_for_target(axis_id, target)
         except BaseException:
             # Whatever went wrong, no axis may keep moving.
             self.stop()
             raise
-
-    def _move_watched(self, targets: Mapping[AxisId, float], on_begun: Callable[[], None]) -> None:
-        moving = [axis_id for axis_id in targets if self._begin(axis_id, targets[axis_id])]
-        on_begun()
-        for axis_id in moving:
-            self._finish(axis_id, targets[axis_id])
-        for axis_id, target in targets.items():
-            self._wait_for_target(axis_id, target)
 
     def stop(self) -> None:
         """Stop every axis; returns at once."""
@@ -229,25 +195,24 @@ class Positioner:
         moved here, it is said to move: a driver that died moves nothing, because its motion ends
         without it, but one that is only unreachable looks the same, and people must be careful.
         """
-        begun_s = self._clock.now_s()
+        begun_s, never = self._clock.now_s(), threading.Event()
         while True:
             elapsed_s = self._clock.now_s() - begun_s
             readings = {axis_id: axis.reading() for axis_id, axis in self._axes.items()}
-            fresh = [one for one in readings.values() if one is not None and _is_fresh(one)]
+            fresh = {one: r for one, r in readings.items() if _is_younger(r, READING_LIMIT_S)}
             # Only readings well after the request show its effect.
-            recent = elapsed_s > STOP_EFFECT_S and all(
-                one.age_s < elapsed_s - STOP_EFFECT_S for one in fresh
-            )
-            if recent and not any(one.moving for one in fresh):
-                moved = list(self._may_move)
-                silent = [axis_id for axis_id in moved if not _is_fresh(readings[axis_id])]
-                self._may_move.update({one: False for one in moved if one not in silent})
-                return _silent(silent) if silent else None
+            if elapsed_s > STOP_EFFECT_S and all(
+                one is not None and one.age_s < elapsed_s - STOP_EFFECT_S and not one.moving
+                for one in fresh.values()
+            ):
+                silent = [axis_id for axis_id in self._may_move if axis_id not in fresh]
+                self._may_move.update({one: False for one in self._may_move if one in fresh})
+                return _may_still_move(silent) if silent else None
             if elapsed_s > limit_s:
                 return Message("AN AXIS IS STILL MOVING: switch the motors off").with_fault(
                     MAY_MOVE
                 )
-            self._clock.wait_s(self._never, POLL_S)
+            self._clock.wait_s(never, POLL_S)
 
     def _home(self, axis_id: AxisId) -> None:
         parameters = self._parameters[axis_id]
@@ -273,7 +238,7 @@ class Positioner:
     def _begin(self, axis_id: AxisId, target: float) -> bool:
         # A move of zero length is not sent: actionlib may lose the result of a goal that
         # ends before its sender has returned.
-        if self._at_target(axis_id, self.reading(axis_id), target):
+        if self._is_at(axis_id, target):
             return False
         axis = self._axes[axis_id]
         if not self._wait(axis.is_connected, CONNECTION_LIMIT_S):
@@ -291,6 +256,7 @@ class Positioner:
         limit_s = TIME_LIMIT_FACTOR * duration_s + TIME_LIMIT_EXTRA_S
         deadline_s = self._clock.now_s() + limit_s
         arrived_s: Optional[float] = None
+        place = {"axis": axis_id.value, "target": target, "unit": axis_id.unit}
         while True:
             outcome = self._axes[axis_id].move_outcome(POLL_S)
             self._interruption.check()
@@ -303,15 +269,12 @@ class Positioner:
                     Message(
                         "the {axis} axis did not end its move to {target:g} {unit} within "
                         "{limit_s:.0f} s; check its motor and its driver",
-                        axis=axis_id.value,
-                        target=target,
-                        unit=axis_id.unit,
                         limit_s=limit_s,
+                        **place,
                     ),
                     fault=AXIS_MAY_MOVE,
                 )
-            reading = self.reading(axis_id)
-            if reading.moving or not self._at_target(axis_id, reading, target):
+            if not self._rests_at(axis_id, target):
                 arrived_s = None
             elif arrived_s is None:
                 arrived_s = now_s
@@ -323,43 +286,32 @@ class Positioner:
             raise (NodeLostError if lost else DeviceError)(
                 Message(
                     "the {axis} axis did not reach {target:g} {unit}: {reason}",
-                    axis=axis_id.value,
-                    target=target,
-                    unit=axis_id.unit,
                     reason=outcome.message,
+                    **place,
                 ),
                 fault=PART_SILENT if lost else faults.BLOCKED,
             )
 
     def _wait_for_target(self, axis_id: AxisId, target: float) -> None:
         """Wait until the axis reports that it rests at the target."""
-
-        def arrived() -> bool:
-            reading = self.reading(axis_id)
-            return (
-                reading.homed and not reading.moving and self._at_target(axis_id, reading, target)
-            )
-
-        if not self._wait(arrived, changed=self._axes[axis_id].received):
-            if not self.reading(axis_id).homed:
-                raise DeviceError(
-                    Message(
-                        "the {axis} axis has lost its zero; resume the survey to home it",
-                        axis=axis_id.value,
-                    ),
-                    fault=NOT_HOMED,
-                )
-            raise DeviceError(
-                Message(
-                    "the {axis} axis is at {coordinate:g} {unit} instead of {target:g} {unit}; "
-                    "stop a paused survey and home the axis; then the survey can be resumed",
-                    axis=axis_id.value,
-                    coordinate=self.reading(axis_id).coordinate,
-                    unit=axis_id.unit,
-                    target=target,
-                ),
-                fault=faults.BLOCKED,
-            )
+        changed = self._axes[axis_id].received
+        if self._wait(
+            lambda: self.reading(axis_id).homed and self._rests_at(axis_id, target), changed=changed
+        ):
+            return
+        reading = self.reading(axis_id)
+        _refuse_not_homed(axis_id, reading)
+        raise DeviceError(
+            Message(
+                "the {axis} axis is at {coordinate:g} {unit} instead of {target:g} {unit}; "
+                "stop a paused survey and home the axis; then the survey can be resumed",
+                axis=axis_id.value,
+                coordinate=reading.coordinate,
+                unit=axis_id.unit,
+                target=target,
+            ),
+            fault=faults.BLOCKED,
+        )
 
     def _wait(
         self,
@@ -367,12 +319,9 @@ class Positioner:
         limit_s: float = READING_LIMIT_S,
         changed: Optional[threading.Event] = None,
     ) -> bool:
-        """Wait for a condition [s]; return whether it is true.
+        """Wait for a condition, at most so long [s]; return whether it is true.
 
-        Args:
-            condition: What is waited for.
-            limit_s: How long at most [s].
-            changed: Set when the condition may have become true; None if nothing says so.
+        `changed` is set when it may have become true; None if nothing says so.
         """
         deadline_s = self._clock.now_s() + limit_s
         while True:
@@ -386,15 +335,15 @@ class Positioner:
             self._clock.wait_s(changed or self._interruption.stop, POLL_S)
             self._interruption.check()
 
-    def _at_target(self, axis_id: AxisId, reading: AxisReading, target: float) -> bool:
-        return abs(reading.coordinate - target) < 0.5 * self._parameters[axis_id].step_size
+    def _is_at(self, axis_id: AxisId, target: float) -> bool:
+        distance = abs(self.reading(axis_id).coordinate - target)
+        return distance < 0.5 * self._parameters[axis_id].step_size
 
-    def _stale(self) -> List[AxisId]:
-        readings = {axis_id: axis.reading() for axis_id, axis in self._axes.items()}
-        return [axis_id for axis_id, reading in readings.items() if not _is_fresh(reading)]
+    def _rests_at(self, axis_id: AxisId, target: float) -> bool:
+        return not self.reading(axis_id).moving and self._is_at(axis_id, target)
 
 
-def _silent(axes: Iterable[AxisId]) -> Message:
+def _may_still_move(axes: List[AxisId]) -> Message:
     return in_a_row(
         Message(
             "the {axis} axis does not answer and may still move: switch the motors off",
@@ -404,5 +353,17 @@ def _silent(axes: Iterable[AxisId]) -> Message:
     )
 
 
-def _is_fresh(reading: Optional[AxisReading]) -> bool:
-    return reading is not None and reading.age_s <= READING_LIMIT_S
+def _refuse_not_homed(axis_id: AxisId, reading: AxisReading) -> None:
+    if not reading.homed:
+        raise DeviceError(
+            Message(
+                "the {axis} axis is not homed: its position is unknown; resume the survey to home "
+                "it",
+                axis=axis_id.value,
+            ),
+            fault=NOT_HOMED,
+        )
+
+
+def _is_younger(reading: Optional[AxisReading], limit_s: float) -> bool:
+    return reading is not None and reading.age_s <= limit_s

@@ -1,6 +1,7 @@
 """The parts of the robot, as the survey uses them.
 
-Every call returns or raises `DeviceError` within its own time limit.
+Every call returns or raises within its own time limit: `NodeLostError` without an answer, else
+`DeviceError`.
 """
 
 from __future__ import annotations
@@ -12,15 +13,14 @@ from typing import Any, Mapping, Optional, Protocol, Tuple
 import numpy as np
 
 from gpr20_common.message import Message
-from gpr20_main_control.mid.devices.aux_sensors import AuxSensors
-from gpr20_main_control.mid.devices.axis_leases import LeasedAxis
-from gpr20_main_control.mid.devices.described_robot import DescribedRobot
+from gpr20_main_control.mid.devices.described_robot import AuxSensors, DescribedRobot
 from gpr20_main_control.mid.devices.node_liveness import NodeLiveness
 from gpr20_main_control.mid.survey.survey_coverage import Coverage
 from gpr20_main_control.mid.survey.survey_notes import Note
 from gpr20_main_control.mid.survey.survey_status import Status
 from gpr20_main_control.mid.waits import SerialCalls, Workers
 from gpr20_survey.axes.axis_id import UNKNOWN_ZERO, AxisId, ZeroEpoch, Zeros
+from gpr20_survey.faults import CONTROL_SILENT
 from gpr20_survey.results.reopened_survey import ReopenedSurvey
 from gpr20_survey.trace.calibration import CalibrationStatus
 from gpr20_survey.trace.sweep import Sweep
@@ -30,15 +30,7 @@ from gpr20_survey.trace.trace import Trace
 
 @dataclass(frozen=True)
 class AxisReading:
-    """The last reading of an axis.
-
-    Attributes:
-        coordinate: Position of the axis [mm or deg].
-        homed: Whether the coordinate is relative to the axis's zero.
-        moving: Whether the motor is being stepped.
-        age_s: Age of the reading [s].
-        zero: The zero that the coordinate refers to.
-    """
+    """The last reading of an axis: its coordinate [mm or deg], which refers to a zero if homed."""
 
     coordinate: float
     homed: bool
@@ -75,20 +67,26 @@ class Position:
 
 @dataclass(frozen=True)
 class MoveOutcome:
-    """How a move ended.
-
-    Attributes:
-        success: Whether the axis reached its target.
-        message: What the axis said.
-        contact_lost: Whether it stopped because it had no contact with the main control.
-    """
+    """How a move ended: whether the axis reached its target, and what it said."""
 
     success: bool
     message: Message
-    contact_lost: bool = False
+
+    @property
+    def contact_lost(self) -> bool:
+        """Whether the axis stopped by itself, because it had no contact with the main control."""
+        return self.message.fault_code == CONTROL_SILENT.code
 
 
-class Axis(LeasedAxis, Protocol):
+@dataclass(frozen=True)
+class Lease:
+    """A lease of one axis, which ends when it is not renewed for its limit [s]."""
+
+    number: int
+    limit_s: float
+
+
+class Axis(Protocol):
     """One axis of the positioner."""
 
     @property
@@ -97,6 +95,15 @@ class Axis(LeasedAxis, Protocol):
 
     def reading(self) -> Optional[AxisReading]:
         """Return the last reading of the axis; None before the first."""
+
+    def reserve(self) -> Lease:
+        """Reserve the axis; a DeviceError says which other node has it."""
+
+    def renew(self, lease: Lease) -> bool:
+        """Renew a lease; return whether it still exists."""
+
+    def release_lease(self, lease: Lease) -> None:
+        """End a lease, if the axis answers."""
 
     def is_connected(self) -> bool:
         """Return whether the axis driver will receive the next move."""
@@ -108,7 +115,7 @@ class Axis(LeasedAxis, Protocol):
         """Wait up to `wait_s` [s] for the end of the move; None while the axis moves."""
 
     def home(self, time_limit_s: float) -> None:
-        """Home the axis and return when it is homed."""
+        """Home the axis and return when it is homed; without contact it raises NodeLostError."""
 
     def set_zero(self) -> None:
         """Make the present position of an axis without endstop its zero."""
@@ -134,12 +141,7 @@ class AnalyzerSetup:
 
 @dataclass(frozen=True)
 class UnconfirmedSweep:
-    """A sweep whose data are fresh, but whose settings have not been read back yet.
-
-    Attributes:
-        number: Its number, for the confirmation.
-        sweep: The data.
-    """
+    """A fresh sweep, whose settings are not read back yet; its number is for `confirm`."""
 
     number: int
     sweep: Sweep
@@ -147,12 +149,7 @@ class UnconfirmedSweep:
 
 @dataclass(frozen=True)
 class SweepConfirmation:
-    """What is known of a sweep once it is confirmed.
-
-    Attributes:
-        remarks: On its quality, in addition to those of the sweep.
-        temperature_c: Temperature of the analyzer [degC]; None if it does not say.
-    """
+    """More remarks on a confirmed sweep, and the analyzer's temperature [degC] if it says so."""
 
     remarks: Tuple[str, ...] = ()
     temperature_c: Optional[float] = None
@@ -160,12 +157,7 @@ class SweepConfirmation:
 
 @dataclass(frozen=True)
 class AnalyzerCalibration:
-    """The analyzer's calibration.
-
-    Attributes:
-        status: Its state.
-        details: What else the analyzer says of it, for survey.json.
-    """
+    """The state of the analyzer's calibration, and what else it says of it, for survey.json."""
 
     status: CalibrationStatus
     details: Mapping[str, Any] = field(default_factory=dict)
@@ -193,11 +185,7 @@ class Analyzer(Protocol):
         """Take one sweep that starts now; the driver checks it and repeats a failed one."""
 
     def confirm(self, number: int) -> SweepConfirmation:
-        """Confirm that the last sweep was measured with the settings of the survey.
-
-        Raises:
-            UnconfirmedError: It was not, and must not be stored.
-        """
+        """Confirm that the last sweep has the survey's settings, or raise UnconfirmedError."""
 
     def release(self) -> None:
         """Leave the instrument to its front panel; `connect` takes it back."""
@@ -212,14 +200,7 @@ class HeightSensor(Protocol):
 
 @dataclass(frozen=True)
 class SurveyRecord:
-    """What is known about a survey when it begins.
-
-    Attributes:
-        survey_id: UUID.
-        started_us: Start time [us since 1970, UTC].
-        metadata_json: Parameters, instrument and axes, as they are stored.
-        needed_bytes: Estimate of the whole survey on disk [bytes].
-    """
+    """What is known about a survey when it begins [us since 1970, UTC], and its size on disk."""
 
     survey_id: str
     started_us: int
@@ -229,12 +210,7 @@ class SurveyRecord:
 
 @dataclass(frozen=True)
 class OpenedSurvey:
-    """A survey that has begun.
-
-    Attributes:
-        folder: Path of its folder.
-        interrupted: Folder of another survey that was still open and was closed; empty if none.
-    """
+    """The folder of a survey that has begun, and that of another one that was still open."""
 
     folder: str
     interrupted: str = ""
@@ -242,14 +218,7 @@ class OpenedSurvey:
 
 @dataclass(frozen=True)
 class SurveyEnd:
-    """How a survey ended.
-
-    Attributes:
-        outcome: One word, as in survey.json.
-        reason: Why.
-        status: The last status of the survey; the recordings end with it.
-        coverage: The state of each sample; None if there is no plan of this survey.
-    """
+    """How a survey ended: in one word of survey.json, and with what its recordings end."""
 
     outcome: str
     reason: Message
@@ -284,10 +253,6 @@ class Robot:
     """All parts of the robot.
 
     Attributes:
-        axes: The three axes.
-        analyzer: The vector network analyzer.
-        height_sensor: The antenna height sensor.
-        storage: The storage of surveys.
         nodes: The processes of all parts.
         description: What the parts are, as they say themselves.
         sensors: Other sensors beside the radar.

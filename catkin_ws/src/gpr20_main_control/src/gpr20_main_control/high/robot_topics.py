@@ -1,24 +1,82 @@
-"""Other sensors beside the radar: their topics, and what they report on /diagnostics."""
+"""What nodes and other sensors say of themselves: their topics, and what is made of it."""
 
 from __future__ import annotations
 
-from typing import List, Sequence
+import json
+from dataclasses import asdict, replace
+from typing import Any, Callable, List, Sequence
 
 import rospy
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.faults import CONFIGURATION
+from gpr20_common.high.answers import message_fields
+from gpr20_common.high.description import TOPIC
 from gpr20_common.high.diagnostics import FAULT, PERIOD_S
 from gpr20_common.high.periodic import Periodic
+from gpr20_common.high.raw_message import connection_header
 from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message
 from gpr20_main_control.high.message_field import MessageField
-from gpr20_main_control.mid.devices.aux_sensors import AuxSensors, Measured, SensorInput
+from gpr20_main_control.mid.devices.described_robot import (
+    AuxSensors,
+    DescribedRobot,
+    Measured,
+    SensorInput,
+)
+from gpr20_msgs.msg import NodeDescription as NodeDescriptionMessage
+from gpr20_msgs.msg import RobotConfiguration
+from gpr20_survey.plan.robot_description import (
+    PLAIN_NAMES,
+    SIMULATOR,
+    STORAGE,
+    NodeDescription,
+)
 from gpr20_survey.plan.sensors import Sensor
 
+DESCRIBED_NODES = (*PLAIN_NAMES, STORAGE, SIMULATOR)
 # Below the robot's namespace, as the names of its nodes.
 STATUS_FOLDER = "sensors"
+
+
+class DescriptionTopics:
+    """Follows the topic `description` of each node; publishes `robot_configuration`, latched."""
+
+    def __init__(self) -> None:
+        self._subscribers: List[rospy.Subscriber] = []
+        self._publisher = rospy.Publisher(
+            "robot_configuration", RobotConfiguration, queue_size=1, latch=True
+        )
+
+    def listen(self, note: Callable[[NodeDescription], None]) -> None:
+        """Call `note` with the description of each node, now and whenever it starts again."""
+        for node in DESCRIBED_NODES:
+            full_name = rospy.resolve_name(node)
+
+            def receive(message: Any, node: str = node, full_name: str = full_name) -> None:
+                # What another node publishes, such as a recording, says nothing about this one.
+                if connection_header(message).get("callerid") == full_name:
+                    note(replace(NodeDescription.from_fields(message), node=node))
+
+            self._subscribers.append(
+                rospy.Subscriber(f"{node}/{TOPIC}", NodeDescriptionMessage, receive)
+            )
+
+    def publish(self, robot: DescribedRobot) -> None:
+        """Publish what the nodes say together."""
+        problem = robot.problem()
+        message = RobotConfiguration(
+            known=problem is None,
+            simulated=problem is None and robot.config().simulated,
+            nodes=[
+                NodeDescriptionMessage(**one.fields()) for _name, one in sorted(robot.nodes.items())
+            ],
+            site_json=json.dumps(asdict(robot.site)),
+            **({} if problem is None else message_fields(problem)),
+        )
+        message.header.stamp = rospy.Time.now()
+        self._publisher.publish(message)
 
 
 def field_of(sensor: Sensor) -> MessageField:
