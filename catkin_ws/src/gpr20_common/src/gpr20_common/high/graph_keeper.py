@@ -26,7 +26,7 @@ from rospy.impl import tcpros_base
 from rospy.impl.registration import get_service_manager, get_topic_manager
 
 from gpr20_common.high.periodic import Periodic
-from gpr20_common.low.links import NO_ANSWER, end_when_broken, limited_server, value_of
+from gpr20_common.low.links import NO_ANSWER, answers, end_when_broken, limited_server, value_of
 from gpr20_common.low.thread_fault import LOGGER, REMARK
 from gpr20_common.message import Message
 
@@ -123,13 +123,16 @@ class GraphKeeper:
         names = sorted(self._lost & kinds.keys())
         for name in names:
             ask.registerSubscriber(me, name, kinds[name], uri)
-        answers = functools.lru_cache(maxsize=None)(functools.partial(_answers, me))
+        # Each once: one that hangs can publish many topics.
+        is_there = functools.lru_cache(maxsize=None)(
+            lambda publisher: answers(publisher, me, ANSWER_LIMIT_S)
+        )
         for name, publishers in zip(names, map(value_of, ask())):
             missing = [one for one in publishers if one not in self._connected[name]]
             if not missing:
                 self._lost.discard(name)
             # rospy would wait without a limit for one that does not answer.
-            found = list(filter(answers, missing))
+            found = list(filter(is_there, missing))
             if found:
                 rospy.loginfo("connecting to %s again", name)
                 # What a master does when publishers are new: rospy connects to them.
@@ -159,13 +162,6 @@ def _protect(topic: Any) -> Set[str]:
                 # It was closed after it was listed.
                 rospy.logdebug("a connection has ended: %s", error)
     return connected
-
-
-def _answers(caller: str, uri: str) -> bool:
-    with contextlib.suppress(*NO_ANSWER):
-        value_of(limited_server(uri, ANSWER_LIMIT_S).getPid(caller))
-        return True
-    return False
 
 
 def _leaves(tree: Dict[str, Any], above: str = "/") -> Iterator[Tuple[str, Any]]:
