@@ -63,6 +63,9 @@ class GraphKeeper:
         self._lost: Set[str] = set()
         self._periodic = Periodic(PERIOD_S, self.check)
 
+    def close(self) -> None:
+        self._periodic.stop()
+
     def check(self) -> None:
         topics = get_topic_manager()
         # Copied, because other threads add topics.
