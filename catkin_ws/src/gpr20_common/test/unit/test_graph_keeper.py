@@ -13,7 +13,7 @@ from rosgraph.network import encode_ros_handshake_header
 from rosgraph.xmlrpc import SilenceableXMLRPCRequestHandler as Handler
 from rosgraph.xmlrpc import ThreadingXMLRPCServer, XmlRpcHandler, XmlRpcNode
 from rospy.impl.tcpros_base import TCPServer
-from test_node_probe import Server
+from test_links import Server
 
 from gpr20_common.high import graph_keeper
 from gpr20_common.high.graph_keeper import BROKEN_LIMIT_S, MOST_OPEN, GraphKeeper, _Doorman
