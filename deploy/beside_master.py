@@ -18,7 +18,7 @@ import uuid
 from typing import List, Optional
 from urllib.parse import urlsplit
 
-from gpr20_common.low.links import NO_ANSWER, limited_server, value_of
+from gpr20_common.low.links import answers, limited_server
 
 POLL_S = 0.2
 ANSWER_LIMIT_S = 3.0
@@ -35,7 +35,7 @@ class Master:
         self._run = str(uuid.uuid1())
         self._master: Optional[subprocess.Popen[bytes]] = None
         self._rosout: Optional[subprocess.Popen[bytes]] = None
-        self._is_ready = self._answers("getPid")
+        self._is_ready = self._answers()
         self._is_own = not self._is_ready
 
     def keep(self) -> bool:
@@ -44,7 +44,9 @@ class Master:
             self._is_ready = False
             port = urlsplit(self._uri).port or DEFAULT_PORT
             self._master = _started("rosmaster", "--core", "-p", str(port))
-        self._is_ready = self._is_ready or self._answers("setParam", "/run_id", self._run)
+        if not self._is_ready and self._answers():
+            limited_server(self._uri, ANSWER_LIMIT_S).setParam(NAME, "/run_id", self._run)
+            self._is_ready = True
         if self._is_own and self._is_ready and _has_ended(self._rosout):
             self._rosout = _started("rosrun", "rosout", "rosout", "__name:=rosout")
         return self._is_ready
@@ -55,12 +57,8 @@ class Master:
                 process.terminate()
                 process.wait()
 
-    def _answers(self, call: str, *given: str) -> bool:
-        try:
-            value_of(getattr(limited_server(self._uri, ANSWER_LIMIT_S), call)(NAME, *given))
-        except NO_ANSWER:
-            return False
-        return True
+    def _answers(self) -> bool:
+        return answers(self._uri, NAME, ANSWER_LIMIT_S)
 
 
 def _has_ended(process: Optional[subprocess.Popen[bytes]]) -> bool:

@@ -15,16 +15,18 @@ import threading
 from pathlib import Path
 from typing import Callable, List, Mapping, Optional
 
-from follow_master import read_run_id
 from PyQt5.QtCore import Qt, QTimer
 from PyQt5.QtWidgets import QApplication, QLabel
 
 from gpr20_common.catalogue import Language, language_from_code, read_catalogue
 from gpr20_common.errors import Gpr20Error
+from gpr20_common.low.links import answers
 from gpr20_common.message import Message
 from gpr20_operator.files.settings_file import SettingsFile
 from gpr20_user_interface.look.settings import settings_from
 
+NAME = "/gpr20_waiting_screen"
+ANSWER_LIMIT_S = 3.0
 POLL_S = 1.0
 SETTINGS = "~/.config/gpr20/window.yaml"
 STYLE = "background: #101418; color: #e8eaed; font-size: 28px; padding: 40px"
@@ -43,7 +45,7 @@ def has_address(address: str) -> bool:
 def missing(
     environment: Mapping[str, str],
     has_own: Callable[[str], bool] = has_address,
-    run_id: Callable[[str], Optional[str]] = read_run_id,
+    has_master: Callable[[str], bool] = lambda uri: answers(uri, NAME, ANSWER_LIMIT_S),
 ) -> Optional[Message]:
     """Return what the window waits for, and what to do; None if it can start."""
     own, server = environment.get("GPR20_ROBOT", ""), environment.get("GPR20_SERVER", "")
@@ -53,7 +55,7 @@ def missing(
             "Connect the cable, and switch the PC on.",
             address=own,
         )
-    if run_id(environment["ROS_MASTER_URI"]) is not None:
+    if has_master(environment["ROS_MASTER_URI"]):
         return None
     if server:
         return Message(

@@ -51,6 +51,11 @@ WEB = SHIPPED.replace("GPR20_WEB=", "GPR20_WEB=192.168.1.0/24")
 TWO = {"GPR20_ROBOT": "10.20.0.1", "GPR20_SERVER": "10.20.0.2", "ROS_IP": "127.0.0.1"}
 
 
+def test_the_robot_of_a_pc_waits_for_its_master(machine):
+    done = machine(SHIPPED, **TWO)
+    assert done.stdout.startswith("<--wait><gpr20><robot.launch>"), done.stderr
+
+
 def test_the_web_page_runs_beside_the_surveys_if_a_network_may_reach_it(machine):
     assert "<web:=true>" in machine(WEB).stdout
     assert "<web:=true>" in machine(WEB, "server", **TWO).stdout

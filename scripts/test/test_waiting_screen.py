@@ -14,20 +14,20 @@ TWO = {"GPR20_ROBOT": "10.20.0.1", "GPR20_SERVER": "10.20.0.2"}
 MASTER = {"ROS_MASTER_URI": "http://127.0.0.1:9"}
 
 
-def missing(environment, own=True, run=None):
+def missing(environment, own=True, master=False):
     """Return what is missing, in English, and the addresses that were looked for."""
     looked = []
     found = waiting_screen.missing(
         {**MASTER, **environment},
         lambda address: looked.append(address) or own,
-        lambda uri: looked.append(uri) or run,
+        lambda uri: looked.append(uri) or master,
     )
     return str(found), looked
 
 
 def test_what_is_missing_is_named_the_link_first_then_the_pc():
-    assert missing(TWO, run="a") == ("None", ["10.20.0.1", "http://127.0.0.1:9"])
-    assert "does not have the address 10.20.0.1" in missing(TWO, own=False, run="a")[0]
+    assert missing(TWO, master=True) == ("None", ["10.20.0.1", "http://127.0.0.1:9"])
+    assert "does not have the address 10.20.0.1" in missing(TWO, own=False, master=True)[0]
     assert "Waiting for the PC 10.20.0.2" in missing(TWO)[0]
     # An address that was exported counts, and one that was set by itself does not.
     assert "PC" in missing({**TWO, "ROS_IP": "127.0.0.3"}, own=False)[0]

@@ -1,4 +1,4 @@
-"""A node fills a master that comes back empty, and its ports do not wait for strangers."""
+"""A node stays known to its master, connected, and free of strangers."""
 
 import contextlib
 import socket
@@ -13,22 +13,25 @@ from rosgraph.network import encode_ros_handshake_header
 from rosgraph.xmlrpc import SilenceableXMLRPCRequestHandler as Handler
 from rosgraph.xmlrpc import ThreadingXMLRPCServer, XmlRpcHandler, XmlRpcNode
 from rospy.impl.tcpros_base import TCPServer
-from test_node_probe import Server
+from test_links import Server
 
 from gpr20_common.high import graph_keeper
-from gpr20_common.high.graph_keeper import MOST_OPEN, GraphKeeper, _Doorman
+from gpr20_common.high.graph_keeper import BROKEN_LIMIT_S, MOST_OPEN, GraphKeeper, _Doorman
 
 LIMIT_S = 20.0
 HEADER = encode_ros_handshake_header({"service": "/stop", "callerid": "/me"})
 PARAMETERS = {"run_id": "1", "launch": "{}", "gpr20_started": {"launch": {"me": True}}}
 
 
-class Master:
-    """A master that remembers what it was told, and this node with what it tells."""
+class Graph:
+    """A master that remembers what it was told, a publisher, and this node with what it tells."""
 
     def __init__(self):
         self.process, self.known, self.parameters, self.told = 7, 1, PARAMETERS, []
-        self.server = Server(
+        self.node = Server(publisherUpdate=lambda _caller, *new: self._tell(*new))
+        self.publisher = Server(getPid=lambda _caller: (1, "", 17))
+        self.publishers = [self.publisher.uri]
+        self.master = Server(
             getPid=lambda _caller: (1, "", self.process),
             lookupNode=lambda _caller, _node: (self.known, "", "http://me"),
             getParam=lambda _caller, _name: (1, "", self.parameters),
@@ -37,58 +40,117 @@ class Master:
             registerService=lambda _caller, name, *_rest: self._tell(name),
             registerPublisher=lambda _caller, name, *_rest: self._tell(name),
         )
-        self.node = Server(publisherUpdate=lambda _caller, *new: self._tell(*new))
-        for one in (self.server, self.node):
+        for one in (self.master, self.node):
             one.server.register_multicall_functions()
+        with socket.create_server(("127.0.0.1", 0)) as listener:
+            self.connection = socket.create_connection(listener.getsockname())
+            self.other_end, _address = listener.accept()
+        self.subs = {"/heard": SimpleNamespace(connections=[])}
+        self.pubs = {"/said": SimpleNamespace(connections=[])}
+
+    def connect(self):
+        one = SimpleNamespace(endpoint_id=self.publisher.uri, socket=self.connection)
+        self.subs["/heard"].connections = [one]
+
+    def lose(self):
+        self.subs["/heard"].connections = []
+
+    def get_subscriptions(self):
+        return [["/heard", "a/Type"]]
+
+    def get_publications(self):
+        return [["/said", "a/Type"]]
+
+    def get_services(self):
+        return [["/asked", "rosrpc://here"]]
+
+    def close(self):
+        for server in (self.publisher, self.master, self.node):
+            server.close()
+        for one in (self.connection, self.other_end):
+            one.close()
 
     def _tell(self, *what):
         self.told.append(what)
-        return 1, "", ["http://publisher"]
+        return 1, "", self.publishers
 
 
 @pytest.fixture
-def master(monkeypatch):
-    master = Master()
-    graph = SimpleNamespace(
-        get_subscriptions=lambda: [["/heard", "a/Type"]],
-        get_publications=lambda: [["/said", "a/Type"]],
-        get_services=lambda: [["/asked", "rosrpc://here"]],
-    )
+def graph(monkeypatch):
+    graph = Graph()
     for name in ("get_topic_manager", "get_service_manager"):
         monkeypatch.setattr(graph_keeper, name, lambda: graph)
-    monkeypatch.setattr(graph_keeper.rosgraph, "get_master_uri", lambda: master.server.uri)
-    monkeypatch.setattr(graph_keeper.rospy, "get_node_uri", lambda: master.node.uri)
+    monkeypatch.setattr(graph_keeper.rosgraph, "get_master_uri", lambda: graph.master.uri)
+    monkeypatch.setattr(graph_keeper.rospy, "get_node_uri", lambda: graph.node.uri)
     monkeypatch.setattr(graph_keeper.rospy, "get_name", lambda: "/me")
     nothing = SimpleNamespace(tcp_ros_server=None)
     for name in ("start_tcpros_server", "init_tcpros_server"):
         monkeypatch.setattr(graph_keeper.tcpros_base, name, lambda: nothing)
-    for name in ("_Doorman", "_limit_requests", "ConnectionKeeper", "Periodic"):
+    for name in ("_Doorman", "_limit_requests", "Periodic"):
         monkeypatch.setattr(graph_keeper, name, lambda *_given: None)
-    yield master
-    master.server.close()
-    master.node.close()
+    yield graph
+    graph.close()
 
 
-def test_a_master_that_comes_back_empty_is_filled_and_only_then(master, monkeypatch):
+def announced(graph):
+    return ("/heard", [graph.publisher.uri])
+
+
+def test_a_master_that_comes_back_empty_is_filled_and_only_then(graph, monkeypatch):
     keeper = GraphKeeper()
     keeper.check()
     keeper.check()
-    assert master.told == []
-    master.parameters = {"launch": "of another value"}
-    registered = [("/heard",), ("/asked",), ("/said",)]
-    filled = [*registered, ("/run_id", "1"), ("/gpr20_started/launch/me", True)]
-    connected = ("/heard", ["http://publisher"])
+    assert graph.told == []
+    graph.parameters = {"launch": "of another value"}
+    filled = [("/asked",), ("/said",), ("/run_id", "1"), ("/gpr20_started/launch/me", True)]
     for change in ({"process": 8}, {"known": -1}, {"known": 1, "process": 9}):
-        master.__dict__.update(change, told=[])
+        graph.__dict__.update(change, told=[])
         keeper.check()
-        assert master.told == [*filled, connected], change
+        assert graph.told == [*filled, ("/heard",), announced(graph)], change
+    graph.connect()
     keeper.check()
-    assert len(master.told) == len(filled) + 1
+    keeper.check()
+    assert graph.told[len(filled) + 2 :] == [("/heard",)]
     # A node that ends has taken its name away itself.
     monkeypatch.setattr(graph_keeper.rospy.core, "is_shutdown_requested", lambda: True)
-    master.__dict__.update(known=-1, told=[])
+    graph.__dict__.update(known=-1, told=[])
     keeper.check()
-    assert master.told == []
+    assert graph.told == []
+
+
+def test_a_connection_that_breaks_is_made_again_once_its_publisher_answers(graph):
+    keeper = GraphKeeper()
+    keeper.check()
+    graph.connect()
+    keeper.check()
+    # One that has just ended is no error.
+    graph.connection.close()
+    keeper.check()
+    assert graph.told == []
+    graph.lose()
+    graph.publishers = ["http://127.0.0.1:9/"]
+    keeper.check()
+    keeper.check()
+    assert graph.told == 2 * [("/heard",)]
+    graph.publishers = [graph.publisher.uri]
+    keeper.check()
+    assert graph.told[2:] == [("/heard",), announced(graph)]
+    graph.connect()
+    keeper.check()
+    keeper.check()
+    assert graph.told[4:] == [("/heard",)]
+
+
+def test_connections_end_when_the_other_end_is_silent_for_too_long(graph):
+    graph.connect()
+    said = SimpleNamespace(endpoint_id="/other", socket=graph.other_end)
+    graph.pubs["/said"].connections = [said]
+    GraphKeeper().check()
+    for one in (graph.connection, graph.other_end):
+        limit_ms = one.getsockopt(socket.IPPROTO_TCP, socket.TCP_USER_TIMEOUT)
+        assert limit_ms == 1000 * BROKEN_LIMIT_S
+        assert one.getsockopt(socket.SOL_SOCKET, socket.SO_KEEPALIVE)
+        assert one.getsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY)
 
 
 @pytest.fixture

@@ -14,7 +14,7 @@ from gpr20_analysis.high.graph import refuse_beside_others
 from gpr20_analysis.high.replay_marker import ReplayMarker
 from gpr20_analysis.read.playback import Playback
 from gpr20_analysis.read.replay import Due, ReplayedSurvey
-from gpr20_common.high.connection_keeper import subscriber_count
+from gpr20_common.high.graph_keeper import subscriber_count
 from gpr20_common.high.raw_message import preserialized
 from gpr20_common.low.clock import Clock
 from gpr20_msgs.msg import Trace

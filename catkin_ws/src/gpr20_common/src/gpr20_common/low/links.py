@@ -51,6 +51,14 @@ def value_of(answer: Any) -> Any:
     return value
 
 
+def answers(uri: str, caller_id: str, time_limit_s: float) -> bool:
+    """Return whether a node or the master answers at an address."""
+    with contextlib.suppress(*NO_ANSWER):
+        value_of(limited_server(uri, time_limit_s).getPid(caller_id))
+        return True
+    return False
+
+
 class NodeProbe:
     """Asks a node of the graph whether it is there; not to be shared by threads."""
 

@@ -1,18 +1,21 @@
-"""Asking nodes over real sockets: alive, dead, hanging, unknown, restarted."""
+"""Links over real sockets: nodes that live, died, hang or restarted, and ends that vanish."""
 
 import socket
 import threading
+import time
 from xmlrpc.server import SimpleXMLRPCRequestHandler, SimpleXMLRPCServer
 
 import pytest
 from case_kit import each_case
 from fault_kit import raises_fault
+from vanishing_peer import come_back, vanish
 
 from gpr20_common import faults
 from gpr20_common.errors import NodeGoneError, NodeSilentError
-from gpr20_common.low.links import NodeProbe
+from gpr20_common.low.links import NodeProbe, keep_alive, silence_s
 
 LIMIT_S = 0.5
+LONG_LIMIT_S = 30.0
 
 
 class Server:
@@ -43,13 +46,13 @@ class Graph:
         uri = self.uris.get(name)
         return (1, "", uri) if uri else (-1, f"unknown node [{name}]", "")
 
-    def add(self, name, pid):
-        node = Server(getPid=lambda _caller: (1, "", pid))
-        self.uris[name] = node.uri
+    def add(self, answer):
+        node = Server(getPid=lambda _caller: answer)
+        self.uris["/x"] = node.uri
         return node
 
-    def probe(self, name):
-        return NodeProbe(self.master.uri, "/asker", name, LIMIT_S)
+    def probe(self):
+        return NodeProbe(self.master.uri, "/asker", "/x", LIMIT_S)
 
 
 @pytest.fixture
@@ -60,8 +63,8 @@ def graph():
 
 
 def test_a_node_that_lives_tells_its_process_and_is_not_silent_because_the_master_dies(graph):
-    node = graph.add("/x", 4711)
-    probe = graph.probe("/x")
+    node = graph.add((1, "", 4711))
+    probe = graph.probe()
     assert [probe.process() for _ in range(3)] == [4711, 4711, 4711]
     assert graph.lookups == 1
     graph.uris.clear()
@@ -69,34 +72,23 @@ def test_a_node_that_lives_tells_its_process_and_is_not_silent_because_the_maste
     node.close()
 
 
-def test_a_node_that_the_master_does_not_know_is_silent(graph):
-    with raises_fault(faults.PART_SILENT, "/x", "unknown node", error=NodeGoneError):
-        graph.probe("/x").process()
-
-
 @pytest.mark.parametrize("is_silent_first", [True, False])
 def test_a_node_that_takes_the_place_of_one_that_died_is_found(graph, is_silent_first):
-    probe = graph.probe("/x")
-    first = graph.add("/x", 1)
+    probe = graph.probe()
+    with raises_fault(faults.PART_SILENT, "/x", "unknown node", error=NodeGoneError):
+        probe.process()
+    first = graph.add((1, "", 1))
     assert probe.process() == 1
     if is_silent_first:
         first.close()
         for _ in range(2):
             with raises_fault(faults.PART_SILENT, "/x", error=NodeGoneError):
                 probe.process()
-    second = graph.add("/x", 2)
+    second = graph.add((1, "", 2))
     if not is_silent_first:
         first.close()
     assert probe.process() == 2
     second.close()
-
-
-def test_a_node_that_hangs_is_silent_after_the_limit(graph):
-    with socket.create_server(("127.0.0.1", 0)) as hanging:
-        graph.uris["/x"] = f"http://127.0.0.1:{hanging.getsockname()[1]}/"
-        with raises_fault(faults.PART_SILENT, "timed out", error=NodeSilentError) as late:
-            graph.probe("/x").process()
-    assert not isinstance(late.value, NodeGoneError)
 
 
 class KeptConnections(SimpleXMLRPCRequestHandler):
@@ -104,11 +96,11 @@ class KeptConnections(SimpleXMLRPCRequestHandler):
 
 
 def test_one_connection_serves_many_queries_and_is_made_again_when_the_node_has_ended_it(graph):
-    node = graph.add("/x", 4711)
+    node = graph.add((1, "", 4711))
     # Of a node that ends it after each answer one is made for each.
-    ended = len(set(connections_of(node, graph.probe("/x"))))
+    ended = len(set(connections_of(node, graph.probe())))
     node.server.RequestHandlerClass = KeptConnections
-    assert (ended, len(set(connections_of(node, graph.probe("/x"))))) == (3, 1)
+    assert (ended, len(set(connections_of(node, graph.probe())))) == (3, 1)
     node.close()
 
 
@@ -126,18 +118,53 @@ def connections_of(node, probe):
 
 @each_case("answer", [(-1, "no", 5), (1, "", "many"), (1, ""), 7])
 def test_another_answer_is_no_answer(graph, answer):
-    node = Server(getPid=lambda _caller: answer)
-    graph.uris["/x"] = node.uri
+    node = graph.add(answer)
     with raises_fault(faults.PART_SILENT, "/x", error=NodeSilentError):
-        graph.probe("/x").process()
+        graph.probe().process()
     node.close()
 
 
-def test_a_node_that_answers_in_no_language_of_ours_is_silent(graph):
+@each_case("answer", [b"", b"no HTTP\r\n\r\n"])
+def test_a_node_that_hangs_or_answers_in_no_language_of_ours_is_silent(graph, answer):
     with socket.create_server(("127.0.0.1", 0)) as listener:
         graph.uris["/x"] = f"http://127.0.0.1:{listener.getsockname()[1]}/"
-        probing = threading.Thread(target=lambda: listener.accept()[0].sendall(b"no HTTP\r\n\r\n"))
-        probing.start()
-        with raises_fault(faults.PART_SILENT, "/x", error=NodeSilentError):
-            graph.probe("/x").process()
-        probing.join()
+        accepted = []
+
+        def accept():
+            accepted.append(listener.accept()[0])
+            accepted[0].sendall(answer)
+
+        answering = threading.Thread(target=accept)
+        answering.start()
+        with raises_fault(faults.PART_SILENT, "/x", error=NodeSilentError) as silent:
+            graph.probe().process()
+        answering.join()
+        accepted[0].close()
+    assert not isinstance(silent.value, NodeGoneError)
+    assert ("timed out" in str(silent.value)) == (not answer)
+
+
+def wait_until(condition):
+    deadline_s = time.monotonic() + LONG_LIMIT_S
+    while not condition():
+        assert time.monotonic() < deadline_s, "the condition never held"
+        time.sleep(0.01)
+
+
+@pytest.mark.needs("socket filters")
+def test_an_end_answers_probes_is_silent_when_it_vanishes_and_found_alive_when_it_comes_back():
+    with socket.create_server(("127.0.0.1", 0)) as server:
+        ours = socket.create_connection(server.getsockname())
+        theirs, _ = server.accept()
+    with ours, theirs:
+        keep_alive(ours)
+        for _probe in range(2):
+            wait_until(lambda: silence_s(ours) > 0.5)
+            wait_until(lambda: silence_s(ours) < 0.5)
+        vanish(theirs)
+        # Two probes remain unanswered.
+        wait_until(lambda: silence_s(ours) > 2.2)
+        come_back(theirs)
+        wait_until(lambda: silence_s(ours) < 0.5)
+        theirs.sendall(b"alive")
+        assert ours.recv(5) == b"alive"
