@@ -11,7 +11,7 @@ from run_seed import draws
 
 from gpr20_common.mid.codec import plain
 from gpr20_main_control.mid.check_verdict import check_figures, figures_from, judge
-from gpr20_main_control.mid.drift import drift_between, noise_db
+from gpr20_main_control.mid.sweep_difference import drift_between, noise_db
 from gpr20_survey.results.daily_check import Part
 from gpr20_survey.trace.sweep import Sweep
 from gpr20_survey.trace.sweep_settings import AnalyzerSettings

@@ -16,7 +16,7 @@ import numpy as np
 
 from gpr20_common.message import Message, numeral
 from gpr20_common.mid.codec import record_from
-from gpr20_main_control.mid.drift import noise_db, s21_of
+from gpr20_main_control.mid.sweep_difference import noise_db, s21_of
 from gpr20_survey.radar.frequency_to_delay import (
     MAX_DELAY_S,
     Window,

@@ -19,8 +19,7 @@ from gpr20_main_control.mid.check_verdict import Verdict
 from gpr20_main_control.mid.daily_check_steps import DailyCheckSteps
 from gpr20_main_control.mid.devices.robot import Robot, SurveyEnd
 from gpr20_main_control.mid.service import AxisMove, AxisService, ServiceSlot
-from gpr20_main_control.mid.survey.engine import NOTHING, Accepted, SurveyEngine
-from gpr20_main_control.mid.survey.running_survey import RunningSurvey
+from gpr20_main_control.mid.survey.survey import NOTHING, Accepted, Survey
 from gpr20_main_control.mid.survey.survey_archive import interruption_remark
 from gpr20_main_control.mid.survey.survey_plan import SurveyPlan, plan_resumption, plan_survey
 from gpr20_main_control.mid.survey.survey_status import Status, SurveyStatus
@@ -77,8 +76,7 @@ class MainControl:
         # What was asked for before a STOP does not begin after it.
         self._stops = self._stops_at_plan = 0
         self._plan: Optional[SurveyPlan] = None
-        self._survey: Optional[RunningSurvey] = None
-        self._engine: Optional[SurveyEngine] = None
+        self._survey: Optional[Survey] = None
         self._thread: Optional[threading.Thread] = None
 
     def set_parameters(self, parameters: SurveyParameters, set_by: str = "") -> SurveyPlan:
@@ -180,7 +178,7 @@ class MainControl:
         """
         with self._one_at_a_time():
             status = self._status.status
-            if status.state is not SurveyState.SURVEYING or self._engine is None:
+            if status.state is not SurveyState.SURVEYING or self._survey is None:
                 raise RequestRefusedError(
                     Message(
                         "no survey is measuring, so none can be paused; STOP ends a survey at "
@@ -191,7 +189,7 @@ class MainControl:
                 )
             pausing = Message("Pausing after the present trace")
             self._status.enter(SurveyState.PAUSING, pausing)
-            self._engine.pause()
+            self._survey.pause_requested.set()
             return pausing
 
     def stop(self) -> Message:
@@ -238,7 +236,7 @@ class MainControl:
         stops = self._stops
         with self._one_at_a_time():
             status = self._status.status
-            if status.state is SurveyState.PAUSED and self._engine is not None:
+            if status.state is SurveyState.PAUSED and self._survey is not None:
                 folder_end = f"_{status.survey_id[:8]}"
                 if survey not in ("", status.survey_id) and not survey.endswith(folder_end):
                     raise RequestRefusedError(
@@ -253,7 +251,7 @@ class MainControl:
                 # Before the answer, after which the survey must no longer be shown as paused.
                 checking = Message("Checking the robot before the survey continues")
                 self._status.enter(SurveyState.CHECKING, checking)
-                self._engine.resume(accepted)
+                self._survey.resume(accepted)
                 return self._unless_refused(Message("Resuming"))
             self._refuse_while_running(
                 Message(
@@ -370,8 +368,8 @@ class MainControl:
 
     def _unless_refused(self, resuming: Message) -> Message:
         """Return the message, unless the survey paused again because of its analyzer."""
-        assert self._engine is not None
-        refusal = self._engine.refusal(ANALYZER_LIMIT_S)
+        assert self._survey is not None
+        refusal = self._survey.refusal(ANALYZER_LIMIT_S)
         if refusal is not None:
             raise refusal
         return resuming
@@ -398,16 +396,15 @@ class MainControl:
     def _begin(self, plan: SurveyPlan, stops: int, accepted: Accepted = NOTHING) -> None:
         # First, so that nothing changes if the survey is refused here.
         self._refuse_after_stop(stops)
-        survey = RunningSurvey(plan, self._robot, self._status, self._interruption)
-        engine = SurveyEngine(survey, accepted)
-        self._plan, self._survey, self._engine = plan, survey, engine
+        survey = Survey(plan, self._robot, self._status, self._interruption, accepted)
+        self._plan, self._survey = plan, survey
         self._stops_at_plan = stops
         self._interruption.stop.clear()
         self._status.begin_survey(plan)
         if self._stops != stops:
             # It came after the look above, and found no survey that it could stop.
             self._interruption.stop.set()
-        self._thread = threading.Thread(target=engine.run, name="survey")
+        self._thread = threading.Thread(target=survey.run, name="survey")
         self._thread.start()
 
 

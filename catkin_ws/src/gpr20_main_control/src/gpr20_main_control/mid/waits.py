@@ -110,14 +110,19 @@ class StopInterruption:
         self.clock.wait_s(self.stop, duration_s)
         self.check()
 
-    def time_limit(self, limit_s: float, error: DeviceError) -> Check:
+    def time_limit(self, limit_s: float, error: DeviceError, stops: bool = False) -> Check:
         """Return a check that ends a wait with an error after a time from now [s].
 
-        It does not check for an interruption.
+        Args:
+            limit_s: That time.
+            error: The error.
+            stops: Whether a stop ends the wait too.
         """
         deadline_s = self.clock.now_s() + limit_s
 
         def check() -> None:
+            if stops:
+                self.check_stop()
             if self.clock.now_s() > deadline_s:
                 raise error
 

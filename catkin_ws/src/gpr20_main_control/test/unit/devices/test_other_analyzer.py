@@ -11,7 +11,7 @@ from gpr20_common.faults import IN_USE
 from gpr20_common.low.clock import Clock
 from gpr20_main_control import faults
 from gpr20_main_control.errors import OtherAnalyzerError, RequestRefusedError, SurveyError
-from gpr20_main_control.mid.survey.engine import NOTHING, Accepted
+from gpr20_main_control.mid.survey.survey import NOTHING, Accepted
 from gpr20_main_control.mid.survey.survey_report import AnalyzerRecord, recorded_analyzers
 from gpr20_survey.faults import VNA_REPLACED
 from gpr20_survey.plan.survey_state import SurveyState as State

@@ -12,7 +12,8 @@ from gpr20_common.errors import InvalidValueError
 from gpr20_common.faults import CONFIGURATION, DISK_REFUSES, INTERNAL, NOT_ALLOWED
 from gpr20_common.low.clock import Clock
 from gpr20_main_control.errors import DeviceError
-from gpr20_main_control.mid.survey import sampling, survey_ending
+from gpr20_main_control.mid.survey import sampling
+from gpr20_main_control.mid.survey import survey as one_survey
 from gpr20_main_control.mid.survey.storage_queue import StorageQueue
 from gpr20_survey.faults import CAN_RESUME, TAKES_LONG
 from gpr20_survey.folder.soil_note import PLANNED
@@ -114,7 +115,7 @@ def test_a_fault_in_closing_does_not_leave_the_survey_stopping_for_ever(bench):
 def test_a_trace_that_is_stored_after_its_survey_ended_does_not_count_for_the_next(
     bench, monkeypatch
 ):
-    monkeypatch.setattr(survey_ending, "STOPPING_LIMIT_S", 0.1)
+    monkeypatch.setattr(one_survey, "STOPPING_LIMIT_S", 0.1)
     begun, go_on, stored = threading.Event(), threading.Event(), threading.Event()
 
     def store_late(_trace):

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import math
 import threading
 from dataclasses import dataclass
 from typing import Any, Dict, List, Optional, Sequence, Tuple
@@ -12,9 +11,10 @@ from gpr20_common.message import Message
 from gpr20_common.mid.codec import plain, record_from
 from gpr20_main_control import faults
 from gpr20_main_control.errors import OtherAnalyzerError, SurveyError
-from gpr20_main_control.mid.survey.known_point import RepeatMeasurement
+from gpr20_main_control.mid.survey.repeats import Repeated
 from gpr20_main_control.mid.survey.survey_coverage import Coverage
 from gpr20_main_control.mid.survey.zero_record import ZeroRecord
+from gpr20_main_control.mid.sweep_difference import finite
 from gpr20_survey.faults import VNA_REPLACED
 from gpr20_survey.folder.survey_metadata import FAULT_CODE, REASON_MESSAGE, message_record
 from gpr20_survey.plan.survey_state import COVERAGE_LETTERS
@@ -189,17 +189,17 @@ class SurveyReport:
                 raise _unreadable("a repeat measurement is not of a planned sample")
             coverage.note_remeasured(control.index)
 
-    def note_repeat(self, repeat: RepeatMeasurement, time_us: int) -> None:
+    def note_repeat(self, repeated: Repeated, time_us: int) -> None:
         """Note that a stored point was measured again, and its difference from the trace."""
         self._controls.append(
             Control(
-                repeat.index,
+                repeated.stored.index,
                 iso_text(time_us),
-                _finite_or_none(repeat.difference_db),
-                _finite_or_none(repeat.height_difference_m),
+                finite(repeated.difference_db),
+                finite(repeated.height_difference_m),
             )
         )
-        self.coverage.note_remeasured(repeat.index)
+        self.coverage.note_remeasured(repeated.stored.index)
 
     def note_warning(self, warning: Message, time_us: int) -> None:
         """Note a warning about the recording."""
@@ -251,7 +251,3 @@ def _unreadable(details: str) -> SurveyError:
         Message("the report in the log cannot be read; plan a new survey", details=details),
         fault=faults.RECORD_DAMAGED,
     )
-
-
-def _finite_or_none(value: float) -> Any:
-    return value if math.isfinite(value) else None
