@@ -8,6 +8,7 @@ from typing import Optional, Tuple
 import rospy
 
 from gpr20_common.high.answers import fault_of, message_fields
+from gpr20_common.high.raw_message import ros_time
 from gpr20_common.message import Message
 from gpr20_main_control.mid.devices.robot import Robot
 from gpr20_main_control.mid.survey.survey_coverage import Coverage
@@ -75,6 +76,7 @@ class SurveyTopics:
         message.simulated = self.simulated
         message.plan_id = status.plan_id
         message.plan_set_by = status.plan_set_by
+        message.end, message.ended = int(status.end), ros_time(status.ended_us)
         return message
 
     def _publish_target(self, status: Status) -> None:

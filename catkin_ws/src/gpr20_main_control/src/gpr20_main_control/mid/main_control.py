@@ -10,7 +10,7 @@ from typing import Callable, Iterator, Optional
 
 from gpr20_common.errors import Gpr20Error, InvalidValueError
 from gpr20_common.faults import ASKED_FOR, BUSY, IN_USE
-from gpr20_common.low.clock import Clock
+from gpr20_common.low.clock import Clock, time_of_day_us
 from gpr20_common.message import Message, in_a_row
 from gpr20_main_control import faults
 from gpr20_main_control.errors import RequestRefusedError
@@ -410,7 +410,8 @@ class MainControl:
 
 def _refused_end(reopened: ReopenedSurvey, refusal: Message) -> SurveyEnd:
     """Return the end of a survey that was reopened but cannot continue on this robot."""
-    status = Status(SurveyState.FAILED, refusal, reopened.survey_id)
+    status = Status(survey_id=reopened.survey_id)
+    status = status.entered(SurveyState.FAILED, refusal, time_of_day_us())
     return SurveyEnd("failed", refusal, status)
 
 

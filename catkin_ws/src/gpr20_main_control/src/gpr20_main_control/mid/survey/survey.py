@@ -391,8 +391,10 @@ class Survey:
         return True
 
     def _end(self, state: SurveyState, message: Message, reason: Message, check: Check) -> None:
-        self.archive.close(state.name.lower(), reason, state, message, check)
-        self.status.enter(state, message)
+        ended_us = self.clock.time_of_day_us()
+        status = self.status.status.entered(state, message, ended_us)
+        self.archive.close(state.name.lower(), reason, status, check)
+        self.status.enter(state, message, ended_us)
 
     def _leave(self) -> None:
         """Leave the survey, because the main control ends: interrupted, unless it is complete."""
@@ -406,13 +408,15 @@ class Survey:
         ).with_fault(STOPPED)
         self.status.enter(SurveyState.STOPPING, message)
         self.positioner.wait_for_rest(LEAVING_LIMIT_S)
+        ended_us = self.clock.time_of_day_us()
         if self.archive.folder:
             # The storage is shut down too, usually at the same time, and then closes it itself.
             check = self._leaving_limit()
             with contextlib.suppress(DeviceError):
                 self.archive.queue.wait_until_left(0, check)
-                self.archive.close(INTERRUPTED, message, SurveyState.STOPPED, message, check)
-        self.status.enter(SurveyState.STOPPED, message)
+                status = self.status.status.entered(SurveyState.STOPPED, message, ended_us)
+                self.archive.close(INTERRUPTED, message, status, check)
+        self.status.enter(SurveyState.STOPPED, message, ended_us)
 
     def _end_early(self, state: SurveyState, message: Message, reason: Message) -> None:
         """End the survey early; a failure of one action here must not prevent the next."""

@@ -22,6 +22,7 @@ from gpr20_main_control.mid.survey.survey_plan import (
     RemainingTime,
     SurveyPlan,
 )
+from gpr20_main_control.mid.survey.survey_status import Status
 from gpr20_main_control.mid.waits import Check, ExpectedWait
 from gpr20_survey.folder.log_record import Kind
 from gpr20_survey.folder.soil_note import PLANNED
@@ -165,24 +166,20 @@ class SurveyArchive:
             self._closing_report = report_json
         return self._closing_count
 
-    def close(
-        self, outcome: str, reason: Message, state: SurveyState, message: Message, check: Check
-    ) -> None:
+    def close(self, outcome: str, reason: Message, status: Status, check: Check) -> None:
         """Close the survey.
 
         Args:
             outcome: One word, for survey.json.
             reason: Why it ended; without a fault it has that which the status reports.
-            state: The state that it ends in.
-            message: What the status says then.
+            status: The last status of the survey.
             check: Ends the wait.
         """
         survey_id = self._plan.survey_id
-        cause = message.cause
+        cause = status.message.cause
         is_failure = cause is not None and cause.severity is not Severity.WARNING
-        if state is not SurveyState.FINISHED and not reason.fault_code and is_failure:
+        if status.state is not SurveyState.FINISHED and not reason.fault_code and is_failure:
             reason = reason.with_fault(cause)
-        status = self._survey.status.status.ended(state, message)
         end = SurveyEnd(outcome, reason, status, self._survey.coverage)
         self._calls.call(lambda: self._storage.close(survey_id, end), check)
 

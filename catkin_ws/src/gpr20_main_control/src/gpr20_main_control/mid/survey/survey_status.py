@@ -4,14 +4,15 @@ from __future__ import annotations
 
 import threading
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Callable, Dict, FrozenSet, Optional
+from typing import TYPE_CHECKING, Any, Callable, Dict, FrozenSet, Optional
 
 from gpr20_common.errors import Gpr20Error
+from gpr20_common.low.clock import time_of_day_us
 from gpr20_common.message import Message, in_a_row
 from gpr20_main_control.mid.survey.survey_coverage import Coverage
 from gpr20_survey.plan.survey_parameters import SurveyParameters
 from gpr20_survey.plan.survey_points import SurveyPoint
-from gpr20_survey.plan.survey_state import SurveyState
+from gpr20_survey.plan.survey_state import ENDED, SurveyState
 
 if TYPE_CHECKING:  # the plan imports what shows itself by this status
     from gpr20_main_control.mid.survey.survey_plan import SurveyPlan
@@ -75,6 +76,8 @@ class Status:
         waiting: What is waited for longer than expected; None otherwise.
         plan_id: Of the parameters that are set, or of the current or last survey.
         plan_set_by: Node that set them.
+        end: How that survey ended, until the next one begins; IDLE: it has not.
+        ended_us: When [us since 1970, UTC].
     """
 
     state: SurveyState = SurveyState.IDLE
@@ -89,6 +92,8 @@ class Status:
     waiting: Optional[Message] = None
     plan_id: str = ""
     plan_set_by: str = ""
+    end: SurveyState = SurveyState.IDLE
+    ended_us: int = 0
 
     @property
     def full_message(self) -> Message:
@@ -101,9 +106,11 @@ class Status:
         # The robot continues in spite of it, whatever it is.
         return Message("Warning: {warning}. {status}", warning=warning.as_warning(), status=present)
 
-    def ended(self, state: SurveyState, message: Message) -> Status:
-        """Return the status of this survey after its end."""
-        return replace(self, state=state, message=message, target=None, waiting=None)
+    def entered(self, state: SurveyState, message: Message, time_us: int) -> Status:
+        """Return the status in another state, which is entered at a time [us since 1970, UTC]."""
+        target = self.target if state.running else None
+        end: Dict[str, Any] = {"end": state, "ended_us": time_us} if state in ENDED else {}
+        return replace(self, state=state, message=message, target=target, waiting=None, **end)
 
     @property
     def completion_percent(self) -> float:
@@ -140,18 +147,16 @@ class SurveyStatus:
         """The status now."""
         return self._status
 
-    def enter(self, state: SurveyState, message: Message) -> None:
-        """Enter another state.
+    def enter(self, state: SurveyState, message: Message, time_us: Optional[int] = None) -> None:
+        """Enter another state, at a time [us since 1970, UTC]; None: now.
 
         Raises:
             TransitionError: It cannot follow the present state.
         """
+        now_us = time_of_day_us() if time_us is None else time_us
         with self._lock:
             check_transition(self._status.state, state)
-            target = self._status.target if state.running else None
-            self._change(
-                replace(self._status, state=state, message=message, target=target, waiting=None)
-            )
+            self._change(self._status.entered(state, message, now_us))
 
     def set_message(self, message: Message) -> None:
         """Change the message without changing the state."""
@@ -198,6 +203,8 @@ class SurveyStatus:
                     visited_points=len(plan.stored_indices),
                     remaining_s=sum(plan.pending_durations_s),
                     warning=None,
+                    end=SurveyState.IDLE,
+                    ended_us=0,
                 )
             )
 
@@ -221,7 +228,7 @@ class SurveyStatus:
         """Announce the parameters of a plan; return the status with it."""
         check_transition(self._status.state, state)
         self._on_parameters(plan.parameters)
-        planned = self._status.ended(state, message)
+        planned = self._status.entered(state, message, 0)
         return replace(planned, plan_id=plan.parameters.plan_id, plan_set_by=plan.set_by)
 
     def _change(self, status: Status) -> None:
