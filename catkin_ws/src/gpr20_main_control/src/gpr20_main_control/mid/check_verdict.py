@@ -16,7 +16,7 @@ import numpy as np
 
 from gpr20_common.message import Message, numeral
 from gpr20_common.mid.codec import record_from
-from gpr20_main_control.mid.sweep_difference import noise_db, s21_of
+from gpr20_main_control.mid.sweep_difference import finite, noise_db, s21_of
 from gpr20_survey.radar.frequency_to_delay import (
     MAX_DELAY_S,
     Window,
@@ -94,7 +94,7 @@ def check_figures(sweeps: Mapping[Part, Tuple[Sweep, Sweep]]) -> Figures:
         if part is not Part.EMPTY:
             noise = (second - first) / math.sqrt(2.0)
             figures.update(_echo(frequency_hz, (first + second) / 2.0 - empty, noise))
-        found[part] = {name: _finite(value) for name, value in figures.items()}
+        found[part] = {name: finite(value) for name, value in figures.items()}
     return found
 
 
@@ -142,17 +142,6 @@ class Comparison:
         difference = self.value - self.usual
         return (difference if self.kind.only_more else abs(difference)) / self.kind.limit
 
-    @property
-    def message(self) -> Message:
-        """The figure in one line."""
-        known = (self.value, self.usual)
-        value, usual = ("-" if one is None else numeral(one, ".2f") for one in known)
-        return Message(
-            "{part}, {name}: {value} {unit} (median {usual}, limit {limit:g})",
-            **{"part": PART_NAMES[self.part], "name": self.kind.name, "unit": self.kind.unit},
-            **{"value": value, "usual": usual, "limit": self.kind.limit},
-        )
-
 
 @dataclass(frozen=True)
 class Verdict:
@@ -161,12 +150,10 @@ class Verdict:
     Attributes:
         good: Whether nothing differs; also true for the first check.
         message: In one sentence.
-        comparisons: Every figure.
     """
 
     good: bool
     message: Message
-    comparisons: Sequence[Comparison]
 
 
 def judge(figures: Figures, history: Sequence[Figures]) -> Verdict:
@@ -189,20 +176,20 @@ def judge(figures: Figures, history: Sequence[Figures]) -> Verdict:
             "the check.",
             part=PART_NAMES[unseen[0]],
         )
-        return Verdict(False, message, comparisons)
+        return Verdict(False, message)
     if not compared:
         message = Message(
             "This is the first check of this robot with this sweep: later checks are compared "
             "with it."
         )
-        return Verdict(True, message, comparisons)
+        return Verdict(True, message)
     worst = max(comparisons, key=lambda one: one.part_of_limit)
     if worst.part_of_limit <= 1.0:
         message = Message(
             "Good: every figure agrees with the median of the checks before ({count}).",
             count=len(compared),
         )
-        return Verdict(True, message, comparisons)
+        return Verdict(True, message)
     assert worst.value is not None and worst.usual is not None
     message = Message(
         "{part}, {name}: differs by {difference} {unit} from the median of the checks before "
@@ -214,7 +201,7 @@ def judge(figures: Figures, history: Sequence[Figures]) -> Verdict:
         count=len(compared),
         advice=worst.kind.advice,
     )
-    return Verdict(False, message, comparisons)
+    return Verdict(False, message)
 
 
 def figures_from(recorded: Any) -> Figures:
@@ -231,7 +218,3 @@ def _median(history: Sequence[Figures], part: Part, name: str) -> Optional[float
     found = (figures.get(part, {}).get(name) for figures in history)
     values = [one for one in found if one is not None]
     return median(values) if values else None
-
-
-def _finite(value: float) -> Optional[float]:
-    return round(value, 4) if math.isfinite(value) else None

@@ -16,8 +16,8 @@ from gpr20_main_control import faults
 from gpr20_main_control.errors import RequestRefusedError
 from gpr20_main_control.mid.analyzer_test import TEST_SWEEP, run_analyzer_test
 from gpr20_main_control.mid.check_verdict import Verdict
-from gpr20_main_control.mid.daily_check_steps import DailyCheckSteps
 from gpr20_main_control.mid.devices.robot import Robot, SurveyEnd
+from gpr20_main_control.mid.radar_check import RadarCheck
 from gpr20_main_control.mid.service import AxisMove, AxisService, ServiceSlot
 from gpr20_main_control.mid.survey.survey import NOTHING, Accepted, Survey
 from gpr20_main_control.mid.survey.survey_archive import interruption_remark
@@ -71,7 +71,7 @@ class MainControl:
         self._status = status
         self._interruption = Interruption(robot.nodes, clock)
         self._service = ServiceSlot(robot.axes, clock, on_service)
-        self._daily_check = DailyCheckSteps(robot, clock)
+        self._daily_check = RadarCheck(robot, clock)
         self._requests = threading.Lock()
         # What was asked for before a STOP does not begin after it.
         self._stops = self._stops_at_plan = 0
