@@ -410,7 +410,7 @@ class MainControl:
 
 def _refused_end(reopened: ReopenedSurvey, refusal: Message) -> SurveyEnd:
     """Return the end of a survey that was reopened but cannot continue on this robot."""
-    status = Status(survey_id=reopened.survey_id)
+    status = Status(state=SurveyState.CHECKING, survey_id=reopened.survey_id)
     status = status.entered(SurveyState.FAILED, refusal, time_of_day_us())
     return SurveyEnd("failed", refusal, status)
 

@@ -170,3 +170,13 @@ def test_a_trace_whose_storing_cannot_be_shown_is_not_stored_again(bench, fault_
     queue.close()
     assert storage.samples == traces
     assert len(fault_log) == 2
+
+
+def test_a_shutdown_closes_a_paused_survey_that_is_complete(bench):
+    bench.storage.fail_close = "the disk is slow"
+    bench.start()
+    bench.wait_for(State.PAUSED)
+    bench.storage.fail_close = ""
+    bench.control.shut_down(LIMIT_S)
+    assert bench.states[-3:] == ["PAUSED", "CHECKING", "FINISHED"]
+    assert [one.outcome for one in bench.storage.ends] == ["finished"]

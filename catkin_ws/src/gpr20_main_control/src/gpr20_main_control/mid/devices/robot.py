@@ -18,7 +18,7 @@ from gpr20_main_control.mid.devices.described_robot import DescribedRobot
 from gpr20_main_control.mid.devices.node_liveness import NodeLiveness
 from gpr20_main_control.mid.survey.survey_coverage import Coverage
 from gpr20_main_control.mid.survey.survey_status import Status
-from gpr20_main_control.mid.waits import SerialCalls, Workers
+from gpr20_main_control.mid.waits import Workers
 from gpr20_survey.axes.axis_id import UNKNOWN_ZERO, AxisId, ZeroEpoch, Zeros
 from gpr20_survey.folder.log_record import Kind
 from gpr20_survey.results.reopened_survey import ReopenedSurvey
@@ -302,5 +302,5 @@ class Robot:
     sensors: AuxSensors
     workers: Workers = field(default_factory=Workers, init=False)
     # Shared by all surveys: a call that one survey gave up must not disturb the next.
-    analyzer_calls: SerialCalls = field(default_factory=SerialCalls, init=False)
-    storage_calls: SerialCalls = field(default_factory=SerialCalls, init=False)
+    analyzer_calls: Workers = field(default_factory=lambda: Workers(most=1), init=False)
+    storage_calls: Workers = field(default_factory=lambda: Workers(most=1), init=False)

@@ -174,7 +174,7 @@ class Sampling:
         """
         assert self._confirming is not None
         wait = self._instruments.confirmation_wait(point)
-        with self._waits.shown_beside(wait, check or self._interruption.check) as check_and_show:
+        with self._waits.shown(wait, check) as check_and_show:
             wait_for(self._confirming, check_and_show)
         trace = self._confirming.result()
         self._confirmation, self._confirming = None, None

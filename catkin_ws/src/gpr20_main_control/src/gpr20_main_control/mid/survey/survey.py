@@ -173,7 +173,7 @@ class Survey:
     def show_warning(self, warning: Message) -> None:
         """Note a warning and show it until the next survey begins."""
         self.note_warning(warning)
-        self.status.set_warning(warning)
+        self.status.update(warning=warning)
 
     def accept_nodes(self) -> None:
         """Continue with the nodes as they are now.
@@ -312,7 +312,7 @@ class Survey:
             reason=lost,
         ).reporting_only(PART_SILENT.as_warning())
         if self.status.status.state is SurveyState.CHECKING:
-            self.status.set_message(waiting)
+            self.status.update(message=waiting)
         else:
             self.status.enter(SurveyState.CHECKING, waiting)
         self.positioner.wait_for_rest(REST_LIMIT_S)
@@ -359,7 +359,7 @@ class Survey:
         stored, total = self.archive.send_last_report(check), self.plan.total_points
         if verdict.complete and stored == total:
             state = SurveyState.FINISHED
-            self.status.set_progress(stored, 0.0)
+            self.status.update(visited_points=stored, remaining_s=0.0)
             message = Message(
                 "Finished, {verdict}", verdict=verdict.message, details=self.archive.folder
             )
@@ -381,12 +381,14 @@ class Survey:
         """
         if not self._steps.progress.all_confirmed or self.archive.queue.waiting:
             return False
+        if self.status.status.state in (SurveyState.HOMING, SurveyState.PAUSED):
+            # The way from there to the end.
+            self.status.enter(SurveyState.CHECKING, Message("Checking the robot"))
         try:
             self._close_finished(check)
         except DeviceError as error:
-            self.status.set_message(
-                Message("The survey is not closed yet: {reason}", reason=error.message).as_warning()
-            )
+            message = Message("The survey is not closed yet: {reason}", reason=error.message)
+            self.status.update(message=message.as_warning())
             return False
         return True
 

@@ -84,9 +84,6 @@ class SurveyArchive:
         Raises:
             DeviceError: The disk has no room, or the folder cannot be made.
         """
-        self._remaining = RemainingTime(
-            self._plan.pending_durations_with_s(analyzer.sweep_duration_s)
-        )
         if self.folder:
             self.reopen(check)
             self.send_facts(check)
@@ -225,7 +222,7 @@ class SurveyArchive:
         self._survey.coverage.note_stored(index)
         visited = len(self._plan.stored_indices) + stored
         remaining_s = self._remaining.remaining_s(stored, self._elapsed_s())
-        self._survey.status.set_progress(visited, remaining_s)
+        self._survey.status.update(visited_points=visited, remaining_s=remaining_s)
 
     def _elapsed_s(self) -> float:
         since_s = self._measuring_since_s

@@ -23,12 +23,11 @@ from gpr20_survey.plan.annotation import EMPTY, Annotation
 from gpr20_survey.plan.recorded_plan import recorded_settings
 from gpr20_survey.plan.robot_description import RobotConfig
 from gpr20_survey.plan.sensors import SENSORS
-from gpr20_survey.plan.survey_cost import VISIT_SWEEPS, first_stop, planned_times
+from gpr20_survey.plan.survey_cost import planned_times
 from gpr20_survey.plan.survey_parameters import SurveyParameters, SurveySettings, check
 from gpr20_survey.plan.survey_points import SurveyPoint, survey_points
 from gpr20_survey.plan.zero_history import Proof, UsedZeros
 from gpr20_survey.results.reopened_survey import ReopenedSurvey
-from gpr20_survey.trace.ms2026c import sweep_duration_s
 from gpr20_survey.trace.sweep_settings import AnalyzerSettings, SweepSettings
 from gpr20_survey.trace.trace import Trace
 
@@ -159,25 +158,8 @@ class SurveyPlan:
     @property
     def pending_durations_s(self) -> List[float]:
         """Durations of the points that are not on the disk yet, and of the end [s]."""
-        return [self.durations_s[index] for index in self._pending_indices]
-
-    @property
-    def _pending_indices(self) -> List[int]:
-        at_end = range(self.total_points, len(self.durations_s))
-        return [*(point.index for point in self.pending), *at_end]
-
-    def pending_durations_with_s(self, measured_s: float) -> List[float]:
-        """Return the same durations [s] with sweeps as long as measured [s]; 0 if unknown."""
-        if not measured_s:
-            return self.pending_durations_s
-        planned_s = sweep_duration_s(self.parameters.sweep_settings)
-        longer_s = measured_s - planned_s / self.config.time_scale
-        visit_sweeps = VISIT_SWEEPS * len(first_stop(self.points))
-        return [
-            self.durations_s[index]
-            + longer_s * ((index < self.total_points) + visit_sweeps * (index in self.visits))
-            for index in self._pending_indices
-        ]
+        at_end = self.durations_s[self.total_points :]
+        return [*(self.durations_s[point.index] for point in self.pending), *at_end]
 
 
 class RemainingTime:

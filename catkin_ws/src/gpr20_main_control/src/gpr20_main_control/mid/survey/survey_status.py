@@ -43,22 +43,6 @@ class TransitionError(Gpr20Error, RuntimeError):
     """A state cannot follow another."""
 
 
-def check_transition(before: SurveyState, after: SurveyState) -> None:
-    """Refuse a transition between two states that does not exist.
-
-    Raises:
-        TransitionError: The table does not hold it.
-    """
-    if after not in TRANSITIONS[before]:
-        raise TransitionError(
-            Message(
-                "a survey that is {before} cannot become {after}",
-                before=before.label,
-                after=after.label,
-            )
-        )
-
-
 @dataclass(frozen=True)
 class Status:
     """A snapshot of the control.
@@ -107,7 +91,19 @@ class Status:
         return Message("Warning: {warning}. {status}", warning=warning.as_warning(), status=present)
 
     def entered(self, state: SurveyState, message: Message, time_us: int) -> Status:
-        """Return the status in another state, which is entered at a time [us since 1970, UTC]."""
+        """Return the status in another state, which is entered at a time [us since 1970, UTC].
+
+        Raises:
+            TransitionError: The state cannot follow the present one.
+        """
+        if state not in TRANSITIONS[self.state]:
+            raise TransitionError(
+                Message(
+                    "a survey that is {before} cannot become {after}",
+                    before=self.state.label,
+                    after=state.label,
+                )
+            )
         target = self.target if state.running else None
         end: Dict[str, Any] = {"end": state, "ended_us": time_us} if state in ENDED else {}
         return replace(self, state=state, message=message, target=target, waiting=None, **end)
@@ -155,28 +151,16 @@ class SurveyStatus:
         """
         now_us = time_of_day_us() if time_us is None else time_us
         with self._lock:
-            check_transition(self._status.state, state)
             self._change(self._status.entered(state, message, now_us))
 
-    def set_message(self, message: Message) -> None:
-        """Change the message without changing the state."""
+    def update(self, **changes: Any) -> None:
+        """Change fields of the status other than the state."""
         with self._lock:
-            self._change(replace(self._status, message=message))
-
-    def set_waiting(self, waiting: Optional[Message]) -> None:
-        """Show what is waited for instead of the message; None shows the message again."""
-        with self._lock:
-            self._change(replace(self._status, waiting=waiting))
+            self._change(replace(self._status, **changes))
 
     def set_missing(self, missing: Optional[Message]) -> None:
         """Set which nodes do not answer; None if all answer."""
-        with self._lock:
-            self._change(replace(self._status, missing=missing))
-
-    def set_warning(self, warning: Message) -> None:
-        """Set a warning, which is shown until the next survey begins."""
-        with self._lock:
-            self._change(replace(self._status, warning=warning))
+        self.update(missing=missing)
 
     def set_plan(self, plan: SurveyPlan) -> None:
         """Enter CONFIGURED, and announce the parameters of the next survey.
@@ -208,27 +192,14 @@ class SurveyStatus:
                 )
             )
 
-    def set_target(self, target: SurveyPoint) -> None:
-        """Set the point being visited."""
-        with self._lock:
-            self._change(replace(self._status, target=target))
-
-    def set_progress(self, visited_points: int, remaining_s: float) -> None:
-        """Set the progress of the survey."""
-        with self._lock:
-            self._change(
-                replace(self._status, visited_points=visited_points, remaining_s=remaining_s)
-            )
-
     def show_coverage(self, coverage: Coverage) -> None:
         """Announce the state of each sample of the present survey."""
         self._on_coverage(coverage, self._status.survey_id)
 
     def _planned(self, plan: SurveyPlan, state: SurveyState, message: Message) -> Status:
         """Announce the parameters of a plan; return the status with it."""
-        check_transition(self._status.state, state)
-        self._on_parameters(plan.parameters)
         planned = self._status.entered(state, message, 0)
+        self._on_parameters(plan.parameters)
         return replace(planned, plan_id=plan.parameters.plan_id, plan_set_by=plan.set_by)
 
     def _change(self, status: Status) -> None:

@@ -241,7 +241,7 @@ class SurveySteps:
         finally:
             self._archive.note_repeats(known.repeats, self._survey.interruption.check)
         self.progress.compare = False
-        self._status.set_message(in_a_row([MEASURING, known.message]))
+        self._status.update(message=in_a_row([MEASURING, known.message]))
 
     def _visit(self) -> None:
         """Measure the first stop again, and pause if it has drifted too far."""
@@ -258,11 +258,11 @@ class SurveySteps:
             # Nothing is left to measure: the operator need not decide.
             self._survey.show_warning(exceeded.message)
         self.progress.note_visited()
-        self._status.set_message(in_a_row([MEASURING, visit.message]))
+        self._status.update(message=in_a_row([MEASURING, visit.message]))
 
     def _repeated(self, stored: Sequence[Trace], message: Message, sweeps: int) -> List[Repeated]:
         """Measure the points of stored traces again; nothing of it is stored among the traces."""
-        self._status.set_message(message)
+        self._status.update(message=message)
         found = []
         for trace in stored:
             point = self._plan.points[trace.index]
@@ -286,7 +286,7 @@ class SurveySteps:
     def _move_to(self, point: SurveyPoint) -> None:
         self._survey.interruption.check()
         # Announced when the axes have begun to move, which need not wait for it.
-        self._positioner.move_to(point, lambda: self._status.set_target(point))
+        self._positioner.move_to(point, lambda: self._status.update(target=point))
 
     @contextlib.contextmanager
     def _measuring(self, point: SurveyPoint) -> Iterator[None]:
@@ -308,7 +308,7 @@ class SurveySteps:
             self._measure_again(point, error)
             return
         if self._rejections:
-            self._status.set_message(MEASURING)
+            self._status.update(message=MEASURING)
         self._rejections, self._rejection = 0, None
         self.progress.note_confirmed(trace)
         self._archive.wait_for_room(point)
@@ -327,8 +327,8 @@ class SurveySteps:
                 ),
                 fault=VNA_FAILED,
             ) from error
-        self._status.set_message(
-            Message(
+        self._status.update(
+            message=Message(
                 "Measuring point {index} again: {reason}", index=point.index, reason=error.message
             ).as_warning()
         )
