@@ -119,31 +119,6 @@ def _echo(frequency_hz: np.ndarray, echo: np.ndarray, noise: np.ndarray) -> Dict
 
 
 @dataclass(frozen=True)
-class Comparison:
-    """One figure of a check, and the median of the checks before.
-
-    Attributes:
-        part: Of which sweep.
-        kind: Which figure.
-        value: Now; None: there is none.
-        usual: The median; None without a history.
-    """
-
-    part: Part
-    kind: Kind
-    value: Optional[float]
-    usual: Optional[float]
-
-    @property
-    def part_of_limit(self) -> float:
-        """The difference, as a part of the largest that is allowed."""
-        if self.usual is None or self.value is None:
-            return 0.0
-        difference = self.value - self.usual
-        return (difference if self.kind.only_more else abs(difference)) / self.kind.limit
-
-
-@dataclass(frozen=True)
 class Verdict:
     """What a check says.
 
@@ -163,13 +138,7 @@ def judge(figures: Figures, history: Sequence[Figures]) -> Verdict:
         figures: Of this check.
         history: Of those before, the latest last.
     """
-    compared = history[-COMPARED_CHECKS:]
-    comparisons = [
-        Comparison(part, KINDS[name], value, _median(compared, part, name))
-        for part, own in figures.items()
-        for name, value in own.items()
-    ]
-    unseen = [part for part, own in figures.items() if "echo_db" in own and own["echo_db"] is None]
+    unseen = [part for part, own in figures.items() if own.get("echo_db", 0.0) is None]
     if unseen:
         message = Message(
             "No echo of the {part} was found: check its place and the antenna cables, then repeat "
@@ -177,31 +146,38 @@ def judge(figures: Figures, history: Sequence[Figures]) -> Verdict:
             part=PART_NAMES[unseen[0]],
         )
         return Verdict(False, message)
+    compared = history[-COMPARED_CHECKS:]
     if not compared:
         message = Message(
             "This is the first check of this robot with this sweep: later checks are compared "
             "with it."
         )
         return Verdict(True, message)
-    worst = max(comparisons, key=lambda one: one.part_of_limit)
-    if worst.part_of_limit <= 1.0:
-        message = Message(
+    worst, message = (
+        1.0,
+        Message(
             "Good: every figure agrees with the median of the checks before ({count}).",
             count=len(compared),
-        )
-        return Verdict(True, message)
-    assert worst.value is not None and worst.usual is not None
-    message = Message(
-        "{part}, {name}: differs by {difference} {unit} from the median of the checks before "
-        "({count}); {advice}.",
-        part=PART_NAMES[worst.part],
-        name=worst.kind.name,
-        difference=numeral(worst.value - worst.usual, "+.2f"),
-        unit=worst.kind.unit,
-        count=len(compared),
-        advice=worst.kind.advice,
+        ),
     )
-    return Verdict(False, message)
+    for part, own in figures.items():
+        for name, value in own.items():
+            kind, usual = KINDS[name], _median(compared, part, name)
+            difference = 0.0 if value is None or usual is None else value - usual
+            part_of_limit = (difference if kind.only_more else abs(difference)) / kind.limit
+            if part_of_limit > worst:
+                worst = part_of_limit
+                message = Message(
+                    "{part}, {name}: differs by {difference} {unit} from the median of the checks "
+                    "before ({count}); {advice}.",
+                    part=PART_NAMES[part],
+                    name=kind.name,
+                    difference=numeral(difference, "+.2f"),
+                    unit=kind.unit,
+                    count=len(compared),
+                    advice=kind.advice,
+                )
+    return Verdict(worst <= 1.0, message)
 
 
 def figures_from(recorded: Any) -> Figures:

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from cut_off_surveys import stored_trace
+from cut_off_surveys import reopened_survey, stored_trace
 from fault_kit import raises_fault
 from hypothesis import given
 from hypothesis import strategies as st
@@ -17,7 +17,12 @@ from gpr20_main_control import faults
 from gpr20_main_control.errors import SurveyError
 from gpr20_main_control.mid.survey.repeats import Repeated
 from gpr20_main_control.mid.survey.survey_coverage import Coverage
-from gpr20_main_control.mid.survey.survey_report import AnalyzerRecord, SurveyReport
+from gpr20_main_control.mid.survey.survey_report import (
+    AnalyzerRecord,
+    FormerReport,
+    SurveyReport,
+    former_report,
+)
 from gpr20_main_control.mid.survey.zero_record import ZeroRecord
 from gpr20_survey.plan.survey_state import COVERAGE_LETTERS, SampleState, reported_verdict
 
@@ -41,7 +46,8 @@ def again(height_m):
 
 
 def report_of(coverage, former=""):
-    return SurveyReport(coverage, AnalyzerRecord(()), ZeroRecord([], {}), former)
+    found = former_report(reopened_survey((), former)) if former else FormerReport()
+    return SurveyReport(coverage, AnalyzerRecord(()), ZeroRecord([], {}), found)
 
 
 def test_nothing_is_complete_until_every_sample_is_stored():

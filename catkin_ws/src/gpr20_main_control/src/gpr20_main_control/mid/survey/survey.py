@@ -29,7 +29,7 @@ from gpr20_main_control.mid.survey.clock_steps import ClockSteps
 from gpr20_main_control.mid.survey.survey_archive import SurveyArchive
 from gpr20_main_control.mid.survey.survey_coverage import Coverage
 from gpr20_main_control.mid.survey.survey_plan import SurveyPlan
-from gpr20_main_control.mid.survey.survey_report import AnalyzerRecord, SurveyReport
+from gpr20_main_control.mid.survey.survey_report import AnalyzerRecord, SurveyReport, former_report
 from gpr20_main_control.mid.survey.survey_status import SurveyStatus
 from gpr20_main_control.mid.survey.survey_steps import SurveySteps
 from gpr20_main_control.mid.survey.zero_record import ZeroRecord
@@ -115,11 +115,11 @@ class Survey:
             robot.axes, plan.config.axes, interruption, robot.workers, self._leases
         )
         self.waits = WaitStatus(status, interruption)
-        self.analyzers = AnalyzerRecord(plan.analyzers)
-        self.zeros = ZeroRecord(plan.zeros, plan.config.axes)
+        former = former_report(plan.reopened)
+        self.analyzers = AnalyzerRecord(former.analyzers)
+        self.zeros = ZeroRecord(former.zeros, plan.config.axes)
         self.coverage = Coverage(plan.total_points, plan.stored_indices)
-        former_report = "" if plan.reopened is None else plan.reopened.report_json
-        self.report = SurveyReport(self.coverage, self.analyzers, self.zeros, former_report)
+        self.report = SurveyReport(self.coverage, self.analyzers, self.zeros, former)
         # Set last: what was measured before is not a change.
         self.coverage.on_change = status.show_coverage
         self.clock_steps = ClockSteps(self.clock, plan.last, self._note_clock)

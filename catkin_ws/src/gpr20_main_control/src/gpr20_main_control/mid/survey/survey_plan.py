@@ -12,11 +12,6 @@ from gpr20_common.message import Message
 from gpr20_common.mid.codec import record_from
 from gpr20_main_control import faults
 from gpr20_main_control.errors import RequestRefusedError
-from gpr20_main_control.mid.survey.survey_report import (
-    UsedAnalyzer,
-    former_report,
-    recorded_analyzers,
-)
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.axes.axis_parameters import AxisParameters
 from gpr20_survey.plan.annotation import EMPTY, Annotation
@@ -26,7 +21,6 @@ from gpr20_survey.plan.sensors import SENSORS
 from gpr20_survey.plan.survey_cost import planned_times
 from gpr20_survey.plan.survey_parameters import SurveyParameters, SurveySettings, check
 from gpr20_survey.plan.survey_points import SurveyPoint, survey_points
-from gpr20_survey.plan.zero_history import Proof, UsedZeros
 from gpr20_survey.results.reopened_survey import ReopenedSurvey
 from gpr20_survey.trace.sweep_settings import AnalyzerSettings, SweepSettings
 from gpr20_survey.trace.trace import Trace
@@ -88,17 +82,6 @@ class SurveyPlan:
         return replace(wanted, analyzer=recorded) if recorded != AnalyzerSettings() else wanted
 
     @property
-    def analyzers(self) -> Sequence[UsedAnalyzer]:
-        """With which analyzers it was measured so far.
-
-        Raises:
-            SurveyError: The report of the survey that is resumed cannot be read.
-        """
-        if self.reopened is None:
-            return ()
-        return recorded_analyzers(self.reopened.metadata_json, self.reopened.report_json)
-
-    @property
     def recorded_sensors(self) -> Optional[List[Dict[str, Any]]]:
         """The other sensors at the start of a survey that is resumed; None if not recorded."""
         if self.reopened is None:
@@ -125,24 +108,6 @@ class SurveyPlan:
     def recent(self) -> Sequence[Trace]:
         """The traces stored last, of a survey that is resumed, the latest last."""
         return () if self.reopened is None else self.reopened.recent
-
-    @property
-    def zeros(self) -> Sequence[UsedZeros]:
-        """The zeros of the axes to which its traces refer so far.
-
-        Raises:
-            SurveyError: The report of the survey that is resumed cannot be read.
-        """
-        if self.reopened is None:
-            return ()
-        recorded = former_report(self.reopened.report_json).zeros
-        last = self.last
-        if last is None or not last.zeros or any(one.zeros == last.zeros for one in recorded):
-            return recorded
-        # A survey that was cut off before its first report began with these.
-        if not recorded:
-            return [UsedZeros(last.zeros, 0, "", Proof.START)]
-        return [*recorded, UsedZeros(last.zeros, last.index, "", Proof.ACCEPTED)]
 
     @property
     def stored_indices(self) -> Sequence[int]:
