@@ -12,7 +12,7 @@ from gpr20_common.faults import ASKED_FOR
 from gpr20_common.message import Message
 from gpr20_main_control.errors import StopRequested
 from gpr20_main_control.mid.devices.robot import Robot
-from gpr20_main_control.mid.waits import StopInterruption
+from gpr20_main_control.mid.waits import Interruption
 from gpr20_survey.plan.robot_description import ANALYZER
 from gpr20_survey.radar.frequency_to_delay import decibels
 from gpr20_survey.results.analyzer_test import AnalyzerTest
@@ -31,7 +31,7 @@ Result = TypeVar("Result")
 
 
 def run_analyzer_test(
-    robot: Robot, address: str, settings: SweepSettings, interruption: StopInterruption
+    robot: Robot, address: str, settings: SweepSettings, interruption: Interruption
 ) -> AnalyzerTest:
     """Test the analyzer and release it; nothing moves.
 

@@ -132,12 +132,7 @@ class Verdict:
 
 
 def judge(figures: Figures, history: Sequence[Figures]) -> Verdict:
-    """Compare a check with the good ones before of the same robot and the same sweep.
-
-    Args:
-        figures: Of this check.
-        history: Of those before, the latest last.
-    """
+    """Compare a check with the good ones before of the same robot and sweep, the latest last."""
     unseen = [part for part, own in figures.items() if own.get("echo_db", 0.0) is None]
     if unseen:
         message = Message(

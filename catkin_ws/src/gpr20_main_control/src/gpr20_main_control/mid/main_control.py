@@ -69,7 +69,7 @@ class MainControl:
         self._robot = robot
         self._settings = settings
         self._status = status
-        self._interruption = Interruption(robot.nodes, clock)
+        self._interruption = Interruption(clock, robot.nodes)
         self._service = ServiceSlot(robot.axes, clock, on_service)
         self._daily_check = RadarCheck(robot, clock)
         self._requests = threading.Lock()

@@ -22,7 +22,7 @@ from gpr20_main_control.mid.check_verdict import (
     judge,
 )
 from gpr20_main_control.mid.devices.robot import Robot
-from gpr20_main_control.mid.waits import StopInterruption
+from gpr20_main_control.mid.waits import Interruption
 from gpr20_survey.errors import ProcessingError
 from gpr20_survey.faults import CHECK_ORDER
 from gpr20_survey.files.durable_files import add_line, lines_backwards, object_of
@@ -68,7 +68,7 @@ class RadarCheck:
         self._client = ""
         self._parts: Dict[Part, SweptPart] = {}
 
-    def take(self, step: int, client: str, interruption: StopInterruption) -> Optional[Verdict]:
+    def take(self, step: int, client: str, interruption: Interruption) -> Optional[Verdict]:
         """Sweep one part.
 
         Args:
@@ -104,7 +104,7 @@ class RadarCheck:
             )
         return STEPS[step]
 
-    def _swept(self, address: str, interruption: StopInterruption) -> SweptPart:
+    def _swept(self, address: str, interruption: Interruption) -> SweptPart:
         calls, analyzer = self._robot.analyzer_calls, self._robot.analyzer
 
         def sweep() -> Sweep:
@@ -157,11 +157,6 @@ class RadarCheck:
 
 def compared(check: Mapping[str, Any], figures: Figures, use: DataFolderUse) -> Verdict:
     """Compare a check with those before of the same robot and sweep, and add it to them.
-
-    Args:
-        check: What else its line says.
-        figures: What its sweeps show.
-        use: The data folder that has the history.
 
     Raises:
         SurveyRefusedError: It is not the data folder that was used before.

@@ -16,7 +16,7 @@ from gpr20_main_control.errors import DeviceError, RequestRefusedError, StopRequ
 from gpr20_main_control.mid.devices.axis_leases import AxisLeases
 from gpr20_main_control.mid.devices.positioner import Positioner
 from gpr20_main_control.mid.devices.robot import Axis, Robot
-from gpr20_main_control.mid.waits import StopInterruption
+from gpr20_main_control.mid.waits import Interruption
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.axes.axis_parameters import AxisParameters
 from gpr20_survey.faults import NOT_HOMED, ZERO_UNKNOWN
@@ -46,7 +46,7 @@ class ServiceSlot:
             clock: The clock of every wait.
             on_change: Called with what is done when an action begins, and None when it has ended.
         """
-        self.interruption = StopInterruption(clock)
+        self.interruption = Interruption(clock)
         self._axes = axes
         self._on_change = on_change
         self._lock = threading.Lock()
@@ -176,7 +176,7 @@ def axis_move(axis: str, action: int, distance: float) -> AxisMove:
 class AxisService:
     """Carries out the requests for one axis at a time."""
 
-    def __init__(self, robot: Robot, interruption: StopInterruption) -> None:
+    def __init__(self, robot: Robot, interruption: Interruption) -> None:
         self._robot = robot
         self._interruption = interruption
 

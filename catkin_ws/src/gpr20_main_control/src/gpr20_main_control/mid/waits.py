@@ -61,8 +61,8 @@ class Attention:
             return self._motions > 0 and time.monotonic() - self._looked_s > ATTENTION_S
 
 
-class StopInterruption:
-    """A stop request; every wait of what can be stopped checks for it.
+class Interruption:
+    """What ends a wait early: a stop request and, of a survey, a lost node.
 
     Attributes:
         stop: Set when what is in progress must end.
@@ -70,9 +70,11 @@ class StopInterruption:
         attention: Whether a wait still looks for reasons to end.
     """
 
-    def __init__(self, clock: Clock) -> None:
+    def __init__(self, clock: Clock, nodes: Optional[NodeLiveness] = None) -> None:
+        """Begin without a reason; `nodes` are those without which a survey cannot continue."""
         self.stop = threading.Event()
         self._shutting_down = False
+        self._nodes = nodes
         self.clock = clock
         self.attention = Attention()
 
@@ -86,8 +88,11 @@ class StopInterruption:
 
         Raises:
             StopRequested: A stop was requested.
+            NodeLostError: A node does not answer or was restarted.
         """
         self.check_stop()
+        if self._nodes is not None:
+            self._nodes.check()
 
     def check_stop(self) -> None:
         """Return unless a stop was requested.
@@ -103,12 +108,7 @@ class StopInterruption:
             raise StopRequested(Message("a stop was requested"))
 
     def wait_s(self, duration_s: float) -> None:
-        """Wait [s], unless there is a reason to interrupt.
-
-        Raises:
-            StopRequested: A stop was requested.
-            NodeLostError: A node does not answer or was restarted.
-        """
+        """Wait [s], unless `check` raises."""
         self.clock.wait_s(self.stop, duration_s)
         self.check()
 
@@ -129,28 +129,6 @@ class StopInterruption:
                 raise error
 
         return check
-
-
-class Interruption(StopInterruption):
-    """A stop request or a lost node; every wait of a survey checks for them.
-
-    Attributes:
-        nodes: The nodes without which a survey cannot continue.
-    """
-
-    def __init__(self, nodes: NodeLiveness, clock: Clock) -> None:
-        super().__init__(clock)
-        self.nodes = nodes
-
-    def check(self) -> None:
-        """Return if there is no reason to interrupt.
-
-        Raises:
-            StopRequested: A stop of the survey was requested.
-            NodeLostError: A node does not answer or was restarted.
-        """
-        self.check_stop()
-        self.nodes.check()
 
 
 @dataclass(frozen=True)

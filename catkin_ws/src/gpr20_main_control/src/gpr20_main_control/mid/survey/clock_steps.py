@@ -21,13 +21,7 @@ class ClockSteps:
     def __init__(
         self, clock: Clock, last: Optional[Trace], on_step: Callable[[Message], None]
     ) -> None:
-        """Begin to compare.
-
-        Args:
-            clock: Has both times.
-            last: The trace that was stored last, perhaps by another session; None if none is.
-            on_step: Called with what happened to the clock.
-        """
+        """Begin to compare, with the trace that was stored last, perhaps by another session."""
         self._clock = clock
         self._on_step = on_step
         self._last_us = 0 if last is None else last.timestamp_us

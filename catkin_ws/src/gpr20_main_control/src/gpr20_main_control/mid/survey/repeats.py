@@ -78,15 +78,9 @@ class Repeated:
 
 
 def known_traces(recent: Iterable[Trace], rotations: int) -> List[Trace]:
-    """Return the latest stored traces of one stop at every rotation, in the order of their visit.
+    """Return the latest stored traces of one stop at all rotations, in the order of their visit.
 
-    Args:
-        recent: Stored traces, the latest last.
-        rotations: How many rotations the survey measures at each stop.
-
-    Returns:
-        One trace of each rotation, of one stop. Before the first stop is complete: the latest
-        trace of each rotation so far.
+    Before the first stop is complete: the latest trace of each rotation so far.
     """
     ordered = sorted(recent, key=lambda trace: trace.index)
     stops: Dict[Tuple[float, float], Dict[float, Trace]] = {}
@@ -181,13 +175,7 @@ class DriftLimits:
         self._asked = False
 
     def visit(self, repeats: Sequence[Repeated], next_index: int, time: str) -> Visit:
-        """Return what a visit says.
-
-        Args:
-            repeats: Each rotation, measured twice.
-            next_index: Index of the next trace.
-            time: The time of day.
-        """
+        """Return what a visit says: each rotation, measured twice."""
         accepted, self._asked = self._asked, False
         if accepted:
             self._accepted = {one.stored.index: one.mean for one in repeats}

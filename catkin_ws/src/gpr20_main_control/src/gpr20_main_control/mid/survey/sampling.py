@@ -55,13 +55,7 @@ class Confirmation:
         confirm: Callable[[], SweepConfirmation],
         store: Callable[[Trace], None],
     ) -> None:
-        """Begin nothing yet.
-
-        Args:
-            trace: What was measured.
-            confirm: Returns what it adds to the trace; raises if it is not confirmed.
-            store: Accepts the trace for storing; returns at once.
-        """
+        """Begin nothing yet; `confirm` raises if it is not confirmed, `store` returns at once."""
         self._trace = trace
         self._confirm = confirm
         self._store = store
@@ -141,10 +135,7 @@ class Sampling:
     ) -> None:
         """Take the sweep of a point at which the axes have settled, and begin to confirm it.
 
-        Args:
-            point: Where the axes rest.
-            store: Accepts the trace once it is confirmed; called in another thread.
-            remark: A remark on the quality of this trace.
+        `store` accepts the trace once it is confirmed, in another thread.
 
         Raises:
             DeviceError: A part failed, or the axes moved since they rested there.
@@ -163,10 +154,7 @@ class Sampling:
     def confirmed(self, point: SurveyPoint, check: Optional[Check] = None) -> Trace:
         """Return the trace of the last sweep when it is confirmed and accepted for storing.
 
-        Args:
-            point: The point of the sweep.
-            check: Called repeatedly meanwhile; an error that it raises ends the wait, and the
-                confirmation continues. None: an interruption of the survey ends the wait.
+        An error of `check`, or else an interruption, ends the wait; the confirmation continues.
 
         Raises:
             UnconfirmedError: It was not confirmed; give it up.

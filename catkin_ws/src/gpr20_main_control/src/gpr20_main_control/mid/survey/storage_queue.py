@@ -35,10 +35,7 @@ class StorageQueue:
     ) -> None:
         """Start the thread.
 
-        Args:
-            storage: Where traces go.
-            clock: Measures the pause between attempts.
-            on_stored: Called with the number of traces stored so far and the index of the last.
+        `on_stored` is called with the number of traces stored so far and the index of the last.
         """
         self._storage = storage
         self._clock = clock
@@ -63,11 +60,7 @@ class StorageQueue:
             self._changed.notify_all()
 
     def wait_until_left(self, traces: int, check: Check) -> None:
-        """Return when at most so many traces wait for the disk.
-
-        Args:
-            traces: How many may be left.
-            check: Called repeatedly meanwhile; an error that it raises ends the wait.
+        """Return when at most so many traces wait for the disk; `check` may end the wait.
 
         Raises:
             DeviceError: Storing has failed; the traces wait for `retry`.

@@ -145,11 +145,7 @@ class Survey:
             self._leases.release()
 
     def resume(self, accepted: Accepted) -> None:
-        """Continue after a pause; the caller has changed the state.
-
-        Args:
-            accepted: With what the operator continues.
-        """
+        """Continue after a pause; the caller has changed the state."""
         with self._lock:
             self._accept(accepted)
             self.analyzers.checked.clear()
@@ -157,11 +153,7 @@ class Survey:
             self._resume.set()
 
     def refusal(self, limit_s: float) -> Optional[OtherAnalyzerError]:
-        """Wait until the analyzer is known; return why it is refused, None if it is not.
-
-        Args:
-            limit_s: How long to wait [s]; an analyzer that is not known by then is not refused.
-        """
+        """Wait until the analyzer is known [s]; return why it is refused, None if it is not."""
         self.clock.wait_s(self.analyzers.checked, limit_s)
         return self._refusal
 
@@ -176,11 +168,7 @@ class Survey:
         self.status.update(warning=warning)
 
     def accept_nodes(self) -> None:
-        """Continue with the nodes as they are now.
-
-        Raises:
-            NodeLostError: One does not answer.
-        """
+        """Continue with the nodes as they are now, or raise if one does not answer."""
         self.robot.nodes.accept()
         self.robot.nodes.check()
 

@@ -74,10 +74,6 @@ class SurveyArchive:
 
         The storage may have been restarted since; reopening an open survey changes nothing.
 
-        Args:
-            analyzer: What is recorded about the analyzer.
-            check: Ends the wait.
-
         Returns:
             Folder of another survey that was still open and was closed; empty if none.
 
@@ -106,19 +102,11 @@ class SurveyArchive:
         self._calls.call(lambda: self._storage.reopen(name), check)
 
     def wait_for_room(self, point: SurveyPoint) -> None:
-        """Return when few enough traces, up to that of a point, wait for the disk.
-
-        Raises:
-            DeviceError: Storing has failed; the traces wait for a retry.
-        """
+        """Return when few enough traces, up to that of a point, wait for the disk, or raise."""
         self._wait_until_left(CAPACITY, point)
 
     def drain(self) -> None:
-        """Return when every trace is stored durably.
-
-        Raises:
-            DeviceError: Storing has failed; the traces wait for a retry.
-        """
+        """Return when every trace is stored durably, or raise."""
         self._wait_until_left(0, self._plan.points[-1])
 
     def start_timing(self) -> None:
@@ -169,7 +157,7 @@ class SurveyArchive:
         Args:
             outcome: One word, for survey.json.
             reason: Why it ended; without a fault it has that which the status reports.
-            status: The last status of the survey.
+            status: The last one of the survey.
             check: Ends the wait.
         """
         survey_id = self._plan.survey_id
@@ -248,13 +236,7 @@ def _names(sensors: Sequence[Mapping[str, Any]]) -> str:
 def survey_record(
     plan: SurveyPlan, analyzer: AnalyzerState, robot: Mapping[str, Any]
 ) -> SurveyRecord:
-    """Return what is recorded about a survey when it begins.
-
-    Args:
-        plan: The plan of the survey.
-        analyzer: What the analyzer accepted.
-        robot: What the parts of the robot say about themselves.
-    """
+    """Return what is recorded about a survey when it begins; of the robot, what its parts say."""
     metadata = {
         "simulated": plan.config.simulated,
         "parameters": asdict(plan.parameters),

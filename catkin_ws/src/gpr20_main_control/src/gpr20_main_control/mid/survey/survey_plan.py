@@ -43,16 +43,12 @@ class SurveyPlan:
     """The plan of a survey.
 
     Attributes:
-        parameters: What it measures.
-        config: The robot that measures.
-        settings: Settings of its execution.
-        points: All points in the order of their visit.
+        points: In the order of their visit.
         durations_s: Duration of each point [s], with a visit of the reference before it, if any;
             one more for the visit at the end, if any.
         set_by: Node that set the parameters; empty if it is not known.
         survey_id: UUID; empty before the survey begins.
         reopened: What is stored of it; None if it is new.
-        annotation: What people added to it at its start.
         refines: Id of the survey that it measures more finely; empty: none.
         permittivity: Relative permittivity of the ground; None: not known.
         visits: Indices of the points before which it visits its reference, the first stop, to see
@@ -134,14 +130,9 @@ class RemainingTime:
         self._planned_s = [0.0, *accumulate(durations_s)]
 
     def remaining_s(self, points_done: int, elapsed_s: float) -> float:
-        """Return the time to the end [s].
+        """Return the time to the end [s] after so many points in a time without pauses [s].
 
-        The rest of the plan is stretched by how much longer than planned the points so
-        far have taken.
-
-        Args:
-            points_done: Points that are finished, in the order of the plan.
-            elapsed_s: Time spent on them [s], without pauses.
+        The rest of the plan is stretched by how much longer than planned the points so far took.
         """
         done_s = self._planned_s[points_done]
         rest_s = self._planned_s[-1] - done_s

@@ -66,11 +66,6 @@ class AnalyzerRecord:
     def check(self, identity: str, next_index: int, now_us: int) -> None:
         """Return if the survey may be measured with an analyzer, and note it if it is new.
 
-        Args:
-            identity: What the connected instrument says it is.
-            next_index: Index of the point that is measured next.
-            now_us: The time [us since 1970, UTC].
-
         Raises:
             OtherAnalyzerError: It is another one, and the operator has not accepted it.
         """

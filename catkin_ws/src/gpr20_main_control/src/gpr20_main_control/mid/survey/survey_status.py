@@ -127,10 +127,8 @@ class SurveyStatus:
 
         Args:
             on_change: Called with the status before and after each change.
-            on_parameters: Called with the parameters of the next or present survey when they
-                change.
-            on_coverage: Called with the coverage of the present survey and the survey's id when
-                the coverage changes.
+            on_parameters: Called with the parameters of the next or present survey.
+            on_coverage: Called with the coverage and the id of the present survey.
         """
         self._on_change = on_change
         self._on_parameters = on_parameters

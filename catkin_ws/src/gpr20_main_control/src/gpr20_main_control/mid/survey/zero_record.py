@@ -61,14 +61,7 @@ class ZeroRecord:
     def judge(
         self, present: ByAxis, point: KnownPoint, limit_db: float, next_index: int, time: str
     ) -> None:
-        """Take other zeros, if a known point and the operator say so.
-
-        Args:
-            present: The zeros now.
-            point: The known point, measured again.
-            limit_db: The largest difference with which it agrees [dB].
-            next_index: Index of the next trace.
-            time: The time of day.
+        """Take other zeros, if a known point within a limit [dB], or the operator, says so.
 
         Raises:
             DeviceError: The operator must decide.
