@@ -6,6 +6,7 @@ import argparse
 import os
 import signal
 import sys
+from typing import Any
 
 import rosgraph
 import rospy
@@ -85,7 +86,7 @@ def _check(catalogue: Catalogue) -> int:
     if status.simulated:
         say(catalogue.tr("SIMULATED robot: the check shows no real antennas."))
     step = DeviceService(Message("the main control"), "daily_check", DailyCheck, STEP_LIMIT_S)
-    answer = None
+    answer: Any = None
     for number, instruction in enumerate(INSTRUCTIONS.values()):
         go_on = catalogue.tr("Then press Enter.")
         place = f"[{number + 1}/{len(INSTRUCTIONS)}]"

@@ -54,7 +54,7 @@ class Repeated:
     @property
     def mean(self) -> np.ndarray:
         """S21, the mean of the new sweeps."""
-        return sum(s21_of(one) for one in self.again) / len(self.again)
+        return np.mean([s21_of(one) for one in self.again], axis=0)
 
     @property
     def message(self) -> Message:
