@@ -30,7 +30,7 @@ from gpr20_main_control.mid.devices.described_robot import AuxSensors, Described
 from gpr20_main_control.mid.devices.node_liveness import NodeLiveness, WatchedNode
 from gpr20_main_control.mid.devices.robot import Robot
 from gpr20_main_control.mid.main_control import MainControl
-from gpr20_main_control.mid.survey.engine import NOTHING, Accepted
+from gpr20_main_control.mid.survey.survey import NOTHING, Accepted
 from gpr20_main_control.mid.survey.survey_status import Status, SurveyStatus
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.files.durable_files import ensure_folders

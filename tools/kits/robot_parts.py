@@ -7,7 +7,6 @@ control is here a call.
 from __future__ import annotations
 
 import contextlib
-import json
 import queue
 import threading
 from collections import Counter
@@ -43,13 +42,13 @@ from gpr20_main_control.mid.devices.robot import (
     SweepConfirmation,
     UnconfirmedSweep,
 )
-from gpr20_main_control.mid.survey.survey_notes import Note
 from gpr20_main_control.mid.waits import Workers
 from gpr20_simulator.mid.carriage import AxisMotor, SimulatedPins, mechanics_of, wiring_of
 from gpr20_simulator.mid.world.ground import Ground
 from gpr20_simulator.mid.world.range_sensor import RangeSensor, SimulatedSpi
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.axes.axis_parameters import AxisParameters
+from gpr20_survey.folder.log_record import Kind
 from gpr20_survey.results.reopened_survey import ReopenedSurvey
 from gpr20_survey.trace import trace_message
 from gpr20_survey.trace.sweep_settings import SweepSettings
@@ -313,13 +312,11 @@ class ProcessStorage:
             interrupted = self._processing.interrupt_other(survey)
             return replace(self._processing.reopen_survey(survey), interrupted=interrupted)
 
-    def report(self, survey_id: str, report_json: str) -> int:
-        with self._answer("report"), self._disk:
-            return self._processing.add_fact(survey_id, "report", report_json).stored_traces
-
-    def note(self, survey_id: str, note: Note) -> None:
-        with self._answer("note"), self._disk:
-            self._processing.add_fact(survey_id, note.kind.value, json.dumps(note.values))
+    def add_fact(self, survey_id: str, kind: Kind, values_json: str) -> int:
+        # By these names a test says when something happens.
+        call = "report" if kind is Kind.REPORT else "note"
+        with self._answer(call), self._disk:
+            return self._processing.add_fact(survey_id, kind.value, values_json).stored_traces
 
     def store(self, trace: Trace) -> None:
         with self._answer("store"), self._disk:

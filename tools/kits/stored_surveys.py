@@ -13,7 +13,7 @@ from stock_readers import bag_traces, mcap_traces, torn_mcap_traces
 from storage_kit import with_bag
 
 from gpr20_common.catalogue import FOLDER, read_translations
-from gpr20_main_control.mid.survey.engine import NOTHING, Accepted
+from gpr20_main_control.mid.survey.survey import NOTHING, Accepted
 from gpr20_main_control.mid.survey.survey_status import Status
 from gpr20_simulator.mid.world.medium import probed_rotation_deg
 from gpr20_survey.folder.recovery import read_description

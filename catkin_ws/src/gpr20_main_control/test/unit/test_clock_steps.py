@@ -6,7 +6,7 @@ import pytest
 from fake_robot import ManualClock
 from run_seed import draws
 
-from gpr20_main_control.mid.survey.running_survey import LARGEST_CORRECTION_S, ClockSteps
+from gpr20_main_control.mid.survey.clock_steps import LARGEST_CORRECTION_S, ClockSteps
 from gpr20_survey.faults import CLOCK_WRONG
 
 DRAWS = draws(50)

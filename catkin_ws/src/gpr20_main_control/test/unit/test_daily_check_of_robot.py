@@ -9,22 +9,13 @@ import pytest
 from fake_robot import FakeAnalyzer
 from fault_kit import raises_fault
 
-from gpr20_common.message import Message
-from gpr20_main_control.errors import DeviceError, RequestRefusedError, StopRequested
-from gpr20_main_control.mid.daily_check import (
-    HISTORY,
-    CheckedRobot,
-    compare_with_history,
-    make_check,
-)
-from gpr20_main_control.mid.daily_check_steps import CHECK_LIMIT_S
+from gpr20_main_control.errors import DeviceError, RequestRefusedError
 from gpr20_main_control.mid.devices.robot import UnconfirmedSweep
+from gpr20_main_control.mid.radar_check import CHECK_LIMIT_S, HISTORY
 from gpr20_survey.faults import CHECK_ORDER
-from gpr20_survey.folder.data_folder import DataFolderUse
 from gpr20_survey.results.daily_check import Part
 from gpr20_survey.trace.sweep import Sweep
 
-ROBOT = CheckedRobot("GPR-20", False, "127.0.0.2")
 SWEPT_US = 1_800_000_000_000_000
 DELAYS_NS = {Part.EMPTY: None, Part.PLATE: 3.0, Part.REFLECTOR: 4.5}
 
@@ -32,13 +23,7 @@ DELAYS_NS = {Part.EMPTY: None, Part.PLATE: 3.0, Part.REFLECTOR: 4.5}
 class SeeingAnalyzer(FakeAnalyzer):
     """Sees what was put below the antennas."""
 
-    def __init__(self, gain=1.0):
-        super().__init__()
-        self.seen = Part.EMPTY
-        self.gain = gain
-
-    def instruct(self, part, _instruction):
-        self.seen = part
+    seen, gain = Part.EMPTY, 1.0
 
     def sweep(self):
         number = super().sweep().number
@@ -52,40 +37,6 @@ class SeeingAnalyzer(FakeAnalyzer):
         return UnconfirmedSweep(
             number, Sweep(hz, s21.real, s21.imag, SWEPT_US, SWEPT_US, (), settings)
         )
-
-
-def checked(data, gain=1.0, robot=ROBOT):
-    analyzer = SeeingAnalyzer(gain)
-    check = make_check(analyzer, robot.address, analyzer.instruct)
-    use = DataFolderUse(data, data / "state")
-    return compare_with_history(check, robot, use, "2026-09-21T14:13:20+00:00")
-
-
-def test_a_check_that_is_given_up_or_fails_releases_the_analyzer():
-    def give_up(part, _instruction):
-        if part is not Part.EMPTY:
-            raise StopRequested(Message("given up"))
-
-    analyzer = SeeingAnalyzer()
-    with pytest.raises(StopRequested):
-        make_check(analyzer, "", give_up)
-    assert analyzer.releases == 1
-    analyzer.failures = 1
-    with pytest.raises(DeviceError):
-        make_check(analyzer, "", analyzer.instruct)
-    assert analyzer.releases == 2
-
-
-def test_an_analyzer_that_is_replaced_during_the_check_is_refused(tmp_path):
-    analyzer = SeeingAnalyzer()
-
-    def replace_it(part, instruction):
-        analyzer.instruct(part, instruction)
-        if part is Part.REFLECTOR:
-            analyzer.identity = "Anritsu,MS2026C,other"
-
-    with raises_fault(CHECK_ORDER, error=RequestRefusedError):
-        make_check(analyzer, "", replace_it)
 
 
 @pytest.fixture
@@ -152,29 +103,48 @@ def test_a_step_that_failed_or_could_not_be_stored_can_be_repeated(stepped, tmp_
     assert step(stepped, 2).good
 
 
-def test_checks_are_compared_with_the_good_ones_before_of_the_same_robot(tmp_path):
-    verdict, damaged = checked(tmp_path)
-    assert verdict.good and "first check" in str(verdict.message) and damaged == 0
-    assert "checks before (1)" in str(checked(tmp_path)[0].message)
+def checked(bench, gain=1.0):
+    bench.analyzer.gain = gain
+    return [step(bench, number) for number in range(3)][-1]
+
+
+def history(folder):
+    return [json.loads(one) for one in (folder / HISTORY).read_text().splitlines()]
+
+
+def test_an_analyzer_that_is_replaced_during_the_check_is_refused(stepped):
+    step(stepped, 0)
+    step(stepped, 1)
+    stepped.analyzer.identity = "Anritsu,MS2026C,other"
+    with raises_fault(CHECK_ORDER, error=RequestRefusedError):
+        step(stepped, 2)
+
+
+def test_checks_are_compared_with_the_good_ones_before_of_the_same_robot(stepped, tmp_path):
+    verdict = checked(stepped)
+    assert verdict.good and "first check" in str(verdict.message)
+    assert "checks before (1)" in str(checked(stepped).message)
     # A check that differs is kept, and nothing is compared with it.
     for _ in range(2):
-        differs = checked(tmp_path, gain=0.7)[0]
+        differs = checked(stepped, gain=0.7)
         assert not differs.good and "checks before (2)" in str(differs.message)
-    assert checked(tmp_path)[0].good
-    for other in (CheckedRobot("other", False, ""), CheckedRobot("GPR-20", True, "")):
-        assert "first check" in str(checked(tmp_path, gain=0.7, robot=other)[0].message)
-    lines = [json.loads(one) for one in (tmp_path / HISTORY).read_text().splitlines()]
-    assert [one["good"] for one in lines] == [True, True, False, False, True, True, True]
-    assert {one["identity"] for one in lines} == {SeeingAnalyzer().identity}
+    assert checked(stepped).good
+    lines = history(tmp_path)
+    for key, value in (("robot", "other"), ("simulated", False)):
+        others = "".join(json.dumps({**one, key: value}) + "\n" for one in lines)
+        (tmp_path / HISTORY).write_text(others)
+        assert "first check" in str(checked(stepped, gain=0.7).message)
+    assert [one["good"] for one in lines] == [True, True, False, False, True]
+    assert {one["identity"] for one in lines} == {stepped.analyzer.identity}
 
 
-def test_lines_that_cannot_be_read_are_counted_and_left_alone(tmp_path):
-    checked(tmp_path)
+def test_lines_that_cannot_be_read_are_counted_and_left_alone(stepped, tmp_path):
+    checked(stepped)
     path = tmp_path / HISTORY
     line = json.loads(path.read_text())
     odd = [{**line, "figures": 7}, {**line, "figures": {"sky": {}}}]
     text = path.read_text() + "".join(json.dumps(one) + "\n" for one in odd) + "{\n"
     path.write_text(text)
-    verdict, damaged = checked(tmp_path)
-    assert (verdict.good, damaged) == (True, 3)
+    verdict = checked(stepped)
+    assert verdict.good and "3 lines" in verdict.message.details
     assert path.read_text().startswith(text)

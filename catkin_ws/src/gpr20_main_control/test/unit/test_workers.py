@@ -6,7 +6,7 @@ import pytest
 
 from gpr20_common.message import Message
 from gpr20_main_control.errors import StopRequested
-from gpr20_main_control.mid.waits import SerialCalls, Workers, result_of
+from gpr20_main_control.mid.waits import Workers
 
 LIMIT_S = 30.0
 
@@ -38,15 +38,8 @@ def test_a_call_that_hangs_does_not_delay_others():
     assert all(one.result(LIMIT_S) for one in hanging)
 
 
-ONE = Workers(most=1)
-
-
-def by_workers(action, check):
-    return result_of(ONE.begin(action), check)
-
-
-@pytest.mark.parametrize("call", [by_workers, SerialCalls().call])
-def test_a_call_that_was_given_up_before_its_turn_is_never_made(call):
+def test_a_call_that_was_given_up_before_its_turn_is_never_made():
+    call = Workers(most=1).call
     hang, made = Hanging(), []
     first = threading.Thread(target=call, args=(hang, go_on))
     first.start()

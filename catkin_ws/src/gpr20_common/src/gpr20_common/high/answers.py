@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+import threading
+import time
 from dataclasses import fields
 from typing import Any, Callable, Dict, Optional, Type, TypeVar
 
@@ -16,6 +18,8 @@ from gpr20_common.sent_message import received_message
 from gpr20_msgs.msg import Fault
 
 Record = TypeVar("Record")
+# A refusal that is repeated is logged so often [s].
+REPEATED_S = 60.0
 
 
 def message_fields(message: Message) -> Dict[str, Any]:
@@ -68,12 +72,15 @@ def advertise(name: str, service_class: Any, handler: Callable[[Any], Any]) -> r
     The response has `success` and what `message_fields` gives; the handler returns that of a
     success, and raises otherwise.
     """
+    refusals = _Refusals(name)
 
     def answer(request: Any) -> Any:
         try:
-            return handler(request)
+            response = handler(request)
+            refusals.log("")
+            return response
         except Gpr20Error as error:
-            rospy.logwarn("%s refused: %s", name, error)
+            refusals.log(str(error))
             message = error.message
         except Exception as error:
             # Who waits for a step of a survey cannot do anything with a dropped call.
@@ -81,6 +88,29 @@ def advertise(name: str, service_class: Any, handler: Callable[[Any], Any]) -> r
         return service_class._response_class(success=False, **message_fields(message))
 
     return rospy.Service(name, service_class, answer)
+
+
+class _Refusals:
+    """The refusals of a service in the log: of equal ones in a row the first, then their count."""
+
+    def __init__(self, name: str) -> None:
+        self._name = name
+        self._lock = threading.Lock()
+        self._text, self._repeated, self._logged_s = "", 0, 0.0
+
+    def log(self, text: str) -> None:
+        """Log a refusal; an empty text is an answer that is none."""
+        with self._lock:
+            now_s = time.monotonic()
+            if text and text == self._text and now_s - self._logged_s < REPEATED_S:
+                self._repeated += 1
+                return
+            former, repeated = self._text, self._repeated
+            self._text, self._repeated, self._logged_s = text, 0, now_s
+        if repeated:
+            rospy.logwarn("%s refused %d more times: %s", self._name, repeated, former)
+        if text:
+            rospy.logwarn("%s refused: %s", self._name, text)
 
 
 def internal_error(name: str, error: Exception) -> Message:

@@ -33,7 +33,7 @@ from gpr20_main_control.mid.devices.node_liveness import (
 from gpr20_main_control.mid.devices.robot import Robot
 from gpr20_main_control.mid.main_control import MainControl
 from gpr20_main_control.mid.service import axis_move
-from gpr20_main_control.mid.survey.engine import Accepted
+from gpr20_main_control.mid.survey.survey import Accepted
 from gpr20_main_control.mid.survey.survey_status import SurveyStatus
 from gpr20_msgs.srv import (
     Command,

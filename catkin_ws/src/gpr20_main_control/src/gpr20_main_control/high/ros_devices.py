@@ -29,7 +29,6 @@ from gpr20_main_control.mid.devices.robot import (
     SweepConfirmation,
     UnconfirmedSweep,
 )
-from gpr20_main_control.mid.survey.survey_notes import Note
 from gpr20_msgs.msg import SurveyCoverage, SurveyData
 from gpr20_msgs.srv import (
     AddFact,
@@ -232,14 +231,9 @@ class RosStorage:
         recent = [trace_message.decode(serialized(one)) for one in response.recent]
         return record_of(ReopenedSurvey, response, recent=tuple(recent))
 
-    def report(self, survey_id: str, report_json: str) -> int:
-        kind = Kind.REPORT.value
-        response = self._add_fact(survey=survey_id, kind=kind, values_json=report_json)
+    def add_fact(self, survey_id: str, kind: Kind, values_json: str) -> int:
+        response = self._add_fact(survey=survey_id, kind=kind.value, values_json=values_json)
         return int(response.stored_traces)
-
-    def note(self, survey_id: str, note: Note) -> None:
-        values_json = json.dumps(note.values, allow_nan=False)
-        self._add_fact(survey=survey_id, kind=note.kind.value, values_json=values_json)
 
     def store(self, trace: Trace) -> None:
         # The trace is the only field of the request, so their bytes are the same.

@@ -8,6 +8,7 @@ from typing import Optional, Sequence, Tuple
 import rospy
 
 from gpr20_common.high.answers import fault_of, message_fields
+from gpr20_common.high.raw_message import ros_time
 from gpr20_common.message import Message
 from gpr20_main_control.mid.devices.robot import Robot
 from gpr20_main_control.mid.survey.survey_coverage import Coverage
@@ -73,6 +74,8 @@ class SurveyTopics:
             simulated=self.simulated,
             plan_id=status.plan_id,
             plan_set_by=status.plan_set_by,
+            end=int(status.end),
+            ended=ros_time(status.ended_us),
             **message_fields(status.full_message),
         )
         message.header.stamp = rospy.Time.now()

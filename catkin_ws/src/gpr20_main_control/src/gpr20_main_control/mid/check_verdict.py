@@ -16,7 +16,7 @@ import numpy as np
 
 from gpr20_common.message import Message, numeral
 from gpr20_common.mid.codec import record_from
-from gpr20_main_control.mid.drift import noise_db, s21_of
+from gpr20_main_control.mid.sweep_difference import finite, noise_db, s21_of
 from gpr20_survey.radar.frequency_to_delay import (
     MAX_DELAY_S,
     Window,
@@ -94,7 +94,7 @@ def check_figures(sweeps: Mapping[Part, Tuple[Sweep, Sweep]]) -> Figures:
         if part is not Part.EMPTY:
             noise = (second - first) / math.sqrt(2.0)
             figures.update(_echo(frequency_hz, (first + second) / 2.0 - empty, noise))
-        found[part] = {name: _finite(value) for name, value in figures.items()}
+        found[part] = {name: finite(value) for name, value in figures.items()}
     return found
 
 
@@ -119,102 +119,60 @@ def _echo(frequency_hz: np.ndarray, echo: np.ndarray, noise: np.ndarray) -> Dict
 
 
 @dataclass(frozen=True)
-class Comparison:
-    """One figure of a check, and the median of the checks before.
-
-    Attributes:
-        part: Of which sweep.
-        kind: Which figure.
-        value: Now; None: there is none.
-        usual: The median; None without a history.
-    """
-
-    part: Part
-    kind: Kind
-    value: Optional[float]
-    usual: Optional[float]
-
-    @property
-    def part_of_limit(self) -> float:
-        """The difference, as a part of the largest that is allowed."""
-        if self.usual is None or self.value is None:
-            return 0.0
-        difference = self.value - self.usual
-        return (difference if self.kind.only_more else abs(difference)) / self.kind.limit
-
-    @property
-    def message(self) -> Message:
-        """The figure in one line."""
-        known = (self.value, self.usual)
-        value, usual = ("-" if one is None else numeral(one, ".2f") for one in known)
-        return Message(
-            "{part}, {name}: {value} {unit} (median {usual}, limit {limit:g})",
-            **{"part": PART_NAMES[self.part], "name": self.kind.name, "unit": self.kind.unit},
-            **{"value": value, "usual": usual, "limit": self.kind.limit},
-        )
-
-
-@dataclass(frozen=True)
 class Verdict:
     """What a check says.
 
     Attributes:
         good: Whether nothing differs; also true for the first check.
         message: In one sentence.
-        comparisons: Every figure.
     """
 
     good: bool
     message: Message
-    comparisons: Sequence[Comparison]
 
 
 def judge(figures: Figures, history: Sequence[Figures]) -> Verdict:
-    """Compare a check with the good ones before of the same robot and the same sweep.
-
-    Args:
-        figures: Of this check.
-        history: Of those before, the latest last.
-    """
-    compared = history[-COMPARED_CHECKS:]
-    comparisons = [
-        Comparison(part, KINDS[name], value, _median(compared, part, name))
-        for part, own in figures.items()
-        for name, value in own.items()
-    ]
-    unseen = [part for part, own in figures.items() if "echo_db" in own and own["echo_db"] is None]
+    """Compare a check with the good ones before of the same robot and sweep, the latest last."""
+    unseen = [part for part, own in figures.items() if own.get("echo_db", 0.0) is None]
     if unseen:
         message = Message(
             "No echo of the {part} was found: check its place and the antenna cables, then repeat "
             "the check.",
             part=PART_NAMES[unseen[0]],
         )
-        return Verdict(False, message, comparisons)
+        return Verdict(False, message)
+    compared = history[-COMPARED_CHECKS:]
     if not compared:
         message = Message(
             "This is the first check of this robot with this sweep: later checks are compared "
             "with it."
         )
-        return Verdict(True, message, comparisons)
-    worst = max(comparisons, key=lambda one: one.part_of_limit)
-    if worst.part_of_limit <= 1.0:
-        message = Message(
+        return Verdict(True, message)
+    worst, message = (
+        1.0,
+        Message(
             "Good: every figure agrees with the median of the checks before ({count}).",
             count=len(compared),
-        )
-        return Verdict(True, message, comparisons)
-    assert worst.value is not None and worst.usual is not None
-    message = Message(
-        "{part}, {name}: differs by {difference} {unit} from the median of the checks before "
-        "({count}); {advice}.",
-        part=PART_NAMES[worst.part],
-        name=worst.kind.name,
-        difference=numeral(worst.value - worst.usual, "+.2f"),
-        unit=worst.kind.unit,
-        count=len(compared),
-        advice=worst.kind.advice,
+        ),
     )
-    return Verdict(False, message, comparisons)
+    for part, own in figures.items():
+        for name, value in own.items():
+            kind, usual = KINDS[name], _median(compared, part, name)
+            difference = 0.0 if value is None or usual is None else value - usual
+            part_of_limit = (difference if kind.only_more else abs(difference)) / kind.limit
+            if part_of_limit > worst:
+                worst = part_of_limit
+                message = Message(
+                    "{part}, {name}: differs by {difference} {unit} from the median of the checks "
+                    "before ({count}); {advice}.",
+                    part=PART_NAMES[part],
+                    name=kind.name,
+                    difference=numeral(difference, "+.2f"),
+                    unit=kind.unit,
+                    count=len(compared),
+                    advice=kind.advice,
+                )
+    return Verdict(worst <= 1.0, message)
 
 
 def figures_from(recorded: Any) -> Figures:
@@ -231,7 +189,3 @@ def _median(history: Sequence[Figures], part: Part, name: str) -> Optional[float
     found = (figures.get(part, {}).get(name) for figures in history)
     values = [one for one in found if one is not None]
     return median(values) if values else None
-
-
-def _finite(value: float) -> Optional[float]:
-    return round(value, 4) if math.isfinite(value) else None

@@ -10,13 +10,13 @@ from typing import Callable, Iterator, Optional
 
 from gpr20_common.errors import Gpr20Error, InvalidValueError
 from gpr20_common.faults import ASKED_FOR, BUSY, IN_USE
-from gpr20_common.low.clock import Clock
+from gpr20_common.low.clock import Clock, time_of_day_us
 from gpr20_common.message import Message, in_a_row
 from gpr20_main_control import faults
 from gpr20_main_control.errors import RequestRefusedError
 from gpr20_main_control.mid.check_verdict import Verdict
-from gpr20_main_control.mid.daily_check_steps import DailyCheckSteps
 from gpr20_main_control.mid.devices.robot import Robot, SurveyEnd
+from gpr20_main_control.mid.radar_check import RadarCheck
 from gpr20_main_control.mid.service import (
     TEST_SWEEP,
     AxisMove,
@@ -24,8 +24,7 @@ from gpr20_main_control.mid.service import (
     ServiceSlot,
     run_analyzer_test,
 )
-from gpr20_main_control.mid.survey.engine import NOTHING, Accepted, SurveyEngine
-from gpr20_main_control.mid.survey.running_survey import RunningSurvey
+from gpr20_main_control.mid.survey.survey import NOTHING, Accepted, Survey
 from gpr20_main_control.mid.survey.survey_archive import interruption_remark
 from gpr20_main_control.mid.survey.survey_plan import SurveyPlan, plan_resumption, plan_survey
 from gpr20_main_control.mid.survey.survey_status import Status, SurveyStatus
@@ -35,6 +34,7 @@ from gpr20_survey.plan.annotation import EMPTY, Annotation
 from gpr20_survey.plan.survey_parameters import SurveyParameters, SurveySettings, check_address
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_survey.results.analyzer_test import AnalyzerTest
+from gpr20_survey.results.reopened_survey import ReopenedSurvey
 from gpr20_survey.trace.trace import SURVEY_ID
 
 # A request waits this long for another one to end [s].
@@ -67,15 +67,14 @@ class MainControl:
         """
         self._robot, self._settings, self._defaults = robot, settings, defaults
         self._status = status
-        self._interruption = Interruption(robot.nodes, clock)
+        self._interruption = Interruption(clock, robot.nodes)
         self._service = ServiceSlot(robot.axes, clock, on_service)
-        self._daily_check = DailyCheckSteps(robot, clock)
+        self._daily_check = RadarCheck(robot, clock)
         self._requests = threading.Lock()
         # What was asked for before a STOP does not begin after it.
         self._stops = self._stops_at_plan = 0
         self._plan: Optional[SurveyPlan] = None
-        self._survey: Optional[RunningSurvey] = None
-        self._engine: Optional[SurveyEngine] = None
+        self._survey: Optional[Survey] = None
         self._thread: Optional[threading.Thread] = None
 
     def set_parameters(self, parameters: SurveyParameters, set_by: str = "") -> SurveyPlan:
@@ -160,7 +159,7 @@ class MainControl:
         """
         with self._one_at_a_time():
             status = self._status.status
-            if status.state is not SurveyState.SURVEYING or self._engine is None:
+            if status.state is not SurveyState.SURVEYING or self._survey is None:
                 raise RequestRefusedError(
                     Message(
                         "no survey is measuring, so none can be paused; STOP ends a survey at "
@@ -171,7 +170,7 @@ class MainControl:
                 )
             pausing = Message("Pausing after the present trace")
             self._status.enter(SurveyState.PAUSING, pausing)
-            self._engine.pause()
+            self._survey.pause_requested.set()
             return pausing
 
     def stop(self) -> Message:
@@ -215,8 +214,8 @@ class MainControl:
         stops = self._stops
         with self._one_at_a_time():
             status = self._status.status
-            if status.state is SurveyState.PAUSED and self._engine is not None:
-                resuming = self._resume_paused(self._engine, survey, accepted)
+            if status.state is SurveyState.PAUSED and self._survey is not None:
+                resuming = self._resume_paused(self._survey, survey, accepted)
             else:
                 self._refuse_while_busy()
                 if not survey:
@@ -229,13 +228,13 @@ class MainControl:
                     )
                 resuming = self._resume_from_disk(survey, accepted, stops)
             # The survey may have paused again because of its analyzer.
-            assert self._engine is not None
-            refusal = self._engine.refusal(ANALYZER_LIMIT_S)
+            assert self._survey is not None
+            refusal = self._survey.refusal(ANALYZER_LIMIT_S)
             if refusal is not None:
                 raise refusal
             return resuming
 
-    def _resume_paused(self, engine: SurveyEngine, survey: str, accepted: Accepted) -> Message:
+    def _resume_paused(self, paused_survey: Survey, survey: str, accepted: Accepted) -> Message:
         paused = self._status.status.survey_id
         if survey not in ("", paused) and not survey.endswith(f"_{paused[:8]}"):
             raise RequestRefusedError(
@@ -249,7 +248,7 @@ class MainControl:
         # Before the answer, after which the survey must no longer be shown as paused.
         checking = Message("Checking the robot before the survey continues")
         self._status.enter(SurveyState.CHECKING, checking)
-        engine.resume(accepted)
+        paused_survey.resume(accepted)
         return Message("Resuming")
 
     def move_for_service(self, move: AxisMove) -> Message:
@@ -360,8 +359,7 @@ class MainControl:
         except Gpr20Error as error:
             # Refused, so it must not stay open.
             refusal = Message("not resumed: {reason}", reason=error.message)
-            status = Status(SurveyState.FAILED, refusal, reopened.survey_id)
-            storage.close(reopened.survey_id, SurveyEnd("failed", refusal, status))
+            storage.close(reopened.survey_id, _refused_end(reopened, refusal))
             raise
         pending, total = len(plan.pending), plan.total_points
         resuming = Message(
@@ -373,17 +371,23 @@ class MainControl:
     def _begin(self, plan: SurveyPlan, stops: int, accepted: Accepted = NOTHING) -> None:
         # First, so that nothing changes if the survey is refused here.
         self._refuse_after_stop(stops)
-        survey = RunningSurvey(plan, self._robot, self._status, self._interruption)
-        engine = SurveyEngine(survey, accepted)
-        self._plan, self._survey, self._engine = plan, survey, engine
+        survey = Survey(plan, self._robot, self._status, self._interruption, accepted)
+        self._plan, self._survey = plan, survey
         self._stops_at_plan = stops
         self._interruption.stop.clear()
         self._status.begin_survey(plan)
         if self._stops != stops:
             # It came after the look above, and found no survey that it could stop.
             self._interruption.stop.set()
-        self._thread = threading.Thread(target=engine.run, name="survey")
+        self._thread = threading.Thread(target=survey.run, name="survey")
         self._thread.start()
+
+
+def _refused_end(reopened: ReopenedSurvey, refusal: Message) -> SurveyEnd:
+    """Return the end of a survey that was reopened but cannot continue on this robot."""
+    status = Status(state=SurveyState.CHECKING, survey_id=reopened.survey_id)
+    status = status.entered(SurveyState.FAILED, refusal, time_of_day_us())
+    return SurveyEnd("failed", refusal, status)
 
 
 def _checked_refines(survey_id: str) -> str:

@@ -22,7 +22,7 @@ from gpr20_main_control.errors import DeviceError, RequestRefusedError, StopRequ
 from gpr20_main_control.mid.devices.axis_leases import AxisLeases
 from gpr20_main_control.mid.devices.positioner import Positioner
 from gpr20_main_control.mid.devices.robot import Axis, Robot
-from gpr20_main_control.mid.waits import StopInterruption
+from gpr20_main_control.mid.waits import Interruption
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.axes.axis_parameters import AxisParameters
 from gpr20_survey.faults import NOT_HOMED, ZERO_UNKNOWN
@@ -60,7 +60,7 @@ class ServiceSlot:
 
         `on_change` is called with what is done when one begins, and None when it has ended.
         """
-        self.interruption = StopInterruption(clock)
+        self.interruption = Interruption(clock)
         self._axes = axes
         self._on_change = on_change
         self._lock = threading.Lock()
@@ -179,7 +179,7 @@ def axis_move(axis: str, action: int, distance: float) -> AxisMove:
 class AxisService:
     """Carries out a request for one axis."""
 
-    def __init__(self, robot: Robot, move: AxisMove, interruption: StopInterruption) -> None:
+    def __init__(self, robot: Robot, move: AxisMove, interruption: Interruption) -> None:
         self._move, self._axis_id, self._interruption = move, move.axis, interruption
         self._axis = robot.axes[move.axis]
         self._parameters = axis_parameters(move.axis, robot.description.nodes)
@@ -310,7 +310,7 @@ def jog_target(parameters: AxisParameters, coordinate: float, distance: float) -
 
 
 def run_analyzer_test(
-    robot: Robot, address: str, settings: SweepSettings, interruption: StopInterruption
+    robot: Robot, address: str, settings: SweepSettings, interruption: Interruption
 ) -> AnalyzerTest:
     """Test the analyzer and release it; nothing moves. Return what was found up to a failure."""
     nodes, analyzer = robot.description.nodes, robot.analyzer

@@ -24,6 +24,8 @@ Result = TypeVar("Result")
 POLL_S = 0.05
 # A wait is shown when it takes this much longer than expected [s].
 LATE_S = 1.5
+# Three axes, height, sweep and its confirmation at the same time, and as many that were given up.
+MOST_WORKERS = 16
 # While axes move, the thread that would stop them must have looked within this time [s].
 ATTENTION_S = 1.0
 
@@ -59,8 +61,8 @@ class Attention:
             return self._motions > 0 and time.monotonic() - self._looked_s > ATTENTION_S
 
 
-class StopInterruption:
-    """A stop request; every wait of what can be stopped checks for it.
+class Interruption:
+    """What ends a wait early: a stop request and, of a survey, a lost node.
 
     Attributes:
         stop: Set when what is in progress must end.
@@ -68,9 +70,11 @@ class StopInterruption:
         attention: Whether a wait still looks for reasons to end.
     """
 
-    def __init__(self, clock: Clock) -> None:
+    def __init__(self, clock: Clock, nodes: Optional[NodeLiveness] = None) -> None:
+        """Begin without a reason; `nodes` are those without which a survey cannot continue."""
         self.stop = threading.Event()
         self._shutting_down = False
+        self._nodes = nodes
         self.clock = clock
         self.attention = Attention()
 
@@ -84,8 +88,11 @@ class StopInterruption:
 
         Raises:
             StopRequested: A stop was requested.
+            NodeLostError: A node does not answer or was restarted.
         """
         self.check_stop()
+        if self._nodes is not None:
+            self._nodes.check()
 
     def check_stop(self) -> None:
         """Return unless a stop was requested.
@@ -101,49 +108,27 @@ class StopInterruption:
             raise StopRequested(Message("a stop was requested"))
 
     def wait_s(self, duration_s: float) -> None:
-        """Wait [s], unless there is a reason to interrupt.
-
-        Raises:
-            StopRequested: A stop was requested.
-            NodeLostError: A node does not answer or was restarted.
-        """
+        """Wait [s], unless `check` raises."""
         self.clock.wait_s(self.stop, duration_s)
         self.check()
 
-    def time_limit(self, limit_s: float, error: DeviceError) -> Check:
+    def time_limit(self, limit_s: float, error: DeviceError, stops: bool = False) -> Check:
         """Return a check that ends a wait with an error after a time from now [s].
 
-        It does not check for an interruption.
+        Args:
+            limit_s: That time.
+            error: The error.
+            stops: Whether a stop ends the wait too.
         """
         deadline_s = self.clock.now_s() + limit_s
 
         def check() -> None:
+            if stops:
+                self.check_stop()
             if self.clock.now_s() > deadline_s:
                 raise error
 
         return check
-
-
-class Interruption(StopInterruption):
-    """A stop request or a lost node; every wait of a survey checks for them.
-
-    Attributes:
-        nodes: The nodes without which a survey cannot continue.
-    """
-
-    def __init__(self, nodes: NodeLiveness, clock: Clock) -> None:
-        super().__init__(clock)
-        self.nodes = nodes
-
-    def check(self) -> None:
-        """Return if there is no reason to interrupt.
-
-        Raises:
-            StopRequested: A stop of the survey was requested.
-            NodeLostError: A node does not answer or was restarted.
-        """
-        self.check_stop()
-        self.nodes.check()
 
 
 @dataclass(frozen=True)
@@ -171,19 +156,14 @@ class WaitStatus:
         self._interruption = interruption
 
     @contextlib.contextmanager
-    def shown(self, wait: ExpectedWait) -> Iterator[Check]:
-        """Yield a check to call repeatedly during a wait; an interruption ends the wait."""
-        with self.shown_beside(wait, self._interruption.check) as check:
-            yield check
-
-    @contextlib.contextmanager
-    def shown_beside(self, wait: ExpectedWait, check: Check) -> Iterator[Check]:
+    def shown(self, wait: ExpectedWait, check: Optional[Check] = None) -> Iterator[Check]:
         """Yield a check to call repeatedly during a wait.
 
         Args:
             wait: What is waited for.
-            check: Called by the yielded one; an error that it raises ends the wait.
+            check: An error that it raises ends the wait; None: an interruption does.
         """
+        check_wait = check or self._interruption.check
         clock = self._interruption.clock
         late_s = clock.now_s() + wait.expected_s + LATE_S
         # For people: by the clock on the wall of the robot.
@@ -192,11 +172,11 @@ class WaitStatus:
 
         def check_and_show() -> None:
             nonlocal shown
-            check()
+            check_wait()
             if not shown and clock.now_s() > late_s:
                 shown = True
-                self._status.set_waiting(
-                    Message(
+                self._status.update(
+                    waiting=Message(
                         "Waiting for {part}: {action}, until {time} at the latest",
                         part=wait.part,
                         action=wait.action,
@@ -208,34 +188,33 @@ class WaitStatus:
             yield check_and_show
         finally:
             if shown:
-                self._status.set_waiting(None)
+                self._status.update(waiting=None)
 
 
 class Workers:
     """Threads that are kept for the next call; there are as many as calls at the same time.
 
-    The threads are daemons: a call that hangs in a device outlives the survey that gave it up,
-    but not the node.
+    They are daemons: a call that hangs in a device outlives the survey that gave it up, but not the
+    node. Of one thread the next call waits for the end of a call that was given up, which would
+    otherwise undo in its device what later calls requested.
     """
 
-    def __init__(self, most: Optional[int] = None) -> None:
+    def __init__(self, most: int = MOST_WORKERS) -> None:
         """Start no thread yet.
 
         Args:
-            most: How many calls may be made at the same time; None for any number. Others wait.
+            most: How many calls may be made at the same time. Others wait.
         """
         self._most = most
         self._lock = threading.Lock()
-        self._threads = 0
-        self._unfinished = 0
+        self._threads = self._unfinished = 0
         self._calls: queue.SimpleQueue[Tuple[Future[Any], Callable[[], Any]]] = queue.SimpleQueue()
 
     def begin(self, call: Callable[[], Result]) -> Future[Result]:
         """Begin a call and return at once."""
         future: Future[Result] = Future()
         with self._lock:
-            needed = self._unfinished >= self._threads
-            if needed and (self._most is None or self._threads < self._most):
+            if self._threads < min(self._unfinished + 1, self._most):
                 threading.Thread(target=self._work, name="worker", daemon=True).start()
                 # Counted when it runs: the system may have refused it.
                 self._threads += 1
@@ -243,53 +222,36 @@ class Workers:
         self._calls.put((future, call))
         return future
 
-    def _work(self) -> None:
-        while True:
-            self._make(*self._calls.get())
-
-    def _make(self, future: Future[Result], call: Callable[[], Result]) -> None:
-        result: Optional[Result] = None
-        failure: Optional[BaseException] = None
-        begun = future.set_running_or_notify_cancel()
-        if begun:
-            try:
-                result = call()
-            except BaseException as error:
-                # Raised again by `result_of`.
-                failure = error
-        # Before the result: who waits for it may begin the next call, which needs no new thread.
-        with self._lock:
-            self._unfinished -= 1
-        if failure is not None:
-            future.set_exception(failure)
-        elif begun:
-            future.set_result(result)  # type: ignore[arg-type]
-
-
-class SerialCalls:
-    """Calls of one device, made one at a time.
-
-    A call that was given up may still wait for a node that is being restarted, and would undo
-    there what later calls requested. So the next call waits for its end, and a call that is given
-    up while it waits for its turn is never made.
-    """
-
-    def __init__(self) -> None:
-        self._worker = Workers(most=1)
-
     def call(self, call: Callable[[], Result], check: Check) -> Result:
-        """Make a call when those before it have ended, and return its result.
+        """Make a call in its turn and return its result.
 
         Args:
-            call: What to call. If the wait for it is given up once it has begun, it continues
-                in its thread.
+            call: If the wait for it is given up before its turn, it is never made; once it has
+                begun, it continues in its thread.
             check: Called repeatedly meanwhile; an error that it raises ends the wait.
         """
-        return result_of(self._worker.begin(call), check)
+        return result_of(self.begin(call), check)
 
-    def begin(self, call: Callable[[], object]) -> None:
-        """Begin a call whose result nobody needs when those before it have ended."""
-        self._worker.begin(call)
+    def _work(self) -> None:
+        while True:
+            future, call = self._calls.get()
+            result, failure = None, None
+            begun = future.set_running_or_notify_cancel()
+            if begun:
+                try:
+                    result = call()
+                except BaseException as error:
+                    # Raised again by `result_of`.
+                    failure = error
+            # Before the result: who waits for it may begin the next call, without a new thread.
+            with self._lock:
+                self._unfinished -= 1
+            if failure is not None:
+                future.set_exception(failure)
+            elif begun:
+                future.set_result(result)
+            # Kept until the next call otherwise.
+            del future, call, result, failure
 
 
 def wait_for(future: Future[Result], check: Check) -> None:

@@ -11,8 +11,8 @@ from gpr20_common.faults import IN_USE
 from gpr20_common.low.clock import Clock
 from gpr20_main_control import faults
 from gpr20_main_control.errors import OtherAnalyzerError, RequestRefusedError, SurveyError
-from gpr20_main_control.mid.survey.engine import NOTHING, Accepted
-from gpr20_main_control.mid.survey.survey_report import AnalyzerRecord, recorded_analyzers
+from gpr20_main_control.mid.survey.survey import NOTHING, Accepted
+from gpr20_main_control.mid.survey.survey_report import AnalyzerRecord, former_report
 from gpr20_survey.faults import VNA_REPLACED
 from gpr20_survey.plan.survey_state import SurveyState as State
 
@@ -92,8 +92,7 @@ def test_a_survey_from_its_folder_remembers_which_analyzer_was_accepted(bench, a
 
 @each_case("instrument", [None, 5, {}, {"identity": 3}])
 def test_a_survey_that_does_not_name_its_analyzer_continues_with_any(instrument):
-    metadata = json.dumps({"instrument": instrument})
-    record = AnalyzerRecord(recorded_analyzers(metadata, ""))
+    record = AnalyzerRecord(former_report(reopened_survey(instrument=instrument)).analyzers)
     record.check(OTHER, 3, NOW_US)
     assert [one.identity for one in record.used] == [OTHER]
 
@@ -101,4 +100,4 @@ def test_a_survey_that_does_not_name_its_analyzer_continues_with_any(instrument)
 @each_case("used", ["x", [3], [{}], [{"identity": 1, "from_index": 0}]])
 def test_a_record_of_analyzers_that_is_none_is_refused(used):
     with raises_fault(faults.RECORD_DAMAGED, error=SurveyError):
-        recorded_analyzers("{}", json.dumps({"analyzers": used}))
+        former_report(reopened_survey(report=json.dumps({"analyzers": used})))

@@ -2,10 +2,11 @@
 
 import json
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
-from cut_off_surveys import stored_trace
+from cut_off_surveys import reopened_survey, stored_trace
 from fault_kit import raises_fault
 from hypothesis import given
 from hypothesis import strategies as st
@@ -14,9 +15,14 @@ from gpr20_common.message import Fault, Message
 from gpr20_common.sent_message import received_message
 from gpr20_main_control import faults
 from gpr20_main_control.errors import SurveyError
-from gpr20_main_control.mid.survey.known_point import compare
+from gpr20_main_control.mid.survey.repeats import Repeated
 from gpr20_main_control.mid.survey.survey_coverage import Coverage
-from gpr20_main_control.mid.survey.survey_report import AnalyzerRecord, SurveyReport
+from gpr20_main_control.mid.survey.survey_report import (
+    AnalyzerRecord,
+    FormerReport,
+    SurveyReport,
+    former_report,
+)
 from gpr20_main_control.mid.survey.zero_record import ZeroRecord
 from gpr20_survey.plan.survey_state import COVERAGE_LETTERS, SampleState, reported_verdict
 
@@ -35,8 +41,13 @@ def trace(real, imag):
 STORED, AGAIN = trace([3.0, 0.0], [0.0, 4.0]), trace([3.0, 0.0], [0.5, 4.0])
 
 
+def again(height_m):
+    return Repeated(STORED, (replace(AGAIN, antennae_height_m=height_m),))
+
+
 def report_of(coverage, former=""):
-    return SurveyReport(coverage, AnalyzerRecord(()), ZeroRecord([], {}), former)
+    found = former_report(reopened_survey((), former)) if former else FormerReport()
+    return SurveyReport(coverage, AnalyzerRecord(()), ZeroRecord([], {}), found)
 
 
 def test_nothing_is_complete_until_every_sample_is_stored():
@@ -84,8 +95,7 @@ def test_a_verdict_is_read_as_it_was_given(states):
 
 @pytest.mark.parametrize("height_m, shown", [(0.21, "+10.0 mm"), (math.nan, "20.0 dB")])
 def test_a_control_measurement_is_told_relative_to_the_stored_trace(height_m, shown):
-    control = compare(STORED, AGAIN, height_m)
-    assert control.index == 7
+    control = again(height_m)
     assert control.difference_db == pytest.approx(10.0 * math.log10(0.25 / 25.0))
     assert control.height_difference_m == pytest.approx(height_m - 0.2, nan_ok=True)
     assert shown in str(control.message) and "nan" not in str(control.message)
@@ -93,7 +103,7 @@ def test_a_control_measurement_is_told_relative_to_the_stored_trace(height_m, sh
 
 def test_a_report_goes_on_where_the_former_one_ended():
     first = report_of(Coverage(9, [7]))
-    first.note_repeat(compare(STORED, AGAIN, 0.21), 1_700_000_000 * 10**6)
+    first.note_repeat(again(0.21), 1_700_000_000 * 10**6)
     second = report_of(Coverage(9, [7]), first.to_json())
     assert second.coverage.states[7] is SampleState.REMEASURED
     assert second.to_json() == first.to_json()

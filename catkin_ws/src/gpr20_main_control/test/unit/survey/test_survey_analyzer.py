@@ -8,16 +8,14 @@ import numpy as np
 import pytest
 from cut_off_surveys import SURVEY_ID, reopened_survey
 from fake_robot import Bench, reports
-from survey_examples import AXES, PARAMETERS
+from survey_examples import PARAMETERS
 
 from gpr20_common.message import Message
 from gpr20_main_control import faults
 from gpr20_main_control.errors import DeviceError
 from gpr20_main_control.mid.devices.robot import AnalyzerCalibration
-from gpr20_main_control.mid.survey.survey_plan import plan_survey
 from gpr20_survey.faults import VNA_SETTINGS
-from gpr20_survey.plan.robot_description import RobotConfig
-from gpr20_survey.plan.survey_parameters import HeightPolicy, SurveySettings
+from gpr20_survey.plan.survey_parameters import HeightPolicy
 from gpr20_survey.plan.survey_state import SurveyState as State
 from gpr20_survey.trace.calibration import CalibrationStatus
 from gpr20_survey.trace.sweep_settings import AnalyzerSettings
@@ -125,17 +123,6 @@ def test_a_survey_from_its_folder_requests_the_settings_that_it_began_with(bench
     bench.control.resume(SURVEY_ID)
     bench.wait_for(State.FINISHED)
     assert [one.analyzer for one in bench.analyzer.requested] == [recorded]
-
-
-def test_the_estimate_of_a_running_survey_uses_the_measured_duration_of_a_sweep():
-    config = RobotConfig(AXES, simulated=True, time_scale=10.0)
-    plan = plan_survey(PARAMETERS, config, SurveySettings())
-    assert plan.pending_durations_with_s(0.0) == plan.pending_durations_s
-    # Planned are 350 us for each of five frequencies, on a robot ten times as fast.
-    longer_s = 35.0 - 5 * 350e-6 / 10.0
-    assert plan.pending_durations_with_s(35.0) == [
-        pytest.approx(one + longer_s) for one in plan.pending_durations_s
-    ]
 
 
 @pytest.mark.parametrize("end", [State.FINISHED, State.STOPPED, State.FAILED])

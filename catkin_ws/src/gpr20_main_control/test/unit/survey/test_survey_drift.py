@@ -13,7 +13,7 @@ from cut_off_surveys import reopened_survey, stored_trace
 from survey_examples import AXES, PARAMETERS
 
 from gpr20_main_control import faults
-from gpr20_main_control.mid.survey.drift_record import MAX_FREQUENCIES, DriftLimits, Revisit
+from gpr20_main_control.mid.survey.repeats import MAX_FREQUENCIES, DriftLimits, Repeated
 from gpr20_main_control.mid.survey.survey_plan import plan_survey
 from gpr20_survey.folder.log_record import Kind
 from gpr20_survey.plan.robot_description import RobotConfig
@@ -148,7 +148,9 @@ def test_what_is_stored_of_a_visit_is_bounded():
     values = {"s21_real": np.ones(1000), "s21_imag": np.zeros(1000)}
     trace = stored_trace(0, frequency_hz=np.linspace(6.0e8, 6.0e9, 1000), **values)
     limits = DriftLimits(SurveySettings())
-    visits = [limits.visit([Revisit(trace, trace, trace)], index, "").values for index in range(9)]
+    visits = [
+        limits.visit([Repeated(trace, (trace, trace))], index, "").values for index in range(9)
+    ]
     assert len(visits[-1]["frequency_hz"]) == MAX_FREQUENCIES
     assert len(visits[-1]["rotations"][0]["phase_deg"]) == MAX_FREQUENCIES
     assert all(one["rotations"][0]["phase_rms_deg"] == 0.0 for one in visits)

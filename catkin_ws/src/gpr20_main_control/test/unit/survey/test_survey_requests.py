@@ -130,3 +130,19 @@ def test_status_and_description_say_whose_plan_it_is(bench):
     bench.complete()
     ended = bench.board.status
     assert (ended.plan_id, ended.plan_set_by) == (plan.parameters.plan_id, "/window")
+
+
+def test_how_a_survey_ended_stays_until_the_next_start_whatever_is_planned(bench):
+    survey_id = bench.start()
+    bench.complete()
+    ended = bench.board.status
+    assert (ended.end, ended.ended_us) == (State.FINISHED, bench.storage.ends[-1].status.ended_us)
+    for _request in range(3):
+        bench.control.set_parameters(OTHER, "/flood")
+    shown = bench.board.status
+    assert shown.state is State.CONFIGURED
+    assert (shown.survey_id, shown.end, shown.ended_us) == (survey_id, ended.end, ended.ended_us)
+    bench.control.start()
+    assert bench.board.status.end is State.IDLE
+    bench.control.stop()
+    assert bench.wait_for(State.STOPPED).end is State.STOPPED

@@ -7,8 +7,7 @@ from fake_robot import Bench, FakeStorage, ManualClock
 
 from gpr20_common.message import Message
 from gpr20_main_control.errors import DeviceError
-from gpr20_main_control.mid.survey.engine import Accepted
-from gpr20_main_control.mid.survey.survey_notes import SurveyNotes
+from gpr20_main_control.mid.survey.survey import Accepted
 from gpr20_survey.faults import STOPPED
 from gpr20_survey.folder.log_record import Kind
 from gpr20_survey.plan.survey_state import SurveyState as State
@@ -59,7 +58,7 @@ def test_the_control_keeps_nothing_of_a_trace_that_is_stored():
             if self.stored_traces == 96:
                 self.kept = sum(isinstance(one, Trace) for one in gc.get_objects())
 
-        def report(self, _survey_id, _report_json):
+        def add_fact(self, _survey_id, _kind, _values_json):
             return self.stored_traces
 
     gc.collect()
@@ -107,16 +106,19 @@ def test_a_pause_its_end_and_what_the_operator_accepted_are_noted_in_their_order
     assert all(one.values["time"] for one in notes)
 
 
-def test_a_note_that_could_not_be_stored_waits_and_keeps_its_place():
-    notes, stored = SurveyNotes(), []
-    notes.add(Kind.EPOCH, number=1)
-    notes.add_message(Kind.PAUSE, Message("Paused"))
+def test_a_fact_that_could_not_be_stored_waits_and_keeps_its_place(bench):
+    add_fact, refused = bench.storage.add_fact, []
 
-    def refuse(_note):
-        raise DeviceError(Message("the disk is full"))
+    def refuse_once(survey_id, kind, values_json):
+        if kind is Kind.EPOCH and not refused:
+            refused.append(kind)
+            raise DeviceError(Message("the disk is full"))
+        return add_fact(survey_id, kind, values_json)
 
-    with pytest.raises(DeviceError):
-        notes.send(refuse)
-    notes.send(stored.append)
-    notes.send(stored.append)
-    assert [one.kind for one in stored] == [Kind.EPOCH, Kind.PAUSE]
+    bench.storage.add_fact = refuse_once
+    bench.at_sweep(3, bench.control.pause)
+    bench.start()
+    bench.wait_for(State.PAUSED)
+    bench.resume_to_the_end()
+    kinds = [one.kind for one in bench.storage.notes]
+    assert refused and kinds == [Kind.EPOCH, Kind.PAUSE, Kind.CONTINUE]

@@ -12,7 +12,8 @@ from gpr20_common.errors import InvalidValueError
 from gpr20_common.faults import CONFIGURATION, DISK_REFUSES, INTERNAL, NOT_ALLOWED
 from gpr20_common.low.clock import Clock
 from gpr20_main_control.errors import DeviceError
-from gpr20_main_control.mid.survey import sampling, survey_ending
+from gpr20_main_control.mid.survey import sampling
+from gpr20_main_control.mid.survey import survey as one_survey
 from gpr20_main_control.mid.survey.storage_queue import StorageQueue
 from gpr20_survey.faults import CAN_RESUME, TAKES_LONG
 from gpr20_survey.folder.soil_note import PLANNED
@@ -114,7 +115,7 @@ def test_a_fault_in_closing_does_not_leave_the_survey_stopping_for_ever(bench):
 def test_a_trace_that_is_stored_after_its_survey_ended_does_not_count_for_the_next(
     bench, monkeypatch
 ):
-    monkeypatch.setattr(survey_ending, "STOPPING_LIMIT_S", 0.1)
+    monkeypatch.setattr(one_survey, "STOPPING_LIMIT_S", 0.1)
     begun, go_on, stored = threading.Event(), threading.Event(), threading.Event()
 
     def store_late(_trace):
@@ -169,3 +170,13 @@ def test_a_trace_whose_storing_cannot_be_shown_is_not_stored_again(bench, fault_
     queue.close()
     assert storage.samples == traces
     assert len(fault_log) == 2
+
+
+def test_a_shutdown_closes_a_paused_survey_that_is_complete(bench):
+    bench.storage.fail_close = "the disk is slow"
+    bench.start()
+    bench.wait_for(State.PAUSED)
+    bench.storage.fail_close = ""
+    bench.control.shut_down(LIMIT_S)
+    assert bench.states[-3:] == ["PAUSED", "CHECKING", "FINISHED"]
+    assert [one.outcome for one in bench.storage.ends] == ["finished"]

@@ -1,5 +1,7 @@
 """The published topics: each sentence as English text, and as template with values."""
 
+from dataclasses import replace
+
 import pytest
 
 pytest.importorskip("gpr20_msgs.msg")
@@ -37,6 +39,7 @@ def test_a_status_has_its_message_with_the_warning_and_the_code_of_its_json(
     reason = Message("no answer", details="get_height").with_fault(fault)
     warning = None if missing is None else Message("the node is silent").with_fault(missing)
     status = Status(State.PAUSED, Message("Paused: {reason}", reason=reason), missing=warning)
+    status = replace(status, end=State.STOPPED, ended_us=12_500_000)
     topics.publish_status(status)
     (published,) = graph.published["control_status"]
     assert published.message == str(status.full_message)
@@ -44,6 +47,7 @@ def test_a_status_has_its_message_with_the_warning_and_the_code_of_its_json(
     assert message_from(published).fault_code == published.fault.code
     assert published.fault.code == (fault.code if fault else missing.code if missing else "")
     assert published.simulated is True
+    assert (published.end, published.ended.to_sec()) == (State.STOPPED, 12.5)
 
 
 def test_the_coverage_has_its_verdict_and_its_failures_as_templates_with_values(graph, topics):

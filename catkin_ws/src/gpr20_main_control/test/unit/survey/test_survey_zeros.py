@@ -7,8 +7,8 @@ from cut_off_surveys import stored_trace
 
 from gpr20_analysis.read.doubts import unproven_zeros
 from gpr20_main_control import faults
-from gpr20_main_control.mid.survey.engine import Accepted
-from gpr20_main_control.mid.survey.known_point import compare_known_point, known_traces
+from gpr20_main_control.mid.survey.repeats import Repeated, compare_known_point, known_traces
+from gpr20_main_control.mid.survey.survey import Accepted
 from gpr20_survey.axes.axis_id import ZeroEpoch
 from gpr20_survey.faults import NOT_HOMED, OTHER_ZEROS
 from gpr20_survey.plan.survey_state import SurveyState as State
@@ -106,14 +106,18 @@ def traces_at(numbers):
     return found
 
 
+def compared(stored, again):
+    return compare_known_point([Repeated(old, (new,)) for old, new in zip(stored, again)])
+
+
 def test_antennas_that_are_turned_show_where_the_rotations_look_different():
     stored = traces_at([1, 2])
-    assert not compare_known_point(stored, traces_at([1, 2])).turned
-    turned = compare_known_point(stored, traces_at([2, 1]))
+    assert not compared(stored, traces_at([1, 2])).turned
+    turned = compared(stored, traces_at([2, 1]))
     assert turned.turned
     assert not turned.agrees(100.0)
     # Over ground that looks the same at every rotation nothing can show.
-    assert compare_known_point(traces_at([3, 3]), traces_at([3, 3])).agrees(-20.0)
+    assert compared(traces_at([3, 3]), traces_at([3, 3])).agrees(-20.0)
 
 
 def test_the_known_point_is_the_last_stop_that_was_measured_at_every_rotation():

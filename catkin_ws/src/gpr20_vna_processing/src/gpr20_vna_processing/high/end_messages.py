@@ -45,7 +45,8 @@ def end_status(end: SurveyEnd) -> RecordedMessage:
     """Return the last status of a survey whose end only the storage knows."""
     status = ControlStatus(**message_fields(end.message))
     status.header.stamp = rospy.Time(*divmod(end.time_ns, utc_time.NS_PER_S))
-    status.code = int(end.state)
+    status.code = status.end = int(end.state)
+    status.ended = status.header.stamp
     status.survey_id = end.survey_id
     status.simulated = end.simulated
     return _recorded(STATUS_TOPIC, status, end.time_ns, latching=True)

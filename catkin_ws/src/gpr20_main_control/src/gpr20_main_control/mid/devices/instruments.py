@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
-from typing import Any, Callable, Mapping, Optional, Tuple, TypeVar
+from typing import TYPE_CHECKING, Any, Callable, Mapping, Optional, Tuple, TypeVar
 
 import numpy as np
 
@@ -11,7 +11,6 @@ from gpr20_common.message import Message
 from gpr20_main_control import faults
 from gpr20_main_control.errors import DeviceError
 from gpr20_main_control.mid.devices.robot import AnalyzerSetup
-from gpr20_main_control.mid.survey.running_survey import RunningSurvey
 from gpr20_main_control.mid.waits import ExpectedWait, result_of
 from gpr20_survey.faults import NO_GROUND, VNA_SETTINGS
 from gpr20_survey.plan.robot_description import HEIGHT_SENSOR, PLAIN_NAMES
@@ -20,6 +19,9 @@ from gpr20_survey.plan.survey_points import SurveyPoint
 from gpr20_survey.trace.calibration import CalibrationStatus
 from gpr20_survey.trace.sweep import Sweep, storable_remark
 from gpr20_survey.trace.sweep_settings import SweepSettings
+
+if TYPE_CHECKING:  # the survey has these instruments
+    from gpr20_main_control.mid.survey.survey import Survey
 
 Result = TypeVar("Result")
 THE_ANALYZER = Message("the VNA")
@@ -48,7 +50,7 @@ class AnalyzerState:
 class Instruments:
     """Checks the instruments of one survey, and knows what to expect of them."""
 
-    def __init__(self, survey: RunningSurvey) -> None:
+    def __init__(self, survey: Survey) -> None:
         self._survey = survey
         self._plan, self._robot = survey.plan, survey.robot
         self._waits = survey.waits

@@ -13,7 +13,7 @@ from gpr20_main_control.errors import DeviceError, NodeLostError
 from gpr20_main_control.mid.devices.axis_leases import AxisLeases
 from gpr20_main_control.mid.devices.node_liveness import SILENCE_LIMIT_S
 from gpr20_main_control.mid.devices.robot import Axis, AxisReading, Position, zeros_of
-from gpr20_main_control.mid.waits import StopInterruption, Workers, result_of
+from gpr20_main_control.mid.waits import Interruption, Workers, result_of
 from gpr20_survey.axes.axis_id import AxisId, ZeroEpoch
 from gpr20_survey.axes.axis_parameters import AxisParameters
 from gpr20_survey.faults import AXIS_MAY_MOVE, NOT_HOMED
@@ -45,7 +45,7 @@ class Positioner:
         self,
         axes: Mapping[AxisId, Axis],
         parameters: Dict[AxisId, AxisParameters],
-        interruption: StopInterruption,
+        interruption: Interruption,
         workers: Workers,
         leases: AxisLeases,
     ) -> None:

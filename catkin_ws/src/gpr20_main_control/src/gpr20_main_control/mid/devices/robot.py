@@ -16,11 +16,11 @@ from gpr20_common.message import Message
 from gpr20_main_control.mid.devices.described_robot import AuxSensors, DescribedRobot
 from gpr20_main_control.mid.devices.node_liveness import NodeLiveness
 from gpr20_main_control.mid.survey.survey_coverage import Coverage
-from gpr20_main_control.mid.survey.survey_notes import Note
 from gpr20_main_control.mid.survey.survey_status import Status
-from gpr20_main_control.mid.waits import SerialCalls, Workers
+from gpr20_main_control.mid.waits import Workers
 from gpr20_survey.axes.axis_id import UNKNOWN_ZERO, AxisId, ZeroEpoch, Zeros
 from gpr20_survey.faults import CONTROL_SILENT
+from gpr20_survey.folder.log_record import Kind
 from gpr20_survey.results.reopened_survey import ReopenedSurvey
 from gpr20_survey.trace.calibration import CalibrationStatus
 from gpr20_survey.trace.sweep import Sweep
@@ -235,11 +235,8 @@ class Storage(Protocol):
     def reopen(self, survey: str) -> ReopenedSurvey:
         """Reopen a survey by its id or folder; another one that is open is interrupted."""
 
-    def report(self, survey_id: str, report_json: str) -> int:
-        """Store a report beside the survey's metadata; return how many traces are stored."""
-
-    def note(self, survey_id: str, note: Note) -> None:
-        """Add a note to the survey's log; it is durable when this returns."""
+    def add_fact(self, survey_id: str, kind: Kind, values_json: str) -> int:
+        """Add a fact to the survey's log, durably; return how many traces are stored."""
 
     def store(self, trace: Trace) -> None:
         """Store a trace; it is durable when this returns."""
@@ -270,5 +267,5 @@ class Robot:
     sensors: AuxSensors
     workers: Workers = field(default_factory=Workers, init=False)
     # Shared by all surveys: a call that one survey gave up must not disturb the next.
-    analyzer_calls: SerialCalls = field(default_factory=SerialCalls, init=False)
-    storage_calls: SerialCalls = field(default_factory=SerialCalls, init=False)
+    analyzer_calls: Workers = field(default_factory=lambda: Workers(most=1), init=False)
+    storage_calls: Workers = field(default_factory=lambda: Workers(most=1), init=False)

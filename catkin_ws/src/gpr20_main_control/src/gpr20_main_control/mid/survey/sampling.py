@@ -10,7 +10,7 @@ import uuid
 from concurrent.futures import Future
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import Callable, Optional, Tuple
+from typing import TYPE_CHECKING, Callable, Optional, Tuple
 
 from gpr20_common.faults import OVERLOADED
 from gpr20_common.low.clock import time_of_day_us
@@ -19,13 +19,15 @@ from gpr20_main_control import faults
 from gpr20_main_control.errors import DeviceError
 from gpr20_main_control.mid.devices.instruments import Instruments
 from gpr20_main_control.mid.devices.robot import Position, SweepConfirmation
-from gpr20_main_control.mid.survey.running_survey import RunningSurvey
 from gpr20_main_control.mid.waits import Check, result_of, wait_for
 from gpr20_survey.errors import TraceRefusedError
 from gpr20_survey.plan.survey_points import SurveyPoint
 from gpr20_survey.trace.aux_value import VNA_TEMPERATURE, AuxValue
 from gpr20_survey.trace.sweep import Sweep, storable_remark
 from gpr20_survey.trace.trace import Trace
+
+if TYPE_CHECKING:  # the survey has this sampling
+    from gpr20_main_control.mid.survey.survey import Survey
 
 # A sweep is prepared while the axes settle for longer than this [s].
 PREPARATION_S = 0.1
@@ -53,13 +55,7 @@ class Confirmation:
         confirm: Callable[[], SweepConfirmation],
         store: Callable[[Trace], None],
     ) -> None:
-        """Begin nothing yet.
-
-        Args:
-            trace: What was measured.
-            confirm: Returns what it adds to the trace; raises if it is not confirmed.
-            store: Accepts the trace for storing; returns at once.
-        """
+        """Begin nothing yet; `confirm` raises if it is not confirmed, `store` returns at once."""
         self._trace = trace
         self._confirm = confirm
         self._store = store
@@ -102,25 +98,19 @@ class Confirmation:
 class Sampling:
     """Takes the samples of one survey; at most one sweep is unconfirmed."""
 
-    def __init__(self, survey: RunningSurvey, instruments: Instruments) -> None:
+    def __init__(self, survey: Survey, instruments: Instruments) -> None:
+        self._survey, self._instruments = survey, instruments
         self._plan, self._robot = survey.plan, survey.robot
-        self._positioner = survey.positioner
-        self._interruption, self._waits = survey.interruption, survey.waits
-        self._clock_steps = survey.clock_steps
-        self._zeros = survey.zeros
-        self._instruments = instruments
+        self._positioner, self._waits = survey.positioner, survey.waits
+        self._interruption = survey.interruption
         # On a robot that runs N times faster, vibrations decay N times faster.
         self._settle_s = self._plan.settings.settle_s / self._plan.config.time_scale
         self._settled: Optional[Settled] = None
         self._confirmation: Optional[Confirmation] = None
         self._confirming: Optional[Future[Trace]] = None
 
-    def settle(self, point: SurveyPoint, compared: bool = False) -> None:
+    def settle(self, point: SurveyPoint) -> None:
         """Return when vibrations have died down and the height is measured.
-
-        Args:
-            point: Where the axes rest.
-            compared: Whether the point is only compared, perhaps with other zeros of the axes.
 
         Raises:
             DeviceError: The axes rest elsewhere, or the height could not be measured.
@@ -129,8 +119,7 @@ class Sampling:
         """
         self._robot.description.check(self._plan.config)
         position = self._positioner.position()
-        if not compared:
-            self._zeros.check(position.zeros)
+        self._survey.zeros.check(position.zeros)
         _check_position(point, position)
         height_call = self._robot.workers.begin(self._instruments.height)
         if self._settle_s > PREPARATION_S:
@@ -146,10 +135,7 @@ class Sampling:
     ) -> None:
         """Take the sweep of a point at which the axes have settled, and begin to confirm it.
 
-        Args:
-            point: Where the axes rest.
-            store: Accepts the trace once it is confirmed; called in another thread.
-            remark: A remark on the quality of this trace.
+        `store` accepts the trace once it is confirmed, in another thread.
 
         Raises:
             DeviceError: A part failed, or the axes moved since they rested there.
@@ -168,10 +154,7 @@ class Sampling:
     def confirmed(self, point: SurveyPoint, check: Optional[Check] = None) -> Trace:
         """Return the trace of the last sweep when it is confirmed and accepted for storing.
 
-        Args:
-            point: The point of the sweep.
-            check: Called repeatedly meanwhile; an error that it raises ends the wait, and the
-                confirmation continues. None: an interruption of the survey ends the wait.
+        An error of `check`, or else an interruption, ends the wait; the confirmation continues.
 
         Raises:
             UnconfirmedError: It was not confirmed; give it up.
@@ -179,7 +162,7 @@ class Sampling:
         """
         assert self._confirming is not None
         wait = self._instruments.confirmation_wait(point)
-        with self._waits.shown_beside(wait, check or self._interruption.check) as check_and_show:
+        with self._waits.shown(wait, check) as check_and_show:
             wait_for(self._confirming, check_and_show)
         trace = self._confirming.result()
         self._confirmation, self._confirming = None, None
@@ -218,9 +201,9 @@ class Sampling:
         self._instruments.check_sweep(sweep)
         aux, sensor_remarks = self._robot.sensors.at_sweep(sweep.sweep_ended_us)
         timestamp_us = time_of_day_us()
-        remarks = [remark, self._clock_steps.check_trace(timestamp_us)]
+        remarks = [remark, self._survey.clock_steps.check_trace(timestamp_us)]
         texts = tuple(storable_remark(str(one)) for one in remarks if one is not None)
-        remarks_on_place = (*settled.remarks, *self._zeros.remark)
+        remarks_on_place = (*settled.remarks, *self._survey.zeros.remark)
         quality = (*sweep.quality, *remarks_on_place, *texts, *sensor_remarks)
         measured = {**vars(sweep), "quality": quality}
         return Trace(

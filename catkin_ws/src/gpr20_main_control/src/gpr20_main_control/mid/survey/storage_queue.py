@@ -35,10 +35,7 @@ class StorageQueue:
     ) -> None:
         """Start the thread.
 
-        Args:
-            storage: Where traces go.
-            clock: Measures the pause between attempts.
-            on_stored: Called with the number of traces stored so far and the index of the last.
+        `on_stored` is called with the number of traces stored so far and the index of the last.
         """
         self._storage = storage
         self._clock = clock
@@ -49,8 +46,7 @@ class StorageQueue:
         self._failure: Optional[Exception] = None
         self._retries = 0
         self._closing = threading.Event()
-        self._thread = threading.Thread(target=self._work, name="storage queue", daemon=True)
-        self._thread.start()
+        threading.Thread(target=self._work, name="storage queue", daemon=True).start()
 
     @property
     def waiting(self) -> int:
@@ -63,29 +59,25 @@ class StorageQueue:
             self._traces.append(trace)
             self._changed.notify_all()
 
-    def wait_for_room(self, check: Check) -> None:
-        """Return when few enough traces wait for the disk.
-
-        Args:
-            check: Called repeatedly meanwhile; an error that it raises ends the wait.
+    def wait_until_left(self, traces: int, check: Check) -> None:
+        """Return when at most so many traces wait for the disk; `check` may end the wait.
 
         Raises:
             DeviceError: Storing has failed; the traces wait for `retry`.
         """
         with self._changed:
-            self._wait_until_left(CAPACITY, check)
-
-    def drain(self, check: Check) -> None:
-        """Return when every trace is stored durably.
-
-        Args:
-            check: Called repeatedly meanwhile; an error that it raises ends the wait.
-
-        Raises:
-            DeviceError: Storing has failed.
-        """
-        with self._changed:
-            self._wait_until_left(0, check)
+            while len(self._traces) > traces and self._failure is None:
+                check()
+                self._changed.wait(POLL_S)
+            if self._failure is not None:
+                raise DeviceError(
+                    Message(
+                        "trace {index} could not be stored: {reason}",
+                        index=self._traces[0].index,
+                        reason=message_of(self._failure),
+                    ),
+                    fault=DISK_REFUSES,
+                ) from self._failure
 
     def drain_within(self, time_limit_s: float) -> None:
         """Return when every trace is stored durably.
@@ -107,7 +99,7 @@ class StorageQueue:
                     fault=DISK_REFUSES,
                 )
 
-        self.drain(check)
+        self.wait_until_left(0, check)
 
     def retry(self) -> None:
         """Clear a failure and try again with the trace that failed."""
@@ -161,17 +153,3 @@ class StorageQueue:
             if self._clock.wait_s(self._closing, RETRY_S):
                 break
         return failure
-
-    def _wait_until_left(self, traces: int, check: Check) -> None:
-        while len(self._traces) > traces and self._failure is None:
-            check()
-            self._changed.wait(POLL_S)
-        if self._failure is not None:
-            raise DeviceError(
-                Message(
-                    "trace {index} could not be stored: {reason}",
-                    index=self._traces[0].index,
-                    reason=message_of(self._failure),
-                ),
-                fault=DISK_REFUSES,
-            ) from self._failure

@@ -1,32 +1,32 @@
-"""One survey in the storage: its folder, its traces, its report and its end."""
+"""One survey in the storage: its folder, its traces, its facts and its end."""
 
 from __future__ import annotations
 
-import contextlib
 import json
+from collections import deque
 from dataclasses import asdict
 from pathlib import PurePosixPath
-from typing import Any, Dict, Mapping, Optional, Sequence, Tuple
+from typing import TYPE_CHECKING, Any, Deque, Dict, Mapping, Optional, Sequence, Tuple
 
 from gpr20_common.low.clock import time_of_day_us
 from gpr20_common.message import Message, Severity
 from gpr20_common.mid.codec import plain
-from gpr20_main_control.errors import DeviceError
 from gpr20_main_control.faults import CONFIGURATION_CHANGED
 from gpr20_main_control.mid.devices.instruments import AnalyzerState
 from gpr20_main_control.mid.devices.robot import SurveyEnd, SurveyRecord
-from gpr20_main_control.mid.survey.known_point import RepeatMeasurement
-from gpr20_main_control.mid.survey.running_survey import RunningSurvey
-from gpr20_main_control.mid.survey.storage_queue import ATTEMPTS, RETRY_S, StorageQueue
+from gpr20_main_control.mid.survey.repeats import Repeated
+from gpr20_main_control.mid.survey.storage_queue import ATTEMPTS, CAPACITY, RETRY_S, StorageQueue
 from gpr20_main_control.mid.survey.survey_plan import (
     PLAN_ID,
     PLAN_SET_BY,
     RemainingTime,
     SurveyPlan,
 )
+from gpr20_main_control.mid.survey.survey_status import Status
 from gpr20_main_control.mid.waits import Check, ExpectedWait
+from gpr20_survey.folder.log_record import Kind
 from gpr20_survey.folder.soil_note import PLANNED
-from gpr20_survey.folder.survey_metadata import INTERRUPTED
+from gpr20_survey.folder.survey_metadata import message_record
 from gpr20_survey.plan.annotation import ANNOTATION
 from gpr20_survey.plan.recorded_plan import REFINES
 from gpr20_survey.plan.robot_description import STORAGE_NAME
@@ -34,6 +34,10 @@ from gpr20_survey.plan.sensors import SENSORS
 from gpr20_survey.plan.survey_cost import needed_bytes
 from gpr20_survey.plan.survey_points import SurveyPoint
 from gpr20_survey.plan.survey_state import SurveyState
+from gpr20_survey.trace.utc_time import iso_text
+
+if TYPE_CHECKING:  # the survey has this archive
+    from gpr20_main_control.mid.survey.survey import Survey
 
 
 class SurveyArchive:
@@ -47,13 +51,14 @@ class SurveyArchive:
         folder: The survey's folder; empty before it is made.
     """
 
-    def __init__(self, survey: RunningSurvey) -> None:
+    def __init__(self, survey: Survey) -> None:
         """Begin with what is stored already."""
         plan, robot = survey.plan, survey.robot
         self._survey, self._plan = survey, plan
         self._storage, self._calls = robot.storage, robot.storage_calls
         self._sensors = robot.sensors.recorded()
         self.folder = "" if plan.reopened is None else plan.reopened.path
+        self._facts: Deque[Tuple[Kind, Dict[str, Any]]] = deque()
         self._reported_analyzers = survey.analyzers.used
         self._sensors_noted = False
         self._closing_report = ""
@@ -69,22 +74,15 @@ class SurveyArchive:
 
         The storage may have been restarted since; reopening an open survey changes nothing.
 
-        Args:
-            analyzer: What is recorded about the analyzer.
-            check: Ends the wait.
-
         Returns:
             Folder of another survey that was still open and was closed; empty if none.
 
         Raises:
             DeviceError: The disk has no room, or the folder cannot be made.
         """
-        self._remaining = RemainingTime(
-            self._plan.pending_durations_with_s(analyzer.sweep_duration_s)
-        )
         if self.folder:
             self.reopen(check)
-            self.send_notes(check)
+            self.send_facts(check)
             self._note_other_sensors()
             if self._survey.analyzers.used != self._reported_analyzers:
                 # Before the first trace of another analyzer.
@@ -95,7 +93,7 @@ class SurveyArchive:
         opened = self._calls.call(lambda: self._storage.open(record), check)
         self.folder = opened.folder
         self._reported_analyzers = self._survey.analyzers.used
-        self.send_notes(check)
+        self.send_facts(check)
         return opened.interrupted
 
     def reopen(self, check: Check) -> None:
@@ -103,11 +101,13 @@ class SurveyArchive:
         name = PurePosixPath(self.folder).name
         self._calls.call(lambda: self._storage.reopen(name), check)
 
-    def storing_wait(self, point: SurveyPoint) -> ExpectedWait:
-        """Return what to expect of the storage when it stores the trace of a point."""
-        limit_s = self._survey.robot.description.limits.storage_limit_s
-        action = Message("traces up to point {index}", index=point.index)
-        return ExpectedWait(STORAGE_NAME, action, 0.0, ATTEMPTS * (limit_s + RETRY_S))
+    def wait_for_room(self, point: SurveyPoint) -> None:
+        """Return when few enough traces, up to that of a point, wait for the disk, or raise."""
+        self._wait_until_left(CAPACITY, point)
+
+    def drain(self) -> None:
+        """Return when every trace is stored durably, or raise."""
+        self._wait_until_left(0, self._plan.points[-1])
 
     def start_timing(self) -> None:
         """Begin to count time as measuring time."""
@@ -118,21 +118,28 @@ class SurveyArchive:
         self._measured_s = self._elapsed_s()
         self._measuring_since_s = None
 
-    def note_repeats(self, repeats: Sequence[RepeatMeasurement], check: Check) -> None:
-        """Store the results of repeat measurements, and the zeros that they prove."""
-        for repeat in repeats:
-            self._survey.report.note_repeat(repeat, time_of_day_us())
-        self.send_report(check)
+    def add_fact(self, kind: Kind, **values: Any) -> None:
+        """Keep a fact with the present time, by which the storage knows a repeated one.
 
-    def send_notes(self, check: Check) -> None:
-        """Store what happened to the survey."""
-        survey_id = self._plan.survey_id
-        self._survey.notes.send(
-            lambda note: self._calls.call(lambda: self._storage.note(survey_id, note), check)
-        )
+        It is stored with the next `send_facts`.
+        """
+        self._facts.append((kind, {"time": iso_text(time_of_day_us()), **values}))
 
-    def send_report(self, check: Check) -> None:
-        """Store the report as it is now."""
+    def add_message(self, kind: Kind, message: Message) -> None:
+        """Keep a sentence: as text, and as template and values."""
+        self.add_fact(kind, text=str(message), message=message_record(message))
+
+    def send_facts(self, check: Check) -> None:
+        """Store the facts that wait, in their order; after an error the rest waits."""
+        while self._facts:
+            kind, values = self._facts[0]
+            self._send(kind, json.dumps(values, allow_nan=False), check)
+            self._facts.popleft()
+
+    def note_repeats(self, repeats: Sequence[Repeated], check: Check) -> None:
+        """Store the results of repeated measurements, and the zeros that they prove."""
+        for repeated in repeats:
+            self._survey.report.note_repeat(repeated, time_of_day_us())
         self._send_report(self._survey.report.to_json(), check)
 
     def send_last_report(self, check: Check) -> int:
@@ -144,40 +151,29 @@ class SurveyArchive:
             self._closing_report = report_json
         return self._closing_count
 
-    def close(
-        self, outcome: str, reason: Message, state: SurveyState, message: Message, check: Check
-    ) -> None:
+    def close(self, outcome: str, reason: Message, status: Status, check: Check) -> None:
         """Close the survey.
 
         Args:
             outcome: One word, for survey.json.
             reason: Why it ended; without a fault it has that which the status reports.
-            state: The state that it ends in.
-            message: What the status says then.
+            status: The last one of the survey.
             check: Ends the wait.
         """
         survey_id = self._plan.survey_id
-        cause = message.cause
+        cause = status.message.cause
         is_failure = cause is not None and cause.severity is not Severity.WARNING
-        if outcome != "finished" and not reason.fault_code and is_failure:
+        if status.state is not SurveyState.FINISHED and not reason.fault_code and is_failure:
             reason = reason.with_fault(cause)
-        end = SurveyEnd(
-            outcome, reason, self._survey.status.status.ended(state, message), self._survey.coverage
-        )
+        end = SurveyEnd(outcome, reason, status, self._survey.coverage)
         self._calls.call(lambda: self._storage.close(survey_id, end), check)
 
-    def interrupt(self, message: Message, check: Check) -> None:
-        """Close the survey as one that can be resumed, while the robot is shut down.
-
-        The storage is shut down too, usually at the same time, and then closes the survey itself.
-
-        Args:
-            message: What the status says then, and why.
-            check: Ends the wait.
-        """
-        with contextlib.suppress(DeviceError):
-            self.queue.drain(check)
-            self.close(INTERRUPTED, message, SurveyState.STOPPED, message, check)
+    def _wait_until_left(self, traces: int, point: SurveyPoint) -> None:
+        limit_s = self._survey.robot.description.limits.storage_limit_s
+        action = Message("traces up to point {index}", index=point.index)
+        wait = ExpectedWait(STORAGE_NAME, action, 0.0, ATTEMPTS * (limit_s + RETRY_S))
+        with self._survey.waits.shown(wait) as check:
+            self.queue.wait_until_left(traces, check)
 
     def _record_with(self, analyzer: AnalyzerState) -> SurveyRecord:
         # The same record again if the answer to the first call was lost: the storage knows it.
@@ -203,16 +199,18 @@ class SurveyArchive:
         )
 
     def _send_report(self, report_json: str, check: Check) -> int:
-        self.send_notes(check)
+        self.send_facts(check)
+        return self._send(Kind.REPORT, report_json, check)
+
+    def _send(self, kind: Kind, values_json: str, check: Check) -> int:
         survey_id = self._plan.survey_id
-        return self._calls.call(lambda: self._storage.report(survey_id, report_json), check)
+        return self._calls.call(lambda: self._storage.add_fact(survey_id, kind, values_json), check)
 
     def _note_stored(self, stored: int, index: int) -> None:
         self._survey.coverage.note_stored(index)
         visited = len(self._plan.stored_indices) + stored
-        self._survey.status.set_progress(
-            visited, self._remaining.remaining_s(stored, self._elapsed_s())
-        )
+        remaining_s = self._remaining.remaining_s(stored, self._elapsed_s())
+        self._survey.status.update(visited_points=visited, remaining_s=remaining_s)
 
     def _elapsed_s(self) -> float:
         since_s = self._measuring_since_s
@@ -238,13 +236,7 @@ def _names(sensors: Sequence[Mapping[str, Any]]) -> str:
 def survey_record(
     plan: SurveyPlan, analyzer: AnalyzerState, robot: Mapping[str, Any]
 ) -> SurveyRecord:
-    """Return what is recorded about a survey when it begins.
-
-    Args:
-        plan: The plan of the survey.
-        analyzer: What the analyzer accepted.
-        robot: What the parts of the robot say about themselves.
-    """
+    """Return what is recorded about a survey when it begins; of the robot, what its parts say."""
     metadata = {
         "simulated": plan.config.simulated,
         "parameters": asdict(plan.parameters),

@@ -12,23 +12,16 @@ from gpr20_common.message import Message
 from gpr20_common.mid.codec import record_from
 from gpr20_main_control import faults
 from gpr20_main_control.errors import RequestRefusedError
-from gpr20_main_control.mid.survey.survey_report import (
-    UsedAnalyzer,
-    former_report,
-    recorded_analyzers,
-)
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.axes.axis_parameters import AxisParameters
 from gpr20_survey.plan.annotation import EMPTY, Annotation
 from gpr20_survey.plan.recorded_plan import recorded_settings
 from gpr20_survey.plan.robot_description import RobotConfig
 from gpr20_survey.plan.sensors import SENSORS
-from gpr20_survey.plan.survey_cost import VISIT_SWEEPS, first_stop, planned_times
+from gpr20_survey.plan.survey_cost import planned_times
 from gpr20_survey.plan.survey_parameters import SurveyParameters, SurveySettings, check
 from gpr20_survey.plan.survey_points import SurveyPoint, survey_points
-from gpr20_survey.plan.zero_history import Proof, UsedZeros
 from gpr20_survey.results.reopened_survey import ReopenedSurvey
-from gpr20_survey.trace.ms2026c import sweep_duration_s
 from gpr20_survey.trace.sweep_settings import AnalyzerSettings, SweepSettings
 from gpr20_survey.trace.trace import Trace
 
@@ -50,16 +43,12 @@ class SurveyPlan:
     """The plan of a survey.
 
     Attributes:
-        parameters: What it measures.
-        config: The robot that measures.
-        settings: Settings of its execution.
-        points: All points in the order of their visit.
+        points: In the order of their visit.
         durations_s: Duration of each point [s], with a visit of the reference before it, if any;
             one more for the visit at the end, if any.
         set_by: Node that set the parameters; empty if it is not known.
         survey_id: UUID; empty before the survey begins.
         reopened: What is stored of it; None if it is new.
-        annotation: What people added to it at its start.
         refines: Id of the survey that it measures more finely; empty: none.
         permittivity: Relative permittivity of the ground; None: not known.
         visits: Indices of the points before which it visits its reference, the first stop, to see
@@ -87,17 +76,6 @@ class SurveyPlan:
             return wanted
         recorded = recorded_settings(json.loads(self.reopened.metadata_json))
         return replace(wanted, analyzer=recorded) if recorded != AnalyzerSettings() else wanted
-
-    @property
-    def analyzers(self) -> Sequence[UsedAnalyzer]:
-        """With which analyzers it was measured so far.
-
-        Raises:
-            SurveyError: The report of the survey that is resumed cannot be read.
-        """
-        if self.reopened is None:
-            return ()
-        return recorded_analyzers(self.reopened.metadata_json, self.reopened.report_json)
 
     @property
     def recorded_sensors(self) -> Optional[List[Dict[str, Any]]]:
@@ -128,24 +106,6 @@ class SurveyPlan:
         return () if self.reopened is None else self.reopened.recent
 
     @property
-    def zeros(self) -> Sequence[UsedZeros]:
-        """The zeros of the axes to which its traces refer so far.
-
-        Raises:
-            SurveyError: The report of the survey that is resumed cannot be read.
-        """
-        if self.reopened is None:
-            return ()
-        recorded = former_report(self.reopened.report_json).zeros
-        last = self.last
-        if last is None or not last.zeros or any(one.zeros == last.zeros for one in recorded):
-            return recorded
-        # A survey that was cut off before its first report began with these.
-        if not recorded:
-            return [UsedZeros(last.zeros, 0, "", Proof.START)]
-        return [*recorded, UsedZeros(last.zeros, last.index, "", Proof.ACCEPTED)]
-
-    @property
     def stored_indices(self) -> Sequence[int]:
         """Indices of the traces on the disk, of a survey that is resumed."""
         return () if self.reopened is None else self.reopened.stored_indices
@@ -159,25 +119,8 @@ class SurveyPlan:
     @property
     def pending_durations_s(self) -> List[float]:
         """Durations of the points that are not on the disk yet, and of the end [s]."""
-        return [self.durations_s[index] for index in self._pending_indices]
-
-    @property
-    def _pending_indices(self) -> List[int]:
-        at_end = range(self.total_points, len(self.durations_s))
-        return [*(point.index for point in self.pending), *at_end]
-
-    def pending_durations_with_s(self, measured_s: float) -> List[float]:
-        """Return the same durations [s] with sweeps as long as measured [s]; 0 if unknown."""
-        if not measured_s:
-            return self.pending_durations_s
-        planned_s = sweep_duration_s(self.parameters.sweep_settings)
-        longer_s = measured_s - planned_s / self.config.time_scale
-        visit_sweeps = VISIT_SWEEPS * len(first_stop(self.points))
-        return [
-            self.durations_s[index]
-            + longer_s * ((index < self.total_points) + visit_sweeps * (index in self.visits))
-            for index in self._pending_indices
-        ]
+        at_end = self.durations_s[self.total_points :]
+        return [*(self.durations_s[point.index] for point in self.pending), *at_end]
 
 
 class RemainingTime:
@@ -187,14 +130,9 @@ class RemainingTime:
         self._planned_s = [0.0, *accumulate(durations_s)]
 
     def remaining_s(self, points_done: int, elapsed_s: float) -> float:
-        """Return the time to the end [s].
+        """Return the time to the end [s] after so many points in a time without pauses [s].
 
-        The rest of the plan is stretched by how much longer than planned the points so
-        far have taken.
-
-        Args:
-            points_done: Points that are finished, in the order of the plan.
-            elapsed_s: Time spent on them [s], without pauses.
+        The rest of the plan is stretched by how much longer than planned the points so far took.
         """
         done_s = self._planned_s[points_done]
         rest_s = self._planned_s[-1] - done_s

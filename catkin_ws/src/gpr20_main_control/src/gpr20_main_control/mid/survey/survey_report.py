@@ -3,22 +3,23 @@
 from __future__ import annotations
 
 import json
-import math
 import threading
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Dict, List, Optional, Sequence, Tuple
 
 from gpr20_common.message import Message
 from gpr20_common.mid.codec import plain, record_from
 from gpr20_main_control import faults
 from gpr20_main_control.errors import OtherAnalyzerError, SurveyError
-from gpr20_main_control.mid.survey.known_point import RepeatMeasurement
+from gpr20_main_control.mid.survey.repeats import Repeated
 from gpr20_main_control.mid.survey.survey_coverage import Coverage
 from gpr20_main_control.mid.survey.zero_record import ZeroRecord
+from gpr20_main_control.mid.sweep_difference import finite
 from gpr20_survey.faults import VNA_REPLACED
 from gpr20_survey.folder.survey_metadata import FAULT_CODE, REASON_MESSAGE, message_record
 from gpr20_survey.plan.survey_state import COVERAGE_LETTERS
-from gpr20_survey.plan.zero_history import ZEROS, UsedZeros
+from gpr20_survey.plan.zero_history import ZEROS, Proof, UsedZeros
+from gpr20_survey.results.reopened_survey import ReopenedSurvey
 from gpr20_survey.trace.utc_time import iso_text
 
 # Place of the serial number in an identity: maker, model, serial number, firmware.
@@ -64,11 +65,6 @@ class AnalyzerRecord:
 
     def check(self, identity: str, next_index: int, now_us: int) -> None:
         """Return if the survey may be measured with an analyzer, and note it if it is new.
-
-        Args:
-            identity: What the connected instrument says it is.
-            next_index: Index of the point that is measured next.
-            now_us: The time [us since 1970, UTC].
 
         Raises:
             OtherAnalyzerError: It is another one, and the operator has not accepted it.
@@ -118,7 +114,7 @@ class Control:
 
 @dataclass(frozen=True)
 class FormerReport:
-    """What the report of a survey on the disk says."""
+    """What the last report of a survey on the disk says."""
 
     controls: Tuple[Control, ...] = ()
     warnings: Tuple[Dict[str, Any], ...] = ()
@@ -126,36 +122,34 @@ class FormerReport:
     zeros: Tuple[UsedZeros, ...] = ()
 
 
-def former_report(report_json: str) -> FormerReport:
-    """Return what the last report of a survey says; an empty text is that of none.
+def former_report(reopened: Optional[ReopenedSurvey]) -> FormerReport:
+    """Return what a survey on the disk says of itself; None: a new survey says nothing.
 
     Raises:
-        SurveyError: The report cannot be read.
+        SurveyError: Its report cannot be read.
     """
+    if reopened is None:
+        return FormerReport()
     try:
-        values = json.loads(report_json) if report_json else {}
-        return record_from(FormerReport, values, "report", others=True)
+        values = json.loads(reopened.report_json) if reopened.report_json else {}
+        former = record_from(FormerReport, values, "report", others=True)
     except ValueError as error:
         raise _unreadable(repr(error)) from error
-
-
-def recorded_analyzers(metadata_json: str, report_json: str) -> Sequence[UsedAnalyzer]:
-    """Return the analyzers of a survey that is on the disk.
-
-    Args:
-        metadata_json: As it was recorded at the survey's start.
-        report_json: Its last report; empty if none exists.
-
-    Raises:
-        SurveyError: The report cannot be read.
-    """
-    analyzers = former_report(report_json).analyzers
-    if analyzers:
-        return analyzers
-    # Before the first report there is only the analyzer of the start.
-    instrument = json.loads(metadata_json).get("instrument")
-    identity = instrument.get("identity") if isinstance(instrument, dict) else None
-    return [UsedAnalyzer(identity, 0, None)] if isinstance(identity, str) else []
+    analyzers = former.analyzers
+    if not analyzers:
+        # Before the first report there is only the analyzer of the start.
+        instrument = json.loads(reopened.metadata_json).get("instrument")
+        identity = instrument.get("identity") if isinstance(instrument, dict) else None
+        analyzers = (UsedAnalyzer(identity, 0, None),) if isinstance(identity, str) else ()
+    zeros, last = former.zeros, reopened.recent[-1] if reopened.recent else None
+    if last is not None and last.zeros and all(one.zeros != last.zeros for one in zeros):
+        # A survey that was cut off before its first report began with these.
+        first = UsedZeros(last.zeros, 0, "", Proof.START)
+        zeros = (
+            *zeros,
+            replace(first, from_index=last.index, proof=Proof.ACCEPTED) if zeros else first,
+        )
+    return replace(former, analyzers=analyzers, zeros=zeros)
 
 
 class SurveyReport:
@@ -166,40 +160,33 @@ class SurveyReport:
         coverage: Coverage,
         analyzers: AnalyzerRecord,
         zeros: ZeroRecord,
-        former_json: str = "",
+        former: FormerReport,
     ) -> None:
         """Begin, or continue, a report.
 
-        Args:
-            coverage: The state of each planned sample.
-            analyzers: With which analyzers it is measured.
-            zeros: To which zeros of the axes its traces refer.
-            former_json: The report of the survey before it was resumed; empty if none exists.
-
         Raises:
-            SurveyError: The former report cannot be read.
+            SurveyError: The former report is not of this plan.
         """
         self.coverage = coverage
         self._analyzers = analyzers
         self._zeros = zeros
-        former = former_report(former_json)
         self._controls, self._warnings = list(former.controls), list(former.warnings)
         for control in self._controls:
             if not 0 <= control.index < coverage.planned:
                 raise _unreadable("a repeat measurement is not of a planned sample")
             coverage.note_remeasured(control.index)
 
-    def note_repeat(self, repeat: RepeatMeasurement, time_us: int) -> None:
+    def note_repeat(self, repeated: Repeated, time_us: int) -> None:
         """Note that a stored point was measured again, and its difference from the trace."""
         self._controls.append(
             Control(
-                repeat.index,
+                repeated.stored.index,
                 iso_text(time_us),
-                _finite_or_none(repeat.difference_db),
-                _finite_or_none(repeat.height_difference_m),
+                finite(repeated.difference_db),
+                finite(repeated.height_difference_m),
             )
         )
-        self.coverage.note_remeasured(repeat.index)
+        self.coverage.note_remeasured(repeated.stored.index)
 
     def note_warning(self, warning: Message, time_us: int) -> None:
         """Note a warning about the recording."""
@@ -251,7 +238,3 @@ def _unreadable(details: str) -> SurveyError:
         Message("the report in the log cannot be read; plan a new survey", details=details),
         fault=faults.RECORD_DAMAGED,
     )
-
-
-def _finite_or_none(value: float) -> Any:
-    return value if math.isfinite(value) else None

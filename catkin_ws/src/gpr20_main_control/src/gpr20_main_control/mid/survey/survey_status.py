@@ -4,14 +4,15 @@ from __future__ import annotations
 
 import threading
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Callable, Dict, FrozenSet, Optional
+from typing import TYPE_CHECKING, Any, Callable, Dict, FrozenSet, Optional
 
 from gpr20_common.errors import Gpr20Error
+from gpr20_common.low.clock import time_of_day_us
 from gpr20_common.message import Message, in_a_row
 from gpr20_main_control.mid.survey.survey_coverage import Coverage
 from gpr20_survey.plan.survey_parameters import SurveyParameters
 from gpr20_survey.plan.survey_points import SurveyPoint
-from gpr20_survey.plan.survey_state import SurveyState
+from gpr20_survey.plan.survey_state import ENDED, SurveyState
 
 if TYPE_CHECKING:  # the plan imports what shows itself by this status
     from gpr20_main_control.mid.survey.survey_plan import SurveyPlan
@@ -42,22 +43,6 @@ class TransitionError(Gpr20Error, RuntimeError):
     """A state cannot follow another."""
 
 
-def check_transition(before: SurveyState, after: SurveyState) -> None:
-    """Refuse a transition between two states that does not exist.
-
-    Raises:
-        TransitionError: The table does not hold it.
-    """
-    if after not in TRANSITIONS[before]:
-        raise TransitionError(
-            Message(
-                "a survey that is {before} cannot become {after}",
-                before=before.label,
-                after=after.label,
-            )
-        )
-
-
 @dataclass(frozen=True)
 class Status:
     """A snapshot of the control.
@@ -75,6 +60,8 @@ class Status:
         waiting: What is waited for longer than expected; None otherwise.
         plan_id: Of the parameters that are set, or of the current or last survey.
         plan_set_by: Node that set them.
+        end: How that survey ended, until the next one begins; IDLE: it has not.
+        ended_us: When [us since 1970, UTC].
     """
 
     state: SurveyState = SurveyState.IDLE
@@ -89,6 +76,8 @@ class Status:
     waiting: Optional[Message] = None
     plan_id: str = ""
     plan_set_by: str = ""
+    end: SurveyState = SurveyState.IDLE
+    ended_us: int = 0
 
     @property
     def full_message(self) -> Message:
@@ -101,9 +90,23 @@ class Status:
         # The robot continues in spite of it, whatever it is.
         return Message("Warning: {warning}. {status}", warning=warning.as_warning(), status=present)
 
-    def ended(self, state: SurveyState, message: Message) -> Status:
-        """Return the status of this survey after its end."""
-        return replace(self, state=state, message=message, target=None, waiting=None)
+    def entered(self, state: SurveyState, message: Message, time_us: int) -> Status:
+        """Return the status in another state, which is entered at a time [us since 1970, UTC].
+
+        Raises:
+            TransitionError: The state cannot follow the present one.
+        """
+        if state not in TRANSITIONS[self.state]:
+            raise TransitionError(
+                Message(
+                    "a survey that is {before} cannot become {after}",
+                    before=self.state.label,
+                    after=state.label,
+                )
+            )
+        target = self.target if state.running else None
+        end: Dict[str, Any] = {"end": state, "ended_us": time_us} if state in ENDED else {}
+        return replace(self, state=state, message=message, target=target, waiting=None, **end)
 
     @property
     def completion_percent(self) -> float:
@@ -124,10 +127,8 @@ class SurveyStatus:
 
         Args:
             on_change: Called with the status before and after each change.
-            on_parameters: Called with the parameters of the next or present survey when they
-                change.
-            on_coverage: Called with the coverage of the present survey and the survey's id when
-                the coverage changes.
+            on_parameters: Called with the parameters of the next or present survey.
+            on_coverage: Called with the coverage and the id of the present survey.
         """
         self._on_change = on_change
         self._on_parameters = on_parameters
@@ -140,38 +141,24 @@ class SurveyStatus:
         """The status now."""
         return self._status
 
-    def enter(self, state: SurveyState, message: Message) -> None:
-        """Enter another state.
+    def enter(self, state: SurveyState, message: Message, time_us: Optional[int] = None) -> None:
+        """Enter another state, at a time [us since 1970, UTC]; None: now.
 
         Raises:
             TransitionError: It cannot follow the present state.
         """
+        now_us = time_of_day_us() if time_us is None else time_us
         with self._lock:
-            check_transition(self._status.state, state)
-            target = self._status.target if state.running else None
-            self._change(
-                replace(self._status, state=state, message=message, target=target, waiting=None)
-            )
+            self._change(self._status.entered(state, message, now_us))
 
-    def set_message(self, message: Message) -> None:
-        """Change the message without changing the state."""
+    def update(self, **changes: Any) -> None:
+        """Change fields of the status other than the state."""
         with self._lock:
-            self._change(replace(self._status, message=message))
-
-    def set_waiting(self, waiting: Optional[Message]) -> None:
-        """Show what is waited for instead of the message; None shows the message again."""
-        with self._lock:
-            self._change(replace(self._status, waiting=waiting))
+            self._change(replace(self._status, **changes))
 
     def set_missing(self, missing: Optional[Message]) -> None:
         """Set which nodes do not answer; None if all answer."""
-        with self._lock:
-            self._change(replace(self._status, missing=missing))
-
-    def set_warning(self, warning: Message) -> None:
-        """Set a warning, which is shown until the next survey begins."""
-        with self._lock:
-            self._change(replace(self._status, warning=warning))
+        self.update(missing=missing)
 
     def set_plan(self, plan: SurveyPlan) -> None:
         """Enter CONFIGURED, and announce the parameters of the next survey.
@@ -198,19 +185,9 @@ class SurveyStatus:
                     visited_points=len(plan.stored_indices),
                     remaining_s=sum(plan.pending_durations_s),
                     warning=None,
+                    end=SurveyState.IDLE,
+                    ended_us=0,
                 )
-            )
-
-    def set_target(self, target: SurveyPoint) -> None:
-        """Set the point being visited."""
-        with self._lock:
-            self._change(replace(self._status, target=target))
-
-    def set_progress(self, visited_points: int, remaining_s: float) -> None:
-        """Set the progress of the survey."""
-        with self._lock:
-            self._change(
-                replace(self._status, visited_points=visited_points, remaining_s=remaining_s)
             )
 
     def show_coverage(self, coverage: Coverage) -> None:
@@ -219,9 +196,8 @@ class SurveyStatus:
 
     def _planned(self, plan: SurveyPlan, state: SurveyState, message: Message) -> Status:
         """Announce the parameters of a plan; return the status with it."""
-        check_transition(self._status.state, state)
+        planned = self._status.entered(state, message, 0)
         self._on_parameters(plan.parameters)
-        planned = self._status.ended(state, message)
         return replace(planned, plan_id=plan.parameters.plan_id, plan_set_by=plan.set_by)
 
     def _change(self, status: Status) -> None:

@@ -1,97 +1,48 @@
-"""The steps of a survey in their order; `engine` executes them."""
+"""The steps of a survey in their order: what is done before the first point, at each, between."""
 
 from __future__ import annotations
 
+import contextlib
 from collections import deque
-from dataclasses import dataclass
-from typing import Deque, Dict, Iterator, Optional, Tuple, Union
+from typing import TYPE_CHECKING, Deque, Dict, Iterator, List, Optional, Sequence, Tuple
 
-from gpr20_main_control.mid.survey.known_point import known_traces
+from gpr20_common.message import Message, in_a_row
+from gpr20_common.mid.codec import plain
+from gpr20_main_control.errors import DeviceError, StopRequested, UnconfirmedError, message_of
+from gpr20_main_control.mid.devices.instruments import Instruments
+from gpr20_main_control.mid.devices.robot import zeros_of
+from gpr20_main_control.mid.survey.repeats import (
+    DriftLimits,
+    Repeated,
+    compare_known_point,
+    known_traces,
+)
+from gpr20_main_control.mid.survey.sampling import Sampling
+from gpr20_main_control.mid.survey.survey_archive import interruption_remark
 from gpr20_main_control.mid.survey.survey_plan import SurveyPlan
+from gpr20_main_control.mid.waits import Check
+from gpr20_survey.faults import VNA_FAILED
+from gpr20_survey.folder.log_record import Kind
 from gpr20_survey.plan.survey_points import SurveyPoint
+from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_survey.trace.trace import Trace
+from gpr20_survey.trace.utc_time import iso_text
 
+if TYPE_CHECKING:  # the survey has these steps
+    from gpr20_main_control.mid.survey.survey import Survey
 
-@dataclass(frozen=True)
-class Check:
-    """Check that every part of the robot is ready; nothing moves."""
-
-
-@dataclass(frozen=True)
-class Open:
-    """Make the survey's folder, or reopen it."""
-
-
-@dataclass(frozen=True)
-class Home:
-    """Home the axes whose zero is unknown, or every axis."""
-
-    every_axis: bool
-
-
-@dataclass(frozen=True)
-class Compare:
-    """Measure a known point again, at every rotation, and compare it with its stored traces."""
-
-    stored: Tuple[Trace, ...]
-
-
-@dataclass(frozen=True)
-class Visit:
-    """Measure the first stop again, at every rotation, to see the drift since."""
-
-    stored: Tuple[Trace, ...]
-
-
-@dataclass(frozen=True)
-class Checkpoint:
-    """The survey may be paused here: no sweep is in progress, but one may be unconfirmed."""
-
-
-@dataclass(frozen=True)
-class Move:
-    """Move the axes to a point."""
-
-    point: SurveyPoint
-
-
-@dataclass(frozen=True)
-class Settle:
-    """Wait until the axes have stopped vibrating, and measure the height meanwhile."""
-
-    point: SurveyPoint
-
-
-@dataclass(frozen=True)
-class Confirm:
-    """Wait until the sweep before is confirmed; its trace is stored in the background."""
-
-    point: SurveyPoint
-
-
-@dataclass(frozen=True)
-class Sweep:
-    """Take the sweep of a point, and begin to confirm it in the background."""
-
-    point: SurveyPoint
-
-
-@dataclass(frozen=True)
-class Finish:
-    """Wait until everything is stored, and close the survey."""
-
-
-Step = Union[Check, Open, Home, Compare, Visit, Checkpoint, Move, Settle, Confirm, Sweep, Finish]
+MEASURING = Message("Measuring")
 
 
 class SurveyProgress:
-    """The progress of a survey, which decides on the remaining steps.
+    """How far a survey is, from which its remaining steps follow.
 
     Attributes:
         last: The trace that was confirmed last; None before the first.
         home_every_axis: Whether every axis must be homed, because the stored traces were measured
             before this process homed the axes.
-        compare: Whether the zeros of the axes are other ones than those of the traces.
+        compare: Whether a known point must be measured again before the survey goes on.
+        reference: The traces of the first stop, with which a visit of it is compared.
     """
 
     def __init__(self, plan: SurveyPlan) -> None:
@@ -106,13 +57,14 @@ class SurveyProgress:
         self._pending = plan.pending
         self._confirmed = 0
         self._awaiting = False
-        self._reference: Dict[int, Trace] = {}
-        for trace in plan.recent:
-            self._keep_reference(trace)
+        self.reference: Dict[int, Trace] = {
+            one.index: one for one in plan.recent if one.index < self._rotations
+        }
         self._total = plan.total_points
         self._visits = frozenset(plan.visits)
         self._visited: Optional[int] = None
-        self._visit_now = resumed and len(self._reference) == self._rotations
+        self._visit_now = resumed and len(self.reference) == self._rotations
+        self._interval_s = plan.settings.reference_interval_s / plan.config.time_scale
 
     @property
     def unconfirmed(self) -> Optional[SurveyPoint]:
@@ -126,6 +78,11 @@ class SurveyProgress:
         return self._pending[measured] if measured < len(self._pending) else None
 
     @property
+    def next_index(self) -> int:
+        """Index of the point to measure next; the number of points if every one is measured."""
+        return self._total if self.next is None else self.next.index
+
+    @property
     def all_confirmed(self) -> bool:
         """Whether every point is measured and its sweep is confirmed."""
         return self._confirmed == len(self._pending)
@@ -136,35 +93,19 @@ class SurveyProgress:
         return tuple(known_traces(self._recent, self._rotations))
 
     @property
-    def visit(self) -> Optional[Visit]:
-        """The visit of the reference that comes next; None if another point does."""
-        index = self._total if self.next is None else self.next.index
+    def visit_due(self) -> bool:
+        """Whether the first stop is visited before another point is measured."""
+        index = self.next_index
         due = self._visit_now or (index in self._visits and index != self._visited)
-        if not self._visits or not due or len(self._reference) < self._rotations:
-            return None
-        return Visit(tuple(trace for _, trace in sorted(self._reference.items())))
+        return bool(self._visits) and due and len(self.reference) == self._rotations
 
-    def note_long_pause(self) -> None:
-        """Note a pause as long as the time between visits: the reference is visited next."""
-        self._visit_now = True
+    def note_pause(self, duration_s: float) -> None:
+        """Note how long the survey was paused [s]: as long as between visits, one is due."""
+        self._visit_now |= duration_s >= self._interval_s
 
     def note_visited(self) -> None:
         """Note that the reference was visited."""
-        self._visited = self._total if self.next is None else self.next.index
-        self._visit_now = False
-
-    def _keep_reference(self, trace: Trace) -> None:
-        if trace.index < self._rotations:
-            self._reference[trace.index] = trace
-
-    def note_homed(self, compare: bool) -> None:
-        """Note that the axes are homed.
-
-        Args:
-            compare: Whether a known point must be compared before the survey continues.
-        """
-        self.home_every_axis = False
-        self.compare = compare
+        self._visited, self._visit_now = self.next_index, False
 
     def note_swept(self) -> None:
         """Note that the next point has a sweep, which is not confirmed yet."""
@@ -176,45 +117,247 @@ class SurveyProgress:
         self._confirmed += 1
         self.last = trace
         self._recent.append(trace)
-        self._keep_reference(trace)
+        if trace.index < self._rotations:
+            self.reference[trace.index] = trace
 
     def note_rejected(self) -> None:
         """Note that the sweep could not be confirmed: its point is the next to measure."""
         self._awaiting = False
 
 
-def survey_steps(plan: SurveyPlan, progress: SurveyProgress) -> Iterator[Step]:
-    """Yield the remaining steps of a survey.
+class SurveySteps:
+    """Executes the steps of one survey.
 
-    An interrupted survey is continued by calling this again.
-
-    Args:
-        plan: What the survey measures.
-        progress: The progress so far. Executing the steps updates it, and what comes next is read
-            from it: whether a known point is compared after the axes are homed, and whether a
-            point is measured again because its sweep could not be confirmed.
+    Attributes:
+        progress: How far it is.
     """
-    yield Check()
-    yield Open()
-    yield Home(progress.home_every_axis)
-    if progress.compare and progress.known:
-        yield Compare(progress.known)
-    while not progress.all_confirmed or progress.visit is not None:
-        if progress.visit is not None:
-            yield Checkpoint()
-            if progress.unconfirmed is not None:
-                yield Confirm(progress.unconfirmed)
-            # Not if the sweep was rejected: its point is measured again first.
-            if progress.visit is not None:
-                yield progress.visit
-            continue
-        point = progress.next
-        if point is not None:
-            yield Checkpoint()
-            yield Move(point)
-            yield Settle(point)
-        if progress.unconfirmed is not None:
-            yield Confirm(progress.unconfirmed)
-        if point is not None and progress.next == point:
-            yield Sweep(point)
-    yield Finish()
+
+    def __init__(self, survey: Survey) -> None:
+        self._survey, self._plan = survey, survey.plan
+        self._status, self._positioner = survey.status, survey.positioner
+        self._archive, self._zeros = survey.archive, survey.zeros
+        self.progress = SurveyProgress(survey.plan)
+        self._instruments = Instruments(survey)
+        self._sampling = Sampling(survey, self._instruments)
+        self._drift = DriftLimits(survey.plan.settings)
+        self._rejections = 0
+        self._rejection: Optional[Message] = None
+
+    def run(self) -> bool:
+        """Execute the remaining steps; return False if a pause was requested on the way.
+
+        A survey that was interrupted is continued by calling this again.
+
+        Raises:
+            DeviceError: A step failed.
+            StopRequested: A stop of the survey was requested.
+        """
+        progress, paused = self.progress, self._survey.pause_requested
+        self._home(self._begin())
+        if progress.compare and progress.known:
+            self._compare(progress.known)
+        while not progress.all_confirmed or progress.visit_due:
+            point = progress.next
+            if paused.is_set() and (point is not None or progress.visit_due):
+                self._confirm()
+                return False
+            if progress.visit_due:
+                self._confirm()
+                # Not if the sweep was rejected: its point is measured again first.
+                if progress.visit_due:
+                    self._visit()
+                continue
+            if point is not None:
+                with self._measuring(point):
+                    self._move_to(point)
+                    self._sampling.settle(point)
+            # Beside the move, and before the next sweep.
+            self._confirm()
+            if point is not None and progress.next == point:
+                with self._measuring(point):
+                    self._sampling.sweep(point, self._archive.queue.add, self._rejection)
+                progress.note_swept()
+        self._check_zeros_at_end()
+        return True
+
+    def resolve_unconfirmed(self, check: Check) -> None:
+        """Confirm the last sweep if that is possible; otherwise its point is measured again.
+
+        Args:
+            check: Called repeatedly meanwhile; an error that it raises gives the sweep up.
+
+        Raises:
+            StopRequested: `check` raised it; the sweep remains unconfirmed.
+        """
+        point = self.progress.unconfirmed
+        if point is None:
+            return
+        try:
+            self.progress.note_confirmed(self._sampling.confirmed(point, check))
+        except StopRequested:
+            raise
+        except Exception as error:
+            # Faults in the software too: the survey is about to report another one.
+            self._reject(point, message_of(error))
+
+    def _begin(self) -> Optional[Message]:
+        """Check every part of the robot, and make or reopen the survey's folder."""
+        self._rejections = 0
+        self._survey.accept_nodes()
+        analyzer = self._instruments.check(self.progress.next_index)
+        self._survey.interruption.check()
+        interrupted = self._archive.open(analyzer, self._survey.interruption.check)
+        return interruption_remark(interrupted)
+
+    def _home(self, remark: Optional[Message]) -> None:
+        homing = Message("Homing the axes")
+        if remark is not None:
+            homing = in_a_row([homing, remark])
+        self._status.enter(SurveyState.HOMING, homing)
+        before, progress = self._positioner.zeros(), self.progress
+        every = progress.home_every_axis
+        self._positioner.home(before.keys() if every else self._zeros.to_home_again(before))
+        present = self._positioner.zeros()
+        self._zeros.note_homed(present)
+        if progress.last is None:
+            self._zeros.begin(present, progress.next_index, self._now())
+            self._note_zeros()
+        progress.home_every_axis = False
+        progress.compare = self._zeros.needs_proof(present)
+        self._archive.queue.retry()
+        self._status.enter(SurveyState.SURVEYING, MEASURING)
+        self._archive.start_timing()
+
+    def _compare(self, stored: Sequence[Trace]) -> None:
+        """Measure a known point again, because the zeros are other ones than those before."""
+        present = self._positioner.zeros()
+        message = Message("Measuring point {index} again, to compare", index=stored[0].index)
+        repeated = self._repeated(stored, message, sweeps=1)
+        known = compare_known_point(repeated)
+        try:
+            limit_db, index = self._plan.settings.repeat_limit_db, self.progress.next_index
+            self._zeros.judge(present, known, limit_db, index, self._now())
+            self._note_zeros()
+        finally:
+            self._archive.note_repeats(known.repeats, self._survey.interruption.check)
+        self.progress.compare = False
+        self._status.update(message=in_a_row([MEASURING, known.message]))
+
+    def _visit(self) -> None:
+        """Measure the first stop again, and pause if it has drifted too far."""
+        stored = [trace for _, trace in sorted(self.progress.reference.items())]
+        message = Message("Measuring the first stop again, to see the drift")
+        repeated = self._repeated(stored, message, sweeps=2)
+        visit = self._drift.visit(repeated, self.progress.next_index, self._now())
+        self._archive.add_fact(Kind.DRIFT, **visit.values)
+        self._archive.send_facts(self._survey.interruption.check)
+        if visit.exceeded:
+            exceeded = self._drift.ask(visit)
+            if self.progress.next is not None:
+                raise exceeded
+            # Nothing is left to measure: the operator need not decide.
+            self._survey.show_warning(exceeded.message)
+        self.progress.note_visited()
+        self._status.update(message=in_a_row([MEASURING, visit.message]))
+
+    def _repeated(self, stored: Sequence[Trace], message: Message, sweeps: int) -> List[Repeated]:
+        """Measure the points of stored traces again; nothing of it is stored among the traces."""
+        self._status.update(message=message)
+        found = []
+        for trace in stored:
+            point = self._plan.points[trace.index]
+            self._move_to(point)
+            self._sampling.settle(point)
+            found.append(Repeated(trace, tuple(self._swept_again(point) for _ in range(sweeps))))
+        return found
+
+    def _swept_again(self, point: SurveyPoint) -> Trace:
+        for attempt in range(self._plan.settings.attempts):
+            try:
+                self._sampling.sweep(point, lambda _trace: None)
+                return self._sampling.confirmed(point)
+            except UnconfirmedError as error:
+                if not error.repeat or attempt + 1 == self._plan.settings.attempts:
+                    raise
+            finally:
+                self._sampling.give_up()
+        raise AssertionError("the last attempt returns or raises")
+
+    def _move_to(self, point: SurveyPoint) -> None:
+        self._survey.interruption.check()
+        # Announced when the axes have begun to move, which need not wait for it.
+        self._positioner.move_to(point, lambda: self._status.update(target=point))
+
+    @contextlib.contextmanager
+    def _measuring(self, point: SurveyPoint) -> Iterator[None]:
+        try:
+            yield
+        except DeviceError as error:
+            self._survey.coverage.note_failed(point.index, error.message)
+            raise
+
+    def _confirm(self) -> None:
+        """Wait until the sweep before, if any, is confirmed; it is stored in the background."""
+        point = self.progress.unconfirmed
+        if point is None:
+            return
+        try:
+            trace = self._sampling.confirmed(point)
+        except UnconfirmedError as error:
+            self._reject(point, error.message)
+            self._measure_again(point, error)
+            return
+        if self._rejections:
+            self._status.update(message=MEASURING)
+        self._rejections, self._rejection = 0, None
+        self.progress.note_confirmed(trace)
+        self._archive.wait_for_room(point)
+
+    def _measure_again(self, point: SurveyPoint, error: UnconfirmedError) -> None:
+        if not error.repeat:
+            raise error
+        self._rejections += 1
+        if self._rejections >= self._plan.settings.attempts:
+            raise DeviceError(
+                Message(
+                    "the sweep at point {index} was not confirmed {count} times in a row: {reason}",
+                    index=point.index,
+                    count=self._rejections,
+                    reason=error.message,
+                ),
+                fault=VNA_FAILED,
+            ) from error
+        self._status.update(
+            message=Message(
+                "Measuring point {index} again: {reason}", index=point.index, reason=error.message
+            ).as_warning()
+        )
+
+    def _reject(self, point: SurveyPoint, reason: Message) -> None:
+        """Give up the last sweep, unless its trace is accepted for storing already."""
+        trace = self._sampling.give_up()
+        if trace is not None:
+            self.progress.note_confirmed(trace)
+            return
+        self.progress.note_rejected()
+        self._survey.coverage.note_failed(point.index, reason)
+        self._rejection = Message("measured again: {reason}", reason=reason)
+        self._survey.note_warning(
+            Message(
+                "the sweep at point {index} was not confirmed and is not stored: {reason}",
+                index=point.index,
+                reason=reason,
+            )
+        )
+
+    def _check_zeros_at_end(self) -> None:
+        changed = self._zeros.changed(zeros_of(self._positioner.zeros()))
+        if changed is not None:
+            # Each sweep had the same zeros before and after it: the operator need not decide.
+            self._survey.show_warning(changed)
+
+    def _note_zeros(self) -> None:
+        self._archive.add_fact(Kind.EPOCH, **plain(self._zeros.used[-1]))
+
+    def _now(self) -> str:
+        return iso_text(self._survey.clock.time_of_day_us())

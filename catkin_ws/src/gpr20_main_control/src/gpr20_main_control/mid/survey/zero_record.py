@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from typing import List, Mapping, Optional, Sequence, Set, Tuple
+from typing import List, Mapping, Optional, Sequence, Tuple
 
 from gpr20_common.message import Message
 from gpr20_main_control import faults
 from gpr20_main_control.errors import DeviceError
 from gpr20_main_control.mid.devices.robot import zeros_of
-from gpr20_main_control.mid.survey.known_point import KnownPoint
+from gpr20_main_control.mid.survey.repeats import KnownPoint
 from gpr20_survey.axes.axis_id import AxisId, ZeroEpoch, Zeros
 from gpr20_survey.axes.axis_parameters import AxisParameters
 from gpr20_survey.faults import OTHER_ZEROS
@@ -34,20 +34,21 @@ class ZeroRecord:
         self._asked: Optional[Zeros] = None
         self.used: List[UsedZeros] = list(used)
         self._parameters = parameters
-        # Found by a homing of this survey.
-        self._own: Set[Tuple[AxisId, ZeroEpoch]] = set()
-
-    def foreign(self, present: ByAxis) -> List[AxisId]:
-        """Return the axes whose zero is neither that of the traces nor found by this survey."""
-        return [axis_id for axis_id, zero in present.items() if self._is_foreign(axis_id, zero)]
+        # Since the survey homed the axes last; the leases keep others from homing them meanwhile.
+        self._homed: Zeros = ()
 
     def to_home_again(self, present: ByAxis) -> List[AxisId]:
         """Return the axes that somebody else homed and whose zero this survey can find itself."""
-        return [one for one in self.foreign(present) if self._parameters[one].finds_zero]
+        former = zip(AxisId, self._homed)
+        return [
+            axis_id
+            for axis_id, zero in former
+            if self._parameters[axis_id].finds_zero and present[axis_id] != zero
+        ]
 
-    def note_homed(self, homed: Sequence[AxisId], present: ByAxis) -> None:
-        """Note which axes the survey homed, and the zeros since."""
-        self._own.update((axis_id, present[axis_id]) for axis_id in homed)
+    def note_homed(self, present: ByAxis) -> None:
+        """Note the zeros since every axis is homed; where needed, by this survey."""
+        self._homed = zeros_of(present)
 
     def needs_proof(self, present: ByAxis) -> bool:
         """Return whether these are other zeros than those of the traces."""
@@ -60,23 +61,16 @@ class ZeroRecord:
     def judge(
         self, present: ByAxis, point: KnownPoint, limit_db: float, next_index: int, time: str
     ) -> None:
-        """Take other zeros, if a known point and the operator say so.
-
-        Args:
-            present: The zeros now.
-            point: The known point, measured again.
-            limit_db: The largest difference with which it agrees [dB].
-            next_index: Index of the next trace.
-            time: The time of day.
+        """Take other zeros, if a known point within a limit [dB], or the operator, says so.
 
         Raises:
             DeviceError: The operator must decide.
         """
-        foreign, agrees = self.foreign(present), point.agrees(limit_db)
+        by_hand, agrees = self._set_by_hand(present), point.agrees(limit_db)
         zeros = zeros_of(present)
         accepted = self.accept and self._asked in (None, zeros)
         self.accept = False
-        if agrees and not foreign:
+        if agrees and not by_hand:
             # Agreeing with traces that nothing proves proves nothing.
             unproven = bool(self.used) and self.used[-1].proof is Proof.ACCEPTED
             proof = Proof.ACCEPTED if unproven else Proof.MEASURED
@@ -84,26 +78,29 @@ class ZeroRecord:
             proof = Proof.ACCEPTED
         else:
             self._asked = zeros
-            raise DeviceError(_question(foreign, agrees, point), fault=OTHER_ZEROS)
+            raise DeviceError(_question(by_hand, agrees, point), fault=OTHER_ZEROS)
         self.used.append(UsedZeros(zeros, next_index, time, proof))
 
+    def changed(self, present: Zeros) -> Optional[Message]:
+        """Return which zeros are no longer those since the axes were homed; None if all are."""
+        if self._homed == present:
+            return None
+        pairs = zip(AxisId, self._homed, present)
+        return Message(
+            "the zero of the {axes} axis was found or set again by somebody else; resume the "
+            "survey to compare a known point",
+            axes=", ".join(axis_id.value for axis_id, one, other in pairs if one != other),
+        ).with_fault(faults.MOVED_BY_OTHERS)
+
     def check(self, present: Zeros) -> None:
-        """Return if these are the zeros of the traces.
+        """Return if these are the zeros since the axes were homed.
 
         Raises:
             DeviceError: They are not.
         """
-        if self.used and self.used[-1].zeros != present:
-            pairs = zip(AxisId, self.used[-1].zeros, present)
-            changed = [axis_id.value for axis_id, one, other in pairs if one != other]
-            raise DeviceError(
-                Message(
-                    "the zero of the {axes} axis was found or set again by somebody else; "
-                    "resume the survey to compare a known point",
-                    axes=", ".join(changed),
-                ),
-                fault=faults.MOVED_BY_OTHERS,
-            )
+        changed = self.changed(present)
+        if changed is not None:
+            raise DeviceError(changed)
 
     @property
     def remark(self) -> Tuple[str, ...]:
@@ -112,23 +109,25 @@ class ZeroRecord:
             return ()
         return (storable_remark(str(UNPROVEN)),)
 
-    def _is_foreign(self, axis_id: AxisId, zero: ZeroEpoch) -> bool:
-        if not self.used or not self.used[-1].zeros:
-            return False
-        used = self.used[-1].zeros[list(AxisId).index(axis_id)]
-        if self._parameters[axis_id].finds_zero:
-            return zero != used and (axis_id, zero) not in self._own
-        # A homing only turned it to the zero that it knew.
-        return zero.time_us != used.time_us
+    def _set_by_hand(self, present: ByAxis) -> List[AxisId]:
+        """Return the axes whose zero nothing finds, and that have another one than the traces.
+
+        A homing only turns such an axis to the zero that it knows.
+        """
+        former = zip(AxisId, self.used[-1].zeros if self.used else ())
+        return [
+            axis_id
+            for axis_id, zero in former
+            if not self._parameters[axis_id].finds_zero and zero.time_us != present[axis_id].time_us
+        ]
 
 
-def _question(foreign: Sequence[AxisId], agrees: bool, point: KnownPoint) -> Message:
-    axes = ", ".join(one.value for one in foreign)
+def _question(by_hand: Sequence[AxisId], agrees: bool, point: KnownPoint) -> Message:
     if agrees:
         return Message(
             "the zero of the {axes} axis was set by hand; a known point agrees, which does not "
             "prove where the zero is: {repeat}",
-            axes=axes,
+            axes=", ".join(one.value for one in by_hand),
             repeat=point.message,
         )
     if point.turned:

@@ -14,6 +14,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import Optional
 
 import numpy as np
 
@@ -77,14 +78,32 @@ def drift_between(frequency_hz: np.ndarray, earlier: np.ndarray, later: np.ndarr
     )
 
 
+def difference_power(one: np.ndarray, other: np.ndarray) -> float:
+    """Return the power of the difference of two sweeps, summed over their frequencies."""
+    return float(np.sum(np.abs(other - one) ** 2))
+
+
+def difference_db(earlier: np.ndarray, later: np.ndarray) -> float:
+    """Return the RMS of the difference relative to the earlier sweep [dB].
+
+    Minus infinity if they are equal; infinity if only the earlier one has no signal.
+    """
+    reference = float(np.sum(np.abs(earlier) ** 2))
+    return _decibels(math.sqrt(difference_power(earlier, later)), math.sqrt(reference))
+
+
 def noise_db(first: np.ndarray, second: np.ndarray) -> float:
     """Return the noise of one sweep relative to its signal, from two in a row at rest [dB].
 
     The difference of two sweeps has the noise of both: rms(second - first) / sqrt(2) is that of
     one. Minus infinity if they are equal.
     """
-    noise = math.sqrt(float(np.mean(np.abs(second - first) ** 2)) / 2.0)
-    return _decibels(noise, math.sqrt(float(np.mean(np.abs(first) ** 2))))
+    return difference_db(first, second) - 10.0 * math.log10(2.0)
+
+
+def finite(value: float) -> Optional[float]:
+    """Return a figure as it is stored: strict JSON has no NaN, and more digits are noise."""
+    return round(value, 4) if math.isfinite(value) else None
 
 
 def _weighted_rms(values: np.ndarray, power: np.ndarray) -> float:
