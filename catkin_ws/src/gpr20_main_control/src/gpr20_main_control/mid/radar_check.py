@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any, Dict, List, Mapping, Optional, Tuple
 
 from gpr20_common.errors import InvalidValueError
-from gpr20_common.faults import ASKED_FOR
+from gpr20_common.faults import ASKED_FOR, DISK_REFUSES
 from gpr20_common.low.clock import Clock, time_of_day_us
 from gpr20_common.low.data_folder import data_folder, state_folder
 from gpr20_common.message import Message
@@ -149,7 +149,7 @@ class RadarCheck:
         except (ProcessingError, OSError) as error:
             reason = error.message if isinstance(error, ProcessingError) else str(error)
             raise DeviceError(
-                Message("the check could not be made: {reason}", reason=reason)
+                Message("the check could not be made: {reason}", reason=reason), DISK_REFUSES
             ) from error
         self._parts.clear()
         return verdict
