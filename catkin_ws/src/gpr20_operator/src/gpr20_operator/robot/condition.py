@@ -108,7 +108,7 @@ _USUAL: Dict[Optional[SurveyState], _Usual] = {
     SurveyState.FAILED: _Usual(JobLevel.FAULT),
 }
 # Codes of the main control while it waits for a part.
-WAITS = (PART_SILENT.code, TAKES_LONG.code)
+WAITS = (PART_LOST.code, PART_SILENT.code, TAKES_LONG.code)
 # Levels of a state that trouble elsewhere does not make better.
 _KEPT = (JobLevel.PAUSED, JobLevel.FAULT)
 

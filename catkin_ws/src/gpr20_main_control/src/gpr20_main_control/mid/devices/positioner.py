@@ -99,6 +99,11 @@ class Positioner:
             )
         return reading
 
+    @property
+    def lost_fault(self) -> Fault:
+        """What a lost part means: until every axis rests, that hands have to stay clear."""
+        return PART_LOST if any(self._may_move.values()) else PART_SILENT
+
     def _lost_fault(self, axis_id: AxisId) -> Fault:
         return PART_LOST if self._may_move.get(axis_id) else PART_SILENT
 

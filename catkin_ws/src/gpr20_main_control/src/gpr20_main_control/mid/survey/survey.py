@@ -10,7 +10,7 @@ import threading
 from dataclasses import asdict, dataclass
 from typing import List, Optional
 
-from gpr20_common.faults import INTERNAL, PART_RED, PART_SILENT
+from gpr20_common.faults import INTERNAL, PART_RED
 from gpr20_common.low.clock import time_of_day_us
 from gpr20_common.low.thread_fault import log_fault
 from gpr20_common.message import Message, in_a_row
@@ -298,7 +298,7 @@ class Survey:
         waiting = Message(
             "Waiting: {reason}. The survey continues by itself when every part answers.",
             reason=lost,
-        ).reporting_only(PART_SILENT.as_warning())
+        ).reporting_only(self.positioner.lost_fault.as_warning())
         if self.status.status.state is SurveyState.CHECKING:
             self.status.update(message=waiting)
         else:
