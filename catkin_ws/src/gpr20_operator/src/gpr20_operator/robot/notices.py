@@ -158,8 +158,8 @@ class CardWatch:
         if state is not None and state.is_fault:
             # Without the warnings around it, which may come and go.
             reason = state.reason
-            key = state.code, state.survey_id, reason.fault_code or reason
-            found.append((key, fault_notice(state)))
+            card, said = fault_notice(state), reason.fault_code or reason
+            found.append(((state.code, state.survey_id, said, card.first), card))
         gone = lost(snapshot)
         if gone is not None and (snapshot.running or snapshot.interrupted or snapshot.moving):
             found.insert(0, (gone.message.fault_code, _notice_of(gone)))
