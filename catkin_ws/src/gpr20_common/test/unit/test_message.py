@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from gpr20_common import faults
-from gpr20_common.catalogue import Language, read_catalogue
+from gpr20_common.catalogue import Catalogue, Language, read_catalogue
 from gpr20_common.errors import Gpr20Error, InvalidValueError, NodeGoneError
 from gpr20_common.message import (
     CODE_FORMAT,
@@ -414,6 +414,12 @@ TEMPLATES = ["{x:>99999999999}", "{x.__class__}", "{x[0]}", "{x!r:>9999999}", "{
 )
 def test_a_message_that_cannot_be_shown_safely_leaves_the_text(received):
     assert received_message("as sent", received) == verbatim("as sent")
+
+
+def test_what_people_are_shown_neither_hides_nor_controls():
+    text = "a\u202eb\x1b[2J\0\n"
+    shown = Catalogue().text(Message("{inner}", inner=in_a_row([verbatim(text)])))
+    assert shown == "a\\u202eb\\x1b[2J\\x00\\n" and str(verbatim(text)) == text
 
 
 def test_text_that_looks_like_a_template_stays_as_it_is():

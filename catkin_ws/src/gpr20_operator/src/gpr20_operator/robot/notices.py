@@ -8,6 +8,7 @@ from typing import List, Optional, Set, Tuple
 
 from gpr20_common.faults import LOOK
 from gpr20_common.message import Message
+from gpr20_common.terminal_text import printable
 from gpr20_doctor.mid.node_health import HealthLevel, NodeHealth, level_title, node_title
 from gpr20_operator.robot.condition import Condition, condition_of, first_step, lost, urgent
 from gpr20_operator.robot.events import Answer, ControlState
@@ -185,5 +186,5 @@ def node_text(node: NodeHealth) -> Message:
 
 def _details(message: Message) -> Tuple[str, ...]:
     """Return the code of the fault, which a person on the telephone can say, and the details."""
-    code = message.fault_code
-    return (code, *message.all_details) if code else message.all_details
+    found = (message.fault_code, *message.all_details)
+    return tuple(printable(one) for one in found if one)
