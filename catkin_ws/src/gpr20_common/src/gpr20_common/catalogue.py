@@ -95,13 +95,14 @@ def language_from_code(code: object) -> Language:
 
 def language_from_environment(environment: Mapping[str, str]) -> Language:
     """Return the language that a terminal asks for; English if it has no catalogue."""
-    # In the order of gettext.
-    for name in ("LANGUAGE", "LC_ALL", "LC_MESSAGES", "LANG"):
-        if environment.get(name):
-            code = environment[name].split(":")[0].split(".")[0]
-            known = {one.value: one for one in languages()}
-            return known.get(code) or known.get(code.split("_")[0]) or Language.ENGLISH
-    return Language.ENGLISH
+    # As gettext: LANGUAGE lists several, and does not count where the locale is C.
+    names = ("LC_ALL", "LC_MESSAGES", "LANG")
+    locale = next((environment[name] for name in names if environment.get(name)), "")
+    listed = "" if locale in ("C", "POSIX") else environment.get("LANGUAGE", "")
+    known = {one.value: one for one in languages()}
+    codes = [one.split(".")[0] for one in (listed or locale).split(":")]
+    found = (known.get(one) or known.get(one.split("_")[0]) for one in codes)
+    return next((one for one in found if one is not None), Language.ENGLISH)
 
 
 def read_catalogue(language: Language) -> Catalogue:

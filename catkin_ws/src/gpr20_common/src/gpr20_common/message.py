@@ -9,6 +9,8 @@ from dataclasses import dataclass, field, replace
 from math import isfinite
 from typing import Any, Callable, Dict, Iterable, Iterator, Mapping, Optional, Tuple, Union
 
+from gpr20_common.terminal_text import printable
+
 # Between sentences in a row, such as two reasons for one refusal.
 BETWEEN_SENTENCES = "; "
 
@@ -102,7 +104,10 @@ class Message:
                 return BETWEEN_SENTENCES.join(map(shown, value))
             if isinstance(value, Message):
                 return value.sentence(translate)
-            return _Number(value, point) if isinstance(value, (int, float)) else value
+            if isinstance(value, (int, float)):
+                return _Number(value, point)
+            # Nobody is shown what hides, fakes or controls; logs have the text as it is.
+            return value if translate is str else printable(value)
 
         values = {name: shown(value) for name, value in self.values.items()}
         return translate(self.template).format(**values)

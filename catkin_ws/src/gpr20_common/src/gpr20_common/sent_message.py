@@ -8,6 +8,7 @@ from __future__ import annotations
 import contextlib
 import json
 import re
+from collections import Counter
 from typing import Any, Dict, Optional
 
 from gpr20_common.errors import UNREADABLE
@@ -18,11 +19,13 @@ FIELD = re.compile(r"\{([^\W\d]\w*)(?::[<>+]?0?\d?\d?(?:\.\d\d?)?[defgs%]?)?\}")
 
 # More than any message of the robot has, as JSON and as text: a window shows a longer one slowly.
 MAX_CHARACTERS = 16_384
+# With what a later version adds.
+MAX_SENT_CHARACTERS = 2 * MAX_CHARACTERS
 # The fault of a longer one is read, but not its sentence.
 MAX_READ_CHARACTERS = 1_000_000
 # Far deeper ones are read, but exceed the recursion limit where they are shown.
 MAX_DEPTH = 32
-# Of a fault whose code cannot be read.
+# Of a fault whose code cannot be read, or is not there.
 UNKNOWN_CODE = "robot.unknown"
 
 
@@ -62,30 +65,34 @@ def _parsed(value: Any) -> Any:
 
 
 def _message(record: Any, depth: int) -> Message:
+    values, sentence = _parsed(record["values"]), record["sentence"]
+    # Before the work: a few characters ask for many.
+    if len(sentence) + len(json.dumps(values, ensure_ascii=False)) > MAX_SENT_CHARACTERS:
+        raise ValueError("it is too long to be read")
     if depth > MAX_DEPTH:
         raise ValueError(f"messages are nested more than {MAX_DEPTH} levels deep")
-    plain = record["sentence"].replace("{{", "").replace("}}", "")
-    names = FIELD.findall(plain)
+    plain = sentence.replace("{{", "").replace("}}", "")
+    names = Counter(FIELD.findall(plain))
     if not plain or set("{}") & set(FIELD.sub("", plain)):
         raise ValueError("it has no sentence, or a field without a plain name or format")
-    values = {}
-    for name, value in _parsed(record["values"]).items():
+    for name, value in values.items():
         # Each level of messages inside messages would double the text.
-        if isinstance(value, (dict, list)) and names.count(name) > 1:
+        if isinstance(value, (dict, list)) and names[name] > 1:
             raise ValueError(f"the field {name!r} repeats a message")
         if isinstance(value, dict):
             value = _message(value, depth + 1)
         elif isinstance(value, list):
             value = tuple(_message(one, depth + 1) for one in value)
         values[name] = value
-    message = Message(record["sentence"], details=record.get("details", ""), **values)
+    message = Message(sentence, details=record.get("details", ""), **values)
     return message.with_fault(_fault(record, depth))
 
 
 def _fault(record: Dict[str, Any], depth: int) -> Optional[Fault]:
     """Read the fault of a message; what a later version may have changed is taken as grave."""
     code = str(record.get("code", ""))
-    if not code:
+    moves = record.get("may_move", bool(code)) is not False
+    if not (code or moves or record.get("remedy")):
         return None
     named = {one.value: one for one in Severity}
     said = {name: record.get(f"remedy_{name}") for name in ("sentence", "values")}
@@ -94,6 +101,6 @@ def _fault(record: Dict[str, Any], depth: int) -> Optional[Fault]:
         code=code if CODE_FORMAT.fullmatch(code) else UNKNOWN_CODE,
         remedy=remedy if str(remedy) else None,
         severity=named.get(str(record.get("severity")), Severity.FAULT),
-        may_move=record.get("may_move", True) is not False,
+        may_move=moves,
         can_continue=record.get("can_continue", True) is True,
     )

@@ -57,6 +57,9 @@ def test_a_language_is_found_by_its_code_or_refused(code):
         ({"LANG": "es_PE.UTF-8"}, Language.SPANISH),
         ({"LANG": "es_PE.UTF-8", "LC_ALL": "C"}, Language.ENGLISH),
         ({"LANGUAGE": "es:en", "LANG": "en_US"}, Language.SPANISH),
+        ({"LANGUAGE": "fr:es:en", "LANG": "en_US"}, Language.SPANISH),
+        ({"LANGUAGE": "en:es", "LANG": "es_PE"}, Language.ENGLISH),
+        ({"LANGUAGE": "es", "LANG": "C"}, Language.ENGLISH),
         ({"LANG": "fr"}, Language.ENGLISH),
     ],
 )

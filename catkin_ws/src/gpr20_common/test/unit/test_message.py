@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from gpr20_common import faults
-from gpr20_common.catalogue import Language, read_catalogue
+from gpr20_common.catalogue import Catalogue, Language, read_catalogue
 from gpr20_common.errors import Gpr20Error, InvalidValueError, NodeGoneError
 from gpr20_common.message import (
     CODE_FORMAT,
@@ -243,6 +243,30 @@ def test_a_text_that_no_window_could_show_is_cut_and_its_fault_is_kept(text, sen
     assert message.fault_code == "axis.moving" and message.may_move
 
 
+def test_a_fault_without_a_code_keeps_its_remedy_and_that_something_may_move():
+    for told in ({"may_move": True}, {"may_move": 1}, {"remedy": "Straighten."}):
+        fault = received_message("", sent_with({"may_move": False, **told})).cause
+        assert (fault.code, fault.may_move) == (UNKNOWN_CODE, "remedy" not in told)
+        assert fault.remedy == (verbatim(told["remedy"]) if "remedy" in told else MOTORS_OFF)
+    for told in ({}, {"may_move": False}, {"severity": "fault"}):
+        assert received_message("", sent_with(told)).cause is None
+
+
+@each_case(
+    "sentence, values",
+    [
+        ("{q}" * 100_000, {**{str(one): sent_with({}) for one in range(20_000)}, "q": 1}),
+        ("{x:99.99f}" * 90_000, {"x": 1.0}),
+        ("{x}", {"x": 1, **dict.fromkeys(map(str, range(9000)), 1)}),
+    ],
+)
+def test_a_sentence_that_asks_for_much_work_is_not_begun(monkeypatch, sentence, values):
+    monkeypatch.setattr(Message, "sentence", lambda _self: pytest.fail("begun"))
+    monkeypatch.setattr("gpr20_common.sent_message.verbatim", lambda text: MOTORS_OFF)
+    received = received_message("as sent", {"sentence": sentence, "values": values})
+    assert received == MOTORS_OFF
+
+
 KEYS = st.sampled_from(
     ["sentence", "values", "details", "code", "remedy", "remedy_sentence", "severity"]
 )
@@ -376,6 +400,12 @@ TEMPLATES = ["{x:>99999999999}", "{x.__class__}", "{x[0]}", "{x!r:>9999999}", "{
 )
 def test_a_message_that_cannot_be_shown_safely_leaves_the_text(received):
     assert received_message("as sent", received) == verbatim("as sent")
+
+
+def test_what_people_are_shown_neither_hides_nor_controls():
+    text = "a\u202eb\x1b[2J\0\n"
+    shown = Catalogue().text(Message("{inner}", inner=in_a_row([verbatim(text)])))
+    assert shown == "a\\u202eb\\x1b[2J\\x00\\n" and str(verbatim(text)) == text
 
 
 def test_text_that_looks_like_a_template_stays_as_it_is():

@@ -43,7 +43,7 @@ def number_from_text(text: str) -> float:
     Raises:
         InvalidValueError: The text is not a number, or one beyond all numbers of a computer.
     """
-    value = float(decimal_from_text(text))
+    value = float(decimal_from_text(text)) + 0.0  # no negative zero
     if not math.isfinite(value):
         raise InvalidValueError(Message("'{text}' is not a number", text=text[:SHOWN_CHARACTERS]))
     return value

@@ -150,6 +150,19 @@ def test_each_fault_opens_its_card_once():
     walk(((silent, True), (silent, False), (heard, False), (silent, True)))
 
 
+def test_a_fault_whose_first_step_or_motion_changes_opens_its_card_again():
+    fault = Fault("mast.warped", verbatim("Straighten."))
+    cards = [
+        paused(verbatim("warped").with_fault(one))
+        for one in (
+            fault,
+            replace(fault, may_move=True),
+            replace(fault, remedy=verbatim("Lower the mast.")),
+        )
+    ]
+    walk(((one, new) for one in cards for new in (True, False)))
+
+
 # What a later version may send: a sentence, a code, a severity and a remedy that are not known.
 LATER = {
     "sentence": "the {thing} is warped",

@@ -174,7 +174,7 @@ WRONG = (
     ("permittivity", "wet", "from 1 to 81"),
     ("polarizations_deg", "0, 91", "from -90 to 90"),
     ("polarizations_deg", "0, 0", "different"),
-    ("if_bandwidth_hz", "-10", "from 1 to 1e+07"),
+    ("if_bandwidth_hz", "-10", "from 1 to 10000000"),
     ("averages", "65536", "a whole number from 1 to 65535"),
     ("output_power", "a b", "LOW or HIGH for the MS2026C"),
 )

@@ -142,6 +142,12 @@ def test_a_fault_opens_a_card_once_and_its_resume_asks_like_the_one_of_the_bar(w
     assert not notice.isVisible()
     hold_to_start(window)
     assert received == ["resume"]
+    # The same sentence, but now something may move, or another survey needs another step.
+    for fault in (FULL.fault, MOVING.fault, replace(FULL.fault, remedy=verbatim("Lower it."))):
+        card = fault_notice(paused(FULL.with_fault(fault)))
+        show(window, job(SurveyState.PAUSED, state=paused(FULL.with_fault(fault))))
+        assert notice.notice == card
+    show(window, SURVEYING)
     # A card goes with its fault, and no other card does.
     for shown in (SURVEYING, FAULTY, SURVEYING, FAULTY):
         show(window, shown)

@@ -10,6 +10,7 @@ from gpr20_operator.robot.events import (
     Request,
     StopRequested,
 )
+from gpr20_survey.faults import NONE_OPEN
 from gpr20_survey.plan.survey_state import RUNNING, SurveyState
 from gpr20_user_interface.terminal.follower import ExitStatus, Limits, Mode, OnPause, SurveyFollower
 
@@ -245,6 +246,10 @@ def test_attaching_needs_a_survey_that_runs_and_asks_for_nothing(clock):
         assert (robot.status is ExitStatus.REFUSED) is (code not in RUNNING)
         if code not in RUNNING:
             assert code.name in robot.words
+            # Whatever ended the survey before.
+            former = ControlState(code, verbatim("x").with_fault(PART_LOST), "former", False)
+            message = Robot(clock, Mode.ATTACH).say(former).follower.outcome.message
+            assert message.fault_code == NONE_OPEN.code
         elif code is not SurveyState.PAUSED:
             assert robot.follower.survey_id == "ours"
             robot.say(state("FINISHED"))

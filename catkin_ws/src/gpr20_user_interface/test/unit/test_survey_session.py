@@ -15,7 +15,7 @@ from view_kit import ASKED_PAUSE, FULL, LOST, state_of
 
 from gpr20_common.catalogue import Catalogue, Language, read_catalogue
 from gpr20_common.faults import DISK_FULL
-from gpr20_common.message import Message, verbatim
+from gpr20_common.message import Fault, Message, Severity, verbatim
 from gpr20_operator.robot.events import (
     DOCUMENTED_TRAVEL,
     Answer,
@@ -220,6 +220,26 @@ def test_a_state_is_told_once_per_change_and_the_last_trace_though_it_comes_afte
         ("CHECKING", 9),
         ("CHECKING", 18),
     ]
+
+
+def test_a_warning_during_the_survey_has_its_remedy_and_what_may_move_once(clock):
+    warped = Fault("mast.warped", verbatim("Straighten."), Severity.WARNING, may_move=True)
+
+    def warns(number, fault=warped):
+        message = Message("warped by {number} mm", number=number).with_fault(fault)
+        return ControlState(SurveyState.SURVEYING, message, "ours", False)
+
+    note = Fault("survey.later", verbatim("Nothing."), Severity.NOTE)
+    _outcome, recorder = run(clock, *BEGIN, warns(1), warns(2), warns(3, note), state("FINISHED"))
+    steps = [one for one in recorder.shown if "Do this first" in str(one)]
+    hands_off = "Keep your hands clear: the robot may still move. Straighten."
+    assert steps == [f"Do this first: {hands_off} (mast.warped)"]
+
+
+def test_plain_lines_neither_control_the_terminal_nor_add_lines():
+    stream = io.StringIO()
+    PlainDisplay(stream, Catalogue()).note(verbatim("a\x1b[2J\nSurvey finished."))
+    assert stream.getvalue() == "a\\x1b[2J\\nSurvey finished.\n"
 
 
 def lines_of(status, message, simulated=False, stored=False):

@@ -100,7 +100,7 @@ class FieldSpec:
             return self.allowed(travel)
         lower, upper = (0.0, 0.0) if self.limits is None else self.limits(travel)
         if self.kind.keys is not Keys.WHOLE:
-            return Message("from {lower:g} to {upper:g}", lower=lower, upper=upper)
+            return Message("from {lower:.12g} to {upper:.12g}", lower=lower, upper=upper)
         if upper == MAX_GRID_POINTS:
             return Message("a whole number, {lower:g} or more", lower=lower)
         return Message("a whole number from {lower:g} to {upper:g}", lower=lower, upper=upper)

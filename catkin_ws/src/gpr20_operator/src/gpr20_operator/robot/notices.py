@@ -8,6 +8,7 @@ from typing import List, Optional, Set, Tuple
 
 from gpr20_common.faults import LOOK
 from gpr20_common.message import Message
+from gpr20_common.terminal_text import printable
 from gpr20_doctor.mid.node_health import HealthLevel, NodeHealth, level_title, node_title
 from gpr20_operator.robot.condition import Condition, condition_of, first_step, lost, urgent
 from gpr20_operator.robot.events import Answer, ControlState
@@ -158,8 +159,8 @@ class CardWatch:
         if state is not None and state.is_fault:
             # Without the warnings around it, which may come and go.
             reason = state.reason
-            key = state.code, state.survey_id, reason.fault_code or reason
-            found.append((key, fault_notice(state)))
+            card, said = fault_notice(state), reason.fault_code or reason
+            found.append(((state.code, state.survey_id, said, card.first), card))
         gone = lost(snapshot)
         if gone is not None and (snapshot.running or snapshot.interrupted or snapshot.moving):
             found.insert(0, (gone.message.fault_code, _notice_of(gone)))
@@ -185,5 +186,5 @@ def node_text(node: NodeHealth) -> Message:
 
 def _details(message: Message) -> Tuple[str, ...]:
     """Return the code of the fault, which a person on the telephone can say, and the details."""
-    code = message.fault_code
-    return (code, *message.all_details) if code else message.all_details
+    found = (message.fault_code, *message.all_details)
+    return tuple(printable(one) for one in found if one)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import io
 import os
 import queue
 import sys
@@ -51,6 +52,8 @@ ROBOT_LIMIT_S = 2.0
 
 def main() -> int:
     """Run a survey as the command line asks; return the exit status."""
+    if isinstance(sys.stdout, io.TextIOWrapper):
+        sys.stdout.reconfigure(errors="backslashreplace")  # as stderr: not every terminal has all
     arguments = rospy.myargv()[1:]
     catalogue = read_catalogue(terminal_language(arguments, os.environ))
     options = parse_arguments(arguments, catalogue)

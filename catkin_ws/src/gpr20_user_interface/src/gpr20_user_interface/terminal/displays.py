@@ -36,10 +36,10 @@ def progress_line(progress: Progress) -> Message:
 
 
 def terminal_line(message: Message, catalogue: Catalogue) -> str:
-    """Return a message as a terminal shows it: the sentence and, in brackets, its details."""
+    """Return a message as a line of a terminal: the sentence and, in brackets, its details."""
     sentence = catalogue.text(message)
     details = BETWEEN_SENTENCES.join(message.all_details)
-    return f"{sentence} ({details})" if details else sentence
+    return printable(f"{sentence} ({details})" if details else sentence)
 
 
 class PlainDisplay:
@@ -81,7 +81,7 @@ class BarDisplay(PlainDisplay):
 
     def note(self, message: Message) -> None:
         """Write a sentence above the bar."""
-        tqdm.write(printable(terminal_line(message, self._catalogue)), file=self._stream)
+        tqdm.write(terminal_line(message, self._catalogue), file=self._stream)
         self._stream.flush()
 
     def show(self, progress: Progress, state: Optional[ControlState]) -> None:

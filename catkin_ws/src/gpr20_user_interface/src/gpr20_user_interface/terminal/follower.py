@@ -228,7 +228,7 @@ class SurveyFollower:
                     "No survey is running. The main control is {state}: {message}",
                     state=state.code.label,
                     message=state.message,
-                ).with_fault(NONE_OPEN),
+                ).reporting_only(NONE_OPEN),
             )
             return []
         self._begin(state.survey_id, state)

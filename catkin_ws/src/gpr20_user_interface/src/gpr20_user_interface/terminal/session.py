@@ -116,6 +116,7 @@ class SurveySession:
         self._display = display
         self.simulated = False
         self._state: Optional[ControlState] = None
+        self._step: Optional[Message] = None
         self._progress: Optional[Progress] = None
         self.stored = False
 
@@ -162,8 +163,12 @@ class SurveySession:
             return
         self._state = state
         self._display.note(Message("{state}: {message}", state=state.title, message=state.message))
-        if state.is_fault:
-            self._display.note(first_step(state.message))
+        message = state.message
+        # The same warning with another number needs no other step.
+        step = first_step(message) if state.is_fault or _asks(message) else None
+        if step is not None and step != self._step:
+            self._display.note(step)
+        self._step = step
         if self._progress is not None:
             self._display.show(self._progress, state)
 
@@ -193,6 +198,11 @@ def _accepted(plan: Accepted) -> Message:
         traces=plan.total_points,
         time=duration(plan.estimated_s),
     )
+
+
+def _asks(message: Message) -> bool:
+    warns = message.severity not in (None, Severity.NOTE)
+    return message.may_move or (warns and message.remedy is not None)
 
 
 def first_step(message: Message) -> Message:

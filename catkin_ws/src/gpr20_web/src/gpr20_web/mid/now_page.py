@@ -76,7 +76,11 @@ class NowPage(WebPage):
         """Take what is known of the robot now."""
         self._snapshot = snapshot
         state = snapshot.state
-        if snapshot.replay is None and state is not None and state.is_fault:
+        if snapshot.replay is not None or state is None:
+            return
+        if snapshot.running and self._fault is not None and state.survey_id != self._fault[0]:
+            self._fault = None
+        if state.is_fault:
             self._fault = state.survey_id, fault_notice(state)
 
     def live(self, text: Text) -> Mapping[str, Any]:
@@ -133,9 +137,7 @@ class NowPage(WebPage):
         """Return the card of the last fault, until another survey runs without one."""
         if self._fault is None or snapshot.replay is not None:
             return None
-        survey, notice = self._fault
-        if snapshot.running and snapshot.running_survey != survey:
-            return None
+        _survey, notice = self._fault
         state = snapshot.state
         over = state is None or not state.is_fault
         return {**notice_values(notice, text), "over": over}

@@ -159,7 +159,8 @@ class Alerts(Page):
     def _open(self, card: Notice) -> None:
         """Open the card of a fault, unless a dialog asks about it or says it already."""
         shown = self.notice.notice if self.notice.isVisible() else None
-        if not self.question.isVisible() and (shown is None or shown.text != card.text):
+        told = shown is not None and (shown.text, shown.first) == (card.text, card.first)
+        if not self.question.isVisible() and not told:
             self._opened = card
             self.notice.show_notice(card)
 
