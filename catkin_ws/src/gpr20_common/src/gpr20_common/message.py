@@ -107,7 +107,7 @@ class Message:
             if isinstance(value, (int, float)):
                 return _Number(value, point)
             # Nobody is shown what hides, fakes or controls; logs have the text as it is.
-            return value if translate is str else printable(value)
+            return value if translate is str else "\n".join(map(printable, value.split("\n")))
 
         values = {name: shown(value) for name, value in self.values.items()}
         return translate(self.template).format(**values)
