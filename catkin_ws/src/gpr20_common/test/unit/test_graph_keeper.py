@@ -105,7 +105,8 @@ def test_a_master_that_comes_back_empty_is_filled_and_only_then(graph, monkeypat
     filled = [("/asked",), ("/said",), ("/run_id", "1"), ("/gpr20_started/launch/me", True)]
     for change in ({"process": 8}, {"known": -1}, {"known": 1, "process": 9}):
         graph.__dict__.update(change, told=[])
-        keeper.check()
+        while not graph.told:  # a busy computer may answer late
+            keeper.check()
         assert graph.told == [*filled, ("/heard",), announced(graph)], change
     graph.connect()
     keeper.check()

@@ -160,7 +160,7 @@ def test_a_fault_whose_first_step_or_motion_changes_opens_its_card_again():
             replace(fault, remedy=verbatim("Lower the mast.")),
         )
     ]
-    walk(((one, new) for one in cards for new in (True, False)))
+    walk((one, new) for one in cards for new in (True, False))
 
 
 # What a later version may send: a sentence, a code, a severity and a remedy that are not known.
