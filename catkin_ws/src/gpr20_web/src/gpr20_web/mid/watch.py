@@ -103,8 +103,8 @@ def _found(snapshot: Snapshot) -> Dict[Key, Occasion]:
     if state is None:
         return found
     if state.is_fault:
-        said = state.reason.fault_code, fault_notice(state).first
-        found[(state.code, state.survey_id, *said)] = Occasion.FAULT
+        code, first = state.reason.fault_code, fault_notice(state).first
+        found[(state.code, state.survey_id, code, first)] = Occasion.FAULT
     elif state.code is SurveyState.PAUSED:
         found[(state.code, state.survey_id)] = Occasion.PAUSED
     elif state.code is SurveyState.FINISHED:
