@@ -405,7 +405,7 @@ def test_a_message_that_cannot_be_shown_safely_leaves_the_text(received):
 def test_what_people_are_shown_neither_hides_nor_controls():
     text = "a\u202eb\x1b[2J\0\n"
     shown = Catalogue().text(Message("{inner}", inner=in_a_row([verbatim(text)])))
-    assert shown == "a\\u202eb\\x1b[2J\\x00\\n" and str(verbatim(text)) == text
+    assert shown == "a\\u202eb\\x1b[2J\\x00\n" and str(verbatim(text)) == text
 
 
 def test_text_that_looks_like_a_template_stays_as_it_is():

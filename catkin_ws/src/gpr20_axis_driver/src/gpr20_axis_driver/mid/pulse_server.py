@@ -6,6 +6,7 @@ pins low, when its parent closes the connection or dies; a parent that hangs end
 
 from __future__ import annotations
 
+import contextlib
 import ctypes
 import gc
 import os
@@ -47,7 +48,8 @@ def main() -> NoReturn:
         # The parent has closed the connection or is dead; nobody is left to report to.
         sys.exit(0)
     except Gpr20Error as error:
-        connection.send(PulseProcessError(error.message))
+        with contextlib.suppress(*PARENT_GONE):  # its launch may end already
+            connection.send(PulseProcessError(error.message))
         sys.exit(1)
     except Exception as error:
         failure = Message(
