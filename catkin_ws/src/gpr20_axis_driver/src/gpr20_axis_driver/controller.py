@@ -76,9 +76,6 @@ class AxisController(Protocol):
     them and calls `stop`.
     """
 
-    def __init__(self, parameters: AxisParameters) -> None:
-        """Open the link; further arguments are the options."""
-
     @property
     def name(self) -> str:
         """What diagnostics and recordings call it, such as "GRBL 1.1h"."""
@@ -112,22 +109,29 @@ class AxisController(Protocol):
         """End any motion and release the link; never raises."""
 
 
+def check_controller(parameters: AxisParameters) -> Callable[[], AxisController]:
+    """Return what makes the controller that the parameters name; it is not made yet.
+
+    Raises:
+        InvalidValueError: It cannot be imported, is no controller, or has other options.
+    """
+    name, options = parameters.controller, parameters.controller_options
+    kind = load_extension("controller", name, AxisController, 1, options)
+    return lambda: kind(parameters, **options)
+
+
 def open_axis(
     parameters: AxisParameters, watch: Callable[[ControllerMotions], object] = lambda _motions: None
 ) -> AxisDriver:
     """Return the driver of an axis that a controller moves, and open its link.
 
-    Args:
-        parameters: The axis; they name the controller.
-        watch: Called before that; ends the process once a call is `overdue`.
+    `watch` is called before that; it ends the process once a call is `overdue`.
 
     Raises:
-        InvalidValueError: It cannot be imported, is no controller, or has other options.
+        InvalidValueError: See `check_controller`.
         AxisException: The controller cannot be reached.
     """
-    name, options = parameters.controller, parameters.controller_options
-    kind = load_extension("controller", name, AxisController, 1, options)
-    motions = ControllerMotions(parameters, lambda: kind(parameters, **options))
+    motions = ControllerMotions(parameters, check_controller(parameters))
     watch(motions)
     motions.open()
     return AxisDriver(parameters, motions, motions.home)
@@ -300,7 +304,6 @@ class ControllerMotions:
         """Wait until the axis is at rest; return why it was stopped, or that it was not.
 
         Args:
-            stop_requested: Whether to stop it.
             expected_s: How long the motion should take [s].
             guarded: Whether a pressed endstop ends it, too.
         """

@@ -216,21 +216,20 @@ def test_while_a_node_has_the_axis_nobody_else_moves_it_or_sets_its_zero(monkeyp
     assert node.axis.driver.position.zero.number == zero.number + 1
 
 
-def test_coordinate_and_owner_are_published_faster_while_moving_and_soon_after(homed, monkeypatch):
+def test_coordinate_and_owner_are_published_all_the_time(homed, monkeypatch):
+    monkeypatch.setattr(axis_node, "MOVING_PERIOD_S", 0.0)
     homed.coordinates.clear()
-    homed.in_motion(homed.tick)
     homed.move(FAR_MM)
-    # That of the tick in the move, and that of its end; the owner is who moves it.
+    # At each step, and at the end; the owner is who moves it.
     shown = [(one.moving, one.owner) for one in homed.coordinates]
-    assert shown == [(True, CONTROL), (False, "")]
-    for _tick in range(axis_node.RESTING_TICKS):
-        homed.tick()
-    assert len(homed.coordinates) == 3
-    monkeypatch.setattr(axis_node, "SOON_S", -1.0)
-    for _tick in range(2 * axis_node.RESTING_TICKS):
-        homed.tick()
-    assert homed.graph.periods_s == [axis_node.MOVING_PERIOD_S, axis_node.RESTING_PERIOD_S]
-    assert len(homed.coordinates) > 3 + axis_node.RESTING_TICKS
+    assert shown == [(True, CONTROL)] * 2000 + [(False, "")]
+    homed.tick()
+    assert len(homed.coordinates) == 2002
+    homed.in_motion(homed.tick)
+    monkeypatch.setattr(axis_node, "MOVING_PERIOD_S", 60.0)
+    homed.move(0.0)
+    # That of the end, and no other one.
+    assert len(homed.coordinates) == 2003
 
 
 def test_the_endstop_is_shown_with_every_touch_of_it(homed):
