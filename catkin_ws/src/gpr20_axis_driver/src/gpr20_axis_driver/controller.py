@@ -301,11 +301,9 @@ class ControllerMotions:
     def _wait_for_rest(
         self, stop_requested: StopRequested, expected_s: float, guarded: bool
     ) -> Ending:
-        """Wait until the axis is at rest; return why it was stopped, or that it was not.
+        """Wait until the axis is at rest, as it should be after a time [s].
 
-        Args:
-            expected_s: How long the motion should take [s].
-            guarded: Whether a pressed endstop ends it, too.
+        Return why it was stopped, or that it was not; guarded, a pressed endstop stops it, too.
         """
         ending = Ending.COMPLETE
         deadline_s = time.monotonic() + SLOWEST_FACTOR * expected_s + MARGIN_S
