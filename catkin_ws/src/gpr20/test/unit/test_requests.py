@@ -32,7 +32,7 @@ from gpr20_common.high.answers import message_from
 from gpr20_common.mid.node_facts import Hardware
 from gpr20_height_sensor.high.height_node import HeightNode
 from gpr20_height_sensor.high.height_node import build_robot_node as build_height_sensor
-from gpr20_height_sensor.mid.height_parameters import HeightParameters
+from gpr20_height_sensor.mid.height_driver import HeightParameters
 from gpr20_imaging.high.imaging_node import ImagingNode
 from gpr20_imaging.low.usb_volumes import UsbVolumes
 from gpr20_imaging.mid.imaging_parameters import ImagingParameters

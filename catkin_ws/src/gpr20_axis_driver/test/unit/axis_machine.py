@@ -18,7 +18,7 @@ from gpr20_common.low.clock import Clock
 from gpr20_common.low.yaml_file import read_yaml
 from gpr20_common.mid.codec import record_from
 from gpr20_simulator.low.shared_state import open_shared_state
-from gpr20_simulator.mid.axis_hardware import SimulatedHardware
+from gpr20_simulator.mid.carriage import SimulatedHardware
 from gpr20_simulator.mid.world.scene import X_AXIS, Z_AXIS
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.axes.axis_parameters import AxisParameters
