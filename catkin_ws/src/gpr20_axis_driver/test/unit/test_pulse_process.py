@@ -47,7 +47,7 @@ def make(tmp_path):
 
 WITHOUT_RIGHTS = """
 import os, resource
-from gpr20_axis_driver.mid.pulse_server import realtime_scheduling
+from gpr20_axis_driver.mid.pulse_loop import realtime_scheduling
 resource.setrlimit(resource.RLIMIT_RTPRIO, (0, 0))
 resource.setrlimit(resource.RLIMIT_MEMLOCK, (65536, 65536))
 if os.getuid() == 0: os.setuid(65534)
