@@ -25,7 +25,7 @@ from storage_kit import NO_BAGS, end_status
 
 from gpr20_common.low.clock import Clock
 from gpr20_common.mid.node_facts import NO_HARDWARE, Hardware
-from gpr20_height_sensor.mid.height_parameters import HeightParameters
+from gpr20_height_sensor.mid.height_driver import HeightParameters
 from gpr20_main_control.mid.devices.described_robot import AuxSensors, DescribedRobot, TimeLimits
 from gpr20_main_control.mid.devices.node_liveness import NodeLiveness, WatchedNode
 from gpr20_main_control.mid.devices.robot import Robot

@@ -27,8 +27,7 @@ from gpr20_axis_driver.motion import StopRequested
 from gpr20_common.errors import Gpr20Error
 from gpr20_common.message import Message, verbatim
 from gpr20_height_sensor.low.adc_interface import AdcInterface
-from gpr20_height_sensor.mid.height_driver import HeightDriver
-from gpr20_height_sensor.mid.height_parameters import HeightParameters
+from gpr20_height_sensor.mid.height_driver import HeightDriver, HeightParameters
 from gpr20_main_control.errors import DeviceError, NodeLostError, UnconfirmedError
 from gpr20_main_control.mid.devices.robot import (
     AnalyzerCalibration,

@@ -11,7 +11,6 @@ pytest.importorskip("rospy")
 
 import rospy
 
-from gpr20_common.high import description
 from gpr20_common.high.diagnostics import Diagnostics
 from gpr20_common.high.periodic import Periodic
 
@@ -23,13 +22,13 @@ class Graph:
         services: The classes and handlers, by name.
         published: The messages of each topic.
         hooks: What is called when the nodes shut down.
-        ticks: What the nodes do periodically; `periods_s` are the periods that they set later [s].
+        ticks: What the nodes do periodically.
         health: What the node that was made last says in its diagnostics.
     """
 
     def __init__(self, monkeypatch):
         self.services, self.published = {}, defaultdict(list)
-        self.hooks, self.ticks, self.periods_s, self.health = [], [], [], None
+        self.hooks, self.ticks, self.health = [], [], None
         graph = self
 
         class Publisher:
@@ -52,8 +51,6 @@ class Graph:
             (rospy.Time, "now", rospy.Time),
             (Diagnostics, "__init__", lambda _own, _name, health: setattr(self, "health", health)),
             (Periodic, "__init__", lambda _own, _period_s, tick: self.ticks.append(tick)),
-            (Periodic, "set_period", lambda _own, period_s: self.periods_s.append(period_s)),
-            (description, "show_parameters", lambda _values: None),
         ):
             monkeypatch.setattr(module, name, stand_in)
 

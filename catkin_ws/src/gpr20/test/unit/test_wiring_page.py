@@ -7,7 +7,7 @@ from pathlib import Path
 
 import yaml
 
-from gpr20_height_sensor.mid.height_parameters import HeightParameters
+from gpr20_height_sensor.mid.height_driver import HeightParameters
 
 ROOT = Path(__file__).resolve().parents[5]
 PAGE = (ROOT / "docs/wiring.md").read_text(encoding="utf-8")

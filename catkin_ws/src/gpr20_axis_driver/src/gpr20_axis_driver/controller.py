@@ -10,7 +10,7 @@ import contextlib
 import threading
 import time
 from dataclasses import dataclass
-from typing import Callable, Iterator, Optional, Protocol, Type, cast
+from typing import Callable, Iterator, Optional, Protocol
 
 from gpr20_axis_driver.faults import ControllerError, EndstopError, MotionStopped, NotHomedError
 from gpr20_axis_driver.mid.axis_driver import AxisDriver
@@ -21,16 +21,22 @@ from gpr20_common.mid.extension import load_extension
 from gpr20_common.mid.node_facts import Hardware
 from gpr20_survey.axes.axis_id import UNKNOWN_ZERO, ZeroEpoch
 from gpr20_survey.axes.axis_parameters import HOMING_BACKOFFS, AxisParameters
-from gpr20_survey.axes.ramp import Ramp
 from gpr20_survey.faults import AXIS_MAY_MOVE, NOT_HOMED
 
 # The longest that any method of a controller may take [s].
 CALL_LIMIT_S = 3.0
 MOVING_PERIOD_S = 0.02
 RESTING_PERIOD_S = 0.1
-# A motion may take this many times its computed duration, and this much longer [s].
+# A motion may take this many times its computed duration, and this much longer, as may a stop [s].
 SLOWEST_FACTOR = 2.0
-MARGIN_S = 5.0
+MARGIN_S = 10.0
+FAILED = Message("the controller of this axis failed; see the log and home the axis").with_fault(
+    AXIS_MAY_MOVE
+)
+LATE = Message(
+    "the controller of this axis did not end a motion in time; check the motor and the endstop, "
+    "and home the axis"
+).with_fault(AXIS_MAY_MOVE)
 SILENT = Message(
     "the controller of this axis did not answer for {limit_s:g} s; check its power and cable, and "
     "home the axis",
@@ -70,9 +76,6 @@ class AxisController(Protocol):
     them and calls `stop`.
     """
 
-    def __init__(self, parameters: AxisParameters) -> None:
-        """Open the link; further arguments are the options."""
-
     @property
     def name(self) -> str:
         """What diagnostics and recordings call it, such as "GRBL 1.1h"."""
@@ -106,36 +109,30 @@ class AxisController(Protocol):
         """End any motion and release the link; never raises."""
 
 
-def check_controller(parameters: AxisParameters) -> Type[AxisController]:
-    """Return the class of the controller that the parameters name; it is not made yet.
+def check_controller(parameters: AxisParameters) -> Callable[[], AxisController]:
+    """Return what makes the controller that the parameters name; it is not made yet.
 
     Raises:
         InvalidValueError: It cannot be imported, is no controller, or has other options.
     """
     name, options = parameters.controller, parameters.controller_options
-    found = load_extension("controller", name, AxisController, 1, options)
-    return cast(Type[AxisController], found)
+    kind = load_extension("controller", name, AxisController, 1, options)
+    return lambda: kind(parameters, **options)
 
 
 def open_axis(
-    parameters: AxisParameters, watch: Optional[Callable[[ControllerMotions], object]] = None
+    parameters: AxisParameters, watch: Callable[[ControllerMotions], object] = lambda _motions: None
 ) -> AxisDriver:
     """Return the driver of an axis that a controller moves, and open its link.
 
-    Args:
-        parameters: The axis; they name the controller.
-        watch: Called before that; ends the process once a call is `overdue`.
+    `watch` is called before that; it ends the process once a call is `overdue`.
 
     Raises:
         InvalidValueError: See `check_controller`.
         AxisException: The controller cannot be reached.
     """
-    kind = check_controller(parameters)
-    motions = ControllerMotions(
-        parameters, lambda: kind(parameters, **parameters.controller_options)
-    )
-    if watch is not None:
-        watch(motions)
+    motions = ControllerMotions(parameters, check_controller(parameters))
+    watch(motions)
     motions.open()
     return AxisDriver(parameters, motions, motions.home)
 
@@ -149,29 +146,19 @@ class ControllerMotions:
 
     zero: ZeroEpoch = UNKNOWN_ZERO
     endstop_presses = 0
+    failure: Optional[Message] = None
 
     def __init__(self, parameters: AxisParameters, make: Callable[[], AxisController]) -> None:
-        """Make nothing yet; `open` does.
-
-        Args:
-            parameters: The parameters of the axis.
-            make: Makes the controller.
-        """
-        self._parameters = parameters
-        self._make = make
+        """Make no controller yet; `open` does."""
+        self._parameters, self._make = parameters, make
         self._changed = threading.Condition()
         self._calls = threading.Lock()
         self._called_s = 0.0
         self._closed = threading.Event()
-        self._failure: Optional[Message] = None
         self._state = ControllerState(0, moving=False, homed=False)
 
     def open(self) -> None:
-        """Make the controller; motions are possible on return.
-
-        Raises:
-            AxisException: It cannot be reached.
-        """
+        """Make the controller; motions are possible on return. Raises as `open_axis`."""
         with self._calling():
             self._make_controller()
         self._reader = threading.Thread(target=self._keep_reading, daemon=True)
@@ -193,15 +180,11 @@ class ControllerMotions:
 
     @property
     def trusted(self) -> bool:
-        return self._state.homed and self._failure is None
-
-    @property
-    def failure(self) -> Optional[Message]:
-        return self._failure
+        return self._state.homed and self.failure is None
 
     @property
     def endstop_pressed(self) -> Optional[bool]:
-        return self._state.endstop_pressed if self._failure is None else None
+        return self._state.endstop_pressed if self.failure is None else None
 
     @property
     def scheduling(self) -> Message:
@@ -214,22 +197,25 @@ class ControllerMotions:
             ControllerError: The controller failed; the axis must be homed again.
             NotHomedError: The axis does not rest where it should.
         """
-        start, ramp = self.steps, motion.ramp
+        start, began_s = self.steps, time.monotonic()
         target = start + (motion.steps if motion.forward else -motion.steps)
-        began_s = time.monotonic()
-        self._call(lambda: self._controller.begin_move(target))
-        brake_s = ramp.duration_s(2 * ramp.braking_steps(ramp.min_pause_s))
-        limit_s = _limit_s(ramp.duration_s(motion.steps))
-        ending = self._wait_for_rest(stop_requested, limit_s, _limit_s(brake_s), motion.guarded)
+        self._ask(lambda: self._controller.begin_move(target))
+        expected_s = motion.ramp.duration_s(motion.steps)
+        ending = self._wait_for_rest(stop_requested, expected_s, motion.guarded)
         if not self._state.homed or (ending is Ending.COMPLETE and self.steps != target):
-            lost = self._elsewhere(target)
-            self._set_failure(lost)
+            lost = Message(
+                "the controller ended a move to {target:.12g} {unit} at {coordinate:.12g} {unit}; "
+                "home the axis",
+                target=self._parameters.coordinate_of(target),
+                coordinate=self._parameters.coordinate_of(self.steps),
+                unit=self._parameters.unit,
+            )
+            self._set_failure(lost.with_fault(NOT_HOMED))
             raise NotHomedError(lost)
         if ending is Ending.STOPPED and self.steps == target:
             ending = Ending.COMPLETE
-        pressed = bool(self._state.endstop_pressed)
-        duration_s = time.monotonic() - began_s
-        return MotionReport(ending, abs(self.steps - start), pressed, duration_s)
+        made, pressed = abs(self.steps - start), bool(self._state.endstop_pressed)
+        return MotionReport(ending, made, pressed, time.monotonic() - began_s)
 
     def home(self, stop_requested: StopRequested) -> None:
         """Let the controller find the zero; the axis then rests within its travel.
@@ -240,12 +226,12 @@ class ControllerMotions:
             ControllerError: The controller failed.
         """
         parameters = self._parameters
-        slow = Ramp(parameters.max_step, parameters.max_step, parameters.delta_step)
         backoff = max(1, parameters.distance_steps(parameters.homing_backoff))
-        steps = int(parameters.travel_steps * TRAVEL_MARGIN) + HOMING_BACKOFFS * backoff
-        self._call(self._controller.begin_homing)
-        limit_s = _limit_s(slow.duration_s(steps))
-        ending = self._wait_for_rest(stop_requested, limit_s, _limit_s(0.0), guarded=False)
+        steps = TRAVEL_MARGIN * parameters.travel_steps + HOMING_BACKOFFS * backoff
+        self._ask(self._controller.begin_homing)
+        # At the lowest speed.
+        expected_s = 2.0 * parameters.max_step * steps
+        ending = self._wait_for_rest(stop_requested, expected_s, guarded=False)
         if ending is not Ending.COMPLETE:
             raise MotionStopped(Message("homing was stopped; the axis is not homed"))
         coordinate = parameters.coordinate_of(self.steps)
@@ -264,7 +250,7 @@ class ControllerMotions:
         """Leave it to the controller, which alone knows where its axis is."""
 
     def revive(self) -> None:
-        if self._failure is not None:
+        if self.failure is not None:
             with self._calling():
                 # A link that has failed may fail again here; there is nothing more to do with it.
                 with contextlib.suppress(Exception):
@@ -286,52 +272,41 @@ class ControllerMotions:
 
     @contextlib.contextmanager
     def _calling(self) -> Iterator[None]:
-        """Call the controller, one thread at a time; whatever it raises is a ControllerError."""
+        """Call the controller, one thread at a time; whatever it raises is a failure."""
         with self._calls:
             self._called_s = time.monotonic()
             try:
                 yield
-            except ControllerError:
-                raise
             except Exception as error:  # a class that is not ours may raise anything
-                raise ControllerError(
-                    Message(
-                        "the controller of this axis failed; see the log and home the axis",
-                        details=f"{type(error).__name__}: {error}",
-                    )
-                ) from error
+                reason = FAILED.with_details(f"{type(error).__name__}: {error}")
+                if isinstance(error, ControllerError):
+                    reason = error.message
+                # Before the next call, which must not move anything any more.
+                self._set_failure(reason)
+                raise ControllerError(reason) from error
             finally:
                 self._called_s = 0.0
 
-    def _call(self, command: Callable[[], None]) -> None:
+    def _ask(self, command: Callable[[], None] = lambda: None) -> None:
         """Give the controller a command, and read its state before anybody looks at it."""
-        try:
-            with self._calling():
-                # It may have waited for a call that failed: nothing must move that late.
-                self._check()
-                command()
-                self._note(self._controller.read())
-        except ControllerError as error:
-            self._set_failure(error.message)
-            raise
+        with self._calling():
+            self._check()
+            command()
+            self._note(self._controller.read())
 
     def _check(self) -> None:
-        if self._failure is not None:
-            raise ControllerError(self._failure)
+        if self.failure is not None:
+            raise ControllerError(self.failure)
 
     def _wait_for_rest(
-        self, stop_requested: StopRequested, motion_s: float, stop_s: float, guarded: bool
+        self, stop_requested: StopRequested, expected_s: float, guarded: bool
     ) -> Ending:
-        """Wait until the axis is at rest; return why it was stopped, or that it was not.
+        """Wait until the axis is at rest, as it should be after a time [s].
 
-        Args:
-            stop_requested: Whether to stop it.
-            motion_s: How long the motion may take [s].
-            stop_s: How long it may take from a stop on [s].
-            guarded: Whether a pressed endstop ends it, too.
+        Return why it was stopped, or that it was not; guarded, a pressed endstop stops it, too.
         """
         ending = Ending.COMPLETE
-        deadline_s = time.monotonic() + motion_s
+        deadline_s = time.monotonic() + SLOWEST_FACTOR * expected_s + MARGIN_S
         state = self._state
         while state.moving:
             if ending is Ending.COMPLETE:
@@ -340,35 +315,24 @@ class ControllerMotions:
                 elif stop_requested():
                     ending = Ending.STOPPED
                 if ending is not Ending.COMPLETE:
-                    self._call(self._controller.stop)
-                    deadline_s = min(deadline_s, time.monotonic() + stop_s)
+                    self._ask(self._controller.stop)
+                    deadline_s = min(deadline_s, time.monotonic() + MARGIN_S)
             if time.monotonic() > deadline_s:
-                self._end_late()
+                with contextlib.suppress(ControllerError):
+                    self._ask(self._controller.stop)
+                self._set_failure(LATE)
             with self._changed:
-                while self._state is state and self._failure is None:
+                while self._state is state and self.failure is None:
                     self._changed.wait()
                 self._check()
                 state = self._state
         return ending
 
-    def _end_late(self) -> None:
-        late = Message(
-            "the controller of this axis did not end a motion in time; check the motor and the "
-            "endstop, and home the axis"
-        ).with_fault(AXIS_MAY_MOVE)
-        with contextlib.suppress(ControllerError):
-            self._call(self._controller.stop)
-        self._set_failure(late)
-        raise ControllerError(late)
-
     def _keep_reading(self) -> None:
         while not self._closed.wait(MOVING_PERIOD_S if self._state.moving else RESTING_PERIOD_S):
-            try:
-                with self._calling():
-                    if self._failure is None:
-                        self._note(self._controller.read())
-            except ControllerError as error:
-                self._set_failure(error.message)
+            if self.failure is None:
+                with contextlib.suppress(ControllerError):  # it is the failure now
+                    self._ask()
 
     def _note(self, state: ControllerState) -> None:
         with self._changed:
@@ -383,18 +347,5 @@ class ControllerMotions:
 
     def _set_failure(self, reason: Optional[Message]) -> None:
         with self._changed:
-            self._failure = reason
+            self.failure = reason
             self._changed.notify_all()
-
-    def _elsewhere(self, target: int) -> Message:
-        return Message(
-            "the controller ended a move to {target:.12g} {unit} at {coordinate:.12g} {unit}; home "
-            "the axis",
-            target=self._parameters.coordinate_of(target),
-            coordinate=self._parameters.coordinate_of(self.steps),
-            unit=self._parameters.unit,
-        ).with_fault(NOT_HOMED)
-
-
-def _limit_s(expected_s: float) -> float:
-    return SLOWEST_FACTOR * expected_s + MARGIN_S

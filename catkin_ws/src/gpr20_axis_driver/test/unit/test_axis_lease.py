@@ -2,109 +2,79 @@
 
 from __future__ import annotations
 
+import random
+
 import pytest
-from hypothesis import settings
-from hypothesis import strategies as st
-from hypothesis.stateful import RuleBasedStateMachine, invariant, precondition, rule
-from run_seed import draws
+from run_seed import SEED, draws
 
 from gpr20_axis_driver.faults import AxisBusyError, LeaseLapsedError
 from gpr20_axis_driver.mid.axis_lease import AxisLease
 from gpr20_survey.faults import CONTROL_SILENT
 
 LIMIT_S = 2.0
+CONTROL, OTHER = "/main_control", "/rostopic_7"
 
 
-NAMES = st.sampled_from(["/main_control", "/rostopic_7", "/play_9"])
+class Time:
+    now_s = 100.0
 
 
-class LeaseMachine(RuleBasedStateMachine):
-    """Random calls against a model: who holds it until when, and who moves."""
+@pytest.fixture
+def lease():
+    return AxisLease(LIMIT_S, lambda: Time.now_s)
 
-    def __init__(self):
-        super().__init__()
-        self.time_s = 100.0
-        self.lease = AxisLease(LIMIT_S, lambda: self.time_s)
-        self.holder, self.number, self.until_s = "", 0, 0.0
-        self.uses = []  # names, exits and numbers of the motions under way
-        self.numbers = [0]
 
-    @property
-    def owner(self):
-        if self.uses:
-            return self.uses[0][0]
-        return self.holder if self.time_s <= self.until_s else ""
-
-    @rule(passing_s=st.sampled_from([0.0, 0.5, 1.5, 2.5]))
-    def time_passes(self, passing_s):
-        self.time_s += passing_s
-
-    @rule(name=NAMES)
-    def somebody_reserves(self, name):
-        if self.owner in ("", name):
-            self.number = self.lease.reserve(name)
-            assert self.number > max(self.numbers)
-            self.numbers.append(self.number)
-            self.holder, self.until_s = name, self.time_s + LIMIT_S
-        else:
-            with pytest.raises(AxisBusyError, match=self.owner):
-                self.lease.reserve(name)
-
-    @rule(name=NAMES, data=st.data())
-    def somebody_renews(self, name, data):
-        number = data.draw(st.sampled_from(self.numbers))
-        if (name, number) == (self.holder, self.number) and self.time_s <= self.until_s:
-            self.lease.renew(name, number)
-            self.until_s = self.time_s + LIMIT_S
+def test_whoever_asks_when_there_is_one_holder_until_it_releases_or_does_not_renew(lease):
+    chance, holder, until_s, numbers = random.Random(SEED), "", 0.0, [0]
+    for _ in range(draws(1000)):
+        Time.now_s += chance.choice([0.0, 0.0, 0.5, 2.5])
+        name, number = chance.choice([CONTROL, OTHER, "/play_9"]), chance.choice(numbers[-3:])
+        live = holder if Time.now_s <= until_s else ""
+        assert lease.owner == live
+        held = (name, number) == (live, numbers[-1])
+        act = chance.choice([lease.reserve, lease.renew, lease.release])
+        if act == lease.reserve and live in ("", name):
+            numbers.append(lease.reserve(name))
+            assert numbers[-1] > numbers[-2]
+            holder, until_s = name, Time.now_s + LIMIT_S
+        elif act == lease.reserve:
+            with pytest.raises(AxisBusyError, match=live):
+                lease.reserve(name)
+        elif act == lease.release:
+            lease.release(name, number)
+            holder = "" if held else holder
+        elif held:
+            lease.renew(name, number)
+            until_s = Time.now_s + LIMIT_S
         else:
             with pytest.raises(LeaseLapsedError):
-                self.lease.renew(name, number)
-
-    @rule(name=NAMES, data=st.data())
-    def somebody_releases(self, name, data):
-        number = data.draw(st.sampled_from(self.numbers))
-        self.lease.release(name, number)
-        if (name, number) == (self.holder, self.number) and self.time_s <= self.until_s:
-            self.holder = ""
-
-    @rule(name=NAMES)
-    def somebody_moves(self, name):
-        use = self.lease.use(name)
-        if self.owner not in ("", name):
-            with pytest.raises(AxisBusyError, match=self.owner), use:
-                raise AssertionError("refused")
-            return
-        held = self.holder == name and self.time_s <= self.until_s
-        if self.holder == name and not held:
-            with pytest.raises(LeaseLapsedError), use:
-                raise AssertionError("nobody would watch this motion")
-            return
-        self.uses.append((name, use, use.__enter__(), self.number if held else 0))
-
-    @precondition(lambda self: self.uses)
-    @rule()
-    def a_motion_ends(self):
-        _name, use, _lapsed, _number = self.uses.pop()
-        use.__exit__(None, None, None)
-
-    @invariant()
-    def there_is_one_owner_and_motions_end_exactly_with_their_lease(self):
-        assert self.lease.owner == self.owner
-        live = self.holder and self.time_s <= self.until_s
-        for name, _use, lapsed, number in self.uses:
-            held = live and (name, number) == (self.holder, self.number)
-            assert (lapsed() is not None) == (number > 0 and not held)
+                lease.renew(name, number)
 
 
-def test_without_a_lease_a_motion_ends_when_its_client_was_gone_at_any_moment():
-    lease, gone = AxisLease(LIMIT_S, lambda: 0.0), iter([False, True, False, True, True])
-    with lease.use("/rostopic_7", lambda: next(gone)) as why_ended:
+def test_a_motion_owns_the_axis_and_ends_with_the_lease_with_which_it_began(lease):
+    with lease.use(OTHER) as why_ended:
+        with pytest.raises(AxisBusyError, match=OTHER):
+            lease.reserve(CONTROL)
+        assert why_ended() is None and lease.owner == OTHER
+    lease.reserve(CONTROL)
+    with pytest.raises(AxisBusyError, match=CONTROL), lease.use(OTHER):
+        raise AssertionError("refused")
+    with lease.use(CONTROL, lambda: True) as why_ended:
+        assert why_ended() is None
+        Time.now_s += 1.1 * LIMIT_S
+        assert why_ended().fault_code == CONTROL_SILENT.code
+        assert lease.owner == CONTROL
+        # Another lease is not that with which it began.
+        lease.reserve(CONTROL)
+        assert why_ended() is not None
+    Time.now_s += 1.1 * LIMIT_S
+    # Nobody would watch this motion.
+    with pytest.raises(LeaseLapsedError), lease.use(CONTROL):
+        raise AssertionError("refused")
+
+
+def test_without_a_lease_a_motion_ends_when_its_client_was_gone_at_any_moment(lease):
+    gone = iter([False, True, False, True])
+    with lease.use(OTHER, lambda: next(gone)) as why_ended:
         assert [why_ended() is not None for _poll in range(3)] == [False, True, True]
         assert why_ended().fault_code == CONTROL_SILENT.code
-    lease.reserve("/main_control")
-    with lease.use("/main_control", lambda: True) as why_ended:
-        assert why_ended() is None
-
-
-TestLeaseMachine = LeaseMachine.TestCase
-TestLeaseMachine.settings = settings(max_examples=draws(25), stateful_step_count=30)

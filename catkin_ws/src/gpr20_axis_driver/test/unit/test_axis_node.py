@@ -1,6 +1,7 @@
 """What the node of an axis answers and publishes: its handlers, called without a graph."""
 
 import contextlib
+import dataclasses
 import socket
 import sys
 import threading
@@ -8,14 +9,16 @@ from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
+from case_kit import each_case
 
 pytest.importorskip("rospy")
 pytest.importorskip("gpr20_msgs.msg")
 sys.path.append(str(Path(__file__).resolve().parents[3] / "gpr20/test/unit"))
+sys.path.append(str(Path(__file__).resolve().parents[3] / "gpr20_common/test/unit"))
 
-from axis_machine import SHORT, Z_PARAMETERS, Axis
+from axis_machine import SHORT, Z_PARAMETERS, Axis, wait_until
 from graph_in_process import Graph
-from simulated_axis import wait_until
+from vanishing_peer import come_back, vanish
 
 from gpr20_axis_driver import controller
 from gpr20_axis_driver.faults import AxisException
@@ -24,7 +27,7 @@ from gpr20_axis_driver.high.goals import ENDED, LISTED_GOALS, GoalServer, watch
 from gpr20_common.faults import ASKED_FOR, IN_USE, NOT_SET_UP, OVERLOADED
 from gpr20_common.high.answers import message_from
 from gpr20_common.high.diagnostics import ERROR, OK, WARN
-from gpr20_common.message import Message, Severity
+from gpr20_common.message import Message
 from gpr20_msgs.msg import AxisGoal
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.faults import CONTROL_SILENT, ENDSTOP, NOT_HOMED
@@ -94,11 +97,6 @@ class Node:
     def coordinates(self):
         return self.graph.published["current_coord"]
 
-    @property
-    def rests_exactly(self):
-        steps = round(self.axis.driver.current_coord / self.axis.machine.parameters.step_size)
-        return not self.axis.driver.moving and steps == self.axis.machine.steps
-
 
 @pytest.fixture
 def node(monkeypatch):
@@ -116,12 +114,17 @@ def fault_of(answer):
     return answer.fault.code
 
 
-def test_a_goal_before_homing_is_aborted_and_the_diagnostics_warn_of_it(node):
+def test_a_goal_before_homing_is_aborted_and_so_is_one_when_the_node_has_ended(node):
     state, result = node.move(5.0)
     assert (state, fault_of(result)) == ("aborted", NOT_HOMED.code)
     assert node.axis.machine.pulses == []
     level, message, _values = node.health()
     assert (level, message.fault_code) == (ERROR, NOT_HOMED.code)
+    for hook in node.graph.hooks:
+        hook()
+    # The pins are released, and nothing moves any more.
+    assert node.axis.machine.directions == {}
+    assert fault_of(node.move(1.0)[1]) == IN_USE.code
 
 
 def test_homing_and_a_move_end_where_they_should_and_the_result_names_the_zero(homed):
@@ -159,40 +162,38 @@ def shut_down(node):
     node.node._stops += 1
 
 
-@pytest.mark.parametrize(
+@each_case(
     "ends, fault",
     [
-        ((cancel,), ASKED_FOR),
-        ((stop,), ASKED_FOR),
-        ((shut_down,), ASKED_FOR),
-        ((lose_contact,), CONTROL_SILENT),
-        ((lapse,), CONTROL_SILENT),
+        *(((one,), ASKED_FOR) for one in (cancel, stop, shut_down)),
+        *(((one,), CONTROL_SILENT) for one in (lose_contact, lapse)),
         # A requested stop counts, even if the contact was lost as well.
-        ((lose_contact, stop), ASKED_FOR),
-        ((lapse, stop), ASKED_FOR),
+        *(((one, stop), ASKED_FOR) for one in (lose_contact, lapse)),
     ],
 )
-def test_what_ends_a_move_lets_it_ramp_down_to_an_exact_coordinate(homed, ends, fault):
-    assert lapse not in ends or homed.call("lease").success
-    homed.in_motion(lambda: [end(homed) for end in ends])
-    state, result = homed.move(FAR_MM)
+def test_what_ends_a_move_lets_it_ramp_down_to_an_exact_coordinate(monkeypatch, ends, fault):
+    node = Node(monkeypatch)
+    node.call("homing")
+    assert lapse not in ends or node.call("lease").success
+    node.in_motion(lambda: [end(node) for end in ends])
+    state, result = node.move(FAR_MM)
     assert (state, fault_of(result)) == ("preempted", fault.code)
-    assert 3.0 < result.coordinate < 5.0
-    assert homed.rests_exactly and homed.coordinates[-1].homed
+    assert 3.0 < result.coordinate < 5.0 and node.coordinates[-1].homed
+    assert not node.axis.driver.moving
+    assert node.axis.machine.steps == round(100 * result.coordinate)
 
 
-@pytest.mark.parametrize("end, fault", [(stop, ASKED_FOR), (lose_contact, CONTROL_SILENT)])
+@each_case("end, fault", [(stop, ASKED_FOR), (lose_contact, CONTROL_SILENT)])
 def test_what_ends_a_homing_leaves_the_axis_not_homed_and_nothing_is_wrong_with_it(
-    homed, end, fault
+    monkeypatch, end, fault
 ):
-    homed.move(FAR_MM)
-    homed.in_motion(lambda: end(homed))
-    answer = homed.call("homing")
-    assert fault_of(answer) == fault.code
-    if fault is ASKED_FOR:
-        assert message_from(answer).cause.severity is Severity.NOTE
-    assert homed.axis.machine.steps > 1000 and not homed.coordinates[-1].homed
-    level, message, _values = homed.health()
+    node = Node(monkeypatch)
+    node.call("homing")
+    node.move(FAR_MM)
+    node.in_motion(lambda: end(node))
+    assert fault_of(node.call("homing")) == fault.code
+    assert node.axis.machine.steps > 1000 and not node.coordinates[-1].homed
+    level, message, _values = node.health()
     assert (level, message.fault_code) == (WARN, NOT_HOMED.code)
 
 
@@ -215,27 +216,20 @@ def test_while_a_node_has_the_axis_nobody_else_moves_it_or_sets_its_zero(monkeyp
     assert node.axis.driver.position.zero.number == zero.number + 1
 
 
-def test_while_nobody_has_the_axis_its_owner_is_who_moves_it(homed):
-    owners = []
-    homed.in_motion(lambda: owners.append((homed.node._publish(), homed.coordinates[-1].owner)))
-    homed.move(FAR_MM)
-    assert owners == [(None, CONTROL)] and homed.coordinates[-1].owner == ""
-
-
-def test_the_coordinate_is_published_faster_while_moving_and_soon_after(homed, monkeypatch):
+def test_coordinate_and_owner_are_published_all_the_time(homed, monkeypatch):
+    monkeypatch.setattr(axis_node, "MOVING_PERIOD_S", 0.0)
     homed.coordinates.clear()
-    homed.in_motion(homed.tick)
     homed.move(FAR_MM)
-    # That of the tick in the move, and that of its end.
-    assert [one.moving for one in homed.coordinates] == [True, False]
-    for _tick in range(axis_node.RESTING_TICKS):
-        homed.tick()
-    assert len(homed.coordinates) == 3
-    monkeypatch.setattr(axis_node, "SOON_S", -1.0)
-    for _tick in range(2 * axis_node.RESTING_TICKS):
-        homed.tick()
-    assert homed.graph.periods_s == [axis_node.MOVING_PERIOD_S, axis_node.RESTING_PERIOD_S]
-    assert len(homed.coordinates) > 3 + axis_node.RESTING_TICKS
+    # At each step, and at the end; the owner is who moves it.
+    shown = [(one.moving, one.owner) for one in homed.coordinates]
+    assert shown == [(True, CONTROL)] * 2000 + [(False, "")]
+    homed.tick()
+    assert len(homed.coordinates) == 2002
+    homed.in_motion(homed.tick)
+    monkeypatch.setattr(axis_node, "MOVING_PERIOD_S", 60.0)
+    homed.move(0.0)
+    # That of the end, and no other one.
+    assert len(homed.coordinates) == 2003
 
 
 def test_the_endstop_is_shown_with_every_touch_of_it(homed):
@@ -262,26 +256,20 @@ def test_late_pulses_and_refused_scheduling_are_warnings(homed):
     assert (homed.health()[0], homed.health()[1].fault_code) == (WARN, refused.code)
 
 
-def test_when_the_node_ends_the_pins_are_low_and_nothing_moves_any_more(homed):
-    for hook in homed.graph.hooks:
-        hook()
-    assert homed.axis.machine.directions == {}
-    assert fault_of(homed.move(1.0)[1]) == IN_USE.code
-
-
-def test_a_client_is_gone_when_all_its_connections_are_closed_at_either_end():
-    listener = socket.create_server(("127.0.0.1", 0))
-    theirs = [socket.create_connection(listener.getsockname()) for _number in range(2)]
-    ours = [listener.accept()[0] for _one in theirs]
-    is_gone = watch(ours, 60.0)
-    theirs[0].close()
-    assert not is_gone()
-    theirs[1].close()
+@pytest.mark.needs("socket filters")
+def test_a_client_is_gone_when_its_connection_is_silent_for_too_long_or_closed():
+    with socket.create_server(("127.0.0.1", 0)) as listener:
+        theirs = socket.create_connection(listener.getsockname())
+        ours, _address = listener.accept()
+    is_gone = watch([ours], 0.5)
+    vanish(theirs)
     wait_until(is_gone)
-    ours[0].close()
+    come_back(theirs)
+    wait_until(lambda: not is_gone())
+    theirs.close()
+    wait_until(is_gone)
+    ours.close()
     assert is_gone() and watch([], 60.0)()
-    for one in (ours[1], listener):
-        one.close()
 
 
 def test_goals_that_ended_do_not_fill_the_status():
@@ -294,29 +282,20 @@ def test_goals_that_ended_do_not_fill_the_status():
     assert [one.status.status for one in listed] == [active, *ended[-LISTED_GOALS:]]
 
 
-def test_a_controller_that_is_configured_moves_the_axis_instead_of_the_pins(monkeypatch):
-    monkeypatch.setattr(axis_node, "open_axis", lambda *given: given)
-    monkeypatch.setattr(axis_node, "AxisNode", lambda *given: given)
-    parameters = SimpleNamespace(controller="grbl_axis:GrblController")
-    built = axis_node.build_robot_axis(AxisId.X, parameters)
-    assert built == (AxisId.X, parameters, (parameters, axis_node.watch_controller))
-
-
-def test_a_call_of_a_controller_that_does_not_return_ends_the_process(monkeypatch):
-    monkeypatch.setattr(controller, "CALL_LIMIT_S", 0.0)
+def test_a_configured_controller_moves_the_axis_and_a_call_that_does_not_return_ends_the_process(
+    monkeypatch,
+):
     graph, ends, go_on = Graph(monkeypatch), [], threading.Event()
+    monkeypatch.setattr(controller, "CALL_LIMIT_S", 0.0)
+    monkeypatch.setattr(controller, "load_extension", lambda *_given: lambda _axis: go_on.wait(60))
     monkeypatch.setattr(axis_node.os, "_exit", ends.append)
-    motions = controller.ControllerMotions(SHORT, lambda: go_on.wait(60.0))
-    axis_node.watch_controller(motions)
-    graph.ticks[-1]()
-    assert ends == []
+    parameters = dataclasses.replace(SHORT, controller="a:B")
 
-    def open_late():
+    def build():
         with contextlib.suppress(AxisException):
-            motions.open()
+            axis_node.build_robot_axis(AxisId.X, parameters)
 
-    threading.Thread(target=open_late).start()
-    wait_until(lambda: motions.overdue)
-    graph.ticks[-1]()
+    threading.Thread(target=build).start()
+    wait_until(lambda: graph.ticks and (graph.ticks[-1](), ends)[1])
     go_on.set()
-    assert ends == [1]
+    assert set(ends) == {1}

@@ -1,21 +1,20 @@
 """Pulses made by a process of their own: exact counts, stops, and every way of dying."""
 
 import contextlib
-import doctest
 import os
-import queue
 import random
 import signal
 import subprocess
 import sys
 import threading
 import time
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import pytest
+from axis_machine import LIMIT_S, SimulatedAxis, wait_until
 from fault_kit import raises_fault
 from run_seed import SEED, draws
-from simulated_axis import LIMIT_S, SimulatedAxis, exists, simulated_hardware, wait_until
 
 from gpr20_axis_driver import faults
 from gpr20_axis_driver.faults import (
@@ -31,8 +30,6 @@ from gpr20_common.message import Message
 from gpr20_simulator.low.shared_state import EndstopFault, open_shared_state
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.faults import ZERO_UNKNOWN
-
-README = Path(__file__).parents[2] / "README.md"
 
 
 @pytest.fixture
@@ -50,7 +47,7 @@ def make(tmp_path):
 
 WITHOUT_RIGHTS = """
 import os, resource
-from gpr20_axis_driver.mid.pulse_server import realtime_scheduling
+from gpr20_axis_driver.mid.pulse_loop import realtime_scheduling
 resource.setrlimit(resource.RLIMIT_RTPRIO, (0, 0))
 resource.setrlimit(resource.RLIMIT_MEMLOCK, (65536, 65536))
 if os.getuid() == 0: os.setuid(65534)
@@ -69,22 +66,14 @@ def test_pulses_are_punctual_or_say_why_not(make):
     assert NOT_SET_UP.as_warning().code in said and "SCHED_FIFO (Operation not permitted)" in said
 
 
-class Move:
-    """A move in the background."""
+def begin(axis, target, stop=never):
+    """Begin a move in the background."""
+    return ThreadPoolExecutor(1).submit(axis.driver.move_to_coordinate, target, stop)
 
-    def __init__(self, axis, target, stop=never):
-        self._error = queue.SimpleQueue()
-        threading.Thread(target=self._run, args=(axis.driver, target, stop)).start()
 
-    def _run(self, driver, target, stop):
-        try:
-            driver.move_to_coordinate(target, stop)
-        except AxisException as error:
-            self._error.put(error)
-
-    def error(self):
-        """Return what the move has raised."""
-        return self._error.get(timeout=LIMIT_S)
+def exists(process_id):
+    """Return whether there is such a process, a zombie included."""
+    return Path(f"/proc/{process_id}").exists()
 
 
 def test_moves_and_stops_at_random_never_lose_a_step(make):
@@ -92,75 +81,51 @@ def test_moves_and_stops_at_random_never_lose_a_step(make):
     axis.driver.homing(never)
     chance = random.Random(SEED)
     for _ in range(draws(75)):
-        countdown = iter([False] * chance.randrange(1, 12))
+        polls, target = iter([False] * chance.randrange(12)), chance.randrange(0, 3000) / 100
         with contextlib.suppress(MotionStopped):
-            axis.driver.move_to_coordinate(
-                chance.randrange(0, 3000) / 100, lambda c=countdown: next(c, True)
-            )
+            axis.driver.move_to_coordinate(target, lambda polls=polls: next(polls, True))
         assert round(axis.driver.current_coord * 100) == axis.true_steps
 
 
-@pytest.fixture
-def placed(make):
-    """An axis that knows where it is without a homing, which takes long."""
-    axis = make(AxisId.X)
-    axis.pulses.begin_zero(200, 0)
-    axis.driver._homing_done = True
-    return axis
-
-
-def test_a_stop_ends_a_move_long_before_its_target(placed):
-    requested = threading.Event()
-    move = Move(placed, 600.0, requested.is_set)
-    wait_until(lambda: placed.true_steps > 250)
-    requested.set()
-    assert isinstance(move.error(), MotionStopped)
-    # It would take three minutes.
-    assert placed.true_steps == placed.pulses.steps < 30_000
-    assert placed.driver.homing_done
-    # One that was stopped before it began makes no pulse.
-    steps = placed.true_steps
-    with pytest.raises(MotionStopped):
-        placed.driver.move_to_coordinate(600.0, lambda: True)
-    assert placed.true_steps == steps
-
-
-def test_a_node_that_hangs_ends_its_move_and_keeps_an_exact_coordinate(placed):
-    hung, go_on = threading.Event(), threading.Event()
+def test_a_node_that_hangs_ends_its_move_and_keeps_an_exact_coordinate(make):
+    axis, hung, go_on = make(AxisId.X), threading.Event(), threading.Event()
+    # It knows where it is without a homing, which takes long.
+    axis.driver._begin_zero(200, 0)
 
     def hang():
-        if placed.true_steps > 250:
+        if axis.true_steps > 250:
             hung.set()
             go_on.wait(LIMIT_S)
         return False
 
-    move = Move(placed, 600.0, hang)
+    move = begin(axis, 600.0, hang)
     assert hung.wait(LIMIT_S)
-    wait_until(lambda: time.monotonic_ns() - placed.world.last_pulse_ns(AxisId.X) > 5e8)
+    wait_until(lambda: time.monotonic_ns() - axis.world.last_pulse_ns(AxisId.X) > 5e8)
     go_on.set()
-    assert move.error().message.fault_code == OVERLOADED.code
-    assert placed.true_steps == placed.pulses.steps < 30_000
-    assert placed.driver.homing_done
+    assert move.exception(LIMIT_S).message.fault_code == OVERLOADED.code
+    assert axis.true_steps == axis.pulses.steps < 30_000
+    assert axis.driver.homing_done
 
 
 @pytest.mark.parametrize("number", [signal.SIGKILL, signal.SIGTERM])
-def test_when_the_pulse_process_dies_in_a_move_the_pins_are_low_and_the_axis_is_not_homed(
+def test_when_the_pulse_process_dies_in_a_turn_the_pins_are_low_and_the_zero_must_be_set(
     make, number
 ):
-    axis = make(AxisId.X, time_scale=10.0)
+    axis = make(AxisId.Z)
     axis.driver.homing(never)
     before = axis.pulses.process_id
-    move = Move(axis, 100.0)
-    wait_until(lambda: axis.true_steps > 100)
+    move = begin(axis, 90.0)
+    wait_until(lambda: axis.true_steps > 10)
     os.kill(before, number)
-    error = move.error()
+    error = move.exception(LIMIT_S)
     assert isinstance(error, PulseProcessError)
     assert error.message.fault_code == faults.FAILED.code
     assert axis.pins_low and not exists(before)
     assert not axis.driver.homing_done and not axis.pulses.trusted
-    axis.driver.homing(never)
-    assert (axis.driver.current_coord, axis.true_steps) == (0.0, 0)
-    assert axis.pulses.process_id != before
+    with raises_fault(ZERO_UNKNOWN, "set_zero", error=NotHomedError):
+        axis.driver.homing(never)
+    axis.driver.set_zero()
+    assert axis.driver.homing_done and axis.pulses.process_id != before
 
 
 def test_when_the_pins_of_a_dead_process_cannot_be_set_low_the_axis_may_move(make, monkeypatch):
@@ -176,9 +141,19 @@ def test_when_the_pins_of_a_dead_process_cannot_be_set_low_the_axis_may_move(mak
     assert axis.pulses.failure.may_move
 
 
+DYING_NODE = """
+import sys, pathlib
+from axis_machine import AxisId, SimulatedAxis
+axis = SimulatedAxis(pathlib.Path(sys.argv[1]), AxisId.Z, time_scale=1.0)
+axis.driver.homing()
+print(axis.pulses.process_id, flush=True)
+axis.driver.move_to_coordinate(90.0)
+"""
+
+
 def test_when_the_node_is_killed_in_a_turn_the_angle_is_still_known(make, tmp_path):
     node = subprocess.Popen(
-        [sys.executable, str(Path(__file__).with_name("dying_node.py")), str(tmp_path)],
+        [sys.executable, "-c", DYING_NODE, str(tmp_path)],
         env={**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)},
         stdout=subprocess.PIPE,
     )
@@ -196,66 +171,37 @@ def test_when_the_node_is_killed_in_a_turn_the_angle_is_still_known(make, tmp_pa
     assert (axis.true_steps, axis.driver.current_coord) == (0, 0.0)
 
 
-def test_when_node_and_pulse_process_are_killed_in_a_turn_homing_is_refused(make):
-    axis = make(AxisId.Z)
-    axis.driver.homing(never)
-    move = Move(axis, 90.0)
-    wait_until(lambda: axis.true_steps > 10)
-    os.kill(axis.pulses.process_id, signal.SIGKILL)
-    assert isinstance(move.error(), PulseProcessError)
-    with raises_fault(ZERO_UNKNOWN, "set_zero", error=NotHomedError):
-        axis.driver.homing(never)
-    axis.driver.set_zero()
-    assert axis.driver.homing_done
-
-
-def test_a_process_that_is_halted_in_a_move_ends_it_and_the_position_is_not_trusted(make):
-    axis = make(AxisId.Z)
-    axis.driver.homing(never)
-    move = Move(axis, 90.0)
-    wait_until(lambda: axis.true_steps > 15)
-    os.kill(axis.pulses.process_id, signal.SIGSTOP)
-    halted = axis.true_steps
-    # A pause that its own process sees as a late pulse.
-    time.sleep(0.2)
-    os.kill(axis.pulses.process_id, signal.SIGCONT)
-    error = move.error()
-    assert isinstance(error, NotHomedError)
-    assert error.message.fault_code == ZERO_UNKNOWN.code
-    assert axis.true_steps - halted <= 1
-    assert not axis.driver.homing_done
-
-
-def test_a_process_that_hangs_is_ended_and_the_move_with_it(make, monkeypatch):
+@pytest.fixture
+def turning(make, monkeypatch):
+    """An axis in a turn, and the turn; its limits are short."""
     monkeypatch.setattr(pulse_process, "STALL_LIMIT_S", 0.2)
     monkeypatch.setattr(pulse_process, "STALL_STEPS", 1)
-    axis = make(AxisId.Z)
-    axis.driver.homing(never)
-    move = Move(axis, 90.0)
-    wait_until(lambda: axis.true_steps > 5)
-    process_id = axis.pulses.process_id
-    os.kill(process_id, signal.SIGSTOP)
-    error = move.error()
-    assert isinstance(error, PulseProcessError)
-    assert error.message.fault_code == faults.PULSE_LATE.code
-    assert not exists(process_id)
-    assert axis.pins_low
-
-
-@pytest.mark.parametrize("hangs", [False, True])
-def test_closing_ends_even_a_process_that_hangs_and_leaves_the_pins_low(make, monkeypatch, hangs):
     monkeypatch.setattr(pulse_process, "END_LIMIT_S", 0.2)
     axis = make(AxisId.Z)
     axis.driver.homing(never)
-    process_id = axis.pulses.process_id
-    move = Move(axis, 90.0)
+    move = begin(axis, 90.0)
     wait_until(lambda: axis.true_steps > 5)
+    return axis, move, axis.pulses.process_id
+
+
+def test_a_process_that_hangs_is_ended_and_the_move_with_it(turning):
+    axis, move, process_id = turning
+    os.kill(process_id, signal.SIGSTOP)
+    error = move.exception(LIMIT_S)
+    assert isinstance(error, PulseProcessError)
+    assert error.message.fault_code == faults.PULSE_LATE.code
+    assert axis.pins_low and not exists(process_id)
+
+
+@pytest.mark.parametrize("hangs", [False, True])
+def test_closing_ends_even_a_process_that_hangs_and_leaves_the_pins_low(turning, hangs):
+    axis, move, process_id = turning
     if hangs:
         os.kill(process_id, signal.SIGSTOP)
     axis.driver.close(timeout_s=0.05)
     wait_until(lambda: not exists(process_id))
     assert axis.pins_low
-    assert isinstance(move.error(), PulseProcessError)
+    assert isinstance(move.exception(LIMIT_S), PulseProcessError)
 
 
 def test_the_endstop_is_read_all_the_time_and_each_touch_of_a_homing_is_counted(make):
@@ -269,11 +215,3 @@ def test_the_endstop_is_read_all_the_time_and_each_touch_of_a_homing_is_counted(
     wait_until(lambda: axis.pulses.endstop_pressed is False)
     os.kill(axis.pulses.process_id, signal.SIGKILL)
     wait_until(lambda: axis.pulses.endstop_pressed is None)
-
-
-def test_the_examples_of_the_readme_do_what_they_say(tmp_path):
-    hardware = simulated_hardware(tmp_path, AxisId.X, time_scale=100.0)
-    result = doctest.testfile(
-        str(README), module_relative=False, globs={"hardware": hardware}, encoding="utf-8"
-    )
-    assert result.attempted > 0 and result.failed == 0

@@ -12,7 +12,6 @@ import os
 import re
 from dataclasses import dataclass
 from pathlib import Path
-from string import Formatter
 from typing import ClassVar, Dict, List, Mapping, Optional, Tuple
 
 import polib
@@ -57,8 +56,14 @@ class Catalogue:
         return self._translations.get(template) or template
 
     def text(self, message: Message) -> str:
-        """Return the sentence of a message, without its details."""
-        return message.sentence(self.template)
+        """Return the sentence of a message, without its details.
+
+        It is English if a translation has other fields than its template.
+        """
+        try:
+            return message.sentence(self.template)
+        except (LookupError, ValueError):
+            return message.sentence()
 
     def tr(self, template: str, /, **values: object) -> str:
         """Return the text of a template that is written where it is shown."""
@@ -119,10 +124,7 @@ def read_catalogue(language: Language) -> Catalogue:
 
 @functools.lru_cache(maxsize=None)
 def read_translations(path: Path) -> Mapping[str, str]:
-    """Return the finished translations of a catalogue, or raise an InvalidValueError.
-
-    One that has other fields than its template is left out: the template is shown instead.
-    """
+    """Return the finished translations of a catalogue, or raise an InvalidValueError."""
     try:
         catalogue = polib.pofile(path.read_text(encoding="utf-8"))
     except (OSError, ValueError) as error:
@@ -130,16 +132,4 @@ def read_translations(path: Path) -> Mapping[str, str]:
             Message("the translations {path} cannot be read", path=path, details=error),
             fault=faults.FILE_DAMAGED,
         ) from error
-    return {
-        entry.msgid: entry.msgstr
-        for entry in catalogue.translated_entries()
-        if "{" not in entry.msgid + entry.msgstr or _fields(entry.msgid) == _fields(entry.msgstr)
-    }
-
-
-def _fields(text: str) -> List[Tuple[str, str]]:
-    try:
-        parts = Formatter().parse(text)
-        return sorted((name, form or "") for _text, name, form, _kind in parts if name is not None)
-    except ValueError:
-        return [("", text)]
+    return {entry.msgid: entry.msgstr for entry in catalogue.translated_entries()}

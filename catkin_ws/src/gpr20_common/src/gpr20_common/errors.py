@@ -54,7 +54,6 @@ class NodeGoneError(NodeSilentError):
 
 _REASONS = {
     errno.EACCES: Message("permission denied"),
-    errno.EPERM: Message("not permitted"),
     errno.ENOSPC: Message("the disk is full").with_fault(faults.DISK_FULL),
     errno.EDQUOT: Message("the disk quota is used up").with_fault(faults.DISK_FULL),
     errno.EROFS: Message("the disk is read-only").with_fault(faults.DISK_REFUSES),
@@ -62,8 +61,6 @@ _REASONS = {
     errno.EEXIST: Message("the file exists already"),
     errno.ENOENT: Message("there is no such file or folder"),
     errno.ENOTDIR: Message("this is a file, not a folder"),
-    errno.EISDIR: Message("this is a folder, not a file"),
-    errno.EMFILE: Message("too many files are open"),
     errno.ECONNREFUSED: Message("connection refused"),
     errno.ECONNRESET: Message("the connection was closed by the other side"),
     errno.EPIPE: Message("the connection was closed by the other side"),

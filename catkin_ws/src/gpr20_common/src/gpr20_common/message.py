@@ -7,6 +7,7 @@ import json
 import re
 from dataclasses import dataclass, field, replace
 from math import isfinite
+from numbers import Integral, Real
 from typing import Any, Callable, Dict, Iterable, Iterator, Mapping, Optional, Tuple, Union
 
 from gpr20_common.terminal_text import printable
@@ -288,9 +289,6 @@ def _value(value: Any) -> Value:
         return value
     if isinstance(value, tuple) and all(isinstance(one, Message) for one in value):
         return value
-    try:
-        # Of numpy's numbers the Python number; arrays of several have none.
-        number = value.item()
-    except (AttributeError, ValueError, TypeError):
-        number = None
-    return number if isinstance(number, (int, float)) else str(value)
+    if isinstance(value, Integral):  # numpy's, too
+        return int(value)
+    return float(value) if isinstance(value, Real) else str(value)

@@ -19,9 +19,7 @@ FIELD = re.compile(r"\{([^\W\d]\w*)(?::[<>+]?0?\d?\d?(?:\.\d\d?)?[defgs%]?)?\}")
 
 # More than any message of the robot has, as JSON and as text: a window shows a longer one slowly.
 MAX_CHARACTERS = 16_384
-# With what a later version adds.
-MAX_SENT_CHARACTERS = 2 * MAX_CHARACTERS
-# The fault of a longer one is read, but not its sentence.
+# No JSON of the robot is longer.
 MAX_READ_CHARACTERS = 1_000_000
 # Far deeper ones are read, but exceed the recursion limit where they are shown.
 MAX_DEPTH = 32
@@ -66,9 +64,6 @@ def _parsed(value: Any) -> Any:
 
 def _message(record: Any, depth: int) -> Message:
     values, sentence = _parsed(record["values"]), record["sentence"]
-    # Before the work: a few characters ask for many.
-    if len(sentence) + len(json.dumps(values, ensure_ascii=False)) > MAX_SENT_CHARACTERS:
-        raise ValueError("it is too long to be read")
     if depth > MAX_DEPTH:
         raise ValueError(f"messages are nested more than {MAX_DEPTH} levels deep")
     plain = sentence.replace("{{", "").replace("}}", "")

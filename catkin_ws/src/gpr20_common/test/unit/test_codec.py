@@ -1,12 +1,10 @@
-"""Records from mappings, and as the parameter server can hold them."""
+"""Records from mappings, and back."""
 
 import enum
 import math
-import xmlrpc.client
 from dataclasses import dataclass
 from typing import Optional, Tuple
 
-import pytest
 from case_kit import each_case
 from fault_kit import raises_fault
 
@@ -84,20 +82,3 @@ NAMED = {"name": "a"}
 def test_what_does_not_fit_is_named(values, shown):
     with raises_fault((faults.NOT_ALLOWED, faults.CONFIGURATION), *shown, error=InvalidValueError):
         record_from(Cart, values, "cart")
-
-
-@each_case(
-    "value, expected",
-    [
-        (Colour.RED, "red"),
-        ((1, (2.5, None)), [1, [2.5, ""]]),
-        ({"site": {"name": None}}, {"site": {"name": ""}}),
-        (2**31, 2.0**31),
-        ("Bogotá", "Bogotá"),
-        ("two\nlines\x00", '"two\\nlines\\u0000"'),
-    ],
-)
-def test_every_value_can_be_sent(value, expected):
-    shown = pytest.importorskip("gpr20_common.high.description").shown(plain(value))
-    assert shown == expected
-    assert xmlrpc.client.loads(xmlrpc.client.dumps((shown,), "setParam"))[0] == (expected,)

@@ -2,20 +2,17 @@
 
 import socket
 import threading
-import time
 from xmlrpc.server import SimpleXMLRPCRequestHandler, SimpleXMLRPCServer
 
 import pytest
 from case_kit import each_case
 from fault_kit import raises_fault
-from vanishing_peer import come_back, vanish
 
 from gpr20_common import faults
 from gpr20_common.errors import NodeGoneError, NodeSilentError
-from gpr20_common.low.links import NodeProbe, keep_alive, silence_s
+from gpr20_common.low.links import NodeProbe
 
 LIMIT_S = 0.5
-LONG_LIMIT_S = 30.0
 
 
 class Server:
@@ -142,29 +139,3 @@ def test_a_node_that_hangs_or_answers_in_no_language_of_ours_is_silent(graph, an
         accepted[0].close()
     assert not isinstance(silent.value, NodeGoneError)
     assert ("timed out" in str(silent.value)) == (not answer)
-
-
-def wait_until(condition):
-    deadline_s = time.monotonic() + LONG_LIMIT_S
-    while not condition():
-        assert time.monotonic() < deadline_s, "the condition never held"
-        time.sleep(0.01)
-
-
-@pytest.mark.needs("socket filters")
-def test_an_end_answers_probes_is_silent_when_it_vanishes_and_found_alive_when_it_comes_back():
-    with socket.create_server(("127.0.0.1", 0)) as server:
-        ours = socket.create_connection(server.getsockname())
-        theirs, _ = server.accept()
-    with ours, theirs:
-        keep_alive(ours)
-        for _probe in range(2):
-            wait_until(lambda: silence_s(ours) > 0.5)
-            wait_until(lambda: silence_s(ours) < 0.5)
-        vanish(theirs)
-        # Two probes remain unanswered.
-        wait_until(lambda: silence_s(ours) > 2.2)
-        come_back(theirs)
-        wait_until(lambda: silence_s(ours) < 0.5)
-        theirs.sendall(b"alive")
-        assert ours.recv(5) == b"alive"

@@ -252,21 +252,6 @@ def test_a_fault_without_a_code_keeps_its_remedy_and_that_something_may_move():
         assert received_message("", sent_with(told)).cause is None
 
 
-@each_case(
-    "sentence, values",
-    [
-        ("{q}" * 100_000, {**{str(one): sent_with({}) for one in range(20_000)}, "q": 1}),
-        ("{x:99.99f}" * 90_000, {"x": 1.0}),
-        ("{x}", {"x": 1, **dict.fromkeys(map(str, range(9000)), 1)}),
-    ],
-)
-def test_a_sentence_that_asks_for_much_work_is_not_begun(monkeypatch, sentence, values):
-    monkeypatch.setattr(Message, "sentence", lambda _self: pytest.fail("begun"))
-    monkeypatch.setattr("gpr20_common.sent_message.verbatim", lambda text: MOTORS_OFF)
-    received = received_message("as sent", {"sentence": sentence, "values": values})
-    assert received == MOTORS_OFF
-
-
 KEYS = st.sampled_from(
     ["sentence", "values", "details", "code", "remedy", "remedy_sentence", "severity"]
 )

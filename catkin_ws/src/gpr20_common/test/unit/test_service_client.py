@@ -148,18 +148,6 @@ def test_a_call_that_is_given_up_before_it_is_connected_is_never_made(graph, mon
     assert graph.node.connections and graph.node.requests == []
 
 
-def test_a_request_whose_delivery_counts_reaches_a_node_that_no_longer_hangs(graph):
-    graph.node.greeting.clear()
-    client = ServiceClient("stop_survey", AddFact, discard_late=False)
-    with raises_fault(faults.PART_SILENT):
-        call(client, "a", SHORT_S / 3)
-    graph.node.greeting.set()
-    deadline_s = time.monotonic() + LIMIT_S
-    while not graph.node.requests and time.monotonic() < deadline_s:
-        time.sleep(0.01)
-    assert graph.node.requests == ["a"]
-
-
 @pytest.mark.needs("socket filters")
 def test_a_request_that_was_given_up_in_a_broken_link_is_not_delivered_when_it_is_back(graph):
     client = ServiceClient("add_fact", AddFact, keep_open=True)

@@ -7,7 +7,7 @@ from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
-from test_height_driver import NOW_US, code_at, driver_with
+from test_height_driver import GROUND, NOW_US, code_at, driver_with
 
 pytest.importorskip("rospy")
 pytest.importorskip("gpr20_msgs.srv")
@@ -22,7 +22,7 @@ from gpr20_common.low.clock import Clock
 from gpr20_common.mid.node_facts import Hardware
 from gpr20_height_sensor.high import height_node
 from gpr20_height_sensor.low import adc_interface
-from gpr20_height_sensor.mid.height_parameters import HeightParameters
+from gpr20_height_sensor.mid.height_driver import HeightParameters
 from gpr20_survey.faults import HEIGHT_NOT_MEASURED, NO_GROUND, SENSOR_FAILED
 
 
@@ -38,15 +38,14 @@ def node(monkeypatch):
     return build
 
 
-GOOD = [code_at(0.2)] * 5
+GOOD = [GROUND] * 5
 
 
 def test_a_height_is_answered_with_its_spread_and_voltage_and_published_in_metres(node):
     built = node(*GOOD, *GOOD)
     answer = built.ask("get_height")
     assert answer.success and answer.height_m == pytest.approx(0.2, abs=0.001)
-    assert answer.spread_m == 0.0
-    assert answer.voltage_v == pytest.approx(3.3 * GOOD[0] / 1024)
+    assert (answer.spread_m, answer.voltage_v) == pytest.approx((0.0, 3.3 * GROUND / 1024))
     built.ticks[0]()
     (message,) = built.published["measured_height"]
     assert message.range == pytest.approx(0.2, abs=0.001)

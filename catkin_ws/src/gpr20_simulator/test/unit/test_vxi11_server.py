@@ -16,7 +16,7 @@ from vxi11 import rpc
 
 from gpr20_common.faults import OTHER_LAUNCH
 from gpr20_common.low.clock import Clock
-from gpr20_simulator.errors import SimulatorError
+from gpr20_simulator.faults import SimulatorError
 from gpr20_simulator.low.message_device import ClearSupport, NetworkFault, Outcome
 from gpr20_simulator.low.vxi11_server import HOST, MOST_LINKS, ListenError, Vxi11Server
 from gpr20_simulator.mid.analyzer.instrument_scene import InstrumentScene

@@ -169,16 +169,20 @@ def test_no_axis_waits_for_a_main_control_or_an_axis_that_hangs(stop, services, 
     assert {one.axis for one in taken(events, 2)} == {AxisId.Y, AxisId.Z}
 
 
-def test_a_stop_that_the_main_control_did_not_hear_is_repeated_until_it_does(
+def test_a_stop_that_an_axis_or_the_main_control_did_not_hear_is_repeated_until_it_does(
     stop, services, events
 ):
-    services.answers = {"stop_survey": [SILENT] * 5 + [{}]}
+    services.answers = {name: [SILENT] * 5 + [{}] for name in ("stop_survey", "x_axis/stop")}
     stop.press()
-    answers = [one for one in taken(events, 5) if isinstance(one, Answer)]
+    found = taken(events, 6)
+    of_x = [getattr(one, "answered", None) for one in found if getattr(one, "axis", "") is AxisId.X]
+    assert of_x == [False, True]
+    answers = [one for one in found if isinstance(one, Answer)]
     assert [(one.success, one.contact) for one in answers] == [(False, False), (True, True)]
     assert answers[0].message.cause == PART_SILENT
-    asked = [name for name, _fields in taken(services.asked, 9)]
-    assert asked.count("stop_survey") == 6 and services.asked.empty()
+    asked = [name for name, _fields in taken(services.asked, 14)]
+    assert asked.count("stop_survey") == asked.count("x_axis/stop") == 6
+    assert services.asked.empty()
 
 
 def test_a_stop_is_repeated_no_more_when_something_was_started_since(stop, services, events):
@@ -188,7 +192,7 @@ def test_a_stop_is_repeated_no_more_when_something_was_started_since(stop, servi
     asked = [name for name, _fields in taken(services.asked, 5)]
     stop.forget()
     services.hung.set()
-    stop._repeating.acquire(timeout=LIMIT_S)
+    stop._stops[-1]._repeating.acquire(timeout=LIMIT_S)
     assert asked.count("stop_survey") == 2 and services.asked.empty()
 
 

@@ -1,3 +1,5 @@
+from dataclasses import replace
+
 import pytest
 
 from gpr20_common.faults import MAY_MOVE, NOT_RUNNING, PART_LOST
@@ -70,6 +72,12 @@ BEGIN = (state("IDLE", ""), STARTED, state("SURVEYING"))
 @pytest.fixture
 def robot(clock):
     return Robot(clock)
+
+
+def test_a_survey_whose_end_another_plan_hides_has_ended_as_it_did(clock):
+    for end in (SurveyState.FINISHED, SurveyState.FAILED):
+        robot = Robot(clock).say(*BEGIN, replace(state("CONFIGURED"), end=end))
+        assert (robot.status.name, robot.words) == (end.name, end.name)
 
 
 @pytest.fixture

@@ -7,6 +7,7 @@ from gpr20_common.message import verbatim
 from gpr20_doctor.mid.node_health import HealthLevel, NodeHealth
 from gpr20_doctor.mid.robot_facts import AxisPosition
 from gpr20_operator.plan.fields import default_parameters
+from gpr20_operator.robot.condition import JobLevel, condition_of
 from gpr20_operator.robot.events import (
     Answer,
     AxisLimits,
@@ -18,6 +19,7 @@ from gpr20_operator.robot.events import (
     Request,
     TargetPosition,
 )
+from gpr20_operator.robot.job import JobScreen
 from gpr20_operator.robot.snapshot import CONTROL_SILENCE_S, STALE_S
 from gpr20_operator.robot.survey_model import RequestOutcome, SurveyModel
 from gpr20_survey.axes.axis_id import AxisId
@@ -78,6 +80,23 @@ def test_buttons_follow_what_main_control_says(model):
         assert snapshot.fields_locked == (code in RUNNING)
         # One that ends is not interrupted.
         model.handle(state(SurveyState.FINISHED))
+
+
+def test_how_a_survey_ended_is_shown_though_another_plan_was_set_before_anybody_looked(model):
+    job = JobScreen()
+    model.handle(state(SurveyState.SURVEYING))
+    model.handle(replace(PROGRESS, completion_percent=100.0))
+    for end, level in ((SurveyState.FINISHED, JobLevel.DONE), (SurveyState.FAILED, JobLevel.FAULT)):
+        model.handle(replace(state(SurveyState.CONFIGURED), end=end))
+        snapshot = model.snapshot()
+        assert not snapshot.interrupted and allowed(snapshot) == ["start"]
+        condition = condition_of(snapshot)
+        assert (condition.level, str(condition.title)) == (level, f"{end.name} 100 %")
+        job.note(snapshot)
+        assert job.visible
+    # The next one begins.
+    model.handle(state(SurveyState.CHECKING, "next"))
+    assert str(condition_of(model.snapshot()).title) == "CHECKING"
 
 
 def test_what_is_being_asked_for_is_asked_once(model):

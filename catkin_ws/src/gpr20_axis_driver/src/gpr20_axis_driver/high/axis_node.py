@@ -24,8 +24,7 @@ from gpr20_common.errors import InvalidValueError
 from gpr20_common.faults import CONFIGURATION, OVERLOADED
 from gpr20_common.high import diagnostics
 from gpr20_common.high.answers import advertise, internal_error, message_fields
-from gpr20_common.high.description import publish_description
-from gpr20_common.high.node import read_parameters, run_node
+from gpr20_common.high.node import publish_description, read_parameters, run_node
 from gpr20_common.high.periodic import Periodic
 from gpr20_common.high.raw_message import connection_header, ros_time
 from gpr20_common.message import Message
@@ -40,10 +39,6 @@ from gpr20_survey.faults import NOT_HOMED
 
 MOVING_PERIOD_S = 1.0 / 50
 RESTING_PERIOD_S = 1.0 / 10
-# At rest every fifth tick is published, until the ticks become slower.
-RESTING_TICKS = round(RESTING_PERIOD_S / MOVING_PERIOD_S)
-# Moves that follow each other within this time [s] do not change the ticks.
-SOON_S = 1.0
 SHUTDOWN_LIMIT_S = 5.0
 # How often it is looked whether a call of a controller returns [s].
 WATCH_PERIOD_S = 0.5
@@ -62,9 +57,7 @@ class AxisNode:
         self._unit = parameters.unit
         self._stops = 0
         self._last_error: Optional[Message] = None
-        self._ticks = 0
-        self._fast = False
-        self._moved_s = -math.inf
+        self._published_s = -math.inf
         self._publisher = rospy.Publisher("current_coord", CurrentCoordinate, queue_size=10)
         self._presses = self._motions.endstop_presses
         self._endstop_publisher: Optional[rospy.Publisher] = None
@@ -164,10 +157,8 @@ class AxisNode:
         with self._lease.use(caller, is_gone) as why_ended:
 
             def ended() -> bool:
-                self._moved_s = time.monotonic()
-                if not self._fast:
-                    self._fast = True
-                    self._periodic.set_period(MOVING_PERIOD_S)
+                if time.monotonic() - self._published_s >= MOVING_PERIOD_S:
+                    self._publish()
                 return stopped() or why_ended() is not None
 
             try:
@@ -212,14 +203,11 @@ class AxisNode:
         return lambda: self._stops != stops
 
     def _tick(self) -> None:
-        self._ticks += 1
         self._publish_endstop()
-        moving = self._driver.moving
-        if moving or not self._fast or self._ticks % RESTING_TICKS == 0:
+        # The motion publishes by itself, but not while its process is started.
+        silence_s = time.monotonic() - self._published_s
+        if not self._driver.moving or silence_s >= RESTING_PERIOD_S:
             self._publish()
-        if self._fast and not moving and time.monotonic() - self._moved_s > SOON_S:
-            self._fast = False
-            self._periodic.set_period(RESTING_PERIOD_S)
 
     def _publish_endstop(self) -> None:
         publisher, pressed = self._endstop_publisher, self._motions.endstop_pressed
@@ -231,6 +219,7 @@ class AxisNode:
         publisher.publish(pressed or self._presses != presses)
 
     def _publish(self) -> None:
+        self._published_s = time.monotonic()
         position = self._driver.position
         message = CurrentCoordinate()
         message.header.stamp = rospy.Time.now()

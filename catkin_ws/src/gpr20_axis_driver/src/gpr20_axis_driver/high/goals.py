@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import functools
 import socket
+import struct
 from typing import Any, Callable, Dict, List
 
 import actionlib
@@ -15,7 +16,7 @@ from gpr20_axis_driver.faults import AxisException
 from gpr20_common.faults import IN_USE
 from gpr20_common.high.answers import advertise, message_fields
 from gpr20_common.high.raw_message import connection_header
-from gpr20_common.low.links import PROBE_PERIOD_S, keep_alive, silence_s
+from gpr20_common.low.links import PROBE_PERIOD_S, keep_alive
 from gpr20_common.message import Message
 
 # actionlib publishes the status five times a second.
@@ -35,8 +36,12 @@ ENDED = frozenset(
         GoalStatus.RECALLED,
     )
 )
-# The first byte of struct tcp_info: its state, of <netinet/tcp.h>.
+# The first byte of struct tcp_info of <linux/tcp.h>: its state; and when data and when an
+# acknowledgement came last [ms ago].
 ESTABLISHED = 1
+TCP_INFO_BYTES = 104
+LAST_RECEIVED = struct.Struct("=II")
+LAST_RECEIVED_OFFSET = 52
 CONNECTION = "gpr20_connection"
 
 
@@ -153,8 +158,9 @@ def watch(connections: List[socket.socket], limit_s: float) -> Callable[[], bool
 
     def is_lost(connection: socket.socket) -> bool:
         try:
-            state = connection.getsockopt(socket.IPPROTO_TCP, socket.TCP_INFO, 1)[0]
-            return state != ESTABLISHED or silence_s(connection) > PROBE_PERIOD_S + limit_s
+            info = connection.getsockopt(socket.IPPROTO_TCP, socket.TCP_INFO, TCP_INFO_BYTES)
+            silence_ms = min(LAST_RECEIVED.unpack_from(info, LAST_RECEIVED_OFFSET))
+            return info[0] != ESTABLISHED or silence_ms > 1e3 * (PROBE_PERIOD_S + limit_s)
         except OSError:
             # It was closed here, too.
             return True

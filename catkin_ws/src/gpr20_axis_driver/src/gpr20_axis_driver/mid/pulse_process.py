@@ -14,8 +14,7 @@ from typing import Optional
 from gpr20_axis_driver import faults
 from gpr20_axis_driver.faults import AxisException, PulseProcessError
 from gpr20_axis_driver.low.step_counter import StepCounter, open_step_counter
-from gpr20_axis_driver.mid.pulse_loop import PulseLoop
-from gpr20_axis_driver.mid.pulse_server import SILENT_PARENT_S
+from gpr20_axis_driver.mid.pulse_loop import SILENT_PARENT_S, PulseLoop
 from gpr20_axis_driver.motion import AxisHardware, Ending, Motion, MotionReport, StopRequested
 from gpr20_common.faults import MAY_MOVE, OVERLOADED
 from gpr20_common.message import Message
@@ -23,7 +22,7 @@ from gpr20_common.mid.node_facts import Hardware
 from gpr20_survey.axes.axis_id import ZeroEpoch
 
 # A new interpreter: a fork of a process with ROS's threads would not work.
-SERVER = "gpr20_axis_driver.mid.pulse_server"
+SERVER = "gpr20_axis_driver.mid.pulse_loop"
 START_LIMIT_S = 20.0
 END_LIMIT_S = 2.0
 POLL_S = 0.005

@@ -1,4 +1,4 @@
-"""The life of a node: its parameters, start, say clearly what is wrong, run, end.
+"""The life of a node: its parameters, start, say clearly what is wrong, describe itself, run, end.
 
 A launch keeps its whole configuration, as JSON, under a name of its own (package `gpr20_launch`)
 and hands that name to each node as the argument `configuration:=NAME`. So a node that restarts has
@@ -7,6 +7,7 @@ the same, whatever was launched beside it meanwhile. Without the argument it has
 
 from __future__ import annotations
 
+import dataclasses
 import json
 import os
 import signal
@@ -25,11 +26,15 @@ from gpr20_common.high.graph_keeper import GraphKeeper
 from gpr20_common.low.links import NodeProbe
 from gpr20_common.low.thread_fault import end_with_thread
 from gpr20_common.message import Message
-from gpr20_common.mid.codec import record_from
+from gpr20_common.mid.codec import plain, record_from
+from gpr20_common.mid.node_facts import Hardware, own_software
 from gpr20_common.terminal_text import enable_line_buffering, say
+from gpr20_msgs.msg import NodeDescription
 
 # A node of the same name that lives answers within this time [s].
 ANSWER_LIMIT_S = 1.0
+# The topic of what a node says about itself.
+DESCRIPTION = "description"
 POLL_S = 0.1
 # The other nodes of a launch fill a master that came back empty within this time [s].
 FILL_LIMIT_S = 10.0
@@ -59,6 +64,22 @@ def read_parameters(parameter_class: Type[Parameters], section: str) -> Paramete
         )
         raise ConfigurationError(gone, fault=OTHER_LAUNCH) from error
     return record_from(parameter_class, sections.get(section, {}), section)
+
+
+def publish_description(node: str, hardware: Hardware, parameters: Any) -> rospy.Publisher:
+    """Publish, latched, what a node below the robot's namespace is; the publisher must be kept."""
+    publisher = rospy.Publisher(f"~{DESCRIPTION}", NodeDescription, queue_size=1, latch=True)
+    publisher.publish(
+        NodeDescription(
+            node=node,
+            hardware=hardware.name,
+            simulated=hardware.simulated,
+            time_scale=hardware.time_scale,
+            configuration_json=json.dumps(plain(parameters)),
+            **dataclasses.asdict(own_software()),
+        )
+    )
+    return publisher
 
 
 def run_node(name: str, build: Callable[[], Any], needed: bool = True) -> None:

@@ -26,38 +26,26 @@ class Periodic:
         self._period_s = period_s
         self._action = action
         self._name = getattr(action, "__qualname__", repr(action))
-        self._changed = threading.Condition()
-        self._ended = False
+        self._ended = threading.Event()
         self._thread = threading.Thread(target=self._repeat, name=self._name, daemon=True)
         self._thread.start()
         rospy.on_shutdown(self.stop)
 
-    def set_period(self, period_s: float) -> None:
-        """Change the time from the last call to the next, and between all that follow [s]."""
-        with self._changed:
-            self._period_s = period_s
-            self._changed.notify_all()
-
     def stop(self) -> None:
         """Return when no call is under way and none will come."""
-        with self._changed:
-            self._ended = True
-            self._changed.notify_all()
+        self._ended.set()
         if threading.current_thread() is not self._thread:
             self._thread.join(STOP_LIMIT_S)
 
     def _repeat(self) -> None:
         due_s, logged_s = time.monotonic(), -math.inf
-        while not self._ended:
+        while not self._ended.wait(max(0.0, due_s - time.monotonic())):
+            # Calls that were missed are left out, not made up for in a burst.
+            late = time.monotonic() - due_s >= self._period_s
+            due_s = (time.monotonic() if late else due_s) + self._period_s
             try:
                 self._action()
             except Exception:  # the next call is independent of it
-                if due_s - logged_s >= LOG_PERIOD_S:
-                    logged_s = due_s
+                if time.monotonic() - logged_s >= LOG_PERIOD_S:
+                    logged_s = time.monotonic()
                     log_fault(self._name)
-            with self._changed:
-                while not self._ended and time.monotonic() < due_s + self._period_s:
-                    self._changed.wait(due_s + self._period_s - time.monotonic())
-                # Calls that were missed are left out, not made up for in a burst.
-                late = time.monotonic() >= due_s + 2.0 * self._period_s
-                due_s = time.monotonic() if late else due_s + self._period_s

@@ -7,8 +7,6 @@ import socket
 import struct
 import threading
 import time
-from concurrent.futures import Future
-from concurrent.futures import TimeoutError as FutureTimeout
 from typing import Any, Dict, List, Optional
 
 import genpy
@@ -28,8 +26,6 @@ RETRY_S = 0.3
 # hangs waits for longer before it starts (`node.ANSWER_LIMIT_S`), so the process that answered is
 # still the one that offers the service; after that the master is asked.
 REUSE_S = 0.8
-# A request whose delivery counts more than its answer waits for so long for a node that hangs [s].
-LATE_LIMIT_S = 900.0
 # SO_LINGER: on, for 0 s. Closing then discards what was not delivered yet.
 DISCARD = struct.pack("ii", 1, 0)
 LENGTH = struct.Struct("<I")
@@ -39,8 +35,7 @@ PIECE_BYTES = 1 << 16
 # Why there is no connection.
 NOT_CONNECTED = (*NO_ANSWER, rospy.ROSException, network.ROSHandshakeException)
 # Why there is no answer.
-TIMED_OUT = (socket.timeout, FutureTimeout)
-FAILURES = (*NOT_CONNECTED, *TIMED_OUT, rospy.ServiceException, genpy.MessageException)
+FAILURES = (*NOT_CONNECTED, rospy.ServiceException, genpy.MessageException)
 GIVEN_UP = "the call was given up"
 
 
@@ -56,9 +51,7 @@ class ServiceConnection:
     would be carried out minutes later. `abort` discards it.
     """
 
-    def __init__(
-        self, uri: str, header: Dict[str, str], deadline_s: float, answer_deadline_s: float
-    ) -> None:
+    def __init__(self, uri: str, header: Dict[str, str], deadline_s: float) -> None:
         """Connect, and have the node accept it in time, or raise what `NOT_CONNECTED` has."""
         address = rospy.core.parse_rosrpc_uri(uri)
         self._socket = socket.create_connection(address, _remaining_s(deadline_s))
@@ -66,8 +59,8 @@ class ServiceConnection:
             # Small messages must not wait for the acknowledgement of earlier ones.
             self._socket.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
             self._socket.sendall(network.encode_ros_handshake_header(header))
-            (length,) = LENGTH.unpack(self._receive(LENGTH.size, answer_deadline_s))
-            answer = LENGTH.pack(length) + self._receive(length, answer_deadline_s)
+            (length,) = LENGTH.unpack(self._receive(LENGTH.size, deadline_s))
+            answer = LENGTH.pack(length) + self._receive(length, deadline_s)
             found = network.decode_ros_handshake_header(answer)
             if "error" in found:
                 raise rospy.ROSException(found["error"])
@@ -122,17 +115,13 @@ class ServiceConnection:
 class ServiceClient:
     """One service of another node; several threads may call it at once."""
 
-    def __init__(
-        self, name: str, service_class: Any, discard_late: bool = True, keep_open: bool = False
-    ) -> None:
+    def __init__(self, name: str, service_class: Any, keep_open: bool = False) -> None:
         """Connect to nothing yet; the name is relative to this node's namespace.
 
-        `discard_late` discards a request that is not delivered in time. With `keep_open` calls that
-        soon follow each other use one connection; a node that hung may then carry out what was
-        given up: not for requests that move anything.
+        With `keep_open` calls that soon follow each other use one connection; a node that hung may
+        then carry out what was given up: not for requests that move anything.
         """
         self.name = name
-        self._discard_late = discard_late
         self._keep_open = keep_open
         self._service_class = service_class
         self._given_up = threading.Event()
@@ -145,16 +134,15 @@ class ServiceClient:
         """
         kind = self._service_class
         message = rospy.msg.args_kwds_to_message(kind._request_class, request, fields)
-        make = self._make if self._discard_late else self._deliver
         try:
-            return deserialized(kind._response_class, make(message, timeout_s))
+            return deserialized(kind._response_class, self._make(message, timeout_s))
         except FAILURES as error:
             text = Message(
                 "the service {service} could not be called; check that its node is running",
                 service=self.name,
                 details=error,
             )
-            if isinstance(error, TIMED_OUT):
+            if isinstance(error, socket.timeout):
                 text = Message(
                     "the service {service} did not answer within {limit_s:g} s; check that its "
                     "node is running and not hung",
@@ -167,7 +155,7 @@ class ServiceClient:
         """Connect now, so that a call that follows soon need not; for a client with `keep_open`."""
         deadline_s = time.monotonic() + timeout_s
         with contextlib.suppress(*NOT_CONNECTED):  # the call finds out why
-            connection = self._take_kept() or self._connect(deadline_s, deadline_s, self._given_up)
+            connection = self._take_kept() or self._connect(deadline_s, self._given_up)
             self._kept.append(connection)
 
     def give_up(self) -> None:
@@ -175,28 +163,13 @@ class ServiceClient:
         given_up, self._given_up = self._given_up, threading.Event()
         given_up.set()
 
-    def _deliver(self, request: genpy.Message, timeout_s: float) -> bytes:
-        """Make a call that continues in a thread of its own when its time limit is over."""
-        answer: Future = Future()
-
-        def make() -> None:
-            try:
-                answer.set_result(self._make(request, timeout_s, LATE_LIMIT_S))
-            except Exception as error:  # raised again below
-                answer.set_exception(error)
-
-        # Being a daemon it ends with the node, whatever it waits for.
-        threading.Thread(target=make, daemon=True).start()
-        return bytes(answer.result(timeout_s))
-
-    def _make(self, request: genpy.Message, timeout_s: float, late_s: float = 0.0) -> bytes:
+    def _make(self, request: genpy.Message, timeout_s: float) -> bytes:
         given_up, deadline_s = self._given_up, time.monotonic() + timeout_s
-        answer_deadline_s = deadline_s + late_s
-        connection = self._take_kept() or self._connect(deadline_s, answer_deadline_s, given_up)
+        connection = self._take_kept() or self._connect(deadline_s, given_up)
         try:
             if given_up.is_set():
                 raise rospy.ROSException(GIVEN_UP)
-            response = connection.call(request, answer_deadline_s)
+            response = connection.call(request, deadline_s)
         except BaseException:
             connection.abort()
             raise
@@ -215,9 +188,7 @@ class ServiceClient:
                 kept.close()
         return None
 
-    def _connect(
-        self, deadline_s: float, answer_deadline_s: float, given_up: threading.Event
-    ) -> ServiceConnection:
+    def _connect(self, deadline_s: float, given_up: threading.Event) -> ServiceConnection:
         """Connect to the service; its node may be starting."""
         header = {
             "service": rospy.resolve_name(self.name),
@@ -230,7 +201,7 @@ class ServiceClient:
         while True:
             try:
                 uri = self._look_up(attempt, _remaining_s(deadline_s))
-                return ServiceConnection(uri, header, deadline_s, answer_deadline_s)
+                return ServiceConnection(uri, header, deadline_s)
             except NOT_CONNECTED as error:
                 if given_up.is_set() or rospy.is_shutdown():
                     raise rospy.ROSException(GIVEN_UP) from error

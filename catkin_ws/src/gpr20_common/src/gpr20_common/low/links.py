@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import contextlib
 import socket
-import struct
 import xmlrpc.client
 from http.client import HTTPConnection, HTTPException
 from typing import Any, Optional, Type
@@ -22,10 +21,6 @@ PROBE_PERIOD_S = 1
 # As many unanswered probes as Linux allows end the connection, after two minutes as in rospy:
 # until then a cable that is plugged in again finds it alive.
 MOST_PROBES = 127
-# struct tcp_info of <linux/tcp.h>: when data and when an acknowledgement came last [ms ago].
-TCP_INFO_BYTES = 104
-LAST_RECEIVED = struct.Struct("=II")
-LAST_RECEIVED_OFFSET = 52
 
 
 def limited_server(uri: str, time_limit_s: float) -> xmlrpc.client.ServerProxy:
@@ -115,9 +110,3 @@ def end_when_broken(connection: socket.socket, limit_s: float) -> None:
     """
     keep_alive(connection)
     connection.setsockopt(socket.IPPROTO_TCP, socket.TCP_USER_TIMEOUT, round(1e3 * limit_s))
-
-
-def silence_s(connection: socket.socket) -> float:
-    """Return how long ago anything came from the other end [s]."""
-    info = connection.getsockopt(socket.IPPROTO_TCP, socket.TCP_INFO, TCP_INFO_BYTES)
-    return min(LAST_RECEIVED.unpack_from(info, LAST_RECEIVED_OFFSET)) * 1e-3

@@ -11,8 +11,7 @@ from sensor_msgs.msg import Range
 
 from gpr20_common.high import diagnostics
 from gpr20_common.high.answers import advertise, message_fields
-from gpr20_common.high.description import publish_description
-from gpr20_common.high.node import read_parameters, run_node
+from gpr20_common.high.node import publish_description, read_parameters, run_node
 from gpr20_common.high.periodic import Periodic
 from gpr20_common.high.raw_message import ros_time
 from gpr20_common.low.clock import Clock
@@ -20,8 +19,7 @@ from gpr20_common.message import Message
 from gpr20_common.mid.node_facts import Hardware
 from gpr20_height_sensor.faults import HeightError, HeightStoppedError
 from gpr20_height_sensor.low.adc_interface import AdcInterface, SpiBus, open_spi_bus
-from gpr20_height_sensor.mid.height_driver import HeightDriver, HeightMeasurement
-from gpr20_height_sensor.mid.height_parameters import HeightParameters
+from gpr20_height_sensor.mid.height_driver import HeightDriver, HeightMeasurement, HeightParameters
 from gpr20_msgs.srv import GetHeight, GetHeightRequest, GetHeightResponse
 from gpr20_survey.axes.axis_id import HEIGHT_SENSOR_LINK
 from gpr20_survey.faults import HEIGHT_NOT_MEASURED

@@ -8,9 +8,8 @@ import rospy
 
 from gpr20_analysis.high.candidate_topics import CandidateTopics
 from gpr20_common.high.answers import advertise, fields_of, message_fields
-from gpr20_common.high.description import publish_description
 from gpr20_common.high.diagnostics import OK, WARN, Diagnostics, Health
-from gpr20_common.high.node import read_parameters, run_node
+from gpr20_common.high.node import publish_description, read_parameters, run_node
 from gpr20_common.message import Message
 from gpr20_common.mid.node_facts import NO_HARDWARE
 from gpr20_imaging.high.export_notes import ExportNotes

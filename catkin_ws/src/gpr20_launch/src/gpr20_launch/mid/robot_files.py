@@ -12,7 +12,7 @@ from gpr20_common.faults import CONFIGURATION
 from gpr20_common.low.yaml_file import YamlFileError, read_yaml
 from gpr20_common.message import Message
 from gpr20_common.mid.codec import record_from
-from gpr20_height_sensor.mid.height_parameters import HeightParameters
+from gpr20_height_sensor.mid.height_driver import HeightParameters
 from gpr20_launch.errors import ConfigurationError
 from gpr20_launch.mid import hints
 from gpr20_launch.mid.axis_checks import impossible_values

@@ -10,7 +10,6 @@ import rospy
 
 from gpr20_common.high import diagnostics
 from gpr20_common.high.answers import advertise, message_fields
-from gpr20_common.high.description import show_parameters
 from gpr20_common.high.node import read_parameters, run_node
 from gpr20_common.high.periodic import Periodic
 from gpr20_common.low.clock import Clock
@@ -230,7 +229,6 @@ def build_main_control_node() -> MainControlNode:
     )
     node = MainControlNode(control, robot, status, topics, sensors)
     own = {**plain(settings), **asdict(limits)}
-    show_parameters({**own, "site": asdict(description.site)})
     description.note(NodeDescription(NODE, NO_HARDWARE, own, own_software()))
     descriptions.listen(description.note)
     return node

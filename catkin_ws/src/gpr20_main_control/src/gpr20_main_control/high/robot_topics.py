@@ -12,8 +12,8 @@ from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.faults import CONFIGURATION
 from gpr20_common.high.answers import message_fields
-from gpr20_common.high.description import TOPIC
 from gpr20_common.high.diagnostics import FAULT, PERIOD_S
+from gpr20_common.high.node import DESCRIPTION
 from gpr20_common.high.periodic import Periodic
 from gpr20_common.high.raw_message import connection_header
 from gpr20_common.low.clock import Clock
@@ -60,7 +60,7 @@ class DescriptionTopics:
                     note(replace(NodeDescription.from_fields(message), node=node))
 
             self._subscribers.append(
-                rospy.Subscriber(f"{node}/{TOPIC}", NodeDescriptionMessage, receive)
+                rospy.Subscriber(f"{node}/{DESCRIPTION}", NodeDescriptionMessage, receive)
             )
 
     def publish(self, robot: DescribedRobot) -> None:

@@ -77,8 +77,13 @@ def parameters(message: SurveyParametersMessage) -> SurveyParameters:
 
 def control_state(message: ControlStatus) -> ControlState:
     """Convert `control_status`."""
-    code = SurveyState(message.code)
-    return ControlState(code, message_from(message), message.survey_id, message.simulated)
+    return ControlState(
+        code=SurveyState(message.code),
+        message=message_from(message),
+        survey_id=message.survey_id,
+        simulated=message.simulated,
+        end=SurveyState(message.end),
+    )
 
 
 def progress(message: SurveyData) -> Progress:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import threading
 from functools import partial
-from typing import Any, Callable
+from typing import Any, Callable, Optional
 
 import rosgraph
 import rospy
@@ -26,10 +26,7 @@ STOP_RETRIES_S = 900.0
 class DirectServiceClient(ServiceClient):
     """Remembers the address of a service: STOP must work while the master is away."""
 
-    def __init__(self, name: str, service_class: Any) -> None:
-        # A STOP that arrives late is still wanted.
-        super().__init__(name, service_class, discard_late=False)
-        self._address = ""
+    _address = ""
 
     def remember(self) -> None:
         """Ask the master for the address; a service that is not there has its last one.
@@ -52,6 +49,52 @@ class DirectServiceClient(ServiceClient):
         return super()._look_up(attempt, limit_s)
 
 
+class _Stop:
+    """One that is asked to stop, and again until it answers.
+
+    Args:
+        name: Its service.
+        emit: Takes an event of the first attempt, and of the answer that comes later.
+        event: Returns that event, of the response, or of None and why there is none.
+        obsolete: Set when no request is to be repeated any more.
+    """
+
+    def __init__(
+        self,
+        name: str,
+        emit: Callable[[Any], None],
+        event: Callable[[Any, Optional[ServiceUnavailableError]], Any],
+        obsolete: threading.Event,
+    ) -> None:
+        self.service = DirectServiceClient(name, Command)
+        self._emit, self._event, self._obsolete = emit, event, obsolete
+        self._repeating = threading.Lock()
+        self._clock = Clock()
+
+    def ask(self) -> None:
+        # One thread that repeats it is enough, however often STOP is pressed.
+        if self._attempt() or not self._repeating.acquire(blocking=False):
+            return
+        try:
+            end_s = self._clock.now_s() + STOP_RETRIES_S
+            while self._clock.now_s() < end_s:
+                if self._clock.wait_s(self._obsolete, STOP_RETRY_S) or self._attempt(again=True):
+                    return
+        finally:
+            self._repeating.release()
+
+    def _attempt(self, again: bool = False) -> bool:
+        try:
+            response = self.service.call(STOP_TIMEOUT_S)
+        except ServiceUnavailableError as error:
+            rospy.logwarn_throttle(10.0, f"STOP is not answered: {error}")
+            if not again:
+                self._emit(self._event(None, error))
+            return False
+        self._emit(self._event(response, None))
+        return True
+
+
 class RobotStop:
     """Stops whatever moves, whoever moves it.
 
@@ -62,64 +105,35 @@ class RobotStop:
     """
 
     def __init__(self, emit: Callable[[Any], None]) -> None:
-        self._emit = emit
-        self._axes = {
-            axis: DirectServiceClient(f"{axis.value}_axis/stop", Command) for axis in AxisId
-        }
-        self._control = DirectServiceClient("stop_survey", Command)
-        self._repeating = threading.Lock()
         self._obsolete = threading.Event()
-        self._clock = Clock()
+        names = {f"{axis.value}_axis/stop": partial(_axis_answer, axis) for axis in AxisId}
+        # The axes first: the main control may be what hangs.
+        events = {**names, "stop_survey": _control_answer}
+        self._stops = [_Stop(name, emit, event, self._obsolete) for name, event in events.items()]
 
     def remember(self) -> None:
         """Ask the master where to stop the robot; raises as `DirectServiceClient.remember`."""
-        for service in (*self._axes.values(), self._control):
-            service.remember()
+        for one in self._stops:
+            one.service.remember()
 
     def press(self) -> None:
-        """Ask all of them, the main control again until it answers; the answers are events."""
+        """Ask all of them, each again until it answers; the answers are events."""
         self._obsolete.clear()
-        # First, and not after the main control: it may be what hangs.
-        for axis in AxisId:
-            in_background(partial(self._stop_axis, axis))
-        in_background(self._stop_survey)
+        for one in self._stops:
+            in_background(one.ask)
 
     def forget(self) -> None:
         """Repeat no request: the operator has started something since, or the window closes."""
         self._obsolete.set()
 
-    def _stop_axis(self, axis: AxisId) -> None:
-        try:
-            answered = bool(self._axes[axis].call(STOP_TIMEOUT_S).success)
-        except ServiceUnavailableError as error:
-            rospy.logwarn("the %s axis does not answer STOP: %s", axis.value, error)
-            answered = False
-        self._emit(AxisStopAnswer(axis, answered))
 
-    def _stop_survey(self) -> None:
-        try:
-            self._emit(self._answer())
-        except ServiceUnavailableError as error:
-            self._emit(Answer(Request.STOP, False, no_answer(CONTROL_SILENT, error), contact=False))
-            self._repeat()
+def _axis_answer(
+    axis: AxisId, response: Any, _error: Optional[ServiceUnavailableError]
+) -> AxisStopAnswer:
+    return AxisStopAnswer(axis, response is not None and bool(response.success))
 
-    def _repeat(self) -> None:
-        # One thread is enough, however often STOP is pressed.
-        if not self._repeating.acquire(blocking=False):
-            return
-        try:
-            end_s = self._clock.now_s() + STOP_RETRIES_S
-            while self._clock.now_s() < end_s:
-                if self._clock.wait_s(self._obsolete, STOP_RETRY_S):
-                    return
-                try:
-                    self._emit(self._answer())
-                    return
-                except ServiceUnavailableError as error:
-                    rospy.logwarn_throttle(10.0, f"STOP is not answered: {error}")
-        finally:
-            self._repeating.release()
 
-    def _answer(self) -> Answer:
-        response = self._control.call(STOP_TIMEOUT_S)
-        return Answer(Request.STOP, response.success, message_from(response))
+def _control_answer(response: Any, error: Optional[ServiceUnavailableError]) -> Answer:
+    if error is not None:
+        return Answer(Request.STOP, False, no_answer(CONTROL_SILENT, error), contact=False)
+    return Answer(Request.STOP, response.success, message_from(response))

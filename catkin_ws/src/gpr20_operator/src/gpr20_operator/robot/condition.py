@@ -114,7 +114,8 @@ _KEPT = (JobLevel.PAUSED, JobLevel.FAULT)
 
 
 def _usual(snapshot: Snapshot) -> _Usual:
-    return _USUAL.get(snapshot.code, _Usual(JobLevel.REST))
+    shown = None if snapshot.state is None else snapshot.state.shown
+    return _USUAL.get(shown, _Usual(JobLevel.REST))
 
 
 def condition_of(snapshot: Snapshot) -> Condition:
@@ -213,7 +214,7 @@ def _of_state(snapshot: Snapshot) -> Condition:
     level = _usual(snapshot).level
     title, message = NO_CONTACT, Message("Waiting for the robot.")
     if state is not None:
-        title, message = state.code.label, state.message
+        title, message = state.shown.label, state.message
     if percent is not None:
         title = Message("{state} {percent} %", state=title, percent=percent)
     if state is not None and state.is_fault:

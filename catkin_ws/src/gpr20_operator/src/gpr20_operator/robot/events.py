@@ -18,7 +18,7 @@ from gpr20_survey.plan.survey_parameters import (
     SurveySettings,
     Travel,
 )
-from gpr20_survey.plan.survey_state import SurveyState
+from gpr20_survey.plan.survey_state import ENDED, SurveyState
 
 
 @dataclass(frozen=True)
@@ -62,13 +62,19 @@ class ControlState:
     simulated: bool
     # Whether this is the recorded status of a replay.
     replay: bool = False
+    # How the survey ended, until the next one begins; IDLE: it has not.
+    end: SurveyState = SurveyState.IDLE
+
+    @property
+    def shown(self) -> SurveyState:
+        """The state, or how the survey ended after which another plan was set."""
+        return self.end if self.code is SurveyState.CONFIGURED and self.end in ENDED else self.code
 
     @property
     def title(self) -> Message:
-        """The state in a word; that of a replay says so."""
-        if self.replay:
-            return Message("REPLAY: {state}", state=self.code.label)
-        return self.code.label
+        """What is shown, in a word; that of a replay says so."""
+        label = self.shown.label
+        return Message("REPLAY: {state}", state=label) if self.replay else label
 
     @property
     def reason(self) -> Message:

@@ -27,7 +27,7 @@ def progress_of(snapshot: Snapshot) -> Optional[Progress]:
         return None
     if progress.survey_id != state.survey_id:
         return None
-    return progress if snapshot.running or state.code in ENDED else None
+    return progress if snapshot.running or state.shown in ENDED else None
 
 
 def line_of(snapshot: Snapshot) -> Optional[Message]:
@@ -95,7 +95,7 @@ class JobScreen:
             self._left = ""
             self.visible = True
         else:
-            self.visible = state.code in ENDED and state.survey_id != self._left
+            self.visible = state.shown in ENDED and state.survey_id != self._left
 
     def leave(self, snapshot: Snapshot) -> None:
         """Note that the operator plans the next survey; not while one is running."""

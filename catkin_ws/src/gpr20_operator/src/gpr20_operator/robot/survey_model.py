@@ -133,7 +133,7 @@ class SurveyModel:
             self._changed_s = self._progressed_s = now_s
         if event.code in RUNNING:
             self._interrupted = False
-        elif before in RUNNING and event.code not in ENDED:
+        elif before in RUNNING and event.shown not in ENDED:
             # No survey leads back to IDLE: the main control was restarted and has none.
             self._interrupted = True
         self._state = event

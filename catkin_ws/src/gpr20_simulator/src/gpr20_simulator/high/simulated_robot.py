@@ -1,27 +1,50 @@
-"""What every simulated part of the robot needs: the shared state, the scene and the clock."""
+"""The simulated parts of the robot: what they share, and the drivers' own nodes on them."""
 
 from __future__ import annotations
 
 import hashlib
 import os
+import time
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Optional
 
 import rospy
 
-from gpr20_common.high.node import read_parameters
+from gpr20_axis_driver.high.axis_node import AxisNode, build_pin_axis, run_axis
+from gpr20_common.faults import OTHER_LAUNCH
+from gpr20_common.high.node import read_parameters, run_node
+from gpr20_common.message import Message
 from gpr20_common.mid.node_facts import Hardware
+from gpr20_height_sensor.high import height_node
+from gpr20_height_sensor.mid.height_driver import HeightParameters
 from gpr20_simulator.low.scaled_clock import ScaledClock
 from gpr20_simulator.low.shared_state import (
     SharedState,
     open_shared_state,
     remove_stale_states,
 )
-from gpr20_simulator.mid.carriage import start_steps
+from gpr20_simulator.mid.carriage import (
+    SimulatedHardware,
+    carriage_position,
+    mechanics_of,
+    start_steps,
+)
 from gpr20_simulator.mid.simulator_parameters import SimulatorParameters
+from gpr20_simulator.mid.world.ground import Ground
+from gpr20_simulator.mid.world.range_sensor import RangeSensor, SimulatedSpi
 from gpr20_simulator.mid.world.scene import Scene, read_scene
+from gpr20_survey.axes.axis_id import AxisId
+from gpr20_survey.axes.axis_parameters import AxisParameters
+from gpr20_vna_acquisition.errors import VnaConnectionError
+from gpr20_vna_acquisition.high import vna_node
+from gpr20_vna_acquisition.mid.vna_parameters import VnaParameters
 
 SHARED_MEMORY = Path("/dev/shm")
+LOOPBACK = "127."
+# The simulator may still be starting when the first connection is asked for.
+PORT_LIMIT_S = 5.0
+PORT_POLL_S = 0.02
 
 
 @dataclass(frozen=True)
@@ -79,3 +102,93 @@ def shared_state_path(robot_namespace: str) -> Path:
     name = hashlib.sha256(f"{run_id} {robot_namespace.rstrip('/')}".encode()).hexdigest()[:32]
     # A folder for each user: nobody can be kept out, or let in, by another one.
     return SHARED_MEMORY / f"gpr20-{os.getuid()}" / name
+
+
+def run_simulated_axis() -> None:
+    """Run one axis of the simulated robot; the name of its group, such as x_axis, says which."""
+    run_axis(build_simulated_axis)
+
+
+def build_simulated_axis(axis_id: AxisId, parameters: AxisParameters) -> AxisNode:
+    """Build the node of an axis whose pins move the simulated carriage."""
+    robot_namespace = rospy.get_namespace().rstrip("/").rsplit("/", 1)[0] + "/"
+    part = open_simulated_part(robot_namespace)
+    # As on the robot, an axis with an endstop does not know where it is before it is homed.
+    first_steps = None if parameters.finds_zero else part.state.steps(axis_id)
+    hardware = SimulatedHardware(
+        parameters,
+        shared_state_path(robot_namespace),
+        axis_id,
+        mechanics_of(part.scene.robot, axis_id),
+        part.clock.factor,
+        first_steps,
+    )
+    return build_pin_axis(axis_id, hardware)
+
+
+def run_simulated_height() -> None:
+    """Run the height sensor of the simulated robot."""
+    run_node(
+        height_node.NODE,
+        lambda: build_simulated_height(read_parameters(HeightParameters, height_node.NODE)),
+    )
+
+
+def build_simulated_height(parameters: HeightParameters) -> height_node.HeightNode:
+    """Build the real node over a converter that sees the true height of the antennas."""
+    part = open_simulated_part(rospy.get_namespace())
+    ground = Ground(part.scene)
+
+    def true_height_m() -> float:
+        position = carriage_position(part.state, part.scene.robot)
+        return ground.antenna_height_m(position.x_mm, position.y_mm)
+
+    sensor = RangeSensor(part.scene.adc, true_height_m, lambda: part.state.adc_fault)
+    return height_node.build_height_node(
+        parameters,
+        SimulatedSpi(sensor.code),
+        part.clock,
+        part.hardware("simulated GP2Y0A21YK0F on MCP3008"),
+    )
+
+
+def run_simulated_vna() -> None:
+    """Run the VNA driver of the simulated robot."""
+    run_node(
+        vna_node.NODE, lambda: build_simulated_vna(read_parameters(VnaParameters, vna_node.NODE))
+    )
+
+
+def simulated_port(state: SharedState) -> int:
+    """Return the port of the simulated instrument, waiting a bounded time for it to listen.
+
+    Raises:
+        VnaConnectionError: It does not listen.
+    """
+    deadline_s = time.monotonic() + PORT_LIMIT_S
+    while state.vna_port == 0 and time.monotonic() < deadline_s:
+        time.sleep(PORT_POLL_S)
+    if state.vna_port == 0:
+        raise VnaConnectionError(
+            Message(
+                "the simulated VNA does not listen after {limit_s:g} s; check that the simulator "
+                "is running",
+                limit_s=PORT_LIMIT_S,
+            ),
+            fault=OTHER_LAUNCH,
+        )
+    return state.vna_port
+
+
+def build_simulated_vna(parameters: VnaParameters) -> vna_node.VNANode:
+    """Build the real node; only the port of loopback addresses comes from the simulator."""
+    part = open_simulated_part(rospy.get_namespace())
+
+    def port_of(address: str) -> Optional[int]:
+        if address.startswith(LOOPBACK):
+            return simulated_port(part.state)
+        return parameters.vxi11_port or None
+
+    return vna_node.build_vna_node(
+        parameters, port_of, part.hardware(f"simulated {parameters.model}")
+    )

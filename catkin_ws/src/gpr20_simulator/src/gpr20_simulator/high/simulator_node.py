@@ -10,12 +10,10 @@ import rospy
 
 from gpr20_common.errors import os_reason
 from gpr20_common.high.answers import advertise, message_fields
-from gpr20_common.high.description import publish_description
 from gpr20_common.high.diagnostics import OK, WARN, Diagnostics, Health
-from gpr20_common.high.node import run_node
+from gpr20_common.high.node import publish_description, run_node
 from gpr20_common.message import Message
-from gpr20_simulator.errors import SimulatorError
-from gpr20_simulator.faults import FAULTS_SET
+from gpr20_simulator.faults import FAULTS_SET, SimulatorError
 from gpr20_simulator.high.simulated_robot import SimulatedPart, open_simulated_part
 from gpr20_simulator.low.vxi11_server import PORTMAPPER_PORT
 from gpr20_simulator.mid.analyzer.instrument import Capture

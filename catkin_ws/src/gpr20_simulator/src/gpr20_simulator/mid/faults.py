@@ -9,7 +9,7 @@ from typing import Callable, Dict, Optional, Set, Type
 
 from gpr20_common.message import Message
 from gpr20_common.mid.checks import number_between
-from gpr20_simulator.errors import FaultError
+from gpr20_simulator.faults import FaultError
 from gpr20_simulator.low.shared_state import AdcFault, EndstopFault, SharedState
 from gpr20_survey.axes.axis_id import AxisId
 

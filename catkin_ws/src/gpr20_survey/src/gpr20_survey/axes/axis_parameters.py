@@ -92,7 +92,7 @@ class AxisParameters:
         memory_file: Where the step count of an axis without endstop outlives the power;
             empty: it outlives the node, but not the power.
         controller: Class outside this software that moves the axis instead of the pins, such as
-            my_robot.grbl:GrblController (docs/extend/axis_controller.md); empty: the pins. The
+            my_robot.drive:LineController (docs/extend/axis_controller.md); empty: the pins. The
             simulated robot does not use it.
         controller_options: Arguments of that class, by name.
     """

@@ -278,8 +278,9 @@ class SurveyFollower:
                 self._end(ExitStatus.FAILED, self._replaced(state))
             return
         self._seen = True
-        if state.code in ENDED:
-            self._end(self._status_of_end(state.code), state.message)
+        if state.shown in ENDED:
+            said = state.message if state.code is state.shown else state.title
+            self._end(self._status_of_end(state.shown), said)
         elif state.code is SurveyState.PAUSED and self._leaves_paused:
             self._end(ExitStatus.PAUSED, state.message)
 

@@ -11,8 +11,7 @@ import rospy
 
 from gpr20_common.high import diagnostics
 from gpr20_common.high.answers import advertise, message_fields
-from gpr20_common.high.description import publish_description
-from gpr20_common.high.node import read_parameters, run_node
+from gpr20_common.high.node import publish_description, read_parameters, run_node
 from gpr20_common.high.periodic import Periodic
 from gpr20_common.high.raw_message import ros_time
 from gpr20_common.low.clock import Clock

@@ -13,10 +13,9 @@ from std_msgs.msg import String
 from gpr20_common.errors import os_reason
 from gpr20_common.faults import DISK_FULL, DISK_REFUSES, DISK_SLOW
 from gpr20_common.high.answers import advertise, fault_of, fields_of, message_fields, received
-from gpr20_common.high.description import publish_description
 from gpr20_common.high.diagnostics import ERROR, OK, WARN, Diagnostics, Health
 from gpr20_common.high.graph_keeper import subscriber_count
-from gpr20_common.high.node import read_parameters, run_node
+from gpr20_common.high.node import publish_description, read_parameters, run_node
 from gpr20_common.high.raw_message import deserialized, microseconds, preserialized, serialized
 from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message, in_a_row

@@ -13,9 +13,8 @@ import rospy
 
 from gpr20_common.catalogue import language_from_environment, read_catalogue
 from gpr20_common.high.answers import message_from
-from gpr20_common.high.description import publish_description
 from gpr20_common.high.diagnostics import OK, WARN, Diagnostics, Health
-from gpr20_common.high.node import read_parameters, run_node
+from gpr20_common.high.node import publish_description, read_parameters, run_node
 from gpr20_common.high.service_client import ServiceClient
 from gpr20_common.low.clock import Clock
 from gpr20_common.low.data_folder import data_folder

@@ -107,6 +107,6 @@ def _found(snapshot: Snapshot) -> Dict[Key, Occasion]:
         found[(state.code, state.survey_id, code, first)] = Occasion.FAULT
     elif state.code is SurveyState.PAUSED:
         found[(state.code, state.survey_id)] = Occasion.PAUSED
-    elif state.code is SurveyState.FINISHED:
-        found[(state.code, state.survey_id)] = Occasion.FINISHED
+    elif state.shown is SurveyState.FINISHED:
+        found[(state.shown, state.survey_id)] = Occasion.FINISHED
     return found

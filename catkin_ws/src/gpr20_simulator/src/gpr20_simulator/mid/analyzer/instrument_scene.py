@@ -8,7 +8,7 @@ from typing import Tuple
 
 from gpr20_common.message import Message
 from gpr20_common.mid.codec import bounded
-from gpr20_simulator.errors import SceneError
+from gpr20_simulator.faults import SceneError
 from gpr20_survey.plan.robot_description import SIMULATED_IDENTITY as SIMULATED
 
 NOT_CALIBRATED = 0

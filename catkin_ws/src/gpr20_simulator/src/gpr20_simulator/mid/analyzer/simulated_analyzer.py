@@ -7,7 +7,7 @@ from typing import Callable, Optional
 
 from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message
-from gpr20_simulator.errors import SimulatorError
+from gpr20_simulator.faults import SimulatorError
 from gpr20_simulator.low.vxi11_server import Vxi11Server
 from gpr20_simulator.mid.analyzer.instrument import Capture, SimulatedVna
 from gpr20_simulator.mid.analyzer.instrument_scene import InstrumentScene
