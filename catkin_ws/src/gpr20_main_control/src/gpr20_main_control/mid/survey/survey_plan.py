@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import json
 from dataclasses import dataclass, replace
-from itertools import accumulate
-from typing import Any, Dict, List, Optional, Sequence
+from typing import Any, Dict, List, Mapping, Optional, Sequence
 
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message
@@ -14,16 +13,16 @@ from gpr20_main_control import faults
 from gpr20_main_control.errors import RequestRefusedError
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.axes.axis_parameters import AxisParameters
+from gpr20_survey.faults import NO_PLAN
 from gpr20_survey.plan.annotation import EMPTY, Annotation
 from gpr20_survey.plan.recorded_plan import recorded_settings
 from gpr20_survey.plan.robot_description import RobotConfig
-from gpr20_survey.plan.sensors import SENSORS
 from gpr20_survey.plan.survey_cost import planned_times
 from gpr20_survey.plan.survey_parameters import SurveyParameters, SurveySettings, check
 from gpr20_survey.plan.survey_points import SurveyPoint, survey_points
 from gpr20_survey.results.reopened_survey import ReopenedSurvey
 from gpr20_survey.trace.sweep_settings import AnalyzerSettings, SweepSettings
-from gpr20_survey.trace.trace import Trace
+from gpr20_survey.trace.trace import SURVEY_ID, Trace
 
 # Keys of the description.
 PLAN_ID, PLAN_SET_BY = "plan_id", "plan_set_by"
@@ -72,18 +71,13 @@ class SurveyPlan:
     def sweep_settings(self) -> SweepSettings:
         """What each sweep covers, measured as the survey was measured so far."""
         wanted = self.parameters.sweep_settings
-        if self.reopened is None:
-            return wanted
-        recorded = recorded_settings(json.loads(self.reopened.metadata_json))
+        recorded = recorded_settings(self.metadata)
         return replace(wanted, analyzer=recorded) if recorded != AnalyzerSettings() else wanted
 
     @property
-    def recorded_sensors(self) -> Optional[List[Dict[str, Any]]]:
-        """The other sensors at the start of a survey that is resumed; None if not recorded."""
-        if self.reopened is None:
-            return None
-        found = json.loads(self.reopened.metadata_json).get(SENSORS)
-        return [one for one in found if isinstance(one, dict)] if isinstance(found, list) else []
+    def metadata(self) -> Mapping[str, Any]:
+        """What the log says of a survey that is resumed; nothing otherwise."""
+        return {} if self.reopened is None else json.loads(self.reopened.metadata_json)
 
     @property
     def total_points(self) -> int:
@@ -94,6 +88,25 @@ class SurveyPlan:
     def duration_s(self) -> float:
         """Duration of the whole survey [s]."""
         return sum(self.durations_s)
+
+    def prove(self, plan_id: str) -> None:
+        """Return if this is the plan of an id; an empty one means any plan.
+
+        Raises:
+            RequestRefusedError: It is another one.
+        """
+        present = self.parameters.plan_id
+        if plan_id not in ("", present):
+            raise RequestRefusedError(
+                Message(
+                    "START is for plan {requested}, but plan {present} is set, by {set_by}; "
+                    "set the plan again, then start",
+                    requested=repr(plan_id[:64]),
+                    set_by=self.set_by or "-",
+                    present=present,
+                ),
+                fault=NO_PLAN,
+            )
 
     @property
     def last(self) -> Optional[Trace]:
@@ -121,22 +134,6 @@ class SurveyPlan:
         """Durations of the points that are not on the disk yet, and of the end [s]."""
         at_end = self.durations_s[self.total_points :]
         return [*(self.durations_s[point.index] for point in self.pending), *at_end]
-
-
-class RemainingTime:
-    """Time to the end of a survey, from the plan and from the pace so far."""
-
-    def __init__(self, durations_s: Sequence[float]) -> None:
-        self._planned_s = [0.0, *accumulate(durations_s)]
-
-    def remaining_s(self, points_done: int, elapsed_s: float) -> float:
-        """Return the time to the end [s] after so many points in a time without pauses [s].
-
-        The rest of the plan is stretched by how much longer than planned the points so far took.
-        """
-        done_s = self._planned_s[points_done]
-        rest_s = self._planned_s[-1] - done_s
-        return rest_s * (elapsed_s / done_s) if done_s > 0.0 else rest_s
 
 
 def plan_survey(
@@ -175,8 +172,8 @@ def plan_resumption(
             ),
             fault=faults.RECORD_DAMAGED,
         )
-    set_by = str(json.loads(reopened.metadata_json).get(PLAN_SET_BY, ""))
-    return replace(plan, set_by=set_by, survey_id=reopened.survey_id, reopened=reopened)
+    plan = replace(plan, survey_id=reopened.survey_id, reopened=reopened)
+    return replace(plan, set_by=str(plan.metadata.get(PLAN_SET_BY, "")))
 
 
 def _resumable_parameters(reopened: ReopenedSurvey, config: RobotConfig) -> SurveyParameters:
@@ -199,22 +196,16 @@ def _resumable_parameters(reopened: ReopenedSurvey, config: RobotConfig) -> Surv
             fault=faults.RECORD_DAMAGED,
         ) from error
     if simulated is not config.simulated:
-        raise RequestRefusedError(_other_robot(reopened.path, config.simulated))
+        raise RequestRefusedError(
+            Message(
+                "the survey in {folder} was measured by a robot of another kind; a simulated robot "
+                "cannot resume a survey of the real one, nor the real one that of a simulated one",
+                folder=reopened.path,
+            ),
+            fault=faults.OTHER_ROBOT,
+        )
     _check_axes(axes, config, reopened.path)
     return parameters
-
-
-def _other_robot(folder: str, simulated: bool) -> Message:
-    if simulated:
-        return Message(
-            "the survey in {folder} was measured by the real robot; a simulated robot cannot "
-            "resume it",
-            folder=folder,
-        ).with_fault(faults.OTHER_ROBOT)
-    return Message(
-        "the survey in {folder} was measured by a simulated robot; the real robot cannot resume it",
-        folder=folder,
-    ).with_fault(faults.OTHER_ROBOT)
 
 
 def _check_axes(recorded: Dict[AxisId, AxisParameters], config: RobotConfig, folder: str) -> None:
@@ -235,3 +226,20 @@ def _check_axes(recorded: Dict[AxisId, AxisParameters], config: RobotConfig, fol
                     ),
                     fault=faults.OTHER_ROBOT,
                 )
+
+
+def checked_refines(survey_id: str) -> str:
+    """Return the id of the survey that another one refines; empty: none.
+
+    Raises:
+        InvalidValueError: It is no id.
+    """
+    if survey_id and not SURVEY_ID.fullmatch(survey_id):
+        raise InvalidValueError(
+            Message(
+                "refines is {survey}; it must be empty or a survey's id, a UUID in lower case "
+                "with hyphens",
+                survey=repr(survey_id[:64]),
+            )
+        )
+    return survey_id

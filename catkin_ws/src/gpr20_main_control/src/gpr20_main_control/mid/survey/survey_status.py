@@ -1,30 +1,33 @@
-"""The status of the main control, in one place."""
+"""The status of the main control, in one place, and the coverage of the survey that runs."""
 
 from __future__ import annotations
 
+import re
 import threading
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any, Callable, Dict, FrozenSet, Optional
+from typing import TYPE_CHECKING, Any, Callable, Dict, FrozenSet, Iterable, List, Optional, Tuple
 
 from gpr20_common.errors import Gpr20Error
 from gpr20_common.low.clock import time_of_day_us
 from gpr20_common.message import Message, in_a_row
-from gpr20_main_control.mid.survey.survey_coverage import Coverage
 from gpr20_survey.plan.survey_parameters import SurveyParameters
 from gpr20_survey.plan.survey_points import SurveyPoint
-from gpr20_survey.plan.survey_state import ENDED, SurveyState
+from gpr20_survey.plan.survey_state import ENDED, SampleState, SurveyState, Verdict, verdict
 
 if TYPE_CHECKING:  # the plan imports what shows itself by this status
     from gpr20_main_control.mid.survey.survey_plan import SurveyPlan
 
+RUN = re.compile(rb"(.)\1*", re.DOTALL)
 NO_PARAMETERS = Message("Set the parameters of a survey.")
 _S = SurveyState
 TRANSITIONS: Dict[SurveyState, FrozenSet[SurveyState]] = {
     # From rest to CHECKING without new parameters: a survey is resumed from its folder.
     _S.IDLE: frozenset([_S.CONFIGURED, _S.CHECKING]),
     _S.CONFIGURED: frozenset([_S.CONFIGURED, _S.CHECKING]),
-    # To FINISHED: a node was lost when everything was stored already.
-    _S.CHECKING: frozenset([_S.HOMING, _S.PAUSED, _S.STOPPING, _S.FINISHED, _S.FAILED]),
+    # To itself: another node was lost. To FINISHED: when everything was stored already.
+    _S.CHECKING: frozenset(
+        [_S.CHECKING, _S.HOMING, _S.PAUSED, _S.STOPPING, _S.FINISHED, _S.FAILED]
+    ),
     _S.HOMING: frozenset([_S.CHECKING, _S.SURVEYING, _S.PAUSED, _S.STOPPING, _S.FAILED]),
     # Back to CHECKING: a node was lost; the survey continues by itself when it is back.
     _S.SURVEYING: frozenset(
@@ -32,11 +35,69 @@ TRANSITIONS: Dict[SurveyState, FrozenSet[SurveyState]] = {
     ),
     _S.PAUSING: frozenset([_S.CHECKING, _S.PAUSED, _S.STOPPING, _S.FINISHED, _S.FAILED]),
     _S.PAUSED: frozenset([_S.CHECKING, _S.STOPPING, _S.FAILED]),
-    _S.STOPPING: frozenset([_S.STOPPED, _S.FAILED]),
+    # To FINISHED: the robot was shut down when everything was stored already.
+    _S.STOPPING: frozenset([_S.STOPPED, _S.FINISHED, _S.FAILED]),
     _S.FINISHED: frozenset([_S.CONFIGURED, _S.CHECKING]),
     _S.STOPPED: frozenset([_S.CONFIGURED, _S.CHECKING]),
     _S.FAILED: frozenset([_S.CONFIGURED, _S.CHECKING]),
 }
+
+
+class Coverage:
+    """The state of every planned sample, which counts as measured once it is stored durably."""
+
+    def __init__(
+        self,
+        planned: int,
+        stored: Iterable[int] = (),
+        on_change: Callable[[Coverage], None] = lambda _coverage: None,
+    ) -> None:
+        """Begin with what is stored; `on_change` is called with this object at every change."""
+        # One byte per sample: announcing a change must not take longer in a survey of many
+        # thousands.
+        self._states = bytearray(planned)
+        self._reasons: Dict[int, Message] = {}
+        self._on_change = on_change
+        for index in stored:
+            self._states[index] = SampleState.MEASURED
+
+    @property
+    def planned(self) -> int:
+        return len(self._states)
+
+    @property
+    def states(self) -> List[SampleState]:
+        """The state of each planned sample, in the order of the plan."""
+        return [SampleState(state) for state in self._states]
+
+    def runs(self) -> List[Tuple[int, SampleState]]:
+        """Return where in the plan each run of samples of one state begins, and that state."""
+        found = RUN.finditer(bytes(self._states))
+        return [(run.start(), SampleState(run[0][0])) for run in found]
+
+    @property
+    def reasons(self) -> Dict[int, Message]:
+        """Why samples failed, by their index in the plan."""
+        return dict(self._reasons)
+
+    def note_stored(self, index: int) -> None:
+        """Note that a sample is stored durably."""
+        self._states[index] = SampleState.MEASURED
+        self._reasons.pop(index, None)
+        self._on_change(self)
+
+    def note_failed(self, index: int, reason: Message) -> None:
+        """Note that a sample could not be measured, unless it is stored already."""
+        if self._states[index] != SampleState.MEASURED:
+            self._states[index] = SampleState.FAILED
+            self._reasons[index] = reason
+            self._on_change(self)
+
+    def verdict(self) -> Verdict:
+        """Return the coverage in one sentence; only a full one is called complete."""
+        failed = self._states.count(SampleState.FAILED)
+        missing = self._states.count(SampleState.NOT_VISITED)
+        return verdict(len(self._states), failed, missing)
 
 
 class TransitionError(Gpr20Error, RuntimeError):

@@ -8,7 +8,7 @@ from gpr20_common.message import Message
 from gpr20_main_control import faults
 from gpr20_main_control.errors import DeviceError
 from gpr20_main_control.mid.devices.robot import zeros_of
-from gpr20_main_control.mid.survey.repeats import KnownPoint
+from gpr20_main_control.mid.measured_again import KnownPoint
 from gpr20_survey.axes.axis_id import AxisId, ZeroEpoch, Zeros
 from gpr20_survey.axes.axis_parameters import AxisParameters
 from gpr20_survey.faults import OTHER_ZEROS
@@ -81,26 +81,23 @@ class ZeroRecord:
             raise DeviceError(_question(by_hand, agrees, point), fault=OTHER_ZEROS)
         self.used.append(UsedZeros(zeros, next_index, time, proof))
 
-    def changed(self, present: Zeros) -> Optional[Message]:
-        """Return which zeros are no longer those since the axes were homed; None if all are."""
-        if self._homed == present:
-            return None
-        pairs = zip(AxisId, self._homed, present)
-        return Message(
-            "the zero of the {axes} axis was found or set again by somebody else; resume the "
-            "survey to compare a known point",
-            axes=", ".join(axis_id.value for axis_id, one, other in pairs if one != other),
-        ).with_fault(faults.MOVED_BY_OTHERS)
-
     def check(self, present: Zeros) -> None:
         """Return if these are the zeros since the axes were homed.
 
         Raises:
             DeviceError: They are not.
         """
-        changed = self.changed(present)
-        if changed is not None:
-            raise DeviceError(changed)
+        if self._homed == present:
+            return
+        pairs = zip(AxisId, self._homed, present)
+        raise DeviceError(
+            Message(
+                "the zero of the {axes} axis was found or set again by somebody else; resume the "
+                "survey to compare a known point",
+                axes=", ".join(axis_id.value for axis_id, one, other in pairs if one != other),
+            ),
+            fault=faults.MOVED_BY_OTHERS,
+        )
 
     @property
     def remark(self) -> Tuple[str, ...]:
