@@ -306,8 +306,8 @@ class MainControl:
         except Gpr20Error as error:
             # Refused, so it must not stay open.
             refusal = Message("not resumed: {reason}", reason=error.message)
-            end = {"end": SurveyState.FAILED, "ended_us": time_of_day_us()}
-            status = Status(SurveyState.FAILED, refusal, reopened.survey_id, **end)
+            status = Status(SurveyState.CHECKING, survey_id=reopened.survey_id)
+            status = status.entered(SurveyState.FAILED, refusal, time_of_day_us())
             storage.close(reopened.survey_id, SurveyEnd("failed", refusal, status))
             raise
         pending, total = len(plan.pending), plan.total_points

@@ -222,44 +222,37 @@ class SurveyStatus:
         self.update(missing=missing)
 
     def set_plan(self, plan: SurveyPlan) -> None:
-        """Enter CONFIGURED, and announce the parameters of the next survey.
-
-        Raises:
-            TransitionError: A survey is running.
-        """
+        """Enter CONFIGURED, and announce the parameters of the next survey."""
         ready = Message("Ready for {count} traces", count=plan.total_points)
-        with self._lock:
-            self._change(self._planned(plan, SurveyState.CONFIGURED, ready))
+        self._show_plan(plan, SurveyState.CONFIGURED, ready)
 
     def begin_survey(self, plan: SurveyPlan) -> None:
-        """Enter CHECKING, and begin the progress of a survey, which may be stored in part.
-
-        Raises:
-            TransitionError: A survey is running.
-        """
-        with self._lock:
-            self._change(
-                replace(
-                    self._planned(plan, SurveyState.CHECKING, Message("Checking the robot")),
-                    survey_id=plan.survey_id,
-                    total_points=plan.total_points,
-                    visited_points=len(plan.stored_indices),
-                    remaining_s=sum(plan.pending_durations_s),
-                    warning=None,
-                    end=SurveyState.IDLE,
-                    ended_us=0,
-                )
-            )
+        """Enter CHECKING, and begin the progress of a survey, which may be stored in part."""
+        self._show_plan(
+            plan,
+            SurveyState.CHECKING,
+            Message("Checking the robot"),
+            survey_id=plan.survey_id,
+            total_points=plan.total_points,
+            visited_points=len(plan.stored_indices),
+            remaining_s=sum(plan.pending_durations_s),
+            warning=None,
+            end=SurveyState.IDLE,
+            ended_us=0,
+        )
 
     def show_coverage(self, coverage: Coverage) -> None:
         """Announce the state of each sample of the present survey."""
         self._on_coverage(coverage, self._status.survey_id)
 
-    def _planned(self, plan: SurveyPlan, state: SurveyState, message: Message) -> Status:
-        """Announce the parameters of a plan; return the status with it."""
-        planned = self._status.entered(state, message, 0)
-        self._on_parameters(plan.parameters)
-        return replace(planned, plan_id=plan.parameters.plan_id, plan_set_by=plan.set_by)
+    def _show_plan(
+        self, plan: SurveyPlan, state: SurveyState, message: Message, **changes: Any
+    ) -> None:
+        changes.update(plan_id=plan.parameters.plan_id, plan_set_by=plan.set_by)
+        with self._lock:
+            planned = replace(self._status.entered(state, message, 0), **changes)
+            self._on_parameters(plan.parameters)
+            self._change(planned)
 
     def _change(self, status: Status) -> None:
         before, self._status = self._status, status
