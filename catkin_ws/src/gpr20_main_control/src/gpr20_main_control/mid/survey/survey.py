@@ -8,7 +8,7 @@ from __future__ import annotations
 import contextlib
 import threading
 from dataclasses import asdict, dataclass
-from typing import List, Optional
+from typing import Optional
 
 from gpr20_common.faults import DISK_REFUSES, INTERNAL, PART_RED
 from gpr20_common.low.thread_fault import log_fault
@@ -67,22 +67,12 @@ SHUT_DOWN = Message(
 
 
 class Survey:
-    """One survey; `run` is the body of its thread.
+    """One survey; `run` is the body of its thread. Its parts are attributes, for each other.
 
     Attributes:
-        plan: What is measured.
-        robot: The parts of the robot.
-        status: What is shown of the survey.
         interruption: What ends its waits.
-        clock: The clock of its waits.
-        positioner: Its axes.
         waits: Shows what takes longer than expected.
-        coverage: The state of each planned sample.
-        report: What is stored about it beside its traces.
-        analyzers: With which analyzers it is measured, a part of the report.
-        zeros: To which zeros of the axes its traces refer, a part of the report.
-        clock_steps: Notices that the computer's clock was set.
-        archive: Stores it.
+        report: What is stored about it beside its traces; analyzers and zeros are parts of that.
         pause_requested: Set when it pauses before the next point.
     """
 
@@ -254,9 +244,7 @@ class Survey:
     def _wait_for_return(self, lost: Message) -> None:
         """Stop all motion and return when all nodes answer.
 
-        Raises:
-            NodeLostError: They do not come back, or are lost repeatedly.
-            StopRequested: A stop of the survey was requested.
+        A NodeLostError says that they do not come back, or are lost repeatedly.
         """
         self.positioner.stop()
         waiting = Message(
@@ -298,11 +286,7 @@ class Survey:
         self._recoveries += 1
 
     def _close_finished(self, check: Check) -> None:
-        """Close the survey, all traces of which are stored.
-
-        Raises:
-            DeviceError: The storage failed.
-        """
+        """Close the survey, all traces of which are stored, unless the storage fails."""
         self.clock_steps.check()
         verdict = self.coverage.verdict()
         stored, total = self.archive.send_report(check, ended=True), self.plan.total_points
@@ -355,54 +339,46 @@ class Survey:
         if state is SurveyState.STOPPED:
             stopping = Message("Stopping: storing the measured traces")
             self.status.enter(SurveyState.STOPPING, stopping)
-        messages = [message]
         moving = self.positioner.wait_for_rest(limit_s)
-        if moving is not None:
-            messages.append(moving)
+        messages = [message] if moving is None else [message, moving]
         silent = Message(
             "the VNA did not answer within {limit_s:g} s at the survey's end", limit_s=limit_s
         )
         self._steps.resolve_unconfirmed(
             self.interruption.time_limit(limit_s, DeviceError(silent, fault=VNA_SILENT))
         )
-        storing = self._storage_limit(limit_s if leaving else self.plan.settings.return_limit_s)
-        if leaving and self._closed_if_stored(storing):
+        check = self._storage_limit(limit_s if leaving else self.plan.settings.return_limit_s)
+        if leaving and self._closed_if_stored(check):
             return
-        if self.archive.folder:
-            try:
+        try:
+            if self.archive.folder:
+                count = self._store_early(check, reopen=not leaving)
                 outcome = INTERRUPTED if leaving else state.name.lower()
-                self._close_early(state, outcome, messages, reason, storing)
+                self._close(state, outcome, in_a_row([*messages, count]), reason, check)
                 return
-            except Exception as error:
-                # Faults in the software too: the survey must not remain STOPPING for ever.
-                unfinished = Message(
-                    "the recordings could not be finished: {reason}", reason=message_of(error)
-                ).with_fault(CAN_RESUME)
-                # A storage that is shut down too closes the survey itself.
-                messages += [] if leaving else [unfinished]
+        except Exception as error:
+            # Faults in the software too: the survey must not remain STOPPING for ever.
+            unfinished = Message(
+                "the recordings could not be finished: {reason}", reason=message_of(error)
+            ).with_fault(CAN_RESUME)
+            # A storage that is shut down too closes the survey itself.
+            messages += [] if leaving else [unfinished]
         self.status.enter(state, in_a_row(messages))
 
-    def _close_early(
-        self,
-        state: SurveyState,
-        outcome: str,
-        messages: List[Message],
-        reason: Message,
-        check: Check,
-    ) -> None:
+    def _store_early(self, check: Check, reopen: bool) -> Message:
+        """Store what is measured; return how many traces are stored."""
         self.clock_steps.check()
-        if outcome != INTERRUPTED and self.robot.nodes.lost() is not None:
+        if reopen and self.robot.nodes.lost() is not None:
             # The storage may be one of them, and may have no open survey.
             self.archive.reopen(check)
         self.archive.queue.retry()
         self.archive.queue.wait_until_left(0, check)
-        count = Message(
+        return Message(
             "{stored} of {total} traces are stored",
             stored=self.archive.send_report(check, ended=True),
             total=self.plan.total_points,
             details=self.archive.folder,
         )
-        self._close(state, outcome, in_a_row([*messages, count]), reason, check)
 
     def _storage_limit(self, limit_s: float, stops: bool = False) -> Check:
         late = Message(
