@@ -129,14 +129,7 @@ class DailyCheck:
             interruption: What ends the step.
 
         Returns:
-            The verdict after the last part.
-
-        Raises:
-            RequestRefusedError: A part before is missing or too old, and nothing was swept; or the
-                analyzer was replaced since.
-            DeviceError: The analyzer or the disk failed; the step can be repeated.
-            StopRequested: A stop was requested; the step can be repeated.
-            InvalidValueError: The parts of the robot have not described themselves.
+            The verdict after the last part. A step that failed or was stopped can be repeated.
         """
         part = self._expected(step, client)
         self._sweep(part, self._robot.description.analyzer_address(), interruption)
@@ -198,12 +191,7 @@ class DailyCheck:
 
 
 def compared(check: Mapping[str, Any], figures: Figures, use: DataFolderUse) -> Verdict:
-    """Compare a check with those before of the same robot and sweep, and add it to them.
-
-    Raises:
-        SurveyRefusedError: It is not the data folder that was used before.
-        OSError: The disk refused.
-    """
+    """Compare a check with those before of the same robot and sweep, and add it to them."""
     DataFolder(use).check()
     path = use.path / HISTORY
     kind: Any = Figures

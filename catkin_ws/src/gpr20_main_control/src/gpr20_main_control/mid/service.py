@@ -116,11 +116,7 @@ class AxisMove:
 
 
 def axis_move(axis: str, action: int, distance: float) -> AxisMove:
-    """Return the request with these values.
-
-    Raises:
-        RequestRefusedError: They are not allowed.
-    """
+    """Return the request with these values, or refuse what is not allowed."""
     known = axis in [one.value for one in AxisId] and action in list(AxisAction)
     if not known or (action == AxisAction.JOG and not (math.isfinite(distance) and distance)):
         raise RequestRefusedError(
@@ -144,22 +140,11 @@ class AxisService:
         self._axis = robot.axes[move.axis]
         self._parameters = axis_parameters(move.axis, robot.description.nodes)
         self._leases = AxisLeases(robot.axes, interruption.attention)
-        self._positioner = Positioner(
-            {move.axis: self._axis},
-            {move.axis: self._parameters},
-            interruption,
-            robot.workers,
-            self._leases,
-        )
+        axes, parameters = {move.axis: self._axis}, {move.axis: self._parameters}
+        self._positioner = Positioner(axes, parameters, interruption, robot.workers, self._leases)
 
     def execute(self) -> Message:
-        """Carry out the request and return, when the axis is at rest, where it is.
-
-        Raises:
-            RequestRefusedError: It is not possible now; nothing moved.
-            DeviceError: The axis failed.
-            StopRequested: A stop was requested; the axis is at rest.
-        """
+        """Carry out the request and return, when the axis is at rest, where it is."""
         try:
             self._interruption.check()
             self._leases.ensure([self._axis_id])
@@ -207,11 +192,12 @@ class AxisService:
         if (target - reading.coordinate) * distance <= 0.0:
             raise RequestRefusedError(
                 Message(
-                    "the {axis} axis is at {coordinate:.6g} {unit}, the end of its range from "
-                    "{low:g} to {high:g} {unit}; move it the other way",
+                    "the {axis} axis is at {coordinate:.6g} {unit}; it goes from {low:g} to "
+                    "{high:g} {unit} in steps of {step:g} {unit}",
                     coordinate=reading.coordinate,
                     low=parameters.min_coord,
                     high=parameters.max_coord,
+                    step=parameters.step_size,
                     **place,
                 ),
                 fault=NOT_ALLOWED,
@@ -225,38 +211,26 @@ class AxisService:
             return moving
         reading, axis = self._axis.reading(), self._axis_id.value
         if reading is None or not reading.homed:
-            return Message("stopped; the {axis} axis is not homed", axis=axis).with_fault(
-                NOT_HOMED.as_note()
-            )
-        return Message(
-            "stopped; the {axis} axis is at {coordinate:.6g} {unit}",
-            axis=axis,
-            coordinate=reading.coordinate,
-            unit=self._axis_id.unit,
-        ).with_fault(ASKED_FOR)
+            stopped = Message("stopped; the {axis} axis is not homed", axis=axis)
+            return stopped.with_fault(NOT_HOMED.as_note())
+        place = {"axis": axis, "coordinate": reading.coordinate, "unit": self._axis_id.unit}
+        stopped = Message("stopped; the {axis} axis is at {coordinate:.6g} {unit}", **place)
+        return stopped.with_fault(ASKED_FOR)
 
 
 def jog_target(parameters: AxisParameters, coordinate: float, distance: float) -> float:
-    """Return where a jog ends: on a motor step, at least one away, within the axis [mm or deg]."""
-    low, high = parameters.min_coord, parameters.max_coord
-    lowest, highest = parameters.distance_steps(low), parameters.distance_steps(high)
+    """Return the motor step where a jog ends, within the axis [mm or deg]."""
+    wanted = max(parameters.min_coord, min(parameters.max_coord, coordinate + distance))
+    steps = parameters.distance_steps(wanted)
     # An end that is no motor step is not reached.
-    lowest += parameters.coordinate_of(lowest) < low
-    highest -= parameters.coordinate_of(highest) > high
-    # No farther than the whole axis: the steps of a huge distance need not be counted.
-    length = high - low
-    change = parameters.distance_steps(max(-length, min(length, distance)))
-    steps = parameters.distance_steps(coordinate) + (change or int(math.copysign(1, distance)))
-    return parameters.coordinate_of(max(lowest, min(highest, steps)))
+    steps -= parameters.coordinate_of(steps) > parameters.max_coord
+    steps += parameters.coordinate_of(steps) < parameters.min_coord
+    return parameters.coordinate_of(steps)
 
 
 @contextlib.contextmanager
 def analyzer_in_service(robot: Robot, interruption: Interruption) -> Iterator[Call]:
-    """Yield what makes a call to the analyzer, which a stop ends; release it afterwards.
-
-    Raises:
-        StopRequested: A stop was requested.
-    """
+    """Yield what makes a call to the analyzer, which a stop ends; release it afterwards."""
     try:
         yield lambda call: robot.analyzer_calls.call(call, interruption.check)
     except StopRequested as error:

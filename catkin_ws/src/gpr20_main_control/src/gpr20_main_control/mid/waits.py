@@ -84,23 +84,13 @@ class Interruption:
         self.stop.set()
 
     def check(self) -> None:
-        """Return if there is no reason to interrupt.
-
-        Raises:
-            StopRequested: A stop was requested.
-            NodeLostError: A node does not answer or was restarted.
-        """
+        """Raise StopRequested after a stop, NodeLostError if a node is lost or was restarted."""
         self.check_stop()
         if self._nodes is not None:
             self._nodes.check()
 
     def check_stop(self) -> None:
-        """Return unless a stop was requested.
-
-        Raises:
-            ShutDownRequested: The main control ends.
-            StopRequested: A stop was requested.
-        """
+        """Raise StopRequested after a stop, ShutDownRequested if the main control ends."""
         self.attention.look()
         if self._shutting_down:
             raise ShutDownRequested(Message("the robot is shut down"), fault=STOPPED)

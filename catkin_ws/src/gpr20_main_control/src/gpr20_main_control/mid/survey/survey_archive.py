@@ -73,11 +73,7 @@ class StorageQueue:
             self._changed.notify_all()
 
     def wait_until_left(self, traces: int, check: Check) -> None:
-        """Return when at most so many traces wait for the disk; `check` may end the wait.
-
-        Raises:
-            DeviceError: Storing has failed; the traces wait for `retry`.
-        """
+        """Return when at most so many traces wait for the disk, or raise a DeviceError."""
         with self._changed:
             while len(self._traces) > traces and self._failure is None:
                 check()
@@ -173,9 +169,6 @@ class SurveyArchive:
         """Make the survey's folder and begin its recordings, or reopen them.
 
         The storage may have been restarted since; reopening an open survey changes nothing.
-
-        Raises:
-            DeviceError: The disk has no room, or the folder cannot be made.
         """
         if self.folder:
             self.reopen(check)

@@ -81,20 +81,14 @@ class SurveyPlan:
 
     @property
     def total_points(self) -> int:
-        """Number of traces."""
         return len(self.points)
 
     @property
     def duration_s(self) -> float:
-        """Duration of the whole survey [s]."""
         return sum(self.durations_s)
 
     def prove(self, plan_id: str) -> None:
-        """Return if this is the plan of an id; an empty one means any plan.
-
-        Raises:
-            RequestRefusedError: It is another one.
-        """
+        """Refuse another plan than that of an id; an empty one means any plan."""
         present = self.parameters.plan_id
         if plan_id not in ("", present):
             raise RequestRefusedError(
@@ -139,11 +133,7 @@ class SurveyPlan:
 def plan_survey(
     parameters: SurveyParameters, config: RobotConfig, settings: SurveySettings
 ) -> SurveyPlan:
-    """Check the parameters of a survey and plan it.
-
-    Raises:
-        InvalidValueError: Parameters are not allowed; each is named.
-    """
+    """Plan a survey, or raise an InvalidValueError that names each wrong parameter."""
     check(parameters, config.travel)
     points = survey_points(parameters, config.travel)
     times = planned_times(points, parameters.sweep_settings, config, settings)
@@ -153,12 +143,7 @@ def plan_survey(
 def plan_resumption(
     reopened: ReopenedSurvey, config: RobotConfig, settings: SurveySettings
 ) -> SurveyPlan:
-    """Plan the rest of a survey that was cut off or ended early.
-
-    Raises:
-        RequestRefusedError: Another robot measured the survey, or its metadata are incomplete.
-        InvalidValueError: Its parameters are not allowed on this robot.
-    """
+    """Plan the rest of a survey that was cut off or ended early, unless it is not of this robot."""
     plan = plan_survey(_resumable_parameters(reopened, config), config, settings)
     beyond = [index for index in reopened.stored_indices if index >= plan.total_points]
     if beyond:
@@ -229,11 +214,7 @@ def _check_axes(recorded: Dict[AxisId, AxisParameters], config: RobotConfig, fol
 
 
 def checked_refines(survey_id: str) -> str:
-    """Return the id of the survey that another one refines; empty: none.
-
-    Raises:
-        InvalidValueError: It is no id.
-    """
+    """Return the id of the survey that another one refines, empty: none; refuse what is no id."""
     if survey_id and not SURVEY_ID.fullmatch(survey_id):
         raise InvalidValueError(
             Message(

@@ -97,11 +97,7 @@ class AnalyzerRecord:
         self.used: List[UsedAnalyzer] = list(used)
 
     def check(self, identity: str, next_index: int, now_us: int) -> None:
-        """Return if the survey may be measured with an analyzer, and note it if it is new.
-
-        Raises:
-            OtherAnalyzerError: It is another one, and the operator has not accepted it.
-        """
+        """Note an analyzer; refuse another one that the operator has not accepted."""
         accept, self.accept = self.accept, ""
         former = self.used[-1].identity if self.used else identity
         other = _serial_number(identity) != _serial_number(former)
@@ -168,11 +164,7 @@ class ZeroRecord:
     def judge(
         self, present: ByAxis, point: KnownPoint, limit_db: float, next_index: int, time: str
     ) -> None:
-        """Take other zeros, if a known point within a limit [dB], or the operator, says so.
-
-        Raises:
-            DeviceError: The operator must decide.
-        """
+        """Take other zeros, if a known point within a limit [dB], or the operator, says so."""
         by_hand, agrees = self._set_by_hand(present), point.agrees(limit_db)
         zeros = zeros_of(present)
         accepted = self.accept and self._asked in (None, zeros)
@@ -189,11 +181,7 @@ class ZeroRecord:
         self.used.append(UsedZeros(zeros, next_index, time, proof))
 
     def check(self, present: Zeros) -> None:
-        """Return if these are the zeros since the axes were homed.
-
-        Raises:
-            DeviceError: They are not.
-        """
+        """Raise a DeviceError unless these are the zeros since the axes were homed."""
         if self._homed == present:
             return
         pairs = zip(AxisId, self._homed, present)
@@ -266,11 +254,7 @@ class SurveyReport:
     def __init__(
         self, coverage: Coverage, axes: Mapping[AxisId, AxisParameters], former_json: str = ""
     ) -> None:
-        """Begin a report, or continue the one that is stored.
-
-        Raises:
-            SurveyError: That one cannot be read.
-        """
+        """Begin a report, or continue the one that is stored, if that can be read."""
         try:
             former = record_from(_Former, json.loads(former_json or "{}"), "report", others=True)
         except ValueError as error:

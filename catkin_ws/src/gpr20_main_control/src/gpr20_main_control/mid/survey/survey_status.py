@@ -81,7 +81,6 @@ class Coverage:
         return dict(self._reasons)
 
     def note_stored(self, index: int) -> None:
-        """Note that a sample is stored durably."""
         self._states[index] = SampleState.MEASURED
         self._reasons.pop(index, None)
         self._on_change(self)
@@ -152,11 +151,7 @@ class Status:
         return Message("Warning: {warning}. {status}", warning=warning.as_warning(), status=present)
 
     def entered(self, state: SurveyState, message: Message, time_us: int) -> Status:
-        """Return the status in another state, which is entered at a time [us since 1970, UTC].
-
-        Raises:
-            TransitionError: The state cannot follow the present one.
-        """
+        """Return the status in a state that may follow, entered at a time [us since 1970, UTC]."""
         if state not in TRANSITIONS[self.state]:
             raise TransitionError(
                 Message(
@@ -199,15 +194,10 @@ class SurveyStatus:
 
     @property
     def status(self) -> Status:
-        """The status now."""
         return self._status
 
     def enter(self, state: SurveyState, message: Message, time_us: Optional[int] = None) -> None:
-        """Enter another state, at a time [us since 1970, UTC]; None: now.
-
-        Raises:
-            TransitionError: It cannot follow the present state.
-        """
+        """Enter a state that may follow, at a time [us since 1970, UTC]; None: now."""
         now_us = time_of_day_us() if time_us is None else time_us
         with self._lock:
             self._change(self._status.entered(state, message, now_us))

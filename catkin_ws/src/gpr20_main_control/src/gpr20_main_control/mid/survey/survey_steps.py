@@ -100,15 +100,12 @@ class SurveyProgress:
         self._visit_now |= duration_s >= interval_s
 
     def note_visited(self) -> None:
-        """Note that the reference was visited."""
         self._visited, self._visit_now = self.next_index, False
 
     def note_swept(self) -> None:
-        """Note that the next point has a sweep, which is not confirmed yet."""
         self.unconfirmed = self._pending.popleft()
 
     def note_confirmed(self, trace: Trace) -> None:
-        """Note that the sweep that was not confirmed yet is confirmed now."""
         self.unconfirmed, self.last = None, trace
         self._recent.append(trace)
         if trace.index < self._rotations:
@@ -142,11 +139,7 @@ class SurveySteps:
     def run(self) -> bool:
         """Execute the remaining steps; return False if a pause was requested on the way.
 
-        A survey that was interrupted is continued by calling this again.
-
-        Raises:
-            DeviceError: A step failed.
-            StopRequested: A stop of the survey was requested.
+        A survey that was interrupted, by a DeviceError too, is continued by calling this again.
         """
         progress, paused = self.progress, self._survey.pause_requested
         self._begin()
@@ -180,11 +173,7 @@ class SurveySteps:
     def resolve_unconfirmed(self, check: Check) -> None:
         """Confirm the last sweep if that is possible; otherwise its point is measured again.
 
-        Args:
-            check: Called repeatedly meanwhile; an error that it raises gives the sweep up.
-
-        Raises:
-            StopRequested: `check` raised it; the sweep remains unconfirmed.
+        An error of `check` gives the sweep up, but with StopRequested it remains unconfirmed.
         """
         point = self.progress.unconfirmed
         if point is None:
