@@ -1,10 +1,8 @@
 """A whole survey over a fake robot: its order, its requests, its pauses, its end."""
 
-import gc
-
 import pytest
 from cut_off_surveys import recorded_axes, reopened_survey
-from fake_robot import Bench, FakeStorage, ManualClock
+from fake_robot import Bench, ManualClock
 from fault_kit import raises_fault
 
 from gpr20_common.message import Message
@@ -14,7 +12,6 @@ from gpr20_main_control.mid.survey.survey import Accepted
 from gpr20_survey.faults import STOPPED
 from gpr20_survey.folder.log_record import Kind
 from gpr20_survey.plan.survey_state import SurveyState as State
-from gpr20_survey.trace.trace import Trace
 
 
 def test_a_survey_stores_every_point_exactly_once_and_finishes(bench):
@@ -49,29 +46,6 @@ def test_the_height_of_every_trace_is_the_one_measured_at_its_own_point(bench):
         expected_m = 0.1 + one.x_coord_mm / 1000.0 + one.y_coord_mm / 100.0
         assert one.antennae_height_m == pytest.approx(expected_m)
     assert len({one.antennae_height_m for one in bench.storage.samples}) == 12
-
-
-def test_the_control_keeps_nothing_of_a_trace_that_is_stored():
-    class CountingStorage(FakeStorage):
-        """Keeps nothing, and counts at the last trace what others keep."""
-
-        stored_traces = kept = 0
-
-        def store(self, _trace):
-            self.stored_traces += 1
-            if self.stored_traces == 96:
-                self.kept = sum(isinstance(one, Trace) for one in gc.get_objects())
-
-        def add_fact(self, _survey_id, _kind, _values_json):
-            return self.stored_traces
-
-    gc.collect()
-    before = sum(isinstance(one, Trace) for one in gc.get_objects())
-    bench = Bench(storage=CountingStorage())
-    bench.start(y_points=16)
-    bench.wait_for(State.FINISHED)
-    # The last eight, with which a known point is compared, the first two, and those under way.
-    assert bench.storage.kept - before <= 20
 
 
 # Pauses.
