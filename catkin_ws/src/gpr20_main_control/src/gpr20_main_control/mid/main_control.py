@@ -88,7 +88,7 @@ class MainControl:
         """Check the parameters and plan the next survey; nothing moves."""
         stops = self._stops
         with self._one_at_a_time():
-            self._refuse_while_running()
+            self._refuse_while_busy(in_service=False)
             description = self._robot.description
             config = description.config(STARTING_LIMIT_S)
             address = parameters.vna_address or description.analyzer_address()
@@ -267,21 +267,16 @@ class MainControl:
         finally:
             self._requests.release()
 
-    def _refuse_while_busy(self) -> None:
-        self._refuse_while_running()
-        if self._service.activity is not None:
+    def _refuse_while_busy(self, in_service: bool = True) -> None:
+        activity = self._service.activity if in_service else None
+        if self._status.status.state.running:
+            activity = Message("a survey that is running or paused")
+        if activity is not None:
             raise RequestRefusedError(
                 Message(
-                    "the robot is in service ({activity}); wait for its end, or press STOP",
-                    activity=self._service.activity,
-                ),
-                fault=IN_USE,
-            )
-
-    def _refuse_while_running(self) -> None:
-        if self._status.status.state.running:
-            raise RequestRefusedError(
-                Message("a survey is running or paused: stop it, or wait for its end")
+                    "the robot is in use ({activity}); wait for its end, or press STOP",
+                    activity=activity,
+                )
             )
         # The state is final a moment before the thread has ended.
         if self._thread is not None:

@@ -160,7 +160,7 @@ class Survey:
             while not self._continue():
                 pass
         except ShutDownRequested:
-            self._end_early(SurveyState.STOPPED, SHUT_DOWN, SHUT_DOWN)
+            self._end_early(SurveyState.STOPPED, SHUT_DOWN, SHUT_DOWN, leaving=True)
             # The analyzer's driver is shut down too, and releases it.
             return
         except StopRequested:
@@ -331,9 +331,13 @@ class Survey:
         self.archive.close(outcome, reason, status, check)
         self.status.enter(state, message, ended_us)
 
-    def _end_early(self, state: SurveyState, message: Message, reason: Message) -> None:
-        """End the survey early; a failure of one action here must not prevent the next."""
-        leaving = message is SHUT_DOWN
+    def _end_early(
+        self, state: SurveyState, message: Message, reason: Message, leaving: bool = False
+    ) -> None:
+        """End the survey early; a failure of one action here must not prevent the next.
+
+        When `leaving`, because the main control ends, it is interrupted, unless it is complete.
+        """
         limit_s = SHORT_LIMIT_S if leaving else REST_LIMIT_S
         self.positioner.stop()
         if state is SurveyState.STOPPED:

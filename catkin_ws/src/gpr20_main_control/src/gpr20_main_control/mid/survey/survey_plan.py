@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import json
 from dataclasses import dataclass, replace
-from typing import Any, Dict, List, Mapping, Optional, Sequence
+from typing import Any, List, Mapping, Optional, Sequence
 
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message
 from gpr20_common.mid.codec import record_from
 from gpr20_main_control import faults
 from gpr20_main_control.errors import RequestRefusedError
-from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.axes.axis_parameters import AxisParameters
 from gpr20_survey.faults import NO_PLAN
 from gpr20_survey.plan.annotation import EMPTY, Annotation
@@ -144,73 +143,52 @@ def plan_resumption(
     reopened: ReopenedSurvey, config: RobotConfig, settings: SurveySettings
 ) -> SurveyPlan:
     """Plan the rest of a survey that was cut off or ended early, unless it is not of this robot."""
-    plan = plan_survey(_resumable_parameters(reopened, config), config, settings)
-    beyond = [index for index in reopened.stored_indices if index >= plan.total_points]
-    if beyond:
-        raise RequestRefusedError(
-            Message(
-                "the survey in {folder} holds trace {index}, but its parameters give only {total} "
-                "traces: its log does not belong to its traces; plan a new survey",
-                folder=reopened.path,
-                index=max(beyond),
-                total=plan.total_points,
-            ),
-            fault=faults.RECORD_DAMAGED,
-        )
-    plan = replace(plan, survey_id=reopened.survey_id, reopened=reopened)
-    return replace(plan, set_by=str(plan.metadata.get(PLAN_SET_BY, "")))
-
-
-def _resumable_parameters(reopened: ReopenedSurvey, config: RobotConfig) -> SurveyParameters:
     try:
         metadata = json.loads(reopened.metadata_json)
         parameters = record_from(SurveyParameters, metadata["parameters"], "parameters")
-        simulated = metadata["simulated"]
-        axes = {
+        recorded = {
             one: record_from(AxisParameters, metadata["axes"][one.value], f"axes/{one.value}", True)
             for one in config.axes
         }
-    except (ValueError, KeyError, TypeError, InvalidValueError) as error:
-        raise RequestRefusedError(
-            Message(
-                "the survey in {folder} cannot be resumed: the plan in its log is incomplete; "
-                "plan a new survey",
-                folder=reopened.path,
-                details=f"{type(error).__name__}: {error}",
-            ),
-            fault=faults.RECORD_DAMAGED,
-        ) from error
-    if simulated is not config.simulated:
-        raise RequestRefusedError(
-            Message(
-                "the survey in {folder} was measured by a robot of another kind; a simulated robot "
-                "cannot resume a survey of the real one, nor the real one that of a simulated one",
-                folder=reopened.path,
-            ),
-            fault=faults.OTHER_ROBOT,
-        )
-    _check_axes(axes, config, reopened.path)
-    return parameters
-
-
-def _check_axes(recorded: Dict[AxisId, AxisParameters], config: RobotConfig, folder: str) -> None:
-    for axis_id, parameters in config.axes.items():
+        simulated = metadata["simulated"]
+    except (ValueError, KeyError, TypeError) as error:
+        raise _damaged(reopened, f"{type(error).__name__}: {error}") from error
+    compared: Dict[str, Tuple[Any, Any]] = {"simulation": (simulated, config.simulated)}
+    for axis_id, axis in config.axes.items():
         for name in GRID_PARAMETERS:
-            former, present = getattr(recorded[axis_id], name), getattr(parameters, name)
-            if former != present:
-                raise RequestRefusedError(
-                    Message(
-                        "the survey in {folder} was measured with {name} {former} of the {axis} "
-                        "axis, which is {present} now: its points would lie elsewhere; launch with "
-                        "the former parameters, or start a new survey",
-                        folder=folder,
-                        name=name,
-                        former=str(former),
-                        axis=axis_id.value,
-                        present=str(present),
-                    ),
-                    fault=faults.OTHER_ROBOT,
-                )
+            values = getattr(recorded[axis_id], name), getattr(axis, name)
+            compared[f"{axis_id.value} {name}"] = values
+    for name, (former, present) in compared.items():
+        if former != present:
+            raise RequestRefusedError(
+                Message(
+                    "the survey in {folder} was measured by a robot whose {name} was {former}, "
+                    "which is {present} now: they do not belong together; launch it as it was, "
+                    "or start a new survey",
+                    folder=reopened.path,
+                    name=name,
+                    former=str(former),
+                    present=str(present),
+                ),
+                fault=faults.OTHER_ROBOT,
+            )
+    plan = plan_survey(parameters, config, settings)
+    if max(reopened.stored_indices, default=0) >= plan.total_points:
+        raise _damaged(reopened, f"{max(reopened.stored_indices)} of {plan.total_points}")
+    set_by = str(metadata.get(PLAN_SET_BY, ""))
+    return replace(plan, set_by=set_by, survey_id=reopened.survey_id, reopened=reopened)
+
+
+def _damaged(reopened: ReopenedSurvey, details: str) -> RequestRefusedError:
+    return RequestRefusedError(
+        Message(
+            "the survey in {folder} cannot be resumed: the plan in its log is incomplete, or does "
+            "not belong to its traces; plan a new survey",
+            folder=reopened.path,
+            details=details,
+        ),
+        fault=faults.RECORD_DAMAGED,
+    )
 
 
 def checked_refines(survey_id: str) -> str:

@@ -308,11 +308,8 @@ class SurveySteps:
                 ),
                 fault=VNA_FAILED,
             ) from error
-        self._status.update(
-            message=Message(
-                "Measuring point {index} again: {reason}", index=point.index, reason=error.message
-            ).as_warning()
-        )
+        if self._rejection is not None:
+            self._status.update(message=self._rejection.as_warning())
 
     def _reject(self, point: SurveyPoint, reason: Message) -> None:
         """Give up the last sweep, unless its trace is accepted for storing already."""
@@ -322,14 +319,12 @@ class SurveySteps:
             return
         self.progress.note_rejected()
         self._survey.coverage.note_failed(point.index, reason)
-        self._rejection = Message("measured again: {reason}", reason=reason)
-        self._survey.note_warning(
-            Message(
-                "the sweep at point {index} was not confirmed and is not stored: {reason}",
-                index=point.index,
-                reason=reason,
-            )
+        self._rejection = Message(
+            "point {index} is measured again, because its sweep was not confirmed: {reason}",
+            index=point.index,
+            reason=reason,
         )
+        self._survey.note_warning(self._rejection)
 
     def _check_zeros_at_end(self) -> None:
         try:
