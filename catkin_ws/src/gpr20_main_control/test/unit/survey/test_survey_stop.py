@@ -37,9 +37,10 @@ def test_a_fault_in_the_survey_itself_stops_the_axes_and_is_told(bench, monkeypa
 
 def test_shutting_down_stops_the_axes_and_leaves_the_survey_interrupted(bench):
     bench.x.blocked.clear()
+    stop = bench.x.stop
+    bench.x.stop = lambda: (stop(), bench.x.blocked.set())
     bench.start()
     assert bench.x.begun.wait(LIMIT_S)
-    threading.Timer(0.05, bench.x.blocked.set).start()
     bench.control.shut_down(LIMIT_S)
     assert all(axis.stops > 0 for axis in bench.axes)
     assert bench.board.status.state is State.STOPPED

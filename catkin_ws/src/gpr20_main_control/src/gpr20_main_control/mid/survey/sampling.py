@@ -48,17 +48,20 @@ class Confirmation:
     The survey may give the trace up at any moment, to measure its point again.
 
     Attributes:
+        point: Where it was measured.
         confirmed: The trace, once it is confirmed and accepted for storing.
     """
 
     def __init__(
         self,
+        point: SurveyPoint,
         trace: Trace,
         confirm: Callable[[], SweepConfirmation],
         store: Callable[[Trace], None],
         workers: Workers,
     ) -> None:
         """Begin; `confirm` raises if it is not confirmed, `store` returns at once."""
+        self.point = point
         self._trace, self._confirm, self._store = trace, confirm, store
         self._lock = threading.Lock()
         self._given_up = False
@@ -106,7 +109,6 @@ class Sampling:
         # On a robot that runs N times faster, vibrations decay N times faster.
         self._settle_s = self._plan.settings.settle_s / self._plan.config.time_scale
         self._settled: Optional[Settled] = None
-        self._confirmation: Optional[Confirmation] = None
 
     def settle(self, point: SurveyPoint) -> None:
         """Return when vibrations have died down and the height is measured."""
@@ -123,7 +125,7 @@ class Sampling:
 
     def sweep(
         self, point: SurveyPoint, store: Callable[[Trace], None], remark: Optional[Message] = None
-    ) -> None:
+    ) -> Confirmation:
         """Take the sweep of a point at which the axes have settled, and begin to confirm it.
 
         `store` accepts the trace once it is confirmed, in another thread.
@@ -134,28 +136,20 @@ class Sampling:
             # The operator can remove the cause, such as a wrong clock: the survey pauses.
             raise DeviceError(error.message) from error
         confirm = partial(self._robot.analyzer.confirm, number)
-        self._confirmation = Confirmation(trace, confirm, store, self._robot.workers)
+        return Confirmation(point, trace, confirm, store, self._robot.workers)
 
-    def confirmed(self, point: SurveyPoint, check: Optional[Check] = None) -> Trace:
-        """Return the trace of the last sweep when it is confirmed and accepted for storing.
+    def confirmed(self, sweep: Confirmation, check: Optional[Check] = None) -> Trace:
+        """Return the trace of a sweep when it is confirmed and accepted for storing.
 
         An error of `check`, or else an interruption, ends the wait; the confirmation continues.
         """
-        assert self._confirmation is not None
-        wait = self._instruments.confirmation_wait(point)
+        wait = self._instruments.confirmation_wait(sweep.point)
         with self._waits.shown(wait, check) as check_and_show:
-            trace = result_of(self._confirmation.confirmed, check_and_show)
-        self._confirmation = None
-        return trace
-
-    def give_up(self) -> Optional[Trace]:
-        """Give up the last sweep, if any; return its trace if it is accepted for storing."""
-        confirmation, self._confirmation = self._confirmation, None
-        return None if confirmation is None else confirmation.give_up()
+            return result_of(sweep.confirmed, check_and_show)
 
     def _swept(self, point: SurveyPoint, remark: Optional[Message]) -> Tuple[Trace, int]:
         settled = self._settled
-        assert settled is not None and self._confirmation is None
+        assert settled is not None
         sweep_call = self._robot.workers.begin(self._robot.analyzer.sweep)
         with self._waits.shown(self._instruments.sweep_wait(point)) as check:
             measured = result_of(sweep_call, check)

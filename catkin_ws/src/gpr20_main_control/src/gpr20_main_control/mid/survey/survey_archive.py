@@ -162,7 +162,8 @@ class SurveyArchive:
         self._record: Optional[Tuple[AnalyzerState, SurveyRecord]] = None
         self._sensors = robot.sensors.recorded()
         self._durations_s = plan.pending_durations_s
-        self._counted_s = self._spent_s = 0.0
+        self._spent_s = 0.0
+        self._counted_s: Optional[float] = None
         self.queue = StorageQueue(robot.storage, survey.clock, self._note_stored)
 
     def open(self, analyzer: AnalyzerState, check: Check) -> None:
@@ -190,9 +191,9 @@ class SurveyArchive:
         """Return when every trace is stored durably, or raise."""
         self._wait_until_left(0, self._plan.points[-1])
 
-    def start_timing(self) -> None:
-        """Count time as measuring time from now on, up to the last trace that is stored."""
-        self._counted_s = self._survey.clock.now_s()
+    def set_timing(self, measuring: bool) -> None:
+        """Count time as measuring time from now on, up to the last trace that is stored, or not."""
+        self._counted_s = self._survey.clock.now_s() if measuring else None
 
     def add_fact(self, kind: Kind, **values: Any) -> None:
         """Keep a fact with the present time, by which the storage knows a repeated one.
@@ -259,8 +260,9 @@ class SurveyArchive:
     def _note_stored(self, index: int) -> None:
         """Count a trace, and stretch the rest of the plan by the pace so far, without pauses."""
         self._survey.coverage.note_stored(index)
-        now_s = self._survey.clock.now_s()
-        self._spent_s, self._counted_s = self._spent_s + now_s - self._counted_s, now_s
+        if self._counted_s is not None:
+            now_s = self._survey.clock.now_s()
+            self._spent_s, self._counted_s = self._spent_s + now_s - self._counted_s, now_s
         visited = self._survey.status.status.visited_points + 1
         stored = visited - len(self._plan.stored_indices)
         done_s, rest_s = sum(self._durations_s[:stored]), sum(self._durations_s[stored:])

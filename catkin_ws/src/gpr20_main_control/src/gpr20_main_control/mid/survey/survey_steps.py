@@ -23,7 +23,7 @@ from gpr20_main_control.mid.measured_again import (
     Repeated,
     known_traces,
 )
-from gpr20_main_control.mid.survey.sampling import Sampling
+from gpr20_main_control.mid.survey.sampling import Confirmation, Sampling
 from gpr20_main_control.mid.survey.survey_plan import SurveyPlan
 from gpr20_main_control.mid.waits import Check
 from gpr20_survey.faults import VNA_FAILED
@@ -43,7 +43,7 @@ class SurveyProgress:
     """How far a survey is, from which its remaining steps follow.
 
     Attributes:
-        unconfirmed: The point whose sweep is not confirmed yet; None if every sweep is.
+        unconfirmed: The sweep that is not confirmed yet; None if every one is.
         last: The trace that was confirmed last; None before the first.
         home_every_axis: Whether every axis must be homed, because the stored traces were measured
             before this process homed the axes.
@@ -60,7 +60,7 @@ class SurveyProgress:
         # Of two stops, of which one is complete.
         self._recent = deque(plan.recent, maxlen=max(1, 2 * self._rotations - 1))
         self._pending = deque(plan.pending)
-        self.unconfirmed: Optional[SurveyPoint] = None
+        self.unconfirmed: Optional[Confirmation] = None
         self.reference: Dict[int, Trace] = {
             one.index: one for one in plan.recent if one.index < self._rotations
         }
@@ -102,8 +102,9 @@ class SurveyProgress:
     def note_visited(self) -> None:
         self._visited, self._visit_now = self.next_index, False
 
-    def note_swept(self) -> None:
-        self.unconfirmed = self._pending.popleft()
+    def note_swept(self, sweep: Confirmation) -> None:
+        self.unconfirmed = sweep
+        self._pending.popleft()
 
     def note_confirmed(self, trace: Trace) -> None:
         self.unconfirmed, self.last = None, trace
@@ -114,7 +115,7 @@ class SurveyProgress:
     def note_rejected(self) -> None:
         """Note that the sweep could not be confirmed: its point is the next to measure."""
         assert self.unconfirmed is not None
-        self._pending.appendleft(self.unconfirmed)
+        self._pending.appendleft(self.unconfirmed.point)
         self.unconfirmed = None
 
 
@@ -165,8 +166,8 @@ class SurveySteps:
             self._confirm()
             if point is not None and progress.next == point:
                 with self._measuring(point):
-                    self._sampling.sweep(point, self._archive.queue.add, self._rejection)
-                progress.note_swept()
+                    store, remark = self._archive.queue.add, self._rejection
+                    progress.note_swept(self._sampling.sweep(point, store, remark))
         self._check_zeros_at_end()
         return True
 
@@ -175,16 +176,16 @@ class SurveySteps:
 
         An error of `check` gives the sweep up, but with StopRequested it remains unconfirmed.
         """
-        point = self.progress.unconfirmed
-        if point is None:
+        sweep = self.progress.unconfirmed
+        if sweep is None:
             return
         try:
-            self.progress.note_confirmed(self._sampling.confirmed(point, check))
+            self.progress.note_confirmed(self._sampling.confirmed(sweep, check))
         except StopRequested:
             raise
         except Exception as error:
             # Faults in the software too: the survey is about to report another one.
-            self._reject(point, message_of(error))
+            self._reject(sweep, message_of(error))
 
     def _begin(self) -> None:
         """Check every part of the robot, and make or reopen the survey's folder."""
@@ -209,9 +210,9 @@ class SurveySteps:
         progress.compare = self._zeros.needs_proof(present)
         # Before the next trace: what it is measured with, and what its coordinates refer to.
         self._archive.send_report(self._survey.interruption.check)
+        self._archive.set_timing(True)
         self._archive.queue.retry()
         self._status.enter(SurveyState.SURVEYING, MEASURING)
-        self._archive.start_timing()
 
     def _compare(self, stored: Sequence[Trace]) -> None:
         """Measure a known point again, because the zeros are other ones than those before."""
@@ -255,13 +256,10 @@ class SurveySteps:
     def _swept_again(self, point: SurveyPoint) -> Trace:
         for attempt in range(self._plan.settings.attempts):
             try:
-                self._sampling.sweep(point, lambda _trace: None)
-                return self._sampling.confirmed(point)
+                return self._sampling.confirmed(self._sampling.sweep(point, lambda _trace: None))
             except UnconfirmedError as error:
                 if not error.repeat or attempt + 1 == self._plan.settings.attempts:
                     raise
-            finally:
-                self._sampling.give_up()
         raise AssertionError("the last attempt returns or raises")
 
     def _move_to(self, point: SurveyPoint) -> None:
@@ -279,20 +277,20 @@ class SurveySteps:
 
     def _confirm(self) -> None:
         """Wait until the sweep before, if any, is confirmed; it is stored in the background."""
-        point = self.progress.unconfirmed
-        if point is None:
+        sweep = self.progress.unconfirmed
+        if sweep is None:
             return
         try:
-            trace = self._sampling.confirmed(point)
+            trace = self._sampling.confirmed(sweep)
         except UnconfirmedError as error:
-            self._reject(point, error.message)
-            self._measure_again(point, error)
+            self._reject(sweep, error.message)
+            self._measure_again(sweep.point, error)
             return
         if self._rejections:
             self._status.update(message=MEASURING)
         self._rejections, self._rejection = 0, None
         self.progress.note_confirmed(trace)
-        self._archive.wait_for_room(point)
+        self._archive.wait_for_room(sweep.point)
 
     def _measure_again(self, point: SurveyPoint, error: UnconfirmedError) -> None:
         if not error.repeat:
@@ -311,17 +309,17 @@ class SurveySteps:
         if self._rejection is not None:
             self._status.update(message=self._rejection.as_warning())
 
-    def _reject(self, point: SurveyPoint, reason: Message) -> None:
-        """Give up the last sweep, unless its trace is accepted for storing already."""
-        trace = self._sampling.give_up()
+    def _reject(self, sweep: Confirmation, reason: Message) -> None:
+        """Give up a sweep, unless its trace is accepted for storing already."""
+        trace = sweep.give_up()
         if trace is not None:
             self.progress.note_confirmed(trace)
             return
         self.progress.note_rejected()
-        self._survey.coverage.note_failed(point.index, reason)
+        self._survey.coverage.note_failed(sweep.point.index, reason)
         self._rejection = Message(
             "point {index} is measured again, because its sweep was not confirmed: {reason}",
-            index=point.index,
+            index=sweep.point.index,
             reason=reason,
         )
         self._survey.note_warning(self._rejection)
