@@ -290,22 +290,22 @@ class Survey:
         """Close the survey, all traces of which are stored, unless the storage fails."""
         self.clock_steps.check()
         verdict = self.coverage.verdict()
+        reason = verdict.message
         stored, total = self.archive.send_report(check, ended=True), self.plan.total_points
         if verdict.complete and stored == total:
             state = SurveyState.FINISHED
             self.status.update(visited_points=stored, remaining_s=0.0)
-            message = Message(
-                "Finished, {verdict}", verdict=verdict.message, details=self.archive.folder
-            )
+            message = Message("Finished, {verdict}", verdict=reason, details=self.archive.folder)
         else:
             state = SurveyState.FAILED
             message = Message(
                 "Failed: the survey's folder holds {stored} of {total} traces; {verdict}",
                 stored=stored,
                 total=total,
-                verdict=verdict.message,
+                verdict=reason,
             ).with_fault(CAN_RESUME)
-        self._close(state, state.name.lower(), message, verdict.message, check)
+            reason = reason.with_fault(CAN_RESUME)
+        self._close(state, state.name.lower(), message, reason, check)
 
     def _closed_if_stored(self, check: Check) -> bool:
         """Close the survey if every trace is stored; return whether that was possible.

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, Callable, Deque, Dict, Mapping, Optional,
 from gpr20_common.faults import DISK_REFUSES
 from gpr20_common.low.clock import Clock, time_of_day_us
 from gpr20_common.low.thread_fault import faults_logged
-from gpr20_common.message import Message, Severity
+from gpr20_common.message import Message
 from gpr20_common.mid.codec import plain
 from gpr20_main_control.errors import DeviceError, message_of
 from gpr20_main_control.mid.devices.instruments import AnalyzerState
@@ -29,7 +29,6 @@ from gpr20_survey.plan.robot_description import STORAGE_NAME
 from gpr20_survey.plan.sensors import SENSORS
 from gpr20_survey.plan.survey_cost import needed_bytes
 from gpr20_survey.plan.survey_points import SurveyPoint
-from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_survey.trace.trace import Trace
 from gpr20_survey.trace.utc_time import iso_text
 
@@ -224,18 +223,7 @@ class SurveyArchive:
         return self._stored_traces
 
     def close(self, outcome: str, reason: Message, status: Status, check: Check) -> None:
-        """Close the survey.
-
-        Args:
-            outcome: One word, for survey.json.
-            reason: Why it ended; without a fault it has that which the status reports.
-            status: The last one of the survey.
-            check: Ends the wait.
-        """
-        cause = status.message.cause
-        is_failure = cause is not None and cause.severity is not Severity.WARNING
-        if status.state is not SurveyState.FINISHED and not reason.fault_code and is_failure:
-            reason = reason.with_fault(cause)
+        """Close the survey with one word for survey.json, why it ended, and its last status."""
         end = SurveyEnd(outcome, reason, status, self._survey.coverage)
         self._calls.call(lambda: self._storage.close(self._plan.survey_id, end), check)
 
