@@ -43,6 +43,9 @@ REST_LIMIT_S = 10.0
 # The same while a lost node is waited for, the notes of a pause are stored, or the robot is shut
 # down, of each step; roslaunch kills a node that has not ended 15 s after Ctrl-C [s].
 SHORT_LIMIT_S = 2.5
+# Storing what waits and closing a survey that ends early take less, or a lost storage comes back
+# within `return_limit_s` [s].
+STORING_LIMIT_S = 300.0
 POLL_S = 0.05
 
 
@@ -352,7 +355,8 @@ class Survey:
         self._steps.resolve_unconfirmed(
             self.interruption.time_limit(limit_s, DeviceError(silent, fault=VNA_SILENT))
         )
-        check = self._storage_limit(limit_s if leaving else self.plan.settings.return_limit_s)
+        storing_limit_s = max(STORING_LIMIT_S, self.plan.settings.return_limit_s)
+        check = self._storage_limit(limit_s if leaving else storing_limit_s)
         if leaving and self._closed_if_stored(check):
             return
         try:
