@@ -57,6 +57,19 @@ def test_a_survey_refines_none_that_is_not_an_id(bench, wrong):
         bench.control.start(refines=wrong)
 
 
+class FailsThenStores:
+    """Refuses some traces, and then passes them to a storage."""
+
+    def __init__(self, storage, failures):
+        self.storage, self.failures = storage, failures
+
+    def store(self, trace):
+        self.failures -= 1
+        if self.failures >= 0:
+            raise ConnectionError("no survey is open")
+        FakeStorage.store(self.storage, trace)
+
+
 def break_down(*_arguments):
     raise ValueError("a fault of ours")
 
@@ -134,6 +147,30 @@ def test_a_trace_that_is_stored_after_its_survey_ended_does_not_count_for_the_ne
     assert stored.wait(LIMIT_S)
     with pytest.raises(AssertionError):
         bench.wait_for_visited(1, limit_s=0.3)
+
+
+def test_a_failure_that_began_before_a_retry_does_not_count(bench, monkeypatch):
+    bench.start()
+    bench.complete()
+    storage, storing, refuse = FakeStorage(), threading.Event(), threading.Event()
+    storage.opened = bench.board.status.survey_id
+
+    def refuse_late(_trace):
+        storing.set()
+        refuse.wait(LIMIT_S)
+        raise ConnectionError("no survey is open")
+
+    monkeypatch.setattr(storage, "store", refuse_late)
+    queue = StorageQueue(storage, bench.clock, lambda _index: None)
+    queue.add(bench.storage.samples[0])
+    assert storing.wait(LIMIT_S)
+    queue.retry()
+    # The attempts that are in progress all fail; those after them do not.
+    monkeypatch.setattr(queue, "_storage", FailsThenStores(storage, 2))
+    refuse.set()
+    queue.wait_until_left(0, lambda: None)
+    queue.close()
+    assert len(storage.samples) == 1
 
 
 def test_a_trace_whose_storing_cannot_be_shown_is_not_stored_again(bench, fault_log):
