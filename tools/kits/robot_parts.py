@@ -35,7 +35,6 @@ from gpr20_main_control.mid.devices.robot import (
     AxisReading,
     Lease,
     MoveOutcome,
-    OpenedSurvey,
     SurveyEnd,
     SurveyRecord,
     SweepConfirmation,
@@ -298,13 +297,13 @@ class ProcessStorage:
         self._answer, self._note, self._disk = calls.answer, calls.note, calls.disk
         self._processing, self._acknowledged = processing, world.acknowledged
 
-    def open(self, record: SurveyRecord) -> OpenedSurvey:
+    def open(self, record: SurveyRecord) -> str:
         with self._answer("open"), self._disk:
-            interrupted = self._processing.interrupt_other(record.survey_id)
+            self._processing.interrupt_other(record.survey_id)
             folder = self._processing.open_survey(
                 record.survey_id, record.started_us, record.metadata_json, record.needed_bytes
             )
-            return OpenedSurvey(str(folder), interrupted)
+            return str(folder)
 
     def reopen(self, survey: str) -> ReopenedSurvey:
         with self._answer("reopen"), self._disk:

@@ -25,7 +25,7 @@ from gpr20_analysis.read.verification import verify_survey
 from gpr20_analysis.read.verification_result import COMPLETE
 from gpr20_axis_driver.faults import AxisBusyError
 from gpr20_main_control import faults
-from gpr20_main_control.mid.survey import storage_queue
+from gpr20_main_control.mid.survey import survey_archive
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.faults import CLOCK_WRONG
 from gpr20_survey.folder.log_record import Kind
@@ -64,7 +64,7 @@ def disk(world):
 def test_a_disk_that_fails_pauses_the_survey_and_nothing_is_lost(
     tmp_path, disk, robot, monkeypatch, error, code, calls
 ):
-    monkeypatch.setattr(storage_queue, "RETRY_S", 0.01)
+    monkeypatch.setattr(survey_archive, "RETRY_S", 0.01)
     failure = Failure(calls, power=False, error=error)
     robot.calls.at("store", 5, lambda: disk.begin(failure, tmp_path / "unused"))
     robot.begin()

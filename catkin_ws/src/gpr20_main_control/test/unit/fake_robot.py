@@ -24,7 +24,6 @@ from gpr20_main_control.mid.devices.robot import (
     AxisReading,
     Lease,
     MoveOutcome,
-    OpenedSurvey,
     Robot,
     SweepConfirmation,
     UnconfirmedSweep,
@@ -41,7 +40,7 @@ from gpr20_survey.results.reopened_survey import ReopenedSurvey
 from gpr20_survey.trace.calibration import CalibrationStatus
 from gpr20_survey.trace.sweep import Sweep
 
-LIMIT_S = 60.0
+LIMIT_S = 12.0
 # The imaginary part of every sweep; the real part is its number, a small difference beside it.
 LEVEL = 1.0e4
 FIRST_SWEEP_US = 1_800_000_000_000_000
@@ -261,7 +260,7 @@ class FakeStorage:
         self._check(not self.broken, "the disk of the robot is full")
         self.opened = record.survey_id
         self.records.append(record)
-        return OpenedSurvey(f"/data/{record.survey_id}", "")
+        return f"/data/{record.survey_id}"
 
     def reopen(self, survey):
         self.reopenings.append(survey)

@@ -11,10 +11,12 @@ from gpr20_common.message import Message, Severity
 from gpr20_common.mid.node_facts import NodeSoftware
 from gpr20_main_control.errors import (
     DeviceError,
+    StopRequested,
     SurveyError,
     UnconfirmedError,
     message_of,
 )
+from gpr20_main_control.mid.waits import Workers
 from gpr20_survey.faults import CLOCK_WRONG, TAKES_LONG, VNA_FAILED
 from gpr20_survey.plan.survey_state import SurveyState as State
 
@@ -124,3 +126,39 @@ def test_a_slow_sweep_is_not_late():
     bench.start()
     bench.complete()
     assert not any(status.waiting for status in bench.history)
+
+
+# Threads for calls: as many as needed, never more than allowed.
+
+
+class Hanging:
+    """A call that hangs until it is released."""
+
+    def __init__(self):
+        self.begun, self.released = threading.Event(), threading.Event()
+
+    def __call__(self):
+        self.begun.set()
+        return self.released.wait(LIMIT_S)
+
+
+def test_a_call_that_hangs_does_not_delay_others():
+    workers, hang = Workers(), Hanging()
+    hanging = [workers.begin(hang) for _call in range(5)]
+    assert workers.begin(lambda: 7).result(LIMIT_S) == 7
+    hang.released.set()
+    assert all(one.result(LIMIT_S) for one in hanging)
+
+
+def test_a_call_that_was_given_up_before_its_turn_is_never_made():
+    def give_up():
+        raise StopRequested(Message("a stop was requested"))
+
+    workers, hang, made = Workers(most=1), Hanging(), []
+    first = workers.begin(hang)
+    assert hang.begun.wait(LIMIT_S)
+    with pytest.raises(StopRequested):
+        workers.call(lambda: made.append(1), give_up)
+    hang.released.set()
+    workers.call(lambda: None, lambda: None)
+    assert first.result(LIMIT_S) and made == []

@@ -15,7 +15,7 @@ from view_kit import SURVEY, TRAVEL, description, make_grid
 
 from gpr20_common.faults import VERSIONS_DIFFER
 from gpr20_common.message import verbatim
-from gpr20_main_control.mid.survey.survey_coverage import Coverage
+from gpr20_main_control.mid.survey.survey_status import Coverage
 from gpr20_operator.errors import SurveyNotReadableError
 from gpr20_operator.ground.cells import TILES, Cell
 from gpr20_operator.ground.coverage import (
@@ -229,8 +229,6 @@ def test_coverage_comes_through_as_it_was(states):
             coverage.note_failed(index, verbatim("the VNA: no answer"))
         elif state is not SampleState.NOT_VISITED:
             coverage.note_stored(index)
-            if state is SampleState.REMEASURED:
-                coverage.note_remeasured(index)
     runs = runs_of(coverage)
     assert runs.trace_states().tolist() == states
     assert runs.failures == coverage.reasons

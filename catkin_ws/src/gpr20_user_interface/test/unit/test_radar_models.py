@@ -226,7 +226,6 @@ def test_it_knows_which_stored_traces_it_lacks():
     model = filled([0, 1, 5])
     states = np.zeros(40, np.uint8)
     states[:8] = SampleState.MEASURED
-    states[2] = SampleState.REMEASURED
     states[3] = SampleState.FAILED
     assert model.absent(states).tolist() == [2, 4, 6, 7]
     model.give_up(4, "torn")

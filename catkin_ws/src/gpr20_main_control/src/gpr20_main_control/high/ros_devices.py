@@ -23,7 +23,6 @@ from gpr20_main_control.mid.devices.described_robot import TimeLimits
 from gpr20_main_control.mid.devices.robot import (
     AnalyzerCalibration,
     AnalyzerSetup,
-    OpenedSurvey,
     SurveyEnd,
     SurveyRecord,
     SweepConfirmation,
@@ -216,7 +215,7 @@ class RosStorage:
         self._store = service("store_data", StoreData, time_limit_s)
         self._close = service("close_survey", CloseSurvey, WHOLE_SURVEY_LIMIT_S)
 
-    def open(self, record: SurveyRecord) -> OpenedSurvey:
+    def open(self, record: SurveyRecord) -> str:
         response = self._open(
             survey_id=record.survey_id,
             started=ros_time(record.started_us),
@@ -224,7 +223,7 @@ class RosStorage:
             needed_bytes=record.needed_bytes,
             interrupt_open=True,
         )
-        return OpenedSurvey(str(response.path), str(response.interrupted))
+        return str(response.path)
 
     def reopen(self, survey: str) -> ReopenedSurvey:
         response = self._reopen(survey=survey, interrupt_open=True)

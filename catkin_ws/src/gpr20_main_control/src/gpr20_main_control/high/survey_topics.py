@@ -11,8 +11,7 @@ from gpr20_common.high.answers import fault_of, message_fields
 from gpr20_common.high.raw_message import ros_time
 from gpr20_common.message import Message
 from gpr20_main_control.mid.devices.robot import Robot
-from gpr20_main_control.mid.survey.survey_coverage import Coverage
-from gpr20_main_control.mid.survey.survey_status import Status
+from gpr20_main_control.mid.survey.survey_status import Coverage, Status
 from gpr20_msgs.msg import (
     ControlStatus,
     Coordinates,

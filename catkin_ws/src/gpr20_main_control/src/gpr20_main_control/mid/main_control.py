@@ -1,4 +1,7 @@
-"""The requests to the main control: set parameters, start, pause, stop, resume, service."""
+"""The requests to the main control: set parameters, start, pause, stop, resume, service.
+
+One survey, or one action of maintenance, at a time.
+"""
 
 from __future__ import annotations
 
@@ -8,25 +11,28 @@ import uuid
 from dataclasses import replace
 from typing import Callable, Iterator, Optional
 
-from gpr20_common.errors import Gpr20Error, InvalidValueError
+from gpr20_common.errors import Gpr20Error
 from gpr20_common.faults import ASKED_FOR, BUSY, IN_USE
 from gpr20_common.low.clock import Clock, time_of_day_us
-from gpr20_common.message import Message, in_a_row
+from gpr20_common.message import Message
 from gpr20_main_control import faults
 from gpr20_main_control.errors import RequestRefusedError
-from gpr20_main_control.mid.check_verdict import Verdict
+from gpr20_main_control.mid.daily_check import DailyCheck, Verdict
 from gpr20_main_control.mid.devices.robot import Robot, SurveyEnd
-from gpr20_main_control.mid.radar_check import RadarCheck
 from gpr20_main_control.mid.service import (
     TEST_SWEEP,
     AxisMove,
     AxisService,
-    ServiceSlot,
+    Service,
     run_analyzer_test,
 )
 from gpr20_main_control.mid.survey.survey import NOTHING, Accepted, Survey
-from gpr20_main_control.mid.survey.survey_archive import interruption_remark
-from gpr20_main_control.mid.survey.survey_plan import SurveyPlan, plan_resumption, plan_survey
+from gpr20_main_control.mid.survey.survey_plan import (
+    SurveyPlan,
+    checked_refines,
+    plan_resumption,
+    plan_survey,
+)
 from gpr20_main_control.mid.survey.survey_status import Status, SurveyStatus
 from gpr20_main_control.mid.waits import Interruption
 from gpr20_survey.faults import NO_PLAN, NONE_OPEN
@@ -34,8 +40,6 @@ from gpr20_survey.plan.annotation import EMPTY, Annotation
 from gpr20_survey.plan.survey_parameters import SurveyParameters, SurveySettings, check_address
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_survey.results.analyzer_test import AnalyzerTest
-from gpr20_survey.results.reopened_survey import ReopenedSurvey
-from gpr20_survey.trace.trace import SURVEY_ID
 
 # A request waits this long for another one to end [s].
 REQUEST_LIMIT_S = 5.0
@@ -44,12 +48,15 @@ STARTING_LIMIT_S = 4.0
 # A resumption waits this long to learn whether the analyzer is another one [s]; it must end
 # before the next request gives up.
 ANALYZER_LIMIT_S = 4.0
-# The thread of a survey ends right after it has entered its final state [s].
-ENDING_LIMIT_S = 10.0
 
 
 class MainControl:
-    """Checks requests against the state and runs one survey at a time."""
+    """Checks requests against the state and runs one survey at a time.
+
+    A request raises RequestRefusedError if it is not possible now, InvalidValueError if a value is
+    not allowed or the parts of the robot disagree, DeviceError if a part failed, StopRequested if
+    it was stopped.
+    """
 
     def __init__(
         self,
@@ -68,8 +75,8 @@ class MainControl:
         self._robot, self._settings, self._defaults = robot, settings, defaults
         self._status = status
         self._interruption = Interruption(clock, robot.nodes)
-        self._service = ServiceSlot(robot.axes, clock, on_service)
-        self._daily_check = RadarCheck(robot, clock)
+        self._service = Service(robot.axes, clock, on_service)
+        self._daily_check = DailyCheck(robot, clock)
         self._requests = threading.Lock()
         # What was asked for before a STOP does not begin after it.
         self._stops = self._stops_at_plan = 0
@@ -78,16 +85,10 @@ class MainControl:
         self._thread: Optional[threading.Thread] = None
 
     def set_parameters(self, parameters: SurveyParameters, set_by: str = "") -> SurveyPlan:
-        """Check the parameters and plan the next survey; nothing moves.
-
-        Raises:
-            RequestRefusedError: A survey is running.
-            InvalidValueError: Parameters are not allowed, each is named; or the parts of the robot
-                have not described themselves, or disagree.
-        """
+        """Check the parameters and plan the next survey; nothing moves."""
         stops = self._stops
         with self._one_at_a_time():
-            self._refuse_while_running()
+            self._refuse_while_busy(in_service=False)
             description = self._robot.description
             config = description.config(STARTING_LIMIT_S)
             address = parameters.vna_address or description.analyzer_address()
@@ -111,52 +112,29 @@ class MainControl:
             refines: Id of the survey that this one measures more finely; empty: none.
             permittivity: Relative permittivity of the ground; None: not known.
             plan_id: Of the parameters that the caller has set; empty: whatever is set.
-
-        Raises:
-            InvalidValueError: `refines` is not the id of a survey.
-            RequestRefusedError: A survey is running, no parameters have been set, others have
-                been set since, or STOP was requested since.
         """
         with self._one_at_a_time():
             self._refuse_while_busy()
             if self._plan is None:
                 raise RequestRefusedError(
-                    Message("no parameters have been set; set them, then start"),
-                    fault=NO_PLAN,
+                    Message("no parameters have been set; set them, then start"), fault=NO_PLAN
                 )
-            present = self._plan.parameters.plan_id
-            if plan_id not in ("", present):
-                raise RequestRefusedError(
-                    Message(
-                        "START is for plan {requested}, but plan {present} is set, by {set_by}; "
-                        "set the plan again, then start",
-                        requested=repr(plan_id[:64]),
-                        set_by=self._plan.set_by or "-",
-                        present=present,
-                    ),
-                    fault=NO_PLAN,
-                )
+            self._plan.prove(plan_id)
             # Planned again: a part may have been restarted with another configuration.
-            plan = plan_survey(
-                self._plan.parameters, self._robot.description.config(), self._settings
-            )
+            config, parameters = self._robot.description.config(), self._plan.parameters
             plan = replace(
-                plan,
+                plan_survey(parameters, config, self._settings),
                 set_by=self._plan.set_by,
                 survey_id=str(uuid.uuid4()),
                 annotation=annotation.with_defaults(self._defaults),
-                refines=_checked_refines(refines),
+                refines=checked_refines(refines),
                 permittivity=permittivity,
             )
             self._begin(plan, self._stops_at_plan)
             return plan.survey_id
 
     def pause(self) -> Message:
-        """Pause the survey after the present trace; return what happens now.
-
-        Raises:
-            RequestRefusedError: No survey is measuring now.
-        """
+        """Pause the survey after the present trace; return what happens now."""
         with self._one_at_a_time():
             status = self._status.status
             if status.state is not SurveyState.SURVEYING or self._survey is None:
@@ -177,9 +155,6 @@ class MainControl:
         """Stop the survey, or what is done for maintenance, now.
 
         Returns, with what happens now, while the axes still slow down.
-
-        Raises:
-            RequestRefusedError: There is nothing to stop.
         """
         # No lock: a stop does not wait for other requests. First, so that what begins meanwhile
         # either sees it or is stopped here.
@@ -205,11 +180,6 @@ class MainControl:
         Args:
             survey: Empty for the paused survey; otherwise a survey's id or its folder's name.
             accepted: What the operator accepts; usually nothing.
-
-        Raises:
-            RequestRefusedError: There is nothing to resume, or this robot cannot resume it.
-            DeviceError: The survey could not be reopened.
-            OtherAnalyzerError: The analyzer is another one; the survey is paused.
         """
         stops = self._stops
         with self._one_at_a_time():
@@ -252,23 +222,12 @@ class MainControl:
         return Message("Resuming")
 
     def move_for_service(self, move: AxisMove) -> Message:
-        """Move one axis for maintenance and return, when it is at rest, where it is.
-
-        Raises:
-            RequestRefusedError: A survey has not ended, or the move is not possible now.
-            DeviceError: The axis failed.
-            StopRequested: A stop was requested; the axis is at rest.
-        """
+        """Move one axis for maintenance and return, when it is at rest, where it is."""
         with self._in_service(move.activity):
             return AxisService(self._robot, move, self._service.interruption).execute()
 
     def test_analyzer(self, address: str) -> AnalyzerTest:
-        """Test the analyzer at an address; empty: as the robot is configured.
-
-        Raises:
-            RequestRefusedError: A survey has not ended, or something else is in service.
-            InvalidValueError: It is no address.
-        """
+        """Test the analyzer at an address; empty: as the robot is configured."""
         check_address(address)
         with self._in_service(Message("testing the VNA")):
             plan = self._plan
@@ -276,71 +235,54 @@ class MainControl:
             return run_analyzer_test(self._robot, address, settings, self._service.interruption)
 
     def daily_check(self, step: int, client: str = "") -> Optional[Verdict]:
-        """Take a step of the daily check of a client; return the verdict after the last one.
-
-        Raises:
-            SurveyError: It is refused or failed, or a stop was requested.
-            InvalidValueError: The parts of the robot have not described themselves.
-        """
+        """Take a step of the daily check of a client; return the verdict after the last one."""
         with self._in_service(Message("daily check of the radar")):
             return self._daily_check.take(step, client, self._service.interruption)
 
     @contextlib.contextmanager
     def _in_service(self, activity: Message) -> Iterator[None]:
         stops = self._stops
-        with self._one_at_a_time():
-            self._refuse_while_running()
-            self._service.claim(activity)
-        try:
+        with contextlib.ExitStack() as ending:
+            with self._one_at_a_time():
+                self._refuse_while_busy()
+                ending.enter_context(self._service.doing(activity))
             # From now on a STOP reaches the action.
             self._refuse_after_stop(stops)
             yield
-        finally:
-            self._service.release()
 
     def shut_down(self, time_limit_s: float) -> None:
         """Interrupt a running survey, which can be resumed, and wait until it is closed."""
         self._interruption.shut_down()
-        self._service.shut_down()
+        self._service.interruption.shut_down()
+        self._service.stop()
         if self._thread is not None:
             self._thread.join(time_limit_s)
 
     @contextlib.contextmanager
     def _one_at_a_time(self) -> Iterator[None]:
         if not self._requests.acquire(timeout=REQUEST_LIMIT_S):
-            raise RequestRefusedError(
-                Message(
-                    "another request did not end within {limit_s:g} s, because reopening a large "
-                    "survey takes long; try again later",
-                    limit_s=REQUEST_LIMIT_S,
-                ),
-                fault=BUSY,
-            )
+            raise _still_busy()
         try:
             yield
         finally:
             self._requests.release()
 
-    def _refuse_while_busy(self) -> None:
-        self._refuse_while_running()
-        self._service.refuse_while_busy()
-
-    def _refuse_while_running(self) -> None:
+    def _refuse_while_busy(self, in_service: bool = True) -> None:
+        activity = self._service.activity if in_service else None
         if self._status.status.state.running:
+            activity = Message("a survey that is running or paused")
+        if activity is not None:
             raise RequestRefusedError(
-                Message("a survey is running or paused: stop it, or wait for its end")
+                Message(
+                    "the robot is in use ({activity}); wait for its end, or press STOP",
+                    activity=activity,
+                )
             )
         # The state is final a moment before the thread has ended.
         if self._thread is not None:
-            self._thread.join(ENDING_LIMIT_S)
+            self._thread.join(REQUEST_LIMIT_S)
             if self._thread.is_alive():
-                raise RequestRefusedError(
-                    Message(
-                        "the previous survey did not end within {limit_s:g} s; try again",
-                        limit_s=ENDING_LIMIT_S,
-                    ),
-                    fault=BUSY,
-                )
+                raise _still_busy()
 
     def _refuse_after_stop(self, stops: int) -> None:
         if self._stops != stops:
@@ -359,14 +301,12 @@ class MainControl:
         except Gpr20Error as error:
             # Refused, so it must not stay open.
             refusal = Message("not resumed: {reason}", reason=error.message)
-            storage.close(reopened.survey_id, _refused_end(reopened, refusal))
+            status = Status(SurveyState.CHECKING, survey_id=reopened.survey_id)
+            status = status.entered(SurveyState.FAILED, refusal, time_of_day_us())
+            storage.close(reopened.survey_id, SurveyEnd("failed", refusal, status))
             raise
         pending, total = len(plan.pending), plan.total_points
-        resuming = Message(
-            "Resuming; {pending} of {total} traces remain", pending=pending, total=total
-        )
-        remark = interruption_remark(reopened.interrupted)
-        return resuming if remark is None else in_a_row([resuming, remark])
+        return Message("Resuming; {pending} of {total} traces remain", pending=pending, total=total)
 
     def _begin(self, plan: SurveyPlan, stops: int, accepted: Accepted = NOTHING) -> None:
         # First, so that nothing changes if the survey is refused here.
@@ -383,20 +323,12 @@ class MainControl:
         self._thread.start()
 
 
-def _refused_end(reopened: ReopenedSurvey, refusal: Message) -> SurveyEnd:
-    """Return the end of a survey that was reopened but cannot continue on this robot."""
-    status = Status(state=SurveyState.CHECKING, survey_id=reopened.survey_id)
-    status = status.entered(SurveyState.FAILED, refusal, time_of_day_us())
-    return SurveyEnd("failed", refusal, status)
-
-
-def _checked_refines(survey_id: str) -> str:
-    if survey_id and not SURVEY_ID.fullmatch(survey_id):
-        raise InvalidValueError(
-            Message(
-                "refines is {survey}; it must be empty or a survey's id, a UUID in lower case "
-                "with hyphens",
-                survey=repr(survey_id[:64]),
-            )
-        )
-    return survey_id
+def _still_busy() -> RequestRefusedError:
+    return RequestRefusedError(
+        Message(
+            "what was requested before did not end within {limit_s:g} s, because reopening a large "
+            "survey takes long; try again later",
+            limit_s=REQUEST_LIMIT_S,
+        ),
+        fault=BUSY,
+    )

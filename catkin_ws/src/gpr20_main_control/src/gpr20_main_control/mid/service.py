@@ -1,27 +1,26 @@
-"""Maintenance outside a survey: one action at a time, which a stop ends.
+"""Maintenance outside a survey, which a stop ends.
 
 Moves of one axis, and a test of the analyzer: connection, identity, calibration, one sweep.
 """
 
 from __future__ import annotations
 
+import contextlib
 import enum
 import math
-import threading
 from dataclasses import dataclass, replace
-from typing import Callable, Mapping, Optional, TypeVar
+from typing import Any, Callable, Iterator, Mapping, Optional
 
 import numpy as np
 
 from gpr20_common.errors import Gpr20Error
-from gpr20_common.faults import ASKED_FOR, IN_USE, NOT_ALLOWED
+from gpr20_common.faults import ASKED_FOR, NOT_ALLOWED
 from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message, numeral
-from gpr20_main_control import faults
 from gpr20_main_control.errors import DeviceError, RequestRefusedError, StopRequested
 from gpr20_main_control.mid.devices.axis_leases import AxisLeases
 from gpr20_main_control.mid.devices.positioner import Positioner
-from gpr20_main_control.mid.devices.robot import Axis, Robot
+from gpr20_main_control.mid.devices.robot import Analyzer, Axis, Robot
 from gpr20_main_control.mid.waits import Interruption
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.axes.axis_parameters import AxisParameters
@@ -40,13 +39,15 @@ MICRO = 1.0e-6
 # Below any analyzer's noise; a level of nothing has no logarithm.
 LOWEST_LEVEL = 1.0e-15
 
-Result = TypeVar("Result")
+# Makes a call to the analyzer and returns its result.
+Call = Callable[[Callable[[], Any]], Any]
 
 
-class ServiceSlot:
-    """Holds the action that is in progress; every method may be called from any thread.
+class Service:
+    """The action that is in progress; who begins one has made sure that there is none.
 
     Attributes:
+        activity: What is done; None: nothing.
         interruption: What ends the waits of the action.
     """
 
@@ -56,63 +57,31 @@ class ServiceSlot:
         clock: Clock,
         on_change: Callable[[Optional[Message]], None],
     ) -> None:
-        """Begin with no action, with which the axes are stopped.
-
-        `on_change` is called with what is done when one begins, and None when it has ended.
-        """
+        """Begin with no action; `on_change` is called with what is done, None when it has ended."""
+        self.activity: Optional[Message] = None
         self.interruption = Interruption(clock)
-        self._axes = axes
-        self._on_change = on_change
-        self._lock = threading.Lock()
-        self._activity: Optional[Message] = None
+        self._axes, self._on_change = axes, on_change
 
-    def claim(self, activity: Message) -> None:
-        """Begin an action; `release` ends it.
-
-        Raises:
-            RequestRefusedError: Another one is in progress.
-        """
-        with self._lock:
-            self.refuse_while_busy()
-            self.interruption.stop.clear()
-            self._activity = activity
+    @contextlib.contextmanager
+    def doing(self, activity: Message) -> Iterator[None]:
+        """Be in service; at the end the axes are at rest."""
+        self.interruption.stop.clear()
+        self.activity = activity
         self._on_change(activity)
-
-    def release(self) -> None:
-        """End the action; the axes are at rest."""
-        with self._lock:
-            self._activity = None
-        self._on_change(None)
-
-    def refuse_while_busy(self) -> None:
-        """Return if no action is in progress.
-
-        Raises:
-            RequestRefusedError: One is.
-        """
-        if self._activity is not None:
-            raise RequestRefusedError(
-                Message(
-                    "the robot is in service ({activity}); wait for its end, or press STOP",
-                    activity=self._activity,
-                ),
-                fault=IN_USE,
-            )
+        try:
+            yield
+        finally:
+            self.activity = None
+            self._on_change(None)
 
     def stop(self) -> bool:
         """Stop the action at once; return whether there was one."""
-        # No lock: a stop does not wait. It comes after the last claim or is for nothing.
-        if self._activity is None:
+        if self.activity is None:
             return False
         self.interruption.stop.set()
         for axis in self._axes.values():
             axis.stop()
         return True
-
-    def shut_down(self) -> None:
-        """End the action, because the main control ends."""
-        self.interruption.shut_down()
-        self.stop()
 
 
 class AxisAction(enum.IntEnum):
@@ -131,16 +100,6 @@ class AxisMove:
     action: AxisAction
     distance: float = 0.0
 
-    def __post_init__(self) -> None:
-        if self.action is AxisAction.JOG and not (math.isfinite(self.distance) and self.distance):
-            raise RequestRefusedError(
-                Message(
-                    "the distance is {distance}; it must be a number other than 0",
-                    distance=numeral(self.distance),
-                ),
-                fault=NOT_ALLOWED,
-            )
-
     @property
     def activity(self) -> Message:
         """What is being done."""
@@ -157,20 +116,17 @@ class AxisMove:
 
 
 def axis_move(axis: str, action: int, distance: float) -> AxisMove:
-    """Return the request with these values.
-
-    Raises:
-        RequestRefusedError: They are not allowed.
-    """
-    axes, actions = [one.value for one in AxisId], [int(one) for one in AxisAction]
-    if axis not in axes:
+    """Return the request with these values, or refuse what is not allowed."""
+    known = axis in [one.value for one in AxisId] and action in list(AxisAction)
+    if not known or (action == AxisAction.JOG and not (math.isfinite(distance) and distance)):
         raise RequestRefusedError(
-            Message("the axis is {axis}; it must be x, y or z", axis=repr(axis[:16])),
-            fault=NOT_ALLOWED,
-        )
-    if action not in actions:
-        raise RequestRefusedError(
-            Message("the action is {action}; it must be 0, 1 or 2", action=action),
+            Message(
+                "axis {axis}, action {action} and distance {distance} are no move: the axis must "
+                "be x, y or z, the action 0, 1 or 2, and the distance of a jog not 0",
+                axis=repr(axis[:16]),
+                action=action,
+                distance=numeral(distance),
+            ),
             fault=NOT_ALLOWED,
         )
     return AxisMove(AxisId(axis), AxisAction(action), distance)
@@ -184,22 +140,11 @@ class AxisService:
         self._axis = robot.axes[move.axis]
         self._parameters = axis_parameters(move.axis, robot.description.nodes)
         self._leases = AxisLeases(robot.axes, interruption.attention)
-        self._positioner = Positioner(
-            {move.axis: self._axis},
-            {move.axis: self._parameters},
-            interruption,
-            robot.workers,
-            self._leases,
-        )
+        axes, parameters = {move.axis: self._axis}, {move.axis: self._parameters}
+        self._positioner = Positioner(axes, parameters, interruption, robot.workers, self._leases)
 
     def execute(self) -> Message:
-        """Carry out the request and return, when the axis is at rest, where it is.
-
-        Raises:
-            RequestRefusedError: It is not possible now; nothing moved.
-            DeviceError: The axis failed.
-            StopRequested: A stop was requested; the axis is at rest.
-        """
+        """Carry out the request and return, when the axis is at rest, where it is."""
         try:
             self._interruption.check()
             self._leases.ensure([self._axis_id])
@@ -235,47 +180,29 @@ class AxisService:
         parameters, distance = self._parameters, self._move.distance
         place = {"axis": self._axis_id.value, "unit": self._axis_id.unit}
         reading = self._positioner.reading(self._axis_id)
-        if reading.moving:
-            raise RequestRefusedError(
-                Message("the {axis} axis is already moving; press STOP", axis=place["axis"]),
-                fault=faults.AXIS_MOVES,
-            )
-        if not reading.homed and not parameters.finds_zero:
-            raise RequestRefusedError(
-                Message(
-                    "the angle of the {axis} axis is unknown; home it, or set its zero",
-                    axis=place["axis"],
-                ),
-                fault=ZERO_UNKNOWN,
-            )
         if not reading.homed:
             raise RequestRefusedError(
                 Message(
                     "the {axis} axis is not homed: its position is unknown; home it, then move it",
                     axis=place["axis"],
                 ),
-                fault=NOT_HOMED,
+                fault=NOT_HOMED if parameters.finds_zero else ZERO_UNKNOWN,
             )
         target = jog_target(parameters, reading.coordinate, distance)
         if (target - reading.coordinate) * distance <= 0.0:
             raise RequestRefusedError(
                 Message(
-                    "the {axis} axis is at {coordinate:.6g} {unit}, the end of its range from "
-                    "{low:g} to {high:g} {unit}; move it the other way",
+                    "the {axis} axis is at {coordinate:.6g} {unit}; it goes from {low:g} to "
+                    "{high:g} {unit} in steps of {step:g} {unit}",
                     coordinate=reading.coordinate,
                     low=parameters.min_coord,
                     high=parameters.max_coord,
+                    step=parameters.step_size,
                     **place,
                 ),
                 fault=NOT_ALLOWED,
             )
         self._positioner.move({self._axis_id: target})
-        if abs(target - reading.coordinate) < abs(distance) - parameters.step_size:
-            return Message(
-                "The {axis} axis is at {coordinate:.6g} {unit}, the end of its range.",
-                coordinate=target,
-                **place,
-            )
         return Message("The {axis} axis is at {coordinate:.6g} {unit}.", coordinate=target, **place)
 
     def _stopped(self) -> Message:
@@ -284,29 +211,40 @@ class AxisService:
             return moving
         reading, axis = self._axis.reading(), self._axis_id.value
         if reading is None or not reading.homed:
-            return Message("stopped; the {axis} axis is not homed", axis=axis).with_fault(
-                NOT_HOMED.as_note()
-            )
-        return Message(
-            "stopped; the {axis} axis is at {coordinate:.6g} {unit}",
-            axis=axis,
-            coordinate=reading.coordinate,
-            unit=self._axis_id.unit,
-        ).with_fault(ASKED_FOR)
+            stopped = Message("stopped; the {axis} axis is not homed", axis=axis)
+            return stopped.with_fault(NOT_HOMED.as_note())
+        place = {"axis": axis, "coordinate": reading.coordinate, "unit": self._axis_id.unit}
+        stopped = Message("stopped; the {axis} axis is at {coordinate:.6g} {unit}", **place)
+        return stopped.with_fault(ASKED_FOR)
 
 
 def jog_target(parameters: AxisParameters, coordinate: float, distance: float) -> float:
-    """Return where a jog ends: on a motor step, at least one away, within the axis [mm or deg]."""
-    low, high = parameters.min_coord, parameters.max_coord
-    lowest, highest = parameters.distance_steps(low), parameters.distance_steps(high)
+    """Return the motor step where a jog ends, within the axis [mm or deg]."""
+    wanted = max(parameters.min_coord, min(parameters.max_coord, coordinate + distance))
+    steps = parameters.distance_steps(wanted)
     # An end that is no motor step is not reached.
-    lowest += parameters.coordinate_of(lowest) < low
-    highest -= parameters.coordinate_of(highest) > high
-    # No farther than the whole axis: the steps of a huge distance need not be counted.
-    length = high - low
-    change = parameters.distance_steps(max(-length, min(length, distance)))
-    steps = parameters.distance_steps(coordinate) + (change or int(math.copysign(1, distance)))
-    return parameters.coordinate_of(max(lowest, min(highest, steps)))
+    steps -= parameters.coordinate_of(steps) > parameters.max_coord
+    steps += parameters.coordinate_of(steps) < parameters.min_coord
+    return parameters.coordinate_of(steps)
+
+
+@contextlib.contextmanager
+def analyzer_in_service(robot: Robot, interruption: Interruption) -> Iterator[Call]:
+    """Yield what makes a call to the analyzer, which a stop ends; release it afterwards."""
+    try:
+        yield lambda call: robot.analyzer_calls.call(call, interruption.check)
+    except StopRequested as error:
+        raise StopRequested(Message("the test was stopped"), fault=ASKED_FOR) from error
+    finally:
+        # Without waiting: behind a call that hangs it comes late, but before any later call.
+        robot.analyzer_calls.begin(robot.analyzer.release)
+
+
+def confirmed_sweep(analyzer: Analyzer, call: Call) -> Sweep:
+    """Return a sweep whose settings the analyzer confirmed."""
+    unconfirmed = call(analyzer.sweep)
+    call(lambda: analyzer.confirm(unconfirmed.number))
+    return unconfirmed.sweep
 
 
 def run_analyzer_test(
@@ -317,25 +255,16 @@ def run_analyzer_test(
     if not address and ANALYZER in nodes:
         address = str(nodes[ANALYZER].configuration.get("address", ""))
     test = AnalyzerTest(address)
-
-    def call(one: Callable[[], Result]) -> Result:
-        return robot.analyzer_calls.call(one, interruption.check)
-
     try:
-        test = replace(test, identity=call(lambda: analyzer.connect(address)))
-        if robot.description.problem() is None:
-            robot.description.check_identity(test.identity, robot.description.config())
-        test = replace(test, calibration=call(analyzer.calibration).status.name)
-        call(lambda: analyzer.configure(settings))
-        unconfirmed = call(analyzer.sweep)
-        call(lambda: analyzer.confirm(unconfirmed.number))
-        test = _with_sweep(test, unconfirmed.sweep)
-    except StopRequested:
-        test = replace(test, failure=Message("the test was stopped").with_fault(ASKED_FOR))
+        with analyzer_in_service(robot, interruption) as call:
+            test = replace(test, identity=call(lambda: analyzer.connect(address)))
+            if robot.description.problem() is None:
+                robot.description.check_identity(test.identity, robot.description.config())
+            test = replace(test, calibration=call(analyzer.calibration).status.name)
+            call(lambda: analyzer.configure(settings))
+            test = _with_sweep(test, confirmed_sweep(analyzer, call))
     except Gpr20Error as error:
         test = replace(test, failure=error.message)
-    # Without waiting: behind a call that hangs it comes late, but before any later call.
-    robot.analyzer_calls.begin(analyzer.release)
     return test
 
 

@@ -84,23 +84,13 @@ class Interruption:
         self.stop.set()
 
     def check(self) -> None:
-        """Return if there is no reason to interrupt.
-
-        Raises:
-            StopRequested: A stop was requested.
-            NodeLostError: A node does not answer or was restarted.
-        """
+        """Raise StopRequested after a stop, NodeLostError if a node is lost or was restarted."""
         self.check_stop()
         if self._nodes is not None:
             self._nodes.check()
 
     def check_stop(self) -> None:
-        """Return unless a stop was requested.
-
-        Raises:
-            ShutDownRequested: The main control ends.
-            StopRequested: A stop was requested.
-        """
+        """Raise StopRequested after a stop, ShutDownRequested if the main control ends."""
         self.attention.look()
         if self._shutting_down:
             raise ShutDownRequested(Message("the robot is shut down"), fault=STOPPED)
@@ -194,17 +184,13 @@ class WaitStatus:
 class Workers:
     """Threads that are kept for the next call; there are as many as calls at the same time.
 
-    They are daemons: a call that hangs in a device outlives the survey that gave it up, but not the
-    node. Of one thread the next call waits for the end of a call that was given up, which would
-    otherwise undo in its device what later calls requested.
+    They are daemons, unlike those of concurrent.futures: a call that hangs in a device outlives the
+    survey that gave it up, but not the node. Of one thread the next call waits for the end of a
+    call that was given up, which would otherwise undo in its device what later calls requested.
     """
 
     def __init__(self, most: int = MOST_WORKERS) -> None:
-        """Start no thread yet.
-
-        Args:
-            most: How many calls may be made at the same time. Others wait.
-        """
+        """Start no thread yet; more than `most` calls at the same time wait for each other."""
         self._most = most
         self._lock = threading.Lock()
         self._threads = self._unfinished = 0
@@ -223,46 +209,28 @@ class Workers:
         return future
 
     def call(self, call: Callable[[], Result], check: Check) -> Result:
-        """Make a call in its turn and return its result.
-
-        Args:
-            call: If the wait for it is given up before its turn, it is never made; once it has
-                begun, it continues in its thread.
-            check: Called repeatedly meanwhile; an error that it raises ends the wait.
-        """
+        """Make a call in its turn and return its result, as `result_of` does."""
         return result_of(self.begin(call), check)
 
     def _work(self) -> None:
         while True:
-            future, call = self._calls.get()
-            result, failure = None, None
-            begun = future.set_running_or_notify_cancel()
-            if begun:
-                try:
-                    result = call()
-                except BaseException as error:
-                    # Raised again by `result_of`.
-                    failure = error
-            # Before the result: who waits for it may begin the next call, without a new thread.
-            with self._lock:
-                self._unfinished -= 1
-            if failure is not None:
-                future.set_exception(failure)
-            elif begun:
-                future.set_result(result)
-            # Kept until the next call otherwise.
-            del future, call, result, failure
+            self._make(*self._calls.get())
 
-
-def wait_for(future: Future[Result], check: Check) -> None:
-    """Return as soon as a call has ended.
-
-    Args:
-        future: The call.
-        check: Called repeatedly meanwhile; an error that it raises ends the wait.
-    """
-    while not wait_for_futures([future], POLL_S).done:
-        check()
+    def _make(self, future: Future[Any], call: Callable[[], Any]) -> None:
+        result, failure = None, None
+        begun = future.set_running_or_notify_cancel()
+        try:
+            result = call() if begun else None
+        except BaseException as error:
+            # Raised again by `result_of`.
+            failure = error
+        # Before the result: who waits for it may begin the next call, without a new thread.
+        with self._lock:
+            self._unfinished -= 1
+        if failure is not None:
+            future.set_exception(failure)
+        elif begun:
+            future.set_result(result)
 
 
 def result_of(future: Future[Result], check: Check) -> Result:
@@ -273,7 +241,8 @@ def result_of(future: Future[Result], check: Check) -> Result:
         check: Called repeatedly meanwhile; an error that it raises ends the wait.
     """
     try:
-        wait_for(future, check)
+        while not wait_for_futures([future], POLL_S).done:
+            check()
     finally:
         future.cancel()  # a call that has begun continues
     return future.result()

@@ -8,7 +8,6 @@ from fault_kit import raises_fault
 
 from gpr20_common.faults import BUSY, INTERNAL, PART_RED, PART_SILENT
 from gpr20_common.message import Message
-from gpr20_main_control import faults
 from gpr20_main_control.errors import RequestRefusedError
 from gpr20_main_control.mid.waits import Workers
 from gpr20_survey.plan.survey_state import SurveyState as State
@@ -90,26 +89,6 @@ def test_an_error_whose_cause_is_a_dead_node_does_not_pause_the_survey(bench):
     bench.start()
     bench.complete()
     assert "PAUSED" not in bench.states
-
-
-def test_a_paused_survey_and_a_control_at_rest_say_so_and_stay_as_they_are(bench):
-    bench.nodes.note_silent(X_AXIS)
-    assert bench.board.status.state is State.IDLE
-    assert reports(bench.board.status.full_message, PART_SILENT, NODES[X_AXIS])
-    come_back(bench, X_AXIS)
-    bench.y.fail_move = "the endstop was pressed"
-    bench.start()
-    bench.wait_for(State.PAUSED)
-    bench.nodes.note_silent(VNA)
-    assert bench.board.status.state is State.PAUSED
-    shown = bench.board.status.full_message
-    assert reports(shown.values["warning"], PART_SILENT, NODES[VNA])
-    assert shown.values["status"] == bench.board.status.message
-    assert shown.fault_code == faults.BLOCKED.code
-    come_back(bench, VNA)
-    assert bench.board.status.full_message == bench.board.status.message
-    bench.y.fail_move = ""
-    bench.resume_to_the_end()
 
 
 def die_after(bench, call):

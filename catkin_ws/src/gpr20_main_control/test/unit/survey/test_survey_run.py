@@ -1,17 +1,17 @@
 """A whole survey over a fake robot: its order, its requests, its pauses, its end."""
 
-import gc
-
 import pytest
-from fake_robot import Bench, FakeStorage, ManualClock
+from cut_off_surveys import recorded_axes, reopened_survey
+from fake_robot import Bench, ManualClock
+from fault_kit import raises_fault
 
 from gpr20_common.message import Message
-from gpr20_main_control.errors import DeviceError
+from gpr20_main_control import faults
+from gpr20_main_control.errors import DeviceError, SurveyError
 from gpr20_main_control.mid.survey.survey import Accepted
 from gpr20_survey.faults import STOPPED
 from gpr20_survey.folder.log_record import Kind
 from gpr20_survey.plan.survey_state import SurveyState as State
-from gpr20_survey.trace.trace import Trace
 
 
 def test_a_survey_stores_every_point_exactly_once_and_finishes(bench):
@@ -30,6 +30,7 @@ def test_a_survey_stores_every_point_exactly_once_and_finishes(bench):
     assert [one.complete for one in bench.verdicts].index(True) == len(bench.verdicts) - 1
     shown = {one.target for one in bench.history if one.target is not None}
     assert len(shown) == total and status.target is None
+    assert visited(bench) == list(range(total))
     # Told when they are set and when the survey begins.
     assert [one.x_points for one in bench.parameters] == [4, 4]
 
@@ -45,29 +46,6 @@ def test_the_height_of_every_trace_is_the_one_measured_at_its_own_point(bench):
         expected_m = 0.1 + one.x_coord_mm / 1000.0 + one.y_coord_mm / 100.0
         assert one.antennae_height_m == pytest.approx(expected_m)
     assert len({one.antennae_height_m for one in bench.storage.samples}) == 12
-
-
-def test_the_control_keeps_nothing_of_a_trace_that_is_stored():
-    class CountingStorage(FakeStorage):
-        """Keeps nothing, and counts at the last trace what others keep."""
-
-        stored_traces = kept = 0
-
-        def store(self, _trace):
-            self.stored_traces += 1
-            if self.stored_traces == 96:
-                self.kept = sum(isinstance(one, Trace) for one in gc.get_objects())
-
-        def add_fact(self, _survey_id, _kind, _values_json):
-            return self.stored_traces
-
-    gc.collect()
-    before = sum(isinstance(one, Trace) for one in gc.get_objects())
-    bench = Bench(storage=CountingStorage())
-    bench.start(y_points=16)
-    bench.wait_for(State.FINISHED)
-    # The last eight, with which a known point is compared, the first two, and those under way.
-    assert bench.storage.kept - before <= 20
 
 
 # Pauses.
@@ -116,9 +94,59 @@ def test_a_fact_that_could_not_be_stored_waits_and_keeps_its_place(bench):
         return add_fact(survey_id, kind, values_json)
 
     bench.storage.add_fact = refuse_once
-    bench.at_sweep(3, bench.control.pause)
     bench.start()
     bench.wait_for(State.PAUSED)
     bench.resume_to_the_end()
     kinds = [one.kind for one in bench.storage.notes]
-    assert refused and kinds == [Kind.EPOCH, Kind.PAUSE, Kind.CONTINUE]
+    assert refused and kinds == [Kind.EPOCH, Kind.PAUSE, Kind.CONTINUE, Kind.EPOCH]
+
+
+# From the disk.
+
+TOTAL = 24
+
+
+def visited(bench):
+    """Return the indices of the points in the order in which the axes were sent to them."""
+    shown = [one.target.index for one in bench.history if one.target is not None]
+    return [one for one, before in zip(shown, [None, *shown]) if one != before]
+
+
+@pytest.mark.parametrize("stored", [[0, 2, 5, 23], list(range(TOTAL))])
+def test_a_survey_from_the_disk_compares_its_last_stop_first_and_then_measures_what_is_missing(
+    bench, stored
+):
+    bench.storage.reopened = reopened_survey(stored)
+    for axis in bench.axes:
+        axis.homed = True
+        axis.begin_zero()
+    bench.control.resume("survey")
+    bench.wait_for(State.FINISHED)
+    missing = [index for index in range(TOTAL) if index not in stored]
+    assert visited(bench) == [max(stored), *missing]
+    assert [one.index for one in bench.storage.samples] == missing
+    assert [axis.homings for axis in bench.axes] == [1, 1, 1]
+
+
+@pytest.mark.parametrize(
+    "fault, stored, report, changes",
+    [
+        (faults.OTHER_ROBOT, [0, 1], "", {"simulated": False}),
+        (faults.RECORD_DAMAGED, [0, 1], "", {"parameters": {}}),
+        (faults.RECORD_DAMAGED, [0, 1], "", {"axes": {}}),
+        (faults.OTHER_ROBOT, [0, 1], "", {"axes": recorded_axes(invert_direction=True)}),
+        # It holds more than its plan.
+        (faults.RECORD_DAMAGED, [0, 30], "", {}),
+        (faults.RECORD_DAMAGED, [0], '{"zeros": [{}]}', {}),
+    ],
+)
+def test_a_survey_that_this_robot_cannot_go_on_with_is_refused_and_closed(
+    bench, fault, stored, report, changes
+):
+    bench.storage.reopened = reopened_survey(stored, report, **changes)
+    with raises_fault(fault, error=SurveyError) as refused:
+        bench.control.resume("survey")
+    assert not changes or "/data/survey" in str(refused.value)
+    assert bench.board.status.state is State.IDLE
+    assert bench.storage.ends[-1].outcome == "failed"
+    assert bench.storage.ends[-1].status.state is State.FAILED

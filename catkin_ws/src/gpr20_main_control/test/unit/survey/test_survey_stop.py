@@ -4,11 +4,11 @@ import threading
 
 import pytest
 from cut_off_surveys import reopened_survey
-from fake_robot import LIMIT_S, NODES, reports
+from fake_robot import LIMIT_S, reports
 from fault_kit import raises_fault
 from survey_examples import PARAMETERS
 
-from gpr20_common.faults import ASKED_FOR, MAY_MOVE
+from gpr20_common.faults import ASKED_FOR, DISK_REFUSES, MAY_MOVE
 from gpr20_main_control import faults
 from gpr20_main_control.errors import RequestRefusedError
 from gpr20_survey.faults import CAN_RESUME, STOPPED
@@ -37,9 +37,10 @@ def test_a_fault_in_the_survey_itself_stops_the_axes_and_is_told(bench, monkeypa
 
 def test_shutting_down_stops_the_axes_and_leaves_the_survey_interrupted(bench):
     bench.x.blocked.clear()
+    stop = bench.x.stop
+    bench.x.stop = lambda: (stop(), bench.x.blocked.set())
     bench.start()
     assert bench.x.begun.wait(LIMIT_S)
-    threading.Timer(0.05, bench.x.blocked.set).start()
     bench.control.shut_down(LIMIT_S)
     assert all(axis.stops > 0 for axis in bench.axes)
     assert bench.board.status.state is State.STOPPED
@@ -104,8 +105,7 @@ def test_a_stop_does_not_wait_for_a_storage_that_hangs_and_does_not_come_back(be
     bench.wait_for(State.STOPPING)
     bench.nodes.note_silent("vna_processing")
     status = bench.wait_for(State.STOPPED)
-    assert CAN_RESUME in status.message.faults
-    assert any(NODES["vna_processing"] in one.values.values() for one in status.message.nested())
+    assert {CAN_RESUME, DISK_REFUSES} <= {*status.message.faults}
     hang.set()
 
 

@@ -11,10 +11,8 @@ from fault_kit import raises_fault
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.faults import CONFIGURATION, DISK_REFUSES, INTERNAL, NOT_ALLOWED
 from gpr20_common.low.clock import Clock
-from gpr20_main_control.errors import DeviceError
 from gpr20_main_control.mid.survey import sampling
-from gpr20_main_control.mid.survey import survey as one_survey
-from gpr20_main_control.mid.survey.storage_queue import StorageQueue
+from gpr20_main_control.mid.survey.survey_archive import StorageQueue
 from gpr20_survey.faults import CAN_RESUME, TAKES_LONG
 from gpr20_survey.folder.soil_note import PLANNED
 from gpr20_survey.plan.annotation import EMPTY, Annotation, Wgs84Position, annotation_of
@@ -57,6 +55,19 @@ def test_a_survey_refines_none_that_is_not_an_id(bench, wrong):
     bench.control.set_parameters(PARAMETERS)
     with raises_fault((NOT_ALLOWED, CONFIGURATION), repr(wrong), error=InvalidValueError):
         bench.control.start(refines=wrong)
+
+
+class FailsThenStores:
+    """Refuses some traces, and then passes them to a storage."""
+
+    def __init__(self, storage, failures):
+        self.storage, self.failures = storage, failures
+
+    def store(self, trace):
+        self.failures -= 1
+        if self.failures >= 0:
+            raise ConnectionError("no survey is open")
+        FakeStorage.store(self.storage, trace)
 
 
 def break_down(*_arguments):
@@ -113,9 +124,9 @@ def test_a_fault_in_closing_does_not_leave_the_survey_stopping_for_ever(bench):
 
 
 def test_a_trace_that_is_stored_after_its_survey_ended_does_not_count_for_the_next(
-    bench, monkeypatch
+    make_bench, monkeypatch
 ):
-    monkeypatch.setattr(one_survey, "STOPPING_LIMIT_S", 0.1)
+    bench = make_bench(return_limit_s=100.0)
     begun, go_on, stored = threading.Event(), threading.Event(), threading.Event()
 
     def store_late(_trace):
@@ -138,18 +149,26 @@ def test_a_trace_that_is_stored_after_its_survey_ended_does_not_count_for_the_ne
         bench.wait_for_visited(1, limit_s=0.3)
 
 
-def test_a_trace_that_is_stored_at_the_last_moment_is_not_called_missing(bench):
+def test_a_failure_that_began_before_a_retry_does_not_count(bench, monkeypatch):
     bench.start()
     bench.complete()
-    storage = FakeStorage()
+    storage, storing, refuse = FakeStorage(), threading.Event(), threading.Event()
     storage.opened = bench.board.status.survey_id
-    storage.free.clear()
-    queue = StorageQueue(storage, Clock(), lambda _stored, _index: None)
+
+    def refuse_late(_trace):
+        storing.set()
+        refuse.wait(LIMIT_S)
+        raise ConnectionError("no survey is open")
+
+    monkeypatch.setattr(storage, "store", refuse_late)
+    queue = StorageQueue(storage, bench.clock, lambda _index: None)
     queue.add(bench.storage.samples[0])
-    with raises_fault(DISK_REFUSES, 1, 0.03, error=DeviceError):
-        queue.drain_within(0.03)
-    threading.Timer(0.06, storage.free.set).start()
-    queue.drain_within(LIMIT_S)
+    assert storing.wait(LIMIT_S)
+    queue.retry()
+    # The attempts that are in progress all fail; those after them do not.
+    monkeypatch.setattr(queue, "_storage", FailsThenStores(storage, 2))
+    refuse.set()
+    queue.wait_until_left(0, lambda: None)
     queue.close()
     assert len(storage.samples) == 1
 
@@ -160,13 +179,13 @@ def test_a_trace_whose_storing_cannot_be_shown_is_not_stored_again(bench, fault_
     storage, traces = FakeStorage(), bench.storage.samples[:2]
     storage.opened = bench.board.status.survey_id
 
-    def fail(_stored, _index):
+    def fail(_index):
         raise ZeroDivisionError("a fault of ours")
 
     queue = StorageQueue(storage, Clock(), fail)
     for trace in traces:
         queue.add(trace)
-    queue.drain_within(LIMIT_S)
+    queue.wait_until_left(0, lambda: None)
     queue.close()
     assert storage.samples == traces
     assert len(fault_log) == 2
@@ -178,5 +197,5 @@ def test_a_shutdown_closes_a_paused_survey_that_is_complete(bench):
     bench.wait_for(State.PAUSED)
     bench.storage.fail_close = ""
     bench.control.shut_down(LIMIT_S)
-    assert bench.states[-3:] == ["PAUSED", "CHECKING", "FINISHED"]
+    assert bench.states[-3:] == ["PAUSED", "STOPPING", "FINISHED"]
     assert [one.outcome for one in bench.storage.ends] == ["finished"]

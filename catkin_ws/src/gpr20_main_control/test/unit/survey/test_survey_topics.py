@@ -12,8 +12,7 @@ from gpr20_common.faults import PART_SILENT
 from gpr20_common.high.answers import message_from, received
 from gpr20_common.message import Message
 from gpr20_main_control.high.survey_topics import SurveyTopics
-from gpr20_main_control.mid.survey.survey_coverage import Coverage
-from gpr20_main_control.mid.survey.survey_status import Status
+from gpr20_main_control.mid.survey.survey_status import Coverage, Status
 from gpr20_survey.faults import NO_GROUND
 from gpr20_survey.plan.survey_points import SurveyPoint
 from gpr20_survey.plan.survey_state import SurveyState as State

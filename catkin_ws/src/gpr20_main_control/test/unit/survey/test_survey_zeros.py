@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-import numpy as np
-from cut_off_surveys import stored_trace
-
 from gpr20_analysis.read.doubts import unproven_zeros
 from gpr20_main_control import faults
-from gpr20_main_control.mid.survey.repeats import Repeated, compare_known_point, known_traces
 from gpr20_main_control.mid.survey.survey import Accepted
 from gpr20_survey.axes.axis_id import ZeroEpoch
 from gpr20_survey.faults import NOT_HOMED, OTHER_ZEROS
+from gpr20_survey.folder.log_record import Kind
 from gpr20_survey.plan.survey_state import SurveyState as State
 
 ACCEPT = Accepted(zeros=True)
@@ -50,9 +47,8 @@ def test_an_axis_that_somebody_homed_is_homed_again_and_compared(bench):
     assert (bench.x.homings, marked(bench)) == (homings + 1, [])
     assert proofs(bench) == ["start", "measured"]
     # The last complete stop was measured twice; the repeats are not among the traces.
-    report = bench.storage.reports[-1]
-    assert [control["index"] for control in report["controls"]] == [2, 3]
-    assert report["coverage"].count("r") == 2
+    epochs = [one.values for one in bench.storage.notes if one.kind is Kind.EPOCH]
+    assert [[one["index"] for one in epoch["compared"]] for epoch in epochs] == [[], [2, 3]]
 
 
 def test_a_known_point_that_does_not_agree_asks_the_operator(bench):
@@ -94,41 +90,6 @@ def test_agreeing_with_traces_that_nothing_proves_proves_nothing(bench):
     bench.complete()
     assert proofs(bench) == ["start", "accepted", "accepted"]
     assert marked(bench) == list(range(STORED, 24))
-
-
-def traces_at(numbers):
-    """Return traces of one stop at 0 and 90 deg whose S21 is a random vector by its number."""
-    found = []
-    for index, number in enumerate(numbers):
-        noise = np.random.default_rng(number)
-        values = {"s21_real": noise.normal(size=5), "s21_imag": noise.normal(size=5)}
-        found.append(stored_trace(index, z_coord_deg=90.0 * index, **values))
-    return found
-
-
-def compared(stored, again):
-    return compare_known_point([Repeated(old, (new,)) for old, new in zip(stored, again)])
-
-
-def test_antennas_that_are_turned_show_where_the_rotations_look_different():
-    stored = traces_at([1, 2])
-    assert not compared(stored, traces_at([1, 2])).turned
-    turned = compared(stored, traces_at([2, 1]))
-    assert turned.turned
-    assert not turned.agrees(100.0)
-    # Over ground that looks the same at every rotation nothing can show.
-    assert compared(traces_at([3, 3]), traces_at([3, 3])).agrees(-20.0)
-
-
-def test_the_known_point_is_the_last_stop_that_was_measured_at_every_rotation():
-    visits = [(10.0, 0.0), (10.0, 90.0), (20.0, 90.0), (20.0, 0.0), (30.0, 0.0)]
-    recent = [
-        stored_trace(index, x_coord_mm=x_mm, z_coord_deg=z_deg)
-        for index, (x_mm, z_deg) in enumerate(visits)
-    ]
-    assert [one.index for one in known_traces(recent, 2)] == [2, 3]
-    assert [one.index for one in known_traces(recent[:1], 2)] == [0]
-    assert [one.index for one in known_traces(recent, 1)] == [4]
 
 
 def test_zeros_are_unproven_by_the_traces_alone_if_the_report_is_lost():

@@ -90,7 +90,7 @@ def coverage_of_stored(survey_id: str, planned: int, stored: Iterable[int]) -> C
 
 def is_stored(trace_states: np.ndarray) -> np.ndarray:
     """Return which traces are durably stored (bool, the same shape)."""
-    return (trace_states == SampleState.MEASURED) | (trace_states == SampleState.REMEASURED)
+    return trace_states == SampleState.MEASURED
 
 
 def stop_states(grid: SurveyGrid, trace_states: np.ndarray) -> np.ndarray:

@@ -61,14 +61,12 @@ class SampleState(enum.IntEnum):
 
     NOT_VISITED = 0
     MEASURED = 1
-    REMEASURED = 2
     FAILED = 3
 
 
 COVERAGE_LETTERS = {
     SampleState.NOT_VISITED: "-",
     SampleState.MEASURED: "m",
-    SampleState.REMEASURED: "r",
     SampleState.FAILED: "f",
 }
 """Of the entry `coverage` of the report."""

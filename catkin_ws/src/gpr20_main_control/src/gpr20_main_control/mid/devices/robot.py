@@ -15,8 +15,7 @@ import numpy as np
 from gpr20_common.message import Message
 from gpr20_main_control.mid.devices.described_robot import AuxSensors, DescribedRobot
 from gpr20_main_control.mid.devices.node_liveness import NodeLiveness
-from gpr20_main_control.mid.survey.survey_coverage import Coverage
-from gpr20_main_control.mid.survey.survey_status import Status
+from gpr20_main_control.mid.survey.survey_status import Coverage, Status
 from gpr20_main_control.mid.waits import Workers
 from gpr20_survey.axes.axis_id import UNKNOWN_ZERO, AxisId, ZeroEpoch, Zeros
 from gpr20_survey.faults import CONTROL_SILENT
@@ -209,14 +208,6 @@ class SurveyRecord:
 
 
 @dataclass(frozen=True)
-class OpenedSurvey:
-    """The folder of a survey that has begun, and that of another one that was still open."""
-
-    folder: str
-    interrupted: str = ""
-
-
-@dataclass(frozen=True)
 class SurveyEnd:
     """How a survey ended: in one word of survey.json, and with what its recordings end."""
 
@@ -229,8 +220,8 @@ class SurveyEnd:
 class Storage(Protocol):
     """The storage of surveys."""
 
-    def open(self, record: SurveyRecord) -> OpenedSurvey:
-        """Begin a survey; another one that is still open is closed as interrupted."""
+    def open(self, record: SurveyRecord) -> str:
+        """Begin a survey and return its folder; another one that is open is interrupted."""
 
     def reopen(self, survey: str) -> ReopenedSurvey:
         """Reopen a survey by its id or folder; another one that is open is interrupted."""

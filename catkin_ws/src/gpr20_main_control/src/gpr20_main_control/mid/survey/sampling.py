@@ -19,7 +19,7 @@ from gpr20_main_control import faults
 from gpr20_main_control.errors import DeviceError
 from gpr20_main_control.mid.devices.instruments import Instruments
 from gpr20_main_control.mid.devices.robot import Position, SweepConfirmation
-from gpr20_main_control.mid.waits import Check, result_of, wait_for
+from gpr20_main_control.mid.waits import Check, Workers, result_of
 from gpr20_survey.errors import TraceRefusedError
 from gpr20_survey.plan.survey_points import SurveyPoint
 from gpr20_survey.trace.aux_value import VNA_TEMPERATURE, AuxValue
@@ -45,31 +45,30 @@ class Settled:
 class Confirmation:
     """The confirmation of one trace: it is stored once, when it is confirmed, or never.
 
-    `run` is called in the background. The survey may give the trace up at any moment, to measure
-    its point again.
+    The survey may give the trace up at any moment, to measure its point again.
+
+    Attributes:
+        point: Where it was measured.
+        confirmed: The trace, once it is confirmed and accepted for storing.
     """
 
     def __init__(
         self,
+        point: SurveyPoint,
         trace: Trace,
         confirm: Callable[[], SweepConfirmation],
         store: Callable[[Trace], None],
+        workers: Workers,
     ) -> None:
-        """Begin nothing yet; `confirm` raises if it is not confirmed, `store` returns at once."""
-        self._trace = trace
-        self._confirm = confirm
-        self._store = store
+        """Begin; `confirm` raises if it is not confirmed, `store` returns at once."""
+        self.point = point
+        self._trace, self._confirm, self._store = trace, confirm, store
         self._lock = threading.Lock()
         self._given_up = False
         self._stored: Optional[Trace] = None
+        self.confirmed: Future[Trace] = workers.begin(self._run)
 
-    def run(self) -> Trace:
-        """Confirm the trace, pass it to the storage and return it.
-
-        Raises:
-            UnconfirmedError: It was not confirmed.
-            DeviceError: Nobody knows whether it would have been, or the trace was given up.
-        """
+    def _run(self) -> Trace:
         trace = self._completed(self._confirm())
         with self._lock:
             if self._given_up:
@@ -96,7 +95,11 @@ class Confirmation:
 
 
 class Sampling:
-    """Takes the samples of one survey; at most one sweep is unconfirmed."""
+    """Takes the samples of one survey; at most one sweep is unconfirmed.
+
+    DeviceError says which part failed, or that the axes are elsewhere; an interruption ends each
+    step, too.
+    """
 
     def __init__(self, survey: Survey, instruments: Instruments) -> None:
         self._survey, self._instruments = survey, instruments
@@ -106,41 +109,26 @@ class Sampling:
         # On a robot that runs N times faster, vibrations decay N times faster.
         self._settle_s = self._plan.settings.settle_s / self._plan.config.time_scale
         self._settled: Optional[Settled] = None
-        self._confirmation: Optional[Confirmation] = None
-        self._confirming: Optional[Future[Trace]] = None
 
     def settle(self, point: SurveyPoint) -> None:
-        """Return when vibrations have died down and the height is measured.
-
-        Raises:
-            DeviceError: The axes rest elsewhere, or the height could not be measured.
-            NodeLostError: A node does not answer or was restarted.
-            StopRequested: A stop of the survey was requested.
-        """
+        """Return when vibrations have died down and the height is measured."""
         self._robot.description.check(self._plan.config)
-        position = self._positioner.position()
-        self._survey.zeros.check(position.zeros)
-        _check_position(point, position)
+        position = self._resting_at(point)
         height_call = self._robot.workers.begin(self._instruments.height)
         if self._settle_s > PREPARATION_S:
             self._robot.workers.begin(self._robot.analyzer.prepare)
         self._interruption.wait_s(self._settle_s)
         with self._waits.shown(self._instruments.height_wait(point)) as check:
             height_m, remarks = result_of(height_call, check)
-        _check_position(point, self._positioner.position())
+        self._resting_at(point)
         self._settled = Settled(position, height_m, remarks)
 
     def sweep(
         self, point: SurveyPoint, store: Callable[[Trace], None], remark: Optional[Message] = None
-    ) -> None:
+    ) -> Confirmation:
         """Take the sweep of a point at which the axes have settled, and begin to confirm it.
 
         `store` accepts the trace once it is confirmed, in another thread.
-
-        Raises:
-            DeviceError: A part failed, or the axes moved since they rested there.
-            NodeLostError: A node does not answer or was restarted.
-            StopRequested: A stop of the survey was requested.
         """
         try:
             trace, number = self._swept(point, remark)
@@ -148,48 +136,44 @@ class Sampling:
             # The operator can remove the cause, such as a wrong clock: the survey pauses.
             raise DeviceError(error.message) from error
         confirm = partial(self._robot.analyzer.confirm, number)
-        self._confirmation = Confirmation(trace, confirm, store)
-        self._confirming = self._robot.workers.begin(self._confirmation.run)
+        return Confirmation(point, trace, confirm, store, self._robot.workers)
 
-    def confirmed(self, point: SurveyPoint, check: Optional[Check] = None) -> Trace:
-        """Return the trace of the last sweep when it is confirmed and accepted for storing.
+    def confirmed(self, sweep: Confirmation, check: Optional[Check] = None) -> Trace:
+        """Return the trace of a sweep when it is confirmed and accepted for storing.
 
         An error of `check`, or else an interruption, ends the wait; the confirmation continues.
-
-        Raises:
-            UnconfirmedError: It was not confirmed; give it up.
-            DeviceError: The analyzer did not answer; give it up.
         """
-        assert self._confirming is not None
-        wait = self._instruments.confirmation_wait(point)
+        wait = self._instruments.confirmation_wait(sweep.point)
         with self._waits.shown(wait, check) as check_and_show:
-            wait_for(self._confirming, check_and_show)
-        trace = self._confirming.result()
-        self._confirmation, self._confirming = None, None
-        return trace
-
-    def give_up(self) -> Optional[Trace]:
-        """Give up the last sweep, if any; return its trace if it is accepted for storing."""
-        confirmation, self._confirmation, self._confirming = self._confirmation, None, None
-        return None if confirmation is None else confirmation.give_up()
+            return result_of(sweep.confirmed, check_and_show)
 
     def _swept(self, point: SurveyPoint, remark: Optional[Message]) -> Tuple[Trace, int]:
         settled = self._settled
-        assert settled is not None and self._confirmation is None
+        assert settled is not None
         sweep_call = self._robot.workers.begin(self._robot.analyzer.sweep)
         with self._waits.shown(self._instruments.sweep_wait(point)) as check:
             measured = result_of(sweep_call, check)
         self._interruption.check()
-        if self._positioner.position() != settled.position:
+        self._resting_at(point)
+        return self._trace(point, settled, measured.sweep, remark), measured.number
+
+    def _resting_at(self, point: SurveyPoint) -> Position:
+        """Return the position if the axes rest at a point, with the zeros of the survey."""
+        position = self._positioner.position()
+        self._survey.zeros.check(position.zeros)
+        planned = Position(point.x_mm, point.y_mm, point.z_deg, position.zeros)
+        if position != planned:
             raise DeviceError(
                 Message(
-                    "the axes moved during the sweep at point {index}; nothing else may move them "
-                    "during a survey",
+                    "the axes are at {position} instead of {planned} at point {index}; nothing "
+                    "else may move them during a survey",
+                    position=position.message,
+                    planned=planned.message,
                     index=point.index,
                 ),
                 fault=faults.MOVED_BY_OTHERS,
             )
-        return self._trace(point, settled, measured.sweep, remark), measured.number
+        return position
 
     def _trace(
         self,
@@ -201,10 +185,10 @@ class Sampling:
         self._instruments.check_sweep(sweep)
         aux, sensor_remarks = self._robot.sensors.at_sweep(sweep.sweep_ended_us)
         timestamp_us = time_of_day_us()
-        remarks = [remark, self._survey.clock_steps.check_trace(timestamp_us)]
-        texts = tuple(storable_remark(str(one)) for one in remarks if one is not None)
-        remarks_on_place = (*settled.remarks, *self._survey.zeros.remark)
-        quality = (*sweep.quality, *remarks_on_place, *texts, *sensor_remarks)
+        self._survey.clock_steps.check()
+        own = () if remark is None else (storable_remark(str(remark)),)
+        on_place = (*settled.remarks, *self._survey.zeros.remark)
+        quality = (*sweep.quality, *on_place, *own, *sensor_remarks)
         measured = {**vars(sweep), "quality": quality}
         return Trace(
             **measured,
@@ -218,19 +202,4 @@ class Sampling:
             antennae_height_m=settled.height_m,
             aux=aux,
             zeros=settled.position.zeros,
-        )
-
-
-def _check_position(point: SurveyPoint, position: Position) -> None:
-    planned = Position(point.x_mm, point.y_mm, point.z_deg, position.zeros)
-    if position != planned:
-        raise DeviceError(
-            Message(
-                "the axes are at {position} instead of {planned} before the sweep at point "
-                "{index}; nothing else may move them during a survey",
-                position=position.message,
-                planned=planned.message,
-                index=point.index,
-            ),
-            fault=faults.MOVED_BY_OTHERS,
         )

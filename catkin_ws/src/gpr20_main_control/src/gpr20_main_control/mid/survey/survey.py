@@ -8,10 +8,9 @@ from __future__ import annotations
 import contextlib
 import threading
 from dataclasses import asdict, dataclass
-from typing import List, Optional
+from typing import Optional
 
-from gpr20_common.faults import INTERNAL, PART_RED
-from gpr20_common.low.clock import time_of_day_us
+from gpr20_common.faults import DISK_REFUSES, INTERNAL, PART_RED
 from gpr20_common.low.thread_fault import log_fault
 from gpr20_common.message import Message, in_a_row
 from gpr20_main_control.errors import (
@@ -25,14 +24,11 @@ from gpr20_main_control.errors import (
 from gpr20_main_control.mid.devices.axis_leases import AxisLeases
 from gpr20_main_control.mid.devices.positioner import Positioner
 from gpr20_main_control.mid.devices.robot import Robot
-from gpr20_main_control.mid.survey.clock_steps import ClockSteps
 from gpr20_main_control.mid.survey.survey_archive import SurveyArchive
-from gpr20_main_control.mid.survey.survey_coverage import Coverage
 from gpr20_main_control.mid.survey.survey_plan import SurveyPlan
-from gpr20_main_control.mid.survey.survey_report import AnalyzerRecord, SurveyReport, former_report
-from gpr20_main_control.mid.survey.survey_status import SurveyStatus
+from gpr20_main_control.mid.survey.survey_report import ClockSteps, SurveyReport
+from gpr20_main_control.mid.survey.survey_status import Coverage, SurveyStatus
 from gpr20_main_control.mid.survey.survey_steps import SurveySteps
-from gpr20_main_control.mid.survey.zero_record import ZeroRecord
 from gpr20_main_control.mid.waits import Check, Interruption, WaitStatus
 from gpr20_survey.faults import CAN_RESUME, STOPPED, VNA_SILENT
 from gpr20_survey.folder.log_record import Kind
@@ -41,21 +37,15 @@ from gpr20_survey.plan.survey_state import SurveyState
 
 # A survey that loses nodes more often than this without storing a trace in between is paused.
 MOST_RECOVERIES = 3
-# Axes that slow down from their top speed come to rest well within this time [s].
+# Axes that slow down from their top speed come to rest well within this time, and so much has the
+# last sweep of a survey to be confirmed; otherwise it is measured again later [s].
 REST_LIMIT_S = 10.0
-# Time to confirm the last sweep while a lost node is waited for, and when a survey ends early;
-# then it is measured again later [s].
-LOST_CONFIRMING_LIMIT_S = 3.0
-CONFIRMING_LIMIT_S = 5.0
-# Time to store what is noted of a pause [s].
-NOTES_LIMIT_S = 3.0
-# Time to store the traces that wait for the disk when a survey is stopped [s].
-STOPPING_LIMIT_S = 60.0
-# Steps of a shutdown; roslaunch kills a node that has not ended 15 s after Ctrl-C [s].
-LEAVING_LIMIT_S = 2.5
-LEAVING_CONFIRMING_LIMIT_S = 1.5
-# The next survey waits for the thread of this one, and must not be kept waiting [s].
-RELEASE_LIMIT_S = 5.0
+# The same while a lost node is waited for, the notes of a pause are stored, or the robot is shut
+# down, of each step; roslaunch kills a node that has not ended 15 s after Ctrl-C [s].
+SHORT_LIMIT_S = 2.5
+# Storing what waits and closing a survey that ends early take less, or a lost storage comes back
+# within `return_limit_s` [s].
+STORING_LIMIT_S = 300.0
 POLL_S = 0.05
 
 
@@ -73,25 +63,19 @@ class Accepted:
 
 
 NOTHING = Accepted()
+STOP = Message("Stopped on request").with_fault(STOPPED)
+SHUT_DOWN = Message(
+    "Interrupted: the robot is shut down. Start it again, then resume the survey."
+).with_fault(STOPPED)
 
 
 class Survey:
-    """One survey; `run` is the body of its thread.
+    """One survey; `run` is the body of its thread. Its parts are attributes, for each other.
 
     Attributes:
-        plan: What is measured.
-        robot: The parts of the robot.
-        status: What is shown of the survey.
         interruption: What ends its waits.
-        clock: The clock of its waits.
-        positioner: Its axes.
         waits: Shows what takes longer than expected.
-        analyzers: With which analyzers it is measured.
-        zeros: To which zeros of the axes its traces refer.
-        coverage: The state of each planned sample.
-        report: What is stored about it beside its traces.
-        clock_steps: Notices that the computer's clock was set.
-        archive: Stores it.
+        report: What is stored about it beside its traces; analyzers and zeros are parts of that.
         pause_requested: Set when it pauses before the next point.
     """
 
@@ -115,13 +99,10 @@ class Survey:
             robot.axes, plan.config.axes, interruption, robot.workers, self._leases
         )
         self.waits = WaitStatus(status, interruption)
-        former = former_report(plan.reopened)
-        self.analyzers = AnalyzerRecord(former.analyzers)
-        self.zeros = ZeroRecord(former.zeros, plan.config.axes)
-        self.coverage = Coverage(plan.total_points, plan.stored_indices)
-        self.report = SurveyReport(self.coverage, self.analyzers, self.zeros, former)
-        # Set last: what was measured before is not a change.
-        self.coverage.on_change = status.show_coverage
+        self.coverage = Coverage(plan.total_points, plan.stored_indices, status.show_coverage)
+        former_json = "" if plan.reopened is None else plan.reopened.report_json
+        self.report = SurveyReport(self.coverage, plan.config.axes, former_json)
+        self.analyzers, self.zeros = self.report.analyzers, self.report.zeros
         self.clock_steps = ClockSteps(self.clock, plan.last, self._note_clock)
         self.archive = SurveyArchive(self)
         self._steps = SurveySteps(self)
@@ -160,17 +141,12 @@ class Survey:
     def note_warning(self, warning: Message) -> None:
         """Note a warning, which is stored with the next report."""
         # The survey continues in spite of it, whatever it is.
-        self.report.note_warning(warning.as_warning(), time_of_day_us())
+        self.report.note_warning(warning.as_warning())
 
     def show_warning(self, warning: Message) -> None:
         """Note a warning and show it until the next survey begins."""
         self.note_warning(warning)
         self.status.update(warning=warning)
-
-    def accept_nodes(self) -> None:
-        """Continue with the nodes as they are now, or raise if one does not answer."""
-        self.robot.nodes.accept()
-        self.robot.nodes.check()
 
     def _note_clock(self, warning: Message) -> None:
         self.archive.add_message(Kind.CLOCK, warning)
@@ -187,23 +163,18 @@ class Survey:
             while not self._continue():
                 pass
         except ShutDownRequested:
+            self._end_early(SurveyState.STOPPED, SHUT_DOWN, SHUT_DOWN, leaving=True)
             # The analyzer's driver is shut down too, and releases it.
-            self._leave()
             return
         except StopRequested:
-            stopped = Message("Stopped on request").with_fault(STOPPED)
-            self._end_early(SurveyState.STOPPED, stopped, stopped)
+            self._end_early(SurveyState.STOPPED, STOP, STOP)
         except Exception as error:
             reason = message_of(error)
-            failed = Message("Failed: {reason}", reason=reason)
-            self._end_early(SurveyState.FAILED, failed, reason)
+            self._end_early(SurveyState.FAILED, Message("Failed: {reason}", reason=reason), reason)
             if not isinstance(error, DeviceError):
                 log_fault("survey")
-        # The survey is closed, and an analyzer that does not answer has no front panel either.
-        with contextlib.suppress(DeviceError):
-            self.robot.analyzer_calls.call(
-                self.robot.analyzer.release, self._analyzer_limit(RELEASE_LIMIT_S)
-            )
+        # Without waiting: an analyzer that does not answer has no front panel either.
+        self.robot.analyzer_calls.begin(self.robot.analyzer.release)
 
     def _continue(self) -> bool:
         """Execute the remaining steps; return False if the survey was interrupted."""
@@ -220,7 +191,7 @@ class Survey:
             self.interruption.check_stop()
             check = self.interruption.check
             if isinstance(error, NodeLostError):
-                check = self.interruption.time_limit(LOST_CONFIRMING_LIMIT_S, error, stops=True)
+                check = self.interruption.time_limit(SHORT_LIMIT_S, error, stops=True)
             self._steps.resolve_unconfirmed(check)
             self._recover_or_pause(error)
         # What is left of a survey that is measured is to close it.
@@ -230,9 +201,11 @@ class Survey:
 
     def _recover_or_pause(self, error: DeviceError) -> None:
         """Return when the survey can continue: because a node is back, or it was resumed."""
-        reason = error.message
-        self.archive.stop_timing()
-        lost = self._loss_behind(error)
+        lost: Optional[Message] = error.message
+        if not isinstance(error, NodeLostError):
+            # A service fails before its node is known to be lost.
+            self.robot.nodes.refresh()
+            lost = self.robot.nodes.lost()
         if lost is not None and not self.pause_requested.is_set():
             # Nobody knows the analyzer before its node is back.
             self.analyzers.checked.set()
@@ -240,24 +213,19 @@ class Survey:
                 self._wait_for_return(lost)
                 return
             except NodeLostError as not_back:
-                reason = not_back.message
+                error = not_back
         if not self.archive.folder:
-            raise DeviceError(reason) from error
+            raise DeviceError(error.message) from error
         self.positioner.stop()
-        if self.pause_requested.is_set():
-            paused = Message(
-                "Paused on request, and a part failed: {reason}. Fix the fault and resume, or "
-                "stop.",
-                reason=reason,
-            )
-        else:
-            paused = Message("Paused: {reason}. Fix the fault and resume, or stop.", reason=reason)
+        paused = Message(
+            "Paused: {reason}. Fix the fault and resume, or stop.", reason=error.message
+        )
         self._wait_paused(paused, error)
 
     def _wait_paused(self, message: Message, error: Optional[DeviceError] = None) -> None:
         """Wait, paused, until the survey is resumed or stopped."""
-        self.archive.stop_timing()
         paused_s = self.clock.now_s()
+        self.archive.set_timing(False)
         self.pause_requested.clear()
         # A request that sees the new state waits until all of this is done.
         with self._lock:
@@ -267,9 +235,8 @@ class Survey:
             self._refusal = error if isinstance(error, OtherAnalyzerError) else None
             self.analyzers.checked.set()
         # A storage that does not answer gets them later.
-        silent = NodeLostError(Message("the storage did not answer"))
         with contextlib.suppress(DeviceError):
-            self.archive.send_facts(self.interruption.time_limit(NOTES_LIMIT_S, silent, stops=True))
+            self.archive.send_facts(self._storage_limit(SHORT_LIMIT_S, stops=True))
         while not self._resume.is_set():
             self.interruption.check_stop()
             self.clock_steps.check()
@@ -278,31 +245,17 @@ class Survey:
         self._recoveries = 0
         self._steps.progress.note_pause(self.clock.now_s() - paused_s)
 
-    def _loss_behind(self, error: DeviceError) -> Optional[Message]:
-        """Return which nodes were lost if that caused an error; None otherwise."""
-        if isinstance(error, NodeLostError):
-            # The node may be back already.
-            return error.message
-        # A service fails before its node is known to be lost.
-        self.robot.nodes.refresh()
-        return self.robot.nodes.lost()
-
     def _wait_for_return(self, lost: Message) -> None:
         """Stop all motion and return when all nodes answer.
 
-        Raises:
-            NodeLostError: They do not come back, or are lost repeatedly.
-            StopRequested: A stop of the survey was requested.
+        A NodeLostError says that they do not come back, or are lost repeatedly.
         """
         self.positioner.stop()
         waiting = Message(
             "Waiting: {reason}. The survey continues by itself when every part answers.",
             reason=lost,
         ).reporting_only(self.positioner.lost_fault.as_warning())
-        if self.status.status.state is SurveyState.CHECKING:
-            self.status.update(message=waiting)
-        else:
-            self.status.enter(SurveyState.CHECKING, waiting)
+        self.status.enter(SurveyState.CHECKING, waiting)
         self.positioner.wait_for_rest(REST_LIMIT_S)
         self._count_recovery(lost)
         limit_s = self.plan.settings.return_limit_s
@@ -337,29 +290,25 @@ class Survey:
         self._recoveries += 1
 
     def _close_finished(self, check: Check) -> None:
-        """Close the survey, all traces of which are stored.
-
-        Raises:
-            DeviceError: The storage failed.
-        """
+        """Close the survey, all traces of which are stored, unless the storage fails."""
         self.clock_steps.check()
         verdict = self.coverage.verdict()
-        stored, total = self.archive.send_last_report(check), self.plan.total_points
+        reason = verdict.message
+        stored, total = self.archive.send_report(check, ended=True), self.plan.total_points
         if verdict.complete and stored == total:
             state = SurveyState.FINISHED
             self.status.update(visited_points=stored, remaining_s=0.0)
-            message = Message(
-                "Finished, {verdict}", verdict=verdict.message, details=self.archive.folder
-            )
+            message = Message("Finished, {verdict}", verdict=reason, details=self.archive.folder)
         else:
             state = SurveyState.FAILED
             message = Message(
                 "Failed: the survey's folder holds {stored} of {total} traces; {verdict}",
                 stored=stored,
                 total=total,
-                verdict=verdict.message,
+                verdict=reason,
             ).with_fault(CAN_RESUME)
-        self._end(state, message, verdict.message, check)
+            reason = reason.with_fault(CAN_RESUME)
+        self._close(state, state.name.lower(), message, reason, check)
 
     def _closed_if_stored(self, check: Check) -> bool:
         """Close the survey if every trace is stored; return whether that was possible.
@@ -369,9 +318,6 @@ class Survey:
         """
         if not self._steps.progress.all_confirmed or self.archive.queue.waiting:
             return False
-        if self.status.status.state in (SurveyState.HOMING, SurveyState.PAUSED):
-            # The way from there to the end.
-            self.status.enter(SurveyState.CHECKING, Message("Checking the robot"))
         try:
             self._close_finished(check)
         except DeviceError as error:
@@ -380,99 +326,72 @@ class Survey:
             return False
         return True
 
-    def _end(self, state: SurveyState, message: Message, reason: Message, check: Check) -> None:
+    def _close(
+        self, state: SurveyState, outcome: str, message: Message, reason: Message, check: Check
+    ) -> None:
+        """Close the survey in the storage with the status in which it ends, then enter that."""
         ended_us = self.clock.time_of_day_us()
         status = self.status.status.entered(state, message, ended_us)
-        self.archive.close(state.name.lower(), reason, status, check)
+        self.archive.close(outcome, reason, status, check)
         self.status.enter(state, message, ended_us)
 
-    def _leave(self) -> None:
-        """Leave the survey, because the main control ends: interrupted, unless it is complete."""
-        self.archive.stop_timing()
-        self.positioner.stop()
-        self._steps.resolve_unconfirmed(self._analyzer_limit(LEAVING_CONFIRMING_LIMIT_S))
-        if self._closed_if_stored(self._leaving_limit()):
-            return
-        message = Message(
-            "Interrupted: the robot is shut down. Start it again, then resume the survey."
-        ).with_fault(STOPPED)
-        self.status.enter(SurveyState.STOPPING, message)
-        self.positioner.wait_for_rest(LEAVING_LIMIT_S)
-        ended_us = self.clock.time_of_day_us()
-        if self.archive.folder:
-            # The storage is shut down too, usually at the same time, and then closes it itself.
-            check = self._leaving_limit()
-            with contextlib.suppress(DeviceError):
-                self.archive.queue.wait_until_left(0, check)
-                status = self.status.status.entered(SurveyState.STOPPED, message, ended_us)
-                self.archive.close(INTERRUPTED, message, status, check)
-        self.status.enter(SurveyState.STOPPED, message, ended_us)
+    def _end_early(
+        self, state: SurveyState, message: Message, reason: Message, leaving: bool = False
+    ) -> None:
+        """End the survey early; a failure of one action here must not prevent the next.
 
-    def _end_early(self, state: SurveyState, message: Message, reason: Message) -> None:
-        """End the survey early; a failure of one action here must not prevent the next."""
-        self.archive.stop_timing()
+        When `leaving`, because the main control ends, it is interrupted, unless it is complete.
+        """
+        limit_s = SHORT_LIMIT_S if leaving else REST_LIMIT_S
         self.positioner.stop()
         if state is SurveyState.STOPPED:
             stopping = Message("Stopping: storing the measured traces")
             self.status.enter(SurveyState.STOPPING, stopping)
-        messages = [message]
-        moving = self.positioner.wait_for_rest(REST_LIMIT_S)
-        if moving is not None:
-            messages.append(moving)
-        self._steps.resolve_unconfirmed(self._analyzer_limit(CONFIRMING_LIMIT_S))
-        if self.archive.folder:
-            try:
-                self._close_early(state, messages, reason)
+        moving = self.positioner.wait_for_rest(limit_s)
+        messages = [message] if moving is None else [message, moving]
+        silent = Message(
+            "the VNA did not answer within {limit_s:g} s at the survey's end", limit_s=limit_s
+        )
+        self._steps.resolve_unconfirmed(
+            self.interruption.time_limit(limit_s, DeviceError(silent, fault=VNA_SILENT))
+        )
+        storing_limit_s = max(STORING_LIMIT_S, self.plan.settings.return_limit_s)
+        check = self._storage_limit(limit_s if leaving else storing_limit_s)
+        if leaving and self._closed_if_stored(check):
+            return
+        try:
+            if self.archive.folder:
+                count = self._store_early(check, reopen=not leaving)
+                outcome = INTERRUPTED if leaving else state.name.lower()
+                self._close(state, outcome, in_a_row([*messages, count]), reason, check)
                 return
-            except Exception as error:
-                # Faults in the software too: the survey must not remain STOPPING for ever.
-                messages.append(
-                    Message(
-                        "the recordings could not be finished: {reason}", reason=message_of(error)
-                    ).with_fault(CAN_RESUME)
-                )
+        except Exception as error:
+            # Faults in the software too: the survey must not remain STOPPING for ever.
+            unfinished = Message(
+                "the recordings could not be finished: {reason}", reason=message_of(error)
+            ).with_fault(CAN_RESUME)
+            # A storage that is shut down too closes the survey itself.
+            messages += [] if leaving else [unfinished]
         self.status.enter(state, in_a_row(messages))
 
-    def _close_early(self, state: SurveyState, messages: List[Message], reason: Message) -> None:
+    def _store_early(self, check: Check, reopen: bool) -> Message:
+        """Store what is measured; return how many traces are stored."""
         self.clock_steps.check()
-        check = self._return_limit()
-        if self.robot.nodes.lost() is not None:
+        if reopen and self.robot.nodes.lost() is not None:
             # The storage may be one of them, and may have no open survey.
             self.archive.reopen(check)
         self.archive.queue.retry()
-        self.archive.queue.drain_within(STOPPING_LIMIT_S)
-        count = Message(
+        self.archive.queue.wait_until_left(0, check)
+        return Message(
             "{stored} of {total} traces are stored",
-            stored=self.archive.send_last_report(check),
+            stored=self.archive.send_report(check, ended=True),
             total=self.plan.total_points,
             details=self.archive.folder,
         )
-        self._end(state, in_a_row([*messages, count]), reason, check)
 
-    def _return_limit(self) -> Check:
-        """Return a check that limits the wait for a storage that may be lost, at the end."""
-        deadline_s = self.clock.now_s() + self.plan.settings.return_limit_s
-
-        def check() -> None:
-            if self.robot.nodes.missing() and self.clock.now_s() > deadline_s:
-                self.robot.nodes.check()
-
-        return check
-
-    def _analyzer_limit(self, limit_s: float) -> Check:
-        return self.interruption.time_limit(
-            limit_s,
-            DeviceError(
-                Message(
-                    "the VNA did not answer within {limit_s:g} s at the survey's end",
-                    limit_s=limit_s,
-                ),
-                fault=VNA_SILENT,
-            ),
+    def _storage_limit(self, limit_s: float, stops: bool = False) -> Check:
+        late = Message(
+            "the storage did not answer within {limit_s:g} s; check it and its disk",
+            limit_s=limit_s,
         )
-
-    def _leaving_limit(self) -> Check:
-        return self.interruption.time_limit(
-            LEAVING_LIMIT_S,
-            NodeLostError(Message("the storage did not answer while it was shut down")),
-        )
+        return self.interruption.time_limit(limit_s, DeviceError(late, fault=DISK_REFUSES), stops)

@@ -3,25 +3,21 @@
 from __future__ import annotations
 
 import json
+import threading
 from collections import deque
 from dataclasses import asdict
 from pathlib import PurePosixPath
-from typing import TYPE_CHECKING, Any, Deque, Dict, Mapping, Optional, Sequence, Tuple
+from typing import TYPE_CHECKING, Any, Callable, Deque, Dict, Mapping, Optional, Tuple
 
-from gpr20_common.low.clock import time_of_day_us
-from gpr20_common.message import Message, Severity
+from gpr20_common.faults import DISK_REFUSES
+from gpr20_common.low.clock import Clock, time_of_day_us
+from gpr20_common.low.thread_fault import faults_logged
+from gpr20_common.message import Message
 from gpr20_common.mid.codec import plain
-from gpr20_main_control.faults import CONFIGURATION_CHANGED
+from gpr20_main_control.errors import DeviceError, message_of
 from gpr20_main_control.mid.devices.instruments import AnalyzerState
-from gpr20_main_control.mid.devices.robot import SurveyEnd, SurveyRecord
-from gpr20_main_control.mid.survey.repeats import Repeated
-from gpr20_main_control.mid.survey.storage_queue import ATTEMPTS, CAPACITY, RETRY_S, StorageQueue
-from gpr20_main_control.mid.survey.survey_plan import (
-    PLAN_ID,
-    PLAN_SET_BY,
-    RemainingTime,
-    SurveyPlan,
-)
+from gpr20_main_control.mid.devices.robot import Storage, SurveyEnd, SurveyRecord
+from gpr20_main_control.mid.survey.survey_plan import PLAN_ID, PLAN_SET_BY, SurveyPlan
 from gpr20_main_control.mid.survey.survey_status import Status
 from gpr20_main_control.mid.waits import Check, ExpectedWait
 from gpr20_survey.folder.log_record import Kind
@@ -33,11 +29,117 @@ from gpr20_survey.plan.robot_description import STORAGE_NAME
 from gpr20_survey.plan.sensors import SENSORS
 from gpr20_survey.plan.survey_cost import needed_bytes
 from gpr20_survey.plan.survey_points import SurveyPoint
-from gpr20_survey.plan.survey_state import SurveyState
+from gpr20_survey.trace.trace import Trace
 from gpr20_survey.trace.utc_time import iso_text
 
 if TYPE_CHECKING:  # the survey has this archive
     from gpr20_main_control.mid.survey.survey import Survey
+
+# Traces that may wait for the disk; if there are more, the survey waits.
+CAPACITY = 4
+ATTEMPTS = 3
+RETRY_S = 1.0
+POLL_S = 0.1
+
+
+class StorageQueue:
+    """Stores traces one after another in a thread of its own: the next move need not wait.
+
+    A trace leaves the queue only when it is stored durably. After a failure all traces stay in
+    the queue until `retry` is called.
+    """
+
+    def __init__(self, storage: Storage, clock: Clock, on_stored: Callable[[int], None]) -> None:
+        """Start the thread; `on_stored` is called with the index of each trace that is stored."""
+        self._storage = storage
+        self._clock = clock
+        self._on_stored = on_stored
+        self._changed = threading.Condition()
+        self._traces: Deque[Trace] = deque()
+        self._failure: Optional[Exception] = None
+        self._retries = 0
+        self._closing = threading.Event()
+        threading.Thread(target=self._work, name="storage queue", daemon=True).start()
+
+    @property
+    def waiting(self) -> int:
+        """Number of traces that are not stored durably yet."""
+        return len(self._traces)
+
+    def add(self, trace: Trace) -> None:
+        """Accept a trace; it will be stored whatever the survey does next."""
+        with self._changed:
+            self._traces.append(trace)
+            self._changed.notify_all()
+
+    def wait_until_left(self, traces: int, check: Check) -> None:
+        """Return when at most so many traces wait for the disk, or raise a DeviceError."""
+        with self._changed:
+            while len(self._traces) > traces and self._failure is None:
+                check()
+                self._changed.wait(POLL_S)
+            if self._failure is not None:
+                raise DeviceError(
+                    Message(
+                        "trace {index} could not be stored: {reason}",
+                        index=self._traces[0].index,
+                        reason=message_of(self._failure),
+                    ),
+                    fault=DISK_REFUSES,
+                ) from self._failure
+
+    def retry(self) -> None:
+        """Clear a failure and try again with the trace that failed."""
+        with self._changed:
+            self._failure = None
+            self._retries += 1
+            self._changed.notify_all()
+
+    def close(self) -> None:
+        """End the thread; traces that are not stored yet are dropped."""
+        self._closing.set()
+        with self._changed:
+            self._changed.notify_all()
+
+    def _work(self) -> None:
+        while True:
+            with self._changed:
+                self._changed.wait_for(
+                    lambda: self._closing.is_set() or (self._traces and self._failure is None)
+                )
+                if self._closing.is_set():
+                    return
+                trace, retries = self._traces[0], self._retries
+            failure = self._store(trace)
+            if self._closing.is_set():
+                # The queue is closed, and another survey may have begun.
+                return
+            if failure is None:
+                # Announced before the trace leaves: an empty queue means that all are announced.
+                # Whatever fails here, the trace is stored and must not be sent again. Without it in
+                # the coverage the survey does not end as complete, and can be resumed.
+                with faults_logged("storage queue"):
+                    self._on_stored(trace.index)
+            with self._changed:
+                if failure is None:
+                    self._traces.popleft()
+                elif retries == self._retries:
+                    # One that began before a retry says nothing about it.
+                    self._failure = failure
+                self._changed.notify_all()
+
+    def _store(self, trace: Trace) -> Optional[Exception]:
+        failure: Optional[Exception] = None
+        for _attempt in range(ATTEMPTS):
+            try:
+                self._storage.store(trace)
+                return None
+            except Exception as error:
+                # Faults in the software too: they must not leave the survey waiting for ever.
+                failure = error
+            if self._clock.wait_s(self._closing, RETRY_S):
+                break
+        return failure
 
 
 class SurveyArchive:
@@ -56,45 +158,28 @@ class SurveyArchive:
         plan, robot = survey.plan, survey.robot
         self._survey, self._plan = survey, plan
         self._storage, self._calls = robot.storage, robot.storage_calls
-        self._sensors = robot.sensors.recorded()
         self.folder = "" if plan.reopened is None else plan.reopened.path
         self._facts: Deque[Tuple[Kind, Dict[str, Any]]] = deque()
-        self._reported_analyzers = survey.analyzers.used
-        self._sensors_noted = False
-        self._closing_report = ""
-        self._closing_count = 0
+        self._report = ""
+        self._stored_traces = 0
         self._record: Optional[Tuple[AnalyzerState, SurveyRecord]] = None
-        self._remaining = RemainingTime(plan.pending_durations_s)
-        self._measuring_since_s: Optional[float] = None
-        self._measured_s = 0.0
+        self._sensors = robot.sensors.recorded()
+        self._durations_s = plan.pending_durations_s
+        self._spent_s = 0.0
+        self._counted_s: Optional[float] = None
         self.queue = StorageQueue(robot.storage, survey.clock, self._note_stored)
 
-    def open(self, analyzer: AnalyzerState, check: Check) -> str:
+    def open(self, analyzer: AnalyzerState, check: Check) -> None:
         """Make the survey's folder and begin its recordings, or reopen them.
 
         The storage may have been restarted since; reopening an open survey changes nothing.
-
-        Returns:
-            Folder of another survey that was still open and was closed; empty if none.
-
-        Raises:
-            DeviceError: The disk has no room, or the folder cannot be made.
         """
         if self.folder:
             self.reopen(check)
             self.send_facts(check)
-            self._note_other_sensors()
-            if self._survey.analyzers.used != self._reported_analyzers:
-                # Before the first trace of another analyzer.
-                self._send_report(self._survey.report.to_json(), check)
-                self._reported_analyzers = self._survey.analyzers.used
-            return ""
-        record = self._record_with(analyzer)
-        opened = self._calls.call(lambda: self._storage.open(record), check)
-        self.folder = opened.folder
-        self._reported_analyzers = self._survey.analyzers.used
-        self.send_facts(check)
-        return opened.interrupted
+        else:
+            record = self._record_with(analyzer)
+            self.folder = self._calls.call(lambda: self._storage.open(record), check)
 
     def reopen(self, check: Check) -> None:
         """Reopen the survey in the storage; if it is open, nothing changes."""
@@ -109,14 +194,9 @@ class SurveyArchive:
         """Return when every trace is stored durably, or raise."""
         self._wait_until_left(0, self._plan.points[-1])
 
-    def start_timing(self) -> None:
-        """Begin to count time as measuring time."""
-        self._measuring_since_s = self._survey.clock.now_s()
-
-    def stop_timing(self) -> None:
-        """Stop counting time as measuring time."""
-        self._measured_s = self._elapsed_s()
-        self._measuring_since_s = None
+    def set_timing(self, measuring: bool) -> None:
+        """Count time as measuring time from now on, up to the last trace that is stored, or not."""
+        self._counted_s = self._survey.clock.now_s() if measuring else None
 
     def add_fact(self, kind: Kind, **values: Any) -> None:
         """Keep a fact with the present time, by which the storage knows a repeated one.
@@ -136,37 +216,20 @@ class SurveyArchive:
             self._send(kind, json.dumps(values, allow_nan=False), check)
             self._facts.popleft()
 
-    def note_repeats(self, repeats: Sequence[Repeated], check: Check) -> None:
-        """Store the results of repeated measurements, and the zeros that they prove."""
-        for repeated in repeats:
-            self._survey.report.note_repeat(repeated, time_of_day_us())
-        self._send_report(self._survey.report.to_json(), check)
-
-    def send_last_report(self, check: Check) -> int:
-        """Store the report of the survey's end; return how many traces its folder holds."""
-        report_json = self._survey.report.to_json()
+    def send_report(self, check: Check, ended: bool = False) -> int:
+        """Store the facts and the report, if it has changed; return how many traces are stored."""
+        report_json = self._survey.report.to_json(ended)
         # Once: a survey that was closed by a call whose answer was lost accepts no report.
-        if report_json != self._closing_report:
-            self._closing_count = self._send_report(report_json, check)
-            self._closing_report = report_json
-        return self._closing_count
+        if report_json != self._report:
+            self.send_facts(check)
+            self._stored_traces = self._send(Kind.REPORT, report_json, check)
+            self._report = report_json
+        return self._stored_traces
 
     def close(self, outcome: str, reason: Message, status: Status, check: Check) -> None:
-        """Close the survey.
-
-        Args:
-            outcome: One word, for survey.json.
-            reason: Why it ended; without a fault it has that which the status reports.
-            status: The last one of the survey.
-            check: Ends the wait.
-        """
-        survey_id = self._plan.survey_id
-        cause = status.message.cause
-        is_failure = cause is not None and cause.severity is not Severity.WARNING
-        if status.state is not SurveyState.FINISHED and not reason.fault_code and is_failure:
-            reason = reason.with_fault(cause)
+        """Close the survey with one word for survey.json, why it ended, and its last status."""
         end = SurveyEnd(outcome, reason, status, self._survey.coverage)
-        self._calls.call(lambda: self._storage.close(survey_id, end), check)
+        self._calls.call(lambda: self._storage.close(self._plan.survey_id, end), check)
 
     def _wait_until_left(self, traces: int, point: SurveyPoint) -> None:
         limit_s = self._survey.robot.description.limits.storage_limit_s
@@ -182,55 +245,21 @@ class SurveyArchive:
             self._record = (analyzer, survey_record(self._plan, analyzer, recorded))
         return self._record[1]
 
-    def _note_other_sensors(self) -> None:
-        """Note once that a survey continues with other sensors than it began with."""
-        former = self._plan.recorded_sensors
-        if former in (None, self._sensors) or self._sensors_noted:
-            return
-        self._sensors_noted = True
-        self._survey.note_warning(
-            Message(
-                "the survey continues with other sensors beside the radar: {present}; at its "
-                "start: {former}; stop it if it needs those",
-                present=_names(self._sensors),
-                former=_names(former or []),
-                details=json.dumps(self._sensors),
-            ).with_fault(CONFIGURATION_CHANGED.as_warning())
-        )
-
-    def _send_report(self, report_json: str, check: Check) -> int:
-        self.send_facts(check)
-        return self._send(Kind.REPORT, report_json, check)
-
     def _send(self, kind: Kind, values_json: str, check: Check) -> int:
         survey_id = self._plan.survey_id
         return self._calls.call(lambda: self._storage.add_fact(survey_id, kind, values_json), check)
 
-    def _note_stored(self, stored: int, index: int) -> None:
+    def _note_stored(self, index: int) -> None:
+        """Count a trace, and stretch the rest of the plan by the pace so far, without pauses."""
         self._survey.coverage.note_stored(index)
-        visited = len(self._plan.stored_indices) + stored
-        remaining_s = self._remaining.remaining_s(stored, self._elapsed_s())
+        if self._counted_s is not None:
+            now_s = self._survey.clock.now_s()
+            self._spent_s, self._counted_s = self._spent_s + now_s - self._counted_s, now_s
+        visited = self._survey.status.status.visited_points + 1
+        stored = visited - len(self._plan.stored_indices)
+        done_s, rest_s = sum(self._durations_s[:stored]), sum(self._durations_s[stored:])
+        remaining_s = rest_s * (self._spent_s / done_s) if done_s > 0.0 else rest_s
         self._survey.status.update(visited_points=visited, remaining_s=remaining_s)
-
-    def _elapsed_s(self) -> float:
-        since_s = self._measuring_since_s
-        if since_s is None:
-            return self._measured_s
-        return self._measured_s + self._survey.clock.now_s() - since_s
-
-
-def interruption_remark(interrupted: str) -> Optional[Message]:
-    """Return a remark on the survey that was still open when another began; None if none was."""
-    if not interrupted:
-        return None
-    return Message(
-        "survey {survey} was still open; it is closed as interrupted and can be resumed later",
-        survey=interrupted,
-    )
-
-
-def _names(sensors: Sequence[Mapping[str, Any]]) -> str:
-    return ", ".join(str(one.get("name")) for one in sensors) or "-"
 
 
 def survey_record(

@@ -4,26 +4,24 @@ from __future__ import annotations
 
 import json
 from dataclasses import dataclass, replace
-from itertools import accumulate
-from typing import Any, Dict, List, Optional, Sequence
+from typing import Any, Dict, List, Mapping, Optional, Sequence, Tuple
 
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message
 from gpr20_common.mid.codec import record_from
 from gpr20_main_control import faults
 from gpr20_main_control.errors import RequestRefusedError
-from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.axes.axis_parameters import AxisParameters
+from gpr20_survey.faults import NO_PLAN
 from gpr20_survey.plan.annotation import EMPTY, Annotation
 from gpr20_survey.plan.recorded_plan import recorded_settings
 from gpr20_survey.plan.robot_description import RobotConfig
-from gpr20_survey.plan.sensors import SENSORS
 from gpr20_survey.plan.survey_cost import planned_times
 from gpr20_survey.plan.survey_parameters import SurveyParameters, SurveySettings, check
 from gpr20_survey.plan.survey_points import SurveyPoint, survey_points
 from gpr20_survey.results.reopened_survey import ReopenedSurvey
 from gpr20_survey.trace.sweep_settings import AnalyzerSettings, SweepSettings
-from gpr20_survey.trace.trace import Trace
+from gpr20_survey.trace.trace import SURVEY_ID, Trace
 
 # Keys of the description.
 PLAN_ID, PLAN_SET_BY = "plan_id", "plan_set_by"
@@ -72,28 +70,36 @@ class SurveyPlan:
     def sweep_settings(self) -> SweepSettings:
         """What each sweep covers, measured as the survey was measured so far."""
         wanted = self.parameters.sweep_settings
-        if self.reopened is None:
-            return wanted
-        recorded = recorded_settings(json.loads(self.reopened.metadata_json))
+        recorded = recorded_settings(self.metadata)
         return replace(wanted, analyzer=recorded) if recorded != AnalyzerSettings() else wanted
 
     @property
-    def recorded_sensors(self) -> Optional[List[Dict[str, Any]]]:
-        """The other sensors at the start of a survey that is resumed; None if not recorded."""
-        if self.reopened is None:
-            return None
-        found = json.loads(self.reopened.metadata_json).get(SENSORS)
-        return [one for one in found if isinstance(one, dict)] if isinstance(found, list) else []
+    def metadata(self) -> Mapping[str, Any]:
+        """What the log says of a survey that is resumed; nothing otherwise."""
+        return {} if self.reopened is None else json.loads(self.reopened.metadata_json)
 
     @property
     def total_points(self) -> int:
-        """Number of traces."""
         return len(self.points)
 
     @property
     def duration_s(self) -> float:
-        """Duration of the whole survey [s]."""
         return sum(self.durations_s)
+
+    def prove(self, plan_id: str) -> None:
+        """Refuse another plan than that of an id; an empty one means any plan."""
+        present = self.parameters.plan_id
+        if plan_id not in ("", present):
+            raise RequestRefusedError(
+                Message(
+                    "START is for plan {requested}, but plan {present} is set, by {set_by}; "
+                    "set the plan again, then start",
+                    requested=repr(plan_id[:64]),
+                    set_by=self.set_by or "-",
+                    present=present,
+                ),
+                fault=NO_PLAN,
+            )
 
     @property
     def last(self) -> Optional[Trace]:
@@ -123,30 +129,10 @@ class SurveyPlan:
         return [*(self.durations_s[point.index] for point in self.pending), *at_end]
 
 
-class RemainingTime:
-    """Time to the end of a survey, from the plan and from the pace so far."""
-
-    def __init__(self, durations_s: Sequence[float]) -> None:
-        self._planned_s = [0.0, *accumulate(durations_s)]
-
-    def remaining_s(self, points_done: int, elapsed_s: float) -> float:
-        """Return the time to the end [s] after so many points in a time without pauses [s].
-
-        The rest of the plan is stretched by how much longer than planned the points so far took.
-        """
-        done_s = self._planned_s[points_done]
-        rest_s = self._planned_s[-1] - done_s
-        return rest_s * (elapsed_s / done_s) if done_s > 0.0 else rest_s
-
-
 def plan_survey(
     parameters: SurveyParameters, config: RobotConfig, settings: SurveySettings
 ) -> SurveyPlan:
-    """Check the parameters of a survey and plan it.
-
-    Raises:
-        InvalidValueError: Parameters are not allowed; each is named.
-    """
+    """Plan a survey, or raise an InvalidValueError that names each wrong parameter."""
     check(parameters, config.travel)
     points = survey_points(parameters, config.travel)
     times = planned_times(points, parameters.sweep_settings, config, settings)
@@ -156,82 +142,63 @@ def plan_survey(
 def plan_resumption(
     reopened: ReopenedSurvey, config: RobotConfig, settings: SurveySettings
 ) -> SurveyPlan:
-    """Plan the rest of a survey that was cut off or ended early.
-
-    Raises:
-        RequestRefusedError: Another robot measured the survey, or its metadata are incomplete.
-        InvalidValueError: Its parameters are not allowed on this robot.
-    """
-    plan = plan_survey(_resumable_parameters(reopened, config), config, settings)
-    beyond = [index for index in reopened.stored_indices if index >= plan.total_points]
-    if beyond:
-        raise RequestRefusedError(
-            Message(
-                "the survey in {folder} holds trace {index}, but its parameters give only {total} "
-                "traces: its log does not belong to its traces; plan a new survey",
-                folder=reopened.path,
-                index=max(beyond),
-                total=plan.total_points,
-            ),
-            fault=faults.RECORD_DAMAGED,
-        )
-    set_by = str(json.loads(reopened.metadata_json).get(PLAN_SET_BY, ""))
-    return replace(plan, set_by=set_by, survey_id=reopened.survey_id, reopened=reopened)
-
-
-def _resumable_parameters(reopened: ReopenedSurvey, config: RobotConfig) -> SurveyParameters:
+    """Plan the rest of a survey that was cut off or ended early, unless it is not of this robot."""
     try:
         metadata = json.loads(reopened.metadata_json)
         parameters = record_from(SurveyParameters, metadata["parameters"], "parameters")
-        simulated = metadata["simulated"]
-        axes = {
+        recorded = {
             one: record_from(AxisParameters, metadata["axes"][one.value], f"axes/{one.value}", True)
             for one in config.axes
         }
-    except (ValueError, KeyError, TypeError, InvalidValueError) as error:
-        raise RequestRefusedError(
-            Message(
-                "the survey in {folder} cannot be resumed: the plan in its log is incomplete; "
-                "plan a new survey",
-                folder=reopened.path,
-                details=f"{type(error).__name__}: {error}",
-            ),
-            fault=faults.RECORD_DAMAGED,
-        ) from error
-    if simulated is not config.simulated:
-        raise RequestRefusedError(_other_robot(reopened.path, config.simulated))
-    _check_axes(axes, config, reopened.path)
-    return parameters
-
-
-def _other_robot(folder: str, simulated: bool) -> Message:
-    if simulated:
-        return Message(
-            "the survey in {folder} was measured by the real robot; a simulated robot cannot "
-            "resume it",
-            folder=folder,
-        ).with_fault(faults.OTHER_ROBOT)
-    return Message(
-        "the survey in {folder} was measured by a simulated robot; the real robot cannot resume it",
-        folder=folder,
-    ).with_fault(faults.OTHER_ROBOT)
-
-
-def _check_axes(recorded: Dict[AxisId, AxisParameters], config: RobotConfig, folder: str) -> None:
-    for axis_id, parameters in config.axes.items():
+        simulated = metadata["simulated"]
+    except (ValueError, KeyError, TypeError) as error:
+        raise _damaged(reopened, f"{type(error).__name__}: {error}") from error
+    compared: Dict[str, Tuple[Any, Any]] = {"simulation": (simulated, config.simulated)}
+    for axis_id, axis in config.axes.items():
         for name in GRID_PARAMETERS:
-            former, present = getattr(recorded[axis_id], name), getattr(parameters, name)
-            if former != present:
-                raise RequestRefusedError(
-                    Message(
-                        "the survey in {folder} was measured with {name} {former} of the {axis} "
-                        "axis, which is {present} now: its points would lie elsewhere; launch with "
-                        "the former parameters, or start a new survey",
-                        folder=folder,
-                        name=name,
-                        former=str(former),
-                        axis=axis_id.value,
-                        present=str(present),
-                    ),
-                    fault=faults.OTHER_ROBOT,
-                )
+            values = getattr(recorded[axis_id], name), getattr(axis, name)
+            compared[f"{axis_id.value} {name}"] = values
+    for name, (former, present) in compared.items():
+        if former != present:
+            raise RequestRefusedError(
+                Message(
+                    "the survey in {folder} was measured by a robot whose {name} was {former}, "
+                    "which is {present} now: they do not belong together; launch it as it was, "
+                    "or start a new survey",
+                    folder=reopened.path,
+                    name=name,
+                    former=str(former),
+                    present=str(present),
+                ),
+                fault=faults.OTHER_ROBOT,
+            )
+    plan = plan_survey(parameters, config, settings)
+    if max(reopened.stored_indices, default=0) >= plan.total_points:
+        raise _damaged(reopened, f"{max(reopened.stored_indices)} of {plan.total_points}")
+    set_by = str(metadata.get(PLAN_SET_BY, ""))
+    return replace(plan, set_by=set_by, survey_id=reopened.survey_id, reopened=reopened)
+
+
+def _damaged(reopened: ReopenedSurvey, details: str) -> RequestRefusedError:
+    return RequestRefusedError(
+        Message(
+            "the survey in {folder} cannot be resumed: the plan in its log is incomplete, or does "
+            "not belong to its traces; plan a new survey",
+            folder=reopened.path,
+            details=details,
+        ),
+        fault=faults.RECORD_DAMAGED,
+    )
+
+
+def checked_refines(survey_id: str) -> str:
+    """Return the id of the survey that another one refines, empty: none; refuse what is no id."""
+    if survey_id and not SURVEY_ID.fullmatch(survey_id):
+        raise InvalidValueError(
+            Message(
+                "refines is {survey}; it must be empty or a survey's id, a UUID in lower case "
+                "with hyphens",
+                survey=repr(survey_id[:64]),
+            )
+        )
+    return survey_id

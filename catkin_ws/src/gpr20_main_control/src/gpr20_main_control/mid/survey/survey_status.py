@@ -1,30 +1,33 @@
-"""The status of the main control, in one place."""
+"""The status of the main control, in one place, and the coverage of the survey that runs."""
 
 from __future__ import annotations
 
+import re
 import threading
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any, Callable, Dict, FrozenSet, Optional
+from typing import TYPE_CHECKING, Any, Callable, Dict, FrozenSet, Iterable, List, Optional, Tuple
 
 from gpr20_common.errors import Gpr20Error
 from gpr20_common.low.clock import time_of_day_us
 from gpr20_common.message import Message, in_a_row
-from gpr20_main_control.mid.survey.survey_coverage import Coverage
 from gpr20_survey.plan.survey_parameters import SurveyParameters
 from gpr20_survey.plan.survey_points import SurveyPoint
-from gpr20_survey.plan.survey_state import ENDED, SurveyState
+from gpr20_survey.plan.survey_state import ENDED, SampleState, SurveyState, Verdict, verdict
 
 if TYPE_CHECKING:  # the plan imports what shows itself by this status
     from gpr20_main_control.mid.survey.survey_plan import SurveyPlan
 
+RUN = re.compile(rb"(.)\1*", re.DOTALL)
 NO_PARAMETERS = Message("Set the parameters of a survey.")
 _S = SurveyState
 TRANSITIONS: Dict[SurveyState, FrozenSet[SurveyState]] = {
     # From rest to CHECKING without new parameters: a survey is resumed from its folder.
     _S.IDLE: frozenset([_S.CONFIGURED, _S.CHECKING]),
     _S.CONFIGURED: frozenset([_S.CONFIGURED, _S.CHECKING]),
-    # To FINISHED: a node was lost when everything was stored already.
-    _S.CHECKING: frozenset([_S.HOMING, _S.PAUSED, _S.STOPPING, _S.FINISHED, _S.FAILED]),
+    # To itself: another node was lost. To FINISHED: when everything was stored already.
+    _S.CHECKING: frozenset(
+        [_S.CHECKING, _S.HOMING, _S.PAUSED, _S.STOPPING, _S.FINISHED, _S.FAILED]
+    ),
     _S.HOMING: frozenset([_S.CHECKING, _S.SURVEYING, _S.PAUSED, _S.STOPPING, _S.FAILED]),
     # Back to CHECKING: a node was lost; the survey continues by itself when it is back.
     _S.SURVEYING: frozenset(
@@ -32,11 +35,68 @@ TRANSITIONS: Dict[SurveyState, FrozenSet[SurveyState]] = {
     ),
     _S.PAUSING: frozenset([_S.CHECKING, _S.PAUSED, _S.STOPPING, _S.FINISHED, _S.FAILED]),
     _S.PAUSED: frozenset([_S.CHECKING, _S.STOPPING, _S.FAILED]),
-    _S.STOPPING: frozenset([_S.STOPPED, _S.FAILED]),
+    # To FINISHED: the robot was shut down when everything was stored already.
+    _S.STOPPING: frozenset([_S.STOPPED, _S.FINISHED, _S.FAILED]),
     _S.FINISHED: frozenset([_S.CONFIGURED, _S.CHECKING]),
     _S.STOPPED: frozenset([_S.CONFIGURED, _S.CHECKING]),
     _S.FAILED: frozenset([_S.CONFIGURED, _S.CHECKING]),
 }
+
+
+class Coverage:
+    """The state of every planned sample, which counts as measured once it is stored durably."""
+
+    def __init__(
+        self,
+        planned: int,
+        stored: Iterable[int] = (),
+        on_change: Callable[[Coverage], None] = lambda _coverage: None,
+    ) -> None:
+        """Begin with what is stored; `on_change` is called with this object at every change."""
+        # One byte per sample: announcing a change must not take longer in a survey of many
+        # thousands.
+        self._states = bytearray(planned)
+        self._reasons: Dict[int, Message] = {}
+        self._on_change = on_change
+        for index in stored:
+            self._states[index] = SampleState.MEASURED
+
+    @property
+    def planned(self) -> int:
+        return len(self._states)
+
+    @property
+    def states(self) -> List[SampleState]:
+        """The state of each planned sample, in the order of the plan."""
+        return [SampleState(state) for state in self._states]
+
+    def runs(self) -> List[Tuple[int, SampleState]]:
+        """Return where in the plan each run of samples of one state begins, and that state."""
+        found = RUN.finditer(bytes(self._states))
+        return [(run.start(), SampleState(run[0][0])) for run in found]
+
+    @property
+    def reasons(self) -> Dict[int, Message]:
+        """Why samples failed, by their index in the plan."""
+        return dict(self._reasons)
+
+    def note_stored(self, index: int) -> None:
+        self._states[index] = SampleState.MEASURED
+        self._reasons.pop(index, None)
+        self._on_change(self)
+
+    def note_failed(self, index: int, reason: Message) -> None:
+        """Note that a sample could not be measured, unless it is stored already."""
+        if self._states[index] != SampleState.MEASURED:
+            self._states[index] = SampleState.FAILED
+            self._reasons[index] = reason
+            self._on_change(self)
+
+    def verdict(self) -> Verdict:
+        """Return the coverage in one sentence; only a full one is called complete."""
+        failed = self._states.count(SampleState.FAILED)
+        missing = self._states.count(SampleState.NOT_VISITED)
+        return verdict(len(self._states), failed, missing)
 
 
 class TransitionError(Gpr20Error, RuntimeError):
@@ -91,11 +151,7 @@ class Status:
         return Message("Warning: {warning}. {status}", warning=warning.as_warning(), status=present)
 
     def entered(self, state: SurveyState, message: Message, time_us: int) -> Status:
-        """Return the status in another state, which is entered at a time [us since 1970, UTC].
-
-        Raises:
-            TransitionError: The state cannot follow the present one.
-        """
+        """Return the status in a state that may follow, entered at a time [us since 1970, UTC]."""
         if state not in TRANSITIONS[self.state]:
             raise TransitionError(
                 Message(
@@ -138,15 +194,10 @@ class SurveyStatus:
 
     @property
     def status(self) -> Status:
-        """The status now."""
         return self._status
 
     def enter(self, state: SurveyState, message: Message, time_us: Optional[int] = None) -> None:
-        """Enter another state, at a time [us since 1970, UTC]; None: now.
-
-        Raises:
-            TransitionError: It cannot follow the present state.
-        """
+        """Enter a state that may follow, at a time [us since 1970, UTC]; None: now."""
         now_us = time_of_day_us() if time_us is None else time_us
         with self._lock:
             self._change(self._status.entered(state, message, now_us))
@@ -161,44 +212,37 @@ class SurveyStatus:
         self.update(missing=missing)
 
     def set_plan(self, plan: SurveyPlan) -> None:
-        """Enter CONFIGURED, and announce the parameters of the next survey.
-
-        Raises:
-            TransitionError: A survey is running.
-        """
+        """Enter CONFIGURED, and announce the parameters of the next survey."""
         ready = Message("Ready for {count} traces", count=plan.total_points)
-        with self._lock:
-            self._change(self._planned(plan, SurveyState.CONFIGURED, ready))
+        self._show_plan(plan, SurveyState.CONFIGURED, ready)
 
     def begin_survey(self, plan: SurveyPlan) -> None:
-        """Enter CHECKING, and begin the progress of a survey, which may be stored in part.
-
-        Raises:
-            TransitionError: A survey is running.
-        """
-        with self._lock:
-            self._change(
-                replace(
-                    self._planned(plan, SurveyState.CHECKING, Message("Checking the robot")),
-                    survey_id=plan.survey_id,
-                    total_points=plan.total_points,
-                    visited_points=len(plan.stored_indices),
-                    remaining_s=sum(plan.pending_durations_s),
-                    warning=None,
-                    end=SurveyState.IDLE,
-                    ended_us=0,
-                )
-            )
+        """Enter CHECKING, and begin the progress of a survey, which may be stored in part."""
+        self._show_plan(
+            plan,
+            SurveyState.CHECKING,
+            Message("Checking the robot"),
+            survey_id=plan.survey_id,
+            total_points=plan.total_points,
+            visited_points=len(plan.stored_indices),
+            remaining_s=sum(plan.pending_durations_s),
+            warning=None,
+            end=SurveyState.IDLE,
+            ended_us=0,
+        )
 
     def show_coverage(self, coverage: Coverage) -> None:
         """Announce the state of each sample of the present survey."""
         self._on_coverage(coverage, self._status.survey_id)
 
-    def _planned(self, plan: SurveyPlan, state: SurveyState, message: Message) -> Status:
-        """Announce the parameters of a plan; return the status with it."""
-        planned = self._status.entered(state, message, 0)
-        self._on_parameters(plan.parameters)
-        return replace(planned, plan_id=plan.parameters.plan_id, plan_set_by=plan.set_by)
+    def _show_plan(
+        self, plan: SurveyPlan, state: SurveyState, message: Message, **changes: Any
+    ) -> None:
+        changes.update(plan_id=plan.parameters.plan_id, plan_set_by=plan.set_by)
+        with self._lock:
+            planned = replace(self._status.entered(state, message, 0), **changes)
+            self._on_parameters(plan.parameters)
+            self._change(planned)
 
     def _change(self, status: Status) -> None:
         before, self._status = self._status, status

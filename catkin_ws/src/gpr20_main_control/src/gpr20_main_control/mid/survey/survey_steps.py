@@ -4,21 +4,26 @@ from __future__ import annotations
 
 import contextlib
 from collections import deque
-from typing import TYPE_CHECKING, Deque, Dict, Iterator, List, Optional, Sequence, Tuple
+from typing import TYPE_CHECKING, Dict, Iterator, List, Optional, Sequence
 
 from gpr20_common.message import Message, in_a_row
 from gpr20_common.mid.codec import plain
-from gpr20_main_control.errors import DeviceError, StopRequested, UnconfirmedError, message_of
+from gpr20_main_control.errors import (
+    DeviceError,
+    NodeLostError,
+    StopRequested,
+    UnconfirmedError,
+    message_of,
+)
 from gpr20_main_control.mid.devices.instruments import Instruments
 from gpr20_main_control.mid.devices.robot import zeros_of
-from gpr20_main_control.mid.survey.repeats import (
+from gpr20_main_control.mid.measured_again import (
     DriftLimits,
+    KnownPoint,
     Repeated,
-    compare_known_point,
     known_traces,
 )
-from gpr20_main_control.mid.survey.sampling import Sampling
-from gpr20_main_control.mid.survey.survey_archive import interruption_remark
+from gpr20_main_control.mid.survey.sampling import Confirmation, Sampling
 from gpr20_main_control.mid.survey.survey_plan import SurveyPlan
 from gpr20_main_control.mid.waits import Check
 from gpr20_survey.faults import VNA_FAILED
@@ -38,6 +43,7 @@ class SurveyProgress:
     """How far a survey is, from which its remaining steps follow.
 
     Attributes:
+        unconfirmed: The sweep that is not confirmed yet; None if every one is.
         last: The trace that was confirmed last; None before the first.
         home_every_axis: Whether every axis must be homed, because the stored traces were measured
             before this process homed the axes.
@@ -50,79 +56,67 @@ class SurveyProgress:
         resumed = plan.reopened is not None
         self.last = plan.last
         self.home_every_axis = self.compare = resumed
-        self._rotations = len(plan.parameters.polarizations_deg)
+        self._plan, self._rotations = plan, len(plan.parameters.polarizations_deg)
         # Of two stops, of which one is complete.
-        most = max(1, 2 * self._rotations - 1)
-        self._recent: Deque[Trace] = deque(plan.recent, maxlen=most)
-        self._pending = plan.pending
-        self._confirmed = 0
-        self._awaiting = False
+        self._recent = deque(plan.recent, maxlen=max(1, 2 * self._rotations - 1))
+        self._pending = deque(plan.pending)
+        self.unconfirmed: Optional[Confirmation] = None
         self.reference: Dict[int, Trace] = {
             one.index: one for one in plan.recent if one.index < self._rotations
         }
-        self._total = plan.total_points
-        self._visits = frozenset(plan.visits)
         self._visited: Optional[int] = None
         self._visit_now = resumed and len(self.reference) == self._rotations
-        self._interval_s = plan.settings.reference_interval_s / plan.config.time_scale
-
-    @property
-    def unconfirmed(self) -> Optional[SurveyPoint]:
-        """The point whose sweep is not confirmed yet; None if every sweep is."""
-        return self._pending[self._confirmed] if self._awaiting else None
 
     @property
     def next(self) -> Optional[SurveyPoint]:
         """The point to measure next; None if every point is measured."""
-        measured = self._confirmed + self._awaiting
-        return self._pending[measured] if measured < len(self._pending) else None
+        return self._pending[0] if self._pending else None
 
     @property
     def next_index(self) -> int:
         """Index of the point to measure next; the number of points if every one is measured."""
-        return self._total if self.next is None else self.next.index
+        return self._plan.total_points if self.next is None else self.next.index
 
     @property
     def all_confirmed(self) -> bool:
         """Whether every point is measured and its sweep is confirmed."""
-        return self._confirmed == len(self._pending)
+        return not self._pending and self.unconfirmed is None
 
     @property
-    def known(self) -> Tuple[Trace, ...]:
+    def known(self) -> List[Trace]:
         """The stored traces of a known point, at every rotation so far."""
-        return tuple(known_traces(self._recent, self._rotations))
+        return known_traces(self._recent, self._rotations)
 
     @property
     def visit_due(self) -> bool:
         """Whether the first stop is visited before another point is measured."""
-        index = self.next_index
-        due = self._visit_now or (index in self._visits and index != self._visited)
-        return bool(self._visits) and due and len(self.reference) == self._rotations
+        index, visits = self.next_index, self._plan.visits
+        due = self._visit_now or (index in visits and index != self._visited)
+        return bool(visits) and due and len(self.reference) == self._rotations
 
     def note_pause(self, duration_s: float) -> None:
         """Note how long the survey was paused [s]: as long as between visits, one is due."""
-        self._visit_now |= duration_s >= self._interval_s
+        interval_s = self._plan.settings.reference_interval_s / self._plan.config.time_scale
+        self._visit_now |= duration_s >= interval_s
 
     def note_visited(self) -> None:
-        """Note that the reference was visited."""
         self._visited, self._visit_now = self.next_index, False
 
-    def note_swept(self) -> None:
-        """Note that the next point has a sweep, which is not confirmed yet."""
-        self._awaiting = True
+    def note_swept(self, sweep: Confirmation) -> None:
+        self.unconfirmed = sweep
+        self._pending.popleft()
 
     def note_confirmed(self, trace: Trace) -> None:
-        """Note that the sweep that was not confirmed yet is confirmed now."""
-        self._awaiting = False
-        self._confirmed += 1
-        self.last = trace
+        self.unconfirmed, self.last = None, trace
         self._recent.append(trace)
         if trace.index < self._rotations:
             self.reference[trace.index] = trace
 
     def note_rejected(self) -> None:
         """Note that the sweep could not be confirmed: its point is the next to measure."""
-        self._awaiting = False
+        assert self.unconfirmed is not None
+        self._pending.appendleft(self.unconfirmed.point)
+        self.unconfirmed = None
 
 
 class SurveySteps:
@@ -146,14 +140,11 @@ class SurveySteps:
     def run(self) -> bool:
         """Execute the remaining steps; return False if a pause was requested on the way.
 
-        A survey that was interrupted is continued by calling this again.
-
-        Raises:
-            DeviceError: A step failed.
-            StopRequested: A stop of the survey was requested.
+        A survey that was interrupted, by a DeviceError too, is continued by calling this again.
         """
         progress, paused = self.progress, self._survey.pause_requested
-        self._home(self._begin())
+        self._begin()
+        self._home()
         if progress.compare and progress.known:
             self._compare(progress.known)
         while not progress.all_confirmed or progress.visit_due:
@@ -175,45 +166,38 @@ class SurveySteps:
             self._confirm()
             if point is not None and progress.next == point:
                 with self._measuring(point):
-                    self._sampling.sweep(point, self._archive.queue.add, self._rejection)
-                progress.note_swept()
+                    store, remark = self._archive.queue.add, self._rejection
+                    progress.note_swept(self._sampling.sweep(point, store, remark))
         self._check_zeros_at_end()
         return True
 
     def resolve_unconfirmed(self, check: Check) -> None:
         """Confirm the last sweep if that is possible; otherwise its point is measured again.
 
-        Args:
-            check: Called repeatedly meanwhile; an error that it raises gives the sweep up.
-
-        Raises:
-            StopRequested: `check` raised it; the sweep remains unconfirmed.
+        An error of `check` gives the sweep up, but with StopRequested it remains unconfirmed.
         """
-        point = self.progress.unconfirmed
-        if point is None:
+        sweep = self.progress.unconfirmed
+        if sweep is None:
             return
         try:
-            self.progress.note_confirmed(self._sampling.confirmed(point, check))
+            self.progress.note_confirmed(self._sampling.confirmed(sweep, check))
         except StopRequested:
             raise
         except Exception as error:
             # Faults in the software too: the survey is about to report another one.
-            self._reject(point, message_of(error))
+            self._reject(sweep, message_of(error))
 
-    def _begin(self) -> Optional[Message]:
+    def _begin(self) -> None:
         """Check every part of the robot, and make or reopen the survey's folder."""
         self._rejections = 0
-        self._survey.accept_nodes()
+        self._survey.robot.nodes.accept()
+        self._survey.robot.nodes.check()
         analyzer = self._instruments.check(self.progress.next_index)
         self._survey.interruption.check()
-        interrupted = self._archive.open(analyzer, self._survey.interruption.check)
-        return interruption_remark(interrupted)
+        self._archive.open(analyzer, self._survey.interruption.check)
 
-    def _home(self, remark: Optional[Message]) -> None:
-        homing = Message("Homing the axes")
-        if remark is not None:
-            homing = in_a_row([homing, remark])
-        self._status.enter(SurveyState.HOMING, homing)
+    def _home(self) -> None:
+        self._status.enter(SurveyState.HOMING, Message("Homing the axes"))
         before, progress = self._positioner.zeros(), self.progress
         every = progress.home_every_axis
         self._positioner.home(before.keys() if every else self._zeros.to_home_again(before))
@@ -224,22 +208,21 @@ class SurveySteps:
             self._note_zeros()
         progress.home_every_axis = False
         progress.compare = self._zeros.needs_proof(present)
+        # Before the next trace: what it is measured with, and what its coordinates refer to.
+        self._archive.send_report(self._survey.interruption.check)
+        self._archive.set_timing(True)
         self._archive.queue.retry()
         self._status.enter(SurveyState.SURVEYING, MEASURING)
-        self._archive.start_timing()
 
     def _compare(self, stored: Sequence[Trace]) -> None:
         """Measure a known point again, because the zeros are other ones than those before."""
         present = self._positioner.zeros()
         message = Message("Measuring point {index} again, to compare", index=stored[0].index)
-        repeated = self._repeated(stored, message, sweeps=1)
-        known = compare_known_point(repeated)
-        try:
-            limit_db, index = self._plan.settings.repeat_limit_db, self.progress.next_index
-            self._zeros.judge(present, known, limit_db, index, self._now())
-            self._note_zeros()
-        finally:
-            self._archive.note_repeats(known.repeats, self._survey.interruption.check)
+        known = KnownPoint(self._repeated(stored, message, sweeps=1))
+        limit_db, index = self._plan.settings.repeat_limit_db, self.progress.next_index
+        self._zeros.judge(present, known, limit_db, index, self._now())
+        self._note_zeros(known.repeats)
+        self._archive.send_report(self._survey.interruption.check)
         self.progress.compare = False
         self._status.update(message=in_a_row([MEASURING, known.message]))
 
@@ -251,12 +234,11 @@ class SurveySteps:
         visit = self._drift.visit(repeated, self.progress.next_index, self._now())
         self._archive.add_fact(Kind.DRIFT, **visit.values)
         self._archive.send_facts(self._survey.interruption.check)
-        if visit.exceeded:
-            exceeded = self._drift.ask(visit)
+        if visit.exceeded is not None:
             if self.progress.next is not None:
-                raise exceeded
+                raise visit.exceeded
             # Nothing is left to measure: the operator need not decide.
-            self._survey.show_warning(exceeded.message)
+            self._survey.show_warning(visit.exceeded.message)
         self.progress.note_visited()
         self._status.update(message=in_a_row([MEASURING, visit.message]))
 
@@ -274,13 +256,10 @@ class SurveySteps:
     def _swept_again(self, point: SurveyPoint) -> Trace:
         for attempt in range(self._plan.settings.attempts):
             try:
-                self._sampling.sweep(point, lambda _trace: None)
-                return self._sampling.confirmed(point)
+                return self._sampling.confirmed(self._sampling.sweep(point, lambda _trace: None))
             except UnconfirmedError as error:
                 if not error.repeat or attempt + 1 == self._plan.settings.attempts:
                     raise
-            finally:
-                self._sampling.give_up()
         raise AssertionError("the last attempt returns or raises")
 
     def _move_to(self, point: SurveyPoint) -> None:
@@ -298,20 +277,20 @@ class SurveySteps:
 
     def _confirm(self) -> None:
         """Wait until the sweep before, if any, is confirmed; it is stored in the background."""
-        point = self.progress.unconfirmed
-        if point is None:
+        sweep = self.progress.unconfirmed
+        if sweep is None:
             return
         try:
-            trace = self._sampling.confirmed(point)
+            trace = self._sampling.confirmed(sweep)
         except UnconfirmedError as error:
-            self._reject(point, error.message)
-            self._measure_again(point, error)
+            self._reject(sweep, error.message)
+            self._measure_again(sweep.point, error)
             return
         if self._rejections:
             self._status.update(message=MEASURING)
         self._rejections, self._rejection = 0, None
         self.progress.note_confirmed(trace)
-        self._archive.wait_for_room(point)
+        self._archive.wait_for_room(sweep.point)
 
     def _measure_again(self, point: SurveyPoint, error: UnconfirmedError) -> None:
         if not error.repeat:
@@ -327,37 +306,36 @@ class SurveySteps:
                 ),
                 fault=VNA_FAILED,
             ) from error
-        self._status.update(
-            message=Message(
-                "Measuring point {index} again: {reason}", index=point.index, reason=error.message
-            ).as_warning()
-        )
+        if self._rejection is not None:
+            self._status.update(message=self._rejection.as_warning())
 
-    def _reject(self, point: SurveyPoint, reason: Message) -> None:
-        """Give up the last sweep, unless its trace is accepted for storing already."""
-        trace = self._sampling.give_up()
+    def _reject(self, sweep: Confirmation, reason: Message) -> None:
+        """Give up a sweep, unless its trace is accepted for storing already."""
+        trace = sweep.give_up()
         if trace is not None:
             self.progress.note_confirmed(trace)
             return
         self.progress.note_rejected()
-        self._survey.coverage.note_failed(point.index, reason)
-        self._rejection = Message("measured again: {reason}", reason=reason)
-        self._survey.note_warning(
-            Message(
-                "the sweep at point {index} was not confirmed and is not stored: {reason}",
-                index=point.index,
-                reason=reason,
-            )
+        self._survey.coverage.note_failed(sweep.point.index, reason)
+        self._rejection = Message(
+            "point {index} is measured again, because its sweep was not confirmed: {reason}",
+            index=sweep.point.index,
+            reason=reason,
         )
+        self._survey.note_warning(self._rejection)
 
     def _check_zeros_at_end(self) -> None:
-        changed = self._zeros.changed(zeros_of(self._positioner.zeros()))
-        if changed is not None:
+        try:
+            self._zeros.check(zeros_of(self._positioner.zeros()))
+        except NodeLostError:
+            raise
+        except DeviceError as error:
             # Each sweep had the same zeros before and after it: the operator need not decide.
-            self._survey.show_warning(changed)
+            self._survey.show_warning(error.message)
 
-    def _note_zeros(self) -> None:
-        self._archive.add_fact(Kind.EPOCH, **plain(self._zeros.used[-1]))
+    def _note_zeros(self, compared: Sequence[Repeated] = ()) -> None:
+        values = plain(self._zeros.used[-1])
+        self._archive.add_fact(Kind.EPOCH, **values, compared=[one.values for one in compared])
 
     def _now(self) -> str:
         return iso_text(self._survey.clock.time_of_day_us())

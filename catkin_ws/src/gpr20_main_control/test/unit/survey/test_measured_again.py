@@ -1,4 +1,4 @@
-"""A survey returns to its first stop to see how it drifts, and pauses if it drifts too far."""
+"""A place measured again: known points and drift; what differs too much pauses the survey."""
 
 from __future__ import annotations
 
@@ -10,15 +10,123 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from cut_off_surveys import reopened_survey, stored_trace
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from run_seed import draws
 from survey_examples import AXES, PARAMETERS
 
 from gpr20_main_control import faults
-from gpr20_main_control.mid.survey.repeats import MAX_FREQUENCIES, DriftLimits, Repeated
+from gpr20_main_control.mid.measured_again import (
+    KnownPoint,
+    Repeated,
+    drift_between,
+    known_traces,
+    noise_db,
+)
 from gpr20_main_control.mid.survey.survey_plan import plan_survey
 from gpr20_survey.folder.log_record import Kind
 from gpr20_survey.plan.robot_description import RobotConfig
 from gpr20_survey.plan.survey_parameters import SurveySettings
 from gpr20_survey.plan.survey_state import SurveyState as State
+
+HZ = np.linspace(600.0e6, 6.0e9, 501)
+
+
+def echo(level, delay_s):
+    return level * np.exp(-2j * np.pi * HZ * delay_s)
+
+
+def hiss(random, level, count):
+    parts = random.standard_normal((2, count)) * level / math.sqrt(2.0)
+    return parts[0] + 1j * parts[1]
+
+
+def echoes(seed):
+    # A coupling and an echo: they have deep nulls.
+    random = np.random.default_rng(seed)
+    return sum(map(echo, random.uniform(0.01, 1.0, 2), random.uniform(0.5e-9, 8e-9, 2)))
+
+
+@settings(max_examples=draws(50))
+@given(
+    st.integers(0, 2**31),
+    st.floats(-20.0, 20.0),
+    st.floats(-4e-9, 4e-9),
+    st.floats(-120.0, -60.0),
+)
+def test_a_known_gain_and_delay_are_recovered_below_noise(seed, gain_db, delay_s, noise):
+    before = echoes(seed)
+    level = math.sqrt(2.0 * np.mean(np.abs(before) ** 2)) * 10.0 ** (noise / 20.0)
+    noisy = before + hiss(np.random.default_rng(seed + 1), level, 501)
+    changed = noisy * echo(10.0 ** (gain_db / 20.0), delay_s)
+    found = drift_between(HZ, before, changed)
+    assert found.gain_db == pytest.approx(gain_db, abs=0.02)
+    assert found.delay_s == pytest.approx(delay_s, abs=1e-12)
+    assert found.amplitude_rms_db == pytest.approx(abs(gain_db), abs=0.05)
+
+
+def test_a_signal_that_is_gone_or_appeared_is_an_infinite_drift():
+    nothing, signal = np.zeros(501, complex), np.ones(501, complex)
+    for found in (drift_between(HZ, signal, nothing), drift_between(HZ, nothing, signal)):
+        assert found.amplitude_rms_db == math.inf
+
+
+@given(st.integers(0, 2**31), st.floats(-100.0, -20.0))
+def test_the_noise_floor_is_that_of_one_sweep(seed, level_db):
+    random = np.random.default_rng(seed)
+    first, second = (1.0 + hiss(random, 10.0 ** (level_db / 20.0), 4000) for _ in range(2))
+    assert noise_db(first, second) == pytest.approx(level_db, abs=0.5)
+    assert noise_db(first, first) == -math.inf
+
+
+# A known point.
+
+
+def traces_at(numbers, **changes):
+    """Return traces of one stop at 0 and 90 deg whose S21 is a random vector by its number."""
+    found = []
+    for index, number in enumerate(numbers):
+        noise = np.random.default_rng(number)
+        values = {"s21_real": noise.normal(size=5), "s21_imag": noise.normal(size=5), **changes}
+        found.append(stored_trace(index, z_coord_deg=90.0 * index, **values))
+    return found
+
+
+def compared(stored, again):
+    return KnownPoint([Repeated(old, (new,)) for old, new in zip(stored, again)])
+
+
+def test_antennas_that_are_turned_show_where_the_rotations_look_different():
+    stored = traces_at([1, 2])
+    assert not compared(stored, traces_at([1, 2])).turned
+    turned = compared(stored, traces_at([2, 1]))
+    assert turned.turned and not turned.agrees(100.0)
+    # Over ground that looks the same at every rotation nothing can show.
+    assert compared(traces_at([3, 3]), traces_at([3, 3])).agrees(-20.0)
+
+
+@pytest.mark.parametrize("height_m, shown", [(0.21, "+10.0 mm"), (math.nan, "- mm")])
+def test_a_repeated_point_is_said_relative_to_the_stored_trace(height_m, shown):
+    (stored,) = traces_at([1])
+    louder = replace(stored, s21_real=1.1 * stored.s21_real, s21_imag=1.1 * stored.s21_imag)
+    repeated = Repeated(stored, (replace(louder, antennae_height_m=height_m),))
+    assert repeated.values["difference_db"] == pytest.approx(-20.0)
+    assert "20.0 dB" in str(repeated.message) and shown in str(repeated.message)
+    assert (repeated.values["height_difference_m"] is None) is math.isnan(height_m)
+
+
+def test_the_known_point_is_the_last_stop_that_was_measured_at_every_rotation():
+    visits = [(10.0, 0.0), (10.0, 90.0), (20.0, 90.0), (20.0, 0.0), (30.0, 0.0)]
+    recent = [
+        stored_trace(index, x_coord_mm=x_mm, z_coord_deg=z_deg)
+        for index, (x_mm, z_deg) in enumerate(visits)
+    ]
+    assert [one.index for one in known_traces(recent, 2)] == [2, 3]
+    assert [one.index for one in known_traces(recent[:1], 2)] == [0]
+    assert [one.index for one in known_traces(recent, 1)] == [4]
+
+
+# The first stop, from time to time.
 
 INTERVAL_S = 12.0
 CONFIG = RobotConfig(AXES, simulated=True)
@@ -61,17 +169,12 @@ def test_a_survey_visits_its_first_stop_at_the_interval_and_at_its_end(visiting)
         assert [one["index"] for one in visit["rotations"]] == [0, 1]
         for rotation in visit["rotations"]:
             assert rotation["amplitude_rms_db"] < 0.001 and rotation["phase_rms_deg"] < 1.0
-            assert len(rotation["amplitude_db"]) == len(rotation["phase_deg"]) == 5
             # Each of these sweeps differs from the one before by 1, of 10,000.
             assert rotation["noise_db"] == pytest.approx(-83.0, abs=0.1)
             assert rotation["height_difference_m"] == 0.0
-        assert len(visit["frequency_hz"]) == 5
-
-
-@pytest.mark.parametrize("interval_s", [3600.0, 0.0])
-def test_a_survey_shorter_than_the_interval_visits_nothing(interval_s):
-    settings = SurveySettings(0.0, reference_interval_s=interval_s)
-    assert not plan_survey(PARAMETERS, CONFIG, settings).visits
+    for interval_s in (3600.0, 0.0):
+        unvisited = SurveySettings(0.0, reference_interval_s=interval_s)
+        assert not plan_survey(PARAMETERS, CONFIG, unvisited).visits
 
 
 def test_each_drift_that_is_too_large_pauses_and_is_accepted_as_it_is_after_resuming(visiting):
@@ -131,7 +234,7 @@ def test_after_a_pause_as_long_as_the_interval_the_drift_is_looked_at_first(visi
 
 
 def test_a_survey_from_the_disk_compares_with_the_first_stop_that_is_stored(visiting):
-    reopened = reopened_survey(range(13), json.dumps({"controls": []}))
+    reopened = reopened_survey(range(13), json.dumps({}))
     # As the storage answers: the first traces too, beside the latest.
     recent = (stored_trace(0), stored_trace(1), *reopened.recent)
     visiting.storage.reopened = replace(reopened, recent=recent)
@@ -142,18 +245,3 @@ def test_a_survey_from_the_disk_compares_with_the_first_stop_that_is_stored(visi
     assert [one["next_index"] for one in visits(visiting)] == [13, *rest]
     gain_db = visits(visiting)[-1]["rotations"][0]["gain_db"]
     assert gain_db == pytest.approx(20.0 * math.log10(1.05), abs=0.001)
-
-
-def test_what_is_stored_of_a_visit_is_bounded():
-    values = {"s21_real": np.ones(1000), "s21_imag": np.zeros(1000)}
-    trace = stored_trace(0, frequency_hz=np.linspace(6.0e8, 6.0e9, 1000), **values)
-    limits = DriftLimits(SurveySettings())
-    visits = [
-        limits.visit([Repeated(trace, (trace, trace))], index, "").values for index in range(9)
-    ]
-    assert len(visits[-1]["frequency_hz"]) == MAX_FREQUENCIES
-    assert len(visits[-1]["rotations"][0]["phase_deg"]) == MAX_FREQUENCIES
-    assert all(one["rotations"][0]["phase_rms_deg"] == 0.0 for one in visits)
-    # However many there were before.
-    sizes = {len(json.dumps(one, allow_nan=False)) for one in visits}
-    assert len(sizes) == 1 and max(sizes) < 12_000
