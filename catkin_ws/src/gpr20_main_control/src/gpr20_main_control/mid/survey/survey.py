@@ -99,9 +99,10 @@ class Survey:
             robot.axes, plan.config.axes, interruption, robot.workers, self._leases
         )
         self.waits = WaitStatus(status, interruption)
-        self.coverage = Coverage(plan.total_points, plan.stored_indices, status.show_coverage)
-        former_json = "" if plan.reopened is None else plan.reopened.report_json
-        self.report = SurveyReport(self.coverage, plan.config.axes, former_json)
+        self.coverage = Coverage(
+            plan.total_points, plan.reopened.stored_indices, status.show_coverage
+        )
+        self.report = SurveyReport(self.coverage, plan.config.axes, plan.reopened.report_json)
         self.analyzers, self.zeros = self.report.analyzers, self.report.zeros
         self.clock_steps = ClockSteps(self.clock, plan.last, self._note_clock)
         self.archive = SurveyArchive(self)
@@ -180,7 +181,7 @@ class Survey:
         """Execute the remaining steps; return False if the survey was interrupted."""
         try:
             if self._steps.run():
-                self.archive.drain()
+                self.archive.wait_until_left(0, self.plan.points[-1])
                 self._close_finished(self.interruption.check)
                 return True
             self._wait_paused(
