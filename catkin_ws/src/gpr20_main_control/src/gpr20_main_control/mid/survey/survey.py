@@ -349,7 +349,8 @@ class Survey:
             stopping = Message("Stopping: storing the measured traces")
             self.status.enter(SurveyState.STOPPING, stopping)
         moving = self.positioner.wait_for_rest(limit_s)
-        messages = [message] if moving is None else [message, moving]
+        # The axes' drivers are shut down too, and stop them; their last reading may be older.
+        messages = [message] if leaving or moving is None else [message, moving]
         silent = Message(
             "the VNA did not answer within {limit_s:g} s at the survey's end", limit_s=limit_s
         )
