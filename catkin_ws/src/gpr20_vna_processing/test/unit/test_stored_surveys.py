@@ -99,7 +99,7 @@ def test_the_list_tells_the_verdict_and_what_is_missing(kit, archive):
     fill(kit)
     running = only(archive)
     assert (running.outcome, running.stored_traces, running.planned_traces) == ("", 5, 18)
-    kit.report(SURVEY, json.dumps({"coverage": "mmrmm" + "f" + 12 * "-"}))
+    kit.report(SURVEY, json.dumps({"coverage": "mmmmm" + "f" + 12 * "-"}))
     # A report may be older than the last traces.
     assert only(archive).verdict is None
     kit.processing.close_survey(SURVEY, "failed")

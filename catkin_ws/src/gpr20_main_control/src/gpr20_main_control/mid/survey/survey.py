@@ -99,9 +99,10 @@ class Survey:
             robot.axes, plan.config.axes, interruption, robot.workers, self._leases
         )
         self.waits = WaitStatus(status, interruption)
-        self.coverage = Coverage(plan.total_points, plan.stored_indices, status.show_coverage)
-        former_json = "" if plan.reopened is None else plan.reopened.report_json
-        self.report = SurveyReport(self.coverage, plan.config.axes, former_json)
+        self.coverage = Coverage(
+            plan.total_points, plan.reopened.stored_indices, status.show_coverage
+        )
+        self.report = SurveyReport(self.coverage, plan.config.axes, plan.reopened.report_json)
         self.analyzers, self.zeros = self.report.analyzers, self.report.zeros
         self.clock_steps = ClockSteps(self.clock, plan.last, self._note_clock)
         self.archive = SurveyArchive(self)
@@ -180,7 +181,7 @@ class Survey:
         """Execute the remaining steps; return False if the survey was interrupted."""
         try:
             if self._steps.run():
-                self.archive.drain()
+                self.archive.wait_until_left(0, self.plan.points[-1])
                 self._close_finished(self.interruption.check)
                 return True
             self._wait_paused(
@@ -348,7 +349,8 @@ class Survey:
             stopping = Message("Stopping: storing the measured traces")
             self.status.enter(SurveyState.STOPPING, stopping)
         moving = self.positioner.wait_for_rest(limit_s)
-        messages = [message] if moving is None else [message, moving]
+        # The axes' drivers are shut down too, and stop them; their last reading may be older.
+        messages = [message] if leaving or moving is None else [message, moving]
         silent = Message(
             "the VNA did not answer within {limit_s:g} s at the survey's end", limit_s=limit_s
         )

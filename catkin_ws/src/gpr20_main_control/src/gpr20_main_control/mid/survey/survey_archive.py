@@ -158,7 +158,7 @@ class SurveyArchive:
         plan, robot = survey.plan, survey.robot
         self._survey, self._plan = survey, plan
         self._storage, self._calls = robot.storage, robot.storage_calls
-        self.folder = "" if plan.reopened is None else plan.reopened.path
+        self.folder = plan.reopened.path
         self._facts: Deque[Tuple[Kind, Dict[str, Any]]] = deque()
         self._report = ""
         self._stored_traces = 0
@@ -186,13 +186,13 @@ class SurveyArchive:
         name = PurePosixPath(self.folder).name
         self._calls.call(lambda: self._storage.reopen(name), check)
 
-    def wait_for_room(self, point: SurveyPoint) -> None:
-        """Return when few enough traces, up to that of a point, wait for the disk, or raise."""
-        self._wait_until_left(CAPACITY, point)
-
-    def drain(self) -> None:
-        """Return when every trace is stored durably, or raise."""
-        self._wait_until_left(0, self._plan.points[-1])
+    def wait_until_left(self, traces: int, point: SurveyPoint) -> None:
+        """Return when at most so many traces, up to that of a point, wait for the disk."""
+        limit_s = self._survey.robot.description.limits.storage_limit_s
+        action = Message("traces up to point {index}", index=point.index)
+        wait = ExpectedWait(STORAGE_NAME, action, 0.0, ATTEMPTS * (limit_s + RETRY_S))
+        with self._survey.waits.shown(wait) as check:
+            self.queue.wait_until_left(traces, check)
 
     def set_timing(self, measuring: bool) -> None:
         """Count time as measuring time from now on, up to the last trace that is stored, or not."""
@@ -231,13 +231,6 @@ class SurveyArchive:
         end = SurveyEnd(outcome, reason, status, self._survey.coverage)
         self._calls.call(lambda: self._storage.close(self._plan.survey_id, end), check)
 
-    def _wait_until_left(self, traces: int, point: SurveyPoint) -> None:
-        limit_s = self._survey.robot.description.limits.storage_limit_s
-        action = Message("traces up to point {index}", index=point.index)
-        wait = ExpectedWait(STORAGE_NAME, action, 0.0, ATTEMPTS * (limit_s + RETRY_S))
-        with self._survey.waits.shown(wait) as check:
-            self.queue.wait_until_left(traces, check)
-
     def _record_with(self, analyzer: AnalyzerState) -> SurveyRecord:
         # The same record again if the answer to the first call was lost: the storage knows it.
         if self._record is None or self._record[0] != analyzer:
@@ -256,7 +249,7 @@ class SurveyArchive:
             now_s = self._survey.clock.now_s()
             self._spent_s, self._counted_s = self._spent_s + now_s - self._counted_s, now_s
         visited = self._survey.status.status.visited_points + 1
-        stored = visited - len(self._plan.stored_indices)
+        stored = visited - len(self._plan.reopened.stored_indices)
         done_s, rest_s = sum(self._durations_s[:stored]), sum(self._durations_s[stored:])
         remaining_s = rest_s * (self._spent_s / done_s) if done_s > 0.0 else rest_s
         self._survey.status.update(visited_points=visited, remaining_s=remaining_s)

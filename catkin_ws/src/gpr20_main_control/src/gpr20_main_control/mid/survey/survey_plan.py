@@ -23,6 +23,8 @@ from gpr20_survey.results.reopened_survey import ReopenedSurvey
 from gpr20_survey.trace.sweep_settings import AnalyzerSettings, SweepSettings
 from gpr20_survey.trace.trace import SURVEY_ID, Trace
 
+# What is stored of a survey before it begins.
+NEW = ReopenedSurvey("", "", "{}", "", (), ())
 # Keys of the description.
 PLAN_ID, PLAN_SET_BY = "plan_id", "plan_set_by"
 # Parameters of an axis that decide where its coordinates are on the ground.
@@ -46,7 +48,7 @@ class SurveyPlan:
             one more for the visit at the end, if any.
         set_by: Node that set the parameters; empty if it is not known.
         survey_id: UUID; empty before the survey begins.
-        reopened: What is stored of it; None if it is new.
+        reopened: What is stored of it, if it is resumed.
         refines: Id of the survey that it measures more finely; empty: none.
         permittivity: Relative permittivity of the ground; None: not known.
         visits: Indices of the points before which it visits its reference, the first stop, to see
@@ -60,7 +62,7 @@ class SurveyPlan:
     durations_s: Sequence[float]
     set_by: str = ""
     survey_id: str = ""
-    reopened: Optional[ReopenedSurvey] = None
+    reopened: ReopenedSurvey = NEW
     annotation: Annotation = EMPTY
     refines: str = ""
     permittivity: Optional[float] = None
@@ -76,7 +78,7 @@ class SurveyPlan:
     @property
     def metadata(self) -> Mapping[str, Any]:
         """What the log says of a survey that is resumed; nothing otherwise."""
-        return {} if self.reopened is None else json.loads(self.reopened.metadata_json)
+        return json.loads(self.reopened.metadata_json)
 
     @property
     def total_points(self) -> int:
@@ -104,22 +106,12 @@ class SurveyPlan:
     @property
     def last(self) -> Optional[Trace]:
         """The trace stored last, of a survey that is resumed; None otherwise."""
-        return self.recent[-1] if self.recent else None
-
-    @property
-    def recent(self) -> Sequence[Trace]:
-        """The traces stored last, of a survey that is resumed, the latest last."""
-        return () if self.reopened is None else self.reopened.recent
-
-    @property
-    def stored_indices(self) -> Sequence[int]:
-        """Indices of the traces on the disk, of a survey that is resumed."""
-        return () if self.reopened is None else self.reopened.stored_indices
+        return self.reopened.recent[-1] if self.reopened.recent else None
 
     @property
     def pending(self) -> List[SurveyPoint]:
         """The points that are not on the disk yet."""
-        stored = frozenset(self.stored_indices)
+        stored = frozenset(self.reopened.stored_indices)
         return [point for point in self.points if point.index not in stored]
 
     @property

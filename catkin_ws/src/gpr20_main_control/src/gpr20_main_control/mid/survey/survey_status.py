@@ -224,7 +224,7 @@ class SurveyStatus:
             Message("Checking the robot"),
             survey_id=plan.survey_id,
             total_points=plan.total_points,
-            visited_points=len(plan.stored_indices),
+            visited_points=len(plan.reopened.stored_indices),
             remaining_s=sum(plan.pending_durations_s),
             warning=None,
             end=SurveyState.IDLE,

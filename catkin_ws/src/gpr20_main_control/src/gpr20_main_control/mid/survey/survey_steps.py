@@ -24,6 +24,7 @@ from gpr20_main_control.mid.measured_again import (
     known_traces,
 )
 from gpr20_main_control.mid.survey.sampling import Confirmation, Sampling
+from gpr20_main_control.mid.survey.survey_archive import CAPACITY
 from gpr20_main_control.mid.survey.survey_plan import SurveyPlan
 from gpr20_main_control.mid.waits import Check
 from gpr20_survey.faults import VNA_FAILED
@@ -53,16 +54,16 @@ class SurveyProgress:
 
     def __init__(self, plan: SurveyPlan) -> None:
         """Begin a survey, or continue one from its folder."""
-        resumed = plan.reopened is not None
+        resumed = bool(plan.reopened.survey_id)
         self.last = plan.last
         self.home_every_axis = self.compare = resumed
         self._plan, self._rotations = plan, len(plan.parameters.polarizations_deg)
         # Of two stops, of which one is complete.
-        self._recent = deque(plan.recent, maxlen=max(1, 2 * self._rotations - 1))
+        self._recent = deque(plan.reopened.recent, maxlen=max(1, 2 * self._rotations - 1))
         self._pending = deque(plan.pending)
         self.unconfirmed: Optional[Confirmation] = None
         self.reference: Dict[int, Trace] = {
-            one.index: one for one in plan.recent if one.index < self._rotations
+            one.index: one for one in plan.reopened.recent if one.index < self._rotations
         }
         self._visited: Optional[int] = None
         self._visit_now = resumed and len(self.reference) == self._rotations
@@ -290,7 +291,7 @@ class SurveySteps:
             self._status.update(message=MEASURING)
         self._rejections, self._rejection = 0, None
         self.progress.note_confirmed(trace)
-        self._archive.wait_for_room(sweep.point)
+        self._archive.wait_until_left(CAPACITY, sweep.point)
 
     def _measure_again(self, point: SurveyPoint, error: UnconfirmedError) -> None:
         if not error.repeat:
