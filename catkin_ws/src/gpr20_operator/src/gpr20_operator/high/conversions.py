@@ -77,13 +77,8 @@ def parameters(message: SurveyParametersMessage) -> SurveyParameters:
 
 def control_state(message: ControlStatus) -> ControlState:
     """Convert `control_status`."""
-    return ControlState(
-        code=SurveyState(message.code),
-        message=message_from(message),
-        survey_id=message.survey_id,
-        simulated=message.simulated,
-        end=SurveyState(message.end),
-    )
+    code, end = SurveyState(message.code), SurveyState(message.end)
+    return ControlState(code, message_from(message), message.survey_id, message.simulated, end=end)
 
 
 def progress(message: SurveyData) -> Progress:

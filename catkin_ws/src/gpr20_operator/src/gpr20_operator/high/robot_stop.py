@@ -50,31 +50,26 @@ class DirectServiceClient(ServiceClient):
 
 
 class _Stop:
-    """One that is asked to stop, and again until it answers.
+    """One that is asked to stop, and again until it answers or that is `obsolete`.
 
-    Args:
-        name: Its service.
-        emit: Takes an event of the first attempt, and of the answer that comes later.
-        event: Returns that event, of the response, or of None and why there is none.
-        obsolete: Set when no request is to be repeated any more.
+    Of the first attempt and of a later answer `event` makes what is emitted: of the response, or
+    of None and why there is none.
     """
 
     def __init__(
         self,
         name: str,
         emit: Callable[[Any], None],
-        event: Callable[[Any, Optional[ServiceUnavailableError]], Any],
+        event: Callable[[Any, Optional[Exception]], Any],
         obsolete: threading.Event,
     ) -> None:
         self.service = DirectServiceClient(name, Command)
         self._emit, self._event, self._obsolete = emit, event, obsolete
-        self._repeating = threading.Lock()
-        self._clock = Clock()
+        self._repeating, self._clock = threading.Lock(), Clock()
 
     def ask(self) -> None:
-        # One thread that repeats it is enough, however often STOP is pressed.
         if self._attempt() or not self._repeating.acquire(blocking=False):
-            return
+            return  # one thread that repeats it is enough, however often STOP is pressed
         try:
             end_s = self._clock.now_s() + STOP_RETRIES_S
             while self._clock.now_s() < end_s:
@@ -106,10 +101,10 @@ class RobotStop:
 
     def __init__(self, emit: Callable[[Any], None]) -> None:
         self._obsolete = threading.Event()
-        names = {f"{axis.value}_axis/stop": partial(_axis_answer, axis) for axis in AxisId}
+        axes = [(f"{axis.value}_axis/stop", partial(_axis_answer, axis)) for axis in AxisId]
         # The axes first: the main control may be what hangs.
-        events = {**names, "stop_survey": _control_answer}
-        self._stops = [_Stop(name, emit, event, self._obsolete) for name, event in events.items()]
+        self._stops = [_Stop(name, emit, event, self._obsolete) for name, event in axes]
+        self._stops.append(_Stop("stop_survey", emit, _control_answer, self._obsolete))
 
     def remember(self) -> None:
         """Ask the master where to stop the robot; raises as `DirectServiceClient.remember`."""
@@ -127,13 +122,11 @@ class RobotStop:
         self._obsolete.set()
 
 
-def _axis_answer(
-    axis: AxisId, response: Any, _error: Optional[ServiceUnavailableError]
-) -> AxisStopAnswer:
+def _axis_answer(axis: AxisId, response: Any, _error: Optional[Exception]) -> AxisStopAnswer:
     return AxisStopAnswer(axis, response is not None and bool(response.success))
 
 
-def _control_answer(response: Any, error: Optional[ServiceUnavailableError]) -> Answer:
+def _control_answer(response: Any, error: Optional[Exception]) -> Answer:
     if error is not None:
         return Answer(Request.STOP, False, no_answer(CONTROL_SILENT, error), contact=False)
     return Answer(Request.STOP, response.success, message_from(response))
