@@ -7,13 +7,11 @@ control is here a call.
 from __future__ import annotations
 
 import contextlib
-import queue
 import threading
 from collections import Counter
 from dataclasses import replace
-from typing import Callable, Dict, Iterator, Optional, Tuple
+from typing import Callable, Dict, Iterator, List, Optional, Tuple
 
-import numpy as np
 from direct_pulses import DirectPulses
 from simulated_world import MECHANICS, STEP_MM, StepTime, World
 
@@ -147,7 +145,7 @@ class ProcessAxis:
         self.received, self.stopped = threading.Event(), threading.Event()
         self._step = f"step {axis_id.value}"
         self._stops = 0
-        self._outcomes: queue.SimpleQueue[MoveOutcome] = queue.SimpleQueue()
+        self._ended: List[MoveOutcome] = []
         self._motions = Workers(most=1)
 
     def reading(self) -> AxisReading:
@@ -172,11 +170,11 @@ class ProcessAxis:
         self.lease.release(CALLER, lease.number)
 
     def begin_move(self, target: float) -> None:
-        outcomes: queue.SimpleQueue[MoveOutcome] = queue.SimpleQueue()
-        self._outcomes, stops = outcomes, self._stops
+        ended: List[MoveOutcome] = []
+        self._ended, stops = ended, self._stops
 
         def move() -> None:
-            outcomes.put(
+            ended.append(
                 self._owned(stops, lambda ends: self.driver.move_to_coordinate(target, ends))
             )
             self.received.set()
@@ -184,11 +182,8 @@ class ProcessAxis:
         with self._calls.answer("move"):
             self._motions.begin(move)
 
-    def move_outcome(self, wait_s: float) -> Optional[MoveOutcome]:
-        try:
-            return self._outcomes.get(timeout=wait_s)
-        except queue.Empty:
-            return None
+    def move_outcome(self) -> Optional[MoveOutcome]:
+        return self._ended[0] if self._ended else None
 
     def home(self, time_limit_s: float) -> None:
         stops = self._stops
@@ -246,11 +241,7 @@ class ProcessAnalyzer:
         with self._answer("configure"):
             accepted = self._driver.set_frequency_sweep(settings)
             duration_s, limit_s = self._driver.trace_duration_s, self._driver.answered_within_s
-            return AnalyzerSetup(accepted, duration_s, limit_s)
-
-    def frequencies_hz(self) -> np.ndarray:
-        with self._answer("frequencies"):
-            return self._driver.get_freq()
+            return AnalyzerSetup(accepted, self._driver.get_freq(), duration_s, limit_s)
 
     def prepare(self) -> None:
         pass

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import asdict, fields
-from typing import Any, Dict
+from typing import Any, Callable, Dict
 
 import rosgraph
 import rospy
@@ -19,17 +19,12 @@ from gpr20_common.message import Message
 from gpr20_common.mid.codec import plain
 from gpr20_common.mid.node_facts import NO_HARDWARE, own_software
 from gpr20_main_control.errors import OtherAnalyzerError
-from gpr20_main_control.high.robot_topics import DescriptionTopics, SensorTopics
 from gpr20_main_control.high.ros_axis import RosAxis
-from gpr20_main_control.high.ros_devices import RosAnalyzer, RosHeightSensor, RosStorage
-from gpr20_main_control.high.survey_topics import SurveyTopics
+from gpr20_main_control.high.ros_devices import RosAnalyzer, RosStorage, height_over_ros
+from gpr20_main_control.high.sensor_topics import SensorTopics
+from gpr20_main_control.high.survey_topics import SurveyTopics, listen_to_nodes
 from gpr20_main_control.mid.devices.described_robot import DescribedRobot, TimeLimits
-from gpr20_main_control.mid.devices.node_liveness import (
-    CONNECTIONS,
-    SILENCE_LIMIT_S,
-    NodeLiveness,
-    WatchedNode,
-)
+from gpr20_main_control.mid.devices.node_liveness import SILENCE_LIMIT_S, NodeLiveness
 from gpr20_main_control.mid.devices.robot import Robot
 from gpr20_main_control.mid.main_control import MainControl
 from gpr20_main_control.mid.service import axis_move
@@ -85,10 +80,9 @@ class MainControlNode:
         robot: Robot,
         status: SurveyStatus,
         topics: SurveyTopics,
-        sensors: SensorTopics,
     ) -> None:
         self._control, self._robot = control, robot
-        self._status, self._topics, self._sensors = status, topics, sensors
+        self._status, self._topics = status, topics
         self._services = [
             advertise("set_survey_parameters", SetSurveyParameters, self._set_parameters),
             advertise("start_survey", StartSurvey, self._start),
@@ -203,14 +197,15 @@ def build_main_control_node() -> MainControlNode:
     sensors = SensorTopics(read_parameters(Sensors, SENSORS).sensors, clock)
     topics = SurveyTopics()
     status = SurveyStatus(topics.publish_change, topics.publish_parameters, topics.publish_coverage)
-    nodes = NodeLiveness(_watched_nodes(), clock, status.set_missing)
-    descriptions = DescriptionTopics()
+    nodes = NodeLiveness(clock, status.set_missing)
+    for name, plain_name in {**PLAIN_NAMES, STORAGE: STORAGE_NAME}.items():
+        nodes.watch(name, plain_name, _probe(name))
 
     def describe(description: DescribedRobot) -> None:
         simulated = description.problem() is None and description.config().simulated
         if simulated:
-            nodes.watch(SIMULATOR, _watched(SIMULATOR, Message("the simulated robot")))
-        descriptions.publish(description)
+            nodes.watch(SIMULATOR, Message("the simulated robot"), _probe(SIMULATOR))
+        topics.publish_robot(description)
         if simulated != topics.simulated:
             topics.simulated = simulated
             topics.publish_status(status.status)
@@ -219,7 +214,7 @@ def build_main_control_node() -> MainControlNode:
     robot = Robot(
         axes={axis_id: RosAxis(axis_id, clock) for axis_id in AxisId},
         analyzer=RosAnalyzer(limits),
-        height_sensor=RosHeightSensor(limits.height_limit_s),
+        height_m=height_over_ros(limits.height_limit_s),
         storage=RosStorage(limits.storage_limit_s, topics),
         nodes=nodes,
         description=description,
@@ -228,27 +223,17 @@ def build_main_control_node() -> MainControlNode:
     control = MainControl(
         robot, settings, status, clock, description.site.annotation, topics.publish_service
     )
-    node = MainControlNode(control, robot, status, topics, sensors)
+    node = MainControlNode(control, robot, status, topics)
     own = {**plain(settings), **asdict(limits)}
     show_parameters({**own, "site": asdict(description.site)})
     description.note(NodeDescription(NODE, NO_HARDWARE, own, own_software()))
-    descriptions.listen(description.note)
+    listen_to_nodes(description.note)
     return node
 
 
-def _watched_nodes() -> Dict[str, WatchedNode]:
-    names = {**PLAIN_NAMES, STORAGE: STORAGE_NAME}
-    return {name: _watched(name, plain_name) for name, plain_name in names.items()}
-
-
-def _watched(name: str, plain_name: Message) -> WatchedNode:
-    own_name, full_name = rospy.get_name(), rospy.resolve_name(name)
-    master_uri = rosgraph.get_master_uri()
-    probes = [
-        NodeProbe(master_uri, own_name, full_name, SILENCE_LIMIT_S).process
-        for _connection in range(CONNECTIONS)
-    ]
-    return WatchedNode(plain_name, probes)
+def _probe(name: str) -> Callable[[], int]:
+    master_uri, own_name = rosgraph.get_master_uri(), rospy.get_name()
+    return NodeProbe(master_uri, own_name, rospy.resolve_name(name), SILENCE_LIMIT_S).process
 
 
 def main() -> None:

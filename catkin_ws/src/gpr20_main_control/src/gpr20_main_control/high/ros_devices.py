@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import json
 import math
-from typing import Any
+from functools import partial
+from typing import Any, Callable
 
 import numpy as np
 
@@ -118,11 +119,10 @@ class RosAnalyzer:
     """Implements `gpr20_main_control.mid.devices.robot.Analyzer`."""
 
     def __init__(self, limits: TimeLimits) -> None:
-        def service(name: str, service_class: Any) -> DeviceService:
-            limit_s = limits.analyzer_limit_s
-            return DeviceService(PLAIN_NAMES[ANALYZER], name, service_class, limit_s)
-
         self._limits = limits
+        service = partial(
+            DeviceService, PLAIN_NAMES[ANALYZER], time_limit_s=limits.analyzer_limit_s
+        )
         self._connection = service("connection", Connection)
         self._setup = service("freq_sweep_setup", FreqSweepSetup)
         self._frequencies = service("get_freq", GetFreq)
@@ -160,10 +160,8 @@ class RosAnalyzer:
             answer.points,
             _analyzer_settings(answer),
         )
-        return AnalyzerSetup(accepted, answer.sweep_duration_s, limit_s)
-
-    def frequencies_hz(self) -> np.ndarray:
-        return np.array(self._frequencies().frequency_hz)
+        frequency_hz = np.array(self._frequencies().frequency_hz)
+        return AnalyzerSetup(accepted, frequency_hz, answer.sweep_duration_s, limit_s)
 
     def prepare(self) -> None:
         self._data.prepare()
@@ -189,15 +187,10 @@ class RosAnalyzer:
         return SweepConfirmation(tuple(answer.quality), answer.temperature_c if known else None)
 
 
-class RosHeightSensor:
-    """Implements `gpr20_main_control.mid.devices.robot.HeightSensor`."""
-
-    def __init__(self, time_limit_s: float) -> None:
-        device = PLAIN_NAMES[HEIGHT_SENSOR]
-        self._measure = DeviceService(device, "get_height", GetHeight, time_limit_s)
-
-    def height_m(self) -> float:
-        return float(self._measure().height_m)
+def height_over_ros(time_limit_s: float) -> Callable[[], float]:
+    """Return what measures the height of the antennas above the ground [m]."""
+    measure = DeviceService(PLAIN_NAMES[HEIGHT_SENSOR], "get_height", GetHeight, time_limit_s)
+    return lambda: float(measure().height_m)
 
 
 class RosStorage:
@@ -206,10 +199,7 @@ class RosStorage:
     def __init__(self, time_limit_s: float, topics: SurveyTopics) -> None:
         """Prepare the calls; `topics` makes the messages with which recordings end."""
         self._topics = topics
-
-        def service(name: str, service_class: Any, limit_s: float) -> DeviceService:
-            return DeviceService(STORAGE_NAME, name, service_class, limit_s)
-
+        service = partial(DeviceService, STORAGE_NAME)
         self._open = service("open_survey", OpenSurvey, WHOLE_SURVEY_LIMIT_S)
         self._reopen = service("reopen_survey", ReopenSurvey, WHOLE_SURVEY_LIMIT_S)
         self._add_fact = service("add_fact", AddFact, time_limit_s)

@@ -1,27 +1,38 @@
-"""The topics of the survey."""
+"""The topics of the survey and of what the robot is."""
 
 from __future__ import annotations
 
-from dataclasses import asdict
-from typing import Optional, Sequence, Tuple
+import json
+from dataclasses import asdict, replace
+from typing import Any, Callable, Optional, Sequence, Tuple
 
 import rospy
 
 from gpr20_common.high.answers import fault_of, message_fields
-from gpr20_common.high.raw_message import ros_time
+from gpr20_common.high.description import TOPIC
+from gpr20_common.high.raw_message import connection_header, ros_time
 from gpr20_common.message import Message
+from gpr20_main_control.mid.devices.described_robot import DescribedRobot
 from gpr20_main_control.mid.devices.robot import Robot
 from gpr20_main_control.mid.survey.survey_coverage import Coverage
 from gpr20_main_control.mid.survey.survey_status import Status
 from gpr20_msgs.msg import (
     ControlStatus,
     Coordinates,
+    RobotConfiguration,
     ServiceStatus,
     SurveyCoverage,
     SurveyData,
 )
+from gpr20_msgs.msg import NodeDescription as NodeDescriptionMessage
 from gpr20_msgs.msg import SurveyParameters as SurveyParametersMessage
 from gpr20_survey.axes.axis_id import BASE_LINK
+from gpr20_survey.plan.robot_description import (
+    PLAIN_NAMES,
+    SIMULATOR,
+    STORAGE,
+    NodeDescription,
+)
 from gpr20_survey.plan.survey_parameters import SurveyParameters
 
 NO_TARGET = -1.0
@@ -49,6 +60,9 @@ class SurveyTopics:
             "survey_coverage", SurveyCoverage, queue_size=10, latch=True
         )
         self._service = rospy.Publisher("service_status", ServiceStatus, queue_size=10, latch=True)
+        self._robot = rospy.Publisher(
+            "robot_configuration", RobotConfiguration, queue_size=1, latch=True
+        )
         self._parameters = rospy.Publisher(
             "survey_parameters", SurveyParametersMessage, queue_size=10, latch=True
         )
@@ -101,6 +115,21 @@ class SurveyTopics:
             rospy.loginfo("service: %s", activity)
         self._service.publish(ServiceStatus(busy=activity is not None, **fields))
 
+    def publish_robot(self, robot: DescribedRobot) -> None:
+        """Publish what the nodes of the robot say together."""
+        problem = robot.problem()
+        message = RobotConfiguration(
+            known=problem is None,
+            simulated=problem is None and robot.config().simulated,
+            nodes=[
+                NodeDescriptionMessage(**one.fields()) for _name, one in sorted(robot.nodes.items())
+            ],
+            site_json=json.dumps(asdict(robot.site)),
+            **({} if problem is None else message_fields(problem)),
+        )
+        message.header.stamp = rospy.Time.now()
+        self._robot.publish(message)
+
     def publish(self, robot: Robot, status: Status) -> None:
         """Publish the position of the axes, once all have reported theirs, and the progress.
 
@@ -116,6 +145,44 @@ class SurveyTopics:
         if len(present) == len(readings) and (changed or self._ticks % SLOW_TICKS == 0):
             self._position = present
             self._current.publish(_coordinates(present))
+
+
+def only_from(node: str, receive: Callable[[Any], None]) -> Callable[[Any], None]:
+    """Return what calls `receive` with messages of one node alone, and names others once.
+
+    A recording that is played beside the robot publishes what the nodes of another robot said: a
+    trace could be stored with one of its positions, and a goal that it does not list counts as
+    lost.
+    """
+    full_name, ignored = rospy.resolve_name(node), set()
+
+    def receive_own(message: Any) -> None:
+        publisher = connection_header(message)["callerid"]
+        if publisher == full_name:
+            receive(message)
+        elif publisher not in ignored:
+            ignored.add(publisher)
+            rospy.logerr(
+                "%s publishes messages of %s; they are ignored: end it, and play recordings "
+                "under other names (rosbag play --prefix=/replay)",
+                publisher,
+                full_name,
+            )
+
+    return receive_own
+
+
+def listen_to_nodes(note: Callable[[NodeDescription], None]) -> None:
+    """Call `note` with the description of each node, now and whenever it starts again."""
+
+    def listen_to(node: str) -> None:
+        def receive(message: Any) -> None:
+            note(replace(NodeDescription.from_fields(message), node=node))
+
+        rospy.Subscriber(f"{node}/{TOPIC}", NodeDescriptionMessage, only_from(node, receive))
+
+    for name in (*PLAIN_NAMES, STORAGE, SIMULATOR):
+        listen_to(name)
 
 
 def _coordinates(place: Sequence[float]) -> Coordinates:

@@ -49,10 +49,10 @@ def sensors_with(clock, *received, **changes):
     return AuxSensors([one], clock)
 
 
-def test_the_value_is_the_last_one_that_was_received_until_the_sweep_ended(clock):
-    sensors = sensors_with(clock, (101.0, 1.0), (102.0, 2.0), (103.0, 3.0))
+def test_the_value_is_the_last_one_that_was_received_and_has_the_time_when_it_was(clock):
+    sensors = sensors_with(clock, (101.0, 1.0), (102.0, 2.0))
     clock.time_s = 103.5
-    values, remarks = sensors.at_sweep(NOW_US + 2_500_000)
+    values, remarks = sensors.for_trace()
     assert values == (AuxValue("soil", 2.0, "%", NOW_US + 2_000_000),)
     assert remarks == ()
 
@@ -71,11 +71,11 @@ def test_a_sensor_that_fails_refuses_the_trace_or_leaves_a_remark_if_it_is_not_r
     clock, value, stored, fault, shown
 ):
     received = [] if value is None else [(101.0, value)]
-    values, (remark,) = sensors_with(clock, *received).at_sweep(clock.time_of_day_us())
+    values, (remark,) = sensors_with(clock, *received).for_trace()
     assert tuple(one.value for one in values) == stored
     assert "soil" in remark and shown in remark
     required = sensors_with(clock, *received, required=True)
-    for ask in (lambda: required.at_sweep(clock.time_of_day_us()), required.check_required):
+    for ask in (required.for_trace, required.check_required):
         with raises_fault(fault, "soil", error=DeviceError):
             ask()
 
@@ -88,21 +88,20 @@ def test_a_value_that_is_too_old_counts_as_silence(clock):
     measured = sensors.now()[0]
     assert reports(measured.message, SENSOR_FAILED, "soil", 2.0)
     assert "no value for 2.1 s" in str(measured.message)
-    assert sensors.at_sweep(clock.time_of_day_us())[0] == ()
+    assert sensors.for_trace()[0] == ()
 
 
 @each_case("step_us", [-(10**12), 10**12])
 def test_a_clock_that_is_set_changes_no_age(clock, step_us):
     sensors = sensors_with(clock, (101.0, 1.0))
     clock.set_s += step_us / 1e6
-    now_us = clock.time_of_day_us()
-    (value,), _remarks = sensors.at_sweep(now_us)
-    assert value.stamp_us == now_us
+    (value,), _remarks = sensors.for_trace()
+    assert value.stamp_us == clock.time_of_day_us()
 
 
 def test_many_silent_sensors_leave_room_for_other_remarks(clock):
     inputs = [SensorInput(sensor(name=f"s{number}"), read, clock) for number in range(32)]
-    _values, remarks = AuxSensors(inputs, clock).at_sweep(NOW_US)
+    _values, remarks = AuxSensors(inputs, clock).for_trace()
     assert len(remarks) == 5
     assert remarks[-1] == "28 more sensors failed"
 

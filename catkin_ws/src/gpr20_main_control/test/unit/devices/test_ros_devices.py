@@ -20,7 +20,7 @@ from gpr20_common.low.clock import Clock
 from gpr20_common.message import Fault, Message, Severity
 from gpr20_main_control.errors import DeviceError, NodeLostError
 from gpr20_main_control.high import ros_axis
-from gpr20_main_control.high.ros_devices import RosHeightSensor
+from gpr20_main_control.high.ros_devices import height_over_ros
 from gpr20_main_control.mid.waits import Workers
 from gpr20_msgs.msg import AxisResult
 from gpr20_msgs.srv import CommandResponse, GetHeightResponse
@@ -153,7 +153,7 @@ def failure_of(monkeypatch, device, response):
 
 def test_a_refusal_keeps_template_values_and_fault_and_names_its_service(monkeypatch):
     answer = GetHeightResponse(success=False, **message_fields(REFUSAL.with_fault(NOTE)))
-    message = failure_of(monkeypatch, RosHeightSensor(1.0).height_m, answer)
+    message = failure_of(monkeypatch, height_over_ros(1.0), answer)
     assert message.values["reason"] == REFUSAL
     assert message.all_details == ("get_height", "ADC 1023")
     # What the part reports decides, also if it is a note.
@@ -161,7 +161,7 @@ def test_a_refusal_keeps_template_values_and_fault_and_names_its_service(monkeyp
 
 
 def test_a_service_that_does_not_answer_is_reported_as_the_device_that_operators_know(monkeypatch):
-    message = failure_of(monkeypatch, RosHeightSensor(1.0).height_m, GONE)
+    message = failure_of(monkeypatch, height_over_ros(1.0), GONE)
     assert message.fault_code == PART_SILENT.code
     assert message.values["device"] == PLAIN_NAMES[HEIGHT_SENSOR]
     assert message.all_details == ("service get_height is gone",)

@@ -68,7 +68,7 @@ class Instruments:
         self._robot.description.check(self._plan.config)
         analyzer = self._check_analyzer(next_index)
         if self._plan.settings.on_height_failure is HeightPolicy.PAUSE:
-            height_call = self._robot.workers.begin(self._robot.height_sensor.height_m)
+            height_call = self._robot.workers.begin(self.height)
             with self._waits.shown(self.height_wait(None)) as check:
                 result_of(height_call, check)
         self._robot.sensors.check_required()
@@ -83,7 +83,7 @@ class Instruments:
         failure: Optional[DeviceError] = None
         for _attempt in range(self._plan.settings.attempts):
             try:
-                return self._robot.height_sensor.height_m(), ()
+                return self._robot.height_m(), ()
             except DeviceError as error:
                 failure = error
         assert failure is not None
@@ -99,9 +99,10 @@ class Instruments:
         action = Message("height")
         if point is not None:
             action = Message("height at point {index}", index=point.index)
-        attempts = 1 if point is None else self._plan.settings.attempts
-        limit_s = attempts * self._robot.description.limits.height_limit_s
-        return ExpectedWait(PLAIN_NAMES[HEIGHT_SENSOR], action, 0.0, limit_s)
+        limits, attempts = self._robot.description.limits, self._plan.settings.attempts
+        return ExpectedWait(
+            PLAIN_NAMES[HEIGHT_SENSOR], action, 0.0, attempts * limits.height_limit_s
+        )
 
     def sweep_wait(self, point: SurveyPoint) -> ExpectedWait:
         """Return what to expect of the sweep at a point."""
@@ -122,20 +123,18 @@ class Instruments:
         Raises:
             DeviceError: It has others.
         """
-        frequency_hz = sweep.frequency_hz
-        if not np.array_equal(frequency_hz, self._frequencies_hz):
-            described = _sweep_message
-        elif not sweep.analyzer.fulfils(self._wanted.analyzer):
-            described = _settings_message
-        else:
+        hz = sweep.frequency_hz
+        same = np.array_equal(hz, self._frequencies_hz)
+        if same and sweep.analyzer.fulfils(self._wanted.analyzer):
             return
-        ends_hz = float(frequency_hz[0]), float(frequency_hz[-1])
+        found = SweepSettings(float(hz[0]), float(hz[-1]), len(hz), sweep.analyzer)
+        measured, wanted = _in_words(found, self._wanted, same_sweep=same)
         raise DeviceError(
             Message(
                 "the VNA measured {measured} instead of {wanted}; do not change its settings "
                 "during a survey",
-                measured=described(SweepSettings(*ends_hz, len(frequency_hz), sweep.analyzer)),
-                wanted=described(self._wanted),
+                measured=measured,
+                wanted=wanted,
             ),
             fault=VNA_SETTINGS,
         )
@@ -155,23 +154,21 @@ class Instruments:
         )
         accepted = setup.settings
         if not accepted.fulfils(wanted):
-            same_sweep = replace(accepted, analyzer=wanted.analyzer) == wanted
-            described = _settings_message if same_sweep else _sweep_message
+            same = replace(accepted, analyzer=wanted.analyzer) == wanted
+            found, asked = _in_words(accepted, wanted, same_sweep=same)
             raise DeviceError(
                 Message(
                     "the VNA accepted {accepted} instead of {wanted}; if it does so again, correct "
                     "the plan",
-                    accepted=described(accepted),
-                    wanted=described(wanted),
+                    accepted=found,
+                    wanted=asked,
                 ),
                 fault=VNA_SETTINGS,
             )
-        # What was left to the instrument stays as it is now: to the end of the survey.
-        self._wanted, self._setup = accepted, setup
         # Other settings, such as the output power, can have changed it.
         calibration = self._call(analyzer.calibration, Message("calibration status"))
-        frequencies_hz = self._call(analyzer.frequencies_hz, Message("frequencies"))
-        if len(self._frequencies_hz) and not np.array_equal(frequencies_hz, self._frequencies_hz):
+        known = len(self._frequencies_hz) > 0
+        if known and not np.array_equal(setup.frequency_hz, self._frequencies_hz):
             raise DeviceError(
                 Message(
                     "the VNA's frequencies are no longer those of this survey; stop the survey and "
@@ -179,7 +176,8 @@ class Instruments:
                 ),
                 fault=faults.FREQUENCIES_CHANGED,
             )
-        self._frequencies_hz = frequencies_hz
+        # What was left to the instrument stays as it is now: to the end of the survey.
+        self._wanted, self._setup, self._frequencies_hz = accepted, setup, setup.frequency_hz
         return AnalyzerState(
             identity, calibration.status, accepted, setup.sweep_duration_s, calibration.details
         )
@@ -193,21 +191,19 @@ class Instruments:
             return self._robot.analyzer_calls.call(call, check)
 
 
-def _settings_message(settings: SweepSettings) -> Message:
-    analyzer = settings.analyzer
-    return Message(
-        "{sweep}, IF bandwidth {bandwidth_hz:g} Hz, {averages} averages, output power {power}",
-        sweep=_sweep_message(settings),
-        bandwidth_hz=analyzer.if_bandwidth_hz,
-        averages=analyzer.averages,
-        power=analyzer.output_power or "-",
-    )
+def _in_words(
+    found: SweepSettings, wanted: SweepSettings, same_sweep: bool
+) -> Tuple[Message, Message]:
+    """Return settings for a sentence: the frequencies or, if they are the same, the others."""
+    if same_sweep:
+        return found.analyzer.message, wanted.analyzer.message
 
+    def described(sweep: SweepSettings) -> Message:
+        return Message(
+            "{points} points from {start_mhz:.12g} to {stop_mhz:.12g} MHz",
+            points=sweep.points,
+            start_mhz=1.0e-6 * sweep.start_frequency_hz,
+            stop_mhz=1.0e-6 * sweep.stop_frequency_hz,
+        )
 
-def _sweep_message(settings: SweepSettings) -> Message:
-    return Message(
-        "{points} points from {start_mhz:.12g} to {stop_mhz:.12g} MHz",
-        points=settings.points,
-        start_mhz=1.0e-6 * settings.start_frequency_hz,
-        stop_mhz=1.0e-6 * settings.stop_frequency_hz,
-    )
+    return described(found), described(wanted)

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import threading
 from dataclasses import dataclass, field
-from typing import Any, Mapping, Optional, Protocol, Tuple
+from typing import Any, Callable, Mapping, Optional, Protocol, Tuple
 
 import numpy as np
 
@@ -91,7 +91,7 @@ class Axis(Protocol):
 
     @property
     def received(self) -> threading.Event:
-        """Set at each new reading; who waits for one clears it."""
+        """Set at each new reading and at the end of a move; who waits for one clears it."""
 
     def reading(self) -> Optional[AxisReading]:
         """Return the last reading of the axis; None before the first."""
@@ -111,8 +111,8 @@ class Axis(Protocol):
     def begin_move(self, target: float) -> None:
         """Begin a move to a target [mm or deg] and return at once."""
 
-    def move_outcome(self, wait_s: float) -> Optional[MoveOutcome]:
-        """Wait up to `wait_s` [s] for the end of the move; None while the axis moves."""
+    def move_outcome(self) -> Optional[MoveOutcome]:
+        """Return how the move ended; None while the axis moves."""
 
     def home(self, time_limit_s: float) -> None:
         """Home the axis and return when it is homed; without contact it raises NodeLostError."""
@@ -130,11 +130,13 @@ class AnalyzerSetup:
 
     Attributes:
         settings: As read back from the instrument.
+        frequency_hz: The frequencies of the sweep [Hz].
         sweep_duration_s: How long one trace takes, with its averages [s]; 0 if nobody knows.
         request_limit_s: Longest time that a sweep or its confirmation takes [s].
     """
 
     settings: SweepSettings
+    frequency_hz: np.ndarray
     sweep_duration_s: float
     request_limit_s: float
 
@@ -175,9 +177,6 @@ class Analyzer(Protocol):
     def configure(self, settings: SweepSettings) -> AnalyzerSetup:
         """Configure the sweep and return what the instrument accepted."""
 
-    def frequencies_hz(self) -> np.ndarray:
-        """Return the frequencies of the sweep [Hz]."""
-
     def prepare(self) -> None:
         """Make ready what the next `sweep` needs, if that is possible; never fails."""
 
@@ -189,13 +188,6 @@ class Analyzer(Protocol):
 
     def release(self) -> None:
         """Leave the instrument to its front panel; `connect` takes it back."""
-
-
-class HeightSensor(Protocol):
-    """The antenna height sensor."""
-
-    def height_m(self) -> float:
-        """Measure the height of the antennas above the ground [m] now."""
 
 
 @dataclass(frozen=True)
@@ -250,6 +242,7 @@ class Robot:
     """All parts of the robot.
 
     Attributes:
+        height_m: Measures the height of the antennas above the ground [m] now.
         nodes: The processes of all parts.
         description: What the parts are, as they say themselves.
         sensors: Other sensors beside the radar.
@@ -260,7 +253,7 @@ class Robot:
 
     axes: Mapping[AxisId, Axis]
     analyzer: Analyzer
-    height_sensor: HeightSensor
+    height_m: Callable[[], float]
     storage: Storage
     nodes: NodeLiveness
     description: DescribedRobot

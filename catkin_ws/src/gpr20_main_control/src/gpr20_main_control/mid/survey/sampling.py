@@ -199,7 +199,7 @@ class Sampling:
         remark: Optional[Message],
     ) -> Trace:
         self._instruments.check_sweep(sweep)
-        aux, sensor_remarks = self._robot.sensors.at_sweep(sweep.sweep_ended_us)
+        aux, sensor_remarks = self._robot.sensors.for_trace()
         timestamp_us = time_of_day_us()
         remarks = [remark, self._survey.clock_steps.check_trace(timestamp_us)]
         texts = tuple(storable_remark(str(one)) for one in remarks if one is not None)

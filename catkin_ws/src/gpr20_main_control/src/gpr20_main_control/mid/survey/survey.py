@@ -22,7 +22,6 @@ from gpr20_main_control.errors import (
     StopRequested,
     message_of,
 )
-from gpr20_main_control.mid.devices.axis_leases import AxisLeases
 from gpr20_main_control.mid.devices.positioner import Positioner
 from gpr20_main_control.mid.devices.robot import Robot
 from gpr20_main_control.mid.survey.clock_steps import ClockSteps
@@ -110,10 +109,7 @@ class Survey:
         """
         self.plan, self.robot = plan, robot
         self.status, self.interruption, self.clock = status, interruption, interruption.clock
-        self._leases = AxisLeases(robot.axes, interruption.attention)
-        self.positioner = Positioner(
-            robot.axes, plan.config.axes, interruption, robot.workers, self._leases
-        )
+        self.positioner = Positioner(robot.axes, plan.config.axes, interruption, robot.workers)
         self.waits = WaitStatus(status, interruption)
         former = former_report(plan.reopened)
         self.analyzers = AnalyzerRecord(former.analyzers)
@@ -142,7 +138,7 @@ class Survey:
         finally:
             self.analyzers.checked.set()
             self.archive.queue.close()
-            self._leases.release()
+            self.positioner.release()
 
     def resume(self, accepted: Accepted) -> None:
         """Continue after a pause; the caller has changed the state."""

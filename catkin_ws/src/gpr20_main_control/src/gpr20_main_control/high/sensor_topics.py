@@ -1,19 +1,28 @@
-"""One number inside the messages of any type, by the name of its field."""
+"""Other sensors over ROS: their topics, their health, one number inside messages of any type."""
 
 from __future__ import annotations
 
 import re
 import struct
-from typing import Any, Dict, List, Optional, Tuple
+from typing import Any, Dict, List, Optional, Sequence, Tuple
 
 import genpy
 import roslib.message
+import rospy
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.faults import CONFIGURATION
+from gpr20_common.high.diagnostics import FAULT, PERIOD_S
+from gpr20_common.high.periodic import Periodic
 from gpr20_common.high.raw_message import connection_header, deserialized
+from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message
+from gpr20_main_control.mid.devices.described_robot import AuxSensors, Measured, SensorInput
+from gpr20_survey.plan.sensors import Sensor
 
+# Below the robot's namespace, as the names of its nodes.
+STATUS_FOLDER = "sensors"
 _PART = re.compile(r"(?P<name>\w+)(\[(?P<index>\d+)\])?")
 _NUMBER = re.compile("bool|u?int(8|16|32|64)|float(32|64)")
 
@@ -103,6 +112,48 @@ class MessageField:
                 ),
                 fault=CONFIGURATION,
             ) from error
+
+
+class SensorTopics:
+    """Subscribes to the sensors and reports their health once a second."""
+
+    def __init__(self, sensors: Sequence[Sensor], clock: Clock) -> None:
+        """Subscribe; an InvalidValueError names a sensor whose type or field does not exist."""
+        inputs = [
+            SensorInput(one, MessageField(one.message, one.field).read, clock) for one in sensors
+        ]
+        self.sensors = AuxSensors(inputs, clock)
+        # As bytes: a type of another name arrives too, and no message is read without need.
+        self._subscribers = [
+            rospy.Subscriber(one.sensor.topic, rospy.AnyMsg, one.note, queue_size=1)
+            for one in inputs
+        ]
+        if inputs:
+            self._publisher = rospy.Publisher("/diagnostics", DiagnosticArray, queue_size=1)
+            self._periodic = Periodic(PERIOD_S, self._report)
+
+    def _report(self) -> None:
+        message = DiagnosticArray(status=[_status(one) for one in self.sensors.now()])
+        message.header.stamp = rospy.Time.now()
+        self._publisher.publish(message)
+
+
+def _status(measured: Measured) -> DiagnosticStatus:
+    sensor, message = measured.sensor, measured.message
+    level = DiagnosticStatus.OK
+    if measured.problem is not None:
+        level = DiagnosticStatus.ERROR if sensor.required else DiagnosticStatus.WARN
+        message = message if sensor.required else message.as_warning()
+    values = {
+        FAULT: message.to_json(),
+        "value": "" if measured.value is None else repr(measured.value),
+        "unit": sensor.unit,
+        "age [s]": "" if measured.age_s is None else f"{measured.age_s:.1f}",
+        "topic": rospy.resolve_name(sensor.topic),
+    }
+    pairs = [KeyValue(key, value) for key, value in values.items()]
+    name = rospy.resolve_name(f"{STATUS_FOLDER}/{sensor.name}").strip("/")
+    return DiagnosticStatus(level, f"{name}: value", str(message), "", pairs)
 
 
 def _fields(datatype: str) -> Dict[str, str]:

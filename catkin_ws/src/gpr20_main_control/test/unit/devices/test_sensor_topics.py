@@ -13,7 +13,7 @@ from sensor_msgs.msg import BatteryState, Imu
 from std_msgs.msg import Bool, Float64, Float64MultiArray, String, UInt8MultiArray
 
 from gpr20_common.high.raw_message import serialized
-from gpr20_main_control.high.message_field import MessageField
+from gpr20_main_control.high.sensor_topics import MessageField
 
 MISSING, UNKNOWN = CONFIGURATION, CONFIGURATION
 
