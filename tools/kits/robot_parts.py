@@ -241,7 +241,7 @@ class ProcessAnalyzer:
         with self._answer("configure"):
             accepted = self._driver.set_frequency_sweep(settings)
             duration_s, limit_s = self._driver.trace_duration_s, self._driver.answered_within_s
-            return AnalyzerSetup(accepted, self._driver.get_freq(), duration_s, limit_s)
+            return AnalyzerSetup(accepted, duration_s, limit_s)
 
     def prepare(self) -> None:
         pass

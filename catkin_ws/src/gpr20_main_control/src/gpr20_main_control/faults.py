@@ -6,7 +6,7 @@ from dataclasses import replace
 
 from gpr20_common.faults import IN_USE
 from gpr20_common.message import Fault, Message, Severity
-from gpr20_survey.faults import COMPLETE, DAMAGED
+from gpr20_survey.faults import DAMAGED
 
 BLOCKED = Fault(
     "survey.blocked",
@@ -41,7 +41,6 @@ OTHER_ROBOT = Fault(
 CONFIGURATION_CHANGED = replace(OTHER_ROBOT, can_continue=True)
 # What is stored of the survey cannot be continued.
 RECORD_DAMAGED = replace(DAMAGED, can_continue=False)
-FREQUENCIES_CHANGED = replace(COMPLETE, severity=Severity.FAULT)
 AXIS_MOVES = replace(IN_USE, may_move=True)
 STOPPED_BEFORE = Fault(
     "survey.stopped_before",

@@ -208,8 +208,7 @@ class FakeAnalyzer:
     def configure(self, settings):
         self.requested.append(settings)
         self.settings = self.accept(settings)
-        hz = self.settings.frequencies_hz()
-        return AnalyzerSetup(self.settings, hz, self.sweep_duration_s, 40.0)
+        return AnalyzerSetup(self.settings, self.sweep_duration_s, 40.0)
 
     def prepare(self):
         pass
@@ -344,6 +343,12 @@ class HandNotedNodes(NodeLiveness):
             self.watch(name, plain_name, lambda: 1)
             self.note_alive(name, 1)
         started.append(True)
+
+    def note_alive(self, name, process):
+        self.note(name, process)
+
+    def note_silent(self, name):
+        self.note(name, None)
 
     def refresh(self):
         self.on_refresh()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import threading
 from typing import Any, List, Optional, Tuple
 
@@ -90,11 +91,8 @@ class RosAxis:
         return bool(self._call(self._lease, LEASE_CALL_LIMIT_S, lease=lease.number).success)
 
     def release_lease(self, lease: Lease) -> None:
-        try:
+        with contextlib.suppress(NodeLostError):  # it ends by itself
             self._call(self._lease, LEASE_CALL_LIMIT_S, lease=lease.number, release=True)
-        except NodeLostError as error:
-            # It ends by itself.
-            rospy.loginfo("the lease of %s was not released: %s", self._group, error)
 
     def is_connected(self) -> bool:
         return bool(self._client.wait_for_server(rospy.Duration(SERVER_POLL_S)))

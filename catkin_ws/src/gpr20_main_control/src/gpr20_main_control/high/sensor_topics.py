@@ -23,7 +23,6 @@ from gpr20_survey.plan.sensors import Sensor
 
 # Below the robot's namespace, as the names of its nodes.
 STATUS_FOLDER = "sensors"
-_PART = re.compile(r"(?P<name>\w+)(\[(?P<index>\d+)\])?")
 _NUMBER = re.compile("bool|u?int(8|16|32|64)|float(32|64)")
 
 
@@ -57,15 +56,14 @@ class MessageField:
         self._steps: List[Tuple[str, Optional[int]]] = []
         fields = _fields(datatype)
         for part in path.split("."):
-            found = _PART.fullmatch(part)
-            text = fields.get(found["name"], "") if found else ""
-            inside, bracket, _length = text.partition("[")
-            if found is None or not inside or bool(bracket) != (found["index"] is not None):
+            name, has_index, index = part.partition("[")
+            kind, is_list, _length = fields.get(name, "").partition("[")
+            if not kind or has_index != is_list:
                 break
-            self._steps.append((found["name"], int(found["index"]) if bracket else None))
-            fields = _fields(inside) or fields
+            self._steps.append((name, int(index[:-1]) if has_index else None))
+            fields = _fields(kind) or fields
         else:
-            if _NUMBER.fullmatch(inside):
+            if _NUMBER.fullmatch(kind):
                 return
         raise InvalidValueError(
             Message(

@@ -30,22 +30,22 @@ class Watched:
         assert message is None or message.fault_code == PART_SILENT.code
 
     def all_alive(self):
-        self.nodes.note_alive("x", 1)
-        self.nodes.note_alive("y", 2)
+        self.nodes.note("x", 1)
+        self.nodes.note("y", 2)
         return self.nodes
 
 
 def test_a_node_is_called_missing_at_once_if_it_was_there_and_otherwise_when_it_had_its_time():
     bench = Watched()
-    bench.nodes.note_silent("x")
+    bench.nodes.note("x", None)
     assert bench.reported == []
     bench.clock.time_s += START_LIMIT_S + 1.0
-    bench.nodes.note_silent("x")
+    bench.nodes.note("x", None)
     assert bench.reported == [("x", "y")]
     nodes = bench.all_alive()
-    nodes.note_silent("y")
-    nodes.note_silent("y")
-    nodes.note_alive("y", 3)
+    nodes.note("y", None)
+    nodes.note("y", None)
+    nodes.note("y", 3)
     assert bench.reported == [("x", "y"), ("y",), None, ("y",), None]
 
 
@@ -53,12 +53,12 @@ def test_a_node_that_was_restarted_is_lost_until_it_is_accepted():
     nodes = Watched().all_alive()
     nodes.accept()
     nodes.check()
-    nodes.note_alive("x", 17)
+    nodes.note("x", 17)
     with raises_fault(PART_SILENT, "(x)", error=NodeLostError):
         nodes.check()
-    nodes.note_silent("y")
+    nodes.note("y", None)
     assert nodes.lost().all_details == ("y", "x")
-    nodes.note_alive("y", 2)
+    nodes.note("y", 2)
     nodes.accept()
     nodes.check()
 

@@ -4,14 +4,12 @@ import json
 import math
 from dataclasses import replace
 
-import numpy as np
 import pytest
 from cut_off_surveys import SURVEY_ID, reopened_survey
 from fake_robot import Bench, reports
 from survey_examples import PARAMETERS
 
 from gpr20_common.message import Message
-from gpr20_main_control import faults
 from gpr20_main_control.errors import DeviceError
 from gpr20_main_control.mid.devices.robot import AnalyzerCalibration
 from gpr20_survey.faults import VNA_SETTINGS
@@ -50,24 +48,6 @@ def test_an_instrument_that_accepts_another_sweep_is_refused(bench):
     final = bench.wait_for(State.FAILED)
     assert reports(final.message, VNA_SETTINGS, 100.0, 1000.0)
     assert bench.storage.records == []
-
-
-def test_a_survey_never_goes_on_with_other_frequencies(bench):
-    bench.y.fail_move = "the endstop was pressed"
-    bench.start()
-    bench.wait_for(State.PAUSED)
-    bench.y.fail_move = ""
-    usual = bench.analyzer.configure
-
-    def configure(settings):
-        setup = usual(settings)
-        return replace(setup, frequency_hz=np.append(setup.frequency_hz[:-1], 5.9e9))
-
-    bench.analyzer.configure = configure
-    bench.control.resume("")
-    bench.wait_for_fault(faults.FREQUENCIES_CHANGED)
-    bench.wait_for(State.PAUSED)
-    assert bench.storage.samples == []
 
 
 @pytest.mark.parametrize(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import threading
 import time
-from typing import Callable, Optional
+from typing import Any, Callable, Dict, Optional
 
 from gpr20_common.faults import PART_LOST, PART_SILENT
 from gpr20_common.message import Fault, Message
@@ -210,9 +210,8 @@ class AxisMotion:
         """
         distance = target - self.reading().coordinate
         duration_s = axis_move_duration_s(self._parameters, distance)
-        limit_s = TIME_LIMIT_FACTOR * duration_s + TIME_LIMIT_EXTRA_S
+        deadline_s = self._clock.now_s() + TIME_LIMIT_FACTOR * duration_s + TIME_LIMIT_EXTRA_S
         ended = not self._begun
-        deadline_s = self._clock.now_s() + (READING_LIMIT_S if ended else limit_s)
         rests_since_s: Optional[float] = None
         while True:
             self._axis.received.clear()
@@ -232,7 +231,15 @@ class AxisMotion:
                 self.may_move = False
                 return
             if now_s > deadline_s:
-                raise self._not_there(target, None if ended else limit_s)
+                raise DeviceError(
+                    Message(
+                        "the {axis} axis is at {coordinate:g} {unit} instead of {target:g} {unit}; "
+                        "stop a paused survey and home the axis; then the survey can be resumed",
+                        coordinate=self.homed_reading().coordinate,
+                        **self._place(target),
+                    ),
+                    fault=faults.BLOCKED if ended else AXIS_MAY_MOVE,
+                )
             self._clock.wait_s(self._axis.received, POLL_S)
 
     @property
@@ -246,6 +253,9 @@ class AxisMotion:
         reading = self.reading()
         return reading.homed and not reading.moving and self._is_at(target)
 
+    def _place(self, target: float) -> Dict[str, Any]:
+        return {"axis": self.axis_id.value, "target": target, "unit": self.axis_id.unit}
+
     def _check_success(self, outcome: MoveOutcome, target: float) -> None:
         self.may_move = outcome.message.may_move
         if outcome.success:
@@ -254,32 +264,8 @@ class AxisMotion:
         raise (NodeLostError if lost else DeviceError)(
             Message(
                 "the {axis} axis did not reach {target:g} {unit}: {reason}",
-                axis=self.axis_id.value,
-                target=target,
-                unit=self.axis_id.unit,
                 reason=outcome.message,
+                **self._place(target),
             ),
             fault=PART_SILENT if lost else faults.BLOCKED,
-        )
-
-    def _not_there(self, target: float, limit_s: Optional[float]) -> DeviceError:
-        place = {"axis": self.axis_id.value, "target": target, "unit": self.axis_id.unit}
-        if limit_s is not None:
-            return DeviceError(
-                Message(
-                    "the {axis} axis did not end its move to {target:g} {unit} within "
-                    "{limit_s:.0f} s; check its motor and its driver",
-                    limit_s=limit_s,
-                    **place,
-                ),
-                fault=AXIS_MAY_MOVE,
-            )
-        return DeviceError(
-            Message(
-                "the {axis} axis is at {coordinate:g} {unit} instead of {target:g} {unit}; "
-                "stop a paused survey and home the axis; then the survey can be resumed",
-                coordinate=self.homed_reading().coordinate,
-                **place,
-            ),
-            fault=faults.BLOCKED,
         )

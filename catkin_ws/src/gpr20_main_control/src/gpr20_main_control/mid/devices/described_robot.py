@@ -20,7 +20,9 @@ from gpr20_survey.plan.annotation import Site
 from gpr20_survey.plan.robot_description import (
     ANALYZER,
     HEIGHT_SENSOR,
+    PLAIN_NAMES,
     STORAGE,
+    STORAGE_NAME,
     NodeDescription,
     RobotConfig,
     is_simulated_identity,
@@ -32,6 +34,8 @@ from gpr20_survey.trace.ms2026c import sweep_duration_s
 from gpr20_survey.trace.sweep import storable_remark
 from gpr20_survey.trace.sweep_settings import SweepSettings
 
+# Without which no survey is measured, and what operators call them.
+NEEDED_NODES = {**PLAIN_NAMES, STORAGE: STORAGE_NAME}
 # Entries of survey.json that hold the configuration of a node.
 RECORDED = {"height": HEIGHT_SENSOR, "analyzer": ANALYZER, "storage": STORAGE}
 # The driver takes sweeps when it sets up the analyzer, to learn how long one takes.
@@ -39,8 +43,6 @@ SWEEPS_OF_SETUP = 24
 # What is assumed of an analyzer whose IF bandwidth is left as it is: still enough for one sweep at
 # the narrowest of an MS2026C, 10 Hz.
 UNKNOWN_IF_BANDWIDTH_HZ = 100.0
-# Remarks of a trace on silent sensors; a trace has room for 32 of all kinds.
-MAX_REMARKS = 4
 US_PER_S = 1_000_000
 
 
@@ -141,20 +143,12 @@ class DescribedRobot:
 
     def check_identity(self, identity: str, config: RobotConfig) -> None:
         """Raise a DeviceError unless the analyzer is simulated as the robot is."""
-        if is_simulated_identity(identity) and not config.simulated:
+        if is_simulated_identity(identity) != config.simulated:
             raise DeviceError(
                 Message(
-                    "the VNA is a simulated one ({identity}), but the robot is real; check the "
-                    "address of the VNA",
-                    identity=identity,
-                ),
-                fault=WRONG_VNA,
-            )
-        if config.simulated and not is_simulated_identity(identity):
-            raise DeviceError(
-                Message(
-                    "the VNA is a real one ({identity}), but the robot is simulated; use the "
-                    "address 127.0.0.1, or launch with robot:=gpr20",
+                    "the VNA ({identity}) or the rest of the robot is simulated, but not both; "
+                    "check the address of the VNA (127.0.0.1 if it is simulated), and the launch "
+                    "(robot:=gpr20 if it is real)",
                     identity=identity,
                 ),
                 fault=WRONG_VNA,
@@ -217,47 +211,34 @@ class SensorInput:
 
     def now(self) -> Measured:
         """Return what is known now."""
-        last = self._last
-        if last is None:
+        sensor, last = self.sensor, self._last
+        age_s = math.inf if last is None else self._clock.now_s() - last[0]
+        if last is None or age_s > sensor.longest_age_s:
             return self._wrong(
                 Message(
-                    "nothing has been received on {topic}; check that its node runs",
-                    topic=self.sensor.topic,
+                    "nothing has been received on {topic} for {longest_s:g} s; check that its node "
+                    "runs",
+                    topic=sensor.topic,
+                    longest_s=sensor.longest_age_s,
                 )
             )
-        received_s, content = last
-        age_s = self._clock.now_s() - received_s
-        if age_s > self.sensor.longest_age_s:
-            return self._wrong(
-                Message(
-                    "no value for {age_s} s, at most {longest_s:g} s are allowed; check that its "
-                    "node runs",
-                    age_s=numeral(age_s, ".1f"),
-                    longest_s=self.sensor.longest_age_s,
-                ),
-                age_s,
-            )
         try:
-            value = self._read(content)
+            value = self._read(last[1])
         except InvalidValueError as error:
             # Its node and sensors.yaml do not agree.
             return self._wrong(error.message, age_s, fault=CONFIGURATION)
-        if not math.isfinite(value):
-            return self._wrong(
-                Message("its value is {value}, not a finite number", value=str(value)), age_s
-            )
-        if self.sensor.is_plausible(value):
-            return Measured(self.sensor, value, age_s, None)
+        if math.isfinite(value) and sensor.is_plausible(value):
+            return Measured(sensor, value, age_s, None)
         return self._wrong(
             Message(
                 "its value {value} {unit} is not plausible; expected {low} to {high}",
                 value=numeral(value, ".6g"),
-                unit=self.sensor.unit,
-                low="-" if self.sensor.low is None else numeral(self.sensor.low),
-                high="-" if self.sensor.high is None else numeral(self.sensor.high),
+                unit=sensor.unit,
+                low="-" if sensor.low is None else numeral(sensor.low),
+                high="-" if sensor.high is None else numeral(sensor.high),
             ),
             age_s,
-            value,
+            value if math.isfinite(value) else None,
         )
 
     def _wrong(
@@ -315,9 +296,8 @@ class AuxSensors:
             if one.value is not None
         )
         problems = [str(one.problem) for one in measured if one.problem is not None]
-        more = len(problems) - MAX_REMARKS
-        shown = [*problems[:MAX_REMARKS], *([f"{more} more sensors failed"] if more > 0 else [])]
-        return values, tuple(map(storable_remark, shown))
+        # One: a trace has room for 32 remarks of all kinds.
+        return values, (storable_remark("; ".join(problems)),) if problems else ()
 
     def recorded(self) -> List[Dict[str, Any]]:
         """Return the entry `sensors` of survey.json."""

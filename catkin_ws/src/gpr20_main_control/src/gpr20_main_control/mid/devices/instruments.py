@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Any, Callable, Mapping, Optional, Tuple, TypeV
 import numpy as np
 
 from gpr20_common.message import Message
-from gpr20_main_control import faults
 from gpr20_main_control.errors import DeviceError
 from gpr20_main_control.mid.devices.robot import AnalyzerSetup
 from gpr20_main_control.mid.waits import ExpectedWait, result_of
@@ -57,7 +56,8 @@ class Instruments:
         self._wanted = survey.plan.sweep_settings
         self._setup: Optional[AnalyzerSetup] = None
         last = survey.plan.last
-        self._frequencies_hz = np.empty(0) if last is None else last.frequency_hz
+        # To the last bit those of every stored trace.
+        self._frequencies_hz = self._wanted.frequencies_hz() if last is None else last.frequency_hz
 
     def check(self, next_index: int) -> AnalyzerState:
         """Check all that is needed to measure a point next; return the state of the analyzer.
@@ -124,20 +124,13 @@ class Instruments:
             DeviceError: It has others.
         """
         hz = sweep.frequency_hz
-        same = np.array_equal(hz, self._frequencies_hz)
-        if same and sweep.analyzer.fulfils(self._wanted.analyzer):
-            return
-        found = SweepSettings(float(hz[0]), float(hz[-1]), len(hz), sweep.analyzer)
-        measured, wanted = _in_words(found, self._wanted, same_sweep=same)
-        raise DeviceError(
-            Message(
-                "the VNA measured {measured} instead of {wanted}; do not change its settings "
-                "during a survey",
-                measured=measured,
-                wanted=wanted,
-            ),
-            fault=VNA_SETTINGS,
-        )
+        if not np.array_equal(hz, self._frequencies_hz):
+            raise _other_settings(
+                _sweep_in_words(SweepSettings(float(hz[0]), float(hz[-1]), len(hz))),
+                _sweep_in_words(self._wanted),
+            )
+        if not sweep.analyzer.fulfils(self._wanted.analyzer):
+            raise _other_settings(sweep.analyzer.message, self._wanted.analyzer.message)
 
     def _check_analyzer(self, next_index: int) -> AnalyzerState:
         analyzer, wanted = self._robot.analyzer, self._wanted
@@ -145,39 +138,20 @@ class Instruments:
         identity = self._call(lambda: analyzer.connect(address), Message("connection"))
         self._robot.description.check_identity(identity, self._plan.config)
         self._survey.analyzers.check(identity, next_index, self._survey.clock.time_of_day_us())
-        # Before anything is written: without calibration there is nothing to set up.
-        self._call(analyzer.calibration, Message("calibration status"))
         setup = self._call(
             lambda: analyzer.configure(wanted),
             Message("setup of the sweep"),
             self._robot.description.limits.analyzer_setup_limit_s(wanted),
         )
         accepted = setup.settings
-        if not accepted.fulfils(wanted):
-            same = replace(accepted, analyzer=wanted.analyzer) == wanted
-            found, asked = _in_words(accepted, wanted, same_sweep=same)
-            raise DeviceError(
-                Message(
-                    "the VNA accepted {accepted} instead of {wanted}; if it does so again, correct "
-                    "the plan",
-                    accepted=found,
-                    wanted=asked,
-                ),
-                fault=VNA_SETTINGS,
-            )
+        if replace(accepted, analyzer=wanted.analyzer) != wanted:
+            raise _other_settings(_sweep_in_words(accepted), _sweep_in_words(wanted))
+        if not accepted.analyzer.fulfils(wanted.analyzer):
+            raise _other_settings(accepted.analyzer.message, wanted.analyzer.message)
         # Other settings, such as the output power, can have changed it.
         calibration = self._call(analyzer.calibration, Message("calibration status"))
-        known = len(self._frequencies_hz) > 0
-        if known and not np.array_equal(setup.frequency_hz, self._frequencies_hz):
-            raise DeviceError(
-                Message(
-                    "the VNA's frequencies are no longer those of this survey; stop the survey and "
-                    "start a new one"
-                ),
-                fault=faults.FREQUENCIES_CHANGED,
-            )
         # What was left to the instrument stays as it is now: to the end of the survey.
-        self._wanted, self._setup, self._frequencies_hz = accepted, setup, setup.frequency_hz
+        self._wanted, self._setup = accepted, setup
         return AnalyzerState(
             identity, calibration.status, accepted, setup.sweep_duration_s, calibration.details
         )
@@ -191,19 +165,22 @@ class Instruments:
             return self._robot.analyzer_calls.call(call, check)
 
 
-def _in_words(
-    found: SweepSettings, wanted: SweepSettings, same_sweep: bool
-) -> Tuple[Message, Message]:
-    """Return settings for a sentence: the frequencies or, if they are the same, the others."""
-    if same_sweep:
-        return found.analyzer.message, wanted.analyzer.message
+def _other_settings(found: Message, wanted: Message) -> DeviceError:
+    return DeviceError(
+        Message(
+            "the VNA has {found} instead of {wanted}; do not change its settings during a survey; "
+            "if it is so again, correct the plan",
+            found=found,
+            wanted=wanted,
+        ),
+        fault=VNA_SETTINGS,
+    )
 
-    def described(sweep: SweepSettings) -> Message:
-        return Message(
-            "{points} points from {start_mhz:.12g} to {stop_mhz:.12g} MHz",
-            points=sweep.points,
-            start_mhz=1.0e-6 * sweep.start_frequency_hz,
-            stop_mhz=1.0e-6 * sweep.stop_frequency_hz,
-        )
 
-    return described(found), described(wanted)
+def _sweep_in_words(sweep: SweepSettings) -> Message:
+    return Message(
+        "{points} points from {start_mhz:.12g} to {stop_mhz:.12g} MHz",
+        points=sweep.points,
+        start_mhz=1.0e-6 * sweep.start_frequency_hz,
+        stop_mhz=1.0e-6 * sweep.stop_frequency_hz,
+    )

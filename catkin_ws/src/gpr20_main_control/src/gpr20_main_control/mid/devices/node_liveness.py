@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import contextlib
+import math
 import threading
-from dataclasses import dataclass
+import time
+from dataclasses import dataclass, field
 from typing import Callable, Dict, List, Optional
 
 from gpr20_common.errors import NodeSilentError
@@ -35,18 +38,17 @@ class _Known:
         process: The number of its process; None if the node does not answer.
         accepted: The process with which the survey continues.
         seen: Whether it ever answered.
-        asked: How many times it was asked, and `answered`, how many results there are.
+        asked_s: When it was asked for the last result [s].
         ask_now: Set when the next question must not wait for its turn.
     """
 
     named: Dict[str, object]
     probe: Probe
-    ask_now: threading.Event
     process: Optional[int] = None
     accepted: Optional[int] = None
     seen: bool = False
-    asked: int = 0
-    answered: int = 0
+    asked_s: float = -math.inf
+    ask_now: threading.Event = field(default_factory=threading.Event)
 
 
 class NodeLiveness:
@@ -82,12 +84,10 @@ class NodeLiveness:
     def watch(self, name: str, plain_name: Message, probe: Probe) -> None:
         """Watch one more node, which counts as silent at first; one that is watched stays."""
         with self._changed:
-            if name in self._known:
-                return
-            known = _Known({"node": plain_name, "details": name}, probe, threading.Event())
-            self._known[name] = known
-            if self._started:
-                self._begin(name)
+            if name not in self._known:
+                self._known[name] = _Known({"node": plain_name, "details": name}, probe)
+                if self._started:
+                    self._begin(name)
 
     def start(self) -> None:
         with self._changed:
@@ -107,25 +107,19 @@ class NodeLiveness:
     def refresh(self) -> None:
         """Ask every node now; return when all have answered or are known to be missing."""
         with self._changed:
-            before = {name: known.asked for name, known in self._known.items()}
-            for known in self._known.values():
+            begun_s, nodes = time.monotonic(), tuple(self._known.values())
+            for known in nodes:
                 known.ask_now.set()
             self._changed.wait_for(
-                lambda: all(self._known[name].answered > asked for name, asked in before.items()),
-                REFRESH_LIMIT_S,
+                lambda: all(one.asked_s >= begun_s for one in nodes), REFRESH_LIMIT_S
             )
 
-    def note_alive(self, name: str, process: int) -> None:
-        """Note that a node has answered, and the number of its process."""
+    def note(self, name: str, process: Optional[int]) -> None:
+        """Note the number of the process that has answered as a node; None: it is silent."""
         with self._changed:
             known = self._known[name]
-            known.process, known.seen = process, True
-            self._report_missing()
-
-    def note_silent(self, name: str) -> None:
-        """Note that a node does not answer: its process has ended, or it hangs."""
-        with self._changed:
-            self._known[name].process = None
+            known.process = process
+            known.seen |= process is not None
             self._report_missing()
 
     def missing(self) -> List[str]:
@@ -177,19 +171,13 @@ class NodeLiveness:
         known = self._known[name]
         while not self._ended:
             known.ask_now.clear()
-            with self._changed:
-                known.asked += 1
-            process: Optional[int]
-            try:
+            asked_s, process = time.monotonic(), None
+            # A node that does not answer is missing.
+            with contextlib.suppress(NodeSilentError):
                 process = known.probe()
-            except NodeSilentError:
-                process = None
             with self._changed:
-                known.answered = known.asked
-                if process is None:
-                    self.note_silent(name)
-                else:
-                    self.note_alive(name, process)
+                known.asked_s = asked_s
+                self.note(name, process)
                 self._changed.notify_all()
             known.ask_now.wait(self._period_s)
 

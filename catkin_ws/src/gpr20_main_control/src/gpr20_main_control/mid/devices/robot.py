@@ -10,8 +10,6 @@ import threading
 from dataclasses import dataclass, field
 from typing import Any, Callable, Mapping, Optional, Protocol, Tuple
 
-import numpy as np
-
 from gpr20_common.message import Message
 from gpr20_main_control.mid.devices.described_robot import AuxSensors, DescribedRobot
 from gpr20_main_control.mid.devices.node_liveness import NodeLiveness
@@ -130,13 +128,11 @@ class AnalyzerSetup:
 
     Attributes:
         settings: As read back from the instrument.
-        frequency_hz: The frequencies of the sweep [Hz].
         sweep_duration_s: How long one trace takes, with its averages [s]; 0 if nobody knows.
         request_limit_s: Longest time that a sweep or its confirmation takes [s].
     """
 
     settings: SweepSettings
-    frequency_hz: np.ndarray
     sweep_duration_s: float
     request_limit_s: float
 
