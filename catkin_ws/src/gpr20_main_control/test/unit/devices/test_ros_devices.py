@@ -8,6 +8,7 @@ pytest.importorskip("actionlib")
 pytest.importorskip("gpr20_msgs.msg")
 
 import rospy
+from case_kit import each_case
 from fake_robot import LIMIT_S
 from fault_kit import raises_fault
 
@@ -130,38 +131,31 @@ def test_a_homing_that_stopped_for_lack_of_contact_is_no_failed_axis(graph, monk
         ros_axis.RosAxis(AxisId.X, Clock()).home(LIMIT_S)
 
 
-# Failures of the services of other devices, as the survey receives them.
-
 NOTE = Fault("survey.complete", Message("Plan a new survey."), Severity.NOTE)
 REFUSAL = Message("the height sensor reads {height_m:g} m", height_m=1.6, details="ADC 1023")
+REFUSED = GetHeightResponse(success=False, **message_fields(REFUSAL.with_fault(NOTE)))
 GONE = ServiceUnavailableError(Message("service get_height is gone"))
 
 
-def failure_of(monkeypatch, device, response):
-    """Return the message of the failure when a service answers so."""
+@each_case(
+    "answer, cause, value, details",
+    [
+        # What the part reports decides, also if it is a note.
+        (REFUSED, NOTE, REFUSAL, ("get_height", "ADC 1023")),
+        (GONE, PART_SILENT, PLAIN_NAMES[HEIGHT_SENSOR], ("service get_height is gone",)),
+    ],
+)
+def test_a_failure_keeps_what_the_device_said_and_names_it_as_operators_do(
+    answer, cause, value, details
+):
+    def call(_client, _timeout_s):
+        if isinstance(answer, Exception):
+            raise answer
+        return answer
 
-    def call(_client, _timeout_s, **_fields):
-        if isinstance(response, Exception):
-            raise response
-        return response
-
-    monkeypatch.setattr(ServiceClient, "call", call)
-    with pytest.raises(DeviceError) as refused:
-        device()
-    return refused.value.message
-
-
-def test_a_refusal_keeps_template_values_and_fault_and_names_its_service(monkeypatch):
-    answer = GetHeightResponse(success=False, **message_fields(REFUSAL.with_fault(NOTE)))
-    message = failure_of(monkeypatch, height_over_ros(1.0), answer)
-    assert message.values["reason"] == REFUSAL
-    assert message.all_details == ("get_height", "ADC 1023")
-    # What the part reports decides, also if it is a note.
-    assert message.cause == NOTE
-
-
-def test_a_service_that_does_not_answer_is_reported_as_the_device_that_operators_know(monkeypatch):
-    message = failure_of(monkeypatch, height_over_ros(1.0), GONE)
-    assert message.fault_code == PART_SILENT.code
-    assert message.values["device"] == PLAIN_NAMES[HEIGHT_SENSOR]
-    assert message.all_details == ("service get_height is gone",)
+    with pytest.MonkeyPatch.context() as patch, pytest.raises(DeviceError) as refused:
+        patch.setattr(ServiceClient, "call", call)
+        height_over_ros(1.0)()
+    message = refused.value.message
+    assert (message.cause, message.all_details) == (cause, details)
+    assert value in message.values.values()
