@@ -189,7 +189,7 @@ def build_main_control_node() -> MainControlNode:
     description = DescribedRobot(read_parameters(Site, "site"), limits, describe)
     robot = Robot(
         axes={axis_id: RosAxis(axis_id, clock) for axis_id in AxisId},
-        analyzer=RosAnalyzer(limits),
+        analyzer=RosAnalyzer(limits.analyzer_limit_s),
         height_m=height_over_ros(limits.height_limit_s),
         storage=RosStorage(limits.storage_limit_s, topics),
         nodes=nodes,

@@ -20,8 +20,8 @@ from gpr20_main_control.high.survey_topics import (
     coverage_message,
     progress_message,
 )
-from gpr20_main_control.mid.devices.described_robot import TimeLimits
 from gpr20_main_control.mid.devices.robot import (
+    SETUP_LIMIT_S,
     AnalyzerCalibration,
     AnalyzerSetup,
     OpenedSurvey,
@@ -101,13 +101,10 @@ class DeviceService:
 class RosAnalyzer:
     """Implements `gpr20_main_control.mid.devices.robot.Analyzer`."""
 
-    def __init__(self, limits: TimeLimits) -> None:
-        self._limits = limits
-        service = partial(
-            DeviceService, PLAIN_NAMES[ANALYZER], time_limit_s=limits.analyzer_limit_s
-        )
+    def __init__(self, time_limit_s: float) -> None:
+        service = partial(DeviceService, PLAIN_NAMES[ANALYZER], time_limit_s=time_limit_s)
         self._connection = service("connection", srv.Connection)
-        self._setup = service("freq_sweep_setup", srv.FreqSweepSetup)
+        self._setup = service("freq_sweep_setup", srv.FreqSweepSetup, time_limit_s=SETUP_LIMIT_S)
         self._calibration = service("get_calibration_status", srv.GetCalibrationStatus)
         self._data = service("get_data", srv.GetData)
         self._confirmation = service(
@@ -131,7 +128,6 @@ class RosAnalyzer:
         )
 
     def configure(self, settings: SweepSettings) -> AnalyzerSetup:
-        self._setup.time_limit_s = self._limits.analyzer_setup_limit_s(settings)
         answer = self._setup(
             start_frequency_hz=settings.start_frequency_hz,
             stop_frequency_hz=settings.stop_frequency_hz,

@@ -30,19 +30,12 @@ from gpr20_survey.plan.robot_description import (
 )
 from gpr20_survey.plan.sensors import Sensor
 from gpr20_survey.trace.aux_value import AuxValue
-from gpr20_survey.trace.ms2026c import sweep_duration_s
 from gpr20_survey.trace.sweep import storable_remark
-from gpr20_survey.trace.sweep_settings import SweepSettings
 
 # Without which no survey is measured, and what operators call them.
 NEEDED_NODES = {**PLAIN_NAMES, STORAGE: STORAGE_NAME}
 # Entries of survey.json that hold the configuration of a node.
 RECORDED = {"height": HEIGHT_SENSOR, "analyzer": ANALYZER, "storage": STORAGE}
-# The driver takes sweeps when it sets up the analyzer, to learn how long one takes.
-SWEEPS_OF_SETUP = 24
-# What is assumed of an analyzer whose IF bandwidth is left as it is: still enough for one sweep at
-# the narrowest of an MS2026C, 10 Hz.
-UNKNOWN_IF_BANDWIDTH_HZ = 100.0
 US_PER_S = 1_000_000
 
 
@@ -53,11 +46,6 @@ class TimeLimits:
     analyzer_limit_s: float = bounded(0.1, 3600.0, 90.0)
     height_limit_s: float = bounded(0.1, 3600.0, 10.0)
     storage_limit_s: float = bounded(0.1, 3600.0, 90.0)
-
-    def analyzer_setup_limit_s(self, settings: SweepSettings) -> float:
-        """Return how long to wait until the analyzer is set up for these settings [s]."""
-        sweep_s = sweep_duration_s(settings, unknown_if_bandwidth_hz=UNKNOWN_IF_BANDWIDTH_HZ)
-        return self.analyzer_limit_s + SWEEPS_OF_SETUP * sweep_s
 
 
 class DescribedRobot:

@@ -9,7 +9,7 @@ import numpy as np
 
 from gpr20_common.message import Message
 from gpr20_main_control.errors import DeviceError
-from gpr20_main_control.mid.devices.robot import AnalyzerSetup
+from gpr20_main_control.mid.devices.robot import SETUP_LIMIT_S, AnalyzerSetup
 from gpr20_main_control.mid.waits import ExpectedWait, result_of
 from gpr20_survey.faults import NO_GROUND, VNA_SETTINGS
 from gpr20_survey.plan.robot_description import HEIGHT_SENSOR, PLAIN_NAMES
@@ -139,9 +139,7 @@ class Instruments:
         self._robot.description.check_identity(identity, self._plan.config)
         self._survey.analyzers.check(identity, next_index, self._survey.clock.time_of_day_us())
         setup = self._call(
-            lambda: analyzer.configure(wanted),
-            Message("setup of the sweep"),
-            self._robot.description.limits.analyzer_setup_limit_s(wanted),
+            lambda: analyzer.configure(wanted), Message("setup of the sweep"), SETUP_LIMIT_S
         )
         accepted = setup.settings
         if replace(accepted, analyzer=wanted.analyzer) != wanted:

@@ -25,6 +25,10 @@ from gpr20_survey.trace.sweep import Sweep
 from gpr20_survey.trace.sweep_settings import SweepSettings
 from gpr20_survey.trace.trace import Trace
 
+# The driver takes sweeps when it sets up the analyzer, to learn how long one takes; it ends that by
+# itself when the instrument is silent [s].
+SETUP_LIMIT_S = 3600.0
+
 
 @dataclass(frozen=True)
 class AxisReading:
