@@ -148,6 +148,7 @@ class FakeAxis:
         return True
 
     def begin_move(self, target):
+        assert target != self.coordinate, "a move that is none was sent"
         self.moves.append(target)
         self.begun.set()
         self.outcome = MoveOutcome(not self.fail_move, verbatim(self.fail_move))

@@ -88,7 +88,10 @@ class RosAxis:
         return Lease(response.lease, response.limit_s)
 
     def renew(self, lease: Lease) -> bool:
-        return bool(self._call(self._lease, LEASE_CALL_LIMIT_S, lease=lease.number).success)
+        try:
+            return bool(self._call(self._lease, LEASE_CALL_LIMIT_S, lease=lease.number).success)
+        except NodeLostError:
+            return False
 
     def release_lease(self, lease: Lease) -> None:
         with contextlib.suppress(NodeLostError):  # it ends by itself

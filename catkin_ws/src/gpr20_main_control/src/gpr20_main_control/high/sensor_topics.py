@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
+import math
 import re
-import struct
 from typing import Any, Dict, List, Optional, Sequence, Tuple
 
-import genpy
 import roslib.message
 import rospy
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
@@ -15,7 +14,6 @@ from gpr20_common.errors import InvalidValueError
 from gpr20_common.faults import CONFIGURATION
 from gpr20_common.high.diagnostics import FAULT, PERIOD_S
 from gpr20_common.high.periodic import Periodic
-from gpr20_common.high.raw_message import connection_header, deserialized
 from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message
 from gpr20_main_control.mid.devices.described_robot import AuxSensors, Measured, SensorInput
@@ -27,7 +25,11 @@ _NUMBER = re.compile("bool|u?int(8|16|32|64)|float(32|64)")
 
 
 class MessageField:
-    """Reads one number from messages that were received as `rospy.AnyMsg`."""
+    """Reads one number from messages of a type.
+
+    Attributes:
+        message_class: The class of these messages.
+    """
 
     def __init__(self, datatype: str, path: str) -> None:
         """Find the field, such as `data` or `a.b[0]`, in a type such as `std_msgs/Float64`.
@@ -36,13 +38,12 @@ class MessageField:
             InvalidValueError: The type is not installed here, or has no such number; the message
                 names its fields.
         """
-        self._path = path
         reason: object = ""
         try:
-            self._type = roslib.message.get_message_class(datatype)
+            self.message_class = roslib.message.get_message_class(datatype)
         except (ValueError, ImportError) as error:
-            self._type, reason = None, error
-        if self._type is None:
+            self.message_class, reason = None, error
+        if self.message_class is None:
             raise InvalidValueError(
                 Message(
                     "the message type {type} is not installed here; check its name, or install "
@@ -77,39 +78,14 @@ class MessageField:
             fault=CONFIGURATION,
         )
 
-    def read(self, received: Any) -> float:
-        """Return the number in a message.
-
-        Raises:
-            InvalidValueError: It is of another type, damaged, or its list is too short.
-        """
-        header = connection_header(received)
-        if (header["type"], header["md5sum"]) != (self._type._type, self._type._md5sum):
-            raise InvalidValueError(
-                Message(
-                    "messages of type {found} arrive; sensors.yaml says {wanted}",
-                    found=header["type"],
-                    wanted=self._type._type,
-                    details=f"{header['md5sum']}, not {self._type._md5sum}",
-                ),
-                fault=CONFIGURATION,
-            )
-        try:
-            value = deserialized(self._type, received._buff)
-            for name, index in self._steps:
-                value = getattr(value, name)
-                if index is not None:
-                    value = value[index]
-            return float(value)
-        except (genpy.DeserializationError, struct.error, IndexError) as error:
-            raise InvalidValueError(
-                Message(
-                    "a message does not hold {field}, which sensors.yaml names",
-                    field=self._path,
-                    details=error,
-                ),
-                fault=CONFIGURATION,
-            ) from error
+    def read(self, message: Any) -> float:
+        """Return the number in a message; NaN if its list is too short."""
+        value = message
+        for name, index in self._steps:
+            value = getattr(value, name)
+            if index is not None:
+                value = value[index] if index < len(value) else math.nan
+        return float(value)
 
 
 class SensorTopics:
@@ -117,15 +93,12 @@ class SensorTopics:
 
     def __init__(self, sensors: Sequence[Sensor], clock: Clock) -> None:
         """Subscribe; an InvalidValueError names a sensor whose type or field does not exist."""
-        inputs = [
-            SensorInput(one, MessageField(one.message, one.field).read, clock) for one in sensors
-        ]
+        inputs = []
+        for one in sensors:
+            field = MessageField(one.message, one.field)
+            inputs.append(SensorInput(one, field.read, clock))
+            rospy.Subscriber(one.topic, field.message_class, inputs[-1].note, queue_size=1)
         self.sensors = AuxSensors(inputs, clock)
-        # As bytes: a type of another name arrives too, and no message is read without need.
-        self._subscribers = [
-            rospy.Subscriber(one.sensor.topic, rospy.AnyMsg, one.note, queue_size=1)
-            for one in inputs
-        ]
         if inputs:
             self._publisher = rospy.Publisher("/diagnostics", DiagnosticArray, queue_size=1)
             self._periodic = Periodic(PERIOD_S, self._report)

@@ -52,12 +52,16 @@ class SurveyTopics:
 
     def publish_change(self, before: Status, after: Status) -> None:
         """Publish a change of the status."""
-        if _stated(before) != _stated(after):
+
+        def changed(*names: str) -> bool:
+            return any(getattr(before, name) != getattr(after, name) for name in names)
+
+        if changed("state", "full_message", "plan_id", "plan_set_by"):
             rospy.loginfo("%s: %s", after.state.name, after.full_message)
             self.publish_status(after)
-        if before.target != after.target:
+        if changed("target"):
             self._publish_target(after)
-        if _progress(before) != _progress(after):
+        if changed("survey_id", "total_points", "visited_points", "remaining_s"):
             self._progress.publish(progress_message(after))
 
     def publish_status(self, status: Status) -> None:
@@ -172,14 +176,6 @@ def _coordinates(place: Sequence[float]) -> msg.Coordinates:
     message = _stamped(msg.Coordinates, x_mm=x_mm, y_mm=y_mm, z_deg=z_deg)
     message.header.frame_id = BASE_LINK
     return message
-
-
-def _stated(status: Status) -> Tuple[object, ...]:
-    return status.state, status.full_message, status.plan_id, status.plan_set_by
-
-
-def _progress(status: Status) -> Tuple[object, ...]:
-    return status.survey_id, status.total_points, status.visited_points, status.remaining_s
 
 
 def progress_message(status: Status) -> msg.SurveyData:

@@ -10,8 +10,6 @@ from case_kit import each_case
 from fake_robot import Bench, ManualClock, reports
 from fault_kit import raises_fault
 
-from gpr20_common.errors import InvalidValueError
-from gpr20_common.message import Fault, Message
 from gpr20_main_control.errors import DeviceError
 from gpr20_main_control.mid.devices.described_robot import AuxSensors, SensorInput
 from gpr20_survey.faults import SENSOR_FAILED
@@ -19,14 +17,7 @@ from gpr20_survey.plan.sensors import Sensor
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_survey.trace.aux_value import AuxValue
 
-OTHER_TYPE = Fault("config.other_type", Message("Correct the type."))
 NOW_US = 1_790_000_000_000_000
-
-
-def read(content):
-    if isinstance(content, str):
-        raise InvalidValueError(Message("another type arrives"), fault=OTHER_TYPE)
-    return float(content)
 
 
 @pytest.fixture
@@ -43,14 +34,14 @@ def sensor(**changes):
 
 def sensors_with(clock, *received, **changes):
     """Return sensors of which the one has received values: (time [s], value)."""
-    one = SensorInput(sensor(**changes), read, clock)
+    one = SensorInput(sensor(**changes), float, clock)
     for clock.time_s, value in received:
         one.note(value)
     return AuxSensors([one], clock)
 
 
 def test_many_silent_sensors_leave_room_for_other_remarks(clock):
-    inputs = [SensorInput(sensor(name=f"s{number}"), read, clock) for number in range(32)]
+    inputs = [SensorInput(sensor(name=f"s{number}"), float, clock) for number in range(32)]
     _values, (remark,) = AuxSensors(inputs, clock).for_trace()
     assert "s0" in remark and remark.endswith("...")
 
@@ -69,7 +60,6 @@ def test_the_value_is_the_last_one_that_was_received_and_has_the_time_when_it_wa
         (None, (), SENSOR_FAILED, "probe"),
         (math.nan, (), SENSOR_FAILED, "nan"),
         (math.inf, (), SENSOR_FAILED, "inf"),
-        ("text", (), OTHER_TYPE, "another type arrives"),
         (-1.0, (-1.0,), SENSOR_FAILED, "-1 %"),
     ],
 )
@@ -102,7 +92,7 @@ def test_a_value_that_is_too_old_counts_as_silence_whatever_is_done_to_the_clock
 def test_a_survey_pauses_without_a_required_sensor_and_not_without_another():
     clock = ManualClock()
     needed, other = (
-        SensorInput(sensor(name=name, longest_age_s=3600.0, required=name == "soil"), read, clock)
+        SensorInput(sensor(name=name, longest_age_s=3600.0, required=name == "soil"), float, clock)
         for name in ("soil", "air")
     )
     bench = Bench(sensors=AuxSensors([needed, other], clock))

@@ -22,8 +22,9 @@ from gpr20_common.message import Fault, Message, Severity
 from gpr20_main_control.errors import DeviceError, NodeLostError
 from gpr20_main_control.high import ros_axis
 from gpr20_main_control.high.ros_devices import height_over_ros
+from gpr20_main_control.high.survey_topics import only_from
 from gpr20_main_control.mid.waits import Workers
-from gpr20_msgs.msg import AxisResult
+from gpr20_msgs.msg import AxisResult, CurrentCoordinate
 from gpr20_msgs.srv import CommandResponse, GetHeightResponse
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.faults import CONTROL_SILENT
@@ -102,6 +103,16 @@ def test_a_homing_begins_only_when_the_stop_before_it_is_over(graph):
     graph.node_is_back.set()
     homing.result(LIMIT_S)
     assert graph.called == ["x_axis/stop", "x_axis/homing"]
+
+
+def test_a_recording_beside_the_robot_is_not_taken_for_its_driver():
+    received, driver = [], "x_axis/axis_driver"
+    receive = only_from(driver, received.append)
+    for publisher in (f"/{driver}", "/rosbag_play"):
+        message = CurrentCoordinate()
+        message._connection_header = {"callerid": publisher}
+        receive(message)
+    assert [one._connection_header["callerid"] for one in received] == [f"/{driver}"]
 
 
 class EndedGoal:

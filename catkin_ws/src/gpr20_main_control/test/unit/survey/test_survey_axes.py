@@ -63,7 +63,7 @@ def is_stopped_by_another_client(axis):
 @pytest.mark.parametrize(
     "move, fault, shown, may_move",
     [
-        (is_refused, faults.BLOCKED, ("x", 10.0), False),
+        (is_refused, faults.BLOCKED, ("x", 10.0, "the endstop was pressed"), False),
         (rests_at(0.0), faults.BLOCKED, ("x", 0.0, 10.0), False),
         (rests_at(10.01), faults.BLOCKED, ("x", 10.01, 10.0), False),
         (never_ends, AXIS_MAY_MOVE, ("x", 10.0), True),

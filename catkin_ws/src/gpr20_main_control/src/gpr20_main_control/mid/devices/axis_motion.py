@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import threading
-import time
 from typing import Any, Callable, Dict, Optional
 
 from gpr20_common.faults import PART_LOST, PART_SILENT
@@ -74,18 +73,9 @@ class LeaseKeeper:
             ended.set()
 
     def _keep(self, lease: Lease, ended: threading.Event) -> None:
-        renewed_s = time.monotonic()
         while not ended.wait(lease.limit_s / RENEWALS):
-            begun_s = time.monotonic()
-            if self._attention.lacks:
-                continue
-            try:
-                if not self._axis.renew(lease):
-                    break
-                renewed_s = begun_s
-            except NodeLostError:
-                if time.monotonic() - renewed_s > lease.limit_s:
-                    break
+            if not self._attention.lacks and not self._axis.renew(lease):
+                break
         else:
             self._axis.release_lease(lease)
         with self._lock:

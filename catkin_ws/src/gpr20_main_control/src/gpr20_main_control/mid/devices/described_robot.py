@@ -8,9 +8,8 @@ from dataclasses import asdict, dataclass
 from typing import Any, Callable, Dict, List, Mapping, Optional, Sequence, Tuple
 
 from gpr20_common.errors import InvalidValueError
-from gpr20_common.faults import CONFIGURATION
 from gpr20_common.low.clock import Clock
-from gpr20_common.message import Fault, Message, numeral
+from gpr20_common.message import Message, numeral
 from gpr20_common.mid.codec import bounded
 from gpr20_common.mid.node_facts import software_difference
 from gpr20_main_control import faults
@@ -187,7 +186,7 @@ class SensorInput:
     """The last message of one sensor; it is read only when it is needed."""
 
     def __init__(self, sensor: Sensor, read: Callable[[Any], float], clock: Clock) -> None:
-        """Begin without a message; `read` returns the value in one or raises InvalidValueError."""
+        """Begin without a message; `read` returns the value in one, NaN if it holds none."""
         self.sensor = sensor
         self._read = read
         self._clock = clock
@@ -199,45 +198,31 @@ class SensorInput:
 
     def now(self) -> Measured:
         """Return what is known now."""
-        sensor, last = self.sensor, self._last
-        age_s = math.inf if last is None else self._clock.now_s() - last[0]
-        if last is None or age_s > sensor.longest_age_s:
-            return self._wrong(
-                Message(
-                    "nothing has been received on {topic} for {longest_s:g} s; check that its node "
-                    "runs",
-                    topic=sensor.topic,
-                    longest_s=sensor.longest_age_s,
-                )
+        sensor, value, age_s = self.sensor, None, None
+        if self._last is not None:
+            received_s, content = self._last
+            age_s = self._clock.now_s() - received_s
+        if age_s is None or age_s > sensor.longest_age_s:
+            reason = Message(
+                "nothing has been received on {topic} for {longest_s:g} s; check that its node "
+                "runs",
+                topic=sensor.topic,
+                longest_s=sensor.longest_age_s,
             )
-        try:
-            value = self._read(last[1])
-        except InvalidValueError as error:
-            # Its node and sensors.yaml do not agree.
-            return self._wrong(error.message, age_s, fault=CONFIGURATION)
-        if math.isfinite(value) and sensor.is_plausible(value):
-            return Measured(sensor, value, age_s, None)
-        return self._wrong(
-            Message(
+        else:
+            value = self._read(content)
+            if math.isfinite(value) and sensor.is_plausible(value):
+                return Measured(sensor, value, age_s, None)
+            reason = Message(
                 "its value {value} {unit} is not plausible; expected {low} to {high}",
                 value=numeral(value, ".6g"),
                 unit=sensor.unit,
                 low="-" if sensor.low is None else numeral(sensor.low),
                 high="-" if sensor.high is None else numeral(sensor.high),
-            ),
-            age_s,
-            value if math.isfinite(value) else None,
-        )
-
-    def _wrong(
-        self,
-        reason: Message,
-        age_s: Optional[float] = None,
-        value: Optional[float] = None,
-        fault: Fault = SENSOR_FAILED,
-    ) -> Measured:
-        problem = Message("sensor {sensor}: {reason}", sensor=self.sensor.name, reason=reason)
-        return Measured(self.sensor, value, age_s, problem.with_fault(fault))
+            )
+            value = value if math.isfinite(value) else None
+        problem = Message("sensor {sensor}: {reason}", sensor=sensor.name, reason=reason)
+        return Measured(sensor, value, age_s, problem.with_fault(SENSOR_FAILED))
 
 
 class AuxSensors:

@@ -102,7 +102,7 @@ class Axis(Protocol):
         """Reserve the axis; a DeviceError says which other node has it."""
 
     def renew(self, lease: Lease) -> bool:
-        """Renew a lease; return whether it still exists."""
+        """Renew a lease; return whether it still exists: without an answer it has ended."""
 
     def release_lease(self, lease: Lease) -> None:
         """End a lease, if the axis answers."""
