@@ -15,7 +15,7 @@ from typing import Callable, Dict, Iterator, List, Optional, Tuple
 from direct_pulses import DirectPulses
 from simulated_world import MECHANICS, STEP_MM, StepTime, World
 
-from gpr20_axis_driver.faults import AxisException, LeaseLapsedError, MotionStopped
+from gpr20_axis_driver.faults import AxisException, MotionStopped
 from gpr20_axis_driver.low.step_counter import open_step_counter
 from gpr20_axis_driver.mid.axis_driver import AxisDriver
 from gpr20_axis_driver.mid.axis_lease import AxisLease
@@ -141,7 +141,7 @@ class ProcessAxis:
         loop = PulseLoop(pins, self._parameters, StepTime(), counter, realtime=False)
         self.driver = AxisDriver(self._parameters, DirectPulses(loop, counter))
         # No lease ends because this computer is slow.
-        self.lease = AxisLease(self._parameters.lease_limit_s, lambda: calls.frozen_s)
+        self.ownership = AxisLease(self._parameters.lease_limit_s, lambda: calls.frozen_s)
         self.received, self.stopped = threading.Event(), threading.Event()
         self._step = f"step {axis_id.value}"
         self._stops = 0
@@ -155,19 +155,15 @@ class ProcessAxis:
     def is_connected(self) -> bool:
         return not self._calls.killed.is_set()
 
-    def reserve(self) -> Lease:
-        with self._calls.answer("reserve"):
-            return Lease(self.lease.reserve(CALLER), RENEWED_S)
-
-    def renew(self, lease: Lease) -> bool:
-        try:
-            self.lease.renew(CALLER, lease.number)
-        except LeaseLapsedError:
-            return False
-        return not self._calls.killed.is_set()
-
-    def release_lease(self, lease: Lease) -> None:
-        self.lease.release(CALLER, lease.number)
+    def lease(self, number: int = 0, release: bool = False) -> Lease:
+        with self._calls.answer("lease"):
+            if release:
+                self.ownership.release(CALLER, number)
+            elif number:
+                self.ownership.renew(CALLER, number)
+            else:
+                number = self.ownership.reserve(CALLER)
+            return Lease(number, RENEWED_S)
 
     def begin_move(self, target: float) -> None:
         ended: List[MoveOutcome] = []
@@ -193,7 +189,7 @@ class ProcessAxis:
                 raise (NodeLostError if outcome.contact_lost else DeviceError)(outcome.message)
 
     def set_zero(self) -> None:
-        with self._calls.answer("set_zero"), self.lease.use(CALLER):
+        with self._calls.answer("set_zero"), self.ownership.use(CALLER):
             self.driver.set_zero()
 
     def stop(self) -> None:
@@ -211,12 +207,12 @@ class ProcessAxis:
             return stopped() or lapsed() is not None
 
         try:
-            with self.lease.use(CALLER) as lapsed:
+            with self.ownership.use(CALLER) as lapsed:
                 motion(ends)
         except AxisException as error:
             message = error.message
             if isinstance(error, MotionStopped) and not stopped():
-                message = self.lease.lapse
+                message = self.ownership.lapse
             return MoveOutcome(False, message)
         return MoveOutcome(True, verbatim(""))
 

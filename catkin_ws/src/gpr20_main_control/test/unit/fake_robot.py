@@ -135,14 +135,8 @@ class FakeAxis:
         number = self.zero.number + 1
         self.zero = ZeroEpoch(number, FIRST_SWEEP_US + number if found else self.zero.time_us)
 
-    def reserve(self):
+    def lease(self, number=0, release=False):
         return Lease(1, 2.0)
-
-    def renew(self, lease):
-        return True
-
-    def release_lease(self, lease):
-        pass
 
     def is_connected(self):
         return True

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import contextlib
 import threading
 from typing import Any, List, Optional, Tuple
 
@@ -75,27 +74,17 @@ class RosAxis:
         zero = ZeroEpoch(last.zero_epoch, microseconds(last.zero_time))
         return AxisReading(last.coordinate, last.homed, last.moving, age_s, zero)
 
-    def reserve(self) -> Lease:
-        response = self._call(self._lease, LEASE_CALL_LIMIT_S)
-        if not response.success:
+    def lease(self, number: int = 0, release: bool = False) -> Lease:
+        answer = self._call(self._lease, LEASE_CALL_LIMIT_S, lease=number, release=release)
+        if not answer.success:
             raise DeviceError(
                 Message(
                     "{device} is not free: {reason}",
                     device=self._plain_name,
-                    reason=message_from(response),
+                    reason=message_from(answer),
                 )
             )
-        return Lease(response.lease, response.limit_s)
-
-    def renew(self, lease: Lease) -> bool:
-        try:
-            return bool(self._call(self._lease, LEASE_CALL_LIMIT_S, lease=lease.number).success)
-        except NodeLostError:
-            return False
-
-    def release_lease(self, lease: Lease) -> None:
-        with contextlib.suppress(NodeLostError):  # it ends by itself
-            self._call(self._lease, LEASE_CALL_LIMIT_S, lease=lease.number, release=True)
+        return Lease(answer.lease, answer.limit_s)
 
     def is_connected(self) -> bool:
         return bool(self._client.wait_for_server(rospy.Duration(SERVER_POLL_S)))

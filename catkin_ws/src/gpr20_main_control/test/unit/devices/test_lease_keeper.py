@@ -3,23 +3,23 @@
 import pytest
 from fake_robot import FakeAxis
 
+from gpr20_common.message import verbatim
+from gpr20_main_control.errors import DeviceError
 from gpr20_main_control.mid.devices.axis_motion import LeaseKeeper
 from gpr20_main_control.mid.devices.robot import Lease
 
 
 class ScriptedAxis(FakeAxis):
-    """An axis that answers requests to renew a lease as a test says, and notes all requests."""
+    """An axis that renews a lease so many times, and notes what was asked."""
 
-    def __init__(self, *answers):
+    def __init__(self, renewals):
         super().__init__()
-        self.answers, self.asked = list(answers), []
+        self.renewals, self.asked = renewals, []
 
-    def renew(self, _lease):
-        self.asked.append("renew")
-        return self.answers.pop(0)
-
-    def release_lease(self, _lease):
-        self.asked.append("release")
+    def lease(self, number=0, release=False):
+        self.asked.append("release" if release else "renew")
+        if not release and self.asked.count("renew") > self.renewals:
+            raise DeviceError(verbatim("the lease has ended"))
 
 
 class Scripted:
@@ -37,15 +37,15 @@ class Scripted:
 
 
 @pytest.mark.parametrize(
-    "lacks, answers, asked",
+    "lacks, renewals, asked",
     [
-        ((False, False), (True, True), ["renew", "renew", "release"]),
+        ((False, False), 2, ["renew", "renew", "release"]),
         # Nobody looks at what could stop the axis.
-        ((False, True, True, False), (True, True), ["renew", "renew", "release"]),
-        ((False, False), (False,), ["renew"]),
+        ((False, True, True, False), 2, ["renew", "renew", "release"]),
+        ((False, False), 0, ["renew"]),
     ],
 )
-def test_a_lease_is_renewed_while_it_lives_and_somebody_looks(lacks, answers, asked):
-    axis, script = ScriptedAxis(*answers), Scripted(*lacks)
+def test_a_lease_is_renewed_while_it_lives_and_somebody_looks(lacks, renewals, asked):
+    axis, script = ScriptedAxis(renewals), Scripted(*lacks)
     LeaseKeeper(axis, script)._keep(Lease(1, 2.0), script)
     assert axis.asked == asked

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import threading
 from typing import Any, Callable, Dict, Optional
 
@@ -61,7 +62,7 @@ class LeaseKeeper:
         with self._lock:
             if self._ended is not None:
                 return
-            arguments = self._axis.reserve(), threading.Event()
+            arguments = self._axis.lease(), threading.Event()
             self._ended = arguments[1]
         threading.Thread(target=self._keep, args=arguments, name="axis lease", daemon=True).start()
 
@@ -73,11 +74,12 @@ class LeaseKeeper:
             ended.set()
 
     def _keep(self, lease: Lease, ended: threading.Event) -> None:
-        while not ended.wait(lease.limit_s / RENEWALS):
-            if not self._attention.lacks and not self._axis.renew(lease):
-                break
-        else:
-            self._axis.release_lease(lease)
+        # Without an answer it ends by itself.
+        with contextlib.suppress(DeviceError):
+            while not ended.wait(lease.limit_s / RENEWALS):
+                if not self._attention.lacks:
+                    self._axis.lease(lease.number)
+            self._axis.lease(lease.number, release=True)
         with self._lock:
             if self._ended is ended:
                 self._ended = None

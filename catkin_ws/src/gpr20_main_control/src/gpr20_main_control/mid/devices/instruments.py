@@ -10,7 +10,7 @@ import numpy as np
 from gpr20_common.message import Message
 from gpr20_main_control.errors import DeviceError
 from gpr20_main_control.mid.devices.robot import SETUP_LIMIT_S, AnalyzerSetup
-from gpr20_main_control.mid.waits import ExpectedWait, result_of
+from gpr20_main_control.mid.waits import ExpectedWait
 from gpr20_survey.faults import NO_GROUND, VNA_SETTINGS
 from gpr20_survey.plan.robot_description import HEIGHT_SENSOR, PLAIN_NAMES
 from gpr20_survey.plan.survey_parameters import HeightPolicy
@@ -68,9 +68,7 @@ class Instruments:
         self._robot.description.check(self._plan.config)
         analyzer = self._check_analyzer(next_index)
         if self._plan.settings.on_height_failure is HeightPolicy.PAUSE:
-            height_call = self._robot.workers.begin(self.height)
-            with self._waits.shown(self.height_wait(None)) as check:
-                result_of(height_call, check)
+            self._robot.workers.call(self.height, self._survey.interruption.check)
         self._robot.sensors.check_required()
         return analyzer
 
@@ -94,15 +92,12 @@ class Instruments:
             fault=NO_GROUND,
         ) from failure
 
-    def height_wait(self, point: Optional[SurveyPoint]) -> ExpectedWait:
-        """Return what to expect of a height measurement, at a point or before the survey."""
-        action = Message("height")
-        if point is not None:
-            action = Message("height at point {index}", index=point.index)
+    def height_wait(self, point: SurveyPoint) -> ExpectedWait:
+        """Return what to expect of a height measurement."""
         limits, attempts = self._robot.description.limits, self._plan.settings.attempts
-        return ExpectedWait(
-            PLAIN_NAMES[HEIGHT_SENSOR], action, 0.0, attempts * limits.height_limit_s
-        )
+        action = Message("height at point {index}", index=point.index)
+        limit_s = attempts * limits.height_limit_s
+        return ExpectedWait(PLAIN_NAMES[HEIGHT_SENSOR], action, 0.0, limit_s)
 
     def sweep_wait(self, point: SurveyPoint) -> ExpectedWait:
         """Return what to expect of the sweep at a point."""

@@ -183,7 +183,6 @@ class NodeLiveness:
 
 
 def _joined(messages: List[Message]) -> Optional[Message]:
-    silent = [one.with_fault(PART_SILENT) for one in messages]
-    if len(silent) > 1:
-        return in_a_row(silent)
-    return silent[0] if silent else None
+    if not messages:
+        return None
+    return in_a_row(one.with_fault(PART_SILENT) for one in messages)

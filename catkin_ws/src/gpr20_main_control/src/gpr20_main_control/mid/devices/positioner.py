@@ -217,14 +217,12 @@ class Positioner:
         for axis in moved:
             axis.may_move = axis.may_move and readings[axis] is None
         silent = [axis for axis in moved if readings[axis] is None]
-        return _may_still_move(silent) if silent else None
-
-
-def _may_still_move(axes: List[AxisMotion]) -> Message:
-    return in_a_row(
-        Message(
-            "the {axis} axis does not answer and may still move: switch the motors off",
-            axis=axis.axis_id.value,
-        ).with_fault(MAY_MOVE)
-        for axis in axes
-    )
+        if not silent:
+            return None
+        return in_a_row(
+            Message(
+                "the {axis} axis does not answer and may still move: switch the motors off",
+                axis=axis.axis_id.value,
+            ).with_fault(MAY_MOVE)
+            for axis in silent
+        )

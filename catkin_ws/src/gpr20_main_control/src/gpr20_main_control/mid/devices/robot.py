@@ -98,14 +98,12 @@ class Axis(Protocol):
     def reading(self) -> Optional[AxisReading]:
         """Return the last reading of the axis; None before the first."""
 
-    def reserve(self) -> Lease:
-        """Reserve the axis; a DeviceError says which other node has it."""
+    def lease(self, number: int = 0, release: bool = False) -> Lease:
+        """Reserve the axis, or renew or release the lease with a number.
 
-    def renew(self, lease: Lease) -> bool:
-        """Renew a lease; return whether it still exists: without an answer it has ended."""
-
-    def release_lease(self, lease: Lease) -> None:
-        """End a lease, if the axis answers."""
+        Raises:
+            DeviceError: Another node has the axis, or the lease has ended.
+        """
 
     def is_connected(self) -> bool:
         """Return whether the axis driver will receive the next move."""
