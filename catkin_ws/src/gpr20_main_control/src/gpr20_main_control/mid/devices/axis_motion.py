@@ -95,11 +95,7 @@ class AxisMotion:
     """
 
     def __init__(
-        self,
-        axis_id: AxisId,
-        axis: Axis,
-        parameters: AxisParameters,
-        interruption: Interruption,
+        self, axis_id: AxisId, axis: Axis, parameters: AxisParameters, interruption: Interruption
     ) -> None:
         self.axis_id = axis_id
         self.may_move: Optional[bool] = None
@@ -180,7 +176,7 @@ class AxisMotion:
         """
         # A move of zero length is not sent: actionlib may lose the result of a goal that
         # ends before its sender has returned.
-        self._begun = not self._is_at(target)
+        self._begun = not self._is_at(target, self.reading())
         if not self._begun:
             return
         if not wait_until(self._axis.is_connected, CONNECTION_LIMIT_S, self._interruption):
@@ -238,12 +234,12 @@ class AxisMotion:
     def _lost_fault(self) -> Fault:
         return PART_LOST if self.may_move else PART_SILENT
 
-    def _is_at(self, target: float) -> bool:
-        return abs(self.reading().coordinate - target) < 0.5 * self._parameters.step_size
+    def _is_at(self, target: float, reading: AxisReading) -> bool:
+        return abs(reading.coordinate - target) < 0.5 * self._parameters.step_size
 
     def _rests_at(self, target: float) -> bool:
         reading = self.reading()
-        return reading.homed and not reading.moving and self._is_at(target)
+        return reading.homed and not reading.moving and self._is_at(target, reading)
 
     def _place(self, target: float) -> Dict[str, Any]:
         return {"axis": self.axis_id.value, "target": target, "unit": self.axis_id.unit}
