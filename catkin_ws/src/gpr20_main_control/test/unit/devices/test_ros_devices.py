@@ -1,6 +1,7 @@
 """Axes and devices over ROS, without a graph: what their services and goals answer."""
 
 import threading
+from types import SimpleNamespace
 
 import pytest
 
@@ -95,14 +96,10 @@ def test_a_homing_that_waits_for_its_node_is_not_begun_after_a_stop(graph):
 
 
 def test_a_homing_begins_only_when_the_stop_before_it_is_over(graph):
-    graph.away = "x_axis/stop"
     axis = ros_axis.RosAxis(AxisId.X, Clock())
-    axis.stop()
-    assert graph.waiting.wait(LIMIT_S)
-    homing = Workers().begin(lambda: axis.home(LIMIT_S))
-    graph.node_is_back.set()
-    homing.result(LIMIT_S)
-    assert graph.called == ["x_axis/stop", "x_axis/homing"]
+    axis._stops = [SimpleNamespace(join=lambda _limit_s: graph.called.append("stop is over"))]
+    axis.home(LIMIT_S)
+    assert graph.called == ["stop is over", "x_axis/homing"]
 
 
 def test_a_recording_beside_the_robot_is_not_taken_for_its_driver():
