@@ -27,7 +27,7 @@ from gpr20_common.low.clock import Clock
 from gpr20_common.mid.node_facts import NO_HARDWARE, Hardware
 from gpr20_height_sensor.mid.height_driver import HeightParameters
 from gpr20_main_control.mid.devices.described_robot import AuxSensors, DescribedRobot, TimeLimits
-from gpr20_main_control.mid.devices.node_liveness import NodeLiveness, WatchedNode
+from gpr20_main_control.mid.devices.node_liveness import NodeLiveness
 from gpr20_main_control.mid.devices.robot import Robot
 from gpr20_main_control.mid.main_control import MainControl
 from gpr20_main_control.mid.survey.survey import NOTHING, Accepted
@@ -100,14 +100,15 @@ class RobotInProcess:
         self.processing = self._build_storage()
         self.axes = {axis_id: ProcessAxis(world, self.calls, axis_id) for axis_id in AxisId}
         self.driver = self._build_driver(parameters)
-        names = {**PLAIN_NAMES, STORAGE: STORAGE_NAME}
-        # Always the same process.
-        nodes = {name: WatchedNode(plain, [lambda: 1]) for name, plain in names.items()}
-        self._nodes = NodeLiveness(nodes, self.clock, self.status.set_missing)
+        self._nodes = NodeLiveness(self.clock, self.status.set_missing)
+        for name, plain_name in {**PLAIN_NAMES, STORAGE: STORAGE_NAME}.items():
+            # Always the same process.
+            self._nodes.watch(name, plain_name, lambda: 1)
+        self.height_sensor = ProcessHeightSensor(world, self.calls)
         self.parts = Robot(
             self.axes,
             ProcessAnalyzer(self.calls, self.driver),
-            ProcessHeightSensor(world, self.calls),
+            self.height_sensor.height_m,
             ProcessStorage(world, self.calls, self.processing),
             self._nodes,
             self._description(parameters),

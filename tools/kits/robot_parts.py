@@ -7,17 +7,15 @@ control is here a call.
 from __future__ import annotations
 
 import contextlib
-import queue
 import threading
 from collections import Counter
 from dataclasses import replace
-from typing import Callable, Dict, Iterator, Optional, Tuple
+from typing import Callable, Dict, Iterator, List, Optional, Tuple
 
-import numpy as np
 from direct_pulses import DirectPulses
 from simulated_world import MECHANICS, STEP_MM, StepTime, World
 
-from gpr20_axis_driver.faults import AxisException, LeaseLapsedError, MotionStopped
+from gpr20_axis_driver.faults import AxisException, MotionStopped
 from gpr20_axis_driver.low.step_counter import open_step_counter
 from gpr20_axis_driver.mid.axis_driver import AxisDriver
 from gpr20_axis_driver.mid.axis_lease import AxisLease
@@ -141,11 +139,11 @@ class ProcessAxis:
         loop = PulseLoop(pins, self._parameters, StepTime(), counter, realtime=False)
         self.driver = AxisDriver(self._parameters, DirectPulses(loop, counter))
         # No lease ends because this computer is slow.
-        self.lease = AxisLease(self._parameters.lease_limit_s, lambda: calls.frozen_s)
+        self.ownership = AxisLease(self._parameters.lease_limit_s, lambda: calls.frozen_s)
         self.received, self.stopped = threading.Event(), threading.Event()
         self._step = f"step {axis_id.value}"
         self._stops = 0
-        self._outcomes: queue.SimpleQueue[MoveOutcome] = queue.SimpleQueue()
+        self._ended: List[MoveOutcome] = []
         self._motions = Workers(most=1)
 
     def reading(self) -> AxisReading:
@@ -155,26 +153,22 @@ class ProcessAxis:
     def is_connected(self) -> bool:
         return not self._calls.killed.is_set()
 
-    def reserve(self) -> Lease:
-        with self._calls.answer("reserve"):
-            return Lease(self.lease.reserve(CALLER), RENEWED_S)
-
-    def renew(self, lease: Lease) -> bool:
-        try:
-            self.lease.renew(CALLER, lease.number)
-        except LeaseLapsedError:
-            return False
-        return not self._calls.killed.is_set()
-
-    def release_lease(self, lease: Lease) -> None:
-        self.lease.release(CALLER, lease.number)
+    def lease(self, number: int = 0, release: bool = False) -> Lease:
+        with self._calls.answer("lease"):
+            if release:
+                self.ownership.release(CALLER, number)
+            elif number:
+                self.ownership.renew(CALLER, number)
+            else:
+                number = self.ownership.reserve(CALLER)
+            return Lease(number, RENEWED_S)
 
     def begin_move(self, target: float) -> None:
-        outcomes: queue.SimpleQueue[MoveOutcome] = queue.SimpleQueue()
-        self._outcomes, stops = outcomes, self._stops
+        ended: List[MoveOutcome] = []
+        self._ended, stops = ended, self._stops
 
         def move() -> None:
-            outcomes.put(
+            ended.append(
                 self._owned(stops, lambda ends: self.driver.move_to_coordinate(target, ends))
             )
             self.received.set()
@@ -182,11 +176,8 @@ class ProcessAxis:
         with self._calls.answer("move"):
             self._motions.begin(move)
 
-    def move_outcome(self, wait_s: float) -> Optional[MoveOutcome]:
-        try:
-            return self._outcomes.get(timeout=wait_s)
-        except queue.Empty:
-            return None
+    def move_outcome(self) -> Optional[MoveOutcome]:
+        return self._ended[0] if self._ended else None
 
     def home(self, time_limit_s: float) -> None:
         stops = self._stops
@@ -196,7 +187,7 @@ class ProcessAxis:
                 raise (NodeLostError if outcome.contact_lost else DeviceError)(outcome.message)
 
     def set_zero(self) -> None:
-        with self._calls.answer("set_zero"), self.lease.use(CALLER):
+        with self._calls.answer("set_zero"), self.ownership.use(CALLER):
             self.driver.set_zero()
 
     def stop(self) -> None:
@@ -214,12 +205,12 @@ class ProcessAxis:
             return stopped() or lapsed() is not None
 
         try:
-            with self.lease.use(CALLER) as lapsed:
+            with self.ownership.use(CALLER) as lapsed:
                 motion(ends)
         except AxisException as error:
             message = error.message
             if isinstance(error, MotionStopped) and not stopped():
-                message = self.lease.lapse
+                message = self.ownership.lapse
             return MoveOutcome(False, message)
         return MoveOutcome(True, verbatim(""))
 
@@ -245,10 +236,6 @@ class ProcessAnalyzer:
             accepted = self._driver.set_frequency_sweep(settings)
             duration_s, limit_s = self._driver.trace_duration_s, self._driver.answered_within_s
             return AnalyzerSetup(accepted, duration_s, limit_s)
-
-    def frequencies_hz(self) -> np.ndarray:
-        with self._answer("frequencies"):
-            return self._driver.get_freq()
 
     def prepare(self) -> None:
         pass

@@ -4,7 +4,6 @@
 import json
 import re
 import shutil
-import subprocess
 import threading
 import unittest
 import uuid
@@ -34,7 +33,7 @@ from tf2_msgs.msg import TFMessage
 
 from gpr20_analysis.read.verification import verify_survey
 from gpr20_msgs.msg import Annotation, ControlStatus
-from gpr20_msgs.srv import AddFact, ExportSurvey, FocusSurvey
+from gpr20_msgs.srv import AddFact, DailyCheck, ExportSurvey, FocusSurvey
 from gpr20_survey.axes import axis_id as frames
 from gpr20_survey.folder.recovery import read_description
 from gpr20_survey.plan import annotation
@@ -327,16 +326,12 @@ class WholeSurveyTest(unittest.TestCase):
         ]
         self.assertEqual(alarming, [])
 
-    def test_6_the_program_of_the_daily_check_says_that_a_simulated_robot_sees_no_plate(self):
-        made = subprocess.run(
-            ["rosrun", "gpr20_main_control", "daily_check", "--language", "en"],
-            input="\n\n\n",
-            capture_output=True,
-            text=True,
-            timeout=LIMIT_S,
-        )
-        self.assertEqual(made.returncode, 1, made.stderr)
-        self.assertIn("No echo of the metal plate", made.stdout.splitlines()[-1])
+    def test_6_the_daily_check_says_that_a_simulated_robot_sees_no_plate(self):
+        step = rospy.ServiceProxy("daily_check", DailyCheck)
+        answers = [step(step=number) for number in range(3)]
+        self.assertEqual([one.success for one in answers], [True] * 3, answers)
+        self.assertFalse(answers[-1].good)
+        self.assertIn("No echo of the metal plate", answers[-1].message)
         history = self.client.data / "daily_checks" / "history.jsonl"
         (line,) = [json.loads(one) for one in history.read_text().splitlines()]
         self.assertEqual((line["simulated"], line["good"]), (True, False))

@@ -165,7 +165,7 @@ def test_no_other_node_moves_an_axis_of_a_survey_or_sets_its_zero(robot):
 
     def ask():
         for axis, part in robot.axes.items():
-            with pytest.raises(AxisBusyError, match="/main_control"), part.lease.use("/other"):
+            with pytest.raises(AxisBusyError, match="/main_control"), part.ownership.use("/other"):
                 raise AssertionError(f"{axis} belongs to nobody")
             refused.append(axis)
 

@@ -100,7 +100,7 @@ class AnyCourse(RuleBasedStateMachine):
         if frozen:
             self.robot.calls.frozen_s += LEASE_LIMIT_S + 1.0
         part = self.robot.axes[axis]
-        with contextlib.suppress(AxisException), part.lease.use(OTHER):
+        with contextlib.suppress(AxisException), part.ownership.use(OTHER):
             if action == "zero":
                 part.driver.set_zero()
                 self.note_zero()

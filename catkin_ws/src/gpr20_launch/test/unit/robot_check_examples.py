@@ -8,7 +8,7 @@ from gpr20_launch.mid.robot_check import BuiltRobot, check_robot
 
 def message_field(datatype, field):
     """Find a field; only with sensors is ROS needed."""
-    from gpr20_main_control.high.message_field import MessageField
+    from gpr20_main_control.high.sensor_topics import MessageField
 
     return MessageField(datatype, field)
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from gpr20_common.message import Fault, Message, Severity
-from gpr20_survey.faults import COMPLETE, DAMAGED
+from gpr20_survey.faults import DAMAGED
 
 BLOCKED = Fault(
     "survey.blocked",
@@ -40,7 +40,6 @@ OTHER_ROBOT = Fault(
 CONFIGURATION_CHANGED = replace(OTHER_ROBOT, can_continue=True)
 # What is stored of the survey cannot be continued.
 RECORD_DAMAGED = replace(DAMAGED, can_continue=False)
-FREQUENCIES_CHANGED = replace(COMPLETE, severity=Severity.FAULT)
 STOPPED_BEFORE = Fault(
     "survey.stopped_before",
     Message("If nobody is in danger, press START, RESUME or the service button again."),

@@ -6,7 +6,6 @@ import os
 import shutil
 import signal
 import sys
-import time
 import unittest
 from urllib.parse import urlsplit
 
@@ -31,7 +30,6 @@ DEATHS = (
     ("vna_acquisition", "simulator"),
     ("vna_processing",),
 )
-NODES = ("main_control", "vna_acquisition", "height_sensor", "x_axis/axis_driver")
 
 
 def missing_nodes(status):
@@ -40,40 +38,21 @@ def missing_nodes(status):
     return () if warning is None else warning.all_details
 
 
-def cpu_s(pid):
-    """Return the time of a processor that a process has used [s].
-
-    Not from `stat`, which samples and misses threads that run for less than a tick. The clock is
-    numbered as by clock_getcpuclockid(3), which Python does not offer.
-    """
-    scheduler_clock = 2
-    return time.clock_gettime((~pid << 3) | scheduler_clock)
-
-
-def port_of(node):
-    """Return the port on which a node answers; None while the master does not know it."""
-    try:
-        uri = rosgraph.Master(rospy.get_name()).lookupNode(node)
-    except rosgraph.MasterException:
-        return None
-    return urlsplit(uri).port
-
-
-def is_watched(node):
-    """Return whether a watchdog has asked the node: it keeps the connection."""
-    ports = [
-        connection.raddr.port
-        for process in psutil.Process().parent().children()
-        if any(word.endswith("gpr20_launch/watchdog") for word in process.cmdline())
-        for connection in process.connections()
-        if connection.status == psutil.CONN_ESTABLISHED
-    ]
-    return port_of(node) in ports
-
-
 def watched(node):
-    """Return the process id of a node, when a watchdog has asked it."""
-    wait_until(lambda: is_watched(node), f"nobody watches {node}")
+    """Return the process id of a node, when a watchdog has asked it: it keeps the connection."""
+
+    def is_watched():
+        uri = rosgraph.Master(rospy.get_name()).lookupNode(node)
+        ports = [
+            connection.raddr.port
+            for process in psutil.Process().parent().children()
+            if any(word.endswith("gpr20_launch/watchdog") for word in process.cmdline())
+            for connection in process.connections()
+            if connection.status == psutil.CONN_ESTABLISHED
+        ]
+        return urlsplit(uri).port in ports
+
+    wait_until(is_watched, f"nobody watches {node}")
     return node_pid(node)
 
 
@@ -126,7 +105,7 @@ class NodeDeathsTest(unittest.TestCase):
             visited += 3
         self.client.check_complete(survey_id, TRACES)
 
-    def test_2_a_death_while_paused_is_said_and_the_survey_stays_paused_and_idle(self):
+    def test_2_a_death_while_paused_is_said_and_the_survey_stays_paused(self):
         survey_id = self.client.begin()
         self.client.wait_for_visited(2)
         self.assertTrue(self.client.pause().success)
@@ -134,12 +113,6 @@ class NodeDeathsTest(unittest.TestCase):
         self.signal(signal.SIGKILL, "vna_processing", "y_axis/axis_driver")
         self.wait_until_all_answer()
         self.assertEqual({one.code for one in self.client.statuses}, {ControlStatus.PAUSED})
-        pids = {node: node_pid(f"/{node}") for node in NODES}
-        before_s, begun_s = {node: cpu_s(pid) for node, pid in pids.items()}, time.monotonic()
-        time.sleep(1.0)
-        # Nobody is busy while a survey waits for its operator.
-        for node, pid in pids.items():
-            self.assertLess(cpu_s(pid) - before_s[node], 0.3 * (time.monotonic() - begun_s), node)
         self.client.go_on(survey_id)
         self.client.check_complete(survey_id, TRACES)
 
@@ -170,12 +143,10 @@ class NodeDeathsTest(unittest.TestCase):
         self.client.go_on(folder.name)
         self.client.check_complete(survey_id, TRACES)
 
-    def test_4_a_frozen_storage_and_window_are_restarted_and_the_survey_continues(self):
-        window, pid = watched("/user_interface"), watched("/vna_processing")
-        port = port_of("/user_interface")
+    def test_4_a_frozen_storage_is_restarted_and_the_survey_continues(self):
+        pid = watched("/vna_processing")
         survey_id = self.client.begin()
         self.client.wait_for_visited(4)
-        os.kill(window, signal.SIGSTOP)
         os.kill(pid, signal.SIGSTOP)
         # Of the survey before, too, progress may have come late.
         own = [one for one in self.client.progress if one.survey_id == survey_id]
@@ -186,8 +157,6 @@ class NodeDeathsTest(unittest.TestCase):
         self.client.check_complete(survey_id, TRACES)
         waiting = [one for one in self.client.statuses if one.code == ControlStatus.CHECKING]
         self.assertTrue(any("vna_processing" in message_from(one).all_details for one in waiting))
-        wait_for_end_of(window)
-        wait_until(lambda: port_of("/user_interface") not in (None, port), "no other window")
 
 
 if __name__ == "__main__":

@@ -17,7 +17,7 @@ from gpr20_common.mid.node_facts import NO_HARDWARE, Hardware
 from gpr20_common.sent_message import received_message
 from gpr20_main_control.errors import DeviceError
 from gpr20_main_control.mid.devices.described_robot import AuxSensors, DescribedRobot, TimeLimits
-from gpr20_main_control.mid.devices.node_liveness import NodeLiveness, WatchedNode
+from gpr20_main_control.mid.devices.node_liveness import NodeLiveness
 from gpr20_main_control.mid.devices.robot import (
     AnalyzerCalibration,
     AnalyzerSetup,
@@ -134,27 +134,22 @@ class FakeAxis:
         number = self.zero.number + 1
         self.zero = ZeroEpoch(number, FIRST_SWEEP_US + number if found else self.zero.time_us)
 
-    def reserve(self):
+    def lease(self, number=0, release=False):
         return Lease(1, 2.0)
-
-    def renew(self, lease):
-        return True
-
-    def release_lease(self, lease):
-        pass
 
     def is_connected(self):
         return True
 
     def begin_move(self, target):
+        assert target != self.coordinate, "a move that is none was sent"
         self.moves.append(target)
         self.begun.set()
         self.outcome = MoveOutcome(not self.fail_move, verbatim(self.fail_move))
         if not self.fail_move and self.blocked.is_set():
             self.coordinate = target
 
-    def move_outcome(self, wait_s):
-        return self.outcome if self.blocked.wait(wait_s) else None
+    def move_outcome(self):
+        return self.outcome if self.blocked.is_set() else None
 
     def home(self, time_limit_s):
         self.homings += 1
@@ -208,9 +203,6 @@ class FakeAnalyzer:
         self.requested.append(settings)
         self.settings = self.accept(settings)
         return AnalyzerSetup(self.settings, self.sweep_duration_s, 40.0)
-
-    def frequencies_hz(self):
-        return self.settings.frequencies_hz()
 
     def prepare(self):
         pass
@@ -337,14 +329,20 @@ class HandNotedNodes(NodeLiveness):
     """Nodes that a test marks as alive or silent; they are not polled."""
 
     def __init__(self, clock, on_change):
-        nodes = {name: WatchedNode(plain_name, []) for name, plain_name in NODES.items()}
         # On a busy computer the fast clock lets the time to start pass before all are there.
         started = []
-        super().__init__(nodes, clock, lambda missing: started and on_change(missing))
+        super().__init__(clock, lambda missing: started and on_change(missing))
         self.on_refresh = lambda: None
-        for name in NODES:
+        for name, plain_name in NODES.items():
+            self.watch(name, plain_name, lambda: 1)
             self.note_alive(name, 1)
         started.append(True)
+
+    def note_alive(self, name, process):
+        self.note(name, process)
+
+    def note_silent(self, name):
+        self.note(name, None)
 
     def refresh(self):
         self.on_refresh()
@@ -382,7 +380,7 @@ class Bench:
         self.robot = Robot(
             dict(zip(AxisId, self.axes)),
             self.analyzer,
-            self.height,
+            lambda: self.height.height_m(),
             self.storage,
             self.nodes,
             self.description,

@@ -80,7 +80,7 @@ def built_robot() -> BuiltRobot:
 
 def _message_field(datatype: str, field: str) -> object:
     # Imported only with a sensor: a launch without one need not wait for it.
-    from gpr20_main_control.high.message_field import MessageField
+    from gpr20_main_control.high.sensor_topics import MessageField
 
     return MessageField(datatype, field)
 

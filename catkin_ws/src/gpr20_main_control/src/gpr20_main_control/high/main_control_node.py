@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, fields
-from typing import Any, Dict
+from dataclasses import asdict
+from functools import partial
+from typing import Any, Callable, Dict, Tuple
 
 import rosgraph
 import rospy
 
 from gpr20_common.high import diagnostics
-from gpr20_common.high.answers import advertise, message_fields
+from gpr20_common.high.answers import advertise, message_fields, record_of
 from gpr20_common.high.node import read_parameters, run_node
 from gpr20_common.high.periodic import Periodic
 from gpr20_common.low.clock import Clock
@@ -18,48 +19,26 @@ from gpr20_common.message import Message
 from gpr20_common.mid.codec import plain
 from gpr20_common.mid.node_facts import NO_HARDWARE, own_software
 from gpr20_main_control.errors import OtherAnalyzerError
-from gpr20_main_control.high.robot_topics import DescriptionTopics, SensorTopics
 from gpr20_main_control.high.ros_axis import RosAxis
-from gpr20_main_control.high.ros_devices import RosAnalyzer, RosHeightSensor, RosStorage
-from gpr20_main_control.high.survey_topics import SurveyTopics
-from gpr20_main_control.mid.devices.described_robot import DescribedRobot, TimeLimits
-from gpr20_main_control.mid.devices.node_liveness import (
-    CONNECTIONS,
-    SILENCE_LIMIT_S,
-    NodeLiveness,
-    WatchedNode,
+from gpr20_main_control.high.ros_devices import RosAnalyzer, RosStorage, height_over_ros
+from gpr20_main_control.high.sensor_topics import SensorTopics
+from gpr20_main_control.high.survey_topics import SurveyTopics, listen_to_nodes
+from gpr20_main_control.mid.devices.described_robot import (
+    NEEDED_NODES,
+    DescribedRobot,
+    TimeLimits,
 )
+from gpr20_main_control.mid.devices.node_liveness import SILENCE_LIMIT_S, NodeLiveness
 from gpr20_main_control.mid.devices.robot import Robot
 from gpr20_main_control.mid.main_control import MainControl
 from gpr20_main_control.mid.service import axis_move
 from gpr20_main_control.mid.survey.survey import Accepted
 from gpr20_main_control.mid.survey.survey_status import SurveyStatus
-from gpr20_msgs.srv import (
-    Command,
-    CommandResponse,
-    DailyCheck,
-    DailyCheckResponse,
-    ResumeSurvey,
-    ResumeSurveyResponse,
-    ServiceMove,
-    ServiceMoveResponse,
-    SetSurveyParameters,
-    SetSurveyParametersResponse,
-    StartSurvey,
-    StartSurveyResponse,
-    TestAnalyzer,
-    TestAnalyzerResponse,
-)
+from gpr20_msgs import srv
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.plan import annotation
 from gpr20_survey.plan.annotation import Site
-from gpr20_survey.plan.robot_description import (
-    PLAIN_NAMES,
-    SIMULATOR,
-    STORAGE,
-    STORAGE_NAME,
-    NodeDescription,
-)
+from gpr20_survey.plan.robot_description import SIMULATOR, NodeDescription
 from gpr20_survey.plan.sensors import SENSORS, Sensors
 from gpr20_survey.plan.survey_parameters import (
     DEFAULT_POLARIZATIONS_DEG,
@@ -73,31 +52,29 @@ from gpr20_survey.results.analyzer_test import AnalyzerTest
 PUBLISHING_PERIOD_S = 0.1
 NODE = "main_control"
 SHUTDOWN_LIMIT_S = 10.0
+# What an answer says, and its other fields.
+Said = Tuple[Message, Dict[str, Any]]
 
 
 class MainControlNode:
     """Services and topics of the survey."""
 
     def __init__(
-        self,
-        control: MainControl,
-        robot: Robot,
-        status: SurveyStatus,
-        topics: SurveyTopics,
-        sensors: SensorTopics,
+        self, control: MainControl, robot: Robot, status: SurveyStatus, topics: SurveyTopics
     ) -> None:
         self._control, self._robot = control, robot
-        self._status, self._topics, self._sensors = status, topics, sensors
-        self._services = [
-            advertise("set_survey_parameters", SetSurveyParameters, self._set_parameters),
-            advertise("start_survey", StartSurvey, self._start),
-            advertise("pause_survey", Command, self._pause),
-            advertise("stop_survey", Command, self._stop),
-            advertise("resume_survey", ResumeSurvey, self._resume),
-            advertise("service_move", ServiceMove, self._service_move),
-            advertise("test_analyzer", TestAnalyzer, self._test_analyzer),
-            advertise("daily_check", DailyCheck, self._daily_check),
-        ]
+        self._status, self._topics = status, topics
+        for name, kind, handle in (
+            ("set_survey_parameters", srv.SetSurveyParameters, self._set_parameters),
+            ("start_survey", srv.StartSurvey, self._start),
+            ("pause_survey", srv.Command, lambda _request: (control.pause(), {})),
+            ("stop_survey", srv.Command, lambda _request: (control.stop(), {})),
+            ("resume_survey", srv.ResumeSurvey, self._resume),
+            ("service_move", srv.ServiceMove, self._service_move),
+            ("daily_check", srv.DailyCheck, self._daily_check),
+        ):
+            advertise(name, kind, partial(_answer, kind, handle))
+        advertise("test_analyzer", srv.TestAnalyzer, self._test_analyzer)
         # After the services: clients that receive the status call them.
         topics.publish_status(status.status)
         topics.publish_service(None)
@@ -111,56 +88,44 @@ class MainControlNode:
     def _publish(self) -> None:
         self._topics.publish(self._robot, self._status.status)
 
-    def _set_parameters(self, request: Any) -> SetSurveyParametersResponse:
-        message = request.parameters
-        names = [one.name for one in fields(SurveyParameters)]
-        values = {name: getattr(message, name) for name in names}
-        values["polarizations_deg"] = tuple(message.polarizations_deg) or DEFAULT_POLARIZATIONS_DEG
-        plan = self._control.set_parameters(SurveyParameters(**values), _caller(request))
-        return SetSurveyParametersResponse(
-            success=True,
-            plan_id=plan.parameters.plan_id,
-            total_points=plan.total_points,
-            estimated_time=rospy.Duration.from_sec(plan.duration_s),
-            **message_fields(Message("Parameters accepted")),
+    def _set_parameters(self, request: Any) -> Said:
+        rotations_deg = tuple(request.parameters.polarizations_deg) or DEFAULT_POLARIZATIONS_DEG
+        parameters = record_of(
+            SurveyParameters, request.parameters, polarizations_deg=rotations_deg
         )
+        plan = self._control.set_parameters(parameters, _caller(request))
+        return Message("Parameters accepted"), {
+            "plan_id": plan.parameters.plan_id,
+            "total_points": plan.total_points,
+            "estimated_time": rospy.Duration.from_sec(plan.duration_s),
+        }
 
-    def _start(self, request: Any) -> StartSurveyResponse:
+    def _start(self, request: Any) -> Said:
         added = annotation.from_fields(request.annotation)
         permittivity = requested_permittivity(request.permittivity)
         survey_id = self._control.start(added, request.refines, permittivity, request.plan_id)
-        started = message_fields(Message("Survey started"))
-        return StartSurveyResponse(success=True, survey_id=survey_id, **started)
+        return Message("Survey started"), {"survey_id": survey_id}
 
-    def _stop(self, _request: Any) -> CommandResponse:
-        return CommandResponse(success=True, **message_fields(self._control.stop()))
-
-    def _pause(self, _request: Any) -> CommandResponse:
-        return CommandResponse(success=True, **message_fields(self._control.pause()))
-
-    def _resume(self, request: Any) -> ResumeSurveyResponse:
+    def _resume(self, request: Any) -> Said:
         try:
             accepted = Accepted(request.accept_analyzer, request.accept_zeros)
-            resuming = self._control.resume(request.survey, accepted)
+            return self._control.resume(request.survey, accepted), {}
         except OtherAnalyzerError as error:
-            refused = message_fields(error.message)
-            return ResumeSurveyResponse(other_analyzer=error.identity, **refused)
-        return ResumeSurveyResponse(success=True, **message_fields(resuming))
+            return error.message, {"success": False, "other_analyzer": error.identity}
 
-    def _service_move(self, request: Any) -> ServiceMoveResponse:
+    def _service_move(self, request: Any) -> Said:
         move = axis_move(request.axis, request.action, request.distance)
-        message = self._control.move_for_service(move)
-        return ServiceMoveResponse(success=True, **message_fields(message))
+        return self._control.move_for_service(move), {}
 
-    def _test_analyzer(self, request: Any) -> TestAnalyzerResponse:
+    def _test_analyzer(self, request: Any) -> srv.TestAnalyzerResponse:
         test = self._control.test_analyzer(request.address)
-        return TestAnalyzerResponse(**analyzer_test_fields(test))
+        return srv.TestAnalyzerResponse(**analyzer_test_fields(test))
 
-    def _daily_check(self, request: Any) -> DailyCheckResponse:
+    def _daily_check(self, request: Any) -> Said:
         verdict = self._control.daily_check(request.step, _caller(request))
-        message = Message("Swept twice.") if verdict is None else verdict.message
-        good = verdict is not None and verdict.good
-        return DailyCheckResponse(success=True, good=good, **message_fields(message))
+        if verdict is None:
+            return Message("Swept twice."), {}
+        return verdict.message, {"good": verdict.good}
 
     def _health(self) -> diagnostics.Health:
         status = self._status.status
@@ -185,6 +150,11 @@ def analyzer_test_fields(test: AnalyzerTest) -> Dict[str, Any]:
     return {"success": failure is None, **said, **found}
 
 
+def _answer(kind: Any, handle: Callable[[Any], Said], request: Any) -> Any:
+    said, fields = handle(request)
+    return kind._response_class(**{"success": True, **message_fields(said), **fields})
+
+
 def _caller(request: Any) -> str:
     """Return the name of the node that has sent a request."""
     return str(request._connection_header.get("callerid", ""))
@@ -202,14 +172,15 @@ def build_main_control_node() -> MainControlNode:
     sensors = SensorTopics(read_parameters(Sensors, SENSORS).sensors, clock)
     topics = SurveyTopics()
     status = SurveyStatus(topics.publish_change, topics.publish_parameters, topics.publish_coverage)
-    nodes = NodeLiveness(_watched_nodes(), clock, status.set_missing)
-    descriptions = DescriptionTopics()
+    nodes = NodeLiveness(clock, status.set_missing)
+    for name, plain_name in NEEDED_NODES.items():
+        nodes.watch(name, plain_name, _probe(name))
 
     def describe(description: DescribedRobot) -> None:
         simulated = description.problem() is None and description.config().simulated
         if simulated:
-            nodes.watch(SIMULATOR, _watched(SIMULATOR, Message("the simulated robot")))
-        descriptions.publish(description)
+            nodes.watch(SIMULATOR, Message("the simulated robot"), _probe(SIMULATOR))
+        topics.publish_robot(description)
         if simulated != topics.simulated:
             topics.simulated = simulated
             topics.publish_status(status.status)
@@ -217,8 +188,8 @@ def build_main_control_node() -> MainControlNode:
     description = DescribedRobot(read_parameters(Site, "site"), limits, describe)
     robot = Robot(
         axes={axis_id: RosAxis(axis_id, clock) for axis_id in AxisId},
-        analyzer=RosAnalyzer(limits),
-        height_sensor=RosHeightSensor(limits.height_limit_s),
+        analyzer=RosAnalyzer(limits.analyzer_limit_s),
+        height_m=height_over_ros(limits.height_limit_s),
         storage=RosStorage(limits.storage_limit_s, topics),
         nodes=nodes,
         description=description,
@@ -227,26 +198,16 @@ def build_main_control_node() -> MainControlNode:
     control = MainControl(
         robot, settings, status, clock, description.site.annotation, topics.publish_service
     )
-    node = MainControlNode(control, robot, status, topics, sensors)
+    node = MainControlNode(control, robot, status, topics)
     own = {**plain(settings), **asdict(limits)}
     description.note(NodeDescription(NODE, NO_HARDWARE, own, own_software()))
-    descriptions.listen(description.note)
+    listen_to_nodes(description.note)
     return node
 
 
-def _watched_nodes() -> Dict[str, WatchedNode]:
-    names = {**PLAIN_NAMES, STORAGE: STORAGE_NAME}
-    return {name: _watched(name, plain_name) for name, plain_name in names.items()}
-
-
-def _watched(name: str, plain_name: Message) -> WatchedNode:
-    own_name, full_name = rospy.get_name(), rospy.resolve_name(name)
-    master_uri = rosgraph.get_master_uri()
-    probes = [
-        NodeProbe(master_uri, own_name, full_name, SILENCE_LIMIT_S).process
-        for _connection in range(CONNECTIONS)
-    ]
-    return WatchedNode(plain_name, probes)
+def _probe(name: str) -> Callable[[], int]:
+    master_uri, own_name = rosgraph.get_master_uri(), rospy.get_name()
+    return NodeProbe(master_uri, own_name, rospy.resolve_name(name), SILENCE_LIMIT_S).process
 
 
 def main() -> None:

@@ -2,21 +2,21 @@
 
 from __future__ import annotations
 
-import queue
 import threading
-from typing import Any, Callable, List, Optional, Set
+from typing import Any, List, Optional, Tuple
 
 import actionlib
 import rospy
 
 from gpr20_common.faults import PART_LOST
 from gpr20_common.high.answers import message_from
-from gpr20_common.high.raw_message import connection_header, microseconds
+from gpr20_common.high.raw_message import microseconds
 from gpr20_common.high.service_client import ServiceClient, ServiceUnavailableError
 from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message, verbatim
 from gpr20_main_control.errors import DeviceError, NodeLostError
 from gpr20_main_control.high.ros_devices import no_answer
+from gpr20_main_control.high.survey_topics import only_from
 from gpr20_main_control.mid.devices.robot import AxisReading, Lease, MoveOutcome
 from gpr20_msgs.msg import AxisAction, AxisGoal, AxisResult, CurrentCoordinate
 from gpr20_msgs.srv import AxisLease, Command
@@ -29,8 +29,6 @@ STOP_LIMIT_S = 5.0
 # Nothing moves, but its process of the pulses may have to be started.
 SET_ZERO_LIMIT_S = 30.0
 LEASE_CALL_LIMIT_S = 1.5
-# The node of an axis, in the axis's namespace.
-DRIVER = "axis_driver"
 
 
 class RosAxis:
@@ -39,87 +37,73 @@ class RosAxis:
     def __init__(self, axis_id: AxisId, clock: Clock) -> None:
         """Connect to the axis in its namespace, such as x_axis.
 
-        Args:
-            axis_id: Which axis.
-            clock: Measures the age of a reading; the time of day may be set meanwhile.
+        `clock` measures the age of a reading; the time of day may be set meanwhile.
         """
-        group = f"{axis_id.value}_axis"
-        self._group = group
-        self._plain_name = PLAIN_NAMES[f"{group}/{DRIVER}"]
+        group = self._group = f"{axis_id.value}_axis"
+        driver = f"{group}/axis_driver"
+        self._plain_name = PLAIN_NAMES[driver]
         self._clock = clock
-        self._driver = rospy.resolve_name(f"{group}/{DRIVER}")
-        self._ignored: Set[str] = set()
-        self._lock = threading.Lock()
-        self._last: Optional[CurrentCoordinate] = None
-        self._received_s = 0.0
+        # The last reading, and when it was received [s].
+        self._last: Optional[Tuple[CurrentCoordinate, float]] = None
         self.received = threading.Event()
-        self._outcomes: queue.Queue = queue.Queue()
         # Not a SimpleActionClient: it drops what it receives about a goal before send_goal()
         # has returned, so the result of a very short move could be lost.
-        self._client = _DriversClient(f"{group}/axis", self._is_from_driver)
+        self._client = _DriversClient(f"{group}/axis", driver)
         self._goal: Optional[actionlib.ClientGoalHandle] = None
+        self._outcomes: List[MoveOutcome] = []
         self._homing = ServiceClient(f"{group}/homing", Command)
         self._set_zero = ServiceClient(f"{group}/set_zero", Command)
         self._stop = ServiceClient(f"{group}/stop", Command)
         # What a hung driver does late with a lease is refused or harmless.
         self._lease = ServiceClient(f"{group}/lease", AxisLease, keep_open=True)
         self._stops: List[threading.Thread] = []
+        self._lock = threading.Lock()
         self._subscriber = rospy.Subscriber(
-            f"{group}/current_coord", CurrentCoordinate, self._note, queue_size=10
+            f"{group}/current_coord",
+            CurrentCoordinate,
+            only_from(driver, self._note),
+            queue_size=10,
         )
 
     def reading(self) -> Optional[AxisReading]:
-        with self._lock:
-            last, received_s = self._last, self._received_s
-        if last is None:
+        if self._last is None:
             return None
+        last, received_s = self._last
         # Age by this machine's clock: the two machines' clocks may differ.
         age_s = self._clock.now_s() - received_s
         zero = ZeroEpoch(last.zero_epoch, microseconds(last.zero_time))
         return AxisReading(last.coordinate, last.homed, last.moving, age_s, zero)
 
-    def reserve(self) -> Lease:
-        response = self._call(self._lease, LEASE_CALL_LIMIT_S)
-        if not response.success:
+    def lease(self, number: int = 0, release: bool = False) -> Lease:
+        answer = self._call(self._lease, LEASE_CALL_LIMIT_S, lease=number, release=release)
+        if not answer.success:
             raise DeviceError(
                 Message(
                     "{device} is not free: {reason}",
                     device=self._plain_name,
-                    reason=message_from(response),
+                    reason=message_from(answer),
                 )
             )
-        return Lease(response.lease, response.limit_s)
-
-    def renew(self, lease: Lease) -> bool:
-        return bool(self._call(self._lease, LEASE_CALL_LIMIT_S, lease=lease.number).success)
-
-    def release_lease(self, lease: Lease) -> None:
-        try:
-            self._call(self._lease, LEASE_CALL_LIMIT_S, lease=lease.number, release=True)
-        except NodeLostError as error:
-            # It ends by itself.
-            rospy.loginfo("the lease of %s was not released: %s", self._group, error)
+        return Lease(answer.lease, answer.limit_s)
 
     def is_connected(self) -> bool:
         return bool(self._client.wait_for_server(rospy.Duration(SERVER_POLL_S)))
 
     def begin_move(self, target: float) -> None:
         self._await_stops()
-        outcomes: queue.Queue = queue.Queue()
+        outcomes: List[MoveOutcome] = []
 
         def note(goal: actionlib.ClientGoalHandle) -> None:
             if goal.get_comm_state() == actionlib.CommState.DONE:
-                outcomes.put(_outcome(goal))
+                outcomes.append(_outcome(goal))
+                self.received.set()
 
         self._outcomes = outcomes
         # Stored, because a goal whose handle is deleted is no longer followed.
         self._goal = self._client.send_goal(AxisGoal(target_coordinate=target), note)
 
-    def move_outcome(self, wait_s: float) -> Optional[MoveOutcome]:
-        try:
-            return self._outcomes.get(timeout=wait_s)
-        except queue.Empty:
-            return None
+    def move_outcome(self) -> Optional[MoveOutcome]:
+        return self._outcomes[0] if self._outcomes else None
 
     def home(self, time_limit_s: float) -> None:
         self._await_stops()
@@ -172,49 +156,18 @@ class RosAxis:
             log("%s could not be stopped: %s", self._group, error)
 
     def _note(self, message: CurrentCoordinate) -> None:
-        # A recording that is played beside the robot publishes positions of another robot; a
-        # trace could be stored with one of them.
-        if not self._is_from_driver(message):
-            return
-        with self._lock:
-            self._last = message
-            self._received_s = self._clock.now_s()
+        self._last = message, self._clock.now_s()
         self.received.set()
-
-    def _is_from_driver(self, message: Any) -> bool:
-        publisher = connection_header(message)["callerid"]
-        if publisher == self._driver:
-            return True
-        if publisher not in self._ignored:
-            self._ignored.add(publisher)
-            rospy.logerr(
-                "%s publishes messages of %s beside %s; they are ignored: end it, and play "
-                "recordings under other names (rosbag play --prefix=/replay)",
-                publisher,
-                self._group,
-                self._driver,
-            )
-        return False
 
 
 class _DriversClient(actionlib.ActionClient):
-    """An action client that listens to the driver of the axis alone.
+    """An action client that listens to the driver of the axis alone."""
 
-    A recording that is played beside the robot publishes results and statuses too: without this,
-    a goal that its statuses do not list counts as lost.
-    """
-
-    def __init__(self, name: str, is_from_driver: Callable[[Any], bool]) -> None:
-        self._is_from_driver = is_from_driver
+    def __init__(self, name: str, driver: str) -> None:
+        # The base class subscribes with these.
+        for callback in ("_status_cb", "_result_cb"):
+            setattr(self, callback, only_from(driver, getattr(self, callback)))
         super().__init__(name, AxisAction)
-
-    def _status_cb(self, message: Any) -> None:
-        if self._is_from_driver(message):
-            super()._status_cb(message)
-
-    def _result_cb(self, message: Any) -> None:
-        if self._is_from_driver(message):
-            super()._result_cb(message)
 
 
 def _outcome(goal: actionlib.ClientGoalHandle) -> MoveOutcome:

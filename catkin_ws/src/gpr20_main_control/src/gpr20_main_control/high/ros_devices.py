@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import json
 import math
-from typing import Any
+from functools import partial
+from typing import Any, Callable
 
 import numpy as np
 
@@ -19,8 +20,8 @@ from gpr20_main_control.high.survey_topics import (
     coverage_message,
     progress_message,
 )
-from gpr20_main_control.mid.devices.described_robot import TimeLimits
 from gpr20_main_control.mid.devices.robot import (
+    SETUP_LIMIT_S,
     AnalyzerCalibration,
     AnalyzerSetup,
     SurveyEnd,
@@ -28,22 +29,8 @@ from gpr20_main_control.mid.devices.robot import (
     SweepConfirmation,
     UnconfirmedSweep,
 )
+from gpr20_msgs import srv
 from gpr20_msgs.msg import SurveyCoverage, SurveyData
-from gpr20_msgs.srv import (
-    AddFact,
-    CloseSurvey,
-    ConfirmData,
-    Connection,
-    FreqSweepSetup,
-    GetCalibrationStatus,
-    GetData,
-    GetFreq,
-    GetHeight,
-    OpenSurvey,
-    ReopenSurvey,
-    StoreData,
-    StoreDataRequest,
-)
 from gpr20_survey.folder.log_record import Kind
 from gpr20_survey.plan.robot_description import ANALYZER, HEIGHT_SENSOR, PLAIN_NAMES, STORAGE_NAME
 from gpr20_survey.results.reopened_survey import ReopenedSurvey
@@ -75,8 +62,16 @@ class DeviceService:
         time_limit_s: Time limit of a call [s].
     """
 
-    def __init__(self, device: Message, name: str, service_class: Any, time_limit_s: float) -> None:
-        self._device = device
+    def __init__(
+        self,
+        device: Message,
+        name: str,
+        service_class: Any,
+        time_limit_s: float,
+        failure: Callable[[Message, Any], DeviceError] = lambda reason, _: DeviceError(reason),
+    ) -> None:
+        """Connect to nothing yet; `failure` makes the error of an answer that is one."""
+        self._device, self._failure = device, failure
         self._client = ServiceClient(name, service_class, keep_open=name in AT_EVERY_POINT)
         self.time_limit_s = time_limit_s
 
@@ -86,48 +81,36 @@ class DeviceService:
         Raises:
             DeviceError: No answer came, or the answer was a failure.
         """
-        response = self.response(*request, **fields)
+        try:
+            response = self._client.call(self.time_limit_s, *request, **fields)
+        except ServiceUnavailableError as error:
+            raise DeviceError(no_answer(self._device, error), fault=PART_SILENT) from error
         if not response.success:
-            raise DeviceError(self.refusal(response))
+            # What the part itself reports decides, also a note.
+            reason = message_from(response)
+            carried = Message("{reason}", reason=reason, details=self._client.name)
+            raise self._failure(carried.with_fault(reason.cause), response)
         return response
 
     def prepare(self) -> None:
         """Connect, so that a call that follows soon need not; a failure shows at the call."""
         self._client.prepare(PREPARATION_LIMIT_S)
 
-    def response(self, *request: Any, **fields: Any) -> Any:
-        """Call the service and return its response, whatever it says.
-
-        Raises:
-            DeviceError: No answer came.
-        """
-        try:
-            return self._client.call(self.time_limit_s, *request, **fields)
-        except ServiceUnavailableError as error:
-            raise DeviceError(no_answer(self._device, error), fault=PART_SILENT) from error
-
-    def refusal(self, response: Any) -> Message:
-        """Return the message of a failure; what the part itself reports decides, also a note."""
-        reason = message_from(response)
-        carried = Message("{reason}", reason=reason, details=self._client.name)
-        return carried.with_fault(reason.cause)
-
 
 class RosAnalyzer:
     """Implements `gpr20_main_control.mid.devices.robot.Analyzer`."""
 
-    def __init__(self, limits: TimeLimits) -> None:
-        def service(name: str, service_class: Any) -> DeviceService:
-            limit_s = limits.analyzer_limit_s
-            return DeviceService(PLAIN_NAMES[ANALYZER], name, service_class, limit_s)
-
-        self._limits = limits
-        self._connection = service("connection", Connection)
-        self._setup = service("freq_sweep_setup", FreqSweepSetup)
-        self._frequencies = service("get_freq", GetFreq)
-        self._calibration = service("get_calibration_status", GetCalibrationStatus)
-        self._data = service("get_data", GetData)
-        self._confirmation = service("confirm_data", ConfirmData)
+    def __init__(self, time_limit_s: float) -> None:
+        service = partial(DeviceService, PLAIN_NAMES[ANALYZER], time_limit_s=time_limit_s)
+        self._connection = service("connection", srv.Connection)
+        self._setup = service("freq_sweep_setup", srv.FreqSweepSetup, time_limit_s=SETUP_LIMIT_S)
+        self._calibration = service("get_calibration_status", srv.GetCalibrationStatus)
+        self._data = service("get_data", srv.GetData)
+        self._confirmation = service(
+            "confirm_data",
+            srv.ConfirmData,
+            failure=lambda reason, answer: UnconfirmedError(reason, answer.repeat),
+        )
 
     def connect(self, address: str) -> str:
         return str(self._connection(connect=True, address=address).identity)
@@ -144,7 +127,6 @@ class RosAnalyzer:
         )
 
     def configure(self, settings: SweepSettings) -> AnalyzerSetup:
-        self._setup.time_limit_s = self._limits.analyzer_setup_limit_s(settings)
         answer = self._setup(
             start_frequency_hz=settings.start_frequency_hz,
             stop_frequency_hz=settings.stop_frequency_hz,
@@ -153,16 +135,8 @@ class RosAnalyzer:
         )
         limit_s = answer.request_limit_s + MARGIN_S
         self._data.time_limit_s = self._confirmation.time_limit_s = limit_s
-        accepted = SweepSettings(
-            answer.start_frequency_hz,
-            answer.stop_frequency_hz,
-            answer.points,
-            _analyzer_settings(answer),
-        )
+        accepted = record_of(SweepSettings, answer, analyzer=record_of(AnalyzerSettings, answer))
         return AnalyzerSetup(accepted, answer.sweep_duration_s, limit_s)
-
-    def frequencies_hz(self) -> np.ndarray:
-        return np.array(self._frequencies().frequency_hz)
 
     def prepare(self) -> None:
         self._data.prepare()
@@ -176,27 +150,20 @@ class RosAnalyzer:
             sweep_started_us=microseconds(data.sweep_started),
             sweep_ended_us=microseconds(data.sweep_ended),
             quality=tuple(data.quality),
-            analyzer=_analyzer_settings(data),
+            analyzer=record_of(AnalyzerSettings, data),
         )
         return UnconfirmedSweep(data.number, sweep)
 
     def confirm(self, number: int) -> SweepConfirmation:
-        answer = self._confirmation.response(number=number)
-        if not answer.success:
-            raise UnconfirmedError(self._confirmation.refusal(answer), answer.repeat)
+        answer = self._confirmation(number=number)
         known = math.isfinite(answer.temperature_c)
         return SweepConfirmation(tuple(answer.quality), answer.temperature_c if known else None)
 
 
-class RosHeightSensor:
-    """Implements `gpr20_main_control.mid.devices.robot.HeightSensor`."""
-
-    def __init__(self, time_limit_s: float) -> None:
-        device = PLAIN_NAMES[HEIGHT_SENSOR]
-        self._measure = DeviceService(device, "get_height", GetHeight, time_limit_s)
-
-    def height_m(self) -> float:
-        return float(self._measure().height_m)
+def height_over_ros(time_limit_s: float) -> Callable[[], float]:
+    """Return what measures the height of the antennas above the ground [m]."""
+    measure = DeviceService(PLAIN_NAMES[HEIGHT_SENSOR], "get_height", srv.GetHeight, time_limit_s)
+    return lambda: float(measure().height_m)
 
 
 class RosStorage:
@@ -205,15 +172,12 @@ class RosStorage:
     def __init__(self, time_limit_s: float, topics: SurveyTopics) -> None:
         """Prepare the calls; `topics` makes the messages with which recordings end."""
         self._topics = topics
-
-        def service(name: str, service_class: Any, limit_s: float) -> DeviceService:
-            return DeviceService(STORAGE_NAME, name, service_class, limit_s)
-
-        self._open = service("open_survey", OpenSurvey, WHOLE_SURVEY_LIMIT_S)
-        self._reopen = service("reopen_survey", ReopenSurvey, WHOLE_SURVEY_LIMIT_S)
-        self._add_fact = service("add_fact", AddFact, time_limit_s)
-        self._store = service("store_data", StoreData, time_limit_s)
-        self._close = service("close_survey", CloseSurvey, WHOLE_SURVEY_LIMIT_S)
+        service = partial(DeviceService, STORAGE_NAME)
+        self._open = service("open_survey", srv.OpenSurvey, WHOLE_SURVEY_LIMIT_S)
+        self._reopen = service("reopen_survey", srv.ReopenSurvey, WHOLE_SURVEY_LIMIT_S)
+        self._add_fact = service("add_fact", srv.AddFact, time_limit_s)
+        self._store = service("store_data", srv.StoreData, time_limit_s)
+        self._close = service("close_survey", srv.CloseSurvey, WHOLE_SURVEY_LIMIT_S)
 
     def open(self, record: SurveyRecord) -> str:
         response = self._open(
@@ -236,7 +200,7 @@ class RosStorage:
 
     def store(self, trace: Trace) -> None:
         # The trace is the only field of the request, so their bytes are the same.
-        self._store(preserialized(StoreDataRequest, trace_message.encode(trace)))
+        self._store(preserialized(srv.StoreDataRequest, trace_message.encode(trace)))
 
     def close(self, survey_id: str, end: SurveyEnd) -> None:
         progress, coverage = SurveyData(), SurveyCoverage()
@@ -252,7 +216,3 @@ class RosStorage:
             progress=progress,
             coverage=coverage,
         )
-
-
-def _analyzer_settings(data: Any) -> AnalyzerSettings:
-    return AnalyzerSettings(data.if_bandwidth_hz, data.averages, data.output_power)

@@ -1,26 +1,24 @@
-"""The topics of the survey."""
+"""The topics of the survey and of what the robot is."""
 
 from __future__ import annotations
 
-from dataclasses import asdict
-from typing import Optional, Sequence, Tuple
+import json
+from dataclasses import asdict, replace
+from functools import partial
+from typing import Any, Callable, Optional, Sequence, Tuple
 
 import rospy
 
 from gpr20_common.high.answers import fault_of, message_fields
-from gpr20_common.high.raw_message import ros_time
+from gpr20_common.high.node import DESCRIPTION
+from gpr20_common.high.raw_message import connection_header, ros_time
 from gpr20_common.message import Message
+from gpr20_main_control.mid.devices.described_robot import NEEDED_NODES, DescribedRobot
 from gpr20_main_control.mid.devices.robot import Robot
 from gpr20_main_control.mid.survey.survey_status import Coverage, Status
-from gpr20_msgs.msg import (
-    ControlStatus,
-    Coordinates,
-    ServiceStatus,
-    SurveyCoverage,
-    SurveyData,
-)
-from gpr20_msgs.msg import SurveyParameters as SurveyParametersMessage
+from gpr20_msgs import msg
 from gpr20_survey.axes.axis_id import BASE_LINK
+from gpr20_survey.plan.robot_description import SIMULATOR, NodeDescription
 from gpr20_survey.plan.survey_parameters import SurveyParameters
 
 NO_TARGET = -1.0
@@ -40,34 +38,38 @@ class SurveyTopics:
         self.simulated = False
         self._position: Tuple[float, ...] = ()
         self._ticks = 0
-        self._status = rospy.Publisher("control_status", ControlStatus, queue_size=10, latch=True)
-        self._target = rospy.Publisher("control_target_coordinate", Coordinates, queue_size=10)
-        self._current = rospy.Publisher("control_current_coordinate", Coordinates, queue_size=10)
-        self._progress = rospy.Publisher("control_survey_data", SurveyData, queue_size=10)
-        self._coverage = rospy.Publisher(
-            "survey_coverage", SurveyCoverage, queue_size=10, latch=True
-        )
-        self._service = rospy.Publisher("service_status", ServiceStatus, queue_size=10, latch=True)
-        self._parameters = rospy.Publisher(
-            "survey_parameters", SurveyParametersMessage, queue_size=10, latch=True
-        )
+        topic = partial(rospy.Publisher, queue_size=10)
+        latched = partial(topic, latch=True)
+        self._status = latched("control_status", msg.ControlStatus)
+        self._target = topic("control_target_coordinate", msg.Coordinates)
+        self._current = topic("control_current_coordinate", msg.Coordinates)
+        self._progress = topic("control_survey_data", msg.SurveyData)
+        self._coverage = latched("survey_coverage", msg.SurveyCoverage)
+        self._service = latched("service_status", msg.ServiceStatus)
+        self._robot = latched("robot_configuration", msg.RobotConfiguration)
+        self._parameters = latched("survey_parameters", msg.SurveyParameters)
 
     def publish_change(self, before: Status, after: Status) -> None:
         """Publish a change of the status."""
-        if _stated(before) != _stated(after):
+
+        def changed(*names: str) -> bool:
+            return any(getattr(before, name) != getattr(after, name) for name in names)
+
+        if changed("state", "full_message", "plan_id", "plan_set_by"):
             rospy.loginfo("%s: %s", after.state.name, after.full_message)
             self.publish_status(after)
-        if before.target != after.target:
+        if changed("target"):
             self._publish_target(after)
-        if _progress(before) != _progress(after):
+        if changed("survey_id", "total_points", "visited_points", "remaining_s"):
             self._progress.publish(progress_message(after))
 
     def publish_status(self, status: Status) -> None:
         self._status.publish(self.status_message(status))
 
-    def status_message(self, status: Status) -> ControlStatus:
+    def status_message(self, status: Status) -> msg.ControlStatus:
         """Return the message with state and message."""
-        message = ControlStatus(
+        return _stamped(
+            msg.ControlStatus,
             code=int(status.state),
             survey_id=status.survey_id,
             simulated=self.simulated,
@@ -77,8 +79,6 @@ class SurveyTopics:
             ended=ros_time(status.ended_us),
             **message_fields(status.full_message),
         )
-        message.header.stamp = rospy.Time.now()
-        return message
 
     def _publish_target(self, status: Status) -> None:
         target = status.target
@@ -91,14 +91,29 @@ class SurveyTopics:
         self._coverage.publish(coverage_message(coverage, survey_id))
 
     def publish_parameters(self, parameters: SurveyParameters) -> None:
-        self._parameters.publish(SurveyParametersMessage(**asdict(parameters)))
+        self._parameters.publish(msg.SurveyParameters(**asdict(parameters)))
 
     def publish_service(self, activity: Optional[Message]) -> None:
         """Publish what is done for maintenance; None: nothing."""
         fields = message_fields(activity) if activity is not None else {}
         if activity is not None:
             rospy.loginfo("service: %s", activity)
-        self._service.publish(ServiceStatus(busy=activity is not None, **fields))
+        self._service.publish(msg.ServiceStatus(busy=activity is not None, **fields))
+
+    def publish_robot(self, robot: DescribedRobot) -> None:
+        """Publish what the nodes of the robot say together."""
+        problem = robot.problem()
+        message = _stamped(
+            msg.RobotConfiguration,
+            known=problem is None,
+            simulated=problem is None and robot.config().simulated,
+            nodes=[
+                msg.NodeDescription(**one.fields()) for _name, one in sorted(robot.nodes.items())
+            ],
+            site_json=json.dumps(asdict(robot.site)),
+            **({} if problem is None else message_fields(problem)),
+        )
+        self._robot.publish(message)
 
     def publish(self, robot: Robot, status: Status) -> None:
         """Publish the position of the axes, once all have reported theirs, and the progress.
@@ -117,25 +132,55 @@ class SurveyTopics:
             self._current.publish(_coordinates(present))
 
 
-def _coordinates(place: Sequence[float]) -> Coordinates:
-    message = Coordinates()
-    message.header.stamp = rospy.Time.now()
+def only_from(node: str, receive: Callable[[Any], None]) -> Callable[[Any], None]:
+    """Return what calls `receive` with messages of one node alone, and names others once.
+
+    A recording that is played beside the robot publishes what the nodes of another robot said: a
+    trace could be stored with one of its positions, and a goal that it does not list counts as
+    lost.
+    """
+    full_name, ignored = rospy.resolve_name(node), set()
+
+    def receive_own(message: Any) -> None:
+        publisher = connection_header(message)["callerid"]
+        if publisher == full_name:
+            receive(message)
+        elif publisher not in ignored:
+            ignored.add(publisher)
+            rospy.logerr(
+                "%s publishes messages of %s; they are ignored: end it, and play recordings "
+                "under other names (rosbag play --prefix=/replay)",
+                publisher,
+                full_name,
+            )
+
+    return receive_own
+
+
+def listen_to_nodes(note: Callable[[NodeDescription], None]) -> None:
+    """Call `note` with the description of each node, now and whenever it starts again."""
+
+    def listen_to(node: str) -> None:
+        def receive(message: Any) -> None:
+            note(replace(NodeDescription.from_fields(message), node=node))
+
+        rospy.Subscriber(f"{node}/{DESCRIPTION}", msg.NodeDescription, only_from(node, receive))
+
+    for name in (*NEEDED_NODES, SIMULATOR):
+        listen_to(name)
+
+
+def _coordinates(place: Sequence[float]) -> msg.Coordinates:
+    x_mm, y_mm, z_deg = place
+    message = _stamped(msg.Coordinates, x_mm=x_mm, y_mm=y_mm, z_deg=z_deg)
     message.header.frame_id = BASE_LINK
-    message.x_mm, message.y_mm, message.z_deg = place
     return message
 
 
-def _stated(status: Status) -> Tuple[object, ...]:
-    return status.state, status.full_message, status.plan_id, status.plan_set_by
-
-
-def _progress(status: Status) -> Tuple[object, ...]:
-    return status.survey_id, status.total_points, status.visited_points, status.remaining_s
-
-
-def progress_message(status: Status) -> SurveyData:
+def progress_message(status: Status) -> msg.SurveyData:
     """Return the message with the progress of the survey."""
-    message = SurveyData(
+    return _stamped(
+        msg.SurveyData,
         survey_id=status.survey_id,
         completion_percent=status.completion_percent,
         total_points=status.total_points,
@@ -143,15 +188,14 @@ def progress_message(status: Status) -> SurveyData:
         remaining_points=status.total_points - status.visited_points,
         remaining_time=rospy.Duration.from_sec(status.remaining_s),
     )
-    message.header.stamp = rospy.Time.now()
-    return message
 
 
-def coverage_message(coverage: Coverage, survey_id: str) -> SurveyCoverage:
+def coverage_message(coverage: Coverage, survey_id: str) -> msg.SurveyCoverage:
     """Return the message with the state of each planned sample."""
     reasons = sorted(coverage.reasons.items())
     verdict, runs = coverage.verdict().message, coverage.runs()
-    message = SurveyCoverage(
+    return _stamped(
+        msg.SurveyCoverage,
         survey_id=survey_id,
         planned=coverage.planned,
         run_starts=[start for start, _state in runs],
@@ -161,5 +205,9 @@ def coverage_message(coverage: Coverage, survey_id: str) -> SurveyCoverage:
         verdict=str(verdict),
         verdict_fault=fault_of(verdict),
     )
+
+
+def _stamped(kind: Any, **fields: Any) -> Any:
+    message = kind(**fields)
     message.header.stamp = rospy.Time.now()
     return message

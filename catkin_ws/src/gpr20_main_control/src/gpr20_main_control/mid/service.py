@@ -18,7 +18,6 @@ from gpr20_common.faults import ASKED_FOR, NOT_ALLOWED
 from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message, numeral
 from gpr20_main_control.errors import DeviceError, RequestRefusedError, StopRequested
-from gpr20_main_control.mid.devices.axis_leases import AxisLeases
 from gpr20_main_control.mid.devices.positioner import Positioner
 from gpr20_main_control.mid.devices.robot import Analyzer, Axis, Robot
 from gpr20_main_control.mid.waits import Interruption
@@ -139,15 +138,15 @@ class AxisService:
         self._move, self._axis_id, self._interruption = move, move.axis, interruption
         self._axis = robot.axes[move.axis]
         self._parameters = axis_parameters(move.axis, robot.description.nodes)
-        self._leases = AxisLeases(robot.axes, interruption.attention)
-        axes, parameters = {move.axis: self._axis}, {move.axis: self._parameters}
-        self._positioner = Positioner(axes, parameters, interruption, robot.workers, self._leases)
+        self._positioner = Positioner(
+            robot.axes, {move.axis: self._parameters}, interruption, robot.workers
+        )
 
     def execute(self) -> Message:
         """Carry out the request and return, when the axis is at rest, where it is."""
         try:
             self._interruption.check()
-            self._leases.ensure([self._axis_id])
+            self._positioner.reserve()
             if self._move.action is AxisAction.HOME:
                 self._positioner.home(again=[self._axis_id])
                 return Message("The {axis} axis is homed.", axis=self._axis_id.value)
@@ -161,7 +160,7 @@ class AxisService:
             self._positioner.stop()
             raise StopRequested(self._stopped()) from error
         finally:
-            self._leases.release()
+            self._positioner.release()
 
     def _set_zero(self) -> Message:
         axis = self._axis_id.value

@@ -10,8 +10,6 @@ from case_kit import each_case
 from fake_robot import Bench, ManualClock, reports
 from fault_kit import raises_fault
 
-from gpr20_common.errors import InvalidValueError
-from gpr20_common.message import Fault, Message
 from gpr20_main_control.errors import DeviceError
 from gpr20_main_control.mid.devices.described_robot import AuxSensors, SensorInput
 from gpr20_survey.faults import SENSOR_FAILED
@@ -19,14 +17,7 @@ from gpr20_survey.plan.sensors import Sensor
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_survey.trace.aux_value import AuxValue
 
-OTHER_TYPE = Fault("config.other_type", Message("Correct the type."))
 NOW_US = 1_790_000_000_000_000
-
-
-def read(content):
-    if isinstance(content, str):
-        raise InvalidValueError(Message("another type arrives"), fault=OTHER_TYPE)
-    return float(content)
 
 
 @pytest.fixture
@@ -43,16 +34,22 @@ def sensor(**changes):
 
 def sensors_with(clock, *received, **changes):
     """Return sensors of which the one has received values: (time [s], value)."""
-    one = SensorInput(sensor(**changes), read, clock)
+    one = SensorInput(sensor(**changes), float, clock)
     for clock.time_s, value in received:
         one.note(value)
     return AuxSensors([one], clock)
 
 
-def test_the_value_is_the_last_one_that_was_received_until_the_sweep_ended(clock):
-    sensors = sensors_with(clock, (101.0, 1.0), (102.0, 2.0), (103.0, 3.0))
+def test_many_silent_sensors_leave_room_for_other_remarks(clock):
+    inputs = [SensorInput(sensor(name=f"s{number}"), float, clock) for number in range(32)]
+    _values, (remark,) = AuxSensors(inputs, clock).for_trace()
+    assert "s0" in remark and remark.endswith("...")
+
+
+def test_the_value_is_the_last_one_that_was_received_and_has_the_time_when_it_was(clock):
+    sensors = sensors_with(clock, (101.0, 1.0), (102.0, 2.0))
     clock.time_s = 103.5
-    values, remarks = sensors.at_sweep(NOW_US + 2_500_000)
+    values, remarks = sensors.for_trace()
     assert values == (AuxValue("soil", 2.0, "%", NOW_US + 2_000_000),)
     assert remarks == ()
 
@@ -63,7 +60,6 @@ def test_the_value_is_the_last_one_that_was_received_until_the_sweep_ended(clock
         (None, (), SENSOR_FAILED, "probe"),
         (math.nan, (), SENSOR_FAILED, "nan"),
         (math.inf, (), SENSOR_FAILED, "inf"),
-        ("text", (), OTHER_TYPE, "another type arrives"),
         (-1.0, (-1.0,), SENSOR_FAILED, "-1 %"),
     ],
 )
@@ -71,76 +67,54 @@ def test_a_sensor_that_fails_refuses_the_trace_or_leaves_a_remark_if_it_is_not_r
     clock, value, stored, fault, shown
 ):
     received = [] if value is None else [(101.0, value)]
-    values, (remark,) = sensors_with(clock, *received).at_sweep(clock.time_of_day_us())
+    values, (remark,) = sensors_with(clock, *received).for_trace()
     assert tuple(one.value for one in values) == stored
     assert "soil" in remark and shown in remark
     required = sensors_with(clock, *received, required=True)
-    for ask in (lambda: required.at_sweep(clock.time_of_day_us()), required.check_required):
+    for ask in (required.for_trace, required.check_required):
         with raises_fault(fault, "soil", error=DeviceError):
             ask()
 
 
-def test_a_value_that_is_too_old_counts_as_silence(clock):
+@each_case("step_us", [-(10**12), 0, 10**12])
+def test_a_value_that_is_too_old_counts_as_silence_whatever_is_done_to_the_clock(clock, step_us):
     sensors = sensors_with(clock, (101.0, 1.0))
+    clock.set_s += step_us / 1e6
+    (value,), _remarks = sensors.for_trace()
+    assert value.stamp_us == clock.time_of_day_us()
     clock.time_s = 103.0
     assert sensors.now()[0].problem is None
     clock.time_s = 103.1
-    measured = sensors.now()[0]
-    assert reports(measured.message, SENSOR_FAILED, "soil", 2.0)
-    assert "no value for 2.1 s" in str(measured.message)
-    assert sensors.at_sweep(clock.time_of_day_us())[0] == ()
+    assert reports(sensors.now()[0].message, SENSOR_FAILED, "soil", "probe", 2.0)
+    assert sensors.for_trace()[0] == ()
 
 
-@each_case("step_us", [-(10**12), 10**12])
-def test_a_clock_that_is_set_changes_no_age(clock, step_us):
-    sensors = sensors_with(clock, (101.0, 1.0))
-    clock.set_s += step_us / 1e6
-    now_us = clock.time_of_day_us()
-    (value,), _remarks = sensors.at_sweep(now_us)
-    assert value.stamp_us == now_us
-
-
-def test_many_silent_sensors_leave_room_for_other_remarks(clock):
-    inputs = [SensorInput(sensor(name=f"s{number}"), read, clock) for number in range(32)]
-    _values, remarks = AuxSensors(inputs, clock).at_sweep(NOW_US)
-    assert len(remarks) == 5
-    assert remarks[-1] == "28 more sensors failed"
-
-
-def bench_with(**changes):
-    """Return a bench with one sensor, and what publishes a value that is older than any sweep."""
+def test_a_survey_pauses_without_a_required_sensor_and_not_without_another():
     clock = ManualClock()
-    one = SensorInput(sensor(longest_age_s=3600.0, **changes), read, clock)
-    bench = Bench(sensors=AuxSensors([one], clock))
+    needed, other = (
+        SensorInput(sensor(name=name, longest_age_s=3600.0, required=name == "soil"), float, clock)
+        for name in ("soil", "air")
+    )
+    bench = Bench(sensors=AuxSensors([needed, other], clock))
 
     def publish(value):
-        one.note(value)
+        needed.note(value)
+        # Older than any sweep.
         clock.time_s += 100.0
 
-    return bench, publish
-
-
-def test_a_survey_pauses_when_a_required_sensor_fails_and_is_resumed_without_loss():
-    bench, soil = bench_with(required=True)
     bench.start()
     bench.wait_for(SurveyState.FAILED)
     assert bench.storage.records == []
-    soil(0.25)
+    publish(0.25)
     bench.start()
     bench.wait_for_visited(3)
-    soil(math.nan)
+    publish(math.nan)
     bench.wait_for(SurveyState.PAUSED)
-    assert reports(bench.board.status.message, SENSOR_FAILED, "soil", "nan")
-    soil(0.5)
+    assert reports(bench.board.status.message, SENSOR_FAILED, "soil")
+    publish(0.5)
     bench.resume_to_the_end()
     assert {s.aux[0].value for s in bench.storage.samples} == {0.25, 0.5}
-    (recorded,) = json.loads(bench.storage.records[0].metadata_json)["sensors"]
+    ((remark,),) = {s.quality for s in bench.storage.samples}
+    assert "air" in remark
+    recorded, _other = json.loads(bench.storage.records[0].metadata_json)["sensors"]
     assert (recorded["name"], recorded["unit"], recorded["required"]) == ("soil", "%", True)
-
-
-def test_a_survey_is_not_stopped_by_a_silent_sensor_that_is_not_required():
-    bench, _soil = bench_with()
-    bench.start()
-    bench.complete()
-    (quality,) = {s.quality for s in bench.storage.samples}
-    assert len(quality) == 1 and "soil" in quality[0] and "probe" in quality[0]

@@ -6,206 +6,137 @@ import pytest
 from fake_robot import LIMIT_S, ManualClock
 from fault_kit import raises_fault
 
-from gpr20_common.errors import NodeGoneError
+from gpr20_common.errors import NodeGoneError, NodeSilentError
 from gpr20_common.faults import PART_SILENT
 from gpr20_common.low.clock import Clock
-from gpr20_common.message import Message, verbatim
+from gpr20_common.message import verbatim
 from gpr20_main_control.errors import NodeLostError
-from gpr20_main_control.mid.devices.node_liveness import (
-    CONNECTIONS,
-    SILENCE_LIMIT_S,
-    START_LIMIT_S,
-    NodeLiveness,
-    WatchedNode,
-)
+from gpr20_main_control.mid.devices import node_liveness
+from gpr20_main_control.mid.devices.node_liveness import START_LIMIT_S, NodeLiveness
 
 
 class Watched:
-    """Two nodes, and the messages about those that were missing."""
+    """Two nodes that a test notes, and the messages about those that were missing."""
 
     def __init__(self):
         self.clock = ManualClock()
         self.reported = []
-        nodes = {name: WatchedNode(verbatim(name), []) for name in ("x", "y")}
-        self.nodes = NodeLiveness(nodes, self.clock, self._note)
+        self.nodes = NodeLiveness(self.clock, self._note)
+        for name in ("x", "y"):
+            self.nodes.watch(name, verbatim(name), lambda: 1)
 
     def _note(self, message):
         self.reported.append(message and message.all_details)
         assert message is None or message.fault_code == PART_SILENT.code
 
     def all_alive(self):
-        self.nodes.note_alive("x", 1)
-        self.nodes.note_alive("y", 2)
+        self.nodes.note("x", 1)
+        self.nodes.note("y", 2)
         return self.nodes
 
 
 def test_a_node_is_called_missing_at_once_if_it_was_there_and_otherwise_when_it_had_its_time():
     bench = Watched()
-    bench.nodes.note_silent("x")
+    bench.nodes.note("x", None)
     assert bench.reported == []
     bench.clock.time_s += START_LIMIT_S + 1.0
-    bench.nodes.note_silent("x")
+    bench.nodes.note("x", None)
     assert bench.reported == [("x", "y")]
     nodes = bench.all_alive()
-    nodes.note_silent("y")
-    nodes.note_silent("y")
-    nodes.note_alive("y", 3)
-    assert bench.reported[-2:] == [("y",), None]
+    nodes.note("y", None)
+    nodes.note("y", None)
+    nodes.note("y", 3)
+    assert bench.reported == [("x", "y"), ("y",), None, ("y",), None]
 
 
-def test_a_survey_cannot_go_on_with_a_node_that_is_missing_or_was_started_anew():
+def test_a_node_that_was_restarted_is_lost_until_it_is_accepted():
     nodes = Watched().all_alive()
     nodes.accept()
     nodes.check()
-    # It is noticed even if its death was not.
-    nodes.note_alive("x", 17)
+    nodes.note("x", 17)
     with raises_fault(PART_SILENT, "(x)", error=NodeLostError):
         nodes.check()
-    nodes.note_silent("y")
+    nodes.note("y", None)
     assert nodes.lost().all_details == ("y", "x")
-    nodes.note_alive("y", 2)
+    nodes.note("y", 2)
     nodes.accept()
     nodes.check()
 
 
-class FakeProbe:
+class FakeNode:
     """A node that answers, is silent, or hangs until it is released."""
 
     def __init__(self):
-        self.pid = 5
-        self.asked = 0
+        self.answer = 5
         self.answering = threading.Event()
         self.answering.set()
 
     def process(self):
-        self.asked += 1
+        answer = self.answer
         assert self.answering.wait(LIMIT_S)
-        if self.pid is None:
-            raise NodeGoneError(verbatim("gone"))
-        return self.pid
+        if isinstance(answer, Exception):
+            raise answer
+        return answer
 
 
 @pytest.fixture
-def liveness():
-    """Return what begins to ask nodes, over one or more connections each."""
+def watch():
+    """Return what begins to watch nodes, which are asked once unless they are asked for."""
     begun = []
 
-    def begin(period_s, **connections):
-        asked = {
-            name: WatchedNode(verbatim(name), [one.process for one in probes])
-            for name, probes in connections.items()
-        }
-        nodes = NodeLiveness(asked, Clock(), lambda _sentence: None, period_s=period_s)
+    def begin(**watched):
+        nodes = NodeLiveness(Clock(), lambda _message: None, period_s=1000.0)
+        for name, node in watched.items():
+            nodes.watch(name, verbatim(name), node.process)
         nodes.start()
-        begun.append((nodes, connections))
+        begun.append((nodes, watched))
         return nodes
 
     yield begin
-    for nodes, connections in begun:
-        for probes in connections.values():
-            for one in probes:
-                one.answering.set()
+    for nodes, watched in begun:
         nodes.stop()
+        for node in watched.values():
+            node.answering.set()
 
 
-def test_a_refresh_returns_when_every_node_was_asked_after_it(liveness):
-    x, y = FakeProbe(), FakeProbe()
-    nodes = liveness(1000.0, x=[x], y=[y])
+@pytest.mark.parametrize("failure", [NodeGoneError, NodeSilentError])
+def test_a_refresh_returns_when_every_node_was_asked_after_it(watch, failure):
+    x, y = FakeNode(), FakeNode()
+    nodes = watch(x=x, y=y)
+    for answer, missing in ((5, []), (failure(verbatim("no answer")), ["y"]), (6, [])):
+        y.answer = answer
+        nodes.refresh()
+        assert nodes.missing() == missing
+
+
+def test_nodes_that_hang_delay_no_other_and_an_answer_from_before_a_refresh_does_not_count(watch):
+    hanging, alive = {name: FakeNode() for name in "abcdef"}, FakeNode()
+    for node in hanging.values():
+        node.answering.clear()
+    nodes = watch(**hanging, y=alive)
+    refreshed = threading.Event()
+    refreshing = threading.Thread(target=lambda: (nodes.refresh(), refreshed.set()))
+    refreshing.start()
+    # Not when it is asked, but when it answers: "a" has ended since.
+    hanging["a"].answer = NodeGoneError(verbatim("gone"))
+    assert not refreshed.is_set()
+    for node in hanging.values():
+        node.answering.set()
+    assert refreshed.wait(LIMIT_S)
+    assert nodes.missing() == ["a"]
+
+
+def test_a_refresh_ends_although_a_node_hangs(watch, monkeypatch):
+    monkeypatch.setattr(node_liveness, "REFRESH_LIMIT_S", 0.1)
+    x = FakeNode()
+    x.answering.clear()
+    nodes = watch(x=x, y=FakeNode())
+    nodes.refresh()
+    assert nodes.missing() == ["x"]
+
+
+def test_a_node_that_is_watched_later_is_asked_at_once(watch):
+    nodes = watch(x=FakeNode())
+    nodes.watch("y", verbatim("y"), lambda: 7)
     nodes.refresh()
     assert nodes.missing() == []
-    y.pid = None
-    nodes.refresh()
-    assert nodes.missing() == ["y"]
-
-
-def test_a_node_that_hangs_delays_no_other(liveness, monkeypatch):
-    monkeypatch.setattr("gpr20_main_control.mid.devices.node_liveness.REFRESH_LIMIT_S", 0.1)
-    x = FakeProbe()
-    x.answering.clear()
-    nodes = liveness(1000.0, x=[x], y=[FakeProbe()])
-    nodes.refresh()
-    assert nodes.missing() == ["x"]
-
-
-def test_a_node_with_one_connection_that_hangs_is_asked_over_the_others(liveness):
-    hanging = FakeProbe()
-    hanging.answering.clear()
-    nodes = liveness(0.001, x=[hanging, FakeProbe()])
-    for _time in range(3):
-        nodes.refresh()
-        assert nodes.missing() == []
-
-
-class AskedOften(FakeProbe):
-    """A node that answers, and has been asked so often that all others had their turns."""
-
-    def __init__(self):
-        super().__init__()
-        self.often = threading.Event()
-
-    def process(self):
-        if self.asked > 100:
-            self.often.set()
-        return super().process()
-
-
-def test_nodes_that_hang_never_hold_the_last_thread_that_asks(liveness):
-    hanging = {name: [FakeProbe() for _one in range(CONNECTIONS)] for name in "abcdef"}
-    for probes in hanging.values():
-        for one in probes:
-            one.answering.clear()
-    alive = AskedOften()
-    nodes = liveness(0.001, **hanging, y=[alive])
-    assert alive.often.wait(LIMIT_S)
-    assert nodes.missing() == list("abcdef")
-
-
-def test_an_answer_that_is_late_is_no_lost_node_and_silence_is_one():
-    bench = Watched()
-    nodes = bench.all_alive()
-    nodes.accept()
-    bench.clock.time_s += SILENCE_LIMIT_S
-    nodes.note_late("y")
-    nodes.check()
-    assert bench.reported == []
-    bench.clock.time_s += 0.1
-    nodes.note_late("y")
-    with raises_fault(PART_SILENT, "(y)", error=NodeLostError):
-        nodes.check()
-    assert bench.reported == [("y",)]
-
-
-class Overtaken:
-    """Two connections to a node: one brings an answer from before the node's end."""
-
-    def __init__(self):
-        self.asked, self.ended = threading.Event(), threading.Event()
-        self.delivered = threading.Event()
-
-    def slow(self):
-        if self.asked.is_set():
-            assert self.ended.wait(LIMIT_S)
-            self.delivered.set()
-            raise NodeGoneError(verbatim("gone"))
-        self.asked.set()
-        assert self.ended.wait(LIMIT_S)
-        return 5
-
-    def fast(self):
-        assert self.asked.wait(LIMIT_S)
-        raise NodeGoneError(verbatim("gone"))
-
-
-def test_an_answer_from_before_the_end_of_a_node_does_not_revive_it():
-    probes = Overtaken()
-    said = []
-    node = WatchedNode(Message("the node"), [probes.slow, probes.fast])
-    nodes = NodeLiveness({"x": node}, Clock(), said.append, period_s=0.001)
-    nodes.start()
-    assert probes.asked.wait(LIMIT_S)
-    nodes.refresh()
-    probes.ended.set()
-    assert probes.delivered.wait(LIMIT_S)
-    nodes.stop()
-    assert nodes.missing() == ["x"]
-    assert None not in said

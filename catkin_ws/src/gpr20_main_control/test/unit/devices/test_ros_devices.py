@@ -1,6 +1,7 @@
 """Axes and devices over ROS, without a graph: what their services and goals answer."""
 
 import threading
+from types import SimpleNamespace
 
 import pytest
 
@@ -8,6 +9,7 @@ pytest.importorskip("actionlib")
 pytest.importorskip("gpr20_msgs.msg")
 
 import rospy
+from case_kit import each_case
 from fake_robot import LIMIT_S
 from fault_kit import raises_fault
 
@@ -20,9 +22,10 @@ from gpr20_common.low.clock import Clock
 from gpr20_common.message import Fault, Message, Severity
 from gpr20_main_control.errors import DeviceError, NodeLostError
 from gpr20_main_control.high import ros_axis
-from gpr20_main_control.high.ros_devices import RosHeightSensor
+from gpr20_main_control.high.ros_devices import height_over_ros
+from gpr20_main_control.high.survey_topics import only_from
 from gpr20_main_control.mid.waits import Workers
-from gpr20_msgs.msg import AxisResult
+from gpr20_msgs.msg import AxisResult, CurrentCoordinate
 from gpr20_msgs.srv import CommandResponse, GetHeightResponse
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.faults import CONTROL_SILENT
@@ -93,14 +96,20 @@ def test_a_homing_that_waits_for_its_node_is_not_begun_after_a_stop(graph):
 
 
 def test_a_homing_begins_only_when_the_stop_before_it_is_over(graph):
-    graph.away = "x_axis/stop"
     axis = ros_axis.RosAxis(AxisId.X, Clock())
-    axis.stop()
-    assert graph.waiting.wait(LIMIT_S)
-    homing = Workers().begin(lambda: axis.home(LIMIT_S))
-    graph.node_is_back.set()
-    homing.result(LIMIT_S)
-    assert graph.called == ["x_axis/stop", "x_axis/homing"]
+    axis._stops = [SimpleNamespace(join=lambda _limit_s: graph.called.append("stop is over"))]
+    axis.home(LIMIT_S)
+    assert graph.called == ["stop is over", "x_axis/homing"]
+
+
+def test_a_recording_beside_the_robot_is_not_taken_for_its_driver():
+    received, driver = [], "x_axis/axis_driver"
+    receive = only_from(driver, received.append)
+    for publisher in (f"/{driver}", "/rosbag_play"):
+        message = CurrentCoordinate()
+        message._connection_header = {"callerid": publisher}
+        receive(message)
+    assert [one._connection_header["callerid"] for one in received] == [f"/{driver}"]
 
 
 class EndedGoal:
@@ -130,38 +139,31 @@ def test_a_homing_that_stopped_for_lack_of_contact_is_no_failed_axis(graph, monk
         ros_axis.RosAxis(AxisId.X, Clock()).home(LIMIT_S)
 
 
-# Failures of the services of other devices, as the survey receives them.
-
 NOTE = Fault("survey.complete", Message("Plan a new survey."), Severity.NOTE)
 REFUSAL = Message("the height sensor reads {height_m:g} m", height_m=1.6, details="ADC 1023")
+REFUSED = GetHeightResponse(success=False, **message_fields(REFUSAL.with_fault(NOTE)))
 GONE = ServiceUnavailableError(Message("service get_height is gone"))
 
 
-def failure_of(monkeypatch, device, response):
-    """Return the message of the failure when a service answers so."""
+@each_case(
+    "answer, cause, value, details",
+    [
+        # What the part reports decides, also if it is a note.
+        (REFUSED, NOTE, REFUSAL, ("get_height", "ADC 1023")),
+        (GONE, PART_SILENT, PLAIN_NAMES[HEIGHT_SENSOR], ("service get_height is gone",)),
+    ],
+)
+def test_a_failure_keeps_what_the_device_said_and_names_it_as_operators_do(
+    answer, cause, value, details
+):
+    def call(_client, _timeout_s):
+        if isinstance(answer, Exception):
+            raise answer
+        return answer
 
-    def call(_client, _timeout_s, **_fields):
-        if isinstance(response, Exception):
-            raise response
-        return response
-
-    monkeypatch.setattr(ServiceClient, "call", call)
-    with pytest.raises(DeviceError) as refused:
-        device()
-    return refused.value.message
-
-
-def test_a_refusal_keeps_template_values_and_fault_and_names_its_service(monkeypatch):
-    answer = GetHeightResponse(success=False, **message_fields(REFUSAL.with_fault(NOTE)))
-    message = failure_of(monkeypatch, RosHeightSensor(1.0).height_m, answer)
-    assert message.values["reason"] == REFUSAL
-    assert message.all_details == ("get_height", "ADC 1023")
-    # What the part reports decides, also if it is a note.
-    assert message.cause == NOTE
-
-
-def test_a_service_that_does_not_answer_is_reported_as_the_device_that_operators_know(monkeypatch):
-    message = failure_of(monkeypatch, RosHeightSensor(1.0).height_m, GONE)
-    assert message.fault_code == PART_SILENT.code
-    assert message.values["device"] == PLAIN_NAMES[HEIGHT_SENSOR]
-    assert message.all_details == ("service get_height is gone",)
+    with pytest.MonkeyPatch.context() as patch, pytest.raises(DeviceError) as refused:
+        patch.setattr(ServiceClient, "call", call)
+        height_over_ros(1.0)()
+    message = refused.value.message
+    assert (message.cause, message.all_details) == (cause, details)
+    assert value in message.values.values()

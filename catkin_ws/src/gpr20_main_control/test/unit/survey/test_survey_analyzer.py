@@ -4,14 +4,12 @@ import json
 import math
 from dataclasses import replace
 
-import numpy as np
 import pytest
 from cut_off_surveys import SURVEY_ID, reopened_survey
 from fake_robot import Bench, reports
 from survey_examples import PARAMETERS
 
 from gpr20_common.message import Message
-from gpr20_main_control import faults
 from gpr20_main_control.errors import DeviceError
 from gpr20_main_control.mid.devices.robot import AnalyzerCalibration
 from gpr20_survey.faults import VNA_SETTINGS
@@ -43,17 +41,19 @@ def test_a_failed_height_is_stored_as_none_with_its_reason_where_that_is_the_pol
     assert sample.quality == ("no height: no answer:?the node died",)
 
 
-def test_a_survey_never_goes_on_with_other_frequencies(bench):
-    bench.y.fail_move = "the endstop was pressed"
-    bench.start()
-    bench.wait_for(State.PAUSED)
-    bench.y.fail_move = ""
-    usual = bench.analyzer.frequencies_hz
-    bench.analyzer.frequencies_hz = lambda: np.append(usual()[:-1], 5.9e9)
-    bench.control.resume("")
-    bench.wait_for_fault(faults.FREQUENCIES_CHANGED)
-    bench.wait_for(State.PAUSED)
-    assert bench.storage.samples == []
+@pytest.mark.parametrize(
+    "change, shown",
+    [
+        ({"analyzer": AnalyzerSettings(1000.0, 1, "HIGH")}, (100.0, 1000.0)),
+        ({"points": 7}, (5, 7)),
+    ],
+)
+def test_an_instrument_that_accepts_another_sweep_is_refused(bench, change, shown):
+    bench.analyzer.accept = lambda settings: replace(settings, **change)
+    bench.start(if_bandwidth_hz=100.0)
+    final = bench.wait_for(State.FAILED)
+    assert reports(final.message, VNA_SETTINGS, *shown)
+    assert bench.storage.records == []
 
 
 @pytest.mark.parametrize(

@@ -4,14 +4,12 @@ from __future__ import annotations
 
 import math
 import threading
-from collections import deque
 from dataclasses import asdict, dataclass
-from typing import Any, Callable, Deque, Dict, List, Mapping, Optional, Sequence, Tuple
+from typing import Any, Callable, Dict, List, Mapping, Optional, Sequence, Tuple
 
 from gpr20_common.errors import InvalidValueError
-from gpr20_common.faults import CONFIGURATION
 from gpr20_common.low.clock import Clock
-from gpr20_common.message import Fault, Message, numeral
+from gpr20_common.message import Message, numeral
 from gpr20_common.mid.codec import bounded
 from gpr20_common.mid.node_facts import software_difference
 from gpr20_main_control import faults
@@ -21,7 +19,9 @@ from gpr20_survey.plan.annotation import Site
 from gpr20_survey.plan.robot_description import (
     ANALYZER,
     HEIGHT_SENSOR,
+    PLAIN_NAMES,
     STORAGE,
+    STORAGE_NAME,
     NodeDescription,
     RobotConfig,
     is_simulated_identity,
@@ -29,24 +29,12 @@ from gpr20_survey.plan.robot_description import (
 )
 from gpr20_survey.plan.sensors import Sensor
 from gpr20_survey.trace.aux_value import AuxValue
-from gpr20_survey.trace.ms2026c import sweep_duration_s
 from gpr20_survey.trace.sweep import storable_remark
-from gpr20_survey.trace.sweep_settings import SweepSettings
 
+# Without which no survey is measured, and what operators call them.
+NEEDED_NODES = {**PLAIN_NAMES, STORAGE: STORAGE_NAME}
 # Entries of survey.json that hold the configuration of a node.
 RECORDED = {"height": HEIGHT_SENSOR, "analyzer": ANALYZER, "storage": STORAGE}
-# The driver takes sweeps when it sets up the analyzer, to learn how long one takes.
-SWEEPS_OF_SETUP = 24
-# What is assumed of an analyzer whose IF bandwidth is left as it is: still enough for one sweep at
-# the narrowest of an MS2026C, 10 Hz.
-UNKNOWN_IF_BANDWIDTH_HZ = 100.0
-# A sweep is this far back at most when its trace is made [s].
-LONGEST_LAG_S = 10.0
-# Of a sensor that publishes faster, not every message is kept until then [s].
-SPACING_S = 0.01
-KEPT = round(LONGEST_LAG_S / SPACING_S)
-# Remarks of a trace on silent sensors; a trace has room for 32 of all kinds.
-MAX_REMARKS = 4
 US_PER_S = 1_000_000
 
 
@@ -57,11 +45,6 @@ class TimeLimits:
     analyzer_limit_s: float = bounded(0.1, 3600.0, 90.0)
     height_limit_s: float = bounded(0.1, 3600.0, 10.0)
     storage_limit_s: float = bounded(0.1, 3600.0, 90.0)
-
-    def analyzer_setup_limit_s(self, settings: SweepSettings) -> float:
-        """Return how long to wait until the analyzer is set up for these settings [s]."""
-        sweep_s = sweep_duration_s(settings, unknown_if_bandwidth_hz=UNKNOWN_IF_BANDWIDTH_HZ)
-        return self.analyzer_limit_s + SWEEPS_OF_SETUP * sweep_s
 
 
 class DescribedRobot:
@@ -76,6 +59,8 @@ class DescribedRobot:
         self._described = threading.Condition()
         self._nodes: Dict[str, NodeDescription] = {}
         self._config: Optional[RobotConfig] = None
+        self._problem: Optional[Message] = None
+        self._judge()
 
     @property
     def nodes(self) -> Mapping[str, NodeDescription]:
@@ -83,13 +68,23 @@ class DescribedRobot:
         with self._described:
             return dict(self._nodes)
 
+    def problem(self) -> Optional[Message]:
+        """Return why no survey can be measured; None if nothing is wrong."""
+        return self._problem
+
     def note(self, description: NodeDescription) -> None:
         """Note what a node is now."""
         with self._described:
             self._nodes[description.node] = description
-            self._config = None
+            self._judge()
             self._described.notify_all()
         self._on_change(self)
+
+    def _judge(self) -> None:
+        try:
+            self._config, self._problem = robot_config(self._nodes), None
+        except InvalidValueError as error:
+            self._config, self._problem = None, error.message
 
     def config(self, wait_s: float = 0.0) -> RobotConfig:
         """Return what is fixed for the robot; nodes that are starting are waited for [s].
@@ -98,10 +93,10 @@ class DescribedRobot:
             InvalidValueError: A node has not described itself, or they disagree.
         """
         with self._described:
-            # Asked for at every sample, and seldom another one.
-            if self._config is None:
-                self._described.wait_for(lambda: self.problem() is None, wait_s)
-                self._config = robot_config(self._nodes)
+            self._described.wait_for(lambda: self._problem is None, wait_s)
+            if self._problem is not None:
+                raise InvalidValueError(self._problem)
+            assert self._config is not None
             return self._config
 
     def analyzer_address(self) -> str:
@@ -112,14 +107,6 @@ class DescribedRobot:
         """
         self.config()
         return str(self.nodes[ANALYZER].configuration.get("address", ""))
-
-    def problem(self) -> Optional[Message]:
-        """Return why no survey can be measured; None if nothing is wrong."""
-        try:
-            robot_config(self.nodes)
-        except InvalidValueError as error:
-            return error.message
-        return None
 
     def software_difference(self) -> Optional[Message]:
         """Return which nodes run which software; None if all run the same."""
@@ -143,20 +130,12 @@ class DescribedRobot:
 
     def check_identity(self, identity: str, config: RobotConfig) -> None:
         """Raise a DeviceError unless the analyzer is simulated as the robot is."""
-        if is_simulated_identity(identity) and not config.simulated:
+        if is_simulated_identity(identity) != config.simulated:
             raise DeviceError(
                 Message(
-                    "the VNA is a simulated one ({identity}), but the robot is real; check the "
-                    "address of the VNA",
-                    identity=identity,
-                ),
-                fault=WRONG_VNA,
-            )
-        if config.simulated and not is_simulated_identity(identity):
-            raise DeviceError(
-                Message(
-                    "the VNA is a real one ({identity}), but the robot is simulated; use the "
-                    "address 127.0.0.1, or launch with robot:=gpr20",
+                    "the VNA ({identity}) or the rest of the robot is simulated, but not both; "
+                    "check the address of the VNA (127.0.0.1 if it is simulated), and the launch "
+                    "(robot:=gpr20 if it is real)",
                     identity=identity,
                 ),
                 fault=WRONG_VNA,
@@ -204,84 +183,46 @@ class Measured:
 
 
 class SensorInput:
-    """The last messages of one sensor; they are read only when they are needed."""
+    """The last message of one sensor; it is read only when it is needed."""
 
     def __init__(self, sensor: Sensor, read: Callable[[Any], float], clock: Clock) -> None:
-        """Begin without a message; `read` returns the value in one or raises InvalidValueError."""
+        """Begin without a message; `read` returns the value in one, NaN if it holds none."""
         self.sensor = sensor
         self._read = read
         self._clock = clock
-        self._lock = threading.Lock()
-        self._kept: Deque[Tuple[float, Any]] = deque(maxlen=KEPT)
         self._last: Optional[Tuple[float, Any]] = None
 
     def note(self, content: Any) -> None:
         """Take a message; however many there are, this costs next to nothing."""
-        now_s = self._clock.now_s()
-        with self._lock:
-            self._last = now_s, content
-            if not self._kept or now_s - self._kept[-1][0] >= SPACING_S:
-                self._kept.append(self._last)
-            # Images of a camera would fill the memory otherwise.
-            while len(self._kept) > 1 and self._kept[1][0] <= now_s - LONGEST_LAG_S:
-                self._kept.popleft()
+        self._last = self._clock.now_s(), content
 
-    def at(self, moment_s: float) -> Measured:
-        """Return what was known at a moment of the clock [s]."""
-        with self._lock:
-            received = [*self._kept, *([self._last] if self._last else [])]
-        before = [one for one in received if one[0] <= moment_s]
-        if not before:
-            return self._wrong(
-                Message(
-                    "nothing has been received on {topic}; check that its node runs",
-                    topic=self.sensor.topic,
-                )
+    def now(self) -> Measured:
+        """Return what is known now."""
+        sensor, value, age_s = self.sensor, None, None
+        if self._last is not None:
+            received_s, content = self._last
+            age_s = self._clock.now_s() - received_s
+        if age_s is None or age_s > sensor.longest_age_s:
+            reason = Message(
+                "nothing has been received on {topic} for {longest_s:g} s; check that its node "
+                "runs",
+                topic=sensor.topic,
+                longest_s=sensor.longest_age_s,
             )
-        received_s, content = before[-1]
-        age_s = moment_s - received_s
-        if age_s > self.sensor.longest_age_s:
-            return self._wrong(
-                Message(
-                    "no value for {age_s} s, at most {longest_s:g} s are allowed; check that its "
-                    "node runs",
-                    age_s=numeral(age_s, ".1f"),
-                    longest_s=self.sensor.longest_age_s,
-                ),
-                age_s,
-            )
-        try:
+        else:
             value = self._read(content)
-        except InvalidValueError as error:
-            # Its node and sensors.yaml do not agree.
-            return self._wrong(error.message, age_s, fault=CONFIGURATION)
-        if not math.isfinite(value):
-            return self._wrong(
-                Message("its value is {value}, not a finite number", value=str(value)), age_s
-            )
-        if self.sensor.is_plausible(value):
-            return Measured(self.sensor, value, age_s, None)
-        return self._wrong(
-            Message(
+            if math.isfinite(value) and sensor.is_plausible(value):
+                return Measured(sensor, value, age_s, None)
+            reason = Message(
                 "its value {value} {unit} is not plausible; expected {low} to {high}",
                 value=numeral(value, ".6g"),
-                unit=self.sensor.unit,
-                low="-" if self.sensor.low is None else numeral(self.sensor.low),
-                high="-" if self.sensor.high is None else numeral(self.sensor.high),
-            ),
-            age_s,
-            value,
-        )
-
-    def _wrong(
-        self,
-        reason: Message,
-        age_s: Optional[float] = None,
-        value: Optional[float] = None,
-        fault: Fault = SENSOR_FAILED,
-    ) -> Measured:
-        problem = Message("sensor {sensor}: {reason}", sensor=self.sensor.name, reason=reason)
-        return Measured(self.sensor, value, age_s, problem.with_fault(fault))
+                unit=sensor.unit,
+                low="-" if sensor.low is None else numeral(sensor.low),
+                high="-" if sensor.high is None else numeral(sensor.high),
+            )
+            value = value if math.isfinite(value) else None
+        problem = Message("sensor {sensor}: {reason}", sensor=sensor.name, reason=reason)
+        return Measured(sensor, value, age_s, problem.with_fault(SENSOR_FAILED))
 
 
 class AuxSensors:
@@ -293,63 +234,44 @@ class AuxSensors:
 
     def now(self) -> List[Measured]:
         """Return what each sensor says now."""
-        now_s = self._clock.now_s()
-        return [one.at(now_s) for one in self._inputs]
+        return [one.now() for one in self._inputs]
 
-    def check_required(self) -> None:
-        """Raise a DeviceError if a sensor without which no survey is measured fails."""
-        _refuse_problems(self.now())
+    def check_required(self) -> List[Measured]:
+        """Return what each says now; a DeviceError names one without which nothing is measured."""
+        measured = self.now()
+        for one in measured:
+            if one.sensor.required and one.problem is not None:
+                raise DeviceError(
+                    Message(
+                        "{problem}; check this sensor and its cable, or set required: false in "
+                        "sensors.yaml and launch again",
+                        problem=one.problem,
+                    ),
+                    fault=SENSOR_FAILED,
+                )
+        return measured
 
-    def at_sweep(self, ended_us: int) -> Tuple[Tuple[AuxValue, ...], Tuple[str, ...]]:
-        """Return the values that belong to a sweep, and remarks on those that are missing.
-
-        Of each sensor it is the last value that was received until the sweep ended.
-
-        Args:
-            ended_us: When the sweep ended [us since 1970, UTC].
+    def for_trace(self) -> Tuple[Tuple[AuxValue, ...], Tuple[str, ...]]:
+        """Return the values of a sweep that has just ended, and remarks on those that are missing.
 
         Raises:
             DeviceError: A sensor that is required is silent, or its value is not plausible.
         """
-        if not self._inputs:
-            return (), ()
-        # Counted from now, so that ages stay right when the time of day is set.
-        lag_s = (self._clock.time_of_day_us() - ended_us) / US_PER_S
-        moment_s = self._clock.now_s() - min(max(lag_s, 0.0), LONGEST_LAG_S)
-        measured = [one.at(moment_s) for one in self._inputs]
-        _refuse_problems(measured)
+        measured, now_us = self.check_required(), self._clock.time_of_day_us()
         values = tuple(
             AuxValue(
                 one.sensor.name,
                 one.value,
                 one.sensor.unit,
-                ended_us - round((one.age_s or 0.0) * US_PER_S),
+                now_us - round((one.age_s or 0.0) * US_PER_S),
             )
             for one in measured
             if one.value is not None
         )
-        return values, _remarks(measured)
+        problems = [str(one.problem) for one in measured if one.problem is not None]
+        # One: a trace has room for 32 remarks of all kinds.
+        return values, (storable_remark("; ".join(problems)),) if problems else ()
 
     def recorded(self) -> List[Dict[str, Any]]:
         """Return the entry `sensors` of survey.json."""
         return [asdict(one.sensor) for one in self._inputs]
-
-
-def _refuse_problems(measured: Sequence[Measured]) -> None:
-    for one in measured:
-        if one.sensor.required and one.problem is not None:
-            raise DeviceError(
-                Message(
-                    "{problem}; check this sensor and its cable, or set required: false in "
-                    "sensors.yaml and launch again",
-                    problem=one.problem,
-                ),
-                fault=SENSOR_FAILED,
-            )
-
-
-def _remarks(measured: Sequence[Measured]) -> Tuple[str, ...]:
-    problems = [str(one.problem) for one in measured if one.problem is not None]
-    more = len(problems) - MAX_REMARKS
-    shown = [*problems[:MAX_REMARKS], *([f"{more} more sensors failed"] if more > 0 else [])]
-    return tuple(map(storable_remark, shown))

@@ -8,10 +8,9 @@ from typing import TYPE_CHECKING, Any, Callable, Mapping, Optional, Tuple, TypeV
 import numpy as np
 
 from gpr20_common.message import Message
-from gpr20_main_control import faults
 from gpr20_main_control.errors import DeviceError
-from gpr20_main_control.mid.devices.robot import AnalyzerSetup
-from gpr20_main_control.mid.waits import ExpectedWait, result_of
+from gpr20_main_control.mid.devices.robot import SETUP_LIMIT_S, AnalyzerSetup
+from gpr20_main_control.mid.waits import ExpectedWait
 from gpr20_survey.faults import NO_GROUND, VNA_SETTINGS
 from gpr20_survey.plan.robot_description import HEIGHT_SENSOR, PLAIN_NAMES
 from gpr20_survey.plan.survey_parameters import HeightPolicy
@@ -57,7 +56,8 @@ class Instruments:
         self._wanted = survey.plan.sweep_settings
         self._setup: Optional[AnalyzerSetup] = None
         last = survey.plan.last
-        self._frequencies_hz = np.empty(0) if last is None else last.frequency_hz
+        # To the last bit those of every stored trace.
+        self._frequencies_hz = self._wanted.frequencies_hz() if last is None else last.frequency_hz
 
     def check(self, next_index: int) -> AnalyzerState:
         """Check all that is needed to measure a point next; return the state of the analyzer.
@@ -68,9 +68,7 @@ class Instruments:
         self._robot.description.check(self._plan.config)
         analyzer = self._check_analyzer(next_index)
         if self._plan.settings.on_height_failure is HeightPolicy.PAUSE:
-            height_call = self._robot.workers.begin(self._robot.height_sensor.height_m)
-            with self._waits.shown(self.height_wait(None)) as check:
-                result_of(height_call, check)
+            self._robot.workers.call(self.height, self._survey.interruption.check)
         self._robot.sensors.check_required()
         return analyzer
 
@@ -83,7 +81,7 @@ class Instruments:
         failure: Optional[DeviceError] = None
         for _attempt in range(self._plan.settings.attempts):
             try:
-                return self._robot.height_sensor.height_m(), ()
+                return self._robot.height_m(), ()
             except DeviceError as error:
                 failure = error
         assert failure is not None
@@ -94,13 +92,11 @@ class Instruments:
             fault=NO_GROUND,
         ) from failure
 
-    def height_wait(self, point: Optional[SurveyPoint]) -> ExpectedWait:
-        """Return what to expect of a height measurement, at a point or before the survey."""
-        action = Message("height")
-        if point is not None:
-            action = Message("height at point {index}", index=point.index)
-        attempts = 1 if point is None else self._plan.settings.attempts
-        limit_s = attempts * self._robot.description.limits.height_limit_s
+    def height_wait(self, point: SurveyPoint) -> ExpectedWait:
+        """Return what to expect of a height measurement."""
+        limits, attempts = self._robot.description.limits, self._plan.settings.attempts
+        action = Message("height at point {index}", index=point.index)
+        limit_s = attempts * limits.height_limit_s
         return ExpectedWait(PLAIN_NAMES[HEIGHT_SENSOR], action, 0.0, limit_s)
 
     def sweep_wait(self, point: SurveyPoint) -> ExpectedWait:
@@ -122,23 +118,14 @@ class Instruments:
         Raises:
             DeviceError: It has others.
         """
-        frequency_hz = sweep.frequency_hz
-        if not np.array_equal(frequency_hz, self._frequencies_hz):
-            described = _sweep_message
-        elif not sweep.analyzer.fulfils(self._wanted.analyzer):
-            described = _settings_message
-        else:
-            return
-        ends_hz = float(frequency_hz[0]), float(frequency_hz[-1])
-        raise DeviceError(
-            Message(
-                "the VNA measured {measured} instead of {wanted}; do not change its settings "
-                "during a survey",
-                measured=described(SweepSettings(*ends_hz, len(frequency_hz), sweep.analyzer)),
-                wanted=described(self._wanted),
-            ),
-            fault=VNA_SETTINGS,
-        )
+        hz = sweep.frequency_hz
+        if not np.array_equal(hz, self._frequencies_hz):
+            raise _other_settings(
+                _sweep_in_words(SweepSettings(float(hz[0]), float(hz[-1]), len(hz))),
+                _sweep_in_words(self._wanted),
+            )
+        if not sweep.analyzer.fulfils(self._wanted.analyzer):
+            raise _other_settings(sweep.analyzer.message, self._wanted.analyzer.message)
 
     def _check_analyzer(self, next_index: int) -> AnalyzerState:
         analyzer, wanted = self._robot.analyzer, self._wanted
@@ -146,40 +133,18 @@ class Instruments:
         identity = self._call(lambda: analyzer.connect(address), Message("connection"))
         self._robot.description.check_identity(identity, self._plan.config)
         self._survey.analyzers.check(identity, next_index, self._survey.clock.time_of_day_us())
-        # Before anything is written: without calibration there is nothing to set up.
-        self._call(analyzer.calibration, Message("calibration status"))
         setup = self._call(
-            lambda: analyzer.configure(wanted),
-            Message("setup of the sweep"),
-            self._robot.description.limits.analyzer_setup_limit_s(wanted),
+            lambda: analyzer.configure(wanted), Message("setup of the sweep"), SETUP_LIMIT_S
         )
         accepted = setup.settings
-        if not accepted.fulfils(wanted):
-            same_sweep = replace(accepted, analyzer=wanted.analyzer) == wanted
-            described = _settings_message if same_sweep else _sweep_message
-            raise DeviceError(
-                Message(
-                    "the VNA accepted {accepted} instead of {wanted}; if it does so again, correct "
-                    "the plan",
-                    accepted=described(accepted),
-                    wanted=described(wanted),
-                ),
-                fault=VNA_SETTINGS,
-            )
-        # What was left to the instrument stays as it is now: to the end of the survey.
-        self._wanted, self._setup = accepted, setup
+        if replace(accepted, analyzer=wanted.analyzer) != wanted:
+            raise _other_settings(_sweep_in_words(accepted), _sweep_in_words(wanted))
+        if not accepted.analyzer.fulfils(wanted.analyzer):
+            raise _other_settings(accepted.analyzer.message, wanted.analyzer.message)
         # Other settings, such as the output power, can have changed it.
         calibration = self._call(analyzer.calibration, Message("calibration status"))
-        frequencies_hz = self._call(analyzer.frequencies_hz, Message("frequencies"))
-        if len(self._frequencies_hz) and not np.array_equal(frequencies_hz, self._frequencies_hz):
-            raise DeviceError(
-                Message(
-                    "the VNA's frequencies are no longer those of this survey; stop the survey and "
-                    "start a new one"
-                ),
-                fault=faults.FREQUENCIES_CHANGED,
-            )
-        self._frequencies_hz = frequencies_hz
+        # What was left to the instrument stays as it is now: to the end of the survey.
+        self._wanted, self._setup = accepted, setup
         return AnalyzerState(
             identity, calibration.status, accepted, setup.sweep_duration_s, calibration.details
         )
@@ -193,21 +158,22 @@ class Instruments:
             return self._robot.analyzer_calls.call(call, check)
 
 
-def _settings_message(settings: SweepSettings) -> Message:
-    analyzer = settings.analyzer
-    return Message(
-        "{sweep}, IF bandwidth {bandwidth_hz:g} Hz, {averages} averages, output power {power}",
-        sweep=_sweep_message(settings),
-        bandwidth_hz=analyzer.if_bandwidth_hz,
-        averages=analyzer.averages,
-        power=analyzer.output_power or "-",
+def _other_settings(found: Message, wanted: Message) -> DeviceError:
+    return DeviceError(
+        Message(
+            "the VNA has {found} instead of {wanted}; do not change its settings during a survey; "
+            "if it is so again, correct the plan",
+            found=found,
+            wanted=wanted,
+        ),
+        fault=VNA_SETTINGS,
     )
 
 
-def _sweep_message(settings: SweepSettings) -> Message:
+def _sweep_in_words(sweep: SweepSettings) -> Message:
     return Message(
         "{points} points from {start_mhz:.12g} to {stop_mhz:.12g} MHz",
-        points=settings.points,
-        start_mhz=1.0e-6 * settings.start_frequency_hz,
-        stop_mhz=1.0e-6 * settings.stop_frequency_hz,
+        points=sweep.points,
+        start_mhz=1.0e-6 * sweep.start_frequency_hz,
+        stop_mhz=1.0e-6 * sweep.stop_frequency_hz,
     )

@@ -8,9 +8,7 @@ from __future__ import annotations
 
 import threading
 from dataclasses import dataclass, field
-from typing import Any, Mapping, Optional, Protocol, Tuple
-
-import numpy as np
+from typing import Any, Callable, Mapping, Optional, Protocol, Tuple
 
 from gpr20_common.message import Message
 from gpr20_main_control.mid.devices.described_robot import AuxSensors, DescribedRobot
@@ -25,6 +23,10 @@ from gpr20_survey.trace.calibration import CalibrationStatus
 from gpr20_survey.trace.sweep import Sweep
 from gpr20_survey.trace.sweep_settings import SweepSettings
 from gpr20_survey.trace.trace import Trace
+
+# The driver takes sweeps when it sets up the analyzer, to learn how long one takes; it ends that by
+# itself when the instrument is silent [s].
+SETUP_LIMIT_S = 3600.0
 
 
 @dataclass(frozen=True)
@@ -90,19 +92,17 @@ class Axis(Protocol):
 
     @property
     def received(self) -> threading.Event:
-        """Set at each new reading; who waits for one clears it."""
+        """Set at each new reading and at the end of a move; who waits for one clears it."""
 
     def reading(self) -> Optional[AxisReading]:
         """Return the last reading of the axis; None before the first."""
 
-    def reserve(self) -> Lease:
-        """Reserve the axis; a DeviceError says which other node has it."""
+    def lease(self, number: int = 0, release: bool = False) -> Lease:
+        """Reserve the axis, or renew or release the lease with a number.
 
-    def renew(self, lease: Lease) -> bool:
-        """Renew a lease; return whether it still exists."""
-
-    def release_lease(self, lease: Lease) -> None:
-        """End a lease, if the axis answers."""
+        Raises:
+            DeviceError: Another node has the axis, or the lease has ended.
+        """
 
     def is_connected(self) -> bool:
         """Return whether the axis driver will receive the next move."""
@@ -110,8 +110,8 @@ class Axis(Protocol):
     def begin_move(self, target: float) -> None:
         """Begin a move to a target [mm or deg] and return at once."""
 
-    def move_outcome(self, wait_s: float) -> Optional[MoveOutcome]:
-        """Wait up to `wait_s` [s] for the end of the move; None while the axis moves."""
+    def move_outcome(self) -> Optional[MoveOutcome]:
+        """Return how the move ended; None while the axis moves."""
 
     def home(self, time_limit_s: float) -> None:
         """Home the axis and return when it is homed; without contact it raises NodeLostError."""
@@ -174,9 +174,6 @@ class Analyzer(Protocol):
     def configure(self, settings: SweepSettings) -> AnalyzerSetup:
         """Configure the sweep and return what the instrument accepted."""
 
-    def frequencies_hz(self) -> np.ndarray:
-        """Return the frequencies of the sweep [Hz]."""
-
     def prepare(self) -> None:
         """Make ready what the next `sweep` needs, if that is possible; never fails."""
 
@@ -188,13 +185,6 @@ class Analyzer(Protocol):
 
     def release(self) -> None:
         """Leave the instrument to its front panel; `connect` takes it back."""
-
-
-class HeightSensor(Protocol):
-    """The antenna height sensor."""
-
-    def height_m(self) -> float:
-        """Measure the height of the antennas above the ground [m] now."""
 
 
 @dataclass(frozen=True)
@@ -241,6 +231,7 @@ class Robot:
     """All parts of the robot.
 
     Attributes:
+        height_m: Measures the height of the antennas above the ground [m] now.
         nodes: The processes of all parts.
         description: What the parts are, as they say themselves.
         sensors: Other sensors beside the radar.
@@ -251,7 +242,7 @@ class Robot:
 
     axes: Mapping[AxisId, Axis]
     analyzer: Analyzer
-    height_sensor: HeightSensor
+    height_m: Callable[[], float]
     storage: Storage
     nodes: NodeLiveness
     description: DescribedRobot

@@ -183,7 +183,7 @@ class Sampling:
         remark: Optional[Message],
     ) -> Trace:
         self._instruments.check_sweep(sweep)
-        aux, sensor_remarks = self._robot.sensors.at_sweep(sweep.sweep_ended_us)
+        aux, sensor_remarks = self._robot.sensors.for_trace()
         timestamp_us = time_of_day_us()
         self._survey.clock_steps.check()
         own = () if remark is None else (storable_remark(str(remark)),)

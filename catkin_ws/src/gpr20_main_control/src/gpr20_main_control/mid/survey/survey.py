@@ -21,7 +21,6 @@ from gpr20_main_control.errors import (
     StopRequested,
     message_of,
 )
-from gpr20_main_control.mid.devices.axis_leases import AxisLeases
 from gpr20_main_control.mid.devices.positioner import Positioner
 from gpr20_main_control.mid.devices.robot import Robot
 from gpr20_main_control.mid.survey.survey_archive import SurveyArchive
@@ -94,10 +93,7 @@ class Survey:
         """
         self.plan, self.robot = plan, robot
         self.status, self.interruption, self.clock = status, interruption, interruption.clock
-        self._leases = AxisLeases(robot.axes, interruption.attention)
-        self.positioner = Positioner(
-            robot.axes, plan.config.axes, interruption, robot.workers, self._leases
-        )
+        self.positioner = Positioner(robot.axes, plan.config.axes, interruption, robot.workers)
         self.waits = WaitStatus(status, interruption)
         self.coverage = Coverage(
             plan.total_points, plan.reopened.stored_indices, status.show_coverage
@@ -124,7 +120,7 @@ class Survey:
         finally:
             self.analyzers.checked.set()
             self.archive.queue.close()
-            self._leases.release()
+            self.positioner.release()
 
     def resume(self, accepted: Accepted) -> None:
         """Continue after a pause; the caller has changed the state."""

@@ -1,0 +1,67 @@
+"""The axes together: their leases, and what becomes of the others when one fails."""
+
+import pytest
+from fake_robot import FakeAxis, FastClock
+from survey_examples import AXES
+
+from gpr20_common.message import verbatim
+from gpr20_main_control.errors import DeviceError
+from gpr20_main_control.mid.devices.axis_motion import LeaseKeeper
+from gpr20_main_control.mid.devices.positioner import Positioner
+from gpr20_main_control.mid.devices.robot import Lease
+from gpr20_main_control.mid.waits import Interruption, Workers
+from gpr20_survey.axes.axis_id import AxisId
+
+
+class ScriptedAxis(FakeAxis):
+    """An axis that renews a lease so many times, and notes what was asked."""
+
+    def __init__(self, renewals):
+        super().__init__()
+        self.renewals, self.asked = renewals, []
+
+    def lease(self, number=0, release=False):
+        self.asked.append("release" if release else "renew")
+        if not release and self.asked.count("renew") > self.renewals:
+            raise DeviceError(verbatim("the lease has ended"))
+
+
+class Scripted:
+    """The attention of the thread that moves axes, turn by turn, and the end after the last."""
+
+    def __init__(self, *lacks):
+        self.turns = list(lacks)
+
+    @property
+    def lacks(self):
+        return self.turns.pop(0)
+
+    def wait(self, _timeout_s):
+        return not self.turns
+
+
+@pytest.mark.parametrize(
+    "lacks, renewals, asked",
+    [
+        ((False, False), 2, ["renew", "renew", "release"]),
+        # Nobody looks at what could stop the axis.
+        ((False, True, True, False), 2, ["renew", "renew", "release"]),
+        ((False, False), 0, ["renew"]),
+    ],
+)
+def test_a_lease_is_renewed_while_it_lives_and_somebody_looks(lacks, renewals, asked):
+    axis, script = ScriptedAxis(renewals), Scripted(*lacks)
+    LeaseKeeper(axis, script)._keep(Lease(1, 2.0), script)
+    assert axis.asked == asked
+
+
+def test_when_one_axis_fails_all_are_stopped_at_once():
+    axes = {axis_id: FakeAxis() for axis_id in AxisId}
+    for axis in axes.values():
+        axis.homed = True
+    axes[AxisId.Y].fail_move = "the endstop was pressed"
+    positioner = Positioner(axes, AXES, Interruption(FastClock()), Workers())
+    with pytest.raises(DeviceError):
+        positioner.move({AxisId.X: 10.0, AxisId.Y: 10.0})
+    positioner.release()
+    assert [axis.stops for axis in axes.values()] == [1, 1, 1]
