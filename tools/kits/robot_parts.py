@@ -15,7 +15,7 @@ from typing import Callable, Dict, Iterator, Optional, Tuple
 
 import numpy as np
 from direct_pulses import DirectPulses
-from simulated_world import MECHANICS, STEP_MM, StepTime, World
+from simulated_world import MECHANICS, STEP_MM, World
 
 from gpr20_axis_driver.faults import AxisException, LeaseLapsedError, MotionStopped
 from gpr20_axis_driver.low.step_counter import open_step_counter
@@ -43,6 +43,7 @@ from gpr20_main_control.mid.devices.robot import (
     UnconfirmedSweep,
 )
 from gpr20_main_control.mid.waits import Workers
+from gpr20_simulator.mid.analyzer.in_process import StepTime
 from gpr20_simulator.mid.carriage import AxisMotor, SimulatedPins, mechanics_of, wiring_of
 from gpr20_simulator.mid.world.ground import Ground
 from gpr20_simulator.mid.world.range_sensor import RangeSensor, SimulatedSpi
