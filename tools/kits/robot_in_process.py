@@ -197,7 +197,7 @@ class RobotInProcess:
         limits = LinkLimits(parameters.connect_timeout_s, parameters.answer_timeout_s)
         deadline = RequestDeadline(self.world.time)
         analyzer = make_analyzer(
-            parameters, lambda address: self.world.link(address, limits), deadline
+            parameters, lambda address: self.world.vna.connect(address, limits), deadline
         )
         return VNADriver(analyzer, parameters, deadline, lambda _warning: None)
 

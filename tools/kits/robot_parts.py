@@ -13,7 +13,7 @@ from dataclasses import replace
 from typing import Callable, Dict, Iterator, List, Optional, Tuple
 
 from direct_pulses import DirectPulses
-from simulated_world import MECHANICS, STEP_MM, StepTime, World
+from simulated_world import MECHANICS, STEP_MM, World
 
 from gpr20_axis_driver.faults import AxisException, MotionStopped
 from gpr20_axis_driver.low.step_counter import open_step_counter
@@ -39,6 +39,7 @@ from gpr20_main_control.mid.devices.robot import (
     UnconfirmedSweep,
 )
 from gpr20_main_control.mid.waits import Workers
+from gpr20_simulator.mid.analyzer.in_process import StepTime
 from gpr20_simulator.mid.carriage import AxisMotor, SimulatedPins, mechanics_of, wiring_of
 from gpr20_simulator.mid.world.ground import Ground
 from gpr20_simulator.mid.world.range_sensor import RangeSensor, SimulatedSpi

@@ -13,9 +13,7 @@ sys.path.append(str(SOURCES / "gpr20_survey" / "test" / "unit"))
 @pytest.fixture
 def world(tmp_path):
     """Carriage, ground, instrument and disk of a simulated robot."""
-    world = World(tmp_path)
-    yield world
-    world.close()
+    return World(tmp_path)
 
 
 @pytest.fixture

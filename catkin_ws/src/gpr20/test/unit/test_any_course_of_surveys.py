@@ -33,7 +33,7 @@ LEASE_LIMIT_S = 2.0
 FAULTS = [
     *(("vna", one) for one in ("DROP", "HANG", "SILENT", "LATE", "TRUNCATE", "NAN", "GARBAGE")),
     *(("vna", one) for one in ("STALE", "LATE_BIT", "LATE_MEMORY", "SLOW_POINTS", "LINK_GONE")),
-    *(("vna", one) for one in ("HAND_BANDWIDTH", "HAND_START", "UNANSWERED_QUERY")),
+    *(("vna", one) for one in ("HAND_BANDWIDTH", "HAND_START")),
     *(("adc", "STUCK"), ("endstop_x", "STUCK_CLOSED"), ("endstop_y", "STUCK_OPEN")),
 ]
 # The n-th of such calls from now on.
@@ -186,7 +186,6 @@ class AnyCourse(RuleBasedStateMachine):
         finally:
             self.let_go()
             self.robot.close()
-            self.world.close()
             shutil.rmtree(str(self.folder))
 
     def finish(self):

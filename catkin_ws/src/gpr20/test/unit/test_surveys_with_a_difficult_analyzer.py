@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from simulated_world import CONNECT, World
+from simulated_world import World
 from stored_surveys import (
     check_acknowledged,
     check_complete,
@@ -15,6 +15,7 @@ from stored_surveys import (
     json_traces,
 )
 
+from gpr20_simulator.mid.analyzer.in_process import CONNECT
 from gpr20_simulator.mid.world.medium import probed_sweep
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_survey.trace.sweep_settings import AnalyzerSettings
@@ -33,9 +34,7 @@ POINTS, SLOW_POINT_S = 51, 0.01
 @pytest.fixture
 def world(tmp_path):
     # A sweep of slow points takes longer than the bit of the sweep before stays set.
-    world = World(tmp_path, late_bit_s=0.3, late_memory_s=0.9, slow_point_s=SLOW_POINT_S)
-    yield world
-    world.close()
+    return World(tmp_path, late_bit_s=0.3, late_memory_s=0.9, slow_point_s=SLOW_POINT_S)
 
 
 def bits(values):
@@ -53,13 +52,13 @@ def sent_values(block):
 def test_every_trace_is_one_sweep_made_at_its_own_place_and_stored_bit_for_bit(world, robot):
     # It has been sweeping by itself since it was switched on.
     world.time.sleep_until_s(world.time.now_s() + 20.0)
-    begun = world.sweeper.sweep_number
+    begun = world.vna.sweeper.sweep_number
     assert begun > 10
     robot.begin()
     stored = finish(robot)
     sweeps = [probed_sweep(one["s21_real"][0] + 0j) for one in stored]
     assert sweeps == sorted(sweeps) and sweeps[0] > begun
-    sent = set(map(sent_values, world.sent["sdat"]))
+    sent = set(map(sent_values, world.vna.sent["sdat"]))
     assert {(bits(one["s21_real"]), bits(one["s21_imag"])) for one in stored} <= sent
     check_acknowledged(robot, world.acknowledged)
 
@@ -73,13 +72,13 @@ def test_an_instrument_that_is_switched_back_to_continuous_sweeps_changes_nothin
     def press(message):
         counted.append(message)
         if len(counted) % messages == 0:
-            world.instrument.execute(b":INIT:CONT ON")
+            world.vna.instrument.execute(b":INIT:CONT ON")
 
-    robot.calls.at("sweep", 1, lambda: setattr(world, "on_message", press))
+    robot.calls.at("sweep", 1, lambda: setattr(world.vna, "on_message", press))
     robot.begin()
     if robot.wait_for_end().state is SurveyState.PAUSED:
         # Pressed so often that no attempt succeeds, the key is let go.
-        world.on_message = lambda _message: None
+        world.vna.on_message = lambda _message: None
         robot.go_on()
     check_state(robot, SurveyState.FINISHED)
     assert len(counted) > 2 * messages
@@ -148,13 +147,13 @@ def test_a_link_that_is_lost_for_half_the_limit_is_waited_for(world, robot, outa
     said = "survey.takes_long"
 
     def look(message):
-        if message == CONNECT and not world.instrument.is_reachable() and outage_s > 2:
+        if message == CONNECT and not world.vna.instrument.is_reachable() and outage_s > 2:
             # While the link is gone, the control says what it waits for.
             robot.clock.more_s += 1.0
             robot.wait(lambda: robot.clock.more_s < 5.0 or said in codes(robot))
 
     robot.begin()
-    world.on_message = look
+    world.vna.on_message = look
     finish(robot)
     assert (said in codes(robot)) == (outage_s > 2)
 

@@ -3,7 +3,6 @@
 import json
 
 import pytest
-from simulated_world import StepTime
 
 from gpr20_common.catalogue import Catalogue
 from gpr20_common.message import Message, verbatim
@@ -12,6 +11,7 @@ from gpr20_doctor.mid.finding import Finding, Level
 from gpr20_doctor.mid.findings import as_json, lines
 from gpr20_doctor.mid.listener import WATCH_S, Listener
 from gpr20_doctor.mid.node_health import EXPECTED_NODES, HealthLevel, NodeHealth
+from gpr20_simulator.mid.analyzer.in_process import StepTime
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.plan.robot_description import NodeDescription
 

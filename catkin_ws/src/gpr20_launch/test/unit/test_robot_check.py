@@ -211,7 +211,7 @@ def test_no_mistake_follows_from_the_default_of_a_value_that_is_not_known(
 OPTIONS_REFUSED = """
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import verbatim
-from gpr20_vna_acquisition.mid.analyzer import Analyzer
+from gpr20_vna_acquisition.mid.analyzers import Analyzer
 
 class Vna(Analyzer):
     def __init__(self, parameters, deadline, port):

@@ -61,7 +61,6 @@ def robot(tmp_path, vna, server):
     robot = RobotInProcess(world, parameters)
     yield robot
     robot.close()
-    world.close()
 
 
 def test_a_survey_stores_fresh_sweeps_of_the_configured_address(robot, vna, server):

@@ -293,7 +293,6 @@ def test_keys_left_out_keep_their_defaults(tmp_path):
         ("soil: {relative_permittivity: 0.5}", ("relative_permittivity", 0.5, 1, 81)),
         ("soil: {relative_permittivity: .nan}", ("relative_permittivity", "nan")),
         ("soil: {relative_permittivity: four}", ("'four'",)),
-        ("instrument: {trailing_comma: 1}", ("instrument/trailing_comma", "true or false")),
         ("targets: [{name: a, shape: sphere, x_mm: 1, y_mm: 2}]", ("depth_m",)),
         (TARGET.replace("sphere", "cube") % "", ("'cube'", "sphere, disc, line")),
         (TARGET % ", size_m: 3", ("targets[0]/size_m", 3)),

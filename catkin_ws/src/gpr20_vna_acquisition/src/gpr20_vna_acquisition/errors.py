@@ -154,16 +154,6 @@ def sweep_not_ended(points: int, limit_s: float) -> VnaSweepError:
     )
 
 
-def data_changed() -> VnaOldDataError:
-    """Return the error of data that were no longer shown when they were read again."""
-    return VnaOldDataError(
-        Message(
-            "the VNA's data changed after they were read; its display followed the end of the "
-            "sweep late"
-        )
-    )
-
-
 def old_data() -> VnaOldDataError:
     """Return the error of data that are not all new."""
     return VnaOldDataError(

@@ -1,316 +1,159 @@
-"""A driver at an instrument without a network, and a clock without waiting."""
+"""A driver at the simulated instrument, in this process and without waiting."""
 
 from __future__ import annotations
 
-import struct
-import threading
 from dataclasses import replace
-from typing import Callable, Dict, List, Optional, Tuple
+from typing import Callable, List, Set
 
-from gpr20_common.low.clock import Clock
+import numpy as np
+
 from gpr20_common.message import Message
+from gpr20_simulator.mid.analyzer.in_process import CLOSE, CONNECT, InProcessAnalyzer
+from gpr20_simulator.mid.analyzer.instrument_scene import InstrumentScene
+from gpr20_simulator.mid.analyzer.sweeper import SweepPace
+from gpr20_simulator.mid.world.medium import AntennaPosition, PositionProbe
+from gpr20_survey.trace.sweep import Sweep
 from gpr20_survey.trace.sweep_settings import AnalyzerSettings, SweepSettings
-from gpr20_vna_acquisition.errors import VnaConnectionError, VnaNoAnswerError
+from gpr20_vna_acquisition.errors import VnaConnectionError
+from gpr20_vna_acquisition.low.vxi11_transport import LinkLimits
 from gpr20_vna_acquisition.mid.ms2026c import Ms2026c
 from gpr20_vna_acquisition.mid.request_deadline import RequestDeadline
 from gpr20_vna_acquisition.mid.vna_driver import VNADriver
 from gpr20_vna_acquisition.mid.vna_parameters import VnaParameters
 
-IDENTITY = "Anritsu,MS2026C/2,1234567,1.23"
-OTHER_IDENTITY = '"Anritsu,MS2026C/2,7654321,1.23"'
-EXCHANGE_S = 0.001
 ADDRESS = "192.168.1.10"
-SWEEP = SweepSettings(600e6, 6e9, 11)
+POINTS = 11
+SWEEP = SweepSettings(600e6, 6e9, POINTS)
 # As the instrument confirms it: with its own values of what was left to it.
 ACCEPTED = replace(SWEEP, analyzer=AnalyzerSettings(10_000.0, 1, "HIGH"))
 STARTED_US = 1_800_000_000_123_456
-# What a preamble calls the settings.
-PREAMBLE_SETTINGS = {
-    "SWEEP_TYPE": ":INIT:CONT",
-    "TRACE_1_START_FREQ": ":SENS:FREQ:STAR",
-    "TRACE_1_STOP_FREQ": ":SENS:FREQ:STOP",
-    "TRACE_1_DSP_DATA_POINTS": ":SENS:SWE:POIN",
-    "TOTAL_TRACE": ":SENS:TRAC:TOT",
-    "S_TYPE": ":SENS:TRACE1:SPAR",
-    "DOMAIN": ":SENS:TRACE1:DOM",
-    "IFBW": ":SENS:SWE:IFBW",
-    "AVERAGING_FACTOR": ":SENS:AVER:COUN",
-    "RF_SOURCE_POWER": ":SOUR:POW",
-}
+DATA, TRIGGER, STATUS, PREAMBLE = ":CALC1:DATA? SDAT", ":INIT:IMM", ":STAT:OPER?", ":TRAC:PRE? 1"
 
 
-class FakeClock(Clock):
-    """Time passes only when someone waits or `pass_s` is called."""
+class Numbered(PositionProbe):
+    """Real part: the number of the sweep; imaginary part: the frequency in GHz."""
 
-    def __init__(self) -> None:
-        self.time_s = 100.0
-
-    def pass_s(self, duration_s: float) -> None:
-        self.time_s += duration_s
-
-    def now_s(self) -> float:
-        return self.time_s
-
-    def sleep_until_s(self, deadline_s: float) -> None:
-        self.time_s = max(self.time_s, deadline_s)
-
-    def wait_s(self, event: threading.Event, timeout_s: float) -> bool:
-        if not event.is_set():
-            self.time_s += timeout_s
-        return event.is_set()
+    def s21(self, frequency_hz, position, sweep_number, noise_gain=1.0):
+        return sweep_number + 1j * frequency_hz / 1e9
 
 
-class FakeVna:
-    """The instrument: stores settings, sweeps in fake time, and can be made to misbehave.
-
-    The real part of every point is the number of the sweep, the imaginary part that of the point.
-    Points that a sweep has not come to yet are those of the sweeps before.
-    """
-
-    def __init__(self, clock: FakeClock) -> None:
-        self.clock = clock
-        # Time that each message takes.
-        self.exchange_s = EXCHANGE_S
-        self.identity = f'"{IDENTITY}"'
-        self.settings: Dict[str, str] = {
-            ":INIT:CONT": "1",
-            ":SENS:FREQ:STAR": "5000",
-            ":SENS:FREQ:STOP": "6000000000",
-            ":SENS:SWE:POIN": "201",
-            ":SENS:TRAC:TOT": "4",
-            ":SENS:TRACE1:SPAR": "S11",
-            ":SENS:TRACE1:DOM": "TIME",
-            ":SENS:AVER:COUN": "1",
-            ":SENS:SWE:IFBW": "10000",
-            ":SOUR:POW": "HIGH",
-            ":FORM": "ASC",
-        }
-        self.refused: List[str] = []
-        self.sweep_s = 0.05
-        self.stale_bit_s = 0.0
-        # Whether one trigger makes all sweeps of an average.
-        self.averages_at_once = False
-        self.averaged = 0
-        # Queries that get no answer.
-        self.unanswered: List[str] = []
-        self.local = False
-        self.sweep_number = 0
-        # Duration of the last sweep, which began before `sweep_s` was changed.
-        self._running_s = 0.0
-        self._shown: List[float] = []
-        self.sweep_begun_s = -1.0
-        # How long after the end of a sweep its data replace those that are shown, and what will be
-        # shown from when on.
-        self.late_memory_s = 0.0
-        self._coming: List[Tuple[float, List[float]]] = []
-        self._late_shown: List[float] = []
-        self.calibration = "1"
-        self.calibrated = "15"
-        # What the preamble says besides the settings; None: it says nothing of those either.
-        self.preamble: Optional[Dict[str, str]] = {
-            "SN": IDENTITY.split(",")[2],
-            "CAL_CORRECTION": "0",
-            "CURRENT_TEMPERATURE": "163",
-            "SMOOTHING_PERCENT": "0",
-            "TRACE_MATH_TYPES": "0",
-        }
-        self.locked = False
-        # A name that the preamble does not have.
-        self.left_out = ""
-        # Called with each query or command; may change the fake or raise.
-        self.before: Callable[[str], None] = lambda message: None
-        # Called with each data answer; returns what is sent instead.
-        self.spoil: Callable[[bytes], bytes] = lambda answer: answer
-        self.sent: List[str] = []
-        self.links = 0
-        self.open_links = 0
-
-    @property
-    def points(self) -> int:
-        return int(self.settings[":SENS:SWE:POIN"])
-
-    def connect(self, address: str) -> FakeLink:
-        self.local = False
-        self.links += 1
-        self.open_links += 1
-        return FakeLink(self)
-
-    def take(self, command: str) -> None:
-        if ";" in command:
-            for one in command.split(";"):
-                self.take(one)
-            return
-        header, _, value = command.partition(" ")
-        if header == ":SENS:AVER:CLE":
-            self.averaged = 0
-        elif header == ":INIT:IMM":
-            averages = int(self.settings[":SENS:AVER:COUN"])
-            self.averaged = averages if self.averages_at_once else min(self.averaged + 1, averages)
-            self._shown = self._measured()[0::2]
-            self._late_shown = self.points_data()
-            self.sweep_number += 1
-            self.sweep_begun_s = self.clock.time_s
-            self._running_s = self.sweep_s
-            if self.late_memory_s:
-                self.show_later(self.sweep_number, self.sweep_s + self.late_memory_s)
-        elif header in self.settings and header not in self.refused:
-            self.settings[header] = {"OFF": "0", "ON": "1"}.get(value, value)
-
-    def answer(self, query: str) -> bytes:
-        header, _, _ = query.partition("?")
-        if header in self.settings:
-            return self.settings[header].encode()
-        return self._answers()[header]()
-
-    def _answers(self) -> Dict[str, Callable[[], bytes]]:
-        return {
-            "*IDN": lambda: self.identity.encode(),
-            ":STAT:OPER": lambda: b"256" if self._bit() else b"0",
-            ":SENS:CORR:COLL:STAT:ACC": self.calibration.encode,
-            ":TRAC:PRE": self._preamble,
-            ":SENS:CAL:STAT": self.calibrated.encode,
-            ":SENS:CORR:COLL:TYPE": lambda: b"2PFP",
-            ":SENS:CORR:COLL:INT": lambda: b"0",
-            ":SENSE1:FREQ:DATA": lambda: self.block(self._frequencies()),
-            ":CALC1:DATA": lambda: self.spoil(self.block(self.points_data())),
-        }
-
-    def _bit(self) -> bool:
-        elapsed_s = self.clock.time_s - self.sweep_begun_s
-        return elapsed_s < self.stale_bit_s or elapsed_s >= self._running_s
-
-    def _frequencies(self) -> List[float]:
-        start = float(self.settings[":SENS:FREQ:STAR"])
-        stop = float(self.settings[":SENS:FREQ:STOP"])
-        return [start + i * (stop - start) / (self.points - 1) for i in range(self.points)]
-
-    def show_later(self, real: float, late_s: float) -> None:
-        """Let a sweep with this real part be shown after some time, as if it had just ended."""
-        self._coming.append((self.clock.time_s + late_s, _interleaved([real] * self.points)))
-
-    def set_late(self, late_s: float) -> None:
-        """Show what is shown now until the next sweep has ended, and for some time after."""
-        self._late_shown, self.late_memory_s = self.points_data(), late_s
-
-    def _preamble(self) -> bytes:
-        values = {"AVERAGING_COUNT": str(self.averaged)}
-        if self.preamble is not None:
-            for name, header in PREAMBLE_SETTINGS.items():
-                values[name] = self.settings.get(header, "")
-            values.update(self.preamble)
-        values.pop(self.left_out, None)
-        text = ",".join(f"{name}={value}" for name, value in values.items()).encode()
-        return b"#9%09d%s\n" % (len(text), text)
-
-    def points_data(self) -> List[float]:
-        while self._coming and self._coming[0][0] <= self.clock.time_s:
-            _due_s, self._late_shown = self._coming.pop(0)
-        return self._late_shown if self.late_memory_s else self._measured()
-
-    def _measured(self) -> List[float]:
-        if len(self._shown) != self.points:
-            self._shown = [0.0] * self.points
-        elapsed_s, done = self.clock.time_s - self.sweep_begun_s, self.points
-        if elapsed_s < self._running_s:
-            done = int(self.points * elapsed_s / self._running_s)
-        return _interleaved([float(self.sweep_number)] * done + self._shown[done:])
-
-    def block(self, numbers: List[float]) -> bytes:
-        if self.settings[":FORM"] == "REAL,32":
-            payload = struct.pack(f"<{len(numbers)}f", *numbers)
-        else:
-            payload = "".join(f"{number:.9E}," for number in numbers).encode()
-        return f"#{len(str(len(payload)))}{len(payload)}".encode() + payload + b"\n"
+def nothing(_message: str) -> None:
+    """Let the instrument answer."""
 
 
-def _interleaved(real: List[float]) -> List[float]:
-    return [value for point, one in enumerate(real) for value in (one, float(point))]
-
-
-class FakeLink:
-    """One link to a FakeVna; dead after the first failure, like the real one."""
-
-    def __init__(self, vna: FakeVna) -> None:
-        self._vna = vna
-        self._open = True
-
-    def write(self, command: str) -> None:
-        self._exchange(command)
-        self._vna.take(command)
-
-    def ask_raw(self, query: str, limit_s: Optional[float] = None) -> bytes:
-        self._exchange(query)
-        if query in self._vna.unanswered:
-            self._vna.clock.pass_s(5.0 if limit_s is None else limit_s)
-            self.close()
-            raise VnaNoAnswerError(Message("no answer in time"))
-        return self._vna.answer(query)
-
-    def lock(self) -> None:
-        self._exchange("<lock>")
-        self._vna.locked = True
-
-    def local(self) -> None:
-        self._exchange("<local>")
-        self._vna.local = True
-
-    def clear(self) -> None:
-        self._exchange("<clear>")
-
-    def close(self) -> None:
-        if self._open:
-            self._open = self._vna.locked = False
-            self._vna.open_links -= 1
-
-    def _exchange(self, message: str) -> None:
-        if not self._open:
-            raise VnaConnectionError(Message("the link is dead"))
-        self._vna.sent.append(message)
-        self._vna.clock.pass_s(self._vna.exchange_s)
-        try:
-            self._vna.before(message)
-        except VnaConnectionError:
-            self.close()
-            raise
+def as_sent(_query: str, answer: bytes) -> bytes:
+    """Let the driver read the answer."""
+    return answer
 
 
 class Bench:
-    """A driver at a fake instrument."""
+    """A driver and its instrument; it is described as a scene does it."""
 
-    def __init__(self, **parameters) -> None:
-        self.clock = FakeClock()
-        self.vna = FakeVna(self.clock)
-        self.warnings: List[str] = []
-        values = VnaParameters(**parameters)
+    def __init__(self, scene: InstrumentScene = InstrumentScene(), **parameters) -> None:  # noqa: B008
+        here = AntennaPosition(0.0, 0.0, 0.0)
+        self.vna = InProcessAnalyzer(Numbered(), lambda: here, scene, SweepPace())
+        self.clock, self.faults = self.vna.time, self.vna.faults
+        # What was sent, and how many links were made and are open.
+        self.sent: List[str] = []
+        self.links = self.open_links = 0
+        # Called with each message; may change something, or raise.
+        self.before: Callable[[str], None] = nothing
+        self.vna.on_message = self._note
+        self.values = VnaParameters(**{"max_level_db": 100.0, **parameters})
         self.deadline = RequestDeadline(self.clock)
-        self.analyzer = Ms2026c(self.vna.connect, values, self.deadline, lambda: STARTED_US)
-        self.driver = VNADriver(self.analyzer, values, self.deadline, self.warnings.append)
+        limits = LinkLimits(self.values.connect_timeout_s, self.values.answer_timeout_s)
+        self.analyzer = Ms2026c(
+            lambda address: self.vna.connect(address, limits),
+            self.values,
+            self.deadline,
+            lambda: STARTED_US,
+        )
+        self.driver = VNADriver(self.analyzer, self.values, self.deadline, print)
+
+    def _note(self, message: str) -> None:
+        if message == CLOSE:
+            self.open_links -= 1
+            return
+        self.sent.append(message)
+        self.before(message)
+        if message == CONNECT:
+            self.links += 1
+            self.open_links += 1
 
     def configured(self) -> Bench:
         self.driver.connect_to_vna(ADDRESS)
         self.driver.set_frequency_sweep(SWEEP)
+        del self.sent[:]
         return self
+
+    def ask(self, query: str) -> str:
+        """Return what the instrument answers to somebody else."""
+        return self.vna.instrument.execute(query.encode()).answer.decode().strip()
+
+    def by_hand(self, *commands: str) -> None:
+        """Change settings as somebody else does."""
+        for one in commands:
+            self.vna.instrument.execute(one.encode())
+
+    def is_like(self, **changes) -> None:
+        """Let the instrument be another one in some way: fields of its scene."""
+        self.vna.instrument.description = replace(self.vna.instrument.description, **changes)
+
+    def takes(self, sweep_s: float, stale_bit_s: float = 0.0, lag_s: float = 0.0) -> None:
+        """Let a sweep take so long, its bit clear and its data be shown so late [s]."""
+        self.faults.clear()
+        self.is_like(slow_point_s=sweep_s / POINTS, late_bit_s=stale_bit_s, late_memory_s=lag_s)
+        for fault, on in (("SLOW_POINTS", sweep_s), ("LATE_BIT", stale_bit_s)):
+            if on:
+                self.faults.set(fault)
+        if lag_s:
+            self.faults.set("LATE_MEMORY")
+
+    def answers(self, query: str, answer) -> None:
+        """Let the driver read another answer to a query: bytes, or what makes them of the right."""
+        change = answer if callable(answer) else lambda _right: answer
+        self.vna.on_answer = lambda asked, right: change(right) if asked == query else right
+
+    def commands(self) -> Set[str]:
+        """Return what was sent without asking."""
+        return {one for one in self.sent if "?" not in one and not one.startswith("<")}
+
+    @property
+    def number(self) -> int:
+        """The number of the sweep that was triggered last."""
+        return self.vna.sweeper.sweep_number
 
     @property
     def taken(self) -> int:
         """The number of a sweep that is taken now, to be confirmed."""
         return self.driver.take_sweep()[0]
 
+    def is_new(self) -> bool:
+        """Take a trace; return whether it is all of one sweep, triggered by it."""
+        before = self.number
+        return is_of_one_after(self.driver.get_trace(), before)
+
     def lose_link_once(self, when: str = "") -> None:
         """Break the link at the next message that begins with `when`."""
 
         def before(message: str) -> None:
             if message.startswith(when):
-                self.vna.before = lambda _message: None
+                self.before = nothing
                 raise VnaConnectionError(Message("broken on purpose"))
 
-        self.vna.before = before
+        self.before = before
 
-    def lose_calibration_at(self, command: str) -> None:
-        """Let a command that begins so end the calibration."""
+    def lose_links(self) -> None:
+        """Let every message and every new link fail."""
 
-        def before(message: str) -> None:
-            if message.startswith(command):
-                self.vna.calibration = "0"
+        def gone(_message: str) -> None:
+            raise VnaConnectionError(Message("gone"))
 
-        self.vna.before = before
+        self.before = gone
+
+
+def is_of_one_after(sweep: Sweep, number: int) -> bool:
+    """Return whether every point is of one sweep with a higher number."""
+    numbers = set(sweep.s21_real.tolist())
+    points = np.allclose(sweep.s21_imag, sweep.frequency_hz / 1e9)
+    return points and len(numbers) == 1 and numbers.pop() > number

@@ -77,8 +77,7 @@ class HostileServer:
         self.mapped_port: Optional[int] = self.port
         self.receive_size = 65536
         self.calls: List[int] = []
-        self.connections = 0
-        self.links = 0
+        self.open_connections = 0
         self._question = b""
         threading.Thread(target=self._accept, daemon=True).start()
 
@@ -91,7 +90,7 @@ class HostileServer:
                 peer, _ = self._listener.accept()
             except OSError:
                 return
-            self.connections += 1
+            self.open_connections += 1
             threading.Thread(target=self._serve, args=(peer,), daemon=True).start()
 
     def _serve(self, peer: socket.socket) -> None:
@@ -110,12 +109,13 @@ class HostileServer:
                     self.send(peer, self.spoil(procedure, record(accepted + result)))
             except (HangUp, OSError):
                 return
+            finally:
+                self.open_connections -= 1
 
     def _result(self, procedure: int, arguments: bytes) -> bytes:
         if procedure == GETPORT:
             return struct.pack(">I", self.mapped_port or 0)
         if procedure == CREATE_LINK:
-            self.links += 1
             return struct.pack(">iiII", 0, 7, 0, self.receive_size)
         if procedure == WRITE:
             length = struct.unpack(">I", arguments[16:20])[0]
@@ -123,6 +123,4 @@ class HostileServer:
             return struct.pack(">iI", 0, length)
         if procedure == READ:
             return self.answer(self._question)
-        if procedure == DESTROY_LINK:
-            self.links -= 1
         return struct.pack(">i", 0)

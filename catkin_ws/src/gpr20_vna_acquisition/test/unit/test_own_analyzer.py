@@ -1,40 +1,43 @@
-"""The tutorial docs/extend/analyzer.md: a class outside this repository."""
+"""The tutorial docs/extend/analyzer.md: a class outside this repository, and what becomes of it."""
 
+from __future__ import annotations
+
+import contextlib
+import subprocess
 import sys
-import tempfile
+import threading
 from dataclasses import asdict, replace
 from pathlib import Path
 
+import pytest
 import yaml
 from case_kit import each_case
+from driver_bench import SWEEP
 from fault_kit import raises_fault
+from test_socket_vna import *  # noqa: F403
 from tutorial_code import code_blocks
 
 from gpr20_common import faults as common_faults
 from gpr20_common.low.clock import Clock
 from gpr20_common.mid.codec import record_from
-from gpr20_survey.faults import VNA_SILENT
-from gpr20_vna_acquisition.errors import VnaConnectionError
-from gpr20_vna_acquisition.mid.analyzer_record import passed
+from gpr20_simulator.mid.analyzer.in_process import StepTime
+from gpr20_survey.faults import VNA_FAILED, VNA_SILENT
+from gpr20_vna_acquisition.errors import VnaClosedError, VnaConnectionError, VnaError
+from gpr20_vna_acquisition.mid import vna_driver
 from gpr20_vna_acquisition.mid.analyzers import (
     ForeignAnalyzer,
     load_analyzer,
     make_foreign_analyzer,
 )
-from gpr20_vna_acquisition.mid.conformance import Bench, Extent, results
 from gpr20_vna_acquisition.mid.request_deadline import RequestDeadline
+from gpr20_vna_acquisition.mid.vna_driver import VNADriver
 from gpr20_vna_acquisition.mid.vna_parameters import VnaParameters
 
 PAGE = Path(__file__).parents[5] / "docs/extend/analyzer.md"
-CODE = code_blocks(PAGE, "python")
-
-# The modules of the page, importable as those of an installed package are.
-_folder = tempfile.TemporaryDirectory()
-for _name, _code in CODE.items():
-    Path(_folder.name, _name).write_text(_code)
-sys.path.insert(0, _folder.name)
-
-from test_socket_vna import *  # noqa: E402, F403
+# What ends only because a call was given up, ends long before this on a busy machine, too [s].
+LIMIT_S = 30.0
+# 3 connect_timeout_s, 2 answer_timeout_s, and 1.5 s.
+USUAL_S = 20.5
 
 
 def test_the_configuration_of_the_page_is_accepted():
@@ -66,39 +69,151 @@ def test_an_analyzer_of_no_kind_is_refused_with_what_is_allowed(analyzer):
         replace(VnaParameters(), analyzer_options={"port": 1})
 
 
-class BrokenAnalyzer:
-    """Raises what no analyzer should."""
+class Scripted:
+    """Does the same at each call of the driver."""
 
     trace_duration_s, remarks = None, ()
 
-    def fail(self, *_arguments):
+    def __init__(self, does) -> None:
+        self.does = does
+
+    def __getattr__(self, _name: str):
+        return self.does
+
+
+def test_an_exception_or_result_of_any_kind_counts_as_a_broken_link():
+    def fail(*_arguments):
         raise ZeroDivisionError
 
-    connect = identify = configure = sweep = confirm = calibration = release = disconnect = fail
-    check_sweep = fail
-
-
-def test_an_exception_of_any_kind_counts_as_a_broken_link():
     deadline = RequestDeadline(Clock())
     deadline.begin(10.0)
-    analyzer = ForeignAnalyzer(BrokenAnalyzer(), VnaParameters(), deadline)
-    for action in (analyzer.identify, analyzer.sweep, analyzer.confirm, analyzer.calibration):
-        with raises_fault(VNA_SILENT, "ZeroDivisionError", error=VnaConnectionError):
-            action()
-    analyzer.release()
-    analyzer.disconnect()
+    for does, shown in ((fail, "ZeroDivisionError"), (lambda *_a: "other", "other")):
+        analyzer = ForeignAnalyzer(Scripted(does), VnaParameters(), deadline)
+        for action in (analyzer.sweep, analyzer.calibration):
+            with raises_fault(VNA_SILENT, error=VnaConnectionError) as failure:
+                action()
+            assert shown in str(failure.value.message.details) or does is not fail
+        analyzer.release()
+        analyzer.disconnect()
 
 
-def test_the_class_of_the_page_passes_its_check(vna):
-    parameters = VnaParameters(
-        analyzer="socket_vna:SocketVna",
-        analyzer_options={"port": vna.port},
-        address="127.0.0.1",
-        maker="CMT",
-        model="S5085",
-        answer_timeout_s=0.5,
-        sweep_timeout_s=0.5,
-    )
-    extent = Extent(21, (1e4,), sweeps=2, limit_s=60.0)
-    found = list(results(Bench(parameters, lambda _address: None, extent)))
-    assert passed(found), [str(one.text) for one in found]
+# A call that does not return ends the process of the driver.
+
+
+class Held:
+    """A driver of the page's class whose calls can be held, and whose time stands still."""
+
+    def __init__(self, vna) -> None:
+        self.clock = StepTime()
+        self.deadline = RequestDeadline(self.clock)
+        parameters = VnaParameters(
+            analyzer="socket_vna:SocketVna", analyzer_options={"port": vna.port},
+            maker="CMT", model="S5085", accepted_calibrations=(5,),
+        )  # fmt: skip
+        self.analyzer = make_foreign_analyzer(parameters, self.deadline)
+        self.driver = VNADriver(self.analyzer, parameters, self.deadline, print)
+        self.driver.connect_to_vna("127.0.0.1")
+        self.driver.set_frequency_sweep(SWEEP)
+        self.holding, self.freed = threading.Event(), threading.Event()
+
+    def hold(self, call: str) -> threading.Thread:
+        """Make a request whose call to the class does not return yet."""
+        requests = {
+            "configure": lambda: self.driver.set_frequency_sweep(SWEEP),
+            "check_sweep": lambda: self.driver.set_frequency_sweep(SWEEP),
+            "disconnect": self.driver.disconnect_from_vna,
+        }
+        action = requests.get(call, self.driver.get_trace)
+        real = getattr(self.analyzer._analyzer, call)
+
+        def held(*arguments):
+            self.holding.set()
+            self.freed.wait()
+            return real(*arguments)
+
+        def request() -> None:
+            with contextlib.suppress(VnaError):
+                action()
+
+        setattr(self.analyzer._analyzer, call, held)
+        thread = threading.Thread(target=request, daemon=True)
+        thread.start()
+        assert self.holding.wait(LIMIT_S)
+        return thread
+
+    def overdue_after(self, duration_s: float):
+        """Return what is overdue so much later, looking twice."""
+        self.clock.sleep_until_s(self.clock.now_s() + duration_s)
+        self.deadline.overdue()
+        return self.deadline.overdue()
+
+
+@pytest.fixture
+def held(vna):
+    one = Held(vna)
+    yield one
+    one.freed.set()
+    one.driver.shut_down()
+
+
+@pytest.mark.parametrize(
+    "call, limit_s",
+    [
+        ("confirm", USUAL_S),
+        ("disconnect", USUAL_S),
+        ("sweep", 10.0 + USUAL_S),
+        # As long as a set-up may take.
+        ("configure", 40.0 + USUAL_S),
+        ("check_sweep", 40.0 + USUAL_S),
+    ],
+)
+def test_a_call_that_does_not_return_is_overdue_after_its_time(held, call, limit_s):
+    request = held.hold(call)
+    assert held.overdue_after(limit_s - 0.1) is None
+    overdue = held.overdue_after(1.0)
+    assert f"socket_vna:SocketVna.{call}" in str(overdue.all_details)
+    held.freed.set()
+    request.join(LIMIT_S)
+    assert held.overdue_after(0.0) is None
+
+
+def test_a_sweep_with_every_bit_of_the_one_before_is_refused(held, vna):
+    held.driver.get_trace()
+    shown = vna._seen()
+    vna._seen = lambda: shown
+    with raises_fault(VNA_FAILED):
+        held.driver.get_trace()
+
+
+def test_a_call_that_returns_after_a_pause_of_the_process_is_not_overdue(held):
+    request = held.hold("confirm")
+    held.clock.sleep_until_s(held.clock.now_s() + 30.0)
+    assert held.deadline.overdue() is None
+    held.freed.set()
+    request.join(LIMIT_S)
+    assert held.deadline.overdue() is None
+
+
+def test_a_shutdown_does_not_wait_for_it(held, monkeypatch):
+    monkeypatch.setattr(vna_driver, "LAST_REQUEST_S", 0.01)
+    held.hold("sweep")
+    held.driver.shut_down()
+    with pytest.raises(VnaClosedError):
+        held.deadline.check()
+
+
+def test_the_process_reports_it_and_ends():
+    program = """
+from gpr20_simulator.mid.analyzer.in_process import StepTime
+from gpr20_vna_acquisition.mid.request_deadline import RequestDeadline
+clock = StepTime()
+deadline = RequestDeadline(clock)
+with deadline.watched("a.B.sweep", 1.0):
+    deadline.end_if_overdue(print)
+    clock.sleep_until_s(2.0)
+    deadline.end_if_overdue(print)
+    deadline.end_if_overdue(lambda text: print(text, flush=True))
+"""
+    command = [sys.executable, "-c", program]
+    ended = subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, check=False)
+    assert ended.returncode == 1 and b"a.B.sweep does not return" in ended.stdout

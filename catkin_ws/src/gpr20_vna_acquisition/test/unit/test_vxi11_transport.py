@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import random
 import socket
 import struct
 import threading
 import time
 
 import pytest
-import vxi11
 from case_kit import each_case
 from fault_kit import raises_fault
 from hostile_server import (
@@ -36,15 +34,11 @@ from hostile_server import (
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from run_seed import draws
-from vxi11 import rpc
 
 from gpr20_survey.faults import VNA_SILENT, WRONG_VNA
 from gpr20_vna_acquisition import faults
 from gpr20_vna_acquisition.errors import VnaConnectionError
-from gpr20_vna_acquisition.low.vxi11_transport import NO_AUTHENTICATION, Packer, connect
-
-READ_PIECE_BYTES = 1024
-LIBRARY = vxi11.vxi11
+from gpr20_vna_acquisition.low.vxi11_transport import connect
 
 
 @pytest.fixture
@@ -96,31 +90,15 @@ def test_a_host_that_never_answers_is_given_up_in_time(by_portmapper):
         connect(HOST, QUICK, *((None, port) if by_portmapper else (port,)))
 
 
-def test_a_host_that_takes_no_connection_is_given_up_in_time():
-    # A listener whose queue is full drops further requests, as an absent host does.
-    with socket.socket() as full:
-        full.bind((HOST, 0))
-        full.listen(0)
-        fillers = [socket.socket() for _ in range(4)]
-        for filler in fillers:
-            filler.setblocking(False)
-            filler.connect_ex(full.getsockname())
-        with pytest.raises(VnaConnectionError):
-            connect(HOST, QUICK, full.getsockname()[1])
-        for filler in fillers:
-            filler.close()
-
-
 @each_case("procedure", [WRITE, READ])
 def test_a_dropped_connection_is_our_error_and_a_new_link_works(server, procedure):
     link = connect(HOST, PATIENT, server.port)
-    client = link._instrument.client.sock._socket
     server.spoil = on(procedure, hang_up)
     for _time in range(2):
         with raises_fault(VNA_SILENT, HOST):
             link.ask_raw("X?")
         server.spoil = proper
-    assert client.fileno() == -1
+    wait_until(lambda: not server.open_connections)
     assert connect(HOST, PATIENT, server.port).ask_raw("Y?") == b"<Y?>"
 
 
@@ -172,50 +150,45 @@ def test_an_endless_answer_is_stopped(server, spoil, answer):
     assert server.calls.count(READ) < 50
 
 
-def test_an_instrument_that_takes_nothing_at_once_is_refused(server):
-    server.receive_size = 0
-    with raises_fault(WRONG_VNA, 1024):
-        connect(HOST, PATIENT, server.port)
-    wait_until(lambda: server.links == 0)
-
-
-@each_case("error, fault", [(9, VNA_SILENT), (11, faults.LOCKED)])
-def test_a_refused_link_is_our_error(server, error, fault):
-    server.spoil = on(CREATE_LINK, body(struct.pack(">iiII", error, 0, 0, 0)))
-    with raises_fault(fault, f"{error}: "):
-        connect(HOST, PATIENT, server.port)
-
-
-def test_clearing_tolerates_an_instrument_that_cannot_and_reports_any_other_failure(server, link):
-    server.spoil = on(CLEAR, body(struct.pack(">i", 8)))
-    link.clear()
-    assert link.ask_raw("X?") == b"<X?>"
-    server.spoil = on(CLEAR, body(struct.pack(">i", 17)))
-    with raises_fault(VNA_SILENT):
-        link.clear()
-
-
-# A server that lacks a procedure says so in the head of the reply.
 @each_case(
-    "answer",
+    "content, fault, shown",
     [
-        body(struct.pack(">i", 8)),
-        lambda _called, answer: record(answer[4:24] + struct.pack(">I", 3)),
+        ((9, 0, 0, 0), VNA_SILENT, "9: "),
+        ((11, 0, 0, 0), faults.LOCKED, "11: "),
+        # It takes nothing at once.
+        ((0, 7, 0, 0), WRONG_VNA, 1024),
     ],
 )
-def test_an_instrument_without_a_lock_is_used_without_one(server, answer):
-    server.spoil = on(LOCK, answer)
+def test_a_link_that_is_refused_or_useless_is_our_error_and_leaves_no_connection(
+    server, content, fault, shown
+):
+    server.spoil = on(CREATE_LINK, body(struct.pack(">iiII", *content)))
+    with raises_fault(fault, shown):
+        connect(HOST, PATIENT, server.port)
+    wait_until(lambda: not server.open_connections)
+
+
+NO_PROCEDURE = struct.pack(">I", 3)
+
+
+@each_case("procedure, call", [(CLEAR, "clear"), (LOCK, "lock")])
+def test_what_an_instrument_does_not_offer_is_left_out_and_any_other_failure_reported(
+    procedure, call
+):
+    server = HostileServer()
     link = connect(HOST, PATIENT, server.port)
-    link.lock()
-    assert link.ask_raw("X?") == b"<X?>"
-
-
-def test_a_lock_of_another_link_is_named(server, link):
-    link.lock()
-    assert server.calls[-1] == LOCK
-    server.spoil = on(LOCK, body(struct.pack(">i", 11)))
+    # A server that lacks a procedure says so in the head of the reply.
+    for answer in (
+        body(struct.pack(">i", 8)),
+        lambda _called, answer: record(answer[4:24] + NO_PROCEDURE),
+    ):
+        server.spoil = on(procedure, answer)
+        getattr(link, call)()
+        assert link.ask_raw("X?") == b"<X?>"
+    server.spoil = on(procedure, body(struct.pack(">i", 11)))
     with raises_fault(faults.LOCKED):
-        link.lock()
+        getattr(link, call)()
+    server.close()
 
 
 @settings(max_examples=draws(10), suppress_health_check=list(HealthCheck))
@@ -256,33 +229,6 @@ def test_no_garbage_raises_anything_but_our_error(server, procedure, garbage):
 # What python-vxi11 0.9 does wrong does not reach the driver.
 
 
-def socket_of(link):
-    return link._instrument.client.sock._socket
-
-
-def test_a_command_that_was_taken_in_part_is_our_error(server, link):
-    server.spoil = on(WRITE, body(struct.pack(">iI", 0, 1)))
-    with raises_fault(VNA_SILENT):
-        link.write(":INIT:IMM")
-
-
-@each_case("ending", [hang_up, body(struct.pack(">iiII", 9, 0, 0, 0))])
-def test_a_link_that_was_not_made_leaves_no_open_connection(server, monkeypatch, ending):
-    opened = []
-    create = socket.create_connection
-
-    def note(*arguments, **options):
-        opened.append(create(*arguments, **options))
-        return opened[-1]
-
-    with monkeypatch.context() as patch:
-        patch.setattr(socket, "create_connection", note)
-        server.spoil = on(CREATE_LINK, ending)
-        with pytest.raises(VnaConnectionError):
-            connect(HOST, PATIENT, server.port)
-    assert [one.fileno() for one in opened] == [-1]
-
-
 def with_xid(answer, change):
     xid = struct.unpack(">I", answer[4:8])[0]
     return answer[:4] + struct.pack(">I", xid + change) + answer[8:]
@@ -300,61 +246,9 @@ def test_a_late_reply_to_an_older_call_is_not_taken_for_the_answer(server, link)
         link.ask_raw("X?")
 
 
-def test_a_reply_cut_in_mid_record_ends_the_link(server):
-    link = connect(HOST, IMPATIENT, server.port)
-    server.spoil = on(READ, lambda _called, answer: answer[:-4])
-    with pytest.raises(VnaConnectionError):
-        link.ask_raw("X?")
-    server.spoil = proper
-    with raises_fault(VNA_SILENT, HOST):
-        link.ask_raw("Y?")
-    wait_until(lambda: server.links == 0)
-
-
-def test_the_longest_trace_in_the_smallest_pieces_is_whole(server):
-    # 4001 points in ASCII of 20 characters, from an instrument that takes 1024 bytes at once.
-    server.receive_size = READ_PIECE_BYTES
-    whole = bytes(range(256)) * 657
-    left = [whole]
-
-    def answer(_question):
-        piece, left[0] = left[0][:READ_PIECE_BYTES], left[0][READ_PIECE_BYTES:]
-        return read_reply(piece, reason=0 if left[0] else 4)
-
-    server.answer = answer
-    assert connect(HOST, PATIENT, server.port).ask_raw("X?") == whole
-
-
-# Calls and replies of each exchange are packed in one piece, with the bytes of the library.
-
-
-def packed(packer, procedure, authentication, pack, parameters):
-    packer.reset()
-    head = (7, LIBRARY.DEVICE_CORE_PROG, LIBRARY.DEVICE_CORE_VERS, procedure)
-    packer.pack_callheader(*head, authentication, authentication)
-    getattr(packer, pack)(parameters)
-    return packer.get_buf()
-
-
-def test_a_call_has_the_bytes_of_the_library():
-    for seed in range(draws(12)):
-        chance = random.Random(seed)
-        link, flags = chance.randint(-(2**31), 2**31 - 1), chance.randint(0, 255)
-        limits = [chance.randint(0, 2**32 - 1) for _ in range(3)]
-        data = bytes(chance.randrange(256) for _ in range(chance.randint(0, 30)))
-        authentication = chance.choice([NO_AUTHENTICATION, (rpc.AUTH_NULL, b"abcd")])
-        for procedure, pack, parameters in (
-            (LIBRARY.DEVICE_WRITE, "pack_device_write_parms", (link, *limits[:2], flags, data)),
-            (LIBRARY.DEVICE_READ, "pack_device_read_parms", (link, *limits, flags, 10)),
-        ):
-            call = (procedure, authentication, pack, parameters)
-            assert packed(Packer(), *call) == packed(LIBRARY.Packer(), *call), f"seed {seed}"
-
-
 def test_a_link_that_died_unnoticed_can_be_closed_and_made_again(server, link):
-    dead = socket_of(link)
     server.spoil = on(DESTROY_LINK, hang_up)
     link.close()
-    assert dead.fileno() == -1
+    wait_until(lambda: not server.open_connections)
     server.spoil = proper
     assert connect(HOST, PATIENT, server.port).ask_raw("X?") == b"<X?>"

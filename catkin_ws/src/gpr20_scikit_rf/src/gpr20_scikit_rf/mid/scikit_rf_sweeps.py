@@ -20,7 +20,7 @@ from gpr20_vna_acquisition.errors import (
     sweep_not_ended,
 )
 from gpr20_vna_acquisition.mid.request_deadline import RequestDeadline
-from gpr20_vna_acquisition.mid.sweep_timing import has_old_points, timed_sweep
+from gpr20_vna_acquisition.mid.trace_quality import has_old_points, timed_sweep
 from gpr20_vna_acquisition.mid.vna_parameters import VnaParameters
 
 Result = TypeVar("Result")

@@ -37,18 +37,14 @@ class VnaFault(enum.Enum):
     LATE_BIT = "LATE_BIT"  # triggers after which the bit of the sweep before stays set for a while
     LATE_MEMORY = "LATE_MEMORY"  # triggers whose data reach the display after the end of the sweep
     SLOW_POINTS = "SLOW_POINTS"  # triggers whose sweep takes longer for each point
-    UNANSWERED_QUERY = "UNANSWERED_QUERY"  # queries of the scene's list that get no answer
     OTHER_SERIAL = "OTHER_SERIAL"  # new links whose *IDN? has another serial number
     SWAPPED = "SWAPPED"  # nothing: another unit answers on the same link as long as it is on
     LINK_GONE = "LINK_GONE"  # real seconds without any connection
     LOSES_CALIBRATION = "LOSES_CALIBRATION"  # settings of the sweep that end the calibration
     ENDLESS_DIGITS = "ENDLESS_DIGITS"  # numeric answers of 40,000 digits and a letter
-    NO_CLEAR = "NO_CLEAR"  # device_clear calls of which the server knows nothing
-    CLEAR_UNSUPPORTED = "CLEAR_UNSUPPORTED"  # device_clear calls that get the error 8
     HAND_BANDWIDTH = "HAND_BANDWIDTH"  # sweeps in whose middle somebody changes the bandwidth
     HAND_AVERAGES = "HAND_AVERAGES"  # sweeps in whose middle somebody changes the averages
     HAND_POWER = "HAND_POWER"  # sweeps in whose middle somebody changes the output power
-    HAND_PUT_BACK = "HAND_PUT_BACK"  # sweeps in whose middle the bandwidth is changed and put back
     HAND_START = "HAND_START"  # sweeps in whose middle somebody changes the start frequency
     LOOSE_PLUG = "LOOSE_PLUG"  # nothing: S21 is 3 dB lower and turned as long as it is on
 

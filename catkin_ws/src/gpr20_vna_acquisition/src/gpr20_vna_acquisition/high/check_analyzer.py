@@ -5,8 +5,9 @@ from __future__ import annotations
 import argparse
 import os
 import sys
+import threading
 from pathlib import Path
-from typing import Callable, List, Optional, Sequence
+from typing import Callable, List, Sequence
 
 import rosgraph
 
@@ -17,7 +18,8 @@ from gpr20_common.mid.codec import record_from
 from gpr20_common.terminal_text import say
 from gpr20_vna_acquisition.low.vxi11_transport import LinkLimits, Vxi11Transport, connect
 from gpr20_vna_acquisition.mid.analyzer_record import Result, passed, store
-from gpr20_vna_acquisition.mid.conformance import Ask, Bench, Extent, results
+from gpr20_vna_acquisition.mid.conformance import Bench, Extent, results
+from gpr20_vna_acquisition.mid.request_deadline import WATCH_PERIOD_S, RequestDeadline
 from gpr20_vna_acquisition.mid.vna_parameters import VnaParameters
 
 FILE = "analyzer.yaml"
@@ -34,7 +36,7 @@ def main() -> int:
     try:
         parameters = record_from(VnaParameters, configured(folder / FILE), "")
         ask = _ask if given.by_hand else None
-        found = check(Bench(parameters, _connector(parameters), Extent()), ask)
+        found = check(Bench(parameters, _connector(parameters), Extent(), ask))
         if len(found) == 1:
             return 1  # no right instrument answers: that says nothing of the class
         path = store(folder, parameters, found)
@@ -50,17 +52,26 @@ def main() -> int:
     return 0 if passed(found) else 1
 
 
-def check(bench: Bench, ask: Optional[Ask] = None) -> Sequence[Result]:
-    """Make every check of an analyzer and print its result; arguments as for `results`."""
+def check(bench: Bench) -> Sequence[Result]:
+    """Make every check of an analyzer and print its result."""
     say(BEGIN, flush=True)
     found: List[Result] = []
-    for one in results(bench, ask):
+    # A class of others may make a call that does not return.
+    ended = threading.Event()
+    threading.Thread(target=_watch, args=(bench.deadline, ended), daemon=True).start()
+    for one in results(bench):
         status = one.status.name.replace("_", " ")
         text = " ".join((one.text.sentence(), *(f"({part})" for part in one.text.all_details)))
         say(f"{status:12}{one.check:21}{text}", flush=True)
         found.append(one)
+    ended.set()
     say("PASSED" if passed(found) else "FAILED", flush=True)
     return found
+
+
+def _watch(deadline: RequestDeadline, ended: threading.Event) -> None:
+    while not ended.wait(WATCH_PERIOD_S):
+        deadline.end_if_overdue(lambda text: say(f"FAILED: {text}", flush=True))
 
 
 def _parser() -> argparse.ArgumentParser:

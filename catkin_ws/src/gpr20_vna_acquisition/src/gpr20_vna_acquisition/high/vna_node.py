@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import math
-import os
 from typing import Callable, Optional
 
 import rospy
@@ -23,13 +22,11 @@ from gpr20_vna_acquisition import faults
 from gpr20_vna_acquisition.errors import VnaNotReadyError, VnaOldDataError, VnaSettingError
 from gpr20_vna_acquisition.low.vxi11_transport import LinkLimits, Vxi11Transport, connect
 from gpr20_vna_acquisition.mid.analyzers import make_analyzer
-from gpr20_vna_acquisition.mid.request_deadline import RequestDeadline
+from gpr20_vna_acquisition.mid.request_deadline import WATCH_PERIOD_S, RequestDeadline
 from gpr20_vna_acquisition.mid.vna_driver import VNADriver
 from gpr20_vna_acquisition.mid.vna_parameters import VnaParameters
 
 NODE = "vna_acquisition"
-# How often a call that does not return is looked for [s].
-WATCH_PERIOD_S = 0.5
 # Returns the TCP port of the core channel at an address, or None to ask the portmapper there.
 PortLookup = Callable[[str], Optional[int]]
 
@@ -135,9 +132,7 @@ class VNANode:
             "linked": state.linked,
             "sweep": state.sweep or "not configured",
             "calibration": "" if state.calibration is None else state.calibration.name,
-            "sweeps": state.sweeps,
             "repeated attempts": state.repeats,
-            "last sweep [s]": f"{state.last_sweep_s:.6f}",
             "sweep takes [s]": f"{self._driver.trace_duration_s:.6f}",
             "last remarks": "; ".join(map(str, state.last_quality)),
             "last error": state.last_error or "",
@@ -171,17 +166,9 @@ def build_vna_node(parameters: VnaParameters, port_of: PortLookup, hardware: Har
 
     deadline = RequestDeadline(Clock())
     # The constructor of a class of others is watched, too.
-    Periodic(WATCH_PERIOD_S, lambda: end_if_overdue(deadline))
+    Periodic(WATCH_PERIOD_S, lambda: deadline.end_if_overdue(rospy.logfatal))
     analyzer = make_analyzer(parameters, open_link, deadline)
     return VNANode(VNADriver(analyzer, parameters, deadline, rospy.logwarn), hardware)
-
-
-def end_if_overdue(deadline: RequestDeadline) -> None:
-    """End this process if a call of a library does not return; roslaunch starts it again."""
-    overdue = deadline.overdue()
-    if overdue is not None:
-        rospy.logfatal("%s", " ".join((overdue.sentence(), *map(str, overdue.all_details))))
-        os._exit(1)
 
 
 def main() -> None:

@@ -9,8 +9,9 @@ from __future__ import annotations
 
 import socket
 import struct
+import time
 from dataclasses import dataclass
-from typing import Any, Callable, Optional, Tuple, TypeVar
+from typing import Any, Callable, Optional, TypeVar
 
 from vxi11 import rpc, vxi11
 
@@ -19,7 +20,6 @@ from gpr20_common.message import Fault, Message
 from gpr20_survey.faults import WRONG_VNA
 from gpr20_vna_acquisition import faults
 from gpr20_vna_acquisition.errors import VnaConnectionError, VnaNoAnswerError
-from gpr20_vna_acquisition.low.deadline_socket import DeadlineSocket
 
 Answer = TypeVar("Answer")
 
@@ -32,19 +32,7 @@ SERVER_MARGIN_S = 1.0
 # A block of 4001 complex numbers in ASCII with 20 characters each is 168 kB.
 LONGEST_ANSWER_BYTES = 1 << 20
 CLOSE_TIMEOUT_S = 0.5
-
-# The library packs each number of a call by itself, which took a third of the driver's processor
-# time. Number, kind and version of the RPC; program, its version and the procedure; two empty
-# authentications of a kind and a length each.
-NO_AUTHENTICATION = (rpc.AUTH_NULL, b"")
-CALL_HEAD = struct.Struct(">10I")
-# Link, two time limits [ms], flags; number of bytes that follow.
-WRITE_CALL = struct.Struct(">iIIiI")
-# Link, number of bytes, two time limits [ms], flags, termination character.
-READ_CALL = struct.Struct(">iIIIii")
-NUMBER = struct.Struct(">I")
-# What follows the number of a reply: it is one, accepted, with an empty authentication, a success.
-SUCCESS = struct.pack(">5I", rpc.REPLY, rpc.MSG_ACCEPTED, rpc.AUTH_NULL, 0, rpc.SUCCESS)
+CHUNK_BYTES = 65536
 
 # What python-vxi11 raises for peers that are lost, hang or send garbage.
 LIBRARY_ERRORS = (
@@ -67,41 +55,77 @@ class LinkLimits:
     answer_s: float = 5.0
 
 
-class Packer(vxi11.Packer):
-    """Packs the calls of every exchange in one piece."""
+class DeadlineSocket:
+    """The calls of a socket that python-vxi11's RPC client uses, bounded and complete.
 
-    def pack_callheader(
-        self, xid: int, prog: int, vers: int, proc: int, cred: Any, verf: Any
-    ) -> None:
-        """Pack the head of any call."""
-        if cred != NO_AUTHENTICATION or verf != NO_AUTHENTICATION:
-            super().pack_callheader(xid, prog, vers, proc, cred, verf)
-            return
-        head = (xid, rpc.CALL, rpc.RPCVERSION, prog, vers, proc, 0, 0, 0, 0)
-        self.pack_fopaque(CALL_HEAD.size, CALL_HEAD.pack(*head))
+    The time limit of a plain socket restarts with every byte, so a peer that sends single bytes can
+    block its caller for ever. Here it covers everything until it is set again. And `recv` returns
+    all the bytes that were requested: the RPC client takes a record header that arrives in two
+    segments for the end of the stream. What has arrived is received at once, because the RPC client
+    requests each record in two parts.
+    """
 
-    def pack_device_write_parms(self, params: Tuple[int, int, int, int, bytes]) -> None:
-        """Pack the arguments of `device_write`."""
-        *numbers, data = params
-        packed = WRITE_CALL.pack(*numbers, len(data)) + data
-        self.pack_fopaque(len(packed), packed)
+    def __init__(self, address: str, port: int, timeout_s: float, limit_bytes: int) -> None:
+        """Connect.
 
-    def pack_device_read_parms(self, params: Tuple[int, int, int, int, int, int]) -> None:
-        """Pack the arguments of `device_read`."""
-        self.pack_fopaque(READ_CALL.size, READ_CALL.pack(*params))
+        Args:
+            address: Four decimal numbers.
+            port: TCP port.
+            timeout_s: Time limit [s] for connecting and everything until it is set again.
+            limit_bytes: Most that is received [bytes] before the time limit is set again.
 
+        Raises:
+            OSError: The connection could not be made in time.
+        """
+        self._limit_bytes = limit_bytes
+        self.settimeout(timeout_s)
+        self._socket = socket.create_connection((address, port), timeout=timeout_s)
+        # Requests are small and each waits for its answer: collecting them gains nothing.
+        self._socket.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+        self._received = bytearray()
 
-class Unpacker(vxi11.Unpacker):
-    """Unpacks the head of a success in one piece."""
+    def settimeout(self, timeout_s: float) -> None:
+        """Restart both limits: `timeout_s` [s] in total from now on, and the full size."""
+        self._timeout_s = timeout_s
+        self._deadline_s = time.monotonic() + timeout_s
+        self._remaining_bytes = self._limit_bytes
 
-    def unpack_replyheader(self) -> Tuple[int, Any]:
-        """Unpack the head of a reply; raise if it is not that of a success."""
-        reply, end = self.get_buffer(), NUMBER.size + len(SUCCESS)
-        if reply[NUMBER.size : end] != SUCCESS:
-            verified: Tuple[int, Any] = super().unpack_replyheader()
-            return verified
-        self.set_position(end)
-        return NUMBER.unpack_from(reply)[0], NO_AUTHENTICATION
+    def sendall(self, data: bytes) -> None:
+        """Send all data, or raise OSError."""
+        self._in_time().sendall(data)
+
+    def recv(self, count: int) -> bytes:
+        """Return exactly `count` bytes, or fewer if the stream ends before them.
+
+        Raises:
+            OSError: The time limit is exceeded, or the peer sends more than allowed.
+        """
+        if count > self._remaining_bytes:
+            raise OSError(
+                f"the peer announces {count} bytes where at most {self._remaining_bytes} "
+                "more are expected"
+            )
+        self._remaining_bytes -= count
+        while len(self._received) < count:
+            part = self._in_time().recv(CHUNK_BYTES)
+            if not part:
+                break
+            self._received += part
+        wanted = bytes(self._received[:count])
+        del self._received[:count]
+        return wanted
+
+    def close(self) -> None:
+        """Close the connection."""
+        self._socket.close()
+
+    def _in_time(self) -> socket.socket:
+        """Return the socket, limited to the time that is left."""
+        remaining_s = self._deadline_s - time.monotonic()
+        if remaining_s <= 0.0:
+            raise socket.timeout(f"no complete answer within {self._timeout_s:g} s")
+        self._socket.settimeout(remaining_s)
+        return self._socket
 
 
 class _Portmapper(rpc.TCPPortMapperClient):
@@ -123,7 +147,6 @@ class _CoreChannel(vxi11.CoreClient):
     def __init__(self, address: str, port: int, timeout_s: float) -> None:
         self._timeout_s = timeout_s
         super().__init__(address, port)
-        self.packer, self.unpacker = Packer(), Unpacker(b"")
 
     def connect(self) -> None:
         # Twice the longest answer leaves room for the RPC headers of its pieces.
@@ -147,12 +170,12 @@ class Vxi11Transport:
 
     def write(self, command: str) -> None:
         """Send a command that has no answer."""
-        self._call(f"sending '{command}'", lambda link: link.write_raw(_encoded(command)))
+        self._call(f"sending '{command}'", lambda link: link.write_raw(command.encode()))
 
     def ask_raw(self, query: str, limit_s: Optional[float] = None) -> bytes:
         """Send a query and return its answer, byte for byte, within a time limit of its own [s]."""
         answer: bytes = self._call(
-            f"asking '{query}'", lambda link: link.ask_raw(_encoded(query)), limit_s
+            f"asking '{query}'", lambda link: link.ask_raw(query.encode()), limit_s
         )
         return answer
 
@@ -234,7 +257,6 @@ def connect(
             raise rpc.RPCError(
                 f"{instrument.max_recv_size} bytes at once; VXI-11 requires at least 1024"
             )
-        instrument.timeout = limits.answer_s
     except LIBRARY_ERRORS as error:
         _end(instrument)
         raise VnaConnectionError(
@@ -290,11 +312,6 @@ def _end(instrument: Any) -> None:
         pass
     finally:
         client.close()
-
-
-def _encoded(message: str) -> bytes:
-    # The end of a message is marked by VXI-11 itself; this instrument needs no newline.
-    return message.encode("ascii")
 
 
 def _is_timeout(error: BaseException) -> bool:

@@ -1,4 +1,4 @@
-"""What the checks of an analyzer found: a file in the folder of the configuration."""
+"""What the last check of an analyzer found: a file in the folder of the configuration."""
 
 from __future__ import annotations
 
@@ -19,8 +19,8 @@ from gpr20_survey.trace import utc_time
 from gpr20_vna_acquisition.mid.analyzers import load_analyzer
 from gpr20_vna_acquisition.mid.vna_parameters import VnaParameters
 
-FILE = "checked_analyzers.json"
-FORMAT = "gpr20-analyzer-checks/1"
+FILE = "checked_analyzer.json"
+FORMAT = "gpr20-analyzer-check/1"
 
 
 class Status(enum.Enum):
@@ -52,44 +52,41 @@ def has_passed(folder: Path, parameters: VnaParameters) -> bool:
     Raises:
         InvalidValueError: It cannot be loaded.
     """
-    wanted = _subject(parameters, "")
-    return any(
-        one.get("passed") is True and {key: one.get(key) for key in wanted} == wanted
-        for one in _stored(folder)
-    )
+    try:
+        stored = json.loads((folder / FILE).read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        return False  # what is not there, or damaged, shows nothing
+    wanted = {"format": FORMAT, "passed": True, **_subject(parameters)}
+    return isinstance(stored, dict) and {key: stored.get(key) for key in wanted} == wanted
 
 
 def store(folder: Path, parameters: VnaParameters, found: Sequence[Result]) -> Path:
-    """Store what was found in place of what was found of the same analyzer before.
+    """Store what was found in place of what was found before.
 
     Raises:
         OSError: The file cannot be written.
     """
-    subject = _subject(parameters, str(found[0].text) if found else "")
-    others = [one for one in _stored(folder) if {key: one.get(key) for key in subject} != subject]
     record: Dict[str, Any] = {
-        **subject,
+        "format": FORMAT,
+        **_subject(parameters),
         "passed": passed(found),
         "checked": utc_time.iso_text(time_of_day_us()),
         "software": __version__,
         "results": [(one.check, one.status.value, str(one.text)) for one in found],
     }
-    content = {"format": FORMAT, "analyzers": [*others, record]}
-    text = json.dumps(content, indent=2, default=str, sort_keys=True)
     folder.mkdir(parents=True, exist_ok=True)
     path = folder / FILE
-    replace_file(path, text.encode("utf-8"))
+    replace_file(path, json.dumps(record, indent=2, sort_keys=True).encode("utf-8"))
     return path
 
 
-def _subject(parameters: VnaParameters, identity: str) -> Dict[str, str]:
-    """Return what was checked: a class as its source is, or an instrument."""
+def _subject(parameters: VnaParameters) -> Dict[str, str]:
+    """Return what was checked: the MS2026C, or a class as its source is."""
     if not is_extension(parameters.analyzer):
-        return {"analyzer": parameters.analyzer, "identity": identity}
-    options = json.dumps(parameters.analyzer_options, sort_keys=True, default=str)
+        return {"analyzer": parameters.analyzer}
     return {
         "analyzer": parameters.analyzer,
-        "options": options,
+        "options": json.dumps(parameters.analyzer_options, sort_keys=True, default=str),
         "source_sha256": _source_sha256(load_analyzer(parameters)),
     }
 
@@ -105,12 +102,3 @@ def _source_sha256(found: type) -> str:
     for file in filter(Path.is_file, files):
         checksum.update(file.name.encode("utf-8") + b"\0" + file.read_bytes() + b"\0")
     return checksum.hexdigest()
-
-
-def _stored(folder: Path) -> Sequence[Dict[str, Any]]:
-    try:
-        content = json.loads((folder / FILE).read_text(encoding="utf-8"))
-        known = content["analyzers"] if content["format"] == FORMAT else []
-    except (OSError, ValueError, LookupError, TypeError):
-        return []  # what is not there, or damaged, shows nothing
-    return [one for one in known if isinstance(one, dict)]

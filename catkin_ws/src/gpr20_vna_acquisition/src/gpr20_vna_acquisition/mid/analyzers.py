@@ -4,7 +4,18 @@ from __future__ import annotations
 
 import contextlib
 import functools
-from typing import Any, Callable, Mapping, Optional, Tuple, Type, TypeVar, cast
+from typing import (
+    Any,
+    Callable,
+    Mapping,
+    Optional,
+    Protocol,
+    Sequence,
+    Tuple,
+    Type,
+    TypeVar,
+    Union,
+)
 
 from gpr20_common.errors import Gpr20Error
 from gpr20_common.message import Message
@@ -13,13 +24,110 @@ from gpr20_survey.trace.calibration import CalibrationStatus
 from gpr20_survey.trace.sweep import Sweep
 from gpr20_survey.trace.sweep_settings import SweepSettings
 from gpr20_vna_acquisition.errors import VnaConnectionError
-from gpr20_vna_acquisition.mid.analyzer import Analyzer, DrivenAnalyzer
 from gpr20_vna_acquisition.mid.exchanges import Transport
 from gpr20_vna_acquisition.mid.ms2026c import Ms2026c
 from gpr20_vna_acquisition.mid.request_deadline import RequestDeadline
 from gpr20_vna_acquisition.mid.vna_parameters import MS2026C, STEP_MARGIN_S, VnaParameters
 
 Result = TypeVar("Result")
+
+
+class Analyzer(Protocol):
+    """One network analyzer.
+
+    The driver makes one object, which remembers what it learns about the instrument over all
+    links. Making one opens no link: the check before a launch makes one, too. Every method may
+    raise `VnaConnectionError`; after that the link is dead, and the driver calls `disconnect` and
+    `connect`. The driver limits the time of each request, retries and reconnects; an analyzer does
+    not retry. One thread calls at a time. A call that does not return ends the process of the
+    driver, which is started again. A class may also have `temperature_c`, its temperature at the
+    last `confirm` [degC], and `calibration_details`, which returns what else it says of its
+    calibration, for survey.json.
+    """
+
+    def connect(self, address: str) -> None:
+        """Open a link to an address, with empty buffers; an open one is closed.
+
+        Raises:
+            InvalidValueError: The address is not one of this kind of analyzer.
+            VnaConnectionError: Nothing answers there.
+        """
+
+    def identify(self) -> str:
+        """Return the identification: maker, model, serial number, firmware.
+
+        Raises:
+            VnaIdentityError: It is not the expected kind of instrument.
+        """
+
+    def check_sweep(self, settings: SweepSettings) -> None:
+        """Refuse settings that this kind of analyzer does not have; no link is needed.
+
+        Raises:
+            InvalidValueError: A value is not allowed; the message says what is.
+        """
+
+    def configure(self, settings: SweepSettings) -> SweepSettings:
+        """Set up S21 over frequency, hold the sweep, and measure how long a trace takes.
+
+        The settings are read first, and only those that differ are written: writing may end the
+        instrument's calibration.
+
+        Returns:
+            The settings as read back; what was left to the instrument has its value.
+
+        Raises:
+            VnaSettingError: The instrument did not accept a setting.
+            VnaCalibrationError: Writing a setting ended its calibration.
+            VnaDataError: It accepted them, but measures other frequencies.
+        """
+
+    def sweep(self) -> Sweep:
+        """Trigger the sweeps of one trace, wait for their end and return the data.
+
+        The data are fresh, but only `confirm` shows that the settings were those of `configure`.
+        The driver refuses data with every bit of the sweep before.
+
+        Raises:
+            VnaSweepError: It did not end in time.
+            VnaDataError: The data are stale, incomplete or not finite.
+        """
+
+    def confirm(self) -> None:
+        """Return if every setting that the data depend on is still that of `configure`.
+
+        It is called while the axes move. An analyzer that shows data which can follow the end of a
+        sweep reads those of the last sweep again.
+
+        Raises:
+            VnaSettingError: One was changed by hand, or is lost.
+            VnaOldDataError: The data that were read are not what the analyzer shows now.
+            VnaNotReadyError: `configure` has not succeeded with this instrument.
+        """
+
+    def calibration(self) -> CalibrationStatus:
+        """Return the state of the calibration."""
+
+    def release(self) -> None:
+        """Leave the instrument sweeping by itself, with its front panel usable.
+
+        Never fails, and ends within seconds also after the driver was shut down.
+        """
+
+    def disconnect(self) -> None:
+        """End the link; never fails, and does nothing without one."""
+
+    @property
+    def trace_duration_s(self) -> Optional[float]:
+        """How long one trace takes, with its averages [s]; None before `configure`."""
+
+    @property
+    def remarks(self) -> Sequence[Message]:
+        """What was learned about this instrument that a technician should know."""
+
+
+# What the driver uses: an `Analyzer` that has `temperature_c` and `calibration_details`, too.
+DrivenAnalyzer = Union[Ms2026c, "ForeignAnalyzer"]
 
 
 def make_analyzer(
@@ -63,7 +171,7 @@ def make_foreign_analyzer(parameters: VnaParameters, deadline: RequestDeadline) 
             raise options_refused(
                 "analyzer_options", found, f"{type(error).__name__}: {error}"
             ) from error
-    return cast(DrivenAnalyzer, ForeignAnalyzer(made, parameters, deadline))
+    return ForeignAnalyzer(made, parameters, deadline)
 
 
 # What the calls that return something return.
@@ -74,8 +182,6 @@ RETURNS: Mapping[str, Callable[[Any], Any]] = {
     "calibration": CalibrationStatus,
     "calibration_details": dict,
 }
-# What a class need not have.
-OPTIONAL: Mapping[str, Callable[[], Any]] = {"calibration_details": dict, "forget": lambda: None}
 
 
 class ForeignAnalyzer:
@@ -111,7 +217,8 @@ class ForeignAnalyzer:
         self._deadline.check()
         try:
             with self._watched(name):
-                call: Any = getattr(self._analyzer, name, OPTIONAL.get(name))
+                # Only `calibration_details` may be missing.
+                call: Any = getattr(self._analyzer, name, dict)
                 result = RETURNS.get(name, lambda _nothing: None)(call(*arguments))
                 self.trace_duration_s = self._analyzer.trace_duration_s
                 self.remarks = tuple(self._analyzer.remarks)

@@ -11,7 +11,7 @@ from __future__ import annotations
 import enum
 import math
 import re
-from typing import Collection, Tuple
+from typing import Tuple
 
 import numpy as np
 
@@ -47,23 +47,15 @@ def number(answer: str) -> float:
     # float() alone would take 'nan', '1_0' and digits of other scripts as well.
     value = float(text) if _NUMBER.fullmatch(text) else math.nan
     if not math.isfinite(value):
-        raise VnaDataError(
-            Message("an answer of the VNA is not a number", details=repr(answer[:40]))
-        )
+        raise _no_number(answer)
     return value
 
 
 def whole_number(answer: str) -> int:
-    """Return a numeric answer that must be whole.
-
-    Raises:
-        VnaDataError: It is anything else.
-    """
+    """Return a numeric answer that must be whole; raises as `number` does."""
     value = number(answer)
     if value != int(value):
-        raise VnaDataError(
-            Message("an answer of the VNA is not a whole number", details=repr(answer[:40]))
-        )
+        raise _no_number(answer)
     return int(value)
 
 
@@ -74,17 +66,18 @@ def parse_numbers(answer: bytes, transfer: TransferFormat, count: int) -> np.nda
         VnaDataError: The answer is anything but a complete block of so many finite numbers.
     """
     payload, rest = _split(answer)
+    broken = f"{len(payload)} bytes, then {rest[:16]!r}; {count} numbers expected"
     if transfer is TransferFormat.REAL32:
-        _check_ending(rest, _NEWLINES)
-        _check_count(len(payload) / _REAL32.itemsize, count)
+        if len(payload) != count * _REAL32.itemsize or rest not in _NEWLINES:
+            raise _broken(answer, broken)
         numbers = np.frombuffer(payload, dtype=_REAL32).astype(np.float64)
     else:
-        _check_ending(rest, _ASCII_ENDINGS)
         # The ending may be counted as part of the block, or not; a number is between two commas.
         text = re.sub(r",?(\r?\n)?\Z", "", (payload + rest).decode("latin-1"))
         words = text.split(",") if text else []
-        _check_count(len(words), count)
-        numbers = np.array([number(word) for word in words], dtype=np.float64)
+        if len(words) != count or rest not in _ASCII_ENDINGS:
+            raise _broken(answer, broken)
+        numbers = np.array([number(word) for word in words])
     bad = count - int(np.isfinite(numbers).sum())
     if bad:
         raise VnaDataError(
@@ -110,7 +103,8 @@ def text_block(answer: bytes) -> str:
         VnaDataError: The answer is anything but a complete block.
     """
     payload, rest = _split(answer)
-    _check_ending(rest, _NEWLINES)
+    if rest not in _NEWLINES:
+        raise _broken(answer, f"then {rest[:16]!r}")
     # Latin-1 decodes every byte; some answers contain characters beyond ASCII.
     return payload.decode("latin-1")
 
@@ -122,39 +116,19 @@ def _split(answer: bytes) -> Tuple[bytes, bytes]:
     length_text = answer[2:start]
     # isdigit() of bytes is true for the ASCII digits alone.
     if not width or len(length_text) < width or not length_text.isdigit():
-        raise VnaDataError(
-            Message("the VNA's data have an invalid header", details=f"{answer[:16]!r}")
-        )
+        raise _broken(answer, "the header is invalid")
     length = int(length_text)
     payload = answer[start : start + length]
     if len(payload) < length:
-        raise VnaDataError(
-            Message(
-                "the VNA's data are incomplete: {received} of {announced} bytes arrived",
-                received=len(payload),
-                announced=length,
-            )
-        )
+        raise _broken(answer, f"{len(payload)} of {length} bytes arrived")
     return payload, answer[start + length :]
 
 
-def _check_count(received: float, expected: int) -> None:
-    if received != expected:
-        raise VnaDataError(
-            Message(
-                "the VNA sent {received:g} numbers instead of {expected}",
-                received=received,
-                expected=expected,
-            )
-        )
+def _broken(answer: bytes, reason: str) -> VnaDataError:
+    return VnaDataError(
+        Message("the VNA did not send a whole block of data", details=f"{answer[:16]!r}: {reason}")
+    )
 
 
-def _check_ending(rest: bytes, allowed: Collection[bytes]) -> None:
-    if rest not in allowed:
-        raise VnaDataError(
-            Message(
-                "the VNA sent {extra} unexpected bytes after its data",
-                extra=len(rest),
-                details=repr(rest[:16]),
-            )
-        )
+def _no_number(answer: str) -> VnaDataError:
+    return VnaDataError(Message("an answer of the VNA is not a number", details=repr(answer[:40])))

@@ -3,20 +3,19 @@
 from __future__ import annotations
 
 import re
-from collections import Counter
-from typing import Callable, Optional, Protocol, Set
+from typing import Callable, Collection, Optional, Protocol
 
-from gpr20_vna_acquisition.errors import VnaError, VnaNoAnswerError, not_connected
+from gpr20_common.message import Message
+from gpr20_survey.faults import VNA_SETTINGS
+from gpr20_vna_acquisition.errors import (
+    VnaDataError,
+    VnaError,
+    VnaNoAnswerError,
+    not_connected,
+)
 from gpr20_vna_acquisition.mid.block_parser import unquoted
 from gpr20_vna_acquisition.mid.request_deadline import RequestDeadline
 
-# A query that was left unanswered this often in a row, each time by an instrument that then
-# answered `*IDN?` on a new link, is one that the instrument does not know. One that it has answered
-# needs more evidence.
-UNANSWERED, UNANSWERED_AGAIN = 2, 4
-# How long the first answer to a query may take that the instrument need not know [s]. The manual
-# allows two seconds after a setting.
-FIRST_ANSWER_S = 2.0
 # What some instruments answer to a query that they do not know, such as -113 or -400 (SCPI); no
 # answer that is wanted begins like this.
 ERROR_CODE = re.compile(rb'\s*"?-[0-9]{3}(?![0-9.])')
@@ -55,22 +54,28 @@ class Transport(Protocol):
 
 
 class Exchanges:
-    """Sends commands and queries, and remembers which queries this instrument does not answer."""
+    """Sends commands and queries to one MS2026C, over one link after the other."""
 
-    def __init__(self, connector: Callable[[str], Transport], deadline: RequestDeadline) -> None:
-        """Begin without a link; `connector` opens one to an address."""
+    def __init__(
+        self,
+        connector: Callable[[str], Transport],
+        deadline: RequestDeadline,
+        unanswered: Collection[str],
+    ) -> None:
+        """Begin without a link.
+
+        Args:
+            connector: Opens one to an address.
+            deadline: Ends a request that takes too long.
+            unanswered: Queries that this instrument is known not to answer.
+        """
         self._connector = connector
         self._deadline = deadline
+        self._unanswered = unanswered
         self._transport: Optional[Transport] = None
-        self.forget()
 
-    def forget(self) -> None:
-        """Forget what was learned: it is another instrument."""
-        self._answered: Set[str] = set()
-        self._silences: Counter = Counter()
-
-    def open(self, address: str, lock: bool) -> None:
-        """Open a link, which may lock out others; an open one is closed.
+    def open(self, address: str, lock: bool, clear: bool) -> None:
+        """Open a link, which may lock out others and begin with empty buffers; close an open one.
 
         Raises:
             VnaConnectionError: Nothing answers there, or another link has locked it.
@@ -80,16 +85,14 @@ class Exchanges:
         self._transport = self._connector(address)
         if lock:
             self._transport.lock()
+        if clear:
+            self._transport.clear()
 
     def close(self) -> None:
         """End the link; does nothing without one."""
         transport, self._transport = self._transport, None
         if transport is not None:
             transport.close()
-
-    def clear(self) -> None:
-        """Empty the instrument's input and output."""
-        self._link().clear()
 
     def write(self, command: str) -> None:
         """Send a command that has no answer."""
@@ -108,37 +111,18 @@ class Exchanges:
         answer = self.ask_optional_raw(query)
         return None if answer is None else _text(answer)
 
-    def ask_detail(self, query: str) -> Optional[str]:
-        """Return the answer to a query on which no data depend; one silence is enough for None."""
-        if self._silences[query]:
-            return None
-        return self.ask_optional(query)
-
     def ask_optional_raw(self, query: str) -> Optional[bytes]:
-        """Return the answer to a query that the instrument need not know; None if it does not.
-
-        It may say so by an error code instead of its first answer. Silence is an error until it is
-        known that there is never an answer.
-        """
-        if self.never_answered(query):
+        """Return the answer to a query that the instrument need not know; None if it does not."""
+        if query in self._unanswered:
             return None
-        known = query in self._answered
         try:
-            answer = self._link().ask_raw(query, None if known else FIRST_ANSWER_S)
-        except VnaNoAnswerError:
-            self._silences[query] += 1
-            raise
-        if not known and ERROR_CODE.match(answer):
-            self._silences[query] = UNANSWERED
-            return None
-        self._answered.add(query)
-        self._silences[query] = 0
+            answer = self.ask_raw(query)
+        except VnaNoAnswerError as error:
+            raise VnaNoAnswerError(_hint(error.message, query)) from error
+        if ERROR_CODE.match(answer):
+            reason = Message("the VNA answers with an error", details=repr(answer[:40]))
+            raise VnaDataError(_hint(reason, query), fault=VNA_SETTINGS)
         return answer
-
-    def never_answered(self, query: str) -> bool:
-        """Return whether the instrument is known not to answer a query any more."""
-        enough = UNANSWERED_AGAIN if query in self._answered else UNANSWERED
-        return self._silences[query] >= enough
 
     def release(self, command: str) -> None:
         """Send a last command and return the control to the front panel; no time limit applies."""
@@ -161,3 +145,11 @@ class Exchanges:
 def _text(answer: bytes) -> str:
     # Latin-1 decodes every byte; some answers contain characters beyond ASCII.
     return unquoted(answer.decode("latin-1"))
+
+
+def _hint(reason: Message, query: str) -> Message:
+    return Message(
+        "{reason}; if the VNA never answers {query}, name it in unanswered_queries",
+        reason=reason,
+        query=query,
+    )

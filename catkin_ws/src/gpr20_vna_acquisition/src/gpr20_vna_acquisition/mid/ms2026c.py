@@ -31,8 +31,6 @@ from gpr20_vna_acquisition.mid.request_deadline import RequestDeadline
 from gpr20_vna_acquisition.mid.trace_quality import calibration_lost
 from gpr20_vna_acquisition.mid.vna_parameters import VnaParameters
 
-# Options follow the model, "MS2026C/2"; this one transforms traces to the time domain.
-TIME_DOMAIN_OPTION = "2"
 # A start above the previous stop may be refused until the new stop is set: send all twice.
 SETTING_PASSES = 2
 SETTING_POLL_S = 0.05
@@ -40,7 +38,7 @@ NEEDED = "S21"
 
 
 class Ms2026c:
-    """Implements `DrivenAnalyzer`."""
+    """Implements `Analyzer`."""
 
     def __init__(
         self,
@@ -55,7 +53,7 @@ class Ms2026c:
         """
         self._parameters = parameters
         self._deadline = deadline
-        self._exchanges = Exchanges(connector, deadline)
+        self._exchanges = Exchanges(connector, deadline, parameters.unanswered_queries)
         self._sweeps = Ms2026cSweeps(self._exchanges, parameters, deadline, utc_now_us)
         # Which S-parameters are calibrated; None if it does not say.
         self._calibrated: Optional[Tuple[str, ...]] = None
@@ -69,16 +67,14 @@ class Ms2026c:
     def connect(self, address: str) -> None:
         """Open a link to an address, four decimal numbers; an open one is closed."""
         ipv4_address(Message("the VNA address"), address)
-        self._exchanges.open(address, self._parameters.lock_instrument)
-        if self._parameters.clear_on_connect:
-            self._exchanges.clear()
+        limits = self._parameters
+        self._exchanges.open(address, limits.lock_instrument, limits.clear_on_connect)
 
     def identify(self) -> str:
         """Return the identification: maker, model/options, serial number, firmware."""
         identity = self._exchanges.ask(commands.IDENTITY_QUERY)
         self._parameters.check_identity(identity)
         if identity != self._identity:
-            self._exchanges.forget()
             self._accepted = None
         self._identity = identity
         return identity
@@ -96,7 +92,8 @@ class Ms2026c:
         self._check_calibration_kept(calibration, written)
         start, stop = number(answers[commands.START]), number(answers[commands.STOP])
         points = whole_number(answers[commands.POINTS])
-        accepted = SweepSettings(start, stop, points, self._analyzer_settings())
+        analyzer = self._analyzer_settings(sweep.analyzer.averages)
+        accepted = SweepSettings(start, stop, points, analyzer)
         frequencies = self._exchanges.ask_optional_raw(commands.FREQUENCIES.query)
         if frequencies is not None:
             check_frequencies(parse_frequencies(frequencies, points), accepted)
@@ -118,14 +115,13 @@ class Ms2026c:
 
         After a sweep its data are read again. That they are the same shows their format too.
         """
-        accepted, display = self._configured(), self._sweeps.display
-        preamble = self._check_preamble()
-        if display.is_proven:
+        accepted, preamble = self._configured(), self._check_preamble()
+        if not self._sweeps.is_unproven:
             self._check_settings(accepted, preamble)
             return
         self._check_settings(accepted, preamble, (commands.FORMAT,))
         try:
-            display.prove(accepted)
+            self._sweeps.prove(accepted)
         except VnaDataError:
             # A setting that was changed meanwhile, such as the format, is the cause.
             self._check_settings(accepted, self._check_preamble())
@@ -144,27 +140,21 @@ class Ms2026c:
         return CalibrationStatus.NONE if lacks_s21 else CalibrationStatus(status)
 
     def calibration_details(self) -> Mapping[str, Any]:
-        """Return what else the instrument says of its calibration, and of its trace."""
+        """Return what else the instrument says of its calibration."""
         self._look_at_calibration()
-        interpolation = self._exchanges.ask_detail(commands.INTERPOLATION_QUERY)
         preamble = self._read_preamble()
         found = {
             "parameters": None if self._calibrated is None else list(self._calibrated),
-            "type": self._exchanges.ask_detail(commands.TYPE_QUERY),
-            "interpolated": None if interpolation is None else interpolation == "1",
-            **(preamble.details() if preamble else {}),
+            "is_corrected": preamble and preamble.is_corrected,
+            "temperature_c": preamble and preamble.temperature_c,
         }
         return {name: value for name, value in found.items() if value is not None}
 
     def _look_at_calibration(self) -> None:
-        answer = self._exchanges.ask_detail(commands.CALIBRATED.query)
+        answer = self._exchanges.ask_optional(commands.CALIBRATED.query)
         mask = None if answer is None else whole_number(answer)
         bits = commands.CALIBRATED_BITS.items()
         self._calibrated = None if mask is None else tuple(one for one, bit in bits if mask & bit)
-
-    def forget(self) -> None:
-        """Forget which queries it does not answer: it is set up again."""
-        self._exchanges.forget()
 
     def release(self) -> None:
         """Leave the instrument sweeping by itself, with its front panel usable."""
@@ -185,17 +175,14 @@ class Ms2026c:
         return [
             Message(
                 "the VNA does not report {setting}; it is not checked",
-                setting=command.name,
-                details=command.query,
+                setting=commands.OPTIONAL[query].name,
+                details=query,
             ).with_fault(VNA_DOUBTFUL)
-            for command in commands.OPTIONAL
-            if self._exchanges.never_answered(command.query)
+            for query in self._parameters.unanswered_queries
         ]
 
     def _settings(self, sweep: SweepSettings) -> List[Setting]:
-        options = self._identity.split(",")[1].split("/")[1:]
-        transfer = self._parameters.transfer_format
-        return commands.trace_settings(sweep, transfer, TIME_DOMAIN_OPTION in options)
+        return commands.trace_settings(sweep, self._parameters.transfer_format)
 
     def _check_settings(
         self,
@@ -264,26 +251,19 @@ class Ms2026c:
     def _answers(self, wanted: Sequence[Setting]) -> Answers:
         found = []
         for setting in wanted:
-            ask = self._exchanges.ask if setting.required else self._exchanges.ask_optional
+            can_miss = setting.command in commands.NEEDLESS
+            ask = self._exchanges.ask_optional if can_miss else self._exchanges.ask
             answer = ask(setting.command.query)
             if answer is not None:
                 found.append((setting, answer))
         return found
 
-    def _analyzer_settings(self) -> AnalyzerSettings:
+    def _analyzer_settings(self, averages: int) -> AnalyzerSettings:
         bandwidth = self._exchanges.ask_optional(commands.BANDWIDTH.query)
         power = self._exchanges.ask_optional(commands.POWER.query)
-        # An average that is not known of could mix sweeps from before and after a move.
-        averages = whole_number(self._exchanges.ask(commands.AVERAGES.query))
-        if averages < 1:
-            raise VnaDataError(
-                Message(
-                    "the VNA reports {averages} averages; expected 1 or more", averages=averages
-                )
-            )
         return AnalyzerSettings(
             if_bandwidth_hz=0.0 if bandwidth is None else number(bandwidth),
-            averages=averages,
+            averages=max(1, averages),
             output_power="" if power is None else word(power),
         )
 

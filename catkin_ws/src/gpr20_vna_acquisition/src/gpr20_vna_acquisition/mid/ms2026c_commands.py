@@ -14,6 +14,7 @@ from typing import Any, Callable, List, Mapping, Optional, Sequence, Tuple, Unio
 import numpy as np
 
 from gpr20_common.message import Message, in_a_row
+from gpr20_common.mid.checks import Text
 from gpr20_survey.faults import VNA_SETTINGS
 from gpr20_survey.trace.sweep_settings import SweepSettings
 from gpr20_vna_acquisition.errors import VnaDataError, VnaSettingError, replaced
@@ -21,13 +22,11 @@ from gpr20_vna_acquisition.mid.block_parser import TransferFormat, number, text_
 
 # The instrument may round to the resolution of its synthesizer.
 RESOLUTION_HZ = 1.0
-# Frequencies may be in single precision, rounded once by the instrument and once here.
-SINGLE_PRECISION_STEPS = 2.0
+# Frequencies may be in single precision, rounded twice.
+SINGLE_PRECISION = 2.0 * float(np.finfo(np.float32).eps)
 # The temperature is in quarters of a degree, and only valid with a calibration.
 QUARTERS_PER_DEGREE = 4.0
 CORRECTION_ON = 0.0
-# The four traces share these numbers; what belongs to trace 1 is in the lowest bits.
-FIRST_SMOOTHING, FIRST_MATH = 0xFF, 0xF
 _NUMBER = re.compile(r"[+-]?[0-9]{1,12}(?:\.[0-9]{0,12})?")
 
 
@@ -65,7 +64,7 @@ class Command:
 
 
 # In hold, the instrument sweeps only when triggered; `INIT:CONT?` answers 0 then.
-HOLD = Command(Message("continuous sweep"), ":INIT:CONT", preamble=("SWEEP_TYPE",))
+HOLD = Command(Message("continuous sweep"), ":INIT:CONT", number, ("SWEEP_TYPE",))
 START = Command(
     Message("the start frequency"), ":SENS:FREQ:STAR", number, ("TRACE_1_START_FREQ",), unit="Hz"
 )
@@ -110,22 +109,27 @@ PREAMBLE = Command(
 CALIBRATED = Command(
     Message("which S-parameters are calibrated"), ":SENS:CAL:STAT", number, optional=True
 )
-OPTIONAL = tuple(one for one in (*SETTINGS, FREQUENCIES, PREAMBLE, CALIBRATED) if one.optional)
+# The data do not depend on them where the instrument does not have them.
+NEEDLESS = (TRACES, DOMAIN)
+OPTIONAL = {
+    one.query: one for one in (*SETTINGS, FREQUENCIES, PREAMBLE, CALIBRATED) if one.optional
+}
 # The bits of the answer to `CALIBRATED`.
 CALIBRATED_BITS = {"S11": 1, "S12": 2, "S21": 4, "S22": 8}
 # Whole numbers: accuracy of the calibration, 0 to 4; bit 256, a sweep has ended.
 ACCURACY_QUERY, STATUS_QUERY, SWEEP_COMPLETE_BIT = ":SENS:CORR:COLL:STAT:ACC?", ":STAT:OPER?", 256
-# Text; 0 or 1.
-TYPE_QUERY, INTERPOLATION_QUERY = ":SENS:CORR:COLL:TYPE?", ":SENS:CORR:COLL:INT?"
 # Maker, model/options, serial number, firmware; a block of complex numbers.
 IDENTITY_QUERY, DATA_QUERY = "*IDN?", ":CALC1:DATA? SDAT"
 # No answer. `*RST` is never sent: it would reset the instrument's network settings.
-TRIGGER, CLEAR_AVERAGE, RELEASE = ":INIT:IMM", ":SENS:AVER:CLE", ":INIT:CONT ON"
-SMOOTHING, MATH = ("SMOOTHING_PERCENT", "TRACE_SMOOTHING_PERCENT"), ("TRACE_MATH_TYPES",)
+TRIGGER, RELEASE = ":INIT:IMM", ":INIT:CONT ON"
+# What a preamble calls them. The four traces share these numbers; what belongs to trace 1 is in the
+# lowest bits.
+SMOOTHING = ("SMOOTHING_PERCENT", "TRACE_SMOOTHING_PERCENT"), 0xFF
+MATH = ("TRACE_MATH_TYPES",), 0xF
 # Everything in a preamble that must not change during a survey, and the setting that it is.
 WATCHED: Mapping[str, Optional[Command]] = {
     **{name: command for command in SETTINGS for name in command.preamble},
-    **dict.fromkeys((*SMOOTHING, *MATH, "APP_VER", "SUB_MODE")),
+    **dict.fromkeys((*SMOOTHING[0], *MATH[0], "APP_VER", "SUB_MODE")),
 }
 
 
@@ -134,9 +138,15 @@ class Setting:
     """A command with the value that it must have: what is sent, and what is read back."""
 
     command: Command
-    sent: str
     value: Union[float, str]
-    required: bool = True
+
+    @property
+    def sent(self) -> str:
+        """The value as it is sent."""
+        if self.command is HOLD:
+            return "OFF"
+        # Twelve digits give any frequency of the instrument to 0.01 Hz without an exponent.
+        return self.value if isinstance(self.value, str) else f"{self.value:.12g}"
 
     def agrees(self, answer: str) -> bool:
         """Return whether an answer to the query means that the value is set."""
@@ -149,40 +159,28 @@ class Setting:
 Answers = Sequence[Tuple[Setting, str]]
 
 
-def trace_settings(
-    sweep: SweepSettings, transfer: TransferFormat, has_time_domain: bool
-) -> List[Setting]:
+def trace_settings(sweep: SweepSettings, transfer: TransferFormat) -> List[Setting]:
     """Return all settings for one trace of S21 over frequency, in the order in which they are sent.
 
     Args:
         sweep: What to measure; what it leaves to the instrument is not set.
         transfer: How the numbers are to be transferred.
-        has_time_domain: Whether the instrument has the option that transforms traces; without it,
-            it does not know the command and would not answer.
     """
     wanted: Mapping[Command, Any] = {
+        HOLD: False,
         START: sweep.start_frequency_hz,
         STOP: sweep.stop_frequency_hz,
         POINTS: sweep.points,
         TRACES: 1,
         S_PARAMETER: "S21",
-        DOMAIN: "FREQ" if has_time_domain else "",
-        BANDWIDTH: sweep.analyzer.if_bandwidth_hz,
-        AVERAGES: sweep.analyzer.averages,
-        POWER: sweep.analyzer.output_power,
+        DOMAIN: "FREQ",
+        BANDWIDTH: sweep.analyzer.if_bandwidth_hz or None,
+        # The driver averages: one of the instrument could hold sweeps from before a move.
+        AVERAGES: 1,
+        POWER: sweep.analyzer.output_power or None,
         FORMAT: transfer.value,
     }
-    return [Setting(HOLD, "OFF", "0")] + [
-        # Twelve digits give any frequency of the instrument to 0.01 Hz without an exponent.
-        Setting(
-            command,
-            value if isinstance(value, str) else f"{value:.12g}",
-            value,
-            command not in (TRACES, DOMAIN),
-        )
-        for command, value in wanted.items()
-        if value
-    ]
+    return [Setting(command, value) for command, value in wanted.items() if value is not None]
 
 
 def differing(answers: Answers) -> Answers:
@@ -193,14 +191,23 @@ def differing(answers: Answers) -> Answers:
 def described(answers: Answers) -> Message:
     """Return a sentence on each setting and the answer that differs from it."""
     return in_a_row(
-        Message(
-            "{setting} is {found} instead of {expected}",
-            setting=setting.command.name,
-            found=repr(unquoted(answer)[:40]),
-            expected=f"{setting.sent} {setting.command.unit}".rstrip(),
-            details=f"{setting.command.query} answers {answer[:40]!r}",
+        _differs(
+            setting.command.name,
+            unquoted(answer),
+            f"{setting.sent} {setting.command.unit}".rstrip(),
+            setting.command.query,
         )
         for setting, answer in answers
+    )
+
+
+def _differs(setting: Text, found: str, expected: str, details: str) -> Message:
+    return Message(
+        "{setting} is {found} instead of {expected}",
+        setting=setting,
+        found=repr(found[:40]),
+        expected=expected[:40],
+        details=details,
     )
 
 
@@ -213,17 +220,10 @@ def check_frequencies(reported_hz: np.ndarray, sweep: SweepSettings) -> None:
         VnaDataError: They differ by more than single precision can cause.
     """
     expected_hz = sweep.frequencies_hz()
-    spacing_hz = np.spacing(expected_hz.astype(np.float32)).astype(np.float64)
-    wrong = np.abs(reported_hz - expected_hz) > SINGLE_PRECISION_STEPS * spacing_hz + RESOLUTION_HZ
-    if wrong.any():
-        first = int(np.argmax(wrong))
+    if not np.allclose(reported_hz, expected_hz, rtol=SINGLE_PRECISION, atol=RESOLUTION_HZ):
         raise VnaDataError(
             Message(
-                "the VNA measures {reported_hz:.12g} Hz at point {point} instead of "
-                "{expected_hz:.12g} Hz; check that it sweeps linearly",
-                reported_hz=reported_hz[first],
-                point=first,
-                expected_hz=expected_hz[first],
+                "the VNA measures other frequencies than were set; check that it sweeps linearly"
             ),
             fault=VNA_SETTINGS,
         )
@@ -253,20 +253,15 @@ class Preamble:
     def temperature_c(self) -> Optional[float]:
         """Temperature of the instrument [degC]; None if it does not say."""
         quarters = self.number("CURRENT_TEMPERATURE")
-        if quarters is None or self.number("CAL_CORRECTION") != CORRECTION_ON:
+        if quarters is None or not self.is_corrected:
             return None
         return quarters / QUARTERS_PER_DEGREE
 
-    def details(self) -> Mapping[str, Any]:
-        """Return what it says of calibration and processing; None for what it does not say."""
+    @property
+    def is_corrected(self) -> Optional[bool]:
+        """Whether a calibration is applied; None if it does not say."""
         correction = self.number("CAL_CORRECTION")
-        smoothing, math = self.number(*SMOOTHING), self.number(*MATH)
-        return {
-            "is_corrected": None if correction is None else correction == CORRECTION_ON,
-            "temperature_c": self.temperature_c,
-            "smoothing_percent": None if smoothing is None else int(smoothing) & FIRST_SMOOTHING,
-            "trace_math": None if math is None else int(math) & FIRST_MATH,
-        }
+        return None if correction is None else correction == CORRECTION_ON
 
     def covers(self, command: Command) -> bool:
         """Return whether it shows every change of a setting."""
@@ -278,13 +273,13 @@ class Preamble:
         Raises:
             VnaSettingError: It is smoothed, or combined with a memory.
         """
-        details = self.details()
-        for name, key in (("smoothing", "smoothing_percent"), ("math", "trace_math")):
-            if details[key]:
+        for name, keys, first in (("smoothing", *SMOOTHING), ("math", *MATH)):
+            value = int(self.number(*keys) or 0) & first
+            if value:
                 raise VnaSettingError(
                     Message(
                         "the VNA processes its trace ({what}); switch smoothing and trace math off",
-                        what=f"{name} {details[key]}",
+                        what=f"{name} {value}",
                     )
                 )
 
@@ -302,10 +297,5 @@ class Preamble:
 
     def _change(self, name: str, now: Preamble) -> Message:
         command = WATCHED[name]
-        return Message(
-            "{setting} was {former} and is {now}",
-            setting=command.name if command else name,
-            former=str(self._said.get(name))[:40],
-            now=str(now._said.get(name))[:40],
-            details=f"{command.header} {name}" if command else name,
-        )
+        setting: Text = command.name if command else name
+        return _differs(setting, str(now._said.get(name)), str(self._said.get(name)), name)

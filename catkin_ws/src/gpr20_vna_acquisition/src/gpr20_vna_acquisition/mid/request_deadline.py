@@ -2,20 +2,25 @@
 
 from __future__ import annotations
 
+import os
 import threading
 from contextlib import contextmanager
-from typing import Dict, Generator, Optional, Set, Tuple
+from typing import Callable, Dict, Generator, Optional, Set, Tuple
 
 from gpr20_common.faults import BUSY
 from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message
 from gpr20_vna_acquisition.errors import VnaClosedError, VnaTimeoutError
 
+# How often a call that does not return is looked for [s].
+WATCH_PERIOD_S = 0.5
+
 
 class RequestDeadline:
     """Limits a request as a whole: an instrument that is slow at every step counts as hanging.
 
-    Nothing can end a call of a library that does not return: `overdue` says that there is one.
+    Nothing can end a call of a library that does not return: `overdue` says that there is one, and
+    `end_if_overdue` ends the process.
     """
 
     def __init__(self, clock: Clock) -> None:
@@ -107,6 +112,13 @@ class RequestDeadline:
         for call in still:
             return Message(
                 "the VNA does not answer; check its power and cable",
-                details=f"{late[call]} does not return; the process ends and is started again",
+                details=f"{late[call]} does not return; the process ends",
             )
         return None
+
+    def end_if_overdue(self, report: Callable[[str], object]) -> None:
+        """Report a watched call that does not return, and end this process."""
+        overdue = self.overdue()
+        if overdue is not None:
+            report(" ".join((overdue.sentence(), *map(str, overdue.all_details))))
+            os._exit(1)

@@ -1,4 +1,4 @@
-"""The quality of a trace: remarks that are stored with it, and data that are refused.
+"""The quality of a trace: data that are refused, and remarks that are stored with it.
 
 A remark never causes a trace to be lost: it shows a technician what to check, and an analyst
 what to doubt. Only numbers that no measurement can give are refused.
@@ -6,45 +6,22 @@ what to doubt. Only numbers that no measurement can give are refused.
 
 from __future__ import annotations
 
-import statistics
-from collections import deque
-from typing import Any, Deque, Iterable, Iterator, Mapping, Optional, Sequence, Tuple
+from typing import Any, Iterable, Iterator, Mapping, Optional, Sequence, Tuple
 
 import numpy as np
 
 from gpr20_common.faults import CONFIGURATION
 from gpr20_common.message import Message, in_a_row, numeral
-from gpr20_survey.faults import NOT_CALIBRATED, VNA_DOUBTFUL, VNA_FAILED
+from gpr20_survey.faults import NOT_CALIBRATED, VNA_DOUBTFUL
 from gpr20_survey.trace.calibration import CalibrationStatus
 from gpr20_survey.trace.sweep import Sweep, storable_remark
+from gpr20_survey.trace.sweep_settings import SweepSettings
+from gpr20_survey.trace.utc_time import US_PER_S
 from gpr20_vna_acquisition.errors import VnaCalibrationError, VnaDataError, VnaError
 from gpr20_vna_acquisition.mid.vna_parameters import VnaParameters
 
-# A duration is unusual if it differs from the usual one by more than this factor.
-DURATION_FACTOR = 2.0
-# The measured duration of a quick sweep depends on polling and on the computer [s].
-EARLY_TOLERANCE_S = 0.05
-# How many sweeps are needed before one can be unusual, and how many are remembered.
-FEWEST_SWEEPS, MOST_SWEEPS = 5, 25
-# How many reasons for retries are reported for one sweep, one remark each.
-MOST_REASONS = 8
-
-CALIBRATION_REMARKS = {
-    CalibrationStatus.NONE: Message(
-        "the VNA is not calibrated; calibrate it before you continue"
-    ).with_fault(NOT_CALIBRATED),
-    CalibrationStatus.MODERATE_POWER: Message(
-        "the calibration's accuracy is moderate: power level changed since calibration"
-    ).with_fault(NOT_CALIBRATED.as_warning()),
-    CalibrationStatus.MODERATE_TEMPERATURE: Message(
-        "the calibration's accuracy is moderate: the VNA's temperature changed by more than 5 "
-        "degrees since calibration"
-    ).with_fault(NOT_CALIBRATED.as_warning()),
-    CalibrationStatus.LOW: Message(
-        "the calibration's accuracy is low: the VNA's temperature changed by more than 10 degrees "
-        "since calibration; calibrate it again"
-    ).with_fault(NOT_CALIBRATED.as_warning()),
-}
+# Successive points that have the bits of the sweep before. Noise changes every point.
+OLD_POINTS = 3
 
 
 def refuse_impossible(sweep: Sweep) -> None:
@@ -59,10 +36,49 @@ def refuse_impossible(sweep: Sweep) -> None:
         raise VnaDataError(Message("the imaginary part of the trace is a copy of its real part"))
 
 
-def has_same_data(sweep: Sweep, other: Sweep) -> bool:
-    """Return whether two sweeps have the same bits at every point."""
-    return np.array_equal(sweep.s21_real, other.s21_real) and np.array_equal(
-        sweep.s21_imag, other.s21_imag
+def has_old_points(
+    numbers: np.ndarray, before: Optional[np.ndarray], to_the_last: bool = False
+) -> bool:
+    """Return whether a part of the data is that of the sweep before, to the last bit.
+
+    An instrument that is read before a sweep has ended answers with new points up to some
+    frequency, and old points from there on.
+
+    Args:
+        numbers: Real and imaginary part of each point in turn.
+        before: Those of the sweep before; None if they are not known.
+        to_the_last: Whether a single old point at the end counts; coarsely rounded numbers can be
+            equal by chance.
+    """
+    if before is None or len(before) != len(numbers):
+        return False
+    same = (numbers.reshape(-1, 2) == before.reshape(-1, 2)).all(axis=1)
+    run = min(OLD_POINTS, len(same))
+    if to_the_last and same[-1]:
+        return True
+    return bool(np.convolve(same, np.ones(run), "valid").max() >= run)
+
+
+def timed_sweep(
+    settings: SweepSettings, numbers: np.ndarray, started_us: int, duration_s: float
+) -> Sweep:
+    """Return the sweep of these data: real and imaginary part of each point in turn.
+
+    Args:
+        settings: With which it was measured.
+        numbers: The data.
+        started_us: When it was triggered [us since 1970, UTC].
+        duration_s: How long it took by a monotonic clock [s]: the time of day may be corrected
+            meanwhile.
+    """
+    return Sweep(
+        frequency_hz=settings.frequencies_hz(),
+        s21_real=numbers[0::2].copy(),
+        s21_imag=numbers[1::2].copy(),
+        sweep_started_us=started_us,
+        sweep_ended_us=started_us + round(duration_s * US_PER_S),
+        quality=(),
+        analyzer=settings.analyzer,
     )
 
 
@@ -76,27 +92,16 @@ def calibration_refusal(
     if status in parameters.accepted_calibrations:
         return None
     listed = ", ".join(str(int(one)) for one in parameters.accepted_calibrations)
-    if status is CalibrationStatus.NOT_REPORTED:
-        return Message(
-            "the VNA does not report its calibration; to measure with what the operator "
-            "calibrated, add {status} to accepted_calibrations (now {accepted})",
-            status=int(status),
-            accepted=listed,
-        ).with_fault(CONFIGURATION)
-    calibrated = details.get("parameters", ())
+    meaning, calibrated = status.meaning, details.get("parameters", ())
     if status is CalibrationStatus.NONE and calibrated and "S21" not in calibrated:
-        return Message(
-            "the VNA's calibration covers {calibrated}, not S21; calibrate the transmission from "
-            "port 1 to port 2",
-            calibrated=", ".join(calibrated),
-        ).with_fault(NOT_CALIBRATED)
+        meaning = Message("it covers {calibrated}, not S21", calibrated=", ".join(calibrated))
     return Message(
         "the VNA's calibration status is {status} ({meaning}); calibrate it, or change "
         "accepted_calibrations (now {accepted})",
         status=int(status),
-        meaning=status.meaning,
+        meaning=meaning,
         accepted=listed,
-    ).with_fault(NOT_CALIBRATED)
+    ).with_fault(CONFIGURATION if status is CalibrationStatus.NOT_REPORTED else NOT_CALIBRATED)
 
 
 def calibration_lost(settings: Iterable[Message]) -> VnaCalibrationError:
@@ -110,7 +115,7 @@ def calibration_lost(settings: Iterable[Message]) -> VnaCalibrationError:
     )
 
 
-def level_remarks(sweep: Sweep, parameters: VnaParameters) -> Iterator[Message]:
+def data_remarks(sweep: Sweep, parameters: VnaParameters) -> Iterator[Message]:
     """Yield remarks on the magnitude of S21."""
     with np.errstate(divide="ignore"):
         levels_db = 20.0 * np.log10(np.hypot(sweep.s21_real, sweep.s21_imag))
@@ -132,77 +137,23 @@ def level_remarks(sweep: Sweep, parameters: VnaParameters) -> Iterator[Message]:
         ).with_fault(VNA_DOUBTFUL)
 
 
-def flat_remarks(sweep: Sweep, parameters: VnaParameters) -> Iterator[Message]:
-    """Yield a remark if successive points are identical to the last bit; noise never is."""
-    changes = (np.diff(sweep.s21_real) != 0.0) | (np.diff(sweep.s21_imag) != 0.0)
-    edges = np.concatenate(([-1], np.flatnonzero(changes), [len(changes)]))
-    longest = int(np.diff(edges).max())
-    if longest >= parameters.same_points:
-        yield Message(
-            "{same} of {points} points in a row are identical; check that the VNA sweeps and is "
-            "not in zero span",
-            same=longest,
-            points=len(sweep.s21_real),
-        ).with_fault(VNA_FAILED.as_warning())
-
-
-def duration_remarks(
-    duration_s: float, usual_s: Optional[float], parameters: VnaParameters
-) -> Iterator[Message]:
-    """Yield a remark if a sweep took much longer or shorter than usual [s], if that is known."""
-    if usual_s is None:
-        return
-    earliest_s = usual_s / DURATION_FACTOR - EARLY_TOLERANCE_S
-    latest_s = usual_s * DURATION_FACTOR + parameters.duration_tolerance_s
-    if not earliest_s <= duration_s <= latest_s:
-        yield Message(
-            "the sweep took {duration_s:.3f} s, typically {usual_s:.3f} s; check the VNA's "
-            "bandwidth setting and its network",
-            duration_s=duration_s,
-            usual_s=usual_s,
-        ).with_fault(VNA_DOUBTFUL)
-
-
 def calibration_remarks(status: CalibrationStatus) -> Tuple[Message, ...]:
     """Return a remark unless the calibration's accuracy is high, or never known."""
-    return (CALIBRATION_REMARKS[status],) if status in CALIBRATION_REMARKS else ()
+    if status in (CalibrationStatus.HIGH, CalibrationStatus.NOT_REPORTED):
+        return ()
+    remark = Message("the VNA's calibration: {meaning}", meaning=status.meaning)
+    fault = NOT_CALIBRATED if status is CalibrationStatus.NONE else NOT_CALIBRATED.as_warning()
+    return (remark.with_fault(fault),)
 
 
 def retry_remarks(failures: Sequence[VnaError]) -> Tuple[Message, ...]:
-    """Return remarks on how often the sweep was repeated, and each reason once."""
-    # A dictionary preserves the order.
-    reasons = list(dict.fromkeys(failure.message for failure in failures))[:MOST_REASONS]
-    if not reasons:
+    """Return a remark on how often a sweep was repeated, and why at first; none if it was not."""
+    if not failures:
         return ()
-    if len(failures) == 1:
-        return (Message("the sweep was repeated once: {reason}", reason=reasons[0]),)
-    first = Message(
-        "the sweep was repeated {times} times: {reason}", times=len(failures), reason=reasons[0]
-    )
-    others = (Message("the sweep also failed: {reason}", reason=reason) for reason in reasons[1:])
-    return (first, *others)
+    times, reason = len(failures), failures[0].message
+    return (Message("the sweep was repeated {times} times: {reason}", times=times, reason=reason),)
 
 
 def stored_remarks(remarks: Sequence[Message]) -> Tuple[str, ...]:
     """Return remarks as they are stored with a trace, in English."""
     return tuple(storable_remark(str(remark)) for remark in remarks)
-
-
-class TraceQuality:
-    """Judges the traces of one configured sweep, one after the other."""
-
-    def __init__(self, parameters: VnaParameters) -> None:
-        self._parameters = parameters
-        self._durations_s: Deque[float] = deque(maxlen=MOST_SWEEPS)
-
-    def remarks(self, sweep: Sweep, failures: Sequence[VnaError]) -> Tuple[Message, ...]:
-        """Return the remarks on a sweep, which had to be repeated for each of these failures."""
-        known = len(self._durations_s) >= FEWEST_SWEEPS
-        usual_s = statistics.median(self._durations_s) if known else None
-        self._durations_s.append(sweep.duration_s)
-        return (
-            *level_remarks(sweep, self._parameters),
-            *flat_remarks(sweep, self._parameters),
-            *duration_remarks(sweep.duration_s, usual_s, self._parameters),
-            *retry_remarks(failures),
-        )

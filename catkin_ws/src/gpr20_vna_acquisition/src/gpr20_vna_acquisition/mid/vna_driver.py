@@ -5,7 +5,7 @@ from __future__ import annotations
 import threading
 from contextlib import contextmanager
 from dataclasses import replace
-from typing import Callable, Generator, NamedTuple, Optional, Sequence, Tuple
+from typing import Callable, Generator, NamedTuple, Optional, Tuple
 
 import numpy as np
 
@@ -25,14 +25,14 @@ from gpr20_vna_acquisition.errors import (
     not_configured,
     old_data,
 )
-from gpr20_vna_acquisition.mid.analyzer import DrivenAnalyzer
+from gpr20_vna_acquisition.mid.analyzers import DrivenAnalyzer
 from gpr20_vna_acquisition.mid.request_deadline import RequestDeadline
 from gpr20_vna_acquisition.mid.trace_quality import (
-    TraceQuality,
     calibration_refusal,
     calibration_remarks,
-    has_same_data,
+    data_remarks,
     refuse_impossible,
+    retry_remarks,
     stored_remarks,
 )
 from gpr20_vna_acquisition.mid.vna_link import VnaLink, VnaState
@@ -76,7 +76,6 @@ class VNADriver:
         self._lock = threading.RLock()
         # When the last request ended.
         self._last_used_s = deadline.now_s()
-        self._quality = TraceQuality(parameters)
         self._number = 0
         # The sweep that may be confirmed, and how often settings had been restored before it: its
         # own are not known any more once that happens again.
@@ -111,7 +110,6 @@ class VNADriver:
         self._link.deadline.abandon()
         with self._request():
             self._unconfirmed = self._last_sweep = None
-            self._analyzer.forget()
             return self._link.connect(address)
 
     def disconnect_from_vna(self) -> None:
@@ -135,39 +133,26 @@ class VNADriver:
             finally:
                 self._lock.release()
 
-    def test_connection(self) -> None:
-        """Ask the instrument for its calibration, once, over a new link if there is none.
+    def check_idle_link(self) -> None:
+        """Ask an instrument that was not used for a while for its calibration, once.
 
-        Also where the last `connect_to_vna` failed.
+        So the diagnostics soon report that a cable was pulled, and that it is back, also where
+        `connect_to_vna` failed. No sweep is made, because somebody may be calibrating. Never
+        raises, never waits for a request.
         """
-        with self._request():
-            try:
+        idle_s = self._link.deadline.now_s() - self._last_used_s
+        if idle_s < self.parameters.link_check_s or not self._lock.acquire(blocking=False):
+            return
+        try:
+            with self._request():
                 if self.state.address and not self.state.identity:
                     self._link.connect(self.state.address)
                 calibration = self._link.linked().calibration()
-            except VnaNotReadyError:
-                raise
-            except VnaError as error:
-                self._link.drop()
-                self._link.note(last_error=error.message)
-                raise
-            self._link.note(calibration=calibration, last_error=None)
-
-    def check_idle_link(self) -> None:
-        """Test the connection to an instrument that was not used for a while.
-
-        So the diagnostics soon report that a cable was pulled, and that it is back. No sweep is
-        made, because somebody may be calibrating. Never raises, never waits for a request.
-        """
-        idle_s = self._link.deadline.now_s() - self._last_used_s
-        if idle_s < self.parameters.link_check_s:
-            return
-        if not self._lock.acquire(blocking=False):
-            return
-        try:
-            self.test_connection()
-        except VnaError:
-            pass  # the diagnostics report it
+                self._link.note(calibration=calibration, last_error=None)
+        except VnaNotReadyError:
+            pass  # nothing was connected
+        except VnaError as error:
+            self._link.failed(error)
         finally:
             self._lock.release()
 
@@ -196,9 +181,6 @@ class VNADriver:
             # If this fails, it is unknown what the instrument would measure.
             self._link.note(sweep=None)
             self._unconfirmed = self._last_sweep = None
-            self._analyzer.forget()
-            # Another sweep has another usual duration.
-            self._quality = TraceQuality(self.parameters)
             accepted, _failures = self._link.with_retries(
                 Message("setting up the VNA"),
                 lambda analyzer: analyzer.configure(settings),
@@ -229,10 +211,8 @@ class VNADriver:
     def get_trace(self) -> Sweep:
         """Return one sweep that was triggered after this call, confirmed."""
         with self._request(self._promised_trace_s):
-            (sweep, calibration), failures = self._link.with_retries(
-                Message("the VNA's sweep"), self._confirmed_sweep
-            )
-            return self._judged(sweep, failures, self._calibration_remarks(calibration))
+            number, sweep = self.take_sweep()
+            return replace(sweep, quality=(*sweep.quality, *self.confirm(number).remarks))
 
     def take_sweep(self) -> Tuple[int, Sweep]:
         """Return one sweep that was triggered after this call, and its number for `confirm`.
@@ -243,7 +223,11 @@ class VNADriver:
             sweep, failures = self._link.with_retries(Message("the VNA's sweep"), self._fresh_sweep)
             self._number += 1
             self._unconfirmed = self._number, self._link.restorations
-            return self._number, self._judged(sweep, failures, ())
+            remarks = *data_remarks(sweep, self.parameters), *retry_remarks(failures), *self._news
+            self._news = ()
+            self._link.note(last_quality=remarks)
+            quality = *sweep.quality, *stored_remarks(remarks)
+            return self._number, replace(sweep, quality=quality)
 
     def confirm(self, number: int) -> SweepConfirmation:
         """Confirm the last sweep, by the number that `take_sweep` returned.
@@ -271,7 +255,12 @@ class VNADriver:
                 # Settings that are made again would hide that they were different.
                 restore=False,
             )
-            remarks = stored_remarks(self._calibration_remarks(calibration))
+            self._link.note(calibration=calibration)
+            refusal = self.calibration_refusal(calibration)
+            # The link stays open: a new one would set up the sweep while somebody calibrates.
+            if refusal:
+                raise VnaCalibrationError(refusal)
+            remarks = stored_remarks(calibration_remarks(calibration))
             return SweepConfirmation(remarks, self._analyzer.temperature_c)
 
     @contextmanager
@@ -296,36 +285,18 @@ class VNADriver:
             self._last_used_s = deadline.now_s()
             self._lock.release()
 
-    def _confirmed_sweep(self, analyzer: DrivenAnalyzer) -> Tuple[Sweep, CalibrationStatus]:
-        sweep = self._fresh_sweep(analyzer)
-        return sweep, _confirmed_calibration(analyzer)
-
     def _fresh_sweep(self, analyzer: DrivenAnalyzer) -> Sweep:
         self._set_up_sweep()
         sweep, before = analyzer.sweep(), self._last_sweep
         refuse_impossible(sweep)
         self._last_sweep = sweep
-        if before is not None and has_same_data(sweep, before):
+        if (
+            before is not None
+            and np.array_equal(sweep.s21_real, before.s21_real)
+            and np.array_equal(sweep.s21_imag, before.s21_imag)
+        ):
             raise old_data()
         return sweep
-
-    def _judged(
-        self, sweep: Sweep, failures: Sequence[VnaError], more: Tuple[Message, ...]
-    ) -> Sweep:
-        remarks = self._quality.remarks(sweep, failures) + more + self._news
-        self._news = ()
-        self._link.note(
-            sweeps=self.state.sweeps + 1, last_sweep_s=sweep.duration_s, last_quality=remarks
-        )
-        return replace(sweep, quality=(*sweep.quality, *stored_remarks(remarks)))
-
-    def _calibration_remarks(self, calibration: CalibrationStatus) -> Tuple[Message, ...]:
-        self._link.note(calibration=calibration)
-        refusal = self.calibration_refusal(calibration)
-        # The link stays open: a new one would set up the sweep while somebody calibrates.
-        if refusal:
-            raise VnaCalibrationError(refusal)
-        return calibration_remarks(calibration)
 
     def _set_up_sweep(self) -> SweepSettings:
         self._link.check_connected()

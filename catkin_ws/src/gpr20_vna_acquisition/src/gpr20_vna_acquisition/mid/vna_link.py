@@ -6,7 +6,6 @@ import contextlib
 from dataclasses import dataclass, field, replace
 from typing import Any, Callable, List, Mapping, Optional, Sequence, Tuple, Type, TypeVar
 
-from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message
 from gpr20_survey.trace.calibration import CalibrationStatus
 from gpr20_survey.trace.sweep_settings import SweepSettings
@@ -21,8 +20,9 @@ from gpr20_vna_acquisition.errors import (
     VnaSweepError,
     VnaTimeoutError,
     not_connected,
+    replaced,
 )
-from gpr20_vna_acquisition.mid.analyzer import DrivenAnalyzer
+from gpr20_vna_acquisition.mid.analyzers import DrivenAnalyzer
 from gpr20_vna_acquisition.mid.request_deadline import RequestDeadline
 from gpr20_vna_acquisition.mid.vna_parameters import VnaParameters
 
@@ -40,9 +40,7 @@ class VnaState:
         identity: Identification of the instrument there; empty until it answers.
         linked: Whether a link is open now. After a failure there is none until the next use.
         sweep: What is measured, as the instrument confirmed it; None if it is not set up.
-        sweeps: How many good sweeps were made.
         repeats: How many attempts of any kind had to be repeated.
-        last_sweep_s: How long the last sweep took [s].
         last_quality: Remarks on the last sweep.
         last_error: Why the last attempt failed; None if the instrument has answered since.
         calibration: State of the calibration when it was last read; None before.
@@ -53,9 +51,7 @@ class VnaState:
     identity: str = ""
     linked: bool = False
     sweep: Optional[SweepSettings] = None
-    sweeps: int = 0
     repeats: int = 0
-    last_sweep_s: float = 0.0
     last_quality: Tuple[Message, ...] = ()
     last_error: Optional[Message] = None
     calibration: Optional[CalibrationStatus] = None
@@ -96,15 +92,11 @@ class VnaLink:
         """Make the first link to an address and return the instrument's identification."""
         self.drop()
         # The diagnostics report the old fault until the result is known.
-        self.state = VnaState(address, last_error=self.state.last_error)
+        self.state = VnaState(last_error=self.state.last_error)
         try:
             identity = self._open(address)
         except VnaError as error:
-            self.note(last_error=error.message)
-            raise
-        except InvalidValueError:
-            # Nothing can ever answer there.
-            self.state = VnaState()
+            self.note(address=address, last_error=error.message)
             raise
         self.state = VnaState(address, identity, linked=True)
         return identity
@@ -141,16 +133,7 @@ class VnaLink:
         identity = self._open(state.address)
         if identity != state.identity:
             self.drop()
-            raise VnaReplacedError(
-                Message(
-                    "the VNA at {address} is now '{identity}' and was '{former}'; connect the "
-                    "former VNA again, or accept the other one when you connect or resume",
-                    address=state.address,
-                    identity=identity,
-                    former=state.identity,
-                    details="service connection",
-                )
-            )
+            raise replaced(identity, state.identity)
         self.note(linked=True)
         return self._analyzer
 
@@ -210,9 +193,9 @@ class VnaLink:
                 # What failed says more about what to do than that no time is left.
                 reason = failures[-1].message if failures else error.message
                 text = Message("{what} was given up: {reason}", what=what, reason=reason)
-                raise self._failed(VnaTimeoutError(text)) from error
+                raise self.failed(VnaTimeoutError(text)) from error
             except VnaError as error:
-                failures.append(self._failed(error))
+                failures.append(self.failed(error))
                 if isinstance(error, (*final, *ALWAYS_FINAL)):
                     raise
                 attempts += not isinstance(error, VnaConnectionError)
@@ -229,18 +212,17 @@ class VnaLink:
             )
         )
 
-    def _failed(self, error: VnaError) -> VnaError:
+    def failed(self, error: VnaError) -> VnaError:
+        """End the link after an error, which is noted and returned."""
         self.drop()
         self.note(last_error=error.message)
         return error
 
     def _pause_before_retry(self, what: Message, failures: Sequence[VnaError]) -> None:
         self.note(repeats=self.state.repeats + 1)
-        failure = failures[-1]
         # A link that is lost for long fails the same way many times.
-        kinds = {(type(one), one.message.fault_code) for one in failures[-2:]}
-        if len(failures) == 1 or len(kinds) > 1:
-            self._warn(f"{what} failed and is retried: {failure}")
+        if len(failures) == 1:
+            self._warn(f"{what} failed and is retried: {failures[0]}")
         self.deadline.pause_s(self._parameters.retry_pause_s)
 
     def _open(self, address: str) -> str:

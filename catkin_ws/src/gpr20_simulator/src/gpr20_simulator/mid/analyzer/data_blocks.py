@@ -19,7 +19,8 @@ from gpr20_simulator.mid.analyzer.vna_settings import (
 )
 from gpr20_simulator.mid.faults import FaultBoard, VnaFault
 
-FREQUENCY_DIGITS = 12
+# After the point; 8 keep a float32 exactly.
+TRACE_DIGITS, FREQUENCY_DIGITS = 8, 12
 TRUNCATED_BYTES = 9
 NAN_EVERY = 50
 # Of a plug that is loose: 3.1 dB less, 20 degrees.
@@ -64,9 +65,9 @@ class DataBlocks:
         if self._faults.strikes(VnaFault.NAN):
             parts = parts.astype(np.float64)
             parts[::NAN_EVERY] = np.nan
-        content = self._content(parts, settings, self._description.ascii_digits)
+        content = _content(parts, settings, TRACE_DIGITS)
         lost = TRUNCATED_BYTES if self._faults.strikes(VnaFault.TRUNCATE) else 0
-        return DataBlock("sdat", self._header(content) + content[: len(content) - lost])
+        return DataBlock("sdat", _header(content) + content[: len(content) - lost])
 
     def frequencies(self, settings: VnaSettings, numbers: Numbers) -> DataBlock:
         """Return the frequencies of a trace [Hz].
@@ -76,8 +77,8 @@ class DataBlocks:
         """
         settings.trace(numbers)
         frequency_hz, _values = self._sweeper.snapshot()
-        content = self._content(frequency_hz, settings, FREQUENCY_DIGITS)
-        return DataBlock("freq", self._header(content) + content)
+        content = _content(frequency_hz, settings, FREQUENCY_DIGITS)
+        return DataBlock("freq", _header(content) + content)
 
     def preamble(
         self, settings: VnaSettings, number: int, serial: str, is_corrected: bool
@@ -92,11 +93,10 @@ class DataBlocks:
             ("TRACE_S_TYPES", _of_all(PARAMETERS.index(one.parameter) for one in traces)),
             ("DOMAIN", DOMAIN_NUMBERS[trace.domain]),
             ("TRACE_DOMAIN_TYPES", _of_all(DOMAIN_NUMBERS[one.domain] for one in traces)),
-            ("TRACE_MATH_TYPES", one.trace_math),
-            ("SMOOTHING_PERCENT", one.smoothing_percent),
+            ("TRACE_MATH_TYPES", 0),
+            ("SMOOTHING_PERCENT", 0),
             ("TOTAL_TRACE", settings.trace_total),
             ("SWEEP_TYPE", int(self._sweeper.is_continuous)),
-            ("AVERAGING_COUNT", self._sweeper.averaged),
             ("AVERAGING_FACTOR", settings.averages),
             ("IFBW", BANDWIDTHS_HZ.index(settings.bandwidth_hz)),
             ("RF_SOURCE_POWER", POWERS.index(settings.power)),
@@ -108,7 +108,7 @@ class DataBlocks:
             (f"TRACE_{number}_DSP_DATA_POINTS", settings.points),
         )
         content = ",".join(f"{name}={value}" for name, value in pairs).encode("ascii")
-        return DataBlock("preamble", self._header(content) + content)
+        return DataBlock("preamble", _header(content) + content)
 
     def _values(self, parameter: str) -> np.ndarray:
         _frequency_hz, transmission = self._sweeper.snapshot()
@@ -118,16 +118,16 @@ class DataBlocks:
             return transmission * LOOSE_PLUG_FACTOR if is_loose else transmission
         return np.full(len(transmission), REFLECTION)
 
-    def _content(self, values: np.ndarray, settings: VnaSettings, digits: int) -> bytes:
-        if settings.data_format == REAL_32:
-            return values.astype("<f4").tobytes()
-        numbers = values.tolist()
-        text = ",".join([f"%.{digits}E"] * len(numbers)) % tuple(numbers)
-        return (text + ("," if self._description.trailing_comma else "")).encode("ascii")
 
-    def _header(self, content: bytes) -> bytes:
-        digits = str(len(content)).zfill(self._description.header_digits)
-        return f"#{len(digits)}{digits}".encode("ascii")
+def _content(values: np.ndarray, settings: VnaSettings, digits: int) -> bytes:
+    if settings.data_format == REAL_32:
+        return values.astype("<f4").tobytes()
+    return "".join(f"{one:.{digits}E}," for one in values.tolist()).encode("ascii")
+
+
+def _header(content: bytes) -> bytes:
+    digits = str(len(content))
+    return f"#{len(digits)}{digits}".encode("ascii")
 
 
 def _of_all(numbers: Iterable[int]) -> int:

@@ -6,7 +6,6 @@ import functools
 import random
 import re
 import threading
-import time
 from collections import deque
 from typing import Callable, Deque, List, Optional, Tuple, Union
 
@@ -29,7 +28,6 @@ from gpr20_simulator.mid.analyzer.vna_settings import (
 from gpr20_simulator.mid.faults import FaultBoard, VnaFault
 
 SWEEP_COMPLETE = 256
-ACCURACY_HIGH, ACCURACY_POWER_CHANGED = 1, 2
 WRONG_IDENTITY = '"Rohde&Schwarz,ZNL6,SIMULATED,1.0"'
 ENDLESS_DIGITS = "1" * 40_000 + "X"
 NUMBER = re.compile(r"[-+]?[0-9]+(?:\.[0-9]+)?")
@@ -53,6 +51,7 @@ class SimulatedVna:
         capture: Gets the kind and the exact bytes of each data reply.
 
     Attributes:
+        description: What it is like.
         is_remote: Whether a client has taken control from the front panel.
     """
 
@@ -68,7 +67,7 @@ class SimulatedVna:
         self.is_remote = False
         self._sweeper = sweeper
         self._clock = clock
-        self._description = description
+        self.description = description
         self._faults = faults
         self._seconds_per_point = seconds_per_point
         self._capture = capture
@@ -83,8 +82,6 @@ class SimulatedVna:
         self._queries = self._query_rules()
         self._find_query = functools.lru_cache()(self._search_query)
         self._actions = self._action_rules()
-        silent = (query.strip().rstrip("?") for query in description.unanswered_queries)
-        self._unanswered = set(map(self._find_query, silent))
         sweeper.set_continuous(True)
 
     def set_remote(self, remote: bool) -> None:
@@ -108,9 +105,6 @@ class SimulatedVna:
 
     def execute(self, message: bytes) -> Outcome:
         """Carry out the commands of one message."""
-        if self._description.message_s > 0.0:
-            # The time of a network and its client, not of the robot: it is never scaled.
-            time.sleep(self._description.message_s)
         with self._lock:
             self.is_remote = True
             if self._faults.strikes(VnaFault.HANG):
@@ -134,10 +128,6 @@ class SimulatedVna:
 
     def clear(self) -> ClearSupport:
         """Forget half-done work: there is none, each message is done when it is taken."""
-        if self._faults.strikes(VnaFault.NO_CLEAR):
-            return ClearSupport.NO_PROCEDURE
-        if self._faults.strikes(VnaFault.CLEAR_UNSUPPORTED):
-            return ClearSupport.ERROR_8
         return ClearSupport.FULL
 
     def _written(self, answers: List[Answer]) -> bytes:
@@ -145,9 +135,7 @@ class SimulatedVna:
         if not answers or self._faults.strikes(VnaFault.SILENT):
             return b""
         parts = [one.encode("ascii") if isinstance(one, str) else one.data for one in answers]
-        reply = b";".join(parts)
-        if isinstance(answers[-1], str) or self._description.trailing_newline:
-            reply += b"\n"
+        reply = b";".join(parts) + b"\n"
         if self._faults.strikes(VnaFault.GARBAGE):
             reply = bytes(self._random.getrandbits(8) for _ in range(len(reply)))
         for answer in answers:
@@ -167,8 +155,7 @@ class SimulatedVna:
 
     def _ask(self, command: ScpiCommand) -> Optional[Answer]:
         found = self._find_query(command.header)
-        is_silent = found in self._unanswered and self._faults.strikes(VnaFault.UNANSWERED_QUERY)
-        if found is None or is_silent:
+        if found is None:
             return None
         query, numbers = found
         answer = query(numbers, command.argument)
@@ -185,7 +172,7 @@ class SimulatedVna:
         return None
 
     def _query_rules(self) -> List[Tuple[HeaderPattern, Query]]:
-        sweeper, one = self._sweeper, self._description
+        sweeper = self._sweeper
         rules: Tuple[Tuple[str, Callable[..., Answer]], ...] = (
             ("*IDN", self._identity),
             (":STATus:OPERation", lambda *_a: str(SWEEP_COMPLETE if self._bit() else 0)),
@@ -196,16 +183,8 @@ class SimulatedVna:
             ("[:SENSe]:CORRection[:STATe]", lambda *_a: _number(self._is_corrected())),
             ("[:SENSe]:CORRection:COLLect:STATus:ACCuracy", self._accuracy),
             (
-                "[:SENSe]:CORRection:COLLect:TYPE",
-                lambda *_a: one.calibration_type if self._is_calibrated() else "",
-            ),
-            (
-                "[:SENSe]:CORRection:COLLect:INTerpolation[:STATe]",
-                lambda *_a: _number(one.calibration_interpolated and self._is_calibrated()),
-            ),
-            (
                 "[:SENSe]:CALibration:STATe",
-                lambda *_a: _number(one.calibrated_parameters * self._is_calibrated()),
+                lambda *_a: _number(self.description.calibrated_parameters * self._is_calibrated()),
             ),
         )
         found = [(HeaderPattern(header), answer) for header, answer in rules]
@@ -228,18 +207,18 @@ class SimulatedVna:
     def _identity(self, _numbers: Numbers, _argument: str) -> str:
         if self._faults.strikes(VnaFault.WRONG_IDENTITY):
             return WRONG_IDENTITY
-        one = self._description
+        one = self.description
         # The instrument wraps its identity in double quotes.
         return f'"{one.manufacturer},{one.model},{self._serial()},{one.firmware}"'
 
     def _serial(self) -> str:
         is_other = self._is_other_unit or self._faults.is_on(VnaFault.SWAPPED)
-        return self._description.other_serial if is_other else self._description.serial
+        return self.description.other_serial if is_other else self.description.serial
 
     def _is_calibrated(self) -> bool:
         """Return whether there is a calibration that can be applied."""
         is_lost = self._faults.has_damaged(VnaFault.LOSES_CALIBRATION)
-        return self._description.calibration_accuracy != NOT_CALIBRATED and not is_lost
+        return self.description.calibration_accuracy != NOT_CALIBRATED and not is_lost
 
     def _is_corrected(self) -> bool:
         """Return whether it is applied."""
@@ -248,10 +227,7 @@ class SimulatedVna:
     def _accuracy(self, _numbers: Numbers, _argument: str) -> str:
         if not self._is_corrected():
             return str(NOT_CALIBRATED)
-        accuracy = self._description.calibration_accuracy
-        has_other_power = self._settings.power != self._description.calibration_power.value
-        is_less = accuracy == ACCURACY_HIGH and has_other_power
-        return str(ACCURACY_POWER_CHANGED if is_less else accuracy)
+        return str(self.description.calibration_accuracy)
 
     def _bit(self) -> bool:
         """Return whether the end of a sweep is shown."""
@@ -266,7 +242,6 @@ class SimulatedVna:
         rules: Tuple[Tuple[str, Action], ...] = (
             (":INITiate[:IMMediate]", lambda _n, _a: self._trigger()),
             (":INITiate:CONTinuous", lambda _n, a: sweeper.set_continuous(scpi.switch(a))),
-            ("[:SENSe]:AVERage:CLEar", lambda _n, _a: sweeper.restart_average()),
         )
         found = [(HeaderPattern(header), act) for header, act in rules]
         return found + [(one.header, functools.partial(self._store, one)) for one in SETTINGS]
@@ -284,7 +259,7 @@ class SimulatedVna:
         if setting.is_calibrated:
             self._faults.damages(VnaFault.LOSES_CALIBRATION)
         # The instrument may keep a setting back, for up to two seconds.
-        due_s = self._clock.now_s() + self._description.setting_delay_s
+        due_s = self._clock.now_s() + self.description.setting_delay_s
         store = functools.partial(setting.store, self._settings, numbers, argument)
         self._waiting.append((due_s, store))
         self._apply_due()
@@ -300,23 +275,23 @@ class SimulatedVna:
             self._configure()
 
     def _configure(self) -> None:
-        plan = self._settings.plan(self._seconds_per_point, self._description.averaging)
-        self._sweeper.configure(plan)
+        self._sweeper.configure(self._settings.plan(self._seconds_per_point))
 
     def _trigger(self) -> None:
         """Run one sweep."""
         keeps_bit = self._bit() and self._faults.strikes(VnaFault.LATE_BIT)
         self._bit_set_until_s = (
-            self._clock.now_s() + self._description.late_bit_s if keeps_bit else None
+            self._clock.now_s() + self.description.late_bit_s if keeps_bit else None
         )
-        struck = [fault for fault in CHANGES_BY_HAND if self._faults.strikes(fault)]
-        changes = [change for fault in struck for change in CHANGES_BY_HAND[fault]]
+        changes = [
+            change for fault, change in CHANGES_BY_HAND.items() if self._faults.strikes(fault)
+        ]
         is_late = self._faults.strikes(VnaFault.LATE_MEMORY)
         is_slow = self._faults.strikes(VnaFault.SLOW_POINTS)
         self._sweeper.trigger(
             stale=self._faults.strikes(VnaFault.STALE),
-            slowest_point_s=self._description.slow_point_s if is_slow else 0.0,
-            shown_late_s=self._description.late_memory_s if is_late else 0.0,
+            slowest_point_s=self.description.slow_point_s if is_slow else 0.0,
+            shown_late_s=self.description.late_memory_s if is_late else 0.0,
             midway=functools.partial(self._change_by_hand, changes) if changes else None,
         )
 

@@ -1,4 +1,4 @@
-"""The command language of the instrument: splitting, keywords, numbers with units."""
+"""The command language of the instrument: splitting, keywords, numbers."""
 
 from __future__ import annotations
 
@@ -8,12 +8,8 @@ from typing import List, Optional, Tuple
 
 _LEVEL = re.compile(r"(\[?):([A-Za-z]+)(#?)(\]?)")
 # No digit can belong to two repetitions, so a long number that is none is refused in linear time.
-_NUMBER = re.compile(
-    r"([+-]?(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)(?:[Ee][+-]?[0-9]{1,3})?)\s*([A-Za-z]*)"
-)
+_NUMBER = re.compile(r"[+-]?(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)(?:[Ee][+-]?[0-9]{1,3})?")
 LONGEST_NUMBER = 64
-# Units of frequency; MAHZ is mega as well, because SCPI's MHZ could be read as milli.
-_HERTZ = {"": 1.0, "HZ": 1.0, "KHZ": 1e3, "MHZ": 1e6, "MAHZ": 1e6, "GHZ": 1e9}
 _SWITCH = {"ON": True, "1": True, "OFF": False, "0": False}
 
 
@@ -79,29 +75,26 @@ def chosen_keyword(text: str, keywords: Tuple[str, ...]) -> str:
     raise ScpiError(f"'{text[:40]}' is none of {', '.join(keywords)}")
 
 
+def number_between(text: str, lower: float, upper: float) -> float:
+    """Return a number within bounds, in the unit that needs no name.
+
+    Raises:
+        ScpiError: It is none, or lies outside.
+    """
+    word = text.strip()
+    if len(word) > LONGEST_NUMBER or not _NUMBER.fullmatch(word):
+        raise ScpiError(f"'{text[:40]}' is not a number")
+    if not lower <= float(word) <= upper:
+        raise ScpiError(f"'{text[:40]}' is not between {lower:g} and {upper:g}")
+    return float(word)
+
+
 def whole_number_between(text: str, lower: int, upper: int) -> int:
-    """Return a whole number within bounds.
-
-    Raises:
-        ScpiError: It is none, or lies outside.
-    """
-    value, unit = _number_and_unit(text)
-    if unit or not lower <= value <= upper or not value.is_integer():
-        raise ScpiError(f"'{text[:40]}' is not a whole number between {lower} and {upper}")
+    """Return a whole number within bounds; raises as `number_between` does."""
+    value = number_between(text, lower, upper)
+    if not value.is_integer():
+        raise ScpiError(f"'{text[:40]}' is not a whole number")
     return int(value)
-
-
-def frequency_between(text: str, lower_hz: float, upper_hz: float) -> float:
-    """Return a frequency [Hz] within bounds, written with or without a unit.
-
-    Raises:
-        ScpiError: It is none, or lies outside.
-    """
-    value, unit = _number_and_unit(text)
-    factor = _HERTZ.get(unit)
-    if factor is None or not lower_hz <= value * factor <= upper_hz:
-        raise ScpiError(f"'{text[:40]}' is no frequency between {lower_hz:g} and {upper_hz:g} Hz")
-    return value * factor
 
 
 def switch(text: str) -> bool:
@@ -116,13 +109,6 @@ def switch(text: str) -> bool:
     return _SWITCH[word]
 
 
-def _number_and_unit(text: str) -> Tuple[float, str]:
-    found = _NUMBER.fullmatch(text.strip()) if len(text) <= LONGEST_NUMBER else None
-    if found is None:
-        raise ScpiError(f"'{text[:40]}' is not a number")
-    return float(found.group(1)), found.group(2).upper()
-
-
 def split_message(message: bytes) -> List[ScpiCommand]:
     """Return the commands of a message in their order.
 
@@ -130,7 +116,7 @@ def split_message(message: bytes) -> List[ScpiCommand]:
     not know what to do with one that lacks it, so it is left out.
     """
     commands = []
-    for place, part in enumerate(_parts(message.decode("latin-1").strip(" \t\r\n\0"))):
+    for place, part in enumerate(message.decode("latin-1").strip(" \t\r\n\0").split(";")):
         text = part.strip()
         if place == 0 and text[:1] not in (":", "*"):
             text = ":" + text
@@ -141,14 +127,3 @@ def split_message(message: bytes) -> List[ScpiCommand]:
             argument = " ".join(one for one in (after, *words) if one)
             commands.append(ScpiCommand(before, bool(question), argument.strip()))
     return commands
-
-
-def _parts(text: str) -> List[str]:
-    """Split at semicolons that are not inside double quotes."""
-    parts = [""]
-    for place, piece in enumerate(text.split('"')):
-        # Every other piece is inside quotes.
-        first, *more = piece.split(";") if place % 2 == 0 else [piece]
-        parts[-1] += first if place == 0 else f'"{first}'
-        parts += more
-    return parts

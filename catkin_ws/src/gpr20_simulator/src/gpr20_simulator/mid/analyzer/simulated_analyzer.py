@@ -73,7 +73,7 @@ class SimulatedAnalyzer:
         capture: Capture = lambda _kind, _reply: None,
     ) -> None:
         self.faults = FaultBoard()
-        plan = VnaSettings().plan(options.seconds_per_point, description.averaging)
+        plan = VnaSettings().plan(options.seconds_per_point)
         pace = SweepPace().faster(options.time_scale)
         self.sweeper = Sweeper(medium, position_of, clock, plan, pace)
         self.instrument = SimulatedVna(

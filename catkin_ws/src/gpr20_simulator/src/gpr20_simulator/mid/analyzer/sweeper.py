@@ -25,9 +25,6 @@ class SweepPlan:
         stop_hz: Last frequency [Hz].
         points: Number of frequencies.
         seconds_per_point: Time that one frequency takes [s].
-        averages: Number of sweeps that are averaged; 1: none.
-        waits_for_average: Whether a trigger runs as many sweeps as are averaged, and only the
-            end of the last one is reported.
         noise_gain: Noise relative to that of the settings of power-on.
     """
 
@@ -35,8 +32,6 @@ class SweepPlan:
     stop_hz: float
     points: int
     seconds_per_point: float
-    averages: int = 1
-    waits_for_average: bool = False
     noise_gain: float = 1.0
 
     def frequency_hz(self) -> np.ndarray:
@@ -62,7 +57,7 @@ class SweepPace:
 
 
 class Sweeper:
-    """Sweeps in its own thread, once or again and again.
+    """Sweeps once or again and again: in its own thread, or whenever `advance` is called.
 
     Data are those of the display: points of the present sweep as far as it has got, the
     rest from before. Whoever reads in the middle of a sweep gets a mixture. Sweeps of a series
@@ -80,7 +75,6 @@ class Sweeper:
         is_continuous: Whether sweeps follow each other unless held.
         sweep_number: Number of the sweep begun last.
         sweeps_completed: Number of sweeps that have come to their end.
-        averaged: Number of sweeps in the present average.
     """
 
     def __init__(
@@ -92,7 +86,7 @@ class Sweeper:
         pace: SweepPace,
     ) -> None:
         self.is_complete = self.is_running = self.is_continuous = False
-        self.sweep_number = self.sweeps_completed = self.averaged = 0
+        self.sweep_number = self.sweeps_completed = 0
         self._position_of = position_of
         self._clock = clock
         self._pace = pace
@@ -141,15 +135,9 @@ class Sweeper:
             self._frequency_hz = plan.frequency_hz()
             self._memory.set_frequencies(self._frequency_hz)
             self.is_complete = False
-            self.averaged = 0
             if self.is_running:
                 self._begin_sweep()
         self._wake.set()
-
-    def restart_average(self) -> None:
-        """Forget the sweeps averaged so far."""
-        with self._lock:
-            self.averaged = 0
 
     def trigger(
         self,
@@ -159,8 +147,6 @@ class Sweeper:
         midway: Optional[Callable[[], object]] = None,
     ) -> None:
         """Run one sweep and hold again; a running series only restarts its sweep.
-
-        If the plan waits for the average, that is as many new sweeps as are averaged.
 
         Args:
             stale: It is reported as complete at once, and its data are thrown away.
@@ -175,8 +161,6 @@ class Sweeper:
             self.is_complete = stale
             self._slowest_point_s, self._shown_late_s = slowest_point_s, shown_late_s
             self._midway = midway
-            if self._plan.waits_for_average:
-                self.averaged = 0
             self._begin_sweep()
             self._is_discarded = stale
             self._memory.set_late(shown_late_s > 0.0)
@@ -201,22 +185,26 @@ class Sweeper:
         self.is_running = True
         self._started_s = self._clock.now_s() if started_s is None else started_s
 
-    def _run(self) -> None:
+    def advance(self) -> float:
+        """Do what is due, and return how long nothing more is [s]."""
         while True:
             with self._lock:
-                if self._is_stopping:
-                    return
-                self._wake.clear()
                 wait_s, midway = self._work()
             if midway is not None:
                 # Without the lock: it changes the plan, which restarts the sweep.
                 midway()
             elif wait_s > 0.0:
-                self._clock.wait_s(self._wake, wait_s)
+                return wait_s
+
+    def _run(self) -> None:
+        while not self._is_stopping:
+            self._wake.clear()
+            wait_s = self.advance()
+            self._clock.wait_s(self._wake, wait_s)
 
     def _work(self) -> Tuple[float, Optional[Callable[[], object]]]:
         """Measure what is due; return how long to wait then [s], and what to call then."""
-        if not self.is_running:
+        if not self.is_running or self._is_stopping:
             return IDLE_WAIT_S, None
         end = min(self._next_point + self._points_per_look(), self._plan.points)
         wait_s = self._started_s + end * self._point_s() - self._clock.now_s()
@@ -249,7 +237,6 @@ class Sweeper:
                     end,
                     self._position_of(),
                     self._plan.noise_gain,
-                    share=1.0 / min(self.averaged + 1, self._plan.averages),
                 )
             )
             if self._is_single:
@@ -261,19 +248,12 @@ class Sweeper:
 
     def _end_sweep(self) -> None:
         self.sweeps_completed += 1
-        self.averaged = min(self.averaged + 1, self._plan.averages)
-        is_awaited = self._plan.waits_for_average and self.averaged < self._plan.averages
         self._memory.end_sweep(self._clock.now_s() + self._shown_late_s)
-        self.is_complete = self.is_complete or not is_awaited
-        if self._is_single and not is_awaited:
+        self.is_complete = True
+        if self._is_single:
             self.is_running = False
             return
-        is_discarded = self._is_discarded and self._is_single
-        self._begin_sweep(self._next_start_s())
-        self._is_discarded = is_discarded
-
-    def _next_start_s(self) -> float:
-        duration_s = self._plan.points * self._point_s()
-        next_s = self._started_s + max(duration_s, 0.0 if self._is_single else self._pace.series_s)
+        duration_s = max(self._plan.points * self._point_s(), self._pace.series_s)
         # A machine too slow for the pace gets fewer sweeps, not a backlog of them.
-        return max(next_s, self._clock.now_s() - self._look_s())
+        latest_s = self._clock.now_s() - self._look_s()
+        self._begin_sweep(max(self._started_s + duration_s, latest_s))

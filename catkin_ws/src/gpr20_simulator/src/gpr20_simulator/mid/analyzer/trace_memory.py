@@ -24,7 +24,6 @@ class SweepPart:
         end: Index after the last point.
         position: Where the antennas were.
         noise_gain: Noise relative to that of the settings of power-on.
-        share: Share of the average that it takes, 1 instead of what was there.
     """
 
     sweep_number: int
@@ -32,7 +31,6 @@ class SweepPart:
     end: int
     position: AntennaPosition
     noise_gain: float
-    share: float
 
     def continues(self, other: SweepPart) -> bool:
         """Return whether it can be measured in one with the part before it."""
@@ -40,7 +38,7 @@ class SweepPart:
 
 
 class TraceMemory:
-    """The data of the display: each point as it was swept last, or its average.
+    """The data of the display: each point as it was swept last.
 
     A late display shows a sweep only some time after its end, and until then what it showed
     before. Not safe for several threads at a time.
@@ -83,15 +81,12 @@ class TraceMemory:
         """Measure what is waiting."""
         while self._waiting:
             for part in self._waiting.popleft():
-                here = self._data[part.first : part.end]
-                values = self._medium.s21(
+                self._data[part.first : part.end] = self._medium.s21(
                     self._frequency_hz[part.first : part.end],
                     part.position,
                     part.sweep_number,
                     part.noise_gain,
                 )
-                # Without averaging the value itself: the difference would lose bits of it.
-                here[:] = values if part.share == 1.0 else here + (values - here) * part.share
 
     def set_late(self, late: bool) -> None:
         """From now on show what is shown now until a sweep comes that has ended, or the data."""

@@ -7,7 +7,6 @@ from dataclasses import dataclass, field
 from typing import Callable, Dict, List, Tuple
 
 from gpr20_simulator.mid.analyzer import scpi
-from gpr20_simulator.mid.analyzer.instrument_scene import Averaging, Power
 from gpr20_simulator.mid.analyzer.scpi import HeaderPattern, ScpiError
 from gpr20_simulator.mid.analyzer.sweeper import SweepPlan
 from gpr20_simulator.mid.faults import VnaFault
@@ -30,7 +29,7 @@ DOMAINS = ("FREQuency", "TIME", "DISTance", "FGT")
 OTHER_BANDWIDTH_HZ, OTHER_AVERAGES, MOVED_START_HZ = 1000, 4, 1e6
 ASCII, REAL_32 = "ASC", "REAL,32"
 DATA_FORMATS = ("ASCii", "REAL,32")
-POWERS = LOW, HIGH = (Power.LOW.value, Power.HIGH.value)
+POWERS = LOW, HIGH = ("LOW", "HIGH")
 
 # The numbers in a header.
 Numbers = Tuple[int, ...]
@@ -53,7 +52,7 @@ class VnaSettings:
         stop_hz: Last frequency [Hz].
         points: Number of frequencies.
         bandwidth_hz: Bandwidth of the intermediate frequency [Hz].
-        averages: Number of sweeps that are averaged; 1: none.
+        averages: Number of sweeps that are to be averaged; this model never does.
         data_format: How data are sent, as the instrument calls it.
         trace_total: Number of traces shown.
         traces: The four traces.
@@ -85,14 +84,11 @@ class VnaSettings:
             raise ScpiError(f"trace {number} does not exist; there are 1 to {TRACES}")
         return self.traces[number - 1]
 
-    def plan(
-        self, seconds_per_point: float, averaging: Averaging = Averaging.EACH_SWEEP
-    ) -> SweepPlan:
+    def plan(self, seconds_per_point: float) -> SweepPlan:
         """Return the sweep that these settings ask for.
 
         Args:
             seconds_per_point: Time of a point at the bandwidth of power-on [s]; 0: none at all.
-            averaging: When a triggered sweep with averaging is complete.
         """
         # Narrower filters take longer to settle.
         longer_s = SETTLING * max(0.0, 1.0 / self.bandwidth_hz - 1.0 / POWER_ON_BANDWIDTH_HZ)
@@ -104,8 +100,6 @@ class VnaSettings:
             self.stop_hz,
             self.points,
             seconds_per_point + longer_s if seconds_per_point > 0.0 else 0.0,
-            self.averages,
-            averaging is Averaging.ALL_SWEEPS,
             noise_gain * (LOW_POWER_NOISE_GAIN if self.power == LOW else 1.0),
         )
 
@@ -133,17 +127,17 @@ def hertz(value_hz: float) -> str:
 
 
 def _store_start(settings: VnaSettings, _n: Numbers, text: str) -> None:
-    settings.start_hz = scpi.frequency_between(text, LOWEST_HZ, HIGHEST_HZ)
+    settings.start_hz = scpi.number_between(text, LOWEST_HZ, HIGHEST_HZ)
     settings.stop_hz = max(settings.start_hz, settings.stop_hz)
 
 
 def _store_stop(settings: VnaSettings, _n: Numbers, text: str) -> None:
-    settings.stop_hz = scpi.frequency_between(text, LOWEST_HZ, HIGHEST_HZ)
+    settings.stop_hz = scpi.number_between(text, LOWEST_HZ, HIGHEST_HZ)
     settings.start_hz = min(settings.start_hz, settings.stop_hz)
 
 
 def _bandwidth_hz(text: str) -> int:
-    value_hz = scpi.frequency_between(text, BANDWIDTHS_HZ[-1], BANDWIDTHS_HZ[0])
+    value_hz = scpi.number_between(text, BANDWIDTHS_HZ[-1], BANDWIDTHS_HZ[0])
     if value_hz not in BANDWIDTHS_HZ:
         raise ScpiError(f"{value_hz:g} Hz is no bandwidth of this instrument")
     return int(value_hz)
@@ -219,11 +213,9 @@ def _change_start(settings: VnaSettings) -> None:
     settings.stop_hz = max(settings.start_hz, settings.stop_hz)
 
 
-CHANGES_BY_HAND: Dict[VnaFault, List[Change]] = {
-    VnaFault.HAND_BANDWIDTH: [_change_bandwidth],
-    VnaFault.HAND_AVERAGES: [_change_averages],
-    VnaFault.HAND_POWER: [_change_power],
-    VnaFault.HAND_START: [_change_start],
-    # The other bandwidth, and the one of before.
-    VnaFault.HAND_PUT_BACK: [_change_bandwidth, _change_bandwidth],
+CHANGES_BY_HAND: Dict[VnaFault, Change] = {
+    VnaFault.HAND_BANDWIDTH: _change_bandwidth,
+    VnaFault.HAND_AVERAGES: _change_averages,
+    VnaFault.HAND_POWER: _change_power,
+    VnaFault.HAND_START: _change_start,
 }

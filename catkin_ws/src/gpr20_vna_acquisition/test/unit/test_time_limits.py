@@ -1,0 +1,233 @@
+"""An idle instrument is monitored, and every request is answered in the time its caller knows."""
+
+from __future__ import annotations
+
+import threading
+
+import pytest
+from case_kit import each_case
+from driver_bench import ADDRESS, POINTS, STATUS, SWEEP, Bench, nothing
+from fault_kit import raises_fault
+
+from gpr20_common.faults import BUSY
+from gpr20_common.message import Message
+from gpr20_survey.faults import VNA_FAILED, VNA_SETTINGS, VNA_SILENT
+from gpr20_survey.trace.calibration import CalibrationStatus
+from gpr20_vna_acquisition.errors import (
+    VnaClosedError,
+    VnaConnectionError,
+    VnaError,
+    VnaNotReadyError,
+    VnaTimeoutError,
+)
+from gpr20_vna_acquisition.mid.vna_driver import VNADriver
+
+CHECK_S = 5.0
+
+
+@pytest.fixture
+def bench() -> Bench:
+    return Bench(link_check_s=CHECK_S).configured()
+
+
+def pass_s(bench: Bench, duration_s: float) -> None:
+    bench.clock.sleep_until_s(bench.clock.now_s() + duration_s)
+
+
+def check_after(bench: Bench, idle_s: float = CHECK_S) -> None:
+    pass_s(bench, idle_s)
+    bench.driver.check_idle_link()
+
+
+# An idle link.
+
+
+def test_an_idle_instrument_is_asked_for_its_calibration_once_in_a_while(bench):
+    bench.is_like(calibration_accuracy=4)
+    # One in use is not disturbed.
+    check_after(bench, CHECK_S - 1.0)
+    assert bench.sent == []
+    check_after(bench, 1.1)
+    bench.driver.check_idle_link()
+    assert bench.sent == [":SENS:CORR:COLL:STAT:ACC?"]
+    assert bench.driver.state.calibration is CalibrationStatus.LOW
+
+
+def test_a_pulled_cable_is_reported_until_it_is_back_and_the_sweep_is_set_up_again(bench):
+    bench.lose_links()
+    for _ in range(2):
+        check_after(bench)
+        assert bench.driver.trouble == Message("gone")
+        assert not bench.driver.state.linked and bench.open_links == 0
+    bench.before = nothing
+    bench.by_hand(":SENS:SWE:POIN 201")  # it was switched off and on
+    check_after(bench)
+    assert bench.driver.trouble is None and bench.driver.state.linked
+    # Nothing is written before the next sweep: somebody may be calibrating it.
+    assert bench.ask(":SENS:SWE:POIN?") == "201"
+    assert bench.is_new() and bench.ask(":SENS:SWE:POIN?") == str(POINTS)
+
+
+def test_an_address_where_connecting_failed_is_tried_again_until_it_answers(bench):
+    bench.lose_links()
+    with pytest.raises(VnaConnectionError):
+        bench.driver.connect_to_vna(ADDRESS)
+    check_after(bench)
+    assert bench.driver.trouble == Message("gone") and bench.open_links == 0
+    bench.before = nothing
+    check_after(bench)
+    assert bench.driver.trouble is None and bench.driver.state.linked
+    assert bench.driver.state.address == ADDRESS
+    # Only the survey knows what to sweep.
+    with pytest.raises(VnaNotReadyError):
+        bench.driver.get_trace()
+
+
+def test_the_fault_of_a_request_ends_when_the_instrument_answers_again(bench):
+    bench.faults.set("TRUNCATE")
+    with pytest.raises(VnaError):
+        bench.driver.get_trace()
+    assert bench.driver.trouble == bench.driver.state.last_error is not None
+    check_after(bench)
+    assert bench.driver.trouble is None
+    bench.lose_links()
+    check_after(bench)
+    assert bench.driver.trouble == Message("gone")
+    bench.faults.clear()
+    bench.before = nothing
+    bench.driver.get_trace()
+    assert bench.driver.trouble is None
+
+
+@each_case("end", ["disconnect_from_vna", "shut_down"])
+def test_nothing_is_connected_again_after_the_end(end):
+    bench = Bench(link_check_s=CHECK_S).configured()
+    bench.lose_links()
+    with pytest.raises(VnaConnectionError):
+        bench.driver.connect_to_vna(ADDRESS)
+    getattr(bench.driver, end)()
+    bench.before = nothing
+    del bench.sent[:]
+    check_after(bench, 60.0)
+    assert bench.sent == [] and bench.open_links == 0
+    assert bench.driver.trouble is None and not bench.driver.state.linked
+
+
+# The end of a request.
+
+
+@pytest.mark.parametrize(
+    "request_after",
+    [VNADriver.disconnect_from_vna, lambda driver: driver.connect_to_vna(ADDRESS)],
+)
+def test_a_sweep_that_nobody_waits_for_any_more_ends_at_once(bench, request_after):
+    bench.takes(1e6)
+    threads = []
+
+    def request_while_waiting(message: str) -> None:
+        if message == STATUS and not threads:
+            threads.append(threading.Thread(target=request_after, args=[bench.driver]))
+            threads[0].start()
+            with pytest.raises(VnaTimeoutError):
+                while True:
+                    bench.deadline.check()
+
+    bench.before = request_while_waiting
+    begun_s = bench.clock.now_s()
+    with raises_fault(BUSY):
+        bench.driver.get_trace()
+    threads[0].join(30.0)
+    assert bench.clock.now_s() - begun_s < 5.0
+    bench.faults.clear()
+    assert bench.configured().is_new()
+
+
+def test_a_shutdown_ends_a_waiting_sweep_and_later_calls(bench):
+    bench.takes(1e6)
+    bench.before = lambda message: bench.driver.shut_down() if message == STATUS else None
+    with pytest.raises(VnaClosedError):
+        bench.driver.get_trace()
+    assert bench.open_links == 0
+    with pytest.raises(VnaClosedError):
+        bench.driver.connect_to_vna(ADDRESS)
+
+
+# The time limit of a request.
+
+
+def slow_steps(bench: Bench) -> None:
+    bench.before = lambda _message: pass_s(bench, 0.4)
+    bench.faults.set("TRUNCATE")
+
+
+def silent(bench: Bench) -> None:
+    bench.faults.set("SILENT")
+
+
+@each_case(
+    "fail, parameters, fault, limit_s",
+    [
+        (lambda bench: bench.takes(1e6), {}, VNA_SETTINGS, None),
+        (silent, {}, VNA_SILENT, None),
+        # The last attempt's fault says what to do, not that the time was over.
+        (slow_steps, {"request_timeout_s": 20.0, "attempts": 50}, VNA_FAILED, 21.0),
+    ],
+)
+def test_an_instrument_that_takes_too_long_is_given_up_in_time(fail, parameters, fault, limit_s):
+    bench = Bench(**parameters).configured()
+    limit_s = limit_s or bench.driver.answered_within_s
+    fail(bench)
+    begun_s = bench.clock.now_s()
+    with raises_fault(fault):
+        bench.driver.take_sweep()
+    assert bench.clock.now_s() - begun_s <= limit_s
+    assert bench.open_links == 0
+    bench.before = nothing
+    bench.faults.clear()
+    assert bench.is_new()
+
+
+def test_a_set_up_has_one_time_limit():
+    bench = Bench()
+    bench.takes(1e6)
+    bench.driver.connect_to_vna(ADDRESS)
+    begun_s = bench.clock.now_s()
+    with raises_fault(VNA_SETTINGS, 10, error=VnaTimeoutError):
+        bench.driver.set_frequency_sweep(SWEEP)
+    # Of which 20 s are to learn how long a sweep takes; main control waits for 90 s.
+    assert bench.clock.now_s() - begun_s <= 70.0
+    bench = Bench()
+    bench.driver.connect_to_vna(ADDRESS)
+    begun_s, step_s = bench.clock.now_s(), 2.4
+    bench.before = lambda _message: pass_s(bench, step_s)
+    with raises_fault(VNA_SILENT, 40, error=VnaTimeoutError):
+        bench.driver.set_frequency_sweep(SWEEP)
+    assert bench.clock.now_s() - begun_s < 40.0 + 2.0 * step_s
+
+
+def test_the_wait_for_another_request_counts(bench):
+    limit_s = bench.driver.answered_within_s
+    waits, waited = threading.Event(), []
+
+    def wait_for_the_check() -> None:
+        begun_s = bench.clock.now_s()
+        waits.set()
+        with pytest.raises(VnaTimeoutError):
+            bench.driver.take_sweep()
+        waited.append(bench.clock.now_s() - begun_s)
+
+    thread = threading.Thread(target=wait_for_the_check)
+
+    def hang(_message: str) -> None:
+        if not thread.ident:
+            thread.start()
+            assert waits.wait(30.0)
+            thread.join(0.2)
+            pass_s(bench, 30.0)
+        pass_s(bench, 6.0)
+        raise VnaConnectionError(Message("hangs"))
+
+    bench.before = hang
+    check_after(bench)
+    thread.join(30.0)
+    assert waited and waited[0] <= limit_s
