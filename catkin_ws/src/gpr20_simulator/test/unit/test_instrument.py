@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 from vna_bench import POINTS, SWEEP_S, Bench, ascii_numbers, real_numbers
 
 from gpr20_common.faults import NOT_ALLOWED
-from gpr20_simulator.errors import FaultError, SceneError
+from gpr20_simulator.faults import FaultError, SceneError
 from gpr20_simulator.low.message_device import NetworkFault
 from gpr20_simulator.low.shared_state import open_shared_state
 from gpr20_simulator.mid.analyzer.instrument_scene import InstrumentScene
