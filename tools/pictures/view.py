@@ -10,16 +10,14 @@ from PyQt5.QtWidgets import QApplication
 from window_kit import virtual_screen
 
 from gpr20_analysis import sample_survey
-from gpr20_analysis.candidates.search import find_candidates
 from gpr20_analysis.imaging.image_options import ImageOptions
 from gpr20_analysis.read.load import load_survey
-from gpr20_viewer.identity import SurveyIdentity
-from gpr20_viewer.picks_file import PicksFile
+from gpr20_common.message import Message
+from gpr20_viewer.picks_file import PicksFile, SurveyIdentity
 from gpr20_viewer.positions import Place
 from gpr20_viewer.session import ViewSession
-from gpr20_viewer.views.application import utc_now
 from gpr20_viewer.views.main_window import SIZE_PX, MainWindow
-from gpr20_viewer.views.pick_desk import PickDesk
+from gpr20_viewer.views.tables import PicksTab
 from pictures.kit import save, wait
 
 MOST_PICKS = 3
@@ -28,21 +26,20 @@ MOST_PICKS = 3
 def take_picture(path: Path) -> None:
     """Open the window, pick the first candidates and take a picture."""
     survey = sample_survey()
-    session = ViewSession(load_survey(survey), ImageOptions(), find_candidates)
+    session = ViewSession(load_survey(survey), ImageOptions())
     with tempfile.TemporaryDirectory() as folder:
         picks = Path(folder) / f"{survey.name}.picks.json"
         file = PicksFile(picks, SurveyIdentity.of(session.survey))
-        desk = PickDesk(file, "", utc_now)
-        window = MainWindow(session, desk, survey.name)
+        picked = PicksTab(file, "", lambda: "")
+        window = MainWindow(session, picked, survey.name)
         window.show()
-        window.candidates.searched.setChecked(True)
-        wait(lambda: not window.is_computing, "the image has its candidates")
-        listed = [one for one in window.scene.candidates if not one.is_doubtful]
-        for one in reversed(listed[:MOST_PICKS]):
+        wait(lambda: window.image and window.image.candidates, "the image has its candidates")
+        for one in reversed(window.image.candidates.candidates[:MOST_PICKS]):
             window.move_to(Place(one.x_m, one.y_m, one.depth_m))
             window.pick()
         # Where the picks of the viewer are for a survey of a robot, not in the folder of this run.
-        desk.table.show_state(f"Picks are stored in ../{picks.name}", wrong=False)
+        stored = Message("Picks are stored in ../{path}", path=picks.name)
+        picked.say(stored, wrong=False)
         save(window, path)
         window.close()
 
