@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import tempfile
 from pathlib import Path
+from typing import Tuple
 
 from PyQt5 import sip
 from PyQt5.QtWidgets import QApplication
@@ -13,6 +14,7 @@ from gpr20_analysis import sample_survey
 from gpr20_analysis.imaging.image_options import ImageOptions
 from gpr20_analysis.read.load import load_survey
 from gpr20_common.message import Message
+from gpr20_survey.results.candidates import Candidate
 from gpr20_viewer.picks_file import PicksFile, SurveyIdentity
 from gpr20_viewer.positions import Place
 from gpr20_viewer.session import ViewSession
@@ -21,6 +23,12 @@ from gpr20_viewer.views.tables import PicksTab
 from pictures.kit import save, wait
 
 MOST_PICKS = 3
+
+
+def found_in(window: MainWindow) -> Tuple[Candidate, ...]:
+    """Return the candidates in the image that is shown."""
+    found = None if window.image is None else window.image.candidates
+    return () if found is None else found.candidates
 
 
 def take_picture(path: Path) -> None:
@@ -33,8 +41,8 @@ def take_picture(path: Path) -> None:
         picked = PicksTab(file, "", lambda: "")
         window = MainWindow(session, picked, survey.name)
         window.show()
-        wait(lambda: window.image and window.image.candidates, "the image has its candidates")
-        for one in reversed(window.image.candidates.candidates[:MOST_PICKS]):
+        wait(lambda: bool(found_in(window)), "the image has its candidates")
+        for one in reversed(found_in(window)[:MOST_PICKS]):
             window.move_to(Place(one.x_m, one.y_m, one.depth_m))
             window.pick()
         # Where the picks of the viewer are for a survey of a robot, not in the folder of this run.

@@ -103,8 +103,8 @@ class Scene:
             return None
         image = self.image
         at = ((image.depth_m, place.depth_m), (image.y_m, place.y_m), (image.x_m, place.x_m))
-        nearest = tuple(int(np.argmin(np.abs(axis - one))) for axis, one in at)
-        return float(image.levels_db[(self.turn, *nearest)])
+        nearest = [int(np.argmin(np.abs(axis - one))) for axis, one in at]
+        return float(image.levels_db[tuple([self.turn, *nearest])])
 
     def read_out(self, place: Place) -> Message:
         """Return position, delay and level of a place."""

@@ -34,7 +34,6 @@ from gpr20_viewer.live_image import ImageRequest, LiveImage
 from gpr20_viewer.positions import Line, Place, line_of
 
 FindCandidates = Callable[[xr.Dataset], CandidateList]
-Loop = Callable[..., Iterable]
 
 
 class ViewSession:
@@ -130,7 +129,7 @@ class ViewSession:
             self._data[background] = process_survey(self.survey, DEFAULT_STEPS[0])
         return self._data[background]
 
-    def compute(self, request: ImageRequest, loop: Loop) -> LiveImage:
+    def compute(self, request: ImageRequest, loop: Callable[..., Iterable]) -> LiveImage:
         """Return the image of a request.
 
         Raises:

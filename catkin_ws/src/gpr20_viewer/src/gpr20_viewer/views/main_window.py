@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Callable, Optional
+from typing import Any, Callable, List, Optional
 
 from PyQt5.QtCore import Qt
 from PyQt5.QtGui import QCloseEvent, QKeySequence
@@ -172,7 +172,7 @@ class MainWindow(QMainWindow):
         self._problem = Message("no image with these settings: {reason}", reason=reason)
         self._refresh()
 
-    def _request(self, **changes: float) -> None:
+    def _request(self, **changes: Any) -> None:
         wanted = replace(self._wanted, **changes)
         if wanted != self._wanted:
             self._wanted = wanted
@@ -205,7 +205,9 @@ class MainWindow(QMainWindow):
 
     def _go_to(self, name: str) -> None:
         found = None if self.image is None else self.image.candidates
-        for one in (*self.picks.editor.picks, *(() if found is None else found.candidates)):
+        places: List[Any] = [*self.picks.editor.picks]
+        places += [] if found is None else found.candidates
+        for one in places:
             if one.id == name:
                 self.move_to(Place(one.x_m, one.y_m, one.depth_m))
 
@@ -280,9 +282,9 @@ class MainWindow(QMainWindow):
         middle = QHBoxLayout()
         middle.addLayout(views, 3)
         middle.addWidget(side, 2)
-        central = _column(self.banner, self.caption, self.problem)
-        central.layout().addLayout(middle, 1)
-        central.layout().addWidget(self.cursor_text)
+        pictures = QWidget()
+        pictures.setLayout(middle)
+        central = _column(self.banner, self.caption, self.problem, pictures, self.cursor_text)
         self.setCentralWidget(central)
         self.resize(*SIZE_PX)
 
@@ -292,5 +294,6 @@ def _column(*widgets: QWidget) -> QWidget:
     layout = QVBoxLayout(column)
     layout.setContentsMargins(4, 4, 4, 4)
     for widget in widgets:
-        layout.addWidget(widget, int(isinstance(widget, QTabWidget)))
+        # The tabs, and the pictures, take the space that is left.
+        layout.addWidget(widget, int(isinstance(widget, QTabWidget) or type(widget) is QWidget))
     return column

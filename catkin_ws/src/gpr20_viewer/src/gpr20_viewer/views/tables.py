@@ -30,7 +30,6 @@ from gpr20_viewer.picks_file import PicksFile
 QUIET = "color: #444444; font-size: 11px;"
 WRONG = "background: #ffe3e3; color: #8f0000; font-weight: bold; padding: 3px;"
 NAME, NOTE = "id", "note"
-ROWS_HIGH_PX = 90
 
 
 class PlaceTable(pyqtgraph.TableWidget):
@@ -47,7 +46,6 @@ class PlaceTable(pyqtgraph.TableWidget):
         self.setSelectionBehavior(QAbstractItemView.SelectionBehavior.SelectRows)
         self.setSelectionMode(QAbstractItemView.SelectionMode.SingleSelection)
         self.verticalHeader().hide()
-        self.setMinimumHeight(ROWS_HIGH_PX)
         # A list that it stores says neither that it is simulated nor that it is no clearance.
         self.setContextMenuPolicy(Qt.ContextMenuPolicy.NoContextMenu)
         self.setStyleSheet("font-size: 11px;")
@@ -152,9 +150,9 @@ class PicksTab(QWidget):
             button.setMinimumWidth(20)
             button.clicked.connect(lambda _checked, act=act: act())
             buttons.addWidget(button)
-        _stack(self, self.notice, self.table)
-        self.layout().addLayout(buttons)
-        self.layout().addWidget(self.state)
+        layout = _stack(self, self.notice, self.table)
+        layout.addLayout(buttons)
+        layout.addWidget(self.state)
         self.table.cellChanged.connect(self._edited)
         self._show_rows()
         self._say_stored()
@@ -257,8 +255,9 @@ def _label(text: str, style: str = "") -> QLabel:
     return label
 
 
-def _stack(parent: QWidget, *widgets: QWidget) -> None:
+def _stack(parent: QWidget, *widgets: QWidget) -> QVBoxLayout:
     layout = QVBoxLayout(parent)
     layout.setContentsMargins(4, 4, 4, 4)
     for widget in widgets:
         layout.addWidget(widget, int(isinstance(widget, PlaceTable)))
+    return layout
