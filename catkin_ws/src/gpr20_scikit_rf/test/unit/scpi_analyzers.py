@@ -53,10 +53,10 @@ class ScpiAnalyzer:
     def __init__(self) -> None:
         self.sweep_s = 0.02
         self.clock = SweepClock()
-        # What it does wrong: queries that it does not answer ("" means all), one at which it closes
-        # the connection, once, and one that it answers without end.
+        # What it does wrong: queries that it does not answer ("" means all), and one at which it
+        # closes the connection, once.
         self.silent: Set[str] = set()
-        self.drop_at = self.endless = ""
+        self.drop_at = ""
         # Commands that it does not carry out, and other answers than the right ones, by query.
         self.ignored: Set[str] = set()
         self.answers: Dict[str, bytes] = {}
@@ -66,7 +66,6 @@ class ScpiAnalyzer:
         self.values[self.continuous[0]] = self.continuous[1]
         self.written: List[str] = []
         self.sweeps = 0
-        self.average_cleared_at = 0
         self._begun_s = 0.0
         self._selected = ""
 
@@ -144,9 +143,7 @@ class PnaAnalyzer(ScpiAnalyzer):
         "SENS1:SWE:POIN": "201",
         "SENS1:BWID": "+1.000E+005",
         "SENS1:SWE:TYPE": "LIN",
-        "SENS1:AVER:STATE": "0",
-        "SENS1:AVER:COUN": "16",
-        "SENS1:AVER:MODE": "SWE",
+        "SENS1:AVER:STATE": "1",
         "TRIG:SOUR": "IMM",
         "SYST:ACT:CHAN": "1",
         "FORM": "ASC,+0",
@@ -164,9 +161,7 @@ class PnaAnalyzer(ScpiAnalyzer):
         if header == "SENS1:SWE:MODE" and value == "SING":
             self.trigger()
             value = "HOLD"
-        if header == "SENS1:AVER:CLE":
-            self.average_cleared_at = self.sweeps
-        elif header == self.create:
+        if header == self.create:
             name, what = value.replace("'", "").split(",")
             self.measurements[name] = what
         elif header == self.select:
@@ -184,8 +179,6 @@ class PnaAnalyzer(ScpiAnalyzer):
             return self.block(self.data())
         if text == "SENS1:SWE:TIME?":
             return f"{self.sweep_s:E}\n".encode()
-        if text == "SENS1:CORR:STAT?":
-            return b"1\n"
         return super().query(text)
 
     def block(self, numbers: np.ndarray) -> bytes:
@@ -229,7 +222,7 @@ class FieldFoxAnalyzer(ScpiAnalyzer):
         "SENS:SWE:POIN": "201",
         "SENS:SWE:TIME": "0",
         "SENS:BWID": "3.000E+03",
-        "SENS:AVER:COUN": "1",
+        "SENS:AVER:COUN": "4",
         "CALC:PAR:COUN": "1",
         "CALC:PAR1:DEF": "S11",
         "CALC:PAR1:SEL": "",
@@ -239,8 +232,6 @@ class FieldFoxAnalyzer(ScpiAnalyzer):
     def command(self, header: str, value: str = "") -> None:
         if header == "INIT:IMM":
             self.trigger()
-        elif header == "SENS:AVER:CLE":
-            self.average_cleared_at = self.sweeps
         else:
             super().command(header, value)
 
@@ -293,8 +284,6 @@ class ScpiServer:
                     # Else a client that sends two small messages waits 40 ms in between.
                     connection.setsockopt(socket.IPPROTO_TCP, socket.TCP_QUICKACK, 1)
                     answer = self.analyzer.execute(line)
-                    while line.decode().strip() == self.analyzer.endless:
-                        connection.sendall(b"1," * 4096)
                     if answer is not None:
                         connection.sendall(answer)
         except (OSError, ValueError, Dropped):
