@@ -11,6 +11,7 @@ import json
 import os
 import random
 import re
+import signal
 import subprocess
 import sys
 import tempfile
@@ -88,7 +89,8 @@ class Truth:
 
 
 def browse(address: str) -> None:
-    """Print what the browser shows until the reader has gone."""
+    """Print what the browser shows until it is asked to end."""
+    signal.signal(signal.SIGTERM, signal.default_int_handler)
     browser = Browser()
     try:
         browser.open(address)
@@ -103,7 +105,7 @@ def browse(address: str) -> None:
             stored = int(found.group(1)) if found else None
             print(json.dumps([begin_s, time.monotonic(), title, stored, is_stale]), flush=True)
             time.sleep(LOOK_S)
-    except BrokenPipeError:
+    except KeyboardInterrupt:
         return
     finally:
         browser.close()

@@ -1,6 +1,5 @@
 """Images, candidates, maps and exports by a worker that may die, hang and refuse."""
 
-import math
 import os
 import signal
 import subprocess
@@ -8,7 +7,6 @@ import sys
 import threading
 import time
 from pathlib import Path
-from types import SimpleNamespace
 
 import pytest
 from fault_kit import raises_fault
@@ -17,7 +15,6 @@ from imaging_kit import REFUSAL, store_survey
 import gpr20_analysis
 from gpr20_analysis import faults as analysis_faults
 from gpr20_analysis.sample.sample_survey import sample_survey
-from gpr20_common.errors import Gpr20Error
 from gpr20_common.faults import ASKED_FOR, BUSY, DISK_FULL, NOT_ALLOWED
 from gpr20_imaging import faults
 from gpr20_imaging.errors import ImagingError
@@ -25,9 +22,8 @@ from gpr20_imaging.low import worker_process
 from gpr20_imaging.low.worker_process import OOM_SCORE, WorkerProcess, memory_limit_bytes
 from gpr20_imaging.mid import imaging as imaging_module
 from gpr20_imaging.mid.exporting import FOLDER
-from gpr20_imaging.mid.imaging import MOST_WAITING, Imaging, ImagingParameters
+from gpr20_imaging.mid.imaging import MOST_WAITING, Imaging
 from gpr20_survey.folder.recovery import read_description
-from gpr20_survey.results.candidates import list_from
 from gpr20_survey.results.hidden_target import Targets
 
 LOWERED, LOWEST_NICE = worker_process.PREFIX, 19
@@ -118,20 +114,6 @@ def test_a_refusal_of_the_analysis_keeps_its_fault_and_template(imaging, survey,
         imaging.focus("a", survey.name, 4.0)
     message = caught.value.message
     assert message == REFUSAL and message.cause == REFUSAL.fault
-
-
-def test_impossible_permittivities_and_surveys_elsewhere_are_refused(imaging, survey):
-    kinds = ["survey-zip"]
-    for wrong in (-1.0, 0.5, 101.0, math.nan, math.inf):
-        for ask in (
-            lambda one=wrong: imaging.focus("a", survey.name, one),
-            lambda one=wrong: imaging.export("a", survey.name, kinds, one, "en", "/media/x"),
-        ):
-            with raises_fault(NOT_ALLOWED, f"{wrong:g}", "100"):
-                ask()
-    for name in ("", "..", "/etc", "20260921T141320_00000000"):
-        with pytest.raises(Gpr20Error):
-            imaging.focus("a", name, 4.0)
 
 
 def test_without_the_analysis_the_node_says_what_is_missing(
@@ -233,6 +215,12 @@ def test_a_worker_that_ends_idle_as_the_request_comes_is_started_again(imaging, 
     assert imaging.focus("a", survey.name, 4.0).found.candidates[0].id == "C01"
 
 
+def test_a_worker_that_was_ended_gets_no_further_request(imaging, worker, survey):
+    first = imaging.focus("a", survey.name, 4.0).traces
+    worker.end()
+    assert imaging.focus("b", survey.name, 4.0).traces != first
+
+
 NODE = """
 import sys
 from pathlib import Path
@@ -287,43 +275,3 @@ def test_where_a_mine_could_hide_is_that_of_the_analysis(process, tmp_path):
         made_by(process, "map_hidden", file, PERMITTIVITY, "tank")
     with raises_fault(analysis_faults.INPUT, tmp_path / "nowhere"):
         made_by(process, "focus", tmp_path / "nowhere", None)
-
-
-def test_the_nodes_answers_are_those_of_the_imaging(tmp_path, worker, sticks, survey, monkeypatch):
-    rospy = pytest.importorskip("rospy")
-    node_module = pytest.importorskip("gpr20_imaging.high.imaging_node")
-    requests = pytest.importorskip("gpr20_msgs.srv")
-    services, published = {}, {}
-
-    def publisher(name, *_, **__):
-        return SimpleNamespace(publish=lambda message: published.setdefault(name, message))
-
-    for place, name, value in (
-        (rospy, "Publisher", publisher),
-        (rospy, "on_shutdown", lambda _stop: None),
-        (rospy.Time, "now", staticmethod(lambda: rospy.Time(7))),
-        (node_module, "WorkerProcess", lambda: worker),
-        (node_module, "Diagnostics", lambda _name, health: health),
-        (node_module, "publish_description", lambda *_: None),
-        (node_module, "advertise", lambda name, _kind, do: services.setdefault(name, do)),
-    ):
-        monkeypatch.setattr(place, name, value)
-    monkeypatch.setattr(node_module.ImagingNode, "_note_export", lambda *_: REFUSAL)
-    node = node_module.ImagingNode(ImagingParameters(str(tmp_path / "data")), sticks.volumes)
-    asked = {"request_id": "a", "survey": survey.name, "permittivity": 4.0}
-    focused = services["focus_survey"](requests.FocusSurveyRequest(**asked))
-    assert focused.success and len(focused.levels_db) == 8 * 4
-    assert list_from(published["candidates"]).candidates[0].id == "C01"
-    stick = sticks.plug_in()
-    (listed,) = services["list_volumes"](requests.ListVolumesRequest()).volumes
-    assert (listed.path, listed.writable) == (str(stick), True)
-    wanted = {**asked, "kinds": ["survey-zip"], "language": "en"}
-    on_stick = requests.ExportSurveyRequest(**wanted, volume=str(stick))
-    exported = services["export_survey"](on_stick)
-    # The log of the survey does not say so, and why.
-    assert len(exported.files) == 1 and exported.fault.code == REFUSAL.fault_code
-    assert published["imaging_progress"].request_id == "a"
-    with raises_fault(ASKED_FOR):
-        services["cancel_imaging"](requests.CancelImagingRequest(request_id="a"))
-    assert node._diagnostics()[0] == node_module.OK
-    node._imaging.close()

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import contextlib
 import socket
+import socketserver
 import struct
 import threading
 import time
@@ -241,53 +242,41 @@ class FieldFoxAnalyzer(ScpiAnalyzer):
         return super().query(text)
 
 
-class ScpiServer:
+class ScpiServer(socketserver.ThreadingTCPServer):
     """Serves an analyzer on a TCP port of loopback, one message per line."""
 
+    daemon_threads = True
+
     def __init__(self, analyzer: ScpiAnalyzer) -> None:
-        self.analyzer = analyzer
-        self._listener = socket.create_server(("127.0.0.1", 0))
-        self.port = self._listener.getsockname()[1]
-        self.address = f"TCPIP0::127.0.0.1::{self.port}::SOCKET"
-        self._connections: List[socket.socket] = []
-        self._threads = [threading.Thread(target=self._accept, daemon=True)]
-        self._threads[0].start()
+        super().__init__(("127.0.0.1", 0), _Lines)
+        self.analyzer, self.connections = analyzer, []
+        self.address = f"TCPIP0::127.0.0.1::{self.server_address[1]}::SOCKET"
+        threading.Thread(target=self.serve_forever, args=(0.01,), daemon=True).start()
 
     def drop_all(self) -> None:
         """Close every connection."""
-        connections, self._connections = self._connections, []
-        for connection in connections:
-            _shut(connection)
+        for connection in self.connections:
+            with contextlib.suppress(OSError):
+                connection.shutdown(socket.SHUT_RDWR)
 
     def stop(self) -> None:
-        _shut(self._listener)
+        self.shutdown()
+        self.server_close()
         self.drop_all()
-        for thread in self._threads:
-            thread.join(30.0)
 
-    def _accept(self) -> None:
-        while True:
-            try:
-                connection, _address = self._listener.accept()
-            except OSError:
-                return
-            connection.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
-            self._connections.append(connection)
-            thread = threading.Thread(target=self._serve, args=(connection,), daemon=True)
-            self._threads.append(thread)
-            thread.start()
 
-    def _serve(self, connection: socket.socket) -> None:
-        try:
-            with connection, connection.makefile("rb") as lines:
-                for line in lines:
-                    # Else a client that sends two small messages waits 40 ms in between.
-                    connection.setsockopt(socket.IPPROTO_TCP, socket.TCP_QUICKACK, 1)
-                    answer = self.analyzer.execute(line)
-                    if answer is not None:
-                        connection.sendall(answer)
-        except (OSError, ValueError, Dropped):
-            _shut(connection)
+class _Lines(socketserver.StreamRequestHandler):
+    disable_nagle_algorithm = True
+
+    def handle(self) -> None:
+        self.server.connections.append(self.connection)
+        with contextlib.suppress(OSError, ValueError, Dropped):
+            for line in self.rfile:
+                # Else a client that sends two small messages waits 40 ms in between.
+                self.connection.setsockopt(socket.IPPROTO_TCP, socket.TCP_QUICKACK, 1)
+                answer = self.server.analyzer.execute(line)
+                if answer is not None:
+                    self.wfile.write(answer)
 
 
 def wait_until(condition: Callable[[], bool]) -> None:
@@ -295,12 +284,6 @@ def wait_until(condition: Callable[[], bool]) -> None:
     while not condition():
         assert time.monotonic() < deadline_s
         time.sleep(0.001)
-
-
-def _shut(connection: socket.socket) -> None:
-    with contextlib.suppress(OSError):
-        connection.shutdown(socket.SHUT_RDWR)
-    connection.close()
 
 
 ANALYZERS: Dict[str, Callable[[], ScpiAnalyzer]] = {

@@ -98,10 +98,6 @@ class Bench:
         self.driver.set_frequency_sweep(SWEEP)
         return self.driver
 
-    def check_sweeps_by_itself(self) -> None:
-        # A last command has no answer.
-        wait_until(lambda: self.vna.is_continuous)
-
     def stop(self) -> None:
         self.analyzer.disconnect()
         self.server.stop()
@@ -204,7 +200,8 @@ def test_release_leaves_it_sweeping_by_itself_also_after_a_shutdown(bench):
     assert not bench.vna.is_continuous
     bench.deadline.close()
     bench.analyzer.release()
-    bench.check_sweeps_by_itself()
+    # A last command has no answer.
+    wait_until(lambda: bench.vna.is_continuous)
 
 
 def test_its_calibration_is_not_reported(bench):
@@ -273,6 +270,16 @@ def test_data_that_are_wrong_are_an_error(bench, answer):
         bench.analyzer.sweep()
 
 
+def test_a_link_ends_with_an_answer_that_was_not_understood(pna):
+    pna.configured()
+    pna.vna.answers["SENS1:SWE:POIN?"] = b"garbage\n"
+    with raises_fault(CONFIGURATION):
+        pna.analyzer.confirm()
+    pna.vna.answers.clear()
+    with pytest.raises(VnaConnectionError):
+        pna.analyzer.confirm()
+
+
 @each_case(
     "name, query, answer",
     [
@@ -307,7 +314,8 @@ def test_the_driver_takes_confirmed_traces(bench):
     assert lost & {one.fault_code for one in driver.state.last_quality}
     assert sweep.s21_real[0] == bench.vna.sweeps
     driver.disconnect_from_vna()
-    bench.check_sweeps_by_itself()
+    # A last command has no answer.
+    wait_until(lambda: bench.vna.is_continuous)
 
 
 # Another kind of session.
@@ -332,7 +340,7 @@ def test_a_session_over_vxi11_begins_with_empty_buffers(make):
         assert bench.analyzer.sweep().s21_real[0] == bench.vna.sweeps
         bench.analyzer.confirm()
         bench.analyzer.release()
-        bench.check_sweeps_by_itself()
+        wait_until(lambda: bench.vna.is_continuous)
         bench.analyzer.disconnect()
     finally:
         server.stop()

@@ -1,4 +1,4 @@
-"""The viewer's model: delays, images, the worker. Nothing here needs Qt."""
+"""The viewer's model: delays, images. Nothing here needs Qt."""
 
 from __future__ import annotations
 
@@ -11,7 +11,6 @@ from fault_kit import raises_fault
 from ground_kit import point, scene, survey_of
 
 from gpr20_analysis import faults, lazy
-from gpr20_analysis.dataset import Quality
 from gpr20_analysis.imaging.image_options import ImageOptions
 from gpr20_analysis.processing.chain import process_survey
 from gpr20_survey.radar.soils import Soils
@@ -19,7 +18,6 @@ from gpr20_viewer.live_image import ImageRequest
 from gpr20_viewer.pictures import (
     Picture,
     longest_delay_s,
-    slice_picture,
     traces_picture,
 )
 from gpr20_viewer.positions import Place
@@ -87,13 +85,6 @@ def test_the_depth_of_a_delay_is_that_of_the_place(session):
         assert abs(found_m - depth_m) < 1e-6, (place, permittivity, separation_m)
 
 
-def test_the_image_has_the_target_where_it_is(image):
-    level = slice_picture(image, 0, 0.083).levels_db
-    assert np.unravel_index(np.argmax(level), level.shape) == (5, 5)
-    assert -1.0 < float(level.max()) <= 0.0
-    assert "as given" in str(image.caption) and "permittivity 4" in str(image.caption)
-
-
 def test_the_caption_says_where_the_permittivity_is_from_and_its_range():
     for options, permittivity, words in (
         (ImageOptions(), 5.0, "(2 to 16), ASSUMED"),
@@ -123,20 +114,6 @@ def test_what_cannot_be_shown_is_refused(monkeypatch):
     monkeypatch.setattr(lazy, "available_bytes", lambda: 1 << 20)
     with raises_fault(faults.TOO_LARGE):
         ViewSession(small(), FIXED)
-
-
-def test_missing_samples_are_refused_unless_left_out_and_marked():
-    survey = small()
-    survey.s21[0, 4, 4] = np.nan
-    survey.quality[0, 4, 4] = int(Quality.MISSING)
-    with raises_fault(faults.INPUT):
-        ViewSession(survey, FIXED)
-    session = ViewSession(survey, replace(FIXED, leave_out_missing=True))
-    assert session.without_data(0).tolist() == [[PLACES_MM[4] / 1e3, PLACES_MM[4] / 1e3]]
-    image = session.compute(session.first_request, at_once)
-    assert "left out" in " ".join(map(str, image.notes))
-    picture = traces_picture(session, session.line(0, "x", PLACES_MM[4] / 1e3), 0, True, 5e-9)
-    assert np.flatnonzero(np.isnan(picture.levels_db).any(axis=0)).tolist() == [4]
 
 
 def test_a_picture_of_uneven_places_shows_the_nearest_one():

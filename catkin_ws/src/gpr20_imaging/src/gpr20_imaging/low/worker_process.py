@@ -56,6 +56,7 @@ class WorkerProcess:
         self._child: Optional[subprocess.Popen] = None
         self._connection: Optional[Connection] = None
         self._errors: Optional[IO[bytes]] = None
+        self._is_ending = False
 
     @property
     def has_analysis(self) -> bool:
@@ -68,7 +69,7 @@ class WorkerProcess:
         Raises:
             ImagingError: It cannot be started.
         """
-        if self._child is not None and self._child.poll() is None:
+        if self._child is not None and self._child.poll() is None and not self._is_ending:
             return
         self.close()
         self._errors = tempfile.TemporaryFile()  # noqa: SIM115 (closed with the process)
@@ -134,6 +135,8 @@ class WorkerProcess:
         """Ask the process to end, and kill it if it does not; do not wait."""
         child = self._child
         if child is not None and child.poll() is None:
+            # Whatever it still answers, it does not answer the next request.
+            self._is_ending = True
             child.terminate()
             killer = threading.Timer(END_LIMIT_S, child.kill)
             killer.daemon = True
@@ -148,6 +151,7 @@ class WorkerProcess:
             if one is not None:
                 one.close()
         self._child = self._connection = self._errors = None
+        self._is_ending = False
 
     def _died(self, status: int, limit_s: float) -> ImagingError:
         assert self._errors is not None
