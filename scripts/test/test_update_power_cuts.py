@@ -168,7 +168,7 @@ def computer(tmp_path):
 
 
 @pytest.mark.release
-@pytest.mark.needs("packages", "mounts")
+@pytest.mark.needs("packages", "mounts", "debootstrap")
 @pytest.mark.timeout(3600)
 def test_after_a_power_cut_in_an_update_a_whole_version_starts(computer):
     random.seed(SEED)

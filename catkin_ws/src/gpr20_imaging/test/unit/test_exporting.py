@@ -6,6 +6,7 @@ import json
 import os
 import subprocess
 import zipfile
+from dataclasses import replace
 
 import pytest
 from fault_kit import raises_fault
@@ -175,6 +176,13 @@ def test_a_full_stick_is_refused_first(export, stick, monkeypatch):
     with raises_fault(faults.STICK, stick.name):
         export(REPORT)
     assert files_of(stick) == []
+
+
+def test_another_stick_at_the_same_place_is_refused(sticks, stick):
+    volume = sticks.volumes.find(str(stick))
+    with raises_fault(faults.STICK, stick):
+        stick_files.StickFolder(replace(volume, device=volume.device + 1), FOLDER)
+    assert list(stick.iterdir()) == []
 
 
 def contents(folder):
