@@ -1,6 +1,6 @@
 """How close a survey at the real robot's speed comes to its moves, settling and sweeps alone.
 
-    scripts/bench.sh floor [--workspace DIR --workspace DIR] [--rounds N] [--json FILE]
+    scripts/bench.sh floor [--columns 3 --rows 3]
 
 Launches the simulated robot at its real speed and runs a survey of 20 mm pitch with two rotations
 and sweeps of 501 points (0.175 s). From the start of the first sweep to the end of the last, the
@@ -9,22 +9,14 @@ measured duration is divided by the sum of the ramps, the settling times and the
 
 from __future__ import annotations
 
+import argparse
 import json
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Dict, List, Sequence
+from typing import Any, Dict
 
-from graph_kit import (
-    Sample,
-    arguments,
-    finish,
-    launched,
-    median,
-    print_table,
-    run_survey,
-    samples,
-    workspaces,
-)
+from graph_kit import Sample, print_table, run_survey, samples
+from robot_kit import simulated_robot
 
 from gpr20_survey.axes.ramp import Ramp
 from gpr20_survey.plan.survey_parameters import SurveySettings
@@ -83,57 +75,39 @@ def floor_of(survey: Path) -> Floor:
     )
 
 
-def measure(root: Path, columns: int, rows: int) -> Floor:
-    """Run one survey and compare it with its ideal."""
-    with launched(root, "time_scale:=1", f"seconds_per_point:={SECONDS_PER_POINT}") as robot:
-        ends = [f"{FIRST_MM + PITCH_MM * (count - 1):g}" for count in (columns, rows)]
-        survey = run_survey(
-            robot,
-            *(f"--x-start-mm={FIRST_MM:g}", f"--x-stop-mm={ends[0]}", f"--x-points={columns}"),
-            *(f"--y-start-mm={FIRST_MM:g}", f"--y-stop-mm={ends[1]}", f"--y-points={rows}"),
-            *("--polarizations-deg=0,90", f"--frequency-points={POINTS}"),
-        )
-        return floor_of(survey)
-
-
-def row(label: str, found: Sequence[Floor]) -> List[str]:
-    first = found[0]
-    ratio = median([one.ratio for one in found])
-    excess_s = median([one.measured_s - one.ideal_s for one in found])
-    return [
-        label,
-        str(first.samples),
-        *(f"{one:.1f}" for one in (first.moves_s, first.settling_s, first.sweeps_s)),
-        f"{median([one.measured_s for one in found]):.1f}",
-        f"{1e3 * excess_s / (first.samples - 1):.0f}",
-        f"{ratio:.4f}",
-    ]
-
-
 def main() -> None:
-    parser = arguments(__doc__ or "")
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("--columns", type=int, default=3, help="stops along x (3)")
     parser.add_argument("--rows", type=int, default=3, help="stops along y (3)")
     chosen = parser.parse_args()
-    found: Dict[str, List[Floor]] = {}
-    for number in range(chosen.rounds):
-        for root in workspaces(chosen):
-            one = measure(root, chosen.columns, chosen.rows)
-            print(f"round {number + 1}: {root}: {one.ratio:.4f}", flush=True)
-            found.setdefault(str(root), []).append(one)
-    print()
+    ends = [f"{FIRST_MM + PITCH_MM * (one - 1):g}" for one in (chosen.columns, chosen.rows)]
+    with simulated_robot("time_scale:=1", f"seconds_per_point:={SECONDS_PER_POINT}") as robot:
+        survey = run_survey(
+            robot,
+            *(f"--x-start-mm={FIRST_MM:g}", f"--x-stop-mm={ends[0]}"),
+            *(f"--y-start-mm={FIRST_MM:g}", f"--y-stop-mm={ends[1]}"),
+            *(f"--x-points={chosen.columns}", f"--y-points={chosen.rows}"),
+            *("--polarizations-deg=0,90", f"--frequency-points={POINTS}"),
+        )
+        found = floor_of(survey)
+    times_s = (found.moves_s, found.settling_s, found.sweeps_s, found.measured_s)
+    beyond_s = (found.measured_s - found.ideal_s) / (found.samples - 1)
     print_table(
         [
-            *("checkout", "samples", "moves s", "settling s", "sweeps s", "measured s"),
+            *("samples", "moves s", "settling s", "sweeps s", "measured s"),
             *("beyond ms/sample", "ratio"),
         ],
-        [row(label, some) for label, some in found.items()],
+        [
+            [
+                str(found.samples),
+                *(f"{one:.1f}" for one in times_s),
+                f"{1e3 * beyond_s:.0f}",
+                f"{found.ratio:.4f}",
+            ]
+        ],
     )
-    figures = {
-        label: [{**asdict(one), "ratio": one.ratio} for one in some]
-        for label, some in found.items()
-    }
-    finish(chosen, {"benchmark": "floor", "figures": figures})
 
 
 if __name__ == "__main__":

@@ -6,10 +6,10 @@ Usage: scripts/bench.sh hiding [--places 100] [--trials 12] [--seed 1]
 The surveys are the five computed laboratory scenes of Uniandes (finite differences, with all their
 bodies). For random places and depths in them the map's share is compared with that of targets that
 are simulated directly: the scattered field of two dipoles over a half space by an exact integral
-over the disc (benchmarks/worlds/born_*.py), in the units of the scene by its coupling, which the
-map does not use. Each is put alone into the scene's spectra, at places within the map's radius, and
-searched with the same detector. The discs differ little from the soil, where that integral is
-exact. Two shares agree if their 95 % intervals (Clopper-Pearson) overlap.
+over the disc (discs.npz), in the units of the scene by its coupling, which the map does not use.
+Each is put alone into the scene's spectra, at places within the map's radius, and searched with the
+same detector. The discs differ little from the soil, where that integral is exact. Two shares agree
+if their 95 % intervals (Clopper-Pearson) overlap.
 
 --size times the map of a survey of so many positions along each side, 10 mm apart, two
 polarizations and 501 frequencies: a surface, 60 stones of random strength, and noise.
@@ -19,15 +19,13 @@ from __future__ import annotations
 
 import argparse
 import resource
-import sys
 import time
 from functools import lru_cache
-from pathlib import Path
-from typing import Dict, Tuple
+from typing import Tuple
 
 import numpy as np
 import xarray as xr
-from recorded_worlds import UNIANDES, area, dataset, truths
+from recorded_worlds import DISCS, UNIANDES, area, dataset, disc, truths
 from scipy.constants import epsilon_0, speed_of_light
 
 from gpr20_analysis.hiding.detector import Detector, is_found
@@ -40,75 +38,28 @@ from gpr20_analysis.processing.chain import process_survey
 from gpr20_analysis.trial.statistics import detection_interval
 from gpr20_survey.radar.refraction import one_way_delay_s
 from gpr20_survey.results.candidates import CandidateList
-from gpr20_survey.results.hidden_target import Target, target_of
+from gpr20_survey.results.hidden_target import target_of
 from gpr20_survey.results.hiding_map import HidingMap
 
-sys.path.insert(0, str(Path(__file__).resolve().parent / "worlds"))
-
-from born_body import Antennas, Layers, pitch_m, scattered
-from born_field import Soil, coupling, surface_echo
-
 SEPARATION_M = 0.06
-TARGETS = ("disc:112:15:3.2", "disc:160:20:2.2", "disc:120:20:3.0")
-DEPTHS_M = (0.02, 0.05, 0.09, 0.13)
-
-
-class Direct:
-    """Discs in a scene by the exact integral.
-
-    Args:
-        survey: The scene.
-        truth: What is in it.
-    """
-
-    def __init__(self, survey: xr.Dataset, truth: Dict[str, float]) -> None:
-        self.survey = survey
-        self._frequency_hz = survey["frequency"].values
-        self._soil = Soil(truth["permittivity"], truth["conductivity_s_per_m"])
-        self._height_m, self._step_m = truth["height_m"], truth["step_m"]
-        path = [
-            coupling(one, SEPARATION_M)
-            + surface_echo(one, self._soil.at(one), self._height_m, SEPARATION_M)
-            for one in self._frequency_hz
-        ]
-        self._scale = survey["s21"].values.mean(axis=(0, 1, 2)) / np.array(path)
-        self._echoes: Dict[Tuple[str, float], np.ndarray] = {}
-
-    def echo(self, target: Target, top_m: float) -> np.ndarray:
-        """Return the echo of a disc below the middle of twice the area (y, x, frequency)."""
-        key = (target.name, top_m)
-        if key not in self._echoes:
-            count = 2 * self.survey.sizes["x"] - 1
-            middle_m = (count // 2) * self._step_m
-            pitch = pitch_m(self._frequency_hz[-1], self._soil.permittivity, self._step_m)
-            body = Layers.of(
-                (middle_m, middle_m, top_m), target.diameter_m, target.height_m, False, pitch
-            )
-            antennas = Antennas(self._height_m, SEPARATION_M, count, self._step_m)
-            assert target.permittivity is not None
-            self._echoes[key] = np.stack(
-                [
-                    scattered(one, self._soil.at(one), antennas, body, pitch)
-                    * (target.permittivity - self._soil.at(one))
-                    * scale
-                    for one, scale in zip(self._frequency_hz, self._scale)
-                ],
-                axis=-1,
-            )
-        return self._echoes[key]
-
-    def survey_with(self, target: Target, top_m: float, row: int, column: int) -> xr.Dataset:
-        """Return the scene with a disc below one of its positions."""
-        echo, count = self.echo(target, top_m), self.survey.sizes["x"]
-        rows = slice(count - 1 - row, 2 * count - 1 - row)
-        columns = slice(count - 1 - column, 2 * count - 1 - column)
-        return self.survey.assign(s21=self.survey["s21"] + echo[rows, columns])
+TARGETS = tuple(dict.fromkeys(one["target"] for one in truths(DISCS)))
+DEPTHS_M = tuple(dict.fromkeys(one["top_m"] for one in truths(DISCS)))
 
 
 @lru_cache(maxsize=None)
-def scene(number: int) -> Direct:
+def scene(number: int) -> xr.Dataset:
     """Return a scene."""
-    return Direct(*area(UNIANDES, number))
+    return area(UNIANDES, number)[0]
+
+
+def with_disc(survey: xr.Dataset, name: str, top_m: float, row: int, column: int) -> xr.Dataset:
+    """Return a scene with a disc below one of its positions, by the exact integral."""
+    echo, level = disc(name, top_m)
+    scale = survey["s21"].values.mean(axis=(0, 1, 2)) / level
+    count = survey.sizes["x"]
+    rows = slice(count - 1 - row, 2 * count - 1 - row)
+    columns = slice(count - 1 - column, 2 * count - 1 - column)
+    return survey.assign(s21=survey["s21"] + scale * echo[rows, columns])
 
 
 def detector(permittivity: float) -> Detector:
@@ -122,15 +73,14 @@ def detector(permittivity: float) -> Detector:
 @lru_cache(maxsize=None)
 def listed_of(number: int) -> CandidateList:
     """Return the candidates of a scene."""
-    return detector(truths(UNIANDES)[number]["permittivity"]).search(scene(number).survey)
+    return detector(truths(UNIANDES)[number]["permittivity"]).search(scene(number))
 
 
 @lru_cache(maxsize=None)
 def map_of(number: int, name: str) -> HidingMap:
     """Return the map of a target in a scene."""
     truth = truths(UNIANDES)[number]
-    survey = scene(number).survey
-    permittivity = truth["permittivity"]
+    survey, permittivity = scene(number), truth["permittivity"]
     middle_hz = float(survey["frequency"].mean())
     loss = truth["conductivity_s_per_m"] / (2.0 * np.pi * middle_hz * epsilon_0 * permittivity)
     options = HidingOptions(DEPTHS_M, loss_tangent=loss, separation_m=SEPARATION_M)
@@ -144,15 +94,15 @@ def compared(seed: int, trials: int) -> Tuple[int, int, int, int]:
     layer, target = int(random.integers(len(DEPTHS_M))), target_of(name)
     found = map_of(number, name)
     row, column = int(random.integers(len(found.y_m))), int(random.integers(len(found.x_m)))
-    direct, permittivity = scene(number), truths(UNIANDES)[number]["permittivity"]
-    x_m, y_m = (direct.survey[one].values for one in ("x", "y"))
+    survey, permittivity = scene(number), truths(UNIANDES)[number]["permittivity"]
+    x_m, y_m = (survey[one].values for one in ("x", "y"))
     away_m = np.hypot(y_m[:, None] - found.y_m[row], x_m - found.x_m[column])
     near = away_m <= found.within_m[layer]
     places = np.argwhere(near)
     chosen = places[random.choice(len(places), min(trials, len(places)), replace=False)]
     hits = sum(
         is_found(
-            detector(permittivity).search(direct.survey_with(target, DEPTHS_M[layer], *one)),
+            detector(permittivity).search(with_disc(survey, name, DEPTHS_M[layer], *one)),
             listed_of(number),
             (float(x_m[one[1]]), float(y_m[one[0]])),
             DEPTHS_M[layer],

@@ -1,6 +1,6 @@
 """What the software adds to each sample, by stage, when physics takes no time.
 
-    scripts/bench.sh overhead [--workspace DIR --workspace DIR] [--rounds N] [--json FILE]
+    scripts/bench.sh overhead [--rounds N] [--watchers N]
 
 Launches the simulated robot 2,000 times as fast as the real one, with sweeps of 501 points that
 take no time and moves of ten steps (0.1 mm), and runs one survey of it through the terminal client:
@@ -23,24 +23,20 @@ import contextlib
 import tempfile
 import threading
 import time
-from itertools import product
 from pathlib import Path
 from typing import Dict, List, Sequence, Tuple
 
 from graph_kit import (
     Event,
     Sample,
-    arguments,
     events,
-    finish,
     intervals,
-    launched,
     median,
     print_table,
     processor_s,
     run_survey,
     samples,
-    workspaces,
+    tapped_robot,
 )
 from page_kit import new_page, watchers
 from robot_kit import MASTER, NODES, LaunchedRobot
@@ -134,11 +130,10 @@ class ProcessorTimes:
         return {name: processor_s(process) for name, process in self._robot.processes().items()}
 
 
-def measure(root: Path, columns: int, count: int = 0) -> Stages:
+def measure(columns: int, count: int) -> Stages:
     """Run one survey; return the times of its stages, and the processor's per sample [s].
 
     Args:
-        root: The checkout.
         columns: Stops of each row.
         count: How many watch the page; 0: there is none.
     """
@@ -148,7 +143,7 @@ def measure(root: Path, columns: int, count: int = 0) -> Stages:
             folder = stack.enter_context(tempfile.TemporaryDirectory(prefix="gpr20_page_"))
             page = new_page(Path(folder))
             options = (*LAUNCH, *page.options)
-        robot = stack.enter_context(launched(root, *options, tap=True))
+        robot, tap = stack.enter_context(tapped_robot(*options))
         if count:
             stack.enter_context(watchers(page, count))
         stop_mm = 100.0 + STEP_MM * (columns - 1)
@@ -160,55 +155,39 @@ def measure(root: Path, columns: int, count: int = 0) -> Stages:
             *(f"--y-points={ROWS}", "--polarizations-deg=0", "--frequency-points=501"),
         )
         used = {name: [used_s] for name, used_s in times.per_sample_s().items()}
-        return {**stages(events(robot), samples(survey)), **used}
-
-
-def row(label: str, found: Stages) -> List[str]:
-    names = ("sample", *ON_THE_WAY, *BESIDE)
-    return [label, *(f"{1e3 * median(found[name]):.1f}" for name in names)]
-
-
-def run(chosen: argparse.Namespace) -> Dict[str, Stages]:
-    roots = workspaces(chosen)
-    merged: Dict[str, Stages] = {}
-    for number in range(chosen.rounds):
-        for root, count in product(roots, sorted({0, chosen.watchers})):
-            found = measure(root, chosen.columns, count)
-            label = f"{root}, {count} watchers" if chosen.watchers else str(root)
-            print(
-                f"round {number + 1}: {label}: {1e3 * median(found['sample']):.2f} ms", flush=True
-            )
-            total = merged.setdefault(label, {name: [] for name in found})
-            for name, values in found.items():
-                total[name] += values
-    return merged
+        return {**stages(events(tap), samples(survey)), **used}
 
 
 def main() -> None:
-    parser = arguments(__doc__ or "")
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("--rounds", type=int, default=1, help="times that each is measured (1)")
     parser.add_argument("--columns", type=int, default=100, help="stops of each of 3 rows (100)")
     parser.add_argument("--watchers", type=int, default=0, help="of the page, in every other run")
     chosen = parser.parse_args()
-    merged = run(chosen)
-    print(
-        "\nmedians [ms]; the stages of the first group follow each other, the others are beside it"
-    )
+    merged: Dict[str, Stages] = {}
+    for number in range(chosen.rounds):
+        for count in sorted({0, chosen.watchers}):
+            label = f"{count} watchers"
+            found = measure(chosen.columns, count)
+            print(f"round {number + 1}: {label}: {1e3 * median(found['sample']):.2f} ms")
+            total = merged.setdefault(label, {name: [] for name in found})
+            for name, values in found.items():
+                total[name] += values
+    print("\nmedians [ms]; the stages from sweep to request follow each other")
     names = ["sample", *ON_THE_WAY, *BESIDE]
-    print_table(["checkout", *names], [row(label, found) for label, found in merged.items()])
-    print("\nprocessor time per sample [ms]")
-    print_table(
-        ["process", *merged],
-        [
-            [name, *(f"{1e3 * median(found[name]):.2f}" for found in merged.values())]
-            for name in (*NODES, MASTER)
-        ],
-    )
-    figures = {
-        label: {name: 1e3 * median(values) for name, values in found.items()}
-        | {"samples": len(found["sample"])}
+    rows = [
+        [label, *(f"{1e3 * median(found[name]):.1f}" for name in names)]
         for label, found in merged.items()
-    }
-    finish(chosen, {"benchmark": "overhead", "unit": "ms", "figures": figures})
+    ]
+    print_table(["page", *names], rows)
+    print("\nprocessor time per sample [ms]")
+    processes = [
+        [name, *(f"{1e3 * median(found[name]):.2f}" for found in merged.values())]
+        for name in (*NODES, MASTER)
+    ]
+    print_table(["process", *merged], processes)
 
 
 if __name__ == "__main__":

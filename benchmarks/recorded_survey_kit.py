@@ -83,14 +83,22 @@ def make(folder: Path, x_points: int, y_points: int, frequency_points: int = 501
     return len(points)
 
 
-def _description(parameters: SurveyParameters, planned: int) -> Dict[str, Any]:
+def described(parameters: SurveyParameters, planned: int) -> Dict[str, Any]:
+    """Return what is known of a survey before its first trace."""
     axes = {
         name: {"min_coord": one.lower, "max_coord": one.upper, "step_size": one.step}
         for name, one in zip("xyz", (TRAVEL.x, TRAVEL.y, TRAVEL.z))
     }
     return {
-        "format": survey_metadata.FORMAT, "survey_id": SURVEY_ID, "simulated": True,
+        "simulated": True, "planned_traces": planned, "parameters": asdict(parameters),
+        "axes": axes,
+    }  # fmt: skip
+
+
+def _description(parameters: SurveyParameters, planned: int) -> Dict[str, Any]:
+    return {
+        "format": survey_metadata.FORMAT, "survey_id": SURVEY_ID,
         "started": "2026-09-21T14:13:20.000000+00:00", "ended": "2026-09-21T15:13:20.000000+00:00",
-        "outcome": "finished", "reason": "", "stored_traces": planned, "planned_traces": planned,
-        "parameters": asdict(parameters), "axes": axes,
+        "outcome": "finished", "reason": "", "stored_traces": planned,
+        **described(parameters, planned),
     }  # fmt: skip

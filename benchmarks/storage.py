@@ -13,26 +13,25 @@ import argparse
 import json
 import os
 import shutil
-import socket
 import statistics
 import subprocess
 import sys
 import tempfile
 import time
 import uuid
-from dataclasses import asdict
 from pathlib import Path
 from typing import Any, Dict, List
 
 import numpy as np
 import rospy
+from recorded_survey_kit import TRAVEL, described
 from robot_kit import free_port, resident_mib, running
 from std_msgs.msg import Header
 
 from gpr20_msgs.msg import Trace
 from gpr20_msgs.srv import CloseSurvey, OpenSurvey, ReopenSurvey, StoreData
 from gpr20_survey.axes.axis_id import ANTENNA_LINK
-from gpr20_survey.plan.survey_parameters import RobotTravel, SurveyParameters, Travel
+from gpr20_survey.plan.survey_parameters import SurveyParameters
 from gpr20_survey.plan.survey_points import SurveyPoint, survey_points
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -42,29 +41,6 @@ TIME_LIMIT_S = 60.0
 POINTS = 501
 BYTES_PER_TRACE = 70_000  # JSON, bag and MCAP
 ALLOWED_GROWTH_BYTES = 2000  # of memory per trace: the indexes of the recordings
-TRAVEL = RobotTravel(Travel(0.0, 650.0, 0.01), Travel(0.0, 800.0, 0.01), Travel(-90.0, 90.0, 1.8))
-
-
-def wait_until(condition: Any, what: str) -> None:
-    deadline_s = time.monotonic() + TIME_LIMIT_S
-    while not condition():
-        if time.monotonic() > deadline_s:
-            raise RuntimeError(f"{what} within {TIME_LIMIT_S:g} s")
-        time.sleep(0.05)
-
-
-def listens(port: int) -> bool:
-    with socket.socket() as probe:
-        return probe.connect_ex(("127.0.0.1", port)) == 0
-
-
-def metadata(parameters: SurveyParameters, planned: int) -> str:
-    axes = {
-        name: {"min_coord": one.lower, "max_coord": one.upper, "step_size": one.step}
-        for name, one in zip("xyz", (TRAVEL.x, TRAVEL.y, TRAVEL.z))
-    }
-    values = {"simulated": True, "planned_traces": planned, "axes": axes}
-    return json.dumps({**values, "parameters": asdict(parameters)})
 
 
 class Traces:
@@ -170,7 +146,7 @@ def run(data: Path, parameters: SurveyParameters) -> bool:
         opened = service("open_survey", OpenSurvey)(
             survey_id=survey_id,
             started=rospy.Time.from_sec(time.time()),
-            metadata_json=metadata(parameters, len(points)),
+            metadata_json=json.dumps(described(parameters, len(points))),
             needed_bytes=len(points) * BYTES_PER_TRACE,
         )
         if not opened.success:
@@ -229,7 +205,7 @@ def main() -> int:
     with tempfile.TemporaryDirectory(dir=chosen.folder) as data, running(
         "roscore", "-p", str(port)
     ):
-        wait_until(lambda: listens(port), "the master did not start")
+        # Waits for the master.
         rospy.init_node("storage_benchmark", disable_signals=True)
         return 0 if run(Path(data), parameters) else 1
 

@@ -3,7 +3,6 @@
 Python imports a module of this name at its start. `graph_kit` puts this folder in front of the
 search path of a launch; nothing of the product knows about it. Each event is one line of the file
 that GPR20_TAP names: time [ns of the monotonic clock], process, kind, name, begin or end.
-GPR20_TAP_MESSAGE_MS makes the simulated instrument take so long for each message [ms].
 """
 
 from __future__ import annotations
@@ -56,17 +55,6 @@ def tap_clients(tap: Tap, module: ModuleType) -> None:
     client.call = noted
 
 
-def tap_services(tap: Tap, module: ModuleType) -> None:
-    """Note the work of each service, in the process that offers it."""
-    advertise = module.advertise
-
-    @functools.wraps(advertise)
-    def noted(name: str, service_class: Any, handler: Callable[[Any], Any]) -> Any:
-        return advertise(name, service_class, tap.around("serve", name, handler))
-
-    module.advertise = noted
-
-
 def tap_action_client(tap: Tap, module: ModuleType) -> None:
     """Note when a goal is sent, and when its result has come."""
     client = module.ActionClient
@@ -86,44 +74,15 @@ def tap_action_client(tap: Tap, module: ModuleType) -> None:
     client.send_goal = noted
 
 
-def tap_axis(tap: Tap, module: ModuleType) -> None:
-    """Note the motion of a goal, in the axis's process."""
-    driver = module.AxisDriver
-    driver.move_to_coordinate = tap.around("move", "axis", driver.move_to_coordinate)
-
-
 def tap_storage(tap: Tap, module: ModuleType) -> None:
     """Note the writing of a trace, on the storage's thread."""
     module.OpenSurvey.store = tap.around("write", "trace", module.OpenSurvey.store)
 
 
-def tap_instrument(tap: Tap, module: ModuleType) -> None:
-    """Note each message that reaches the simulated instrument, and delay it if asked to."""
-    instrument = module.SimulatedVna
-    execute = instrument.execute
-    delay_s = float(os.environ.get("GPR20_TAP_MESSAGE_MS", "0")) / 1000.0
-
-    @functools.wraps(execute)
-    def noted(self: Any, message: bytes) -> Any:
-        text = message.decode("latin-1").strip()[:60].replace("\t", " ").replace("\n", " ")
-        tap.note("message", text, BEGIN)
-        if delay_s > 0.0:
-            time.sleep(delay_s)
-        try:
-            return execute(self, message)
-        finally:
-            tap.note("message", text, END)
-
-    instrument.execute = noted
-
-
 TAPS: Dict[str, Callable[[Tap, ModuleType], None]] = {
     "gpr20_common.high.service_client": tap_clients,
-    "gpr20_common.high.answers": tap_services,
     "actionlib.action_client": tap_action_client,
-    "gpr20_axis_driver.mid.axis_driver": tap_axis,
     "gpr20_vna_processing.mid.open_survey": tap_storage,
-    "gpr20_simulator.mid.analyzer.instrument": tap_instrument,
 }
 
 

@@ -1,6 +1,6 @@
 """gpr20-update: it ends with the old or the new version, never between, and never during a survey.
 
-dpkg is the real one, in a folder; scripts/power_cut_update.sh does it with apt and power cuts.
+dpkg is the real one, in a folder; test_update_power_cuts.py does it with apt and power cuts.
 """
 
 from __future__ import annotations

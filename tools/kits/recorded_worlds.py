@@ -1,11 +1,8 @@
 """Radar data that the project's imaging did not make, as Datasets, with what is in the ground.
 
-Lines and areas were computed from Maxwell's equations (benchmarks/worlds, make_scenes.py), those
-named born by an integral over the body in place of a grid over the ground. The real line is a GSSI
-impulse record over 14 reinforcing bars in concrete, from the CHARISMA repository of the Federal
-Highway Administration (github.com/TFHRCFASTNDElab/CHARISMA, commit 8735da12, Rebar
-mapping/data/Lab_specimen_data.DZT, CC0 1.0); its places of the bars are the published image result,
-not a tape measure.
+Lines and areas were computed from Maxwell's equations, those named born and the discs by an
+integral over the body in place of a grid over the ground, the real line was measured
+(benchmarks/worlds/data/README.md).
 """
 
 from __future__ import annotations
@@ -26,7 +23,7 @@ from gpr20_analysis.sample.real_line import REAL_LINE_FILE
 
 DATA = Path(__file__).resolve().parents[2] / "benchmarks/worlds/data"
 LINES, AREAS, UNIANDES, REAL_LINE = "lines", "areas", "uniandes", "real_line_charisma"
-BORN = "born"
+BORN, DISCS = "born", "discs"
 # Of the largest value, which is the coupling of the antennas: a usual analyzer's.
 NOISE_DB = -65.0
 LARGEST_PART = 32767.0
@@ -81,6 +78,27 @@ def area(name: str, number: int) -> Tuple[xr.Dataset, Dict[str, Any]]:
     x_m = arrays["x_m"][number]
     s21 = _noisy(arrays, number)
     return dataset(s21, truth["height_m"], x_m, x_m, arrays["frequency_hz"][number]), truth
+
+
+def disc(target: str, top_m: float) -> Tuple[np.ndarray, np.ndarray]:
+    """Return the echo of a disc below the middle of 41 x 41 positions (y, x, frequency), alone.
+
+    And coupling and surface echo at each position (frequency). The quarter that is stored is
+    mirrored: the two antennas change places.
+
+    Args:
+        target: Its size and permittivity, as `target_of` reads them.
+        top_m: Depth of its top [m].
+    """
+    arrays = _arrays(DISCS)
+    (number,) = (
+        place
+        for place, one in enumerate(truths(DISCS))
+        if (one["target"], one["top_m"]) == (target, top_m)
+    )
+    quarter = arrays["s21"][number] @ np.array([1.0, 1j]) * arrays["largest"][number] / LARGEST_PART
+    half = np.concatenate([quarter[:0:-1], quarter])
+    return np.concatenate([half[:, :0:-1], half], axis=1), arrays["level"] @ np.array([1.0, 1j])
 
 
 def _noisy(arrays: Dict[str, Any], number: int) -> np.ndarray:

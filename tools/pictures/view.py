@@ -4,45 +4,50 @@ from __future__ import annotations
 
 import tempfile
 from pathlib import Path
+from typing import Tuple
 
 from PyQt5 import sip
 from PyQt5.QtWidgets import QApplication
 from window_kit import virtual_screen
 
 from gpr20_analysis import sample_survey
-from gpr20_analysis.candidates.search import find_candidates
 from gpr20_analysis.imaging.image_options import ImageOptions
 from gpr20_analysis.read.load import load_survey
-from gpr20_viewer.identity import SurveyIdentity
-from gpr20_viewer.picks_file import PicksFile
+from gpr20_common.message import Message
+from gpr20_survey.results.candidates import Candidate
+from gpr20_viewer.picks_file import PicksFile, SurveyIdentity
 from gpr20_viewer.positions import Place
 from gpr20_viewer.session import ViewSession
-from gpr20_viewer.views.application import utc_now
 from gpr20_viewer.views.main_window import SIZE_PX, MainWindow
-from gpr20_viewer.views.pick_desk import PickDesk
+from gpr20_viewer.views.tables import PicksTab
 from pictures.kit import save, wait
 
 MOST_PICKS = 3
 
 
+def found_in(window: MainWindow) -> Tuple[Candidate, ...]:
+    """Return the candidates in the image that is shown."""
+    found = None if window.image is None else window.image.candidates
+    return () if found is None else found.candidates
+
+
 def take_picture(path: Path) -> None:
     """Open the window, pick the first candidates and take a picture."""
     survey = sample_survey()
-    session = ViewSession(load_survey(survey), ImageOptions(), find_candidates)
+    session = ViewSession(load_survey(survey), ImageOptions())
     with tempfile.TemporaryDirectory() as folder:
         picks = Path(folder) / f"{survey.name}.picks.json"
         file = PicksFile(picks, SurveyIdentity.of(session.survey))
-        desk = PickDesk(file, "", utc_now)
-        window = MainWindow(session, desk, survey.name)
+        picked = PicksTab(file, "", lambda: "")
+        window = MainWindow(session, picked, survey.name)
         window.show()
-        window.candidates.searched.setChecked(True)
-        wait(lambda: not window.is_computing, "the image has its candidates")
-        listed = [one for one in window.scene.candidates if not one.is_doubtful]
-        for one in reversed(listed[:MOST_PICKS]):
+        wait(lambda: bool(found_in(window)), "the image has its candidates")
+        for one in reversed(found_in(window)[:MOST_PICKS]):
             window.move_to(Place(one.x_m, one.y_m, one.depth_m))
             window.pick()
         # Where the picks of the viewer are for a survey of a robot, not in the folder of this run.
-        desk.table.show_state(f"Picks are stored in ../{picks.name}", wrong=False)
+        stored = Message("Picks are stored in ../{path}", path=picks.name)
+        picked.say(stored, wrong=False)
         save(window, path)
         window.close()
 

@@ -30,6 +30,7 @@ ABILITIES = {
     "tun": ": <>/dev/net/tun",
     "socket filters": f"{sys.executable} -c '{ATTACH_FILTER}'",
     "mounts": "cd $(mktemp -d) && mount -t tmpfs tmpfs . && umount -l . && rmdir $PWD",
+    "debootstrap": "debootstrap --version",
     "packages": 'dpkg-scanpackages --version && [ "$(id -u)" = 0 ]',
 }
 

@@ -25,7 +25,6 @@ PACKAGES = {
 }
 # Keys of other modules: those of ROS have their own name, the rest is `python3-<module>-pip`.
 KEYS = {
-    "OpenGL": "python3-pyopengl-pip",
     "PyQt5": "python3-pyqt5",
     "numpy": "python3-numpy",
     "psutil": "python3-psutil",
@@ -35,9 +34,9 @@ KEYS = {
 }
 # Imported on the real robot alone: requirements/robot.in.
 ROBOT_MODULES = {"RPi", "spidev"}
-# Imported by others on behalf of a package: h5netcdf by xarray, h5py by h5netcdf, OpenGL by
-# pyqtgraph, PyVISA-py by PyVISA.
-INDIRECT_KEYS = {"python3-h5netcdf-pip", "python3-h5py-pip", "python3-pyopengl-pip"}
+# Imported by others on behalf of a package: h5netcdf by xarray, h5py by h5netcdf, PyVISA-py by
+# PyVISA.
+INDIRECT_KEYS = {"python3-h5netcdf-pip", "python3-h5py-pip"}
 INDIRECT_KEYS |= {"python3-pyvisa-py-pip"}
 # The programs that sign surveys and make the certificate of the web page.
 INDIRECT_KEYS |= {"openssh-client", "openssl"}

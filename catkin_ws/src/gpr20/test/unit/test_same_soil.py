@@ -53,15 +53,17 @@ TIME_US = 1_795_000_000_000_000
 
 
 class Here(Analysis):
-    """The analysis of the imaging node, in this process."""
+    """The worker of the imaging node, in this process."""
 
-    is_installed = True
+    has_analysis = True
 
-    def focus(self, folder, permittivity, _stop):
-        return super().focus(folder, permittivity)
+    def ask(self, _limit_s, _report, name, *arguments):
+        return getattr(self, name)(*arguments)
 
-    def close(self):
+    def start(self):
         pass
+
+    end = close = start
 
 
 class Asked:
@@ -120,7 +122,7 @@ def enter(folder, permittivity):
 
 def answers(folder, capsys):
     """Return the lists of window, API and command, the report, and the window's result."""
-    with closing(Node(folder.parent, Here(), None, lambda *_: None)) as node:
+    with closing(Node(folder.parent, Here(), lambda *_: None)) as node:
         window = SurveyResult(Imaging(Asked(folder, node), lambda: 100.0))
         window.open(folder.name)
         window.keep()

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from gpr20_common.errors import Gpr20Error
-from gpr20_common.faults import ASKED_FOR
 from gpr20_imaging import faults
 
 
@@ -11,15 +10,3 @@ class ImagingError(Gpr20Error):
     """A request to the imaging node was refused or failed."""
 
     fault = faults.OTHER_COMPUTER
-
-
-class CancelledError(ImagingError):
-    """A request was cancelled."""
-
-    fault = ASKED_FOR
-
-
-class ExportFailedError(ImagingError, OSError):
-    """A survey could not be written to a stick."""
-
-    fault = faults.STICK

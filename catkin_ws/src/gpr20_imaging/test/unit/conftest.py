@@ -8,14 +8,22 @@ sys.path.append(str(Path(__file__).resolve().parents[3] / "gpr20_survey/test/uni
 
 from imaging_kit import FakeAnalysis, FakeSticks
 
+from gpr20_imaging.low.worker_process import WorkerProcess
+
 
 @pytest.fixture
 def sticks(tmp_path):
-    return FakeSticks(tmp_path / "media")
+    return FakeSticks(tmp_path)
 
 
 @pytest.fixture
-def analysis(tmp_path):
-    fake = FakeAnalysis(tmp_path)
-    yield fake
-    fake.process.close()
+def analysis(tmp_path, sticks):
+    return FakeAnalysis(tmp_path)
+
+
+@pytest.fixture
+def worker(tmp_path, analysis):
+    """The worker process with the fake analysis and the fake sticks."""
+    process = WorkerProcess(analysis.command)
+    yield process
+    process.close()

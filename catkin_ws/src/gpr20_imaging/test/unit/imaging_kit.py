@@ -1,110 +1,115 @@
-"""A fake analysis, and sticks that are folders."""
+"""A fake analysis, the worker process with it, and sticks that are folders."""
 
 import json
-import pickle
+import os
+import signal
 import sys
+import time
 import uuid
+from multiprocessing.connection import Connection
+from pathlib import Path
 
+import numpy as np
 from candidate_examples import candidate, candidate_list
 
 from gpr20_common.message import Fault, Message
-from gpr20_imaging.low.analysis_process import AnalysisProcess
+from gpr20_imaging.errors import ImagingError
+from gpr20_imaging.low import stick_files
 from gpr20_imaging.low.usb_volumes import UsbVolumes
+from gpr20_imaging.mid.worker import serve
 from gpr20_survey.folder.log_record import Kind, LogRecord
 from gpr20_survey.folder.survey_log import SurveyLog
+from gpr20_survey.results.focused_image import FocusedImage
 
 REFUSAL = Message("no {what}", what="permittivity").with_fault(
     Fault("test.refused", Message("Give the permittivity."))
 )
-# It does what the file `mode` says; what it writes and lists says what it was asked for. It imports
-# no tests, because that takes long.
-WORKER = """
-import os, pickle, sys, time
-from multiprocessing.connection import Connection
-from pathlib import Path
-import numpy as np
-sys.path[:0] = {path!r}
-from gpr20_imaging.errors import ImagingError
-from gpr20_imaging.low.analysis_worker import serve
-from gpr20_survey.results.focused_image import FocusedImage
-
-folder = Path({folder!r})
-REFUSAL, FOUND = pickle.loads((folder / "answers").read_bytes())
-
-def obey():
-    mode = (folder / "mode").read_text()
-    if mode == "refuse":
-        raise ImagingError(REFUSAL)
-    if mode == "full":
-        raise OSError(28, "No space left on device", "/tmp/x")
-    if mode == "die":
-        sys.exit(print("Killed by a test", file=sys.stderr) or 7)
-    if mode == "hang":
-        (folder / "started").write_text(str(os.getpid()))
-        time.sleep(600)
-
-class Fake:
-    def focus(self, survey, permittivity):
-        obey()
-        with (folder / "asked").open("a") as stream:
-            print(survey, permittivity, file=stream)
-        place, depth = np.array([1.0, 2.0]), np.array([0.0, 3.0])
-        levels = np.arange(8, dtype=np.float32).reshape(2, 2, 2)
-        return FocusedImage(os.getpid(), place, place, depth, levels, FOUND)
-
-    def write_report(self, survey, output, permittivity, language):
-        obey()
-        output.write_text(f"{{survey}} {{permittivity}} {{language}}: no echo is no clearance")
-
-    write_candidates = write_report
-
-with Connection(int(sys.argv[1])) as connection:
-    serve(connection, Fake())
-"""
+PROGRAM = "import sys; sys.path[:0] = {path!r}; import imaging_kit; imaging_kit.main({folder!r})"
 
 
 class FakeAnalysis:
-    """The analysis; its process does what `mode` says."""
+    """It does what the file `mode` says; what it writes and lists says what it was asked for."""
 
     def __init__(self, folder):
-        self._mode = folder / "mode"
-        self.asked = folder / "asked"
-        self.started = folder / "started"
-        (folder / "answers").write_bytes(pickle.dumps((REFUSAL, candidate_list([candidate()]))))
-        program = folder / "worker.py"
-        program.write_text(WORKER.format(path=sys.path, folder=str(folder)))
-        self.command = [sys.executable, str(program)]
-        self.mode = ""
-        self.process = AnalysisProcess(self.command)
+        self._mode, self.asked, self.started = (folder / n for n in ("mode", "asked", "started"))
+        self.command = [sys.executable, "-c", PROGRAM.format(path=sys.path, folder=str(folder))]
 
     @property
     def mode(self):
-        return self._mode.read_text()
+        return self._mode.read_text() if self._mode.exists() else ""
 
     @mode.setter
     def mode(self, mode):
         self._mode.write_text(mode)
 
+    def focus(self, survey, permittivity):
+        self._obey()
+        with self.asked.open("a") as stream:
+            print(survey, permittivity, file=stream)
+        place, depth = np.array([1.0, 2.0]), np.array([0.0, 3.0])
+        levels = np.arange(8, dtype=np.float32).reshape(2, 2, 2)
+        found = candidate_list([candidate()])
+        return FocusedImage(os.getpid(), place, place, depth, levels, found)
+
+    def map_hidden(self, *_):
+        raise NotImplementedError
+
+    def write_report(self, survey, output, permittivity, language):
+        self._obey()
+        output.write_text(f"{survey} {permittivity} {language}: no echo is no clearance")
+
+    write_candidates = write_report
+
+    def _obey(self):
+        if self.mode == "refuse":
+            raise ImagingError(REFUSAL)
+        if self.mode == "full":
+            raise OSError(28, "No space left on device", "/tmp/x")
+        if self.mode == "die":
+            sys.exit(print("Killed by a test", file=sys.stderr) or 7)
+        if self.mode == "leave":
+            self.mode = ""
+            os._exit(0)
+        if self.mode == "hang":
+            self.hang()
+
+    def hang(self):
+        self.started.write_text(str(os.getpid()))
+        time.sleep(600)
+
 
 class FakeSticks:
     """Folders that a fake lsblk lists as mounted sticks."""
 
-    def __init__(self, media):
-        self.media = media
-        self.devices = []
-        media.mkdir()
-        self.volumes = UsbVolumes(lambda: json.dumps({"blockdevices": self.devices}), (media,))
+    def __init__(self, folder):
+        self.media, self._devices = folder / "media", folder / "devices"
+        self.media.mkdir(exist_ok=True)
+        self.volumes = UsbVolumes(self._devices.read_text, (self.media,))
+        if not self._devices.exists():
+            self.pull_out()
 
     def plug_in(self, name="BLUE", **more):
         path = self.media / name
         path.mkdir(exist_ok=True)
         partition = {"name": "sdb1", "label": name, "mountpoint": str(path), "tran": None, **more}
         disk = {"name": "sdb", "tran": "usb", "rm": True, "mountpoint": None}
-        self.devices.append({**disk, "children": [partition]})
+        devices = json.loads(self._devices.read_text())
+        devices["blockdevices"].append({**disk, "children": [partition]})
+        self._devices.write_text(json.dumps(devices))
         return path
 
     def pull_out(self):
-        self.devices.clear()
+        self._devices.write_text('{"blockdevices": []}')
+
+
+def main(folder):
+    """Be the worker process: the file of its connection is the argument."""
+    signal.signal(signal.SIGTERM, signal.default_int_handler)
+    analysis, sticks = FakeAnalysis(Path(folder)), FakeSticks(Path(folder))
+    if analysis.mode == "hang at the stick":
+        stick_files.SummedFile.flush = lambda _file: analysis.hang()
+    with Connection(int(sys.argv[1])) as connection:
+        serve(connection, analysis, sticks.volumes)
 
 
 def store_survey(data, simulated=True, traces=3):

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import contextlib
 import socket
+import socketserver
 import struct
 import threading
 import time
@@ -53,10 +54,10 @@ class ScpiAnalyzer:
     def __init__(self) -> None:
         self.sweep_s = 0.02
         self.clock = SweepClock()
-        # What it does wrong: queries that it does not answer ("" means all), one at which it closes
-        # the connection, once, and one that it answers without end.
+        # What it does wrong: queries that it does not answer ("" means all), and one at which it
+        # closes the connection, once.
         self.silent: Set[str] = set()
-        self.drop_at = self.endless = ""
+        self.drop_at = ""
         # Commands that it does not carry out, and other answers than the right ones, by query.
         self.ignored: Set[str] = set()
         self.answers: Dict[str, bytes] = {}
@@ -66,7 +67,6 @@ class ScpiAnalyzer:
         self.values[self.continuous[0]] = self.continuous[1]
         self.written: List[str] = []
         self.sweeps = 0
-        self.average_cleared_at = 0
         self._begun_s = 0.0
         self._selected = ""
 
@@ -144,9 +144,7 @@ class PnaAnalyzer(ScpiAnalyzer):
         "SENS1:SWE:POIN": "201",
         "SENS1:BWID": "+1.000E+005",
         "SENS1:SWE:TYPE": "LIN",
-        "SENS1:AVER:STATE": "0",
-        "SENS1:AVER:COUN": "16",
-        "SENS1:AVER:MODE": "SWE",
+        "SENS1:AVER:STATE": "1",
         "TRIG:SOUR": "IMM",
         "SYST:ACT:CHAN": "1",
         "FORM": "ASC,+0",
@@ -164,9 +162,7 @@ class PnaAnalyzer(ScpiAnalyzer):
         if header == "SENS1:SWE:MODE" and value == "SING":
             self.trigger()
             value = "HOLD"
-        if header == "SENS1:AVER:CLE":
-            self.average_cleared_at = self.sweeps
-        elif header == self.create:
+        if header == self.create:
             name, what = value.replace("'", "").split(",")
             self.measurements[name] = what
         elif header == self.select:
@@ -184,8 +180,6 @@ class PnaAnalyzer(ScpiAnalyzer):
             return self.block(self.data())
         if text == "SENS1:SWE:TIME?":
             return f"{self.sweep_s:E}\n".encode()
-        if text == "SENS1:CORR:STAT?":
-            return b"1\n"
         return super().query(text)
 
     def block(self, numbers: np.ndarray) -> bytes:
@@ -229,7 +223,7 @@ class FieldFoxAnalyzer(ScpiAnalyzer):
         "SENS:SWE:POIN": "201",
         "SENS:SWE:TIME": "0",
         "SENS:BWID": "3.000E+03",
-        "SENS:AVER:COUN": "1",
+        "SENS:AVER:COUN": "4",
         "CALC:PAR:COUN": "1",
         "CALC:PAR1:DEF": "S11",
         "CALC:PAR1:SEL": "",
@@ -239,8 +233,6 @@ class FieldFoxAnalyzer(ScpiAnalyzer):
     def command(self, header: str, value: str = "") -> None:
         if header == "INIT:IMM":
             self.trigger()
-        elif header == "SENS:AVER:CLE":
-            self.average_cleared_at = self.sweeps
         else:
             super().command(header, value)
 
@@ -250,55 +242,41 @@ class FieldFoxAnalyzer(ScpiAnalyzer):
         return super().query(text)
 
 
-class ScpiServer:
+class ScpiServer(socketserver.ThreadingTCPServer):
     """Serves an analyzer on a TCP port of loopback, one message per line."""
 
+    daemon_threads = True
+
     def __init__(self, analyzer: ScpiAnalyzer) -> None:
-        self.analyzer = analyzer
-        self._listener = socket.create_server(("127.0.0.1", 0))
-        self.port = self._listener.getsockname()[1]
-        self.address = f"TCPIP0::127.0.0.1::{self.port}::SOCKET"
-        self._connections: List[socket.socket] = []
-        self._threads = [threading.Thread(target=self._accept, daemon=True)]
-        self._threads[0].start()
+        super().__init__(("127.0.0.1", 0), _Lines)
+        self.analyzer, self.connections = analyzer, []
+        self.address = f"TCPIP0::127.0.0.1::{self.server_address[1]}::SOCKET"
+        threading.Thread(target=self.serve_forever, args=(0.01,), daemon=True).start()
 
     def drop_all(self) -> None:
         """Close every connection."""
-        connections, self._connections = self._connections, []
-        for connection in connections:
-            _shut(connection)
+        for connection in self.connections:
+            with contextlib.suppress(OSError):
+                connection.shutdown(socket.SHUT_RDWR)
 
     def stop(self) -> None:
-        _shut(self._listener)
+        self.shutdown()
+        self.server_close()
         self.drop_all()
-        for thread in self._threads:
-            thread.join(30.0)
 
-    def _accept(self) -> None:
-        while True:
-            try:
-                connection, _address = self._listener.accept()
-            except OSError:
-                return
-            connection.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
-            self._connections.append(connection)
-            thread = threading.Thread(target=self._serve, args=(connection,), daemon=True)
-            self._threads.append(thread)
-            thread.start()
 
-    def _serve(self, connection: socket.socket) -> None:
-        try:
-            with connection, connection.makefile("rb") as lines:
-                for line in lines:
-                    # Else a client that sends two small messages waits 40 ms in between.
-                    connection.setsockopt(socket.IPPROTO_TCP, socket.TCP_QUICKACK, 1)
-                    answer = self.analyzer.execute(line)
-                    while line.decode().strip() == self.analyzer.endless:
-                        connection.sendall(b"1," * 4096)
-                    if answer is not None:
-                        connection.sendall(answer)
-        except (OSError, ValueError, Dropped):
-            _shut(connection)
+class _Lines(socketserver.StreamRequestHandler):
+    disable_nagle_algorithm = True
+
+    def handle(self) -> None:
+        self.server.connections.append(self.connection)
+        with contextlib.suppress(OSError, ValueError, Dropped):
+            for line in self.rfile:
+                # Else a client that sends two small messages waits 40 ms in between.
+                self.connection.setsockopt(socket.IPPROTO_TCP, socket.TCP_QUICKACK, 1)
+                answer = self.server.analyzer.execute(line)
+                if answer is not None:
+                    self.wfile.write(answer)
 
 
 def wait_until(condition: Callable[[], bool]) -> None:
@@ -306,12 +284,6 @@ def wait_until(condition: Callable[[], bool]) -> None:
     while not condition():
         assert time.monotonic() < deadline_s
         time.sleep(0.001)
-
-
-def _shut(connection: socket.socket) -> None:
-    with contextlib.suppress(OSError):
-        connection.shutdown(socket.SHUT_RDWR)
-    connection.close()
 
 
 ANALYZERS: Dict[str, Callable[[], ScpiAnalyzer]] = {

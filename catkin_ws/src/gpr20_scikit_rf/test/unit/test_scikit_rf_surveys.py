@@ -18,7 +18,6 @@ from gpr20_common import faults
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.low.clock import Clock
 from gpr20_common.mid.codec import record_from
-from gpr20_scikit_rf.mid.scikit_rf_options import visa_resource_name
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_vna_acquisition.mid.analyzers import make_foreign_analyzer
 from gpr20_vna_acquisition.mid.request_deadline import RequestDeadline
@@ -64,7 +63,7 @@ def robot(tmp_path, vna, server):
 
 
 def test_a_survey_stores_fresh_sweeps_of_the_configured_address(robot, vna, server):
-    robot.begin(polarizations_deg=(0.0,), vna_address="", averages=2)
+    robot.begin(polarizations_deg=(0.0,), vna_address="")
     check_state(robot, SurveyState.FINISHED)
     traces, survey = json_traces(robot), description_in(robot)
     # Each is a whole sweep that was made after the one before.
@@ -76,7 +75,7 @@ def test_a_survey_stores_fresh_sweeps_of_the_configured_address(robot, vna, serv
     assert survey["instrument"]["address"] == server.address
     assert survey["instrument"]["calibration_status"] == 5
     assert survey["analyzer"]["antenna_delay_ns"] == 0.3
-    assert {trace["averages"] for trace in traces} == {2}
+    assert {trace["averages"] for trace in traces} == {1}
     assert {trace["if_bandwidth_hz"] for trace in traces} == {1e5}
     # It sweeps by itself again; the last command has no answer.
     wait_until(lambda: vna.is_continuous)
@@ -100,9 +99,7 @@ def test_the_configuration_of_the_readme_is_accepted():
     [
         ("{scikit_rf_class: keysight.PNA}", "{}", faults.CONFIGURATION, "scikit_rf_class"),
         ("keysight.PNA", "nanovna.NanoVNAv2", faults.NOT_ALLOWED, "keysight.PNA, keysight.Fiel"),
-        ("keysight.PNA", "keysight.PNA, correction_query: ¿", faults.CONFIGURATION, "ASCII"),
         ("TCPIP0::192.168.1.5::inst0::INSTR", "1.2.3.4", faults.NOT_ALLOWED, "::inst0::INSTR"),
-        ("maker: Agilent Technologies", "", faults.CONFIGURATION, "Anritsu"),
     ],
 )
 def test_what_no_such_analyzer_has_is_refused_before_a_launch(former, new, fault, shown):
@@ -111,22 +108,12 @@ def test_what_no_such_analyzer_has_is_refused_before_a_launch(former, new, fault
         made(OF_README.replace(former, new))
 
 
-@each_case(
-    "address",
-    [
-        "TCPIP0::192.168.1.5::inst0::INSTR",
-        "TCPIP0::192.168.1.5::hislip0,4880::INSTR",
-        "GPIB0::16::INSTR",
-    ],
-)
+@each_case("address", ["TCPIP0::1.2.3.4::hislip0,4880::INSTR", "GPIB0::16::INSTR"])
 def test_names_of_visa_resources_are_accepted(address):
-    assert visa_resource_name("address", address) == address
+    made(OF_README.replace("TCPIP0::192.168.1.5::inst0::INSTR", address))
 
 
-@each_case(
-    "address",
-    ["", "192.168.1.5", "GPIB0::", "::INSTR", "A::b c", "A::ñ", "A::" + "b" * 126],
-)
+@each_case("address", ["192.168.1.5", "'GPIB0::'", "'::INSTR'", "A::b c", "A::ñ"])
 def test_other_texts_are_no_visa_resources(address):
-    with raises_fault(faults.NOT_ALLOWED, address[:64], error=InvalidValueError):
-        visa_resource_name("address", address)
+    with raises_fault(faults.NOT_ALLOWED, address.strip("'"), error=InvalidValueError):
+        made(OF_README.replace("TCPIP0::192.168.1.5::inst0::INSTR", address))

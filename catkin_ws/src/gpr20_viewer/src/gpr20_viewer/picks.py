@@ -19,7 +19,6 @@ NO_CLEARANCE_BY_PICKS = Message(
 
 SAME_PLACE_M = 0.005
 """Two picks of one polarization are at least this far apart, so a bounced click makes one."""
-MOST_NOTE_CHARACTERS = 2000
 
 
 class PickRefusedError(AnalysisError, ValueError):
@@ -54,9 +53,9 @@ class Pick:
     permittivity: float
     permittivity_source: str
     level_db: Optional[float]
-    note: str
-    author: str
-    time: str
+    note: str = ""
+    author: str = ""
+    time: str = ""
 
     def __post_init__(self) -> None:
         """Check the values, which may come from a file.
@@ -66,26 +65,16 @@ class Pick:
         """
         numbers = [self.x_m, self.y_m, self.depth_m, self.permittivity]
         numbers += [one for one in (self.polarization_deg, self.level_db) if one is not None]
-        if not all(math.isfinite(one) for one in numbers):
-            raise PickRefusedError(
-                Message("the pick {name} has a number that is not finite", name=self.id)
-            )
-        if self.depth_m < 0.0 or not MIN_PERMITTIVITY <= self.permittivity <= LARGEST_PERMITTIVITY:
+        is_possible = self.depth_m >= 0.0 and all(math.isfinite(one) for one in numbers)
+        if not is_possible or not MIN_PERMITTIVITY <= self.permittivity <= LARGEST_PERMITTIVITY:
             raise PickRefusedError(
                 Message(
                     "the pick {name} has the depth {depth_m:g} m and the permittivity "
-                    "{permittivity:g}; a depth is not negative, a permittivity is 1 to 100",
+                    "{permittivity:g}; a depth is not negative, a permittivity is 1 to 100, and "
+                    "every number is finite",
                     name=self.id,
                     depth_m=self.depth_m,
                     permittivity=self.permittivity,
-                )
-            )
-        if len(self.note) > MOST_NOTE_CHARACTERS:
-            raise PickRefusedError(
-                Message(
-                    "the note has {count} characters; use at most {most}",
-                    count=len(self.note),
-                    most=MOST_NOTE_CHARACTERS,
                 )
             )
 
@@ -97,25 +86,17 @@ class PickEditor:
     """The picks of a survey, and every earlier state of them.
 
     Attributes:
-        picks: The picks now.
         next_number: Number of the next pick.
     """
 
     def __init__(self, picks: Picks = (), next_number: int = 1) -> None:
-        self.picks = picks
-        self.next_number = max([next_number, *(number_of(one) + 1 for one in picks)])
-        self._undone: List[Picks] = []
-        self._done: List[Picks] = []
+        self.next_number = max([next_number, *(_number_of(one) + 1 for one in picks)])
+        self._states: List[Picks] = [picks]
 
     @property
-    def can_undo(self) -> bool:
-        """Whether there is a change to undo."""
-        return bool(self._done)
-
-    @property
-    def can_redo(self) -> bool:
-        """Whether there is an undone change."""
-        return bool(self._undone)
+    def picks(self) -> Picks:
+        """The picks now."""
+        return self._states[-1]
 
     def add(self, pick: Pick) -> Pick:
         """Add a pick under the next free name; return it.
@@ -143,35 +124,21 @@ class PickEditor:
         self._change(tuple(one for one in self.picks if one.id != name))
 
     def set_note(self, name: str, note: str) -> None:
-        """Write a note to a pick.
-
-        Raises:
-            PickRefusedError: The note is too long.
-        """
+        """Write a note to a pick."""
         self._change(
             tuple(replace(one, note=note) if one.id == name else one for one in self.picks)
         )
 
     def undo(self) -> None:
         """Take the last change back, if there is one."""
-        if self._done:
-            self._undone.append(self.picks)
-            self.picks = self._done.pop()
-
-    def redo(self) -> None:
-        """Make the last undone change again, if there is one."""
-        if self._undone:
-            self._done.append(self.picks)
-            self.picks = self._undone.pop()
+        self._states[1:] = self._states[1:-1]
 
     def _change(self, picks: Picks) -> None:
         if picks != self.picks:
-            self._done.append(self.picks)
-            self._undone.clear()
-            self.picks = picks
+            self._states.append(picks)
 
 
-def number_of(pick: Pick) -> int:
+def _number_of(pick: Pick) -> int:
     """Return the number in the name of a pick; 0 if it has another name."""
     digits = pick.id[1:]
     return int(digits) if pick.id[:1] == "P" and digits.isdecimal() else 0

@@ -1,16 +1,21 @@
-"""The file of picks beside a survey."""
+"""The file of picks beside a survey, and which survey it is of."""
 
 from __future__ import annotations
 
 import csv
+import hashlib
 import io
 import json
 from dataclasses import asdict, dataclass, fields
 from pathlib import Path
-from typing import Any, Dict, List, Optional, Tuple
+from typing import List, Optional, Tuple
+
+import numpy as np
+import xarray as xr
 
 from gpr20_analysis.atomic_output import atomic_output
-from gpr20_analysis.errors import AnalysisError, ExportError, wrong_ending
+from gpr20_analysis.dataset import FREQUENCY, POLARIZATION, S21, S21_DIMS, X, Y, require
+from gpr20_analysis.errors import AnalysisError
 from gpr20_analysis.faults import PICKS_CHANGED
 from gpr20_analysis.formats.csv_cells import csv_cell
 from gpr20_common.faults import NOT_ALLOWED
@@ -19,67 +24,47 @@ from gpr20_common.mid.codec import plain, record_from
 from gpr20_survey.files.durable_files import replace_file, sync_path, write_new_file
 from gpr20_survey.folder import survey_folder
 from gpr20_survey.folder.manifest import MANIFEST_FILE
-from gpr20_viewer.identity import SurveyIdentity
 from gpr20_viewer.picks import NO_CLEARANCE_BY_PICKS, Pick, PickEditor, Picks
-
-CSV, JSON = ".csv", ".json"
-SHARED = ("survey_id", "survey_sha256", "simulated", "notice")
-"""Columns that are the same in every row."""
-
-
-def export_picks(picks: Picks, identity: SurveyIdentity, path: Path) -> None:
-    """Write picks as .csv or .json; the words do not depend on the language.
-
-    Raises:
-        ExportError: The name has another ending, or the file cannot be written.
-    """
-    shared = dict(
-        zip(
-            SHARED,
-            (
-                identity.survey_id,
-                identity.sha256,
-                "SIMULATED" if identity.simulated else "",
-                str(NO_CLEARANCE_BY_PICKS),
-            ),
-        )
-    )
-    if path.suffix == CSV:
-        text = _csv(picks, shared)
-    elif path.suffix == JSON:
-        record = {**shared, "picks": [asdict(one) for one in picks]}
-        text = json.dumps(record, indent=1, ensure_ascii=False, allow_nan=False) + "\n"
-    else:
-        raise ExportError(wrong_ending(path, (CSV, JSON)))
-    with atomic_output(path) as place:
-        place.write_text(text, encoding="utf-8")
-
-
-def _csv(picks: Picks, shared: Dict[str, str]) -> str:
-    stream = io.StringIO()
-    names = [field.name for field in fields(Pick)]
-    writer = csv.DictWriter(stream, [*names, *SHARED], lineterminator="\n")
-    writer.writeheader()
-    for one in picks:
-        cells = {**asdict(one), **shared}
-        writer.writerow({name: csv_cell(value) for name, value in cells.items()})
-    return stream.getvalue()
-
 
 FORMAT = "gpr20-picks/1"
 SUFFIX = ".picks.json"
-MOST_BYTES = 64 << 20
 
 
 @dataclass(frozen=True)
-class StoredPicks:
+class SurveyIdentity:
+    """Which survey picks belong to.
+
+    Attributes:
+        survey_id: Identifier of the survey; empty if the data have none.
+        survey_sha256: Of the positions and spectra that were loaded.
+        simulated: Whether the survey was made by the simulated robot.
+    """
+
+    survey_id: str
+    survey_sha256: str
+    simulated: bool
+
+    @staticmethod
+    def of(survey: xr.Dataset) -> SurveyIdentity:
+        """Return the identity of a survey that is in memory."""
+        digest = hashlib.sha256()
+        for name in (POLARIZATION, Y, X, FREQUENCY):
+            digest.update(np.ascontiguousarray(survey[name].values, dtype="<f8").tobytes())
+        for values in require(survey, S21, S21_DIMS).values:
+            digest.update(np.ascontiguousarray(values, dtype="<c16").data)
+        return SurveyIdentity(
+            str(survey.attrs.get("survey_id", "")),
+            digest.hexdigest(),
+            bool(survey.attrs.get("simulated")),
+        )
+
+
+@dataclass(frozen=True)
+class StoredPicks(SurveyIdentity):
     """The content of the file."""
 
     format: str
     notice: str
-    simulated: bool
-    survey_id: str
-    survey_sha256: str
     next_number: int
     picks: Picks
 
@@ -161,8 +146,7 @@ class PicksFile:
                     details=error,
                 )
             ) from error
-        editor = PickEditor(stored.picks, stored.next_number)
-        return editor, self._compare(stored.survey_id, stored.survey_sha256)
+        return PickEditor(stored.picks, stored.next_number), self._compare(stored)
 
     def save(self, editor: PickEditor) -> None:
         """Write the picks; return when they are durable.
@@ -181,15 +165,14 @@ class PicksFile:
                 fault=PICKS_CHANGED,
             )
         stored = StoredPicks(
-            FORMAT,
-            str(NO_CLEARANCE_BY_PICKS),
-            self._identity.simulated,
-            self._identity.survey_id,
-            self._identity.sha256,
-            editor.next_number,
-            editor.picks,
+            **asdict(self._identity),
+            format=FORMAT,
+            notice=str(NO_CLEARANCE_BY_PICKS),
+            next_number=editor.next_number,
+            picks=editor.picks,
         )
-        data = _json(plain(stored))
+        text = json.dumps(plain(stored), indent=1, ensure_ascii=False, allow_nan=False)
+        data = f"{text}\n".encode("utf-8", "replace")
         if self._known is None:
             write_new_file(self.path, data)
             sync_path(self.path.parent)
@@ -198,44 +181,46 @@ class PicksFile:
         self._known = data
 
     def export(self, editor: PickEditor, path: Path) -> None:
-        """Write the picks as .csv or .json for other programs.
+        """Write the picks as CSV for other programs; the words do not depend on the language.
 
         Raises:
             PicksFileError: It would be inside a survey's folder, or replace the picks.
-            ExportError: The name has another ending, or the file cannot be written.
+            ExportError: The file cannot be written.
         """
         inside = sealed_folder(path.expanduser().resolve().parent)
         if inside is not None or path.expanduser().resolve() == self.path:
             raise PicksFileError(
-                Message("{path} is kept for the survey; export to another place", path=path),
-                fault=NOT_ALLOWED,
+                Message("{path} is kept for the survey; export to another place", path=path)
             )
-        export_picks(editor.picks, self._identity, path)
+        shared = {
+            **asdict(self._identity),
+            "simulated": "SIMULATED" if self._identity.simulated else "",
+            "notice": str(NO_CLEARANCE_BY_PICKS),
+        }
+        stream = io.StringIO()
+        names = [*(field.name for field in fields(Pick)), *shared]
+        writer = csv.DictWriter(stream, names, lineterminator="\n")
+        writer.writeheader()
+        for one in editor.picks:
+            cells = {**asdict(one), **shared}
+            writer.writerow({name: csv_cell(value) for name, value in cells.items()})
+        with atomic_output(path) as place:
+            place.write_text(stream.getvalue(), encoding="utf-8")
 
     def _content(self) -> Optional[bytes]:
-        if not self.path.exists():
-            return None
-        with self.path.open("rb") as stream:
-            data = stream.read(MOST_BYTES + 1)
-        if len(data) > MOST_BYTES:
-            raise PicksFileError(
-                Message(
-                    "{path} is too large for a file of picks; choose another with --picks",
-                    path=self.path,
-                )
-            )
-        return data
+        return self.path.read_bytes() if self.path.exists() else None
 
-    def _compare(self, survey_id: str, sha256: str) -> List[Message]:
-        same_data = sha256 == self._identity.sha256
-        if survey_id != self._identity.survey_id or not (survey_id or same_data):
+    def _compare(self, stored: StoredPicks) -> List[Message]:
+        own = self._identity
+        same_data = stored.survey_sha256 == own.survey_sha256
+        if stored.survey_id != own.survey_id or not (stored.survey_id or same_data):
             raise PicksFileError(
                 Message(
                     "{path} belongs to another survey ({other}, this one is {own}); choose "
                     "another file with --picks",
                     path=self.path,
-                    other=survey_id or sha256[:12],
-                    own=self._identity.survey_id or self._identity.sha256[:12],
+                    other=stored.survey_id or stored.survey_sha256[:12],
+                    own=own.survey_id or own.survey_sha256[:12],
                 )
             )
         if same_data:
@@ -246,8 +231,3 @@ class PicksFile:
                 "continued or with other steps; check each of them"
             )
         ]
-
-
-def _json(record: Dict[str, Any]) -> bytes:
-    text = json.dumps(record, indent=1, ensure_ascii=False, allow_nan=False)
-    return f"{text}\n".encode("utf-8", "replace")

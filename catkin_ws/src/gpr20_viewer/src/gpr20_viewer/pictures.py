@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Tuple
+from typing import Optional, Tuple
 
 import numpy as np
 
@@ -45,11 +45,11 @@ class Picture:
 
 
 def traces_picture(
-    session: ViewSession, line: Line, turn: int, background: bool, until_s: float, db_per_ns: float
+    session: ViewSession, line: Line, turn: int, background: bool, until_s: float
 ) -> Picture:
     """Return the envelopes of the traces of a line over the delay.
 
-    Levels are relative to the brightest one that is shown, a display gain included.
+    Levels are relative to the brightest one that is shown.
 
     Args:
         session: The survey.
@@ -57,7 +57,6 @@ def traces_picture(
         turn: Index of the polarization.
         background: Whether the background is subtracted.
         until_s: Last delay [s].
-        db_per_ns: Display gain.
     """
     other = Y if line.along == X else X
     data = session.data(background)
@@ -66,17 +65,15 @@ def traces_picture(
     in_time = in_time.sel({DELAY: in_time[DELAY].values <= until_s})
     delay_ns = in_time[DELAY].values * NS_PER_S
     values = np.abs(in_time[A_SCAN].transpose(POLARIZATION, other, DELAY, line.along).values[0, 0])
-    levels_db = decibels(values, 1e-300) + db_per_ns * delay_ns[:, None]
+    levels_db = decibels(values, 1e-300)
     if np.isfinite(levels_db).any():
         levels_db -= np.nanmax(levels_db)
     return Picture.of(levels_db.astype(np.float32), line.position_m * MM_PER_M, delay_ns)
 
 
-def section_picture(
-    image: LiveImage, turn: int, along: str, at_m: float, db_per_ns: float
-) -> Picture:
+def section_picture(image: LiveImage, turn: int, along: str, at_m: float) -> Picture:
     """Return a vertical section of an image along "x" or "y"."""
-    levels_db = image.levels_db(turn, db_per_ns)
+    levels_db = image.levels_db[turn]
     if along == X:
         levels_db = levels_db[:, _nearest(image.y_m, at_m), :]
         across_m = image.x_m
@@ -86,21 +83,13 @@ def section_picture(
     return Picture.of(levels_db, across_m * MM_PER_M, image.depth_m * MM_PER_M)
 
 
-def slice_picture(image: LiveImage, turn: int, depth_m: float, db_per_ns: float) -> Picture:
-    """Return a horizontal slice of an image."""
-    levels_db = image.levels_db(turn, db_per_ns)[_nearest(image.depth_m, depth_m)]
-    return Picture.of(levels_db, image.x_m * MM_PER_M, image.y_m * MM_PER_M)
-
-
-def projection_picture(image: LiveImage, turn: int, over: str, db_per_ns: float) -> Picture:
-    """Return the maxima of an image over "depth", "y" or "x"."""
-    levels_db = image.levels_db(turn, db_per_ns)
-    x_mm, y_mm, depth_mm = (one * MM_PER_M for one in (image.x_m, image.y_m, image.depth_m))
-    if over == X:
-        return Picture.of(levels_db.max(axis=2), y_mm, depth_mm)
-    if over == Y:
-        return Picture.of(levels_db.max(axis=1), x_mm, depth_mm)
-    return Picture.of(levels_db.max(axis=0), x_mm, y_mm)
+def slice_picture(image: LiveImage, turn: int, depth_m: Optional[float]) -> Picture:
+    """Return a horizontal slice of an image; without a depth, the maximum over all of them."""
+    levels_db = image.levels_db[turn]
+    across = levels_db.max(axis=0)
+    if depth_m is not None:
+        across = levels_db[_nearest(image.depth_m, depth_m)]
+    return Picture.of(across, image.x_m * MM_PER_M, image.y_m * MM_PER_M)
 
 
 def longest_delay_s(

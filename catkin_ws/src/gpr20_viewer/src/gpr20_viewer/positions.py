@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import Optional
 
 import numpy as np
 import xarray as xr
@@ -83,7 +84,13 @@ class Line:
     ) -> float:  # fmt: skip
         """Return the depth straight below a position whose echo has a delay, 0 to the deepest."""
         nearest = int(np.argmin(np.abs(self.position_m - at_m)))
-        one = self._only(nearest)
+        part = slice(nearest, nearest + 1)
+        one = replace(
+            self,
+            position_m=self.position_m[part],
+            height_m=self.height_m[part],
+            advance_s=self.advance_s[part],
+        )
         x_m, y_m = (at_m, self.other_m) if self.along == X else (self.other_m, at_m)
         low, high = 0.0, deepest_m
         # The delay grows with the depth; 40 halvings leave less than a picometre.
@@ -93,16 +100,14 @@ class Line:
             low, high = (middle, high) if float(delays_s[0]) < delay_s else (low, middle)
         return (low + high) / 2.0
 
-    def _only(self, index: int) -> Line:
-        part = slice(index, index + 1)
-        return Line(
-            self.along, self.position_m[part], self.other_m, self.height_m[part],
-            self.rotation_deg, self.advance_s[part], self.delay_s,
-        )  # fmt: skip
-
 
 def line_of(
-    survey: xr.Dataset, turn: int, along: str, at_m: float, height_m: float, delay_s: float
+    survey: xr.Dataset,
+    turn: int,
+    along: str,
+    at_m: float,
+    height_m: Optional[float],
+    delay_s: float,
 ) -> Line:
     """Return the line of a survey that is nearest to a position.
 
@@ -111,13 +116,18 @@ def line_of(
         turn: Index of the polarization.
         along: "x" or "y".
         at_m: Position on the other axis [m].
-        height_m: Height where none is recorded [m].
+        height_m: Height [m]; None: as recorded, and the mean where it is not.
         delay_s: Delay of cables and antennas [s].
     """
     other = Y if along == X else X
     row = int(np.argmin(np.abs(survey[other].values - at_m)))
     heights_m = survey[HEIGHT].transpose(*SAMPLE_DIMS).isel({"polarization": turn, other: row})
     known_m = heights_m.values
+    if height_m is None:
+        recorded_m = survey[HEIGHT].values
+        found_m = np.where(known_m > 0.0, known_m, np.mean(recorded_m[recorded_m > 0.0]))
+    else:
+        found_m = np.full_like(known_m, height_m)
     advance_s = np.zeros(known_m.shape)
     if ADVANCE in survey:
         taken = survey[ADVANCE].transpose(*SAMPLE_DIMS).isel({"polarization": turn, other: row})
@@ -126,7 +136,7 @@ def line_of(
         along,
         survey[along].values.astype(np.float64),
         float(survey[other].values[row]),
-        np.where(known_m > 0.0, known_m, height_m),
+        found_m,
         float(survey["polarization"].values[turn]),
         advance_s,
         delay_s,

@@ -10,7 +10,6 @@ import numpy as np
 
 from gpr20_analysis.dataset import MM_PER_M, X, Y
 from gpr20_common.message import Message
-from gpr20_survey.results.candidates import Candidate
 from gpr20_viewer.live_image import NS_PER_S, LiveImage
 from gpr20_viewer.picks import Pick
 from gpr20_viewer.positions import Line, Place
@@ -18,23 +17,6 @@ from gpr20_viewer.session import ViewSession
 
 SINGLE_STEP_M = 0.005
 """Step of the cursor along an axis with one position."""
-
-
-@dataclass(frozen=True)
-class Display:
-    """Settings that change how the image is drawn, not the image.
-
-    Attributes:
-        turn: Index of the polarization.
-        along: Direction of B-scan and section, "x" or "y".
-        range_db: Difference between the brightest and the darkest colour [dB].
-        db_per_ns: Display gain over the delay.
-    """
-
-    turn: int
-    along: str
-    range_db: float
-    db_per_ns: float
 
 
 @dataclass(frozen=True)
@@ -53,9 +35,9 @@ class Scene:
         session: The survey.
         image: The image that is shown; None: there is none.
         place: Where the cursor is.
-        display: How it is drawn.
+        turn: Index of the polarization.
+        along: Direction of B-scan and section, "x" or "y".
         permittivity: Relative permittivity that is set; the image may still have another one.
-        deepest_m: Depth of the deepest layer [m].
 
     Attributes:
         line: The line of traces through the place.
@@ -66,28 +48,29 @@ class Scene:
         session: ViewSession,
         image: Optional[LiveImage],
         place: Place,
-        display: Display,
+        turn: int,
+        along: str,
         permittivity: float,
-        deepest_m: float,
     ) -> None:
-        self.session, self.image, self.place, self.display = session, image, place, display
-        self.permittivity, self.deepest_m = permittivity, deepest_m
+        self.session, self.image, self.place = session, image, place
+        self.turn, self.along = turn, along
+        self.permittivity = permittivity
         self.separation_m = session.options.separation_m
-        self.line: Line = session.line(display.turn, display.along, self.other_of(place))
+        self.line: Line = session.line(turn, along, self.other_of(place))
 
     @property
     def polarization_deg(self) -> Optional[float]:
         """Rotation of the antennas [deg]; None: a combination of several."""
-        turn_deg = self.session.rotations_deg[self.display.turn]
+        turn_deg = self.session.rotations_deg[self.turn]
         return None if math.isnan(turn_deg) else turn_deg
 
     def along_of(self, place: Place) -> float:
         """Return where a place is along the line [m]."""
-        return place.x_m if self.display.along == X else place.y_m
+        return place.x_m if self.along == X else place.y_m
 
     def other_of(self, place: Place) -> float:
         """Return where a place is on the other axis [m]."""
-        return place.y_m if self.display.along == X else place.x_m
+        return place.y_m if self.along == X else place.x_m
 
     def moved(self, columns: int, rows: int, layers: int) -> Place:
         """Return the place some steps away: of the survey, and of the image downwards."""
@@ -106,7 +89,7 @@ class Scene:
         return Place(
             float(np.clip(place.x_m, x_m.min(), x_m.max())),
             float(np.clip(place.y_m, y_m.min(), y_m.max())),
-            float(np.clip(place.depth_m, 0.0, self.deepest_m)),
+            float(np.clip(place.depth_m, 0.0, self.session.deepest_m)),
         )
 
     def delay_ns(self, place: Place, permittivity: Optional[float] = None) -> float:
@@ -118,7 +101,10 @@ class Scene:
         """Return the level of the image that is shown at a place [dB]; None: no image."""
         if self.image is None:
             return None
-        return self.image.level_at_db(self.display.turn, place.x_m, place.y_m, place.depth_m)
+        image = self.image
+        at = ((image.depth_m, place.depth_m), (image.y_m, place.y_m), (image.x_m, place.x_m))
+        nearest = [int(np.argmin(np.abs(axis - one))) for axis, one in at]
+        return float(image.levels_db[tuple([self.turn, *nearest])])
 
     def read_out(self, place: Place) -> Message:
         """Return position, delay and level of a place."""
@@ -140,14 +126,14 @@ class Scene:
             delay_ns / NS_PER_S,
             self.permittivity,
             self.separation_m,
-            self.deepest_m,
+            self.session.deepest_m,
         )
         return self.in_section(across_mm, depth_m * MM_PER_M)
 
     def in_section(self, across_mm: float, depth_mm: float) -> Place:
         """Return the place of a point of the section."""
         along_m, other_m = across_mm / MM_PER_M, self.other_of(self.place)
-        x_m, y_m = (along_m, other_m) if self.display.along == X else (other_m, along_m)
+        x_m, y_m = (along_m, other_m) if self.along == X else (other_m, along_m)
         return Place(x_m, y_m, depth_mm / MM_PER_M)
 
     def in_slice(self, x_mm: float, y_mm: float) -> Place:
@@ -160,7 +146,7 @@ class Scene:
         Those of another polarization are left out; B-scan and section show those near the line.
         """
         in_traces, in_section, in_slice = [], [], []
-        near_m = self._step_m(Y if self.display.along == X else X)
+        near_m = self._step_m(Y if self.along == X else X)
         now = self.permittivity if self.image is None else self.image.permittivity
         for one in picks:
             if one.polarization_deg != self.polarization_deg:
@@ -177,40 +163,17 @@ class Scene:
         return in_traces, in_section, in_slice
 
     def candidate_marks(self) -> Tuple[List[Mark], List[Mark]]:
-        """Return the marks of candidates in section and slice.
-
-        All that are not doubtful, and those doubtful ones that tables show; these have no name,
-        except the brightest, which is the first.
-        """
-        near_m = self._step_m(Y if self.display.along == X else X)
-        places = [
-            (
-                Place(one.x_m, one.y_m, one.depth_m),
-                "" if one.is_doubtful and one.number > 1 else one.id,
-            )
-            for one in self._marked()
-        ]
-        in_section = [
-            Mark(self.along_of(place) * MM_PER_M, place.depth_m * MM_PER_M, name)
-            for place, name in places
-            if abs(self.other_of(place) - self.other_of(self.place)) <= near_m
-        ]
-        in_slice = [
-            Mark(place.x_m * MM_PER_M, place.y_m * MM_PER_M, name) for place, name in places
-        ]
+        """Return the marks of the candidates that tables show, in section and slice."""
+        in_section, in_slice = [], []
+        found = None if self.image is None else self.image.candidates
+        near_m = self._step_m(Y if self.along == X else X)
+        for one in () if found is None else found.shown():
+            place = Place(one.x_m, one.y_m, one.depth_m)
+            in_slice.append(Mark(one.x_m * MM_PER_M, one.y_m * MM_PER_M, one.id))
+            if abs(self.other_of(place) - self.other_of(self.place)) <= near_m:
+                across_mm = self.along_of(place) * MM_PER_M
+                in_section.append(Mark(across_mm, one.depth_m * MM_PER_M, one.id))
         return in_section, in_slice
-
-    @property
-    def candidates(self) -> Tuple[Candidate, ...]:
-        """The candidates in the image that is shown."""
-        if self.image is None or self.image.candidates is None:
-            return ()
-        return self.image.candidates.candidates
-
-    def _marked(self) -> Tuple[Candidate, ...]:
-        if self.image is None or self.image.candidates is None:
-            return ()
-        return self.image.candidates.shown()
 
     def _step_m(self, axis: str) -> float:
         places_m = self.session.axis_m(axis)

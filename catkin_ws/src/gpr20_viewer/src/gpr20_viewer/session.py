@@ -9,8 +9,8 @@ import numpy as np
 import xarray as xr
 
 from gpr20_analysis import lazy
+from gpr20_analysis.candidates.search import find_candidates
 from gpr20_analysis.dataset import (
-    HEIGHT,
     POLARIZATION,
     S21,
     S21_DIMS,
@@ -20,25 +20,20 @@ from gpr20_analysis.dataset import (
     require,
     usable,
 )
-from gpr20_analysis.errors import WrongDatasetError
 from gpr20_analysis.imaging.image import image_survey
 from gpr20_analysis.imaging.image_options import ImageOptions
 from gpr20_analysis.imaging.image_traces import COPIES, traces_of
-from gpr20_analysis.imaging.methods import DEFAULT_STEPS, Method
-from gpr20_analysis.imaging.phase_shift import grid_step_m
+from gpr20_analysis.imaging.methods import DEFAULT_STEPS
 from gpr20_analysis.processing.antenna_delay import delay_to_remove_s, recorded_separation_m
 from gpr20_analysis.processing.chain import process_survey, recipe_of
-from gpr20_analysis.sentences import DOUBTS, LIST_ATTRIBUTES, NOTES, sentences_of
+from gpr20_analysis.sentences import DOUBTS, LIST_ATTRIBUTES, sentences_of
 from gpr20_common.message import Message
 from gpr20_survey.results.candidates import CandidateList
 from gpr20_survey.results.hiding_map import HidingMap
 from gpr20_viewer.live_image import ImageRequest, LiveImage
 from gpr20_viewer.positions import Line, Place, line_of
 
-MOST_DEPTHS = 200
-
 FindCandidates = Callable[[xr.Dataset], CandidateList]
-Loop = Callable[..., Iterable]
 
 
 class ViewSession:
@@ -47,15 +42,13 @@ class ViewSession:
     Args:
         survey: The survey after the steps that were chosen.
         options: How images are made; the permittivity and the last depth are the first shown.
-        find_candidates: Finds candidates in an image; None: there is no search.
-        background: The step that removes the background where that is switched on.
+        find_candidates: Finds candidates in an image.
         hiding: Where a mine could hide; None: not known.
 
     Attributes:
         survey: The survey in memory.
         options: How images are made.
         hiding: Where a mine could hide; None: not known.
-        remarks: What is said about the session itself.
 
     Raises:
         AnalysisError: It cannot be imaged, such as for missing samples, or does not fit.
@@ -65,8 +58,7 @@ class ViewSession:
         self,
         survey: xr.Dataset,
         options: ImageOptions,
-        find_candidates: Optional[FindCandidates] = None,
-        background: str = DEFAULT_STEPS[0],
+        find_candidates: FindCandidates = find_candidates,
         hiding: Optional[HidingMap] = None,
     ) -> None:
         spectra = require(survey, S21, S21_DIMS)
@@ -74,14 +66,10 @@ class ViewSession:
         self.survey = survey.compute()
         self.find_candidates = find_candidates
         self.hiding = hiding
-        self._background = background
-        self.remarks: List[Message] = []
         separation_m = options.separation_m or recorded_separation_m(survey)
-        self.options = self._suitable(dataclasses.replace(options, separation_m=separation_m))
+        self.options = dataclasses.replace(options, separation_m=separation_m)
         traces_of(self.survey, self.options)
         self._data: Dict[bool, xr.Dataset] = {False: self.survey}
-        # Only `compute` uses it, in one thread: the last image.
-        self._last: Optional[Tuple[ImageRequest, xr.Dataset]] = None
         self._usable = usable(self.survey).transpose(*SAMPLE_DIMS).values
 
     @property
@@ -96,9 +84,8 @@ class ViewSession:
 
     @property
     def notes(self) -> List[Message]:
-        """What is missing, damaged or noted, and remarks on the session."""
-        found = [one for name in LIST_ATTRIBUTES for one in sentences_of(self.survey, name)]
-        return [*found, *self.remarks]
+        """What is missing, damaged or noted."""
+        return [one for name in LIST_ATTRIBUTES for one in sentences_of(self.survey, name)]
 
     @property
     def doubts(self) -> List[Message]:
@@ -107,15 +94,13 @@ class ViewSession:
 
     @property
     def first_request(self) -> ImageRequest:
-        """The image that is shown first.
+        """The image that is shown first, without background unless earlier steps were chosen."""
+        return ImageRequest(None, background=not recipe_of(self.survey))
 
-        The background is subtracted unless earlier steps were chosen.
-        """
-        return ImageRequest(
-            None,
-            background=not recipe_of(self.survey),
-            deepest_m=float(self.options.depth_m[-1]),
-        )
+    @property
+    def deepest_m(self) -> float:
+        """Depth of the deepest layer [m]."""
+        return float(self.options.depth_m[-1])
 
     @property
     def axes(self) -> Tuple[str, ...]:
@@ -130,7 +115,7 @@ class ViewSession:
     def middle(self) -> Place:
         """Return the place that is shown first: the middle of the area."""
         x_m, y_m = (self.axis_m(axis) for axis in (X, Y))
-        depth_m = float(self.options.depth_m[-1]) / 3.0
+        depth_m = self.deepest_m / 3.0
         return Place(float(x_m[len(x_m) // 2]), float(y_m[len(y_m) // 2]), depth_m)
 
     def without_data(self, turn: int) -> np.ndarray:
@@ -141,70 +126,31 @@ class ViewSession:
     def data(self, background: bool) -> xr.Dataset:
         """Return the survey, with its background or without it."""
         if background not in self._data:
-            self._data[background] = process_survey(self.survey, self._background)
+            self._data[background] = process_survey(self.survey, DEFAULT_STEPS[0])
         return self._data[background]
 
-    def compute(self, request: ImageRequest, loop: Loop) -> LiveImage:
+    def compute(self, request: ImageRequest, loop: Callable[..., Iterable]) -> LiveImage:
         """Return the image of a request.
 
         Raises:
             AnalysisError: The image cannot be made.
         """
-        plain = dataclasses.replace(request, candidates=False)
-        if self._last is None or self._last[0] != plain:
-            survey = self.data(request.background)
-            self._last = (plain, image_survey(survey, self._options(request), loop))
-        _request, image = self._last
-        found = None
-        if request.candidates and self.find_candidates is not None:
-            found = self.find_candidates(image)
-        added = sentences_of(image, NOTES)[
-            len(sentences_of(self.data(request.background), NOTES)) :
-        ]
-        return LiveImage(request, image.assign_attrs(notes=[]), tuple(added), found)
+        options = self.options
+        if request.permittivity is not None:
+            options = dataclasses.replace(
+                options, permittivity=request.permittivity, soil=None, buried=None
+            )
+        return LiveImage(request, image_survey(self.data(request.background), options, loop))
 
     def line(self, turn: int, along: str, at_m: float) -> Line:
         """Return the line of a polarization that is nearest to a position."""
-        height_m = self.options.height_m
-        if height_m is None:
-            known_m = self.survey[HEIGHT].values
-            height_m = float(np.mean(known_m[known_m > 0.0]))
         delay_s = delay_to_remove_s(self.survey, self.options.delay_s)
-        line = line_of(self.survey, turn, along, at_m, height_m, delay_s)
-        if self.options.height_m is not None:
-            heights_m = np.full_like(line.height_m, self.options.height_m)
-            line = dataclasses.replace(line, height_m=heights_m)
-        return line
-
-    def _options(self, request: ImageRequest) -> ImageOptions:
-        first_m, second_m = self.options.depth_m[:2]
-        step_m = max(second_m - first_m, (request.deepest_m - first_m) / (MOST_DEPTHS - 1))
-        count = max(2, int(np.floor((request.deepest_m - first_m) / step_m + 1e-6)) + 1)
-        depth_m = tuple(np.round(first_m + step_m * np.arange(count), 9))
-        options = dataclasses.replace(self.options, depth_m=depth_m)
-        if request.permittivity is None:
-            return options
-        return dataclasses.replace(
-            options, permittivity=request.permittivity, soil=None, buried=None
-        )
-
-    def _suitable(self, options: ImageOptions) -> ImageOptions:
-        if options.method is not Method.PHASE_SHIFT:
-            return options
-        try:
-            for axis in self.axes:
-                grid_step_m(self.axis_m(axis), axis)
-        except WrongDatasetError as error:
-            self.remarks.append(
-                Message("imaged by back-projection, because {reason}", reason=error.message)
-            )
-            return dataclasses.replace(options, method=Method.BACK_PROJECTION)
-        return options
+        return line_of(self.survey, turn, along, at_m, self.options.height_m, delay_s)
 
 
 def _require_room(spectra: xr.DataArray, options: ImageOptions) -> None:
     # The survey, the same without background, and what an image needs of it.
-    voxels = spectra.size // spectra.shape[-1] * max(len(options.depth_m), MOST_DEPTHS)
+    voxels = spectra.size // spectra.shape[-1] * len(options.depth_m)
     image_bytes = 4.0 * voxels * np.dtype(np.complex64).itemsize
     held = 1.0 if spectra.chunks is None else 2.0
     purpose = Message("the viewer, which keeps the whole survey in memory,")

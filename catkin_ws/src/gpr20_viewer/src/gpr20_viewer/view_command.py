@@ -1,30 +1,32 @@
-"""gpr20 view: a window with B-scan, slices and 3D of a survey."""
+"""gpr20 view: a window with B-scan, sections and slices of a survey."""
 
 from __future__ import annotations
 
 import argparse
-import os
+import subprocess
 import sys
 from pathlib import Path
-
-import xarray as xr
 
 from gpr20_analysis.candidates.search import find_candidates
 from gpr20_analysis.commands import hiding_command, image_command, inputs
 from gpr20_analysis.commands.command import Command
 from gpr20_analysis.errors import AnalysisError, MissingLibraryError, library_missing
 from gpr20_analysis.faults import NO_SCREEN
-from gpr20_analysis.imaging.methods import DEFAULT_STEPS
 from gpr20_common.catalogue import Catalogue
 from gpr20_common.message import Message
-from gpr20_survey.results.candidates import CandidateList
 from gpr20_viewer.picks_file import picks_path
 from gpr20_viewer.session import ViewSession
 
 PACKAGE, EXTRA = "gpr20_viewer", "qt"
 LIBRARIES = {"PyQt5": "PyQt5", "pyqtgraph": "pyqtgraph"}
 """Libraries that the window needs; without them nothing is loaded first."""
-SCREENS = ("DISPLAY", "WAYLAND_DISPLAY", "QT_QPA_PLATFORM")
+OPEN_SCREEN = """
+import resource
+resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+from PyQt5.QtGui import QGuiApplication
+QGuiApplication([])
+"""
+SCREEN_LIMIT_S = 15.0
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -38,7 +40,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add("--picks", type=Path, metavar="FILE",
         help="file of the picks; default SURVEY.picks.json beside the survey")  # fmt: skip
     add("--author", default="", metavar="NAME", help="who picks; stored with each pick")
-    add("--flat", action="store_true", help="projections instead of 3D, without OpenGL")
 
 
 def run(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
@@ -51,16 +52,13 @@ def run(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
     survey = inputs.load(chosen, catalogue)
     processed, status = inputs.process(survey, steps, catalogue)
 
-    def find(image: xr.Dataset) -> CandidateList:
-        return find_candidates(image, listed)
-
     hiding = hiding_command.hiding_of(chosen, survey)
-    session = ViewSession(processed, options, find, DEFAULT_STEPS[0], hiding)
+    session = ViewSession(processed, options, lambda image: find_candidates(image, listed), hiding)
     from gpr20_viewer.views.application import show
 
     picks = chosen.picks or picks_path(chosen.survey)
     name = chosen.survey.expanduser().resolve().name
-    show(session, picks, chosen.author, name, chosen.flat)
+    show(session, picks, chosen.author, name)
     return status
 
 
@@ -73,16 +71,23 @@ def _check_libraries() -> None:
 
 
 def _check_screen() -> None:
-    # Qt ends the whole program where it finds no screen.
-    if sys.platform.startswith("linux") and not any(os.environ.get(name) for name in SCREENS):
+    # Qt ends the whole program, with a core dump, where it cannot open a screen.
+    if not sys.platform.startswith("linux"):
+        return
+    try:
+        subprocess.run(
+            [sys.executable, "-c", OPEN_SCREEN], capture_output=True, text=True, check=True,
+            timeout=SCREEN_LIMIT_S,
+        )  # fmt: skip
+    except subprocess.SubprocessError as error:
+        said = str(getattr(error, "stderr", None) or error).splitlines()
         raise AnalysisError(
-            Message("there is no screen here"),
-            fault=NO_SCREEN,
-        )
+            Message("there is no screen here", details=said[0]), fault=NO_SCREEN
+        ) from error
 
 
 COMMAND = Command(
-    "Look at a survey in a window: B-scan, sections, slices and 3D, with a permittivity slider. "
+    "Look at a survey in a window: B-scan, sections and slices, with a permittivity slider. "
     "Picks are stored beside the survey, never in its folder.",
     add_arguments,
     run,

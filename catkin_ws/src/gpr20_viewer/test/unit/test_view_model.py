@@ -1,8 +1,7 @@
-"""The viewer's model: delays, images, the worker. Nothing here needs Qt."""
+"""The viewer's model: delays, images. Nothing here needs Qt."""
 
 from __future__ import annotations
 
-import threading
 from dataclasses import replace
 
 import numpy as np
@@ -12,21 +11,17 @@ from fault_kit import raises_fault
 from ground_kit import point, scene, survey_of
 
 from gpr20_analysis import faults, lazy
-from gpr20_analysis.dataset import Quality
 from gpr20_analysis.imaging.image_options import ImageOptions
-from gpr20_analysis.imaging.methods import Method
 from gpr20_analysis.processing.chain import process_survey
 from gpr20_survey.radar.soils import Soils
-from gpr20_viewer.latest_worker import LatestWorker
 from gpr20_viewer.live_image import ImageRequest
 from gpr20_viewer.pictures import (
     Picture,
     longest_delay_s,
-    slice_picture,
     traces_picture,
 )
 from gpr20_viewer.positions import Place
-from gpr20_viewer.scene import Display, Scene
+from gpr20_viewer.scene import Scene
 from gpr20_viewer.session import ViewSession
 
 PLACES_MM = np.linspace(140.0, 340.0, 11)
@@ -61,7 +56,7 @@ def test_the_hyperbola_lies_on_the_echo_of_the_target(separation_m, along):
     session = ViewSession(survey_of(ground, PLACES_MM, PLACES_MM, rotations_deg=(0.0,)), FIXED)
     line = session.line(0, along, 0.24)
     until_s = longest_delay_s(line, 0.15, 4.0, separation_m)
-    picture = traces_picture(session, line, 0, True, until_s, 0.0)
+    picture = traces_picture(session, line, 0, True, until_s)
     ridge_ns = np.linspace(*picture.down, len(picture.levels_db))[picture.levels_db.argmax(axis=0)]
     expected_ns = line.delays_s(PLACE, 4.0, separation_m) * 1e9
     sample_ns = picture.down[1] / (len(picture.levels_db) - 1)
@@ -90,14 +85,6 @@ def test_the_depth_of_a_delay_is_that_of_the_place(session):
         assert abs(found_m - depth_m) < 1e-6, (place, permittivity, separation_m)
 
 
-def test_the_image_has_the_target_where_it_is(image):
-    level = slice_picture(image, 0, 0.083, 0.0).levels_db
-    assert np.unravel_index(np.argmax(level), level.shape) == (5, 5)
-    assert -1.0 < float(level.max()) <= 0.0
-    assert abs(image.level_at_db(0, 0.24, 0.24, 0.083)) < 1.0
-    assert "as given" in str(image.caption) and "permittivity 4" in str(image.caption)
-
-
 def test_the_caption_says_where_the_permittivity_is_from_and_its_range():
     for options, permittivity, words in (
         (ImageOptions(), 5.0, "(2 to 16), ASSUMED"),
@@ -106,15 +93,8 @@ def test_the_caption_says_where_the_permittivity_is_from_and_its_range():
         session = ViewSession(small(), options)
         first = session.compute(session.first_request, at_once)
         assert first.permittivity == permittivity and words in str(first.caption)
-    chosen = session.compute(ImageRequest(8.0, False, 0.3), at_once)
+    chosen = session.compute(ImageRequest(8.0, False), at_once)
     assert "(7.2 to 8.8), set with the slider" in str(chosen.caption)
-
-
-def test_a_line_with_uneven_spacing_is_imaged_by_back_projection():
-    pytest.importorskip("numba")
-    uneven_mm = PLACES_MM + 6.0 * np.sin(PLACES_MM)
-    session = ViewSession(small(x_mm=uneven_mm, y_mm=np.array([240.0])), FIXED)
-    assert session.options.method is Method.BACK_PROJECTION
 
 
 def test_the_separation_that_a_survey_records_is_used_unless_another_is_given():
@@ -136,20 +116,6 @@ def test_what_cannot_be_shown_is_refused(monkeypatch):
         ViewSession(small(), FIXED)
 
 
-def test_missing_samples_are_refused_unless_left_out_and_marked():
-    survey = small()
-    survey.s21[0, 4, 4] = np.nan
-    survey.quality[0, 4, 4] = int(Quality.MISSING)
-    with raises_fault(faults.INPUT):
-        ViewSession(survey, FIXED)
-    session = ViewSession(survey, replace(FIXED, leave_out_missing=True))
-    assert session.without_data(0).tolist() == [[PLACES_MM[4] / 1e3, PLACES_MM[4] / 1e3]]
-    image = session.compute(session.first_request, at_once)
-    assert "left out" in " ".join(map(str, image.remarks))
-    picture = traces_picture(session, session.line(0, "x", PLACES_MM[4] / 1e3), 0, True, 5e-9, 0.0)
-    assert np.flatnonzero(np.isnan(picture.levels_db).any(axis=0)).tolist() == [4]
-
-
 def test_a_picture_of_uneven_places_shows_the_nearest_one():
     across = np.array([0.0, 1.0, 4.0, 6.0])
     picture = Picture.of(np.arange(4.0)[None, :].repeat(2, 0), across, np.array([0.0, 1.0]))
@@ -159,8 +125,8 @@ def test_a_picture_of_uneven_places_shows_the_nearest_one():
 
 
 def test_a_scene_moves_by_steps_and_stays_inside(session, image):
-    display = Display(0, "x", 40.0, 0.0)
-    scene = Scene(session, image, PLACE, display, 4.0, 0.3)
+    scene = Scene(session, image, PLACE, 0, "x", 4.0)
+    assert abs(scene.level_db(PLACE)) < 1.0
     moved = scene.moved(1, -1, 1)
     assert np.allclose((moved.x_m, moved.y_m), (0.26, 0.22)) and moved.depth_m > PLACE.depth_m
     assert scene.inside(Place(9.0, -1.0, 2.0)) == Place(0.34, 0.14, 0.3)
@@ -168,50 +134,3 @@ def test_a_scene_moves_by_steps_and_stays_inside(session, image):
     assert said.startswith("x 240 mm, y 240 mm, depth 83 mm, delay ") and said.endswith(" dB")
     below = scene.in_traces(240.0, scene.delay_ns(PLACE))
     assert abs(below.depth_m - PLACE.depth_m) < 1e-6
-
-
-class Gate:
-    def __init__(self):
-        self.begun, self.free, self.failed = (threading.Event() for _ in range(3))
-        self.computed, self.delivered = [], []
-        self.worker = LatestWorker(
-            self.compute,
-            lambda wanted, result: self.delivered.append(result),
-            lambda wanted, error: self.failed.set(),
-        )
-
-    def compute(self, wanted, loop):
-        self.computed.append(wanted)
-        self.begun.set()
-        assert self.free.wait(30.0)
-        if wanted == "fault":
-            raise ValueError("as the test wants it")
-        return [wanted for _ in loop(range(2))]
-
-
-def test_only_the_latest_waiting_request_is_computed_and_a_fault_ends_nothing():
-    gate = Gate()
-    for wanted in ("first", *range(9), "fault"):
-        gate.worker.request(wanted)
-        assert gate.begun.wait(30.0)
-    gate.free.set()
-    assert gate.failed.wait(30.0)
-    gate.begun.clear()
-    gate.worker.request("last")
-    assert gate.begun.wait(30.0)
-    gate.worker.close()
-    assert gate.computed == ["first", "fault", "last"]
-    assert gate.delivered[0] == ["first", "first"]
-
-
-def test_a_closed_worker_ends_its_computation_and_delivers_nothing():
-    gate = Gate()
-    gate.worker.request(1)
-    assert gate.begun.wait(30.0)
-    closing = threading.Thread(target=gate.worker.close)
-    closing.start()
-    while not gate.worker._is_closed:
-        closing.join(0.001)
-    gate.free.set()
-    closing.join(30.0)
-    assert not closing.is_alive() and gate.delivered == [] and not gate.failed.is_set()

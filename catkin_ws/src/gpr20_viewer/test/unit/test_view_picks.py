@@ -4,10 +4,7 @@ from __future__ import annotations
 
 import csv
 import json
-import subprocess
-import sys
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -20,9 +17,8 @@ from gpr20_analysis.faults import PICKS_CHANGED
 from gpr20_analysis.read.load import load_survey
 from gpr20_analysis.read.verification import verify_survey
 from gpr20_common.faults import NOT_ALLOWED
-from gpr20_viewer.identity import SurveyIdentity
 from gpr20_viewer.picks import Pick, PickEditor, PickRefusedError
-from gpr20_viewer.picks_file import CSV, JSON, PicksFile, PicksFileError, picks_path
+from gpr20_viewer.picks_file import PicksFile, PicksFileError, SurveyIdentity, picks_path
 
 IDENTITY = SurveyIdentity("0f8fad5b-d9cb-469f-a165-70867728950e", "a" * 64, True)
 
@@ -63,10 +59,8 @@ def test_undo_goes_back_through_every_state():
         for expected in reversed(states[:-1]):
             editor.undo()
             assert editor.picks == expected, seed
-        assert not editor.can_undo
-        for _ in states:
-            editor.redo()
-        assert editor.picks == states[-1] and not editor.can_redo, seed
+        editor.undo()
+        assert editor.picks == (), seed
 
 
 def test_a_bounced_click_makes_one_pick_and_no_name_is_used_again(editor):
@@ -79,7 +73,7 @@ def test_a_bounced_click_makes_one_pick_and_no_name_is_used_again(editor):
 
 
 def test_a_pick_that_is_not_possible_is_refused():
-    for change in ({"x_m": np.nan}, {"depth_m": -0.1}, {"permittivity": 0.5}, {"note": "x" * 2001}):
+    for change in ({"x_m": np.nan}, {"depth_m": -0.1}, {"permittivity": 0.5}):
         with pytest.raises(PickRefusedError):
             replace(pick(), **change)
 
@@ -107,14 +101,14 @@ def test_picks_of_another_survey_are_refused_and_kept(path):
         with raises_fault(NOT_ALLOWED):
             PicksFile(path, other).load()
     assert path.read_bytes() == before
-    continued = PicksFile(path, replace(IDENTITY, sha256="b" * 64))
+    continued = PicksFile(path, replace(IDENTITY, survey_sha256="b" * 64))
     assert "other data" in str(continued.load()[1][0])
     # Data without an id are told apart by their numbers.
     path.unlink()
     PicksFile(path, nameless).save(PickEditor())
     PicksFile(path, nameless).load()
     with raises_fault(NOT_ALLOWED):
-        PicksFile(path, replace(nameless, sha256="b" * 64)).load()
+        PicksFile(path, replace(nameless, survey_sha256="b" * 64)).load()
 
 
 def test_a_file_that_another_program_changed_is_not_overwritten(path):
@@ -145,35 +139,6 @@ def test_a_damaged_file_is_refused_and_left_alone(path):
             assert all(isinstance(one, Pick) for one in loaded.picks)
 
 
-WRITER = """
-import sys
-sys.path[:0] = {paths}
-from pathlib import Path
-from test_view_picks import IDENTITY, pick
-from gpr20_viewer.picks import PickEditor
-from gpr20_viewer.picks_file import PicksFile
-file, editor = PicksFile(Path({path}), IDENTITY), PickEditor()
-for number in range(100000):
-    editor.add(pick(float(number)))
-    file.save(editor)
-    print(number + 1, flush=True)
-"""
-
-
-def test_a_killed_save_leaves_a_whole_file_with_every_stored_pick(tmp_path):
-    path = tmp_path / "survey.picks.json"
-    program = WRITER.format(paths=[str(Path(__file__).parent), *sys.path], path=repr(str(path)))
-    with subprocess.Popen(
-        [sys.executable, "-c", program], stdout=subprocess.PIPE, text=True
-    ) as writer:
-        lines = [writer.stdout.readline() for _ in range(20)]
-        writer.kill()
-        stored = max(map(int, [*lines, *writer.stdout]))
-    picks = PicksFile(path, IDENTITY).load()[0].picks
-    assert [one.x_m for one in picks] == [float(one) for one in range(len(picks))]
-    assert stored <= len(picks) <= stored + 1
-
-
 def test_picks_of_a_sealed_survey_are_beside_its_folder(tmp_path, editor):
     folder = make_survey(tmp_path, 18, "finished")
     beside = folder.with_name(f"{folder.name}.picks.json")
@@ -195,19 +160,14 @@ def test_picks_of_a_sealed_survey_are_beside_its_folder(tmp_path, editor):
 
 def test_exported_picks_say_what_they_are(tmp_path, path, editor):
     editor.add(pick(0.3, note='=1+1, "quoted"\nsecond line', level_db=None))
-    file = PicksFile(path, IDENTITY)
-    for suffix in (CSV, JSON):
-        file.export(editor, tmp_path / f"out{suffix}")
+    PicksFile(path, IDENTITY).export(editor, tmp_path / "out.csv")
     with (tmp_path / "out.csv").open(encoding="utf-8", newline="") as stream:
         rows = list(csv.DictReader(stream))
     assert [float(row["x_m"]) for row in rows] == [0.1, 0.3]
     assert rows[1]["note"].startswith("'=")
     assert cell_text(rows[1]["note"]) == editor.picks[1].note and rows[1]["level_db"] == ""
-    record = json.loads((tmp_path / "out.json").read_text(encoding="utf-8"))
-    assert record["picks"][0]["author"] == "Ana Peña"
-    for one in (*rows, record):
-        assert one["simulated"] == "SIMULATED" and "no clearance" in one["notice"]
-        assert one["survey_id"] == IDENTITY.survey_id
-    for wrong in (tmp_path / "out.xls", path):
-        with raises_fault(NOT_ALLOWED):
-            file.export(editor, wrong)
+    for row in rows:
+        assert row["simulated"] == "SIMULATED" and "no clearance" in row["notice"]
+        assert (row["survey_id"], row["author"]) == (IDENTITY.survey_id, "Ana Peña")
+    with raises_fault(NOT_ALLOWED):
+        PicksFile(path, IDENTITY).export(editor, path)

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import os
 import signal
+import subprocess
+import sys
 import threading
 import time
 
@@ -29,14 +31,14 @@ from gpr20_analysis.imaging.image_options import ImageOptions
 from gpr20_common.faults import ASKED_FOR
 from gpr20_survey.results.candidates import Candidate, CandidateList
 from gpr20_viewer import view_command
-from gpr20_viewer.identity import SurveyIdentity
-from gpr20_viewer.picks_file import PicksFile
+from gpr20_viewer.live_image import ImageRequest
+from gpr20_viewer.picks_file import PicksFile, SurveyIdentity
 from gpr20_viewer.positions import Place
 from gpr20_viewer.session import ViewSession
-from gpr20_viewer.views.colours import LEVELS
+from gpr20_viewer.views.live_bridge import LiveBridge
 from gpr20_viewer.views.main_window import MainWindow
-from gpr20_viewer.views.pick_desk import PickDesk
-from gpr20_viewer.views.volume_view import ProjectionsView
+from gpr20_viewer.views.picture_plot import NOT_MEASURED
+from gpr20_viewer.views.tables import PicksTab
 
 PLACES_MM = np.linspace(140.0, 340.0, 11)
 TARGET = point(240.0, 240.0, 0.083)
@@ -50,18 +52,25 @@ def survey():
     return survey.assign_attrs(survey_id="0f8fad5b-d9cb-469f-a165-70867728950e")
 
 
+def found_in(image):
+    certain = (0.001, 0.001, 0.004, 20.0, 1e-6)
+    one = Candidate("C01", 0.24, 0.24, 0.083, *certain, (0.0, 90.0), None, ())
+    permittivity = float(image.attrs["permittivity"])
+    values = (*[permittivity] * 3, "", 0.04, 9.0, 5.0, 16.0, 0, 0, None)
+    return CandidateList("id", True, "phase-shift", *values, (one,))
+
+
 class Windows:
     def __init__(self, folder):
         self._folder, self._opened = folder, []
         self.answers, self.export = [], None
 
-    def open(self, survey, find_candidates=None, **options):
-        session = ViewSession(
-            survey, ImageOptions(**{"permittivity": 4.0, **options}), find_candidates
-        )
+    def open(self, survey, **options):
+        options = ImageOptions(**{"permittivity": 4.0, **options})
+        session = ViewSession(survey, options, found_in)
         file = PicksFile(self._folder / "survey.picks.json", SurveyIdentity.of(session.survey))
-        desk = PickDesk(file, "", lambda: "2026-11-22T12:00:00Z", lambda: self.export)
-        window = MainWindow(session, desk, "survey", True, lambda _: self.answers.pop())
+        picks = PicksTab(file, "", lambda: "2026-11-22T12:00:00Z", lambda: self.export)
+        window = MainWindow(session, picks, "survey", lambda _: self.answers.pop())
         window.show()
         self._opened.append(window)
         return computed(window)
@@ -85,12 +94,16 @@ def windows(application, tmp_path):
     windows.close_all()
 
 
-def computed(window):
+def until(holds):
     deadline_s = time.monotonic() + LIMIT_S
-    while window.is_computing:
-        assert time.monotonic() < deadline_s, "the image is computed"
+    while not holds():
+        assert time.monotonic() < deadline_s
         QApplication.processEvents()
         threading.Event().wait(0.002)
+
+
+def computed(window):
+    until(lambda: not window.is_computing)
     return window
 
 
@@ -105,28 +118,28 @@ def near(one, other):
     return max(map(abs, apart)) < 0.004
 
 
+def cursor_of(plot):
+    return tuple(line.value() for line in plot.cursor)
+
+
 def test_every_view_shows_the_same_place_and_a_click_in_any_moves_all(windows, survey):
     window = windows.open(survey)
-    sections, plots = window.sections, window.volume.plots
-    # Without OpenGL there are projections.
-    assert isinstance(window.volume, ProjectionsView)
+    sections = window.sections
     window.move_to(PLACE)
     delay_ns = window.scene.delay_ns(PLACE)
-    for plot, place in (
-        *((sections.slice, (240.0, 240.0)), (sections.section, (240.0, 83.0))),
-        *((sections.b_scan, (240.0, delay_ns)), (plots["depth"], (240.0, 240.0))),
-        (plots["x"], (240.0, 83.0)),
-    ):
-        assert plot.cursor_place == pytest.approx(place)
-    _x, delays_ns = sections.b_scan.hyperbola.getData()
+    for plot, down in zip(sections.plots, (delay_ns, 83.0, 240.0, 240.0)):
+        assert cursor_of(plot) == pytest.approx((240.0, down))
+    _x, delays_ns = sections.hyperbola.getData()
     assert np.argmin(delays_ns) == 5 and abs(delays_ns.min() - delay_ns) < 1e-6
     assert "x 240 mm, y 240 mm, depth 83 mm" in window.cursor_text.text()
-    # The target is the brightest of its slice.
-    shown = sections.slice.colours
-    assert shown[5, 5] == shown.max() > shown.min()
-    window.controls.direction.setCurrentIndex(1)
+    # The target is the brightest of its slice, and of all.
+    for plot in (sections.slice, sections.maximum):
+        levels = plot.image.image
+        assert levels[5, 5] == levels.max() > levels.min()
+    window.settings.next("section")
     for plot, begin, down in (
         (sections.slice, Place(0.2, 0.3, 0.083), 240.0),
+        (sections.maximum, Place(0.2, 0.3, 0.083), 240.0),
         (sections.section, Place(0.24, 0.2, 0.15), 83.0),
         (sections.b_scan, Place(0.24, 0.2, 0.15), delay_ns),
     ):
@@ -138,58 +151,55 @@ def test_every_view_shows_the_same_place_and_a_click_in_any_moves_all(windows, s
 @pytest.mark.parametrize("along", ["x", "y"])
 def test_a_single_line_fills_the_window_with_its_traces_and_its_section(windows, survey, along):
     window = windows.open(survey.isel({"y" if along == "x" else "x": [5]}))
-    sections, controls = window.sections, window.controls
+    sections = window.sections
     window.resize(800, 480)
     QApplication.processEvents()
     assert (window.width(), window.height()) == (800, 480)
-    assert not sections.slice.isVisible() and not window.volume.isVisible()
+    assert not sections.slice.isVisible() and not sections.maximum.isVisible()
     for plot in (sections.b_scan, sections.section):
         assert plot.isVisible() and plot.width() > 320 and plot.height() > 144
-        assert plot.colours.shape[1] == 11 and len(np.unique(plot.colours)) > 20
-    assert not controls.direction.isEnabled()
+        assert plot.image.image.shape[1] == 11
     click_at(sections.section, 240.0, 83.0)
     assert near(window.place, PLACE)
     assert f"along {along}" in sections.section.getPlotItem().titleLabel.text
     QTest.keyClick(window, Qt.Key_P)
-    assert sections.b_scan.picks.count == 1 == sections.section.picks.count
+    assert [one.count for one in sections.pick_marks] == [1, 1, 1]
 
 
 def test_settings_change_what_is_shown_and_the_latest_value_wins(windows, survey):
     window = windows.open(survey, permittivity=None)
-    controls, section = window.controls, window.sections.section
-    assert controls.permittivity == window.image.permittivity == 5.0
-    before = section.colours.copy()
-    controls.range.setValue(20.0)
-    assert (section.colours == 0).sum() > (before == 0).sum()
-    traces = window.sections.b_scan.colours.copy()
-    controls.gain.setValue(6.0)
-    controls.deepest.setValue(150.0)
-    controls.background.setChecked(False)
+    settings, plots = window.settings, window.sections.plots
+    assert settings.permittivity == window.image.permittivity == 5.0
+    (shown,) = settings.tree.child("permittivity").items
+    assert float(shown.widget.text()) == 5.0
+    window.sections.scale.setLevels(low=-20.0)
+    assert {tuple(plot.image.levels) for plot in plots} == {(-20.0, 0.0)}
+    settings.switch_background()
     for steps in range(150, 260, 2):
-        controls.slider.setValue(steps)
+        settings.slider.setValue(steps)
     # The caption is that of the image that is still shown.
-    assert window.is_computing and "computing" in window.status.caption.text()
-    assert "ASSUMED" in window.status.caption.text()
+    assert window.is_computing and "computing" in window.caption.text()
+    assert "ASSUMED" in window.caption.text()
     computed(window)
-    assert window.image.permittivity == controls.permittivity > 10.0
-    assert window.image.source == "slider"
-    assert window.image.depth_m[-1] == pytest.approx(0.15, abs=0.003)
-    assert "display gain 6 dB/ns" in window.status.caption.text()
-    assert not np.array_equal(traces, window.sections.b_scan.colours)
+    assert window.image.permittivity == settings.permittivity > 10.0
+    assert window.image.source == "slider" and not window.image.request.background
+    before = settings.permittivity
+    assert float(shown.widget.text()) == before
+    QTest.keyClick(window, Qt.Key_Plus)
+    assert settings.permittivity == pytest.approx(before + 0.1)
 
 
 def test_an_image_that_cannot_be_made_says_why_and_the_last_one_keeps_its_caption(windows, survey):
-    window = windows.open(survey)
-    window.controls.deepest.setValue(5000.0)
-    window.controls.permittivity_box.setValue(30.0)
+    window = windows.open(survey, depth_m=(0.0, 0.5, 1.0))
+    window.settings.tree["permittivity"] = 30.0
     computed(window)
-    assert "frequency step" in window.status.problem.text()
-    assert "permittivity 4 (3.6 to 4.4)," in window.status.caption.text()
+    assert "frequency step" in window.problem.text()
+    assert "permittivity 4 (3.6 to 4.4)," in window.caption.text()
     QTest.keyClick(window, Qt.Key_P)
-    assert window.desk.editor.picks == ()
-    window.controls.deepest.setValue(300.0)
+    assert window.picks.editor.picks == ()
+    window.settings.tree["permittivity"] = 5.0
     computed(window)
-    assert window.status.problem.text() == "" and window.image.permittivity == 30.0
+    assert window.problem.text() == "" and window.image.permittivity == 5.0
 
 
 def test_picks_are_stored_at_once_shown_again_and_move_with_the_permittivity(
@@ -198,7 +208,7 @@ def test_picks_are_stored_at_once_shown_again_and_move_with_the_permittivity(
     window = windows.open(survey)
     window.move_to(PLACE)
     QTest.keyClick(window, Qt.Key_P)
-    table = window.desk.table.table
+    table = window.picks.table
     window.activateWindow()
     table.editItem(table.item(0, 5))
     QApplication.processEvents()
@@ -207,24 +217,24 @@ def test_picks_are_stored_at_once_shown_again_and_move_with_the_permittivity(
     QTest.keyClicks(line, "pcbl")
     QTest.keyClick(line, Qt.Key_Return)
     QApplication.processEvents()
-    assert not window.click_picks.isChecked() and window.controls.background.isChecked()
+    assert window.settings.background and len(window.picks.editor.picks) == 1
     texts = [table.item(0, column).text() for column in range(6)]
     assert texts == ["P1", "240", "240", "83", "0°", "pcbl"]
-    assert "no clearance" in window.desk.table.notice.text()
     windows.close(window)
     again = windows.open(survey)
-    assert [one.note for one in again.desk.editor.picks] == ["pcbl"]
-    assert again.sections.slice.picks.count == 1 == again.sections.b_scan.picks.count
+    assert [one.note for one in again.picks.editor.picks] == ["pcbl"]
+    assert [one.count for one in again.sections.pick_marks] == [1, 1, 1]
     windows.export = tmp_path / "picks.csv"
-    again.desk.export()
+    again.picks.export()
     assert "pcbl" in windows.export.read_text()
-    again.controls.permittivity_box.setValue(16.0)
+    again.settings.tree["permittivity"] = 16.0
     computed(again)
-    _traces, section, _slice = again.scene.pick_marks(again.desk.editor.picks)
+    _traces, section, _slice = again.scene.pick_marks(again.picks.editor.picks)
     assert section[0].down == pytest.approx(41.5)
-    assert again.desk.editor.picks[0].depth_m == 0.083
-    again.controls.polarization.setCurrentIndex(1)
-    assert again.scene.polarization_deg == 90.0 and again.sections.slice.picks.count == 0
+    assert again.picks.editor.picks[0].depth_m == 0.083
+    again.settings.next("polarization")
+    assert again.scene.polarization_deg == 90.0
+    assert [one.count for one in again.sections.pick_marks] == [0, 0, 0]
 
 
 def test_picks_that_cannot_be_stored_say_so_and_are_not_lost_silently(windows, survey, tmp_path):
@@ -233,7 +243,7 @@ def test_picks_that_cannot_be_stored_say_so_and_are_not_lost_silently(windows, s
     (tmp_path / "survey.picks.json").write_text("{}")
     window.move_to(PLACE)
     window.pick()
-    assert "NOT SAVED" in window.desk.table.state.text() and window.desk.is_unsaved
+    assert "NOT SAVED" in window.picks.state.text() and window.picks.is_unsaved
     windows.answers = [False]
     window.close()
     assert window.isVisible() and windows.answers == []
@@ -251,43 +261,76 @@ def holed(survey):
 
 def test_what_was_not_measured_is_grey_and_marked(windows, holed):
     window = windows.open(holed, leave_out_missing=True)
-    window.move_to(Place(0.24, 0.22, 0.083))
-    assert (window.sections.b_scan.colours[:, 4] == LEVELS).all()
-    assert window.sections.slice.without_data.count == 1
-    assert "damaged: x 220 mm" in window.notes.text.text()
-    assert "the clock was set" in window.status.problem.text()
+    # Beside the cursor's line.
+    window.move_to(Place(0.34, 0.22, 0.083))
+    QApplication.processEvents()
+    b_scan = window.sections.b_scan
+    at = b_scan.mapFromScene(b_scan.getViewBox().mapViewToScene(QPointF(220.0, 1.0)))
+    pixels = b_scan.grab().toImage()
+    assert pixels.pixelColor(at).getRgb()[:3] == NOT_MEASURED
+    assert pixels.pixelColor(at.x() + 40, at.y()).getRgb()[:3] != NOT_MEASURED
+    assert window.sections.without_data.count == 1
+    assert "damaged: x 220 mm" in window.notes.toPlainText()
+    assert "the clock was set" in window.problem.text()
 
 
-def found_in(image):
-    certain = (0.001, 0.001, 0.004, 20.0, 1e-6)
-    one = Candidate("C01", 0.24, 0.24, 0.083, *certain, (0.0, 90.0), None, ())
-    permittivity = float(image.attrs["permittivity"])
-    values = (*[permittivity] * 3, "", 0.04, 9.0, 5.0, 16.0, 0, 0, None)
-    return CandidateList("id", True, "phase-shift", *values, (one,))
-
-
-def test_candidates_are_listed_with_the_sentence_and_marked(windows, survey):
-    window = windows.open(survey, find_candidates=found_in)
-    marked = window.sections.slice.candidates, window.sections.section.candidates
-    assert [one.count for one in marked] == [0, 0]
-    window.candidates.searched.setChecked(True)
-    computed(window)
+def test_candidates_are_listed_and_marked_with_the_sentence_and_what_is_simulated(windows, survey):
+    window = windows.open(survey)
+    window.settings.tree["permittivity"] = 5.0
+    until(lambda: not window.is_computing and window.image.candidates is not None)
     assert "no clearance" in window.candidates.notice.text()
     assert window.candidates.table.item(0, 1).text() == "240 ±1"
-    window.controls.permittivity_box.setValue(5.0)
-    computed(window)
     assert window.image.candidates.permittivity == 5.0
+    assert "SIMULATED" in window.windowTitle() and window.banner.isVisible()
+    assert "no clearance" in window.picks.notice.text()
     window.candidates.table.selectRow(0)
     assert near(window.place, PLACE)
-    assert [one.count for one in marked] == [1, 1]
+    assert [one.count for one in window.sections.candidate_marks] == [1, 1]
 
 
-def test_the_window_says_that_a_survey_is_simulated_and_picks_are_no_clearance(windows, survey):
-    window = windows.open(survey)
-    assert "SIMULATED" in window.windowTitle() and window.status.banner.isVisible()
-    assert "no clearance" in window.desk.table.notice.text()
-    measured = windows.open(survey.assign_attrs(simulated=0))
-    assert not measured.status.banner.isVisible() and "SIMULATED" not in measured.windowTitle()
+class Gate:
+    """A session whose images are made when the test says so."""
+
+    def __init__(self):
+        self.begun, self.free = threading.Event(), threading.Event()
+        self.computed, self.image = [], None
+
+    def compute(self, wanted, loop):
+        self.computed.append(wanted.permittivity)
+        self.begun.set()
+        assert self.free.wait(LIMIT_S)
+        if wanted.permittivity == 3.0:
+            raise ValueError("as the test wants it")
+        return next(iter(loop([self])))
+
+    def find_candidates(self, _image):
+        return "found"
+
+
+def test_the_latest_request_is_computed_and_a_closed_bridge_says_nothing(application):
+    gate = Gate()
+    bridge, said = LiveBridge(gate), []
+    bridge.computed.connect(lambda _image: said.append("computed"))
+    bridge.found.connect(lambda _image, found: said.append(found))
+    bridge.failed.connect(lambda wanted, _error: said.append(wanted.permittivity))
+    for permittivity in (1.0, 2.0, 3.0):
+        bridge.request(ImageRequest(permittivity, False))
+        assert gate.begun.wait(LIMIT_S)
+    gate.free.set()
+    until(lambda: said == ["computed", 3.0])
+    bridge.request(ImageRequest(4.0, False))
+    until(lambda: said == ["computed", 3.0, "computed", "found"])
+    gate.begun.clear()
+    gate.free.clear()
+    bridge.request(ImageRequest(5.0, False))
+    assert gate.begun.wait(LIMIT_S)
+    closing = threading.Thread(target=bridge.close)
+    closing.start()
+    until(bridge._closed.is_set)
+    gate.free.set()
+    closing.join(LIMIT_S)
+    QApplication.processEvents()
+    assert gate.computed == [1.0, 3.0, 4.0, 5.0] and len(said) == 4
 
 
 def when_computed(act):
@@ -311,10 +354,24 @@ def file(survey, tmp_path, installed):
     return path
 
 
+def test_the_command_explains_itself_without_the_libraries_of_the_window(installed, tmp_path):
+    program = (
+        f"import sys; sys.path[:0] = {[str(tmp_path / 'site'), *sys.path]}\n"
+        "from gpr20_analysis.commands.main import main\n"
+        "assert main(['--help']) == main(['view', '--help']) == 0\n"
+        "assert not {'PyQt5', 'pyqtgraph'} & set(sys.modules)\n"
+    )
+    ended = subprocess.run(
+        [sys.executable, "-c", program], capture_output=True, text=True, check=False
+    )
+    assert ended.returncode == 0, ended.stderr
+    assert "look at a survey in a window" in ended.stdout and "--picks FILE" in ended.stdout
+
+
 def test_the_command_shows_the_window_until_it_is_closed_or_interrupted(
     application, file, refusals
 ):
-    arguments = ["view", str(file), "--permittivity", "4", "--flat"]
+    arguments = ["view", str(file), "--permittivity", "4"]
     when_computed(lambda window: (window.pick(), window.close()))
     assert main([*arguments, "--author", "Ana"]) == DONE
     picks = file.with_name("survey.nc.picks.json").read_text(encoding="utf-8")
@@ -327,16 +384,21 @@ def test_the_command_shows_the_window_until_it_is_closed_or_interrupted(
 def test_a_damaged_survey_a_missing_library_or_no_screen_is_refused(
     application, file, holed, refusals, capsys, monkeypatch
 ):
-    arguments = ["view", str(file), "--permittivity", "4", "--flat"]
+    arguments = ["view", str(file), "--permittivity", "4"]
     with monkeypatch.context() as context:
         context.setattr(view_command, "LIBRARIES", {"no_such_library": "pyqtgraph"})
         assert main(arguments) == REFUSED
     assert "pip install 'gpr20_viewer[qt]'" in capsys.readouterr().err
-    with monkeypatch.context() as context:
-        for name in view_command.SCREENS:
-            context.delenv(name, raising=False)
-        assert main(arguments) == REFUSED
-    assert refusals[-2:] == [faults.STEPS.code, NO_SCREEN.code]
+    # None is named, and one that nobody serves.
+    for display, wayland in ((None, None), (":77", None), (None, "none-77")):
+        with monkeypatch.context() as context:
+            context.delenv("QT_QPA_PLATFORM")
+            for name, value in (("DISPLAY", display), ("WAYLAND_DISPLAY", wayland)):
+                context.delenv(name, raising=False)
+                if value is not None:
+                    context.setenv(name, value)
+            assert main(arguments) == REFUSED
+    assert refusals[-4:] == [faults.STEPS.code, *[NO_SCREEN.code] * 3]
     write_dataset(holed, file)
     assert main(arguments) == REFUSED
     assert main([*arguments, "--accept-damaged"]) == REFUSED

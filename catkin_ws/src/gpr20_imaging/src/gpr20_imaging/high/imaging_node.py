@@ -2,23 +2,25 @@
 
 from __future__ import annotations
 
-from typing import Any
+import json
+from typing import Any, Optional, Sequence
 
 import rospy
 
 from gpr20_analysis.high.candidate_topics import CandidateTopics
-from gpr20_common.high.answers import advertise, fields_of, message_fields
+from gpr20_common.high.answers import advertise, fields_of, message_fields, message_from
 from gpr20_common.high.diagnostics import OK, WARN, Diagnostics, Health
 from gpr20_common.high.node import publish_description, read_parameters, run_node
+from gpr20_common.high.service_client import ServiceClient, ServiceUnavailableError
+from gpr20_common.low.clock import time_of_day_us
 from gpr20_common.message import Message
 from gpr20_common.mid.node_facts import NO_HARDWARE
-from gpr20_imaging.high.export_notes import ExportNotes
-from gpr20_imaging.low.analysis_process import AnalysisProcess
 from gpr20_imaging.low.usb_volumes import UsbVolumes
-from gpr20_imaging.mid.imaging import Imaging, health_values
-from gpr20_imaging.mid.imaging_parameters import ImagingParameters
+from gpr20_imaging.low.worker_process import WorkerProcess
+from gpr20_imaging.mid.imaging import Imaging, ImagingParameters
 from gpr20_msgs.msg import ImagingProgress, Volume
 from gpr20_msgs.srv import (
+    AddFact,
     CancelImaging,
     CancelImagingResponse,
     ExportSurvey,
@@ -31,10 +33,13 @@ from gpr20_msgs.srv import (
     MapHiddenResponse,
 )
 from gpr20_survey.axes.axis_id import BASE_LINK
+from gpr20_survey.folder.log_record import Kind
 from gpr20_survey.results.focused_image import focus_fields
 from gpr20_survey.results.hiding_map import hiding_json
+from gpr20_survey.trace.utc_time import iso_text
 
 NODE = "imaging"
+NOTE_LIMIT_S = 20.0
 
 
 class ImagingNode:
@@ -44,10 +49,9 @@ class ImagingNode:
         """Connect everything; no child process is started before the first request."""
         self._progress = rospy.Publisher("imaging_progress", ImagingProgress, queue_size=20)
         self._candidates = CandidateTopics(BASE_LINK)
-        self._imaging = Imaging(
-            parameters.data_folder(), AnalysisProcess(), volumes, self._publish_progress
-        )
-        self._notes = ExportNotes()
+        self._sticks = volumes
+        self._imaging = Imaging(parameters.data_folder(), WorkerProcess(), self._publish_progress)
+        self._facts = ServiceClient("add_fact", AddFact)
         rospy.on_shutdown(self._imaging.close)
         self._services = [
             advertise("focus_survey", FocusSurvey, self._focus),
@@ -88,7 +92,7 @@ class ImagingNode:
             made = message_fields(Message("the file is made"))
             return ExportSurveyResponse(success=True, **made, files=files, content=content)
         message = Message("{count} files are on the USB stick", count=len(files))
-        not_noted = self._notes.add(request.survey, files, request.volume)
+        not_noted = self._note_export(request.survey, files, request.volume)
         if not_noted is not None:
             message = Message(
                 "{exported}; the log of the survey does not say so: {reason}",
@@ -97,8 +101,18 @@ class ImagingNode:
             )
         return ExportSurveyResponse(success=True, **message_fields(message), files=files)
 
+    def _note_export(self, survey: str, files: Sequence[str], volume: str) -> Optional[Message]:
+        """Note it in the log of the survey, which the storage writes; return why not, or None."""
+        values = {"time": iso_text(time_of_day_us()), "files": list(files), "volume": volume}
+        fields = {"survey": survey, "kind": Kind.EXPORT.value, "values_json": json.dumps(values)}
+        try:
+            response = self._facts.call(NOTE_LIMIT_S, **fields)
+        except ServiceUnavailableError as error:
+            return error.message
+        return None if response.success else message_from(response)
+
     def _volumes(self, _request: Any) -> ListVolumesResponse:
-        found = self._imaging.volumes()
+        found = self._sticks.mounted()
         return ListVolumesResponse(
             success=True,
             **message_fields(Message("{count} USB sticks", count=len(found))),
@@ -108,15 +122,15 @@ class ImagingNode:
 
     def _cancel(self, request: Any) -> CancelImagingResponse:
         self._imaging.cancel(request.request_id)
-        message = Message("the request is cancelled")
-        return CancelImagingResponse(success=True, **message_fields(message))
+        done = message_fields(Message("the request is cancelled"))
+        return CancelImagingResponse(success=True, **done)
 
     def _publish_progress(self, request_id: str, stage: Message) -> None:
         self._progress.publish(ImagingProgress(request_id=request_id, **message_fields(stage)))
 
     def _health(self) -> Health:
         missing = self._imaging.missing
-        values = health_values(self._imaging)
+        values = {"computer": self._imaging.computer, "requests": self._imaging.requests}
         if missing is not None:
             return WARN, missing.as_warning(), values
         return OK, Message("ready for images, candidates and exports"), values

@@ -1,11 +1,7 @@
-"""The child process that calls the analysis; only it loads the libraries that this needs."""
+"""What the node asks of the analysis; only its worker process loads the libraries for this."""
 
 from __future__ import annotations
 
-import signal
-import sys
-import traceback
-from multiprocessing.connection import Connection
 from pathlib import Path
 from typing import Any, Optional
 
@@ -15,10 +11,11 @@ from gpr20_survey.results.hidden_target import target_of
 from gpr20_survey.results.hiding_map import HidingMap
 
 STEP = "background:method=surface"
+message_of = gpr20_analysis.message_of
 
 
 class Analysis:
-    """What the node can ask for; keeps the traces of the survey that it has imaged last."""
+    """Keeps the traces of the survey that it has imaged last."""
 
     def __init__(self) -> None:
         self._survey: Optional[Any] = None
@@ -57,30 +54,3 @@ class Analysis:
     def _load(self, folder: Path) -> Any:
         self._survey = None  # its memory is needed now
         return gpr20_analysis.load_survey(folder)
-
-
-def serve(connection: Connection, analysis: Any) -> None:
-    """Answer requests, each with the result and the reason why there is none, until the end."""
-    while True:
-        try:
-            name, arguments = connection.recv()
-        except EOFError:
-            return
-        try:
-            answer = (getattr(analysis, name)(*arguments), None)
-        except Exception as error:  # the node reports it, and the process stays
-            traceback.print_exc()
-            answer = (None, gpr20_analysis.message_of(error, f"imaging: {name}"))
-        connection.send(answer)
-
-
-def main() -> None:
-    """Answer the requests of the connection whose file is the argument."""
-    # What ends the process cleans up like Ctrl-C.
-    signal.signal(signal.SIGTERM, signal.default_int_handler)
-    with Connection(int(sys.argv[1])) as connection:
-        serve(connection, Analysis())
-
-
-if __name__ == "__main__":
-    main()

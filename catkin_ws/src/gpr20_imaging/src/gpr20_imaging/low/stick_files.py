@@ -8,30 +8,28 @@ leads to no other disk.
 from __future__ import annotations
 
 import contextlib
+import ctypes
+import errno
 import hashlib
 import os
-import re
 import secrets
 import stat
-import subprocess
-from pathlib import Path
-from typing import IO, Callable, Dict, Iterator
+from typing import IO, Dict, Iterator
 
 from gpr20_common.message import Message
 from gpr20_imaging import faults
-from gpr20_imaging.errors import ExportFailedError
-from gpr20_imaging.low.cancellation import Cancellation
+from gpr20_imaging.errors import ImagingError
 from gpr20_survey.results.volume import Volume
 
 PIECE_BYTES = 1 << 20
 SUM = ".sha256"
-# A stick of the slowest kind with all that the cache of the system may hold.
-SYNC_LIMIT_S = 1800.0
+# A link, or a file.
+NO_FOLDER = (errno.ELOOP, errno.ENOTDIR)
 FOLDER_FLAGS = os.O_RDONLY | os.O_DIRECTORY | os.O_NOFOLLOW | os.O_CLOEXEC
 NEW_FILE_FLAGS = os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_NOFOLLOW | os.O_CLOEXEC
 OLD_FILE_FLAGS = os.O_RDONLY | os.O_NOFOLLOW | os.O_NONBLOCK | os.O_CLOEXEC
-# What is being written, until it has its name.
-TEMPORARY = re.compile(r"\.(?P<name>.+?)(\.sha256)?\.[0-9a-f]{8}\.tmp")
+# Of the name of what is being written.
+TEMPORARY = ".gpr20_export_"
 
 
 class SummedFile:
@@ -41,45 +39,27 @@ class SummedFile:
 
     Args:
         stream: Where the bytes go.
-        cancellation: Ends the writing.
+
+    Attributes:
+        digest: SHA-256 of what was written.
     """
 
-    def __init__(self, stream: IO[bytes], cancellation: Cancellation) -> None:
+    def __init__(self, stream: IO[bytes]) -> None:
         self._stream = stream
-        self._cancellation = cancellation
-        self._digest = hashlib.sha256()
-
-    @property
-    def sha256(self) -> str:
-        """Checksum of what was written."""
-        return self._digest.hexdigest()
+        self.digest = hashlib.sha256()
 
     def write(self, data: bytes) -> int:
         """Write bytes.
 
         Raises:
-            CancelledError: The request was cancelled.
             OSError: The stick refused.
         """
-        self._cancellation.check()
-        self._digest.update(data)
+        self.digest.update(data)
         return self._stream.write(data)
 
     def flush(self) -> None:
         """Pass everything to the system."""
         self._stream.flush()
-
-
-def copy_file(source: Path, target: SummedFile) -> None:
-    """Copy the content of a file.
-
-    Raises:
-        CancelledError: The request was cancelled.
-        OSError: One of them cannot be read or written.
-    """
-    with source.open("rb") as stream:
-        for piece in iter(lambda: stream.read(PIECE_BYTES), b""):
-            target.write(piece)
 
 
 class StickFolder:
@@ -90,7 +70,7 @@ class StickFolder:
         name: Of the folder, which is made if it is missing.
 
     Raises:
-        ExportFailedError: The stick was removed, or something else has the name.
+        ImagingError: The stick was removed, or something else has the name.
         OSError: The stick refused.
     """
 
@@ -104,10 +84,15 @@ class StickFolder:
                 raise self._gone()
             with contextlib.suppress(FileExistsError):
                 os.mkdir(name, dir_fd=self._root)
-            self._check_folder(os.stat(name, dir_fd=self._root, follow_symlinks=False))
-            self._folder = os.open(name, FOLDER_FLAGS, dir_fd=self._root)
+            try:
+                self._folder = os.open(name, FOLDER_FLAGS, dir_fd=self._root)
+            except OSError as error:
+                if error.errno in NO_FOLDER:
+                    raise self._no_folder() from error
+                raise
             opened.callback(os.close, self._folder)
-            self._check_folder(os.fstat(self._folder))
+            if os.fstat(self._folder).st_dev != volume.device:
+                raise self._no_folder()
             self._opened = opened.pop_all()
 
     def __enter__(self) -> StickFolder:
@@ -116,51 +101,42 @@ class StickFolder:
     def __exit__(self, *_: object) -> None:
         self._opened.close()
 
-    def remove_unfinished(self, is_own: Callable[[str], bool]) -> None:
+    def remove_unfinished(self) -> None:
         """Remove what an interrupted export left.
-
-        Args:
-            is_own: Whether a name is that of a finished export. Whatever else looks unfinished
-                was left by another program, and stays.
 
         Raises:
             OSError: The stick refused.
         """
         for name in os.listdir(self._folder):
-            found = TEMPORARY.fullmatch(name)
-            if found is None or not is_own(found["name"]):
-                continue
-            if stat.S_ISREG(os.stat(name, dir_fd=self._folder, follow_symlinks=False).st_mode):
+            if name.startswith(TEMPORARY):
                 os.unlink(name, dir_fd=self._folder)
 
     @contextlib.contextmanager
-    def new_file(self, name: str, cancellation: Cancellation) -> Iterator[SummedFile]:
+    def new_file(self, name: str) -> Iterator[SummedFile]:
         """Write a file and its checksum file; both replace older ones when the block ends.
 
         After an error neither has changed, and nothing unfinished is left, if the stick is still
         there.
 
         Raises:
-            CancelledError: The request was cancelled.
             OSError: The stick refused.
         """
-        temporary, temporary_sum = _temporary(name), _temporary(name + SUM)
+        temporary, temporary_sum = (f"{TEMPORARY}{secrets.token_hex(8)}" for _ in range(2))
         try:
             with self._new(temporary) as stream:
-                file = SummedFile(stream, cancellation)
+                file = SummedFile(stream)
                 yield file
                 _sync(stream)
-            line = f"{file.sha256}  {name}\n".encode()
+            line = f"{file.digest.hexdigest()}  {name}\n".encode()
             with self._new(temporary_sum) as stream:
                 stream.write(line)
                 _sync(stream)
-            cancellation.check()
             # That of the former content must never stand beside the new one.
             with contextlib.suppress(FileNotFoundError):
                 os.unlink(name + SUM, dir_fd=self._folder)
             self._put(temporary, name)
             self._put(temporary_sum, name + SUM)
-            self._sums[name] = file.sha256
+            self._sums[name] = file.digest.hexdigest()
             self._sums[name + SUM] = hashlib.sha256(line).hexdigest()
         finally:
             for one in (temporary, temporary_sum):
@@ -175,34 +151,26 @@ class StickFolder:
         Raises:
             OSError: The stick refused, or was pulled out.
         """
-        try:
-            subprocess.run(
-                ["sync", "--file-system", f"/proc/self/fd/{self._folder}"],
-                stdin=subprocess.DEVNULL, stderr=subprocess.PIPE, timeout=SYNC_LIMIT_S, check=True,
-                pass_fds=[self._folder],
-            )  # fmt: skip
-        except subprocess.SubprocessError as error:
-            raise OSError(str(error)) from error
+        if ctypes.CDLL(None, use_errno=True).syncfs(self._folder) != 0:
+            number = ctypes.get_errno()
+            raise OSError(number, os.strerror(number))
 
     def check_in_place(self) -> None:
-        """Check that the stick and the folder still have their names.
+        """Check that the stick still has its name.
 
         Raises:
-            ExportFailedError: Something else has one of them.
+            ImagingError: Something else has it.
             OSError: The stick was removed.
         """
-        if not _is_same(os.stat(self._volume.path, follow_symlinks=False), self._root):
+        there = os.stat(self._volume.path, follow_symlinks=False)
+        if not os.path.samestat(there, os.fstat(self._root)):
             raise self._gone()
-        there = os.stat(self._name, dir_fd=self._root, follow_symlinks=False)
-        if not _is_same(there, self._folder):
-            raise self._no_folder()
 
-    def check_written(self, cancellation: Cancellation) -> None:
+    def check_written(self) -> None:
         """Read all that was written from the stick and compare it; `sync` must have returned.
 
         Raises:
-            ExportFailedError: The stick does not hold it.
-            CancelledError: The request was cancelled.
+            ImagingError: The stick does not hold it.
             OSError: A file cannot be read.
         """
         for name, expected in self._sums.items():
@@ -213,7 +181,6 @@ class StickFolder:
                 os.posix_fadvise(stream.fileno(), 0, 0, os.POSIX_FADV_DONTNEED)
                 digest = hashlib.sha256()
                 for piece in iter(lambda: stream.read(PIECE_BYTES), b""):
-                    cancellation.check()
                     digest.update(piece)
             if digest.hexdigest() != expected:
                 raise self._differs(name)
@@ -225,18 +192,14 @@ class StickFolder:
         os.replace(temporary, name, src_dir_fd=self._folder, dst_dir_fd=self._folder)
         os.fsync(self._folder)
 
-    def _check_folder(self, status: os.stat_result) -> None:
-        if not stat.S_ISDIR(status.st_mode) or status.st_dev != self._volume.device:
-            raise self._no_folder()
-
-    def _gone(self) -> ExportFailedError:
-        return ExportFailedError(
+    def _gone(self) -> ImagingError:
+        return ImagingError(
             Message("the USB stick at {path} was replaced by another one", path=self._volume.path),
             fault=faults.STICK,
         )
 
-    def _no_folder(self) -> ExportFailedError:
-        return ExportFailedError(
+    def _no_folder(self) -> ImagingError:
+        return ImagingError(
             Message(
                 "{folder} on the USB stick {name} is a link, a file or another disk, not a folder "
                 "of the stick; rename it",
@@ -246,22 +209,15 @@ class StickFolder:
             fault=faults.STICK,
         )
 
-    def _differs(self, name: str) -> ExportFailedError:
-        return ExportFailedError(
+    def _differs(self, name: str) -> ImagingError:
+        return ImagingError(
             Message(
                 "the USB stick {name} does not hold what was written to {file}; do not rely on it",
                 name=self._volume.name,
                 file=name,
-            )
+            ),
+            fault=faults.STICK,
         )
-
-
-def _temporary(name: str) -> str:
-    return f".{name}.{secrets.token_hex(4)}.tmp"
-
-
-def _is_same(there: os.stat_result, descriptor: int) -> bool:
-    return os.path.samestat(there, os.fstat(descriptor))
 
 
 def _sync(stream: IO[bytes]) -> None:

@@ -24,28 +24,10 @@ MOUNT_FOLDERS = (Path("/media"), Path("/run/media"), Path("/mnt"))
 
 
 def list_block_devices() -> str:
-    """Return what lsblk prints as JSON.
-
-    Raises:
-        ImagingError: It failed.
-    """
-    try:
-        done = subprocess.run(
-            COMMAND,
-            stdin=subprocess.DEVNULL,
-            capture_output=True,
-            timeout=LIMIT_S,
-            check=True,
-            encoding="utf-8",
-        )
-    except (OSError, subprocess.SubprocessError) as error:
-        raise ImagingError(
-            Message(
-                "the program lsblk does not list the USB sticks of this computer", details=error
-            ),
-            fault=NOT_SET_UP,
-        ) from error
-    return done.stdout
+    """Return what lsblk prints as JSON."""
+    return subprocess.check_output(
+        COMMAND, stdin=subprocess.DEVNULL, stderr=subprocess.PIPE, timeout=LIMIT_S, text=True
+    )
 
 
 class UsbVolumes:
@@ -77,10 +59,13 @@ class UsbVolumes:
                 for one in _removable(devices, False)
                 if one.get("mountpoint")
             ]
-        except (ValueError, KeyError, TypeError, AttributeError) as error:
+        except (
+            OSError, subprocess.SubprocessError, ValueError, KeyError, TypeError, AttributeError
+        ) as error:  # fmt: skip
             raise ImagingError(
                 Message(
-                    "the program lsblk does not list the USB sticks of this computer", details=error
+                    "the program lsblk does not list the USB sticks of this computer",
+                    details=error,
                 ),
                 fault=NOT_SET_UP,
             ) from error
@@ -107,19 +92,6 @@ class UsbVolumes:
             ),
             fault=faults.STICK,
         )
-
-    def check_present(self, volume: Volume) -> None:
-        """Check that a stick is still the one that it was.
-
-        Raises:
-            ImagingError: It was removed or replaced. What is written to its folder then would be
-                on another disk.
-        """
-        if self.find(volume.path).device != volume.device:
-            raise ImagingError(
-                Message("the USB stick at {path} was replaced by another one", path=volume.path),
-                fault=faults.STICK,
-            )
 
 
 def _removable(devices: List[Dict[str, Any]], inherited: bool) -> Iterator[Dict[str, Any]]:

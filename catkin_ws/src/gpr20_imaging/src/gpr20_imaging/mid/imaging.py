@@ -1,66 +1,94 @@
-"""Focused images, candidates and exports of the surveys in the data folder."""
+"""Requests for images, candidates, maps and exports of the surveys in the data folder."""
 
 from __future__ import annotations
 
+import os
 import socket
+import threading
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Callable, Dict, List, Optional, Sequence, Tuple
 
-from gpr20_common.catalogue import languages
-from gpr20_common.faults import ASKED_FOR, NOT_ALLOWED
+from gpr20_common.catalogue import language_from_code
+from gpr20_common.faults import ASKED_FOR, BUSY, NOT_ALLOWED
+from gpr20_common.low.data_folder import data_folder
 from gpr20_common.message import Message
 from gpr20_imaging import faults
 from gpr20_imaging.errors import ImagingError
-from gpr20_imaging.low.analysis_process import AnalysisProcess
-from gpr20_imaging.low.cancellation import Cancellation
-from gpr20_imaging.low.child_process import lower_this_thread
-from gpr20_imaging.low.usb_volumes import UsbVolumes
-from gpr20_imaging.mid.export_kind import ExportKind
-from gpr20_imaging.mid.exporting import Exporter, ExportRequest
-from gpr20_imaging.mid.job_queue import JobQueue, Result
+from gpr20_imaging.low.worker_process import WorkerProcess
+from gpr20_imaging.mid.exporting import ExportKind, ExportRequest
 from gpr20_survey.folder.recovery import find_survey
 from gpr20_survey.radar.soils import requested_permittivity
 from gpr20_survey.results.focused_image import FocusedImage
 from gpr20_survey.results.hidden_target import target_of
 from gpr20_survey.results.hiding_map import HidingMap
-from gpr20_survey.results.volume import Volume
 
-MOST_ID_CHARACTERS = 64
-# Memory is given back if nobody looks at images for so long [s].
-IDLE_S = 60.0
+MOST_WAITING = 8
+# The last with a stick of the slowest kind.
+FOCUS_LIMIT_S, LIMIT_S, EXPORT_LIMIT_S = 300.0, 1800.0, 7200.0
 Progress = Callable[[str, Message], None]
 """Called with the id of a request and what is done for it."""
 
 
+@dataclass(frozen=True)
+class ImagingParameters:
+    """The parameters of the node.
+
+    Attributes:
+        data: Folder of the surveys; empty: $GPR20_DATA, or ~/gpr20_data if that is not set.
+    """
+
+    data: str = ""
+
+    def data_folder(self) -> Path:
+        """Return where surveys are stored."""
+        return data_folder(self.data, os.environ)
+
+
+@dataclass
+class _Request:
+    id: str
+    is_cancelled: bool = False
+
+    def check(self) -> None:
+        if self.is_cancelled:
+            raise ImagingError(Message("The request was cancelled."), fault=ASKED_FOR)
+
+
 class Imaging:
-    """Carries out the requests, one at a time and with the lowest priority.
+    """Carries out the requests, one at a time; each caller waits for its own.
+
+    A request has an id for `cancel`. A survey is its id, or the name of its folder; permittivity 0
+    is what the survey says. What cannot be done raises a `Gpr20Error` that says why.
 
     Args:
         data: Folder of the surveys.
-        analysis: The analysis.
-        volumes: The sticks.
+        worker: Does the work.
         progress: Called with what is done for a request.
     """
 
-    def __init__(
-        self, data: Path, analysis: AnalysisProcess, volumes: UsbVolumes, progress: Progress
-    ) -> None:
+    def __init__(self, data: Path, worker: WorkerProcess, progress: Progress) -> None:
         self._data = data
-        self._analysis = analysis
-        self._volumes = volumes
+        self._worker = worker
         self._progress = progress
-        self._jobs = JobQueue(lower_this_thread, analysis.close, IDLE_S)
+        # The worker is killed with the thread that has started it.
+        self._queue = ThreadPoolExecutor(1, "imaging")
+        self._lock = threading.Lock()
+        self._requests: List[_Request] = []
+        self._running: Optional[_Request] = None
+        self._is_closed = False
         self.computer = socket.gethostname()
 
     @property
     def requests(self) -> int:
         """Number of requests that wait or are carried out."""
-        return self._jobs.waiting
+        return len(self._requests)
 
     @property
     def missing(self) -> Optional[Message]:
         """What is missing on this computer; None if nothing is."""
-        if self._analysis.is_installed:
+        if self._worker.has_analysis:
             return None
         return Message(
             "The analysis is not installed on the computer {computer}: no focused image, "
@@ -70,42 +98,23 @@ class Imaging:
         ).with_fault(faults.OTHER_COMPUTER)
 
     def focus(self, request_id: str, survey: str, permittivity: float) -> FocusedImage:
-        """Return the focused image of what is stored of a survey.
-
-        Args:
-            request_id: For `cancel`.
-            survey: Its id, or the name of its folder.
-            permittivity: Relative permittivity of the ground; 0: what the survey says.
-
-        Raises:
-            Gpr20Error: There is no image; the message says why.
-        """
+        """Return the focused image of what is stored of a survey."""
         value = requested_permittivity(permittivity)
         self._require_analysis()
         folder, _ = find_survey(self._data, survey)
-        return self._run(request_id, lambda stop: self._analysis.focus(folder, value, stop))
+        image: FocusedImage = self._run(request_id, FOCUS_LIMIT_S, "focus", folder, value)
+        return image
 
     def map_hidden(
         self, request_id: str, survey: str, permittivity: float, target: str
     ) -> HidingMap:
-        """Return where a target could hide in a survey.
-
-        Args:
-            request_id: For `cancel`.
-            survey: Its id, or the name of its folder.
-            permittivity: Relative permittivity of the ground; 0: what the survey says.
-            target: As for `target_of`.
-
-        Raises:
-            Gpr20Error: There is no map; the message says why.
-        """
+        """Return where a target, as for `target_of`, could hide in a survey."""
         value = requested_permittivity(permittivity)
         target_of(target)
         self._require_analysis()
         folder, _ = find_survey(self._data, survey)
-        return self._run(
-            request_id, lambda stop: self._analysis.map_hidden(folder, value, target, stop)
-        )
+        found: HidingMap = self._run(request_id, LIMIT_S, "map_hidden", folder, value, target)
+        return found
 
     def export(
         self,
@@ -120,40 +129,26 @@ class Imaging:
 
         Args:
             request_id: For `cancel`.
-            survey: Its id, or the name of its folder.
-            kinds: Values of `ExportKind`.
-            permittivity: Relative permittivity of the ground; 0: what the survey says.
+            survey: What is exported.
+            kinds: Labels of `ExportKind`.
+            permittivity: Relative permittivity of the ground.
             language: Code of the language of reports.
             volume: Path of the stick; empty: the content of the only file is returned too.
-
-        Raises:
-            Gpr20Error: The export failed; the message says why.
         """
         value = requested_permittivity(permittivity)
-        _check_language(language)
+        language_from_code(language[:16])
         chosen = tuple(dict.fromkeys(ExportKind.of(one) for one in kinds))
         if not chosen:
             raise ImagingError(Message("Choose what to export."), fault=NOT_ALLOWED)
-        if any(one.analysis for one in chosen):
+        if chosen != (ExportKind.SURVEY_ZIP,):
             self._require_analysis()
         folder, found = find_survey(self._data, survey)
         simulated = found.description.get("simulated") is not False
         request = ExportRequest(folder, simulated, chosen, value, language, volume)
-        exporter = Exporter(
-            self._analysis, self._volumes, lambda stage: self._progress(request_id, stage)
-        )
         if not volume:
-            name, content = self._run(request_id, lambda stop: exporter.make(request, stop))
+            name, content = self._run(request_id, LIMIT_S, "make", request)
             return [name], content
-        return self._run(request_id, lambda stop: exporter.export(request, stop)), b""
-
-    def volumes(self) -> List[Volume]:
-        """Return the sticks that are mounted on this computer.
-
-        Raises:
-            ImagingError: They cannot be listed.
-        """
-        return self._volumes.mounted()
+        return self._run(request_id, EXPORT_LIMIT_S, "export", request), b""
 
     def cancel(self, request_id: str) -> None:
         """End a request, or take it from the queue.
@@ -161,26 +156,59 @@ class Imaging:
         Raises:
             ImagingError: There is none of this name.
         """
-        if not request_id or not self._jobs.cancel(request_id):
+        with self._lock:
+            found = [one for one in self._requests if request_id and one.id == request_id]
+            for one in found:
+                one.is_cancelled = True
+            if self._running in found:
+                self._worker.end()
+        if not found:
             raise ImagingError(
                 Message("There is no such request; it may have ended."), fault=ASKED_FOR
             )
 
     def close(self) -> None:
-        """End every request and every child process."""
-        self._jobs.close()
+        """End every request and the worker."""
+        with self._lock:
+            self._is_closed = True
+            for one in self._requests:
+                one.is_cancelled = True
+            self._worker.end()
+        self._queue.shutdown()
+        self._worker.close()
 
-    def _run(self, request_id: str, work: Callable[[Cancellation], Result]) -> Result:
-        if len(request_id) > MOST_ID_CHARACTERS:
-            raise ImagingError(
-                Message(
-                    "request_id has {count} characters; at most {most} are allowed",
-                    count=len(request_id),
-                    most=MOST_ID_CHARACTERS,
-                ),
-                fault=NOT_ALLOWED,
+    def _run(self, request_id: str, limit_s: float, name: str, *arguments: Any) -> Any:
+        request = _Request(request_id)
+        with self._lock:
+            if self._is_closed or len(self._requests) >= MOST_WAITING:
+                raise ImagingError(
+                    Message("Too many requests are waiting. Try again later."), fault=BUSY
+                )
+            self._requests.append(request)
+            answer = self._queue.submit(self._carry_out, request, limit_s, name, arguments)
+        try:
+            return answer.result()
+        except ImagingError:
+            # Its worker may have been ended for that.
+            request.check()
+            raise
+        finally:
+            with self._lock:
+                self._requests.remove(request)
+
+    def _carry_out(self, request: _Request, limit_s: float, name: str, arguments: Tuple) -> Any:
+        request.check()
+        self._worker.start()
+        with self._lock:
+            request.check()
+            self._running = request
+        try:
+            return self._worker.ask(
+                limit_s, lambda stage: self._progress(request.id, stage), name, *arguments
             )
-        return self._jobs.run(request_id, work)
+        finally:
+            with self._lock:
+                self._running = None
 
     def _require_analysis(self) -> None:
         missing = self.missing
@@ -191,16 +219,3 @@ class Imaging:
 def health_values(imaging: Imaging) -> Dict[str, Any]:
     """Return what diagnostics show."""
     return {"computer": imaging.computer, "requests": imaging.requests}
-
-
-def _check_language(language: str) -> None:
-    known = [one.value for one in languages()]
-    if language not in known:
-        raise ImagingError(
-            Message(
-                "the language is {language}; allowed: {languages}",
-                language=repr(language[:16]),
-                languages=", ".join(known),
-            ),
-            fault=NOT_ALLOWED,
-        )

@@ -2,40 +2,75 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Any, Callable, List, Optional, Sequence, Tuple, TypeVar
+
+import numpy as np
 
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.faults import CONFIGURATION
 from gpr20_common.low.clock import time_of_day_us
 from gpr20_common.message import Message, in_a_row
 from gpr20_common.mid.codec import record_from
-from gpr20_scikit_rf.low.visa_link import VisaLibrary, VisaLimits, VisaLink
+from gpr20_scikit_rf.low.visa_link import VisaLibrary, VisaLink
 from gpr20_scikit_rf.mid.scikit_rf_dialects import DIALECTS, Setting
-from gpr20_scikit_rf.mid.scikit_rf_options import (
-    ScikitRfOptions,
-    check_parameters,
-    visa_resource_name,
-)
-from gpr20_scikit_rf.mid.scikit_rf_sweeps import ScikitRfSweeps
-from gpr20_survey.faults import VNA_DOUBTFUL, VNA_SETTINGS
+from gpr20_survey.faults import VNA_DOUBTFUL, VNA_FAILED
 from gpr20_survey.trace.calibration import CalibrationStatus
 from gpr20_survey.trace.sweep import Sweep
 from gpr20_survey.trace.sweep_settings import (
-    MAX_AVERAGES,
     MAX_IF_BANDWIDTH_HZ,
     AnalyzerSettings,
     SweepSettings,
 )
 from gpr20_vna_acquisition import errors
-from gpr20_vna_acquisition.errors import VnaDataError, VnaError, VnaSettingError
+from gpr20_vna_acquisition.errors import (
+    VnaConnectionError,
+    VnaDataError,
+    VnaError,
+    VnaSettingError,
+    VnaSweepError,
+)
 from gpr20_vna_acquisition.mid.request_deadline import RequestDeadline
-from gpr20_vna_acquisition.mid.trace_quality import calibration_lost
+from gpr20_vna_acquisition.mid.trace_quality import has_old_points, timed_sweep
 from gpr20_vna_acquisition.mid.vna_parameters import VnaParameters
 
 Result = TypeVar("Result")
 # A start above the previous stop may be refused until the new stop is set.
 SETTING_PASSES = 2
-CORRECTION_ON, CORRECTION_OFF = ("1", "+1", "ON"), ("0", "+0", "OFF")
+COMPLETE = ("1", "+1")
+# A trigger during a sweep may be ignored, so the first sweep after a setting shows nothing. The
+# shortest of the others is the one that the computer disturbed least.
+LEARNING_SWEEPS = 3
+# No sweep ends before this part of its duration; how exactly that is measured depends on the
+# computer [s].
+EARLIEST_END, TOLERANCE_S = 0.5, 0.05
+# Some analyzers state 9.91E37 for a value that they do not have.
+LONGEST_SWEEP_S = 3600.0
+RELEASE_LIMIT_S = 2.0
+
+
+@dataclass(frozen=True)
+class ScikitRfOptions:
+    """The `analyzer_options` of an analyzer of scikit-rf.
+
+    Attributes:
+        scikit_rf_class: Which class of scikit-rf controls the instrument, of `DIALECTS`.
+        visa_library: VISA library of PyVISA: "@py" is PyVISA-py, "@ivi" that of the instrument's
+            maker.
+    """
+
+    scikit_rf_class: str
+    visa_library: str = "@py"
+
+    def __post_init__(self) -> None:
+        if self.scikit_rf_class not in DIALECTS:
+            raise InvalidValueError(
+                Message(
+                    "scikit_rf_class is {name}; it must be one of {names}",
+                    name=repr(self.scikit_rf_class[:64]),
+                    names=", ".join(DIALECTS),
+                )
+            )
 
 
 class ScikitRfAnalyzer:
@@ -56,25 +91,22 @@ class ScikitRfAnalyzer:
 
         Raises:
             InvalidValueError: A value of the configuration is not allowed.
-            VnaLibraryError: A library is not installed, or too old.
+            VnaError: A library is not installed, or too old.
         """
-        self._options = record_from(ScikitRfOptions, options, "analyzer_options")
-        check_parameters(parameters)
+        chosen = record_from(ScikitRfOptions, options, "analyzer_options")
         self._parameters = parameters
         self._deadline = deadline
-        self._dialect = DIALECTS[self._options.scikit_rf_class]()
+        self._dialect = DIALECTS[chosen.scikit_rf_class]()
         self._library = VisaLibrary(
-            self._options.scikit_rf_class.value,
-            self._options.visa_library,
-            VisaLimits(
-                answer_s=parameters.answer_timeout_s,
-                clear=parameters.clear_on_connect,
-            ),
-            self._dialect.needs,
+            chosen.scikit_rf_class,
+            chosen.visa_library,
+            parameters.answer_timeout_s,
+            parameters.clear_on_connect,
         )
-        self._sweeps = ScikitRfSweeps(
-            self._call, self._dialect, parameters, deadline, time_of_day_us
-        )
+        self._library.check_address(parameters.address)
+        self._sweep_s = 0.0
+        # The last data that were read, of whatever sweep.
+        self._shown: Optional[np.ndarray] = None
         self._link: Optional[VisaLink] = None
         self._identity = ""
         self._accepted: Optional[SweepSettings] = None
@@ -82,10 +114,10 @@ class ScikitRfAnalyzer:
 
     def connect(self, address: str) -> None:
         """Open a session to a VISA resource name; an open one is closed."""
-        visa_resource_name(Message("the VNA address"), address)
+        self._library.check_address(address)
         self.disconnect()
         self._deadline.check()
-        self._link = self._library.connect(address)
+        self._link = VisaLink(self._library, address)
 
     def identify(self) -> str:
         """Return the identification: maker, model, serial number, firmware."""
@@ -101,82 +133,74 @@ class ScikitRfAnalyzer:
     def check_sweep(self, settings: SweepSettings) -> None:
         """Refuse settings that scikit-rf cannot make; no link is needed."""
         self._parameters.check_sweep(settings)
-        for name, value_hz in (
-            (Message("the start frequency"), settings.start_frequency_hz),
-            (Message("the stop frequency"), settings.stop_frequency_hz),
-            (Message("the IF bandwidth"), settings.analyzer.if_bandwidth_hz),
-        ):
-            if value_hz != round(value_hz):
-                raise InvalidValueError(
-                    Message(
-                        "{name} is {value_hz} Hz; this VNA is set in whole hertz",
-                        name=name,
-                        value_hz=f"{value_hz:.12g}",
-                    )
-                )
-        if settings.analyzer.output_power:
+        analyzer = settings.analyzer
+        asked_hz = (settings.start_frequency_hz, settings.stop_frequency_hz)
+        if any(one != round(one) for one in (*asked_hz, analyzer.if_bandwidth_hz)):
+            raise InvalidValueError(
+                Message("this VNA is set in whole hertz; use such frequencies and IF bandwidth")
+            )
+        if analyzer.output_power or analyzer.averages > 1:
             raise InvalidValueError(
                 Message(
-                    "the output power of this VNA can only be set by hand; leave it empty in the "
-                    "survey"
+                    "this VNA makes one sweep for a trace, and its output power can only be set "
+                    "by hand; leave both empty in the survey, and use a smaller IF bandwidth in "
+                    "place of averages"
                 )
             )
 
     def configure(self, settings: SweepSettings) -> SweepSettings:
         """Set up S21 over frequency, hold the sweep, and measure how long a trace takes."""
         self._accepted, self._remarks = None, []
-        before = self.calibration()
-        written = self._apply(self._dialect.settings(settings))
-        self._check_calibration_kept(before, written)
+        self._apply(self._dialect.settings(settings))
         accepted = self._call(Message("the settings"), self._read_settings)
-        _check_analyzer_settings(accepted.analyzer)
-        if not accepted.fulfils(settings):
-            raise VnaSettingError(
-                Message("the VNA's settings changed by themselves; do not operate it by hand"),
-                fault=VNA_SETTINGS,
+        # Written so that NaN is refused too.
+        if not 0.0 <= accepted.analyzer.if_bandwidth_hz <= MAX_IF_BANDWIDTH_HZ:
+            raise VnaDataError(
+                Message(
+                    "the VNA states an impossible IF bandwidth: {bandwidth_hz:g} Hz",
+                    bandwidth_hz=accepted.analyzer.if_bandwidth_hz,
+                )
             )
-        self._sweeps.learn(accepted)
+        self._learn(accepted)
         self._accepted = accepted
         return accepted
 
     def sweep(self) -> Sweep:
-        """Trigger the sweeps of one trace, wait for their end and return the data."""
-        return self._sweeps.take(self._configured())
+        """Trigger one sweep, wait for its end and return the data.
+
+        The analyzer itself says when a sweep has ended: it answers `*OPC?` only then. An analyzer
+        that answers earlier is refused, because its data would be those of the sweep before.
+        """
+        settings, sweep_s = self._configured(), self._sweep_s
+        # A trigger could be ignored, and the sweep that runs began before the request.
+        self._check([self._dialect.hold()])
+        started_us, started_s = time_of_day_us(), self._deadline.now_s()
+        taken_s = self._sweep_once(settings, self._parameters.sweep_limit_s(sweep_s))
+        if _is_too_early(taken_s, sweep_s):
+            raise VnaSweepError(_too_early(taken_s, sweep_s), fault=VNA_FAILED)
+        duration_s = self._deadline.now_s() - started_s
+        before, self._shown = self._shown, self._read(settings)
+        if has_old_points(self._shown, before, to_the_last=False):
+            raise errors.old_data()
+        return timed_sweep(settings, self._shown, started_us, duration_s)
 
     def confirm(self) -> None:
         """Return if every setting that the data depend on is still that of `configure`."""
-        changed = self._differing(self._dialect.settings(self._configured()))
-        if changed:
-            raise errors.settings_changed(_described(changed))
+        self._check(self._dialect.settings(self._configured()))
 
     def calibration(self) -> CalibrationStatus:
-        """Return NONE if the configured query says so; its accuracy is never reported."""
-        query = self._options.correction_query
-        what = Message("the state of the calibration")
-        if not query:
-            # The driver asks this to learn whether the instrument still answers.
-            self._call(what, lambda vna: vna.wait_for_complete())
-            return CalibrationStatus.NOT_REPORTED
-        answer = str(self._call(what, lambda vna: vna.query(query))).strip().upper()
-        if answer in CORRECTION_OFF:
-            return CalibrationStatus.NONE
-        if answer in CORRECTION_ON:
-            return CalibrationStatus.NOT_REPORTED
-        raise VnaDataError(
-            Message(
-                "the VNA answers {answer} to {query}; expected 0 or 1; check correction_query",
-                answer=repr(answer[:40]),
-                query=query,
-            ),
-            fault=CONFIGURATION,
-        )
+        """Return that it is not reported, from an instrument that answers."""
+        self._call(Message("the state of the calibration"), lambda vna: vna.wait_for_complete())
+        return CalibrationStatus.NOT_REPORTED
 
     def release(self) -> None:
         """Leave the instrument sweeping by itself, with its front panel usable."""
         if self._link is None:
             return
         try:
-            self._link.release(self._dialect.release)
+            # Without the deadline, which has ended when the driver is shut down.
+            what = Message("returning to the front panel")
+            self._link.call(what, self._dialect.release, RELEASE_LIMIT_S)
         except VnaError:
             # The session is dead: there is nobody to release.
             self.disconnect()
@@ -190,12 +214,64 @@ class ScikitRfAnalyzer:
     @property
     def trace_duration_s(self) -> Optional[float]:
         """How long one trace takes, with its averages [s]; None before `configure`."""
-        return self._sweeps.trace_duration_s if self._accepted else None
+        return self._sweep_s if self._accepted else None
 
     @property
     def remarks(self) -> Sequence[Message]:
         """What is not known about this instrument."""
         return self._remarks
+
+    def _learn(self, settings: SweepSettings) -> None:
+        """Measure how long a sweep takes; the instrument is set up and held."""
+        claimed_s = self._call(
+            Message("the sweep time"), lambda vna: float(self._dialect.part(vna).sweep_time)
+        )
+        # Written so that NaN is refused too.
+        if not 0.0 <= claimed_s <= LONGEST_SWEEP_S:
+            raise VnaDataError(
+                Message("the VNA states a sweep time of {claimed_s:g} s", claimed_s=claimed_s)
+            )
+        nominal_s = max(claimed_s, self._parameters.nominal_trace_s(settings))
+        limit_s = self._parameters.sweep_limit_s(nominal_s)
+        self._deadline.extend(LEARNING_SWEEPS * limit_s)
+        _first_s, *others_s = [self._sweep_once(settings, limit_s) for _ in range(LEARNING_SWEEPS)]
+        self._sweep_s = min(others_s)
+        if _is_too_early(self._sweep_s, claimed_s):
+            raise VnaSettingError(_too_early(self._sweep_s, claimed_s), fault=VNA_FAILED)
+        # The next trace is known to be new by its difference from this one.
+        self._shown = self._read(settings)
+
+    def _sweep_once(self, settings: SweepSettings, limit_s: float) -> float:
+        """Take one sweep and return how long it took [s]."""
+        begun_s = self._deadline.now_s()
+        try:
+            answer = self._call(Message("the sweep"), self._dialect.sweep, limit_s)
+        except VnaConnectionError as error:
+            if self._deadline.now_s() - begun_s < limit_s:
+                raise
+            raise errors.sweep_not_ended(settings.points, limit_s) from error
+        if answer not in COMPLETE:
+            raise VnaDataError(
+                Message(
+                    "the VNA answers {answer} instead of 1 at the end of a sweep",
+                    answer=repr(answer[:40]),
+                    details="*OPC?",
+                )
+            )
+        return self._deadline.now_s() - begun_s
+
+    def _read(self, settings: SweepSettings) -> np.ndarray:
+        """Return real and imaginary part of each point in turn."""
+        s21 = self._call(Message("the data"), self._dialect.data)
+        if s21.shape != (settings.points,) or not np.isfinite(s21).all():
+            raise VnaDataError(
+                Message(
+                    "the VNA gave {found} points; expected {points}, with finite numbers",
+                    found=s21.size,
+                    points=settings.points,
+                )
+            )
+        return np.ascontiguousarray(s21).view(np.float64)
 
     def _call(
         self, what: Message, action: Callable[[Any], Result], limit_s: Optional[float] = None
@@ -211,28 +287,32 @@ class ScikitRfAnalyzer:
         return self._accepted
 
     def _read_settings(self, vna: Any) -> SweepSettings:
-        part = self._dialect.sweep_part(vna)
+        part = self._dialect.part(vna)
         return SweepSettings(
             float(part.freq_start),
             float(part.freq_stop),
             int(part.npoints),
-            AnalyzerSettings(
-                if_bandwidth_hz=self._dialect.if_bandwidth_hz(vna),
-                averages=self._dialect.averages(vna),
-            ),
+            AnalyzerSettings(self._dialect.if_bandwidth(0.0).read(vna), averages=1),
         )
 
-    def _apply(self, wanted: Sequence[Setting]) -> List[Setting]:
-        """Make the settings that differ and return them."""
+    def _apply(self, wanted: Sequence[Setting]) -> None:
+        """Make the settings that differ; remark those that the calibration may depend on."""
         differing = self._differing(wanted)
-        written = [setting for setting, _found in differing]
+        changed = [one.name for one, _found in differing if one.matters_to_calibration]
         for _ in range(SETTING_PASSES):
             for setting, _found in differing:
                 self._write(setting)
             differing = self._differing(wanted) if differing else []
         if differing:
             raise errors.settings_refused(_described(differing))
-        return written
+        if changed:
+            self._remarks.append(
+                Message(
+                    "{settings} of the VNA changed when it was set up; it does not report whether "
+                    "its calibration still applies",
+                    settings=in_a_row(changed),
+                ).with_fault(VNA_DOUBTFUL)
+            )
 
     def _write(self, setting: Setting) -> None:
         try:
@@ -249,38 +329,26 @@ class ScikitRfAnalyzer:
                 fault=CONFIGURATION,
             ) from error
 
+    def _check(self, wanted: Sequence[Setting]) -> None:
+        changed = self._differing(wanted)
+        if changed:
+            raise errors.settings_changed(_described(changed))
+
     def _differing(self, wanted: Sequence[Setting]) -> List[Tuple[Setting, Any]]:
         found = [(setting, self._call(setting.name, setting.read)) for setting in wanted]
         return [(setting, value) for setting, value in found if value != setting.value]
 
-    def _check_calibration_kept(
-        self, before: CalibrationStatus, written: Sequence[Setting]
-    ) -> None:
-        changed = [setting.name for setting in written if setting.matters_to_calibration]
-        if not changed or before is CalibrationStatus.NONE:
-            return
-        if not self._options.correction_query:
-            self._remarks.append(
-                Message(
-                    "{settings} of the VNA changed when it was set up; it does not report whether "
-                    "its calibration still applies",
-                    settings=in_a_row(changed),
-                ).with_fault(VNA_DOUBTFUL)
-            )
-        elif self.calibration() is CalibrationStatus.NONE:
-            raise calibration_lost(changed)
+
+def _is_too_early(sweep_s: float, usual_s: float) -> bool:
+    return sweep_s < EARLIEST_END * usual_s - TOLERANCE_S
 
 
-def _check_analyzer_settings(found: AnalyzerSettings) -> None:
-    # Written so that NaN is refused too.
-    if not 0.0 <= found.if_bandwidth_hz <= MAX_IF_BANDWIDTH_HZ:
-        name, value = Message("the IF bandwidth [Hz]"), f"{found.if_bandwidth_hz:g}"
-    elif not 1 <= found.averages <= MAX_AVERAGES:
-        name, value = Message("the number of averages"), str(found.averages)
-    else:
-        return
-    raise VnaDataError(
-        Message("the VNA states an impossible value: {name} is {value}", name=name, value=value)
+def _too_early(sweep_s: float, usual_s: float) -> Message:
+    return Message(
+        "the VNA reports the end of a sweep after {reported_s:.3g} s, but a sweep takes "
+        "{usual_s:.3g} s; its data would not be new",
+        reported_s=sweep_s,
+        usual_s=usual_s,
     )
 
 

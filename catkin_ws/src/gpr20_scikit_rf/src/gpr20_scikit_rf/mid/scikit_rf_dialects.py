@@ -8,17 +8,19 @@ itself before the data are read.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, Callable, Dict, List, Optional, Type
+from typing import Any, Callable, Dict, List, Type
 
 import numpy as np
 
 from gpr20_common.message import Message
-from gpr20_scikit_rf.mid.scikit_rf_options import ScikitRfClass
 from gpr20_survey.trace.sweep_settings import SweepSettings
 
 S21 = "S21"
 # Of a measurement of S21 that the analyzer does not have yet.
 MEASUREMENT = "GPR20_S21"
+IF_BANDWIDTH = Message("the IF bandwidth")
+# An average could have sweeps from before a move.
+AVERAGING = Message("averaging")
 
 
 @dataclass(frozen=True)
@@ -41,38 +43,33 @@ class Setting:
 
 
 class Dialect:
-    """What the classes have in common; `vna` is an object of the class."""
+    """An analyzer whose traces have names: one of S21 is used, or made if there is none.
 
-    # Module that an old scikit-rf does not have.
-    needs = ""
+    `vna` is an object of the class of scikit-rf.
+    """
+
     # The command that triggers one sweep.
     trigger = ""
-    # What the class calls a linear sweep; empty if it cannot say how it sweeps.
-    linear = ""
+    # The property that says how it sweeps, held for a trigger and by itself.
+    mode = "sweep_mode"
+    held: Any = None
+    continuous: Any = None
 
-    def sweep_part(self, vna: Any) -> Any:
+    def part(self, vna: Any) -> Any:
         """Return the part of the object that has the properties of the sweep."""
         return vna.ch1
 
     def hold(self) -> Setting:
         """Return the setting with which the analyzer sweeps only when triggered."""
-        raise NotImplementedError
+        return self.own(Message("continuous sweep"), self.mode, self.held)
 
     def release(self, vna: Any) -> None:
         """Let the analyzer sweep by itself."""
-        raise NotImplementedError
-
-    def measured_parameter(self, vna: Any) -> str:
-        """Return the S-parameter of the trace that `data` reads."""
-        raise NotImplementedError
-
-    def select_s21(self, vna: Any) -> None:
-        """Make the trace that `data` reads one of S21."""
-        raise NotImplementedError
+        setattr(self.part(vna), self.mode, self.continuous)
 
     def set_format(self, vna: Any) -> None:
-        """Select how numbers are transferred; both ends must agree on it."""
-        raise NotImplementedError
+        """Select how numbers are transferred, as both ends must: doubles, with their byte order."""
+        vna.query_format = type(vna.query_format).BINARY_64
 
     def sweep(self, vna: Any) -> str:
         """Trigger one sweep and return what the analyzer answers to `*OPC?` when it has ended."""
@@ -81,113 +78,11 @@ class Dialect:
 
     def data(self, vna: Any) -> np.ndarray:
         """Return the data of the trace."""
-        return np.asarray(self.sweep_part(vna).active_trace_sdata, dtype=np.complex128)
+        return np.asarray(self.part(vna).active_trace_sdata, dtype=np.complex128)
 
-    def sweep_time_s(self, vna: Any) -> float:
-        """Return how long the analyzer says that one sweep takes [s]."""
-        return float(self.sweep_part(vna).sweep_time)
-
-    def if_bandwidth_hz(self, vna: Any) -> float:
-        """Return the IF bandwidth [Hz]."""
-        return float(self.sweep_part(vna).if_bandwidth)
-
-    def set_if_bandwidth(self, vna: Any, bandwidth_hz: int) -> None:
-        """Set the IF bandwidth [Hz]."""
-        self.sweep_part(vna).if_bandwidth = bandwidth_hz
-
-    def averages(self, vna: Any) -> int:
-        """Return the number of sweeps that make one trace."""
-        part = self.sweep_part(vna)
-        return int(part.averaging_count) if part.averaging_on else 1
-
-    def set_averages(self, vna: Any, averages: int) -> None:
-        """Set the number of sweeps that make one trace."""
-        part = self.sweep_part(vna)
-        if averages > 1:
-            part.averaging_count = averages
-        part.averaging_on = averages > 1
-
-    def triggers(self, vna: Any, averages: int) -> int:
-        """Return how many sweeps must be triggered for one trace."""
-        return averages
-
-    def clear_averages(self, vna: Any) -> None:
-        """Begin a new average: nothing that was measured before may be in it."""
-        self.sweep_part(vna).clear_averaging()
-
-    def settings(self, sweep: SweepSettings) -> List[Setting]:
-        """Return everything that the data depend on; what `sweep` leaves open is not in it."""
-        wanted = sweep.analyzer
-        found = [
-            self.hold(),
-            self._own(Message("the start frequency"), "freq_start", sweep.start_frequency_hz),
-            self._own(Message("the stop frequency"), "freq_stop", sweep.stop_frequency_hz),
-            self._own(Message("the number of points"), "npoints", sweep.points),
-            self._sweep_type(),
-            Setting(Message("the S-parameter"), S21, self.measured_parameter, self.select_s21),
-        ]
-        if wanted.if_bandwidth_hz:
-            found.append(
-                Setting(
-                    Message("the IF bandwidth"),
-                    wanted.if_bandwidth_hz,
-                    self.if_bandwidth_hz,
-                    lambda vna: self.set_if_bandwidth(vna, round(wanted.if_bandwidth_hz)),
-                    matters_to_calibration=True,
-                )
-            )
-        if wanted.averages:
-            found.append(
-                Setting(
-                    Message("the number of averages"),
-                    wanted.averages,
-                    self.averages,
-                    lambda vna: self.set_averages(vna, wanted.averages),
-                )
-            )
-        return [setting for setting in found if setting is not None]
-
-    def _own(self, name: Message, attribute: str, value: float) -> Setting:
-        whole = round(value)
-        return Setting(
-            name,
-            whole,
-            lambda vna: getattr(self.sweep_part(vna), attribute),
-            lambda vna: setattr(self.sweep_part(vna), attribute, whole),
-            matters_to_calibration=True,
-        )
-
-    def _sweep_type(self) -> Optional[Setting]:
-        if not self.linear:
-            return None
-        return Setting(
-            Message("the sweep type"),
-            self.linear,
-            lambda vna: self.sweep_part(vna).sweep_type.value,
-            lambda vna: setattr(self.sweep_part(vna), "sweep_type", self.linear),
-            matters_to_calibration=True,
-        )
-
-
-class NamedMeasurements(Dialect):
-    """Analyzers whose traces have names: one of S21 is used, or made if there is none."""
-
-    linear = "LIN"
-    # Of the sweep mode, in which the analyzer sweeps only when triggered, and by itself.
-    held, continuous = "", ""
-
-    def hold(self) -> Setting:
-        """Return the setting with which the analyzer sweeps only when triggered."""
-        return Setting(
-            Message("continuous sweep"),
-            self.held,
-            lambda vna: self.sweep_part(vna).sweep_mode.value,
-            lambda vna: setattr(self.sweep_part(vna), "sweep_mode", self.held),
-        )
-
-    def release(self, vna: Any) -> None:
-        """Let the analyzer sweep by itself."""
-        self.sweep_part(vna).sweep_mode = self.continuous
+    def if_bandwidth(self, value_hz: float) -> Setting:
+        """Return the setting of the IF bandwidth [Hz]."""
+        return self.own(IF_BANDWIDTH, "if_bandwidth", round(value_hz), True)
 
     def measured_parameter(self, vna: Any) -> str:
         """Return the S-parameter of the trace that `data` reads."""
@@ -198,69 +93,99 @@ class NamedMeasurements(Dialect):
         """Make the trace that `data` reads one of S21."""
         found = [name for name, what in self._measurements(vna).items() if what == S21]
         if not found:
-            self.sweep_part(vna).create_measurement(MEASUREMENT, S21)
+            self.part(vna).create_measurement(MEASUREMENT, S21)
         vna.active_measurement = found[0] if found else MEASUREMENT
 
-    def set_format(self, vna: Any) -> None:
-        """Select doubles; the byte order goes with them."""
-        vna.query_format = type(vna.query_format).BINARY_64
+    def more_settings(self) -> List[Setting]:
+        """Return what the data of this class depend on beside what they do of any."""
+        return [
+            self.own(Message("the sweep type"), "sweep_type", "LIN", True),
+            self.own(AVERAGING, "averaging_on", False),
+        ]
+
+    def settings(self, sweep: SweepSettings) -> List[Setting]:
+        """Return everything that the data depend on; what `sweep` leaves open is not in it."""
+        start_hz, stop_hz = round(sweep.start_frequency_hz), round(sweep.stop_frequency_hz)
+        found = [
+            self.hold(),
+            self.own(Message("the start frequency"), "freq_start", start_hz, True),
+            self.own(Message("the stop frequency"), "freq_stop", stop_hz, True),
+            self.own(Message("the number of points"), "npoints", sweep.points, True),
+            *self.more_settings(),
+            Setting(Message("the S-parameter"), S21, self.measured_parameter, self.select_s21),
+        ]
+        if sweep.analyzer.if_bandwidth_hz:
+            found.append(self.if_bandwidth(sweep.analyzer.if_bandwidth_hz))
+        return found
+
+    def own(
+        self, name: Message, attribute: str, value: Any, matters_to_calibration: bool = False
+    ) -> Setting:
+        """Return the setting of a property of the part."""
+
+        def read(vna: Any) -> Any:
+            found = getattr(self.part(vna), attribute)
+            return getattr(found, "value", found)
+
+        def write(vna: Any) -> None:
+            setattr(self.part(vna), attribute, value)
+
+        return Setting(name, value, read, write, matters_to_calibration)
 
     def _measurements(self, vna: Any) -> Dict[str, str]:
-        return {name.strip(): what.strip() for name, what in self.sweep_part(vna).measurements}
+        return {name.strip(): what.strip() for name, what in self.part(vna).measurements}
 
 
-class Pna(NamedMeasurements):
+class Pna(Dialect):
     """Keysight PNA, PNA-L and PNA-X."""
 
     held, continuous = "HOLD", "CONT"
     trigger = "SENS1:SWE:MODE SING"
 
-    def settings(self, sweep: SweepSettings) -> List[Setting]:
-        """Return everything that the data depend on; what `sweep` leaves open is not in it."""
-        trigger = Setting(
-            Message("the trigger"),
-            "IMM",
-            lambda vna: vna.trigger_source.value,
-            lambda vna: setattr(vna, "trigger_source", "IMM"),
-        )
-        return [*super().settings(sweep), trigger]
-
-    def triggers(self, vna: Any, averages: int) -> int:
-        """Return how many sweeps must be triggered: one if each point is averaged by itself."""
-        if averages > 1 and self.sweep_part(vna).averaging_mode.value == "POIN":
-            return 1
-        return averages
+    def more_settings(self) -> List[Setting]:
+        """Return what the data of this class depend on beside what they do of any."""
+        return [
+            *super().more_settings(),
+            Setting(
+                Message("the trigger"),
+                "IMM",
+                lambda vna: vna.trigger_source.value,
+                lambda vna: setattr(vna, "trigger_source", "IMM"),
+            ),
+        ]
 
 
-class Zva(NamedMeasurements):
+class Zva(Dialect):
     """Rohde & Schwarz ZVA and ZNA."""
 
-    needs = "skrf.vi.vna.rohde_schwarz.rs_vna"
     held, continuous = "0", "1"
     trigger = "INIT1:IMM"
 
 
 class FieldFox(Dialect):
-    """Keysight FieldFox in its network analyzer mode; its trace 1 is used."""
+    """Keysight FieldFox in its network analyzer mode, without channels; its trace 1 is used.
 
+    scikit-rf does not know all of its IF bandwidths (3 kHz is missing), and has no property for
+    averaging: both are set with the commands of the analyzer itself.
+    """
+
+    mode, held, continuous = "is_continuous", False, True
     trigger = "INIT:IMM"
 
-    def sweep_part(self, vna: Any) -> Any:
-        """Return the object itself: this analyzer has no channels."""
+    def part(self, vna: Any) -> Any:
+        """Return the object itself."""
         return vna
 
-    def hold(self) -> Setting:
-        """Return the setting with which the analyzer sweeps only when triggered."""
-        return Setting(
-            Message("continuous sweep"),
-            False,
-            lambda vna: vna.is_continuous,
-            lambda vna: setattr(vna, "is_continuous", False),
-        )
-
-    def release(self, vna: Any) -> None:
-        """Let the analyzer sweep by itself."""
-        vna.is_continuous = True
+    def more_settings(self) -> List[Setting]:
+        """Return what scikit-rf reports; it does not the sweep type."""
+        return [
+            Setting(
+                AVERAGING,
+                1,
+                lambda vna: max(1, int(float(vna.query("SENS:AVER:COUN?")))),
+                lambda vna: vna.write("SENS:AVER:COUN 1"),
+            )
+        ]
 
     def measured_parameter(self, vna: Any) -> str:
         """Return the S-parameter of trace 1."""
@@ -279,34 +204,21 @@ class FieldFox(Dialect):
         numbers = vna.query_values("CALC:PAR1:SEL;:CALC:DATA:SDATA?", complex_values=True)
         return np.asarray(numbers, dtype=np.complex128)
 
-    # scikit-rf does not know all IF bandwidths of this analyzer (3 kHz is missing), and has no
-    # property for the averages; a trace must not contain sweeps from before a move. Both are set
-    # with the commands of the analyzer itself.
-
-    def if_bandwidth_hz(self, vna: Any) -> float:
-        """Return the IF bandwidth [Hz]."""
-        return float(vna.query("SENS:BWID?"))
-
-    def set_if_bandwidth(self, vna: Any, bandwidth_hz: int) -> None:
-        """Set the IF bandwidth [Hz]."""
-        vna.write(f"SENS:BWID {bandwidth_hz}")
-
-    def averages(self, vna: Any) -> int:
-        """Return the number of sweeps that make one trace."""
-        return max(1, int(float(vna.query("SENS:AVER:COUN?"))))
-
-    def set_averages(self, vna: Any, averages: int) -> None:
-        """Set the number of sweeps that make one trace."""
-        vna.write(f"SENS:AVER:COUN {averages}")
-
-    def clear_averages(self, vna: Any) -> None:
-        """Begin a new average: nothing that was measured before may be in it."""
-        vna.write("SENS:AVER:CLE")
+    def if_bandwidth(self, value_hz: float) -> Setting:
+        """Return the setting of the IF bandwidth [Hz]."""
+        return Setting(
+            IF_BANDWIDTH,
+            value_hz,
+            lambda vna: float(vna.query("SENS:BWID?")),
+            lambda vna: vna.write(f"SENS:BWID {round(value_hz)}"),
+            matters_to_calibration=True,
+        )
 
 
-DIALECTS: Dict[ScikitRfClass, Type[Dialect]] = {
-    ScikitRfClass.PNA: Pna,
-    ScikitRfClass.FIELDFOX: FieldFox,
-    ScikitRfClass.ZVA: Zva,
-    ScikitRfClass.ZNA: Zva,
+# By the classes of scikit-rf, as named below `skrf.vi.vna`.
+DIALECTS: Dict[str, Type[Dialect]] = {
+    "keysight.PNA": Pna,
+    "keysight.FieldFox": FieldFox,
+    "rohde_schwarz.ZVA": Zva,
+    "rohde_schwarz.ZNA": Zva,
 }

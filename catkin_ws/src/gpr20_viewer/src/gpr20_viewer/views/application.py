@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import datetime
 import signal
 import sys
 from pathlib import Path
@@ -12,29 +11,18 @@ from PyQt5 import sip
 from PyQt5.QtCore import QTimer
 from PyQt5.QtWidgets import QApplication
 
-from gpr20_viewer.identity import SurveyIdentity
-from gpr20_viewer.picks_file import PicksFile
+from gpr20_common.low.clock import time_of_day_us
+from gpr20_survey.trace.utc_time import iso_text
+from gpr20_viewer.picks_file import PicksFile, SurveyIdentity
 from gpr20_viewer.session import ViewSession
 from gpr20_viewer.views.main_window import MainWindow
-from gpr20_viewer.views.pick_desk import PickDesk
+from gpr20_viewer.views.tables import PicksTab
 
 # Python handles Ctrl-C only between its own instructions.
 SIGNALS_PERIOD_MS = 200
 
 
-def utc_now() -> str:
-    """Return the time, ISO 8601, UTC, in seconds."""
-    now = datetime.datetime.now(datetime.timezone.utc)
-    return now.isoformat(timespec="seconds").replace("+00:00", "Z")
-
-
-def show(
-    session: ViewSession,
-    picks: Path,
-    author: str,
-    name: str,
-    flat: bool,
-) -> None:
+def show(session: ViewSession, picks: Path, author: str, name: str) -> None:
     """Show the window; return when it was closed.
 
     Raises:
@@ -44,8 +32,7 @@ def show(
     file = PicksFile(picks, SurveyIdentity.of(session.survey))
     application = QApplication.instance() or QApplication(sys.argv[:1])
     pyqtgraph.setConfigOptions(antialias=True)
-    desk = PickDesk(file, author, utc_now)
-    window = MainWindow(session, desk, name, flat)
+    window = MainWindow(session, PicksTab(file, author, lambda: iso_text(time_of_day_us())), name)
     interrupted = []
 
     def interrupt(*_: object) -> None:

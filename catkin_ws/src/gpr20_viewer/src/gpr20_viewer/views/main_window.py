@@ -3,18 +3,19 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Callable, List, Optional, Sequence, Tuple, Union
+from typing import Any, Callable, List, Optional
 
 from PyQt5.QtCore import Qt
-from PyQt5.QtGui import QCloseEvent
+from PyQt5.QtGui import QCloseEvent, QKeySequence
 from PyQt5.QtWidgets import (
-    QCheckBox,
+    QAction,
     QFrame,
     QGridLayout,
     QHBoxLayout,
     QLabel,
     QMainWindow,
     QMessageBox,
+    QPlainTextEdit,
     QScrollArea,
     QSizePolicy,
     QTabWidget,
@@ -22,29 +23,23 @@ from PyQt5.QtWidgets import (
     QWidget,
 )
 
+from gpr20_analysis.sentences import shown
 from gpr20_common.errors import Gpr20Error
 from gpr20_common.message import Message
 from gpr20_survey.radar.soils import ANY_SOIL
-from gpr20_survey.results.candidates import Candidate
+from gpr20_survey.results.candidates import CandidateList
 from gpr20_viewer.live_image import ImageRequest, LiveImage
 from gpr20_viewer.picks import Pick
 from gpr20_viewer.positions import Place
 from gpr20_viewer.scene import Scene
 from gpr20_viewer.session import ViewSession
-from gpr20_viewer.views.candidates_table import CandidatesTable
-from gpr20_viewer.views.colour_scale import ColourScale
-from gpr20_viewer.views.controls import Controls
-from gpr20_viewer.views.lists import KeysList, NotesList
 from gpr20_viewer.views.live_bridge import LiveBridge
-from gpr20_viewer.views.pick_desk import PickDesk
 from gpr20_viewer.views.sections import Sections
-from gpr20_viewer.views.shortcuts import add_shortcuts
-from gpr20_viewer.views.status_bar import StatusBar
-from gpr20_viewer.views.volume_view import new_volume_view
+from gpr20_viewer.views.settings import Settings
+from gpr20_viewer.views.tables import WRONG, CandidatesTab, PicksTab
 
-RANGE_DB = 40.0
-SIZE_PX = (1360, 820)
-SIDE_PX = 430
+SIZE_PX, SIDE_PX = (1360, 820), 430
+SIMULATED = "background: #ffd400; color: #111111; font-weight: bold; padding: 3px;"
 
 
 class MainWindow(QMainWindow):
@@ -52,9 +47,8 @@ class MainWindow(QMainWindow):
 
     Args:
         session: The survey.
-        desk: Its picks.
+        picks: Its picks.
         name: What the survey is called in the title.
-        flat: Whether to show projections instead of 3D.
         ask: Asks the analyst a question; returns whether the answer is yes.
 
     Attributes:
@@ -66,57 +60,55 @@ class MainWindow(QMainWindow):
     def __init__(
         self,
         session: ViewSession,
-        desk: PickDesk,
+        picks: PicksTab,
         name: str,
-        flat: bool = False,
         ask: Optional[Callable[[str], bool]] = None,
     ) -> None:
         super().__init__()
-        self.session, self.desk = session, desk
+        self.session, self.picks = session, picks
         self._ask = ask or self._ask_in_dialog
         self.place = session.middle()
         self.image: Optional[LiveImage] = None
         self.is_computing = True
         self._problem: Optional[Message] = None
-        first = session.first_request
-        self._wanted = self._last_request = first
+        self._wanted = session.first_request
         title = f"GPR-20 survey {name}"
         self.setWindowTitle(f"{title} · SIMULATED" if session.simulated else title)
-        self.status = StatusBar(session.simulated)
-        self.volume = new_volume_view(flat)
-        self.controls = Controls(
-            session.rotations_deg,
-            session.axes,
-            first.deepest_m,
-            first.background,
-            RANGE_DB,
+        self.settings = Settings(session.rotations_deg, session.axes, self._wanted.background)
+        self.settings.show_permittivity(session.options.permittivity or ANY_SOIL.permittivity)
+        self.candidates = CandidatesTab()
+        self.sections = Sections(lambda: self.scene)
+        self.banner = QLabel(
+            "SIMULATED: the simulated robot made this survey; nothing was measured."
         )
-        self.controls.show_permittivity(session.options.permittivity or ANY_SOIL.permittivity)
-        self.click_picks = QCheckBox("a click picks")
-        self.candidates = CandidatesTable()
-        self.notes = NotesList()
-        self.scale = ColourScale()
-        self.cursor_text, self.mouse_text = QLabel(), QLabel()
-        self.sections = Sections(self.scene)
+        self.banner.setStyleSheet(SIMULATED)
+        self.caption, self.problem, self.cursor_text = QLabel(), QLabel(), QLabel()
+        self.problem.setStyleSheet(WRONG)
+        self.problem.setWordWrap(True)
+        self.notes = QPlainTextEdit()
+        self.notes.setReadOnly(True)
         self._lay_out()
+        self.banner.setVisible(session.simulated)
         self._connect()
+        self._add_keys()
         self.bridge = LiveBridge(session)
         self.bridge.computed.connect(self._show_computed)
+        self.bridge.found.connect(self._show_found)
         self.bridge.failed.connect(self._show_failed)
-        self.bridge.request(first)
+        self.bridge.request(self._wanted)
         self._refresh()
 
     @property
     def scene(self) -> Scene:
         """What the views show."""
-        controls = self.controls
+        settings = self.settings
         return Scene(
             self.session,
             self.image,
             self.place,
-            controls.display,
-            controls.permittivity,
-            controls.deepest_m,
+            settings.turn,
+            settings.along,
+            settings.permittivity,
         )
 
     def move_to(self, place: Place) -> None:
@@ -130,18 +122,23 @@ class MainWindow(QMainWindow):
 
     def pick(self) -> None:
         """Pick the place of the cursor, with the permittivity of the image that is shown."""
-        if self.image is None or not self.image.request.same_image(self._last_request):
+        if self.image is None or self.image.request != self._wanted:
             # Its depth would belong to another permittivity than that of the image.
-            self.desk.refuse(Message("no pick: there is no image with these settings yet"))
+            reason = Message("no pick: there is no image with these settings yet")
+            self.picks.say(reason, self.picks.is_unsaved)
             return
         scene, place = self.scene, self.place
-        permittivity = (self.image.permittivity, self.image.source)
-        self.desk.add(place, scene.polarization_deg, permittivity, scene.level_db(place))
+        self.picks.add(
+            Pick(
+                "", place.x_m, place.y_m, place.depth_m, scene.polarization_deg,
+                self.image.permittivity, self.image.source, scene.level_db(place),
+            )
+        )  # fmt: skip
 
     def closeEvent(self, event: QCloseEvent) -> None:  # noqa: N802
         """Qt: the window is about to close."""
         question = "The picks are NOT SAVED. Close the window and lose them?"
-        if self.desk.is_unsaved and not self._ask(question):
+        if self.picks.is_unsaved and not self._ask(question):
             event.ignore()
             return
         self.bridge.close()
@@ -150,16 +147,21 @@ class MainWindow(QMainWindow):
     def _show_computed(self, image: LiveImage) -> None:
         self.image = image
         self._problem = None
-        self.is_computing = image.request != self._last_request
+        self.is_computing = image.request != self._wanted
         if self._wanted.permittivity is None and not self.is_computing:
             # The slider starts at the value found, or at what was assumed.
-            self.controls.show_permittivity(image.permittivity)
-        self.candidates.show_candidates(image.candidates)
-        self._search()
-        self._refresh_image()
+            self.settings.show_permittivity(image.permittivity)
+        self.candidates.show_candidates(None)
+        self._refresh()
+
+    def _show_found(self, image: LiveImage, found: CandidateList) -> None:
+        if image is self.image:
+            image.candidates = found
+            self.candidates.show_candidates(found)
+            self._refresh()
 
     def _show_failed(self, request: ImageRequest, error: Exception) -> None:
-        if request != self._last_request:
+        if request != self._wanted:
             return
         self.is_computing = False
         reason = Message("program error {error}", error=f"{type(error).__name__}: {error}")
@@ -168,83 +170,43 @@ class MainWindow(QMainWindow):
         elif isinstance(error, MemoryError):
             reason = Message("not enough memory; use fewer samples", details=error)
         self._problem = Message("no image with these settings: {reason}", reason=reason)
-        self._refresh_image()
+        self._refresh()
 
-    def _set_permittivity(self, permittivity: float) -> None:
-        self._request(replace(self._wanted, permittivity=permittivity, candidates=False))
-
-    def _request_again(self) -> None:
-        self._request(
-            replace(
-                self._wanted,
-                background=self.controls.background.isChecked(),
-                deepest_m=self.controls.deepest_m,
-                candidates=False,
-            )
-        )
-
-    def _search(self) -> None:
-        # After the image, which is not to wait for the candidates in it.
-        wants = self.candidates.searched.isChecked()
-        if wants and not self.is_computing and not self._last_request.candidates:
-            self._request(replace(self._wanted, candidates=True))
-
-    def _request(self, wanted: ImageRequest) -> None:
+    def _request(self, **changes: Any) -> None:
+        wanted = replace(self._wanted, **changes)
         if wanted != self._wanted:
-            self._wanted = self._last_request = wanted
+            self._wanted = wanted
             self.is_computing = True
             self.bridge.request(wanted)
         self._refresh()
 
-    def _refresh_image(self) -> None:
-        display = self.controls.display
-        self.volume.show_image(self.image, display.turn, display.range_db, display.db_per_ns)
-        self.scale.show_range(display.range_db)
-        self._refresh()
-
     def _refresh(self) -> None:
-        scene = self.scene
-        background = self.controls.background.isChecked()
-        self.sections.show_scene(scene, background, self.desk.editor.picks)
-        self.volume.show_cursor(self.place)
-        read_out = scene.read_out(self.place)
-        self.cursor_text.setText(f"Cursor: {read_out}")
-        self._show_status()
+        self.sections.draw(self.settings.background, self.picks.editor.picks)
+        self.cursor_text.setText(f"Cursor: {self.scene.read_out(self.place)}")
+        self.caption.setText(self._caption())
+        problems = list(self.session.doubts)
+        if self._problem is not None:
+            problems.append(self._problem)
+        elif self.sections.problem is not None:
+            problems.append(Message("no traces: {reason}", reason=self.sections.problem))
+        self.problem.setText("\n".join(shown(one) for one in problems))
+        self.problem.setVisible(bool(problems))
+        notes = [*self.session.notes, *self.picks.notes]
+        if self.image is not None:
+            notes = [*(one for one in self.image.notes if one not in notes), *notes]
+        self.notes.setPlainText("\n\n".join(map(shown, notes)))
+        self._tabs.setTabText(self._tabs.indexOf(self.notes), f"Notes ({len(notes)})")
 
-    def _show_status(self) -> None:
-        image = self.image
-        if image is None:
-            caption = "no image yet"
-        else:
-            caption = f"Image: {image.caption}"
-        if self.is_computing and self._last_request.candidates:
-            caption += " · searching candidates ..."
-        elif self.is_computing:
-            caption += f" · computing for permittivity {self.controls.permittivity:.3g} ..."
-        if self.controls.display.db_per_ns > 0.0:
-            gain = self.controls.display.db_per_ns
-            caption += f" · display gain {gain:g} dB/ns"
-        self.status.caption.setText(caption)
-        problem = self._problem
-        if problem is None and self.sections.problem is not None:
-            problem = Message("no traces: {reason}", reason=self.sections.problem)
-        doubts = self.session.doubts
-        self.status.show_problem(doubts if problem is None else [*doubts, problem])
-        remarks = [] if image is None else list(image.remarks)
-        notes = [*remarks, *self.session.notes, *self.desk.notes]
-        self.status.show_notes(notes)
-        self.notes.show_notes(notes)
+    def _caption(self) -> str:
+        caption = "no image yet" if self.image is None else f"Image: {self.image.caption}"
+        if self.is_computing:
+            caption += f" · computing for permittivity {self.settings.permittivity:.3g} ..."
+        return caption
 
-    def _placed(self, place: Place) -> None:
-        self.move_to(place)
-        if self.click_picks.isChecked():
-            self.pick()
-
-    def _hovered(self, place: Place) -> None:
-        read_out = self.scene.read_out(place)
-        self.mouse_text.setText(f"Mouse: {read_out}")
-
-    def _go_to(self, name: str, places: Sequence[Union[Pick, Candidate]]) -> None:
+    def _go_to(self, name: str) -> None:
+        found = None if self.image is None else self.image.candidates
+        places: List[Any] = [*self.picks.editor.picks]
+        places += [] if found is None else found.candidates
         for one in places:
             if one.id == name:
                 self.move_to(Place(one.x_m, one.y_m, one.depth_m))
@@ -254,27 +216,49 @@ class MainWindow(QMainWindow):
         return bool(answer == QMessageBox.StandardButton.Yes)
 
     def _connect(self) -> None:
-        self.sections.placed.connect(self._placed)
-        self.sections.hovered.connect(self._hovered)
-        self.controls.permittivity_changed.connect(self._set_permittivity)
-        self.controls.image_changed.connect(self._request_again)
-        self.controls.display_changed.connect(self._refresh_image)
-        self.candidates.searched.toggled.connect(
-            lambda on: self._search() if on else self._request_again()
-        )
-        self.candidates.chosen.connect(lambda name: self._go_to(name, self.scene.candidates))
-        self.desk.table.chosen.connect(lambda name: self._go_to(name, self.desk.editor.picks))
-        self.desk.table.pick_button.clicked.connect(lambda: self.pick())
-        self.desk.changed.connect(lambda: self.sections.show_marks(self.desk.editor.picks))
-        add_shortcuts(self)
+        self.sections.placed.connect(self.move_to)
+        settings = self.settings
+        settings.permittivity_changed.connect(lambda value: self._request(permittivity=value))
+        settings.background_changed.connect(lambda value: self._request(background=value))
+        settings.display_changed.connect(self._refresh)
+        for tab in (self.candidates, self.picks):
+            tab.table.chosen.connect(self._go_to)
+        self.picks.pick_wanted.connect(self.pick)
+        self.picks.changed.connect(lambda: self.sections.draw_marks(self.picks.editor.picks))
+
+    def _add_keys(self) -> None:
+        """Let keys work; a text that is being edited takes them first."""
+        settings, picks = self.settings, self.picks
+        menu = self.menuBar().addMenu("Keys")
+        # A held key must not pick, undo or switch again and again.
+        for text, keys, repeats, act in (
+            ("Cursor to smaller x", ["Left"], True, lambda: self.nudge(columns=-1)),
+            ("Cursor to larger x", ["Right"], True, lambda: self.nudge(columns=1)),
+            ("Cursor to larger y", ["Up"], True, lambda: self.nudge(rows=1)),
+            ("Cursor to smaller y", ["Down"], True, lambda: self.nudge(rows=-1)),
+            ("Cursor and slice upwards", ["PgUp"], True, lambda: self.nudge(layers=-1)),
+            ("Cursor and slice downwards", ["PgDown"], True, lambda: self.nudge(layers=1)),
+            ("Larger permittivity", ["+", "="], True, lambda: settings.step_permittivity(1)),
+            ("Smaller permittivity", ["-"], True, lambda: settings.step_permittivity(-1)),
+            ("Pick the place of the cursor", ["P"], False, self.pick),
+            ("Undo the last change of the picks", ["Ctrl+Z"], False, picks.undo),
+            ("Delete the selected pick", ["Del"], False, picks.delete_selected),
+            ("Next polarization", ["R"], False, lambda: settings.next("polarization")),
+            ("Section along the other axis", ["L"], False, lambda: settings.next("section")),
+            ("Background on or off", ["B"], False, settings.switch_background),
+        ):
+            action = QAction(text, menu)
+            action.setShortcuts([QKeySequence(one) for one in keys])
+            action.setAutoRepeat(repeats)
+            action.triggered.connect(lambda _checked, act=act: act())
+            menu.addAction(action)
 
     def _lay_out(self) -> None:
-        views = QGridLayout()
-        views.setSpacing(4)
-        columns: List[Tuple[QWidget, QWidget]] = [(self.sections.b_scan, self.sections.section)]
+        views, sections = QGridLayout(), self.sections
+        columns = [(sections.b_scan, sections.section)]
         if len(self.session.axes) > 1:
             # Below a single line there is one section, which is the whole image.
-            columns.append((self.sections.slice, self.volume))
+            columns.append((sections.slice, sections.maximum))
         for column, pair in enumerate(columns):
             views.setColumnStretch(column, 1)
             for row, view in enumerate(pair):
@@ -282,39 +266,34 @@ class MainWindow(QMainWindow):
                 # All get the same space, whatever they would like.
                 view.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Ignored)
                 views.addWidget(view, row, column)
-        tabs = QTabWidget()
-        tabs.addTab(self.desk.table, "Picks")
-        if self.session.find_candidates is not None:
-            tabs.addTab(self.candidates, "Candidates")
+        self._tabs = tabs = QTabWidget()
+        tabs.addTab(self.picks, "Picks")
+        tabs.addTab(self.candidates, "Candidates")
         tabs.addTab(self.notes, "Notes")
-        tabs.addTab(KeysList(), "Keys")
-        settings = QWidget()
-        below = QVBoxLayout(settings)
-        below.setContentsMargins(0, 0, 0, 0)
-        below.addWidget(self.controls)
-        below.addWidget(self.scale)
-        below.addWidget(self.click_picks)
-        below.addWidget(tabs, 1)
         # On a low screen the settings scroll, so that the pictures are seen whole.
-        side = QScrollArea()
-        side.setWidget(settings)
+        side, below = QScrollArea(), _column(self.settings, sections.scale_view, tabs)
+        side.setWidget(below)
         side.setWidgetResizable(True)
         side.setFrameShape(QFrame.Shape.NoFrame)
         side.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
         bar_px = side.verticalScrollBar().sizeHint().width()
-        side.setMinimumWidth(settings.minimumSizeHint().width() + bar_px)
+        side.setMinimumWidth(below.minimumSizeHint().width() + bar_px)
         side.setMaximumWidth(SIDE_PX)
         middle = QHBoxLayout()
         middle.addLayout(views, 3)
         middle.addWidget(side, 2)
-        bottom = QHBoxLayout()
-        bottom.addWidget(self.cursor_text, 1)
-        bottom.addWidget(self.mouse_text, 1)
-        central = QWidget()
-        layout = QVBoxLayout(central)
-        layout.setContentsMargins(6, 6, 6, 6)
-        layout.addWidget(self.status)
-        layout.addLayout(middle, 1)
-        layout.addLayout(bottom)
+        pictures = QWidget()
+        pictures.setLayout(middle)
+        central = _column(self.banner, self.caption, self.problem, pictures, self.cursor_text)
         self.setCentralWidget(central)
         self.resize(*SIZE_PX)
+
+
+def _column(*widgets: QWidget) -> QWidget:
+    column = QWidget()
+    layout = QVBoxLayout(column)
+    layout.setContentsMargins(4, 4, 4, 4)
+    for widget in widgets:
+        # The tabs, and the pictures, take the space that is left.
+        layout.addWidget(widget, int(isinstance(widget, QTabWidget) or type(widget) is QWidget))
+    return column
