@@ -36,6 +36,7 @@ from gpr20_analysis.formats.checksums import add_checksum, has_checksum
 from gpr20_analysis.formats.zarr_codecs import refuse_unsafe_codecs
 from gpr20_analysis.sentences import LIST_ATTRIBUTES, with_notes
 from gpr20_common.message import Message
+from gpr20_common.terminal_text import storable
 from gpr20_survey.files.file_sums import regular_files
 from gpr20_survey.files.regular_file import check_regular
 
@@ -196,6 +197,8 @@ def _as_real(data: xr.Dataset) -> xr.Dataset:
 def _plain(key: str, value: Any) -> Any:
     if key in LIST_ATTRIBUTES or isinstance(value, (dict, list, tuple)):
         return json.dumps(value)
+    if isinstance(value, str):
+        return storable(value)
     return int(value) if isinstance(value, (bool, np.bool_)) else value
 
 

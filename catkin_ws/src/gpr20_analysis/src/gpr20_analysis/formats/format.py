@@ -175,7 +175,7 @@ IMPORTS = ExtensionPoint(
     fault=faults.STEPS,
     wings=dict.fromkeys(
         (
-            *("group-csv", "merged-hdf5", "gprmax", "original-json", "arrays"),
+            *("group-csv", "merged-hdf5", "migrated-hdf5", "gprmax", "original-json", "arrays"),
             *("dt1", "dzt", "rd3", "segy", "touchstone"),
         ),
         WING,
@@ -187,7 +187,6 @@ IMAGE_FORMATS = ExtensionPoint(
     "gpr20_analysis.image_formats",
     Message("the image format"),
     fault=faults.STEPS,
-    wings={"h5": WING},
     kind=ImageFormat,
 )
 """By this, other packages add formats of images."""
