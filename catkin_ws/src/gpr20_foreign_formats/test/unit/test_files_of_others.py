@@ -30,6 +30,8 @@ from gpr20_analysis.imaging.image import image_survey
 from gpr20_analysis.imaging.image_options import ImageOptions
 from gpr20_analysis.plotting.ranges import until
 from gpr20_analysis.processing.to_frequency import to_frequency
+from gpr20_analysis.read.load import load_survey
+from gpr20_analysis.read.replay import describe
 from gpr20_common.faults import NOT_ALLOWED
 
 DATA = Path(__file__).parent / "data"
@@ -213,6 +215,14 @@ def test_names_that_are_no_utf_8_are_read_and_written(tmp_path):
     assert main(["import", str(path), str(folder), "--format", "dt1"]) == 0
     (made,) = (one for one in folder.iterdir() if one.is_dir())
     assert main(["info", str(made)]) == 0
+
+
+@each_case("name, topic", [("chatter.bag", "/chatter"), ("imu_ros1.mcap", "/imu/data")])
+def test_a_recording_of_somebody_else_is_refused_with_its_topics(name, topic):
+    for read_it in (load_survey, describe):
+        with raises_fault(faults.INPUT, name, topic):
+            read_it(DATA / name)
+    assert main(["replay", str(DATA / name)]) == 3
 
 
 def test_numbers_of_options_may_have_decimal_commas(tmp_path):

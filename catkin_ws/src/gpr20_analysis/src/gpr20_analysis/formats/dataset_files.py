@@ -11,6 +11,7 @@ import threading
 from pathlib import Path
 from typing import Any, Dict, Optional, Union
 
+import h5py
 import numpy as np
 import xarray as xr
 from xarray.backends import H5NetCDFStore
@@ -112,6 +113,11 @@ def read_dataset(path: Path, lazy_bytes: Optional[int] = None) -> xr.Dataset:
     if path.is_dir():
         for name in regular_files(path):
             check_regular(path / name)
+    if path.suffix == NETCDF and not h5py.is_hdf5(str(path)):
+        raise AnalysisError(
+            Message("{path} is not a NetCDF file of version 4 (HDF5)", path=path),
+            fault=faults.INPUT,
+        )
     checked = has_checksum(path)
     try:
         with np.errstate(invalid="ignore"):
