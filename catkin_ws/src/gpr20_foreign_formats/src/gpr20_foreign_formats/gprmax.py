@@ -263,7 +263,7 @@ def _places(
         three = Message("three numbers for each of {count} traces", count=count)
         shapes = " / ".join(str(one.shape) for one in places)
         raise Header(path.name, {"Position": shapes}).refused("Position", three)
-    return places[0], places[1]
+    return places[0], list(places[1])
 
 
 def _excitation(file: Any, path: Path) -> Optional[Signal]:

@@ -71,7 +71,7 @@ def read_group_csv(path: Path, _: ImportOptions, progress: Progress) -> xr.Datas
                 "{folder} mixes files over frequency (VNA_) and over time (TIME_), or of different "
                 "ends or points: {axes}; put the files of each into a separate folder",
                 folder=path,
-                axes=", ".join(map(str, axes or sorted(kinds))),
+                axes=", ".join(map(str, axes)) or " / ".join(sorted(kinds)),
             )
         )
     (kind,), ((start, stop, points),) = kinds, axes

@@ -54,7 +54,7 @@ class Header:
         if isinstance(found, str) and "." not in found:
             found = found.replace(",", ".")  # of a program under a locale with decimal commas
         try:
-            value = float(found)  # type: ignore[arg-type]
+            value = float(found)
         except (TypeError, ValueError):
             value = float("nan")
         # Written so that NaN is refused too.

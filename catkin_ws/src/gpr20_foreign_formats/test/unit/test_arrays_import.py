@@ -8,19 +8,14 @@ import h5py
 import numpy as np
 from case_kit import each_case
 from fault_kit import raises_fault
-from group_kit import even, survey, write_merged
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from instruments_kit import read
-from random_surveys import noise_survey
 from run_seed import draws
 from scipy.io import savemat
 
 from gpr20_analysis import faults
 from gpr20_analysis.commands.main import main
-from gpr20_analysis.errors import AnalysisError
-from gpr20_analysis.formats.dataset_files import write_dataset
-from gpr20_analysis.formats.format import IMPORTS
 from gpr20_analysis.read.load import load_survey
 
 FREQUENCY_HZ = np.linspace(1e9, 2e9, 21)
@@ -111,41 +106,6 @@ def test_samples_of_nan_are_missing_or_damaged(tmp_path):
     found = read(path, "arrays")
     assert (found.quality.values.ravel() & 3).tolist() == [0, 1, 2, 0, 0]
     assert len(found.attrs["missing"]) == 2 and len(found.attrs["faults"]) == 1
-
-
-def test_files_of_other_formats_are_not_taken(tmp_path):
-    write_merged(tmp_path / "m.h5", even(survey()))
-    write_dataset(noise_survey(1), tmp_path / "n.nc")
-    (tmp_path / "n.nc").rename(tmp_path / "n.h5")
-    (tmp_path / "text.npz").write_text("s21")
-    write_arrays(tmp_path / "d.npz", {"other": np.ones((2, 3))})
-    for name in ("m.h5", "n.h5", "text.npz", "absent.npz", "d.npz"):
-        assert IMPORTS.find("arrays").whole(tmp_path / name) is None
-    write_arrays(tmp_path / "d.npz", a_line())
-    assert IMPORTS.find("arrays").whole(tmp_path / "d.npz") == tmp_path / "d.npz"
-
-
-@settings(max_examples=draws(30))
-@given(
-    ending=st.sampled_from(ENDINGS),
-    place=st.floats(0.0, 1.0, exclude_max=True),
-    change=st.integers(1, 255),
-    is_cut=st.booleans(),
-)
-def test_damaged_files_are_refused_or_still_a_survey(ending, place, change, is_cut):
-    with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder) / f"d{ending}"
-        write_arrays(path, a_line())
-        content = bytearray(path.read_bytes())
-        spot = int(place * len(content))
-        content[spot] ^= change
-        path.write_bytes(content[:spot] if is_cut else content)
-        try:
-            found = read(path, "arrays")
-        except AnalysisError as error:
-            assert path.name in str(error)
-        else:
-            assert found.s21.shape == (1, 1, 5, 21)
 
 
 SCANS = {"a_scans": np.ones((5, 200)), "time_s": TIME_S, "s21": None, "frequency_hz": None}

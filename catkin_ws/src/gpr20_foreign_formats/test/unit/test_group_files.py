@@ -9,7 +9,6 @@ import pytest
 from case_kit import each_case
 from fault_kit import raises_fault
 from foreign_formats_kit import PACKAGE, added, additions_of_catkin
-from ground_kit import point, scene, survey_of
 from group_kit import (
     HZ,
     decisions_of,
@@ -27,18 +26,16 @@ from hypothesis import strategies as st
 from run_seed import draws
 
 from gpr20_analysis import faults
-from gpr20_analysis.commands.main import main
 from gpr20_analysis.entry_points import additions
 from gpr20_analysis.formats.dataset_files import read_dataset
 from gpr20_analysis.formats.format import IMPORTS
 from gpr20_analysis.formats.imported_folder import SOURCES_FILE
 from gpr20_analysis.imaging.image import image_survey
 from gpr20_analysis.imaging.image_options import ImageOptions
-from gpr20_analysis.processing.delay import to_time
+from gpr20_analysis.progress import no_progress
 from gpr20_analysis.read.load import load_survey
 from gpr20_analysis.read.verification import verify_survey
 from gpr20_analysis.sentences import DECISIONS
-from gpr20_survey.radar.frequency_to_delay import Window
 
 FORMS = {"group-csv": write_csv, "original-json": lambda folder, found: write_originals(
     folder, originals(found)), "merged-hdf5": write_merged}  # fmt: skip
@@ -118,74 +115,29 @@ def test_the_command_may_say_that_the_ground_is_real(tmp_path):
     assert found.attrs["simulated"] == 0
 
 
-STEP_MM, HEIGHT_M, TARGET = 16.0, 0.2, (233.0, 247.0, 0.1)
-PLACES_MM = np.arange(160.0, 321.0, STEP_MM)
-SWEEP_HZ = np.linspace(600e6, 6e9, 201)
-
-
-def group_transform(spectrum, frequency_hz):
-    """Return A-scan and times as the group's script computes them, from its description.
-
-    A Hamming window; zeros from 0 Hz up to one step below the first frequency; the conjugate
-    mirrored onto the negative frequencies without leaving out 0 Hz; the half with times from 0.
-    """
-    step_hz = frequency_hz[1] - frequency_hz[0]
-    below = int(np.ceil(frequency_hz[0] / step_hz - 1e-9)) - 1
-    positive = np.append(np.zeros(below), spectrum * np.hamming(len(spectrum)))
-    count = 2 * len(positive)
-    a_scan = np.fft.ifft(np.append(positive, np.flip(np.conj(positive))))
-    return a_scan[: count // 2], np.arange(count // 2) / (count * step_hz)
-
-
-@pytest.fixture(scope="module")
-def ground():
-    """A survey over a target, and its A-scans by the group's transform, with their times."""
-    one = scene([point(*TARGET)], 4.0, height_m=HEIGHT_M)
-    found = survey_of(one, PLACES_MM, PLACES_MM, SWEEP_HZ, (0.0,))
-    scans, delay_s = {}, None
-    for row, column in np.ndindex(*found.s21.shape[1:3]):
-        a_scan, delay_s = group_transform(found.s21.values[0, row, column], SWEEP_HZ)
-        place = (int(PLACES_MM[column]), int(PLACES_MM[row]), 0.0)
-        scans[place] = (HEIGHT_M, a_scan)
-    return found, scans, delay_s
-
-
-def test_a_scans_of_the_groups_transform_are_imaged(ground, tmp_path):
-    _, scans, delay_s = ground
-    source, output = tmp_path / "t", tmp_path / "o.nc"
-    write_csv(source, scans, "TIME", f"Ts0u_Te{round(delay_s[-1] * 1e6, 4)}u")
+def test_a_scans_over_time_have_the_times_of_their_names(tmp_path):
+    samples = survey(5, turns=(0.0,))
+    source = write_csv(tmp_path / "t", samples, "TIME", "Ts0u_Te0.0006u")
     (source / "time").write_text("Time\n0\n")
-    status, printed = run("import", source, output, "--format", "group-csv")
-    assert status == 0 and "was taken from the spectra" in printed
-    assert "rounded to 0.1 ns, delays are wrong by up to" in printed
-    options = ImageOptions(permittivity=4.0, depth_m=tuple(np.arange(0.05, 0.15, 0.001)))
-    image = image_survey(read_dataset(output), options)
-    best = np.unravel_index(np.argmax(np.abs(image.image.values[0])), image.image.shape[1:])
-    x_mm, y_mm = PLACES_MM[best[2]], PLACES_MM[best[1]]
-    assert abs(x_mm - TARGET[0]) <= STEP_MM and abs(y_mm - TARGET[1]) <= STEP_MM
-    assert abs(float(image.depth[best[0]]) - TARGET[2]) <= 0.005
+    found = IMPORTS.find("group-csv").read(source, None, no_progress)
+    np.testing.assert_allclose(found.delay, np.arange(7) * 1e-10, rtol=1e-9)
+    for (x_mm, y_mm, _), (_, values) in samples.items():
+        own = found.a_scan.sel(x=x_mm / 1e3, y=y_mm / 1e3, method="nearest").values[0]
+        np.testing.assert_array_equal(own, values)
+    assert "rounded to 0.1 ns, delays are wrong by up to 8.3 %" in str(found.attrs["notes"])
 
 
-def test_real_a_scans_of_a_merged_file_give_spectra_of_the_right_level(ground, tmp_path):
+def test_a_scans_of_a_merged_file_may_be_real(tmp_path):
     """Simulations that the group merges have no imaginary parts."""
-    true = ground[0]
-    in_time = to_time(true, Window.NONE, 3.0)
-    scans = {
-        (int(x), int(y), 0.0): (HEIGHT_M, in_time.a_scan.values[0, row, column])
-        for row, y in enumerate(PLACES_MM)
-        for column, x in enumerate(PLACES_MM)
-    }
-    path, output = tmp_path / "t.h5", tmp_path / "o.nc"
-    write_merged(path, scans, "Time", in_time.delay.values, heights=False)
+    path, scans = tmp_path / "t.h5", even(survey(4, turns=(0.0,)))
+    write_merged(path, scans, "Time", np.arange(7) * 1e-9, heights=False)
     with h5py.File(path, "r+") as file:
         del file["A-Scan/Im{A-Scan x-pol}"]
-    band = ["--band", "600e6", "6e9", "201"]
-    assert main(["import", str(path), str(output), "--format", "merged-hdf5", *band]) == 0
-    found, expected = read_dataset(output).s21.values, true.s21.values
-    # A real trace also has the negative frequencies, which leak a little.
-    factor = np.vdot(expected, found) / np.linalg.norm(expected) ** 2
-    assert factor == pytest.approx(1.0, abs=0.05)
-    assert np.linalg.norm(found - expected) < 0.15 * np.linalg.norm(expected)
+    found = IMPORTS.find("merged-hdf5").read(path, None, no_progress)
+    own = found.a_scan.sel(x=0.02, y=0.015, method="nearest").values[0]
+    np.testing.assert_allclose(own, scans[20, 15, 0.0][1].real, atol=1e-7)
+    assert "so the A-scans are real" in str(found.attrs["notes"])
+    np.testing.assert_allclose(found.delay, np.arange(7) * 1e-9)
 
 
 def test_pip_and_catkin_install_the_same_entry_points():

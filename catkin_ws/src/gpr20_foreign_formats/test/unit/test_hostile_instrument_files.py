@@ -6,11 +6,12 @@ import tracemalloc
 from functools import partial
 from pathlib import Path
 
-import group_kit
 import h5py
 import numpy as np
 from case_kit import each_case
 from fault_kit import raises_fault
+from group_kit import PLACES
+from group_kit import write_merged as write_merged_of_group
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from instruments_kit import (
@@ -28,6 +29,7 @@ from instruments_kit import (
     write_touchstone,
 )
 from run_seed import draws
+from test_arrays_import import a_line, write_arrays
 
 from gpr20_analysis import faults
 from gpr20_analysis.commands.main import main
@@ -37,28 +39,10 @@ from gpr20_common.faults import NOT_ALLOWED
 
 MOST_BYTES = 64 << 20
 HEADERS = {"dzt": (0, 128), "segy": (3200, 3840), "dt1": (0, 128)}
-JSON_NAMES = [f"X000.00_Y{y:06.2f}_Z000.00.json" for y in (0, 15)]
-CSV_NAMES = [f"VNA_X0_Y{y}_OrX_Fs600M_Fe6000M_Qf7_H250.csv" for y in (0, 15)]
 ALL = {
     **KINDS,
-    "original-json": (
-        "j",
-        lambda path: group_kit.write_originals(path, group_kit.originals(group_kit.PLACES)),
-        {},
-        [f"j/{one}" for one in JSON_NAMES],
-    ),
-    "group-csv": (
-        "c",
-        lambda path: group_kit.write_csv(path, group_kit.PLACES),
-        {},
-        [f"c/{one}" for one in CSV_NAMES],
-    ),
-    "merged-hdf5": (
-        "g.h5",
-        lambda path: group_kit.write_merged(path, group_kit.PLACES),
-        {},
-        ["g.h5"],
-    ),
+    "arrays": ("d.h5", partial(write_arrays, arrays=a_line()), {}, ["d.h5"]),
+    "merged-hdf5": ("g.h5", partial(write_merged_of_group, samples=PLACES), {}, ["g.h5"]),
 }
 FORMS = st.sampled_from(sorted(ALL))
 SHARE = st.floats(0.0, 1.0, exclude_max=True)
@@ -85,7 +69,7 @@ def survey_or_refusal(form, victim, change):
     return None
 
 
-@settings(max_examples=draws(20))
+@settings(max_examples=draws(24))
 @given(form=FORMS, victim=st.integers(0, 1), place=SHARE)
 def test_a_file_that_was_cut_anywhere_is_refused(form, victim, place):
     found = survey_or_refusal(form, victim, lambda whole: whole[: int(place * len(whole))])
@@ -94,7 +78,7 @@ def test_a_file_that_was_cut_anywhere_is_refused(form, victim, place):
     assert found is None or form in ("dzt", "segy") or text
 
 
-@settings(max_examples=draws(20))
+@settings(max_examples=draws(24))
 @given(
     form=FORMS,
     victim=st.integers(0, 1),
@@ -199,15 +183,6 @@ def test_traces_that_were_taken_by_time_or_turn_need_a_spacing(tmp_path):
         for spacing_m in (0.0, -0.1, np.nan, np.inf):
             with raises_fault(faults.INPUT, "--spacing"):
                 read(path, form, spacing_m=spacing_m)
-
-
-@each_case("form", ["dt1", "rd3"])
-def test_a_file_without_its_partner_is_refused_with_the_name_of_it(tmp_path, form):
-    name, write, _, victims = KINDS[form]
-    write(tmp_path / name)
-    (tmp_path / victims[1]).unlink()
-    with raises_fault(faults.INPUT, "beside it"):
-        read(tmp_path / name, form)
 
 
 @each_case("form", sorted(KINDS))
