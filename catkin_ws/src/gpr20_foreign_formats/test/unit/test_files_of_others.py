@@ -156,6 +156,13 @@ def test_the_size_of_a_file_decides_how_many_traces_it_has(tmp_path, form, key):
     assert f"says {TRACES + 3} traces ({key}), but {TRACES} are stored" in str(found.attrs["notes"])
 
 
+@each_case("order", "<>")
+def test_the_size_of_a_segy_file_decides_which_header_counts_its_samples(tmp_path, order):
+    write_segy(tmp_path / "l.sgy", order=order, b3221=39)
+    found = read(tmp_path / "l.sgy", "segy")
+    assert found.sizes["delay"] == 40 and "39 and 40 samples" in str(found.attrs["notes"])
+
+
 def test_a_trace_whose_time_zero_was_moved_is_refused(tmp_path):
     write_dt1(tmp_path / "l.dt1", moved=[2])
     with raises_fault(faults.INPUT, "TIMEZERO ADJUSTMENT"):
