@@ -8,6 +8,7 @@ import shlex
 import sys
 import zipfile
 
+import numpy as np
 import pytest
 from planned_survey import METADATA, POINTS, planned_trace
 from storage_kit import Kit
@@ -88,9 +89,10 @@ def test_the_wheel_alone_reads_a_survey(gpr20, tmp_path):
 
 
 @needs(FORMATS)
-def test_the_wheel_of_the_foreign_formats_adds_them(gpr20):
-    gpr20("sample", "s.mcap")
-    assert "882 files" in gpr20("export", "s.mcap", "o", "--format", "original-json")
+def test_the_wheel_of_the_foreign_formats_adds_them(gpr20, tmp_path):
+    hz = np.linspace(1e9, 2e9, 11)
+    np.savez(tmp_path / "l.npz", s21=np.ones((3, 11)) * 1j, x_m=[0.0, 0.1, 0.2], frequency_hz=hz)
+    assert "x 3, frequency 11" in gpr20("import", "l.npz", "l.nc", "--format", "arrays")
 
 
 def test_the_commands_of_the_readme_show_the_sample_without_ros(gpr20, tmp_path):

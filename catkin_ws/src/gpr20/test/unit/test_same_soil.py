@@ -200,7 +200,7 @@ SAID = {
     "analysis.settings_changed": "from trace 40 on another VNA measured: B",
     "analysis.clock": "times may be wrong: the clock was set back by 60 s",
 }
-EXPORTS = ("netcdf", "zarr", "csv", "segy", "touchstone", "ros2", "original-json", "merged-hdf5")
+EXPORTS = ("netcdf", "zarr", "csv", "segy", "touchstone", "ros2")
 
 
 def doubt(processing):
@@ -245,7 +245,7 @@ def test_every_doubt_is_said_by_every_reader_export_and_page(tmp_path, capsys, m
     for form, path in exported.items():
         words = [*(of_mcap if form == "ros2" else SAID), "simulated"]
         assert [one for one in words if one not in content_of(path)] == [], form
-    source = [str(exported["original-json"]), "--format", "original-json"]
+    source = [str(exported["touchstone"]), "--format", "touchstone"]
     assert main(["import", *source, str(tmp_path / "imported")]) == 0
     (imported,) = (tmp_path / "imported").iterdir()
     for path in (folder, folder / MCAP_FILE, exported["netcdf"], exported["zarr"], imported):
@@ -256,7 +256,7 @@ def test_every_doubt_is_said_by_every_reader_export_and_page(tmp_path, capsys, m
         is_mcap = reader in (f"info {MCAP_FILE}", "export to ros2", "export to bag")
         codes = of_mcap if is_mcap else SAID
         assert [code for code in codes if SAID[code] not in text] == [], reader
-    assert "(original-json), without a plan: nothing says" in said[f"info {imported.name}"]
+    assert "(touchstone), without a plan: nothing says" in said[f"info {imported.name}"]
     assert [one.fault_code for one in texts.doubts(window)] == [*SAID]
     # What is damaged is left out for the window, and refused elsewhere.
     next((folder / "traces").iterdir()).write_text("{")

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import re
 from pathlib import Path
-from typing import Any, Dict, Optional, Tuple
+from typing import Any, Dict, Tuple
 
 import numpy as np
 import xarray as xr
 
-from gpr20_analysis import faults, lazy
-from gpr20_analysis.errors import MissingLibraryError, UnreadableFileError, library_missing
+from gpr20_analysis import lazy
+from gpr20_analysis.dataset import MM_PER_M
+from gpr20_analysis.errors import MissingLibraryError, library_missing
 from gpr20_analysis.formats.format import ImportFormat, ImportOptions
 from gpr20_analysis.formats.provenance import SIMULATED
 from gpr20_analysis.formats.sums_beside import checked_facts
@@ -18,23 +19,23 @@ from gpr20_analysis.formats.touchstone import HEIGHT_WORDS, MOVED
 from gpr20_analysis.processing.sweep import FrequencyGrid
 from gpr20_analysis.progress import Progress
 from gpr20_common.message import Message
-from gpr20_foreign_formats.header import Header, no_files
+from gpr20_foreign_formats.header import Header, folder_of, other_kind, refusal
 from gpr20_foreign_formats.traces import TAKEN, Traces, as_survey, needs_spacing
 from gpr20_survey.files.regular_file import check_regular
 
+FILES = re.compile(r".*\.s[12]p", re.IGNORECASE | re.DOTALL)
 ENTRY: Dict[str, Tuple[int, int]] = {".s1p": (0, 0), ".s2p": (1, 0)}
 """What of the scattering matrix is the survey's: S11 of one antenna, S21 of two."""
 PLACE = [
     re.compile(rf"(?<![A-Z]){one}([+-]?\d+(?:[.,]\d+)?)(?![.,]?\d)", re.IGNORECASE) for one in "XYZ"
 ]
 HEIGHT = re.compile(rf"{re.escape(HEIGHT_WORDS)} (\d[\d.e+-]*)")
-MM_PER_M = 1000.0
 BYTES_PER_BYTE = 20.0  # of memory, for a text of numbers
 NOISE_COLUMNS = 5
 SAME_HZ, LOWEST_HZ, HIGHEST_HZ = 0.5, 1e5, 1e12
 
 
-def read_touchstone(folder: Path, options: ImportOptions, progress: Progress) -> xr.Dataset:
+def read_touchstone(path: Path, options: ImportOptions, progress: Progress) -> xr.Dataset:
     """Read the files of a folder; places are in their names, such as X50_Y0.5_Z90 (mm, degrees).
 
     Y and Z may be missing. With a spacing the files are a line in the order of their names, in
@@ -49,47 +50,51 @@ def read_touchstone(folder: Path, options: ImportOptions, progress: Progress) ->
         from skrf.io.touchstone import Touchstone
     except ImportError as error:
         raise MissingLibraryError(library_missing("scikit-rf", "touchstone")) from error
+    folder = path if path.is_dir() else path.parent
     paths = [one for one in folder.iterdir() if one.suffix.lower() in ENTRY]
-    if not paths:
-        raise no_files(folder, "*.s1p, *.s2p")
-    if len({one.suffix.lower() for one in paths}) > 1:
-        mixed = Message(
-            "{folder} contains both .s1p (S11) and .s2p (S21); a survey is of one kind: move the "
-            "others to another folder",
-            folder=folder,
+    if len({one.suffix.lower() for one in paths}) != 1:
+        raise refusal(
+            Message(
+                "{folder} must contain files of one kind, .s1p (S11) or .s2p (S21); move the other "
+                "kind to another folder",
+                folder=folder,
+            )
         )
-        raise UnreadableFileError(mixed, fault=faults.INPUT)
     # Parts that are no numbers and those that are alternate.
     paths.sort(key=lambda one: [
         int(part) if part.isdecimal() else part for part in re.split(r"(\d+)", one.name)
     ])  # fmt: skip
+    places = None
     if options.spacing_m is None:
-        paths.sort(key=lambda one: _place(folder, one))
+        placed = sorted((_place(folder, one), one) for one in paths)
+        paths, places = [one for _, one in placed], np.array([place for place, _ in placed])
     facts = checked_facts(folder)
     size = sum(one.stat().st_size for one in paths)
     lazy.require_bytes(BYTES_PER_BYTE * size, Message("reading {file}", file=folder.name))
     read = [_read(Touchstone, one) for one in progress(paths, len(paths))]
     first_hz = read[0][0]
-    for path, (frequency_hz, _, _) in zip(paths, read):
-        if len(frequency_hz) != len(first_hz) or np.abs(frequency_hz - first_hz).max() > SAME_HZ:
-            raise UnreadableFileError(
+    for one, (own_hz, _, _) in zip(paths, read):
+        if own_hz.shape != first_hz.shape or np.abs(own_hz - first_hz).max() > SAME_HZ:
+            raise refusal(
                 Message(
                     "{file} has other frequencies than {first}; put it into another folder",
-                    file=path.name,
+                    file=one.name,
                     first=paths[0].name,
-                ),
-                fault=faults.INPUT,
+                )
             )
-    comments = [comment for _, _, comment in read]
-    heights = [HEIGHT.search(comment) for comment in comments]
-    found = Traces(folder, np.array([one for _, one, _ in read]), frequency_hz=first_hz)
-    found.height_m = np.array([float(one.group(1)) if one else np.nan for one in heights])
-    found.simulated = True if any(SIMULATED in one for one in comments) else None
-    found.was_moved = any(MOVED in one for one in comments)
-    found.facts = facts
-    if options.spacing_m is None:
-        places = np.array([_place(folder, one) for one in paths]).T
-        found.x_m, found.y_m, found.rotation_deg = places
+    comments = "\n".join(comment for _, _, comment in read)
+    heights = [HEIGHT.search(comment) for _, _, comment in read]
+    found = Traces(
+        folder,
+        np.array([one for _, one, _ in read]),
+        frequency_hz=first_hz,
+        height_m=np.array([float(one.group(1)) if one else np.nan for one in heights]),
+        simulated=True if SIMULATED in comments else None,
+        facts=facts,
+        was_moved=MOVED in comments,
+    )
+    if places is not None:
+        found.x_m, found.y_m, found.rotation_deg = places.T
     survey = as_survey(found, options)
     FrequencyGrid.of(survey)  # refuses uneven frequencies
     return survey
@@ -108,22 +113,19 @@ def _read(reader: Any, path: Path) -> Tuple[np.ndarray, np.ndarray, str]:
         # After a lower frequency scikit-rf takes the parameters of two ports as noise.
         if noise is not None and noise.shape[1] > NOISE_COLUMNS:
             frequency_hz = np.append(frequency_hz, noise[:, 0])
-        ends = {"first frequency [Hz]": frequency_hz[0], "last frequency [Hz]": frequency_hz[-1]}
         descends = ~(np.diff(frequency_hz) > 0.0)
-        if spectrum.shape != frequency_hz.shape and not descends.any():
+        if not len(spectrum) or (spectrum.shape != frequency_hz.shape and not descends.any()):
             raise ValueError("not one value for each frequency")
         comments = str(file.get_comments())
     # On damaged files scikit-rf and numpy raise exceptions of many kinds.
     except Exception as error:
-        raise UnreadableFileError(
-            Message("{file} is damaged, or is no Touchstone file", file=path.name, details=error)
-        ) from error
+        raise other_kind(path.name, "Touchstone", error) from error
     if descends.any():
         later = {"frequency [Hz]": frequency_hz[1:][descends][0]}
         higher = Message("higher than the one before; sort the lines by frequency")
         raise Header(path.name, later).refused("frequency [Hz]", higher)
-    for key in ends:
-        Header(path.name, ends).number(key, LOWEST_HZ, HIGHEST_HZ)
+    for one in frequency_hz[[0, -1]]:
+        Header(path.name, {"frequency [Hz]": one}).number("frequency [Hz]", LOWEST_HZ, HIGHEST_HZ)
     return frequency_hz, spectrum, comments
 
 
@@ -138,14 +140,4 @@ def _place(folder: Path, path: Path) -> Tuple[float, float, float]:
     return x_mm / MM_PER_M, y_mm / MM_PER_M, z_deg
 
 
-def _imported(path: Path, options: ImportOptions, progress: Progress) -> xr.Dataset:
-    return read_touchstone(path if path.is_dir() else path.parent, options, progress)
-
-
-def _whole(path: Path) -> Optional[Path]:
-    folder = path if path.is_dir() else path.parent
-    files = path.iterdir() if path.is_dir() else [path]
-    return folder if any(one.suffix.lower() in ENTRY and one.is_file() for one in files) else None
-
-
-IMPORT = ImportFormat(_imported, _whole, TAKEN)
+IMPORT = ImportFormat(read_touchstone, lambda path: folder_of(path, FILES), TAKEN)

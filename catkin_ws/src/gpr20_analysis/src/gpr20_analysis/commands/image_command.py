@@ -18,9 +18,7 @@ from gpr20_analysis.commands.command import Command
 from gpr20_analysis.commands.outputs import Output, save_figure
 from gpr20_analysis.dataset import DEPTH, HEIGHT, MM_PER_M, POLARIZATION, PROCESSING, is_line
 from gpr20_analysis.errors import ExportError, WrongDatasetError, wrong_ending
-from gpr20_analysis.formats import segy
 from gpr20_analysis.formats.dataset_files import NETCDF, ZARR, write_dataset
-from gpr20_analysis.formats.format import IMAGE_FORMATS, ImageFormat
 from gpr20_analysis.imaging.image import image_survey
 from gpr20_analysis.imaging.image_options import ImageOptions
 from gpr20_analysis.imaging.image_output import SUFFIX as VTK
@@ -65,9 +63,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_image_options(parser)
     add = parser.add_argument
     add("--output", "-o", type=Path, action="append", default=[],
-        help="image as .nc, .zarr or .vtr (VTK), or in a format of an installed package "
-        f"({', '.join(IMAGE_FORMATS.names())}), which has one file per polarization; may be given "
-        "more than once")  # fmt: skip
+        help="image as .nc, .zarr or .vtr (VTK); may be given more than once")  # fmt: skip
     add(
         "--figures",
         type=Path,
@@ -183,7 +179,6 @@ def image_of(
         survey = survey.assign({HEIGHT: xr.full_like(survey[HEIGHT], options.height_m)})
     steps = steps_of(chosen, _default_steps(survey, options))
     processed, status = inputs.process(survey, steps, catalogue)
-    outputs.check(_of_packages(processed, chosen), [chosen.survey], chosen.overwrite)
     progress = inputs.progress_bar("imaging")
     return image_survey(processed, options, progress), status
 
@@ -253,31 +248,12 @@ def options_of(chosen: argparse.Namespace) -> ImageOptions:
 
 def _outputs(chosen: argparse.Namespace) -> List[Output]:
     found = [Output(chosen.figures, FIGURES)] if chosen.figures else []
-    of_packages = [f".{name}" for name in IMAGE_FORMATS.names()]
     for path in chosen.output:
-        if path.suffix not in (*OWN_ENDINGS, *of_packages):
-            raise ExportError(wrong_ending(path, (*OWN_ENDINGS, *of_packages)))
         if path.suffix not in OWN_ENDINGS:
-            _image_format(path)
+            raise ExportError(wrong_ending(path, OWN_ENDINGS))
         is_dataset = path.suffix in (NETCDF, ZARR)
         found.append(outputs.dataset_output(path) if is_dataset else Output(path))
     return found
-
-
-def _image_format(path: Path) -> ImageFormat:
-    found: ImageFormat = IMAGE_FORMATS.find(path.suffix[1:])
-    return found
-
-
-def _of_packages(data: xr.Dataset, chosen: argparse.Namespace) -> List[Output]:
-    """Return the files in formats of packages: one for each polarization."""
-    paths = [path for path in chosen.output if path.suffix not in OWN_ENDINGS]
-    return [Output(one) for path in paths for one in _files_of(data, path)]
-
-
-def _files_of(data: xr.Dataset, path: Path) -> List[Path]:
-    turns = data[POLARIZATION].values
-    return [path] if len(turns) == 1 else [segy.file_of(path, turn) for turn in turns]
 
 
 def _write(
@@ -286,14 +262,9 @@ def _write(
     for path in chosen.output:
         if path.suffix in (NETCDF, ZARR):
             write_dataset(image, path)
-        elif path.suffix == VTK:
+        else:
             with atomic_output(path) as place:
                 write_volume(image, place)
-        else:
-            for turn, own in enumerate(_files_of(image, path)):
-                with atomic_output(own) as place:
-                    part = image.isel({POLARIZATION: [turn]})
-                    _image_format(path).write(part, place, own.stem)
     if chosen.figures:
         with atomic_output(chosen.figures) as folder:
             _draw(image, found, folder, catalogue)

@@ -36,7 +36,7 @@ def add_survey(parser: argparse.ArgumentParser) -> None:
         "survey",
         type=Path,
         help="folder of a survey, folder of its JSON files, .bag, .bag.active, .mcap, a .nc or "
-        ".zarr, or a migrated image .h5",
+        ".zarr",
     )
     parser.add_argument(
         "--accept-damaged",

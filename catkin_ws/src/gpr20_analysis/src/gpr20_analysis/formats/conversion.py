@@ -15,7 +15,6 @@ from gpr20_analysis.formats import plain_csv, ros1_bag, ros2_bag, segy, touchsto
 from gpr20_analysis.formats.dataset_files import NETCDF, ZARR, write_dataset
 from gpr20_analysis.formats.format import (
     IMPORTS,
-    WING,
     Band,
     ExportFormat,
     ImportFormat,
@@ -68,7 +67,6 @@ EXPORTS = ExtensionPoint(
         "bag": ros1_bag.ROS1,
         "ros2": ros2_bag.ROS2,
     },
-    wings=dict.fromkeys(("group-csv", "merged-hdf5", "original-json"), WING),
     kind=ExportFormat,
 )
 """By this, other packages add formats that surveys can be written in."""

@@ -11,6 +11,7 @@ import threading
 from pathlib import Path
 from typing import Any, Dict, Optional, Union
 
+import h5py
 import numpy as np
 import xarray as xr
 from xarray.backends import H5NetCDFStore
@@ -36,6 +37,7 @@ from gpr20_analysis.formats.checksums import add_checksum, has_checksum
 from gpr20_analysis.formats.zarr_codecs import refuse_unsafe_codecs
 from gpr20_analysis.sentences import LIST_ATTRIBUTES, with_notes
 from gpr20_common.message import Message
+from gpr20_common.terminal_text import storable
 from gpr20_survey.files.file_sums import regular_files
 from gpr20_survey.files.regular_file import check_regular
 
@@ -111,6 +113,11 @@ def read_dataset(path: Path, lazy_bytes: Optional[int] = None) -> xr.Dataset:
     if path.is_dir():
         for name in regular_files(path):
             check_regular(path / name)
+    if path.suffix == NETCDF and not h5py.is_hdf5(str(path)):
+        raise AnalysisError(
+            Message("{path} is not a NetCDF file of version 4 (HDF5)", path=path),
+            fault=faults.INPUT,
+        )
     checked = has_checksum(path)
     try:
         with np.errstate(invalid="ignore"):
@@ -196,6 +203,8 @@ def _as_real(data: xr.Dataset) -> xr.Dataset:
 def _plain(key: str, value: Any) -> Any:
     if key in LIST_ATTRIBUTES or isinstance(value, (dict, list, tuple)):
         return json.dumps(value)
+    if isinstance(value, str):
+        return storable(value)
     return int(value) if isinstance(value, (bool, np.bool_)) else value
 
 

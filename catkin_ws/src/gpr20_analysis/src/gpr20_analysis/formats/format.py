@@ -154,21 +154,6 @@ class ImportFormat:
             )
 
 
-@dataclass(frozen=True)
-class ImageFormat:
-    """A format of images of one polarization; its name is the ending, without the dot.
-
-    Attributes:
-        is_image: Returns whether a file with the ending is such an image, without reading it.
-        read: Returns the image in a file.
-        write: Writes an image to a new path, with a title.
-    """
-
-    is_image: Callable[[Path], bool]
-    read: Callable[[Path], xr.Dataset]
-    write: Callable[[xr.Dataset, Path, str], None]
-
-
 IMPORTS = ExtensionPoint(
     "gpr20_analysis.imports",
     Message("the format"),
@@ -183,11 +168,3 @@ IMPORTS = ExtensionPoint(
     kind=ImportFormat,
 )
 """By this, other packages add formats that can be imported."""
-IMAGE_FORMATS = ExtensionPoint(
-    "gpr20_analysis.image_formats",
-    Message("the image format"),
-    fault=faults.STEPS,
-    wings={"h5": WING},
-    kind=ImageFormat,
-)
-"""By this, other packages add formats of images."""

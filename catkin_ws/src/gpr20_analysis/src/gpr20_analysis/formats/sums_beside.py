@@ -20,6 +20,7 @@ from gpr20_analysis import faults
 from gpr20_analysis.errors import UnreadableFileError
 from gpr20_analysis.formats.provenance import Facts
 from gpr20_common.message import Message
+from gpr20_common.terminal_text import storable
 from gpr20_survey.files.file_sums import regular_files, sum_of_file
 
 ENDING = ".sha256"
@@ -122,7 +123,8 @@ def _inside(name: str) -> str:
 
 def _sums(export: Path) -> Dict[str, str]:
     if not export.is_dir():
-        return {export.name: sum_of_file(export).sha256}
+        return {storable(export.name): sum_of_file(export).sha256}
     return {
-        f"{export.name}/{name}": sum_of_file(export / name).sha256 for name in regular_files(export)
+        storable(f"{export.name}/{name}"): sum_of_file(export / name).sha256
+        for name in regular_files(export)
     }

@@ -77,7 +77,6 @@ METHODS = ExtensionPoint(
     Message("the method"),
     fault=faults.STEPS,
     own={one.name: one for one in (Method.PHASE_SHIFT, Method.BACK_PROJECTION)},
-    wings=dict.fromkeys(("kirchhoff", "kirchhoff-2d"), "gpr20_foreign_formats"),
     kind=Method,
 )
 """By this, other packages add imaging methods."""

@@ -19,7 +19,8 @@ from gpr20_common.message import Message
 
 REMOVED = "antenna_delay_removed_s"
 """Attribute: the delay that the step `delay` removed from the spectra [s]."""
-LONGEST_DELAY_S = 100e-9
+LONGEST_DELAY_S = 1e-5
+"""The record of an impulse radar may begin microseconds before its pulse [s]."""
 
 
 def recorded_delay_s(survey: xr.Dataset) -> float:

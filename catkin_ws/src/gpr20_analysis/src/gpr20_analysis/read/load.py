@@ -13,7 +13,6 @@ import xarray as xr
 from gpr20_analysis import dataset
 from gpr20_analysis.formats.dataset_check import checked
 from gpr20_analysis.formats.dataset_files import CHUNK_BYTES, is_dataset, read_dataset
-from gpr20_analysis.formats.format import IMAGE_FORMATS, ImageFormat
 from gpr20_analysis.formats.recognition import refuse_device, refuse_importable
 from gpr20_analysis.progress import Progress, no_progress
 from gpr20_analysis.read.assembly import assemble
@@ -37,7 +36,7 @@ def load_survey(
 
     Args:
         path: Folder of a survey, folder of its trace files, bag, MCAP, or a Dataset written by
-            `gpr20` as .nc or .zarr, or an image in a format of an installed package.
+            `gpr20` as .nc or .zarr.
         accept_damaged: Leave damaged samples out, marked in `quality` and named in attribute
             `faults`, instead of refusing the survey. Samples that are merely missing are never
             refused: they are NaN, marked, and named in attribute `missing`.
@@ -61,10 +60,6 @@ def load_survey(
     # What is ours is not shown to the formats of other packages.
     if not (is_recording(found) or (found / LOG_FILE).exists()):
         refuse_importable(found)
-        if found.is_file() and found.suffix[1:] in IMAGE_FORMATS.names():
-            form: ImageFormat = IMAGE_FORMATS.find(found.suffix[1:])
-            if form.is_image(found):
-                return checked(form.read(found), found.name)
     made: List[_TemporaryArray] = []
 
     def allocate(shape: Tuple[int, int]) -> np.ndarray:

@@ -112,6 +112,17 @@ def recording_of(survey: Path) -> Path:
     )
 
 
+def without_traces(path: Path) -> UnreadableFileError:
+    """Return the error of a recording that somebody else has made."""
+    topics = sorted({one.topic for one in _messages(path, Lost())})
+    message = Message(
+        "{file} contains no readable trace of a survey; its topics are: {topics}",
+        file=path.name,
+        topics=", ".join(topics) or "-",
+    )
+    return UnreadableFileError(message, fault=faults.INPUT)
+
+
 def open_recording(path: Path) -> OpenRecording:
     """Open a bag or an MCAP file; the path may be a link.
 
@@ -281,7 +292,7 @@ def _check_magic(path: Path, stream: BinaryIO, magic: bytes, kind: str) -> None:
             Message(
                 "{file} is not a {kind} file: it begins differently", file=path.name, kind=kind
             ),
-            fault=faults.FILE_DAMAGED,
+            fault=faults.INPUT,
         )
 
 

@@ -11,8 +11,9 @@ from typing import Any, Dict, Iterable, Iterator, Mapping, NamedTuple, Optional,
 
 from gpr20_analysis.errors import DamagedSurveyError
 from gpr20_analysis.read.recordings import MCAP, is_metadata_topic, mcap_length_s, mcap_messages
-from gpr20_analysis.read.sources import SurveySource, open_source
+from gpr20_analysis.read.sources import RecordingSource, SurveySource, open_source
 from gpr20_common.message import in_a_row
+from gpr20_common.terminal_text import storable
 from gpr20_survey.folder import survey_folder, survey_metadata
 from gpr20_survey.recording.mcap_writer import RecordedMessage
 from gpr20_survey.recording.survey_topics import (
@@ -53,7 +54,7 @@ class RecordedSurvey(NamedTuple):
     def of(cls, description: Mapping[str, Any], folder: Path) -> RecordedSurvey:
         """Return the survey of a folder, by what its log says."""
         survey_id, started = (str(description.get(key, "")) for key in ("survey_id", "started"))
-        return cls(survey_id, started, folder.name)
+        return cls(survey_id, started, storable(folder.name))
 
 
 @dataclass(frozen=True)
@@ -96,6 +97,7 @@ def describe(survey: Path) -> ReplayedSurvey:
     path, own_name = _mcap(survey), not survey.is_dir()
     if path is None:
         return ReplayedSurvey(_survey_of_files(open_source(survey), folder))
+    next(RecordingSource(path).traces(), None)  # refuses a recording of somebody else
     first = itertools.islice(mcap_messages(path, own_name), FIRST_MESSAGES)
     own = next((one for one in first if is_metadata_topic(one.topic)), None)
     description, namespace = {}, "/"
@@ -184,4 +186,4 @@ def _survey_of_files(source: SurveySource, folder: Path) -> RecordedSurvey:
     if source.description is not None:
         return RecordedSurvey.of(source.description, folder)
     first = next(source.traces(), None)
-    return RecordedSurvey("" if first is None else first.survey_id, folder=folder.name)
+    return RecordedSurvey("" if first is None else first.survey_id, folder=storable(folder.name))

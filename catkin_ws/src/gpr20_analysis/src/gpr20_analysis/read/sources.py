@@ -13,6 +13,7 @@ from gpr20_analysis.errors import AnalysisError, UnreadableFileError, not_there
 from gpr20_analysis.read import recordings
 from gpr20_common.errors import os_reason
 from gpr20_common.message import Message
+from gpr20_common.terminal_text import storable
 from gpr20_survey.errors import SurveyRefusedError, TraceRefusedError
 from gpr20_survey.faults import OTHER_VERSION
 from gpr20_survey.files.regular_file import check_regular
@@ -58,7 +59,7 @@ class JsonSource:
         read: Callable[[Path], Trace],
     ) -> None:
         """Make the source; `traces` reads the files, each with `read`."""
-        self.name = name
+        self.name = storable(name)
         self.description = description
         self.count = len(files)
         self.faults: List[Damage] = []
@@ -90,14 +91,20 @@ class RecordingSource:
             OSError: It cannot be read.
         """
         self._recording = recordings.open_recording(path)
-        self.name = path.name
+        self._path = path
+        self.name = storable(path.name)
         self.count = 0
         self.faults: List[Damage] = []
         self.notes: List[Message] = list(self._recording.notes)
         self.description = self._description(self._recording.metadata)
 
     def traces(self) -> Iterator[Trace]:
-        """Yield every intact trace; damaged ones are left out and named in `faults`."""
+        """Yield every intact trace; damaged ones are left out and named in `faults`.
+
+        Raises:
+            UnreadableFileError: It is whole, but no recording of a survey.
+        """
+        number = -1
         try:
             for number, recorded in enumerate(self._recording.traces):
                 try:
@@ -115,6 +122,8 @@ class RecordingSource:
                 "{file} cannot be read to its end: {reason}", file=self.name, reason=error.message
             )
             self.faults.append(Damage(message))
+        if number < 0 and not self.faults:
+            raise recordings.without_traces(self._path)
 
     def _description(self, metadata: Optional[str]) -> Optional[Dict[str, Any]]:
         if metadata is None:

@@ -11,6 +11,8 @@ import xarray as xr
 from gpr20_analysis import dataset
 from gpr20_analysis.dataset import mapping_of, objects_of
 from gpr20_analysis.read.survey_attributes import (
+    ANTENNA_DELAY,
+    ANTENNA_SEPARATION,
     AVERAGES,
     HEADING,
     IF_BANDWIDTH,
@@ -29,7 +31,7 @@ from gpr20_survey.plan.recorded_plan import REFINES
 from gpr20_survey.trace.calibration import CalibrationStatus
 from gpr20_survey.trace.utc_time import moment_text
 
-MM, GHZ, MHZ = 1e-3, 1e9, 1e6
+MM, NS, GHZ, MHZ = 1e-3, 1e-9, 1e9, 1e6
 SIMULATED = Message("SIMULATED: the data show no real ground")
 RECORDED = {
     NAME: Message("survey name"),
@@ -112,8 +114,19 @@ def summary_of(survey: xr.Dataset) -> List[Row]:
     rows += _analyzer_settings(survey.attrs)
     if dataset.HEIGHT in survey:
         rows.append((Message("height"), _height(survey[dataset.HEIGHT].values)))
+    if dataset.S21 in survey or dataset.A_SCAN in survey:
+        rows.append((Message("time zero"), _known(survey.attrs, ANTENNA_DELAY, NS, "ns")))
+        apart = _known(survey.attrs, ANTENNA_SEPARATION, MM, "mm")
+        rows.append((Message("antenna distance"), apart))
     rows.append((Message("size"), Message("{size_mb:.1f} MB", size_mb=survey.nbytes / 1e6)))
     return rows
+
+
+def _known(attributes: Mapping[str, Any], name: str, scale: float, unit: str) -> Message:
+    """Return what is recorded of the antennas, or what is assumed."""
+    if name not in attributes:
+        return Message("not recorded; 0 is used")
+    return Message("{value:.5g} {unit}", value=float(attributes[name]) / scale, unit=unit)
 
 
 def _recorded(name: str, value: object, described: Mapping[str, Any]) -> Message:

@@ -35,7 +35,10 @@ def test_every_command_explains_itself_and_is_listed_and_a_wrong_call_is_status_
 
 
 def test_an_error_says_which_command_and_what_and_a_remedy_once(finished, tmp_path, capsys):
-    (tmp_path / "broken.bag").write_text("nothing")
+    (tmp_path / "other.bag").write_text("nothing")
+    assert main(["info", str(tmp_path / "other.bag")]) == 3
+    assert len(capsys.readouterr().err.splitlines()) == 1
+    (tmp_path / "broken.bag").write_text("#ROSBAG V2.0\n")
     assert main(["info", str(tmp_path / "broken.bag")]) == 3
     error = capsys.readouterr().err
     assert error.startswith("gpr20 info: broken.bag ")

@@ -18,7 +18,7 @@ from tutorial_code import code_blocks
 from gpr20_analysis import entry_points, faults
 from gpr20_analysis.commands import command
 from gpr20_analysis.commands.main import main
-from gpr20_analysis.formats.conversion import EXPORTS, export_format
+from gpr20_analysis.formats.conversion import import_survey
 from gpr20_analysis.formats.dataset_files import read_dataset
 from gpr20_analysis.formats.format import IMPORTS
 from gpr20_analysis.imaging.methods import imaging_method
@@ -107,10 +107,9 @@ def test_no_package_replaces_what_gpr20_or_another_package_has(site, refusals, c
     error = capsys.readouterr().err
     assert "my-commands 1.0, my_commands:" in error and "other 1.0, other:CORNERS" in error
     assert main(["verify", "--help"]) == main(["--help"]) == command.DONE
-    install(site, "[gpr20_analysis.exports]\ncsv = more:X\nnumpy = more:X\n", "more")
-    assert EXPORTS.find("csv") is EXPORTS.own["csv"] and EXPORTS.names().count("csv") == 1
-    with raises_fault(faults.STEPS, "my-formats 1.0, my_formats:EXPORT", "more 1.0, more:X"):
-        export_format("numpy")
+    install(site, "[gpr20_analysis.imports]\nscan = more:X\n", "more")
+    with raises_fault(faults.STEPS, "my-formats 1.0, my_formats:IMPORT", "more 1.0, more:X"):
+        IMPORTS.find("scan")
 
 
 @pytest.mark.parametrize(
@@ -137,33 +136,31 @@ def test_a_command_that_cannot_be_used_is_refused_with_the_reason(
     [
         *([name, "x"] for name in command.COMMANDS.wings),
         ("import", "there", "x.nc", "--format", "gprmax"),
-        ("image", "survey.mcap", "--method", "kirchhoff"),
-        ("info", "image.h5"),
     ],
 )
 def test_a_command_names_the_absent_package(without_others, sample, refusals, capsys, arguments):
-    for name in ("there", "image.h5"):
-        Path(name).write_text("")
+    Path("there").write_text("")
     assert main(list(arguments)) == 3 and refusals == [faults.STEPS.code]
     package = command.COMMANDS.wings.get(arguments[0], "gpr20_foreign_formats")
     assert f"catkin_ws/src/{package}" in capsys.readouterr().err
 
 
-def test_a_format_of_a_page_writes_and_reads_a_survey(site, sample):
-    for call in calls_in(TEXTS["my_formats"], "(?:export|import).+"):
+def test_a_format_of_a_page_is_imported_and_recognized(site, sample):
+    Path("line.scan").write_text(code_blocks(DOCS / "format.md", "text")["line.scan"])
+    for call in calls_in(TEXTS["my_formats"], "(?:import|info).+"):
         assert main(call) == 0
-    found = load_survey("survey.nc")
-    np.testing.assert_array_equal(found.s21, sample.s21)
-    assert found.attrs["simulated"] == sample.attrs["simulated"] == 1
-    assert main(["export", "survey.mcap", "it.npz", "--format", "numpy"]) == 0
-    with raises_fault(faults.INPUT, "gpr20 import it.npz survey.nc --format numpy"):
-        load_survey("it.npz")
-    (site / "my_formats.py").write_text("EXPORT = 'netcdf'\n")
+    found = load_survey("line.nc")
+    np.testing.assert_array_equal(found.s21.values[0, 0], [[1, 1j, -1], [1, -1j, -1]])
+    assert found.x.values.tolist() == [0.0, 0.02] and (found.height == 0.1).all()
+    with raises_fault(faults.INPUT, "gpr20 import line.scan survey.nc --format scan"):
+        load_survey("line.scan")
+    Path("line.scan").write_text("no numbers")
+    with raises_fault(faults.INPUT, "not a file of the kind scan"):
+        import_survey("line.scan", "scan")
+    (site / "my_formats.py").write_text("IMPORT = 'scan'\n")
     sys.modules.pop("my_formats")
-    with raises_fault(faults.STEPS, "my-formats 1.0, my_formats:EXPORT", "str"):
-        export_format("numpy")
-    with raises_fault(faults.STEPS, "my-formats 1.0, my_formats:IMPORT", "AttributeError"):
-        IMPORTS.find("numpy")
+    with raises_fault(faults.STEPS, "my-formats 1.0, my_formats:IMPORT", "str"):
+        IMPORTS.find("scan")
     assert load_survey("survey.mcap").attrs["simulated"] == 1
 
 
